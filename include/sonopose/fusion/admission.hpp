@@ -1,0 +1,59 @@
+#pragma once
+/// \file
+/// What may enter the engine: finite, possible, in order, and (item 12) of sufficient quality.
+
+#include <sonopose/core/samples.hpp>
+#include <sonopose/core/setting.hpp>
+
+#include <cstdint>
+
+namespace sonopose::fusion {
+
+struct AdmissionSettings {
+  double min_quality_percent{};
+  double max_position_m{};
+  double max_specific_force_mps2{};
+  double max_angular_rate_radps{};
+  double max_fix_age_s{};
+
+  static constexpr std::string_view group = "admission";
+  static constexpr auto declarations() {
+    using G = AdmissionSettings;
+    using setting::own_setting;
+    using setting::real;
+    return std::tuple{
+        real(12, "min_quality_percent", &G::min_quality_percent, 50.0, {0.0, 100.0}, "%",
+             "Fixes of a lower reported quality are not used; fixes without a quality are."),
+        real(own_setting, "max_position_m", &G::max_position_m, 1e4, {1.0, 1e6}, "m",
+             "A fix with a coordinate beyond this is no measurement."),
+        real(own_setting, "max_specific_force_mps2", &G::max_specific_force_mps2, 400.0, {20.0, 1e4}, "m/s^2",
+             "An IMU sample with a specific force beyond this is no measurement."),
+        real(own_setting, "max_angular_rate_radps", &G::max_angular_rate_radps, 80.0, {5.0, 1e3}, "rad/s",
+             "An IMU sample with an angular rate beyond this is no measurement."),
+        real(own_setting, "max_fix_age_s", &G::max_fix_age_s, 0.9, {0.1, 1.0}, "s",
+             "A fix or heading measured longer ago than this, or in the future, is not used.")};
+  }
+  constexpr AdmissionSettings() { setting::set_defaults(*this); }
+};
+
+struct AdmissionState {
+  TimeNs last_fix_emission_ns = 0;  ///< of the latest admitted fix; 0 before the first
+
+  bool operator==(const AdmissionState&) const = default;
+};
+
+namespace admission {
+
+/// Whether an IMU sample can be a measurement that follows the state at `now_ns` (0: none yet). Equal stamps
+/// may: a clock of whole milliseconds gives them to samples that were measured apart.
+[[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& imu);
+
+/// Whether a heading can be a measurement of this time.
+[[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading);
+
+/// The bits of FixVerdict that keep a fix out (0: it is admitted, and remembered).
+[[nodiscard]] std::uint32_t reasons_against(const AdmissionSettings& settings, AdmissionState& state,
+                                            TimeNs now_ns, const UltrasonicFix& fix);
+
+}  // namespace admission
+}  // namespace sonopose::fusion

@@ -1,0 +1,57 @@
+#pragma once
+/// \file
+/// The documented fusion: one engine for one beacon. Events go in, in the order of their arrival; a pose
+/// comes out at every IMU sample and a report at every fix. It knows no clock, allocates nothing and never
+/// throws once made.
+
+#include <sonopose/core/pose.hpp>
+#include <sonopose/core/samples.hpp>
+#include <sonopose/fusion/settings.hpp>
+#include <sonopose/fusion/state.hpp>
+
+#include <cstdint>
+#include <optional>
+
+namespace sonopose::fusion {
+
+class Engine {
+public:
+  /// `settings` as the user gave them: the preset (item 1) is resolved here, once.
+  explicit Engine(const Settings& settings);
+
+  /// One IMU sample: the pose at it; empty where the sample is no measurement or lies before the last one,
+  /// which is counted.
+  std::optional<FusedPose> on(const ImuSample& imu) noexcept;
+
+  /// One fix: what was done with it.
+  FixReport on(const UltrasonicFix& fix) noexcept;
+
+  /// One heading of the paired beacons.
+  void on(const PairHeading& heading) noexcept;
+
+  /// Begins anew, as at the start; counters go on and the pose's reset_counter rises.
+  void reset() noexcept;
+
+  [[nodiscard]] const Settings& settings() const { return settings_; }
+  [[nodiscard]] const State& state() const { return state_; }
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+  [[nodiscard]] std::uint32_t reset_counter() const { return reset_counter_; }
+
+private:
+  void start(const ImuSample& imu);
+  void calibrate(const ImuSample& imu);
+  void predict(const ImuSample& imu, double dt_s);
+  void rest_over_gap(double dt_s);
+  void remember_path();
+  void take_hold(const TimedFix& fix, FixReport& report);
+  void follow(const TimedFix& fix, FixReport& report);
+  [[nodiscard]] FusedPose pose_at(const ImuSample& imu) const;
+  [[nodiscard]] std::uint32_t status() const;
+
+  Settings settings_;
+  State state_;
+  Counters counters_;
+  std::uint32_t reset_counter_ = 0;
+};
+
+}  // namespace sonopose::fusion

@@ -1,0 +1,41 @@
+#pragma once
+/// \file
+/// Items 23 and 24: emergency damping of a velocity that leads away from the last valid fix.
+
+#include <sonopose/core/samples.hpp>
+#include <sonopose/core/setting.hpp>
+#include <sonopose/fusion/kinematics.hpp>
+
+namespace sonopose::fusion {
+
+struct RunawaySettings {
+  double position_error_m{};
+  double velocity_damp_max_hz{};
+
+  static constexpr std::string_view group = "runaway";
+  static constexpr auto declarations() {
+    using G = RunawaySettings;
+    using setting::real;
+    return std::tuple{
+        real(23, "position_error_m", &G::position_error_m, 1.5, {0.01, 1000.0}, "m",
+             "Distance from the last valid fix beyond which a velocity that leads away from it is damped."),
+        real(24, "velocity_damp_max_hz", &G::velocity_damp_max_hz, 10.0, {0.0, 100.0}, "1/s",
+             "Rate of that damping at twice the distance and beyond; it rises linearly from zero.")};
+  }
+  constexpr RunawaySettings() { setting::set_defaults(*this); }
+};
+
+struct RunawayState {
+  bool has_fix = false;
+  Vector3d fix_position_world_m = Vector3d::Zero();  ///< last valid fix
+
+  bool operator==(const RunawayState&) const = default;
+};
+
+namespace runaway {
+
+/// Damps the velocity over one IMU step where the body is far from the last valid fix and moving away.
+void damp(const RunawaySettings& settings, const RunawayState& state, Kinematics& body, double dt_s);
+
+}  // namespace runaway
+}  // namespace sonopose::fusion

@@ -1,0 +1,92 @@
+#pragma once
+/// \file
+/// Items 3, 7, 8 and 26–28: how the velocity follows the fixes.
+
+#include <sonopose/core/samples.hpp>
+#include <sonopose/core/setting.hpp>
+#include <sonopose/fusion/delay.hpp>
+#include <sonopose/fusion/kinematics.hpp>
+#include <sonopose/fusion/trust.hpp>
+
+#include <cstdint>
+#include <optional>
+
+namespace sonopose::fusion {
+
+struct VelocitySettings {
+  double blend_weight{};
+  bool overshoot_fix{};
+  bool undershoot_fix{};
+  double snap_min_speed_mps{};
+  bool accel_gate{};
+  double accel_gate_threshold_mps2{};
+  double interval_min_s{};
+  double interval_max_s{};
+
+  static constexpr std::string_view group = "velocity";
+  static constexpr auto declarations() {
+    using G = VelocitySettings;
+    using setting::flag;
+    using setting::own_setting;
+    using setting::real;
+    return std::tuple{
+        real(3, "blend_weight", &G::blend_weight, 0.12, {0.0, 1.0}, "",
+             "Largest share of the difference to the velocity between two fixes that one fix corrects; "
+             "scaled by "
+             "the fix's weight."),
+        flag(7, "overshoot_fix", &G::overshoot_fix, true,
+             "Take the ultrasonic velocity at once where the IMU's is more than twice as high in the same "
+             "direction."),
+        flag(8, "undershoot_fix", &G::undershoot_fix, true,
+             "Take the ultrasonic velocity at once where it is more than twice the IMU's."),
+        real(28, "snap_min_speed_mps", &G::snap_min_speed_mps, 0.8, {0.0, 100.0}, "m/s",
+             "Ultrasonic speed below which the overshoot and undershoot fixes never act."),
+        flag(26, "accel_gate", &G::accel_gate, false,
+             "Reduce the velocity correction in proportion to the current acceleration."),
+        real(27, "accel_gate_threshold_mps2", &G::accel_gate_threshold_mps2, 3.0, {0.01, 1000.0}, "m/s^2",
+             "Acceleration at which the acceleration gate halves the correction; at twice this it is zero."),
+        real(own_setting, "interval_min_s", &G::interval_min_s, 0.05, {0.001, 1.0}, "s",
+             "Two fixes closer together than this give no velocity."),
+        real(own_setting, "interval_max_s", &G::interval_max_s, 0.3, {0.01, 10.0}, "s",
+             "Two fixes farther apart than this give no velocity.")};
+  }
+  constexpr VelocitySettings() { setting::set_defaults(*this); }
+};
+
+struct VelocityState {
+  bool has_fix = false;  ///< the latest good fix, from which the next velocity is measured
+  TimeNs measured_ns = 0;
+  Vector3d position_world_m = Vector3d::Zero();
+
+  bool operator==(const VelocityState&) const = default;
+};
+
+/// The velocity between two fixes, and the IMU's mean over the same interval.
+struct FixVelocity {
+  Vector3d ultrasonic_world_mps = Vector3d::Zero();
+  Vector3d inertial_world_mps = Vector3d::Zero();
+  Vector3d displacement_world_m = Vector3d::Zero();  ///< between the two fixes
+};
+
+/// What a fix did to the velocity.
+struct VelocityChange {
+  Vector3d change_world_mps = Vector3d::Zero();
+  std::uint32_t verdict = 0;  ///< verdict_snapped_over, verdict_snapped_under
+};
+
+namespace velocity {
+
+/// Measures the velocity from the last good fix to this one and remembers this one where it is good. Empty
+/// where there is none at the right distance in time.
+[[nodiscard]] std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocityState& state,
+                                                 const Kinematics& body, const TimedFix& fix, bool good);
+
+/// Corrects the velocity: v += blend · reliability · (v_us − mean v_imu), or at once where a snap applies.
+VelocityChange correct(const VelocitySettings& settings, Kinematics& body, const FixVelocity& measured,
+                       const Verdict& verdict);
+
+/// Takes the measured velocity outright: the second fix after stale mode.
+Vector3d adopt(Kinematics& body, const FixVelocity& measured);
+
+}  // namespace velocity
+}  // namespace sonopose::fusion

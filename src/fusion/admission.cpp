@@ -1,0 +1,48 @@
+#include <sonopose/core/pose.hpp>
+#include <sonopose/fusion/admission.hpp>
+
+#include <cmath>
+
+namespace sonopose::fusion::admission {
+namespace {
+
+bool within(const Vector3d& value, double limit) {
+  return value.allFinite() && value.cwiseAbs().maxCoeff() <= limit;
+}
+
+/// A measurement of the last moments: not older than the limit, and not from the future by more than a hair
+/// (an IMU sample may still be under way when the fix is here).
+bool is_recent(const AdmissionSettings& settings, TimeNs now_ns, TimeNs measured_ns) {
+  if (now_ns == 0) return true;
+  constexpr double future_tolerance_s = 0.1;
+  const double age_s = seconds_between(measured_ns, now_ns);
+  return age_s <= settings.max_fix_age_s && age_s >= -future_tolerance_s;
+}
+
+}  // namespace
+
+bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& imu) {
+  return imu.sensor_time_ns > 0 && imu.sensor_time_ns >= now_ns &&
+         within(imu.angular_velocity_body_radps, settings.max_angular_rate_radps) &&
+         within(imu.specific_force_body_mps2, settings.max_specific_force_mps2);
+}
+
+bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading) {
+  return std::isfinite(heading.heading_world_rad) && heading.emission_time_ns > 0 &&
+         is_recent(settings, now_ns, heading.emission_time_ns);
+}
+
+std::uint32_t reasons_against(const AdmissionSettings& settings, AdmissionState& state, TimeNs now_ns,
+                              const UltrasonicFix& fix) {
+  const bool possible = within(fix.position_world_m, settings.max_position_m) && fix.emission_time_ns > 0 &&
+                        fix.emission_time_ns > state.last_fix_emission_ns &&
+                        is_recent(settings, now_ns, fix.emission_time_ns);
+  if (!possible) return verdict_invalid;
+  if (fix.quality_percent && !(*fix.quality_percent >= settings.min_quality_percent)) {
+    return verdict_low_quality;
+  }
+  state.last_fix_emission_ns = fix.emission_time_ns;
+  return 0;
+}
+
+}  // namespace sonopose::fusion::admission

@@ -1,0 +1,20 @@
+#include <sonopose/fusion/delay.hpp>
+
+namespace sonopose::fusion::delay {
+
+TimeNs measured_at(const DelaySettings& settings, const UltrasonicFix& fix) {
+  const bool own = settings.source == DelaySource::measured && fix.measured_delay_s.has_value();
+  return own ? fix.emission_time_ns : fix.received_time_ns - to_ns(settings.processing_s);
+}
+
+TimedFix shift(const DelaySettings& settings, const Kinematics& body, const UltrasonicFix& fix) {
+  TimedFix timed{measured_at(settings, fix), fix.position_world_m, fix.position_world_m};
+  if (!settings.extrapolate || !body.started()) return timed;
+  // Without a path that reaches back so far, today's velocity is the best guess.
+  timed.shifted_position_world_m +=
+      body.moved(timed.measured_ns, body.time_ns)
+          .value_or(body.velocity_world_mps * seconds_between(timed.measured_ns, body.time_ns));
+  return timed;
+}
+
+}  // namespace sonopose::fusion::delay

@@ -1,0 +1,241 @@
+#include <sonopose/fusion/engine.hpp>
+#include <sonopose/math/rotation.hpp>
+
+#include <limits>
+
+namespace sonopose::fusion {
+namespace {
+
+/// World gravity as it adds to the specific force (the strapdown document's g).
+const Vector3d gravity_world_mps2{0.0, 0.0, -9.81};
+
+}  // namespace
+
+Engine::Engine(const Settings& settings) : settings_(resolved(settings)) {}
+
+std::optional<FusedPose> Engine::on(const ImuSample& imu) noexcept {
+  if (!admission::admits(settings_.admission, state_.body.time_ns, imu)) {
+    ++counters_.samples_invalid;
+    return std::nullopt;
+  }
+  ++counters_.imu_samples;
+  if (!state_.body.started()) start(imu);
+  calibrate(imu);
+
+  const double dt_s = seconds_between(state_.body.time_ns, imu.sensor_time_ns);
+  state_.body.time_ns = imu.sensor_time_ns;
+  state_.in_imu_gap = dt_s > settings_.outage.imu_gap_s;
+  if (state_.in_imu_gap) {
+    rest_over_gap(dt_s);
+  } else {
+    predict(imu, dt_s);
+  }
+  remember_path();
+  return pose_at(imu);
+}
+
+FixReport Engine::on(const UltrasonicFix& fix) noexcept {
+  FixReport report;
+  report.address = fix.address;
+  report.sequence = fix.sequence;
+  report.emission_time_ns = fix.emission_time_ns;
+  report.applied_time_ns = state_.body.time_ns;
+  report.position_world_m = fix.position_world_m;
+  report.trust = state_.trust.trust;
+
+  report.verdict =
+      admission::reasons_against(settings_.admission, state_.admission, state_.body.time_ns, fix);
+  if (report.verdict == 0 && frozen::watch(settings_.frozen, state_.frozen, state_.body, fix)) {
+    report.verdict = verdict_frozen;
+  }
+  if (report.verdict != 0) {
+    ++counters_.fixes_rejected;
+    return report;
+  }
+  const TimedFix timed = delay::shift(settings_.delay, state_.body, fix);  // 6
+  report.shifted_position_world_m = timed.shifted_position_world_m;
+  if (state_.outage.track == Track::none) {
+    take_hold(timed, report);
+  } else {
+    follow(timed, report);
+  }
+  state_.outage.last_valid_fix_ns = fix.received_time_ns;
+  state_.runaway = {true, timed.shifted_position_world_m};
+  report.verdict |= verdict_used;
+  ++counters_.fixes_used;
+  return report;
+}
+
+void Engine::on(const PairHeading& heading) noexcept {
+  if (!admission::admits(settings_.admission, state_.body.time_ns, heading)) {
+    ++counters_.samples_invalid;
+    return;
+  }
+  ++counters_.headings;
+  heading::take(settings_.heading, state_.heading, state_.body, state_.filter, heading);  // 5
+}
+
+void Engine::reset() noexcept {
+  state_ = State{};
+  ++reset_counter_;
+}
+
+void Engine::start(const ImuSample& imu) {
+  state_.body.time_ns = imu.sensor_time_ns;
+  const bool weightless = imu.specific_force_body_mps2.isZero();
+  state_.filter.reset(weightless ? Quaterniond::Identity()
+                                 : math::level_with(imu.specific_force_body_mps2, 0.0));
+}
+
+void Engine::calibrate(const ImuSample& imu) {
+  const bool at_start = state_.startup.waiting;
+  if (startup::watch(settings_.startup, state_.startup, imu) != startup::Progress::calibrated) return;
+  // The mean of a second at rest is a better plumb line than the filter has found by then.
+  const double yaw_rad = math::yaw_of(state_.filter.orientation());
+  state_.filter.reset(math::level_with(state_.startup.accel_mean, yaw_rad));
+  if (at_start) state_.body.correct_velocity(-state_.body.velocity_world_mps);
+}
+
+void Engine::predict(const ImuSample& imu, double dt_s) {
+  Kinematics& body = state_.body;
+  const Vector3d rate_body_radps = imu.angular_velocity_body_radps - state_.startup.gyro_offset_body_radps;
+  const Vector3d mean_rate_body_radps = 0.5 * (state_.previous_rate_body_radps + rate_body_radps);
+  state_.previous_rate_body_radps = rate_body_radps;
+  body.angular_velocity_body_radps = rate_body_radps - state_.filter.gyro_bias_body_radps();
+
+  state_.filter.update(settings_.mahony, mean_rate_body_radps, imu.specific_force_body_mps2, dt_s);  // 29, 30
+  heading::pull(settings_.heading, state_.heading, body, state_.filter, dt_s);                       // 34
+
+  const Vector3d before_world_mps2 = body.acceleration_world_mps2;
+  body.acceleration_world_mps2 =
+      state_.filter.orientation() * imu.specific_force_body_mps2 + gravity_world_mps2;
+  const Vector3d velocity_before_world_mps = body.velocity_world_mps;
+  const bool no_position = state_.outage.last_valid_fix_ns == 0;
+  if (state_.startup.waiting || no_position) {
+    // Held in place: the body is at rest, or nothing is known yet that an integral could start from.
+  } else if (outage::watch(settings_.outage, state_.outage, body.time_ns)) {  // 11
+    outage::decay(settings_.outage, body, dt_s);                              // 10
+    motion::integrate(settings_.motion, body, Vector3d::Zero(), dt_s);
+  } else {
+    const Vector3d mean_world_mps2 = 0.5 * (before_world_mps2 + body.acceleration_world_mps2);
+    motion::integrate(settings_.motion, body, motion::gate(settings_.motion, body, mean_world_mps2),
+                      dt_s);                                       // 25, 35–37
+    runaway::damp(settings_.runaway, state_.runaway, body, dt_s);  // 23, 24
+  }
+  drift::spend(settings_.drift, state_.drift, body, dt_s);  // 2, 9
+  body.displacement_world_m += dt_s * (0.5 * (velocity_before_world_mps + body.velocity_world_mps) -
+                                       body.velocity_corrections_world_mps);
+
+  uncertainty::grow(settings_.uncertainty, state_.uncertainty, dt_s);
+  if (heading::is_valid(settings_.heading, state_.heading, body.time_ns)) {
+    uncertainty::pull_yaw(settings_.uncertainty, state_.uncertainty, settings_.heading.pair_gain_hz, dt_s);
+  }
+}
+
+void Engine::rest_over_gap(double dt_s) {
+  // Nothing is known of the motion meanwhile: no path to compare old fixes with, and the track is let go.
+  ++counters_.imu_gaps;
+  outage::decay(settings_.outage, state_.body, dt_s);
+  state_.outage.track = Track::none;
+  state_.body.history.clear();
+  state_.drift = DriftState{};
+  uncertainty::grow(settings_.uncertainty, state_.uncertainty, dt_s);
+}
+
+void Engine::remember_path() {
+  Kinematics& body = state_.body;
+  const double yaw_rad = math::yaw_of(state_.filter.orientation()) - body.yaw_corrections_rad;
+  body.history.push({body.time_ns, body.displacement_world_m, math::wrap_angle(yaw_rad)});
+}
+
+/// The first fix of a run sets the position, trust begins anew.
+void Engine::take_hold(const TimedFix& fix, FixReport& report) {
+  const bool first = state_.outage.last_valid_fix_ns == 0;
+  report.verdict |= first ? verdict_first : verdict_stale_recovered;
+  report.jump_world_m = fix.shifted_position_world_m - state_.body.position_world_m;
+  report.residual_m = first ? 0.0 : report.jump_world_m.norm();
+  report.weight = 1.0;
+  report.trust = 1.0;
+  state_.body.position_world_m = fix.shifted_position_world_m;
+  state_.drift = DriftState{};
+  trust::restart(state_.trust, fix);
+  state_.velocity = {true, fix.measured_ns, fix.measured_position_world_m};
+  state_.uncertainty.position_std_m = settings_.uncertainty.fix_std_m;
+  // At a start at rest the velocity is known already: zero.
+  const bool velocity_known = first && state_.startup.calibrated;
+  state_.outage.track = velocity_known ? Track::held : Track::position;
+  state_.outage.stale = false;
+}
+
+/// Every later fix corrects position, velocity and yaw by what it is worth.
+void Engine::follow(const TimedFix& fix, FixReport& report) {
+  Kinematics& body = state_.body;
+  const Verdict verdict = trust::judge(settings_.trust, state_.trust, body, fix);  // 13–22
+  report.residual_m = verdict.residual_m;
+  report.weight = verdict.weight;
+  report.trust = state_.trust.trust;
+  if (verdict.outlier) report.verdict |= verdict_outlier;
+  if (verdict.forced) report.verdict |= verdict_stuck_forced;
+
+  report.jump_world_m = drift::correct(settings_.drift, state_.drift, body, fix, verdict);  // 2, 4, 9
+  const TimeNs last_good_ns = state_.velocity.measured_ns;
+  const bool good = !verdict.outlier || verdict.forced;
+  const auto measured = velocity::measure(settings_.velocity, state_.velocity, body, fix, good);
+  double interval_s = 0.0;
+  if (measured && state_.outage.track == Track::position) {
+    report.velocity_change_world_mps = velocity::adopt(body, *measured);
+    state_.outage.track = Track::held;
+  } else if (measured) {
+    const auto change = velocity::correct(settings_.velocity, body, *measured, verdict);  // 3, 7, 8, 26–28
+    report.velocity_change_world_mps = change.change_world_mps;
+    report.verdict |= change.verdict;
+    report.yaw_change_rad =
+        heading::nudge(settings_.heading, state_.heading, body, state_.filter, *measured);  // 31–33
+  }
+  if (measured) interval_s = seconds_between(last_good_ns, fix.measured_ns);
+  const double share = std::max(settings_.drift.jump_alpha * verdict.weight, verdict.jump_floor);
+  uncertainty::correct(settings_.uncertainty, state_.uncertainty, verdict.weight, share,
+                       settings_.velocity.blend_weight * verdict.weight, interval_s);
+}
+
+FusedPose Engine::pose_at(const ImuSample& imu) const {
+  const Kinematics& body = state_.body;
+  FusedPose pose;
+  pose.address = imu.address;
+  pose.sequence = imu.sequence;
+  pose.time_ns = body.time_ns;
+  pose.position_world_m = body.position_world_m;
+  pose.q_body_to_world = state_.filter.orientation();
+  pose.velocity_world_mps = body.velocity_world_mps;
+  pose.angular_velocity_body_radps = body.angular_velocity_body_radps;
+  pose.acceleration_world_mps2 = body.acceleration_world_mps2;
+  pose.gyro_bias_body_radps = state_.startup.gyro_offset_body_radps + state_.filter.gyro_bias_body_radps();
+  pose.position_std_m.setConstant(state_.uncertainty.position_std_m);
+  pose.velocity_std_mps.setConstant(state_.uncertainty.velocity_std_mps);
+  pose.yaw_std_rad = state_.uncertainty.yaw_std_rad;
+  pose.trust = state_.trust.trust;
+  pose.since_valid_fix_s = state_.outage.last_valid_fix_ns == 0
+                               ? std::numeric_limits<double>::infinity()
+                               : seconds_between(state_.outage.last_valid_fix_ns, body.time_ns);
+  pose.reset_counter = reset_counter_;
+  pose.status = status();
+  pose.imu_sensor_time_ns = imu.sensor_time_ns;
+  pose.imu_bridge_time_ns = imu.bridge_time_ns;
+  return pose;
+}
+
+std::uint32_t Engine::status() const {
+  const auto bit = [](bool holds, PoseStatus status) { return holds ? std::uint32_t{status} : 0U; };
+  const bool no_position = state_.outage.last_valid_fix_ns == 0;
+  const bool far_off = state_.drift.offset_world_m.norm() > settings_.trust.sigma_m;
+  return bit(no_position || state_.startup.waiting, status_initialising) |
+         bit(!state_.startup.waiting && !state_.startup.calibrated, status_uncalibrated) |
+         bit(state_.outage.stale, status_stale) | bit(state_.trust.forced || far_off, status_converging) |
+         bit(!heading::is_valid(settings_.heading, state_.heading, state_.body.time_ns),
+             status_heading_unknown) |
+         bit(state_.frozen.frozen, status_frozen_track) | bit(state_.in_imu_gap, status_imu_gap) |
+         bit(state_.trust.trust < 1.0, status_low_trust) |
+         bit(motion::is_gated(settings_.motion, state_.body), status_rotating_fast);
+}
+
+}  // namespace sonopose::fusion

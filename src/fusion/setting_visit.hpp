@@ -1,0 +1,33 @@
+#pragma once
+// Walks over the declared rows of every group; the one place that knows which groups there are.
+
+#include <sonopose/fusion/settings.hpp>
+
+#include <string_view>
+#include <tuple>
+
+namespace sonopose::fusion::detail {
+
+template <class Group, class Value>
+constexpr std::string_view group_of(const setting::Declaration<Group, Value>& /*row*/) {
+  return Group::group;
+}
+
+/// Calls `visit(row, value)` for every setting of one group.
+template <class Group, class Visit>
+void for_each_in(Group& group, const Visit& visit) {
+  std::apply([&](const auto&... row) { (visit(row, group.*(row.field)), ...); },
+             std::remove_const_t<Group>::declarations());
+}
+
+/// Calls `visit(row, value)` for every setting; `AnySettings` is Settings or const Settings.
+template <class AnySettings, class Visit>
+void for_each_setting(AnySettings& settings, const Visit& visit) {
+  auto& [preset, drift, velocity, heading, delay, outage, admission, trust, runaway, motion, mahony, startup,
+         frozen, uncertainty] = settings;
+  const auto each = [&visit](auto&... group) { (for_each_in(group, visit), ...); };
+  each(preset, drift, velocity, heading, delay, outage, admission, trust, runaway, motion, mahony, startup,
+       frozen, uncertainty);
+}
+
+}  // namespace sonopose::fusion::detail

@@ -1,0 +1,70 @@
+#include <sonopose/core/pose.hpp>
+#include <sonopose/fusion/velocity.hpp>
+
+#include <algorithm>
+
+namespace sonopose::fusion::velocity {
+namespace {
+
+/// Items 7, 8 and 28.
+std::uint32_t snap_for(const VelocitySettings& settings, const FixVelocity& measured) {
+  const double ultrasonic_mps = measured.ultrasonic_world_mps.norm();
+  const double inertial_mps = measured.inertial_world_mps.norm();
+  if (ultrasonic_mps < settings.snap_min_speed_mps) return 0;
+  const bool same_direction = measured.ultrasonic_world_mps.dot(measured.inertial_world_mps) > 0.0;
+  if (settings.overshoot_fix && same_direction && inertial_mps > 2.0 * ultrasonic_mps) {
+    return verdict_snapped_over;
+  }
+  if (settings.undershoot_fix && ultrasonic_mps > 2.0 * inertial_mps) return verdict_snapped_under;
+  return 0;
+}
+
+/// Items 26 and 27: one at rest, one half at the threshold, zero from twice the threshold on.
+double accel_gate(const VelocitySettings& settings, double acceleration_mps2) {
+  if (!settings.accel_gate) return 1.0;
+  return std::max(0.0, 1.0 - acceleration_mps2 / (2.0 * settings.accel_gate_threshold_mps2));
+}
+
+}  // namespace
+
+std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocityState& state,
+                                   const Kinematics& body, const TimedFix& fix, bool good) {
+  if (!good) return std::nullopt;
+  const double interval_s = seconds_between(state.measured_ns, fix.measured_ns);
+  // Of two fixes too close together the older stays the reference: the next may be far enough from it.
+  if (state.has_fix && interval_s < settings.interval_min_s) return std::nullopt;
+
+  std::optional<FixVelocity> measured;
+  if (state.has_fix && interval_s <= settings.interval_max_s) {
+    if (const auto moved_world_m = body.moved(state.measured_ns, fix.measured_ns)) {
+      const Vector3d displacement_world_m = fix.measured_position_world_m - state.position_world_m;
+      measured =
+          FixVelocity{displacement_world_m / interval_s, *moved_world_m / interval_s, displacement_world_m};
+    }
+  }
+  state = {true, fix.measured_ns, fix.measured_position_world_m};
+  return measured;
+}
+
+VelocityChange correct(const VelocitySettings& settings, Kinematics& body, const FixVelocity& measured,
+                       const Verdict& verdict) {
+  VelocityChange done;
+  done.verdict = snap_for(settings, measured);
+  if (done.verdict != 0) {
+    done.change_world_mps = measured.ultrasonic_world_mps - body.velocity_world_mps;
+  } else {
+    const double share =
+        settings.blend_weight * verdict.weight * accel_gate(settings, body.acceleration_world_mps2.norm());
+    done.change_world_mps = share * (measured.ultrasonic_world_mps - measured.inertial_world_mps);
+  }
+  body.correct_velocity(done.change_world_mps);
+  return done;
+}
+
+Vector3d adopt(Kinematics& body, const FixVelocity& measured) {
+  const Vector3d change_world_mps = measured.ultrasonic_world_mps - body.velocity_world_mps;
+  body.correct_velocity(change_world_mps);
+  return change_world_mps;
+}
+
+}  // namespace sonopose::fusion::velocity
