@@ -1,0 +1,129 @@
+#include <sonopose/math/rotation.hpp>
+#include <sonopose/sim/sensors.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace sonopose::sim {
+
+namespace {
+
+constexpr double accel_step_mps2 = 1e-3 * gravity_mps2;                ///< packet 0x0003: 1 mg
+constexpr double gyro_step_radps = 0.0175 * math::radians_per_degree;  ///< packet 0x0003: 0.0175 deg/s
+
+/// What is left of a value in the packet's 16 bits; it clips beyond them.
+Vector3d quantised(const Vector3d& value, double step) {
+  return value.unaryExpr(
+      [step](double x) { return step * std::clamp(std::round(x / step), -32768.0, 32767.0); });
+}
+
+void require(bool good, const char* field, double value) {
+  if (!good) {
+    throw std::invalid_argument("simulated sensors: " + std::string(field) + " cannot be " +
+                                std::to_string(value));
+  }
+}
+
+}  // namespace
+
+SensorSettings SensorSettings::ideal() {
+  SensorSettings settings;
+  settings.accel_noise_mps2 = 0;
+  settings.gyro_noise_radps = 0;
+  settings.accel_bias_mps2 = 0;
+  settings.gyro_bias_radps = 0;
+  settings.accel_bias_walk_mps2_rts = 0;
+  settings.gyro_bias_walk_radps_rts = 0;
+  settings.imu_quantised = false;
+  settings.fix_noise_m = 0;
+  settings.fix_delay_jitter_s = 0;
+  settings.quality_noise_percent = 0;
+  settings.heading_noise_rad = 0;
+  return settings;
+}
+
+void check(const SensorSettings& settings) {
+  const auto not_negative = [](double value, const char* field) {
+    require(std::isfinite(value) && value >= 0, field, value);
+  };
+  require(std::isfinite(settings.imu_rate_hz) && settings.imu_rate_hz > 0, "imu_rate_hz",
+          settings.imu_rate_hz);
+  not_negative(settings.accel_noise_mps2, "accel_noise_mps2");
+  not_negative(settings.gyro_noise_radps, "gyro_noise_radps");
+  not_negative(settings.accel_bias_mps2, "accel_bias_mps2");
+  not_negative(settings.gyro_bias_radps, "gyro_bias_radps");
+  not_negative(settings.accel_bias_walk_mps2_rts, "accel_bias_walk_mps2_rts");
+  not_negative(settings.gyro_bias_walk_radps_rts, "gyro_bias_walk_radps_rts");
+  not_negative(settings.fix_rate_hz, "fix_rate_hz");
+  not_negative(settings.fix_noise_m, "fix_noise_m");
+  not_negative(settings.fix_delay_s, "fix_delay_s");
+  not_negative(settings.fix_delay_jitter_s, "fix_delay_jitter_s");
+  not_negative(settings.quality_percent, "quality_percent");
+  not_negative(settings.quality_noise_percent, "quality_noise_percent");
+  not_negative(settings.heading_noise_rad, "heading_noise_rad");
+}
+
+ImuSample ideal_imu_sample(const Motion& motion, const Vector3d& lever_body_m) {
+  const Vector3d& rate = motion.angular_velocity_body_radps;
+  const Vector3d gravity_world_mps2{0.0, 0.0, -gravity_mps2};
+  const Vector3d tracked_point_body_mps2 =
+      motion.q_body_to_world.conjugate() * (motion.acceleration_world_mps2 - gravity_world_mps2).eval();
+  ImuSample sample;
+  sample.angular_velocity_body_radps = rate;
+  // Rigid body: Euler and centripetal acceleration of the lever arm.
+  sample.specific_force_body_mps2 = tracked_point_body_mps2 +
+                                    motion.angular_acceleration_body_radps2.cross(lever_body_m) +
+                                    rate.cross(rate.cross(lever_body_m));
+  return sample;
+}
+
+ImuModel::ImuModel(const SensorSettings& settings, Random random)
+    : settings_{settings},
+      random_{random},
+      accel_bias_mps2_{settings.accel_bias_mps2 * random_.normal_vector()},
+      gyro_bias_radps_{settings.gyro_bias_radps * random_.normal_vector()} {}
+
+ImuSample ImuModel::measure(const Motion& motion) {
+  ImuSample sample = ideal_imu_sample(motion, settings_.imu_from_tracked_point_body_m);
+  sample.specific_force_body_mps2 += accel_bias_mps2_ + settings_.accel_noise_mps2 * random_.normal_vector();
+  sample.angular_velocity_body_radps +=
+      gyro_bias_radps_ + settings_.gyro_noise_radps * random_.normal_vector();
+  if (settings_.imu_quantised) {
+    sample.specific_force_body_mps2 = quantised(sample.specific_force_body_mps2, accel_step_mps2);
+    sample.angular_velocity_body_radps = quantised(sample.angular_velocity_body_radps, gyro_step_radps);
+  }
+  const double root_of_period = std::sqrt(1.0 / settings_.imu_rate_hz);
+  accel_bias_mps2_ += settings_.accel_bias_walk_mps2_rts * root_of_period * random_.normal_vector();
+  gyro_bias_radps_ += settings_.gyro_bias_walk_radps_rts * root_of_period * random_.normal_vector();
+  return sample;
+}
+
+UltrasonicModel::UltrasonicModel(const SensorSettings& settings, Random random)
+    : settings_{settings}, random_{random} {}
+
+double UltrasonicModel::next_delay_s() {
+  constexpr double shortest_s = 1e-3;
+  return std::max(shortest_s, settings_.fix_delay_s + settings_.fix_delay_jitter_s * random_.normal());
+}
+
+UltrasonicFix UltrasonicModel::measure_fix(const Motion& motion) {
+  UltrasonicFix fix;
+  fix.position_world_m = motion.position_world_m + settings_.fix_noise_m * random_.normal_vector();
+  const double quality = settings_.quality_percent + settings_.quality_noise_percent * random_.normal();
+  fix.quality_percent = std::clamp(std::round(quality), 0.0, 100.0);  // packet 0x0007: whole percent
+  if (settings_.pair_heading) fix.flags |= fix_flag_pair_centre;
+  return fix;
+}
+
+PairHeading UltrasonicModel::measure_heading(const Motion& motion) {
+  PairHeading heading;
+  heading.heading_world_rad =
+      math::wrap_angle(math::yaw_of(motion.q_body_to_world) + settings_.pair_mount_offset_rad +
+                       settings_.heading_noise_rad * random_.normal());
+  heading.valid = true;
+  return heading;
+}
+
+}  // namespace sonopose::sim

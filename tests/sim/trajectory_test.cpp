@@ -1,0 +1,142 @@
+#include <sonopose/math/rotation.hpp>
+#include <sonopose/sim/trajectory.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <string>
+
+using namespace sonopose;
+using namespace sonopose::sim;
+
+namespace {
+
+/// Half the rotation between the attitudes before and after, per step: the body rate by central difference.
+Vector3d rate_between(const Quaterniond& before, const Quaterniond& after, double span_s) {
+  const Eigen::AngleAxisd turn(before.conjugate() * after);
+  const double angle = math::wrap_angle(turn.angle());
+  return angle / span_s * turn.axis();
+}
+
+}  // namespace
+
+SCENARIO("each motion's derivatives belong to each other") {
+  for (const Scenario& scenario : scenarios()) {
+    GIVEN("the scenario " + std::string(scenario.name)) {
+      WHEN("finite differences are taken every few hundredths of a second") {
+        constexpr double h = 1e-4;
+        double velocity_error = 0;
+        double acceleration_error = 0;
+        double rate_error = 0;
+        double rate_change_error = 0;
+        for (double t = 0.5; t < 30.0; t += 0.0371) {
+          const Motion now = scenario.motion(t);
+          const Motion before = scenario.motion(t - h);
+          const Motion after = scenario.motion(t + h);
+          const auto worst = [](double& error, const Vector3d& difference) {
+            error = std::max(error, difference.norm());
+          };
+          worst(velocity_error,
+                (after.position_world_m - before.position_world_m) / (2 * h) - now.velocity_world_mps);
+          worst(acceleration_error, (after.velocity_world_mps - before.velocity_world_mps) / (2 * h) -
+                                        now.acceleration_world_mps2);
+          worst(rate_error, rate_between(before.q_body_to_world, after.q_body_to_world, 2 * h) -
+                                now.angular_velocity_body_radps);
+          worst(rate_change_error,
+                (after.angular_velocity_body_radps - before.angular_velocity_body_radps) / (2 * h) -
+                    now.angular_acceleration_body_radps2);
+        }
+        THEN("they agree up to the differences' own error, h² times the third derivative") {
+          CHECK(velocity_error < 1e-6);
+          CHECK(acceleration_error < 1e-5);
+          CHECK(rate_error < 1e-6);
+          CHECK(rate_change_error < 1e-5);
+        }
+      }
+    }
+  }
+}
+
+SCENARIO("no motion has a step in its acceleration") {
+  for (const Scenario& scenario : scenarios()) {
+    GIVEN("the scenario " + std::string(scenario.name)) {
+      constexpr double step_s = 1e-3;
+      constexpr double jerk_limit_mps3 = 60.0;  // bobbing 1 cm at 1.8 Hz: 14 m/s³; a step would be thousands
+      constexpr double angular_jerk_limit = 60.0;
+      double jerk = 0;
+      double angular_jerk = 0;
+      for (double t = 0.0; t < 20.0; t += step_s) {
+        const Motion now = scenario.motion(t);
+        const Motion next = scenario.motion(t + step_s);
+        jerk = std::max(jerk, (next.acceleration_world_mps2 - now.acceleration_world_mps2).norm() / step_s);
+        angular_jerk = std::max(
+            angular_jerk,
+            (next.angular_acceleration_body_radps2 - now.angular_acceleration_body_radps2).norm() / step_s);
+      }
+      CHECK(jerk < jerk_limit_mps3);
+      CHECK(angular_jerk < angular_jerk_limit);
+    }
+  }
+}
+
+SCENARIO("the walk is one") {
+  const Scenario& walk = find_scenario("walk");
+  GIVEN("its first three seconds") {
+    THEN("it stands still") {
+      for (double t = 0; t <= 3.0; t += 0.1) {
+        CHECK(walk.motion(t).velocity_world_mps.norm() == 0.0);
+        CHECK(walk.motion(t).angular_velocity_body_radps.norm() == 0.0);
+        CHECK(walk.motion(t).position_world_m == walk.motion(0).position_world_m);
+      }
+    }
+  }
+  GIVEN("the time after it has come up to speed") {
+    double least_mps = 1e9;
+    double most_mps = 0;
+    double yaw_error_rad = 0;
+    double largest_turn_radps = 0;
+    for (double t = 5.0; t < 40.0; t += 0.01) {
+      const Motion motion = walk.motion(t);
+      const Vector3d& v = motion.velocity_world_mps;
+      least_mps = std::min(least_mps, v.norm());
+      most_mps = std::max(most_mps, v.norm());
+      const double direction = std::atan2(v.y(), v.x());
+      yaw_error_rad = std::max(yaw_error_rad,
+                               std::abs(math::wrap_angle(math::yaw_of(motion.q_body_to_world) - direction)));
+      largest_turn_radps = std::max(largest_turn_radps, std::abs(motion.angular_velocity_body_radps.z()));
+    }
+    THEN("it goes at about 1 m/s, turns, and looks where it goes") {
+      CHECK(least_mps > 0.5);
+      CHECK(most_mps < 1.5);
+      CHECK(largest_turn_radps > 0.5);
+      CHECK(yaw_error_rad < 1e-9);
+    }
+    THEN("its path is closed: one turn of its parameter later it is back, up to the bobbing") {
+      const double period_s = 2.0 * std::numbers::pi / 0.45;
+      const Vector3d way = walk.motion(6.0 + period_s).position_world_m - walk.motion(6.0).position_world_m;
+      CHECK(way.head<2>().norm() < 1e-9);
+      CHECK(std::abs(way.z()) < 0.021);
+    }
+  }
+}
+
+SCENARIO("a body that is tilted turns as the ZYX angles say") {
+  GIVEN("a body pitched nose down by 1 rad that yaws at 2 rad/s") {
+    const double pitch = 1.0;
+    const Motion motion =
+        motion_on({.x = 0, .y = 0, .z = 0, .yaw = {0.3, 2.0, 0.0}, .pitch = pitch, .roll = 0});
+    THEN("its rate stands along world Z: seen from the body, on x and z") {
+      CHECK(motion.angular_velocity_body_radps.x() == Approx(-2.0 * std::sin(pitch)));
+      CHECK(motion.angular_velocity_body_radps.y() == Approx(0.0).margin(1e-15));
+      CHECK(motion.angular_velocity_body_radps.z() == Approx(2.0 * std::cos(pitch)));
+      const Vector3d world = motion.q_body_to_world * motion.angular_velocity_body_radps;
+      CHECK((world - Vector3d(0, 0, 2)).norm() < 1e-12);
+    }
+  }
+}
+
+SCENARIO("scenarios are found by name") {
+  CHECK(find_scenario("rest").name == "rest");
+  CHECK_THROWS_WITH(find_scenario("wlak"),
+                    Catch::Contains("\"wlak\"") && Catch::Contains("rest, walk, circle"));
+}
