@@ -1,0 +1,56 @@
+#pragma once
+/// \file
+/// How this system's processes join a DDS domain: which id, over which network, and what must hold always.
+
+#include <dds/dds.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace sonopose::dds {
+
+/// The highest domain id whose ports exist (7400 + 250 · id and up).
+inline constexpr std::uint32_t max_domain_id = 232;
+
+enum class Network : std::uint8_t {
+  loopback,  ///< this machine only, without multicast: works on every machine as it is
+  lan        ///< the interface that Cyclone DDS chooses, with multicast where it can
+};
+
+struct DomainOptions {
+  std::optional<std::uint32_t> domain_id = std::nullopt;  ///< empty: ROS_DOMAIN_ID, else 0
+  Network network = Network::loopback;
+};
+
+/// The id that `options` leads to. Throws std::invalid_argument that names the option or ROS_DOMAIN_ID and
+/// the value where it is no number of 0…232.
+std::uint32_t resolve_domain_id(const DomainOptions& options);
+
+/// What Cyclone DDS is configured with: our defaults, then the user's own CYCLONEDDS_URI (`user_uri`, may be
+/// empty), which wins, then what must hold: one receive thread, on which all data listeners of remote samples
+/// run. Interfaces and peers are lists that Cyclone DDS would append to, so ours stay out where the user
+/// names some for this domain.
+std::string domain_configuration(std::uint32_t domain_id, Network network, const std::string& user_uri);
+
+/// A share in the process's configured domain: the first one configures it, the last one closes it.
+/// Throws `Error`; also where the domain is in use in this process with another network.
+class DomainLease {
+public:
+  explicit DomainLease(const DomainOptions& options);
+  DomainLease(const DomainLease&) = delete;
+  DomainLease& operator=(const DomainLease&) = delete;
+  DomainLease(DomainLease&& other) noexcept;
+  DomainLease& operator=(DomainLease&& other) noexcept;
+  ~DomainLease();
+
+  std::uint32_t domain_id() const noexcept { return id_; }
+
+private:
+  void release() noexcept;
+
+  std::uint32_t id_ = 0;
+  bool held_ = false;
+};
+
+}  // namespace sonopose::dds

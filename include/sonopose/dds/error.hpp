@@ -1,0 +1,39 @@
+#pragma once
+/// \file
+/// Errors of the DDS layer: every negative return of Cyclone DDS becomes an `Error` that names the call.
+
+#include <dds/dds.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace sonopose::dds {
+
+/// What a Cyclone DDS call returns: negative is an error (`DDS_RETCODE_…`), anything else a success.
+using ReturnCode = dds_return_t;
+
+/// A DDS call that failed. `what()` names the call, what it was about, and Cyclone's word for the reason.
+class Error : public std::runtime_error {
+public:
+  Error(const std::string& call, ReturnCode code);
+
+  /// `DDS_RETCODE_…`; negative.
+  ReturnCode code() const noexcept { return code_; }
+
+private:
+  ReturnCode code_;
+};
+
+/// Passes a good return through and throws `Error` for a negative one.
+inline ReturnCode check(const char* call, ReturnCode code) {
+  if (code < 0) throw Error(call, code);
+  return code;
+}
+
+/// As `check(call, code)`, and names what the call was about, such as the topic.
+inline ReturnCode check(const char* call, const std::string& about, ReturnCode code) {
+  if (code < 0) throw Error(std::string(call) + "(" + about + ")", code);
+  return code;
+}
+
+}  // namespace sonopose::dds

@@ -1,0 +1,31 @@
+#pragma once
+/// \file
+/// A process's membership in a DDS domain.
+
+#include <sonopose/dds/domain.hpp>
+#include <sonopose/dds/entity.hpp>
+#include <sonopose/dds/qos.hpp>
+
+namespace sonopose::dds {
+
+/// Joins the domain, which is configured when its first participant in this process comes and closed after
+/// the last one. Topics, writers and readers of a participant must not outlive it.
+class DomainParticipant : private DomainLease, public Entity {
+public:
+  explicit DomainParticipant(const DomainOptions& options = {}, const Qos& qos = {});
+
+  DomainParticipant(const DomainParticipant&) = delete;
+  DomainParticipant& operator=(const DomainParticipant&) = delete;
+  DomainParticipant(DomainParticipant&&) noexcept = default;
+  DomainParticipant& operator=(DomainParticipant&& other) noexcept;
+  ~DomainParticipant() = default;
+
+  using DomainLease::domain_id;
+};
+
+/// As the constructor: the one line by which an application joins.
+inline DomainParticipant make_participant(const DomainOptions& options = {}, const Qos& qos = {}) {
+  return DomainParticipant(options, qos);
+}
+
+}  // namespace sonopose::dds

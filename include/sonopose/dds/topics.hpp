@@ -1,0 +1,67 @@
+#pragma once
+/// \file
+/// The wiring diagram: every native topic with its type and the QoS profiles that its ends use.
+
+#include <sonopose/dds/data_reader.hpp>
+#include <sonopose/dds/data_writer.hpp>
+#include <sonopose/dds/idl_types.hpp>
+#include <sonopose/dds/qos_provider.hpp>
+
+namespace sonopose::dds {
+
+/// One row: a topic's name, type and profiles (of `qos/sonopose.xml`).
+template <class T>
+struct TopicEntry {
+  using Type = T;
+  const char* name;
+  const char* profile;           ///< live
+  const char* lossless_profile;  ///< for playing a log as fast as it can be; the live one where it suffices
+};
+
+namespace topics {
+// clang-format off
+/// bridge → fusion, recorder
+inline constexpr TopicEntry<sonopose_ImuSample> imu{"sonopose/imu", "sonopose::Imu", "sonopose::LosslessImu"};
+inline constexpr TopicEntry<sonopose_UltrasonicFix> fix{"sonopose/fix", "sonopose::Fix", "sonopose::LosslessFix"};
+inline constexpr TopicEntry<sonopose_PairHeading> heading{"sonopose/heading", "sonopose::Heading", "sonopose::LosslessHeading"};
+/// fusion → consumers
+inline constexpr TopicEntry<sonopose_FusedPose> pose{"sonopose/pose", "sonopose::Pose", "sonopose::LosslessPose"};
+inline constexpr TopicEntry<sonopose_FixReport> report{"sonopose/report", "sonopose::Report", "sonopose::LosslessReport"};
+/// bridge, fusion → monitor
+inline constexpr TopicEntry<sonopose_BeaconStatus> beacon_status{"sonopose/beacon_status", "sonopose::Status", "sonopose::Status"};
+inline constexpr TopicEntry<sonopose_FusionStatus> fusion_status{"sonopose/fusion_status", "sonopose::Status", "sonopose::Status"};
+/// simulator → monitor, scoring
+inline constexpr TopicEntry<sonopose_TruthSample> truth{"sonopose/truth", "sonopose::Truth", "sonopose::Truth"};
+/// anybody → fusion
+inline constexpr TopicEntry<sonopose_ResetCommand> reset{"sonopose/reset", "sonopose::Command", "sonopose::Command"};
+// clang-format on
+}  // namespace topics
+
+enum class Delivery : bool { live, lossless };
+
+template <class T>
+const char* profile_of(const TopicEntry<T>& entry, Delivery delivery) {
+  return delivery == Delivery::lossless ? entry.lossless_profile : entry.profile;
+}
+
+/// A writer for one row of the diagram. `listener` must outlive it.
+template <class T>
+DataWriter<T> make_writer(const DomainParticipant& participant, const QosProvider& qos,
+                          const TopicEntry<T>& entry, DataWriterListener<T>* listener = nullptr,
+                          Delivery delivery = Delivery::live) {
+  const char* profile = profile_of(entry, delivery);
+  const Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
+  return DataWriter<T>(participant, topic, qos.datawriter_qos(profile), listener);
+}
+
+/// A reader for one row of the diagram. `listener` must outlive it.
+template <class T>
+DataReader<T> make_reader(const DomainParticipant& participant, const QosProvider& qos,
+                          const TopicEntry<T>& entry, DataReaderListener<T>* listener = nullptr,
+                          Delivery delivery = Delivery::live) {
+  const char* profile = profile_of(entry, delivery);
+  const Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
+  return DataReader<T>(participant, topic, qos.datareader_qos(profile), listener);
+}
+
+}  // namespace sonopose::dds

@@ -1,0 +1,191 @@
+#include <sonopose/dds/domain.hpp>
+#include <sonopose/dds/error.hpp>
+
+#include <pugixml.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <sstream>
+#include <stdexcept>
+#include <strings.h>
+#include <utility>
+
+namespace sonopose::dds {
+namespace {
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? std::string() : std::string(value);
+}
+
+/// What the user's configuration names itself, of the lists that Cyclone DDS appends to.
+struct UserLists {
+  bool interfaces = false;
+  bool peers = false;
+};
+
+bool same(const char* a, const char* b) {
+  return strcasecmp(a, b) == 0;
+}  // as Cyclone DDS compares names
+
+bool applies(const pugi::xml_node& domain, std::uint32_t domain_id) {
+  for (const pugi::xml_attribute attribute : domain.attributes()) {
+    if (same(attribute.name(), "id")) {
+      return same(attribute.value(), "any") || attribute.value() == std::to_string(domain_id);
+    }
+  }
+  return true;
+}
+
+void look_for_lists(const pugi::xml_node& parent, std::uint32_t domain_id, UserLists& found) {
+  for (const pugi::xml_node node : parent.children()) {
+    if (same(node.name(), "Domain") && !applies(node, domain_id)) continue;
+    if (same(node.name(), "Interfaces") || same(node.name(), "NetworkInterfaceAddress")) {
+      found.interfaces = true;
+    }
+    if (same(node.name(), "Peers")) found.peers = true;
+    look_for_lists(node, domain_id, found);
+  }
+}
+
+/// CYCLONEDDS_URI is a list of XML fragments, file names and file:// URIs with commas between. Whether they
+/// are right is for Cyclone DDS to say: what cannot be read here names nothing.
+UserLists lists_named_by(const std::string& uri, std::uint32_t domain_id) {
+  UserLists found;
+  pugi::xml_document fragments;
+  fragments.load_string(uri.c_str(), pugi::parse_default | pugi::parse_fragment);
+  look_for_lists(fragments, domain_id, found);
+  for (const pugi::xml_node node : fragments.children()) {
+    if (node.type() != pugi::node_pcdata) continue;
+    std::istringstream names(node.value());
+    for (std::string name; std::getline(names, name, ',');) {
+      name.erase(0, name.find_first_not_of(" \t\n"));
+      if (name.rfind("file://", 0) == 0) name.erase(0, std::strlen("file://"));
+      pugi::xml_document file;
+      if (!name.empty() && file.load_file(name.c_str())) look_for_lists(file, domain_id, found);
+    }
+  }
+  return found;
+}
+
+/// Participants of one machine find each other by trying the ports of all indices: 7410 + 250 · id + 2 ·
+/// index. Index 119 is the last one before the ports of the next domain; in domain 232 the ports end before.
+std::uint32_t max_participant_index(std::uint32_t domain_id) {
+  const std::uint32_t first_port = 7410 + 250 * domain_id;
+  return std::min<std::uint32_t>(119, (65535 - 1 - first_port) / 2);
+}
+
+std::string fragment(const std::string& content) {
+  return "<CycloneDDS><Domain>" + content + "</Domain></CycloneDDS>";
+}
+
+std::string defaults(std::uint32_t domain_id, Network network, const UserLists& user) {
+  std::string general;
+  if (network == Network::loopback) {
+    if (!user.interfaces) general += R"(<Interfaces><NetworkInterface name="lo"/></Interfaces>)";
+    // With interfaces of the user's own, Cyclone DDS decides about multicast as usual.
+    if (!user.interfaces) general += "<AllowMulticast>false</AllowMulticast>";
+  }
+  std::string discovery = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
+                          std::to_string(max_participant_index(domain_id)) + "</MaxAutoParticipantIndex>";
+  if (!user.peers) discovery += R"(<Peers><Peer address="127.0.0.1"/></Peers>)";
+  return fragment("<General>" + general + "</General><Discovery>" + discovery + "</Discovery>");
+}
+
+/// The domains that this process has open.
+struct OpenDomain {
+  dds_entity_t entity = 0;
+  Network network = Network::loopback;
+  int leases = 0;
+};
+
+struct Registry {
+  std::mutex mutex;
+  std::map<std::uint32_t, OpenDomain> open;
+};
+
+Registry& registry() {
+  static auto* instance = new Registry;  // never destroyed: leases may be static objects
+  return *instance;
+}
+
+dds_entity_t create_domain(std::uint32_t id, Network network) {
+  const std::string uri = environment("CYCLONEDDS_URI");
+  std::string about = "domain " + std::to_string(id);
+  if (!uri.empty()) about += ", CYCLONEDDS_URI=" + uri;
+  return check("dds_create_domain", about,
+               dds_create_domain(id, domain_configuration(id, network, uri).c_str()));
+}
+
+}  // namespace
+
+std::uint32_t resolve_domain_id(const DomainOptions& options) {
+  const auto fail = [](const std::string& name, const std::string& value) {
+    throw std::invalid_argument(name + " is '" + value + "': a domain id is a whole number from 0 to " +
+                                std::to_string(max_domain_id));
+  };
+  if (options.domain_id) {
+    if (*options.domain_id > max_domain_id) fail("the domain option", std::to_string(*options.domain_id));
+    return *options.domain_id;
+  }
+  const std::string text = environment("ROS_DOMAIN_ID");
+  if (text.empty()) return 0;
+  std::uint32_t id = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, id);
+  if (error != std::errc() || rest != end || id > max_domain_id) fail("ROS_DOMAIN_ID", text);
+  return id;
+}
+
+std::string domain_configuration(std::uint32_t domain_id, Network network, const std::string& user_uri) {
+  const UserLists user = lists_named_by(user_uri, domain_id);
+  std::string configuration = defaults(domain_id, network, user);
+  if (!user_uri.empty()) configuration += "," + user_uri;
+  return configuration + "," +
+         fragment("<Internal><MultipleReceiveThreads>false</MultipleReceiveThreads></Internal>");
+}
+
+DomainLease::DomainLease(const DomainOptions& options) : id_(resolve_domain_id(options)) {
+  const std::lock_guard lock(registry().mutex);
+  const auto found = registry().open.find(id_);
+  if (found == registry().open.end()) {
+    registry().open[id_] = {create_domain(id_, options.network), options.network, 1};
+  } else if (found->second.network != options.network) {
+    throw Error("domain " + std::to_string(id_) + " is in use in this process with another network",
+                DDS_RETCODE_PRECONDITION_NOT_MET);
+  } else {
+    ++found->second.leases;
+  }
+  held_ = true;
+}
+
+DomainLease::DomainLease(DomainLease&& other) noexcept
+    : id_(other.id_), held_(std::exchange(other.held_, false)) {}
+
+DomainLease& DomainLease::operator=(DomainLease&& other) noexcept {
+  if (this != &other) {
+    release();
+    id_ = other.id_;
+    held_ = std::exchange(other.held_, false);
+  }
+  return *this;
+}
+
+DomainLease::~DomainLease() {
+  release();
+}
+
+void DomainLease::release() noexcept {
+  if (!std::exchange(held_, false)) return;
+  const std::lock_guard lock(registry().mutex);
+  const auto found = registry().open.find(id_);
+  if (--found->second.leases > 0) return;
+  dds_delete(found->second.entity);
+  registry().open.erase(found);
+}
+
+}  // namespace sonopose::dds

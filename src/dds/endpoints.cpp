@@ -1,0 +1,50 @@
+// What readers and writers need that does not depend on their type.
+
+#include <sonopose/dds/data_reader.hpp>
+#include <sonopose/dds/data_writer.hpp>
+
+#include <memory>
+
+namespace sonopose::dds::detail {
+namespace {
+
+/// Asks again while matches come faster than room for them is made.
+template <class Call>
+std::vector<InstanceHandle> matched(const char* name, Call call, dds_entity_t entity) {
+  std::vector<dds_instance_handle_t> handles(8);
+  std::size_t count = 0;
+  while ((count = static_cast<std::size_t>(check(name, call(entity, handles.data(), handles.size())))) >
+         handles.size()) {
+    handles.resize(count);
+  }
+  std::vector<InstanceHandle> result;
+  result.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) result.push_back({handles[i]});
+  return result;
+}
+
+}  // namespace
+
+std::vector<InstanceHandle> matched_subscriptions(dds_entity_t writer) {
+  return matched("dds_get_matched_subscriptions", dds_get_matched_subscriptions, writer);
+}
+
+std::vector<InstanceHandle> matched_publications(dds_entity_t reader) {
+  return matched("dds_get_matched_publications", dds_get_matched_publications, reader);
+}
+
+PublicationData matched_publication_data(dds_entity_t reader, InstanceHandle publication) {
+  const std::unique_ptr<dds_builtintopic_endpoint_t, void (*)(dds_builtintopic_endpoint_t*)> endpoint(
+      dds_get_matched_publication_data(reader, publication.value), dds_builtintopic_free_endpoint);
+  if (!endpoint) throw Error("dds_get_matched_publication_data", DDS_RETCODE_BAD_PARAMETER);
+
+  PublicationData data;
+  data.topic_name = endpoint->topic_name;
+  data.type_name = endpoint->type_name;
+  data.key = endpoint->key;
+  data.participant_key = endpoint->participant_key;
+  if (auto user_data = policy::UserData::from(endpoint->qos)) data.user_data = std::move(user_data->value);
+  return data;
+}
+
+}  // namespace sonopose::dds::detail

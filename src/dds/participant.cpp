@@ -1,0 +1,20 @@
+#include <sonopose/dds/error.hpp>
+#include <sonopose/dds/participant.hpp>
+
+#include <utility>
+
+namespace sonopose::dds {
+
+DomainParticipant::DomainParticipant(const DomainOptions& options, const Qos& qos)
+    : DomainLease(options),
+      Entity(check("dds_create_participant", "domain " + std::to_string(domain_id()),
+                   dds_create_participant(domain_id(), qos.get(), nullptr))) {}
+
+DomainParticipant& DomainParticipant::operator=(DomainParticipant&& other) noexcept {
+  // The old participant goes before its share in the domain does.
+  Entity::operator=(std::move(static_cast<Entity&>(other)));
+  DomainLease::operator=(std::move(static_cast<DomainLease&>(other)));
+  return *this;
+}
+
+}  // namespace sonopose::dds
