@@ -72,6 +72,7 @@ void Engine::on(const PairHeading& heading) noexcept {
     return;
   }
   ++counters_.headings;
+  if (state_.frozen.frozen) return;  // it comes from the same fixes
   heading::take(settings_.heading, state_.heading, state_.body, state_.filter, heading);  // 5
 }
 

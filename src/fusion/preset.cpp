@@ -5,9 +5,9 @@ namespace sonopose::fusion {
 Balance balance_of(ImuWeight weight) {
   switch (weight) {
     case ImuWeight::low:
-      return {.decay_rate_hz = 5.0, .blend_weight = 0.30, .jump_alpha = 0.30};
+      return {.decay_rate_hz = 4.0, .blend_weight = 0.50, .jump_alpha = 0.60};
     case ImuWeight::high:
-      return {.decay_rate_hz = 1.0, .blend_weight = 0.06, .jump_alpha = 0.02};
+      return {.decay_rate_hz = 1.5, .blend_weight = 0.15, .jump_alpha = 0.10};
     case ImuWeight::medium:
     case ImuWeight::user:
       break;

@@ -22,7 +22,7 @@ struct MahonySettings {
             29, "kp", &G::kp, 0.15, {0.0, 10.0}, "1/s",
             "Speed at which tilt is corrected towards the measured gravity; higher reacts faster and is more "
             "easily misled by acceleration."),
-        real(30, "ki", &G::ki, 0.002, {0.0, 0.1}, "1/s^2",
+        real(30, "ki", &G::ki, 0.001, {0.0, 0.1}, "1/s^2",
              "Rate at which a remaining gyro offset is learned from the tilt correction, over tens of "
              "seconds.")};
   }

@@ -35,7 +35,7 @@ struct HeadingSettings {
              "Largest yaw correction by one fix."),
         real(33, "error_gain", &G::error_gain, 0.05, {0.0, 1.0}, "",
              "Share of the heading error that one fix corrects."),
-        real(34, "pair_gain_hz", &G::pair_gain_hz, 1.0, {0.0, 50.0}, "1/s",
+        real(34, "pair_gain_hz", &G::pair_gain_hz, 2.0, {0.0, 50.0}, "1/s",
              "Rate at which yaw is pulled to the heading of the paired beacons, at every IMU sample."),
         real(
             own_setting, "pair_bias_gain_hz2", &G::pair_bias_gain_hz2, 0.02, {0.0, 10.0}, "1/s^2",

@@ -30,7 +30,7 @@ struct VelocitySettings {
     using setting::own_setting;
     using setting::real;
     return std::tuple{
-        real(3, "blend_weight", &G::blend_weight, 0.12, {0.0, 1.0}, "",
+        real(3, "blend_weight", &G::blend_weight, 0.27, {0.0, 1.0}, "",
              "Largest share of the difference to the velocity between two fixes that one fix corrects; "
              "scaled by "
              "the fix's weight."),
@@ -39,7 +39,7 @@ struct VelocitySettings {
              "direction."),
         flag(8, "undershoot_fix", &G::undershoot_fix, true,
              "Take the ultrasonic velocity at once where it is more than twice the IMU's."),
-        real(28, "snap_min_speed_mps", &G::snap_min_speed_mps, 0.8, {0.0, 100.0}, "m/s",
+        real(28, "snap_min_speed_mps", &G::snap_min_speed_mps, 2.5, {0.0, 100.0}, "m/s",
              "Ultrasonic speed below which the overshoot and undershoot fixes never act."),
         flag(26, "accel_gate", &G::accel_gate, false,
              "Reduce the velocity correction in proportion to the current acceleration."),

@@ -1,0 +1,60 @@
+#pragma once
+/// \file
+/// The fusion's settings from a TOML file and from the command line, with overrides per beacon.
+
+#include <sonopose/fusion/settings.hpp>
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace sonopose::config {
+
+/// A configuration that cannot be used; the message names file and line (or the argument), key, value and
+/// what is allowed.
+class ConfigError : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Settings for every beacon, and what differs for single ones.
+class FusionConfig {
+public:
+  /// Everything at its default.
+  FusionConfig() = default;
+
+  /// Reads a TOML file: a table per settings group (`[drift]`), and per beacon `[beacon.7.drift]`.
+  /// Throws ConfigError for what is not TOML, an unknown key, a value of the wrong kind or out of range.
+  static FusionConfig load(const std::filesystem::path& file);
+
+  /// Applies `group.key=value` or `beacon.7.group.key=value`, as typed after --set. Throws ConfigError.
+  void assign(std::string_view assignment);
+
+  /// What one beacon's engine is made with.
+  [[nodiscard]] fusion::Settings for_beacon(BeaconAddress address) const;
+
+  /// What is allowed but surely not meant, in plain words: items 2–4 set beside a preset that replaces them.
+  [[nodiscard]] std::vector<std::string> warnings() const;
+
+  /// The whole as a commented TOML file, which loads back to the same values.
+  [[nodiscard]] std::string to_toml() const;
+
+private:
+  using Overrides = std::vector<std::pair<std::string, fusion::SettingValue>>;
+
+  void set(std::string_view key, const fusion::SettingValue& value);
+
+  fusion::Settings settings_;
+  std::set<std::string> given_;  ///< keys that the user set for all beacons
+  std::map<BeaconAddress, Overrides> overrides_;
+};
+
+/// The table of all settings as a page of the docs.
+std::string settings_page();
+
+}  // namespace sonopose::config

@@ -1,0 +1,208 @@
+#include <sonopose/config/fusion_config.hpp>
+
+#include <fmt/format.h>
+#define TOML_EXCEPTIONS 1
+#include <toml++/toml.h>
+
+#include <charconv>
+#include <limits>
+
+namespace sonopose::config {
+namespace {
+
+using fusion::SettingError;
+using fusion::SettingValue;
+
+constexpr std::string_view beacon_prefix = "beacon.";
+
+/// A leaf of the TOML tree as a setting's value.
+SettingValue value_of(const toml::node& node, std::string_view key) {
+  if (const auto flag = node.value_exact<bool>()) return *flag;
+  if (const auto whole = node.value_exact<std::int64_t>()) {
+    if (std::in_range<int>(*whole)) return static_cast<int>(*whole);
+    return static_cast<double>(*whole);  // beyond every range: refused as such
+  }
+  if (const auto real = node.value_exact<double>()) return *real;
+  if (auto text = node.value_exact<std::string>()) return *std::move(text);
+  throw SettingError(fmt::format("{}: neither a number, true or false, nor a text", key));
+}
+
+/// Calls `visit(key, node)` for every leaf, in the order of the file.
+template <class Visit>
+void for_each_leaf(const toml::table& table, const std::string& prefix, const Visit& visit) {
+  for (const auto& [name, node] : table) {
+    const std::string key = prefix + std::string(name.str());
+    if (const auto* inner = node.as_table()) {
+      for_each_leaf(*inner, key + ".", visit);
+    } else {
+      visit(key, node);
+    }
+  }
+}
+
+/// Splits "beacon.7.drift.decay_rate_hz" at the address.
+std::pair<BeaconAddress, std::string_view> split_beacon(std::string_view key) {
+  const std::string_view rest = key.substr(beacon_prefix.size());
+  const std::size_t dot = rest.find('.');
+  const std::string_view number = rest.substr(0, dot);
+  BeaconAddress address = 0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), address);
+  const bool whole = error == std::errc{} && end == number.data() + number.size();
+  if (!whole || address == all_beacons || dot == std::string_view::npos) {
+    throw SettingError(
+        fmt::format("{}: expected beacon.ADDRESS.GROUP.KEY with an address of 0 … {}", key, all_beacons - 1));
+  }
+  return {address, rest.substr(dot + 1)};
+}
+
+std::string as_toml(const SettingValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return fmt::format("\"{}\"", *text);
+  if (const auto* real = std::get_if<double>(&value)) {
+    // A float in TOML needs a point, or it would read as an integer.
+    std::string text = fusion::to_text(*real);
+    if (text.find_first_of(".eni") == std::string::npos) text += ".0";
+    return text;
+  }
+  return fusion::to_text(value);
+}
+
+std::string item_text(int item) {
+  return item == setting::own_setting ? std::string() : fmt::format("Item {}. ", item);
+}
+
+/// "prefix" + the group of a key that is known to exist.
+std::string table_header(const std::string& prefix, const std::string& group) {
+  return fmt::format("\n[{}{}]\n", prefix, group);
+}
+
+}  // namespace
+
+FusionConfig FusionConfig::load(const std::filesystem::path& file) {
+  toml::table tree;
+  try {
+    tree = toml::parse_file(file.string());
+  } catch (const toml::parse_error& error) {
+    const auto line = error.source().begin.line;
+    throw ConfigError(line == 0 ? fmt::format("{}: {}", file.string(), error.description())
+                                : fmt::format("{}:{}: {}", file.string(), line, error.description()));
+  }
+  FusionConfig config;
+  for_each_leaf(tree, "", [&](const std::string& key, const toml::node& node) {
+    try {
+      config.set(key, value_of(node, key));
+    } catch (const SettingError& error) {
+      throw ConfigError(fmt::format("{}:{}: {}", file.string(), node.source().begin.line, error.what()));
+    }
+  });
+  return config;
+}
+
+void FusionConfig::assign(std::string_view assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string_view::npos || equals == 0) {
+    throw ConfigError(fmt::format("--set {}: expected GROUP.KEY=VALUE", assignment));
+  }
+  const std::string_view key = assignment.substr(0, equals);
+  const std::string_view text = assignment.substr(equals + 1);
+  try {
+    const std::string_view setting_key = key.starts_with(beacon_prefix) ? split_beacon(key).second : key;
+    set(key, fusion::parse_value(setting_key, text));
+  } catch (const SettingError& error) {
+    throw ConfigError(fmt::format("--set {}: {}", assignment, error.what()));
+  }
+}
+
+void FusionConfig::set(std::string_view key, const SettingValue& value) {
+  if (key.starts_with(beacon_prefix)) {
+    const auto [address, setting_key] = split_beacon(key);
+    fusion::Settings trial;
+    fusion::set(trial, setting_key, value);
+    overrides_[address].emplace_back(setting_key, value);
+    return;
+  }
+  fusion::set(settings_, key, value);
+  given_.emplace(key);
+}
+
+fusion::Settings FusionConfig::for_beacon(BeaconAddress address) const {
+  fusion::Settings settings = settings_;
+  if (const auto found = overrides_.find(address); found != overrides_.end()) {
+    for (const auto& [key, value] : found->second) fusion::set(settings, key, value);
+  }
+  return settings;
+}
+
+std::vector<std::string> FusionConfig::warnings() const {
+  static constexpr std::array replaced{"drift.decay_rate_hz", "velocity.blend_weight", "drift.jump_alpha"};
+  std::vector<std::string> texts;
+  const auto check = [&texts](const fusion::Settings& settings, const auto& is_given,
+                              const std::string& where) {
+    if (settings.preset.imu_weight == fusion::ImuWeight::user) return;
+    for (const auto* key : replaced) {
+      if (!is_given(key)) continue;
+      texts.push_back(
+          fmt::format("{}{} is ignored: fusion.imu_weight = {} sets it; use fusion.imu_weight = user", where,
+                      key, fusion::to_text(fusion::get(settings, "fusion.imu_weight"))));
+    }
+  };
+  check(
+      settings_, [this](const char* key) { return given_.contains(key); }, "");
+  for (const auto& [address, list] : overrides_) {
+    const auto is_overridden = [&entries = list](const char* key) {
+      return std::any_of(entries.begin(), entries.end(),
+                         [key](const auto& entry) { return entry.first == key; });
+    };
+    check(for_beacon(address), is_overridden, fmt::format("beacon.{}.", address));
+  }
+  return texts;
+}
+
+std::string FusionConfig::to_toml() const {
+  std::string text =
+      "# Settings of sonopose-fusion. Every value below is what is used; delete what you do not change.\n"
+      "# One beacon of its own: [beacon.7.drift] and so on.\n";
+  std::string group;
+  for (const auto& row : fusion::setting_table()) {
+    if (row.group != group) text += table_header("", row.group);
+    group = row.group;
+    text += fmt::format("# {}{} ({})\n", item_text(row.item), row.sentence, row.allowed());
+    text += fmt::format("{} = {}\n", row.name, as_toml(fusion::get(settings_, row.key)));
+  }
+  for (const auto& [address, list] : overrides_) {
+    // A key that was given twice has its last value; a table may stand in a file only once.
+    std::map<std::string, std::map<std::string, SettingValue>> groups;
+    for (const auto& [key, value] : list) {
+      const auto& row = fusion::setting_info(key);
+      groups[row.group][row.name] = value;
+    }
+    for (const auto& [name, values] : groups) {
+      text += table_header(fmt::format("beacon.{}.", address), name);
+      for (const auto& [key, value] : values) text += fmt::format("{} = {}\n", key, as_toml(value));
+    }
+  }
+  return text;
+}
+
+std::string settings_page() {
+  std::string text =
+      "# Settings of the fusion\n\n"
+      "Made by `sonopose-fusion --print-settings-page` from the settings' own declarations; a test keeps it "
+      "so.\n"
+      "*Item* is the number in the fusion document, where it has one. Put them into a TOML file (`--config`; "
+      "`sonopose-fusion --print-config` prints one), or on the command line (`--set drift.decay_rate_hz=2`); "
+      "`beacon.7.` in front makes it one beacon's own.\n";
+  std::string group;
+  for (const auto& row : fusion::setting_table()) {
+    if (row.group != group) {
+      text += fmt::format("\n## {}\n\n| Item | Key | Default | Allowed | Meaning |\n|---|---|---|---|---|\n",
+                          row.group);
+    }
+    group = row.group;
+    text += fmt::format("| {} | `{}` | {} | {} | {} |\n",
+                        row.item == setting::own_setting ? "" : std::to_string(row.item), row.key,
+                        fusion::to_text(row.initial), row.allowed(), row.sentence);
+  }
+  return text;
+}
+
+}  // namespace sonopose::config
