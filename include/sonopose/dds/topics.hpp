@@ -7,6 +7,8 @@
 #include <sonopose/dds/idl_types.hpp>
 #include <sonopose/dds/qos_provider.hpp>
 
+#include <type_traits>
+
 namespace sonopose::dds {
 
 /// One row: a topic's name, type and profiles (of `qos/sonopose.xml`).
@@ -47,7 +49,8 @@ const char* profile_of(const TopicEntry<T>& entry, Delivery delivery) {
 /// A writer for one row of the diagram. `listener` must outlive it.
 template <class T>
 DataWriter<T> make_writer(const DomainParticipant& participant, const QosProvider& qos,
-                          const TopicEntry<T>& entry, DataWriterListener<T>* listener = nullptr,
+                          const TopicEntry<T>& entry,
+                          std::type_identity_t<DataWriterListener<T>>* listener = nullptr,
                           Delivery delivery = Delivery::live) {
   const char* profile = profile_of(entry, delivery);
   const Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
@@ -57,7 +60,8 @@ DataWriter<T> make_writer(const DomainParticipant& participant, const QosProvide
 /// A reader for one row of the diagram. `listener` must outlive it.
 template <class T>
 DataReader<T> make_reader(const DomainParticipant& participant, const QosProvider& qos,
-                          const TopicEntry<T>& entry, DataReaderListener<T>* listener = nullptr,
+                          const TopicEntry<T>& entry,
+                          std::type_identity_t<DataReaderListener<T>>* listener = nullptr,
                           Delivery delivery = Delivery::live) {
   const char* profile = profile_of(entry, delivery);
   const Topic<T> topic(participant, entry.name, qos.topic_qos(profile));

@@ -1,0 +1,43 @@
+#include "app.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+
+namespace sonopose::apps {
+
+void add_bus_options(CLI::App& app, BusOptions& options) {
+  app.add_option_function<std::uint32_t>(
+         "--domain", [&options](std::uint32_t id) { options.domain.domain_id = id; },
+         "DDS domain (default: ROS_DOMAIN_ID, else 0)")
+      ->check(CLI::Range(0U, dds::max_domain_id))
+      ->group("Bus");
+  const std::map<std::string, dds::Network> networks{{"loopback", dds::Network::loopback},
+                                                     {"lan", dds::Network::lan}};
+  app.add_option("--network", options.domain.network,
+                 "loopback: this machine alone; lan: the interface that Cyclone DDS chooses "
+                 "(a CYCLONEDDS_URI of your own wins over both)")
+      ->transform(CLI::CheckedTransformer(networks))
+      ->default_str("loopback")
+      ->group("Bus");
+  app.add_option("--qos", options.qos_file, "QoS profiles (default: SONOPOSE_QOS, else the project's own)")
+      ->type_name("FILE")
+      ->group("Bus");
+}
+
+int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error);
+  }
+  try {
+    return body();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", app.get_name(), error.what());
+    return 1;
+  }
+}
+
+}  // namespace sonopose::apps

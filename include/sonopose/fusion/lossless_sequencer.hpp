@@ -1,0 +1,49 @@
+#pragma once
+/// \file
+/// The order of events where nothing is ever lost (keep-all on both sides, a log played as fast as it can
+/// be): an event waits for those before it however long it takes.
+
+#include <sonopose/core/samples.hpp>
+#include <sonopose/fusion/sequencer.hpp>
+
+#include <cstdint>
+#include <map>
+
+namespace sonopose::fusion {
+
+/// Numbering begins with 1, as a log's does. It allocates: for use off the live path.
+class LosslessSequencer {
+public:
+  /// More events than any transport holds back: then the first number is not coming any more.
+  static constexpr std::size_t capacity = 1U << 16U;
+
+  /// Calls `deliver(event)` for every event that is in line now.
+  template <class Deliver>
+  void push(const Event& event, const Deliver& deliver) {
+    const std::uint64_t sequence = sequence_of(event);
+    if (sequence == 1 && next_ > 1) {  // the log is played again
+      waiting_.clear();
+      next_ = 1;
+      ++counters_.restarts;
+    }
+    if (sequence < next_ || !waiting_.emplace(sequence, event).second) ++counters_.duplicated;
+    if (waiting_.size() > capacity) {
+      counters_.lost += waiting_.begin()->first - next_;
+      next_ = waiting_.begin()->first;
+    }
+    while (!waiting_.empty() && waiting_.begin()->first == next_) {
+      const auto node = waiting_.extract(waiting_.begin());
+      ++next_;
+      deliver(node.mapped());
+    }
+  }
+
+  [[nodiscard]] const SequencerCounters& counters() const { return counters_; }
+
+private:
+  std::uint64_t next_ = 1;
+  std::map<std::uint64_t, Event> waiting_;
+  SequencerCounters counters_;
+};
+
+}  // namespace sonopose::fusion

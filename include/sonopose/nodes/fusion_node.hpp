@@ -1,0 +1,40 @@
+#pragma once
+/// \file
+/// The fusion process: takes events from DDS, runs one engine per beacon, writes poses and reports.
+
+#include <sonopose/config/fusion_config.hpp>
+#include <sonopose/dds/domain.hpp>
+#include <sonopose/nodes/stop_signal.hpp>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+namespace sonopose::nodes {
+
+struct FusionOptions {
+  dds::DomainOptions domain;
+  std::optional<std::filesystem::path> qos_file;
+  config::FusionConfig config;
+  bool lossless = false;  ///< keep all events and poses, for a log that is played as fast as it can be
+};
+
+/// Live, each event is taken, fused and its pose written on Cyclone's receive thread, the quickest way there
+/// is. Lossless, a thread of its own waits for events, because it must be able to wait for consumers too.
+class FusionNode {
+public:
+  /// Joins the domain and begins to serve. Throws dds::Error, dds::QosFileError.
+  explicit FusionNode(const FusionOptions& options);
+  FusionNode(const FusionNode&) = delete;
+  FusionNode& operator=(const FusionNode&) = delete;
+  ~FusionNode();
+
+  /// Publishes the status of every beacon once a second until the stop.
+  void run(const StopSignal& stop);
+
+private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sonopose::nodes
