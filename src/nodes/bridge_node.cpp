@@ -1,0 +1,255 @@
+#include <sonopose/dds/conversions.hpp>
+#include <sonopose/dds/participant.hpp>
+#include <sonopose/dds/topics.hpp>
+#include <sonopose/nodes/beacon_recorder.hpp>
+#include <sonopose/nodes/bridge_node.hpp>
+#include <sonopose/nodes/host_clock.hpp>
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+namespace sonopose::nodes {
+
+namespace topics = dds::topics;
+
+class BridgeNode::Publisher final : public SampleSink {
+public:
+  Publisher(const BridgeOptions& options, const StopSignal* stop = nullptr);
+  ~Publisher() override;
+
+  void on(const Event& event) override;
+  void on(const TruthSample& truth) override;
+  void on(const BeaconStatus& status) override;
+  void tick() override;
+
+  void obey(const StopSignal& stop) { stop_ = &stop; }
+  void wait_for_readers();
+  void wait_until_read();
+
+private:
+  /// What is kept for each address: its numbering, and its status of the second that runs.
+  struct Beacon {
+    std::uint64_t next_sequence = 1;
+    std::uint64_t imu_samples = 0;
+    std::uint64_t fixes = 0;
+    std::uint64_t headings = 0;
+    BeaconStatus status;
+    std::set<std::uint64_t> other_writers;  ///< publication handles of further bridges that live
+  };
+
+  Beacon& beacon_of(BeaconAddress address);
+  template <class T>
+  void write(dds::DataWriter<T>& writer, const T& sample);
+  void publish(ImuSample imu, Beacon& beacon);
+  void publish(const UltrasonicFix& fix, Beacon& beacon);
+  void publish(const PairHeading& heading, Beacon& beacon);
+  void publish_status(Beacon& beacon, double elapsed_s);
+  void look_for_other_bridges();
+  [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
+
+  bool lossless_;
+  const StopSignal* stop_ = nullptr;
+  dds::DomainParticipant participant_;
+  dds::QosProvider qos_;
+  dds::DataWriter<sonopose_ImuSample> imu_writer_;
+  dds::DataWriter<sonopose_UltrasonicFix> fix_writer_;
+  dds::DataWriter<sonopose_PairHeading> heading_writer_;
+  dds::DataWriter<sonopose_TruthSample> truth_writer_;
+  dds::DataWriter<sonopose_BeaconStatus> status_writer_;
+  dds::DataReader<sonopose_BeaconStatus> status_reader_;
+  std::optional<BeaconRecorder> recorder_;
+  std::map<BeaconAddress, Beacon> beacons_;
+  TimeNs status_due_ns_ = 0;
+  TimeNs status_last_ns_ = 0;
+  std::uint64_t unwritten_ = 0;
+  std::uint64_t unwritten_told_ = 0;
+};
+
+BridgeNode::Publisher::Publisher(const BridgeOptions& options, const StopSignal* stop)
+    : lossless_(options.lossless),
+      stop_(stop),
+      participant_(options.domain),
+      qos_(dds::find_qos_file(options.qos_file)),
+      status_last_ns_(steady_now_ns()) {
+  const auto delivery = lossless_ ? dds::Delivery::lossless : dds::Delivery::live;
+  imu_writer_ = dds::make_writer(participant_, qos_, topics::imu, nullptr, delivery);
+  fix_writer_ = dds::make_writer(participant_, qos_, topics::fix, nullptr, delivery);
+  heading_writer_ = dds::make_writer(participant_, qos_, topics::heading, nullptr, delivery);
+  truth_writer_ = dds::make_writer(participant_, qos_, topics::truth);
+  status_writer_ = dds::make_writer(participant_, qos_, topics::beacon_status);
+  status_reader_ = dds::make_reader(participant_, qos_, topics::beacon_status);
+  if (options.record_folder) recorder_.emplace(*options.record_folder);
+}
+
+BridgeNode::Publisher::~Publisher() {
+  // Readers' deadlines end with the instances: a bridge that left is no bridge that is late.
+  const auto unregister = [this]<class T>(dds::DataWriter<T>& writer) {
+    for (const auto& entry : beacons_) {
+      T key{};
+      key.address = entry.first;
+      dds_unregister_instance(writer.handle(), &key);
+    }
+  };
+  unregister(imu_writer_);
+  unregister(fix_writer_);
+  unregister(heading_writer_);
+  unregister(truth_writer_);
+  unregister(status_writer_);
+}
+
+BridgeNode::Publisher::Beacon& BridgeNode::Publisher::beacon_of(BeaconAddress address) {
+  Beacon& beacon = beacons_[address];
+  beacon.status.address = address;
+  return beacon;
+}
+
+template <class T>
+void BridgeNode::Publisher::write(dds::DataWriter<T>& writer, const T& sample) {
+  dds::ReturnCode code = writer.try_write(sample);
+  while (lossless_ && code == DDS_RETCODE_TIMEOUT && !stopped()) code = writer.try_write(sample);
+  if (code < 0) ++unwritten_;
+}
+
+void BridgeNode::Publisher::on(const Event& event) {
+  Beacon& beacon = beacon_of(address_of(event));
+  Event numbered = event;
+  std::visit(
+      [&beacon](auto& sample) {
+        if (sample.sequence == 0) sample.sequence = beacon.next_sequence;
+        beacon.next_sequence = sample.sequence + 1;
+      },
+      numbered);
+  std::visit([&](const auto& sample) { publish(sample, beacon); }, numbered);
+  if (recorder_) recorder_->write(numbered);
+}
+
+void BridgeNode::Publisher::publish(ImuSample imu, Beacon& beacon) {
+  ++beacon.imu_samples;
+  imu.bridge_time_ns = now_ns();
+  write(imu_writer_, dds::to_idl(imu));
+}
+
+void BridgeNode::Publisher::publish(const UltrasonicFix& fix, Beacon& beacon) {
+  ++beacon.fixes;
+  write(fix_writer_, dds::to_idl(fix));
+}
+
+void BridgeNode::Publisher::publish(const PairHeading& heading, Beacon& beacon) {
+  ++beacon.headings;
+  write(heading_writer_, dds::to_idl(heading));
+}
+
+void BridgeNode::Publisher::on(const TruthSample& truth) {
+  beacon_of(truth.address);
+  write(truth_writer_, dds::to_idl(truth));
+  if (recorder_) recorder_->write(truth);
+}
+
+void BridgeNode::Publisher::on(const BeaconStatus& status) {
+  beacon_of(status.address).status = status;
+}
+
+void BridgeNode::Publisher::tick() {
+  constexpr TimeNs period_ns = 1'000'000'000;
+  const TimeNs now = steady_now_ns();
+  if (now < status_due_ns_) return;
+  look_for_other_bridges();
+  for (auto& entry : beacons_) publish_status(entry.second, seconds_between(status_last_ns_, now));
+  status_last_ns_ = now;
+  status_due_ns_ = now + period_ns;
+  if (unwritten_ != unwritten_told_) {
+    fmt::print(stderr, "sonopose-bridge: {} samples could not be written: a reader is too slow\n",
+               unwritten_ - unwritten_told_);
+    unwritten_told_ = unwritten_;
+  }
+}
+
+void BridgeNode::Publisher::publish_status(Beacon& beacon, double elapsed_s) {
+  const auto rate_hz = [elapsed_s](std::uint64_t& count) {
+    const double rate = elapsed_s > 0.0 ? static_cast<double>(count) / elapsed_s : 0.0;
+    count = 0;
+    return rate;
+  };
+  beacon.status.time_ns = now_ns();
+  beacon.status.imu_rate_hz = rate_hz(beacon.imu_samples);
+  beacon.status.fix_rate_hz = rate_hz(beacon.fixes);
+  beacon.status.heading_rate_hz = rate_hz(beacon.headings);
+  beacon.status.other_bridges = static_cast<std::uint32_t>(beacon.other_writers.size());
+  write(status_writer_, dds::to_idl(beacon.status));
+}
+
+void BridgeNode::Publisher::look_for_other_bridges() {
+  const auto own = status_writer_.instance_handle();
+  const auto note = [&](const sonopose_BeaconStatus& status, const dds::SampleInfo& info) {
+    if (info.publication_handle() == own) return;
+    const auto found = beacons_.find(status.address);
+    if (found == beacons_.end()) return;
+    if (found->second.other_writers.insert(info.publication_handle().value).second) {
+      fmt::print(stderr,
+                 "sonopose-bridge: another bridge publishes beacon {} too: its poses will be wrong until one "
+                 "of them "
+                 "is stopped\n",
+                 status.address);
+    }
+  };
+  status_reader_.try_take_each(note);
+  // A bridge that has gone is no longer among the matched writers.
+  std::set<std::uint64_t> living;
+  for (const auto handle : status_reader_.matched_publications()) living.insert(handle.value);
+  for (auto& entry : beacons_) {
+    std::erase_if(entry.second.other_writers,
+                  [&living](std::uint64_t handle) { return !living.contains(handle); });
+  }
+}
+
+void BridgeNode::Publisher::wait_for_readers() {
+  const auto all_matched = [this] {
+    return imu_writer_.publication_matched_status().current_count > 0 &&
+           fix_writer_.publication_matched_status().current_count > 0 &&
+           heading_writer_.publication_matched_status().current_count > 0;
+  };
+  constexpr TimeNs look_period_ns = 20'000'000;
+  constexpr TimeNs patience_ns = 3'000'000'000;
+  const TimeNs began_ns = steady_now_ns();
+  bool told = false;
+  while (!all_matched()) {
+    if (stop_->wait_until(steady_now_ns() + look_period_ns)) return;
+    if (!told && steady_now_ns() - began_ns > patience_ns) {
+      fmt::print(stderr, "sonopose-bridge: waiting for somebody to listen (is sonopose-fusion running?)\n");
+      told = true;
+    }
+  }
+}
+
+void BridgeNode::Publisher::wait_until_read() {
+  const auto wait = [this](auto& writer) {
+    constexpr std::chrono::milliseconds step{200};
+    constexpr int most_steps = 150;
+    for (int i = 0; i < most_steps && !stopped(); ++i) {
+      if (writer.wait_for_acknowledgments(step)) return;
+    }
+  };
+  wait(imu_writer_);
+  wait(fix_writer_);
+  wait(heading_writer_);
+  wait(truth_writer_);
+}
+
+BridgeNode::BridgeNode(const BridgeOptions& options) : publisher_(std::make_unique<Publisher>(options)) {}
+BridgeNode::~BridgeNode() = default;
+
+void BridgeNode::run(Source& source, const StopSignal& stop) {
+  publisher_->obey(stop);
+  if (source.is_recording()) publisher_->wait_for_readers();
+  source.run(*publisher_, stop);
+  publisher_->tick();
+  if (source.is_recording()) publisher_->wait_until_read();
+}
+
+}  // namespace sonopose::nodes
