@@ -132,13 +132,12 @@ void BeaconClock::measure_jitter(std::int64_t beacon_ns, TimeNs arrival_ns) {
 
 // FixedClock
 
-void FixedClock::observe(const Stamp& stamp, std::int64_t ahead_ns) {
+void FixedClock::observe(const Stamp& stamp, std::int64_t ahead_ns, TimeNs arrival_ns) {
   if (!begun_) {
-    begin(stamp);
+    begin(stamp, ahead_ns, arrival_ns);
   } else if (unwrapper_.beacon_ns(stamp) + ahead_ns < newest_ns_ - overtaken_ns) {
     ++resets_;
-    origin_ns_ += newest_ns_ - first_ns_;
-    begin(stamp);
+    begin(stamp, ahead_ns, origin_ns_ + newest_ns_ - first_ns_);
   }
   const std::int64_t sent_ns = unwrapper_.beacon_ns(stamp) + ahead_ns;
   if (sent_ns < newest_ns_) return;
@@ -146,10 +145,11 @@ void FixedClock::observe(const Stamp& stamp, std::int64_t ahead_ns) {
   unwrapper_.follow(stamp);
 }
 
-void FixedClock::begin(const Stamp& stamp) {
+void FixedClock::begin(const Stamp& stamp, std::int64_t ahead_ns, TimeNs host_ns) {
   unwrapper_.restart();
   unwrapper_.follow(stamp);
-  first_ns_ = unwrapper_.beacon_ns(stamp);
+  origin_ns_ = host_ns;
+  first_ns_ = unwrapper_.beacon_ns(stamp) + ahead_ns;
   newest_ns_ = first_ns_;
   begun_ = true;
 }

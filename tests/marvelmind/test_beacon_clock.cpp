@@ -236,10 +236,10 @@ TEST_CASE("Unix time of the modem's choosing and 1/64 s of old firmware are mapp
 }
 
 TEST_CASE("The fixed clock knows the beacon's time alone") {
-  FixedClock clock(host_start_ns);
+  FixedClock clock;
   const auto at = [&clock](std::int64_t uptime_ms, std::int64_t ahead_ms = 0) {
     const Stamp stamp{TimeBase::uptime_ms, static_cast<std::uint32_t>(uptime_ms)};
-    clock.observe(stamp, ahead_ms * 1'000'000);
+    clock.observe(stamp, ahead_ms * 1'000'000, host_start_ns);
     return (clock.host_ns(stamp) - host_start_ns) / 1'000'000;
   };
   SECTION("a position stamped before the IMU samples around it") {

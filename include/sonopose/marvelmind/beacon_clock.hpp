@@ -128,27 +128,32 @@ private:
   std::uint64_t resets_ = 0;
 };
 
-/// Maps without arrivals, for bytes that are read from a file: the first stamp is `origin`, and every other
-/// one as far from it as the beacon's clock says. Same bytes, same times. A restart of the beacon goes on
-/// from the newest time reached.
+/// Maps by the beacon's clock alone, for bytes that are read from a file: the first packet was sent when it
+/// arrived, and every stamp is as far from that as the beacon counts. Same bytes, same times. A restart of
+/// the beacon goes on from the newest time reached. Has the interface of `BeaconClock`.
 class FixedClock {
 public:
-  explicit FixedClock(TimeNs origin_ns) : origin_ns_(origin_ns) {}
+  /// Takes a packet that the beacon sent `ahead_ns` after the moment of `stamp`; `arrival_ns` counts for the
+  /// first one alone.
+  void observe(const Stamp& stamp, std::int64_t ahead_ns, TimeNs arrival_ns);
 
-  /// Takes a packet that the beacon sent `ahead_ns` after the moment of `stamp`.
-  void observe(const Stamp& stamp, std::int64_t ahead_ns);
+  void advance_to(TimeNs /*now_ns*/) {}
+  void settle() {}
+  bool settled() const { return true; }
+  std::optional<TimeNs> settles_at_ns() const { return std::nullopt; }
 
   /// The host's time at `stamp`. Needs an observation before.
   TimeNs host_ns(const Stamp& stamp) const { return origin_ns_ + unwrapper_.beacon_ns(stamp) - first_ns_; }
 
   double offset_s() const { return static_cast<double>(origin_ns_ - first_ns_) * 1e-9; }
+  double jitter_s() const { return 0; }
   std::uint64_t resets() const { return resets_; }
 
 private:
-  void begin(const Stamp& stamp);
+  void begin(const Stamp& stamp, std::int64_t ahead_ns, TimeNs host_ns);
 
   Unwrapper unwrapper_;
-  TimeNs origin_ns_;
+  TimeNs origin_ns_ = 0;
   std::int64_t first_ns_ = 0;
   std::int64_t newest_ns_ = 0;
   bool begun_ = false;

@@ -1,0 +1,35 @@
+#pragma once
+/// \file
+/// Where samples go: a reference to any callable, without std::function's allocation.
+
+#include <sonopose/core/samples.hpp>
+
+#include <memory>
+#include <type_traits>
+
+namespace sonopose::marvelmind {
+
+/// Refers to a callable `void(const Value&)` that outlives the call it is passed to.
+template <typename Value>
+class SinkRef {
+public:
+  template <typename Callable>
+  requires(!std::is_same_v<std::remove_cvref_t<Callable>, SinkRef> &&
+           std::is_invocable_v<Callable&, const Value&>)
+      SinkRef(
+          Callable&& callable)  // NOLINT(bugprone-forwarding-reference-overload,google-explicit-constructor)
+      : object_(const_cast<void*>(static_cast<const void*>(std::addressof(callable)))),
+        call_([](void* object, const Value& value) {
+          (*static_cast<std::remove_reference_t<Callable>*>(object))(value);
+        }) {}
+
+  void operator()(const Value& value) const { call_(object_, value); }
+
+private:
+  void* object_;
+  void (*call_)(void*, const Value&);
+};
+
+using EventSink = SinkRef<Event>;
+
+}  // namespace sonopose::marvelmind

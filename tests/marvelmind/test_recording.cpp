@@ -1,0 +1,114 @@
+// 112 s of bytes as a real pair of beacons gave them, against the same recording as a log folder.
+
+#include "frames.hpp"
+#include <sonopose/marvelmind/assembler.hpp>
+#include <sonopose/marvelmind/conversions.hpp>
+#include <sonopose/marvelmind/decoder.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <vector>
+
+using namespace sonopose;
+using namespace sonopose::marvelmind;
+
+namespace {
+
+const std::string folder = SONOPOSE_RECORDINGS "/beacons/car/";
+
+struct Row {
+  TimeNs time_ns = 0;
+  std::vector<double> values;
+};
+
+std::vector<Row> read_csv(const std::string& name) {
+  std::ifstream file(folder + name);
+  std::vector<Row> rows;
+  for (std::string line; std::getline(file, line);) {
+    if (line.empty() || line.front() == '#') continue;
+    std::istringstream cells(line);
+    std::string cell;
+    std::getline(cells, cell, ',');
+    Row row{std::stoll(cell), {}};
+    while (std::getline(cells, cell, ',')) row.values.push_back(std::stod(cell));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+/// Rows in the order of their values' times, so that both sides can be compared one by one.
+template <typename Sample>
+std::vector<Sample> of_kind(const std::vector<Event>& events) {
+  std::vector<Sample> found;
+  for (const Event& event : events) {
+    if (const auto* sample = std::get_if<Sample>(&event)) found.push_back(*sample);
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("The car's recorded bytes give every sample of its log folder") {
+  std::ifstream file(folder + "stream.bin", std::ios::binary);
+  if (!file) {
+    std::cout << "skipped: no recordings\n";
+    return;
+  }
+  const marvelmind::testing::Bytes stream(std::istreambuf_iterator<char>(file), {});
+  const auto imu_rows = read_csv("imu.csv");
+  const auto fix_rows = read_csv("ultrasonic.csv");
+  const auto heading_rows = read_csv("heading.csv");
+  REQUIRE(imu_rows.size() == 10555);
+  REQUIRE(fix_rows.size() == 1182);
+
+  // The folder's times are the stream's uptimes, counted from this moment.
+  constexpr TimeNs epoch_ns = 1'700'000'000'000'000'000;
+  const TimeNs first_sent_ns = fix_rows.front().time_ns / 1'000'000 * 1'000'000 + 68'000'000;
+  REQUIRE(first_sent_ns - epoch_ns == 659'000'000);
+
+  std::vector<Event> events;
+  const auto collect = [&events](const Event& event) { events.push_back(event); };
+  Assembler assembler(TimeMapping::fixed);
+  Decoder decoder;
+  const auto on_packet = [&](const Packet& packet) {
+    assembler.on(packet, assembler.replay_arrival_ns(packet, first_sent_ns), collect);
+  };
+  decoder.feed(stream, on_packet);
+  decoder.finish(on_packet);
+  assembler.finish(collect);
+
+  CHECK(decoder.counters() == DecoderCounters{.frames = 10555 + 1182 + 1182});
+  const auto samples = of_kind<ImuSample>(events);
+  const auto fixes = of_kind<UltrasonicFix>(events);
+  const auto headings = of_kind<PairHeading>(events);
+  REQUIRE(samples.size() == imu_rows.size());
+  REQUIRE(fixes.size() == fix_rows.size());
+  REQUIRE(headings.size() == fix_rows.size());
+
+  constexpr TimeNs ms = 1'000'000;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const auto& row = imu_rows[i];
+    CHECK(std::abs(samples[i].sensor_time_ns - row.time_ns) <= ms);
+    const Vector3d gyro(row.values[0], row.values[1], row.values[2]);
+    const Vector3d accel(row.values[3], row.values[4], row.values[5]);
+    CHECK((samples[i].angular_velocity_body_radps - gyro).cwiseAbs().maxCoeff() <= 0.51 * gyro_radps_per_lsb);
+    CHECK((samples[i].specific_force_body_mps2 - accel).cwiseAbs().maxCoeff() <= 0.51 * accel_mps2_per_lsb);
+    CHECK_FALSE(samples[i].magnetic_field_body_t);
+  }
+  for (std::size_t i = 0; i < fixes.size(); ++i) {
+    const auto& row = fix_rows[i];
+    CHECK(std::abs(fixes[i].emission_time_ns - row.time_ns) <= ms);
+    CHECK((fixes[i].position_world_m - Vector3d(row.values[1], row.values[2], row.values[3])).norm() <= 1e-3);
+    CHECK(fixes[i].quality_percent == Approx(row.values[4]));
+    CHECK(fixes[i].measured_delay_s == Approx(0.068));
+  }
+  CHECK(std::count_if(headings.begin(), headings.end(), [](const auto& h) { return h.valid; }) ==
+        static_cast<std::ptrdiff_t>(heading_rows.size()));
+  CHECK(assembler.beacon(7)->status().clock_resets == 0);
+}
