@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace sonopose::sim {
 
@@ -79,7 +80,7 @@ ImuSample ideal_imu_sample(const Motion& motion, const Vector3d& lever_body_m) {
   return sample;
 }
 
-ImuModel::ImuModel(const SensorSettings& settings, Random random)
+ImuModel::ImuModel(const SensorSettings& settings, const Random& random)
     : settings_{settings},
       random_{random},
       accel_bias_mps2_{settings.accel_bias_mps2 * random_.normal_vector()},
@@ -101,7 +102,7 @@ ImuSample ImuModel::measure(const Motion& motion) {
 }
 
 UltrasonicModel::UltrasonicModel(const SensorSettings& settings, Random random)
-    : settings_{settings}, random_{random} {}
+    : settings_{settings}, random_{std::move(random)} {}
 
 double UltrasonicModel::next_delay_s() {
   constexpr double shortest_s = 1e-3;

@@ -3,7 +3,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 using namespace sonopose;
@@ -29,7 +31,8 @@ SCENARIO("each motion's derivatives belong to each other") {
         double acceleration_error = 0;
         double rate_error = 0;
         double rate_change_error = 0;
-        for (double t = 0.5; t < 30.0; t += 0.0371) {
+        for (int i = 0; i < 800; ++i) {
+          const double t = 0.5 + 0.0371 * i;
           const Motion now = scenario.motion(t);
           const Motion before = scenario.motion(t - h);
           const Motion after = scenario.motion(t + h);
@@ -65,7 +68,8 @@ SCENARIO("no motion has a step in its acceleration") {
       constexpr double angular_jerk_limit = 60.0;
       double jerk = 0;
       double angular_jerk = 0;
-      for (double t = 0.0; t < 20.0; t += step_s) {
+      for (int i = 0; i < 20'000; ++i) {
+        const double t = step_s * i;
         const Motion now = scenario.motion(t);
         const Motion next = scenario.motion(t + step_s);
         jerk = std::max(jerk, (next.acceleration_world_mps2 - now.acceleration_world_mps2).norm() / step_s);
@@ -83,7 +87,8 @@ SCENARIO("the walk is one") {
   const Scenario& walk = find_scenario("walk");
   GIVEN("its first three seconds") {
     THEN("it stands still") {
-      for (double t = 0; t <= 3.0; t += 0.1) {
+      for (int i = 0; i <= 30; ++i) {
+        const double t = std::min(3.0, 0.1 * i);
         CHECK(walk.motion(t).velocity_world_mps.norm() == 0.0);
         CHECK(walk.motion(t).angular_velocity_body_radps.norm() == 0.0);
         CHECK(walk.motion(t).position_world_m == walk.motion(0).position_world_m);
@@ -95,7 +100,8 @@ SCENARIO("the walk is one") {
     double most_mps = 0;
     double yaw_error_rad = 0;
     double largest_turn_radps = 0;
-    for (double t = 5.0; t < 40.0; t += 0.01) {
+    for (int i = 0; i < 3500; ++i) {
+      const double t = 5.0 + 0.01 * i;
       const Motion motion = walk.motion(t);
       const Vector3d& v = motion.velocity_world_mps;
       least_mps = std::min(least_mps, v.norm());

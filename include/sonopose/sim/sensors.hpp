@@ -45,7 +45,7 @@ void check(const SensorSettings& settings);
 /// The IMU of one beacon: its bias lives here.
 class ImuModel {
 public:
-  ImuModel(const SensorSettings& settings, Random random);
+  ImuModel(const SensorSettings& settings, const Random& random);
 
   /// Next sample, taken on this motion; stamps, address and number are the caller's.
   ImuSample measure(const Motion& motion);

@@ -1,0 +1,31 @@
+#include "append_file.hpp"
+
+#include <sonopose/io/error.hpp>
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace sonopose::io {
+
+AppendFile::AppendFile(const std::filesystem::path& path, Existing existing) : name_{path.string()} {
+  const int mode = existing == Existing::refuse ? O_EXCL : O_APPEND;
+  descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | mode, 0666);
+  if (descriptor_ < 0) throw IoError(name_ + ": cannot be made: " + std::strerror(errno));
+}
+
+AppendFile::~AppendFile() {
+  ::close(descriptor_);
+}
+
+void AppendFile::append(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw IoError(name_ + ": cannot be written: " + std::strerror(errno));
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
+}
+
+}  // namespace sonopose::io

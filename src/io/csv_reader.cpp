@@ -1,0 +1,170 @@
+#include "csv_reader.hpp"
+
+#include "units.hpp"
+#include <sonopose/io/error.hpp>
+
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+// The library cuts long file names on purpose; we hold the whole name ourselves.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wstringop-truncation"
+#define CSV_IO_NO_THREAD
+#include <libfccp/csv.h>
+#pragma GCC diagnostic pop
+
+namespace sonopose::io {
+
+namespace {
+
+/// A file's bytes. Ends every file with a newline: LineReader looks one byte too far where it is missing.
+class FileBytes : public ::io::ByteSourceBase {
+public:
+  explicit FileBytes(std::string name) : name_{std::move(name)}, file_{std::fopen(name_.c_str(), "rbe")} {
+    if (!file_) throw IoError(name_ + ": cannot be opened: " + std::strerror(errno));
+  }
+
+  int read(char* buffer, int size) override {
+    const auto wanted = static_cast<std::size_t>(size);
+    std::size_t count = std::fread(buffer, 1, wanted, file_.get());
+    if (std::ferror(file_.get()) != 0) throw IoError(name_ + ": cannot be read: " + std::strerror(errno));
+    if (count > 0) last_ = buffer[count - 1];
+    if (count < wanted && last_ != '\n') buffer[count++] = last_ = '\n';
+    return static_cast<int>(count);
+  }
+
+private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::string name_;
+  std::unique_ptr<std::FILE, Close> file_;
+  char last_ = '\n';
+};
+
+std::string_view trimmed(std::string_view text) {
+  const auto is_space = [](char c) { return c == ' ' || c == '\t'; };
+  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::string expected_columns(const CsvLayout& layout) {
+  const std::string most = std::to_string(layout.columns.size());
+  if (layout.least_columns == layout.columns.size()) return most;
+  return std::to_string(layout.least_columns) + " to " + most;
+}
+
+}  // namespace
+
+CsvReader::CsvReader(const std::filesystem::path& file, const CsvLayout& layout)
+    : name_{file.string()},
+      layout_{layout},
+      lines_{std::make_unique<::io::LineReader>(name_, std::make_unique<FileBytes>(name_))} {
+  read_header();
+}
+
+CsvReader::~CsvReader() = default;
+
+const char* CsvReader::next_line() {
+  try {
+    return lines_->next_line();
+  } catch (const ::io::error::line_length_limit_exceeded&) {
+    fail_line("the line is endless, this is no text file");
+  }
+}
+
+void CsvReader::read_header() {
+  const char* const line = next_line();
+  if (line == nullptr) throw IoError(name_ + ": is empty, a header line that begins with # is missing");
+  if (*line != '#') {
+    fail_line("a header line that begins with # is missing, this line is \"" + std::string(line) + "\"");
+  }
+  header_columns_ = split(line);
+  if (header_columns_ < layout_.least_columns || header_columns_ > layout_.columns.size()) {
+    fail_line("the header has " + std::to_string(header_columns_) + " columns instead of " +
+              expected_columns(layout_));
+  }
+}
+
+bool CsvReader::next_row() {
+  std::string_view line;
+  do {
+    const char* const text = next_line();
+    if (text == nullptr) return false;
+    line = trimmed(text);
+  } while (line.empty());
+  const std::size_t count = split(line);
+  const std::size_t least = layout_.short_rows ? layout_.least_columns : header_columns_;
+  if (count < least || count > header_columns_) {
+    fail_line("has " + std::to_string(count) + " columns where the header has " +
+              std::to_string(header_columns_));
+  }
+  return true;
+}
+
+std::size_t CsvReader::split(std::string_view line) {
+  cells_.fill({});
+  std::size_t count = 0;
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    if (count < cells_.size()) cells_[count] = trimmed(line.substr(0, comma));
+    ++count;
+    if (comma == std::string_view::npos) return count;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+TimeNs CsvReader::time_ns(std::size_t column) const {
+  const std::string_view text = cell(column);
+  TimeNs value = 0;
+  const char* const end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, value);
+  if (result.ec != std::errc{} || result.ptr != end) fail(column, "is not a time in whole nanoseconds");
+  return value;
+}
+
+double CsvReader::number(std::size_t column) const {
+  const auto value = parse_number(cell(column));
+  if (!value) fail(column, "is not a number");
+  return *value;
+}
+
+std::optional<double> CsvReader::optional_number(std::size_t column) const {
+  if (is_empty(column)) return std::nullopt;
+  return number(column);
+}
+
+Vector3d CsvReader::vector(std::size_t first_column) const {
+  return {number(first_column), number(first_column + 1), number(first_column + 2)};
+}
+
+double CsvReader::number_in(long double unit, std::size_t column) const {
+  const auto value = parse_number_in(unit, cell(column));
+  if (!value) fail(column, "is not a number");
+  return *value;
+}
+
+bool CsvReader::all_filled(std::size_t first_column, std::size_t count) const {
+  const bool first_empty = is_empty(first_column);
+  for (std::size_t column = first_column + 1; column < first_column + count; ++column) {
+    if (is_empty(column) == first_empty) continue;
+    fail(is_empty(column) ? column : first_column, "is empty though its neighbours are not");
+  }
+  return !first_empty;
+}
+
+void CsvReader::fail(std::size_t column, std::string_view what) const {
+  fail_line("column " + std::to_string(column + 1) + " (" + std::string(layout_.columns[column]) + "): \"" +
+            std::string(cell(column)) + "\" " + std::string(what));
+}
+
+void CsvReader::fail_line(std::string_view what) const {
+  throw IoError(name_ + ":" + std::to_string(lines_->get_file_line()) + ": " + std::string(what));
+}
+
+}  // namespace sonopose::io

@@ -1,0 +1,196 @@
+#include "append_file.hpp"
+#include "log_columns.hpp"
+#include "units.hpp"
+#include <sonopose/io/error.hpp>
+#include <sonopose/io/log_writer.hpp>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <span>
+#include <string>
+#include <utility>
+
+namespace sonopose::io {
+
+namespace {
+
+constexpr std::chrono::milliseconds flush_period{200};
+constexpr std::size_t full_buffer = std::size_t{1} << 16U;  ///< bytes: playing fast must not fill the memory
+
+}  // namespace
+
+/// One CSV file: cells are collected in memory and leave it in whole lines.
+class SensorLogWriter::File {
+public:
+  explicit File(const std::filesystem::path& path) : file_{path, AppendFile::Existing::refuse} {}
+
+  void header(std::span<const std::string_view> columns) {
+    lines_ += '#';
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (i > 0) lines_ += ',';
+      lines_ += columns[i];
+    }
+    lines_ += '\n';
+  }
+
+  File& time(TimeNs time_ns) {
+    std::array<char, 24> digits{};
+    const auto result = std::to_chars(digits.begin(), digits.end(), time_ns);
+    begin_cell();
+    lines_.append(digits.data(), result.ptr);
+    return *this;
+  }
+  File& number(double value) {
+    begin_cell();
+    append_number(lines_, value);
+    return *this;
+  }
+  File& number_in(long double unit, double value) {
+    begin_cell();
+    append_number_in(unit, lines_, value);
+    return *this;
+  }
+  File& known_number(double value) { return std::isnan(value) ? empty() : number(value); }
+  File& empty() {
+    begin_cell();
+    return *this;
+  }
+  void end_row() {
+    lines_ += '\n';
+    in_row_ = false;
+    if (lines_.size() > full_buffer) flush();
+  }
+
+  void flush() {
+    file_.append(std::as_bytes(std::span(lines_)));
+    lines_.clear();
+  }
+
+private:
+  void begin_cell() {
+    if (std::exchange(in_row_, true)) lines_ += ',';
+  }
+
+  AppendFile file_;
+  std::string lines_;
+  bool in_row_ = false;
+};
+
+SensorLogWriter::SensorLogWriter(std::filesystem::path folder)
+    : folder_{std::move(folder)}, last_flush_{std::chrono::steady_clock::now()} {
+  for (const std::string_view name : {imu_file, ultrasonic_file, heading_file, truth_file}) {
+    if (exists(folder_ / name)) {
+      throw IoError(folder_.string() + ": already holds a recording (" + std::string(name) +
+                    "), it is not overwritten");
+    }
+  }
+  std::error_code error;
+  create_directories(folder_, error);
+  if (error) throw IoError(folder_.string() + ": cannot be made: " + error.message());
+  imu_ = std::make_unique<File>(folder_ / imu_file);
+  ultrasonic_ = std::make_unique<File>(folder_ / ultrasonic_file);
+  heading_ = std::make_unique<File>(folder_ / heading_file);
+  ultrasonic_->header(ultrasonic_columns);
+  heading_->header(heading_columns);
+}
+
+SensorLogWriter::~SensorLogWriter() {
+  try {
+    if (!with_magnetometer_) write_imu_header(false);
+    flush();
+  } catch (const std::exception&) {  // a destructor has nobody to tell
+  }
+}
+
+void SensorLogWriter::write(const ImuSample& sample) {
+  admit(sample.address);
+  if (!with_magnetometer_) write_imu_header(sample.magnetic_field_body_t.has_value());
+  imu_->time(sample.sensor_time_ns);
+  for (const double rate : sample.angular_velocity_body_radps) imu_->number(rate);
+  for (const double force : sample.specific_force_body_mps2) imu_->number(force);
+  if (*with_magnetometer_) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (sample.magnetic_field_body_t) {
+        imu_->number_in(microtesla, (*sample.magnetic_field_body_t)[axis]);
+      } else {
+        imu_->empty();
+      }
+    }
+  } else if (sample.magnetic_field_body_t) {
+    ++magnetic_fields_dropped_;
+  }
+  imu_->end_row();
+  flush_when_due();
+}
+
+void SensorLogWriter::write(const UltrasonicFix& fix) {
+  admit(fix.address);
+  ultrasonic_->time(fix.emission_time_ns).time(fix.received_time_ns);
+  for (const double x : fix.position_world_m) ultrasonic_->number(x);
+  if (fix.quality_percent) {
+    ultrasonic_->number(*fix.quality_percent);
+  } else {
+    ultrasonic_->empty();
+  }
+  ultrasonic_->end_row();
+  flush_when_due();
+}
+
+void SensorLogWriter::write(const PairHeading& heading) {
+  admit(heading.address);
+  heading_->time(heading.emission_time_ns).time(heading.received_time_ns);
+  if (heading.valid) {
+    heading_->number_in(degree, heading.heading_world_rad);
+  } else {
+    heading_->empty();
+  }
+  heading_->end_row();
+  flush_when_due();
+}
+
+void SensorLogWriter::write(const TruthSample& sample) {
+  admit(sample.address);
+  if (!truth_) {
+    truth_ = std::make_unique<File>(folder_ / truth_file);
+    truth_->header(std::span(truth_columns).first(truth_columns_written));
+  }
+  const Quaterniond& q = sample.q_body_to_world;
+  truth_->time(sample.time_ns);
+  for (const double x : sample.position_world_m) truth_->known_number(x);
+  for (const double x : {q.w(), q.x(), q.y(), q.z()}) truth_->known_number(x);
+  for (const double v : sample.velocity_world_mps) truth_->known_number(v);
+  truth_->end_row();
+  flush_when_due();
+}
+
+void SensorLogWriter::write(const Event& event) {
+  std::visit([this](const auto& sample) { write(sample); }, event);
+}
+
+void SensorLogWriter::flush() {
+  last_flush_ = std::chrono::steady_clock::now();
+  for (File* file : {imu_.get(), ultrasonic_.get(), heading_.get(), truth_.get()}) {
+    if (file != nullptr) file->flush();
+  }
+}
+
+void SensorLogWriter::admit(BeaconAddress address) {
+  if (address_.value_or(address) != address) {
+    throw IoError(folder_.string() + ": is the recording of beacon " + std::to_string(*address_) +
+                  ", beacon " + std::to_string(address) + " needs a folder of its own");
+  }
+  address_ = address;
+}
+
+void SensorLogWriter::write_imu_header(bool with_magnetometer) {
+  with_magnetometer_ = with_magnetometer;
+  const std::span<const std::string_view> columns{imu_columns};
+  imu_->header(with_magnetometer ? columns : columns.first(imu_columns_without_magnetometer));
+}
+
+void SensorLogWriter::flush_when_due() {
+  if (std::chrono::steady_clock::now() - last_flush_ > flush_period) flush();
+}
+
+}  // namespace sonopose::io
