@@ -20,6 +20,7 @@ struct SimulatorOptions {
   double duration_s = 0;  ///< 0: without end
   double rate = 1;
   sim::SensorSettings sensors;
+  std::optional<std::filesystem::path> capture;  ///< keep the bytes that a real beacon would have sent
 };
 
 /// The built-in simulator, from now on. Throws std::invalid_argument for an unknown scenario.

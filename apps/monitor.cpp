@@ -1,0 +1,28 @@
+// sonopose-monitor: a live table of every beacon on the bus.
+
+#include "support/app.hpp"
+#include <sonopose/nodes/monitor_node.hpp>
+
+#include <unistd.h>
+
+int main(int argc, char** argv) {
+  sonopose::apps::BusOptions bus;
+  sonopose::nodes::MonitorOptions options;
+  CLI::App app(
+      "Shows every beacon's rates, pose, status and latency, once a second, and a summary at the end.",
+      "sonopose-monitor");
+  add_bus_options(app, bus);
+  app.add_flag("--json", options.json, "One JSON object a second instead of the table");
+  app.add_option("--duration", options.duration_s, "End after this many seconds; 0: without end")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  return sonopose::apps::run(app, argc, argv, [&] {
+    options.domain = bus.domain;
+    options.qos_file = bus.qos_file;
+    options.redraw = !options.json && ::isatty(STDOUT_FILENO) == 1;
+    sonopose::nodes::StopSignal stop;
+    stop.listen_to_signals();
+    sonopose::nodes::monitor(options, stop);
+    return 0;
+  });
+}

@@ -1,0 +1,24 @@
+#pragma once
+/// \file
+/// The monitor's words: a table, one JSON object, and the summary of a run.
+
+#include <sonopose/nodes/beacon_view.hpp>
+
+#include <string>
+#include <vector>
+
+namespace sonopose::nodes {
+
+/// "ok", or the names of the status bits, as "stale, frozen track".
+std::string status_words(std::uint32_t status);
+
+/// A header and a row per beacon, each ended by a newline.
+std::string table_of(const std::vector<BeaconView>& views);
+
+/// {"time_ns": …, "beacons": [{…}]}, on one line without a newline. What is not known is null.
+std::string json_of(const std::vector<BeaconView>& views, TimeNs now_ns);
+
+/// Some lines per beacon: rates, latency, error, losses.
+std::string summary_of(const std::vector<BeaconView>& views);
+
+}  // namespace sonopose::nodes

@@ -1,0 +1,138 @@
+#include <sonopose/dds/conversions.hpp>
+#include <sonopose/dds/participant.hpp>
+#include <sonopose/dds/topics.hpp>
+#include <sonopose/nodes/beacon_view.hpp>
+#include <sonopose/nodes/host_clock.hpp>
+#include <sonopose/nodes/monitor_node.hpp>
+#include <sonopose/nodes/monitor_report.hpp>
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <mutex>
+
+namespace sonopose::nodes {
+namespace {
+
+namespace topics = dds::topics;
+
+/// All beacons; filled by Cyclone's threads, looked at by the main one.
+class Watches {
+public:
+  template <class Sample>
+  void on(const Sample& sample) {
+    const std::lock_guard lock(mutex_);
+    watches_[sample.address].on(sample);
+  }
+
+  void on(const FusedPose& pose, TimeNs received_ns) {
+    const std::lock_guard lock(mutex_);
+    watches_[pose.address].on(pose, received_ns);
+  }
+
+  void on_deadline_missed(BeaconAddress address, std::uint64_t count) {
+    const std::lock_guard lock(mutex_);
+    watches_[address].on_deadline_missed(count);
+  }
+
+  /// `look(watch, address)` for each beacon, in the order of addresses.
+  template <class Look>
+  std::vector<BeaconView> views(const Look& look) {
+    const std::lock_guard lock(mutex_);
+    std::vector<BeaconView> views;
+    for (auto& [address, watch] : watches_) views.push_back(look(watch, address));
+    return views;
+  }
+
+private:
+  std::mutex mutex_;
+  std::map<BeaconAddress, BeaconWatch> watches_;
+};
+
+template <class T>
+class WatchListener : public dds::DataReaderListener<T> {
+public:
+  explicit WatchListener(Watches& watches) : watches_(watches) {}
+
+  void on_data_available(dds::DataReader<T>& reader) noexcept override {
+    const TimeNs received_ns = now_ns();
+    reader.try_take_each([&](const T& sample, const dds::SampleInfo&) {
+      if constexpr (std::is_same_v<T, sonopose_FusedPose>) {
+        watches_.on(dds::from_idl(sample), received_ns);
+      } else {
+        watches_.on(dds::from_idl(sample));
+      }
+    });
+  }
+
+  void on_requested_deadline_missed(dds::DataReader<T>& reader,
+                                    const dds::RequestedDeadlineMissedStatus& status) noexcept override {
+    if constexpr (std::is_same_v<T, sonopose_FusedPose>) {
+      T key{};
+      if (dds_instance_get_key(reader.handle(), status.last_instance_handle, &key) < 0) return;
+      watches_.on_deadline_missed(key.address, status.total_count);
+    }
+  }
+
+private:
+  Watches& watches_;
+};
+
+/// One topic that is watched.
+template <class T>
+struct Watched {
+  Watched(const dds::DomainParticipant& participant, const dds::QosProvider& qos,
+          const dds::TopicEntry<T>& entry, Watches& watches)
+      : listener(watches), reader(dds::make_reader(participant, qos, entry, &listener)) {}
+
+  WatchListener<T> listener;
+  dds::DataReader<T> reader;
+};
+
+void print(const MonitorOptions& options, const std::vector<BeaconView>& views) {
+  if (options.json) {
+    fmt::print("{}\n", json_of(views, now_ns()));
+  } else {
+    // Home, then clear what is below: the table stays where it is.
+    fmt::print("{}{}", options.redraw ? "\x1b[H\x1b[J" : "", table_of(views));
+  }
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+std::uint64_t monitor(const MonitorOptions& options, const StopSignal& stop) {
+  const dds::QosProvider qos(dds::find_qos_file(options.qos_file));
+  const dds::DomainParticipant participant(options.domain);
+  Watches watches;
+  const Watched pose(participant, qos, topics::pose, watches);
+  const Watched truth(participant, qos, topics::truth, watches);
+  const Watched beacon_status(participant, qos, topics::beacon_status, watches);
+  const Watched fusion_status(participant, qos, topics::fusion_status, watches);
+
+  constexpr TimeNs period_ns = 1'000'000'000;
+  TimeNs next_ns = steady_now_ns() + period_ns;
+  const TimeNs end_ns = options.duration_s > 0 ? steady_now_ns() + to_ns(options.duration_s)
+                                               : std::numeric_limits<TimeNs>::max();
+  if (options.redraw) fmt::print("\x1b[2J");
+  while (next_ns <= end_ns && !stop.wait_until(next_ns)) {
+    const TimeNs now = now_ns();
+    print(options, watches.views([now](BeaconWatch& watch, BeaconAddress address) {
+      return watch.look(address, now);
+    }));
+    next_ns += period_ns;
+  }
+  stop.wait_until(std::min(end_ns, next_ns));
+
+  const TimeNs now = now_ns();
+  const auto summaries = watches.views(
+      [now](const BeaconWatch& watch, BeaconAddress address) { return watch.summary(address, now); });
+  if (!options.json) fmt::print("\n{}", summary_of(summaries));
+  std::uint64_t poses = 0;
+  for (const BeaconView& view : summaries) poses += view.poses;
+  return poses;
+}
+
+}  // namespace sonopose::nodes
