@@ -153,7 +153,9 @@ DomainLease::DomainLease(const DomainOptions& options) : id_(resolve_domain_id(o
   const std::lock_guard lock(registry().mutex);
   const auto found = registry().open.find(id_);
   if (found == registry().open.end()) {
-    registry().open[id_] = {create_domain(id_, options.network), options.network, 1};
+    // No entry before the domain stands: creating it may throw.
+    const dds_entity_t entity = create_domain(id_, options.network);
+    registry().open[id_] = {entity, options.network, 1};
   } else if (found->second.network != options.network) {
     throw Error("domain " + std::to_string(id_) + " is in use in this process with another network",
                 DDS_RETCODE_PRECONDITION_NOT_MET);

@@ -69,7 +69,8 @@ public:
   /// The handle of an instance that this writer has written; nil for another.
   InstanceHandle lookup_instance(const T& key) const { return {dds_lookup_instance(handle(), &key)}; }
 
-  /// Shows life where liveliness is manual.
+  /// Shows life where liveliness is manual. Once its lease has run out, only a write revives the writer
+  /// (Cyclone DDS 0.10).
   void assert_liveliness() { check("dds_assert_liveliness", dds_assert_liveliness(handle())); }
 
   /// Returns whether all readers have all samples within `timeout`.
@@ -94,6 +95,7 @@ public:
     return status;
   }
 
+  /// Cyclone DDS 0.10 leaves its `last_instance_handle` nil.
   OfferedDeadlineMissedStatus offered_deadline_missed_status() {
     OfferedDeadlineMissedStatus status{};
     check("dds_get_offered_deadline_missed_status",

@@ -8,7 +8,8 @@
 /// this
 ///   process on the thread that writes, deadlines and liveliness on further ones. Work microseconds there, do
 ///   no I/O, wait for nothing, make and destroy no entities.
-/// - A callback may come before the constructor of the entity has returned.
+/// - A callback may come before the constructor of the entity has returned. Samples can be taken then; the
+///   entity's own instance handle is still nil.
 /// - Callbacks are noexcept: an exception cannot pass through Cyclone DDS, so one that leaves ends the
 /// process.
 /// - The listener outlives its entity: declare it before. Destroying the entity waits for a running callback.

@@ -1,0 +1,94 @@
+#pragma once
+// What the tests of the DDS layer share: a domain of their own, and waiting for events.
+
+#include <sonopose/dds/topics.hpp>
+#include <sonopose/dds/waitset.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+namespace sonopose::dds::test {
+
+/// An upper bound only: every wait ends with its event.
+inline constexpr Duration patience = std::chrono::seconds(20);
+
+/// A domain of this process alone, away from the ones that people use.
+inline std::uint32_t test_domain() {
+  return 101 + static_cast<std::uint32_t>(getpid()) % 128;
+}
+
+/// A participant on loopback.
+inline DomainParticipant participant() {
+  return make_participant({.domain_id = test_domain()});
+}
+
+/// Waits for a change of one of the entity's statuses until `done()`. Returns what `done()` says at the end.
+template <class Done>
+bool wait_for(const Entity& entity, StatusMask statuses, Done done, Duration timeout = patience) {
+  StatusCondition condition(entity);
+  condition.enabled_statuses(statuses);
+  WaitSet waitset;
+  waitset += condition;
+  const auto give_up = std::chrono::steady_clock::now() + timeout;
+  while (!done()) {
+    const Duration left = give_up - std::chrono::steady_clock::now();
+    if (left <= Duration::zero() || waitset.wait(left) == 0) return done();
+  }
+  return true;
+}
+
+/// Waits until the reader has matched `count` writers.
+template <class T>
+bool matched(DataReader<T>& reader, std::uint32_t count = 1) {
+  return wait_for(reader, StatusMask::subscription_matched(),
+                  [&] { return reader.subscription_matched_status().current_count == count; });
+}
+
+/// Takes until there are `count` samples with data.
+template <class T>
+std::vector<T> take_samples(DataReader<T>& reader, std::size_t count) {
+  std::vector<T> samples;
+  wait_for(reader, StatusMask::data_available(), [&] {
+    reader.take_each([&](const T& sample, const SampleInfo&) { samples.push_back(sample); });
+    return samples.size() >= count;
+  });
+  return samples;
+}
+
+/// A reset command: the smallest native type, for tests that need just any.
+inline sonopose_ResetCommand command(std::uint16_t address, std::uint64_t request_id) {
+  return {.address = address, .request_id = request_id};
+}
+
+/// Sets an environment variable for the time of its life (nullptr: unsets it).
+class Environment {
+public:
+  Environment(const char* name, const char* value) : name_(name) {
+    const char* before = std::getenv(name);
+    had_ = before != nullptr;
+    if (had_) before_ = before;
+    set(value);
+  }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+  ~Environment() { set(had_ ? before_.c_str() : nullptr); }
+
+private:
+  void set(const char* value) const {
+    if (value != nullptr) {
+      setenv(name_.c_str(), value, 1);
+    } else {
+      unsetenv(name_.c_str());
+    }
+  }
+
+  std::string name_;
+  std::string before_;
+  bool had_ = false;
+};
+
+}  // namespace sonopose::dds::test

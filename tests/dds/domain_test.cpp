@@ -1,0 +1,199 @@
+#include "dds_fixture.hpp"
+#include <sonopose/dds/domain.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+
+namespace sonopose::dds::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST_CASE("The domain is the option's, else ROS_DOMAIN_ID, else 0") {
+  const Environment nothing("ROS_DOMAIN_ID", nullptr);
+  CHECK(resolve_domain_id({}) == 0);
+  {
+    const Environment empty("ROS_DOMAIN_ID", "");
+    CHECK(resolve_domain_id({}) == 0);
+  }
+  const Environment environment("ROS_DOMAIN_ID", "42");
+  CHECK(resolve_domain_id({}) == 42);
+  CHECK(resolve_domain_id({.domain_id = 7}) == 7);
+  CHECK(resolve_domain_id({.domain_id = 232}) == 232);
+}
+
+TEST_CASE("A domain that cannot be is refused by name and value") {
+  for (const char* const value : {"233", "-1", "x", "4x", " 4", "4.0", "99999999999"}) {
+    const Environment environment("ROS_DOMAIN_ID", value);
+    CHECK_THROWS_AS(resolve_domain_id({}), std::invalid_argument);
+    CHECK_THROWS_WITH(
+        resolve_domain_id({}),
+        Catch::StartsWith("ROS_DOMAIN_ID is '" + std::string(value) + "'") && Catch::Contains("0 to 232"));
+    CHECK(resolve_domain_id({.domain_id = 7}) == 7);
+  }
+  CHECK_THROWS_WITH(resolve_domain_id({.domain_id = 233}), Catch::Contains("'233'"));
+}
+
+TEST_CASE("The highest domain can be joined: its ports end at 65535") {
+  CHECK_NOTHROW(make_participant({.domain_id = max_domain_id}));
+}
+
+TEST_CASE("Participants of one process share its domain") {
+  const auto first = std::make_unique<DomainParticipant>(participant());
+  auto second = std::make_unique<DomainParticipant>(participant());
+  CHECK_THROWS_WITH(make_participant({.domain_id = test_domain(), .network = Network::lan}),
+                    Catch::Contains("domain " + std::to_string(test_domain())));
+
+  const Topic<sonopose_ResetCommand> in(*first, "test/shared");
+  DataReader<sonopose_ResetCommand> reader(*first, in, Qos() << policy::Reliability::reliable());
+  {
+    const Topic<sonopose_ResetCommand> out(*second, "test/shared");
+    DataWriter<sonopose_ResetCommand> writer(*second, out);
+    REQUIRE(matched(reader));
+    writer.write(command(7, 1));
+  }
+  second.reset();
+  CHECK(take_samples(reader, 1).at(0).request_id == 1);
+}
+
+/// What Cyclone DDS says it is configured with when this process joins under the given CYCLONEDDS_URI.
+std::string configuration_in_force(const std::string& user_uri, Network network) {
+  const fs::path log = fs::temp_directory_path() / ("sonopose_trace_" + std::to_string(getpid()));
+  fs::remove(log);
+  const std::string uri = (user_uri.empty() ? "" : user_uri + ",") +
+                          "<CycloneDDS><Domain><Tracing><Verbosity>config</Verbosity><OutputFile>" +
+                          log.string() + "</OutputFile></Tracing></Domain></CycloneDDS>";
+  {
+    const Environment environment("CYCLONEDDS_URI", uri.c_str());
+    const DomainParticipant member = make_participant({.domain_id = test_domain(), .network = network});
+  }
+  std::ostringstream text;
+  text << std::ifstream(log).rdbuf();
+  fs::remove(log);
+  return text.str();
+}
+
+TEST_CASE("The user's own CYCLONEDDS_URI wins, and one receive thread stays") {
+  using Catch::Contains;
+  const std::string one_thread = "Internal/MultipleReceiveThreads/#text: false";
+  const std::string lo = "NetworkInterface[@name]: lo";
+  const std::string self = "Peer[@Address]: 127.0.0.1";
+
+  SECTION("without one: loopback, no multicast, peers by port") {
+    const std::string in_force = configuration_in_force("", Network::loopback);
+    CHECK_THAT(in_force, Contains(lo) && Contains(self) && Contains(one_thread));
+    CHECK_THAT(in_force, Contains("selected interfaces: lo (") && Contains("AllowMulticast/#text: false"));
+    CHECK_THAT(in_force, Contains("Discovery/ParticipantIndex/#text: auto"));
+    CHECK_THAT(in_force, Contains("MaxAutoParticipantIndex/#text: 119"));
+  }
+  SECTION("lan: Cyclone DDS chooses, and local processes are found all the same") {
+    const std::string in_force = configuration_in_force("", Network::lan);
+    CHECK_THAT(in_force, !Contains(lo) && Contains(self) && Contains(one_thread));
+    CHECK_THAT(in_force, !Contains("AllowMulticast/#text: false"));
+  }
+  SECTION("single values of the user's replace ours; the receive thread does not") {
+    const std::string in_force = configuration_in_force(
+        "<CycloneDDS><Domain><Discovery><MaxAutoParticipantIndex>33</MaxAutoParticipantIndex></Discovery>"
+        "<Internal><MultipleReceiveThreads>true</MultipleReceiveThreads></Internal></Domain></CycloneDDS>",
+        Network::loopback);
+    CHECK_THAT(in_force, Contains("MaxAutoParticipantIndex/#text: 33") && Contains(one_thread));
+    CHECK_THAT(in_force, Contains(lo) && Contains(self));
+  }
+  SECTION("peers of the user's replace ours") {
+    const std::string in_force = configuration_in_force(
+        R"(<cyclonedds><domain id="any"><discovery><peers><peer address="127.0.0.2"/></peers></discovery></domain></cyclonedds>)",
+        Network::loopback);
+    CHECK_THAT(in_force, Contains("127.0.0.2") && !Contains(self) && Contains(lo));
+  }
+  SECTION("interfaces of the user's replace ours, from a file") {
+    const fs::path file = fs::temp_directory_path() / ("sonopose_uri_" + std::to_string(getpid()) + ".xml");
+    std::ofstream(file)
+        << R"(<?xml version="1.0"?><CycloneDDS><Domain><General><Interfaces>)"
+        << R"(<NetworkInterface address="127.0.0.1"/></Interfaces></General></Domain></CycloneDDS>)";
+    for (const std::string prefix : {"file://", ""}) {
+      const std::string in_force = configuration_in_force(prefix + file.string(), Network::loopback);
+      CHECK_THAT(in_force, Contains("NetworkInterface[@address]: 127.0.0.1") && !Contains(lo));
+    }
+    fs::remove(file);
+  }
+  SECTION("what the user says of another domain leaves ours as it is") {
+    const std::string in_force = configuration_in_force(
+        R"(<CycloneDDS><Domain id="5"><General><Interfaces><NetworkInterface name="nowhere"/></Interfaces></General></Domain></CycloneDDS>)",
+        Network::loopback);
+    CHECK_THAT(in_force, Contains(lo) && !Contains("nowhere"));
+  }
+  SECTION("a broken one is an error that names it") {
+    const Environment environment("CYCLONEDDS_URI", "<CycloneDDS><Domain><Nonsense/></Domain></CycloneDDS>");
+    for (int attempt = 0; attempt < 2; ++attempt) {  // a failure leaves nothing behind
+      CHECK_THROWS_WITH(participant(),
+                        Contains("dds_create_domain") && Contains("CYCLONEDDS_URI") && Contains("Nonsense"));
+    }
+  }
+}
+
+/// Another process that writes until this object dies.
+class Peer {
+public:
+  explicit Peer(const std::string& network)
+      : input_(popen(
+            (std::string(SONOPOSE_TEST_DDS_PEER) + " " + std::to_string(test_domain()) + " " + network + " 7")
+                .c_str(),
+            "w")) {}
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+  ~Peer() { stop(); }
+
+  /// Its exit code.
+  int stop() {
+    if (input_ == nullptr) return -1;
+    const int code = pclose(input_);
+    input_ = nullptr;
+    return code;
+  }
+
+private:
+  FILE* input_;
+};
+
+TEST_CASE("Two processes find each other on one machine") {
+  const std::string name = GENERATE("loopback", "lan");
+  GIVEN("a reader here and a writer in another process, " + name) {
+    const DomainParticipant member = make_participant(
+        {.domain_id = test_domain(), .network = name == "lan" ? Network::lan : Network::loopback});
+    const Topic<sonopose_ResetCommand> topic(member, "test/peer");
+    DataReader<sonopose_ResetCommand> reader(
+        member, topic, Qos() << policy::Reliability::reliable() << policy::History::keep_all());
+    Peer peer(name);
+    WHEN("the writer writes") {
+      const auto samples = take_samples(reader, 5);
+      THEN("its samples come without a gap") {
+        REQUIRE(samples.size() >= 5);
+        for (std::size_t i = 1; i < samples.size(); ++i) {
+          CHECK(samples[i].request_id == samples[i - 1].request_id + 1);
+        }
+        CHECK(peer.stop() == 0);
+        CHECK(matched(reader, 0));
+      }
+    }
+  }
+}
+
+TEST_CASE("A process joins while many others are there") {
+  const DomainParticipant member = participant();
+  const Topic<sonopose_ResetCommand> topic(member, "test/peer");
+  DataReader<sonopose_ResetCommand> reader(
+      member, topic, Qos() << policy::Reliability::reliable() << policy::History::keep_last(1));
+  // Cyclone DDS by itself looks for ten participants a machine.
+  std::vector<std::unique_ptr<Peer>> peers;
+  for (int i = 0; i < 14; ++i) peers.push_back(std::make_unique<Peer>("loopback"));
+  CHECK(matched(reader, 14));
+}
+
+}  // namespace
+}  // namespace sonopose::dds::test

@@ -1,0 +1,71 @@
+#include "dds_fixture.hpp"
+
+#include <catch2/catch.hpp>
+
+namespace sonopose::dds::test {
+namespace {
+
+using Command = sonopose_ResetCommand;
+
+Qos exclusive(std::int32_t strength) {
+  return Qos() << policy::Reliability::reliable() << policy::History::keep_last(16)
+               << policy::Ownership{policy::OwnershipKind::exclusive} << policy::OwnershipStrength{strength};
+}
+
+TEST_CASE("Of two exclusive writers the stronger one is heard, instance by instance") {
+  GIVEN("a strong and a weak writer") {
+    const DomainParticipant member = participant();
+    const Topic<Command> topic(member, "test/ownership");
+    DataReader<Command> reader(member, topic,
+                               Qos() << policy::Reliability::reliable() << policy::History::keep_last(16)
+                                     << policy::Ownership{policy::OwnershipKind::exclusive});
+    DataWriter<Command> strong(member, topic, exclusive(20));
+    DataWriter<Command> weak(member, topic, exclusive(10));
+    REQUIRE(matched(reader, 2));
+    const auto heard = [&] {
+      std::vector<std::uint64_t> ids;
+      reader.take_each([&](const Command& sample, const SampleInfo&) { ids.push_back(sample.request_id); });
+      return ids;
+    };
+    using Ids = std::vector<std::uint64_t>;
+
+    WHEN("both write one instance") {
+      weak.write(command(7, 1));  // nobody stronger has written yet
+      strong.write(command(7, 2));
+      weak.write(command(7, 3));
+      strong.write(command(7, 4));
+      THEN("the weak one is heard only before the strong one came") {
+        CHECK(heard() == Ids{1, 2, 4});
+      }
+    }
+    WHEN("the strong one writes another instance only") {
+      strong.write(command(8, 1));
+      weak.write(command(7, 2));
+      THEN("both are heard") {
+        CHECK(heard() == Ids{1, 2});
+      }
+    }
+    WHEN("the strong one unregisters its instance") {
+      strong.write(command(7, 1));
+      weak.write(command(7, 2));
+      strong.unregister_instance(command(7, 0));
+      weak.write(command(7, 3));
+      THEN("the weak one takes over with its next sample") {
+        CHECK(heard() == Ids{1, 3});
+      }
+    }
+    WHEN("the weak one is made the stronger") {
+      strong.write(command(7, 1));
+      weak.ownership_strength(30);
+      CHECK(weak.qos().policy<policy::OwnershipStrength>()->value == 30);
+      weak.write(command(7, 2));
+      strong.write(command(7, 3));
+      THEN("it takes over while both live") {
+        CHECK(heard() == Ids{1, 2});
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sonopose::dds::test

@@ -1,0 +1,47 @@
+// The other process of a two-process test: writes reset commands with rising ids to the domain that it is
+// told, on loopback or lan, until its standard input ends; then it leaves in good order.
+//
+//   test_dds_peer DOMAIN loopback|lan ADDRESS
+
+#include <sonopose/dds/topics.hpp>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <poll.h>
+#include <string_view>
+#include <unistd.h>
+
+namespace {
+
+/// Waits for 5 ms, or for the end of the standard input; returns whether it ended.
+bool told_to_stop() {
+  pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+  return poll(&input, 1, 5) > 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  using namespace sonopose::dds;
+  if (argc != 4) return 2;
+  const bool lan = std::string_view(argv[2]) == "lan";
+  const DomainParticipant participant =
+      make_participant({.domain_id = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10)),
+                        .network = lan ? Network::lan : Network::loopback});
+  const Topic<sonopose_ResetCommand> topic(participant, "test/peer");
+  DataWriter<sonopose_ResetCommand> writer(
+      participant, topic, Qos() << policy::Reliability::reliable() << policy::History::keep_last(64));
+  sonopose_ResetCommand command{};
+  command.address = static_cast<std::uint16_t>(std::strtoul(argv[3], nullptr, 10));
+  do {
+    ++command.request_id;
+    writer.write(command);
+  } while (!told_to_stop());
+  writer.unregister_instance(command);
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 1;
+}

@@ -1,0 +1,84 @@
+#include "dds_fixture.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <set>
+#include <string>
+#include <tuple>
+
+namespace sonopose::dds::test {
+namespace {
+
+constexpr std::tuple all_topics{topics::imu,           topics::fix,    topics::heading,
+                                topics::pose,          topics::report, topics::beacon_status,
+                                topics::fusion_status, topics::truth,  topics::reset};
+
+/// Makes a reader and a writer for the row and sends one sample across.
+template <class T>
+void check_pair(const DomainParticipant& member, const QosProvider& qos, const TopicEntry<T>& entry,
+                Delivery written, Delivery read) {
+  CAPTURE(entry.name, written, read);
+  DataReader<T> reader = make_reader(member, qos, entry, nullptr, read);
+  DataWriter<T> writer = make_writer(member, qos, entry, nullptr, written);
+  REQUIRE(matched(reader));
+  T sample{};
+  sample.address = 7;
+  writer.write(sample);
+  CHECK(take_samples(reader, 1).at(0).address == 7);
+  CHECK(reader.requested_incompatible_qos_status().total_count == 0);
+  CHECK(writer.offered_incompatible_qos_status().total_count == 0);
+  writer.unregister_instance(sample);
+}
+
+TEST_CASE("Every row of the wiring diagram carries samples, live and lossless in any mixture") {
+  const DomainParticipant member = participant();
+  const QosProvider qos(std::string(SONOPOSE_SOURCE_DIR) + "/qos/sonopose.xml");
+  std::apply(
+      [&](const auto&... entry) {
+        for (const Delivery written : {Delivery::live, Delivery::lossless}) {
+          for (const Delivery read : {Delivery::live, Delivery::lossless}) {
+            (check_pair(member, qos, entry, written, read), ...);
+          }
+        }
+      },
+      all_topics);
+}
+
+TEST_CASE("Every row has a name of its own and names of sonopose") {
+  std::set<std::string> names;
+  std::apply([&](const auto&... entry) { (names.insert(entry.name), ...); }, all_topics);
+  CHECK(names.size() == std::tuple_size_v<decltype(all_topics)>);
+  for (const std::string& name : names) CHECK_THAT(name, Catch::StartsWith("sonopose/"));
+}
+
+TEST_CASE("A status reaches a monitor that comes late") {
+  const DomainParticipant member = participant();
+  const QosProvider qos(std::string(SONOPOSE_SOURCE_DIR) + "/qos/sonopose.xml");
+  DataWriter<sonopose_FusionStatus> writer = make_writer(member, qos, topics::fusion_status);
+  sonopose_FusionStatus status{};
+  status.address = 9;
+  status.time = 1;
+  writer.write(status);
+  status.time = 2;
+  writer.write(status);
+  DataReader<sonopose_FusionStatus> late = make_reader(member, qos, topics::fusion_status);
+  const auto samples = take_samples(late, 1);
+  REQUIRE(samples.size() == 1);
+  CHECK(samples[0].time == 2);
+}
+
+TEST_CASE("A reset does not reach a fusion that comes late") {
+  const DomainParticipant member = participant();
+  const QosProvider qos(std::string(SONOPOSE_SOURCE_DIR) + "/qos/sonopose.xml");
+  DataWriter<sonopose_ResetCommand> writer = make_writer(member, qos, topics::reset);
+  writer.write(command(7, 1));
+  DataReader<sonopose_ResetCommand> late = make_reader(member, qos, topics::reset);
+  REQUIRE(matched(late));
+  writer.write(command(7, 2));
+  const auto samples = take_samples(late, 1);
+  REQUIRE(samples.size() == 1);
+  CHECK(samples[0].request_id == 2);
+}
+
+}  // namespace
+}  // namespace sonopose::dds::test
