@@ -6,6 +6,7 @@
 #include <asio/ip/udp.hpp>
 
 #include <charconv>
+#include <stdexcept>
 #include <system_error>
 
 namespace sonopose::io {
@@ -21,7 +22,7 @@ std::string text_of(const Endpoint& endpoint) {
 
 Endpoint parse_endpoint(std::string_view text) {
   const auto fail = [text](const std::string& why) -> void {
-    throw IoError("\"" + std::string(text) + "\" is not ADDR:PORT: " + why);
+    throw std::invalid_argument("\"" + std::string(text) + "\" is not ADDR:PORT: " + why);
   };
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) fail("the colon and the port are missing");

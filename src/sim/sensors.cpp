@@ -1,3 +1,4 @@
+#include <sonopose/marvelmind/conversions.hpp>
 #include <sonopose/math/rotation.hpp>
 #include <sonopose/sim/sensors.hpp>
 
@@ -11,8 +12,9 @@ namespace sonopose::sim {
 
 namespace {
 
-constexpr double accel_step_mps2 = 1e-3 * gravity_mps2;                ///< packet 0x0003: 1 mg
-constexpr double gyro_step_radps = 0.0175 * math::radians_per_degree;  ///< packet 0x0003: 0.0175 deg/s
+using marvelmind::accel_mps2_per_lsb;
+using marvelmind::gyro_radps_per_lsb;
+using marvelmind::standard_gravity_mps2;
 
 /// What is left of a value in the packet's 16 bits; it clips beyond them.
 Vector3d quantised(const Vector3d& value, double step) {
@@ -68,7 +70,7 @@ void check(const SensorSettings& settings) {
 
 ImuSample ideal_imu_sample(const Motion& motion, const Vector3d& lever_body_m) {
   const Vector3d& rate = motion.angular_velocity_body_radps;
-  const Vector3d gravity_world_mps2{0.0, 0.0, -gravity_mps2};
+  const Vector3d gravity_world_mps2{0.0, 0.0, -standard_gravity_mps2};
   const Vector3d tracked_point_body_mps2 =
       motion.q_body_to_world.conjugate() * (motion.acceleration_world_mps2 - gravity_world_mps2).eval();
   ImuSample sample;
@@ -92,8 +94,8 @@ ImuSample ImuModel::measure(const Motion& motion) {
   sample.angular_velocity_body_radps +=
       gyro_bias_radps_ + settings_.gyro_noise_radps * random_.normal_vector();
   if (settings_.imu_quantised) {
-    sample.specific_force_body_mps2 = quantised(sample.specific_force_body_mps2, accel_step_mps2);
-    sample.angular_velocity_body_radps = quantised(sample.angular_velocity_body_radps, gyro_step_radps);
+    sample.specific_force_body_mps2 = quantised(sample.specific_force_body_mps2, accel_mps2_per_lsb);
+    sample.angular_velocity_body_radps = quantised(sample.angular_velocity_body_radps, gyro_radps_per_lsb);
   }
   const double root_of_period = std::sqrt(1.0 / settings_.imu_rate_hz);
   accel_bias_mps2_ += settings_.accel_bias_walk_mps2_rts * root_of_period * random_.normal_vector();

@@ -18,7 +18,7 @@ struct Endpoint {
   bool operator==(const Endpoint&) const = default;
 };
 
-/// Reads "ADDR:PORT", as 0.0.0.0:49100 or [::]:49100. Throws IoError that says what is wrong.
+/// Reads "ADDR:PORT", as 0.0.0.0:49100 or [::]:49100. Throws std::invalid_argument that says what is wrong.
 Endpoint parse_endpoint(std::string_view text);
 
 /// One datagram per read(). A datagram that is longer than the buffer loses its end: 2048 bytes hold any

@@ -10,8 +10,6 @@
 
 namespace sonopose::sim {
 
-inline constexpr double gravity_mps2 = 9.80665;
-
 /// How good the sensors are. Noises are standard deviations; 0 switches one off.
 struct SensorSettings {
   double imu_rate_hz = 100.0;
