@@ -1,0 +1,103 @@
+// Computation alone: the decoder in MB/s, the engine in ns per IMU sample, next to the Mahony update in it.
+
+#include <sonopose/fusion/engine.hpp>
+#include <sonopose/marvelmind/decoder.hpp>
+#include <sonopose/marvelmind/disassembler.hpp>
+#include <sonopose/marvelmind/encoder.hpp>
+#include <sonopose/sim/simulator.hpp>
+
+#include <benchmark/benchmark.h>
+#include <cstdint>
+#include <vector>
+
+namespace {
+
+using namespace sonopose;
+
+/// A minute of a walking beacon, as events.
+const std::vector<Event>& recorded_events() {
+  static const std::vector<Event> events = [] {
+    constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
+    sim::Simulator simulator(sim::find_scenario("walk"), {},
+                             {.seed = 1, .start_time_ns = start_ns, .address = 7, .duration_s = 60.0});
+    std::vector<Event> made;
+    while (const auto step = simulator.next()) made.push_back(step->event);
+    return made;
+  }();
+  return events;
+}
+
+/// The same minute, as the beacon's bytes.
+const std::vector<std::uint8_t>& recorded_bytes() {
+  static const std::vector<std::uint8_t> bytes = [] {
+    std::vector<std::uint8_t> made;
+    marvelmind::Disassembler disassembler(
+        {.beacon_zero_ns = available_at_ns(recorded_events().front()) - 1'000'000'000});
+    const auto append = [&made](const marvelmind::Packet& packet) {
+      const marvelmind::Frame frame = marvelmind::encode(packet);
+      made.insert(made.end(), frame.bytes().begin(), frame.bytes().end());
+    };
+    for (const Event& event : recorded_events()) disassembler.on(event, append);
+    return made;
+  }();
+  return bytes;
+}
+
+void decoder(benchmark::State& state) {
+  const auto& bytes = recorded_bytes();
+  for (auto run : state) {
+    marvelmind::Decoder decoder;
+    std::size_t packets = 0;
+    decoder.feed(bytes, [&packets](const marvelmind::Packet&) { ++packets; });
+    benchmark::DoNotOptimize(packets);
+  }
+  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(bytes.size()));
+}
+BENCHMARK(decoder);
+
+void engine_per_imu_sample(benchmark::State& state) {
+  const auto& events = recorded_events();
+  std::int64_t samples = 0;
+  for (auto run : state) {
+    fusion::Engine engine({});
+    for (const Event& event : events) {
+      if (const auto* imu = std::get_if<ImuSample>(&event)) {
+        benchmark::DoNotOptimize(engine.on(*imu));
+        ++samples;
+      } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
+        benchmark::DoNotOptimize(engine.on(*fix));
+      } else {
+        engine.on(std::get<PairHeading>(event));
+      }
+    }
+  }
+  state.counters["per_sample"] = benchmark::Counter(
+      static_cast<double>(samples), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  // How long a second of an hour's replay takes: one second of 100 Hz data is 100 samples.
+  state.counters["times_real_time"] =
+      benchmark::Counter(static_cast<double>(samples) / 100.0, benchmark::Counter::kIsRate);
+}
+BENCHMARK(engine_per_imu_sample);
+
+void mahony_per_imu_sample(benchmark::State& state) {
+  const auto& events = recorded_events();
+  std::int64_t samples = 0;
+  for (auto run : state) {
+    attitude::Mahony filter;
+    const attitude::MahonySettings settings;
+    for (const Event& event : events) {
+      const auto* imu = std::get_if<ImuSample>(&event);
+      if (imu == nullptr) continue;
+      filter.update(settings, imu->angular_velocity_body_radps, imu->specific_force_body_mps2, 0.01);
+      ++samples;
+    }
+    benchmark::DoNotOptimize(filter);
+  }
+  state.counters["per_sample"] = benchmark::Counter(
+      static_cast<double>(samples), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(mahony_per_imu_sample);
+
+}  // namespace
+
+BENCHMARK_MAIN();
