@@ -1,0 +1,227 @@
+#pragma once
+/// \file
+/// Drives an Engine through a known motion: a perfect or plainly disturbed IMU, fixes at their receipt, and
+/// the truth beside every pose.
+
+#include <sonopose/fusion/engine.hpp>
+#include <sonopose/math/rotation.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace sonopose::test {
+
+/// The engine's constant: the tests take no side on its value.
+inline constexpr double gravity_mps2 = 9.81;
+inline constexpr TimeNs epoch_ns = 1'700'000'000'000'000'000;
+
+/// A level body at one instant.
+struct Truth {
+  Vector3d position_world_m = Vector3d::Zero();
+  Vector3d velocity_world_mps = Vector3d::Zero();
+  Vector3d acceleration_world_mps2 = Vector3d::Zero();
+  double yaw_rad = 0;
+  double yaw_rate_radps = 0;
+};
+
+/// The truth at a time in seconds.
+using Motion = std::function<Truth(double)>;
+
+inline Motion at_rest(const Vector3d& position_world_m = Vector3d::Zero()) {
+  return [position_world_m](double) {
+    Truth truth;
+    truth.position_world_m = position_world_m;
+    return truth;
+  };
+}
+
+/// Never at rest: constant velocity along world X from before the start.
+inline Motion constant_velocity(double speed_mps) {
+  return [speed_mps](double time_s) {
+    Truth truth;
+    truth.position_world_m.x() = speed_mps * time_s;
+    truth.velocity_world_mps.x() = speed_mps;
+    return truth;
+  };
+}
+
+/// Along a straight line or (curvature ≠ 0) a circle, facing forward: rests until `start_s`, comes smoothly
+/// to its speed within `ramp_s`, and keeps it.
+inline Motion departure(double speed_mps, double curvature_per_m = 0.0, double start_s = 2.0,
+                        double ramp_s = 1.0) {
+  return [=](double time_s) {
+    const double tau_s = std::clamp(time_s - start_s, 0.0, ramp_s);
+    const double omega = std::numbers::pi / ramp_s;
+    const double after_s = std::max(0.0, time_s - start_s - ramp_s);
+    const double way_m = 0.5 * speed_mps * (tau_s - std::sin(omega * tau_s) / omega) + speed_mps * after_s;
+    const double v = 0.5 * speed_mps * (1.0 - std::cos(omega * tau_s));
+    const double a = 0.5 * speed_mps * omega * std::sin(omega * tau_s);
+    Truth truth;
+    truth.yaw_rad = curvature_per_m * way_m;
+    truth.yaw_rate_radps = curvature_per_m * v;
+    const Vector3d ahead(std::cos(truth.yaw_rad), std::sin(truth.yaw_rad), 0.0);
+    const Vector3d left(-ahead.y(), ahead.x(), 0.0);
+    truth.velocity_world_mps = v * ahead;
+    truth.acceleration_world_mps2 = a * ahead + v * v * curvature_per_m * left;
+    if (curvature_per_m == 0.0) {
+      truth.position_world_m = way_m * ahead;
+    } else {
+      truth.position_world_m =
+          Vector3d(std::sin(truth.yaw_rad), 1.0 - std::cos(truth.yaw_rad), 0.0) / curvature_per_m;
+    }
+    return truth;
+  };
+}
+
+struct Sensors {
+  double imu_rate_hz = 100.0;
+  double fix_rate_hz = 12.5;
+  double delay_s = 0.068;
+  double noise_m = 0.0;  ///< standard deviation of a fix, per axis
+  double heading_noise_rad = 0.0;
+  bool headings = false;  ///< with each fix, of a pair along body X
+  Vector3d gyro_offset_body_radps = Vector3d::Zero();
+  Vector3d accel_offset_body_mps2 = Vector3d::Zero();
+};
+
+inline ImuSample imu_on(const Truth& truth, TimeNs time_ns) {
+  ImuSample imu;
+  imu.address = 7;
+  imu.sensor_time_ns = time_ns;
+  imu.angular_velocity_body_radps.z() = truth.yaw_rate_radps;
+  imu.specific_force_body_mps2 =
+      math::rotation_about_z(-truth.yaw_rad) * (truth.acceleration_world_mps2 + Vector3d(0, 0, gravity_mps2));
+  return imu;
+}
+
+/// What happened at one IMU sample.
+struct Moment {
+  double time_s = 0;
+  FusedPose pose;
+  Truth truth;
+
+  [[nodiscard]] double position_error_m() const {
+    return (pose.position_world_m - truth.position_world_m).norm();
+  }
+  [[nodiscard]] bool has(PoseStatus bit) const { return (pose.status & bit) != 0; }
+};
+
+class EngineDriver {
+public:
+  EngineDriver(const fusion::Settings& settings, Motion motion, const Sensors& sensors = {})
+      : engine{settings}, sensors_{sensors}, motion_{std::move(motion)} {}
+
+  fusion::Engine engine;
+  bool fixes_on = true;  ///< false: the ultrasound is silent from now on
+  bool imu_on_air = true;
+  std::function<void(UltrasonicFix&, double time_s)> alter_fix;  ///< called with the emission's time
+  std::function<void(ImuSample&, double time_s)> alter_imu;
+  std::vector<Moment> moments;  ///< of every pose so far
+  std::vector<FixReport> reports;
+
+  /// Goes on for this long. Returns the latest moment.
+  Moment run(double seconds) {
+    const auto steps = static_cast<int>(std::lround(seconds * sensors_.imu_rate_hz));
+    for (int i = 0; i < steps; ++i) step();
+    return moments.back();
+  }
+
+  [[nodiscard]] double time_s() const { return static_cast<double>(samples_) / sensors_.imu_rate_hz; }
+
+  static TimeNs stamp(double time_s) { return epoch_ns + to_ns(time_s); }
+
+private:
+  void step() {
+    const double now_s = time_s();
+    while (fix_time_s() <= now_s) emit();
+    while (!under_way_.empty() && under_way_.front().received_time_ns <= stamp(now_s)) receive();
+    if (imu_on_air) {
+      const Truth truth = motion_(now_s);
+      ImuSample imu = imu_on(truth, stamp(now_s));
+      imu.sequence = ++sequence_;
+      imu.angular_velocity_body_radps += sensors_.gyro_offset_body_radps;
+      imu.specific_force_body_mps2 += sensors_.accel_offset_body_mps2;
+      if (alter_imu) alter_imu(imu, now_s);
+      if (const auto pose = engine.on(imu)) moments.push_back({now_s, *pose, truth});
+    }
+    ++samples_;
+  }
+
+  /// Emissions fall between the IMU samples, as they do in life.
+  [[nodiscard]] double fix_time_s() const {
+    return (static_cast<double>(emissions_) + 0.37) / sensors_.fix_rate_hz;
+  }
+
+  void emit() {
+    const double time_s = fix_time_s();
+    ++emissions_;
+    const Truth truth = motion_(time_s);
+    UltrasonicFix fix;
+    fix.address = 7;
+    fix.sequence = ++sequence_;
+    fix.emission_time_ns = stamp(time_s);
+    fix.received_time_ns = stamp(time_s + sensors_.delay_s);
+    fix.position_world_m = truth.position_world_m + sensors_.noise_m * normal_vector();
+    fix.quality_percent = 90.0;
+    fix.measured_delay_s = sensors_.delay_s;
+    if (alter_fix) alter_fix(fix, time_s);
+    const double heading_rad = truth.yaw_rad + sensors_.heading_noise_rad * normal_(random_);
+    if (!fixes_on) return;
+    under_way_.push_back(fix);
+    if (sensors_.headings)
+      headings_.push_back(
+          {7, ++sequence_, fix.emission_time_ns, fix.received_time_ns, math::wrap_angle(heading_rad), true});
+  }
+
+  void receive() {
+    reports.push_back(engine.on(under_way_.front()));
+    under_way_.pop_front();
+    if (headings_.empty()) return;
+    engine.on(headings_.front());
+    headings_.pop_front();
+  }
+
+  Vector3d normal_vector() { return {normal_(random_), normal_(random_), normal_(random_)}; }
+
+  Sensors sensors_;
+  Motion motion_;
+  std::uint64_t samples_ = 0;
+  std::uint64_t emissions_ = 0;
+  std::uint64_t sequence_ = 0;
+  std::deque<UltrasonicFix> under_way_;
+  std::deque<PairHeading> headings_;
+  std::mt19937 random_{20240501};  // NOLINT(bugprone-random-generator-seed): the same run every time
+  std::normal_distribution<double> normal_;
+};
+
+/// Greatest distance from the truth over the moments from `from_s` on.
+inline double worst_error_m(const std::vector<Moment>& moments, double from_s) {
+  double worst_m = 0.0;
+  for (const Moment& moment : moments) {
+    if (moment.time_s >= from_s) worst_m = std::max(worst_m, moment.position_error_m());
+  }
+  return worst_m;
+}
+
+/// A body that has gone at this velocity for the last second, up to `now_ns`, by an IMU at 100 Hz.
+inline fusion::Kinematics moving_body(const Vector3d& velocity_world_mps, TimeNs now_ns = epoch_ns,
+                                      double yaw_rad = 0.0) {
+  fusion::Kinematics body;
+  body.time_ns = now_ns;
+  body.velocity_world_mps = velocity_world_mps;
+  for (int i = 0; i <= 100; ++i) {
+    const double past_s = 0.01 * i;
+    body.displacement_world_m = velocity_world_mps * past_s;
+    body.history.push({now_ns - to_ns(1.0 - past_s), body.displacement_world_m, yaw_rad});
+  }
+  return body;
+}
+
+}  // namespace sonopose::test
