@@ -1,0 +1,30 @@
+// A consumer of its own: prints where every beacon on the bus is. Ends after as many poses as its argument says.
+
+#include <sonopose/dds/conversions.hpp>
+#include <sonopose/dds/topics.hpp>
+#include <sonopose/dds/waitset.hpp>
+
+#include <cstdlib>
+#include <iostream>
+
+int main(int argc, char** argv) {
+  using namespace sonopose;
+  const long most = argc > 1 ? std::strtol(argv[1], nullptr, 10) : 0;
+
+  const dds::DomainParticipant participant;
+  const dds::QosProvider qos(dds::find_qos_file());
+  auto reader = dds::make_reader(participant, qos, dds::topics::pose);
+  const dds::ReadCondition has_data(reader);
+  dds::WaitSet waitset;
+  waitset += has_data;
+
+  for (long seen = 0; most == 0 || seen < most;) {
+    waitset.wait();
+    for (const auto sample : reader.take()) {
+      if (!sample.info().valid()) continue;
+      const FusedPose pose = dds::from_idl(sample.data());
+      std::cout << pose.address << ": " << pose.position_world_m.transpose() << '\n';
+      ++seen;
+    }
+  }
+}
