@@ -82,7 +82,7 @@ void Durability::apply(dds_qos_t* qos) const {
 std::optional<Durability> Durability::from(const dds_qos_t* qos) {
   dds_durability_kind_t kind{};
   if (!dds_qget_durability(qos, &kind)) return std::nullopt;
-  return Durability{kind == DDS_DURABILITY_VOLATILE ? DurabilityKind::volatile_
+  return Durability{kind == DDS_DURABILITY_VOLATILE ? DurabilityKind::volatile_data
                                                     : DurabilityKind::transient_local};
 }
 

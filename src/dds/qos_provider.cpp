@@ -17,7 +17,7 @@ using Profiles = std::map<std::string, QosProvider::Profile>;
 
 /// The `name` attribute, which must be there and may not hold the separator.
 std::string name_of(const qos_xml::Source& source, const pugi::xml_node& element) {
-  const std::string name = element.attribute("name").value();
+  std::string name = element.attribute("name").value();
   if (name.empty()) source.fail(element, "attribute 'name' is missing");
   if (name.find("::") != std::string::npos) source.fail(element, "'" + name + "' holds '::'");
   return name;
@@ -85,7 +85,7 @@ Profiles read_file(const qos_xml::Source& source) {
       for (const pugi::xml_node element : children_of(source, library, "qos_profile")) {
         source.check_attributes(element, {"name", "base_name"});
         const std::string name = library_name + "::" + name_of(source, element);
-        if (profiles.count(name) != 0) source.fail(element, "'" + name + "' stands twice");
+        if (profiles.contains(name)) source.fail(element, "'" + name + "' stands twice");
         profiles.emplace(name,
                          read_profile(source, element, inherited(source, element, library_name, profiles)));
       }

@@ -147,6 +147,8 @@ public:
             "w")) {}
   Peer(const Peer&) = delete;
   Peer& operator=(const Peer&) = delete;
+  Peer(Peer&&) = delete;
+  Peer& operator=(Peer&&) = delete;
   ~Peer() { stop(); }
 
   /// Its exit code.
@@ -190,8 +192,8 @@ TEST_CASE("A process joins while many others are there") {
   DataReader<sonopose_ResetCommand> reader(
       member, topic, Qos() << policy::Reliability::reliable() << policy::History::keep_last(1));
   // Cyclone DDS by itself looks for ten participants a machine.
-  std::vector<std::unique_ptr<Peer>> peers;
-  for (int i = 0; i < 14; ++i) peers.push_back(std::make_unique<Peer>("loopback"));
+  std::vector<std::unique_ptr<Peer>> peers(14);
+  for (auto& peer : peers) peer = std::make_unique<Peer>("loopback");
   CHECK(matched(reader, 14));
 }
 

@@ -79,7 +79,7 @@ public:
       std::array<dds_sample_info_t, batch> infos;  // NOLINT(*-member-init): dds_take fills in what is used
       taken = dds_take(handle(), samples.data(), infos.data(), batch, batch);
       if (taken <= 0) return taken < 0 ? taken : total;
-      const Loan loan{handle(), samples.data(), taken};
+      const Loan loan(handle(), samples.data(), taken);
       for (std::size_t i = 0; i < static_cast<std::size_t>(taken); ++i) {
         const T& data = *static_cast<const T*>(samples[i]);
         const SampleInfo info(infos[i]);
@@ -140,11 +140,21 @@ public:
 private:
   using Entity::Entity;
 
-  struct Loan {
-    dds_entity_t reader;
-    void** samples;
-    ReturnCode count;
-    ~Loan() { dds_return_loan(reader, samples, count); }
+  /// Gives a batch back whatever the visitor does.
+  class Loan {
+  public:
+    Loan(dds_entity_t reader, void** samples, ReturnCode count)
+        : reader_(reader), samples_(samples), count_(count) {}
+    Loan(const Loan&) = delete;
+    Loan& operator=(const Loan&) = delete;
+    Loan(Loan&&) = delete;
+    Loan& operator=(Loan&&) = delete;
+    ~Loan() { dds_return_loan(reader_, samples_, count_); }
+
+  private:
+    dds_entity_t reader_;
+    void** samples_;
+    ReturnCode count_;
   };
 
   template <class Call>

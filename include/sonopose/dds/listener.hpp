@@ -36,6 +36,8 @@ public:
   DataReaderListener() = default;
   DataReaderListener(const DataReaderListener&) = delete;
   DataReaderListener& operator=(const DataReaderListener&) = delete;
+  DataReaderListener(DataReaderListener&&) = delete;
+  DataReaderListener& operator=(DataReaderListener&&) = delete;
   virtual ~DataReaderListener() = default;
 
   virtual void on_data_available(DataReader<T>&) noexcept {}
@@ -55,6 +57,8 @@ public:
   DataWriterListener() = default;
   DataWriterListener(const DataWriterListener&) = delete;
   DataWriterListener& operator=(const DataWriterListener&) = delete;
+  DataWriterListener(DataWriterListener&&) = delete;
+  DataWriterListener& operator=(DataWriterListener&&) = delete;
   virtual ~DataWriterListener() = default;
 
   virtual void on_publication_matched(DataWriter<T>&, const PublicationMatchedStatus&) noexcept {}
@@ -71,10 +75,10 @@ struct DeleteListener {
 using CListener = std::unique_ptr<dds_listener_t, DeleteListener>;
 
 /// One C callback for each status: finds the C++ listener in `arg` and calls `method` with a borrowed entity.
-template <class Endpoint, class Listener, auto method, class Status>
+template <class Endpoint, class Listener, auto Method, class Status>
 void forward_status(dds_entity_t handle, Status status, void* arg) noexcept {
   Endpoint borrowed = Endpoint::borrow(handle);
-  (static_cast<Listener*>(arg)->*method)(borrowed, status);
+  (static_cast<Listener*>(arg)->*Method)(borrowed, status);
 }
 
 template <class T>

@@ -14,7 +14,7 @@ namespace sonopose::dds::policy {
 
 enum class ReliabilityKind : std::uint8_t { best_effort, reliable };
 enum class HistoryKind : std::uint8_t { keep_last, keep_all };
-enum class DurabilityKind : std::uint8_t { volatile_, transient_local };
+enum class DurabilityKind : std::uint8_t { volatile_data, transient_local };
 enum class LivelinessKind : std::uint8_t { automatic, manual_by_participant, manual_by_topic };
 enum class OwnershipKind : std::uint8_t { shared, exclusive };
 
@@ -66,7 +66,7 @@ struct History {
 
 /// Whether a late reader gets what was written before it came.
 struct Durability {
-  DurabilityKind kind = DurabilityKind::volatile_;
+  DurabilityKind kind = DurabilityKind::volatile_data;
   void apply(dds_qos_t* qos) const;
   static std::optional<Durability> from(const dds_qos_t* qos);
 };
