@@ -33,7 +33,7 @@ void SlewedLine::advance(std::int64_t beacon_ns, TimeNs target_ns, double rate) 
   const auto interval_ns = static_cast<double>(beacon_ns - newest.beacon_ns);
   const TimeNs unslewed_ns =
       newest.host_ns + (beacon_ns - newest.beacon_ns) + std::llround(rate * interval_ns);
-  const double error_ns = static_cast<double>(target_ns - unslewed_ns);
+  const auto error_ns = static_cast<double>(target_ns - unslewed_ns);
   const double share = std::min(1.0, interval_ns / time_constant_ns);
   const double slew_ns = std::clamp(error_ns * share, -max_slew * interval_ns, max_slew * interval_ns);
   const Point next{beacon_ns, unslewed_ns + std::llround(slew_ns)};

@@ -24,7 +24,7 @@ std::optional<ContentTime> content_time(const Packet& packet) {
   return std::nullopt;
 }
 
-ClockSet::Track& ClockSet::track(TimeBase base) {
+ClockTrack& ClockSet::track(TimeBase base) {
   auto& found = slot(base);
   if (!found) {
     found.emplace();
@@ -34,7 +34,7 @@ ClockSet::Track& ClockSet::track(TimeBase base) {
 }
 
 bool ClockSet::observe(const ContentTime& sent, TimeNs arrival_ns) {
-  Track& shown = track(sent.stamp.base);
+  ClockTrack& shown = track(sent.stamp.base);
   // What does not tell when it was sent is evidence only while there is nothing better.
   if (!sent.ahead_ns && shown.knows_sending) return true;
   if (sent.ahead_ns) shown.knows_sending = true;

@@ -129,7 +129,7 @@ TEST_CASE("What the IMU flags as not available is kept back") {
 
 TEST_CASE("IMU samples that share a stamp are all passed on") {
   Fixture f;
-  for (int i = 0; i < 3; ++i) f.on(imu_at(10), 10 + i);
+  for (std::int64_t i = 0; i < 3; ++i) f.on(imu_at(10), 10 + i);
   CHECK(f.all<ImuSample>().size() == 3);
 }
 
@@ -256,7 +256,7 @@ TEST_CASE("A fix waits for its quality") {
 TEST_CASE("One emission in two kinds of packet is one fix, of the better kind") {
   Fixture f(GENERATE(TimeMapping::fixed, TimeMapping::fitted));
   const bool better_first = GENERATE(true, false);
-  for (int i = 0; i < 100; ++i) {
+  for (std::int64_t i = 0; i < 100; ++i) {
     const std::int64_t uptime_ms = 85 * i;
     const Position old_kind = position_at(uptime_ms);
     const std::vector<Position> kinds{in_real_time(old_kind), old_kind, in_centimetres(old_kind)};
@@ -279,7 +279,7 @@ TEST_CASE("One emission in two kinds of packet is one fix, of the better kind") 
 
 TEST_CASE("One IMU measurement in two kinds of packet is one sample") {
   Fixture f(TimeMapping::fitted);
-  for (int i = 0; i < 500; ++i) {
+  for (std::int64_t i = 0; i < 500; ++i) {
     f.on(imu_at(10 * i), 10 * i + 1);
     f.on(in_real_time(imu_at(10 * i)), 10 * i + 2);
   }
@@ -289,7 +289,7 @@ TEST_CASE("One IMU measurement in two kinds of packet is one sample") {
 
 TEST_CASE("A kind of packet that falls silent gives way to the one that still comes") {
   Fixture f(TimeMapping::fitted);
-  for (int i = 0; i < 100; ++i) {
+  for (std::int64_t i = 0; i < 100; ++i) {
     if (i < 50) f.on(in_real_time(imu_at(100 * i)), 100 * i);
     f.on(imu_at(100 * i), 100 * i);
   }
@@ -343,7 +343,7 @@ TEST_CASE("Values that no beacon can mean are counted and kept back") {
 TEST_CASE("A fitted clock holds packets until it has settled, and loses none") {
   Fixture f(TimeMapping::fitted);
   f.on(imu_at(0), 30);  // late: the clock should not believe it
-  for (int i = 1; i < 25; ++i) f.on(imu_at(10 * i), std::max(30, 10 * i + 1));
+  for (std::int64_t i = 1; i < 25; ++i) f.on(imu_at(10 * i), std::max<std::int64_t>(30, 10 * i + 1));
   CHECK(f.events.empty());
   CHECK(f.assembler.next_deadline_ns() == start_ns + 280 * ms);
   f.flush(279);
@@ -357,8 +357,8 @@ TEST_CASE("A fitted clock holds packets until it has settled, and loses none") {
 
 TEST_CASE("A restarted beacon is counted, and its samples stand in the host's time again") {
   Fixture f(TimeMapping::fitted);
-  for (int i = 0; i < 1000; ++i) f.on(imu_at(10 * i), 10 * i);
-  for (int i = 0; i < 100; ++i) f.on(imu_at(10 * i - 900), 15'000 + 10 * i);
+  for (std::int64_t i = 0; i < 1000; ++i) f.on(imu_at(10 * i), 10 * i);
+  for (std::int64_t i = 0; i < 100; ++i) f.on(imu_at(10 * i - 900), 15'000 + 10 * i);
   f.finish();
   const auto samples = f.all<ImuSample>();
   REQUIRE(samples.size() == 1100);
@@ -368,7 +368,7 @@ TEST_CASE("A restarted beacon is counted, and its samples stand in the host's ti
 
 TEST_CASE("Fixes without a time passed do not pull the clock away from the IMU's") {
   Fixture f(TimeMapping::fitted);
-  for (int i = 0; i < 1000; ++i) {
+  for (std::int64_t i = 0; i < 1000; ++i) {
     f.on(imu_at(10 * i), 10 * i);
     if (i % 10 == 0) f.on(position_at(10 * i - 30, 0), 10 * i);  // 30 ms old, not the typical 68
   }

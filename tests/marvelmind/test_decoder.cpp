@@ -109,7 +109,7 @@ TEST_CASE("Frames with garbage before, between and behind are all found") {
   std::size_t lost = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
     for (const Bytes& frame : all_golden_frames()) {
-      const Bytes noise = garbage(seed * 7, seed);
+      const Bytes noise = garbage(std::size_t{7} * seed, seed);
       lost += noise.size();
       stream = std::move(stream) + noise + frame;
       expected.push_back(decode_all(frame).at(0));

@@ -8,9 +8,11 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <random>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -42,7 +44,13 @@ std::vector<Row> read_csv(const std::string& name) {
   return rows;
 }
 
-/// Rows in the order of their values' times, so that both sides can be compared one by one.
+/// The recorded bytes; nothing, and the word that marks a test as skipped, where there are none.
+marvelmind::testing::Bytes read_stream() {
+  std::ifstream file(folder + "stream.bin", std::ios::binary);
+  if (!file) std::cout << "skipped: no recordings\n";
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
 template <typename Sample>
 std::vector<Sample> of_kind(const std::vector<Event>& events) {
   std::vector<Sample> found;
@@ -55,12 +63,8 @@ std::vector<Sample> of_kind(const std::vector<Event>& events) {
 }  // namespace
 
 TEST_CASE("The car's recorded bytes give every sample of its log folder") {
-  std::ifstream file(folder + "stream.bin", std::ios::binary);
-  if (!file) {
-    std::cout << "skipped: no recordings\n";
-    return;
-  }
-  const marvelmind::testing::Bytes stream(std::istreambuf_iterator<char>(file), {});
+  const auto stream = read_stream();
+  if (stream.empty()) return;
   const auto imu_rows = read_csv("imu.csv");
   const auto fix_rows = read_csv("ultrasonic.csv");
   const auto heading_rows = read_csv("heading.csv");
@@ -111,4 +115,39 @@ TEST_CASE("The car's recorded bytes give every sample of its log folder") {
   CHECK(std::count_if(headings.begin(), headings.end(), [](const auto& h) { return h.valid; }) ==
         static_cast<std::ptrdiff_t>(heading_rows.size()));
   CHECK(assembler.beacon(7)->status().clock_resets == 0);
+}
+
+TEST_CASE("The car's bytes over a line with jitter lose nothing, and keep the IMU's intervals") {
+  const auto stream = read_stream();
+  if (stream.empty()) return;
+  constexpr TimeNs origin_ns = 1'700'000'000'000'000'000;
+  std::mt19937_64 random(1);
+  std::exponential_distribution<double> lateness_s(1 / 3e-3);
+
+  std::vector<Event> events;
+  const auto collect = [&events](const Event& event) { events.push_back(event); };
+  Assembler by_content(TimeMapping::fixed);  // tells when each packet was sent
+  Assembler assembler(TimeMapping::fitted);
+  Decoder decoder;
+  TimeNs arrival_ns = 0;
+  decoder.feed(stream, [&](const Packet& packet) {
+    const TimeNs sent_ns = by_content.replay_arrival_ns(packet, origin_ns);
+    arrival_ns = std::max(arrival_ns, sent_ns + to_ns(lateness_s(random)));
+    assembler.on(packet, arrival_ns, collect);
+  });
+  assembler.finish(collect);
+
+  const auto samples = of_kind<ImuSample>(events);
+  CHECK(samples.size() == 10555);
+  CHECK(of_kind<UltrasonicFix>(events).size() == 1182);
+  const auto status = assembler.beacon(7)->status();
+  CHECK(status.clock_resets == 0);
+  CHECK(status.clock_jitter_s < 10e-3);
+
+  const auto rows = read_csv("imu.csv");
+  const double recorded_s = seconds_between(rows.front().time_ns, rows.back().time_ns);
+  const double mapped_s = seconds_between(samples.front().sensor_time_ns, samples.back().sensor_time_ns);
+  CHECK(std::abs(mapped_s - recorded_s) < 3e-3);
+  CHECK(std::is_sorted(samples.begin(), samples.end(),
+                       [](const auto& a, const auto& b) { return a.sensor_time_ns < b.sensor_time_ns; }));
 }

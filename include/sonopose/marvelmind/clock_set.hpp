@@ -34,6 +34,12 @@ struct ContentTime {
 /// sample.
 std::optional<ContentTime> content_time(const Packet& packet);
 
+/// One time base's clock.
+struct ClockTrack {
+  std::variant<BeaconClock, FixedClock> clock;
+  bool knows_sending = false;  ///< has seen packets that tell when they were sent
+};
+
 /// Clocks by time base, each made when its first stamp comes.
 class ClockSet {
 public:
@@ -62,19 +68,14 @@ public:
   std::uint64_t resets() const;
 
 private:
-  using Clock = std::variant<BeaconClock, FixedClock>;
-
-  struct Track {
-    Clock clock;
-    bool knows_sending = false;  ///< has seen packets that tell when they were sent
-  };
-
-  std::optional<Track>& slot(TimeBase base) { return tracks_[static_cast<std::size_t>(base)]; }
-  const std::optional<Track>& slot(TimeBase base) const { return tracks_[static_cast<std::size_t>(base)]; }
-  Track& track(TimeBase base);
+  std::optional<ClockTrack>& slot(TimeBase base) { return tracks_[static_cast<std::size_t>(base)]; }
+  const std::optional<ClockTrack>& slot(TimeBase base) const {
+    return tracks_[static_cast<std::size_t>(base)];
+  }
+  ClockTrack& track(TimeBase base);
 
   TimeMapping mapping_;
-  std::array<std::optional<Track>, 3> tracks_;
+  std::array<std::optional<ClockTrack>, 3> tracks_;
 };
 
 }  // namespace sonopose::marvelmind

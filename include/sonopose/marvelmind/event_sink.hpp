@@ -4,20 +4,26 @@
 
 #include <sonopose/core/samples.hpp>
 
+#include <concepts>
 #include <memory>
 #include <type_traits>
 
 namespace sonopose::marvelmind {
 
+template <typename Value>
+class SinkRef;
+
+/// A callable that takes values, and is no reference to one already.
+template <typename Callable, typename Value>
+concept SinkOf =
+    std::invocable<Callable&, const Value&> && !std::same_as<std::remove_cvref_t<Callable>, SinkRef<Value>>;
+
 /// Refers to a callable `void(const Value&)` that outlives the call it is passed to.
 template <typename Value>
 class SinkRef {
 public:
-  template <typename Callable>
-  requires(!std::is_same_v<std::remove_cvref_t<Callable>, SinkRef> &&
-           std::is_invocable_v<Callable&, const Value&>)
-      SinkRef(
-          Callable&& callable)  // NOLINT(bugprone-forwarding-reference-overload,google-explicit-constructor)
+  template <SinkOf<Value> Callable>
+  SinkRef(Callable&& callable)  // NOLINT(bugprone-forwarding-reference-overload): not for copies
       : object_(const_cast<void*>(static_cast<const void*>(std::addressof(callable)))),
         call_([](void* object, const Value& value) {
           (*static_cast<std::remove_reference_t<Callable>*>(object))(value);
