@@ -366,6 +366,29 @@ TEST_CASE("A restarted beacon is counted, and its samples stand in the host's ti
   CHECK(f.assembler.beacon(7)->status().clock_resets == 1);
 }
 
+TEST_CASE(
+    "What a beacon sent just before its restart, while the clock still listened, is not mapped by the new "
+    "run") {
+  Fixture f(TimeMapping::fitted);
+  for (std::int64_t i = 0; i < 10; ++i) f.on(imu_at(3'600'000 + 10 * i), 10 * i);
+  for (std::int64_t i = 0; i < 100; ++i) f.on(imu_at(10 * i), 200 + 10 * i);
+  f.finish();
+  const auto samples = f.all<ImuSample>();
+  REQUIRE(samples.size() == 100);
+  CHECK(samples.front().sensor_time_ns == start_ns + 200 * ms);
+  CHECK(f.counters().samples_rejected == 10);
+}
+
+TEST_CASE("A time passed of a minute does not send the clock ahead of itself") {
+  Fixture f(TimeMapping::fitted);
+  for (std::int64_t i = 0; i < 1000; ++i) {
+    f.on(imu_at(10 * i), 10 * i);
+    if (i == 500) f.on(position_at(4930, 60'000), 5000);
+  }
+  CHECK(f.assembler.beacon(7)->status().clock_resets == 0);
+  CHECK(f.all<ImuSample>().size() == 1000);
+}
+
 TEST_CASE("Fixes without a time passed do not pull the clock away from the IMU's") {
   Fixture f(TimeMapping::fitted);
   for (std::int64_t i = 0; i < 1000; ++i) {

@@ -161,6 +161,17 @@ TEST_CASE("A line that becomes slower for good moves the clock smoothly") {
   CHECK(mapped.back().error_s == Approx(0.05).margin(2e-3));  // the delay cannot be told from an offset
 }
 
+TEST_CASE("A line that becomes quicker for good is believed, smoothly") {
+  const auto quicker = [jitter = exponential(1e-3, 8)](double sent_s) mutable {
+    return jitter(sent_s) + (sent_s < 60 ? 0.06 : 0.0);
+  };
+  BeaconClock clock;
+  const auto mapped = run({.duration_s = 150, .lateness_s = quicker}, clock);
+  CHECK(worst_interval_error(mapped) < 5e-3);
+  CHECK(worst_error_after(mapped, 90) < 1e-3);  // 60 ms at 0.4 % are 15 s, and three time constants
+  CHECK(clock.resets() == 0);
+}
+
 TEST_CASE("A beacon that restarts is noticed, counted and mapped anew") {
   const std::int64_t first_uptime_ms = GENERATE(50'000, 3'000'000'000);  // below and above half the counter
   BeaconClock clock;
