@@ -12,11 +12,14 @@ bool within(const Vector3d& value, double limit) {
 
 /// A measurement of the last moments: not older than the limit, and not from the future by more than a hair
 /// (an IMU sample may still be under way when the fix is here).
-bool is_recent(const AdmissionSettings& settings, TimeNs now_ns, TimeNs measured_ns) {
-  if (now_ns == 0) return true;
+/// Before the first IMU sample there is no time to compare with, so nothing is of this time.
+bool is_recent(const AdmissionSettings& settings, TimeNs now_ns, TimeNs measured_ns, TimeNs received_ns) {
+  if (now_ns == 0 || measured_ns <= 0) return false;
   constexpr double future_tolerance_s = 0.1;
   const double age_s = seconds_between(measured_ns, now_ns);
-  return age_s <= settings.max_fix_age_s && age_s >= -future_tolerance_s;
+  const double delay_s = seconds_between(measured_ns, received_ns);
+  return age_s <= settings.max_fix_age_s && age_s >= -future_tolerance_s && delay_s >= 0.0 &&
+         delay_s <= settings.max_fix_age_s;
 }
 
 }  // namespace
@@ -28,15 +31,15 @@ bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& i
 }
 
 bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading) {
-  return std::isfinite(heading.heading_world_rad) && heading.emission_time_ns > 0 &&
-         is_recent(settings, now_ns, heading.emission_time_ns);
+  return std::isfinite(heading.heading_world_rad) &&
+         is_recent(settings, now_ns, heading.emission_time_ns, heading.received_time_ns);
 }
 
 std::uint32_t reasons_against(const AdmissionSettings& settings, AdmissionState& state, TimeNs now_ns,
                               const UltrasonicFix& fix) {
-  const bool possible = within(fix.position_world_m, settings.max_position_m) && fix.emission_time_ns > 0 &&
+  const bool possible = within(fix.position_world_m, settings.max_position_m) &&
                         fix.emission_time_ns > state.last_fix_emission_ns &&
-                        is_recent(settings, now_ns, fix.emission_time_ns);
+                        is_recent(settings, now_ns, fix.emission_time_ns, fix.received_time_ns);
   if (!possible) return verdict_invalid;
   if (fix.quality_percent && !(*fix.quality_percent >= settings.min_quality_percent)) {
     return verdict_low_quality;

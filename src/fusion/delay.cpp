@@ -7,13 +7,18 @@ TimeNs measured_at(const DelaySettings& settings, const UltrasonicFix& fix) {
   return own ? fix.emission_time_ns : fix.received_time_ns - to_ns(settings.processing_s);
 }
 
+void move_on(const DelaySettings& settings, const Kinematics& body, TimedFix& fix) {
+  fix.shifted_position_world_m = fix.measured_position_world_m;
+  if (!settings.extrapolate || !body.started()) return;
+  // Without a path that reaches back so far, today's velocity is the best guess.
+  fix.shifted_position_world_m +=
+      body.moved(fix.measured_ns, body.time_ns)
+          .value_or(body.velocity_world_mps * seconds_between(fix.measured_ns, body.time_ns));
+}
+
 TimedFix shift(const DelaySettings& settings, const Kinematics& body, const UltrasonicFix& fix) {
   TimedFix timed{measured_at(settings, fix), fix.position_world_m, fix.position_world_m};
-  if (!settings.extrapolate || !body.started()) return timed;
-  // Without a path that reaches back so far, today's velocity is the best guess.
-  timed.shifted_position_world_m +=
-      body.moved(timed.measured_ns, body.time_ns)
-          .value_or(body.velocity_world_mps * seconds_between(timed.measured_ns, body.time_ns));
+  move_on(settings, body, timed);
   return timed;
 }
 

@@ -1,6 +1,7 @@
 #include <sonopose/fusion/engine.hpp>
 #include <sonopose/math/rotation.hpp>
 
+#include <algorithm>
 #include <limits>
 
 namespace sonopose::fusion {
@@ -26,7 +27,7 @@ std::optional<FusedPose> Engine::on(const ImuSample& imu) noexcept {
   state_.body.time_ns = imu.sensor_time_ns;
   state_.in_imu_gap = dt_s > settings_.outage.imu_gap_s;
   if (state_.in_imu_gap) {
-    rest_over_gap(dt_s);
+    rest_over_gap(imu, dt_s);
   } else {
     predict(imu, dt_s);
   }
@@ -52,13 +53,14 @@ FixReport Engine::on(const UltrasonicFix& fix) noexcept {
     ++counters_.fixes_rejected;
     return report;
   }
-  const TimedFix timed = delay::shift(settings_.delay, state_.body, fix);  // 6
-  report.shifted_position_world_m = timed.shifted_position_world_m;
+  startup::watch(settings_.startup, state_.startup, fix);
+  TimedFix timed = delay::shift(settings_.delay, state_.body, fix);  // 6
   if (state_.outage.track == Track::none) {
     take_hold(timed, report);
-  } else {
+  } else if (state_.outage.track == Track::held || !take_velocity(timed, report)) {
     follow(timed, report);
   }
+  report.shifted_position_world_m = timed.shifted_position_world_m;
   state_.outage.last_valid_fix_ns = fix.received_time_ns;
   state_.runaway = {true, timed.shifted_position_world_m};
   report.verdict |= verdict_used;
@@ -94,7 +96,11 @@ void Engine::calibrate(const ImuSample& imu) {
   // The mean of a second at rest is a better plumb line than the filter has found by then.
   const double yaw_rad = math::yaw_of(state_.filter.orientation());
   state_.filter.reset(math::level_with(state_.startup.accel_mean, yaw_rad));
-  if (at_start) state_.body.correct_velocity(-state_.body.velocity_world_mps);
+  state_.heading.rate_offset_radps = 0.0;  // it was a part of the offset that is known now
+  if (!at_start) return;
+  state_.body.correct_velocity(-state_.body.velocity_world_mps);
+  state_.uncertainty.velocity_std_mps = 0.0;
+  if (state_.outage.track == Track::position) state_.outage.track = Track::held;
 }
 
 void Engine::predict(const ImuSample& imu, double dt_s) {
@@ -133,12 +139,18 @@ void Engine::predict(const ImuSample& imu, double dt_s) {
   }
 }
 
-void Engine::rest_over_gap(double dt_s) {
+void Engine::rest_over_gap(const ImuSample& imu, double dt_s) {
   // Nothing is known of the motion meanwhile: no path to compare old fixes with, and the track is let go.
   ++counters_.imu_gaps;
+  state_.previous_rate_body_radps = imu.angular_velocity_body_radps - state_.startup.gyro_offset_body_radps;
+  state_.body.angular_velocity_body_radps =
+      state_.previous_rate_body_radps - state_.filter.gyro_bias_body_radps();
+  state_.body.acceleration_world_mps2 =
+      state_.filter.orientation() * imu.specific_force_body_mps2 + gravity_world_mps2;
   outage::decay(settings_.outage, state_.body, dt_s);
   state_.outage.track = Track::none;
   state_.body.history.clear();
+  frozen::begin_window(state_.frozen, state_.body);
   state_.drift = DriftState{};
   uncertainty::grow(settings_.uncertainty, state_.uncertainty, dt_s);
 }
@@ -162,10 +174,35 @@ void Engine::take_hold(const TimedFix& fix, FixReport& report) {
   trust::restart(state_.trust, fix);
   state_.velocity = {true, fix.measured_ns, fix.measured_position_world_m};
   state_.uncertainty.position_std_m = settings_.uncertainty.fix_std_m;
-  // At a start at rest the velocity is known already: zero.
-  const bool velocity_known = first && state_.startup.calibrated;
+  // Just after a start at rest the velocity is known already: zero.
+  const bool velocity_known =
+      first && state_.startup.calibrated &&
+      seconds_between(state_.startup.ended_ns, state_.body.time_ns) <= settings_.outage.stale_after_s;
+  if (first) {
+    state_.uncertainty.velocity_std_mps = velocity_known ? 0.0 : UncertaintyState::unknown_mps;
+  }
   state_.outage.track = velocity_known ? Track::held : Track::position;
   state_.outage.stale = false;
+}
+
+/// The second fix of a run sets the velocity: until then there is none that could predict where it should
+/// lie. False where the two stand too near or too far apart in time for a velocity.
+bool Engine::take_velocity(TimedFix& fix, FixReport& report) {
+  const TimeNs first_ns = state_.velocity.measured_ns;
+  const auto measured = velocity::measure(settings_.velocity, state_.velocity, state_.body, fix, true);
+  if (!measured) return false;
+  report.velocity_change_world_mps = velocity::adopt(state_.body, *measured);
+  delay::move_on(settings_.delay, state_.body, fix);
+  report.jump_world_m = fix.shifted_position_world_m - state_.body.position_world_m;
+  report.weight = 1.0;
+  report.trust = 1.0;
+  state_.body.position_world_m = fix.shifted_position_world_m;
+  state_.drift = DriftState{};
+  trust::restart(state_.trust, fix);
+  uncertainty::correct(settings_.uncertainty, state_.uncertainty, 1.0, 1.0, 1.0,
+                       seconds_between(first_ns, fix.measured_ns));
+  state_.outage.track = Track::held;
+  return true;
 }
 
 /// Every later fix corrects position, velocity and yaw by what it is worth.
@@ -183,17 +220,14 @@ void Engine::follow(const TimedFix& fix, FixReport& report) {
   const bool good = !verdict.outlier || verdict.forced;
   const auto measured = velocity::measure(settings_.velocity, state_.velocity, body, fix, good);
   double interval_s = 0.0;
-  if (measured && state_.outage.track == Track::position) {
-    report.velocity_change_world_mps = velocity::adopt(body, *measured);
-    state_.outage.track = Track::held;
-  } else if (measured) {
+  if (measured) {
     const auto change = velocity::correct(settings_.velocity, body, *measured, verdict);  // 3, 7, 8, 26–28
     report.velocity_change_world_mps = change.change_world_mps;
     report.verdict |= change.verdict;
     report.yaw_change_rad =
         heading::nudge(settings_.heading, state_.heading, body, state_.filter, *measured);  // 31–33
+    interval_s = seconds_between(last_good_ns, fix.measured_ns);
   }
-  if (measured) interval_s = seconds_between(last_good_ns, fix.measured_ns);
   const double share = std::max(settings_.drift.jump_alpha * verdict.weight, verdict.jump_floor);
   uncertainty::correct(settings_.uncertainty, state_.uncertainty, verdict.weight, share,
                        settings_.velocity.blend_weight * verdict.weight, interval_s);
@@ -215,9 +249,10 @@ FusedPose Engine::pose_at(const ImuSample& imu) const {
   pose.velocity_std_mps.setConstant(state_.uncertainty.velocity_std_mps);
   pose.yaw_std_rad = state_.uncertainty.yaw_std_rad;
   pose.trust = state_.trust.trust;
-  pose.since_valid_fix_s = state_.outage.last_valid_fix_ns == 0
-                               ? std::numeric_limits<double>::infinity()
-                               : seconds_between(state_.outage.last_valid_fix_ns, body.time_ns);
+  pose.since_valid_fix_s =
+      state_.outage.last_valid_fix_ns == 0
+          ? std::numeric_limits<double>::infinity()
+          : std::max(0.0, seconds_between(state_.outage.last_valid_fix_ns, body.time_ns));
   pose.reset_counter = reset_counter_;
   pose.status = status();
   pose.imu_sensor_time_ns = imu.sensor_time_ns;

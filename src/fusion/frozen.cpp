@@ -1,15 +1,12 @@
 #include <sonopose/fusion/frozen.hpp>
 
 namespace sonopose::fusion::frozen {
-namespace {
 
 void begin_window(FrozenState& state, const Kinematics& body) {
   state.window_began_ns = body.time_ns;
   state.window_displacement_world_m = body.displacement_world_m;
   state.window_corrections_world_mps = body.velocity_corrections_world_mps;
 }
-
-}  // namespace
 
 bool watch(const FrozenSettings& settings, FrozenState& state, const Kinematics& body,
            const UltrasonicFix& fix) {

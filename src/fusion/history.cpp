@@ -4,7 +4,7 @@
 namespace sonopose::fusion {
 
 void InertialHistory::push(const InertialPoint& point) {
-  const bool replaces = size_ >= 2 && point.time_ns - back(1).time_ns < spacing_ns;
+  const bool replaces = size_ >= 2 && newest().time_ns - back(1).time_ns < spacing_ns;
   if (!replaces) {
     last_ = size_ == 0 ? 0 : (last_ + 1) % capacity;
     if (size_ < capacity) ++size_;

@@ -10,6 +10,8 @@ void begin_window(StartupState& state, TimeNs time_ns) {
   state.gyro_squares.setZero();
   state.accel_mean.setZero();
   state.accel_squares.setZero();
+  state.window_has_fix = false;
+  state.window_moved = false;
 }
 
 /// Welford's running mean and sum of squares.
@@ -23,7 +25,7 @@ bool is_still(const StartupSettings& settings, const StartupState& state) {
   const auto spread_below = [&state](const Vector3d& squares, double std) {
     return squares.maxCoeff() <= std * std * state.window_samples;
   };
-  return state.gyro_mean.cwiseAbs().maxCoeff() <= settings.max_gyro_offset_radps &&
+  return !state.window_moved && state.gyro_mean.cwiseAbs().maxCoeff() <= settings.max_gyro_offset_radps &&
          spread_below(state.gyro_squares, settings.still_gyro_std_radps) &&
          spread_below(state.accel_squares, settings.still_accel_std_mps2);
 }
@@ -48,6 +50,7 @@ Progress watch(const StartupSettings& settings, StartupState& state, const ImuSa
   if (is_still(settings, state)) {
     state.waiting = false;
     state.calibrated = true;
+    state.ended_ns = imu.sensor_time_ns;
     state.gyro_offset_body_radps = state.gyro_mean;
     return Progress::calibrated;
   }
@@ -55,6 +58,18 @@ Progress watch(const StartupSettings& settings, StartupState& state, const ImuSa
   if (!state.waiting) return Progress::none;
   state.waiting = false;
   return Progress::gave_up;
+}
+
+void watch(const StartupSettings& settings, StartupState& state, const UltrasonicFix& fix) {
+  if (state.calibrated) return;
+  if (!state.window_has_fix) {
+    state.window_has_fix = true;
+    state.window_fix_world_m = fix.position_world_m;
+    return;
+  }
+  if ((fix.position_world_m - state.window_fix_world_m).norm() > settings.still_moved_m) {
+    state.window_moved = true;
+  }
 }
 
 }  // namespace sonopose::fusion::startup

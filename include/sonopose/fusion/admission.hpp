@@ -31,7 +31,8 @@ struct AdmissionSettings {
         real(own_setting, "max_angular_rate_radps", &G::max_angular_rate_radps, 80.0, {5.0, 1e3}, "rad/s",
              "An IMU sample with an angular rate beyond this is no measurement."),
         real(own_setting, "max_fix_age_s", &G::max_fix_age_s, 0.9, {0.1, 1.0}, "s",
-             "A fix or heading measured longer ago than this, or in the future, is not used.")};
+             "A fix or heading measured longer ago than this, longer under way, or in the future, is not "
+             "used.")};
   }
   constexpr AdmissionSettings() { setting::set_defaults(*this); }
 };

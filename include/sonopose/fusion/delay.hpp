@@ -49,8 +49,11 @@ namespace delay {
 /// When a measurement received at `received_ns` was made: its own delay or the fixed one.
 [[nodiscard]] TimeNs measured_at(const DelaySettings& settings, const UltrasonicFix& fix);
 
-/// Times the fix and moves it on to the state's time: by the IMU's own path since, which at constant velocity
-/// is the document's v · delay and in a turn is better than it.
+/// Moves a timed fix on to the state's time: by the IMU's own path since, which at constant velocity is the
+/// document's v · delay and in a turn is better than it.
+void move_on(const DelaySettings& settings, const Kinematics& body, TimedFix& fix);
+
+/// Times the fix and moves it on.
 [[nodiscard]] TimedFix shift(const DelaySettings& settings, const Kinematics& body, const UltrasonicFix& fix);
 
 }  // namespace delay

@@ -41,9 +41,10 @@ private:
   void start(const ImuSample& imu);
   void calibrate(const ImuSample& imu);
   void predict(const ImuSample& imu, double dt_s);
-  void rest_over_gap(double dt_s);
+  void rest_over_gap(const ImuSample& imu, double dt_s);
   void remember_path();
   void take_hold(const TimedFix& fix, FixReport& report);
+  bool take_velocity(TimedFix& fix, FixReport& report);
   void follow(const TimedFix& fix, FixReport& report);
   [[nodiscard]] FusedPose pose_at(const ImuSample& imu) const;
   [[nodiscard]] std::uint32_t status() const;

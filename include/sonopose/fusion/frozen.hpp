@@ -50,5 +50,8 @@ namespace frozen {
 bool watch(const FrozenSettings& settings, FrozenState& state, const Kinematics& body,
            const UltrasonicFix& fix);
 
+/// The IMU's path has a hole here: what it draws from now on is measured from here.
+void begin_window(FrozenState& state, const Kinematics& body);
+
 }  // namespace frozen
 }  // namespace sonopose::fusion

@@ -20,8 +20,8 @@ struct InertialPoint {
   bool operator==(const InertialPoint&) const = default;
 };
 
-/// A ring of fixed size. Points closer together than its spacing replace the newest one, so that it spans
-/// more than a second at any IMU rate.
+/// A ring of fixed size. A newest point that lies closer to the one before it than the spacing gives way to
+/// the next, so that the ring spans more than a second at any IMU rate.
 class InertialHistory {
 public:
   static constexpr std::size_t capacity = 512;

@@ -34,8 +34,9 @@ struct Kinematics {
     velocity_corrections_world_mps += change_world_mps;
   }
 
-  /// How far the body moved from `from_ns` to `to_ns` by the IMU, with today's corrections. Empty where the
-  /// history does not hold that span.
+  /// How far the body moved from `from_ns` to `to_ns` by the IMU, with today's corrections; a time ahead of
+  /// the latest sample is reached at the present velocity. Empty where the history does not reach back so
+  /// far.
   [[nodiscard]] std::optional<Vector3d> moved(TimeNs from_ns, TimeNs to_ns) const;
 
   /// Yaw at `then_ns`, with today's corrections.

@@ -12,6 +12,7 @@ struct StartupSettings {
   double still_gyro_std_radps{};
   double still_accel_std_mps2{};
   double max_gyro_offset_radps{};
+  double still_moved_m{};
 
   static constexpr std::string_view group = "startup";
   static constexpr auto declarations() {
@@ -27,7 +28,10 @@ struct StartupSettings {
         real(own_setting, "still_accel_std_mps2", &G::still_accel_std_mps2, 0.3, {0.0, 10.0}, "m/s^2",
              "Spread of each accelerometer axis below which the body counts as still."),
         real(own_setting, "max_gyro_offset_radps", &G::max_gyro_offset_radps, 0.06, {0.0, 1.0}, "rad/s",
-             "A mean rate beyond this is a turn and not an offset.")};
+             "A mean rate beyond this is a turn and not an offset."),
+        real(own_setting, "still_moved_m", &G::still_moved_m, 0.2, {0.01, 100.0}, "m",
+             "Fixes that lie farther apart than this show a motion which an IMU at constant velocity cannot "
+             "feel.")};
   }
   constexpr StartupSettings() { setting::set_defaults(*this); }
 };
@@ -40,8 +44,12 @@ struct StartupState {
   Vector3d gyro_squares = Vector3d::Zero();  ///< Welford's sum of squared deviations
   Vector3d accel_mean = Vector3d::Zero();
   Vector3d accel_squares = Vector3d::Zero();
-  bool waiting = true;      ///< the start still waits for stillness
-  bool calibrated = false;  ///< the offset has been taken
+  bool window_has_fix = false;
+  Vector3d window_fix_world_m = Vector3d::Zero();  ///< the window's first fix
+  bool window_moved = false;                       ///< a later one lay too far from it
+  bool waiting = true;                             ///< the start still waits for stillness
+  bool calibrated = false;                         ///< the offset has been taken
+  TimeNs ended_ns = 0;                             ///< end of the rest that calibrated
   Vector3d gyro_offset_body_radps = Vector3d::Zero();
 
   bool operator==(const StartupState&) const = default;
@@ -59,6 +67,9 @@ enum class Progress {
 /// Watches one IMU sample. Without a rest at the start it goes on watching, so that the first rest
 /// calibrates.
 Progress watch(const StartupSettings& settings, StartupState& state, const ImuSample& imu);
+
+/// Takes note of an admitted fix.
+void watch(const StartupSettings& settings, StartupState& state, const UltrasonicFix& fix);
 
 }  // namespace startup
 }  // namespace sonopose::fusion
