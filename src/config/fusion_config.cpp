@@ -4,6 +4,8 @@
 #define TOML_EXCEPTIONS 1
 #include <toml++/toml.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <limits>
 
@@ -14,6 +16,10 @@ using fusion::SettingError;
 using fusion::SettingValue;
 
 constexpr std::string_view beacon_prefix = "beacon.";
+
+/// Items 2, 3 and 4, which a preset (item 1) replaces.
+constexpr std::array<std::string_view, 3> preset_keys{"drift.decay_rate_hz", "velocity.blend_weight",
+                                                      "drift.jump_alpha"};
 
 /// A leaf of the TOML tree as a setting's value.
 SettingValue value_of(const toml::node& node, std::string_view key) {
@@ -27,7 +33,7 @@ SettingValue value_of(const toml::node& node, std::string_view key) {
   throw SettingError(fmt::format("{}: neither a number, true or false, nor a text", key));
 }
 
-/// Calls `visit(key, node)` for every leaf, in the order of the file.
+/// Calls `visit(key, node)` for every leaf, in the order of the keys.
 template <class Visit>
 void for_each_leaf(const toml::table& table, const std::string& prefix, const Visit& visit) {
   for (const auto& [name, node] : table) {
@@ -133,12 +139,11 @@ fusion::Settings FusionConfig::for_beacon(BeaconAddress address) const {
 }
 
 std::vector<std::string> FusionConfig::warnings() const {
-  static constexpr std::array replaced{"drift.decay_rate_hz", "velocity.blend_weight", "drift.jump_alpha"};
   std::vector<std::string> texts;
   const auto check = [&texts](const fusion::Settings& settings, const auto& is_given,
                               const std::string& where) {
     if (settings.preset.imu_weight == fusion::ImuWeight::user) return;
-    for (const auto* key : replaced) {
+    for (const auto key : preset_keys) {
       if (!is_given(key)) continue;
       texts.push_back(
           fmt::format("{}{} is ignored: fusion.imu_weight = {} sets it; use fusion.imu_weight = user", where,
@@ -146,9 +151,9 @@ std::vector<std::string> FusionConfig::warnings() const {
     }
   };
   check(
-      settings_, [this](const char* key) { return given_.contains(key); }, "");
+      settings_, [this](std::string_view key) { return given_.contains(key); }, "");
   for (const auto& [address, list] : overrides_) {
-    const auto is_overridden = [&entries = list](const char* key) {
+    const auto is_overridden = [&entries = list](std::string_view key) {
       return std::any_of(entries.begin(), entries.end(),
                          [key](const auto& entry) { return entry.first == key; });
     };
@@ -160,13 +165,19 @@ std::vector<std::string> FusionConfig::warnings() const {
 std::string FusionConfig::to_toml() const {
   std::string text =
       "# Settings of sonopose-fusion. Every value below is what is used; delete what you do not change.\n"
+      "# Items 2, 3 and 4 stand behind a # where the preset (item 1) sets them.\n"
       "# One beacon of its own: [beacon.7.drift] and so on.\n";
+  const bool has_preset = settings_.preset.imu_weight != fusion::ImuWeight::user;
+  const fusion::Settings used = fusion::resolved(settings_);
   std::string group;
   for (const auto& row : fusion::setting_table()) {
     if (row.group != group) text += table_header("", row.group);
     group = row.group;
     text += fmt::format("# {}{} ({})\n", item_text(row.item), row.sentence, row.allowed());
-    text += fmt::format("{} = {}\n", row.name, as_toml(fusion::get(settings_, row.key)));
+    const bool by_preset = has_preset && !given_.contains(row.key) &&
+                           std::find(preset_keys.begin(), preset_keys.end(), row.key) != preset_keys.end();
+    const SettingValue value = fusion::get(by_preset ? used : settings_, row.key);
+    text += fmt::format("{}{} = {}\n", by_preset ? "# " : "", row.name, as_toml(value));
   }
   for (const auto& [address, list] : overrides_) {
     // A key that was given twice has its last value; a table may stand in a file only once.

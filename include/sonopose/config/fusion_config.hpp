@@ -5,6 +5,7 @@
 #include <sonopose/fusion/settings.hpp>
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -50,7 +51,7 @@ private:
   void set(std::string_view key, const fusion::SettingValue& value);
 
   fusion::Settings settings_;
-  std::set<std::string> given_;  ///< keys that the user set for all beacons
+  std::set<std::string, std::less<>> given_;  ///< keys that the user set for all beacons
   std::map<BeaconAddress, Overrides> overrides_;
 };
 

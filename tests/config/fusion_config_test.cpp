@@ -1,0 +1,249 @@
+/// Settings from TOML and the command line: what is right goes through, what is wrong is named.
+
+#include <sonopose/config/fusion_config.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <unistd.h>
+
+using namespace sonopose;
+using Catch::Matchers::Contains;
+using config::ConfigError;
+using config::FusionConfig;
+
+namespace {
+
+/// A file that lives as long as the object.
+class TemporaryFile {
+public:
+  explicit TemporaryFile(const std::string& text)
+      : path_{std::filesystem::temp_directory_path() /
+              ("sonopose_config_" + std::to_string(::getpid()) + "_" + std::to_string(++count) + ".toml")} {
+    std::ofstream(path_) << text;
+  }
+  ~TemporaryFile() { std::filesystem::remove(path_); }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  TemporaryFile(TemporaryFile&&) = delete;
+  TemporaryFile& operator=(TemporaryFile&&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+private:
+  static inline int count = 0;
+  std::filesystem::path path_;
+};
+
+FusionConfig loaded(const std::string& text) {
+  return FusionConfig::load(TemporaryFile(text).path());
+}
+
+/// The message of the error that loading this text throws.
+std::string refusal(const std::string& text) {
+  const TemporaryFile file(text);
+  try {
+    FusionConfig::load(file.path());
+  } catch (const ConfigError& error) {
+    CHECK_THAT(error.what(), Contains(file.path().filename().string() + ":"));
+    return error.what();
+  }
+  FAIL("loaded: " << text);
+  return {};
+}
+
+bool same_everywhere(const fusion::Settings& a, const fusion::Settings& b) {
+  for (const auto& row : fusion::setting_table()) {
+    if (fusion::get(a, row.key) != fusion::get(b, row.key)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("an empty file leaves every default") {
+  CHECK(same_everywhere(loaded("").for_beacon(7), fusion::Settings{}));
+}
+
+TEST_CASE("a file's values reach every beacon") {
+  const FusionConfig config = loaded(R"([fusion]
+imu_weight = "high"
+[trust]
+sigma_m = 0.08
+n_base = 5
+enabled = false
+[attitude.mahony]
+kp = 2
+)");
+  for (const BeaconAddress address : std::initializer_list<BeaconAddress>{0, 7, 65534}) {
+    const fusion::Settings settings = config.for_beacon(address);
+    CHECK(settings.preset.imu_weight == fusion::ImuWeight::high);
+    CHECK(settings.trust.sigma_m == 0.08);
+    CHECK(settings.trust.n_base == 5);
+    CHECK_FALSE(settings.trust.enabled);
+    CHECK(settings.mahony.kp == 2.0);
+    CHECK(settings.drift.velocity_smooth_rate_hz == fusion::DriftSettings{}.velocity_smooth_rate_hz);
+  }
+}
+
+TEST_CASE("one beacon's own values stand above those for all, wherever they stand in the file") {
+  const FusionConfig config = loaded(R"([beacon.7.drift]
+velocity_smooth_rate_hz = 25.0
+[beacon.7.attitude.mahony]
+ki = 0.005
+[drift]
+velocity_smooth_rate_hz = 12.0
+)");
+  CHECK(config.for_beacon(7).drift.velocity_smooth_rate_hz == 25.0);
+  CHECK(config.for_beacon(7).mahony.ki == 0.005);
+  CHECK(config.for_beacon(8).drift.velocity_smooth_rate_hz == 12.0);
+  CHECK(config.for_beacon(8).mahony.ki == attitude::MahonySettings{}.ki);
+}
+
+TEST_CASE("an error names file, line, key, value and what is allowed") {
+  SECTION("a misspelt key") {
+    CHECK_THAT(refusal("[drift]\n\ndecay_rate = 2.0\n"),
+               Contains(":3:") && Contains("drift.decay_rate") && Contains("drift.decay_rate_hz"));
+  }
+  SECTION("a misspelt group") {
+    CHECK_THAT(refusal("[drfit]\njump_alpha = 0.5\n"), Contains(":2:") && Contains("drift.jump_alpha"));
+  }
+  SECTION("out of range") {
+    CHECK_THAT(refusal("[drift]\njump_alpha = 1.5\n"),
+               Contains(":2:") && Contains("drift.jump_alpha") && Contains("1.5") && Contains("0 … 1"));
+    CHECK_THAT(refusal("[drift]\njump_alpha = nan\n"), Contains("0 … 1"));
+    CHECK_THAT(refusal("[drift]\njump_alpha = -inf\n"), Contains("0 … 1"));
+    CHECK_THAT(refusal("[trust]\nn_base = 99999999999999\n"),
+               Contains("trust.n_base") && Contains("1 … 1000"));
+  }
+  SECTION("of the wrong kind") {
+    CHECK_THAT(refusal("[trust]\nsigma_m = \"small\"\n"),
+               Contains(":2:") && Contains("small") && Contains("wrong kind"));
+    CHECK_THAT(refusal("[trust]\nn_base = 2.5\n"), Contains("wrong kind") && Contains("1 … 1000"));
+    CHECK_THAT(refusal("[trust]\nenabled = 1\n"), Contains("true or false"));
+    CHECK_THAT(refusal("[fusion]\nimu_weight = \"heavy\"\n"),
+               Contains("heavy") && Contains("low, medium, high or user"));
+    CHECK_THAT(refusal("[trust]\nsigma_m = [0.1, 0.2]\n"), Contains(":2:") && Contains("trust.sigma_m"));
+    CHECK_THAT(refusal("[trust]\nsigma_m = 2024-05-01\n"), Contains("trust.sigma_m"));
+  }
+  SECTION("in a beacon's own table") {
+    CHECK_THAT(refusal("[beacon.7.trust]\nsigma = 0.1\n"), Contains(":2:") && Contains("trust.sigma_m"));
+    CHECK_THAT(refusal("[beacon.7.trust]\nsigma_m = -1.0\n"), Contains("trust.sigma_m") && Contains("-1"));
+    CHECK_THAT(refusal("[beacon.seven.trust]\nsigma_m = 0.1\n"),
+               Contains("beacon.seven") && Contains("65534"));
+    CHECK_THAT(refusal("[beacon.65535.trust]\nsigma_m = 0.1\n"), Contains("65534"));
+    CHECK_THAT(refusal("[beacon.99999.trust]\nsigma_m = 0.1\n"), Contains("65534"));
+    CHECK_THAT(refusal("[beacon]\nsigma_m = 0.1\n"), Contains("beacon.ADDRESS"));
+  }
+  SECTION("not TOML") {
+    CHECK_THAT(refusal("[drift\n"), Contains(":1:"));
+    CHECK_THAT(refusal("[drift]\njump_alpha = 0.1\njump_alpha = 0.2\n"), Contains(":3:"));
+  }
+}
+
+TEST_CASE("a file that is not there is an error that names it") {
+  CHECK_THROWS_WITH(FusionConfig::load("/nonexistent/fusion.toml"), Contains("/nonexistent/fusion.toml"));
+}
+
+TEST_CASE("--set takes a value for all or for one beacon") {
+  FusionConfig config;
+  config.assign("drift.velocity_smooth_rate_hz=20");
+  config.assign("beacon.7.trust.n_base=9");
+  config.assign("fusion.imu_weight=low");
+  CHECK(config.for_beacon(3).drift.velocity_smooth_rate_hz == 20.0);
+  CHECK(config.for_beacon(7).trust.n_base == 9);
+  CHECK(config.for_beacon(3).trust.n_base == fusion::TrustSettings{}.n_base);
+  CHECK(config.for_beacon(3).preset.imu_weight == fusion::ImuWeight::low);
+  config.assign("beacon.7.trust.n_base=11");  // the last one counts
+  CHECK(config.for_beacon(7).trust.n_base == 11);
+}
+
+TEST_CASE("--set refuses with key, value and what is allowed, and changes nothing") {
+  FusionConfig config;
+  const auto refused = [&config](const char* assignment) -> std::string {
+    try {
+      config.assign(assignment);
+    } catch (const ConfigError& error) {
+      CHECK_THAT(error.what(), Contains(assignment));
+      return error.what();
+    }
+    FAIL("accepted: " << assignment);
+    return {};
+  };
+  CHECK_THAT(refused("drift.jump_alpha=2"), Contains("0 … 1"));
+  CHECK_THAT(refused("drift.jump_alpha=nan"), Contains("0 … 1"));
+  CHECK_THAT(refused("drift.jump_alfa=0.5"), Contains("drift.jump_alpha"));
+  CHECK_THAT(refused("drift.jump_alpha=half"), Contains("half"));
+  CHECK_THAT(refused("drift.jump_alpha"), Contains("GROUP.KEY=VALUE"));
+  CHECK_THAT(refused("=0.5"), Contains("GROUP.KEY=VALUE"));
+  CHECK_THAT(refused("beacon.x.drift.jump_alpha=0.5"), Contains("beacon.ADDRESS"));
+  CHECK_THAT(refused("beacon.7.drift.jump_alpha=5"), Contains("0 … 1"));
+  CHECK(same_everywhere(config.for_beacon(7), fusion::Settings{}));
+  CHECK(config.warnings().empty());
+}
+
+TEST_CASE("what is printed loads back to the same, beacons included") {
+  FusionConfig config;
+  for (const auto* assignment :
+       {"fusion.imu_weight=user", "drift.jump_alpha=1", "drift.decay_rate_hz=1e-05", "trust.n_base=7",
+        "trust.enabled=false", "delay.source=fixed", "admission.max_position_m=1e+06",
+        "beacon.7.drift.jump_alpha=0.125", "beacon.7.attitude.mahony.kp=3", "beacon.12.fusion.imu_weight=low",
+        "beacon.7.drift.jump_alpha=0.25"}) {
+    config.assign(assignment);
+  }
+  const FusionConfig again = loaded(config.to_toml());
+  for (const BeaconAddress address : std::initializer_list<BeaconAddress>{1, 7, 12}) {
+    CHECK(same_everywhere(again.for_beacon(address), config.for_beacon(address)));
+  }
+  CHECK(again.to_toml() == config.to_toml());
+  CHECK(again.warnings() == config.warnings());
+}
+
+TEST_CASE("the printed configuration shows every setting with its item and range") {
+  const std::string text = FusionConfig{}.to_toml();
+  for (const auto& row : fusion::setting_table()) {
+    INFO(row.key);
+    CHECK(text.find(row.sentence + " (" + row.allowed() + ")") != std::string::npos);
+    CHECK(text.find(row.name + " = ") != std::string::npos);
+  }
+  for (int item = 1; item <= 37; ++item) {
+    CHECK(text.find("Item " + std::to_string(item) + ". ") != std::string::npos);
+  }
+}
+
+TEST_CASE("item 1: a preset beside items 2, 3 or 4 is a warning that names them") {
+  SECTION("for all") {
+    const auto warnings = loaded("[fusion]\nimu_weight = \"low\"\n[drift]\njump_alpha = 0.9\n").warnings();
+    REQUIRE(warnings.size() == 1);
+    CHECK_THAT(warnings[0], Contains("drift.jump_alpha") && Contains("low") && Contains("user"));
+  }
+  SECTION("also beside the preset that holds by default") {
+    CHECK(loaded("[drift]\njump_alpha = 0.9\ndecay_rate_hz = 1.0\n[velocity]\nblend_weight = 0.1\n")
+              .warnings()
+              .size() == 3);
+  }
+  SECTION("for one beacon") {
+    const auto warnings =
+        loaded(
+            "[fusion]\nimu_weight = \"user\"\n[drift]\njump_alpha = 0.9\n"
+            "[beacon.7.fusion]\nimu_weight = \"low\"\n[beacon.7.velocity]\nblend_weight = 0.9\n")
+            .warnings();
+    REQUIRE(warnings.size() == 1);
+    CHECK_THAT(warnings[0], Contains("beacon.7.velocity.blend_weight"));
+  }
+  SECTION("none where the user's values are used, or where there are none") {
+    CHECK(loaded("[fusion]\nimu_weight = \"user\"\n[drift]\njump_alpha = 0.9\n").warnings().empty());
+    CHECK(loaded("[fusion]\nimu_weight = \"low\"\n").warnings().empty());
+  }
+}
+
+TEST_CASE("what is printed gives no warnings of its own when it is loaded") {
+  FusionConfig config;
+  for (const auto* weight : {"low", "medium", "high", "user"}) {
+    config.assign(std::string("fusion.imu_weight=") + weight);
+    INFO(weight);
+    CHECK(loaded(config.to_toml()).warnings().empty());
+    CHECK(same_everywhere(loaded(config.to_toml()).for_beacon(1), config.for_beacon(1)));
+  }
+}

@@ -1,0 +1,39 @@
+/// The committed files that are made from the declarations must be what the declarations make.
+
+#include <sonopose/config/fusion_config.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <fstream>
+#include <sstream>
+
+using namespace sonopose;
+
+namespace {
+
+std::string text_of(const std::string& path_in_project) {
+  const std::ifstream file(std::string(SONOPOSE_SOURCE_DIR) + "/" + path_in_project);
+  REQUIRE(file.good());
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+TEST_CASE("config/fusion.toml is the defaults as --print-config prints them") {
+  CHECK(text_of("config/fusion.toml") == config::FusionConfig{}.to_toml());
+}
+
+TEST_CASE("docs/settings.md is the page of the declarations") {
+  CHECK(text_of("docs/settings.md") == config::settings_page());
+}
+
+TEST_CASE("the page names every setting") {
+  const std::string page = config::settings_page();
+  for (const auto& row : fusion::setting_table()) {
+    INFO(row.key);
+    CHECK(page.find("`" + row.key + "`") != std::string::npos);
+    CHECK(page.find(row.sentence) != std::string::npos);
+  }
+}
