@@ -1,0 +1,177 @@
+/// Items 3, 7, 8 and 26–28.
+
+#include <catch2/catch.hpp>
+
+#include <support/engine_driver.hpp>
+
+using namespace sonopose;
+using namespace sonopose::fusion;
+using test::epoch_ns;
+
+namespace {
+
+VelocitySettings plain() {
+  VelocitySettings settings;
+  settings.blend_weight = 0.4;
+  settings.snap_min_speed_mps = 1.0;
+  return settings;
+}
+
+Verdict verdict_of(double weight) {
+  Verdict verdict;
+  verdict.weight = weight;
+  return verdict;
+}
+
+TimedFix fix_at(double time_s, const Vector3d& position_world_m) {
+  return {epoch_ns + to_ns(time_s), position_world_m, position_world_m};
+}
+
+FixVelocity between(const Vector3d& ultrasonic, const Vector3d& inertial) {
+  return {ultrasonic, inertial, 0.08 * ultrasonic};
+}
+
+/// The velocity after one fix, from `inertial` with these settings.
+Vector3d after_fix(const VelocitySettings& settings, const Vector3d& ultrasonic, const Vector3d& inertial,
+                   double weight = 1.0, double acceleration_mps2 = 0.0) {
+  auto body = test::moving_body(inertial);
+  body.acceleration_world_mps2 = {0, acceleration_mps2, 0};
+  velocity::correct(settings, body, between(ultrasonic, inertial), verdict_of(weight));
+  return body.velocity_world_mps;
+}
+
+std::uint32_t verdict_after(const VelocitySettings& settings, const Vector3d& ultrasonic,
+                            const Vector3d& inertial) {
+  auto body = test::moving_body(inertial);
+  return velocity::correct(settings, body, between(ultrasonic, inertial), verdict_of(1.0)).verdict;
+}
+
+}  // namespace
+
+TEST_CASE("item 3: one fix moves the velocity by blend × reliability × difference") {
+  const Vector3d v_us(1.2, 0.3, 0);
+  const Vector3d v_imu(1.0, 0, 0.1);
+  CHECK((after_fix(plain(), v_us, v_imu, 0.5) - v_imu - 0.4 * 0.5 * (v_us - v_imu)).norm() < 1e-12);
+  VelocitySettings settings = plain();
+  settings.blend_weight = 0.0;
+  CHECK((after_fix(settings, v_us, v_imu) - v_imu).norm() < 1e-15);
+  settings.blend_weight = 1.0;
+  CHECK((after_fix(settings, v_us, v_imu) - v_us).norm() < 1e-12);
+}
+
+TEST_CASE("item 3: the mean over the interval is compared and not the present velocity") {
+  // Accelerating at 4 m/s²: between two fixes 0.1 s apart, the later 0.07 s ago, the mean lies far back.
+  Kinematics body;
+  body.time_ns = epoch_ns;
+  const auto x_at = [](double t) { return 0.5 * 4.0 * t * t; };  // t from 1 s ago
+  for (int i = 0; i <= 100; ++i) {
+    body.displacement_world_m = {x_at(0.01 * i), 0, 0};
+    body.history.push({epoch_ns - to_ns(1.0 - 0.01 * i), body.displacement_world_m, 0.0});
+  }
+  body.velocity_world_mps = {4, 0, 0};
+  VelocityState state{true, epoch_ns - to_ns(0.17), {x_at(0.83), 0, 0}};
+  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.07, {x_at(0.93), 0, 0}), true);
+  REQUIRE(measured.has_value());
+  CHECK(measured->ultrasonic_world_mps.x() == Approx(4.0 * 0.88));
+  CHECK(measured->inertial_world_mps.x() == Approx(4.0 * 0.88));
+  velocity::correct(plain(), body, *measured, verdict_of(1.0));
+  CHECK(body.velocity_world_mps.x() == Approx(4.0));  // nothing to correct
+}
+
+TEST_CASE("a velocity comes only of two good fixes within the declared interval") {
+  const auto body = test::moving_body({1, 0, 0});
+  const VelocityState first{true, epoch_ns - to_ns(0.4), Vector3d::Zero()};
+  const auto measured_after = [&](double interval_s, bool good = true) {
+    VelocityState state = first;
+    const auto fix = fix_at(-0.4 + interval_s, {interval_s, 0, 0});
+    return velocity::measure(plain(), state, body, fix, good).has_value();
+  };
+  CHECK_FALSE(measured_after(0.032));
+  CHECK(measured_after(0.051));
+  CHECK(measured_after(0.299));
+  CHECK_FALSE(measured_after(0.301));
+  CHECK_FALSE(measured_after(0.1, false));
+
+  VelocityState none;
+  CHECK_FALSE(velocity::measure(plain(), none, body, fix_at(-0.1, Vector3d::Zero()), true).has_value());
+}
+
+TEST_CASE("two fixes too close together: the older stays the reference") {
+  const auto body = test::moving_body({1, 0, 0});
+  VelocityState state{true, epoch_ns - to_ns(0.2), Vector3d::Zero()};
+  CHECK_FALSE(velocity::measure(plain(), state, body, fix_at(-0.17, {0.9, 0, 0}), true).has_value());
+  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.1, {0.1, 0, 0}), true);
+  REQUIRE(measured.has_value());
+  CHECK(measured->ultrasonic_world_mps.x() == Approx(1.0));
+}
+
+TEST_CASE("an outlier is no end of an interval") {
+  const auto body = test::moving_body({1, 0, 0});
+  VelocityState state{true, epoch_ns - to_ns(0.3), Vector3d::Zero()};
+  CHECK_FALSE(velocity::measure(plain(), state, body, fix_at(-0.2, {9, 9, 9}), false).has_value());
+  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.1, {0.2, 0, 0}), true);
+  REQUIRE(measured.has_value());
+  CHECK(measured->ultrasonic_world_mps.x() == Approx(1.0));
+}
+
+TEST_CASE("item 7: an IMU more than twice as fast in the same direction takes the ultrasonic velocity") {
+  const Vector3d slow(1.5, 0, 0);
+  CHECK(verdict_after(plain(), slow, {3.01, 0, 0}) == verdict_snapped_over);
+  CHECK((after_fix(plain(), slow, {3.01, 0, 0}) - slow).norm() < 1e-12);
+  CHECK(verdict_after(plain(), slow, {2.99, 0, 0}) == 0);
+  CHECK(verdict_after(plain(), slow, {-3.01, 0, 0}) == 0);  // the other direction
+  VelocitySettings off = plain();
+  off.overshoot_fix = false;
+  CHECK(verdict_after(off, slow, {3.01, 0, 0}) == 0);
+}
+
+TEST_CASE("item 8: an ultrasonic velocity more than twice the IMU's is taken at once") {
+  const Vector3d fast(3, 0, 0);
+  CHECK(verdict_after(plain(), fast, {1.49, 0, 0}) == verdict_snapped_under);
+  CHECK((after_fix(plain(), fast, {1.49, 0, 0}) - fast).norm() < 1e-12);
+  CHECK(verdict_after(plain(), fast, {1.51, 0, 0}) == 0);
+  VelocitySettings off = plain();
+  off.undershoot_fix = false;
+  CHECK(verdict_after(off, fast, {1.49, 0, 0}) == 0);
+}
+
+TEST_CASE("item 28: below the least ultrasonic speed neither acts") {
+  CHECK(verdict_after(plain(), {0.99, 0, 0}, {5, 0, 0}) == 0);
+  CHECK(verdict_after(plain(), {0.99, 0, 0}, Vector3d::Zero()) == 0);
+  CHECK(verdict_after(plain(), {1.01, 0, 0}, {5, 0, 0}) == verdict_snapped_over);
+  CHECK(verdict_after(plain(), {1.01, 0, 0}, Vector3d::Zero()) == verdict_snapped_under);
+}
+
+TEST_CASE("items 26 and 27: the acceleration gate halves at the threshold and closes at twice") {
+  VelocitySettings gated = plain();
+  gated.accel_gate = true;
+  gated.accel_gate_threshold_mps2 = 3.0;
+  const Vector3d v_us(1.1, 0, 0);
+  const Vector3d v_imu(1.0, 0, 0);
+  const auto share = [&](const VelocitySettings& settings, double acceleration) {
+    return (after_fix(settings, v_us, v_imu, 1.0, acceleration) - v_imu).x() / 0.1;
+  };
+  CHECK(share(gated, 0.0) == Approx(0.4));
+  CHECK(share(gated, 1.5) == Approx(0.3));
+  CHECK(share(gated, 3.0) == Approx(0.2));
+  CHECK(share(gated, 6.0) == Approx(0.0).margin(1e-12));
+  CHECK(share(gated, 60.0) == Approx(0.0).margin(1e-12));
+  CHECK_FALSE(VelocitySettings{}.accel_gate);
+  CHECK(share(plain(), 60.0) == Approx(0.4));
+}
+
+TEST_CASE("items 20–22: forced convergence corrects the velocity at its own weight") {
+  auto body = test::moving_body({4, 0, 0});
+  Verdict forced = verdict_of(0.002);
+  forced.forced = true;
+  forced.weight_floor = 0.5;
+  velocity::correct(plain(), body, between(Vector3d::Zero(), {4, 0, 0}), forced);
+  CHECK(body.velocity_world_mps.x() == Approx(4.0 - 0.4 * 0.5 * 4.0));
+}
+
+TEST_CASE("the second fix after a pause gives the velocity outright") {
+  auto body = test::moving_body(Vector3d::Zero());
+  const Vector3d change = velocity::adopt(body, between({6, 1, 0}, Vector3d::Zero()));
+  CHECK((body.velocity_world_mps - Vector3d(6, 1, 0)).norm() < 1e-12);
+  CHECK((change - Vector3d(6, 1, 0)).norm() < 1e-12);
+}
