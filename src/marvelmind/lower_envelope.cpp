@@ -28,21 +28,16 @@ void LowerEnvelope::add(std::int64_t beacon_ns, TimeNs arrival_ns) {
     fit();
     return;
   }
-  const std::int64_t above_line_ns = arrival.delay_ns - delay_ns(beacon_ns);
-  if (above_line_ns < -step_ns) keep_newest(0);
   // Buckets are of arrival time: what comes in one go after a pause is one bucket, however old it is.
-  const bool bucket_is_open =
-      !empty() && arrival_ns >= bucket_start_ns_ && arrival_ns < bucket_start_ns_ + bucket_ns;
+  const bool bucket_is_open = arrival_ns >= bucket_start_ns_ && arrival_ns < bucket_start_ns_ + bucket_ns;
   if (!bucket_is_open) {
-    if (!empty()) {
-      judge_closed_bucket();
-      fit();
-    }
+    judge_closed_bucket();
+    fit();
     open_bucket(arrival, arrival_ns);
   } else if (arrival.delay_ns < earliest_[size_ - 1].delay_ns) {
     earliest_[size_ - 1] = arrival;
   }
-  if (size_ == 1 || arrival.delay_ns < delay_ns(beacon_ns)) fit();
+  if (arrival.delay_ns < delay_ns(beacon_ns)) fit();
 }
 
 void LowerEnvelope::open_bucket(const Earliest& first, TimeNs arrival_ns) {

@@ -19,7 +19,8 @@ class LowerEnvelope {
 public:
   /// Steeper than any quartz: beacons drift up to ±200 ppm.
   static constexpr double max_rate = 300e-6;
-  /// A lasting change of more than this is a step of a clock, and ends the validity of what was before.
+  /// Arrivals that for seconds come no nearer to the line than this have a new one; the old seconds are
+  /// forgotten.
   static constexpr std::int64_t step_ns = 20'000'000;
 
   /// Takes one arrival. Beacon times must rise strictly.
