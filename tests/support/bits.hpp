@@ -1,0 +1,56 @@
+#pragma once
+/// \file
+/// What the engine gives, as the bits of its numbers: for "equal" in its strictest sense (0 is not -0, and a
+/// NaN is itself). The times at which a pose passed through the processes are no part of it.
+
+#include <sonopose/core/pose.hpp>
+
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+namespace sonopose::test {
+
+using Bits = std::vector<std::uint64_t>;
+
+namespace detail {
+
+inline void append(Bits& bits, double value) {
+  bits.push_back(std::bit_cast<std::uint64_t>(value));
+}
+
+inline void append(Bits& bits, const Vector3d& vector) {
+  for (const double value : vector) append(bits, value);
+}
+
+}  // namespace detail
+
+inline Bits bits_of(const FusedPose& pose) {
+  Bits bits{pose.address,       pose.sequence, static_cast<std::uint64_t>(pose.time_ns),
+            pose.reset_counter, pose.status,   static_cast<std::uint64_t>(pose.imu_sensor_time_ns)};
+  for (const Vector3d& vector : {pose.position_world_m, pose.velocity_world_mps,
+                                 pose.angular_velocity_body_radps, pose.acceleration_world_mps2,
+                                 pose.gyro_bias_body_radps, pose.position_std_m, pose.velocity_std_mps}) {
+    detail::append(bits, vector);
+  }
+  for (const double value : pose.q_body_to_world.coeffs()) detail::append(bits, value);
+  for (const double value : {pose.yaw_std_rad, pose.trust, pose.since_valid_fix_s}) {
+    detail::append(bits, value);
+  }
+  return bits;
+}
+
+inline Bits bits_of(const FixReport& report) {
+  Bits bits{report.address, report.sequence, static_cast<std::uint64_t>(report.emission_time_ns),
+            static_cast<std::uint64_t>(report.applied_time_ns), report.verdict};
+  for (const Vector3d& vector : {report.position_world_m, report.shifted_position_world_m,
+                                 report.jump_world_m, report.velocity_change_world_mps}) {
+    detail::append(bits, vector);
+  }
+  for (const double value : {report.residual_m, report.weight, report.trust, report.yaw_change_rad}) {
+    detail::append(bits, value);
+  }
+  return bits;
+}
+
+}  // namespace sonopose::test

@@ -1,0 +1,140 @@
+#pragma once
+/// \file
+/// The bus of one test: a domain of its own, the real programs on it, and the test's own consumers.
+
+#include "process.hpp"
+#include "test_domain.hpp"
+#include <sonopose/dds/conversions.hpp>
+#include <sonopose/dds/topics.hpp>
+#include <sonopose/dds/waitset.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sonopose::test {
+
+using Stream = Process::Stream;
+using Arguments = std::vector<std::string>;
+
+/// What no test may take over from the person who runs it.
+inline const Environment neutral{{"CYCLONEDDS_URI", ""}, {"SONOPOSE_QOS", ""}, {"ROS_DOMAIN_ID", ""}};
+
+class Bus {
+public:
+  Bus() {
+    for (const auto& entry : neutral) ::unsetenv(entry.first.c_str());
+  }
+
+  [[nodiscard]] std::uint32_t domain_id() const { return domain_.id(); }
+
+  std::unique_ptr<Process> bridge(const Arguments& arguments) const {
+    return start(SONOPOSE_TEST_BRIDGE, arguments);
+  }
+  std::unique_ptr<Process> monitor(const Arguments& arguments) const {
+    return start(SONOPOSE_TEST_MONITOR, arguments);
+  }
+  /// Returns when it serves.
+  std::unique_ptr<Process> fusion(const Arguments& arguments = {}) const {
+    auto fusion = start(SONOPOSE_TEST_FUSION, arguments);
+    REQUIRE(fusion->wait_for_line(Stream::error, "serving"));
+    return fusion;
+  }
+
+private:
+  [[nodiscard]] std::unique_ptr<Process> start(const char* program, Arguments arguments) const {
+    arguments.insert(arguments.end(), {"--domain", std::to_string(domain_.id())});
+    return std::make_unique<Process>(program, arguments);
+  }
+
+  TestDomain domain_;
+};
+
+/// Waits on an entity's statuses until `done()`; returns what `done()` says at the end.
+template <class Done>
+bool wait_for_status(const dds::Entity& entity, dds::StatusMask statuses, const Done& done,
+                     std::chrono::milliseconds timeout = patience) {
+  dds::StatusCondition condition(entity);
+  condition.enabled_statuses(statuses);
+  dds::WaitSet waitset;
+  waitset += condition;
+  const auto give_up = std::chrono::steady_clock::now() + timeout;
+  while (!done()) {
+    const dds::Duration left = give_up - std::chrono::steady_clock::now();
+    if (left <= dds::Duration::zero() || waitset.wait(left) == 0) return done();
+  }
+  return true;
+}
+
+/// A consumer of one topic that keeps everything. It has a participant of its own, as a program would.
+template <class T>
+class Consumer {
+public:
+  using Sample = decltype(dds::from_idl(std::declval<const T&>()));
+
+  Consumer(const Bus& bus, const dds::TopicEntry<T>& entry, dds::Delivery delivery = dds::Delivery::lossless)
+      : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
+        reader_(dds::make_reader(participant_, dds::QosProvider(dds::find_qos_file()), entry, nullptr,
+                                 delivery)) {}
+
+  /// Waits until it has matched this many writers (at least).
+  bool wait_for_writers(std::uint32_t count = 1) {
+    return wait_for_status(reader_, dds::StatusMask::subscription_matched(),
+                           [&] { return reader_.subscription_matched_status().current_count >= count; });
+  }
+
+  /// Takes samples until `done()`.
+  template <class Done>
+  bool wait_until(const Done& done, std::chrono::milliseconds timeout = patience) {
+    return wait_for_status(
+        reader_, dds::StatusMask::data_available(),
+        [&] {
+          take();
+          return done();
+        },
+        timeout);
+  }
+
+  /// Takes until there are `count` samples in all.
+  bool wait_for_count(std::size_t count, std::chrono::milliseconds timeout = patience) {
+    return wait_until([&] { return samples.size() >= count; }, timeout);
+  }
+
+  /// Takes until there are `count` more.
+  bool wait_for_more(std::size_t count) { return wait_for_count(samples.size() + count); }
+
+  /// Takes until a sample fulfils `predicate`, of those that came already `from` this one on too.
+  template <class Predicate>
+  bool wait_for(const Predicate& predicate, std::size_t from = 0) {
+    return wait_until([&] {
+      for (; from < samples.size(); ++from) {
+        if (predicate(samples[from])) return true;
+      }
+      return false;
+    });
+  }
+
+  /// Takes what is there.
+  void take() {
+    reader_.take_each([&](const T& sample, const dds::SampleInfo&) {
+      samples.push_back(dds::from_idl(sample));
+      received_ns.push_back(std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                std::chrono::system_clock::now().time_since_epoch())
+                                .count());
+    });
+  }
+
+  std::vector<Sample> samples;
+  std::vector<TimeNs> received_ns;  ///< when each was taken
+
+private:
+  dds::DomainParticipant participant_;
+  dds::DataReader<T> reader_;
+};
+
+}  // namespace sonopose::test

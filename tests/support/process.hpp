@@ -1,0 +1,97 @@
+#pragma once
+/// \file
+/// A program that runs beside the test: started, listened to, signalled, waited for, and never left behind.
+
+#include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+namespace sonopose::test {
+
+/// An upper bound only: every wait ends with its event.
+inline constexpr std::chrono::milliseconds patience{30'000};
+
+/// Variables that the program gets besides the test's own; an empty value takes one away.
+using Environment = std::map<std::string, std::string>;
+
+class Process {
+public:
+  enum class Stream : std::uint8_t { output, error };
+
+  /// Throws std::system_error where it cannot be started.
+  Process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+          const Environment& environment = {});
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+  Process(Process&&) = delete;
+  Process& operator=(Process&&) = delete;
+  /// Kills it where it still runs, and reaps it.
+  ~Process();
+
+  /// Waits until a line (ended by a newline) of `stream` contains `text`, among those that have come already
+  /// too. False where the stream ended, or time was up, without one.
+  bool wait_for_line(Stream stream, std::string_view text, std::chrono::milliseconds timeout = patience);
+
+  /// Waits until `stream` has this many lines.
+  bool wait_for_lines(Stream stream, std::size_t count, std::chrono::milliseconds timeout = patience);
+
+  /// Waits for its end: the exit code, or minus the signal that killed it. Empty when time was up.
+  std::optional<int> wait_for_exit(std::chrono::milliseconds timeout = patience);
+
+  /// Sends a signal, as kill(2).
+  void send(int signal) const;
+
+  /// Sends a signal and waits for the end: how long that took.
+  struct Ending {
+    std::optional<int> code;
+    std::chrono::milliseconds took;
+  };
+  Ending end_by(int signal);
+
+  /// The whole lines that have come.
+  [[nodiscard]] std::vector<std::string> lines(Stream stream) const;
+  /// The same as one text.
+  [[nodiscard]] std::string text(Stream stream) const;
+
+  [[nodiscard]] int pid() const { return pid_; }
+
+private:
+  /// One of its streams; `file` is our end of the pipe.
+  struct Pipe {
+    int file = -1;
+    std::string unfinished;
+    std::vector<std::string> lines;
+    bool ended = false;
+  };
+
+  void listen();
+  void take_in(Pipe& pipe);
+  [[nodiscard]] const Pipe& pipe(Stream stream) const { return stream == Stream::output ? output_ : error_; }
+
+  int pid_ = -1;
+  int pid_file_ = -1;
+  std::optional<int> code_;
+  mutable std::mutex mutex_;
+  std::condition_variable news_;
+  Pipe output_;
+  Pipe error_;
+  std::thread listener_;
+};
+
+/// Runs a program to its end.
+struct Result {
+  std::optional<int> code;
+  std::string output;
+  std::string error;
+};
+Result run(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+           const Environment& environment = {});
+
+}  // namespace sonopose::test

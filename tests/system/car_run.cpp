@@ -1,0 +1,99 @@
+#include "car_run.hpp"
+
+#include "support/beacon_bytes.hpp"
+#include "support/pseudo_terminal.hpp"
+#include <sonopose/math/rotation.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+namespace sonopose::test {
+namespace {
+
+namespace topics = dds::topics;
+
+/// What listens to a run, and is there before it begins.
+struct Listeners {
+  explicit Listeners(const Bus& bus) : poses(bus, topics::pose), reports(bus, topics::report) {}
+
+  /// Waits for everything that the car gives.
+  CarRun finish() {
+    const bool all_poses = poses.wait_for_count(car_imu_samples);
+    const bool all_reports = reports.wait_for_count(car_fixes);
+    CHECK(all_poses);
+    CHECK(all_reports);
+    return {std::move(poses.samples), std::move(reports.samples)};
+  }
+
+  Consumer<sonopose_FusedPose> poses;
+  Consumer<sonopose_FixReport> reports;
+};
+
+class Accumulator {
+public:
+  void add(double difference) {
+    sum_ += difference * difference;
+    max_ = std::max(max_, std::abs(difference));
+    ++count_;
+  }
+  [[nodiscard]] Distance distance() const { return {std::sqrt(sum_ / static_cast<double>(count_)), max_}; }
+
+private:
+  double sum_ = 0;
+  double max_ = 0;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+CarRun play_car(const std::string& source) {
+  const Bus bus;
+  Listeners listeners(bus);
+  Arguments settings = car_settings;
+  settings.emplace_back("--lossless");
+  const auto fusion = bus.fusion(settings);
+  REQUIRE(listeners.poses.wait_for_writers());
+  REQUIRE(listeners.reports.wait_for_writers());
+  const auto input = source == "log" ? car_folder : car_folder / "stream.bin";
+  const auto bridge = bus.bridge({"--source", source, "--input", input.string(), "--rate", "0"});
+  CarRun run = listeners.finish();
+  CHECK(bridge->wait_for_exit() == 0);
+  return run;
+}
+
+CarRun play_car_over_serial_line() {
+  const Bus bus;
+  Listeners listeners(bus);
+  const auto fusion = bus.fusion(car_settings);
+  REQUIRE(listeners.poses.wait_for_writers());
+  REQUIRE(listeners.reports.wait_for_writers());
+  const auto frames = timed_frames(read_bytes(car_folder / "stream.bin"));
+  const PseudoTerminal line;
+  Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+  const auto bridge = bus.bridge({"--source", "serial", "--device", line.device()});
+  REQUIRE(bridge->wait_for_line(Stream::error, "reading"));
+  REQUIRE(imu.wait_for_writers());
+  send_in_time(frames, [&](std::span<const std::uint8_t> bytes) { line.send(bytes); });
+  return listeners.finish();
+}
+
+RunDistance distance_between(const std::vector<FusedPose>& run, const std::vector<FusedPose>& other) {
+  Accumulator position;
+  Accumulator velocity;
+  Accumulator yaw;
+  for (std::size_t k = 0; k < std::min(run.size(), other.size()); ++k) {
+    position.add((run[k].position_world_m - other[k].position_world_m).norm());
+    velocity.add((run[k].velocity_world_mps - other[k].velocity_world_mps).norm());
+    yaw.add(math::wrap_angle(math::yaw_of(run[k].q_body_to_world) - math::yaw_of(other[k].q_body_to_world)));
+  }
+  return {position.distance(), velocity.distance(), yaw.distance()};
+}
+
+bool car_is_here() {
+  if (std::filesystem::exists(car_folder / "stream.bin")) return true;
+  std::cout << "skipped: no recordings\n";
+  return false;
+}
+
+}  // namespace sonopose::test

@@ -1,0 +1,172 @@
+/// The real recording: 112 s of a car with a pair of beacons, through the real programs.
+
+#include "car_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+
+using namespace sonopose;
+using namespace sonopose::test;
+
+namespace {
+
+constexpr TimeNs drives_from_ns = car_epoch_ns + 45'000'000'000;
+constexpr TimeNs drives_until_ns = car_epoch_ns + 94'000'000'000;
+constexpr TimeNs freezes_ns = car_epoch_ns + 94'400'000'000;
+
+bool is_driving(TimeNs time_ns) {
+  return time_ns >= drives_from_ns && time_ns <= drives_until_ns;
+}
+
+/// The recorded wheel speed over time, linear between the samples.
+class WheelSpeed {
+public:
+  WheelSpeed() {
+    std::ifstream file(car_folder / "wheel_speed.csv");
+    for (std::string line; std::getline(file, line);) {
+      if (line.empty() || line.front() == '#') continue;
+      samples_.emplace_back(std::stoll(line), std::stod(line.substr(line.find(',') + 1)));
+    }
+  }
+
+  [[nodiscard]] double at(TimeNs time_ns) const {
+    const auto after = std::lower_bound(samples_.begin() + 1, samples_.end() - 1, time_ns,
+                                        [](const auto& sample, TimeNs time) { return sample.first < time; });
+    const auto before = std::prev(after);
+    const double share =
+        seconds_between(before->first, time_ns) / seconds_between(before->first, after->first);
+    return before->second + share * (after->second - before->second);
+  }
+
+private:
+  std::vector<std::pair<TimeNs, double>> samples_;
+};
+
+struct SpeedCheck {
+  double difference_rms_mps = 0;
+  double fastest_mps = 0;
+};
+
+SpeedCheck compare_with_wheels(const std::vector<FusedPose>& poses) {
+  const WheelSpeed wheels;
+  double squares = 0;
+  double count = 0;
+  double fastest_mps = 0;
+  for (const FusedPose& pose : poses) {
+    if (!is_driving(pose.time_ns)) continue;
+    const double speed_mps = pose.velocity_world_mps.norm();
+    const double difference_mps = speed_mps - wheels.at(pose.time_ns);
+    squares += difference_mps * difference_mps;
+    fastest_mps = std::max(fastest_mps, speed_mps);
+    ++count;
+  }
+  return {std::sqrt(squares / count), fastest_mps};
+}
+
+/// RMS distance between each usable fix, moved on to the engine's time, and the pose before it was applied.
+double distance_to_fixes_m(const CarRun& run) {
+  double squares = 0;
+  double count = 0;
+  for (const FixReport& report : run.reports) {
+    if (!is_driving(report.applied_time_ns) || (report.verdict & verdict_used) == 0U) continue;
+    const auto after =
+        std::upper_bound(run.poses.begin(), run.poses.end(), report.applied_time_ns,
+                         [](TimeNs time, const FusedPose& pose) { return time < pose.time_ns; });
+    squares += (std::prev(after)->position_world_m - report.shifted_position_world_m).squaredNorm();
+    ++count;
+  }
+  REQUIRE(count > 0.8 * 49 * 10);  // ten fixes a second, few of them refused
+  return std::sqrt(squares / count);
+}
+
+/// What the wire's steps may do to a pose. A stamp is cut to 1 ms: 1.5 mm at the car's 1.5 m/s. A fix has
+/// steps of 1 mm. A heading has steps of 0.1°: its half is 0.9 mrad, which turns the car's velocity by
+/// 1.4 mm/s, and the gyro's of 0.0175 deg/s weighs less. An acceleration has steps of 1 mg: half of one over
+/// the half second between corrections is 2.5 mm/s and 0.6 mm. Altogether some 2 mm, 3 mm/s and 1 mrad;
+/// single poses, as in a turn or where a fix falls on the other side of an IMU sample, five times that.
+void check_wire_steps(const RunDistance& distance) {
+  CHECK(distance.position_m.rms <= 0.003);
+  CHECK(distance.position_m.max <= 0.015);
+  CHECK(distance.velocity_mps.rms <= 0.005);
+  CHECK(distance.velocity_mps.max <= 0.025);
+  CHECK(distance.yaw_rad.rms <= 0.001);
+  CHECK(distance.yaw_rad.max <= 0.005);
+}
+
+void print(const char* what, const RunDistance& distance) {
+  std::cout << what << ": position " << distance.position_m.rms << " m RMS, " << distance.position_m.max
+            << " m at most; velocity " << distance.velocity_mps.rms << ", " << distance.velocity_mps.max
+            << " m/s; yaw " << distance.yaw_rad.rms << ", " << distance.yaw_rad.max << " rad\n";
+}
+
+}  // namespace
+
+SCENARIO("the car's log through bridge and fusion agrees with its wheels") {
+  if (!car_is_here()) return;
+  GIVEN("the recording, played as fast as the programs take it") {
+    const CarRun run = play_car("log");
+    REQUIRE(run.poses.size() == car_imu_samples);
+    THEN("the fused speed follows the wheels between 45 s and 94 s") {
+      const SpeedCheck speed = compare_with_wheels(run.poses);
+      std::cout << "speed against the wheels: " << speed.difference_rms_mps << " m/s RMS, fastest "
+                << speed.fastest_mps << " m/s\n";
+      CHECK(speed.difference_rms_mps <= 0.25);
+      CHECK(speed.fastest_mps <= 2.5);
+    }
+    THEN("the pose stays with the delay-shifted fixes") {
+      const double distance_m = distance_to_fixes_m(run);
+      std::cout << "pose against the shifted fixes: " << distance_m << " m RMS\n";
+      CHECK(distance_m <= 0.10);
+    }
+    THEN("after the fixes have frozen it stays finite and bounded and says what has happened") {
+      const Vector3d spot_world_m = run.reports.back().position_world_m;
+      bool told = false;
+      double farthest_m = 0;
+      for (const FusedPose& pose : run.poses) {
+        REQUIRE(pose.position_world_m.allFinite());
+        REQUIRE(pose.velocity_world_mps.allFinite());
+        REQUIRE(pose.q_body_to_world.coeffs().allFinite());
+        if (pose.time_ns < freezes_ns) continue;
+        told = told || (pose.status & status_frozen_track) != 0U;
+        farthest_m = std::max(farthest_m, (pose.position_world_m - spot_world_m).norm());
+      }
+      std::cout << "farthest from the frozen spot: " << farthest_m << " m\n";
+      CHECK(told);
+      CHECK(farthest_m <= 10.0);
+    }
+  }
+}
+
+SCENARIO("the car's bytes give the poses of its log, up to the wire's steps") {
+  if (!car_is_here()) return;
+  GIVEN("both, played as fast as the programs take them") {
+    const CarRun log = play_car("log");
+    const CarRun stream = play_car("stream");
+    THEN("pose by pose they are the same up to the wire's steps") {
+      REQUIRE(log.poses.size() == car_imu_samples);
+      REQUIRE(stream.poses.size() == car_imu_samples);
+      const RunDistance distance = distance_between(stream.poses, log.poses);
+      print("stream against log", distance);
+      check_wire_steps(distance);
+    }
+  }
+}
+
+SCENARIO("the car's bytes over a serial line, in real time, give the poses of its log") {
+  if (!car_is_here()) return;
+  GIVEN("a pseudo-terminal that carries the recorded bytes at the beacon's own pace") {
+    const CarRun log = play_car("log");
+    const CarRun live = play_car_over_serial_line();
+    THEN("pose by pose they are the same up to the wire's steps, in spite of the jitter of the arrivals") {
+      REQUIRE(log.poses.size() == car_imu_samples);
+      REQUIRE(live.poses.size() == car_imu_samples);
+      const RunDistance distance = distance_between(live.poses, log.poses);
+      print("serial line against log", distance);
+      // The beacon's clock is fitted to the quickest arrivals, so a late one moves nothing: the same limits.
+      check_wire_steps(distance);
+    }
+  }
+}

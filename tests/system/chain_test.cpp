@@ -1,0 +1,150 @@
+/// The demo chain: bridge on the simulator, fusion, monitor.
+
+#include "support/bus.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <csignal>
+#include <map>
+
+using namespace sonopose;
+using namespace sonopose::test;
+namespace topics = dds::topics;
+
+namespace {
+
+bool is_ready(const FusedPose& pose) {
+  return (pose.status & status_initialising) == 0U;
+}
+
+template <class Samples>
+std::vector<std::uint64_t> numbers_between(const Samples& samples, std::uint64_t first, std::uint64_t last) {
+  std::vector<std::uint64_t> numbers;
+  for (const auto& sample : samples) {
+    if (sample.sequence >= first && sample.sequence <= last) numbers.push_back(sample.sequence);
+  }
+  return numbers;
+}
+
+double farthest_from_truth_m(const std::vector<FusedPose>& poses, const std::vector<TruthSample>& truth) {
+  std::map<TimeNs, Vector3d> true_position_m;
+  for (const TruthSample& sample : truth) true_position_m[sample.time_ns] = sample.position_world_m;
+  double farthest_m = 0;
+  std::size_t compared = 0;
+  for (const FusedPose& pose : poses) {
+    const auto found = true_position_m.find(pose.time_ns);
+    if (found == true_position_m.end() || !is_ready(pose)) continue;
+    farthest_m = std::max(farthest_m, (pose.position_world_m - found->second).norm());
+    ++compared;
+  }
+  REQUIRE(compared > 500);
+  return farthest_m;
+}
+
+}  // namespace
+
+SCENARIO("the simulator's beacon comes out of the fusion as a pose at every IMU sample") {
+  GIVEN("fusion and consumers, and then a bridge on the simulator: 100 Hz, a walk that begins after 3 s") {
+    const Bus bus;
+    Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+    Consumer<sonopose_TruthSample> truth(bus, topics::truth);
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({});
+    WHEN("it has walked for four seconds") {
+      REQUIRE(poses.wait_for_count(700));
+      const auto received_ns = poses.received_ns;
+      const std::uint64_t first = poses.samples.front().sequence;
+      const std::uint64_t last = poses.samples.back().sequence;
+      REQUIRE(imu.wait_for([last](const ImuSample& sample) { return sample.sequence >= last; }));
+      REQUIRE(truth.wait_for(
+          [&](const TruthSample& sample) { return sample.time_ns >= poses.samples.back().time_ns; }));
+      THEN("there is one pose for each IMU sample, in order, at the IMU's rate") {
+        const auto pose_numbers = numbers_between(poses.samples, first, last);
+        CHECK(pose_numbers == numbers_between(imu.samples, first, last));
+        CHECK(std::is_sorted(pose_numbers.begin(), pose_numbers.end(), std::less_equal<>()));
+        const double span_s = seconds_between(poses.samples.front().time_ns, poses.samples.back().time_ns);
+        CHECK(static_cast<double>(poses.samples.size() - 1) / span_s == Approx(100.0).epsilon(0.001));
+      }
+      THEN("it stays within 10 cm of the truth") {
+        CHECK(farthest_from_truth_m(poses.samples, truth.samples) < 0.10);
+      }
+      THEN("each pose's way is in order: measured, published, taken, written, received") {
+        for (std::size_t i = 0; i < received_ns.size(); ++i) {
+          const FusedPose& pose = poses.samples[i];
+          REQUIRE(pose.imu_sensor_time_ns == pose.time_ns);
+          REQUIRE(pose.imu_sensor_time_ns <= pose.imu_bridge_time_ns);
+          REQUIRE(pose.imu_bridge_time_ns <= pose.fusion_in_time_ns);
+          REQUIRE(pose.fusion_in_time_ns <= pose.fusion_out_time_ns);
+          REQUIRE(pose.fusion_out_time_ns <= received_ns[i]);
+        }
+      }
+    }
+  }
+}
+
+SCENARIO("the monitor shows the chain as JSON, one object a second") {
+  GIVEN("bridge and fusion at work") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({"--address", "12"});
+    REQUIRE(poses.wait_for(is_ready));
+    WHEN("it watches for three and a half seconds") {
+      const auto monitor = bus.monitor({"--json", "--duration", "3.5"});
+      REQUIRE(monitor->wait_for_exit() == 0);
+      THEN("it has told three times of a beacon that is followed at the IMU's rate") {
+        const auto lines = monitor->lines(Stream::output);
+        REQUIRE(lines.size() == 3);
+        const auto report = nlohmann::json::parse(lines.back());
+        REQUIRE(report["beacons"].size() == 1);
+        const auto& beacon = report["beacons"][0];
+        CHECK(beacon["address"] == 12);
+        CHECK(beacon["pose_rate_hz"].get<double>() == Approx(100.0).epsilon(0.2));
+        CHECK(beacon["latency_p50_s"].get<double>() > 0.0);
+        CHECK(beacon["latency_p50_s"].get<double>() <= beacon["latency_p99_s"].get<double>());
+        CHECK(beacon["position_error_max_m"].get<double>() < 0.10);
+        CHECK(beacon["status_words"] == "ok");
+        CHECK(beacon["bridge"]["other_bridges"] == 0);
+        CHECK(beacon["fusion"]["imu_samples"].get<int>() > 200);
+        CHECK(beacon["fusion"]["events_lost"] == 0);
+      }
+    }
+  }
+}
+
+SCENARIO("the monitor's table and summary are for people") {
+  GIVEN("bridge and fusion at work") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({});
+    REQUIRE(poses.wait_for(is_ready));
+    WHEN("it watches for a while and is stopped by Ctrl-C") {
+      const auto monitor = bus.monitor({});
+      REQUIRE(monitor->wait_for_line(Stream::output, "     7  "));
+      CHECK(monitor->end_by(SIGINT).code == 0);
+      THEN("there was a table, without a terminal's commands, and then a summary") {
+        const std::string text = monitor->text(Stream::output);
+        CHECK_THAT(text, Catch::StartsWith("beacon  pose/IMU/fix Hz"));
+        CHECK_THAT(text, !Catch::Contains("\x1b"));
+        CHECK_THAT(text, Catch::Contains("beacon 7 over"));
+        CHECK_THAT(text, Catch::Contains("(against the simulator's truth)"));
+      }
+    }
+  }
+}
+
+SCENARIO("programs find the domain in ROS_DOMAIN_ID") {
+  GIVEN("fusion and bridge that are told of a domain by the environment alone") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    const Environment environment{{"ROS_DOMAIN_ID", std::to_string(bus.domain_id())}};
+    Process fusion(SONOPOSE_TEST_FUSION, {}, environment);
+    Process bridge(SONOPOSE_TEST_BRIDGE, {}, environment);
+    THEN("their poses arrive in it") {
+      CHECK(poses.wait_for_count(10));
+    }
+  }
+}

@@ -1,0 +1,94 @@
+/// Consumers that come late, and several at once.
+
+#include "support/bus.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <csignal>
+#include <iterator>
+
+using namespace sonopose;
+using namespace sonopose::test;
+namespace topics = dds::topics;
+
+namespace {
+
+TimeNs now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+/// Whether each pose is the one of the next IMU sample: 10 ms after the one before.
+bool without_a_gap(const std::vector<FusedPose>& poses) {
+  constexpr TimeNs period_ns = 10'000'000;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    if (std::abs(poses[i].time_ns - poses[i - 1].time_ns - period_ns) > 1'000) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+SCENARIO("a consumer that comes late gets poses, and the last status at once") {
+  GIVEN("a chain at work, with a consumer from the start") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> first(bus, topics::pose);
+    Consumer<sonopose_FusionStatus> first_status(bus, topics::fusion_status, dds::Delivery::live);
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({});
+    REQUIRE(first.wait_for_count(50));
+    REQUIRE(first_status.wait_for_count(1));
+    WHEN("a second one comes") {
+      const TimeNs came_ns = now_ns();
+      Consumer<sonopose_FusedPose> second(bus, topics::pose);
+      Consumer<sonopose_BeaconStatus> beacon(bus, topics::beacon_status);
+      Consumer<sonopose_FusionStatus> engine(bus, topics::fusion_status);
+      THEN("it gets the statuses from before it came, and poses from then on") {
+        REQUIRE(beacon.wait_for_count(1));
+        CHECK(beacon.samples.front().address == 7);
+        CHECK(beacon.samples.front().time_ns < came_ns);
+        REQUIRE(engine.wait_for_count(1));
+        CHECK(engine.samples.front().time_ns < came_ns);
+        REQUIRE(second.wait_for_count(50));
+        CHECK(second.samples.front().time_ns > first.samples.front().time_ns);
+      }
+      THEN("nobody else notices it") {
+        REQUIRE(second.wait_for_count(50));
+        REQUIRE(first.wait_for_more(50));
+        CHECK(without_a_gap(first.samples));
+        REQUIRE(first_status.wait_for(
+            [came_ns](const FusionStatus& status) { return status.time_ns > came_ns; }));
+        CHECK(first_status.samples.back().events_lost == 0);
+        CHECK(first_status.samples.back().imu_gaps == 0);
+      }
+    }
+  }
+}
+
+SCENARIO("two further consumers at once are served as well as the first") {
+  GIVEN("a chain at work") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> first(bus, topics::pose);
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({});
+    REQUIRE(first.wait_for_count(10));
+    WHEN("two monitors come together, and one of them is killed") {
+      const auto one = bus.monitor({"--json"});
+      const auto other = bus.monitor({"--json"});
+      REQUIRE(one->wait_for_lines(Stream::output, 2));
+      one->send(SIGKILL);
+      REQUIRE(one->wait_for_exit() == -SIGKILL);
+      const std::size_t told = other->lines(Stream::output).size();
+      REQUIRE(other->wait_for_lines(Stream::output, told + 2));
+      THEN("the other one still sees a pose for each IMU sample, and so does the first") {
+        const auto report = nlohmann::json::parse(other->lines(Stream::output).back());
+        const auto& beacon = report["beacons"][0];
+        CHECK(beacon["pose_rate_hz"].get<double>() == Approx(100.0).epsilon(0.2));
+        CHECK(beacon["pose_deadlines_missed"] == 0);
+        REQUIRE(first.wait_for_more(50));
+        CHECK(without_a_gap(first.samples));
+      }
+    }
+  }
+}

@@ -1,0 +1,103 @@
+/// A log played as fast as the programs take it: nothing is lost, and live equals replay.
+
+#include "io/temporary_folder.hpp"
+#include "support/bits.hpp"
+#include "support/bus.hpp"
+#include <sonopose/fusion/engine.hpp>
+#include <sonopose/io/log_folder.hpp>
+
+#include <algorithm>
+#include <csignal>
+
+using namespace sonopose;
+using namespace sonopose::test;
+namespace topics = dds::topics;
+
+namespace {
+
+/// Twenty seconds of the simulator, recorded by the bridge itself.
+void record_simulation(const Bus& bus, const std::filesystem::path& folder) {
+  const auto bridge =
+      bus.bridge({"--source", "sim", "--rate", "0", "--duration", "20", "--record", folder.string()});
+  REQUIRE(bridge->wait_for_exit() == 0);
+}
+
+/// What an engine in this process makes of the log.
+struct Replay {
+  std::vector<FusedPose> poses;
+  std::vector<FixReport> reports;
+};
+
+Replay replay(const std::filesystem::path& folder) {
+  Replay replay;
+  fusion::Engine engine{fusion::Settings{}};
+  for (const Event& event : io::read_sensor_log(folder).events) {
+    if (const auto* imu = std::get_if<ImuSample>(&event)) {
+      const auto pose = engine.on(*imu);
+      REQUIRE(pose);
+      replay.poses.push_back(*pose);
+    } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
+      replay.reports.push_back(engine.on(*fix));
+    } else {
+      engine.on(std::get<PairHeading>(event));
+    }
+  }
+  return replay;
+}
+
+/// How many are not the same to the last bit, the k-th against the k-th.
+template <class Sample>
+std::size_t differences(const std::vector<Sample>& a, const std::vector<Sample>& b) {
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) {
+    if (bits_of(a[k]) != bits_of(b[k])) ++count;
+  }
+  return count;
+}
+
+}  // namespace
+
+SCENARIO("a log played as fast as it can be gives each pose once, the same as a replay without DDS") {
+  GIVEN("a log of 20 s, a lossless fusion, and consumers that keep all") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    record_simulation(bus, folder / "log");
+    const Replay expected = replay(folder / "log");
+    REQUIRE(expected.poses.size() == 2000);
+    REQUIRE(expected.reports.size() > 230);
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    Consumer<sonopose_FixReport> reports(bus, topics::report);
+    const auto fusion = bus.fusion({"--lossless"});
+    REQUIRE(poses.wait_for_writers());
+    REQUIRE(reports.wait_for_writers());
+    const Arguments play{"--source", "log", "--input", (folder / "log").string(), "--rate", "0"};
+    WHEN("the bridge plays it") {
+      REQUIRE(bus.bridge(play)->wait_for_exit() == 0);
+      THEN("poses and reports are those of the replay to the last bit, in order, each once") {
+        REQUIRE(poses.wait_for_count(expected.poses.size()));
+        REQUIRE(reports.wait_for_count(expected.reports.size()));
+        CHECK(fusion->end_by(SIGTERM).code == 0);  // nothing can come behind them any more
+        poses.take();
+        reports.take();
+        CHECK(poses.samples.size() == expected.poses.size());
+        CHECK(reports.samples.size() == expected.reports.size());
+        CHECK(differences(poses.samples, expected.poses) == 0);
+        CHECK(differences(reports.samples, expected.reports) == 0);
+      }
+    }
+    WHEN("the bridge plays it twice") {
+      REQUIRE(bus.bridge(play)->wait_for_exit() == 0);
+      REQUIRE(poses.wait_for_count(expected.poses.size()));
+      REQUIRE(bus.bridge(play)->wait_for_exit() == 0);
+      THEN("the second time begins anew: the same poses again") {
+        REQUIRE(poses.wait_for_count(2 * expected.poses.size()));
+        std::vector<FusedPose> second(poses.samples.begin() + 2000, poses.samples.end());
+        for (FusedPose& pose : second) {
+          REQUIRE(pose.reset_counter == 1);  // which tells a consumer of the jump back
+          pose.reset_counter = 0;
+        }
+        CHECK(differences(second, expected.poses) == 0);
+      }
+    }
+  }
+}

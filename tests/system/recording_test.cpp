@@ -1,0 +1,144 @@
+/// What the bridge keeps: recordings of what it publishes, and captures of the raw bytes.
+
+#include "io/temporary_folder.hpp"
+#include "support/bus.hpp"
+#include <sonopose/io/log_folder.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+using namespace sonopose;
+using namespace sonopose::test;
+namespace topics = dds::topics;
+
+namespace {
+
+/// Everything that a bridge publishes of the hub's three streams.
+struct Streams {
+  explicit Streams(const Bus& bus)
+      : imu(bus, topics::imu), fixes(bus, topics::fix), headings(bus, topics::heading) {}
+
+  /// All that was published, by its number.
+  std::map<std::uint64_t, Event> events() {
+    imu.take();
+    fixes.take();
+    headings.take();
+    std::map<std::uint64_t, Event> events;
+    for (const auto& sample : imu.samples) events[sample.sequence] = sample;
+    for (const auto& sample : fixes.samples) events[sample.sequence] = sample;
+    for (const auto& sample : headings.samples) events[sample.sequence] = sample;
+    return events;
+  }
+
+  Consumer<sonopose_ImuSample> imu;
+  Consumer<sonopose_UltrasonicFix> fixes;
+  Consumer<sonopose_PairHeading> headings;
+};
+
+/// Without what the format has no column for: the time of publication, and the flags of a fix.
+Event as_recorded(Event event) {
+  if (auto* imu = std::get_if<ImuSample>(&event)) imu->bridge_time_ns = 0;
+  if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->flags = 0;
+  return event;
+}
+
+template <class Sample>
+std::vector<Sample> of_kind(const std::vector<Event>& events) {
+  std::vector<Sample> found;
+  for (const Event& event : events) {
+    if (const auto* sample = std::get_if<Sample>(&event)) found.push_back(*sample);
+  }
+  return found;
+}
+
+/// The greatest distance of `a − b` from its own first value, in ns: what is left when clocks that began at
+/// different moments are laid on each other.
+template <class Sample, class TimeOf>
+TimeNs time_spread_ns(const std::vector<Sample>& a, const std::vector<Sample>& b, const TimeOf& time_of) {
+  TimeNs least = INT64_MAX;
+  TimeNs greatest = INT64_MIN;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const TimeNs difference_ns = time_of(a[k]) - time_of(b[k]);
+    least = std::min(least, difference_ns);
+    greatest = std::max(greatest, difference_ns);
+  }
+  return greatest - least;
+}
+
+}  // namespace
+
+SCENARIO("a recording of a live run reads back as what was published") {
+  GIVEN("a bridge that plays four seconds of the simulator at twice real time and records them") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    Streams published(bus);
+    const auto bridge = bus.bridge({"--rate", "2", "--duration", "4", "--record", (folder / "log").string()});
+    REQUIRE(bridge->wait_for_exit() == 0);
+    WHEN("the recording is read") {
+      const auto log = io::read_sensor_log(folder / "log");
+      THEN("it has every event of the run, and those that arrived are the same, number by number") {
+        CHECK(of_kind<ImuSample>(log.events).size() == 400);
+        CHECK(log.truth.size() == 400);
+        const auto events = published.events();
+        REQUIRE(events.size() > 300);  // all but those from before the match
+        REQUIRE(events.rbegin()->first == log.events.size());
+        for (const auto& [number, event] : events) {
+          CAPTURE(number, event.index());
+          REQUIRE(log.events[number - 1] == as_recorded(event));
+        }
+      }
+    }
+  }
+}
+
+SCENARIO("a capture of the simulated beacon, played as a stream, gives its samples up to the wire's steps") {
+  GIVEN("ten seconds of the simulator as a recording and as bytes") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const std::string bytes = (folder / "bytes.bin").string();
+    REQUIRE(bus.bridge({"--rate", "0", "--duration", "10", "--record", (folder / "sent").string(),
+                        "--capture", bytes})
+                ->wait_for_exit() == 0);
+    WHEN("a bridge plays the bytes and records what it makes of them") {
+      Streams listeners(bus);
+      REQUIRE(bus.bridge({"--source", "stream", "--input", bytes, "--rate", "0", "--record",
+                          (folder / "received").string()})
+                  ->wait_for_exit() == 0);
+      const auto sent = io::read_sensor_log(folder / "sent").events;
+      const auto received = io::read_sensor_log(folder / "received").events;
+      THEN("IMU samples are the same to half a step of 1 mg and 0.0175 deg/s, stamps to 1 ms") {
+        const auto before = of_kind<ImuSample>(sent);
+        const auto after = of_kind<ImuSample>(received);
+        REQUIRE(after.size() == before.size());
+        REQUIRE(after.size() == 1000);
+        for (std::size_t k = 0; k < after.size(); ++k) {
+          const Vector3d force = after[k].specific_force_body_mps2 - before[k].specific_force_body_mps2;
+          const Vector3d rate = after[k].angular_velocity_body_radps - before[k].angular_velocity_body_radps;
+          REQUIRE(force.cwiseAbs().maxCoeff() <= 0.5 * 9.81e-3);
+          REQUIRE(rate.cwiseAbs().maxCoeff() <= 0.5 * 0.0175 * M_PI / 180);
+        }
+        CHECK(time_spread_ns(after, before, [](const ImuSample& s) { return s.sensor_time_ns; }) <=
+              1'000'000);
+      }
+      THEN("fixes are the same to half a millimetre and a percent, stamps to 1 ms, headings to 0.05°") {
+        auto fixes_before = of_kind<UltrasonicFix>(sent);
+        const auto fixes = of_kind<UltrasonicFix>(received);
+        const auto headings_before = of_kind<PairHeading>(sent);
+        const auto headings = of_kind<PairHeading>(received);
+        REQUIRE(fixes.size() == fixes_before.size());
+        REQUIRE(headings.size() == fixes.size());
+        REQUIRE(fixes.size() >= 118);
+        for (std::size_t k = 0; k < fixes.size(); ++k) {
+          const Vector3d moved = fixes[k].position_world_m - fixes_before[k].position_world_m;
+          REQUIRE(moved.cwiseAbs().maxCoeff() <= 0.5e-3 + 1e-9);
+          REQUIRE(fixes[k].quality_percent == fixes_before[k].quality_percent);
+          const double turned = headings[k].heading_world_rad - headings_before[k].heading_world_rad;
+          REQUIRE(std::abs(std::remainder(turned, 2 * M_PI)) <= 0.05 * M_PI / 180 + 1e-9);
+        }
+        CHECK(time_spread_ns(fixes, fixes_before,
+                             [](const UltrasonicFix& s) { return s.emission_time_ns; }) <= 1'000'000);
+      }
+    }
+  }
+}

@@ -1,0 +1,183 @@
+/// What cannot be used is refused at the start, in words that lead to the mistake.
+
+#include "io/temporary_folder.hpp"
+#include "support/bus.hpp"
+
+#include <algorithm>
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+
+namespace {
+
+/// Runs a program in a domain of its own, where it must refuse to work; gives what it said.
+std::string refusal(const char* program, const Arguments& arguments, const Environment& changes = {}) {
+  const TestDomain domain;
+  Environment environment = neutral;
+  environment["ROS_DOMAIN_ID"] = std::to_string(domain.id());
+  for (const auto& [name, value] : changes) environment[name] = value;
+  const Result result = run(program, arguments, environment);
+  CAPTURE(arguments, result.error);
+  REQUIRE(result.code);  // it ended by itself
+  CHECK(*result.code > 0);
+  return result.error;
+}
+
+/// A fusion's configuration file with this text.
+std::string refused_config(const std::string& toml) {
+  const TemporaryFolder folder;
+  write_text(folder / "fusion.toml", toml);
+  const std::string said = refusal(SONOPOSE_TEST_FUSION, {"--config", (folder / "fusion.toml").string()});
+  CHECK_THAT(said, Contains((folder / "fusion.toml").string()));
+  return said;
+}
+
+/// The project's QoS file with one text in the place of another.
+std::string refused_qos(const std::string& right, const std::string& wrong) {
+  const TemporaryFolder folder;
+  std::string xml = read_text(std::filesystem::path(SONOPOSE_SOURCE_DIR) / "qos" / "sonopose.xml");
+  const std::size_t place = xml.find(right);
+  REQUIRE(place != std::string::npos);
+  const auto line = 1 + std::count(xml.begin(), xml.begin() + static_cast<std::ptrdiff_t>(place), '\n');
+  write_text(folder / "qos.xml", xml.replace(place, right.size(), wrong));
+  const std::string said = refusal(SONOPOSE_TEST_BRIDGE, {"--qos", (folder / "qos.xml").string()});
+  CHECK_THAT(said, Contains((folder / "qos.xml").string() + ":" + std::to_string(line) + ":"));
+  return said;
+}
+
+}  // namespace
+
+SCENARIO("a fusion refuses a configuration that it cannot use") {
+  WHEN("a key is misspelt") {
+    const std::string said = refused_config("[drift]\n\ndecay_rat_hz = 2.0\n");
+    THEN("file, line and key are named, and the key that was surely meant") {
+      CHECK_THAT(said, Contains("fusion.toml:3:") && Contains("'drift.decay_rat_hz'") &&
+                           Contains("'drift.decay_rate_hz'"));
+    }
+  }
+  WHEN("a value is out of range") {
+    const std::string said = refused_config("[drift]\ndecay_rate_hz = 1000.0\n");
+    THEN("file, line, key, value and limits are named") {
+      CHECK_THAT(said, Contains("fusion.toml:2:") && Contains("drift.decay_rate_hz") && Contains("1000") &&
+                           Contains("0 … 50"));
+    }
+  }
+  WHEN("a value is of the wrong kind") {
+    const std::string said = refused_config("[drift]\ndecay_rate_hz = \"fast\"\n");
+    THEN("file, line, key, value and what is allowed are named") {
+      CHECK_THAT(said, Contains("fusion.toml:2:") && Contains("drift.decay_rate_hz") && Contains("fast") &&
+                           Contains("kind") && Contains("0 … 50"));
+    }
+  }
+  WHEN("an override of one beacon is misspelt") {
+    const std::string said = refused_config("[beacon.7.drift]\ndecay_rate = 1.0\n");
+    THEN("file, line and key are named") {
+      CHECK_THAT(said, Contains("fusion.toml:2:") && Contains("drift.decay_rate"));
+    }
+  }
+  WHEN("the file is not TOML") {
+    THEN("file and line are named") {
+      CHECK_THAT(refused_config("[drift]\ndecay_rate_hz = = 2\n"), Contains("fusion.toml:2:"));
+    }
+  }
+  WHEN("the file is not there") {
+    THEN("it is named") {
+      CHECK_THAT(refusal(SONOPOSE_TEST_FUSION, {"--config", "/no/such.toml"}), Contains("/no/such.toml"));
+    }
+  }
+  WHEN("--set has a value out of range") {
+    THEN("the argument, the value and the limits are named") {
+      CHECK_THAT(refusal(SONOPOSE_TEST_FUSION, {"--set", "drift.decay_rate_hz=-1"}),
+                 Contains("--set drift.decay_rate_hz=-1") && Contains("0 … 50"));
+    }
+  }
+}
+
+SCENARIO("a program refuses a QoS file that it cannot use") {
+  WHEN("an element is unknown") {
+    THEN("file, line and element are named") {
+      CHECK_THAT(refused_qos("<history><kind>KEEP_LAST_HISTORY_QOS</kind><depth>64</depth></history>",
+                             "<histroy><kind>KEEP_LAST_HISTORY_QOS</kind><depth>64</depth></histroy>"),
+                 Contains("<histroy>"));
+    }
+  }
+  WHEN("a deadline is zero") {
+    const std::string said = refused_qos("<deadline><period><sec>0</sec><nanosec>100000000</nanosec>",
+                                         "<deadline><period><sec>0</sec><nanosec>0</nanosec>");
+    THEN("file, line and element are named") {
+      CHECK_THAT(said, Contains("<period>") || Contains("<deadline>"));
+    }
+  }
+  WHEN("the file is not there") {
+    THEN("it is named") {
+      CHECK_THAT(refusal(SONOPOSE_TEST_MONITOR, {"--qos", "/no/such.xml"}), Contains("/no/such.xml"));
+      CHECK_THAT(refusal(SONOPOSE_TEST_FUSION, {}, {{"SONOPOSE_QOS", "/no/such.xml"}}),
+                 Contains("/no/such.xml"));
+    }
+  }
+}
+
+SCENARIO("a program refuses a domain that does not exist") {
+  for (const char* program : {SONOPOSE_TEST_BRIDGE, SONOPOSE_TEST_FUSION, SONOPOSE_TEST_MONITOR}) {
+    CHECK_THAT(refusal(program, {"--domain", "233"}),
+               Contains("--domain") && Contains("233") && Contains("232"));
+    CHECK_THAT(refusal(program, {"--domain", "seven"}), Contains("--domain") && Contains("seven"));
+    CHECK_THAT(refusal(program, {}, {{"ROS_DOMAIN_ID", "abc"}}),
+               Contains("ROS_DOMAIN_ID") && Contains("abc") && Contains("232"));
+  }
+}
+
+SCENARIO("a bridge refuses an input that it cannot use") {
+  const TemporaryFolder folder;
+  const auto refused = [](const Arguments& arguments) { return refusal(SONOPOSE_TEST_BRIDGE, arguments); };
+  WHEN("the log folder is not there, or not named") {
+    THEN("that is said") {
+      CHECK_THAT(refused({"--source", "log", "--input", "/no/such/log"}), Contains("/no/such/log"));
+      CHECK_THAT(refused({"--source", "log"}), Contains("--input"));
+    }
+  }
+  WHEN("a cell of a log is no number") {
+    write_text(folder / "imu.csv", "#t,w,w,w,a,a,a\n1000,0,0,0,0,zero,9.81\n");
+    write_text(folder / "ultrasonic.csv", "#t,r,x,y,z,q\n");
+    THEN("file, line and value are named") {
+      CHECK_THAT(refused({"--source", "log", "--input", folder.path().string()}),
+                 Contains("imu.csv:2") && Contains("zero"));
+    }
+  }
+  WHEN("the stream file cannot be read") {
+    THEN("it is named") {
+      CHECK_THAT(refused({"--source", "stream", "--input", "/no/such.bin"}), Contains("/no/such.bin"));
+      CHECK_THAT(refused({"--source", "stream", "--input", folder.path().string()}),
+                 Contains(folder.path().string()));
+    }
+  }
+  WHEN("--listen is no address, or none of this machine") {
+    THEN("it is named") {
+      CHECK_THAT(refused({"--source", "udp", "--listen", "nonsense"}), Contains("nonsense"));
+      CHECK_THAT(refused({"--source", "udp", "--listen", "127.0.0.1:99999"}), Contains("99999"));
+      CHECK_THAT(refused({"--source", "udp", "--listen", "192.0.2.1:5000"}), Contains("192.0.2.1:5000"));
+    }
+  }
+  WHEN("the device is no serial line") {
+    THEN("it is named") {
+      CHECK_THAT(refused({"--source", "serial", "--device", folder.path().string()}),
+                 Contains(folder.path().string()));
+    }
+  }
+  WHEN("the scenario, the source or the rate does not exist") {
+    THEN("it is named with what exists") {
+      CHECK_THAT(refused({"--scenario", "swim"}), Contains("swim") && Contains("walk"));
+      CHECK_THAT(refused({"--source", "dream"}), Contains("dream") && Contains("serial"));
+      CHECK_THAT(refused({"--rate", "-1"}), Contains("--rate") && Contains("-1"));
+    }
+  }
+  WHEN("it shall record into a folder that holds a recording") {
+    write_text(folder / "imu.csv", "precious\n");
+    THEN("it refuses, and the recording is as it was") {
+      CHECK_THAT(refused({"--record", folder.path().string()}),
+                 Contains(folder.path().string()) && Contains("not overwritten"));
+      CHECK(read_text(folder / "imu.csv") == "precious\n");
+    }
+  }
+}

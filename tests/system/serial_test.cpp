@@ -1,0 +1,109 @@
+/// The serial path: bytes of a simulated beacon through a pseudo-terminal, with the plug pulled meanwhile.
+
+#include "io/temporary_folder.hpp"
+#include "support/beacon_bytes.hpp"
+#include "support/bus.hpp"
+#include "support/pseudo_terminal.hpp"
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <optional>
+
+using namespace sonopose;
+using namespace sonopose::test;
+namespace topics = dds::topics;
+
+namespace {
+
+/// Where the simulator's scenario "rest" stands.
+const Vector3d resting_place_world_m{1.0, 2.0, 0.5};
+
+/// The bytes of a beacon that rests for six seconds.
+std::vector<TimedFrame> resting_beacon(const Bus& bus, const std::filesystem::path& folder) {
+  const std::string file = (folder / "bytes.bin").string();
+  REQUIRE(bus.bridge({"--scenario", "rest", "--rate", "0", "--duration", "6", "--capture", file})
+              ->wait_for_exit() == 0);
+  return timed_frames(read_bytes(file));
+}
+
+bool is_right(const FusedPose& pose) {
+  return (pose.status & status_initialising) == 0U &&
+         (pose.position_world_m - resting_place_world_m).norm() < 0.10;
+}
+
+std::span<const TimedFrame> between(const std::vector<TimedFrame>& frames, double from_s, double until_s) {
+  const auto at = [&frames](double time_s) {
+    return std::find_if(frames.begin(), frames.end(),
+                        [time_s](const TimedFrame& frame) { return frame.sent_after_ns >= to_ns(time_s); });
+  };
+  return {at(from_s), at(until_s)};
+}
+
+/// Sends as a beacon does whose clock goes on where it is: the first frame at once.
+void send(std::span<const TimedFrame> frames, const PseudoTerminal& line) {
+  std::vector<TimedFrame> from_now(frames.begin(), frames.end());
+  const TimeNs first_ns = from_now.front().sent_after_ns;
+  for (TimedFrame& frame : from_now) frame.sent_after_ns -= first_ns;
+  send_in_time(from_now, [&line](std::span<const std::uint8_t> bytes) { line.send(bytes); });
+}
+
+Bytes bytes_of(std::span<const TimedFrame> frames) {
+  Bytes bytes;
+  for (const TimedFrame& frame : frames) bytes.insert(bytes.end(), frame.bytes.begin(), frame.bytes.end());
+  return bytes;
+}
+
+}  // namespace
+
+SCENARIO("a beacon on a serial line gives poses, is unplugged, plugged in again, and gives poses again") {
+  GIVEN("a fusion, a bridge on a device that is not there yet, and a beacon") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const auto frames = resting_beacon(bus, folder.path());
+    const auto device = folder / "ttyACM0";
+    const auto capture = folder / "capture.bin";
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    Consumer<sonopose_BeaconStatus> status(bus, topics::beacon_status);
+    const auto fusion = bus.fusion();
+    REQUIRE(poses.wait_for_writers());
+    const auto bridge =
+        bus.bridge({"--source", "serial", "--device", device.string(), "--capture", capture.string()});
+    REQUIRE(bridge->wait_for_line(Stream::error, "waiting for " + device.string()));
+    WHEN("it is plugged in and sends") {
+      std::optional<PseudoTerminal> line(std::in_place);
+      std::filesystem::create_symlink(line->device(), device);
+      REQUIRE(bridge->wait_for_line(Stream::error, "reading " + device.string()));
+      const auto first = between(frames, 0.0, 3.0);
+      send(first, *line);
+      THEN("poses arrive, at the place where it rests") {
+        REQUIRE(poses.wait_for(is_right));
+        REQUIRE(status.wait_for([&first](const BeaconStatus& now) { return now.frames == first.size(); }));
+        AND_WHEN("it is unplugged, comes back under another number, and sends on") {
+          const std::size_t told = bridge->lines(Stream::error).size();
+          line.reset();
+          std::filesystem::remove(device);
+          REQUIRE(bridge->wait_for_lines(Stream::error, told + 1));
+          CHECK_THAT(bridge->lines(Stream::error).back(), Catch::Contains("waiting for"));
+          poses.take();
+          const std::size_t since = poses.samples.size();
+          line.emplace();
+          std::filesystem::create_symlink(line->device(), device);
+          REQUIRE(bridge->wait_for_lines(Stream::error, told + 2));
+          CHECK_THAT(bridge->lines(Stream::error).back(), Catch::Contains("reading"));
+          send(between(frames, 3.0, 5.0), *line);
+          THEN("poses arrive again, and the capture holds every byte of both times") {
+            CHECK(poses.wait_for(is_right, since));
+            const auto sent = between(frames, 0.0, 5.0);
+            REQUIRE(status.wait_for([&sent](const BeaconStatus& now) { return now.frames == sent.size(); }));
+            CHECK(status.samples.back().crc_errors == 0);
+            CHECK(status.samples.back().bytes_lost == 0);
+            CHECK(bridge->end_by(SIGTERM).code == 0);
+            const bool same = read_bytes(capture) == bytes_of(sent);
+            CHECK(same);
+          }
+        }
+      }
+    }
+  }
+}
