@@ -93,7 +93,10 @@ std::string defaults(std::uint32_t domain_id, Network network, const UserLists& 
   std::string discovery = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
                           std::to_string(max_participant_index(domain_id)) + "</MaxAutoParticipantIndex>";
   if (!user.peers) discovery += R"(<Peers><Peer address="127.0.0.1"/></Peers>)";
-  return fragment("<General>" + general + "</General><Discovery>" + discovery + "</Discovery>");
+  // How long each writer that goes waits for readers that do not answer. Cyclone DDS's own 1 s, one writer
+  // after the other, would keep a process that was told to end for seconds.
+  const std::string internal = "<Internal><WriterLingerDuration>100 ms</WriterLingerDuration></Internal>";
+  return fragment("<General>" + general + "</General><Discovery>" + discovery + "</Discovery>" + internal);
 }
 
 /// The domains that this process has open.

@@ -10,6 +10,8 @@ namespace sonopose::io {
 ByteFile::ByteFile(const std::filesystem::path& path)
     : name_{path.string()}, file_{std::fopen(name_.c_str(), "rbe")} {
   if (!file_) throw IoError(name_ + ": cannot be opened: " + std::strerror(errno));
+  // A folder opens, and fails at the first read only.
+  if (std::filesystem::is_directory(path)) throw IoError(name_ + ": is a folder and no file");
 }
 
 ReadResult ByteFile::read(std::span<std::uint8_t> buffer, std::chrono::milliseconds /*timeout*/) {

@@ -88,17 +88,20 @@ BridgeNode::Publisher::Publisher(const BridgeOptions& options, const StopSignal*
 }
 
 BridgeNode::Publisher::~Publisher() {
-  // Readers' deadlines end with the instances: a bridge that left is no bridge that is late.
+  // Readers' deadlines end with the instances: a bridge that left is no bridge that is late. (Lossless
+  // writers would wait for room first: there the writers' own end must tell.)
   const auto unregister = [this]<class T>(dds::DataWriter<T>& writer) {
     for (const auto& entry : beacons_) {
       T key{};
       key.address = entry.first;
-      dds_unregister_instance(writer.handle(), &key);
+      writer.try_unregister_instance(key);
     }
   };
-  unregister(imu_writer_);
-  unregister(fix_writer_);
-  unregister(heading_writer_);
+  if (!lossless_) {
+    unregister(imu_writer_);
+    unregister(fix_writer_);
+    unregister(heading_writer_);
+  }
   unregister(truth_writer_);
   unregister(status_writer_);
 }
@@ -112,7 +115,7 @@ BridgeNode::Publisher::Beacon& BridgeNode::Publisher::beacon_of(BeaconAddress ad
 template <class T>
 void BridgeNode::Publisher::write(dds::DataWriter<T>& writer, const T& sample) {
   dds::ReturnCode code = writer.try_write(sample);
-  while (lossless_ && code == DDS_RETCODE_TIMEOUT && !stopped()) code = writer.try_write(sample);
+  while (lossless_ && dds::is_timeout(code) && !stopped()) code = writer.try_write(sample);
   if (code < 0) ++unwritten_;
 }
 

@@ -36,8 +36,9 @@ private:
   void take(dds::DataReader<T>& reader) noexcept {
     const TimeNs in_ns = now_ns();
     const TimeNs steady_ns = steady_now_ns();
-    reader.try_take_each(
-        [&](const T& sample, const dds::SampleInfo&) { feed(dds::from_idl(sample), in_ns, steady_ns); });
+    reader.try_take_each([&](const T& sample, const dds::SampleInfo&) {
+      if (!stopping_) feed(dds::from_idl(sample), in_ns, steady_ns);  // a lossless reader may hold minutes
+    });
   }
   void take(dds::DataReader<sonopose_ResetCommand>& reader) noexcept;
   void feed(const Event& event, TimeNs in_ns, TimeNs steady_ns) noexcept;
@@ -118,14 +119,15 @@ FusionNode::Impl::~Impl() {
   fix_reader_.close();
   heading_reader_.close();
   reset_reader_.close();
-  // Consumers hear at once that the poses end, and a standby takes over.
+  // Consumers hear at once that the poses end, and a standby takes over. (Lossless writers would wait for
+  // room first: there the writers' own end must tell.)
   for (const BeaconAddress address : engines_.addresses()) {
     sonopose_FusedPose pose{};
     pose.address = address;
-    dds_unregister_instance(pose_writer_.handle(), &pose);
+    if (!lossless_) pose_writer_.try_unregister_instance(pose);
     sonopose_FusionStatus status{};
     status.address = address;
-    dds_unregister_instance(status_writer_.handle(), &status);
+    status_writer_.try_unregister_instance(status);
   }
 }
 
@@ -153,7 +155,7 @@ void FusionNode::Impl::write(FusedPose& pose) noexcept {
 template <class T>
 void FusionNode::Impl::write_to(dds::DataWriter<T>& writer, const T& sample) noexcept {
   dds::ReturnCode code = writer.try_write(sample);
-  while (lossless_ && code == DDS_RETCODE_TIMEOUT && !stopping_) code = writer.try_write(sample);
+  while (lossless_ && dds::is_timeout(code) && !stopping_) code = writer.try_write(sample);
   if (code < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
 }
 

@@ -71,7 +71,7 @@ public:
                                     const dds::RequestedDeadlineMissedStatus& status) noexcept override {
     if constexpr (std::is_same_v<T, sonopose_FusedPose>) {
       T key{};
-      if (dds_instance_get_key(reader.handle(), status.last_instance_handle, &key) < 0) return;
+      if (reader.try_key_value(key, {status.last_instance_handle}) < 0) return;
       watches_.on_deadline_missed(key.address, status.total_count);
     }
   }

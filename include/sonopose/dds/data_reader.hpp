@@ -100,6 +100,12 @@ public:
     return static_cast<std::size_t>(check("dds_take", try_take_each(visitors...)));
   }
 
+  /// Fills in the key fields of `key` with those of an instance. No exception: negative where it is not
+  /// known.
+  ReturnCode try_key_value(T& key, InstanceHandle instance) const noexcept {
+    return dds_instance_get_key(handle(), instance.value, &key);
+  }
+
   std::vector<InstanceHandle> matched_publications() const { return detail::matched_publications(handle()); }
 
   PublicationData matched_publication_data(InstanceHandle publication) const {

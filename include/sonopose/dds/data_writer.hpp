@@ -42,7 +42,7 @@ public:
     check("dds_write_ts", dds_write_ts(handle(), &sample, source_timestamp_ns));
   }
 
-  /// For the hot path: no exception. `DDS_RETCODE_TIMEOUT`: there was no room for max_blocking_time and the
+  /// For the hot path: no exception. Where `is_timeout`: there was no room for max_blocking_time and the
   /// sample was not written.
   ReturnCode try_write(const T& sample) noexcept { return dds_write(handle(), &sample); }
 
@@ -51,8 +51,8 @@ public:
   template <class GiveUp>
   bool write_unless(const T& sample, GiveUp&& give_up) {
     ReturnCode code = try_write(sample);
-    while (code == DDS_RETCODE_TIMEOUT && !give_up()) code = try_write(sample);
-    if (code == DDS_RETCODE_TIMEOUT) return false;
+    while (is_timeout(code) && !give_up()) code = try_write(sample);
+    if (is_timeout(code)) return false;
     check("dds_write", code);
     return true;
   }
@@ -64,6 +64,11 @@ public:
   /// writer takes over at once. Do this on a clean exit. Only the key fields of `key` count.
   void unregister_instance(const T& key) {
     check("dds_unregister_instance", dds_unregister_instance(handle(), &key));
+  }
+
+  /// The same without an exception, for destructors.
+  ReturnCode try_unregister_instance(const T& key) noexcept {
+    return dds_unregister_instance(handle(), &key);
   }
 
   /// The handle of an instance that this writer has written; nil for another.

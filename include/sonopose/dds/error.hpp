@@ -24,6 +24,11 @@ private:
   ReturnCode code_;
 };
 
+/// Whether a `try_…` call gave up because its time was up.
+inline bool is_timeout(ReturnCode code) noexcept {
+  return code == DDS_RETCODE_TIMEOUT;
+}
+
 /// Passes a good return through and throws `Error` for a negative one.
 inline ReturnCode check(const char* call, ReturnCode code) {
   if (code < 0) throw Error(call, code);
