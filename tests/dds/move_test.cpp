@@ -49,7 +49,8 @@ TEST_CASE("An entity has one owner and goes with it") {
     CHECK(exists(handle));
   }
   SECTION("destruction deletes, once") {
-    { const DataWriter<Command> last = std::move(first); }
+    // Each section moves a writer of its own, which the analysis does not see.
+    { const DataWriter<Command> last = std::move(first); }  // NOLINT(bugprone-use-after-move)
     CHECK_FALSE(exists(handle));
   }
   SECTION("a borrowed view deletes nothing") {
@@ -65,7 +66,7 @@ TEST_CASE("An entity has one owner and goes with it") {
     DataReader<Command> reader(member, topic, Qos() << policy::Reliability::reliable());
     DataReader<Command> moved = std::move(reader);
     REQUIRE(matched(moved));
-    first.write(command(7, 5));
+    first.write(command(7, 5));  // NOLINT(bugprone-use-after-move)
     CHECK(take_samples(moved, 1).at(0).request_id == 5);
   }
 }

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <string>
+#include <vector>
 
 namespace sonopose::dds::test {
 namespace {
@@ -106,7 +107,7 @@ struct Bad {
 };
 
 TEST_CASE("A policy that is wrong names file, line and element") {
-  const Bad cases[] = {
+  const std::vector<Bad> cases{
       {"\n<dedline/>", "file.xml:5: <dedline>: unknown element in <datawriter_qos>"},
       {"<time_based_filter/>", "file.xml:4: <time_based_filter>: unknown element"},
       {"\n\n<deadline>\n<perid/></deadline>", "file.xml:7: <perid>: unknown element in <deadline>"},
@@ -172,7 +173,7 @@ TEST_CASE("A policy that is wrong names file, line and element") {
 }
 
 TEST_CASE("A file whose frame is wrong names file, line and element") {
-  const Bad cases[] = {
+  const std::vector<Bad> cases{
       {"", "file.xml:1: not well-formed XML"},
       {"<dds/>", "file.xml: holds no <qos_profile>"},
       {"<ddx/>", "file.xml:1: <ddx>: unknown element"},

@@ -22,7 +22,7 @@ struct InstanceHandle {
   dds_instance_handle_t value = DDS_HANDLE_NIL;
 
   bool is_nil() const noexcept { return value == DDS_HANDLE_NIL; }
-  auto operator<=>(const InstanceHandle&) const = default;
+  auto operator<=>(const InstanceHandle&) const = default;  // NOLINT(modernize-use-nullptr): a false alarm
 };
 
 /// Which samples a read, a take or a `ReadCondition` is after: a mask of `DDS_…_STATE` bits, at least one bit
