@@ -10,7 +10,8 @@ function(sonopose_compile_options target)
                               -Wnon-virtual-dtor -Woverloaded-virtual -ffp-contract=off>
     $<$<AND:$<BOOL:${SONOPOSE_WARNINGS_AS_ERRORS}>,$<COMPILE_LANGUAGE:CXX>>:-Werror>)
   if(SONOPOSE_SANITIZE)
-    target_compile_options(${target} PRIVATE -fsanitize=${SONOPOSE_SANITIZE} -fno-omit-frame-pointer)
+    target_compile_options(${target} PRIVATE -fsanitize=${SONOPOSE_SANITIZE} -fno-omit-frame-pointer
+      -Wno-maybe-uninitialized)  # g++ 12 is often wrong about it in instrumented code
     target_link_options(${target} PUBLIC -fsanitize=${SONOPOSE_SANITIZE})
   endif()
 endfunction()
