@@ -1,0 +1,154 @@
+#include "collecting_sink.hpp"
+#include "io/temporary_folder.hpp"
+#include <sonopose/io/error.hpp>
+#include <sonopose/io/log_folder.hpp>
+#include <sonopose/io/log_writer.hpp>
+#include <sonopose/nodes/host_clock.hpp>
+#include <sonopose/nodes/recorded_sources.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <stdexcept>
+
+using namespace sonopose;
+using namespace sonopose::nodes;
+using sonopose::test::CollectingSink;
+using sonopose::test::TemporaryFolder;
+
+namespace {
+
+constexpr TimeNs recorded_ns = 1'600'000'000'000'000'000;
+constexpr TimeNs ms = 1'000'000;
+
+/// The simulator as fast as it can be; 0 s: without end.
+SimulatorOptions simulator(double duration_s) {
+  SimulatorOptions options;
+  options.address = 9;
+  options.duration_s = duration_s;
+  options.rate = 0.0;
+  return options;
+}
+
+/// A log of 2020: an IMU sample, a fix and a heading that came 68 ms later, an IMU sample, all with truth.
+void write_log(const std::filesystem::path& folder) {
+  io::SensorLogWriter log(folder);
+  for (const TimeNs after_ns : {TimeNs{0}, 100 * ms}) {
+    ImuSample imu;
+    imu.address = 7;
+    imu.sensor_time_ns = recorded_ns + after_ns;
+    imu.specific_force_body_mps2 = {0.0, 0.0, 9.81};
+    log.write(imu);
+    TruthSample truth;
+    truth.address = 7;
+    truth.time_ns = imu.sensor_time_ns;
+    log.write(truth);
+  }
+  UltrasonicFix fix;
+  fix.address = 7;
+  fix.emission_time_ns = recorded_ns;
+  fix.received_time_ns = recorded_ns + 68 * ms;
+  log.write(fix);
+  PairHeading heading;
+  heading.address = 7;
+  heading.emission_time_ns = fix.emission_time_ns;
+  heading.received_time_ns = fix.received_time_ns;
+  heading.valid = true;
+  log.write(heading);
+}
+
+}  // namespace
+
+SCENARIO("the simulator as a source") {
+  CollectingSink sink;
+  StopSignal stop;
+  GIVEN("two seconds of it, as fast as they can be") {
+    const TimeNs before_ns = now_ns();
+    const auto source = make_simulator_source(simulator(2.0));
+    const TimeNs after_ns = now_ns();
+    CHECK_FALSE(source->is_recording());
+    source->run(sink, stop);
+    THEN("200 IMU samples with their truth and two dozen fixes with headings come, and it ends") {
+      const auto imu = sink.of_kind<ImuSample>();
+      CHECK(imu.size() == 200);
+      CHECK(sink.truth.size() == 200);
+      CHECK(sink.of_kind<UltrasonicFix>().size() >= 22);
+      CHECK(sink.of_kind<PairHeading>().size() == sink.of_kind<UltrasonicFix>().size());
+      CHECK(sink.truth.back().time_ns == imu.back().sensor_time_ns);
+    }
+    THEN("it begins now, under its address") {
+      const auto first = sink.of_kind<ImuSample>().front();
+      CHECK(first.address == 9);
+      CHECK(first.sensor_time_ns >= before_ns);
+      CHECK(first.sensor_time_ns <= after_ns);
+    }
+  }
+  GIVEN("one without an end") {
+    const auto source = make_simulator_source(simulator(0.0));
+    sink.stop = &stop;
+    sink.stop_after = 1000;
+    THEN("the stop ends it") {
+      source->run(sink, stop);
+      CHECK(sink.events.size() >= 1000);
+    }
+  }
+  GIVEN("a scenario that does not exist") {
+    THEN("it is refused with those that do") {
+      SimulatorOptions options;
+      options.scenario = "swim";
+      CHECK_THROWS_WITH(make_simulator_source(options), Catch::Contains("swim") && Catch::Contains("walk"));
+    }
+  }
+}
+
+SCENARIO("a log folder as a source") {
+  CollectingSink sink;
+  const StopSignal stop;
+  const TemporaryFolder folder;
+  write_log(folder / "log");
+  GIVEN("its stamps as they are") {
+    const auto source = make_log_source({.folder = folder / "log", .address = 12, .rate = 0.0});
+    CHECK(source->is_recording());
+    source->run(sink, stop);
+    THEN("it brings what the log reads as, to the last bit, and the truth") {
+      CHECK(sink.events == io::read_sensor_log(folder / "log", 12).events);
+      CHECK(sink.events.size() == 4);
+      REQUIRE(sink.truth.size() == 2);
+      CHECK(sink.truth.front().time_ns == recorded_ns);
+      CHECK(sink.truth.front().address == 12);
+    }
+  }
+  GIVEN("a shift to now") {
+    const TimeNs before_ns = now_ns();
+    make_log_source({.folder = folder / "log", .rate = 0.0, .restamp = true})->run(sink, stop);
+    const TimeNs after_ns = now_ns();
+    REQUIRE(sink.events.size() == 4);
+    const auto imu = sink.of_kind<ImuSample>();
+    const auto fix = sink.of_kind<UltrasonicFix>().front();
+    const auto heading = sink.of_kind<PairHeading>().front();
+    const TimeNs begin_ns = imu.front().sensor_time_ns;
+    THEN("it begins now, and all times keep their distances") {
+      CHECK(begin_ns >= before_ns);
+      CHECK(begin_ns <= after_ns);
+      CHECK(imu.back().sensor_time_ns == begin_ns + 100 * ms);
+      CHECK(fix.emission_time_ns == begin_ns);
+      CHECK(fix.received_time_ns == begin_ns + 68 * ms);
+      CHECK(heading.emission_time_ns == begin_ns);
+      CHECK(heading.received_time_ns == begin_ns + 68 * ms);
+      CHECK(fix.measured_delay_s == Approx(0.068));
+      CHECK(sink.truth.back().time_ns == begin_ns + 100 * ms);
+    }
+  }
+  GIVEN("real time") {
+    const TimeNs began_ns = steady_now_ns();
+    make_log_source({.folder = folder / "log", .rate = 1.0})->run(sink, stop);
+    THEN("its 100 ms take 100 ms") {
+      CHECK(steady_now_ns() - began_ns >= 99 * ms);
+    }
+  }
+  GIVEN("a folder that is not there") {
+    THEN("it is refused by name") {
+      CHECK_THROWS_AS(make_log_source({.folder = folder / "none"}), io::IoError);
+      CHECK_THROWS_WITH(make_log_source({.folder = folder / "none"}), Catch::Contains("none"));
+    }
+  }
+}
