@@ -12,10 +12,10 @@ bool within(const Vector3d& value, double limit) {
 
 /// A measurement of the last moments: not older than the limit, and not from the future by more than a hair
 /// (an IMU sample may still be under way when the fix is here).
-/// Before the first IMU sample there is no time to compare with, so nothing is of this time.
+/// Before the first IMU sample the state's time is 0, and nothing is of that time.
 bool is_recent(const AdmissionSettings& settings, TimeNs now_ns, TimeNs measured_ns, TimeNs received_ns) {
-  if (now_ns == 0 || measured_ns <= 0) return false;
-  constexpr double future_tolerance_s = 0.1;
+  if (measured_ns <= 0) return false;
+  constexpr double future_tolerance_s = 0.3;
   const double age_s = seconds_between(measured_ns, now_ns);
   const double delay_s = seconds_between(measured_ns, received_ns);
   return age_s <= settings.max_fix_age_s && age_s >= -future_tolerance_s && delay_s >= 0.0 &&

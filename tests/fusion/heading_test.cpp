@@ -6,7 +6,6 @@
 
 using namespace sonopose;
 using namespace sonopose::fusion;
-using test::epoch_ns;
 
 namespace {
 

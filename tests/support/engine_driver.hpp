@@ -115,8 +115,8 @@ struct Moment {
 
 class EngineDriver {
 public:
-  EngineDriver(const fusion::Settings& settings, Motion motion, const Sensors& sensors = {})
-      : engine{settings}, sensors_{sensors}, motion_{std::move(motion)} {}
+  EngineDriver(const fusion::Settings& settings, Motion motion, Sensors sensors = {})
+      : engine{settings}, sensors_{std::move(sensors)}, motion_{std::move(motion)} {}
 
   fusion::Engine engine;
   bool fixes_on = true;  ///< false: the ultrasound is silent from now on
