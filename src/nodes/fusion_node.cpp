@@ -154,6 +154,7 @@ void FusionNode::Impl::write(FusedPose& pose) noexcept {
 
 template <class T>
 void FusionNode::Impl::write_to(dds::DataWriter<T>& writer, const T& sample) noexcept {
+  if (lossless_ && stopping_) return;  // each try may wait for a consumer, and there may be many to write
   dds::ReturnCode code = writer.try_write(sample);
   while (lossless_ && dds::is_timeout(code) && !stopping_) code = writer.try_write(sample);
   if (code < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
@@ -192,7 +193,7 @@ void FusionNode::Impl::publish_statuses() {
   }
   for (FusionStatus& status : statuses) {
     status.time_ns = now_ns();
-    status_writer_.write(dds::to_idl(status));
+    if (status_writer_.try_write(dds::to_idl(status)) < 0) ++unwritten_;
   }
   const std::uint64_t unwritten = unwritten_;
   if (unwritten != unwritten_told_) {

@@ -146,7 +146,7 @@ TEST_CASE("a file that is not there is an error that names it") {
   CHECK_THROWS_WITH(FusionConfig::load("/nonexistent/fusion.toml"), Contains("/nonexistent/fusion.toml"));
 }
 
-TEST_CASE("--set takes a value for all or for one beacon") {
+TEST_CASE("an assignment (--set) takes a value for all or for one beacon") {
   FusionConfig config;
   config.assign("drift.velocity_smooth_rate_hz=20");
   config.assign("beacon.7.trust.n_base=9");
@@ -159,7 +159,7 @@ TEST_CASE("--set takes a value for all or for one beacon") {
   CHECK(config.for_beacon(7).trust.n_base == 11);
 }
 
-TEST_CASE("--set refuses with key, value and what is allowed, and changes nothing") {
+TEST_CASE("an assignment (--set) refuses with key, value and what is allowed, and changes nothing") {
   FusionConfig config;
   const auto refused = [&config](const char* assignment) -> std::string {
     try {

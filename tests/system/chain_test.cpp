@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <functional>
 #include <map>
 
 using namespace sonopose;
@@ -42,6 +43,18 @@ double farthest_from_truth_m(const std::vector<FusedPose>& poses, const std::vec
   return farthest_m;
 }
 
+/// Measured, published, taken, written, received: in this order.
+void check_way(const std::vector<FusedPose>& poses, const std::vector<TimeNs>& received_ns) {
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const FusedPose& pose = poses[i];
+    REQUIRE(pose.imu_sensor_time_ns == pose.time_ns);
+    REQUIRE(pose.imu_sensor_time_ns <= pose.imu_bridge_time_ns);
+    REQUIRE(pose.imu_bridge_time_ns <= pose.fusion_in_time_ns);
+    REQUIRE(pose.fusion_in_time_ns <= pose.fusion_out_time_ns);
+    REQUIRE(pose.fusion_out_time_ns <= received_ns[i]);
+  }
+}
+
 }  // namespace
 
 SCENARIO("the simulator's beacon comes out of the fusion as a pose at every IMU sample") {
@@ -54,31 +67,25 @@ SCENARIO("the simulator's beacon comes out of the fusion as a pose at every IMU 
     const auto bridge = bus.bridge({});
     WHEN("it has walked for four seconds") {
       REQUIRE(poses.wait_for_count(700));
-      const auto received_ns = poses.received_ns;
-      const std::uint64_t first = poses.samples.front().sequence;
+      const auto& received_ns = poses.received_ns;
       const std::uint64_t last = poses.samples.back().sequence;
       REQUIRE(imu.wait_for([last](const ImuSample& sample) { return sample.sequence >= last; }));
+      // The bridge waits for nobody: fusion and this test have met it at different samples.
+      const std::uint64_t first = std::max(poses.samples.front().sequence, imu.samples.front().sequence);
       REQUIRE(truth.wait_for(
           [&](const TruthSample& sample) { return sample.time_ns >= poses.samples.back().time_ns; }));
-      THEN("there is one pose for each IMU sample, in order, at the IMU's rate") {
+      THEN(
+          "there is one pose for each IMU sample, in order, at the IMU's rate, with its way in order, and "
+          "right") {
         const auto pose_numbers = numbers_between(poses.samples, first, last);
+        CHECK(pose_numbers.size() > 600);
         CHECK(pose_numbers == numbers_between(imu.samples, first, last));
-        CHECK(std::is_sorted(pose_numbers.begin(), pose_numbers.end(), std::less_equal<>()));
+        CHECK(std::adjacent_find(pose_numbers.begin(), pose_numbers.end(), std::greater_equal<>()) ==
+              pose_numbers.end());
         const double span_s = seconds_between(poses.samples.front().time_ns, poses.samples.back().time_ns);
         CHECK(static_cast<double>(poses.samples.size() - 1) / span_s == Approx(100.0).epsilon(0.001));
-      }
-      THEN("it stays within 10 cm of the truth") {
         CHECK(farthest_from_truth_m(poses.samples, truth.samples) < 0.10);
-      }
-      THEN("each pose's way is in order: measured, published, taken, written, received") {
-        for (std::size_t i = 0; i < received_ns.size(); ++i) {
-          const FusedPose& pose = poses.samples[i];
-          REQUIRE(pose.imu_sensor_time_ns == pose.time_ns);
-          REQUIRE(pose.imu_sensor_time_ns <= pose.imu_bridge_time_ns);
-          REQUIRE(pose.imu_bridge_time_ns <= pose.fusion_in_time_ns);
-          REQUIRE(pose.fusion_in_time_ns <= pose.fusion_out_time_ns);
-          REQUIRE(pose.fusion_out_time_ns <= received_ns[i]);
-        }
+        check_way(poses.samples, received_ns);
       }
     }
   }
