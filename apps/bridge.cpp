@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 namespace {
@@ -71,7 +72,16 @@ const std::string& required_input(const Options& options) {
   return options.input;
 }
 
+/// Whether the source has a speed of its own that --rate can change, rather than a line's.
+bool is_played(const Options& options) {
+  return options.source != "serial" && options.source != "udp";
+}
+
 std::unique_ptr<nodes::Source> make_source(const Options& options) {
+  if (options.capture && (options.source == "log" || options.source == "stream")) {
+    throw std::invalid_argument("--capture goes with --source sim, serial or udp, not with " +
+                                options.source);
+  }
   if (options.source == "log") {
     return nodes::make_log_source({required_input(options), options.address, options.rate, options.restamp});
   }
@@ -91,7 +101,8 @@ int serve(const Options& options) {
   const auto source = make_source(options);
   nodes::StopSignal stop;
   stop.listen_to_signals();
-  nodes::BridgeNode node({options.bus.domain, options.bus.qos_file, options.rate == 0.0, options.record});
+  nodes::BridgeNode node(
+      {options.bus.domain, options.bus.qos_file, is_played(options) && options.rate == 0.0, options.record});
   fmt::print(stderr, "sonopose-bridge: publishing from {}\n", options.source);
   node.run(*source, stop);
   return 0;

@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
     options.redraw = !options.json && ::isatty(STDOUT_FILENO) == 1;
     sonopose::nodes::StopSignal stop;
     stop.listen_to_signals();
-    sonopose::nodes::monitor(options, stop);
-    return 0;
+    const auto poses = sonopose::nodes::monitor(options, stop);
+    return poses > 0 || stop.requested() ? 0 : 1;  // a whole duration without a pose: nothing works
   });
 }

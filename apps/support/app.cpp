@@ -19,7 +19,7 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
                  "loopback: this machine alone; lan: the interface that Cyclone DDS chooses "
                  "(a CYCLONEDDS_URI of your own wins over both)")
       ->transform(CLI::CheckedTransformer(networks))
-      ->default_str("loopback")
+      ->option_text("loopback|lan (default: loopback)")
       ->group("Bus");
   app.add_option("--qos", options.qos_file, "QoS profiles (default: SONOPOSE_QOS, else the project's own)")
       ->type_name("FILE")

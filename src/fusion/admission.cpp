@@ -30,6 +30,13 @@ bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& i
          within(imu.specific_force_body_mps2, settings.max_specific_force_mps2);
 }
 
+bool time_was_wrong(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
+  constexpr int enough = 50;  // half a second of a beacon's samples
+  const bool backward = imu.sensor_time_ns > 0 && imu.sensor_time_ns < now_ns;
+  state.backward_in_row = backward ? state.backward_in_row + 1 : 0;
+  return state.backward_in_row >= enough;
+}
+
 bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading) {
   return std::isfinite(heading.heading_world_rad) &&
          is_recent(settings, now_ns, heading.emission_time_ns, heading.received_time_ns);

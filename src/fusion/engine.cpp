@@ -17,8 +17,10 @@ Engine::Engine(const Settings& settings) : settings_(resolved(settings)) {}
 std::optional<FusedPose> Engine::on(const ImuSample& imu) noexcept {
   if (!admission::admits(settings_.admission, state_.body.time_ns, imu)) {
     ++counters_.samples_invalid;
+    if (admission::time_was_wrong(state_.admission, state_.body.time_ns, imu)) reset();
     return std::nullopt;
   }
+  state_.admission.backward_in_row = 0;
   ++counters_.imu_samples;
   if (!state_.body.started()) start(imu);
   calibrate(imu);

@@ -134,7 +134,7 @@ std::string SerialPort::name() const {
   return line_->name();
 }
 
-const std::string& SerialPort::last_error() const {
+std::string SerialPort::last_error() const {
   return line_->last_error();
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 /// Remembers at most this many; more than a second at any rate.
 constexpr std::size_t most_waiting = 2048;
-/// A run's latencies: an hour at 250 Hz, then the oldest count no more.
+/// A run's latencies: over an hour at 250 Hz; what comes after that does not count.
 constexpr std::size_t most_latencies = 1'000'000;
 
 void remember(std::map<TimeNs, Vector3d>& waiting, TimeNs time_ns, const Vector3d& position_world_m) {

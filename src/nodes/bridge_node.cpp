@@ -29,6 +29,7 @@ public:
   void tick() override;
 
   void obey(const StopSignal& stop) { stop_ = &stop; }
+  void publish_statuses(TimeNs now);
   void wait_for_readers();
   void wait_until_read();
 
@@ -159,9 +160,12 @@ void BridgeNode::Publisher::on(const BeaconStatus& status) {
 }
 
 void BridgeNode::Publisher::tick() {
-  constexpr TimeNs period_ns = 1'000'000'000;
   const TimeNs now = steady_now_ns();
-  if (now < status_due_ns_) return;
+  if (now >= status_due_ns_) publish_statuses(now);
+}
+
+void BridgeNode::Publisher::publish_statuses(TimeNs now) {
+  constexpr TimeNs period_ns = 1'000'000'000;
   look_for_other_bridges();
   for (auto& entry : beacons_) publish_status(entry.second, seconds_between(status_last_ns_, now));
   status_last_ns_ = now;
@@ -251,7 +255,7 @@ void BridgeNode::run(Source& source, const StopSignal& stop) {
   publisher_->obey(stop);
   if (source.is_recording()) publisher_->wait_for_readers();
   source.run(*publisher_, stop);
-  publisher_->tick();
+  publisher_->publish_statuses(steady_now_ns());
   if (source.is_recording()) publisher_->wait_until_read();
 }
 

@@ -86,7 +86,7 @@ private:
   void tell_of(ReadStatus status) const {
     if (status == ReadStatus::connected) fmt::print(stderr, "sonopose-bridge: reading {}\n", bytes_->name());
     if (status == ReadStatus::disconnected) {
-      fmt::print(stderr, "sonopose-bridge: waiting for {}\n", bytes_->name());
+      fmt::print(stderr, "sonopose-bridge: waiting for {} ({})\n", bytes_->name(), bytes_->last_error());
     }
   }
 

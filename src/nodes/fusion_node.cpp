@@ -12,6 +12,7 @@
 #include <atomic>
 #include <cstdint>
 #include <cstdio>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -66,7 +67,7 @@ private:
   // Guards the engines, for computing alone: nothing is read or written under it.
   std::mutex engines_mutex_;
   BeaconEngines engines_;
-  std::uint64_t last_reset_id_ = 0;
+  std::map<BeaconAddress, std::uint64_t> last_reset_ids_;  // of the receive thread
   // What one event brought about; of the feeding thread, kept for its capacity.
   std::vector<FusedPose> poses_;
   std::vector<FixReport> reports_;
@@ -162,8 +163,9 @@ void FusionNode::Impl::write_to(dds::DataWriter<T>& writer, const T& sample) noe
 
 void FusionNode::Impl::take(dds::DataReader<sonopose_ResetCommand>& reader) noexcept {
   reader.try_take_each([this](const sonopose_ResetCommand& command, const dds::SampleInfo&) {
-    if (command.request_id != 0 && command.request_id == last_reset_id_) return;
-    last_reset_id_ = command.request_id;
+    std::uint64_t& last_id = last_reset_ids_[command.address];
+    if (command.request_id != 0 && command.request_id == last_id) return;
+    last_id = command.request_id;
     const std::lock_guard lock(engines_mutex_);
     engines_.reset(command.address);
   });

@@ -72,7 +72,7 @@ public:
     if constexpr (std::is_same_v<T, sonopose_FusedPose>) {
       T key{};
       if (reader.try_key_value(key, {status.last_instance_handle}) < 0) return;
-      watches_.on_deadline_missed(key.address, status.total_count);
+      watches_.on_deadline_missed(key.address, static_cast<std::uint64_t>(status.total_count_change));
     }
   }
 

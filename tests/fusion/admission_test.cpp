@@ -153,3 +153,28 @@ TEST_CASE("a heading that cannot be a measurement of this time is not admitted")
   heading.received_time_ns = epoch_ns + to_ns(1e6);  // would hold for eleven days
   CHECK_FALSE(admission::admits(settings, epoch_ns, heading));
 }
+
+TEST_CASE("a stamp from the far future, or a clock set back, does not stop the poses for good") {
+  Engine engine{Settings{}};
+  const auto sample_at = [](TimeNs time_ns) {
+    ImuSample imu;
+    imu.sensor_time_ns = time_ns;
+    imu.specific_force_body_mps2 = {0.0, 0.0, test::gravity_mps2};
+    return imu;
+  };
+  constexpr TimeNs step_ns = 10'000'000;
+  constexpr TimeNs hour_ns = 3'600'000'000'000;
+  TimeNs now_ns = test::epoch_ns;
+  for (int i = 0; i < 200; ++i, now_ns += step_ns) REQUIRE(engine.on(sample_at(now_ns)));
+  REQUIRE(engine.on(sample_at(now_ns + hour_ns)));
+
+  int without_pose = 0;
+  while (!engine.on(sample_at(now_ns)) && without_pose < 1000) {
+    ++without_pose;
+    now_ns += step_ns;
+  }
+  CHECK(without_pose <= 100);  // a second at the most
+  CHECK(engine.reset_counter() == 1);
+  CHECK(engine.counters().samples_invalid == static_cast<std::uint64_t>(without_pose));
+  CHECK(engine.on(sample_at(now_ns + step_ns)));
+}

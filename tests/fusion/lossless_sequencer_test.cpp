@@ -59,6 +59,14 @@ TEST_CASE("a log that is played again begins anew") {
   CHECK(line.sequencer.counters().restarts == 1);
 }
 
+TEST_CASE("a log that is played again may begin with any of its numbers") {
+  Line line;
+  line.push_all({1, 2, 3, 3, 2, 1, 4});
+  CHECK(line.delivered == Numbers{1, 2, 3, 1, 2, 3, 4});
+  CHECK(line.sequencer.counters().restarts == 1);
+  CHECK(line.sequencer.counters().duplicated == 0);
+}
+
 TEST_CASE("more than any transport holds back: what is missing is lost after all") {
   Line line;
   line.push(1);

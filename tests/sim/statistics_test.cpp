@@ -28,8 +28,9 @@ struct Statistics {
     return sum / static_cast<double>(values.size());
   }
   [[nodiscard]] double deviation() const {
+    const double middle = mean();
     double sum = 0;
-    for (const double x : values) sum += (x - mean()) * (x - mean());
+    for (const double x : values) sum += (x - middle) * (x - middle);
     return std::sqrt(sum / static_cast<double>(values.size()));
   }
 };

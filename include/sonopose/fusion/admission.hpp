@@ -38,6 +38,7 @@ struct AdmissionSettings {
 };
 
 struct AdmissionState {
+  int backward_in_row = 0;          ///< IMU samples from before the state's time, one after the other
   TimeNs last_fix_emission_ns = 0;  ///< of the latest admitted fix; 0 before the first
 
   bool operator==(const AdmissionState&) const = default;
@@ -48,6 +49,11 @@ namespace admission {
 /// Whether an IMU sample can be a measurement that follows the state at `now_ns` (0: none yet). Equal stamps
 /// may: a clock of whole milliseconds gives them to samples that were measured apart.
 [[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& imu);
+
+/// Takes note of a sample that was not admitted. True when so many in a row came from before the state's time
+/// that it is the time that was wrong: the host's clock has been set back, or one stamp lay far in the
+/// future.
+[[nodiscard]] bool time_was_wrong(AdmissionState& state, TimeNs now_ns, const ImuSample& imu);
 
 /// Whether a heading can be a measurement of this time.
 [[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading);

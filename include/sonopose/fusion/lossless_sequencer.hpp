@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <map>
+#include <utility>
 
 namespace sonopose::fusion {
 
@@ -21,12 +22,16 @@ public:
   template <class Deliver>
   void push(const Event& event, const Deliver& deliver) {
     const std::uint64_t sequence = sequence_of(event);
-    if (sequence == 1 && next_ > 1) {  // the log is played again
-      waiting_.clear();
-      next_ = 1;
-      ++counters_.restarts;
+    if (sequence < next_) {
+      // Of this run it is a duplicate. But a log that is played again may begin with any of its numbers: they
+      // are kept until its first one tells.
+      ++counters_.duplicated;
+      late_.insert_or_assign(sequence, event);
+      if (!late_.contains(1)) return;
+      begin_again();
+    } else if (!waiting_.emplace(sequence, event).second) {
+      ++counters_.duplicated;
     }
-    if (sequence < next_ || !waiting_.emplace(sequence, event).second) ++counters_.duplicated;
     if (waiting_.size() > capacity) {
       counters_.lost += waiting_.begin()->first - next_;
       next_ = waiting_.begin()->first;
@@ -41,8 +46,17 @@ public:
   [[nodiscard]] const SequencerCounters& counters() const { return counters_; }
 
 private:
+  void begin_again() {
+    waiting_ = std::move(late_);
+    late_.clear();
+    counters_.duplicated -= waiting_.size();
+    next_ = 1;
+    ++counters_.restarts;
+  }
+
   std::uint64_t next_ = 1;
   std::map<std::uint64_t, Event> waiting_;
+  std::map<std::uint64_t, Event> late_;  ///< numbers that were delivered already
   SequencerCounters counters_;
 };
 

@@ -43,6 +43,9 @@ public:
   /// From any thread (but not from a signal handler): ends a running read() at once, and all later ones.
   virtual void stop() = 0;
 
+  /// Why there is nothing to read from; empty while there is, or where that cannot be.
+  [[nodiscard]] virtual std::string last_error() const { return {}; }
+
   /// For messages, such as "/dev/ttyACM0 at 500000 baud".
   [[nodiscard]] virtual std::string name() const = 0;
 };

@@ -25,7 +25,7 @@ public:
   [[nodiscard]] std::string name() const override;
 
   /// Why the device is not open; empty while it is.
-  [[nodiscard]] const std::string& last_error() const;
+  [[nodiscard]] std::string last_error() const override;
 
 private:
   class Line;

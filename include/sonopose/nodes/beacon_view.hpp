@@ -42,7 +42,7 @@ public:
   void on(const TruthSample& truth);
   void on(const BeaconStatus& status) { bridge_ = status; }
   void on(const FusionStatus& status) { fusion_ = status; }
-  void on_deadline_missed(std::uint64_t total) { deadlines_missed_ = total; }
+  void on_deadline_missed(std::uint64_t more) { deadlines_missed_ += more; }
 
   /// What was seen since the last call.
   BeaconView look(BeaconAddress address, TimeNs now_ns);
