@@ -4,6 +4,7 @@
 #include <sonopose/marvelmind/decoder.hpp>
 #include <sonopose/marvelmind/encoder.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <iterator>
