@@ -1,4 +1,5 @@
-// A consumer of its own: prints where every beacon on the bus is. Ends after as many poses as its argument says.
+// A consumer of its own: prints where every beacon on the bus is. Ends after as many poses as its argument
+// says.
 
 #include <sonopose/dds/conversions.hpp>
 #include <sonopose/dds/topics.hpp>

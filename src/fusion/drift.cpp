@@ -5,11 +5,14 @@
 
 namespace sonopose::fusion::drift {
 
+double jump_share(const DriftSettings& settings, const Verdict& verdict) {
+  return std::max(settings.jump_alpha * verdict.weight, verdict.jump_floor);
+}
+
 Vector3d correct(const DriftSettings& settings, DriftState& state, Kinematics& body, const TimedFix& fix,
                  const Verdict& verdict) {
   const Vector3d discrepancy_world_m = fix.shifted_position_world_m - body.position_world_m;
-  const double share = std::max(settings.jump_alpha * verdict.weight, verdict.jump_floor);
-  const Vector3d jump_world_m = share * discrepancy_world_m;
+  Vector3d jump_world_m = jump_share(settings, verdict) * discrepancy_world_m;
   body.position_world_m += jump_world_m;
   state.offset_world_m = discrepancy_world_m - jump_world_m;
   state.weight = std::max(verdict.weight, verdict.weight_floor);

@@ -230,8 +230,8 @@ void Engine::follow(const TimedFix& fix, FixReport& report) {
         heading::nudge(settings_.heading, state_.heading, body, state_.filter, *measured);  // 31–33
     interval_s = seconds_between(last_good_ns, fix.measured_ns);
   }
-  const double share = std::max(settings_.drift.jump_alpha * verdict.weight, verdict.jump_floor);
-  uncertainty::correct(settings_.uncertainty, state_.uncertainty, verdict.weight, share,
+  uncertainty::correct(settings_.uncertainty, state_.uncertainty, verdict.weight,
+                       drift::jump_share(settings_.drift, verdict),
                        settings_.velocity.blend_weight * verdict.weight, interval_s);
 }
 

@@ -42,6 +42,9 @@ struct DriftState {
 
 namespace drift {
 
+/// The share of the discrepancy that a fix removes at once (item 4, or item 21 where it is more).
+[[nodiscard]] double jump_share(const DriftSettings& settings, const Verdict& verdict);
+
 /// A fix: p += jump · e at once; the rest *replaces* d. Offsets never add up. Returns the jump.
 Vector3d correct(const DriftSettings& settings, DriftState& state, Kinematics& body, const TimedFix& fix,
                  const Verdict& verdict);
