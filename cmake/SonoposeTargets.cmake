@@ -11,7 +11,7 @@ function(sonopose_compile_options target)
     $<$<AND:$<BOOL:${SONOPOSE_WARNINGS_AS_ERRORS}>,$<COMPILE_LANGUAGE:CXX>>:-Werror>)
   if(SONOPOSE_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${SONOPOSE_SANITIZE} -fno-omit-frame-pointer
-      -Wno-maybe-uninitialized)  # g++ 12 is often wrong about it in instrumented code
+      -Wno-maybe-uninitialized -Wno-stringop-overflow)  # g++ 12 is often wrong in instrumented code
     target_link_options(${target} PUBLIC -fsanitize=${SONOPOSE_SANITIZE})
   endif()
 endfunction()
