@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <type_traits>
 
 namespace sonopose::fusion {
 namespace {
@@ -13,6 +14,11 @@ const Vector3d gravity_world_mps2{0.0, 0.0, -9.81};
 }  // namespace
 
 Engine::Engine(const Settings& settings) : settings_(resolved(settings)) {}
+
+void Engine::configure(const Settings& settings) noexcept {
+  static_assert(std::is_trivially_copyable_v<Settings>);  // so that nothing can throw or allocate
+  settings_ = resolved(settings);
+}
 
 std::optional<FusedPose> Engine::on(const ImuSample& imu) noexcept {
   if (!admission::admits(settings_.admission, state_.body.time_ns, imu)) {

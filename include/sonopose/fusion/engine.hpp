@@ -16,8 +16,11 @@ namespace sonopose::fusion {
 
 class Engine {
 public:
-  /// `settings` as the user gave them: the preset (item 1) is resolved here, once.
+  /// `settings` as the user gave them: the preset (item 1) is resolved here.
   explicit Engine(const Settings& settings);
+
+  /// Goes on with other settings, as the user gave them, and with all that it knows so far.
+  void configure(const Settings& settings) noexcept;
 
   /// One IMU sample: the pose at it; empty where the sample is no measurement or lies before the last one,
   /// which is counted.
