@@ -62,6 +62,38 @@ TEST_CASE("Every field of every sample survives the way to IDL and back") {
   }
 }
 
+TEST_CASE("Every field of what is said about settings survives the way to IDL and back") {
+  Filler fill;
+  const std::vector<SettingAssignment> list{{"drift.jump_alpha", "0.5"}, {"", ""}, {"mühle", "1 … 2"}};
+  SECTION("request") {
+    SettingsRequest request;
+    fill.all(request.address, request.request_id, request.from_sequence);
+    request.assignments = list;
+    CHECK(from_idl(to_idl(request).sample()) == request);
+    request.assignments.clear();
+    CHECK(from_idl(to_idl(request).sample()) == request);
+  }
+  SECTION("reply") {
+    SettingsReply reply;
+    fill.all(reply.address, reply.request_id, reply.from_sequence);
+    reply.accepted = true;
+    CHECK(from_idl(to_idl(reply).sample()) == reply);
+    reply.accepted = false;
+    reply.reason = "drift.jump_alpha = 2: out of range";
+    CHECK(from_idl(to_idl(reply).sample()) == reply);
+  }
+  SECTION("what is in force") {
+    EffectiveSettings settings;
+    fill.all(settings.address, settings.time_ns, settings.from_sequence);
+    settings.values = list;
+    CHECK(from_idl(to_idl(settings).sample()) == settings);
+  }
+  SECTION("a text that a foreign writer left out is empty") {
+    CHECK(from_idl(sonopose_SettingsReply{}).reason.empty());
+    CHECK(from_idl(sonopose_SettingsRequest{}).assignments.empty());
+  }
+}
+
 // The vectors' and quaternions' order, seen from outside.
 TEST_CASE("Axes and quaternion parts go where their names say") {
   ImuSample sample;

@@ -78,8 +78,31 @@ TEST_CASE("The project's QoS file holds what its streams need") {
     };
     CHECK(exclusive("sonopose::Pose"));
     CHECK(exclusive("sonopose::LosslessPose"));
-    for (const char* const name : {"Imu", "Fix", "Heading", "Report", "Status", "Truth", "Command"}) {
+    for (const char* const name : {"Imu", "Fix", "Heading", "Report", "Status", "Truth", "Command",
+                                   "SettingsRequest", "SettingsReply", "Settings"}) {
       CHECK_FALSE(exclusive((std::string("sonopose::") + name).c_str()));
+    }
+  }
+  SECTION(
+      "requests and answers on settings: reliable, volatile; what is in force is kept for who comes late") {
+    for (const char* const name :
+         {"sonopose::SettingsRequest", "sonopose::SettingsReply", "sonopose::Settings"}) {
+      for (const Qos* const qos : {&provider.datawriter_qos(name), &provider.datareader_qos(name)}) {
+        const bool in_force = std::string(name) == "sonopose::Settings";
+        CHECK(qos->policy<policy::Reliability>()->kind == policy::ReliabilityKind::reliable);
+        CHECK(qos->policy<policy::Durability>()->kind ==
+              (in_force ? policy::DurabilityKind::transient_local : policy::DurabilityKind::volatile_data));
+        CHECK(qos->policy<policy::History>()->kind == policy::HistoryKind::keep_last);
+        CHECK(qos->policy<policy::History>()->depth == (in_force ? 1 : 64));
+        // nobody has to change settings ever again
+        const auto deadline = qos->policy<policy::Deadline>();
+        CHECK((!deadline || deadline->period == infinite));
+      }
+    }
+    // The fusion writes these where it makes poses.
+    for (const char* const name : {"sonopose::SettingsReply", "sonopose::Settings"}) {
+      CHECK(provider.datawriter_qos(name).policy<policy::Reliability>()->max_blocking_time <=
+            milliseconds(5));
     }
   }
   SECTION("lossless: both sides keep all") {

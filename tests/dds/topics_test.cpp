@@ -1,17 +1,29 @@
 #include "dds_fixture.hpp"
+#include <sonopose/dds/conversions.hpp>
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <set>
 #include <string>
 #include <tuple>
+#include <vector>
 
 namespace sonopose::dds::test {
 namespace {
 
-constexpr std::tuple all_topics{topics::imu,           topics::fix,    topics::heading,
-                                topics::pose,          topics::report, topics::beacon_status,
-                                topics::fusion_status, topics::truth,  topics::reset};
+constexpr std::tuple all_topics{topics::imu,
+                                topics::fix,
+                                topics::heading,
+                                topics::pose,
+                                topics::report,
+                                topics::beacon_status,
+                                topics::fusion_status,
+                                topics::truth,
+                                topics::reset,
+                                topics::settings_request,
+                                topics::settings_reply,
+                                topics::settings};
 
 /// Makes a reader and a writer for the row and sends one sample across.
 template <class T>
@@ -78,6 +90,48 @@ TEST_CASE("A reset does not reach a fusion that comes late") {
   const auto samples = take_samples(late, 1);
   REQUIRE(samples.size() == 1);
   CHECK(samples[0].request_id == 2);
+}
+
+TEST_CASE(
+    "The settings in force reach a consumer that comes late, the latest of each beacon, with their texts") {
+  const DomainParticipant member = participant();
+  const QosProvider qos(std::string(SONOPOSE_SOURCE_DIR) + "/qos/sonopose.xml");
+  auto writer = make_writer(member, qos, topics::settings);
+  const EffectiveSettings first{7, 1, 10, {{"drift.jump_alpha", "0.25"}}};
+  const EffectiveSettings second{7, 2, 20, {{"drift.jump_alpha", "0.5"}, {"fusion.imu_weight", "user"}}};
+  const EffectiveSettings other{8, 3, 1, {}};
+  for (const auto* settings : {&first, &second, &other}) writer.write(to_idl(*settings).sample());
+  auto late = make_reader(member, qos, topics::settings);
+  std::vector<EffectiveSettings> seen;
+  REQUIRE(wait_for(late, StatusMask::data_available(), [&] {
+    late.take_each([&](const auto& sample, const SampleInfo&) { seen.push_back(from_idl(sample)); });
+    return seen.size() >= 2;
+  }));
+  std::sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.address < b.address; });
+  CHECK(seen == std::vector<EffectiveSettings>{second, other});
+}
+
+TEST_CASE("A request for settings does not reach a fusion that comes late; many in a row all arrive") {
+  const DomainParticipant member = participant();
+  const QosProvider qos(std::string(SONOPOSE_SOURCE_DIR) + "/qos/sonopose.xml");
+  auto writer = make_writer(member, qos, topics::settings_request);
+  const auto request = [](std::uint64_t id) {
+    return SettingsRequest{all_beacons, id, 0, {{"trust.n_base", std::to_string(id)}}};
+  };
+  writer.write(to_idl(request(100)).sample());
+  auto late = make_reader(member, qos, topics::settings_request);
+  REQUIRE(matched(late));
+  std::vector<SettingsRequest> expected;
+  for (std::uint64_t id = 1; id <= 64; ++id) {
+    expected.push_back(request(id));
+    writer.write(to_idl(expected.back()).sample());
+  }
+  std::vector<SettingsRequest> seen;
+  wait_for(late, StatusMask::data_available(), [&] {
+    late.take_each([&](const auto& sample, const SampleInfo&) { seen.push_back(from_idl(sample)); });
+    return seen.size() >= expected.size();
+  });
+  CHECK(seen == expected);
 }
 
 }  // namespace

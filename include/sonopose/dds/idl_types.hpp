@@ -52,4 +52,19 @@ struct TopicTraits<sonopose_ResetCommand> {
   static const dds_topic_descriptor_t& descriptor() { return sonopose_ResetCommand_desc; }
 };
 
+template <>
+struct TopicTraits<sonopose_SettingsRequest> {
+  static const dds_topic_descriptor_t& descriptor() { return sonopose_SettingsRequest_desc; }
+};
+
+template <>
+struct TopicTraits<sonopose_SettingsReply> {
+  static const dds_topic_descriptor_t& descriptor() { return sonopose_SettingsReply_desc; }
+};
+
+template <>
+struct TopicTraits<sonopose_EffectiveSettings> {
+  static const dds_topic_descriptor_t& descriptor() { return sonopose_EffectiveSettings_desc; }
+};
+
 }  // namespace sonopose::dds

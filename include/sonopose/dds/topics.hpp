@@ -36,6 +36,11 @@ inline constexpr TopicEntry<sonopose_FusionStatus> fusion_status{"sonopose/fusio
 inline constexpr TopicEntry<sonopose_TruthSample> truth{"sonopose/truth", "sonopose::Truth", "sonopose::Truth"};
 /// anybody → fusion
 inline constexpr TopicEntry<sonopose_ResetCommand> reset{"sonopose/reset", "sonopose::Command", "sonopose::Command"};
+inline constexpr TopicEntry<sonopose_SettingsRequest> settings_request{"sonopose/settings_request", "sonopose::SettingsRequest", "sonopose::SettingsRequest"};
+/// fusion → who asked
+inline constexpr TopicEntry<sonopose_SettingsReply> settings_reply{"sonopose/settings_reply", "sonopose::SettingsReply", "sonopose::SettingsReply"};
+/// fusion → anybody
+inline constexpr TopicEntry<sonopose_EffectiveSettings> settings{"sonopose/settings", "sonopose::Settings", "sonopose::Settings"};
 // clang-format on
 }  // namespace topics
 
