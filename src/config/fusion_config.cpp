@@ -4,8 +4,6 @@
 #define TOML_EXCEPTIONS 1
 #include <toml++/toml.h>
 
-#include <algorithm>
-#include <array>
 #include <charconv>
 #include <limits>
 
@@ -16,10 +14,6 @@ using fusion::SettingError;
 using fusion::SettingValue;
 
 constexpr std::string_view beacon_prefix = "beacon.";
-
-/// Items 2, 3 and 4, which a preset (item 1) replaces.
-constexpr std::array<std::string_view, 3> preset_keys{"drift.decay_rate_hz", "velocity.blend_weight",
-                                                      "drift.jump_alpha"};
 
 /// A leaf of the TOML tree as a setting's value.
 SettingValue value_of(const toml::node& node, std::string_view key) {
@@ -123,41 +117,36 @@ void FusionConfig::set(std::string_view key, const SettingValue& value) {
     const auto [address, setting_key] = split_beacon(key);
     fusion::Settings trial;
     fusion::set(trial, setting_key, value);
-    overrides_[address].emplace_back(setting_key, value);
+    overrides_[address].insert_or_assign(std::string(setting_key), value);
     return;
   }
   fusion::set(settings_, key, value);
-  given_.emplace(key);
+  given_.insert_or_assign(std::string(key), value);
 }
 
 fusion::Settings FusionConfig::for_beacon(BeaconAddress address) const {
-  fusion::Settings settings = settings_;
+  return beacon(address).settings();
+}
+
+BeaconSettings FusionConfig::beacon(BeaconAddress address) const {
+  BeaconSettings settings(settings_);
   if (const auto found = overrides_.find(address); found != overrides_.end()) {
-    for (const auto& [key, value] : found->second) fusion::set(settings, key, value);
+    settings.assign_own(found->second);
   }
   return settings;
 }
 
+std::vector<BeaconAddress> FusionConfig::beacons() const {
+  std::vector<BeaconAddress> addresses;
+  for (const auto& entry : overrides_) addresses.push_back(entry.first);
+  return addresses;
+}
+
 std::vector<std::string> FusionConfig::warnings() const {
-  std::vector<std::string> texts;
-  const auto check = [&texts](const fusion::Settings& settings, const auto& is_given,
-                              const std::string& where) {
-    if (settings.preset.imu_weight == fusion::ImuWeight::user) return;
-    for (const auto key : preset_keys) {
-      if (!is_given(key)) continue;
-      texts.push_back(
-          fmt::format("{}{} is ignored: fusion.imu_weight = {} sets it; use fusion.imu_weight = user", where,
-                      key, fusion::to_text(fusion::get(settings, "fusion.imu_weight"))));
-    }
-  };
-  check(
-      settings_, [this](std::string_view key) { return given_.contains(key); }, "");
-  for (const auto& [address, list] : overrides_) {
-    const auto is_overridden = [&entries = list](std::string_view key) {
-      return std::any_of(entries.begin(), entries.end(),
-                         [key](const auto& entry) { return entry.first == key; });
-    };
-    check(for_beacon(address), is_overridden, fmt::format("beacon.{}.", address));
+  std::vector<std::string> texts = preset_warnings(settings_, given_);
+  for (const auto& [address, own] : overrides_) {
+    const auto more = preset_warnings(for_beacon(address), own, fmt::format("beacon.{}.", address));
+    texts.insert(texts.end(), more.begin(), more.end());
   }
   return texts;
 }
@@ -174,15 +163,14 @@ std::string FusionConfig::to_toml() const {
     if (row.group != group) text += table_header("", row.group);
     group = row.group;
     text += fmt::format("# {}{} ({})\n", item_text(row.item), row.sentence, row.allowed());
-    const bool by_preset = has_preset && !given_.contains(row.key) &&
-                           std::find(preset_keys.begin(), preset_keys.end(), row.key) != preset_keys.end();
+    const bool by_preset = has_preset && !given_.contains(row.key) && is_preset_key(row.key);
     const SettingValue value = fusion::get(by_preset ? used : settings_, row.key);
     text += fmt::format("{}{} = {}\n", by_preset ? "# " : "", row.name, as_toml(value));
   }
-  for (const auto& [address, list] : overrides_) {
-    // A key that was given twice has its last value; a table may stand in a file only once.
+  for (const auto& [address, own] : overrides_) {
+    // A table may stand in a file only once.
     std::map<std::string, std::map<std::string, SettingValue>> groups;
-    for (const auto& [key, value] : list) {
+    for (const auto& [key, value] : own) {
       const auto& row = fusion::setting_info(key);
       groups[row.group][row.name] = value;
     }

@@ -2,16 +2,14 @@
 /// \file
 /// The fusion's settings from a TOML file and from the command line, with overrides per beacon.
 
+#include <sonopose/config/beacon_settings.hpp>
 #include <sonopose/fusion/settings.hpp>
 
 #include <filesystem>
-#include <functional>
 #include <map>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace sonopose::config {
@@ -39,6 +37,12 @@ public:
   /// What one beacon's engine is made with.
   [[nodiscard]] fusion::Settings for_beacon(BeaconAddress address) const;
 
+  /// The same with what is the beacon's own; of all_beacons, what holds for any that has nothing of its own.
+  [[nodiscard]] BeaconSettings beacon(BeaconAddress address) const;
+
+  /// The beacons that have something of their own.
+  [[nodiscard]] std::vector<BeaconAddress> beacons() const;
+
   /// What is allowed but surely not meant, in plain words: items 2–4 set beside a preset that replaces them.
   [[nodiscard]] std::vector<std::string> warnings() const;
 
@@ -46,13 +50,11 @@ public:
   [[nodiscard]] std::string to_toml() const;
 
 private:
-  using Overrides = std::vector<std::pair<std::string, fusion::SettingValue>>;
-
   void set(std::string_view key, const fusion::SettingValue& value);
 
   fusion::Settings settings_;
-  std::set<std::string, std::less<>> given_;  ///< keys that the user set for all beacons
-  std::map<BeaconAddress, Overrides> overrides_;
+  Assignments given_;  ///< what the user set for all beacons
+  std::map<BeaconAddress, Assignments> overrides_;
 };
 
 /// The table of all settings as a page of the docs.

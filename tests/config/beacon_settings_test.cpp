@@ -1,0 +1,123 @@
+/// Assignments while the fusion runs: what is read, what is refused, and whose value stands above whose.
+
+#include <sonopose/config/fusion_config.hpp>
+
+#include <catch2/catch.hpp>
+
+using namespace sonopose;
+using namespace sonopose::config;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr double default_sigma_m = fusion::TrustSettings{}.sigma_m;
+
+/// The message with which these are refused.
+std::string refusal(const std::vector<SettingAssignment>& texts) {
+  try {
+    parsed(texts);
+  } catch (const fusion::SettingError& error) {
+    return error.what();
+  }
+  FAIL("accepted");
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("typed values are read in the kind of their keys") {
+  const Assignments values = parsed({{"drift.jump_alpha", "0.5"},
+                                     {"trust.n_base", "9"},
+                                     {"trust.enabled", "false"},
+                                     {"fusion.imu_weight", "high"}});
+  CHECK(values == Assignments{{"drift.jump_alpha", 0.5},
+                              {"trust.n_base", 9},
+                              {"trust.enabled", false},
+                              {"fusion.imu_weight", std::string("high")}});
+  CHECK(parsed({}).empty());
+}
+
+TEST_CASE("a list with faults is refused with every one of them: key, value and what is allowed") {
+  const std::string said = refusal({{"drift.jump_alpha", "2"},
+                                    {"trust.n_base", "9"},
+                                    {"trust.sigma", "0.1"},
+                                    {"trust.enabled", "1"},
+                                    {"fusion.imu_weight", "heavy"},
+                                    {"trust.sigma_m", "nan"}});
+  CHECK_THAT(said, Contains("drift.jump_alpha = 2") && Contains("0 … 1"));
+  CHECK_THAT(said, Contains("'trust.sigma'") && Contains("'trust.sigma_m'"));
+  CHECK_THAT(said, Contains("trust.enabled = 1") && Contains("true or false"));
+  CHECK_THAT(said, Contains("fusion.imu_weight = heavy") && Contains("low, medium, high or user"));
+  CHECK_THAT(said, Contains("trust.sigma_m = nan") && Contains("0.001 … 10 m"));
+  CHECK_THAT(said, !Contains("n_base"));
+}
+
+TEST_CASE("a key that is named twice is refused: nobody knows which was meant") {
+  CHECK_THAT(refusal({{"trust.n_base", "9"}, {"trust.n_base", "10"}}),
+             Contains("trust.n_base") && Contains("twice"));
+}
+
+TEST_CASE("every setting's text reads back to the same bits") {
+  fusion::Settings settings;
+  settings.drift.jump_alpha = 0.1 + 0.2;  // 0.30000000000000004
+  settings.trust.sigma_m = 1.0 / 3.0;
+  settings.trust.enabled = false;
+  settings.preset.imu_weight = fusion::ImuWeight::user;
+  const auto texts = texts_of(settings);
+  CHECK(texts.size() == fusion::setting_table().size());
+  fusion::Settings again;
+  for (const auto& [key, value] : parsed(texts)) fusion::set(again, key, value);
+  for (const auto& row : fusion::setting_table()) {
+    INFO(row.key);
+    CHECK(fusion::get(again, row.key) == fusion::get(settings, row.key));
+  }
+}
+
+TEST_CASE("a change for all leaves a beacon's own values alone, whichever came first") {
+  BeaconSettings beacon{fusion::Settings{}};
+  SECTION("own first") {
+    beacon.assign_own({{"trust.sigma_m", 0.5}});
+    beacon.assign_for_all({{"trust.sigma_m", 0.25}, {"trust.n_base", 7}});
+  }
+  SECTION("own last") {
+    beacon.assign_for_all({{"trust.sigma_m", 0.25}, {"trust.n_base", 7}});
+    beacon.assign_own({{"trust.sigma_m", 0.5}});
+  }
+  CHECK(beacon.settings().trust.sigma_m == 0.5);
+  CHECK(beacon.settings().trust.n_base == 7);
+}
+
+TEST_CASE("a beacon's own value stays its own when it equals everybody's, and follows its own changes") {
+  BeaconSettings beacon{fusion::Settings{}};
+  beacon.assign_own({{"trust.sigma_m", default_sigma_m}});
+  beacon.assign_for_all({{"trust.sigma_m", 0.25}});
+  CHECK(beacon.settings().trust.sigma_m == default_sigma_m);
+  beacon.assign_own({{"trust.sigma_m", 0.75}});
+  CHECK(beacon.settings().trust.sigma_m == 0.75);
+}
+
+TEST_CASE("what a configuration gives one beacon is the beacon's own") {
+  FusionConfig config;
+  config.assign("beacon.7.trust.sigma_m=0.5");
+  config.assign("trust.n_base=9");
+  CHECK(config.beacons() == std::vector<BeaconAddress>{7});
+  for (const BeaconAddress address : std::initializer_list<BeaconAddress>{7, 8, all_beacons}) {
+    CAPTURE(address);
+    BeaconSettings beacon = config.beacon(address);
+    CHECK(beacon.settings().trust.n_base == 9);
+    beacon.assign_for_all({{"trust.sigma_m", 0.25}, {"trust.n_base", 5}});
+    CHECK(beacon.settings().trust.sigma_m == (address == 7 ? 0.5 : 0.25));
+    CHECK(beacon.settings().trust.n_base == 5);  // set for all, so nobody's own
+  }
+}
+
+TEST_CASE("item 1: keys that a preset replaces are warned of") {
+  fusion::Settings settings;
+  settings.preset.imu_weight = fusion::ImuWeight::high;
+  const Assignments given{{"drift.jump_alpha", 0.5}, {"trust.n_base", 9}};
+  const auto warnings = preset_warnings(settings, given, "beacon.7.");
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], Contains("beacon.7.drift.jump_alpha") && Contains("high") && Contains("user"));
+  settings.preset.imu_weight = fusion::ImuWeight::user;
+  CHECK(preset_warnings(settings, given).empty());
+}
