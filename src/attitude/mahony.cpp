@@ -26,4 +26,8 @@ void Mahony::turn_about_world_z(double angle_rad) {
   q_body_to_world_ = (math::rotation_about_z(angle_rad) * q_body_to_world_).normalized();
 }
 
+void Mahony::turn_in_world(const Vector3d& rotation_world_rad) {
+  q_body_to_world_ = (math::rotation_by(rotation_world_rad) * q_body_to_world_).normalized();
+}
+
 }  // namespace sonopose::attitude

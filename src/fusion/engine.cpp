@@ -9,7 +9,7 @@ namespace sonopose::fusion {
 namespace {
 
 /// World gravity as it adds to the specific force (the strapdown document's g).
-const Vector3d gravity_world_mps2{0.0, 0.0, -9.81};
+const Vector3d gravity_world_mps2{0.0, 0.0, -standard_gravity_mps2};
 
 }  // namespace
 
@@ -91,6 +91,12 @@ void Engine::reset() noexcept {
   ++reset_counter_;
 }
 
+void Engine::restore(const Snapshot& snapshot) noexcept {
+  state_ = snapshot.state;
+  counters_ = snapshot.counters;
+  reset_counter_ = snapshot.reset_counter;
+}
+
 void Engine::start(const ImuSample& imu) {
   state_.body.time_ns = imu.sensor_time_ns;
   const bool weightless = imu.specific_force_body_mps2.isZero();
@@ -124,6 +130,7 @@ void Engine::predict(const ImuSample& imu, double dt_s) {
   const Vector3d before_world_mps2 = body.acceleration_world_mps2;
   body.acceleration_world_mps2 =
       state_.filter.orientation() * imu.specific_force_body_mps2 + gravity_world_mps2;
+  body.acceleration_world_mps2.z() += state_.level.vertical_offset_mps2;
   const Vector3d velocity_before_world_mps = body.velocity_world_mps;
   const bool no_position = state_.outage.last_valid_fix_ns == 0;
   if (state_.startup.waiting || no_position) {
@@ -180,7 +187,7 @@ void Engine::take_hold(const TimedFix& fix, FixReport& report) {
   state_.body.position_world_m = fix.shifted_position_world_m;
   state_.drift = DriftState{};
   trust::restart(state_.trust, fix);
-  state_.velocity = {true, fix.measured_ns, fix.measured_position_world_m};
+  velocity::restart(state_.velocity, fix);
   state_.uncertainty.position_std_m = settings_.uncertainty.fix_std_m;
   // Just after a start at rest the velocity is known already: zero.
   const bool velocity_known =
@@ -196,7 +203,6 @@ void Engine::take_hold(const TimedFix& fix, FixReport& report) {
 /// The second fix of a run sets the velocity: until then there is none that could predict where it should
 /// lie. False where the two stand too near or too far apart in time for a velocity.
 bool Engine::take_velocity(TimedFix& fix, FixReport& report) {
-  const TimeNs first_ns = state_.velocity.measured_ns;
   const auto measured = velocity::measure(settings_.velocity, state_.velocity, state_.body, fix, true);
   if (!measured) return false;
   report.velocity_change_world_mps = velocity::adopt(state_.body, *measured);
@@ -207,8 +213,7 @@ bool Engine::take_velocity(TimedFix& fix, FixReport& report) {
   state_.body.position_world_m = fix.shifted_position_world_m;
   state_.drift = DriftState{};
   trust::restart(state_.trust, fix);
-  uncertainty::correct(settings_.uncertainty, state_.uncertainty, 1.0, 1.0, 1.0,
-                       seconds_between(first_ns, fix.measured_ns));
+  uncertainty::correct(settings_.uncertainty, state_.uncertainty, 1.0, 1.0, 1.0, measured->interval_s);
   state_.outage.track = Track::held;
   return true;
 }
@@ -224,7 +229,6 @@ void Engine::follow(const TimedFix& fix, FixReport& report) {
   if (verdict.forced) report.verdict |= verdict_stuck_forced;
 
   report.jump_world_m = drift::correct(settings_.drift, state_.drift, body, fix, verdict);  // 2, 4, 9
-  const TimeNs last_good_ns = state_.velocity.measured_ns;
   const bool good = !verdict.outlier || verdict.forced;
   const auto measured = velocity::measure(settings_.velocity, state_.velocity, body, fix, good);
   double interval_s = 0.0;
@@ -232,9 +236,12 @@ void Engine::follow(const TimedFix& fix, FixReport& report) {
     const auto change = velocity::correct(settings_.velocity, body, *measured, verdict);  // 3, 7, 8, 26–28
     report.velocity_change_world_mps = change.change_world_mps;
     report.verdict |= change.verdict;
+    if (change.verdict == 0) {  // a snap mends a velocity that went wrong, whatever the tilt
+      level::learn(settings_.level, state_.level, state_.filter, change.change_world_mps);
+    }
     report.yaw_change_rad =
         heading::nudge(settings_.heading, state_.heading, body, state_.filter, *measured);  // 31–33
-    interval_s = seconds_between(last_good_ns, fix.measured_ns);
+    interval_s = measured->interval_s;
   }
   uncertainty::correct(settings_.uncertainty, state_.uncertainty, verdict.weight,
                        drift::jump_share(settings_.drift, verdict),

@@ -29,4 +29,12 @@ std::optional<InertialPoint> InertialHistory::at(TimeNs time_ns) const {
   return std::nullopt;
 }
 
+bool InertialHistory::operator==(const InertialHistory& other) const {
+  if (size_ != other.size_) return false;
+  for (std::size_t i = 0; i < size_; ++i) {
+    if (!((*this)[i] == other[i])) return false;
+  }
+  return true;
+}
+
 }  // namespace sonopose::fusion

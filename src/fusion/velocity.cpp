@@ -25,24 +25,50 @@ double accel_gate(const VelocitySettings& settings, double acceleration_mps2) {
   return std::max(0.0, 1.0 - acceleration_mps2 / (2.0 * settings.accel_gate_threshold_mps2));
 }
 
+/// The earlier fix to measure from: the latest that lies far enough back, else the oldest.
+const PastFix* reference_for(const VelocitySettings& settings, const VelocityState& state,
+                             const TimedFix& fix) {
+  const PastFix* reference = nullptr;
+  for (int i = 0; i < state.count; ++i) {
+    const PastFix& past = state.fixes[static_cast<std::size_t>(i)];
+    const double interval_s = seconds_between(past.measured_ns, fix.measured_ns);
+    if (interval_s > settings.interval_max_s) break;
+    if (interval_s < settings.interval_min_s) continue;
+    reference = &past;
+    if (interval_s >= settings.interval_wanted_s) break;
+  }
+  return reference;
+}
+
+std::optional<FixVelocity> measure_from(const PastFix* reference, const Kinematics& body,
+                                        const TimedFix& fix) {
+  if (reference == nullptr) return std::nullopt;
+  const auto moved_world_m = body.moved(reference->measured_ns, fix.measured_ns);
+  if (!moved_world_m) return std::nullopt;
+  const double interval_s = seconds_between(reference->measured_ns, fix.measured_ns);
+  const Vector3d displacement_world_m = fix.measured_position_world_m - reference->position_world_m;
+  return FixVelocity{displacement_world_m / interval_s, *moved_world_m / interval_s, displacement_world_m,
+                     interval_s};
+}
+
+void remember(VelocityState& state, const TimedFix& fix) {
+  std::copy_backward(state.fixes.begin(), state.fixes.end() - 1, state.fixes.end());
+  state.fixes[0] = {fix.measured_ns, fix.measured_position_world_m};
+  state.count = std::min(state.count + 1, VelocityState::capacity);
+}
+
 }  // namespace
+
+void restart(VelocityState& state, const TimedFix& fix) {
+  state.fixes[0] = {fix.measured_ns, fix.measured_position_world_m};
+  state.count = 1;
+}
 
 std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocityState& state,
                                    const Kinematics& body, const TimedFix& fix, bool good) {
   if (!good) return std::nullopt;
-  const double interval_s = seconds_between(state.measured_ns, fix.measured_ns);
-  // Of two fixes too close together the older stays the reference: the next may be far enough from it.
-  if (state.has_fix && interval_s < settings.interval_min_s) return std::nullopt;
-
-  std::optional<FixVelocity> measured;
-  if (state.has_fix && interval_s <= settings.interval_max_s) {
-    if (const auto moved_world_m = body.moved(state.measured_ns, fix.measured_ns)) {
-      const Vector3d displacement_world_m = fix.measured_position_world_m - state.position_world_m;
-      measured =
-          FixVelocity{displacement_world_m / interval_s, *moved_world_m / interval_s, displacement_world_m};
-    }
-  }
-  state = {true, fix.measured_ns, fix.measured_position_world_m};
+  const auto measured = measure_from(reference_for(settings, state, fix), body, fix);
+  remember(state, fix);
   return measured;
 }
 

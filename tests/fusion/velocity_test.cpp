@@ -27,8 +27,15 @@ TimedFix fix_at(double time_s, const Vector3d& position_world_m) {
   return {epoch_ns + to_ns(time_s), position_world_m, position_world_m};
 }
 
+/// What is known after one fix.
+VelocityState after(const TimedFix& fix) {
+  VelocityState state;
+  velocity::restart(state, fix);
+  return state;
+}
+
 FixVelocity between(const Vector3d& ultrasonic, const Vector3d& inertial) {
-  return {ultrasonic, inertial, 0.08 * ultrasonic};
+  return {ultrasonic, inertial, 0.08 * ultrasonic, 0.08};
 }
 
 /// The velocity after one fix, from `inertial` with these settings.
@@ -69,7 +76,7 @@ TEST_CASE("item 3: the mean over the interval is compared and not the present ve
     body.history.push({epoch_ns - to_ns(1.0 - 0.01 * i), body.displacement_world_m, 0.0});
   }
   body.velocity_world_mps = {4, 0, 0};
-  VelocityState state{true, epoch_ns - to_ns(0.17), {x_at(0.83), 0, 0}};
+  VelocityState state = after(fix_at(-0.17, {x_at(0.83), 0, 0}));
   const auto measured = velocity::measure(plain(), state, body, fix_at(-0.07, {x_at(0.93), 0, 0}), true);
   REQUIRE(measured.has_value());
   CHECK(measured->ultrasonic_world_mps.x() == Approx(4.0 * 0.88));
@@ -80,7 +87,7 @@ TEST_CASE("item 3: the mean over the interval is compared and not the present ve
 
 TEST_CASE("a velocity comes only of two good fixes within the declared interval") {
   const auto body = test::moving_body({1, 0, 0});
-  const VelocityState first{true, epoch_ns - to_ns(0.4), Vector3d::Zero()};
+  const VelocityState first = after(fix_at(-0.4, Vector3d::Zero()));
   const auto measured_after = [&](double interval_s, bool good = true) {
     VelocityState state = first;
     const auto fix = fix_at(-0.4 + interval_s, {interval_s, 0, 0});
@@ -98,16 +105,36 @@ TEST_CASE("a velocity comes only of two good fixes within the declared interval"
 
 TEST_CASE("two fixes too close together: the older stays the reference") {
   const auto body = test::moving_body({1, 0, 0});
-  VelocityState state{true, epoch_ns - to_ns(0.2), Vector3d::Zero()};
+  VelocityState state = after(fix_at(-0.2, Vector3d::Zero()));
   CHECK_FALSE(velocity::measure(plain(), state, body, fix_at(-0.17, {0.9, 0, 0}), true).has_value());
   const auto measured = velocity::measure(plain(), state, body, fix_at(-0.1, {0.1, 0, 0}), true);
   REQUIRE(measured.has_value());
   CHECK(measured->ultrasonic_world_mps.x() == Approx(1.0));
 }
 
+TEST_CASE("the velocity is measured over the interval that is wanted, where there are fixes so far back") {
+  // 11 fixes a second of a body that stands, then is pushed ever faster: 0, 3, 12 and 27 cm.
+  const auto body = test::moving_body(Vector3d::Zero());
+  VelocitySettings settings = plain();
+  const auto speed_over = [&](double wanted_s) {
+    settings.interval_wanted_s = wanted_s;
+    VelocityState state = after(fix_at(-0.4, Vector3d::Zero()));
+    std::optional<FixVelocity> measured;
+    for (int i = 1; i <= 3; ++i) {
+      measured = velocity::measure(settings, state, body, fix_at(-0.4 + 0.09 * i, {0.03 * i * i, 0, 0}), true);
+    }
+    REQUIRE(measured.has_value());
+    return measured->ultrasonic_world_mps.x();
+  };
+  CHECK(speed_over(0.05) == Approx((0.27 - 0.12) / 0.09));
+  CHECK(speed_over(0.15) == Approx((0.27 - 0.03) / 0.18));
+  CHECK(speed_over(0.25) == Approx(0.27 / 0.27));
+  CHECK(speed_over(9.0) == Approx(0.27 / 0.27));  // none lies so far back: the oldest that may
+}
+
 TEST_CASE("an outlier is no end of an interval") {
   const auto body = test::moving_body({1, 0, 0});
-  VelocityState state{true, epoch_ns - to_ns(0.3), Vector3d::Zero()};
+  VelocityState state = after(fix_at(-0.3, Vector3d::Zero()));
   CHECK_FALSE(velocity::measure(plain(), state, body, fix_at(-0.2, {9, 9, 9}), false).has_value());
   const auto measured = velocity::measure(plain(), state, body, fix_at(-0.1, {0.2, 0, 0}), true);
   REQUIRE(measured.has_value());

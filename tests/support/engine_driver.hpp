@@ -19,7 +19,7 @@
 namespace sonopose::test {
 
 /// The engine's constant: the tests take no side on its value.
-inline constexpr double gravity_mps2 = 9.81;
+inline constexpr double gravity_mps2 = standard_gravity_mps2;
 inline constexpr TimeNs epoch_ns = 1'700'000'000'000'000'000;
 
 /// A level body at one instant.

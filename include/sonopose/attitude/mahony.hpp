@@ -35,6 +35,12 @@ public:
   /// Starts at `q_body_to_world` with the integral at zero.
   void reset(const Quaterniond& q_body_to_world);
 
+  /// Goes on from a state that another one had.
+  void restore(const Quaterniond& q_body_to_world, const Vector3d& integral_body_radps) {
+    q_body_to_world_ = q_body_to_world;
+    integral_body_radps_ = integral_body_radps;
+  }
+
   /// One step of `dt_s` > 0 with body rates (rad/s, offset of the start-up calibration taken off) and
   /// specific force (m/s²; one of zero length corrects nothing).
   ///   e = v_measured × v_estimated;  ω' = ω + Kp·e + Ki·∫e dt;  q ← q ⊗ exp(ω'·dt)
@@ -45,6 +51,9 @@ public:
 
   /// Turns the estimate about world Z; tilt and integral are untouched.
   void turn_about_world_z(double angle_rad);
+
+  /// Turns the estimate by |v| about v, a vector in the world (rad); the integral is untouched.
+  void turn_in_world(const Vector3d& rotation_world_rad);
 
   [[nodiscard]] const Quaterniond& orientation() const { return q_body_to_world_; }
 

@@ -25,6 +25,9 @@ using BeaconAddress = std::uint16_t;
 /// Names every beacon at once where a command allows it; never the address of a sample.
 inline constexpr BeaconAddress all_beacons = 0xFFFF;
 
+/// What an accelerometer at rest reads along the vertical; the one value for simulation and fusion.
+inline constexpr double standard_gravity_mps2 = 9.80665;
+
 /// Seconds from `from` to `to`.
 constexpr double seconds_between(TimeNs from, TimeNs to) {
   return static_cast<double>(to - from) * 1e-9;

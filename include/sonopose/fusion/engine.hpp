@@ -35,6 +35,10 @@ public:
   /// Begins anew, as at the start; counters go on and the pose's reset_counter rises.
   void reset() noexcept;
 
+  /// Goes on from where another engine was.
+  void restore(const Snapshot& snapshot) noexcept;
+  [[nodiscard]] Snapshot snapshot() const { return {state_, counters_, reset_counter_}; }
+
   [[nodiscard]] const Settings& settings() const { return settings_; }
   [[nodiscard]] const State& state() const { return state_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
@@ -57,5 +61,18 @@ private:
   Counters counters_;
   std::uint32_t reset_counter_ = 0;
 };
+
+/// Gives the engine any event; calls `on_pose(FusedPose&)` or `on_report(const FixReport&)` for what comes of
+/// it.
+template <class OnPose, class OnReport>
+void deliver(Engine& engine, const Event& event, const OnPose& on_pose, const OnReport& on_report) {
+  if (const auto* imu = std::get_if<ImuSample>(&event)) {
+    if (auto pose = engine.on(*imu)) on_pose(*pose);
+  } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
+    on_report(engine.on(*fix));
+  } else {
+    engine.on(std::get<PairHeading>(event));
+  }
+}
 
 }  // namespace sonopose::fusion

@@ -35,9 +35,15 @@ public:
   [[nodiscard]] std::optional<InertialPoint> at(TimeNs time_ns) const;
 
   [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  /// The points from the oldest, 0, to the newest. Pushed one after the other into an empty history they make
+  /// an equal one.
+  [[nodiscard]] const InertialPoint& operator[](std::size_t index) const { return back(size_ - 1 - index); }
   [[nodiscard]] const InertialPoint& newest() const { return points_[last_]; }
 
   void clear() { size_ = 0; }
+
+  bool operator==(const InertialHistory& other) const;
 
 private:
   [[nodiscard]] const InertialPoint& back(std::size_t steps) const {

@@ -41,6 +41,8 @@ struct Kinematics {
 
   /// Yaw at `then_ns`, with today's corrections.
   [[nodiscard]] std::optional<double> yaw_at(TimeNs then_ns) const;
+
+  bool operator==(const Kinematics&) const = default;
 };
 
 }  // namespace sonopose::fusion

@@ -8,6 +8,7 @@
 #include <sonopose/fusion/drift.hpp>
 #include <sonopose/fusion/frozen.hpp>
 #include <sonopose/fusion/heading.hpp>
+#include <sonopose/fusion/level.hpp>
 #include <sonopose/fusion/motion.hpp>
 #include <sonopose/fusion/outage.hpp>
 #include <sonopose/fusion/preset.hpp>
@@ -30,6 +31,7 @@ struct Settings {
   PresetSettings preset;
   DriftSettings drift;
   VelocitySettings velocity;
+  LevelSettings level;
   HeadingSettings heading;
   DelaySettings delay;
   OutageSettings outage;

@@ -9,6 +9,7 @@
 #include <sonopose/fusion/frozen.hpp>
 #include <sonopose/fusion/heading.hpp>
 #include <sonopose/fusion/kinematics.hpp>
+#include <sonopose/fusion/level.hpp>
 #include <sonopose/fusion/outage.hpp>
 #include <sonopose/fusion/runaway.hpp>
 #include <sonopose/fusion/startup.hpp>
@@ -28,6 +29,8 @@ struct Counters {
   std::uint64_t headings = 0;
   std::uint64_t samples_invalid = 0;
   std::uint64_t imu_gaps = 0;
+
+  bool operator==(const Counters&) const = default;
 };
 
 struct State {
@@ -39,12 +42,25 @@ struct State {
   TrustState trust;
   DriftState drift;
   VelocityState velocity;
+  LevelState level;
   HeadingState heading;
   OutageState outage;
   RunawayState runaway;
   UncertaintyState uncertainty;
   Vector3d previous_rate_body_radps = Vector3d::Zero();  ///< of the sample before, offset off
   bool in_imu_gap = false;                               ///< the latest sample came after a silence
+
+  bool operator==(const State&) const = default;
+};
+
+/// All that an engine knows besides its settings: another engine with these settings and this snapshot goes
+/// on to the same bits.
+struct Snapshot {
+  State state;
+  Counters counters;
+  std::uint32_t reset_counter = 0;
+
+  bool operator==(const Snapshot&) const = default;
 };
 
 }  // namespace sonopose::fusion

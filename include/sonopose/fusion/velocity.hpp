@@ -8,6 +8,7 @@
 #include <sonopose/fusion/kinematics.hpp>
 #include <sonopose/fusion/trust.hpp>
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -22,6 +23,7 @@ struct VelocitySettings {
   double accel_gate_threshold_mps2{};
   double interval_min_s{};
   double interval_max_s{};
+  double interval_wanted_s{};
 
   static constexpr std::string_view group = "velocity";
   static constexpr auto declarations() {
@@ -48,15 +50,27 @@ struct VelocitySettings {
         real(own_setting, "interval_min_s", &G::interval_min_s, 0.05, {0.001, 1.0}, "s",
              "Two fixes closer together than this give no velocity."),
         real(own_setting, "interval_max_s", &G::interval_max_s, 0.3, {0.01, 10.0}, "s",
-             "Two fixes farther apart than this give no velocity.")};
+             "Two fixes farther apart than this give no velocity."),
+        real(own_setting, "interval_wanted_s", &G::interval_wanted_s, 0.2, {0.001, 10.0}, "s",
+             "Of the earlier fixes the velocity is measured from the latest that lies this far back, else "
+             "from the oldest: over a longer interval the fixes' noise counts less.")};
   }
   constexpr VelocitySettings() { setting::set_defaults(*this); }
 };
 
-struct VelocityState {
-  bool has_fix = false;  ///< the latest good fix, from which the next velocity is measured
+/// One good fix of the past.
+struct PastFix {
   TimeNs measured_ns = 0;
   Vector3d position_world_m = Vector3d::Zero();
+
+  bool operator==(const PastFix&) const = default;
+};
+
+/// The latest good fixes, newest first, from which the next velocity can be measured.
+struct VelocityState {
+  static constexpr int capacity = 8;
+  std::array<PastFix, capacity> fixes;
+  int count = 0;
 
   bool operator==(const VelocityState&) const = default;
 };
@@ -66,6 +80,7 @@ struct FixVelocity {
   Vector3d ultrasonic_world_mps = Vector3d::Zero();
   Vector3d inertial_world_mps = Vector3d::Zero();
   Vector3d displacement_world_m = Vector3d::Zero();  ///< between the two fixes
+  double interval_s = 0;                             ///< between the two fixes
 };
 
 /// What a fix did to the velocity.
@@ -75,6 +90,9 @@ struct VelocityChange {
 };
 
 namespace velocity {
+
+/// Forgets all earlier fixes but this one.
+void restart(VelocityState& state, const TimedFix& fix);
 
 /// Measures the velocity from the last good fix to this one and remembers this one where it is good. Empty
 /// where there is none at the right distance in time.

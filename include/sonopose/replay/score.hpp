@@ -1,0 +1,71 @@
+#pragma once
+/// \file
+/// How far poses are from the truth: unaligned, because a pose in the beacons' map is only right where it is.
+
+#include <sonopose/core/pose.hpp>
+#include <sonopose/core/samples.hpp>
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace sonopose::replay {
+
+/// Root of the mean square, 95th percentile and maximum of some errors; NaN where there are none.
+struct ErrorSummary {
+  double rmse;
+  double p95;
+  double max;
+};
+
+/// Summarises errors, in any order.
+ErrorSummary summarise(std::vector<double> errors);
+
+/// The truth between its samples. Times must be asked for in ascending order.
+class TruthTrack {
+public:
+  /// `truth` in ascending time; must outlive the track.
+  explicit TruthTrack(std::span<const TruthSample> truth) : truth_(truth) {}
+
+  /// Position and velocity interpolated linearly, attitude along the arc; NaN in what is not known. Empty
+  /// before the first sample, after the last, and where two samples stand farther apart than 0.1 s.
+  std::optional<TruthSample> at(TimeNs time_ns);
+
+private:
+  std::span<const TruthSample> truth_;
+  std::size_t next_ = 0;
+};
+
+/// Errors over one span of time. Each is over the poses for which that part of the truth is known.
+struct Score {
+  std::size_t poses = 0;         ///< with a known true position
+  ErrorSummary position_m;       ///< distance in space
+  double yaw_rmse_deg;           ///< 2·atan(d_z/d_w) of d = q_estimate ⊗ q_truth*: turn about world Z
+  double tilt_rmse_deg;          ///< 2·acos √(d_w² + d_z²): angle between the two verticals
+  double velocity_rmse_mps;      ///< length of the difference
+  std::vector<double> errors_m;  ///< distance at each of `times_ns`
+  std::vector<TimeNs> times_ns;
+};
+
+/// Collects the errors of poses in ascending time.
+class Scorer {
+public:
+  /// Poses before `from_ns` are not scored. `truth` must outlive the scorer.
+  Scorer(std::span<const TruthSample> truth, TimeNs from_ns) : track_(truth), from_ns_(from_ns) {}
+
+  void add(const FusedPose& pose);
+
+  [[nodiscard]] Score score() const;
+
+private:
+  TruthTrack track_;
+  TimeNs from_ns_;
+  std::vector<TimeNs> times_ns_;
+  std::vector<double> position_m_;
+  std::vector<double> yaw_rad_;
+  std::vector<double> tilt_rad_;
+  std::vector<double> velocity_mps_;
+};
+
+}  // namespace sonopose::replay

@@ -1,0 +1,98 @@
+/// Levelling by the fixes' velocity corrections.
+
+#include <sonopose/fusion/level.hpp>
+#include <sonopose/math/rotation.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <support/engine_driver.hpp>
+
+using namespace sonopose;
+using namespace sonopose::fusion;
+
+namespace {
+
+constexpr double gain_hz = 0.5;
+
+LevelSettings learning() {
+  LevelSettings settings;
+  settings.tilt_gain_hz = gain_hz;
+  settings.vertical_gain_hz = gain_hz;
+  return settings;
+}
+
+attitude::Mahony filter_at(const Quaterniond& q_body_to_world) {
+  attitude::Mahony filter;
+  filter.reset(q_body_to_world);
+  return filter;
+}
+
+}  // namespace
+
+TEST_CASE("a horizontal velocity correction tilts the estimate so that it would have been accelerated for") {
+  GIVEN("a body at rest whose attitude is estimated level, and a fix that adds 0.2 m/s to the north-east") {
+    auto filter = filter_at(math::rotation_about_z(0.7));
+    LevelState state;
+    const Vector3d change_world_mps(0.16, 0.12, 0.0);
+    level::learn(learning(), state, filter, change_world_mps);
+    THEN("its specific force now has gain × change along the correction, and yaw has not moved") {
+      const Vector3d force_body = Vector3d(0, 0, standard_gravity_mps2);
+      const Vector3d acceleration_world = filter.orientation() * force_body;
+      CHECK(acceleration_world.x() == Approx(gain_hz * 0.16).epsilon(1e-3));
+      CHECK(acceleration_world.y() == Approx(gain_hz * 0.12).epsilon(1e-3));
+      CHECK(math::yaw_of(filter.orientation()) == Approx(0.7).margin(1e-4));
+      CHECK(state.vertical_offset_mps2 == 0.0);
+    }
+  }
+}
+
+TEST_CASE("a vertical velocity correction is learned as an offset, up to its limit") {
+  auto filter = filter_at(Quaterniond::Identity());
+  LevelState state;
+  level::learn(learning(), state, filter, {0, 0, -0.04});
+  CHECK(state.vertical_offset_mps2 == Approx(-0.02));
+  CHECK(filter.orientation().isApprox(Quaterniond::Identity()));
+  for (int i = 0; i < 100; ++i) level::learn(learning(), state, filter, {0, 0, -1.0});
+  CHECK(state.vertical_offset_mps2 == Approx(-LevelSettings{}.max_vertical_mps2));
+}
+
+TEST_CASE("a gain of zero learns nothing") {
+  LevelSettings off;
+  off.tilt_gain_hz = 0.0;
+  off.vertical_gain_hz = 0.0;
+  auto filter = filter_at(Quaterniond::Identity());
+  LevelState state;
+  level::learn(off, state, filter, {1, 2, 3});
+  CHECK(filter.orientation().coeffs() == Quaterniond::Identity().coeffs());
+  CHECK(state == LevelState{});
+}
+
+TEST_CASE("a start with a wrong tilt is levelled by the fixes, with the accelerometer's own pull off") {
+  // The body stands, tilted by 2° against what the start took for level: without the fixes it would seem to
+  // be accelerated by 0.34 m/s² for ever.
+  GIVEN("an accelerometer with an offset of 0.34 m/s² that appears after the start") {
+    Settings settings;
+    settings.mahony.kp = 0.0;
+    settings.mahony.ki = 0.0;
+    test::Sensors noisy;
+    noisy.noise_m = 0.005;
+    const auto residual_speed = [&](double tilt_gain_hz) {
+      settings.level.tilt_gain_hz = tilt_gain_hz;
+      test::EngineDriver driver(settings, test::at_rest(), noisy);
+      driver.alter_imu = [](ImuSample& imu, double time_s) {
+        if (time_s > 3.0) imu.specific_force_body_mps2.x() += 0.34;
+      };
+      driver.run(30.0);
+      double worst_mps = 0.0;
+      for (const test::Moment& moment : driver.moments) {
+        if (moment.time_s > 29.0) worst_mps = std::max(worst_mps, moment.pose.velocity_world_mps.norm());
+      }
+      return worst_mps;
+    };
+    THEN("levelling takes the false speed away") {
+      const double without_mps = residual_speed(0.0);
+      CHECK(without_mps > 0.03);
+      CHECK(residual_speed(0.5) < 0.2 * without_mps);
+    }
+  }
+}
