@@ -58,9 +58,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--record", options.record, "Write what is published as a sensor-log folder")
       ->type_name("DIR");
   app.add_option("--scenario", options.sim.scenario, "What the simulated beacon does")->capture_default_str();
-  app.add_option("--imu-rate", options.sim.sensors.imu_rate_hz, "IMU rate of the simulator in Hz")
-      ->check(CLI::Range(1.0, 1000.0).description("[1 - 1000]"))
-      ->capture_default_str();
+  app.add_option("--imu-rate", options.sim.imu_rate_hz,
+                 "IMU rate of the simulator in Hz (default: the scenario's)")
+      ->check(CLI::Range(1.0, 1000.0).description("[1 - 1000]"));
   app.add_option("--seed", options.sim.seed, "Seed of the simulator's noise")->capture_default_str();
   app.add_option("--duration", options.sim.duration_s, "Length of the simulation in seconds; 0: without end")
       ->check(CLI::NonNegativeNumber)

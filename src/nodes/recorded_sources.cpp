@@ -4,7 +4,7 @@
 #include <sonopose/marvelmind/encoder.hpp>
 #include <sonopose/nodes/host_clock.hpp>
 #include <sonopose/nodes/recorded_sources.hpp>
-#include <sonopose/sim/trajectory.hpp>
+#include <sonopose/sim/scenario.hpp>
 
 #include <limits>
 
@@ -28,11 +28,17 @@ private:
   marvelmind::Disassembler disassembler_;
 };
 
+sim::SensorSettings sensors_of(const SimulatorOptions& options) {
+  sim::SensorSettings sensors = sim::find_scenario(options.scenario).sensors;
+  if (options.imu_rate_hz) sensors.imu_rate_hz = *options.imu_rate_hz;
+  return sensors;
+}
+
 class SimulatorSource final : public Source {
 public:
   explicit SimulatorSource(const SimulatorOptions& options, TimeNs start_ns)
       : pacer_(options.rate),
-        simulator_(sim::find_scenario(options.scenario), options.sensors,
+        simulator_(sim::find_scenario(options.scenario), sensors_of(options),
                    {.seed = options.seed,
                     .start_time_ns = start_ns,
                     .address = options.address,

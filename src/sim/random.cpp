@@ -23,6 +23,10 @@ double Random::uniform() {
   return static_cast<double>(generator_() >> 11U) * 0x1p-53;
 }
 
+double Random::uniform_in(const Range& range) {
+  return range.least + (range.most - range.least) * uniform();
+}
+
 double Random::normal() {
   if (has_spare_) {
     has_spare_ = false;

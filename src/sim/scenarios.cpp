@@ -1,72 +1,149 @@
-#include <sonopose/sim/trajectory.hpp>
+#include "paths.hpp"
+#include <sonopose/math/rotation.hpp>
+#include <sonopose/sim/scenario.hpp>
 
-#include <array>
-#include <numbers>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace sonopose::sim {
 
 namespace {
 
-using std::numbers::pi;
-
-constexpr double departure_s =
-    3.0;  ///< every moving scenario rests until then, so that gyros can be calibrated
-
-constexpr Jet clock(double time_s) {
-  return {time_s, 1.0, 0.0};
+/// The pair's centre on the axis of rotation, the IMU beside it.
+SensorSettings imu_off_the_axis() {
+  SensorSettings sensors;
+  sensors.imu_from_tracked_point_body_m = {0.06, 0.0, 0.0};
+  return sensors;
 }
 
-Path rest(double /*time_s*/) {
-  return {.x = 1.0, .y = 2.0, .z = 0.5, .yaw = 0.5, .pitch = 0.0, .roll = 0.0};
+SensorSettings single_beacon() {
+  SensorSettings sensors;
+  sensors.pair_heading = false;
+  return sensors;
 }
 
-/// A person carries the beacon through a lying eight of 4 m × 2 m, 0.6–1.3 m/s, and bobs with each step.
-Path walk(double time_s) {
-  constexpr double ramp_s = 1.5;
-  constexpr double step_hz = 1.8;
-  const Jet u = smooth_departure(time_s, departure_s, ramp_s, 0.45);
-  const Jet two_u = Jet{2.0} * u;
-  const Jet t = clock(time_s);
-  const Jet gait = smooth_step({(time_s - departure_s) / ramp_s, 1.0 / ramp_s, 0.0});
-  const Jet step = Jet{2.0 * pi * step_hz} * t;
-  const Jet stride = Jet{pi * step_hz} * t;
-  return {.x = 3.0 + Jet{2.0} * sin(u),
-          .y = 2.0 + sin(two_u),
-          .z = 1.0 + Jet{0.01} * gait * sin(step),
-          .yaw = atan2(cos(two_u), cos(u)),  // the tangent (2 cos u, 2 cos 2u), which is nowhere zero
-          .pitch = Jet{0.03} * gait * cos(step),
-          .roll = Jet{0.04} * gait * sin(stride)};
+SensorSettings poor_gyro() {
+  SensorSettings sensors;
+  sensors.gyro_bias_radps = 1.0 * math::radians_per_degree;
+  sensors.gyro_bias_walk_radps_rts = 0.0005;
+  return sensors;
 }
 
-/// A kart goes to 6 m/s on a circle of 8 m radius: 0.75 rad/s and 4.5 m/s² to the side.
-Path circle(double time_s) {
-  constexpr double radius_m = 8.0;
-  const Jet angle = smooth_departure(time_s, departure_s, 4.0, 6.0 / radius_m);
-  return {.x = 10.0 + Jet{radius_m} * sin(angle),
-          .y = 10.0 - Jet{radius_m} * cos(angle),
-          .z = 0.2,
-          .yaw = angle,
-          .pitch = 0.0,
-          .roll = 0.0};
+SensorSettings uneven_delay() {
+  SensorSettings sensors;
+  sensors.fix_delay_jitter_s = 0.025;
+  return sensors;
 }
 
-constexpr std::array all_scenarios{
-    Scenario{"rest", "stands still, level", rest},
-    Scenario{"walk", "rests 3 s, then walks a closed path of a few metres at about 1 m/s", walk},
-    Scenario{"circle", "rests 3 s, then drives a circle of 8 m radius at 6 m/s, as a kart does", circle},
-};
+Disturbances wrong_tracks() {
+  return {.outlier_bursts = {{12.0, 1.0, {0.9, 0.5, 0.0}},
+                             {20.0, 0.5, {-0.4, 0.3, 0.0}},
+                             {28.0, 2.0, {0.0, -0.8, 0.2}},
+                             {38.0, 1.5, {-1.2, 0.8, -0.2}},
+                             {47.0, 0.7, {0.6, 0.1, 0.1}},
+                             {54.0, 1.2, {0.3, 1.0, 0.0}}}};
+}
+
+Disturbances silences() {
+  return {.outages = {{15.0, 2.0}, {30.0, 4.0}, {48.0, 8.0}}};
+}
+
+/// A quarter is bad and says so, a fifth is not as good as it could be.
+Disturbances poor_reception() {
+  return {.poor_fixes = {{.share = 0.25, .quality_percent = {10.0, 48.0}, .noise_factor = 12.0},
+                         {.share = 0.20, .quality_percent = {55.0, 75.0}, .noise_factor = 2.0}}};
+}
+
+/// 2.5 m away.
+Disturbances carried_away() {
+  return {.relocations = {{25.0, {2.0, 1.5, 0.0}}}};
+}
+
+/// 1 deg/s in all, after any calibration at the start.
+Disturbances warming_up() {
+  const Vector3d by_deg_per_s{0.5, -0.5, 0.7};
+  return {.gyro_drift = GyroDrift{8.0, 10.0, math::radians_per_degree * by_deg_per_s}};
+}
+
+Disturbances bad_line() {
+  return {.imu_packets = {.dropped_share = 0.01,
+                          .lost_runs_share = 0.001,
+                          .duplicated_share = 0.01,
+                          .late_share = 0.01,
+                          .late_by_s = {0.005, 0.045}},
+          .position_packets = {.dropped_share = 0.10,
+                               .lost_runs_share = 0.005,
+                               .duplicated_share = 0.05,
+                               .late_share = 0.05,
+                               .late_by_s = {0.05, 0.30}}};
+}
+
+std::vector<Scenario> make_scenarios() {
+  return {
+      {.name = "rest", .summary = "stands still, level", .path = rest_path},
+      {.name = "walk", .summary = "walks a closed path of a few metres at about 1 m/s", .path = walk_path},
+      {.name = "circle", .summary = "drives a circle of 8 m radius at 6 m/s", .path = circle_path},
+      {.name = "forklift",
+       .summary = "drives at up to 2 m/s, stops, makes quarter turns nearly on the spot",
+       .path = forklift_path},
+      {.name = "kart",
+       .summary = "drives a course with curves both ways at about 6 m/s, up to 6 m/s² to the side",
+       .path = kart_path},
+      {.name = "spin",
+       .summary = "turns about the tracked point at 9 rad/s both ways, the IMU 6 cm off it",
+       .path = spin_path,
+       .sensors = imu_off_the_axis()},
+      {.name = "drone", .summary = "flies in three dimensions at up to 2 m/s", .path = drone_path},
+      {.name = "outlier_bursts",
+       .summary = "walks while the fixes jump to a wrong track six times, by 0.5 to 1.5 m",
+       .path = walk_path,
+       .disturbances = wrong_tracks()},
+      {.name = "outages",
+       .summary = "walks while the fixes stay away for 2, 4 and 8 s",
+       .path = walk_path,
+       .disturbances = silences(),
+       .duration_s = 75},
+      {.name = "low_quality",
+       .summary = "walks while a quarter of the fixes is bad and a fifth is mediocre",
+       .path = walk_path,
+       .disturbances = poor_reception()},
+      {.name = "relocation",
+       .summary = "walks slowly and is elsewhere at once after 25 s, by 2.5 m",
+       .path = stroll_path,
+       .disturbances = carried_away()},
+      {.name = "no_heading",
+       .summary = "walks with a single beacon from an unknown direction",
+       .path = walk_path,
+       .sensors = single_beacon(),
+       .random_start_yaw = true,
+       .score_after_s = 20},
+      {.name = "gyro_bias",
+       .summary = "walks while the gyro's bias grows by 1 deg/s after the calibration",
+       .path = walk_path,
+       .sensors = poor_gyro(),
+       .disturbances = warming_up()},
+      {.name = "jitter",
+       .summary = "walks while the fixes' delay of 68 ms varies by 25 ms",
+       .path = walk_path,
+       .sensors = uneven_delay()},
+      {.name = "packet_loss",
+       .summary = "walks while packets get lost, come twice and come late",
+       .path = walk_path,
+       .disturbances = bad_line()},
+  };
+}
 
 }  // namespace
 
 std::span<const Scenario> scenarios() {
-  return all_scenarios;
+  static const std::vector<Scenario> all = make_scenarios();
+  return all;
 }
 
 const Scenario& find_scenario(std::string_view name) {
   std::string known;
-  for (const Scenario& scenario : all_scenarios) {
+  for (const Scenario& scenario : scenarios()) {
     if (scenario.name == name) return scenario;
     known += known.empty() ? "" : ", ";
     known += scenario.name;

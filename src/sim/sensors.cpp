@@ -40,7 +40,8 @@ SensorSettings SensorSettings::ideal() {
   settings.accel_bias_walk_mps2_rts = 0;
   settings.gyro_bias_walk_radps_rts = 0;
   settings.imu_quantised = false;
-  settings.fix_noise_m = 0;
+  settings.fix_rate_hz = 12.0;
+  settings.fix_noise_m = 0.0;
   settings.fix_delay_jitter_s = 0;
   settings.quality_noise_percent = 0;
   settings.heading_noise_rad = 0;
@@ -51,6 +52,10 @@ void check(const SensorSettings& settings) {
   const auto not_negative = [](double value, const char* field) {
     require(std::isfinite(value) && value >= 0, field, value);
   };
+  const auto range = [not_negative](const Range& values, const char* field) {
+    not_negative(values.least, field);
+    require(std::isfinite(values.most) && values.most >= values.least, field, values.most);
+  };
   require(std::isfinite(settings.imu_rate_hz) && settings.imu_rate_hz > 0, "imu_rate_hz",
           settings.imu_rate_hz);
   not_negative(settings.accel_noise_mps2, "accel_noise_mps2");
@@ -59,8 +64,8 @@ void check(const SensorSettings& settings) {
   not_negative(settings.gyro_bias_radps, "gyro_bias_radps");
   not_negative(settings.accel_bias_walk_mps2_rts, "accel_bias_walk_mps2_rts");
   not_negative(settings.gyro_bias_walk_radps_rts, "gyro_bias_walk_radps_rts");
-  not_negative(settings.fix_rate_hz, "fix_rate_hz");
-  not_negative(settings.fix_noise_m, "fix_noise_m");
+  range(settings.fix_rate_hz, "fix_rate_hz");
+  range(settings.fix_noise_m, "fix_noise_m");
   not_negative(settings.fix_delay_s, "fix_delay_s");
   not_negative(settings.fix_delay_jitter_s, "fix_delay_jitter_s");
   not_negative(settings.quality_percent, "quality_percent");
@@ -88,11 +93,11 @@ ImuModel::ImuModel(const SensorSettings& settings, const Random& random)
       accel_bias_mps2_{settings.accel_bias_mps2 * random_.normal_vector()},
       gyro_bias_radps_{settings.gyro_bias_radps * random_.normal_vector()} {}
 
-ImuSample ImuModel::measure(const Motion& motion) {
+ImuSample ImuModel::measure(const Motion& motion, const Vector3d& gyro_drift_body_radps) {
   ImuSample sample = ideal_imu_sample(motion, settings_.imu_from_tracked_point_body_m);
   sample.specific_force_body_mps2 += accel_bias_mps2_ + settings_.accel_noise_mps2 * random_.normal_vector();
   sample.angular_velocity_body_radps +=
-      gyro_bias_radps_ + settings_.gyro_noise_radps * random_.normal_vector();
+      gyro_bias_radps_ + gyro_drift_body_radps + settings_.gyro_noise_radps * random_.normal_vector();
   if (settings_.imu_quantised) {
     sample.specific_force_body_mps2 = quantised(sample.specific_force_body_mps2, accel_mps2_per_lsb);
     sample.angular_velocity_body_radps = quantised(sample.angular_velocity_body_radps, gyro_radps_per_lsb);
@@ -104,17 +109,23 @@ ImuSample ImuModel::measure(const Motion& motion) {
 }
 
 UltrasonicModel::UltrasonicModel(const SensorSettings& settings, Random random)
-    : settings_{settings}, random_{std::move(random)} {}
+    : settings_{settings},
+      random_{std::move(random)},
+      fix_rate_hz_{random_.uniform_in(settings.fix_rate_hz)},
+      fix_noise_m_{random_.uniform_in(settings.fix_noise_m)} {}
 
 double UltrasonicModel::next_delay_s() {
   constexpr double shortest_s = 1e-3;
   return std::max(shortest_s, settings_.fix_delay_s + settings_.fix_delay_jitter_s * random_.normal());
 }
 
-UltrasonicFix UltrasonicModel::measure_fix(const Motion& motion) {
+UltrasonicFix UltrasonicModel::measure_fix(const Motion& motion, const FixCondition& condition) {
   UltrasonicFix fix;
-  fix.position_world_m = motion.position_world_m + settings_.fix_noise_m * random_.normal_vector();
-  const double quality = settings_.quality_percent + settings_.quality_noise_percent * random_.normal();
+  const double noise_m = condition.noise_factor * fix_noise_m_;
+  fix.position_world_m = motion.position_world_m + noise_m * random_.normal_vector();
+  const double quality = condition.quality_percent
+                             ? random_.uniform_in(*condition.quality_percent)
+                             : settings_.quality_percent + settings_.quality_noise_percent * random_.normal();
   fix.quality_percent = std::clamp(std::round(quality), 0.0, 100.0);  // packet 0x0007: whole percent
   if (settings_.pair_heading) fix.flags |= fix_flag_pair_centre;
   return fix;

@@ -41,4 +41,14 @@ Jet smooth_departure(double time_s, double start_s, double ramp_s, double per_se
   return Jet{per_second * ramp_s} * smooth_start(progress);
 }
 
+Motion turned(const Motion& motion, const Vector3d& pivot_world_m, double yaw_rad) {
+  const Quaterniond turn(Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ()));
+  Motion result = motion;
+  result.position_world_m = pivot_world_m + turn * (motion.position_world_m - pivot_world_m);
+  result.velocity_world_mps = turn * motion.velocity_world_mps;
+  result.acceleration_world_mps2 = turn * motion.acceleration_world_mps2;
+  result.q_body_to_world = turn * motion.q_body_to_world;
+  return result;
+}
+
 }  // namespace sonopose::sim

@@ -72,6 +72,10 @@ SCENARIO("noise has the size that the settings say") {
     settings.accel_bias_walk_mps2_rts = 0;
     settings.gyro_bias_walk_radps_rts = 0;
     settings.imu_quantised = false;
+    constexpr double fix_rate_hz = 12.0;
+    constexpr double fix_noise_m = 0.02;
+    settings.fix_rate_hz = fix_rate_hz;
+    settings.fix_noise_m = fix_noise_m;
     const Scenario& rest = find_scenario("rest");
     Simulator simulator(rest, settings, {.seed = 3, .duration_s = 200.0});
     const Motion truth = rest.motion(0);
@@ -97,19 +101,19 @@ SCENARIO("noise has the size that the settings say") {
     THEN("each spread is the setting's, and each mean is the truth") {
       CHECK(accel.deviation() == Approx(settings.accel_noise_mps2).epsilon(0.02));
       CHECK(gyro.deviation() == Approx(settings.gyro_noise_radps).epsilon(0.02));
-      CHECK(position.deviation() == Approx(settings.fix_noise_m).epsilon(0.05));
+      CHECK(position.deviation() == Approx(fix_noise_m).epsilon(0.05));
       CHECK(heading.deviation() == Approx(settings.heading_noise_rad).epsilon(0.06));
       CHECK(delay.deviation() == Approx(settings.fix_delay_jitter_s).epsilon(0.06));
       CHECK(std::abs(accel.mean()) < 4 * settings.accel_noise_mps2 / std::sqrt(6e4));
       CHECK(std::abs(gyro.mean()) < 4 * settings.gyro_noise_radps / std::sqrt(6e4));
-      CHECK(std::abs(position.mean()) < 4 * settings.fix_noise_m / std::sqrt(7200.0));
+      CHECK(std::abs(position.mean()) < 4 * fix_noise_m / std::sqrt(7200.0));
       CHECK(std::abs(heading.mean()) < 4 * settings.heading_noise_rad / std::sqrt(2400.0));
       CHECK(delay.mean() == Approx(0.068).margin(4 * settings.fix_delay_jitter_s / std::sqrt(2400.0)));
       CHECK(quality.mean() == Approx(settings.quality_percent).margin(0.3));
     }
     THEN("the rates are the settings'") {
       CHECK(accel.values.size() == 60'000U);
-      CHECK(delay.values.size() == Approx(200.0 * 12.0).margin(2.0));
+      CHECK(delay.values.size() == Approx(200.0 * fix_rate_hz).margin(2.0));
       CHECK(heading.values.size() == delay.values.size());
     }
   }

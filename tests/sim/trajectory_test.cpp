@@ -1,5 +1,5 @@
 #include <sonopose/math/rotation.hpp>
-#include <sonopose/sim/trajectory.hpp>
+#include <sonopose/sim/scenario.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -49,11 +49,13 @@ SCENARIO("each motion's derivatives belong to each other") {
                 (after.angular_velocity_body_radps - before.angular_velocity_body_radps) / (2 * h) -
                     now.angular_acceleration_body_radps2);
         }
-        THEN("they agree up to the differences' own error, h² times the third derivative") {
+        THEN("they agree up to the differences' own error") {
+          // Where two pieces of a path join, the third derivative may step, by less than 60 (the next test).
+          constexpr double at_a_joint = h * 60.0 / 4.0;
           CHECK(velocity_error < 1e-6);
-          CHECK(acceleration_error < 1e-5);
+          CHECK(acceleration_error < at_a_joint);
           CHECK(rate_error < 1e-6);
-          CHECK(rate_change_error < 1e-5);
+          CHECK(rate_change_error < at_a_joint);
         }
       }
     }

@@ -20,7 +20,7 @@ struct SimulatorOptions {
   BeaconAddress address = 7;
   double duration_s = 0;  ///< 0: without end
   double rate = 1;
-  sim::SensorSettings sensors;
+  std::optional<double> imu_rate_hz;             ///< empty: the scenario's
   std::optional<std::filesystem::path> capture;  ///< keep the bytes that a real beacon would have sent
 };
 

@@ -8,9 +8,12 @@
 #include <sonopose/sim/random.hpp>
 #include <sonopose/sim/trajectory.hpp>
 
+#include <optional>
+
 namespace sonopose::sim {
 
-/// How good the sensors are. Noises are standard deviations; 0 switches one off.
+/// How good the sensors are. Noises are standard deviations; 0 switches one off. What is given as a range is
+/// drawn once per run.
 struct SensorSettings {
   double imu_rate_hz = 100.0;
   double accel_noise_mps2 = 0.02;            ///< per sample and axis
@@ -22,8 +25,8 @@ struct SensorSettings {
   bool imu_quantised = true;                 ///< 1 mg and 0.0175 deg/s in 16 bits, as the beacon sends it
   Vector3d imu_from_tracked_point_body_m = Vector3d::Zero();  ///< lever arm: where the IMU sits
 
-  double fix_rate_hz = 12.0;  ///< 0: no fixes and no headings
-  double fix_noise_m = 0.02;  ///< per axis
+  Range fix_rate_hz{8.0, 16.0};     ///< 0: no fixes and no headings
+  Range fix_noise_m{0.015, 0.025};  ///< per axis
   double fix_delay_s = 0.068;
   double fix_delay_jitter_s = 0.003;
   double quality_percent = 90.0;
@@ -33,7 +36,7 @@ struct SensorSettings {
   double heading_noise_rad = 0.8 * math::radians_per_degree;
   double pair_mount_offset_rad = 0.0;  ///< direction of the pair's axis in the body, from body X to the left
 
-  /// Perfect sensors: no noise, bias, jitter or quantisation; rates and delay as above.
+  /// Perfect sensors: no noise, bias, jitter or quantisation; 12 fixes per second, delay as above.
   static SensorSettings ideal();
 };
 
@@ -45,8 +48,9 @@ class ImuModel {
 public:
   ImuModel(const SensorSettings& settings, const Random& random);
 
-  /// Next sample, taken on this motion; stamps, address and number are the caller's.
-  ImuSample measure(const Motion& motion);
+  /// Next sample, taken on this motion; stamps, address and number are the caller's. `gyro_drift_body_radps`
+  /// adds to the bias that the sensor has of its own.
+  ImuSample measure(const Motion& motion, const Vector3d& gyro_drift_body_radps = Vector3d::Zero());
 
 private:
   SensorSettings settings_;
@@ -58,16 +62,25 @@ private:
 /// Angular velocity and specific force of a perfect IMU `lever_body_m` away from the tracked point.
 ImuSample ideal_imu_sample(const Motion& motion, const Vector3d& lever_body_m = Vector3d::Zero());
 
+/// In which way one fix is worse than the others.
+struct FixCondition {
+  double noise_factor = 1;               ///< standard deviation in units of the run's fix noise
+  std::optional<Range> quality_percent;  ///< reported, uniform; empty: as the settings say
+};
+
 /// The ultrasonic system as seen from one beacon or pair.
 class UltrasonicModel {
 public:
   UltrasonicModel(const SensorSettings& settings, Random random);
 
+  /// The rate of this run.
+  [[nodiscard]] double fix_rate_hz() const { return fix_rate_hz_; }
+
   /// Emission to receipt of the next fix, never less than a millisecond.
   double next_delay_s();
 
   /// A fix on this motion, its times and address not yet set.
-  UltrasonicFix measure_fix(const Motion& motion);
+  UltrasonicFix measure_fix(const Motion& motion, const FixCondition& condition = {});
 
   /// The heading that comes with it, its times and address not yet set.
   PairHeading measure_heading(const Motion& motion);
@@ -75,6 +88,8 @@ public:
 private:
   SensorSettings settings_;
   Random random_;
+  double fix_rate_hz_;
+  double fix_noise_m_;
 };
 
 }  // namespace sonopose::sim

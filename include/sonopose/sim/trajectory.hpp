@@ -1,12 +1,9 @@
 #pragma once
 /// \file
-/// Motions that are known exactly at any time, and the list of scenarios made of them.
+/// Motions that are known exactly at any time.
 
 #include <sonopose/core/samples.hpp>
 #include <sonopose/sim/jet.hpp>
-
-#include <span>
-#include <string_view>
 
 namespace sonopose::sim {
 
@@ -39,20 +36,8 @@ Motion motion_on(const Path& path);
 /// come smoothly to its speed, and keeps it.
 Jet smooth_departure(double time_s, double start_s, double ramp_s, double per_second);
 
-/// A motion with a name.
-struct Scenario {
-  std::string_view name;
-  std::string_view summary;  ///< one sentence for the programs' help
-  Path (*path)(double time_s) = nullptr;
-
-  /// The exact state `time_s` after the start.
-  [[nodiscard]] Motion motion(double time_s) const { return motion_on(path(time_s)); }
-};
-
-/// All scenarios.
-std::span<const Scenario> scenarios();
-
-/// The scenario of that name. Throws std::invalid_argument, which lists the known names.
-const Scenario& find_scenario(std::string_view name);
+/// The motion as it is when the whole world is turned by `yaw_rad` about the vertical through
+/// `pivot_world_m`: the IMU feels no difference.
+Motion turned(const Motion& motion, const Vector3d& pivot_world_m, double yaw_rad);
 
 }  // namespace sonopose::sim
