@@ -1,6 +1,6 @@
 // sonopose-simulate: writes a run of the simulator as a sensor-log folder with truth.
 
-#include "support/app.hpp"
+#include "support/run.hpp"
 #include <sonopose/io/log_writer.hpp>
 #include <sonopose/sim/simulator.hpp>
 

@@ -1,9 +1,7 @@
 #include "app.hpp"
 
-#include <fmt/format.h>
-
-#include <cstdio>
-#include <exception>
+#include <map>
+#include <string>
 
 namespace sonopose::apps {
 
@@ -24,20 +22,6 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
   app.add_option("--qos", options.qos_file, "QoS profiles (default: SONOPOSE_QOS, else the project's own)")
       ->type_name("FILE")
       ->group("Bus");
-}
-
-int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error);
-  }
-  try {
-    return body();
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}\n", app.get_name(), error.what());
-    return 1;
-  }
 }
 
 }  // namespace sonopose::apps

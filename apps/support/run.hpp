@@ -1,0 +1,14 @@
+#pragma once
+// How every program begins and ends, with the bus or without it.
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+
+namespace sonopose::apps {
+
+/// Parses the command line and runs `body`. Returns the exit code: 0 for success, help and a stop by signal;
+/// the command line's own errors as CLI11 numbers them; 1 for any exception, whose reason goes to stderr.
+int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
+
+}  // namespace sonopose::apps
