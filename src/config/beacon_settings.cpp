@@ -17,7 +17,7 @@ Assignments parsed(const std::vector<SettingAssignment>& texts) {
   Assignments assignments;
   std::string reasons;
   const auto refuse = [&reasons](const std::string& reason) {
-    reasons += (reasons.empty() ? "" : "; ") + reason;
+    reasons += (reasons.empty() ? "" : "; also: ") + reason;
   };
   fusion::Settings trial;
   for (const auto& [key, text] : texts) {

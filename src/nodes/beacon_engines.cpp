@@ -1,20 +1,39 @@
 #include <sonopose/nodes/beacon_engines.hpp>
 
-#include <utility>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 
 namespace sonopose::nodes {
 
-BeaconEngines::BeaconEngines(config::FusionConfig config, bool lossless)
-    : config_(std::move(config)), lossless_(lossless) {}
+BeaconEngines::BeaconEngines(const config::FusionConfig& config, bool lossless)
+    : lossless_(lossless), others_(config.beacon(all_beacons)) {
+  for (const BeaconAddress address : config.beacons()) timelines_.emplace(address, config.beacon(address));
+}
+
+BeaconEngines::Beacon::Beacon(SettingsTimeline& settings, bool lossless)
+    : timeline(settings), engine(settings.settings()) {
+  if (lossless) order.emplace<fusion::LosslessSequencer>();
+}
+
+const fusion::SequencerCounters& BeaconEngines::Beacon::order_counters() const {
+  return std::visit(
+      [](const auto& sequencer) -> const auto& { return sequencer.counters(); }, order);
+}
 
 BeaconEngines::Beacon& BeaconEngines::beacon_of(BeaconAddress address) {
   auto& beacon = beacons_[address];
-  if (!beacon) beacon = std::make_unique<Beacon>(config_.for_beacon(address));
+  if (!beacon) beacon = std::make_unique<Beacon>(timeline_of(address), lossless_);
   return *beacon;
 }
 
+SettingsTimeline& BeaconEngines::timeline_of(BeaconAddress address) {
+  return timelines_.try_emplace(address, others_).first->second;
+}
+
 bool BeaconEngines::Beacon::starts_over(const Event& event) {
-  const std::uint64_t restarts = sequencer.counters().restarts + lossless_sequencer.counters().restarts;
+  const std::uint64_t restarts = order_counters().restarts;
   if (restarts == restarts_seen) return false;
   restarts_seen = restarts;
   return available_at_ns(event) < engine.state().body.time_ns;
@@ -26,13 +45,75 @@ void BeaconEngines::reset(BeaconAddress address) {
   }
 }
 
+SettingsReply BeaconEngines::change_settings(const SettingsRequest& request) {
+  constexpr std::size_t remembered = 64;  // as many as can be under way
+  const auto is_repeated = [&request](const SettingsReply& reply) {
+    return request.request_id != 0 && reply.request_id == request.request_id &&
+           reply.address == request.address;
+  };
+  const auto found = std::find_if(replies_.begin(), replies_.end(), is_repeated);
+  if (found != replies_.end()) return *found;
+
+  SettingsReply reply{.address = request.address, .request_id = request.request_id, .reason = {}};
+  try {
+    carry_out(request, reply);
+    reply.accepted = true;
+  } catch (const fusion::SettingError& error) {
+    reply.reason = error.what();
+    reply.from_sequence = 0;
+  }
+  if (replies_.size() == remembered) replies_.pop_front();
+  replies_.push_back(reply);
+  return reply;
+}
+
+/// Throws SettingError before anything is changed.
+void BeaconEngines::carry_out(const SettingsRequest& request, SettingsReply& reply) {
+  if (request.assignments.empty()) throw fusion::SettingError("the request names no setting");
+  const config::Assignments assignments = config::parsed(request.assignments);
+  const std::uint64_t from = request.from_sequence;
+  reply.from_sequence = from;
+  fusion::Settings after;
+  if (request.address == all_beacons) {
+    for (const auto& [address, timeline] : timelines_) check_room(timeline, address, from);
+    for (auto& [address, timeline] : timelines_) {
+      timeline.add(ahead(address, from), SettingsTimeline::Scope::for_all, assignments);
+    }
+    others_.add(from, SettingsTimeline::Scope::for_all, assignments);
+    after = others_.settings_at(from);
+  } else {
+    SettingsTimeline& timeline = timeline_of(request.address);
+    check_room(timeline, request.address, from);
+    timeline.add(ahead(request.address, from), SettingsTimeline::Scope::own, assignments);
+    after = timeline.settings_at(from);
+    if (const auto last = last_sequence(request.address)) reply.from_sequence = std::max(from, *last + 1);
+  }
+  reply.reason = fmt::format("{}", fmt::join(config::preset_warnings(after, assignments), "; "));
+}
+
+std::optional<std::uint64_t> BeaconEngines::last_sequence(BeaconAddress address) const {
+  const auto found = beacons_.find(address);
+  return found == beacons_.end() ? std::nullopt : found->second->last_sequence;
+}
+
+std::uint64_t BeaconEngines::ahead(BeaconAddress address, std::uint64_t sequence) const {
+  const auto last = last_sequence(address);
+  return last && sequence <= *last ? 0 : sequence;
+}
+
+void BeaconEngines::check_room(const SettingsTimeline& timeline, BeaconAddress address,
+                               std::uint64_t from_sequence) const {
+  if (timeline.has_room_for(ahead(address, from_sequence))) return;
+  throw fusion::SettingError(fmt::format("beacon {}: {} changes wait for their events already", address,
+                                         SettingsTimeline::capacity));
+}
+
 std::optional<FusionStatus> BeaconEngines::status(BeaconAddress address) const {
   const auto found = beacons_.find(address);
   if (found == beacons_.end()) return std::nullopt;
   const Beacon& beacon = *found->second;
   const fusion::Counters& counted = beacon.engine.counters();
-  const fusion::SequencerCounters& order =
-      lossless_ ? beacon.lossless_sequencer.counters() : beacon.sequencer.counters();
+  const fusion::SequencerCounters& order = beacon.order_counters();
   FusionStatus status;
   status.address = address;
   status.imu_samples = counted.imu_samples;

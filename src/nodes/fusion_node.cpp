@@ -42,8 +42,10 @@ private:
     });
   }
   void take(dds::DataReader<sonopose_ResetCommand>& reader) noexcept;
+  void take(dds::DataReader<sonopose_SettingsRequest>& reader) noexcept;
   void feed(const Event& event, TimeNs in_ns, TimeNs steady_ns) noexcept;
   void write(FusedPose& pose) noexcept;
+  void write(const SettingsInForce& change) noexcept;
   template <class T>
   void write_to(dds::DataWriter<T>& writer, const T& sample) noexcept;
   void serve_lossless(const std::stop_token& stop);
@@ -71,6 +73,7 @@ private:
   // What one event brought about; of the feeding thread, kept for its capacity.
   std::vector<FusedPose> poses_;
   std::vector<FixReport> reports_;
+  std::vector<SettingsInForce> changes_;
   std::atomic<std::uint64_t> unwritten_ = 0;
   std::uint64_t unwritten_told_ = 0;
   std::atomic<bool> stopping_ = false;
@@ -78,16 +81,20 @@ private:
   dds::DataWriter<sonopose_FusedPose> pose_writer_;
   dds::DataWriter<sonopose_FixReport> report_writer_;
   dds::DataWriter<sonopose_FusionStatus> status_writer_;
+  dds::DataWriter<sonopose_SettingsReply> reply_writer_;
+  dds::DataWriter<sonopose_EffectiveSettings> settings_writer_;
 
   Listener<sonopose_ImuSample> imu_listener_{*this};
   Listener<sonopose_UltrasonicFix> fix_listener_{*this};
   Listener<sonopose_PairHeading> heading_listener_{*this};
   Listener<sonopose_ResetCommand> reset_listener_{*this};
+  Listener<sonopose_SettingsRequest> request_listener_{*this};
   // Readers last: their listeners may be called while the constructor still runs.
   dds::DataReader<sonopose_ImuSample> imu_reader_;
   dds::DataReader<sonopose_UltrasonicFix> fix_reader_;
   dds::DataReader<sonopose_PairHeading> heading_reader_;
   dds::DataReader<sonopose_ResetCommand> reset_reader_;
+  dds::DataReader<sonopose_SettingsRequest> request_reader_;
   std::jthread lossless_thread_;
 };
 
@@ -99,15 +106,19 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       engines_(options.config, options.lossless),
       pose_writer_(dds::make_writer(participant_, qos_, topics::pose, nullptr, delivery_)),
       report_writer_(dds::make_writer(participant_, qos_, topics::report, nullptr, delivery_)),
-      status_writer_(dds::make_writer(participant_, qos_, topics::fusion_status)) {
+      status_writer_(dds::make_writer(participant_, qos_, topics::fusion_status)),
+      reply_writer_(dds::make_writer(participant_, qos_, topics::settings_reply)),
+      settings_writer_(dds::make_writer(participant_, qos_, topics::settings)) {
   // Room for all that can come of one event: what waited for it.
   poses_.reserve(fusion::Sequencer::capacity + 1);
   reports_.reserve(fusion::Sequencer::capacity + 1);
+  changes_.reserve(fusion::Sequencer::capacity + 1);
   const auto live = [this](auto& listener) { return lossless_ ? nullptr : &listener; };
   fix_reader_ = dds::make_reader(participant_, qos_, topics::fix, live(fix_listener_), delivery_);
   heading_reader_ = dds::make_reader(participant_, qos_, topics::heading, live(heading_listener_), delivery_);
   imu_reader_ = dds::make_reader(participant_, qos_, topics::imu, live(imu_listener_), delivery_);
   reset_reader_ = dds::make_reader(participant_, qos_, topics::reset, &reset_listener_);
+  request_reader_ = dds::make_reader(participant_, qos_, topics::settings_request, &request_listener_);
   if (lossless_) {
     lossless_thread_ = std::jthread([this](const std::stop_token& stop) { serve_lossless(stop); });
   }
@@ -120,6 +131,7 @@ FusionNode::Impl::~Impl() {
   fix_reader_.close();
   heading_reader_.close();
   reset_reader_.close();
+  request_reader_.close();
   // Consumers hear at once that the poses end, and a standby takes over. (Lossless writers would wait for
   // room first: there the writers' own end must tell.)
   for (const BeaconAddress address : engines_.addresses()) {
@@ -129,28 +141,42 @@ FusionNode::Impl::~Impl() {
     sonopose_FusionStatus status{};
     status.address = address;
     status_writer_.try_unregister_instance(status);
+    sonopose_EffectiveSettings settings{};
+    settings.address = address;
+    settings_writer_.try_unregister_instance(settings);
   }
 }
 
 void FusionNode::Impl::feed(const Event& event, TimeNs in_ns, TimeNs steady_ns) noexcept {
   poses_.clear();
   reports_.clear();
+  changes_.clear();
   {
     const std::lock_guard lock(engines_mutex_);
     engines_.push(
         event, steady_ns, [&](const FusedPose& pose) { poses_.push_back(pose); },
-        [&](const FixReport& report) { reports_.push_back(report); });
+        [&](const FixReport& report) { reports_.push_back(report); },
+        [&](const SettingsInForce& change) { changes_.push_back(change); });
   }
   for (FusedPose& pose : poses_) {
     pose.fusion_in_time_ns = in_ns;
     write(pose);
   }
   for (const FixReport& report : reports_) write_to(report_writer_, dds::to_idl(report));
+  for (const SettingsInForce& change : changes_) write(change);
 }
 
 void FusionNode::Impl::write(FusedPose& pose) noexcept {
   pose.fusion_out_time_ns = now_ns();
   write_to(pose_writer_, dds::to_idl(pose));
+}
+
+void FusionNode::Impl::write(const SettingsInForce& change) noexcept {
+  const EffectiveSettings settings{.address = change.address,
+                                   .time_ns = now_ns(),
+                                   .from_sequence = change.from_sequence,
+                                   .values = config::texts_of(change.settings)};
+  write_to(settings_writer_, dds::to_idl(settings).sample());
 }
 
 template <class T>
@@ -168,6 +194,18 @@ void FusionNode::Impl::take(dds::DataReader<sonopose_ResetCommand>& reader) noex
     last_id = command.request_id;
     const std::lock_guard lock(engines_mutex_);
     engines_.reset(command.address);
+  });
+}
+
+void FusionNode::Impl::take(dds::DataReader<sonopose_SettingsRequest>& reader) noexcept {
+  reader.try_take_each([this](const sonopose_SettingsRequest& sample, const dds::SampleInfo&) {
+    const SettingsRequest request = dds::from_idl(sample);
+    SettingsReply reply;
+    {
+      const std::lock_guard lock(engines_mutex_);
+      reply = engines_.change_settings(request);
+    }
+    if (reply_writer_.try_write(dds::to_idl(reply).sample()) < 0) ++unwritten_;
   });
 }
 

@@ -1,0 +1,115 @@
+#include <sonopose/nodes/settings_report.hpp>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace sonopose::nodes {
+namespace {
+
+/// A number, true or false where the text is one; else the text itself.
+nlohmann::json typed(const std::string& text) {
+  auto value = nlohmann::json::parse(text, nullptr, false);
+  return value.is_number() || value.is_boolean() ? value : nlohmann::json(text);
+}
+
+/// What TOML and JSON write alike.
+std::string literal(const std::string& text) {
+  return typed(text).is_string() ? nlohmann::json(text).dump() : text;
+}
+
+const std::string* value_of(const EffectiveSettings& settings, const std::string& key) {
+  const auto found = std::find_if(settings.values.begin(), settings.values.end(),
+                                  [&key](const auto& entry) { return entry.key == key; });
+  return found == settings.values.end() ? nullptr : &found->value;
+}
+
+/// One beacon's values, called `name`.
+nlohmann::json object_of(const EffectiveSettings& settings, const char* name) {
+  nlohmann::json values = nlohmann::json::object();
+  for (const auto& [key, value] : settings.values) values[key] = typed(value);
+  return {{"beacon", settings.address},
+          {"from_event", settings.from_sequence},
+          {"time_ns", settings.time_ns},
+          {name, std::move(values)}};
+}
+
+}  // namespace
+
+SettingAssignment read_assignment(std::string_view text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string_view::npos || equals == 0) {
+    throw std::invalid_argument(fmt::format("{}: expected KEY=VALUE", text));
+  }
+  return {std::string(text.substr(0, equals)), std::string(text.substr(equals + 1))};
+}
+
+EffectiveSettings chosen(EffectiveSettings settings, const std::vector<std::string>& names) {
+  if (names.empty()) return settings;
+  const auto is_under = [](const std::string& key, const std::string& name) {
+    return key == name || key.starts_with(name + ".");
+  };
+  for (const std::string& name : names) {
+    if (std::none_of(settings.values.begin(), settings.values.end(),
+                     [&](const auto& entry) { return is_under(entry.key, name); })) {
+      throw std::invalid_argument(fmt::format("there is no setting and no group '{}'", name));
+    }
+  }
+  std::erase_if(settings.values, [&](const auto& entry) {
+    return std::none_of(names.begin(), names.end(),
+                        [&](const std::string& name) { return is_under(entry.key, name); });
+  });
+  return settings;
+}
+
+std::string toml_of(const std::vector<EffectiveSettings>& settings) {
+  std::string text;
+  for (const EffectiveSettings& beacon : settings) {
+    text += fmt::format("[beacon.{}]  # from event {}\n", beacon.address, beacon.from_sequence);
+    for (const auto& [key, value] : beacon.values) text += fmt::format("{} = {}\n", key, literal(value));
+  }
+  return text;
+}
+
+std::string json_of(const std::vector<EffectiveSettings>& settings) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const EffectiveSettings& beacon : settings) list.push_back(object_of(beacon, "settings"));
+  return list.dump() + "\n";
+}
+
+std::string SettingsWatch::on(const EffectiveSettings& settings) {
+  const auto [known, first] = latest_.try_emplace(settings.address, settings);
+  if (first) return {};
+  const EffectiveSettings before = std::exchange(known->second, settings);
+  EffectiveSettings changed = settings;
+  std::erase_if(changed.values, [&before](const SettingAssignment& entry) {
+    const std::string* old = value_of(before, entry.key);
+    return old != nullptr && *old == entry.value;
+  });
+  if (changed.values.empty()) return {};
+  if (json_) return object_of(changed, "changed").dump() + "\n";
+  std::string text;
+  for (const auto& [key, value] : changed.values) {
+    const std::string* old = value_of(before, key);
+    text += fmt::format("beacon.{}.{} = {}  # was {}, from event {}\n", settings.address, key, literal(value),
+                        old == nullptr ? "not there" : literal(*old), settings.from_sequence);
+  }
+  return text;
+}
+
+std::string when_of(const SettingsReply& reply) {
+  const bool all = reply.address == all_beacons;
+  if (reply.from_sequence == 0) {
+    return all ? "from each beacon's next event on"
+               : fmt::format("from the first event of beacon {}, which has not been heard yet",
+                             reply.address);
+  }
+  return all ? fmt::format("from each beacon's event {} on, or its next where that is past",
+                           reply.from_sequence)
+             : fmt::format("from event {} of beacon {} on", reply.from_sequence, reply.address);
+}
+
+}  // namespace sonopose::nodes
