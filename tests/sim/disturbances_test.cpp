@@ -1,0 +1,147 @@
+#include <sonopose/sim/disturbances.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+using namespace sonopose;
+using namespace sonopose::sim;
+
+namespace {
+
+constexpr int many = 200'000;
+
+/// Four standard deviations of a share that is measured on so many.
+double margin_of(double share, int count = many) {
+  return 4.0 * std::sqrt(share * (1.0 - share) / count);
+}
+
+struct Counted {
+  double lost = 0;  ///< shares
+  double doubled = 0;
+  double late = 0;
+  double least_late_s = 1e9;
+  double most_late_s = 0;
+  int longest_run = 0;
+};
+
+Counted count(const PacketFaults& faults) {
+  PacketChannel channel(faults, Random(1));
+  Counted counted;
+  int run = 0;
+  for (int i = 0; i < many; ++i) {
+    const PacketFate fate = channel.next();
+    run = fate.copies == 0 ? run + 1 : 0;
+    counted.longest_run = std::max(counted.longest_run, run);
+    if (fate.copies == 0) counted.lost += 1.0 / many;
+    if (fate.copies == 2) counted.doubled += 1.0 / many;
+    if (fate.late_s > 0) {
+      counted.late += 1.0 / many;
+      counted.least_late_s = std::min(counted.least_late_s, fate.late_s);
+      counted.most_late_s = std::max(counted.most_late_s, fate.late_s);
+    }
+  }
+  return counted;
+}
+
+std::string refusal(const Disturbances& disturbances) {
+  try {
+    check(disturbances);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+}  // namespace
+
+SCENARIO("packets meet their fates as often as the shares say") {
+  GIVEN("single losses, copies and late ones") {
+    const Counted counted =
+        count({.dropped_share = 0.02, .duplicated_share = 0.05, .late_share = 0.1, .late_by_s = {0.05, 0.3}});
+    CHECK(counted.lost == Approx(0.02).margin(margin_of(0.02)));
+    CHECK(counted.doubled == Approx(0.05).margin(margin_of(0.05)));
+    CHECK(counted.late == Approx(0.1).margin(margin_of(0.1)));
+    CHECK(counted.least_late_s >= 0.05);
+    CHECK(counted.least_late_s < 0.06);
+    CHECK(counted.most_late_s <= 0.3);
+    CHECK(counted.most_late_s > 0.29);
+  }
+  GIVEN("losses in runs of three to six") {
+    const Counted counted = count({.lost_runs_share = 0.001});
+    // A run loses 4.5 in the mean; the shares are of the packets outside of the runs.
+    CHECK(counted.lost == Approx(0.0045 / 1.0035).epsilon(0.3));
+    CHECK(counted.longest_run == 6);
+  }
+  GIVEN("a good line") {
+    const Counted counted = count({});
+    CHECK(counted.lost + counted.doubled + counted.late == 0.0);
+  }
+}
+
+SCENARIO("poor fixes come as often as the shares say") {
+  const Disturbances disturbances{.poor_fixes = {{.share = 0.25}, {.share = 0.1}}};
+  Random random(1);
+  double first = 0;
+  double second = 0;
+  for (int i = 0; i < many; ++i) {
+    const PoorFixes* kind = draw_poor_fix(disturbances, random);
+    if (kind == &disturbances.poor_fixes[0]) first += 1.0 / many;
+    if (kind == &disturbances.poor_fixes[1]) second += 1.0 / many;
+  }
+  CHECK(first == Approx(0.25).margin(margin_of(0.25)));
+  CHECK(second == Approx(0.1).margin(margin_of(0.1)));
+  CHECK(draw_poor_fix({}, random) == nullptr);
+}
+
+SCENARIO("what is wrong begins and ends when it shall") {
+  GIVEN("an outage from 5 to 7 s") {
+    const Disturbances disturbances{.outages = {{5.0, 2.0}}};
+    CHECK_FALSE(is_outage(disturbances, 4.999));
+    CHECK(is_outage(disturbances, 5.0));
+    CHECK(is_outage(disturbances, 6.999));
+    CHECK_FALSE(is_outage(disturbances, 7.0));
+    CHECK_FALSE(is_outage({}, 6.0));
+  }
+  GIVEN("a burst from 5 to 7 s") {
+    const Vector3d offset(1.0, -2.0, 0.5);
+    const Disturbances disturbances{.outlier_bursts = {{5.0, 2.0, offset}}};
+    CHECK(track_offset_world_m(disturbances, 4.999) == Vector3d::Zero());
+    CHECK(track_offset_world_m(disturbances, 5.0) == offset);
+    CHECK(track_offset_world_m(disturbances, 7.0) == Vector3d::Zero());
+  }
+  GIVEN("two relocations") {
+    const Disturbances disturbances{.relocations = {{5.0, {1, 0, 0}}, {9.0, {0, 2, 0}}}};
+    CHECK(relocated_by_world_m(disturbances, 4.999) == Vector3d::Zero());
+    CHECK(relocated_by_world_m(disturbances, 5.0) == Vector3d(1, 0, 0));
+    CHECK(relocated_by_world_m(disturbances, 100.0) == Vector3d(1, 2, 0));
+  }
+  GIVEN("a gyro that drifts from 5 to 9 s") {
+    const Disturbances disturbances{.gyro_drift = GyroDrift{5.0, 4.0, {0.4, 0.0, -0.8}}};
+    CHECK(gyro_drift_body_radps(disturbances, 5.0) == Vector3d::Zero());
+    CHECK((gyro_drift_body_radps(disturbances, 6.0) - Vector3d(0.1, 0.0, -0.2)).norm() < 1e-12);
+    CHECK(gyro_drift_body_radps(disturbances, 50.0) == Vector3d(0.4, 0.0, -0.8));
+    CHECK(gyro_drift_body_radps({}, 6.0) == Vector3d::Zero());
+  }
+}
+
+SCENARIO("disturbances that cannot be are refused by name") {
+  CHECK(refusal({}) == "accepted");
+  CHECK_THAT(refusal({.outages = {{1.0, -2.0}}}),
+             Catch::Contains("outages.duration_s") && Catch::Contains("-2"));
+  CHECK_THAT(refusal({.outlier_bursts = {{-1.0, 2.0, {}}}}), Catch::Contains("outlier_bursts.begin_s"));
+  CHECK_THAT(refusal({.relocations = {{1.0, Vector3d::Constant(std::numeric_limits<double>::infinity())}}}),
+             Catch::Contains("relocations.by_world_m"));
+  CHECK_THAT(refusal({.poor_fixes = {{.share = 1.5}}}), Catch::Contains("poor_fixes.share"));
+  CHECK_THAT(refusal({.poor_fixes = {{.share = 0.6}, {.share = 0.6}}}), Catch::Contains("sum of the shares"));
+  CHECK_THAT(refusal({.poor_fixes = {{.share = 0.5, .quality_percent = {50.0, 120.0}}}}),
+             Catch::Contains("quality_percent") && Catch::Contains("120"));
+  CHECK_THAT(refusal({.imu_packets = {.dropped_share = std::nan("")}}),
+             Catch::Contains("imu_packets.dropped_share"));
+  CHECK_THAT(refusal({.position_packets = {.late_share = 0.1, .late_by_s = {0.3, 0.1}}}),
+             Catch::Contains("position_packets.late_by_s"));
+}
