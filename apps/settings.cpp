@@ -73,7 +73,7 @@ int reset(const Options& options) {
 std::string address_text(const std::string& text) {
   if (text == "all") return std::to_string(all_beacons);
   if (CLI::Range(0, all_beacons - 1)(text).empty()) return text;
-  throw CLI::ValidationError("--beacon", fmt::format("{}: not all or 0 … {}", text, all_beacons - 1));
+  throw CLI::ValidationError(fmt::format("{}: not all or 0 … {}", text, all_beacons - 1));
 }
 
 CLI::App* add_command(CLI::App& app, Options& options, const char* name, const char* description) {

@@ -1,6 +1,4 @@
-#include "support/bits.hpp"
-#include <sonopose/nodes/beacon_engines.hpp>
-#include <sonopose/sim/simulator.hpp>
+#include "engines_feeder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -9,53 +7,11 @@
 
 using namespace sonopose;
 using namespace sonopose::nodes;
-using sonopose::test::bits_of;
+using namespace sonopose::nodes::test;
 
 namespace {
 
-constexpr TimeNs begin_ns = 1'700'000'000'000'000'000;
 constexpr TimeNs ms = 1'000'000;
-
-std::vector<Event> walk(BeaconAddress address, double duration_s, TimeNs start_ns = begin_ns) {
-  sim::Simulator simulator(
-      sim::find_scenario("walk"), {},
-      {.seed = 1, .start_time_ns = start_ns, .address = address, .duration_s = duration_s});
-  std::vector<Event> events;
-  while (const auto step = simulator.next()) events.push_back(step->event);
-  return events;
-}
-
-/// Feeds engines and keeps what they make.
-struct Feeder {
-  explicit Feeder(bool lossless, config::FusionConfig config = {}) : engines(std::move(config), lossless) {}
-
-  /// An event that arrived when it became available.
-  void push(const Event& event) { push(event, available_at_ns(event)); }
-  void push(const Event& event, TimeNs arrival_ns) {
-    engines.push(
-        event, arrival_ns, [this](const FusedPose& pose) { poses.push_back(pose); },
-        [this](const FixReport& report) { reports.push_back(report); });
-  }
-  void push_all(const std::vector<Event>& events) {
-    for (const Event& event : events) push(event);
-  }
-
-  [[nodiscard]] std::vector<FusedPose> poses_of(BeaconAddress address) const {
-    std::vector<FusedPose> found;
-    std::copy_if(poses.begin(), poses.end(), std::back_inserter(found),
-                 [address](const FusedPose& pose) { return pose.address == address; });
-    return found;
-  }
-
-  BeaconEngines engines;
-  std::vector<FusedPose> poses;
-  std::vector<FixReport> reports;
-};
-
-bool same(const std::vector<FusedPose>& a, const std::vector<FusedPose>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const FusedPose& x, const FusedPose& y) { return bits_of(x) == bits_of(y); });
-}
 
 /// What a bare engine makes of the events.
 std::vector<FusedPose> poses_of_engine(const std::vector<Event>& events) {

@@ -1,0 +1,120 @@
+/// What sonopose-settings prints.
+
+#include <sonopose/config/fusion_config.hpp>
+#include <sonopose/nodes/settings_report.hpp>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <unistd.h>
+
+using namespace sonopose;
+using namespace sonopose::nodes;
+using Catch::Contains;
+
+namespace {
+
+EffectiveSettings some() {
+  return {7,
+          1234,
+          12,
+          {{"fusion.imu_weight", "medium"},
+           {"drift.jump_alpha", "0.30000000000000004"},
+           {"drift.decay_rate_hz", "1e-05"},
+           {"trust.enabled", "true"},
+           {"trust.n_base", "3"}}};
+}
+
+std::vector<std::string> keys_of(const EffectiveSettings& settings) {
+  std::vector<std::string> keys;
+  for (const auto& entry : settings.values) keys.push_back(entry.key);
+  return keys;
+}
+
+}  // namespace
+
+TEST_CASE("KEY=VALUE is read whatever the value is; what is not of that form is named") {
+  CHECK(read_assignment("drift.jump_alpha=0.5") == SettingAssignment{"drift.jump_alpha", "0.5"});
+  CHECK(read_assignment("a=b=c") == SettingAssignment{"a", "b=c"});
+  CHECK(read_assignment("a=") == SettingAssignment{"a", ""});
+  CHECK_THROWS_WITH(read_assignment("drift"), Contains("drift") && Contains("KEY=VALUE"));
+  CHECK_THROWS_WITH(read_assignment("=5"), Contains("KEY=VALUE"));
+}
+
+TEST_CASE("keys and whole groups can be chosen") {
+  CHECK(keys_of(chosen(some(), {})).size() == 5);
+  CHECK(keys_of(chosen(some(), {"trust"})) == std::vector<std::string>{"trust.enabled", "trust.n_base"});
+  CHECK(keys_of(chosen(some(), {"trust.n_base", "drift.jump_alpha"})) ==
+        std::vector<std::string>{"drift.jump_alpha", "trust.n_base"});
+  CHECK_THROWS_WITH(chosen(some(), {"trust", "trus"}), Contains("'trus'"));
+  CHECK_THROWS_AS(chosen(some(), {"trust.n"}), std::invalid_argument);
+}
+
+TEST_CASE("what is printed as TOML can be given to a fusion, which then has the same settings") {
+  fusion::Settings settings;
+  settings.preset.imu_weight = fusion::ImuWeight::user;
+  settings.drift.jump_alpha = 0.1 + 0.2;
+  settings.trust.enabled = false;
+  const EffectiveSettings beacon{7, 0, 1, config::texts_of(settings)};
+  EffectiveSettings other{8, 0, 1, {{"trust.n_base", "11"}}};
+  const auto file =
+      std::filesystem::temp_directory_path() / ("sonopose_report_" + std::to_string(::getpid()) + ".toml");
+  std::ofstream(file) << toml_of({beacon, other});
+  const auto config = config::FusionConfig::load(file);
+  std::filesystem::remove(file);
+  for (const auto& row : fusion::setting_table()) {
+    INFO(row.key);
+    CHECK(fusion::get(config.for_beacon(7), row.key) == fusion::get(settings, row.key));
+  }
+  CHECK(config.for_beacon(8).trust.n_base == 11);
+}
+
+TEST_CASE("as JSON, numbers are numbers") {
+  const auto list = nlohmann::json::parse(json_of({some()}));
+  REQUIRE(list.size() == 1);
+  CHECK(list[0]["beacon"] == 7);
+  CHECK(list[0]["from_event"] == 12);
+  CHECK(list[0]["time_ns"] == 1234);
+  const auto& values = list[0]["settings"];
+  CHECK(values["fusion.imu_weight"] == "medium");
+  CHECK(values["drift.jump_alpha"] == 0.1 + 0.2);
+  CHECK(values["trust.enabled"] == true);
+  CHECK(values["trust.n_base"] == 3);
+}
+
+TEST_CASE("a watch tells what changed, beacon by beacon") {
+  SettingsWatch lines(false);
+  SettingsWatch objects(true);
+  for (auto* watch : {&lines, &objects}) {
+    CHECK_FALSE(watch->knows(7));
+    CHECK(watch->on(some()).empty());
+    CHECK(watch->knows(7));
+    CHECK(watch->on(some()).empty());
+    EffectiveSettings other = some();
+    other.address = 8;
+    other.values[4].value = "5";
+    CHECK(watch->on(other).empty());
+  }
+  EffectiveSettings changed = some();
+  changed.from_sequence = 99;
+  changed.values[0].value = "high";
+  changed.values[4].value = "5";
+  CHECK(lines.on(changed) ==
+        "beacon.7.fusion.imu_weight = \"high\"  # was \"medium\", from event 99\n"
+        "beacon.7.trust.n_base = 5  # was 3, from event 99\n");
+  const auto object = nlohmann::json::parse(objects.on(changed));
+  CHECK(object["beacon"] == 7);
+  CHECK(object["from_event"] == 99);
+  CHECK(object["changed"] == nlohmann::json{{"fusion.imu_weight", "high"}, {"trust.n_base", 5}});
+  CHECK(lines.on(changed).empty());
+}
+
+TEST_CASE("an answer says from when on it holds") {
+  CHECK_THAT(when_of({7, 1, true, "", 12}), Contains("event 12") && Contains("beacon 7"));
+  CHECK_THAT(when_of({7, 1, true, "", 0}), Contains("first event of beacon 7"));
+  CHECK_THAT(when_of({all_beacons, 1, true, "", 12}), Contains("each") && Contains("event 12"));
+  CHECK_THAT(when_of({all_beacons, 1, true, "", 0}), Contains("each") && Contains("next event"));
+}
