@@ -130,7 +130,7 @@ void Engine::predict(const ImuSample& imu, double dt_s) {
   const Vector3d before_world_mps2 = body.acceleration_world_mps2;
   body.acceleration_world_mps2 =
       state_.filter.orientation() * imu.specific_force_body_mps2 + gravity_world_mps2;
-  body.acceleration_world_mps2.z() += state_.level.vertical_offset_mps2;
+  body.acceleration_world_mps2.z() += state_.alignment.vertical_offset_mps2;
   const Vector3d velocity_before_world_mps = body.velocity_world_mps;
   const bool no_position = state_.outage.last_valid_fix_ns == 0;
   if (state_.startup.waiting || no_position) {
@@ -141,7 +141,8 @@ void Engine::predict(const ImuSample& imu, double dt_s) {
   } else {
     const Vector3d mean_world_mps2 = 0.5 * (before_world_mps2 + body.acceleration_world_mps2);
     motion::integrate(settings_.motion, body, motion::gate(settings_.motion, body, mean_world_mps2),
-                      dt_s);                                       // 25, 35–37
+                      dt_s);  // 25, 35–37
+    state_.alignment.gained_world_mps += body.velocity_world_mps - velocity_before_world_mps;
     runaway::damp(settings_.runaway, state_.runaway, body, dt_s);  // 23, 24
   }
   drift::spend(settings_.drift, state_.drift, body, dt_s);  // 2, 9
@@ -236,16 +237,29 @@ void Engine::follow(const TimedFix& fix, FixReport& report) {
     const auto change = velocity::correct(settings_.velocity, body, *measured, verdict);  // 3, 7, 8, 26–28
     report.velocity_change_world_mps = change.change_world_mps;
     report.verdict |= change.verdict;
-    if (change.verdict == 0) {  // a snap mends a velocity that went wrong, whatever the tilt
-      level::learn(settings_.level, state_.level, state_.filter, change.change_world_mps);
-    }
-    report.yaw_change_rad =
+    align(*measured, change, report);
+    report.yaw_change_rad +=
         heading::nudge(settings_.heading, state_.heading, body, state_.filter, *measured);  // 31–33
     interval_s = measured->interval_s;
   }
   uncertainty::correct(settings_.uncertainty, state_.uncertainty, verdict.weight,
                        drift::jump_share(settings_.drift, verdict),
                        settings_.velocity.blend_weight * verdict.weight, interval_s);
+}
+
+/// What a velocity correction tells of the attitude.
+void Engine::align(const FixVelocity& measured, const VelocityChange& change, FixReport& report) {
+  if (change.verdict != 0) {  // a snap mends a velocity that went wrong, whatever the attitude
+    state_.alignment.gained_world_mps.setZero();
+    return;
+  }
+  alignment::level(settings_.alignment, state_.alignment, state_.filter, change.change_world_mps);
+  if (heading::is_valid(settings_.heading, state_.heading, state_.body.time_ns)) {
+    state_.alignment.gained_world_mps *= 1.0 - change.share;
+  } else {
+    report.yaw_change_rad = alignment::turn(settings_.alignment, state_.alignment, state_.body, state_.filter,
+                                            measured, change.share);
+  }
 }
 
 FusedPose Engine::pose_at(const ImuSample& imu) const {

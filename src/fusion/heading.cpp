@@ -7,11 +7,6 @@
 namespace sonopose::fusion::heading {
 namespace {
 
-void turn(Kinematics& body, attitude::Mahony& filter, double angle_rad) {
-  filter.turn_about_world_z(angle_rad);
-  body.yaw_corrections_rad = math::wrap_angle(body.yaw_corrections_rad + angle_rad);
-}
-
 /// Yaw means nothing where body X points up or down.
 bool yaw_is_defined(const attitude::Mahony& filter) {
   constexpr double least_horizontal = 0.1;
@@ -24,6 +19,11 @@ double direction_of(const Vector3d& world) {
 }
 
 }  // namespace
+
+void turn(Kinematics& body, attitude::Mahony& filter, double angle_rad) {
+  filter.turn_about_world_z(angle_rad);
+  body.yaw_corrections_rad = math::wrap_angle(body.yaw_corrections_rad + angle_rad);
+}
 
 bool is_valid(const HeadingSettings& settings, const HeadingState& state, TimeNs now_ns) {
   return state.known && seconds_between(state.last_received_ns, now_ns) <= settings.expires_s;

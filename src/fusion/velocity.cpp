@@ -81,9 +81,9 @@ VelocityChange correct(const VelocitySettings& settings, Kinematics& body, const
   } else {
     // A forced convergence would never end if the velocity that led astray were not corrected too.
     const double reliability = std::max(verdict.weight, verdict.weight_floor);
-    const double share =
+    done.share =
         settings.blend_weight * reliability * accel_gate(settings, body.acceleration_world_mps2.norm());
-    done.change_world_mps = share * (measured.ultrasonic_world_mps - measured.inertial_world_mps);
+    done.change_world_mps = done.share * (measured.ultrasonic_world_mps - measured.inertial_world_mps);
   }
   body.correct_velocity(done.change_world_mps);
   return done;

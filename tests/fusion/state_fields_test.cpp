@@ -20,7 +20,7 @@ TEST_CASE("every group of the state is walked over, and no field has another one
   }
   CHECK(names.count("velocity.fixes") == static_cast<std::size_t>(VelocityState::capacity));
   for (const char* const group : {"body.", "startup.", "admission.", "frozen.", "trust.", "drift.",
-                                  "velocity.", "level.", "heading.", "outage.", "runaway.", "uncertainty."}) {
+                                  "velocity.", "alignment.", "heading.", "outage.", "runaway.", "uncertainty."}) {
     CHECK(names.lower_bound(group) != names.end());
     CHECK(names.lower_bound(group)->starts_with(group));
   }

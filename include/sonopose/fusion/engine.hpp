@@ -53,6 +53,7 @@ private:
   void take_hold(const TimedFix& fix, FixReport& report);
   bool take_velocity(TimedFix& fix, FixReport& report);
   void follow(const TimedFix& fix, FixReport& report);
+  void align(const FixVelocity& measured, const VelocityChange& change, FixReport& report);
   [[nodiscard]] FusedPose pose_at(const ImuSample& imu) const;
   [[nodiscard]] std::uint32_t status() const;
 

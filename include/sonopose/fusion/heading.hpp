@@ -58,6 +58,9 @@ struct HeadingState {
 
 namespace heading {
 
+/// Turns the body about the vertical and remembers that it was a correction.
+void turn(Kinematics& body, attitude::Mahony& filter, double angle_rad);
+
 /// Whether a paired heading holds at `now_ns`.
 [[nodiscard]] bool is_valid(const HeadingSettings& settings, const HeadingState& state, TimeNs now_ns);
 

@@ -4,11 +4,11 @@
 
 #include <sonopose/attitude/mahony.hpp>
 #include <sonopose/fusion/admission.hpp>
+#include <sonopose/fusion/alignment.hpp>
 #include <sonopose/fusion/delay.hpp>
 #include <sonopose/fusion/drift.hpp>
 #include <sonopose/fusion/frozen.hpp>
 #include <sonopose/fusion/heading.hpp>
-#include <sonopose/fusion/level.hpp>
 #include <sonopose/fusion/motion.hpp>
 #include <sonopose/fusion/outage.hpp>
 #include <sonopose/fusion/preset.hpp>
@@ -31,7 +31,7 @@ struct Settings {
   PresetSettings preset;
   DriftSettings drift;
   VelocitySettings velocity;
-  LevelSettings level;
+  AlignmentSettings alignment;
   HeadingSettings heading;
   DelaySettings delay;
   OutageSettings outage;

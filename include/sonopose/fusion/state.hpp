@@ -5,11 +5,11 @@
 
 #include <sonopose/attitude/mahony.hpp>
 #include <sonopose/fusion/admission.hpp>
+#include <sonopose/fusion/alignment.hpp>
 #include <sonopose/fusion/drift.hpp>
 #include <sonopose/fusion/frozen.hpp>
 #include <sonopose/fusion/heading.hpp>
 #include <sonopose/fusion/kinematics.hpp>
-#include <sonopose/fusion/level.hpp>
 #include <sonopose/fusion/outage.hpp>
 #include <sonopose/fusion/runaway.hpp>
 #include <sonopose/fusion/startup.hpp>
@@ -42,7 +42,7 @@ struct State {
   TrustState trust;
   DriftState drift;
   VelocityState velocity;
-  LevelState level;
+  AlignmentState alignment;
   HeadingState heading;
   OutageState outage;
   RunawayState runaway;

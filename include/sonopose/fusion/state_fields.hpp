@@ -11,8 +11,8 @@ namespace sonopose::fusion {
 /// TimeNs, double, Vector3d, Track, attitude::Mahony, InertialHistory and PastFix.
 template <class AnyState, class Visit>
 void for_each_field(AnyState& state, const Visit& visit) {
-  auto& [body, filter, startup, admission, frozen, trust, drift, velocity, level, heading, outage, runaway,
-         uncertainty, previous_rate_body_radps, in_imu_gap] = state;
+  auto& [body, filter, startup, admission, frozen, trust, drift, velocity, alignment, heading, outage,
+         runaway, uncertainty, previous_rate_body_radps, in_imu_gap] = state;
   {
     auto& [time_ns, position, speed, corrections, displacement, yaw_corrections, acceleration, rate,
            history] = body;
@@ -84,8 +84,9 @@ void for_each_field(AnyState& state, const Visit& visit) {
     visit("velocity.count", count);
   }
   {
-    auto& [vertical] = level;
-    visit("level.vertical_offset_mps2", vertical);
+    auto& [vertical, gained] = alignment;
+    visit("alignment.vertical_offset_mps2", vertical);
+    visit("alignment.gained_world_mps", gained);
   }
   {
     auto& [known, received, wanted, rate_offset] = heading;

@@ -86,6 +86,7 @@ struct FixVelocity {
 /// What a fix did to the velocity.
 struct VelocityChange {
   Vector3d change_world_mps = Vector3d::Zero();
+  double share = 1;           ///< of the difference between the two velocities that was corrected
   std::uint32_t verdict = 0;  ///< verdict_snapped_over, verdict_snapped_under
 };
 

@@ -1,6 +1,6 @@
-/// Levelling by the fixes' velocity corrections.
+/// In-motion alignment by the fixes' velocity corrections.
 
-#include <sonopose/fusion/level.hpp>
+#include <sonopose/fusion/alignment.hpp>
 #include <sonopose/math/rotation.hpp>
 
 #include <catch2/catch.hpp>
@@ -14,8 +14,8 @@ namespace {
 
 constexpr double gain_hz = 0.5;
 
-LevelSettings learning() {
-  LevelSettings settings;
+AlignmentSettings learning() {
+  AlignmentSettings settings;
   settings.tilt_gain_hz = gain_hz;
   settings.vertical_gain_hz = gain_hz;
   return settings;
@@ -32,9 +32,9 @@ attitude::Mahony filter_at(const Quaterniond& q_body_to_world) {
 TEST_CASE("a horizontal velocity correction tilts the estimate so that it would have been accelerated for") {
   GIVEN("a body at rest whose attitude is estimated level, and a fix that adds 0.2 m/s to the north-east") {
     auto filter = filter_at(math::rotation_about_z(0.7));
-    LevelState state;
+    AlignmentState state;
     const Vector3d change_world_mps(0.16, 0.12, 0.0);
-    level::learn(learning(), state, filter, change_world_mps);
+    alignment::level(learning(), state, filter, change_world_mps);
     THEN("its specific force now has gain × change along the correction, and yaw has not moved") {
       const Vector3d force_body = Vector3d(0, 0, standard_gravity_mps2);
       const Vector3d acceleration_world = filter.orientation() * force_body;
@@ -48,23 +48,23 @@ TEST_CASE("a horizontal velocity correction tilts the estimate so that it would 
 
 TEST_CASE("a vertical velocity correction is learned as an offset, up to its limit") {
   auto filter = filter_at(Quaterniond::Identity());
-  LevelState state;
-  level::learn(learning(), state, filter, {0, 0, -0.04});
+  AlignmentState state;
+  alignment::level(learning(), state, filter, {0, 0, -0.04});
   CHECK(state.vertical_offset_mps2 == Approx(-0.02));
   CHECK(filter.orientation().isApprox(Quaterniond::Identity()));
-  for (int i = 0; i < 100; ++i) level::learn(learning(), state, filter, {0, 0, -1.0});
-  CHECK(state.vertical_offset_mps2 == Approx(-LevelSettings{}.max_vertical_mps2));
+  for (int i = 0; i < 100; ++i) alignment::level(learning(), state, filter, {0, 0, -1.0});
+  CHECK(state.vertical_offset_mps2 == Approx(-AlignmentSettings{}.vertical_limit_mps2));
 }
 
 TEST_CASE("a gain of zero learns nothing") {
-  LevelSettings off;
+  AlignmentSettings off;
   off.tilt_gain_hz = 0.0;
   off.vertical_gain_hz = 0.0;
   auto filter = filter_at(Quaterniond::Identity());
-  LevelState state;
-  level::learn(off, state, filter, {1, 2, 3});
+  AlignmentState state;
+  alignment::level(off, state, filter, {1, 2, 3});
   CHECK(filter.orientation().coeffs() == Quaterniond::Identity().coeffs());
-  CHECK(state == LevelState{});
+  CHECK(state == AlignmentState{});
 }
 
 TEST_CASE("a start with a wrong tilt is levelled by the fixes, with the accelerometer's own pull off") {
@@ -77,7 +77,7 @@ TEST_CASE("a start with a wrong tilt is levelled by the fixes, with the accelero
     test::Sensors noisy;
     noisy.noise_m = 0.005;
     const auto residual_speed = [&](double tilt_gain_hz) {
-      settings.level.tilt_gain_hz = tilt_gain_hz;
+      settings.alignment.tilt_gain_hz = tilt_gain_hz;
       test::EngineDriver driver(settings, test::at_rest(), noisy);
       driver.alter_imu = [](ImuSample& imu, double time_s) {
         if (time_s > 3.0) imu.specific_force_body_mps2.x() += 0.34;

@@ -1,0 +1,68 @@
+#pragma once
+/// \file
+/// In-motion alignment, beyond the document: what the fixes must correct of the velocity again and again
+/// tells how the attitude is wrong. A tilt that is off makes an acceleration that is not there; a yaw that is
+/// off turns the accelerations that are. With it item 29 can be so low that long turns do not mislead the
+/// tilt, and a single beacon finds its heading by moving.
+
+#include <sonopose/attitude/mahony.hpp>
+#include <sonopose/core/samples.hpp>
+#include <sonopose/core/setting.hpp>
+#include <sonopose/fusion/kinematics.hpp>
+#include <sonopose/fusion/velocity.hpp>
+
+namespace sonopose::fusion {
+
+struct AlignmentSettings {
+  double tilt_gain_hz{};
+  double vertical_gain_hz{};
+  double vertical_limit_mps2{};
+  double yaw_gain{};
+  double yaw_noise_mps{};
+
+  static constexpr std::string_view group = "alignment";
+  static constexpr auto declarations() {
+    using G = AlignmentSettings;
+    using setting::own_setting;
+    using setting::real;
+    return std::tuple{
+        real(own_setting, "tilt_gain_hz", &G::tilt_gain_hz, 0.0, {0.0, 10.0}, "1/s",
+             "Rate at which the velocity corrections by fixes level the attitude; 0: they never do."),
+        real(own_setting, "vertical_gain_hz", &G::vertical_gain_hz, 0.0, {0.0, 10.0}, "1/s",
+             "Rate at which vertical velocity corrections by fixes are learned as an offset of the vertical "
+             "acceleration."),
+        real(own_setting, "vertical_limit_mps2", &G::vertical_limit_mps2, 0.5, {0.0, 10.0}, "m/s^2",
+             "Largest offset of the vertical acceleration that is learned."),
+        real(
+            own_setting, "yaw_gain", &G::yaw_gain, 0.0, {0.0, 1.0}, "",
+            "Share of the angle between the accelerations as the IMU and as the fixes show them by which one "
+            "fix turns yaw, while there is no paired heading."),
+        real(own_setting, "yaw_noise_mps", &G::yaw_noise_mps, 0.2, {0.001, 10.0}, "m/s",
+             "Velocity gained by acceleration at which that share is halved; less of it is mostly noise.")};
+  }
+  constexpr AlignmentSettings() { setting::set_defaults(*this); }
+};
+
+struct AlignmentState {
+  double vertical_offset_mps2 = 0;  ///< to be added to the vertical acceleration
+  /// What the IMU's acceleration has added to the velocity, forgotten as fast as the fixes correct it.
+  Vector3d gained_world_mps = Vector3d::Zero();
+
+  bool operator==(const AlignmentState&) const = default;
+};
+
+namespace alignment {
+
+/// A horizontal velocity change dv by a fix turns the attitude by gain · dv / g about the horizontal axis
+/// across it, a vertical one changes the offset by gain · dv.
+void level(const AlignmentSettings& settings, AlignmentState& state, attitude::Mahony& filter,
+           const Vector3d& velocity_change_world_mps);
+
+/// Turns yaw by a share of the angle from the gained velocity g to g + (v_us − v_imu), the gain that the
+/// fixes have seen, and the velocity with it. `share` is how much of v_us − v_imu the fix has corrected.
+/// Returns the turn (rad). Where nothing accelerates, nothing is learned.
+double turn(const AlignmentSettings& settings, AlignmentState& state, Kinematics& body,
+            attitude::Mahony& filter, const FixVelocity& measured, double share);
+
+}  // namespace alignment
+}  // namespace sonopose::fusion
