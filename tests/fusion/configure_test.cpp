@@ -13,10 +13,10 @@ using test::EngineDriver;
 
 namespace {
 
-test::Sensors noisy_pair() {
+test::Sensors pair(double noise_m = 0.0) {
   test::Sensors sensors;
   sensors.headings = true;
-  sensors.noise_m = 0.02;
+  sensors.noise_m = noise_m;
   return sensors;
 }
 
@@ -25,8 +25,8 @@ test::Sensors noisy_pair() {
 TEST_CASE("the same settings again change nothing, to the last bit") {
   Settings settings;
   settings.trust.sigma_m = 0.1;
-  EngineDriver left_alone(settings, test::departure(2.0, 0.2), noisy_pair());
-  EngineDriver configured(settings, test::departure(2.0, 0.2), noisy_pair());
+  EngineDriver left_alone(settings, test::departure(2.0, 0.2), pair(0.02));
+  EngineDriver configured(settings, test::departure(2.0, 0.2), pair(0.02));
   left_alone.run(6.0);
   configured.run(6.0);
   configured.engine.configure(settings);
@@ -40,7 +40,7 @@ TEST_CASE("the same settings again change nothing, to the last bit") {
 
 TEST_CASE("item 5: a mount offset that is given late turns the pose by it, and moves it nowhere") {
   const Vector3d place(5, -3, 2);
-  EngineDriver driver(Settings{}, test::at_rest(place), noisy_pair());
+  EngineDriver driver(Settings{}, test::at_rest(place), pair());
   driver.run(10.0);
   const double yaw_before_rad = math::yaw_of(driver.moments.back().pose.q_body_to_world);
   Settings turned;
