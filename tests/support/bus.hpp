@@ -40,6 +40,17 @@ public:
   std::unique_ptr<Process> monitor(const Arguments& arguments) const {
     return start(SONOPOSE_TEST_MONITOR, arguments);
   }
+  /// Runs to its end.
+  Result settings(Arguments arguments) const {
+    arguments.insert(arguments.end(), {"--domain", std::to_string(domain_.id())});
+    return run(SONOPOSE_TEST_SETTINGS, arguments);
+  }
+  /// Until it is told to end.
+  std::unique_ptr<Process> settings_watch(const Arguments& arguments = {}) const {
+    Arguments all{"watch"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    return start(SONOPOSE_TEST_SETTINGS, all);
+  }
   /// Returns when it serves.
   std::unique_ptr<Process> fusion(const Arguments& arguments = {}) const {
     auto fusion = start(SONOPOSE_TEST_FUSION, arguments);

@@ -1,0 +1,219 @@
+/// Settings of a running fusion: sonopose-settings, and what consumers see of it.
+
+#include "io/temporary_folder.hpp"
+#include "support/bits.hpp"
+#include "support/bus.hpp"
+#include <sonopose/fusion/engine.hpp>
+#include <sonopose/io/log_folder.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <csignal>
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+namespace topics = dds::topics;
+
+namespace {
+
+std::string value_in(const EffectiveSettings& settings, const std::string& key) {
+  const auto found = std::find_if(settings.values.begin(), settings.values.end(),
+                                  [&key](const auto& entry) { return entry.key == key; });
+  return found == settings.values.end() ? "not there" : found->value;
+}
+
+/// The settings of `address` where `key` is `value`.
+auto has(BeaconAddress address, const std::string& key, const std::string& value) {
+  return [=](const EffectiveSettings& settings) {
+    return settings.address == address && value_in(settings, key) == value;
+  };
+}
+
+auto of(BeaconAddress address) {
+  return [=](const auto& sample) { return sample.address == address; };
+}
+
+/// What a consumer that comes now is told of this beacon.
+EffectiveSettings as_told_late(const Bus& bus, BeaconAddress address) {
+  Consumer<sonopose_EffectiveSettings> late(bus, topics::settings, dds::Delivery::live);
+  REQUIRE(late.wait_for(of(address)));
+  return *std::find_if(late.samples.begin(), late.samples.end(), of(address));
+}
+
+/// A live fusion with beacons 7 and 8, both heard.
+struct LiveSystem {
+  explicit LiveSystem(const Arguments& fusion_arguments = {}) : fusion(bus.fusion(fusion_arguments)) {
+    seven = bus.bridge({"--scenario", "rest", "--address", "7"});
+    eight = bus.bridge({"--scenario", "rest", "--address", "8"});
+    REQUIRE(settings.wait_for(of(7)));
+    REQUIRE(settings.wait_for(of(8)));
+  }
+
+  Bus bus;
+  Consumer<sonopose_EffectiveSettings> settings{bus, topics::settings, dds::Delivery::live};
+  std::unique_ptr<Process> fusion;
+  std::unique_ptr<Process> seven;
+  std::unique_ptr<Process> eight;
+};
+
+}  // namespace
+
+SCENARIO("settings are changed while the fusion runs, and who comes late sees what holds") {
+  GIVEN("beacons 7 and 8, and a value of its own for 8") {
+    LiveSystem live({"--set", "beacon.8.trust.sigma_m=0.8"});
+    const Bus& bus = live.bus;
+    WHEN("all are given other settings") {
+      const Result set = bus.settings({"set", "trust.sigma_m=0.25", "trust.n_base=9"});
+      CAPTURE(set.error);
+      REQUIRE(set.code == 0);
+      CHECK_THAT(set.output, Contains("accepted"));
+      THEN("both hold them, but for what is 8's own; late consumers are told so") {
+        REQUIRE(live.settings.wait_for(has(7, "trust.n_base", "9")));
+        REQUIRE(live.settings.wait_for(has(8, "trust.n_base", "9")));
+        CHECK(value_in(as_told_late(bus, 7), "trust.sigma_m") == "0.25");
+        CHECK(value_in(as_told_late(bus, 8), "trust.sigma_m") == "0.8");
+        CHECK(as_told_late(bus, 7).values.size() == fusion::setting_table().size());
+        const Result get = bus.settings({"get", "trust.sigma_m", "--json"});
+        REQUIRE(get.code == 0);
+        const auto list = nlohmann::json::parse(get.output);
+        REQUIRE(list.size() == 2);
+        CHECK(list[0]["settings"]["trust.sigma_m"] == 0.25);
+        CHECK(list[1]["settings"]["trust.sigma_m"] == 0.8);
+        CHECK_THAT(bus.settings({"get", "trust", "--beacon", "8"}).output,
+                   Contains("[beacon.8]") && Contains("trust.sigma_m = 0.8\n") &&
+                       Contains("trust.n_base = 9\n") && !Contains("drift."));
+      }
+    }
+    WHEN("a request has one value that cannot be") {
+      const Result set = bus.settings({"set", "trust.n_base=9", "drift.jump_alpha=2", "--beacon", "7"});
+      THEN("it is refused with key, value and limits, and nothing was changed") {
+        CHECK(set.code == 1);
+        CHECK(set.output.empty());
+        CHECK_THAT(set.error, Contains("refused") && Contains("drift.jump_alpha = 2") && Contains("0 … 1"));
+        REQUIRE(bus.settings({"set", "trust.n_min=3", "--beacon", "7"}).code == 0);
+        REQUIRE(live.settings.wait_for(has(7, "trust.n_min", "3")));
+        CHECK(value_in(as_told_late(bus, 7), "trust.n_base") ==
+              std::to_string(fusion::TrustSettings{}.n_base));
+      }
+    }
+    WHEN("what a preset replaces is set") {
+      const Result set = bus.settings({"set", "drift.jump_alpha=0.9"});
+      THEN("it is accepted with a warning") {
+        CHECK(set.code == 0);
+        CHECK_THAT(set.error, Contains("warning") && Contains("drift.jump_alpha") && Contains("user"));
+      }
+    }
+    WHEN("a key is misspelt for get, or an argument for set is no assignment") {
+      THEN("it is named") {
+        const Result get = bus.settings({"get", "trust.sigma"});
+        CHECK(get.code == 1);
+        CHECK_THAT(get.error, Contains("'trust.sigma'"));
+        const Result set = bus.settings({"set", "trust.sigma_m"});
+        CHECK(set.code == 1);
+        CHECK_THAT(set.error, Contains("trust.sigma_m") && Contains("KEY=VALUE"));
+      }
+    }
+  }
+}
+
+SCENARIO("a watch prints what changes, when it does") {
+  LiveSystem live;
+  const auto lines = live.bus.settings_watch({"--beacon", "7"});
+  REQUIRE(lines->wait_for_line(Stream::error, "watching beacon 7"));
+  REQUIRE(live.bus.settings({"set", "trust.n_base=9", "--beacon", "8"}).code == 0);
+  REQUIRE(live.bus.settings({"set", "fusion.imu_weight=low"}).code == 0);
+  REQUIRE(lines->wait_for_line(Stream::output, "beacon.7.fusion.imu_weight = \"low\"  # was \"medium\""));
+  REQUIRE(lines->wait_for_line(Stream::output, "beacon.7.velocity.blend_weight"));  // which the preset sets
+  CHECK(lines->end_by(SIGINT).code == 0);
+  CHECK_THAT(lines->text(Stream::output), !Contains("beacon.8") && !Contains("trust"));
+}
+
+SCENARIO("a reset by command is waited for") {
+  LiveSystem live;
+  Consumer<sonopose_FusionStatus> statuses(live.bus, topics::fusion_status, dds::Delivery::live);
+  const Result reset = live.bus.settings({"reset", "--beacon", "7"});
+  CAPTURE(reset.error);
+  CHECK(reset.code == 0);
+  CHECK_THAT(reset.output, Contains("beacon 7") && !Contains("beacon 8"));
+  CHECK(
+      statuses.wait_for([](const auto& status) { return status.address == 7 && status.reset_counter == 1; }));
+  CHECK_FALSE(std::any_of(statuses.samples.begin(), statuses.samples.end(), [](const auto& status) {
+    return status.address == 8 && status.reset_counter > 0;
+  }));
+  CHECK_THAT(live.bus.settings({"reset"}).output, Contains("beacon 7") && Contains("beacon 8"));
+}
+
+SCENARIO("without a fusion, that is said") {
+  const Bus bus;
+  for (const Arguments& command :
+       {Arguments{"get"}, Arguments{"set", "trust.n_base=9"}, Arguments{"reset"}}) {
+    Arguments arguments = command;
+    arguments.insert(arguments.end(), {"--timeout", "0.3"});
+    const Result result = bus.settings(arguments);
+    CAPTURE(command);
+    CHECK(result.code == 1);
+    CHECK_THAT(result.error, Contains("0.3 s") && Contains("sonopose-fusion"));
+  }
+}
+
+SCENARIO("a change at an event is as exact as the replay: the same poses to the last bit") {
+  GIVEN("a log, and what an engine makes of it that is given other settings before event 1000") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    REQUIRE(bus.bridge({"--source", "sim", "--rate", "0", "--duration", "20", "--record",
+                        (folder / "log").string()})
+                ->wait_for_exit() == 0);
+    constexpr std::uint64_t from = 1000;
+    fusion::Settings other;
+    fusion::set(other, "fusion.imu_weight", std::string("high"));
+    fusion::set(other, "trust.sigma_m", 0.02);
+    fusion::Engine engine{fusion::Settings{}};
+    fusion::Engine unchanged{fusion::Settings{}};
+    std::vector<FusedPose> expected;
+    std::size_t differing = 0;
+    for (const Event& event : io::read_sensor_log(folder / "log").events) {
+      if (sequence_of(event) == from) engine.configure(other);
+      const auto feed = [&event](fusion::Engine& fed) -> std::optional<FusedPose> {
+        if (const auto* imu = std::get_if<ImuSample>(&event)) return fed.on(*imu);
+        if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
+          fed.on(*fix);
+        } else {
+          fed.on(std::get<PairHeading>(event));
+        }
+        return std::nullopt;
+      };
+      const auto pose = feed(engine);
+      const auto before = feed(unchanged);
+      if (!pose) continue;
+      expected.push_back(*pose);
+      if (bits_of(*pose) != bits_of(*before)) ++differing;
+    }
+    REQUIRE(expected.size() == 2000);
+    REQUIRE(differing > 1000);
+    WHEN("the programs do the same, asked before the bridge begins") {
+      Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+      Consumer<sonopose_EffectiveSettings> settings(bus, topics::settings, dds::Delivery::live);
+      const auto fusion = bus.fusion({"--lossless"});
+      REQUIRE(poses.wait_for_writers());
+      const Result set = bus.settings({"set", "fusion.imu_weight=high", "trust.sigma_m=0.02", "--from-event",
+                                       std::to_string(from), "--beacon", GENERATE("7", "all")});
+      CAPTURE(set.error);
+      REQUIRE(set.code == 0);
+      CHECK_THAT(set.output, Contains("event 1000"));
+      REQUIRE(bus.bridge({"--source", "log", "--input", (folder / "log").string(), "--rate", "0"})
+                  ->wait_for_exit() == 0);
+      THEN("every pose is the same, and what holds is told from that event on") {
+        REQUIRE(poses.wait_for_count(expected.size()));
+        std::size_t wrong = 0;
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+          if (bits_of(poses.samples[i]) != bits_of(expected[i])) ++wrong;
+        }
+        CHECK(wrong == 0);
+        REQUIRE(settings.wait_for(has(7, "trust.sigma_m", "0.02")));
+        CHECK(settings.samples.back().from_sequence == from);
+      }
+    }
+  }
+}
