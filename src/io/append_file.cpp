@@ -9,9 +9,24 @@
 
 namespace sonopose::io {
 
+namespace {
+
+int open_mode(AppendFile::Existing existing) {
+  switch (existing) {
+    case AppendFile::Existing::refuse:
+      return O_EXCL;
+    case AppendFile::Existing::extend:
+      return O_APPEND;
+    case AppendFile::Existing::replace:
+      return O_TRUNC;
+  }
+  return O_EXCL;
+}
+
+}  // namespace
+
 AppendFile::AppendFile(const std::filesystem::path& path, Existing existing) : name_{path.string()} {
-  const int mode = existing == Existing::refuse ? O_EXCL : O_APPEND;
-  descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | mode, 0666);
+  descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | open_mode(existing), 0666);
   if (descriptor_ < 0) throw IoError(name_ + ": cannot be made: " + std::strerror(errno));
 }
 

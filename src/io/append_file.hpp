@@ -11,7 +11,7 @@ namespace sonopose::io {
 
 class AppendFile {
 public:
-  enum class Existing { refuse, extend };
+  enum class Existing { refuse, extend, replace };
 
   /// Throws IoError with the cause.
   AppendFile(const std::filesystem::path& path, Existing existing);

@@ -1,11 +1,9 @@
-#include "append_file.hpp"
 #include "log_columns.hpp"
 #include "units.hpp"
+#include <sonopose/io/csv_writer.hpp>
 #include <sonopose/io/error.hpp>
 #include <sonopose/io/log_writer.hpp>
 
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <span>
 #include <string>
@@ -16,66 +14,12 @@ namespace sonopose::io {
 namespace {
 
 constexpr std::chrono::milliseconds flush_period{200};
-constexpr std::size_t full_buffer = std::size_t{1} << 16U;  ///< bytes: playing fast must not fill the memory
+
+std::unique_ptr<CsvWriter> new_file(const std::filesystem::path& file) {
+  return std::make_unique<CsvWriter>(file, CsvWriter::Existing::refuse);
+}
 
 }  // namespace
-
-/// One CSV file: cells are collected in memory and leave it in whole lines.
-class SensorLogWriter::File {
-public:
-  explicit File(const std::filesystem::path& path) : file_{path, AppendFile::Existing::refuse} {}
-
-  void header(std::span<const std::string_view> columns) {
-    lines_ += '#';
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      if (i > 0) lines_ += ',';
-      lines_ += columns[i];
-    }
-    lines_ += '\n';
-  }
-
-  File& time(TimeNs time_ns) {
-    std::array<char, 24> digits{};
-    const auto result = std::to_chars(digits.begin(), digits.end(), time_ns);
-    begin_cell();
-    lines_.append(digits.data(), result.ptr);
-    return *this;
-  }
-  File& number(double value) {
-    begin_cell();
-    append_number(lines_, value);
-    return *this;
-  }
-  File& number_in(long double unit, double value) {
-    begin_cell();
-    append_number_in(unit, lines_, value);
-    return *this;
-  }
-  File& known_number(double value) { return std::isnan(value) ? empty() : number(value); }
-  File& empty() {
-    begin_cell();
-    return *this;
-  }
-  void end_row() {
-    lines_ += '\n';
-    in_row_ = false;
-    if (lines_.size() > full_buffer) flush();
-  }
-
-  void flush() {
-    file_.append(std::as_bytes(std::span(lines_)));
-    lines_.clear();
-  }
-
-private:
-  void begin_cell() {
-    if (std::exchange(in_row_, true)) lines_ += ',';
-  }
-
-  AppendFile file_;
-  std::string lines_;
-  bool in_row_ = false;
-};
 
 SensorLogWriter::SensorLogWriter(std::filesystem::path folder)
     : folder_{std::move(folder)}, last_flush_{std::chrono::steady_clock::now()} {
@@ -88,9 +32,9 @@ SensorLogWriter::SensorLogWriter(std::filesystem::path folder)
   std::error_code error;
   create_directories(folder_, error);
   if (error) throw IoError(folder_.string() + ": cannot be made: " + error.message());
-  imu_ = std::make_unique<File>(folder_ / imu_file);
-  ultrasonic_ = std::make_unique<File>(folder_ / ultrasonic_file);
-  heading_ = std::make_unique<File>(folder_ / heading_file);
+  imu_ = new_file(folder_ / imu_file);
+  ultrasonic_ = new_file(folder_ / ultrasonic_file);
+  heading_ = new_file(folder_ / heading_file);
   ultrasonic_->header(ultrasonic_columns);
   heading_->header(heading_columns);
 }
@@ -106,9 +50,8 @@ SensorLogWriter::~SensorLogWriter() {
 void SensorLogWriter::write(const ImuSample& sample) {
   admit(sample.address);
   if (!with_magnetometer_) write_imu_header(sample.magnetic_field_body_t.has_value());
-  imu_->time(sample.sensor_time_ns);
-  for (const double rate : sample.angular_velocity_body_radps) imu_->number(rate);
-  for (const double force : sample.specific_force_body_mps2) imu_->number(force);
+  imu_->integer(sample.sensor_time_ns);
+  imu_->vector(sample.angular_velocity_body_radps).vector(sample.specific_force_body_mps2);
   if (*with_magnetometer_) {
     for (int axis = 0; axis < 3; ++axis) {
       if (sample.magnetic_field_body_t) {
@@ -126,8 +69,7 @@ void SensorLogWriter::write(const ImuSample& sample) {
 
 void SensorLogWriter::write(const UltrasonicFix& fix) {
   admit(fix.address);
-  ultrasonic_->time(fix.emission_time_ns).time(fix.received_time_ns);
-  for (const double x : fix.position_world_m) ultrasonic_->number(x);
+  ultrasonic_->integer(fix.emission_time_ns).integer(fix.received_time_ns).vector(fix.position_world_m);
   if (fix.quality_percent) {
     ultrasonic_->number(*fix.quality_percent);
   } else {
@@ -139,7 +81,7 @@ void SensorLogWriter::write(const UltrasonicFix& fix) {
 
 void SensorLogWriter::write(const PairHeading& heading) {
   admit(heading.address);
-  heading_->time(heading.emission_time_ns).time(heading.received_time_ns);
+  heading_->integer(heading.emission_time_ns).integer(heading.received_time_ns);
   if (heading.valid) {
     heading_->number_in(degree, heading.heading_world_rad);
   } else {
@@ -152,11 +94,11 @@ void SensorLogWriter::write(const PairHeading& heading) {
 void SensorLogWriter::write(const TruthSample& sample) {
   admit(sample.address);
   if (!truth_) {
-    truth_ = std::make_unique<File>(folder_ / truth_file);
+    truth_ = new_file(folder_ / truth_file);
     truth_->header(std::span(truth_columns).first(truth_columns_written));
   }
   const Quaterniond& q = sample.q_body_to_world;
-  truth_->time(sample.time_ns);
+  truth_->integer(sample.time_ns);
   for (const double x : sample.position_world_m) truth_->known_number(x);
   for (const double x : {q.w(), q.x(), q.y(), q.z()}) truth_->known_number(x);
   for (const double v : sample.velocity_world_mps) truth_->known_number(v);
@@ -170,7 +112,7 @@ void SensorLogWriter::write(const Event& event) {
 
 void SensorLogWriter::flush() {
   last_flush_ = std::chrono::steady_clock::now();
-  for (File* file : {imu_.get(), ultrasonic_.get(), heading_.get(), truth_.get()}) {
+  for (CsvWriter* file : {imu_.get(), ultrasonic_.get(), heading_.get(), truth_.get()}) {
     if (file != nullptr) file->flush();
   }
 }

@@ -11,6 +11,8 @@
 
 namespace sonopose::io {
 
+class CsvWriter;
+
 /// One beacon's recording. Whole lines go to the files a few times a second, so a killed process loses less
 /// than its last second. Rows stand in the order in which they were given.
 ///
@@ -45,17 +47,15 @@ public:
   [[nodiscard]] std::uint64_t magnetic_fields_dropped() const { return magnetic_fields_dropped_; }
 
 private:
-  class File;
-
   void admit(BeaconAddress address);
   void write_imu_header(bool with_magnetometer);
   void flush_when_due();
 
   std::filesystem::path folder_;
-  std::unique_ptr<File> imu_;
-  std::unique_ptr<File> ultrasonic_;
-  std::unique_ptr<File> heading_;
-  std::unique_ptr<File> truth_;  ///< null until the first truth
+  std::unique_ptr<CsvWriter> imu_;
+  std::unique_ptr<CsvWriter> ultrasonic_;
+  std::unique_ptr<CsvWriter> heading_;
+  std::unique_ptr<CsvWriter> truth_;  ///< null until the first truth
   std::optional<BeaconAddress> address_;
   std::optional<bool> with_magnetometer_;  ///< empty until the first IMU sample
   std::uint64_t magnetic_fields_dropped_ = 0;
