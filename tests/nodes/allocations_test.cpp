@@ -1,0 +1,36 @@
+/// Live, an event allocates nothing: not before, and not after, settings have changed.
+
+#include "support/allocations.hpp"
+
+#include "engines_feeder.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace sonopose;
+using namespace sonopose::nodes;
+using namespace sonopose::nodes::test;
+
+SCENARIO("a live event allocates nothing, also while a change waits and when it takes hold") {
+  const auto events = walk(7, 10.0);
+  BeaconEngines engines({}, false);
+  std::size_t poses = 0;
+  std::size_t changes = 0;
+  const auto allocated_by = [&](std::size_t first, std::size_t last) {
+    const std::size_t before = sonopose::test::allocations();
+    for (std::size_t i = first; i < last; ++i) {
+      engines.push(
+          events[i], available_at_ns(events[i]), [&](const FusedPose&) { ++poses; }, [](const FixReport&) {},
+          [&](const SettingsInForce&) { ++changes; });
+    }
+    return sonopose::test::allocations() - before;
+  };
+  CHECK(allocated_by(0, 1) > 0);  // the engine: so they are counted
+  CHECK(allocated_by(1, 300) == 0);
+  engines.change_settings({.address = 7,
+                           .request_id = 1,
+                           .from_sequence = sequence_of(events[400]),
+                           .assignments = {{"trust.sigma_m", "0.5"}}});
+  CHECK(allocated_by(300, events.size()) == 0);
+  CHECK(poses == 1000);
+  CHECK(changes == 2);
+}
