@@ -30,7 +30,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--config", options.config, "Settings as a TOML file")->type_name("FILE");
   app.add_option("--set", options.assignments, "One setting: group.key=value; may be repeated")
       ->type_name("K=V")
-      ->take_all();
+      ->allow_extra_args(false);
   app.add_option("--seeds", options.seeds, "Runs of each scenario")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

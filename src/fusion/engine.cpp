@@ -33,7 +33,7 @@ std::optional<FusedPose> Engine::on(const ImuSample& imu) noexcept {
 
   const double dt_s = seconds_between(state_.body.time_ns, imu.sensor_time_ns);
   state_.body.time_ns = imu.sensor_time_ns;
-  state_.in_imu_gap = dt_s > settings_.outage.imu_gap_s;
+  state_.in_imu_gap = outage::is_imu_gap(settings_.outage, dt_s);
   if (state_.in_imu_gap) {
     rest_over_gap(imu, dt_s);
   } else {
@@ -125,7 +125,7 @@ void Engine::predict(const ImuSample& imu, double dt_s) {
   body.angular_velocity_body_radps = rate_body_radps - state_.filter.gyro_bias_body_radps();
 
   state_.filter.update(settings_.mahony, mean_rate_body_radps, imu.specific_force_body_mps2, dt_s);  // 29, 30
-  heading::pull(settings_.heading, state_.heading, body, state_.filter, dt_s);                       // 34
+  const double pulled = heading::pull(settings_.heading, state_.heading, body, state_.filter, dt_s);  // 34
 
   const Vector3d before_world_mps2 = body.acceleration_world_mps2;
   body.acceleration_world_mps2 =
@@ -150,9 +150,7 @@ void Engine::predict(const ImuSample& imu, double dt_s) {
                                        body.velocity_corrections_world_mps);
 
   uncertainty::grow(settings_.uncertainty, state_.uncertainty, dt_s);
-  if (heading::is_valid(settings_.heading, state_.heading, body.time_ns)) {
-    uncertainty::pull_yaw(settings_.uncertainty, state_.uncertainty, settings_.heading.pair_gain_hz, dt_s);
-  }
+  uncertainty::pull_yaw(settings_.uncertainty, state_.uncertainty, pulled);
 }
 
 void Engine::rest_over_gap(const ImuSample& imu, double dt_s) {
@@ -188,12 +186,12 @@ void Engine::take_hold(const TimedFix& fix, FixReport& report) {
   state_.body.position_world_m = fix.shifted_position_world_m;
   state_.drift = DriftState{};
   trust::restart(state_.trust, fix);
-  velocity::restart(state_.velocity, fix);
-  state_.uncertainty.position_std_m = settings_.uncertainty.fix_std_m;
+  uncertainty::take_hold(settings_.uncertainty, state_.uncertainty);
   // Just after a start at rest the velocity is known already: zero.
   const bool velocity_known =
       first && state_.startup.calibrated &&
-      seconds_between(state_.startup.ended_ns, state_.body.time_ns) <= settings_.outage.stale_after_s;
+      outage::is_recent(settings_.outage, state_.startup.ended_ns, state_.body.time_ns);
+  velocity::restart(state_.velocity, fix, velocity_known);
   if (first) {
     state_.uncertainty.velocity_std_mps = velocity_known ? 0.0 : UncertaintyState::unknown_mps;
   }
@@ -206,7 +204,7 @@ void Engine::take_hold(const TimedFix& fix, FixReport& report) {
 bool Engine::take_velocity(TimedFix& fix, FixReport& report) {
   const auto measured = velocity::measure(settings_.velocity, state_.velocity, state_.body, fix, true);
   if (!measured) return false;
-  report.velocity_change_world_mps = velocity::adopt(state_.body, *measured);
+  report.velocity_change_world_mps = velocity::adopt(state_.velocity, state_.body, *measured);
   delay::move_on(settings_.delay, state_.body, fix);
   report.jump_world_m = fix.shifted_position_world_m - state_.body.position_world_m;
   report.weight = 1.0;
@@ -233,23 +231,26 @@ void Engine::follow(const TimedFix& fix, FixReport& report) {
   const bool good = !verdict.outlier || verdict.forced;
   const auto measured = velocity::measure(settings_.velocity, state_.velocity, body, fix, good);
   double interval_s = 0.0;
+  double velocity_share = 0.0;
   if (measured) {
-    const auto change = velocity::correct(settings_.velocity, body, *measured, verdict);  // 3, 7, 8, 26–28
+    const auto change =
+        velocity::correct(settings_.velocity, state_.velocity, body, *measured, verdict);  // 3, 7, 8, 26–28
     report.velocity_change_world_mps = change.change_world_mps;
     report.verdict |= change.verdict;
     align(*measured, change, report);
     report.yaw_change_rad +=
         heading::nudge(settings_.heading, state_.heading, body, state_.filter, *measured);  // 31–33
     interval_s = measured->interval_s;
+    velocity_share = change.share;
   }
   uncertainty::correct(settings_.uncertainty, state_.uncertainty, verdict.weight,
-                       drift::jump_share(settings_.drift, verdict),
-                       settings_.velocity.blend_weight * verdict.weight, interval_s);
+                       drift::jump_share(settings_.drift, verdict), velocity_share, interval_s);
 }
 
 /// What a velocity correction tells of the attitude.
 void Engine::align(const FixVelocity& measured, const VelocityChange& change, FixReport& report) {
-  if (change.verdict != 0) {  // a snap mends a velocity that went wrong, whatever the attitude
+  // A snap, and the first fixes of a run, mend a velocity that was not known, whatever the attitude.
+  if (change.verdict != 0 || !state_.velocity.settled()) {
     state_.alignment.gained_world_mps.setZero();
     return;
   }
@@ -292,7 +293,7 @@ FusedPose Engine::pose_at(const ImuSample& imu) const {
 std::uint32_t Engine::status() const {
   const auto bit = [](bool holds, PoseStatus status) { return holds ? std::uint32_t{status} : 0U; };
   const bool no_position = state_.outage.last_valid_fix_ns == 0;
-  const bool far_off = state_.drift.offset_world_m.norm() > settings_.trust.sigma_m;
+  const bool far_off = trust::is_far(settings_.trust, state_.drift.offset_world_m.norm());
   return bit(no_position || state_.startup.waiting, status_initialising) |
          bit(!state_.startup.waiting && !state_.startup.calibrated, status_uncalibrated) |
          bit(state_.outage.stale, status_stale) | bit(state_.trust.forced || far_off, status_converging) |

@@ -44,18 +44,21 @@ void take(const HeadingSettings& settings, HeadingState& state, Kinematics& body
   state.last_received_ns = heading.received_time_ns;
 }
 
-void pull(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::Mahony& filter,
-          double dt_s) {
+double pull(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::Mahony& filter,
+            double dt_s) {
   double turn_rad = state.rate_offset_radps * dt_s;
+  double share = 0.0;
   if (is_valid(settings, state, body.time_ns)) {
     const double error_rad = math::wrap_angle(state.wanted_correction_rad - body.yaw_corrections_rad);
     state.rate_offset_radps += settings.pair_bias_gain_hz2 * error_rad * dt_s;
-    turn_rad += -std::expm1(-settings.pair_gain_hz * dt_s) * error_rad;
+    share = -std::expm1(-settings.pair_gain_hz * dt_s);
+    turn_rad += share * error_rad;
   }
   // An offset that was to be taken off moves the wanted correction along with it.
   state.wanted_correction_rad =
       math::wrap_angle(state.wanted_correction_rad + state.rate_offset_radps * dt_s);
   turn(body, filter, turn_rad);
+  return share;
 }
 
 double nudge(const HeadingSettings& settings, const HeadingState& state, Kinematics& body,

@@ -4,9 +4,17 @@
 
 namespace sonopose::fusion::outage {
 
+bool is_imu_gap(const OutageSettings& settings, double dt_s) {
+  return dt_s > settings.imu_gap_s;
+}
+
+bool is_recent(const OutageSettings& settings, TimeNs then_ns, TimeNs now_ns) {
+  return seconds_between(then_ns, now_ns) <= settings.stale_after_s;
+}
+
 bool watch(const OutageSettings& settings, OutageState& state, TimeNs now_ns) {
   if (state.last_valid_fix_ns == 0) return false;
-  state.stale = seconds_between(state.last_valid_fix_ns, now_ns) > settings.stale_after_s;
+  state.stale = !is_recent(settings, state.last_valid_fix_ns, now_ns);
   if (state.stale) state.track = Track::none;
   return state.stale;
 }

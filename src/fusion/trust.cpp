@@ -65,6 +65,10 @@ double weight_of(double residual_m, double sigma_m) {
   return 1.0 / (1.0 + ratio * ratio);
 }
 
+bool is_far(const TrustSettings& settings, double distance_m) {
+  return distance_m > settings.sigma_m;
+}
+
 void restart(TrustState& state, const TimedFix& fix) {
   state = TrustState{};
   state.has_last = true;

@@ -34,12 +34,14 @@ void correct(const UncertaintySettings& settings, UncertaintyState& state, doubl
   state.velocity_std_mps = blended(state.velocity_std_mps, fix_velocity_std_mps, velocity_share);
 }
 
-void pull_yaw(const UncertaintySettings& settings, UncertaintyState& state, double pair_gain_hz,
-              double dt_s) {
+void pull_yaw(const UncertaintySettings& settings, UncertaintyState& state, double share) {
   const double heading_std_rad = settings.heading_std_deg * math::radians_per_degree;
-  const double share = -std::expm1(-pair_gain_hz * dt_s);
-  if (state.yaw_std_rad <= heading_std_rad) return;
+  if (share <= 0.0 || state.yaw_std_rad <= heading_std_rad) return;
   state.yaw_std_rad = std::max(heading_std_rad, blended(state.yaw_std_rad, heading_std_rad, share));
+}
+
+void take_hold(const UncertaintySettings& settings, UncertaintyState& state) {
+  state.position_std_m = settings.fix_std_m;
 }
 
 }  // namespace sonopose::fusion::uncertainty

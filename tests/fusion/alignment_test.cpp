@@ -67,6 +67,57 @@ TEST_CASE("a gain of zero learns nothing") {
   CHECK(state == AlignmentState{});
 }
 
+TEST_CASE("accelerations that the fixes see in another direction turn yaw, and the velocity with it") {
+  AlignmentSettings settings;
+  settings.yaw_gain = 0.5;
+  settings.yaw_noise_mps = 0.3;
+  auto filter = filter_at(math::rotation_about_z(0.2));
+  auto body = test::moving_body({0.4, 0, 0});
+  AlignmentState state;
+  GIVEN("0.4 m/s gained along x by the IMU, which the fixes have seen along y") {
+    state.gained_world_mps = {0.4, 0, 0};
+    FixVelocity measured;
+    measured.ultrasonic_world_mps = {0, 0.4, 0};
+    measured.inertial_world_mps = {0.4, 0, 0};
+    const double turned_rad = alignment::turn(settings, state, body, filter, measured, 0.25);
+    THEN("yaw turns by the gain's share of 90 degrees, as far as the gain in speed stands out from noise") {
+      const double certainty = 0.16 / (0.16 + 0.09);
+      CHECK(turned_rad == Approx(0.5 * certainty * std::numbers::pi / 2));
+      CHECK(math::yaw_of(filter.orientation()) == Approx(0.2 + turned_rad));
+      CHECK(body.velocity_world_mps.x() == Approx(0.4 * std::cos(turned_rad)));
+      CHECK(body.velocity_world_mps.y() == Approx(0.4 * std::sin(turned_rad)));
+    }
+    THEN("what the fix has corrected is forgotten") {
+      CHECK(state.gained_world_mps.norm() == Approx(0.75 * 0.4));
+    }
+  }
+  GIVEN("no acceleration") {
+    FixVelocity measured;
+    measured.ultrasonic_world_mps = {0, 0.4, 0};
+    THEN("nothing is learned") {
+      CHECK(alignment::turn(settings, state, body, filter, measured, 0.25) == 0.0);
+      CHECK(math::yaw_of(filter.orientation()) == Approx(0.2));
+    }
+  }
+}
+
+TEST_CASE("a single beacon whose yaw is wrong by 120 degrees finds it on a bend") {
+  Settings settings;
+  settings.alignment.yaw_gain = 0.2;
+  test::EngineDriver driver(settings, test::departure(1.5, 0.5));
+  // The IMU is mounted turned by 120°: nothing tells the engine but the motion.
+  constexpr double mounted_rad = 2.0 * std::numbers::pi / 3.0;
+  driver.alter_imu = [&](ImuSample& imu, double) {
+    imu.specific_force_body_mps2 = math::rotation_about_z(-mounted_rad) * imu.specific_force_body_mps2;
+  };
+  const auto moment = driver.run(20.0);
+  const double yaw_error_rad =
+      math::wrap_angle(math::yaw_of(moment.pose.q_body_to_world) - moment.truth.yaw_rad - mounted_rad);
+  CHECK(std::abs(yaw_error_rad) < 10.0 * math::radians_per_degree);
+  CHECK(moment.has(status_heading_unknown));
+  CHECK(moment.position_error_m() < 0.05);
+}
+
 TEST_CASE("a start with a wrong tilt is levelled by the fixes, with the accelerometer's own pull off") {
   // The body stands, tilted by 2° against what the start took for level: without the fixes it would seem to
   // be accelerated by 0.34 m/s² for ever.

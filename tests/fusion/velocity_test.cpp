@@ -30,12 +30,19 @@ TimedFix fix_at(double time_s, const Vector3d& position_world_m) {
 /// What is known after one fix.
 VelocityState after(const TimedFix& fix) {
   VelocityState state;
-  velocity::restart(state, fix);
+  velocity::restart(state, fix, false);
   return state;
 }
 
-FixVelocity between(const Vector3d& ultrasonic, const Vector3d& inertial) {
-  return {ultrasonic, inertial, 0.08 * ultrasonic, 0.08};
+/// In the middle of a long run.
+VelocityState settled() {
+  VelocityState state;
+  state.velocities = VelocityState::enough_velocities;
+  return state;
+}
+
+FixVelocity between(const Vector3d& ultrasonic, const Vector3d& inertial, double bend_m = 0.0) {
+  return {ultrasonic, inertial, 0.08 * ultrasonic, 0.08, bend_m};
 }
 
 /// The velocity after one fix, from `inertial` with these settings.
@@ -43,14 +50,16 @@ Vector3d after_fix(const VelocitySettings& settings, const Vector3d& ultrasonic,
                    double weight = 1.0, double acceleration_mps2 = 0.0) {
   auto body = test::moving_body(inertial);
   body.acceleration_world_mps2 = {0, acceleration_mps2, 0};
-  velocity::correct(settings, body, between(ultrasonic, inertial), verdict_of(weight));
+  VelocityState run = settled();
+  velocity::correct(settings, run, body, between(ultrasonic, inertial), verdict_of(weight));
   return body.velocity_world_mps;
 }
 
 std::uint32_t verdict_after(const VelocitySettings& settings, const Vector3d& ultrasonic,
                             const Vector3d& inertial) {
   auto body = test::moving_body(inertial);
-  return velocity::correct(settings, body, between(ultrasonic, inertial), verdict_of(1.0)).verdict;
+  VelocityState run = settled();
+  return velocity::correct(settings, run, body, between(ultrasonic, inertial), verdict_of(1.0)).verdict;
 }
 
 }  // namespace
@@ -81,7 +90,8 @@ TEST_CASE("item 3: the mean over the interval is compared and not the present ve
   REQUIRE(measured.has_value());
   CHECK(measured->ultrasonic_world_mps.x() == Approx(4.0 * 0.88));
   CHECK(measured->inertial_world_mps.x() == Approx(4.0 * 0.88));
-  velocity::correct(plain(), body, *measured, verdict_of(1.0));
+  VelocityState run = settled();
+  velocity::correct(plain(), run, body, *measured, verdict_of(1.0));
   CHECK(body.velocity_world_mps.x() == Approx(4.0));  // nothing to correct
 }
 
@@ -121,7 +131,8 @@ TEST_CASE("the velocity is measured over the interval that is wanted, where ther
     VelocityState state = after(fix_at(-0.4, Vector3d::Zero()));
     std::optional<FixVelocity> measured;
     for (int i = 1; i <= 3; ++i) {
-      measured = velocity::measure(settings, state, body, fix_at(-0.4 + 0.09 * i, {0.03 * i * i, 0, 0}), true);
+      measured =
+          velocity::measure(settings, state, body, fix_at(-0.4 + 0.09 * i, {0.03 * i * i, 0, 0}), true);
     }
     REQUIRE(measured.has_value());
     return measured->ultrasonic_world_mps.x();
@@ -169,6 +180,60 @@ TEST_CASE("item 28: below the least ultrasonic speed neither acts") {
   CHECK(verdict_after(plain(), {1.01, 0, 0}, Vector3d::Zero()) == verdict_snapped_under);
 }
 
+TEST_CASE("a stray fix, far from where the two before it point, takes no velocity at once") {
+  VelocitySettings settings = plain();
+  settings.snap_max_bend_m = 0.1;
+  const auto verdict_for = [&](double bend_m) {
+    auto body = test::moving_body({1, 0, 0});
+    const auto measured = between({3, 0, 0}, {1, 0, 0}, bend_m);
+    VelocityState run = settled();
+    return velocity::correct(settings, run, body, measured, verdict_of(1.0)).verdict;
+  };
+  CHECK(verdict_for(0.09) == verdict_snapped_under);
+  CHECK(verdict_for(0.11) == 0);
+
+  GIVEN("fixes at 1 m/s along x") {
+    const auto body = test::moving_body({1, 0, 0});
+    const auto bend_at = [&](const Vector3d& position_world_m) {
+      VelocityState state = after(fix_at(-0.3, {0.0, 0, 0}));
+      CHECK(velocity::measure(settings, state, body, fix_at(-0.2, {0.1, 0, 0}), true)->bend_m > 1e9);
+      return velocity::measure(settings, state, body, fix_at(-0.1, position_world_m), true)->bend_m;
+    };
+    THEN("the bend is the distance from 0.2 m") {
+      CHECK(bend_at({0.2, 0, 0}) == Approx(0.0).margin(1e-9));
+      CHECK(bend_at({0.2, 0.3, 0.4}) == Approx(0.5));
+    }
+  }
+}
+
+TEST_CASE("the first velocities of a run are averaged, until item 3 counts more") {
+  VelocitySettings settings = plain();
+  settings.blend_weight = 0.3;
+  const FixVelocity measured = between({0.5, 0, 0}, Vector3d::Zero());
+  const auto share_of_next = [&](VelocityState& state) {
+    auto body = test::moving_body(Vector3d::Zero());
+    return velocity::correct(settings, state, body, measured, verdict_of(1.0)).share;
+  };
+  GIVEN("a run at a velocity that nobody knows") {
+    VelocityState state = after(fix_at(-0.2, Vector3d::Zero()));
+    THEN("the shares are 1, 1/2, 1/3 and then item 3") {
+      CHECK(share_of_next(state) == Approx(1.0));
+      CHECK(share_of_next(state) == Approx(1.0 / 2.0));
+      CHECK(share_of_next(state) == Approx(1.0 / 3.0));
+      CHECK(share_of_next(state) == Approx(0.3));
+      for (int i = 0; i < 10; ++i) CHECK(share_of_next(state) == Approx(0.3));
+      CHECK(state.settled());
+    }
+  }
+  GIVEN("a run that begins at rest") {
+    VelocityState state;
+    velocity::restart(state, fix_at(-0.2, Vector3d::Zero()), true);
+    THEN("item 3 holds from the start") {
+      CHECK(share_of_next(state) == Approx(0.3));
+    }
+  }
+}
+
 TEST_CASE("items 26 and 27: the acceleration gate halves at the threshold and closes at twice") {
   VelocitySettings gated = plain();
   gated.accel_gate = true;
@@ -192,13 +257,15 @@ TEST_CASE("items 20–22: forced convergence corrects the velocity at its own we
   Verdict forced = verdict_of(0.002);
   forced.forced = true;
   forced.weight_floor = 0.5;
-  velocity::correct(plain(), body, between(Vector3d::Zero(), {4, 0, 0}), forced);
+  VelocityState run = settled();
+  velocity::correct(plain(), run, body, between(Vector3d::Zero(), {4, 0, 0}), forced);
   CHECK(body.velocity_world_mps.x() == Approx(4.0 - 0.4 * 0.5 * 4.0));
 }
 
 TEST_CASE("the second fix after a pause gives the velocity outright") {
   auto body = test::moving_body(Vector3d::Zero());
-  const Vector3d change = velocity::adopt(body, between({6, 1, 0}, Vector3d::Zero()));
+  VelocityState run = settled();
+  const Vector3d change = velocity::adopt(run, body, between({6, 1, 0}, Vector3d::Zero()));
   CHECK((body.velocity_world_mps - Vector3d(6, 1, 0)).norm() < 1e-12);
   CHECK((change - Vector3d(6, 1, 0)).norm() < 1e-12);
 }

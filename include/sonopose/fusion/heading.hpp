@@ -69,9 +69,9 @@ void turn(Kinematics& body, attitude::Mahony& filter, double angle_rad);
 void take(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::Mahony& filter,
           const PairHeading& heading);
 
-/// One IMU step of the continuous pull (item 34).
-void pull(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::Mahony& filter,
-          double dt_s);
+/// One IMU step of the continuous pull (item 34). Returns the share of the yaw error that it took away.
+double pull(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::Mahony& filter,
+            double dt_s);
 
 /// Items 31–33: turns yaw by a share of the angle from the IMU's to the ultrasound's direction of motion.
 /// Returns the turn (rad). Does nothing while a paired heading holds: that one is absolute.

@@ -46,6 +46,12 @@ struct OutageState {
 
 namespace outage {
 
+/// Whether two IMU samples are too far apart to integrate from one to the other.
+[[nodiscard]] bool is_imu_gap(const OutageSettings& settings, double dt_s);
+
+/// Whether what was at `then_ns` is not yet stale.
+[[nodiscard]] bool is_recent(const OutageSettings& settings, TimeNs then_ns, TimeNs now_ns);
+
 /// Whether acceleration must be ignored at `now_ns`; lets go of the track when stale mode begins.
 bool watch(const OutageSettings& settings, OutageState& state, TimeNs now_ns);
 

@@ -79,9 +79,10 @@ void for_each_field(AnyState& state, const Visit& visit) {
     visit("drift.weight", weight);
   }
   {
-    auto& [fixes, count] = velocity;
+    auto& [fixes, count, velocities] = velocity;
     for (auto& fix : fixes) visit("velocity.fixes", fix);
     visit("velocity.count", count);
+    visit("velocity.velocities", velocities);
   }
   {
     auto& [vertical, gained] = alignment;

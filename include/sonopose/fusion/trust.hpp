@@ -85,6 +85,9 @@ namespace trust {
 /// w = 1 / (1 + (r/σ)²): one half at r = σ (item 13).
 [[nodiscard]] double weight_of(double residual_m, double sigma_m);
 
+/// Whether a pose so far from its fix is still converging: a fix there would have less than half its weight.
+[[nodiscard]] bool is_far(const TrustSettings& settings, double distance_m);
+
 /// Judges a fix by its residual to the position that the previous fix and the IMU's velocity predict, or,
 /// while trust is not full, to the fused position itself (item 15).
 Verdict judge(const TrustSettings& settings, TrustState& state, const Kinematics& body, const TimedFix& fix);

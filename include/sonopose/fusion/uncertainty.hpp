@@ -60,8 +60,11 @@ void grow(const UncertaintySettings& settings, UncertaintyState& state, double d
 void correct(const UncertaintySettings& settings, UncertaintyState& state, double weight,
              double position_share, double velocity_share, double interval_s);
 
-/// One IMU step of the pull to a valid heading with the given gain.
-void pull_yaw(const UncertaintySettings& settings, UncertaintyState& state, double pair_gain_hz, double dt_s);
+/// One IMU step of the pull to a heading, which takes away this share of the difference.
+void pull_yaw(const UncertaintySettings& settings, UncertaintyState& state, double share);
+
+/// The first fix of a run sets the position.
+void take_hold(const UncertaintySettings& settings, UncertaintyState& state);
 
 }  // namespace uncertainty
 }  // namespace sonopose::fusion

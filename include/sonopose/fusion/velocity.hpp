@@ -19,6 +19,7 @@ struct VelocitySettings {
   bool overshoot_fix{};
   bool undershoot_fix{};
   double snap_min_speed_mps{};
+  double snap_max_bend_m{};
   bool accel_gate{};
   double accel_gate_threshold_mps2{};
   double interval_min_s{};
@@ -43,6 +44,10 @@ struct VelocitySettings {
              "Take the ultrasonic velocity at once where it is more than twice the IMU's."),
         real(28, "snap_min_speed_mps", &G::snap_min_speed_mps, 2.5, {0.0, 100.0}, "m/s",
              "Ultrasonic speed below which the overshoot and undershoot fixes never act."),
+        real(own_setting, "snap_max_bend_m", &G::snap_max_bend_m, 0.12, {0.0, 100.0}, "m",
+             "A fix farther than this from the straight continuation of the two before it takes no velocity "
+             "at "
+             "once: one stray fix is no speed."),
         flag(26, "accel_gate", &G::accel_gate, false,
              "Reduce the velocity correction in proportion to the current acceleration."),
         real(27, "accel_gate_threshold_mps2", &G::accel_gate_threshold_mps2, 3.0, {0.01, 1000.0}, "m/s^2",
@@ -71,6 +76,12 @@ struct VelocityState {
   static constexpr int capacity = 8;
   std::array<PastFix, capacity> fixes;
   int count = 0;
+  int velocities =
+      0;  ///< that the run has corrected the velocity by; none counts for more than the first few
+
+  /// Whether the velocity is known as well as it will be, and not still averaged over the run's first ones.
+  static constexpr int enough_velocities = 7;
+  [[nodiscard]] bool settled() const { return velocities >= enough_velocities; }
 
   bool operator==(const VelocityState&) const = default;
 };
@@ -81,6 +92,7 @@ struct FixVelocity {
   Vector3d inertial_world_mps = Vector3d::Zero();
   Vector3d displacement_world_m = Vector3d::Zero();  ///< between the two fixes
   double interval_s = 0;                             ///< between the two fixes
+  double bend_m = 0;  ///< from the straight continuation of the two fixes before; infinite without them
 };
 
 /// What a fix did to the velocity.
@@ -92,8 +104,8 @@ struct VelocityChange {
 
 namespace velocity {
 
-/// Forgets all earlier fixes but this one.
-void restart(VelocityState& state, const TimedFix& fix);
+/// Begins a run of fixes with this one, of a body whose velocity is known already or not.
+void restart(VelocityState& state, const TimedFix& fix, bool velocity_known);
 
 /// Measures the velocity from the last good fix to this one and remembers this one where it is good. Empty
 /// where there is none at the right distance in time.
@@ -101,11 +113,12 @@ void restart(VelocityState& state, const TimedFix& fix);
                                                  const Kinematics& body, const TimedFix& fix, bool good);
 
 /// Corrects the velocity: v += blend · reliability · (v_us − mean v_imu), or at once where a snap applies.
-VelocityChange correct(const VelocitySettings& settings, Kinematics& body, const FixVelocity& measured,
-                       const Verdict& verdict);
+/// The first velocities of a run are averaged.
+VelocityChange correct(const VelocitySettings& settings, VelocityState& state, Kinematics& body,
+                       const FixVelocity& measured, const Verdict& verdict);
 
 /// Takes the measured velocity outright: the second fix after stale mode.
-Vector3d adopt(Kinematics& body, const FixVelocity& measured);
+Vector3d adopt(VelocityState& state, Kinematics& body, const FixVelocity& measured);
 
 }  // namespace velocity
 }  // namespace sonopose::fusion

@@ -1,0 +1,59 @@
+/// Each setting belongs to one stage: its group's fields are read in that stage's source and nowhere else.
+
+#include <sonopose/fusion/settings.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Source files of the engine and the filters, by stem.
+std::map<std::string, std::string> sources() {
+  std::map<std::string, std::string> texts;
+  for (const char* const folder : {"src/fusion", "src/attitude"}) {
+    for (const auto& entry : fs::directory_iterator(fs::path(SONOPOSE_SOURCE_DIR) / folder)) {
+      if (entry.path().extension() != ".cpp") continue;
+      std::ifstream stream(entry.path());
+      texts[entry.path().stem().string()] = {std::istreambuf_iterator<char>(stream), {}};
+    }
+  }
+  return texts;
+}
+
+/// "trust" of trust.sigma_m; "mahony" of attitude.mahony.kp; the preset's group is the document's "fusion".
+std::string stage_of(const std::string& group) {
+  if (group == "fusion") return "preset";
+  return group.substr(group.rfind('.') + 1);
+}
+
+}  // namespace
+
+TEST_CASE("each of the 37 items is read by its own stage and by no other") {
+  const auto texts = sources();
+  REQUIRE(texts.size() > 10);
+  for (const auto& row : sonopose::fusion::setting_table()) {
+    const std::string stage = stage_of(row.group);
+    // In its stage a group is called `settings`, the preset's `preset`.
+    const std::regex own("\\b(settings|preset)\\." + row.name + "\\b");
+    const std::regex foreign("\\bsettings_?\\.\\w+\\." + row.name + "\\b");
+    INFO("item " << row.item << ", " << row.key);
+    REQUIRE(texts.contains(stage));
+    CHECK(std::regex_search(texts.at(stage), own));
+    for (const auto& [stem, text] : texts) {
+      INFO("in " << stem << ".cpp");
+      CHECK_FALSE(std::regex_search(text, foreign));
+      if (stem != stage)
+        CHECK_FALSE(
+            (std::regex_search(text, own) && text.find("fusion/" + stage + ".hpp") != std::string::npos));
+    }
+  }
+}
