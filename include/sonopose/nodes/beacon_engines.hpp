@@ -29,7 +29,7 @@ struct SettingsInForce {
   fusion::Settings settings;  ///< as the engine uses them: the preset is resolved
 };
 
-/// Fed by one thread; no locks. `PoseSink` and `ReportSink` get what the engines make, at once.
+/// Not for several threads at once: no locks.
 class BeaconEngines {
 public:
   /// `lossless`: wait for a missing event without end, rather than for a few milliseconds.
