@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The fusion process: takes events from DDS, runs one engine per beacon, writes poses and reports, and changes
-/// settings and resets on request.
+/// The fusion process: takes events from DDS, runs one engine per beacon, writes poses and reports, and
+/// changes settings and resets on request.
 
 #include <sonopose/config/fusion_config.hpp>
 #include <sonopose/dds/domain.hpp>
