@@ -13,22 +13,6 @@ namespace {
 
 constexpr TimeNs ms = 1'000'000;
 
-/// What a bare engine makes of the events.
-std::vector<FusedPose> poses_of_engine(const std::vector<Event>& events) {
-  fusion::Engine engine{fusion::Settings{}};
-  std::vector<FusedPose> poses;
-  for (const Event& event : events) {
-    if (const auto* imu = std::get_if<ImuSample>(&event)) {
-      if (const auto pose = engine.on(*imu)) poses.push_back(*pose);
-    } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
-      engine.on(*fix);
-    } else {
-      engine.on(std::get<PairHeading>(event));
-    }
-  }
-  return poses;
-}
-
 }  // namespace
 
 SCENARIO("each beacon has an engine of its own") {

@@ -65,4 +65,23 @@ inline bool same(const std::vector<FusedPose>& a, const std::vector<FusedPose>& 
   });
 }
 
+/// What a bare engine makes of the events, if it is given `settings` before event number `from`.
+inline std::vector<FusedPose> poses_of_engine(const std::vector<Event>& events,
+                                              const fusion::Settings& settings = {},
+                                              std::uint64_t from = UINT64_MAX) {
+  fusion::Engine engine{fusion::Settings{}};
+  std::vector<FusedPose> poses;
+  for (const Event& event : events) {
+    if (sequence_of(event) == from) engine.configure(settings);
+    if (const auto* imu = std::get_if<ImuSample>(&event)) {
+      if (const auto pose = engine.on(*imu)) poses.push_back(*pose);
+    } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
+      engine.on(*fix);
+    } else {
+      engine.on(std::get<PairHeading>(event));
+    }
+  }
+  return poses;
+}
+
 }  // namespace sonopose::nodes::test

@@ -33,24 +33,6 @@ fusion::Settings with_user_balance() {
   return settings;
 }
 
-/// What a bare engine makes of the events that is given other settings before event number `from`.
-std::vector<FusedPose> poses_of_engine(const std::vector<Event>& events, const fusion::Settings& settings,
-                                       std::uint64_t from) {
-  fusion::Engine engine{fusion::Settings{}};
-  std::vector<FusedPose> poses;
-  for (const Event& event : events) {
-    if (sequence_of(event) == from) engine.configure(settings);
-    if (const auto* imu = std::get_if<ImuSample>(&event)) {
-      if (const auto pose = engine.on(*imu)) poses.push_back(*pose);
-    } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
-      engine.on(*fix);
-    } else {
-      engine.on(std::get<PairHeading>(event));
-    }
-  }
-  return poses;
-}
-
 /// Pushes the events whose number lies within [first, last].
 void push_range(Feeder& feeder, const std::vector<Event>& events, std::uint64_t first, std::uint64_t last) {
   for (const Event& event : events) {
@@ -169,7 +151,7 @@ SCENARIO("a request that cannot be carried out changes nothing") {
   CHECK_THAT(refused(request(address, {}, from, 3)), Contains("no setting"));
   push_range(feeder, events, 301, to_the_end);
   feeder.push_all(walk(8, 1.0));
-  CHECK(same(feeder.poses_of(7), poses_of_engine(events, {}, 0)));
+  CHECK(same(feeder.poses_of(7), poses_of_engine(events)));
   CHECK(feeder.changes_of(7).size() == 1);  // at its first event
   CHECK(feeder.changes_of(8).size() == 1);
 }
