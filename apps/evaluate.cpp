@@ -1,7 +1,7 @@
 // sonopose-evaluate: how the fusion does on every scenario of the simulator, and on recordings with truth.
 
+#include "support/config_options.hpp"
 #include "support/run.hpp"
-#include <sonopose/config/fusion_config.hpp>
 #include <sonopose/replay/evaluation.hpp>
 
 #include <fmt/format.h>
@@ -17,8 +17,7 @@ namespace {
 using namespace sonopose;
 
 struct Options {
-  std::optional<std::filesystem::path> config;
-  std::vector<std::string> assignments;
+  apps::ConfigOptions config;
   std::vector<std::string> scenarios;
   std::optional<std::filesystem::path> recordings;
   std::uint64_t seeds = 5;
@@ -27,10 +26,7 @@ struct Options {
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("SCENARIO", options.scenarios, "Which scenarios (default: all)")->type_name("");
-  app.add_option("--config", options.config, "Settings as a TOML file")->type_name("FILE");
-  app.add_option("--set", options.assignments, "One setting: group.key=value; may be repeated")
-      ->type_name("K=V")
-      ->allow_extra_args(false);
+  apps::add_config_options(app, options.config);
   app.add_option("--seeds", options.seeds, "Runs of each scenario")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -38,13 +34,6 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("DIR")
       ->envname("SONOPOSE_RECORDINGS");
   app.add_flag("--json", options.json, "A JSON array instead of the table");
-}
-
-fusion::Settings settings_of(const Options& options) {
-  auto config = options.config ? config::FusionConfig::load(*options.config) : config::FusionConfig();
-  for (const std::string& assignment : options.assignments) config.assign(assignment);
-  for (const std::string& warning : config.warnings()) fmt::print(stderr, "warning: {}\n", warning);
-  return config.for_beacon(all_beacons);
 }
 
 std::vector<const sim::Scenario*> scenarios_of(const Options& options) {
@@ -55,8 +44,8 @@ std::vector<const sim::Scenario*> scenarios_of(const Options& options) {
   return chosen;
 }
 
-int evaluate(const Options& options) {
-  const fusion::Settings settings = settings_of(options);
+int evaluate(const CLI::App& app, const Options& options) {
+  const fusion::Settings settings = apps::configuration(app, options.config).for_beacon(all_beacons);
   std::vector<replay::Summary> summaries;
   for (const sim::Scenario* scenario : scenarios_of(options)) {
     std::vector<replay::CaseResult> runs;
@@ -84,5 +73,5 @@ int main(int argc, char** argv) {
       "and the latest fix carried on at its velocity.",
       "sonopose-evaluate");
   add_options(app, options);
-  return apps::run(app, argc, argv, [&options] { return evaluate(options); });
+  return apps::run(app, argc, argv, [&] { return evaluate(app, options); });
 }

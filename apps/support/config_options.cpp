@@ -1,0 +1,26 @@
+#include "config_options.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+namespace sonopose::apps {
+
+void add_config_options(CLI::App& app, ConfigOptions& options) {
+  app.add_option("--config", options.file, "Settings, a TOML file")->type_name("FILE");
+  app.add_option("--set", options.assignments,
+                 "One setting: GROUP.KEY=VALUE, or beacon.7.GROUP.KEY=VALUE for one beacon; may be repeated")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+}
+
+config::FusionConfig configuration(const CLI::App& app, const ConfigOptions& options) {
+  auto config = options.file ? config::FusionConfig::load(*options.file) : config::FusionConfig();
+  for (const std::string& assignment : options.assignments) config.assign(assignment);
+  for (const std::string& warning : config.warnings()) {
+    fmt::print(stderr, "{}: warning: {}\n", app.get_name(), warning);
+  }
+  return config;
+}
+
+}  // namespace sonopose::apps

@@ -1,0 +1,27 @@
+#pragma once
+// What every program with fusion settings has in common: --config and --set.
+
+#include <sonopose/config/fusion_config.hpp>
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::apps {
+
+/// Where the settings come from.
+struct ConfigOptions {
+  std::optional<std::filesystem::path> file;
+  std::vector<std::string> assignments;
+};
+
+/// Adds --config and --set.
+void add_config_options(CLI::App& app, ConfigOptions& options);
+
+/// Reads them, --set above --config; warnings go to stderr. Throws config::ConfigError.
+config::FusionConfig configuration(const CLI::App& app, const ConfigOptions& options);
+
+}  // namespace sonopose::apps
