@@ -1,6 +1,6 @@
 #include <sonopose/fusion/engine.hpp>
 #include <sonopose/io/log_folder.hpp>
-#include <sonopose/replay/baseline.hpp>
+#include <sonopose/replay/comparison.hpp>
 #include <sonopose/replay/evaluation.hpp>
 #include <sonopose/sim/simulator.hpp>
 
@@ -76,32 +76,23 @@ class CaseRun {
 public:
   explicit CaseRun(const Case& test_case)
       : start_ns_(available_at_ns(test_case.events.front())),
-        from_ns_(start_ns_ + to_ns(test_case.score_after_s)),
-        scorer_(test_case.truth, from_ns_),
-        whole_(test_case.truth, start_ns_),
-        truth_(test_case.truth) {
+        comparison_(test_case.truth, start_ns_ + to_ns(test_case.score_after_s)),
+        whole_(test_case.truth, start_ns_) {
     for (const sim::Outage& outage : test_case.outages) drifts_.emplace_back(outage, start_ns_);
   }
 
   void add(const FusedPose& pose) {
-    scorer_.add(pose);
+    comparison_.add(pose);
     whole_.add(pose);
     for (DriftWatch& drift : drifts_) drift.add(pose);
-    if (pose.time_ns < from_ns_) return;
-    const auto truth = truth_.at(pose.time_ns);
-    if (!truth || !truth->position_world_m.allFinite()) return;
-    if (const auto fix = baseline_.last_fix()) {
-      last_fix_m_.push_back((*fix - truth->position_world_m).norm());
-      extrapolated_m_.push_back((*baseline_.extrapolated(pose.time_ns) - truth->position_world_m).norm());
-    }
   }
 
-  void add(const UltrasonicFix& fix) { baseline_.on(fix); }
+  void add(const UltrasonicFix& fix) { comparison_.add(fix); }
 
   void finish(const Case& test_case, const fusion::Settings& settings, CaseResult& result) const {
-    result.fused = scorer_.score();
-    result.last_fix_m = summarise(last_fix_m_);
-    result.extrapolated_m = summarise(extrapolated_m_);
+    result.fused = comparison_.fused();
+    result.last_fix_m = comparison_.last_fix_m();
+    result.extrapolated_m = comparison_.extrapolated_m();
     const Score whole = whole_.score();
     const ErrorTrack track{whole.times_ns, whole.errors_m};
     for (std::size_t i = 0; i < test_case.outages.size(); ++i) {
@@ -131,14 +122,9 @@ private:
   }
 
   TimeNs start_ns_;
-  TimeNs from_ns_;
-  Scorer scorer_;
+  Comparison comparison_;
   Scorer whole_;
-  TruthTrack truth_;
-  Baseline baseline_;
   std::vector<DriftWatch> drifts_;
-  std::vector<double> last_fix_m_;
-  std::vector<double> extrapolated_m_;
 };
 
 }  // namespace

@@ -1,0 +1,120 @@
+// sonopose-replay: the fusion's engine over a sensor-log folder, without bus and without clock.
+
+#include "support/config_options.hpp"
+#include "support/run.hpp"
+#include <sonopose/io/log_folder.hpp>
+#include <sonopose/replay/output_folder.hpp>
+#include <sonopose/replay/picture.hpp>
+#include <sonopose/replay/report.hpp>
+#include <sonopose/replay/run.hpp>
+#include <sonopose/replay/state_file.hpp>
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <optional>
+
+namespace {
+
+using namespace sonopose;
+using Path = std::filesystem::path;
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  Path log;
+  apps::ConfigOptions config;
+  BeaconAddress beacon = io::default_log_address;
+  std::optional<Path> out;
+  std::optional<Path> picture;
+  std::optional<Path> save_state;
+  std::optional<Path> load_state;
+  replay::RunOptions run;
+  bool json = false;
+};
+
+void add_options(CLI::App& app, Options& options) {
+  const std::map<std::string, replay::EngineKind> engines{{"fusion", replay::EngineKind::fusion},
+                                                          {"strapdown", replay::EngineKind::strapdown}};
+  const std::map<std::string, attitude::StrapdownRule> rules{{"previous", attitude::StrapdownRule::previous},
+                                                             {"mean", attitude::StrapdownRule::mean}};
+  const CLI::Validator seconds = CLI::Range(0.0, 1e9).description("[0 - 1e9]");
+  app.add_option("LOG", options.log, "The sensor-log folder")->required()->type_name("DIR");
+  apps::add_config_options(app, options.config);
+  app.add_option("--beacon", options.beacon, "Beacon whose own settings hold: a log does not name its beacon")
+      ->check(CLI::Range(0, 65534))
+      ->capture_default_str();
+  app.add_option("--out", options.out,
+                 "Write trajectory.tum, pose.csv and fixes.csv here, replacing those of a run before")
+      ->type_name("DIR");
+  app.add_option("--after", options.run.after_s, "Score poses from so many seconds after the first event on")
+      ->check(seconds)
+      ->capture_default_str();
+  app.add_option("--until", options.run.until_s, "End so many seconds after the first event")->check(seconds);
+  app.add_flag("--json", options.json, "One JSON object instead of the lines");
+  app.add_option("--plot", options.picture,
+                 "Draw path, error, speed and verdicts: a file .svg or .png (needs gnuplot)")
+      ->type_name("FILE");
+  auto* const engine =
+      app.add_option("--engine", options.run.engine, "strapdown: the IMU alone, integrated from the truth")
+          ->transform(CLI::CheckedTransformer(engines))
+          ->option_text("fusion|strapdown (default: fusion)");
+  app.add_option("--init", "Where strapdown starts: at the log's first complete truth")
+      ->check(CLI::IsMember({"truth"}))
+      ->needs(engine);
+  app.add_option(
+         "--integration", options.run.strapdown_rule,
+         "Held over a step of strapdown: the previous sample, as its document says, or the mean of both")
+      ->transform(CLI::CheckedTransformer(rules))
+      ->option_text("previous|mean (default: previous)")
+      ->needs(engine);
+  app.add_option("--save-state", options.save_state, "Write the engine's state at the end, a JSON file")
+      ->type_name("FILE");
+  app.add_option("--load-state", options.load_state, "Go on from such a state, with the events behind it")
+      ->type_name("FILE");
+}
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+int replay_log(const CLI::App& app, const Options& options) {
+  replay::RunOptions run = options.run;
+  if (run.engine == replay::EngineKind::strapdown && (options.save_state || options.load_state)) {
+    throw CLI::ValidationError("--save-state and --load-state", "go with --engine fusion");
+  }
+  run.settings = apps::configuration(app, options.config).for_beacon(options.beacon);
+  if (options.load_state) run.start = replay::load_state(*options.load_state);
+
+  replay::Timing timing;
+  const auto reading = Clock::now();
+  const io::SensorLog log = io::read_sensor_log(options.log, options.beacon);
+  timing.reading_s = seconds_since(reading);
+  std::optional<replay::OutputFolder> out;
+  std::optional<replay::Picture> picture;
+  if (options.out) out.emplace(*options.out);
+  if (options.picture) picture.emplace(*options.picture, options.log.string(), log);
+  const auto running = Clock::now();
+  const auto tell = [&](const auto& sample) {
+    if (out) out->write(sample);
+    if (picture) picture->add(sample);
+  };
+  const replay::RunResult result = replay::run(log, run, {tell, tell});
+  if (out) out->flush();
+  timing.running_s = seconds_since(running);
+  if (options.save_state) replay::save_state(*options.save_state, result.end);
+  if (picture) picture->draw();
+  fmt::print("{}", options.json ? replay::report_json(result, timing) : replay::report_text(result, timing));
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app("Runs the fusion over a recording, as fast as it can, and scores it where the truth is known.",
+               "sonopose-replay");
+  add_options(app, options);
+  return sonopose::apps::run(app, argc, argv, [&] { return replay_log(app, options); });
+}

@@ -1,0 +1,63 @@
+#include <sonopose/io/error.hpp>
+#include <sonopose/replay/output_folder.hpp>
+#include <sonopose/replay/verdicts.hpp>
+
+#include <array>
+#include <string_view>
+#include <system_error>
+
+namespace sonopose::replay {
+namespace {
+
+constexpr std::array<std::string_view, 8> trajectory_columns{"timestamp", "tx", "ty", "tz",
+                                                             "qx",        "qy", "qz", "qw"};
+constexpr std::array<std::string_view, 12> pose_columns{
+    "timestamp [ns]", "p_x [m]", "p_y [m]",      "p_z [m]",      "q_w []",       "q_x []",
+    "q_y []",         "q_z []",  "v_x [m s^-1]", "v_y [m s^-1]", "v_z [m s^-1]", "status []"};
+constexpr std::array<std::string_view, 22> fix_columns{
+    "timestamp [ns]", "applied [ns]",     "beacon []",     "sequence []",    "x [m]",         "y [m]",
+    "z [m]",          "shifted_x [m]",    "shifted_y [m]", "shifted_z [m]",  "residual [m]",  "weight []",
+    "trust []",       "jump_x [m]",       "jump_y [m]",    "jump_z [m]",     "dv_x [m s^-1]", "dv_y [m s^-1]",
+    "dv_z [m s^-1]",  "yaw_change [rad]", "verdict []",    "verdict_bits []"};
+
+const std::filesystem::path& made(const std::filesystem::path& folder) {
+  std::error_code error;
+  create_directories(folder, error);
+  if (error) throw io::IoError(folder.string() + ": cannot be made: " + error.message());
+  return folder;
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(const std::filesystem::path& folder)
+    : trajectory_{made(folder) / "trajectory.tum", io::CsvWriter::Existing::replace, ' '},
+      poses_{folder / "pose.csv", io::CsvWriter::Existing::replace},
+      fixes_{folder / "fixes.csv", io::CsvWriter::Existing::replace} {
+  trajectory_.header(trajectory_columns);
+  poses_.header(pose_columns);
+  fixes_.header(fix_columns);
+}
+
+void OutputFolder::write(const FusedPose& pose) {
+  const Quaterniond& q = pose.q_body_to_world;
+  trajectory_.seconds(pose.time_ns).vector(pose.position_world_m);
+  trajectory_.number(q.x()).number(q.y()).number(q.z()).number(q.w()).end_row();
+  poses_.integer(pose.time_ns).vector(pose.position_world_m);
+  poses_.number(q.w()).number(q.x()).number(q.y()).number(q.z());
+  poses_.vector(pose.velocity_world_mps).integer(pose.status).end_row();
+}
+
+void OutputFolder::write(const FixReport& report) {
+  fixes_.integer(report.emission_time_ns).integer(report.applied_time_ns);
+  fixes_.integer(report.address).integer(static_cast<std::int64_t>(report.sequence));
+  fixes_.vector(report.position_world_m).vector(report.shifted_position_world_m);
+  fixes_.number(report.residual_m).number(report.weight).number(report.trust);
+  fixes_.vector(report.jump_world_m).vector(report.velocity_change_world_mps);
+  fixes_.number(report.yaw_change_rad).text(verdict_text(report.verdict)).integer(report.verdict).end_row();
+}
+
+void OutputFolder::flush() {
+  for (io::CsvWriter* file : {&trajectory_, &poses_, &fixes_}) file->flush();
+}
+
+}  // namespace sonopose::replay

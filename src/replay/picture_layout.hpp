@@ -1,0 +1,56 @@
+#pragma once
+/// \file
+/// Where the panels of a picture stand, and which part of the map it shows. Private to this room.
+
+#include <sonopose/core/samples.hpp>
+
+#include <algorithm>
+#include <limits>
+
+namespace sonopose::replay {
+
+inline constexpr double picture_width = 1600;
+inline constexpr double picture_height = 1000;
+
+/// A panel's edges as shares of the picture, from the lower left.
+struct Panel {
+  double left;
+  double right;
+  double bottom;
+  double top;
+
+  [[nodiscard]] constexpr double width() const { return right - left; }
+  [[nodiscard]] constexpr double height() const { return top - bottom; }
+};
+
+inline constexpr Panel path_panel{0.065, 0.47, 0.075, 0.9};
+inline constexpr Panel error_panel{0.58, 0.985, 0.69, 0.9};
+inline constexpr Panel speed_panel{0.58, 0.985, 0.425, 0.635};
+inline constexpr Panel verdict_panel{0.58, 0.985, 0.075, 0.37};
+
+/// What a part of the map spans.
+struct Box {
+  Eigen::Array2d low = Eigen::Array2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Array2d high = -low;
+
+  void include(const Vector3d& point) {
+    if (!point.allFinite()) return;
+    low = low.min(point.head<2>().array());
+    high = high.max(point.head<2>().array());
+  }
+
+  /// Widens it, by a margin and then to the shape `width` by `height`, about its centre.
+  void fit(double width, double height) {
+    constexpr double least_m = 0.1;
+    constexpr double margin = 1.08;
+    if (!(high >= low).all()) low = high = Eigen::Array2d::Zero();
+    const Eigen::Array2d centre = 0.5 * (low + high);
+    const Eigen::Array2d span = (margin * (high - low)).max(least_m);
+    const double m_per_pixel = std::max(span.x() / width, span.y() / height);
+    const Eigen::Array2d half = 0.5 * m_per_pixel * Eigen::Array2d(width, height);
+    low = centre - half;
+    high = centre + half;
+  }
+};
+
+}  // namespace sonopose::replay
