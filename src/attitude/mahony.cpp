@@ -1,6 +1,8 @@
 #include <sonopose/attitude/mahony.hpp>
 #include <sonopose/math/rotation.hpp>
 
+#include <cmath>
+
 namespace sonopose::attitude {
 
 void Mahony::reset(const Quaterniond& q_body_to_world) {
@@ -15,7 +17,9 @@ void Mahony::update(const MahonySettings& settings, const Vector3d& angular_velo
   if (force_mps2 > 0.0) {
     const Vector3d up_measured_body = specific_force_body_mps2 / force_mps2;
     const Vector3d error_body = up_measured_body.cross(math::up_in_body(q_body_to_world_));
-    integral_body_radps_ += settings.ki * dt_s * error_body;
+    if (std::abs(force_mps2 - standard_gravity_mps2) <= settings.ki_gate_mps2) {
+      integral_body_radps_ += settings.ki * dt_s * error_body;
+    }
     rate_body_radps += settings.kp * error_body;
   }
   rate_body_radps += integral_body_radps_;

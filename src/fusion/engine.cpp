@@ -54,6 +54,7 @@ FixReport Engine::on(const UltrasonicFix& fix) noexcept {
 
   report.verdict =
       admission::reasons_against(settings_.admission, state_.admission, state_.body.time_ns, fix);
+  const bool was_frozen = state_.frozen.frozen;
   if (report.verdict == 0 && frozen::watch(settings_.frozen, state_.frozen, state_.body, fix)) {
     report.verdict = verdict_frozen;
   }
@@ -61,6 +62,8 @@ FixReport Engine::on(const UltrasonicFix& fix) noexcept {
     ++counters_.fixes_rejected;
     return report;
   }
+  // What a track repeated before it was found out to be frozen has bent the pose: begin anew.
+  if (was_frozen) state_.outage.track = Track::none;
   startup::watch(settings_.startup, state_.startup, fix);
   TimedFix timed = delay::shift(settings_.delay, state_.body, fix);  // 6
   if (state_.outage.track == Track::none) {
@@ -114,6 +117,7 @@ void Engine::calibrate(const ImuSample& imu) {
   if (!at_start) return;
   state_.body.correct_velocity(-state_.body.velocity_world_mps);
   state_.uncertainty.velocity_std_mps = 0.0;
+  state_.velocity.settle();
   if (state_.outage.track == Track::position) state_.outage.track = Track::held;
 }
 
@@ -226,6 +230,8 @@ void Engine::follow(const TimedFix& fix, FixReport& report) {
   report.trust = state_.trust.trust;
   if (verdict.outlier) report.verdict |= verdict_outlier;
   if (verdict.forced) report.verdict |= verdict_stuck_forced;
+  if (verdict.accepted_anew)
+    state_.velocity.unsettle();  // what led astray was the velocity, more often than not
 
   report.jump_world_m = drift::correct(settings_.drift, state_.drift, body, fix, verdict);  // 2, 4, 9
   const bool good = !verdict.outlier || verdict.forced;

@@ -5,9 +5,9 @@ namespace sonopose::fusion {
 Balance balance_of(ImuWeight weight) {
   switch (weight) {
     case ImuWeight::low:
-      return {.decay_rate_hz = 4.0, .blend_weight = 0.50, .jump_alpha = 0.60};
+      return {.decay_rate_hz = 4.0, .blend_weight = 0.40, .jump_alpha = 0.60};
     case ImuWeight::high:
-      return {.decay_rate_hz = 1.5, .blend_weight = 0.15, .jump_alpha = 0.10};
+      return {.decay_rate_hz = 0.7, .blend_weight = 0.07, .jump_alpha = 0.15};
     case ImuWeight::medium:
     case ImuWeight::user:
       break;

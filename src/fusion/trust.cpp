@@ -78,6 +78,7 @@ void restart(TrustState& state, const TimedFix& fix) {
 
 Verdict judge(const TrustSettings& settings, TrustState& state, const Kinematics& body, const TimedFix& fix) {
   const bool against_imu = settings.enabled && state.trust < 1.0;
+  const bool was_forced = state.forced;
   Verdict verdict;
   verdict.residual_m = residual_of(state, body, fix, against_imu);
   verdict.outlier = verdict.residual_m > settings.outlier_sigmas * settings.sigma_m;
@@ -89,6 +90,8 @@ Verdict judge(const TrustSettings& settings, TrustState& state, const Kinematics
   } else {
     update(settings, state, verdict.residual_m, verdict.outlier);
   }
+  verdict.accepted_anew =
+      (state.forced && !was_forced) || (verdict.outlier && state.trust >= 1.0 && against_imu);
   verdict.forced = state.forced;
   verdict.weight =
       std::max(settings.min_weight, weight_of(verdict.residual_m, settings.sigma_m) * state.trust);

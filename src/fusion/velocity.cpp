@@ -86,7 +86,7 @@ void remember(VelocityState& state, const TimedFix& fix) {
 void restart(VelocityState& state, const TimedFix& fix, bool velocity_known) {
   state.fixes[0] = {fix.measured_ns, fix.measured_position_world_m};
   state.count = 1;
-  state.velocities = velocity_known ? VelocityState::enough_velocities : 0;
+  velocity_known ? state.settle() : state.unsettle();
 }
 
 std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocityState& state,

@@ -10,7 +10,7 @@ using namespace sonopose::fusion;
 namespace {
 
 struct Score {
-  double distance_to_fixes_m;  ///< RMS, where the fix was emitted
+  double distance_to_fixes_m;  ///< RMS, of the pose after a fix from that fix
   double roughness_m;          ///< RMS of the second difference of the output
 };
 
@@ -26,13 +26,13 @@ Score score_of(ImuWeight weight) {
   double distances = 0.0;
   int fixes = 0;
   for (const auto& report : driver.reports) {
-    const double time_s = seconds_between(test::epoch_ns, report.emission_time_ns);
-    const auto index = static_cast<std::size_t>(std::lround(time_s * 100.0));
-    if (time_s < 5.0 || index >= driver.moments.size()) continue;
-    const auto& moment = driver.moments[index];
-    const Vector3d at_emission =
-        moment.pose.position_world_m + (time_s - moment.time_s) * moment.truth.velocity_world_mps;
-    distances += (report.position_world_m - at_emission).squaredNorm();
+    const double time_s = seconds_between(test::epoch_ns, report.applied_time_ns);
+    const auto next = static_cast<std::size_t>(std::lround(time_s * 100.0)) + 1;
+    if (time_s < 5.0 || next >= driver.moments.size()) continue;
+    const auto& moment = driver.moments[next];
+    const Vector3d fix_now_world_m =
+        report.shifted_position_world_m + (moment.time_s - time_s) * moment.truth.velocity_world_mps;
+    distances += (fix_now_world_m - moment.pose.position_world_m).squaredNorm();
     ++fixes;
   }
   double bends = 0.0;

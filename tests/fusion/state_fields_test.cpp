@@ -19,8 +19,9 @@ TEST_CASE("every group of the state is walked over, and no field has another one
     if (name != "velocity.fixes") CHECK(names.count(name) == 1);
   }
   CHECK(names.count("velocity.fixes") == static_cast<std::size_t>(VelocityState::capacity));
-  for (const char* const group : {"body.", "startup.", "admission.", "frozen.", "trust.", "drift.",
-                                  "velocity.", "alignment.", "heading.", "outage.", "runaway.", "uncertainty."}) {
+  for (const char* const group :
+       {"body.", "startup.", "admission.", "frozen.", "trust.", "drift.", "velocity.", "alignment.",
+        "heading.", "outage.", "runaway.", "uncertainty."}) {
     CHECK(names.lower_bound(group) != names.end());
     CHECK(names.lower_bound(group)->starts_with(group));
   }

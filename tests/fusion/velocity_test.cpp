@@ -97,16 +97,19 @@ TEST_CASE("item 3: the mean over the interval is compared and not the present ve
 
 TEST_CASE("a velocity comes only of two good fixes within the declared interval") {
   const auto body = test::moving_body({1, 0, 0});
-  const VelocityState first = after(fix_at(-0.4, Vector3d::Zero()));
+  const VelocityState first = after(fix_at(-0.5, Vector3d::Zero()));
+  VelocitySettings settings = plain();
+  settings.interval_min_s = 0.05;
+  settings.interval_max_s = 0.4;
   const auto measured_after = [&](double interval_s, bool good = true) {
     VelocityState state = first;
-    const auto fix = fix_at(-0.4 + interval_s, {interval_s, 0, 0});
-    return velocity::measure(plain(), state, body, fix, good).has_value();
+    const auto fix = fix_at(-0.5 + interval_s, {interval_s, 0, 0});
+    return velocity::measure(settings, state, body, fix, good).has_value();
   };
   CHECK_FALSE(measured_after(0.032));
   CHECK(measured_after(0.051));
-  CHECK(measured_after(0.299));
-  CHECK_FALSE(measured_after(0.301));
+  CHECK(measured_after(0.399));
+  CHECK_FALSE(measured_after(0.401));
   CHECK_FALSE(measured_after(0.1, false));
 
   VelocityState none;

@@ -80,6 +80,22 @@ inline Motion departure(double speed_mps, double curvature_per_m = 0.0, double s
   };
 }
 
+/// A lying eight of 4 m × 2 m at 1 m/s or so, facing forward, under way from before the start.
+inline Motion eight(double turn_rate_radps = 0.5) {
+  return [w = turn_rate_radps](double time_s) {
+    const double u = w * time_s;
+    Truth truth;
+    truth.position_world_m = {2.0 * std::sin(u), std::sin(2.0 * u), 0.0};
+    const Vector3d v(2.0 * w * std::cos(u), 2.0 * w * std::cos(2.0 * u), 0.0);
+    const Vector3d a(-2.0 * w * w * std::sin(u), -4.0 * w * w * std::sin(2.0 * u), 0.0);
+    truth.velocity_world_mps = v;
+    truth.acceleration_world_mps2 = a;
+    truth.yaw_rad = std::atan2(v.y(), v.x());
+    truth.yaw_rate_radps = (v.x() * a.y() - v.y() * a.x()) / v.squaredNorm();
+    return truth;
+  };
+}
+
 struct Sensors {
   double imu_rate_hz = 100.0;
   double fix_rate_hz = 12.5;

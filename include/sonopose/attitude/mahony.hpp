@@ -12,6 +12,7 @@ namespace sonopose::attitude {
 struct MahonySettings {
   double kp{};
   double ki{};
+  double ki_gate_mps2{};
 
   static constexpr std::string_view group = "attitude.mahony";
   static constexpr auto declarations() {
@@ -19,12 +20,16 @@ struct MahonySettings {
     using setting::real;
     return std::tuple{
         real(
-            29, "kp", &G::kp, 0.15, {0.0, 10.0}, "1/s",
+            29, "kp", &G::kp, 0.01, {0.0, 10.0}, "1/s",
             "Speed at which tilt is corrected towards the measured gravity; higher reacts faster and is more "
             "easily misled by acceleration."),
         real(30, "ki", &G::ki, 0.001, {0.0, 0.1}, "1/s^2",
              "Rate at which a remaining gyro offset is learned from the tilt correction, over tens of "
-             "seconds.")};
+             "seconds."),
+        real(setting::own_setting, "ki_gate_mps2", &G::ki_gate_mps2, 0.5, {0.0, 1000.0}, "m/s^2",
+             "The offset is learned only while the specific force differs from gravity by less than this: in "
+             "a "
+             "long turn the tilt correction is wrong all the time in one direction.")};
   }
   constexpr MahonySettings() { setting::set_defaults(*this); }
 };

@@ -26,18 +26,18 @@ struct AlignmentSettings {
     using setting::own_setting;
     using setting::real;
     return std::tuple{
-        real(own_setting, "tilt_gain_hz", &G::tilt_gain_hz, 0.0, {0.0, 10.0}, "1/s",
+        real(own_setting, "tilt_gain_hz", &G::tilt_gain_hz, 0.8, {0.0, 3.0}, "1/s",
              "Rate at which the velocity corrections by fixes level the attitude; 0: they never do."),
-        real(own_setting, "vertical_gain_hz", &G::vertical_gain_hz, 0.0, {0.0, 10.0}, "1/s",
+        real(own_setting, "vertical_gain_hz", &G::vertical_gain_hz, 0.13, {0.0, 3.0}, "1/s",
              "Rate at which vertical velocity corrections by fixes are learned as an offset of the vertical "
              "acceleration."),
         real(own_setting, "vertical_limit_mps2", &G::vertical_limit_mps2, 0.5, {0.0, 10.0}, "m/s^2",
              "Largest offset of the vertical acceleration that is learned."),
         real(
-            own_setting, "yaw_gain", &G::yaw_gain, 0.0, {0.0, 1.0}, "",
+            own_setting, "yaw_gain", &G::yaw_gain, 0.2, {0.0, 1.0}, "",
             "Share of the angle between the accelerations as the IMU and as the fixes show them by which one "
             "fix turns yaw, while there is no paired heading."),
-        real(own_setting, "yaw_noise_mps", &G::yaw_noise_mps, 0.2, {0.001, 10.0}, "m/s",
+        real(own_setting, "yaw_noise_mps", &G::yaw_noise_mps, 0.4, {0.001, 10.0}, "m/s",
              "Velocity gained by acceleration at which that share is halved; less of it is mostly noise.")};
   }
   constexpr AlignmentSettings() { setting::set_defaults(*this); }

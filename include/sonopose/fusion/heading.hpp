@@ -29,16 +29,16 @@ struct HeadingSettings {
              "Angle from the body's X axis to the axis of the paired beacons; 90 where the pair stands along "
              "body "
              "Y."),
-        real(31, "min_displacement_m", &G::min_displacement_m, 0.08, {0.0, 100.0}, "m",
+        real(31, "min_displacement_m", &G::min_displacement_m, 0.1, {0.0, 100.0}, "m",
              "Least distance between two fixes for a yaw correction from the direction of motion."),
-        real(32, "max_correction_deg", &G::max_correction_deg, 2.0, {0.0, 180.0}, "deg",
+        real(32, "max_correction_deg", &G::max_correction_deg, 5.0, {0.0, 180.0}, "deg",
              "Largest yaw correction by one fix."),
-        real(33, "error_gain", &G::error_gain, 0.05, {0.0, 1.0}, "",
+        real(33, "error_gain", &G::error_gain, 0.005, {0.0, 1.0}, "",
              "Share of the heading error that one fix corrects."),
         real(34, "pair_gain_hz", &G::pair_gain_hz, 2.0, {0.0, 50.0}, "1/s",
              "Rate at which yaw is pulled to the heading of the paired beacons, at every IMU sample."),
         real(
-            own_setting, "pair_bias_gain_hz2", &G::pair_bias_gain_hz2, 0.02, {0.0, 10.0}, "1/s^2",
+            own_setting, "pair_bias_gain_hz2", &G::pair_bias_gain_hz2, 0.15, {0.0, 10.0}, "1/s^2",
             "Rate at which a yaw-rate offset is learned from that pull; tilt's integral (item 30) cannot see "
             "one."),
         real(own_setting, "expires_s", &G::expires_s, 0.5, {0.01, 60.0}, "s",

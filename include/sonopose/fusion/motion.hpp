@@ -25,9 +25,9 @@ struct MotionSettings {
         setting::flag(
             35, "gyro_gate", &G::gyro_gate, true,
             "Hold acceleration back while the body turns too fast for it to be the tracked point's."),
-        real(36, "gyro_gate_projection_radps", &G::gyro_gate_projection_radps, 4.0, {0.0, 100.0}, "rad/s",
+        real(36, "gyro_gate_projection_radps", &G::gyro_gate_projection_radps, 3.0, {0.0, 100.0}, "rad/s",
              "Angular rate above which only the acceleration along the velocity is integrated."),
-        real(37, "gyro_gate_freeze_radps", &G::gyro_gate_freeze_radps, 7.0, {0.0, 100.0}, "rad/s",
+        real(37, "gyro_gate_freeze_radps", &G::gyro_gate_freeze_radps, 6.0, {0.0, 100.0}, "rad/s",
              "Angular rate above which no acceleration is integrated.")};
   }
   constexpr MotionSettings() { setting::set_defaults(*this); }

@@ -33,7 +33,7 @@ struct VelocitySettings {
     using setting::own_setting;
     using setting::real;
     return std::tuple{
-        real(3, "blend_weight", &G::blend_weight, 0.27, {0.0, 1.0}, "",
+        real(3, "blend_weight", &G::blend_weight, 0.14, {0.0, 1.0}, "",
              "Largest share of the difference to the velocity between two fixes that one fix corrects; "
              "scaled by "
              "the fix's weight."),
@@ -42,9 +42,9 @@ struct VelocitySettings {
              "direction."),
         flag(8, "undershoot_fix", &G::undershoot_fix, true,
              "Take the ultrasonic velocity at once where it is more than twice the IMU's."),
-        real(28, "snap_min_speed_mps", &G::snap_min_speed_mps, 2.5, {0.0, 100.0}, "m/s",
+        real(28, "snap_min_speed_mps", &G::snap_min_speed_mps, 2.0, {0.0, 100.0}, "m/s",
              "Ultrasonic speed below which the overshoot and undershoot fixes never act."),
-        real(own_setting, "snap_max_bend_m", &G::snap_max_bend_m, 0.12, {0.0, 100.0}, "m",
+        real(own_setting, "snap_max_bend_m", &G::snap_max_bend_m, 0.08, {0.0, 100.0}, "m",
              "A fix farther than this from the straight continuation of the two before it takes no velocity "
              "at "
              "once: one stray fix is no speed."),
@@ -54,9 +54,9 @@ struct VelocitySettings {
              "Acceleration at which the acceleration gate halves the correction; at twice this it is zero."),
         real(own_setting, "interval_min_s", &G::interval_min_s, 0.05, {0.001, 1.0}, "s",
              "Two fixes closer together than this give no velocity."),
-        real(own_setting, "interval_max_s", &G::interval_max_s, 0.3, {0.01, 10.0}, "s",
+        real(own_setting, "interval_max_s", &G::interval_max_s, 0.5, {0.01, 10.0}, "s",
              "Two fixes farther apart than this give no velocity."),
-        real(own_setting, "interval_wanted_s", &G::interval_wanted_s, 0.2, {0.001, 10.0}, "s",
+        real(own_setting, "interval_wanted_s", &G::interval_wanted_s, 0.15, {0.001, 10.0}, "s",
              "Of the earlier fixes the velocity is measured from the latest that lies this far back, else "
              "from the oldest: over a longer interval the fixes' noise counts less.")};
   }
@@ -82,6 +82,8 @@ struct VelocityState {
   /// Whether the velocity is known as well as it will be, and not still averaged over the run's first ones.
   static constexpr int enough_velocities = 7;
   [[nodiscard]] bool settled() const { return velocities >= enough_velocities; }
+  void settle() { velocities = enough_velocities; }
+  void unsettle() { velocities = 0; }
 
   bool operator==(const VelocityState&) const = default;
 };
