@@ -3,48 +3,12 @@
 #include "units.hpp"
 #include <sonopose/io/error.hpp>
 
-#include <cerrno>
 #include <charconv>
-#include <cstdio>
-#include <cstring>
 #include <system_error>
-#include <utility>
-
-// The library cuts long file names on purpose; we hold the whole name ourselves.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wstringop-truncation"
-#define CSV_IO_NO_THREAD
-#include <libfccp/csv.h>
-#pragma GCC diagnostic pop
 
 namespace sonopose::io {
 
 namespace {
-
-/// A file's bytes. Ends every file with a newline: LineReader looks one byte too far where it is missing.
-class FileBytes : public ::io::ByteSourceBase {
-public:
-  explicit FileBytes(std::string name) : name_{std::move(name)}, file_{std::fopen(name_.c_str(), "rbe")} {
-    if (!file_) throw IoError(name_ + ": cannot be opened: " + std::strerror(errno));
-  }
-
-  int read(char* buffer, int size) override {
-    const auto wanted = static_cast<std::size_t>(size);
-    std::size_t count = std::fread(buffer, 1, wanted, file_.get());
-    if (std::ferror(file_.get()) != 0) throw IoError(name_ + ": cannot be read: " + std::strerror(errno));
-    if (count > 0) last_ = buffer[count - 1];
-    if (count < wanted && last_ != '\n') buffer[count++] = last_ = '\n';
-    return static_cast<int>(count);
-  }
-
-private:
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  std::string name_;
-  std::unique_ptr<std::FILE, Close> file_;
-  char last_ = '\n';
-};
 
 std::string_view trimmed(std::string_view text) {
   const auto is_space = [](char c) { return c == ' ' || c == '\t'; };
@@ -62,29 +26,17 @@ std::string expected_columns(const CsvLayout& layout) {
 }  // namespace
 
 CsvReader::CsvReader(const std::filesystem::path& file, const CsvLayout& layout)
-    : name_{file.string()},
-      layout_{layout},
-      lines_{std::make_unique<::io::LineReader>(name_, std::make_unique<FileBytes>(name_))} {
+    : name_{file.string()}, layout_{layout}, lines_{file} {
   read_header();
 }
 
-CsvReader::~CsvReader() = default;
-
-const char* CsvReader::next_line() {
-  try {
-    return lines_->next_line();
-  } catch (const ::io::error::line_length_limit_exceeded&) {
-    fail_line("the line is endless, this is no text file");
-  }
-}
-
 void CsvReader::read_header() {
-  const char* const line = next_line();
-  if (line == nullptr) throw IoError(name_ + ": is empty, a header line that begins with # is missing");
-  if (*line != '#') {
-    fail_line("a header line that begins with # is missing, this line is \"" + std::string(line) + "\"");
+  const auto line = lines_.next();
+  if (!line) throw IoError(name_ + ": is empty, a header line that begins with # is missing");
+  if (!line->starts_with('#')) {
+    fail_line("a header line that begins with # is missing, this line is \"" + std::string(*line) + "\"");
   }
-  header_columns_ = split(line);
+  header_columns_ = split(*line);
   if (header_columns_ < layout_.least_columns || header_columns_ > layout_.columns.size()) {
     fail_line("the header has " + std::to_string(header_columns_) + " columns instead of " +
               expected_columns(layout_));
@@ -92,13 +44,12 @@ void CsvReader::read_header() {
 }
 
 bool CsvReader::next_row() {
-  std::string_view line;
   do {
-    const char* const text = next_line();
-    if (text == nullptr) return false;
-    line = trimmed(text);
-  } while (line.empty());
-  const std::size_t count = split(line);
+    const auto line = lines_.next();
+    if (!line) return false;
+    row_ = trimmed(*line);
+  } while (row_.empty());
+  const std::size_t count = split(row_);
   const std::size_t least = layout_.short_rows ? layout_.least_columns : header_columns_;
   if (count < least || count > header_columns_) {
     fail_line("has " + std::to_string(count) + " columns where the header has " +
@@ -164,7 +115,7 @@ void CsvReader::fail(std::size_t column, std::string_view what) const {
 }
 
 void CsvReader::fail_line(std::string_view what) const {
-  throw IoError(name_ + ":" + std::to_string(lines_->get_file_line()) + ": " + std::string(what));
+  throw IoError(name_ + ":" + std::to_string(lines_.number()) + ": " + std::string(what));
 }
 
 }  // namespace sonopose::io

@@ -1,23 +1,16 @@
 #pragma once
 /// \file
 /// Rows and cells of one CSV file, with errors that name the place. Private to this room.
-///
-/// Lines come from fast-cpp-csv-parser's LineReader. Its own column parsing is not used: it knows no empty
-/// cells, cannot read a number back to the same bits, and compares header words.
 
+#include "line_reader.hpp"
 #include <sonopose/core/samples.hpp>
 
 #include <array>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-
-namespace io {
-class LineReader;
-}  // namespace io
 
 namespace sonopose::io {
 
@@ -32,14 +25,12 @@ class CsvReader {
 public:
   /// Opens the file and reads its header line.
   CsvReader(const std::filesystem::path& file, const CsvLayout& layout);
-  ~CsvReader();
-  CsvReader(const CsvReader&) = delete;
-  CsvReader& operator=(const CsvReader&) = delete;
-  CsvReader(CsvReader&&) = delete;
-  CsvReader& operator=(CsvReader&&) = delete;
 
   /// Steps to the next row that is not blank; false at the end.
   bool next_row();
+
+  /// How many rows there are in the file if all are as long as the current one.
+  [[nodiscard]] std::size_t rows_like_this() const { return lines_.lines_like(row_); }
 
   /// Cells of the current row. A cell beyond the row's end is empty.
   [[nodiscard]] bool is_empty(std::size_t column) const { return cell(column).empty(); }
@@ -62,13 +53,13 @@ private:
   [[noreturn]] void fail_line(std::string_view what) const;
   [[nodiscard]] std::string_view cell(std::size_t column) const { return cells_[column]; }
   void read_header();
-  const char* next_line();  ///< null at the end
   /// Number of cells in the line; only the first ones are kept.
   std::size_t split(std::string_view line);
 
   std::string name_;
   CsvLayout layout_;
-  std::unique_ptr<::io::LineReader> lines_;
+  LineReader lines_;
+  std::string_view row_;
   std::size_t header_columns_ = 0;
   std::array<std::string_view, most_columns> cells_{};
 };

@@ -4,6 +4,7 @@
 #include <sonopose/io/log_folder.hpp>
 
 #include <limits>
+#include <utility>
 
 namespace sonopose::io {
 
@@ -11,62 +12,104 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
+/// The rows of imu.csv, one at a time.
+class ImuRows {
+public:
+  ImuRows(const std::filesystem::path& file, BeaconAddress address)
+      : rows_{file, {imu_columns, imu_columns_without_magnetometer}} {
+    sample_.address = address;
+    step();
+  }
+
+  /// The current sample; null behind the last.
+  [[nodiscard]] const ImuSample* current() const { return at_end_ ? nullptr : &sample_; }
+
+  void step() {
+    at_end_ = !rows_.next_row();
+    if (at_end_) return;
+    sample_.sensor_time_ns = rows_.time_ns(0);
+    sample_.angular_velocity_body_radps = rows_.vector(1);
+    sample_.specific_force_body_mps2 = rows_.vector(4);
+    sample_.magnetic_field_body_t.reset();
+    if (!rows_.all_filled(7, 3)) return;
+    sample_.magnetic_field_body_t.emplace(rows_.number_in(microtesla, 7), rows_.number_in(microtesla, 8),
+                                          rows_.number_in(microtesla, 9));
+  }
+
+  [[nodiscard]] std::size_t expected_count() const { return at_end_ ? 0 : rows_.rows_like_this(); }
+
+private:
+  CsvReader rows_;
+  ImuSample sample_;
+  bool at_end_ = false;
+};
+
+/// Samples that are in memory already, one at a time.
+template <class Sample>
+class Samples {
+public:
+  explicit Samples(const std::vector<Sample>& samples) : samples_(samples) {}
+  [[nodiscard]] const Sample* current() const { return next_ < samples_.size() ? &samples_[next_] : nullptr; }
+  void step() { ++next_; }
+  [[nodiscard]] std::size_t expected_count() const { return samples_.size(); }
+
+private:
+  const std::vector<Sample>& samples_;
+  std::size_t next_ = 0;
+};
+
+/// merge_by_availability, with IMU samples from wherever they come.
+template <class ImuSamples>
+std::vector<Event> merged(ImuSamples imu, Samples<UltrasonicFix> fixes, Samples<PairHeading> headings) {
+  std::vector<Event> events;
+  events.reserve(imu.expected_count() + fixes.expected_count() + headings.expected_count());
+  const auto append = [&events](auto& samples) {
+    auto sample = *samples.current();
+    sample.sequence = events.size() + 1;
+    events.emplace_back(std::move(sample));
+    samples.step();
+  };
+  constexpr TimeNs never = std::numeric_limits<TimeNs>::max();
+  while (imu.current() != nullptr || fixes.current() != nullptr || headings.current() != nullptr) {
+    const TimeNs imu_ns = imu.current() != nullptr ? imu.current()->sensor_time_ns : never;
+    const TimeNs fix_ns = fixes.current() != nullptr ? fixes.current()->received_time_ns : never;
+    const TimeNs heading_ns = headings.current() != nullptr ? headings.current()->received_time_ns : never;
+    if (imu.current() != nullptr && imu_ns <= fix_ns && imu_ns <= heading_ns) {
+      append(imu);
+    } else if (fixes.current() != nullptr && fix_ns <= heading_ns) {
+      append(fixes);
+    } else {
+      append(headings);
+    }
+  }
+  return events;
+}
+
 }  // namespace
 
 SensorLog read_sensor_log(const std::filesystem::path& folder, BeaconAddress address) {
   if (!std::filesystem::is_directory(folder)) throw IoError(folder.string() + ": is not a folder");
-  const auto imu = read_imu_csv(folder / imu_file, address);
+  // IMU samples are by far the most: each goes to its place among the events as soon as it is read.
+  ImuRows imu(folder / imu_file, address);
   const auto fixes = read_ultrasonic_csv(folder / ultrasonic_file, address);
   std::vector<PairHeading> headings;
   if (exists(folder / heading_file)) headings = read_heading_csv(folder / heading_file, address);
   SensorLog log;
+  log.events = merged(std::move(imu), Samples(fixes), Samples(headings));
   if (exists(folder / truth_file)) log.truth = read_truth_csv(folder / truth_file, address);
-  log.events = merge_by_availability(imu, fixes, headings);
   return log;
 }
 
 std::vector<Event> merge_by_availability(const std::vector<ImuSample>& imu,
                                          const std::vector<UltrasonicFix>& fixes,
                                          const std::vector<PairHeading>& headings) {
-  std::vector<Event> events;
-  events.reserve(imu.size() + fixes.size() + headings.size());
-  const auto append = [&events](auto sample) {
-    sample.sequence = events.size() + 1;
-    events.emplace_back(sample);
-  };
-  constexpr TimeNs never = std::numeric_limits<TimeNs>::max();
-  auto next_imu = imu.begin();
-  auto next_fix = fixes.begin();
-  auto next_heading = headings.begin();
-  while (next_imu != imu.end() || next_fix != fixes.end() || next_heading != headings.end()) {
-    const TimeNs imu_ns = next_imu != imu.end() ? next_imu->sensor_time_ns : never;
-    const TimeNs fix_ns = next_fix != fixes.end() ? next_fix->received_time_ns : never;
-    const TimeNs heading_ns = next_heading != headings.end() ? next_heading->received_time_ns : never;
-    if (next_imu != imu.end() && imu_ns <= fix_ns && imu_ns <= heading_ns) {
-      append(*next_imu++);
-    } else if (next_fix != fixes.end() && fix_ns <= heading_ns) {
-      append(*next_fix++);
-    } else {
-      append(*next_heading++);
-    }
-  }
-  return events;
+  return merged(Samples(imu), Samples(fixes), Samples(headings));
 }
 
 std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address) {
-  CsvReader rows(file, {imu_columns, imu_columns_without_magnetometer});
   std::vector<ImuSample> samples;
-  while (rows.next_row()) {
-    ImuSample& sample = samples.emplace_back();
-    sample.address = address;
-    sample.sensor_time_ns = rows.time_ns(0);
-    sample.angular_velocity_body_radps = rows.vector(1);
-    sample.specific_force_body_mps2 = rows.vector(4);
-    if (rows.all_filled(7, 3)) {
-      sample.magnetic_field_body_t.emplace(rows.number_in(microtesla, 7), rows.number_in(microtesla, 8),
-                                           rows.number_in(microtesla, 9));
-    }
-  }
+  for (ImuRows rows(file, address); rows.current() != nullptr; rows.step())
+    samples.push_back(*rows.current());
   return samples;
 }
 
@@ -103,6 +146,7 @@ std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, Beaco
   CsvReader rows(file, {truth_columns, truth_columns_least, true});
   std::vector<TruthSample> samples;
   while (rows.next_row()) {
+    if (samples.empty()) samples.reserve(rows.rows_like_this());
     TruthSample& sample = samples.emplace_back();
     sample.address = address;
     sample.time_ns = rows.time_ns(0);

@@ -119,3 +119,31 @@ SCENARIO("files that are not there are named") {
   std::filesystem::create_directory(log / "ultrasonic.csv");
   CHECK_THROWS_WITH(read_sensor_log(log.path()), Contains("/ultrasonic.csv: cannot be read: Is a directory"));
 }
+
+SCENARIO("a file that is no text is refused, not read for ever") {
+  Files files;
+  WHEN("a line never ends") {
+    files.imu += std::string(1'000'000, '7');
+    CHECK_THAT(complaint_about(files), Contains("/imu.csv:3: the line is endless"));
+  }
+  WHEN("a cell holds a zero byte") {
+    files.imu += std::string("2,0,0,0,0,0,9.8\0,1\n", 19);
+    CHECK_THAT(complaint_about(files), Contains("/imu.csv:3: has 8 columns"));
+  }
+}
+
+SCENARIO("a line is whole and counted wherever it lies in a long file") {
+  Files files;
+  const std::string row = "2,0.1234567890123456,0,0,0,0,9.8\n";
+  constexpr std::size_t rows = 50'000;  // 1.6 MB
+  files.imu.clear();
+  files.imu += "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z\n";
+  for (std::size_t i = 0; i < rows; ++i) files.imu += row;
+  const TemporaryFolder log;
+  write_text(log / "imu.csv", files.imu);
+  const auto samples = read_imu_csv(log / "imu.csv", 7);
+  REQUIRE(samples.size() == rows);
+  for (const auto& sample : samples) REQUIRE(sample.angular_velocity_body_radps.x() == 0.1234567890123456);
+  files.imu += "wrong";
+  CHECK_THAT(complaint_about(files), Contains("/imu.csv:50002: "));
+}
