@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -31,30 +33,38 @@ std::string shell_word(const std::string& text) {
   return word + "'";
 }
 
-/// A file of commands that is gone with this object.
-class ScriptFile {
+/// A folder for the commands and for what gnuplot says to them; gone with this object.
+class WorkFolder {
 public:
-  explicit ScriptFile(const std::string& text)
-      : name_{(fs::temp_directory_path() / "sonopose-plot-XXXXXX").string()} {
+  WorkFolder() : name_{(fs::temp_directory_path() / "sonopose-plot-XXXXXX").string()} {
     if (::mkdtemp(name_.data()) == nullptr) throw PictureError(name_ + ": cannot be made");
-    io::CsvWriter out(path(), io::CsvWriter::Existing::replace);
-    out.text(text);
-    out.flush();
   }
-  ~ScriptFile() {
+  ~WorkFolder() {
     std::error_code ignored;
     fs::remove_all(name_, ignored);
   }
-  ScriptFile(const ScriptFile&) = delete;
-  ScriptFile& operator=(const ScriptFile&) = delete;
-  ScriptFile(ScriptFile&&) = delete;
-  ScriptFile& operator=(ScriptFile&&) = delete;
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
+  WorkFolder(WorkFolder&&) = delete;
+  WorkFolder& operator=(WorkFolder&&) = delete;
 
-  [[nodiscard]] fs::path path() const { return fs::path(name_) / "plot.gnuplot"; }
+  [[nodiscard]] fs::path script() const { return fs::path(name_) / "plot.gnuplot"; }
+  [[nodiscard]] fs::path messages() const { return fs::path(name_) / "messages.txt"; }
 
 private:
   std::string name_;
 };
+
+void write(const fs::path& file, const std::string& text) {
+  io::CsvWriter out(file, io::CsvWriter::Existing::replace);
+  out.text(text);
+  out.flush();
+}
+
+std::string content_of(const fs::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
 
 /// The greater of two errors, of which either may not be known.
 double worse(double a, double b) {
@@ -151,11 +161,14 @@ double Picture::speed_since_last_used(const FixReport& fix) const {
 }
 
 void Picture::draw() const {
-  const ScriptFile script(gnuplot_script(data_, file_));
-  const int status = std::system(("gnuplot " + shell_word(script.path().string())).c_str());
+  const WorkFolder folder;
+  write(folder.script(), gnuplot_script(data_, file_));
+  const std::string command =
+      "gnuplot " + shell_word(folder.script().string()) + " 2> " + shell_word(folder.messages().string());
+  const int status = std::system(command.c_str());
   std::error_code ignored;
   if (status != 0 || fs::file_size(file_, ignored) == 0) {
-    throw PictureError(file_.string() + ": gnuplot could not draw it");
+    throw PictureError(file_.string() + ": gnuplot could not draw it: " + content_of(folder.messages()));
   }
 }
 

@@ -2,10 +2,11 @@
 /// \file
 /// Where the panels of a picture stand, and which part of the map it shows. Private to this room.
 
-#include <sonopose/core/samples.hpp>
+#include <sonopose/replay/picture.hpp>
 
 #include <algorithm>
 #include <limits>
+#include <string>
 
 namespace sonopose::replay {
 
@@ -52,5 +53,22 @@ struct Box {
     high = centre + half;
   }
 };
+
+/// 0: used, 1: used with less weight as an outlier, 2: rejected.
+int class_of(std::uint32_t verdict);
+
+/// 1 where the status is set, else 0.
+inline int bit(std::uint32_t status, PoseStatus wanted) {
+  return (status & wanted) != 0 ? 1 : 0;
+}
+
+/// Both axes' ranges, so that the path and the good fixes fill the panel and a metre is as long on both.
+Box path_box(const PictureData& data);
+
+/// Commands for the axis of the position errors, and of the fixes' residuals.
+std::string axis_of_errors(const PictureData& data);
+std::string axis_of_residuals(const PictureData& data);
+
+double top_of_speeds_mps(const PictureData& data);
 
 }  // namespace sonopose::replay

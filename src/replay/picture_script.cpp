@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdlib>
 #include <iterator>
 #include <string_view>
 
@@ -49,16 +47,6 @@ std::string plot_text(std::string_view text) {
   return result + "'";
 }
 
-/// 0: used, 1: used with less weight as an outlier, 2: rejected.
-int class_of(std::uint32_t verdict) {
-  if ((verdict & verdict_used) == 0) return 2;
-  return (verdict & verdict_outlier) != 0 ? 1 : 0;
-}
-
-int bit(std::uint32_t status, PoseStatus wanted) {
-  return (status & wanted) != 0 ? 1 : 0;
-}
-
 void append_data(std::string& script, const PictureData& data) {
   auto out = std::back_inserter(script);
   fmt::format_to(out, "$poses << END\n");
@@ -98,47 +86,6 @@ void append_status(std::string& script, const PictureData& data) {
   fmt::format_to(out, "END\n");
 }
 
-/// `share` of the values lie below it; 0 where none is known.
-double quantile(std::vector<double> values, double share) {
-  std::erase_if(values, [](double value) { return !std::isfinite(value); });
-  if (values.empty()) return 0.0;
-  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[static_cast<std::size_t>(rank)];
-}
-
-/// The axis of errors in cm. Its top shows what matters in detail: a jump may leave the picture. Where rare
-/// errors dwarf the usual ones, as in outages, the axis is logarithmic.
-std::string error_axis(const std::vector<double>& errors_m, double top_m) {
-  constexpr double least_top_cm = 5.0;
-  constexpr double dwarfed = 12.0;
-  if (quantile(errors_m, 0.99) > dwarfed * quantile(errors_m, 0.5) && quantile(errors_m, 0.5) > 0.0) {
-    return fmt::format("set logscale y\nset yrange [0.3:{:.3g}]\n",
-                       std::max(least_top_cm, 120.0 * quantile(errors_m, 1.0)));
-  }
-  return fmt::format("set yrange [0:{:.3g}]\n", std::max(least_top_cm, 100.0 * top_m));
-}
-
-std::string axis_of_errors(const PictureData& data) {
-  std::vector<double> errors_m;
-  std::vector<double> last_fix_errors_m;
-  for (const auto& moment : data.moments) {
-    if (bit(moment.status, status_initialising) == 0) errors_m.push_back(moment.error_m);
-    last_fix_errors_m.push_back(moment.last_fix_error_m);
-  }
-  const double fused_m = quantile(errors_m, 0.99);
-  const double last_fix_m = quantile(last_fix_errors_m, 0.9);
-  return error_axis(errors_m, std::max(1.5 * fused_m, std::min(1.2 * last_fix_m, 5.0 * fused_m)));
-}
-
-std::string axis_of_residuals(const PictureData& data) {
-  std::vector<double> residuals_m;
-  for (const auto& fix : data.fixes) {
-    if ((fix.verdict & verdict_used) != 0) residuals_m.push_back(fix.residual_m);
-  }
-  return error_axis(residuals_m, 1.5 * quantile(residuals_m, 0.99));
-}
-
 /// Fixes of one class as points; `column` is drawn over time, or the path's y over its x.
 std::string fix_points(std::string_view columns, int kind, std::string_view title) {
   constexpr std::array<std::string_view, 3> colours{used_colour, outlier_colour, rejected_colour};
@@ -158,20 +105,6 @@ std::string fixes_by_kind(std::string_view x, std::string_view y, int kinds) {
                                                        titles[static_cast<std::size_t>(kind)]);
   }
   return text;
-}
-
-/// Both axes' ranges, so that the path and the good fixes fill the panel and a metre is as long on both.
-Box path_box(const PictureData& data) {
-  Box box;
-  for (const auto& moment : data.moments) {
-    if (bit(moment.status, status_initialising) == 0) box.include(moment.position_world_m);
-    box.include(moment.true_position_world_m);
-  }
-  for (const auto& fix : data.fixes) {
-    if (class_of(fix.verdict) == 0) box.include(fix.position_world_m);
-  }
-  box.fit(path_panel.width() * picture_width, path_panel.height() * picture_height);
-  return box;
 }
 
 /// The spans of status, behind everything else: each from its own moment to the next.
@@ -225,7 +158,8 @@ void append_errors(std::string& script, const PictureData& data) {
 
 void append_speed(std::string& script, const PictureData& data) {
   append_frame(script, speed_panel, "speed [m/s]");
-  fmt::format_to(std::back_inserter(script), "unset logscale y\nset yrange [0:*]\nplot {}", shades(false));
+  fmt::format_to(std::back_inserter(script), "unset logscale y\nset yrange [0:{:.4g}]\nplot {}",
+                 top_of_speeds_mps(data), shades(false));
   if (data.has_truth) {
     fmt::format_to(std::back_inserter(script),
                    "$poses using 1:7 with lines lw 1.6 lc rgb '{}' title 'truth', \\\n  ", truth_colour);

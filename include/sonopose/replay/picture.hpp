@@ -61,7 +61,7 @@ struct PictureData {
 /// Collects a run's poses and reports, in a bounded number of moments, and draws them.
 class Picture {
 public:
-  static constexpr std::size_t most_moments = 4096;
+  static constexpr std::size_t most_moments = 16384;
 
   /// `file` ends in .svg or .png, and is replaced. Throws PictureError for another ending and where gnuplot
   /// is not installed, io::IoError where the file cannot be written. `log` must outlive the picture.

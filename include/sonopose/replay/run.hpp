@@ -32,12 +32,12 @@ struct SavedState {
 };
 
 struct RunOptions {
-  fusion::Settings settings;
+  fusion::Settings settings{};
   EngineKind engine = EngineKind::fusion;
   attitude::StrapdownRule strapdown_rule = attitude::StrapdownRule::previous;
-  double after_s = 0;               ///< scored are poses from so long after the recording's first event on
-  std::optional<double> until_s;    ///< the run ends before the first event that comes later than this
-  std::optional<SavedState> start;  ///< go on from here, with the events behind it
+  double after_s = 0;                 ///< scored are poses from so long after the recording's first event on
+  std::optional<double> until_s{};    ///< the run ends before the first event that comes later than this
+  std::optional<SavedState> start{};  ///< go on from here, with the events behind it
 };
 
 /// What is told as it comes; either may be empty.

@@ -1,0 +1,123 @@
+#include "io/temporary_folder.hpp"
+#include "sample_log.hpp"
+#include <sonopose/io/error.hpp>
+#include <sonopose/replay/state_file.hpp>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <limits>
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+using nlohmann::json;
+
+namespace {
+
+/// A state in which every group has been at work.
+replay::SavedState busy_state() {
+  return replay::run(sample_log("outlier_bursts"), {.until_s = 13.0}).end;
+}
+
+/// What reading the state says after `change` was made to the file.
+template <class Change>
+std::string complaint_after(const Change& change) {
+  json file = json::parse(replay::state_text(busy_state()));
+  change(file);
+  try {
+    replay::parse_state(file.dump(), "s.json");
+  } catch (const replay::StateFileError& error) {
+    return error.what();
+  }
+  return "no complaint";
+}
+
+}  // namespace
+
+TEST_CASE("a state comes back from its file to the last bit") {
+  const TemporaryFolder folder;
+  const replay::SavedState saved = busy_state();
+  replay::save_state(folder / "state.json", saved);
+  CHECK(replay::load_state(folder / "state.json") == saved);
+  replay::save_state(folder / "state.json", {});  // replaces it
+  CHECK(replay::load_state(folder / "state.json") == replay::SavedState{});
+}
+
+TEST_CASE("a run that goes on from a file ends like the whole run") {
+  const TemporaryFolder folder;
+  const io::SensorLog log = sample_log("outages");
+  const auto whole = replay::run(log, {});
+  replay::save_state(folder / "state.json", replay::run(log, {.until_s = 7.7}).end);
+  const auto rest = replay::run(log, {.start = replay::load_state(folder / "state.json")});
+  CHECK(rest.end == whole.end);
+}
+
+TEST_CASE("numbers that are hard to write come back as they were") {
+  replay::SavedState saved;
+  saved.snapshot.state.body.position_world_m = {-0.0, 5e-324, -1.7976931348623157e308};
+  saved.snapshot.state.body.velocity_world_mps = {0.1, 1.0 / 3.0, 1e22};
+  saved.snapshot.state.body.time_ns = std::numeric_limits<TimeNs>::min();
+  saved.snapshot.counters.imu_samples = std::numeric_limits<std::uint64_t>::max();
+  const auto read = replay::parse_state(replay::state_text(saved), "s");
+  CHECK(read == saved);
+  CHECK(std::signbit(read.snapshot.state.body.position_world_m.x()));
+}
+
+TEST_CASE("a number that is not finite is not saved") {
+  replay::SavedState saved;
+  saved.snapshot.state.drift.weight = std::numeric_limits<double>::infinity();
+  CHECK_THROWS_WITH(replay::state_text(saved), Contains("drift.weight") && Contains("not finite"));
+}
+
+TEST_CASE("a file that is no saved state is refused with file and field") {
+  CHECK(complaint_after([](json&) {}) == "no complaint");
+  CHECK_THAT(complaint_after([](json& file) { file["format"] = "something"; }),
+             Contains("s.json: format: is \"something\""));
+  CHECK_THAT(complaint_after([](json& file) { file["version"] = 99; }),
+             Contains("s.json: version: is 99, this program reads version"));
+  CHECK_THAT(complaint_after([](json& file) { file.erase("sequence"); }), Contains("sequence: is missing"));
+  CHECK_THAT(complaint_after([](json& file) { file["colour"] = 1; }),
+             Contains("s.json: colour: is not known"));
+  CHECK_THAT(complaint_after([](json& file) { file["counters"]["x"] = 1; }),
+             Contains("s.json: counters: x: is not known"));
+  CHECK_THAT(complaint_after([](json& file) { file["counters"] = 3; }),
+             Contains("is 3 instead of an object"));
+  CHECK_THROWS_WITH(replay::parse_state("{\"format\": ", "s.json"), Contains("s.json: is no JSON"));
+  CHECK_THROWS_WITH(replay::parse_state("[]", "s.json"), Contains("instead of an object"));
+  CHECK_THROWS_AS(replay::load_state("/nowhere/s.json"), io::IoError);
+  CHECK_THROWS_WITH(replay::load_state("/"), Contains("Is a directory"));
+}
+
+TEST_CASE("a field that is missing, unknown, of the wrong kind or impossible is named") {
+  const auto state = [](const char* field, const json& value) {
+    return complaint_after([&](json& file) { file["state"][field] = value; });
+  };
+  CHECK_THAT(complaint_after([](json& file) { file["state"].erase("trust.trust"); }),
+             Contains("s.json: state: trust.trust: is missing"));
+  CHECK_THAT(state("trust.unheard_of", 1.0), Contains("trust.unheard_of: is not known"));
+  CHECK_THAT(state("trust.trust", "much"), Contains("trust.trust: is \"much\" instead of a number"));
+  CHECK_THAT(state("trust.forced", 1), Contains("trust.forced: is 1 instead of true or false"));
+  CHECK_THAT(state("trust.rebuild_n", -1), Contains("trust.rebuild_n: is -1 instead of a count"));
+  CHECK_THAT(state("trust.rebuild_n", 5'000'000'000), Contains("instead of a count below 2^31"));
+  CHECK_THAT(state("body.time_ns", 1.5), Contains("body.time_ns: is 1.5 instead of a time"));
+  CHECK_THAT(state("body.time_ns", 18'000'000'000'000'000'000U), Contains("body.time_ns"));
+  CHECK_THAT(state("body.position_world_m", {1, 2}),
+             Contains("body.position_world_m: is [1,2] instead of three"));
+  CHECK_THAT(state("outage.track", "lost"), Contains("outage.track") && Contains("none, position or held"));
+  CHECK_THAT(state("velocity.count", 9), Contains("velocity.count: is more than 8"));
+  CHECK_THAT(state("velocity.fixes", json::array()), Contains("velocity.fixes: has only 0"));
+  CHECK_THAT(complaint_after([](json& file) {
+               file["state"]["velocity.fixes"].push_back(file["state"]["velocity.fixes"][0]);
+             }),
+             Contains("velocity.fixes: has 9 elements instead of 8"));
+  CHECK_THAT(complaint_after([](json& file) {
+               file["state"]["filter"]["q_body_to_world"] = {1, 1, 0, 0};
+             }),
+             Contains("filter: q_body_to_world") && Contains("a unit quaternion"));
+  CHECK_THAT(complaint_after([](json& file) {
+               auto& points = file["state"]["body.history"];
+               std::swap(points.front(), points.back());
+             }),
+             Contains("body.history: has times that go backward"));
+}
