@@ -1,6 +1,7 @@
 /// A log played as fast as the programs take it: nothing is lost, and live equals replay.
 
 #include "io/temporary_folder.hpp"
+#include "replay_rows.hpp"
 #include "support/bits.hpp"
 #include "support/bus.hpp"
 #include <sonopose/fusion/engine.hpp>
@@ -55,6 +56,12 @@ std::size_t differences(const std::vector<Sample>& a, const std::vector<Sample>&
   return count;
 }
 
+/// The same by the program, through its files.
+std::vector<Bits> replayed_rows(const std::filesystem::path& log, const std::filesystem::path& out) {
+  REQUIRE(run(SONOPOSE_TEST_REPLAY, {log.string(), "--out", out.string()}).code == 0);
+  return pose_rows(out / "pose.csv");
+}
+
 }  // namespace
 
 SCENARIO("a log played as fast as it can be gives each pose once, the same as a replay without DDS") {
@@ -83,6 +90,9 @@ SCENARIO("a log played as fast as it can be gives each pose once, the same as a 
         CHECK(reports.samples.size() == expected.reports.size());
         CHECK(differences(poses.samples, expected.poses) == 0);
         CHECK(differences(reports.samples, expected.reports) == 0);
+        std::vector<Bits> live;
+        for (const FusedPose& pose : poses.samples) live.push_back(row_bits_of(pose));
+        CHECK((live == replayed_rows(folder / "log", folder / "out")));
       }
     }
     WHEN("the bridge plays it twice") {

@@ -1,0 +1,219 @@
+/// sonopose-replay as a program: what it prints, writes and refuses.
+
+#include "io/temporary_folder.hpp"
+#include "replay_rows.hpp"
+#include "support/process.hpp"
+#include <sonopose/io/log_writer.hpp>
+#include <sonopose/sim/simulator.hpp>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <sstream>
+#include <string>
+#include <vector>
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+using nlohmann::json;
+
+namespace {
+
+/// A folder with the recording `log`, of 12 s of a scenario.
+class Recording {
+public:
+  explicit Recording(bool with_truth = true) {
+    sim::Simulator simulator(sim::find_scenario("outlier_bursts"), {.duration_s = 12.0});
+    io::SensorLogWriter writer(log());
+    while (const auto step = simulator.next()) {
+      writer.write(step->event);
+      if (with_truth && step->truth) writer.write(*step->truth);
+    }
+    writer.flush();
+  }
+
+  [[nodiscard]] std::string log() const { return (folder_ / "log").string(); }
+  std::filesystem::path operator/(const char* name) const { return folder_ / name; }
+
+  /// Puts a row behind those of a file.
+  void append(const char* file, const std::string& row) const {
+    const auto path = std::filesystem::path(log()) / file;
+    write_text(path, read_text(path) + row + "\n");
+  }
+
+private:
+  TemporaryFolder folder_;
+};
+
+Result replay(std::vector<std::string> arguments, const Environment& environment = {}) {
+  return run(SONOPOSE_TEST_REPLAY, arguments, environment);
+}
+
+json report_of(std::vector<std::string> arguments) {
+  arguments.emplace_back("--json");
+  const Result result = replay(arguments);
+  CAPTURE(result.error);
+  REQUIRE(result.code == 0);
+  return json::parse(result.output);
+}
+
+/// Runs it where it must refuse to work; gives what it said.
+std::string refusal(const std::vector<std::string>& arguments, const Environment& environment = {}) {
+  const Result result = replay(arguments, environment);
+  CAPTURE(arguments, result.error);
+  REQUIRE(result.code);
+  CHECK(*result.code > 0);
+  return result.error;
+}
+
+std::size_t lines_of(const std::filesystem::path& file) {
+  const std::string text = read_text(file);
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+}  // namespace
+
+SCENARIO("a replay tells what it found and writes its three files") {
+  const Recording recording;
+  const std::string out = (recording / "new/out").string();
+  const json report = report_of({recording.log(), "--after", "6", "--out", out});
+  CHECK(report["position_rmse_m"].get<double>() < report["last_fix_rmse_m"].get<double>());
+  CHECK(report["imu_samples"] == 1200);
+  CHECK(report["duration_s"].get<double>() == Approx(12.0).margin(0.02));
+  for (const char* field : {"position_p95_m", "position_max_m", "yaw_rmse_deg", "tilt_rmse_deg",
+                            "velocity_rmse_mps", "extrapolated_rmse_m"}) {
+    CAPTURE(field);
+    CHECK(report[field].is_number());
+  }
+  CHECK(pose_rows(recording / "new/out/pose.csv").size() == 1200);
+  CHECK(lines_of(recording / "new/out/trajectory.tum") == 1201);
+  const auto fixes = report["fixes_used"].get<std::size_t>() + report["fixes_rejected"].get<std::size_t>();
+  CHECK(lines_of(recording / "new/out/fixes.csv") == fixes + 1);
+  AND_THEN("a second run replaces them with the same bytes and has the same hash") {
+    const std::string before = read_text(recording / "new/out/pose.csv");
+    CHECK(report_of({recording.log(), "--out", out})["state_hash"] == report["state_hash"]);
+    CHECK(read_text(recording / "new/out/pose.csv") == before);
+  }
+  AND_THEN("the lines for people say the same") {
+    const Result text = replay({recording.log(), "--after", "6"});
+    CHECK(text.code == 0);
+    CHECK_THAT(text.output, Contains(report["state_hash"].get<std::string>()) && Contains("x real time"));
+  }
+}
+
+SCENARIO("the trajectory is in TUM format") {
+  const Recording recording;
+  REQUIRE(replay({recording.log(), "--out", (recording / "out").string(), "--until", "0.05"}).code == 0);
+  std::istringstream lines(read_text(recording / "out/trajectory.tum"));
+  std::string line;
+  REQUIRE(std::getline(lines, line));
+  CHECK(line.starts_with("#"));
+  REQUIRE(std::getline(lines, line));
+  CHECK(line.starts_with("1700000000.000000000 "));
+  REQUIRE(std::getline(lines, line));
+  CHECK(line.starts_with("1700000000.010000000 "));
+  CHECK(std::count(line.begin(), line.end(), ' ') == 7);
+}
+
+SCENARIO("settings come from file and command line, also those of one beacon") {
+  const Recording recording;
+  const auto hash = [&recording](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), recording.log());
+    return report_of(arguments)["state_hash"];
+  };
+  const auto plain = hash({});
+  const auto changed = hash({"--set", "attitude.mahony.kp=0.5"});
+  CHECK(plain != changed);
+  write_text(recording / "own.toml", "[beacon.9.attitude.mahony]\nkp = 0.5\n");
+  const std::string config = (recording / "own.toml").string();
+  CHECK(hash({"--config", config}) == plain);
+  // The address is in the poses of no file and in no hash: only its settings make the difference.
+  CHECK(hash({"--config", config, "--beacon", "9"}) == changed);
+  CHECK(hash({"--config", config, "--beacon", "9", "--set", "beacon.9.attitude.mahony.kp=0.15"}) != changed);
+}
+
+SCENARIO("a state that is saved and loaded goes on as if nothing had happened") {
+  const Recording recording;
+  const std::string state = (recording / "state.json").string();
+  const std::string end = (recording / "end.json").string();
+  const std::string whole_end = (recording / "whole.json").string();
+  const auto out = [&recording](const char* name) { return (recording / name).string(); };
+  report_of({recording.log(), "--out", out("whole"), "--save-state", whole_end});
+  report_of({recording.log(), "--out", out("first"), "--until", "6.5", "--save-state", state});
+  report_of({recording.log(), "--out", out("second"), "--load-state", state, "--save-state", end});
+  auto halves = pose_rows(recording / "first/pose.csv");
+  const auto second = pose_rows(recording / "second/pose.csv");
+  CHECK(second.size() > 100);
+  halves.insert(halves.end(), second.begin(), second.end());
+  CHECK((halves == pose_rows(recording / "whole/pose.csv")));
+  CHECK(read_text(end) == read_text(whole_end));
+  AND_THEN("a damaged state is refused by file and field") {
+    std::string text = read_text(state);
+    text.replace(text.find("\"trust.trust\""), 13, "\"trust.truth\"");
+    write_text(state, text);
+    CHECK_THAT(refusal({recording.log(), "--load-state", state}),
+               Contains("state.json: state: trust.trust: is missing"));
+    CHECK_THAT(refusal({recording.log(), "--load-state", out("none.json")}),
+               Contains("none.json: cannot be read"));
+  }
+}
+
+SCENARIO("pure integration runs from the truth, and only from there") {
+  const Recording recording;
+  const json previous = report_of({recording.log(), "--engine", "strapdown", "--init", "truth"});
+  CHECK(previous["fixes_used"] == 0);
+  CHECK(previous["position_rmse_m"].is_number());
+  const json mean =
+      report_of({recording.log(), "--engine", "strapdown", "--init", "truth", "--integration", "mean"});
+  CHECK(mean["state_hash"] != previous["state_hash"]);
+  CHECK_THAT(refusal({recording.log(), "--engine", "strapdown", "--save-state", "x"}),
+             Contains("--save-state"));
+  const Recording without_truth(false);
+  CHECK_THAT(refusal({without_truth.log(), "--engine", "strapdown", "--init", "truth"}),
+             Contains("strapdown") && Contains("truth.csv"));
+  const json fused = report_of({without_truth.log()});
+  CHECK(fused["position_rmse_m"].is_null());
+  CHECK(fused["fixes_used"].get<int>() > 0);
+}
+
+SCENARIO("what is wrong is named, and the exit code says so") {
+  const Recording recording;
+  const std::string log = recording.log();
+  CHECK_THAT(refusal({(recording / "nowhere").string()}), Contains("nowhere: is not a folder"));
+  CHECK_THAT(refusal({log, "--set", "drift.no_such_key=1"}), Contains("drift.no_such_key"));
+  CHECK_THAT(refusal({log, "--set", "attitude.mahony.kp=11"}), Contains("kp") && Contains("out of range"));
+  CHECK_THAT(refusal({log, "--config", "/nowhere.toml"}), Contains("/nowhere.toml"));
+  CHECK_THAT(refusal({log, "--until", "-1"}), Contains("--until"));
+  CHECK_THAT(refusal({log, "--engine", "magic"}), Contains("--engine"));
+  CHECK_THAT(refusal({log, "--out", "/dev/null/out"}), Contains("/dev/null/out: cannot be made"));
+  CHECK_THAT(refusal({log, "--plot", "picture.pdf"}), Contains("ends in .svg or .png"));
+  CHECK_THAT(refusal({log, "--plot", (recording / "a.svg").string()}, {{"PATH", "/nowhere"}}),
+             Contains("gnuplot-nox"));
+  std::filesystem::create_directory(recording / "full");
+  std::filesystem::create_symlink("/dev/full", recording / "full/fixes.csv");
+  CHECK_THAT(refusal({log, "--out", (recording / "full").string()}),
+             Contains("fixes.csv: cannot be written: No space left"));
+  recording.append("imu.csv", "1800000000000000000,0,0,zero,0,0,9.8");
+  CHECK_THAT(refusal({log}), Contains("imu.csv:1202: column 4 (w_z [rad s^-1]): \"zero\" is not a number"));
+}
+
+SCENARIO("rows that no sensor can have given are counted and harm nothing") {
+  const Recording recording;
+  recording.append("imu.csv",
+                   "1700000012000000000,nan,0,0,0,0,9.8\n1700000012010000000,0,0,inf,0,0,9.8\n"
+                   "1700000012020000000,0,0,10000,0,0,9.8");
+  recording.append("ultrasonic.csv", "1700000011950000000,1700000012005000000,1e6,nan,0,90");
+  const json report = report_of({recording.log()});
+  CHECK(report["samples_invalid"] == 3);
+  CHECK(report["imu_samples"] == 1200);
+  CHECK(report["verdicts"]["invalid"] == 1);
+  CHECK(report["position_max_m"].is_number());
+}
+
+SCENARIO("a replay has nothing to do with the bus") {
+  const Result libraries = run("/usr/bin/ldd", {SONOPOSE_TEST_REPLAY});
+  REQUIRE(libraries.code == 0);
+  CHECK_THAT(libraries.output, Contains("libstdc++") && !Contains("ddsc"));
+}
