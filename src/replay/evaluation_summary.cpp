@@ -69,6 +69,17 @@ Summary summarise(const std::vector<CaseResult>& runs) {
   return summary;
 }
 
+double cost_of(const std::vector<std::vector<Case>>& cases, const fusion::Settings& settings) {
+  double logarithms = 0.0;
+  for (const std::vector<Case>& runs : cases) {
+    std::vector<CaseResult> results;
+    for (const Case& run : runs) results.push_back(evaluate(run, settings));
+    const Summary summary = summarise(results);
+    logarithms += 0.5 * std::log(summary.position_rmse_m * summary.worst_rmse_m);
+  }
+  return std::exp(logarithms / static_cast<double>(cases.size()));
+}
+
 std::string table_of(const std::vector<Summary>& summaries) {
   std::string text = fmt::format(
       "{:<15} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n"

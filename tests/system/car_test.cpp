@@ -85,11 +85,11 @@ double distance_to_fixes_m(const CarRun& run) {
 /// What the wire's steps may do to a pose. A stamp is cut to 1 ms: 1.5 mm at the car's 1.5 m/s. A fix has
 /// steps of 1 mm. A heading has steps of 0.1°: its half is 0.9 mrad, which turns the car's velocity by
 /// 1.4 mm/s, and the gyro's of 0.0175 deg/s weighs less. An acceleration has steps of 1 mg: half of one over
-/// the half second between corrections is 2.5 mm/s and 0.6 mm. Altogether some 2 mm, 3 mm/s and 1 mrad;
-/// single poses, as in a turn or where a fix falls on the other side of an IMU sample, five times that.
+/// the half second between corrections is 2.5 mm/s and 0.6 mm. A millisecond more or less can also choose
+/// another earlier fix to measure the velocity from. Altogether some 4 mm, 4 mm/s and 1 mrad; single poses, as in a turn or where a fix falls on the other side of an IMU sample, five times that.
 void check_wire_steps(const RunDistance& distance) {
-  CHECK(distance.position_m.rms <= 0.003);
-  CHECK(distance.position_m.max <= 0.015);
+  CHECK(distance.position_m.rms <= 0.005);
+  CHECK(distance.position_m.max <= 0.025);
   CHECK(distance.velocity_mps.rms <= 0.005);
   CHECK(distance.velocity_mps.max <= 0.025);
   CHECK(distance.yaw_rad.rms <= 0.001);

@@ -89,6 +89,10 @@ struct Summary {
 /// worst.
 Summary summarise(const std::vector<CaseResult>& runs);
 
+/// One number for all: the geometric mean over the cases of √(median · worst) of their runs' RMS errors (m),
+/// so that each case counts for the same share, and one bad run for as much as the usual one.
+double cost_of(const std::vector<std::vector<Case>>& cases, const fusion::Settings& settings);
+
 /// Summaries as an aligned table with a header.
 std::string table_of(const std::vector<Summary>& summaries);
 

@@ -1,0 +1,34 @@
+#include "case_options.hpp"
+
+namespace sonopose::apps {
+
+void add_case_options(CLI::App& app, CaseOptions& options) {
+  app.add_option("SCENARIO", options.scenarios, "Which scenarios (default: all)")->type_name("");
+  app.add_option("--seeds", options.seeds, "Runs of each scenario")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--recordings", options.recordings, "Also every sensor-log folder with truth in this one")
+      ->type_name("DIR")
+      ->envname("SONOPOSE_RECORDINGS");
+}
+
+void for_each_case(const CaseOptions& options, const std::function<void(std::vector<replay::Case>)>& use) {
+  std::vector<const sim::Scenario*> chosen;
+  for (const std::string& name : options.scenarios) chosen.push_back(&sim::find_scenario(name));
+  if (chosen.empty()) {
+    for (const sim::Scenario& scenario : sim::scenarios()) chosen.push_back(&scenario);
+  }
+  for (const sim::Scenario* scenario : chosen) {
+    std::vector<replay::Case> runs;
+    for (std::uint64_t seed = 1; seed <= options.seeds; ++seed) {
+      runs.push_back(replay::simulated_case(*scenario, seed));
+    }
+    use(std::move(runs));
+  }
+  if (!options.recordings) return;
+  for (const std::filesystem::path& folder : replay::recordings_with_truth(*options.recordings)) {
+    use({replay::recorded_case(folder)});
+  }
+}
+
+}  // namespace sonopose::apps

@@ -1,0 +1,30 @@
+#pragma once
+// What the programs that score have in common: which cases.
+
+#include <sonopose/replay/evaluation.hpp>
+
+#include <CLI/CLI.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::apps {
+
+/// Scenarios, each with some seeds, and recordings.
+struct CaseOptions {
+  std::vector<std::string> scenarios;
+  std::uint64_t seeds = 5;
+  std::optional<std::filesystem::path> recordings;
+};
+
+/// Adds SCENARIO..., --seeds and --recordings.
+void add_case_options(CLI::App& app, CaseOptions& options);
+
+/// Calls `use(runs)` with the runs of one scenario after the other, then with each recording.
+void for_each_case(const CaseOptions& options, const std::function<void(std::vector<replay::Case>)>& use);
+
+}  // namespace sonopose::apps

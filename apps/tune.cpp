@@ -1,0 +1,77 @@
+// sonopose-tune: searches for settings that do better on scenarios and recordings with truth.
+
+#include "support/case_options.hpp"
+#include "support/config_options.hpp"
+#include "support/run.hpp"
+#include <sonopose/replay/search.hpp>
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace sonopose;
+
+struct Options {
+  apps::ConfigOptions config;
+  apps::CaseOptions cases;
+  std::vector<std::string> vary;
+  int rounds = 500;
+  std::uint64_t search_seed = 1;
+};
+
+void add_options(CLI::App& app, Options& options) {
+  apps::add_case_options(app, options.cases);
+  apps::add_config_options(app, options.config);
+  app.add_option("--vary", options.vary,
+                 "A setting to search: GROUP.KEY or GROUP.KEY=LOW..HIGH; may be repeated")
+      ->required()
+      ->type_name("KEY=LOW..HIGH")
+      ->allow_extra_args(false);
+  app.add_option("--rounds", options.rounds, "Settings to try")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--search-seed", options.search_seed, "Another one searches elsewhere")
+      ->capture_default_str();
+}
+
+int tune(const CLI::App& app, const Options& options) {
+  config::FusionConfig config = apps::configuration(app, options.config);
+  std::vector<replay::Variable> variables;
+  for (const std::string& text : options.vary) variables.push_back(replay::variable_of(text));
+  std::vector<std::vector<replay::Case>> cases;
+  apps::for_each_case(options.cases,
+                      [&](std::vector<replay::Case> runs) { cases.push_back(std::move(runs)); });
+
+  const auto found = replay::search(
+      config.for_beacon(all_beacons), variables,
+      [&](const fusion::Settings& settings) { return replay::cost_of(cases, settings); }, options.rounds,
+      options.search_seed,
+      [](int round, const replay::Found& better) {
+        fmt::print(stderr, "round {}: {:.3f} cm\n", round + 1, 100.0 * better.cost);
+      });
+  for (const replay::Variable& variable : variables) {
+    const std::string value = fusion::to_text(fusion::get(found.settings, variable.key));
+    config.assign(variable.key + "=" + value);
+  }
+  fmt::print("# Geometric mean over the cases: {:.3f} cm.\n{}", 100.0 * found.cost, config.to_toml());
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app(
+      "Searches at random for settings with a smaller error on the simulator's scenarios and on recordings "
+      "with "
+      "truth; prints them as a TOML file. Items 2, 3 and 4 can be searched with --set "
+      "fusion.imu_weight=user.",
+      "sonopose-tune");
+  add_options(app, options);
+  return apps::run(app, argc, argv, [&] { return tune(app, options); });
+}

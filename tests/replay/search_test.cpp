@@ -1,0 +1,47 @@
+#include <sonopose/replay/search.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+using namespace sonopose;
+using Catch::Matchers::Contains;
+
+TEST_CASE("the search finds the valley of a cost that depends on two settings") {
+  const std::vector<replay::Variable> variables{replay::variable_of("trust.sigma_m=0.05..0.5"),
+                                                replay::variable_of("trust.n_max=10..60")};
+  const auto cost = [](const fusion::Settings& settings) {
+    return std::abs(std::log(settings.trust.sigma_m / 0.3)) + 0.01 * std::abs(settings.trust.n_max - 22);
+  };
+  const fusion::Settings start;
+  double last = cost(start);
+  const auto found = replay::search(start, variables, cost, 2000, 1, [&](int, const replay::Found& better) {
+    CHECK(better.cost < last);  // only improvements are told
+    last = better.cost;
+  });
+  CHECK(found.settings.trust.sigma_m == Approx(0.3).epsilon(0.02));
+  CHECK(std::abs(found.settings.trust.n_max - 22) <= 1);
+  CHECK(found.cost == last);
+  CHECK(found.settings.drift.decay_rate_hz == start.drift.decay_rate_hz);  // not asked for
+}
+
+TEST_CASE("the same seed searches alike, and a search that finds nothing returns its start") {
+  const std::vector<replay::Variable> variables{replay::variable_of("trust.sigma_m")};
+  const auto nothing = [](int, const replay::Found&) {};
+  const auto cost = [](const fusion::Settings& settings) { return std::sin(40.0 * settings.trust.sigma_m); };
+  const auto once = replay::search({}, variables, cost, 50, 3, nothing);
+  CHECK(replay::search({}, variables, cost, 50, 3, nothing).settings.trust.sigma_m ==
+        once.settings.trust.sigma_m);
+  const auto flat = replay::search(
+      {}, variables, [](const auto&) { return 1.0; }, 50, 3, nothing);
+  CHECK(flat.settings.trust.sigma_m == fusion::Settings{}.trust.sigma_m);
+}
+
+TEST_CASE("what cannot be searched is refused with key, value and range") {
+  CHECK_THROWS_WITH(replay::variable_of("trust.enabled"), Contains("trust.enabled"));
+  CHECK_THROWS_WITH(replay::variable_of("trust.sigmam"), Contains("trust.sigma_m"));
+  CHECK_THROWS_WITH(replay::variable_of("trust.sigma_m=0.1"), Contains("LOW..HIGH"));
+  CHECK_THROWS_WITH(replay::variable_of("trust.sigma_m=0.1..99"), Contains("0.1..99") && Contains("10"));
+  CHECK_THROWS_WITH(replay::variable_of("trust.sigma_m=0.2..0.1"), Contains("0.2..0.1"));
+  CHECK(replay::variable_of("trust.n_max").high == 1000);
+}
