@@ -25,6 +25,15 @@ TEST_CASE("config/fusion.toml is the defaults as --print-config prints them") {
   CHECK(text_of("config/fusion.toml") == config::FusionConfig{}.to_toml());
 }
 
+TEST_CASE("config/tuned.toml loads, without a warning, and leaves the typical ranges where it says so") {
+  const auto config = config::FusionConfig::load(std::string(SONOPOSE_SOURCE_DIR) + "/config/tuned.toml");
+  CHECK(config.warnings().empty());
+  const fusion::Settings tuned = config.for_beacon(7);
+  CHECK(tuned.trust.sigma_m > 0.15);
+  CHECK(tuned.mahony.ki < 0.001);
+  CHECK(tuned.drift.velocity_smooth_rate_hz < 10.0);
+}
+
 TEST_CASE("docs/settings.md is the page of the declarations") {
   CHECK(text_of("docs/settings.md") == config::settings_page());
 }
