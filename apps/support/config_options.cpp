@@ -12,6 +12,7 @@ void add_config_options(CLI::App& app, ConfigOptions& options) {
                  "One setting: GROUP.KEY=VALUE, or beacon.7.GROUP.KEY=VALUE for one beacon; may be repeated")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
+  app.footer(config::settings_help);
 }
 
 config::FusionConfig configuration(const CLI::App& app, const ConfigOptions& options) {

@@ -204,4 +204,14 @@ std::string settings_page() {
   return text;
 }
 
+std::string settings_help() {
+  std::string text =
+      "Settings for --set, with default and range (--print-config of sonopose-fusion says what they do):\n";
+  for (const auto& row : fusion::setting_table()) {
+    const std::string item = row.item == setting::own_setting ? "" : fmt::format("  item {}", row.item);
+    text += fmt::format("  {:<38}{:<10}{}{}\n", row.key, fusion::to_text(row.initial), row.allowed(), item);
+  }
+  return text;
+}
+
 }  // namespace sonopose::config

@@ -38,6 +38,19 @@ TEST_CASE("docs/settings.md is the page of the declarations") {
   CHECK(text_of("docs/settings.md") == config::settings_page());
 }
 
+TEST_CASE("the programs' help has a line for every setting, with item, default and range") {
+  const std::string help = config::settings_help();
+  for (const auto& row : fusion::setting_table()) {
+    INFO(row.key);
+    const auto begin = help.find("  " + row.key + " ");
+    REQUIRE(begin != std::string::npos);
+    const std::string line = help.substr(begin, help.find('\n', begin) - begin);
+    CHECK(line.find(fusion::to_text(row.initial)) != std::string::npos);
+    CHECK(line.find(row.allowed()) != std::string::npos);
+    if (row.item != 0) CHECK(line.ends_with("item " + std::to_string(row.item)));
+  }
+}
+
 TEST_CASE("the page names every setting") {
   const std::string page = config::settings_page();
   for (const auto& row : fusion::setting_table()) {

@@ -60,4 +60,8 @@ private:
 /// The table of all settings as a page of the docs.
 std::string settings_page();
 
+/// The same as lines for a program's --help: key, default, what is allowed; the document's item where it has
+/// one.
+std::string settings_help();
+
 }  // namespace sonopose::config
