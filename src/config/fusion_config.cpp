@@ -143,9 +143,9 @@ std::vector<BeaconAddress> FusionConfig::beacons() const {
 }
 
 std::vector<std::string> FusionConfig::warnings() const {
-  std::vector<std::string> texts = preset_warnings(settings_, given_);
+  std::vector<std::string> texts = warnings_for(settings_, given_);
   for (const auto& [address, own] : overrides_) {
-    const auto more = preset_warnings(for_beacon(address), own, fmt::format("beacon.{}.", address));
+    const auto more = warnings_for(for_beacon(address), own, fmt::format("beacon.{}.", address));
     texts.insert(texts.end(), more.begin(), more.end());
   }
   return texts;

@@ -238,6 +238,44 @@ TEST_CASE("item 1: a preset beside items 2, 3 or 4 is a warning that names them"
   }
 }
 
+TEST_CASE("settings that contradict each other are a warning that names both with their values") {
+  const auto warnings_of = [](std::initializer_list<const char*> assignments) {
+    FusionConfig config;
+    for (const char* assignment : assignments) config.assign(assignment);
+    return config.warnings();
+  };
+  const auto only = [&](std::initializer_list<const char*> assignments) {
+    const auto warnings = warnings_of(assignments);
+    REQUIRE(warnings.size() == 1);
+    return warnings.front();
+  };
+  CHECK(warnings_of({}).empty());
+  CHECK_THAT(only({"velocity.interval_max_s=0.2", "velocity.interval_min_s=0.3"}),
+             Contains("velocity.interval_min_s = 0.3") && Contains("velocity.interval_max_s = 0.2") &&
+                 Contains("never corrected"));
+  CHECK_THAT(only({"velocity.interval_wanted_s=0.6"}),
+             Contains("velocity.interval_wanted_s = 0.6") && Contains("velocity.interval_max_s"));
+  CHECK_THAT(only({"trust.n_min=50"}), Contains("trust.n_min = 50") && Contains("trust.n_max"));
+  CHECK_THAT(only({"trust.n_max=40", "trust.stuck_n=40"}),
+             Contains("trust.stuck_n = 40") && Contains("trust.n_max = 40") && Contains("never forced"));
+  CHECK_THAT(only({"motion.gyro_gate_projection_radps=7", "motion.gyro_gate_freeze_radps=6"}),
+             Contains("projection_radps = 7") && Contains("freeze_radps = 6") && Contains("never projected"));
+  SECTION("what is just possible is none, nor what is switched off") {
+    CHECK(warnings_of({"velocity.interval_wanted_s=0.5", "velocity.interval_max_s=0.5"}).empty());
+    CHECK(warnings_of({"trust.n_max=40", "trust.stuck_n=39", "trust.n_min=40"}).empty());
+    CHECK(warnings_of({"trust.enabled=false", "trust.n_min=50"}).empty());
+    CHECK(warnings_of({"motion.gyro_gate=false", "motion.gyro_gate_freeze_radps=1"}).empty());
+  }
+  SECTION("it is told where it comes from: for all, or for the beacon that brings it about") {
+    const auto warnings = warnings_of(
+        {"trust.n_max=30", "trust.stuck_n=20", "beacon.7.trust.stuck_n=35", "beacon.8.trust.sigma_m=0.2"});
+    REQUIRE(warnings.size() == 1);
+    CHECK_THAT(warnings[0], Contains("beacon.7.trust.stuck_n = 35") && Contains("trust.n_max = 30"));
+    CHECK_THAT(only({"trust.n_max=30", "trust.stuck_n=35", "beacon.8.trust.sigma_m=0.2"}),
+               !Contains("beacon"));
+  }
+}
+
 TEST_CASE("what is printed gives no warnings of its own when it is loaded") {
   FusionConfig config;
   for (const auto* weight : {"low", "medium", "high", "user"}) {

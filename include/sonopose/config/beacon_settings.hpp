@@ -32,6 +32,14 @@ bool is_preset_key(std::string_view key);
 std::vector<std::string> preset_warnings(const fusion::Settings& settings, const Assignments& given,
                                          std::string_view where = "");
 
+/// Warnings, in plain words, for settings that contradict each other, where one of them is a `given` key.
+std::vector<std::string> contradictions(const fusion::Settings& settings, const Assignments& given,
+                                        std::string_view where = "");
+
+/// Both: what is allowed but surely not meant.
+std::vector<std::string> warnings_for(const fusion::Settings& settings, const Assignments& given,
+                                      std::string_view where = "");
+
 /// What an engine is given, and which of it is the beacon's own.
 class BeaconSettings {
 public:

@@ -43,7 +43,8 @@ public:
   /// The beacons that have something of their own.
   [[nodiscard]] std::vector<BeaconAddress> beacons() const;
 
-  /// What is allowed but surely not meant, in plain words: items 2–4 set beside a preset that replaces them.
+  /// What is allowed but surely not meant, in plain words: items 2–4 set beside a preset that replaces them,
+  /// and settings that contradict each other.
   [[nodiscard]] std::vector<std::string> warnings() const;
 
   /// The whole as a commented TOML file, which loads back to the same values.

@@ -1,0 +1,73 @@
+#include <sonopose/config/beacon_settings.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace sonopose::config {
+namespace {
+
+/// Of two settings the first must stay below the second, or may be as large at most.
+struct Order {
+  std::string_view smaller;
+  std::string_view larger;
+  bool may_be_equal;
+  std::string_view part_of;  ///< the switch without which neither counts; may be empty
+  std::string_view otherwise;
+};
+
+constexpr std::array<Order, 5> orders{{
+    {"velocity.interval_min_s", "velocity.interval_max_s", true, "",
+     "no two fixes lie so far apart and so near, and the velocity is never corrected"},
+    {"velocity.interval_wanted_s", "velocity.interval_max_s", true, "",
+     "what is wanted is never reached, and the velocity is measured over as much as the latter allows"},
+    {"trust.n_min", "trust.n_max", true, "trust.enabled",
+     "the latter ends a loss of trust before so few fixes have rebuilt it"},
+    {"trust.stuck_n", "trust.n_max", false, "trust.enabled",
+     "the latter ends a loss of trust first, and convergence is never forced"},
+    {"motion.gyro_gate_projection_radps", "motion.gyro_gate_freeze_radps", true, "motion.gyro_gate",
+     "the acceleration is ignored from the latter on and never projected"},
+}};
+
+/// Of a number.
+double value_of(const fusion::Settings& settings, std::string_view key) {
+  const fusion::SettingValue value = fusion::get(settings, key);
+  const auto* whole = std::get_if<int>(&value);
+  return whole != nullptr ? *whole : std::get<double>(value);
+}
+
+bool is_kept(const fusion::Settings& settings, const Order& order) {
+  if (!order.part_of.empty() && !std::get<bool>(fusion::get(settings, order.part_of))) return true;
+  const double smaller = value_of(settings, order.smaller);
+  const double larger = value_of(settings, order.larger);
+  return smaller < larger || (order.may_be_equal && smaller == larger);
+}
+
+}  // namespace
+
+std::vector<std::string> contradictions(const fusion::Settings& settings, const Assignments& given,
+                                        std::string_view where) {
+  const auto is_given = [&given](std::string_view key) { return given.contains(key); };
+  const auto text_of = [&](std::string_view key) {
+    return fmt::format("{}{} = {}", where, key, fusion::to_text(fusion::get(settings, key)));
+  };
+  std::vector<std::string> texts;
+  for (const Order& order : orders) {
+    if (is_kept(settings, order)) continue;
+    if (!is_given(order.smaller) && !is_given(order.larger) && !is_given(order.part_of)) continue;
+    texts.push_back(fmt::format("{} is {} {}: {}", text_of(order.smaller),
+                                order.may_be_equal ? "above" : "not below", text_of(order.larger),
+                                order.otherwise));
+  }
+  return texts;
+}
+
+std::vector<std::string> warnings_for(const fusion::Settings& settings, const Assignments& given,
+                                      std::string_view where) {
+  std::vector<std::string> texts = preset_warnings(settings, given, where);
+  for (std::string& text : contradictions(settings, given, where)) texts.push_back(std::move(text));
+  return texts;
+}
+
+}  // namespace sonopose::config
