@@ -30,34 +30,38 @@ const std::filesystem::path& made(const std::filesystem::path& folder) {
 }  // namespace
 
 OutputFolder::OutputFolder(const std::filesystem::path& folder)
-    : trajectory_{made(folder) / "trajectory.tum", io::CsvWriter::Existing::replace, ' '},
-      poses_{folder / "pose.csv", io::CsvWriter::Existing::replace},
-      fixes_{folder / "fixes.csv", io::CsvWriter::Existing::replace} {
-  trajectory_.header(trajectory_columns);
-  poses_.header(pose_columns);
-  fixes_.header(fix_columns);
+    : trajectory_{made(folder) / "trajectory.tum", ' '},
+      poses_{folder / "pose.csv"},
+      fixes_{folder / "fixes.csv"} {
+  trajectory_.rows.header(trajectory_columns);
+  poses_.rows.header(pose_columns);
+  fixes_.rows.header(fix_columns);
 }
 
 void OutputFolder::write(const FusedPose& pose) {
   const Quaterniond& q = pose.q_body_to_world;
-  trajectory_.seconds(pose.time_ns).vector(pose.position_world_m);
-  trajectory_.number(q.x()).number(q.y()).number(q.z()).number(q.w()).end_row();
-  poses_.integer(pose.time_ns).vector(pose.position_world_m);
-  poses_.number(q.w()).number(q.x()).number(q.y()).number(q.z());
-  poses_.vector(pose.velocity_world_mps).integer(pose.status).end_row();
+  trajectory_.rows.seconds(pose.time_ns).vector(pose.position_world_m);
+  trajectory_.rows.number(q.x()).number(q.y()).number(q.z()).number(q.w()).end_row();
+  poses_.rows.integer(pose.time_ns).vector(pose.position_world_m);
+  poses_.rows.number(q.w()).number(q.x()).number(q.y()).number(q.z());
+  poses_.rows.vector(pose.velocity_world_mps).integer(pose.status).end_row();
 }
 
 void OutputFolder::write(const FixReport& report) {
-  fixes_.integer(report.emission_time_ns).integer(report.applied_time_ns);
-  fixes_.integer(report.address).integer(static_cast<std::int64_t>(report.sequence));
-  fixes_.vector(report.position_world_m).vector(report.shifted_position_world_m);
-  fixes_.number(report.residual_m).number(report.weight).number(report.trust);
-  fixes_.vector(report.jump_world_m).vector(report.velocity_change_world_mps);
-  fixes_.number(report.yaw_change_rad).text(verdict_text(report.verdict)).integer(report.verdict).end_row();
+  fixes_.rows.integer(report.emission_time_ns).integer(report.applied_time_ns);
+  fixes_.rows.integer(report.address).integer(static_cast<std::int64_t>(report.sequence));
+  fixes_.rows.vector(report.position_world_m).vector(report.shifted_position_world_m);
+  fixes_.rows.number(report.residual_m).number(report.weight).number(report.trust);
+  fixes_.rows.vector(report.jump_world_m).vector(report.velocity_change_world_mps);
+  fixes_.rows.number(report.yaw_change_rad)
+      .text(verdict_text(report.verdict))
+      .integer(report.verdict)
+      .end_row();
 }
 
-void OutputFolder::flush() {
-  for (io::CsvWriter* file : {&trajectory_, &poses_, &fixes_}) file->flush();
+void OutputFolder::finish() {
+  for (Table* table : {&trajectory_, &poses_, &fixes_}) table->rows.flush();
+  for (Table* table : {&trajectory_, &poses_, &fixes_}) table->place.commit();
 }
 
 }  // namespace sonopose::replay

@@ -84,6 +84,7 @@ void merge(PictureData::Moment& into, const PictureData::Moment& next) {
 
 Picture::Picture(fs::path file, std::string title, const io::SensorLog& log)
     : file_(std::move(file)),
+      replacement_(file_),
       begin_ns_(log.events.empty() ? 0 : available_at_ns(log.events.front())),
       truth_(log.truth) {
   if (file_.extension() != ".svg" && file_.extension() != ".png") {
@@ -96,7 +97,8 @@ Picture::Picture(fs::path file, std::string title, const io::SensorLog& log)
   if (!gnuplot_is_installed()) {
     throw PictureError("a picture needs gnuplot, which is not installed (Debian package gnuplot-nox)");
   }
-  io::CsvWriter(file_, io::CsvWriter::Existing::replace).flush();  // what cannot be written is known now
+  io::CsvWriter(replacement_.part(), io::CsvWriter::Existing::replace)
+      .flush();  // what cannot be written is known now
   data_.title = std::move(title);
   data_.has_truth = !log.truth.empty();
 }
@@ -160,16 +162,17 @@ double Picture::speed_since_last_used(const FixReport& fix) const {
   return (fix.position_world_m - last_used_->position_world_m).norm() / interval_s;
 }
 
-void Picture::draw() const {
+void Picture::draw() {
   const WorkFolder folder;
-  write(folder.script(), gnuplot_script(data_, file_));
+  write(folder.script(), gnuplot_script(data_, replacement_.part(), file_.extension()));
   const std::string command =
       "gnuplot " + shell_word(folder.script().string()) + " 2> " + shell_word(folder.messages().string());
   const int status = std::system(command.c_str());
   std::error_code ignored;
-  if (status != 0 || fs::file_size(file_, ignored) == 0) {
+  if (status != 0 || fs::file_size(replacement_.part(), ignored) == 0) {
     throw PictureError(file_.string() + ": gnuplot could not draw it: " + content_of(folder.messages()));
   }
+  replacement_.commit();
 }
 
 }  // namespace sonopose::replay

@@ -202,8 +202,9 @@ void append_verdicts(std::string& script, const PictureData& data) {
 
 }  // namespace
 
-std::string gnuplot_script(const PictureData& data, const std::filesystem::path& file) {
-  const bool png = file.extension() == ".png";
+std::string gnuplot_script(const PictureData& data, const std::filesystem::path& file,
+                           const std::filesystem::path& ending) {
+  const bool png = ending == ".png";
   const double end_s = data.moments.empty() ? 1.0 : data.moments.back().time_s;
   const double begin_s = data.moments.empty() ? 0.0 : data.moments.front().time_s;
   std::string script;

@@ -2,6 +2,7 @@
 #include <sonopose/fusion/state_fields.hpp>
 #include <sonopose/io/csv_writer.hpp>
 #include <sonopose/io/error.hpp>
+#include <sonopose/io/replacement.hpp>
 #include <sonopose/replay/state_file.hpp>
 
 #include <cerrno>
@@ -133,9 +134,11 @@ void save_state(const std::filesystem::path& file, const SavedState& saved) {
   } catch (const StateFileError& error) {
     throw StateFileError(file.string() + ": " + error.what());
   }
-  io::CsvWriter out(file, io::CsvWriter::Existing::replace);
+  io::Replacement replacement(file);
+  io::CsvWriter out(replacement.part(), io::CsvWriter::Existing::replace);
   out.text(text);
   out.flush();
+  replacement.commit();
 }
 
 SavedState load_state(const std::filesystem::path& file) {

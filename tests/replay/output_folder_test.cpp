@@ -45,6 +45,7 @@ TEST_CASE("a pose stands in both files with every digit that it has") {
   {
     OutputFolder out(folder / "a");
     out.write(sample_pose());
+    out.finish();
   }
   CHECK(read_text(folder / "a/trajectory.tum") ==
         "#timestamp tx ty tz qx qy qz qw\n"
@@ -61,6 +62,7 @@ TEST_CASE("a report stands in its file with every field, its verdict in words") 
   {
     OutputFolder out(folder.path());
     out.write(sample_report());
+    out.finish();
   }
   const std::string text = read_text(folder / "fixes.csv");
   const std::string row = text.substr(text.find('\n') + 1);
@@ -72,10 +74,24 @@ TEST_CASE("a report stands in its file with every field, its verdict in words") 
 TEST_CASE("the files of an earlier run are replaced, others stay") {
   const TemporaryFolder folder;
   write_text(folder / "notes.txt", "mine");
-  for (int run = 0; run < 2; ++run) OutputFolder(folder.path()).write(sample_pose());
+  for (int run = 0; run < 2; ++run) {
+    OutputFolder out(folder.path());
+    out.write(sample_pose());
+    out.finish();
+  }
   const std::string text = read_text(folder / "pose.csv");
   CHECK(std::count(text.begin(), text.end(), '\n') == 2);
   CHECK(read_text(folder / "notes.txt") == "mine");
+}
+
+TEST_CASE("a run that does not come to its end leaves the files of the run before") {
+  const TemporaryFolder folder;
+  for (const char* name : {"trajectory.tum", "pose.csv", "fixes.csv"}) write_text(folder / name, "before");
+  OutputFolder(folder.path()).write(sample_pose());
+  for (const char* name : {"trajectory.tum", "pose.csv", "fixes.csv"}) {
+    CHECK(read_text(folder / name) == "before");
+  }
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 3);
 }
 
 TEST_CASE("a full disk and a folder that cannot be made are named") {
@@ -83,7 +99,7 @@ TEST_CASE("a full disk and a folder that cannot be made are named") {
   std::filesystem::create_symlink("/dev/full", folder / "pose.csv");
   OutputFolder out(folder.path());
   out.write(sample_pose());
-  CHECK_THROWS_WITH(out.flush(), Catch::Contains("pose.csv") && Catch::Contains("No space left"));
+  CHECK_THROWS_WITH(out.finish(), Catch::Contains("pose.csv") && Catch::Contains("No space left"));
   write_text(folder / "file", "");
   CHECK_THROWS_WITH(OutputFolder(folder / "file/out"), Catch::Contains("file/out: cannot be made"));
 }

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What a run leaves on disk, written as it comes:
+/// What a run leaves on disk, written as it comes, each file with `.part` behind its name until the end:
 ///
 /// | File             | Columns |
 /// |------------------|---------|
@@ -10,6 +10,7 @@
 
 #include <sonopose/core/pose.hpp>
 #include <sonopose/io/csv_writer.hpp>
+#include <sonopose/io/replacement.hpp>
 
 #include <filesystem>
 
@@ -17,20 +18,28 @@ namespace sonopose::replay {
 
 class OutputFolder {
 public:
-  /// Makes the folder where needed and replaces the three files in it. Throws io::IoError.
+  /// Makes the folder where needed. Throws io::IoError.
   explicit OutputFolder(const std::filesystem::path& folder);
 
   /// Throw io::IoError, as on a full disk.
   void write(const FusedPose& pose);
   void write(const FixReport& report);
 
-  /// Hands everything to the operating system. Throws io::IoError.
-  void flush();
+  /// Replaces the files of a run before; without this call they stay. Throws io::IoError.
+  void finish();
 
 private:
-  io::CsvWriter trajectory_;
-  io::CsvWriter poses_;
-  io::CsvWriter fixes_;
+  struct Table {
+    explicit Table(const std::filesystem::path& file, char separator = ',')
+        : place(file), rows(place.part(), io::CsvWriter::Existing::replace, separator) {}
+
+    io::Replacement place;
+    io::CsvWriter rows;
+  };
+
+  Table trajectory_;
+  Table poses_;
+  Table fixes_;
 };
 
 }  // namespace sonopose::replay

@@ -6,6 +6,7 @@
 #include <sonopose/core/pose.hpp>
 #include <sonopose/core/samples.hpp>
 #include <sonopose/io/log_folder.hpp>
+#include <sonopose/io/replacement.hpp>
 #include <sonopose/replay/baseline.hpp>
 #include <sonopose/replay/score.hpp>
 
@@ -63,7 +64,7 @@ class Picture {
 public:
   static constexpr std::size_t most_moments = 16384;
 
-  /// `file` ends in .svg or .png, and is replaced. Throws PictureError for another ending and where gnuplot
+  /// `file` ends in .svg or .png. Throws PictureError for another ending and where gnuplot
   /// is not installed, io::IoError where the file cannot be written. `log` must outlive the picture.
   Picture(std::filesystem::path file, std::string title, const io::SensorLog& log);
 
@@ -72,14 +73,15 @@ public:
 
   [[nodiscard]] const PictureData& data() const { return data_; }
 
-  /// Throws PictureError where gnuplot fails.
-  void draw() const;
+  /// Replaces the file. Throws PictureError where gnuplot fails; the file then stays as it was.
+  void draw();
 
 private:
   void halve();
   [[nodiscard]] double speed_since_last_used(const FixReport& fix) const;
 
   std::filesystem::path file_;
+  io::Replacement replacement_;
   TimeNs begin_ns_;
   TruthTrack truth_;
   Baseline baseline_;
@@ -89,7 +91,8 @@ private:
   std::size_t poses_in_last_ = 0;
 };
 
-/// The commands that draw `data` into `file`, data included. The terminal is that of the file's ending.
-std::string gnuplot_script(const PictureData& data, const std::filesystem::path& file);
+/// The commands that draw `data` into `file`, data included. `ending` is .svg or .png and says how.
+std::string gnuplot_script(const PictureData& data, const std::filesystem::path& file,
+                           const std::filesystem::path& ending);
 
 }  // namespace sonopose::replay
