@@ -76,6 +76,9 @@ TimeNs CsvReader::time_ns(std::size_t column) const {
   const char* const end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, value);
   if (result.ec != std::errc{} || result.ptr != end) fail(column, "is not a time in whole nanoseconds");
+  // The difference of any two times then has a place in 64 bits.
+  constexpr TimeNs too_late = TimeNs{1} << 62U;
+  if (value <= 0 || value >= too_late) fail(column, "is not a time between 1 and 2^62 - 1 ns");
   return value;
 }
 

@@ -34,7 +34,7 @@ public:
 
   /// Cells of the current row. A cell beyond the row's end is empty.
   [[nodiscard]] bool is_empty(std::size_t column) const { return cell(column).empty(); }
-  [[nodiscard]] TimeNs time_ns(std::size_t column) const;
+  [[nodiscard]] TimeNs time_ns(std::size_t column) const;  ///< 1 … 2^62 − 1
   [[nodiscard]] double number(std::size_t column) const;
   [[nodiscard]] std::optional<double> optional_number(std::size_t column) const;
   [[nodiscard]] Vector3d vector(std::size_t first_column) const;

@@ -3,7 +3,10 @@
 #include "units.hpp"
 #include <sonopose/io/log_folder.hpp>
 
+#include <algorithm>
+#include <deque>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace sonopose::io {
@@ -58,9 +61,64 @@ private:
   std::size_t next_ = 0;
 };
 
+/// Also where the difference has no place in a TimeNs.
+bool is_later_by_more(TimeNs later, TimeNs earlier, std::uint64_t by_ns) {
+  return later > earlier && static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier) > by_ns;
+}
+
+/// IMU samples from wherever they come, with some of those to come in view.
+template <class ImuSamples>
+class Foresight {
+public:
+  explicit Foresight(ImuSamples samples) : samples_(std::move(samples)) { look_ahead(); }
+
+  [[nodiscard]] const ImuSample* current() const { return in_view_.empty() ? nullptr : &in_view_.front(); }
+  /// When the current sample comes: at its stamp, where that is not far ahead of those around it.
+  [[nodiscard]] TimeNs comes_at_ns() const { return comes_at_ns_; }
+
+  void step() {
+    before_ns_ = comes_at_ns_;
+    in_view_.pop_front();
+    look_ahead();
+  }
+
+  [[nodiscard]] std::size_t expected_count() const { return in_view_.size() + samples_.expected_count(); }
+
+private:
+  static constexpr std::size_t most_after = 64;
+  static constexpr std::uint64_t far_ns = 1'000'000'000;
+
+  void look_ahead() {
+    for (; in_view_.size() <= most_after && samples_.current() != nullptr; samples_.step()) {
+      in_view_.push_back(*samples_.current());
+    }
+    if (in_view_.empty()) return;
+    const TimeNs stamp_ns = in_view_.front().sensor_time_ns;
+    comes_at_ns_ = stamp_ns;
+    if (in_view_.size() == 1) return;
+    // The very first sample is judged by the one after it.
+    const TimeNs before_ns = before_ns_.value_or(in_view_[1].sensor_time_ns);
+    if (!is_later_by_more(stamp_ns, before_ns, far_ns)) return;
+    for (std::size_t i = 1; i < in_view_.size(); ++i) {
+      const TimeNs after_ns = in_view_[i].sensor_time_ns;
+      const bool went_back = is_later_by_more(before_ns, after_ns, far_ns);
+      if (!went_back && is_later_by_more(stamp_ns, after_ns, far_ns)) {
+        comes_at_ns_ = std::min(comes_at_ns_, after_ns);
+      }
+    }
+  }
+
+  ImuSamples samples_;
+  std::deque<ImuSample> in_view_;
+  std::optional<TimeNs> before_ns_;  ///< when the sample before came
+  TimeNs comes_at_ns_ = 0;
+};
+
 /// merge_by_availability, with IMU samples from wherever they come.
 template <class ImuSamples>
-std::vector<Event> merged(ImuSamples imu, Samples<UltrasonicFix> fixes, Samples<PairHeading> headings) {
+std::vector<Event> merged(ImuSamples imu_samples, Samples<UltrasonicFix> fixes,
+                          Samples<PairHeading> headings) {
+  Foresight imu(std::move(imu_samples));
   std::vector<Event> events;
   events.reserve(imu.expected_count() + fixes.expected_count() + headings.expected_count());
   const auto append = [&events](auto& samples) {
@@ -71,7 +129,7 @@ std::vector<Event> merged(ImuSamples imu, Samples<UltrasonicFix> fixes, Samples<
   };
   constexpr TimeNs never = std::numeric_limits<TimeNs>::max();
   while (imu.current() != nullptr || fixes.current() != nullptr || headings.current() != nullptr) {
-    const TimeNs imu_ns = imu.current() != nullptr ? imu.current()->sensor_time_ns : never;
+    const TimeNs imu_ns = imu.current() != nullptr ? imu.comes_at_ns() : never;
     const TimeNs fix_ns = fixes.current() != nullptr ? fixes.current()->received_time_ns : never;
     const TimeNs heading_ns = headings.current() != nullptr ? headings.current()->received_time_ns : never;
     if (imu.current() != nullptr && imu_ns <= fix_ns && imu_ns <= heading_ns) {

@@ -54,6 +54,26 @@ SCENARIO("a cell that cannot be read is named with file, line, column and value"
     files.ultrasonic += "1,2,0,,0,90\n";
     CHECK_THAT(complaint_about(files), Contains("/ultrasonic.csv:3: column 4 (y [m]): \"\" is not a number"));
   }
+  WHEN("a time is so early or late that no difference to it can be counted on") {
+    files.imu += "0,0,0,0,0,0,9.8\n";
+    CHECK_THAT(complaint_about(files),
+               Contains("/imu.csv:3: column 1 (timestamp [ns]): \"0\" is not a time between 1 and 2^62"));
+    files = {};
+    files.ultrasonic += "-9223372036854775808,2,0,0,0,90\n";
+    CHECK_THAT(complaint_about(files), Contains("/ultrasonic.csv:3: column 1 (timestamp [ns]): "
+                                                "\"-9223372036854775808\" is not a time between"));
+    files = {};
+    files.heading += "1,4611686018427387904,45\n";
+    CHECK_THAT(complaint_about(files), Contains("/heading.csv:3: column 2 (received [ns]): "
+                                                "\"4611686018427387904\" is not a time between"));
+    files = {};
+    files.truth += "-1,0,0,0,1,0,0,0\n";
+    CHECK_THAT(complaint_about(files),
+               Contains("/truth.csv:3: column 1") && Contains("\"-1\" is not a time"));
+    files = {};
+    files.imu += "4611686018427387903,0,0,0,0,0,9.8\n";
+    CHECK(complaint_about(files) == "no complaint");
+  }
   WHEN("a number is too large for a double") {
     files.ultrasonic += "1,2,0,1e999,0,90\n";
     CHECK_THAT(complaint_about(files), Contains("ultrasonic.csv:3: column 4 (y [m]): \"1e999\""));

@@ -133,6 +133,35 @@ SCENARIO("streams are merged by availability, and no file's order is changed") {
                                            {heading_at(10)})) == "F9 I10 I10 I9 H10 I20");
     }
   }
+  GIVEN("IMU stamps that are far ahead of those around them") {
+    const TimeNs far = 1'000'000'000'000;
+    THEN("they hold no fix up, and stay as they are") {
+      CHECK(order_of(merge_by_availability({imu_at(10), imu_at(far), imu_at(30), imu_at(40)},
+                                           {fix_at(15), fix_at(35)}, {heading_at(45)})) ==
+            "I10 F15 I1000000000000 I30 F35 I40 H45");
+      CHECK(order_of(merge_by_availability({imu_at(far), imu_at(20), imu_at(30)}, {fix_at(15), fix_at(25)},
+                                           {})) == "F15 I1000000000000 I20 F25 I30");
+      CHECK(order_of(merge_by_availability({imu_at(10), imu_at(far), imu_at(2 * far), imu_at(30), imu_at(40)},
+                                           {fix_at(15), fix_at(35)}, {})) ==
+            "I10 F15 I1000000000000 I2000000000000 I30 F35 I40");
+    }
+  }
+  GIVEN("an IMU stamp that is far behind those around it") {
+    const TimeNs now = 1'000'000'000'000;
+    THEN("no sample before it comes earlier than its time") {
+      CHECK(order_of(merge_by_availability({imu_at(now), imu_at(now + 10), imu_at(5), imu_at(now + 20)},
+                                           {fix_at(now + 5), fix_at(now + 15)}, {})) ==
+            "I1000000000000 F1000000000005 I1000000000010 I5 F1000000000015 I1000000000020");
+    }
+  }
+  GIVEN("an IMU that was silent for seconds, and sends its samples out of order") {
+    const TimeNs later = 5'000'000'000;
+    THEN("what comes first after the silence waits for its time") {
+      CHECK(order_of(merge_by_availability({imu_at(10), imu_at(later + 20), imu_at(later + 10)},
+                                           {fix_at(15), fix_at(later + 15)}, {})) ==
+            "I10 F15 F5000000015 I5000000020 I5000000010");
+    }
+  }
   GIVEN("the very last time that can be") {
     constexpr TimeNs last = std::numeric_limits<TimeNs>::max();
     THEN("nothing is lost") {

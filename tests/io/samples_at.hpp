@@ -16,6 +16,7 @@ inline ImuSample imu_at(TimeNs time_ns, BeaconAddress address = 7) {
 inline UltrasonicFix fix_at(TimeNs received_ns, BeaconAddress address = 7) {
   UltrasonicFix fix;
   fix.address = address;
+  fix.emission_time_ns = received_ns;
   fix.received_time_ns = received_ns;
   return fix;
 }
@@ -23,6 +24,7 @@ inline UltrasonicFix fix_at(TimeNs received_ns, BeaconAddress address = 7) {
 inline PairHeading heading_at(TimeNs received_ns, BeaconAddress address = 7) {
   PairHeading heading;
   heading.address = address;
+  heading.emission_time_ns = received_ns;
   heading.received_time_ns = received_ns;
   return heading;
 }

@@ -10,8 +10,9 @@
 /// | `heading.csv`    | timestamp (emission), received, heading [deg]; the file may be absent |
 /// | `truth.csv`      | timestamp, p(3) [m], q_w, q_x, q_y, q_z, v(3) [m/s], …; the file may be absent |
 ///
-/// An empty cell is an unknown value. Columns count by their place, as in EuRoC's files; the header's words
-/// are not compared. Whatever is wrong is an IoError that names file, line, column and value.
+/// A time is at least 1 and below 2^62. An empty cell is an unknown value. Columns count by their place, as
+/// in EuRoC's files; the header's words are not compared. Whatever is wrong is an IoError that names file,
+/// line, column and value.
 
 #include <sonopose/core/samples.hpp>
 #include <sonopose/io/error.hpp>
@@ -38,6 +39,11 @@ SensorLog read_sensor_log(const std::filesystem::path& folder, BeaconAddress add
 /// The three streams as one, numbered from 1: an IMU sample at its time, a fix and a heading when they were
 /// received; at equal times IMU, fix, heading. No stream's own order is changed: a row that is earlier than
 /// the row before it in its file comes right after that row.
+///
+/// A wrong IMU stamp far in the future holds nothing up. A sample whose stamp is more than 1 s later than
+/// that of the sample before it, and than one of the 64 samples after it which is not itself more than 1 s
+/// earlier than the sample before, comes as if it had the earliest such stamp. Its stamp stays as it is. What
+/// comes late by less, as over a bad line, is merged by its stamp.
 std::vector<Event> merge_by_availability(const std::vector<ImuSample>& imu,
                                          const std::vector<UltrasonicFix>& fixes,
                                          const std::vector<PairHeading>& headings);
