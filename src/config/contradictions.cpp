@@ -23,7 +23,7 @@ constexpr std::array<Order, 5> orders{{
     {"velocity.interval_wanted_s", "velocity.interval_max_s", true, "",
      "what is wanted is never reached, and the velocity is measured over as much as the latter allows"},
     {"trust.n_min", "trust.n_max", true, "trust.enabled",
-     "the latter ends a loss of trust before so few fixes have rebuilt it"},
+     "the latter ends a loss of trust before so many fixes have rebuilt it"},
     {"trust.stuck_n", "trust.n_max", false, "trust.enabled",
      "the latter ends a loss of trust first, and convergence is never forced"},
     {"motion.gyro_gate_projection_radps", "motion.gyro_gate_freeze_radps", true, "motion.gyro_gate",
