@@ -39,6 +39,20 @@ TEST_CASE("a stream that runs far ahead waits for the one that lags, however lon
   CHECK(line.sequencer.counters().lost == 0);
 }
 
+TEST_CASE("what is waited for, and by how many, can be asked") {
+  Line line;
+  CHECK_FALSE(line.sequencer.gap());
+  line.push_all({2, 3});
+  REQUIRE(line.sequencer.gap());
+  CHECK(line.sequencer.gap()->missing == 1);
+  CHECK(line.sequencer.gap()->held == 2);
+  line.push_all({1, 5});
+  CHECK(line.sequencer.gap()->missing == 4);
+  CHECK(line.sequencer.gap()->held == 1);
+  line.push(4);
+  CHECK_FALSE(line.sequencer.gap());
+}
+
 TEST_CASE("a log's first events may come in any order: numbering begins with 1") {
   Line line;
   line.push_all({3, 2, 1, 4});

@@ -6,8 +6,10 @@
 #include <sonopose/core/samples.hpp>
 #include <sonopose/fusion/sequencer.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <utility>
 
 namespace sonopose::fusion {
@@ -44,6 +46,16 @@ public:
   }
 
   [[nodiscard]] const SequencerCounters& counters() const { return counters_; }
+
+  struct Gap {
+    std::uint64_t missing = 0;  ///< number of the event that is waited for
+    std::size_t held = 0;       ///< events that wait for it
+  };
+  /// What is waited for; empty where nothing waits.
+  [[nodiscard]] std::optional<Gap> gap() const {
+    if (waiting_.empty()) return std::nullopt;
+    return Gap{next_, waiting_.size()};
+  }
 
 private:
   void begin_again() {
