@@ -32,10 +32,21 @@ struct Options {
 }
 
 int get(const Options& options) {
+  nodes::check_names(options.words);
   auto found = options.client().in_force(options.address, options.timeout_s);
-  if (found.empty()) fail(options, "no beacon's settings came");
-  for (auto& settings : found) settings = nodes::chosen(std::move(settings), options.words);
-  fmt::print("{}", options.json ? nodes::json_of(found) : nodes::toml_of(found));
+  if (found.empty()) fail(options, "no settings came");
+  if (options.address != all_beacons && found.front().address == all_beacons) {
+    throw std::runtime_error(
+        fmt::format("beacon {} has not been heard; without --beacon, get prints what holds "
+                    "for any beacon that has no values of its own",
+                    options.address));
+  }
+  if (options.json) {
+    for (auto& settings : found) settings = nodes::chosen(std::move(settings), options.words);
+    fmt::print("{}", nodes::json_of(found));
+  } else {
+    fmt::print("{}", nodes::toml_of(found, options.words));
+  }
   return 0;
 }
 
@@ -55,7 +66,11 @@ int watch(const Options& options) {
   stop.listen_to_signals();
   nodes::SettingsWatch changes(options.json);
   const auto print = [&changes](const EffectiveSettings& settings) {
-    if (!changes.knows(settings.address)) fmt::print(stderr, "watching beacon {}\n", settings.address);
+    if (!changes.knows(settings.address)) {
+      const bool all = settings.address == all_beacons;
+      fmt::print(stderr, "watching {}\n",
+                 all ? "what is for all" : fmt::format("beacon {}", settings.address));
+    }
     fmt::print("{}", changes.on(settings));
     std::fflush(stdout);
   };

@@ -54,7 +54,8 @@ IdlView<sonopose_SettingsReply> to_idl(const SettingsReply& reply) {
                                           .request_id = reply.request_id,
                                           .accepted = reply.accepted,
                                           .reason = idl(reply.reason),
-                                          .from_event_sequence = reply.from_sequence});
+                                          .from_event_sequence = reply.from_sequence,
+                                          .details = idl(reply.details)});
 }
 
 SettingsReply from_idl(const sonopose_SettingsReply& reply) {
@@ -62,7 +63,8 @@ SettingsReply from_idl(const sonopose_SettingsReply& reply) {
           .request_id = reply.request_id,
           .accepted = reply.accepted,
           .reason = hub(reply.reason),
-          .from_sequence = reply.from_event_sequence};
+          .from_sequence = reply.from_event_sequence,
+          .details = hub(reply.details)};
 }
 
 IdlView<sonopose_EffectiveSettings> to_idl(const EffectiveSettings& settings) {

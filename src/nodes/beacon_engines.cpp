@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace sonopose::nodes {
 
@@ -81,6 +82,7 @@ void BeaconEngines::carry_out(const SettingsRequest& request, SettingsReply& rep
     }
     others_.add(from, SettingsTimeline::Scope::for_all, assignments);
     after = others_.settings_at(from);
+    reply.details = first_events(from);
   } else {
     SettingsTimeline& timeline = timeline_of(request.address);
     check_room(timeline, request.address, from);
@@ -88,12 +90,26 @@ void BeaconEngines::carry_out(const SettingsRequest& request, SettingsReply& rep
     after = timeline.settings_at(from);
     if (const auto last = last_sequence(request.address)) reply.from_sequence = std::max(from, *last + 1);
   }
-  reply.reason = fmt::format("{}", fmt::join(config::preset_warnings(after, assignments), "; "));
+  reply.reason = fmt::format("{}", fmt::join(config::warnings_for(after, assignments), "; "));
+}
+
+SettingsInForce BeaconEngines::settings_for_all() const {
+  constexpr auto end = std::numeric_limits<std::uint64_t>::max();
+  return {all_beacons, others_.last_from_sequence(), fusion::resolved(others_.settings_at(end))};
 }
 
 std::optional<std::uint64_t> BeaconEngines::last_sequence(BeaconAddress address) const {
   const auto found = beacons_.find(address);
   return found == beacons_.end() ? std::nullopt : found->second->last_sequence;
+}
+
+std::string BeaconEngines::first_events(std::uint64_t from_sequence) const {
+  std::vector<std::string> texts;
+  for (const auto& entry : timelines_) {  // in the order of the addresses
+    const auto last = last_sequence(entry.first);
+    if (last) texts.push_back(fmt::format("{}: event {}", entry.first, std::max(from_sequence, *last + 1)));
+  }
+  return fmt::format("{}", fmt::join(texts, ", "));
 }
 
 std::uint64_t BeaconEngines::ahead(BeaconAddress address, std::uint64_t sequence) const {
@@ -126,6 +142,13 @@ std::optional<FusionStatus> BeaconEngines::status(BeaconAddress address) const {
   status.imu_gaps = counted.imu_gaps;
   status.reset_counter = beacon.engine.reset_counter();
   return status;
+}
+
+std::optional<fusion::LosslessSequencer::Gap> BeaconEngines::gap(BeaconAddress address) const {
+  const auto found = beacons_.find(address);
+  if (found == beacons_.end()) return std::nullopt;
+  const auto* order = std::get_if<fusion::LosslessSequencer>(&found->second->order);
+  return order == nullptr ? std::nullopt : order->gap();
 }
 
 std::vector<BeaconAddress> BeaconEngines::addresses() const {

@@ -4,6 +4,7 @@
 #include <sonopose/dds/waitset.hpp>
 #include <sonopose/nodes/beacon_engines.hpp>
 #include <sonopose/nodes/fusion_node.hpp>
+#include <sonopose/nodes/gap_watch.hpp>
 #include <sonopose/nodes/host_clock.hpp>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -48,6 +50,7 @@ private:
   void write(const SettingsInForce& change) noexcept;
   template <class T>
   void write_to(dds::DataWriter<T>& writer, const T& sample) noexcept;
+  void tell_gaps();
   void serve_lossless(const std::stop_token& stop);
 
   /// Hands what one topic brings on, on the thread that received it.
@@ -77,6 +80,8 @@ private:
   std::atomic<std::uint64_t> unwritten_ = 0;
   std::uint64_t unwritten_told_ = 0;
   std::atomic<bool> stopping_ = false;
+  std::atomic<bool> waited_for_consumer_ = false;  // since tell_gaps() last asked
+  GapWatch gaps_;
 
   dds::DataWriter<sonopose_FusedPose> pose_writer_;
   dds::DataWriter<sonopose_FixReport> report_writer_;
@@ -113,6 +118,7 @@ FusionNode::Impl::Impl(const FusionOptions& options)
   poses_.reserve(fusion::Sequencer::capacity + 1);
   reports_.reserve(fusion::Sequencer::capacity + 1);
   changes_.reserve(fusion::Sequencer::capacity + 1);
+  write(engines_.settings_for_all());
   const auto live = [this](auto& listener) { return lossless_ ? nullptr : &listener; };
   fix_reader_ = dds::make_reader(participant_, qos_, topics::fix, live(fix_listener_), delivery_);
   heading_reader_ = dds::make_reader(participant_, qos_, topics::heading, live(heading_listener_), delivery_);
@@ -145,6 +151,9 @@ FusionNode::Impl::~Impl() {
     settings.address = address;
     settings_writer_.try_unregister_instance(settings);
   }
+  sonopose_EffectiveSettings for_all{};
+  for_all.address = all_beacons;
+  settings_writer_.try_unregister_instance(for_all);
 }
 
 void FusionNode::Impl::feed(const Event& event, TimeNs in_ns, TimeNs steady_ns) noexcept {
@@ -183,7 +192,10 @@ template <class T>
 void FusionNode::Impl::write_to(dds::DataWriter<T>& writer, const T& sample) noexcept {
   if (lossless_ && stopping_) return;  // each try may wait for a consumer, and there may be many to write
   dds::ReturnCode code = writer.try_write(sample);
-  while (lossless_ && dds::is_timeout(code) && !stopping_) code = writer.try_write(sample);
+  while (lossless_ && dds::is_timeout(code) && !stopping_) {
+    waited_for_consumer_ = true;
+    code = writer.try_write(sample);
+  }
   if (code < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
 }
 
@@ -201,10 +213,13 @@ void FusionNode::Impl::take(dds::DataReader<sonopose_SettingsRequest>& reader) n
   reader.try_take_each([this](const sonopose_SettingsRequest& sample, const dds::SampleInfo&) {
     const SettingsRequest request = dds::from_idl(sample);
     SettingsReply reply;
+    std::optional<SettingsInForce> for_all;
     {
       const std::lock_guard lock(engines_mutex_);
       reply = engines_.change_settings(request);
+      if (reply.accepted && reply.address == all_beacons) for_all = engines_.settings_for_all();
     }
+    if (for_all) write(*for_all);  // first: who has the answer can ask for what holds
     if (reply_writer_.try_write(dds::to_idl(reply).sample()) < 0) ++unwritten_;
   });
 }
@@ -235,12 +250,26 @@ void FusionNode::Impl::publish_statuses() {
     status.time_ns = now_ns();
     if (status_writer_.try_write(dds::to_idl(status)) < 0) ++unwritten_;
   }
+  if (lossless_) tell_gaps();
   const std::uint64_t unwritten = unwritten_;
   if (unwritten != unwritten_told_) {
     fmt::print(stderr, "sonopose-fusion: {} poses or reports could not be written: a consumer is too slow\n",
                unwritten - unwritten_told_);
     unwritten_told_ = unwritten;
   }
+}
+
+void FusionNode::Impl::tell_gaps() {
+  if (waited_for_consumer_.exchange(false)) gaps_.start_over();
+  std::vector<std::string> texts;
+  {
+    const std::lock_guard lock(engines_mutex_);
+    for (const BeaconAddress address : engines_.addresses()) {
+      if (auto text = gaps_.on(address, engines_.gap(address), steady_now_ns()))
+        texts.push_back(*std::move(text));
+    }
+  }
+  for (const std::string& text : texts) fmt::print(stderr, "sonopose-fusion: {}\n", text);
 }
 
 FusionNode::FusionNode(const FusionOptions& options) : impl_(std::make_unique<Impl>(options)) {}

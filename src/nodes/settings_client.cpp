@@ -72,12 +72,16 @@ std::vector<EffectiveSettings> SettingsClient::in_force(BeaconAddress address, d
       reader, deadline_after(timeout_s),
       [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
         settled.heard();
-        if (address == all_beacons || sample.address == address) {
-          found[sample.address] = dds::from_idl(sample);
-        }
+        found[sample.address] = dds::from_idl(sample);
       },
-      [&] { return address == all_beacons ? settled() : !found.empty(); });
+      [&] { return settled() || (address != all_beacons && found.contains(address)); });
   std::vector<EffectiveSettings> settings;
+  const auto move_out = [&](BeaconAddress wanted) {
+    if (auto entry = found.extract(wanted)) settings.push_back(std::move(entry.mapped()));
+  };
+  move_out(address);  // all_beacons first
+  if (settings.empty() && address != all_beacons) move_out(all_beacons);
+  if (address != all_beacons) return settings;
   for (auto& entry : found) settings.push_back(std::move(entry.second));
   return settings;
 }

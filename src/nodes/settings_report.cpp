@@ -1,3 +1,5 @@
+#include <sonopose/config/beacon_settings.hpp>
+#include <sonopose/fusion/settings.hpp>
 #include <sonopose/nodes/settings_report.hpp>
 
 #include <fmt/format.h>
@@ -31,10 +33,26 @@ const std::string* value_of(const EffectiveSettings& settings, const std::string
 nlohmann::json object_of(const EffectiveSettings& settings, const char* name) {
   nlohmann::json values = nlohmann::json::object();
   for (const auto& [key, value] : settings.values) values[key] = typed(value);
-  return {{"beacon", settings.address},
+  const bool all = settings.address == all_beacons;
+  return {{"beacon", all ? nlohmann::json("all") : nlohmann::json(settings.address)},
           {"from_event", settings.from_sequence},
           {"time_ns", settings.time_ns},
           {name, std::move(values)}};
+}
+
+/// Whether a key is this name, or of the group of this name.
+bool is_under(const std::string& key, const std::string& name) {
+  return key == name || key.starts_with(name + ".");
+}
+
+/// Where the values of one beacon, or of all_beacons, begin in a file.
+std::string toml_header(const EffectiveSettings& settings) {
+  if (settings.address != all_beacons) {
+    return fmt::format("[beacon.{}]  # from event {}\n", settings.address, settings.from_sequence);
+  }
+  const std::string from =
+      settings.from_sequence == 0 ? "" : fmt::format(", from event {}", settings.from_sequence);
+  return fmt::format("# Any beacon without values of its own{}\n", from);
 }
 
 }  // namespace
@@ -47,11 +65,17 @@ SettingAssignment read_assignment(std::string_view text) {
   return {std::string(text.substr(0, equals)), std::string(text.substr(equals + 1))};
 }
 
+void check_names(const std::vector<std::string>& names) {
+  const auto& table = fusion::setting_table();
+  for (const std::string& name : names) {
+    if (std::none_of(table.begin(), table.end(), [&](const auto& row) { return is_under(row.key, name); })) {
+      fusion::setting_info(name);  // throws
+    }
+  }
+}
+
 EffectiveSettings chosen(EffectiveSettings settings, const std::vector<std::string>& names) {
   if (names.empty()) return settings;
-  const auto is_under = [](const std::string& key, const std::string& name) {
-    return key == name || key.starts_with(name + ".");
-  };
   for (const std::string& name : names) {
     if (std::none_of(settings.values.begin(), settings.values.end(),
                      [&](const auto& entry) { return is_under(entry.key, name); })) {
@@ -65,11 +89,16 @@ EffectiveSettings chosen(EffectiveSettings settings, const std::vector<std::stri
   return settings;
 }
 
-std::string toml_of(const std::vector<EffectiveSettings>& settings) {
+std::string toml_of(const std::vector<EffectiveSettings>& settings, const std::vector<std::string>& names) {
   std::string text;
   for (const EffectiveSettings& beacon : settings) {
-    text += fmt::format("[beacon.{}]  # from event {}\n", beacon.address, beacon.from_sequence);
-    for (const auto& [key, value] : beacon.values) text += fmt::format("{} = {}\n", key, literal(value));
+    const std::string* preset = value_of(beacon, "fusion.imu_weight");
+    const bool has_preset = preset != nullptr && *preset != "user";
+    text += toml_header(beacon);
+    for (const auto& [key, value] : chosen(beacon, names).values) {
+      const bool by_preset = has_preset && config::is_preset_key(key);
+      text += fmt::format("{}{} = {}\n", by_preset ? "# " : "", key, literal(value));
+    }
   }
   return text;
 }
@@ -91,25 +120,30 @@ std::string SettingsWatch::on(const EffectiveSettings& settings) {
   });
   if (changed.values.empty()) return {};
   if (json_) return object_of(changed, "changed").dump() + "\n";
+  const bool all = settings.address == all_beacons;
+  const std::string where = all ? "" : fmt::format("beacon.{}.", settings.address);
+  const std::string from =
+      settings.from_sequence == 0 ? "" : fmt::format(", from event {}", settings.from_sequence);
   std::string text;
   for (const auto& [key, value] : changed.values) {
     const std::string* old = value_of(before, key);
-    text += fmt::format("beacon.{}.{} = {}  # was {}, from event {}\n", settings.address, key, literal(value),
-                        old == nullptr ? "not there" : literal(*old), settings.from_sequence);
+    text += fmt::format("{}{} = {}  # was {}{}\n", where, key, literal(value),
+                        old == nullptr ? "not there" : literal(*old), from);
   }
   return text;
 }
 
 std::string when_of(const SettingsReply& reply) {
-  const bool all = reply.address == all_beacons;
-  if (reply.from_sequence == 0) {
-    return all ? "from each beacon's next event on"
-               : fmt::format("from the first event of beacon {}, which has not been heard yet",
-                             reply.address);
+  const std::uint64_t from = reply.from_sequence;
+  if (reply.address != all_beacons) {
+    return from == 0
+               ? fmt::format("from the first event of beacon {}, which has not been heard yet", reply.address)
+               : fmt::format("from event {} of beacon {} on", from, reply.address);
   }
-  return all ? fmt::format("from each beacon's event {} on, or its next where that is past",
-                           reply.from_sequence)
-             : fmt::format("from event {} of beacon {} on", reply.from_sequence, reply.address);
+  const std::string others =
+      from == 0 ? "from each beacon's next event on"
+                : fmt::format("from each beacon's event {} on, or its next where that is past", from);
+  return reply.details.empty() ? others : fmt::format("{} ({})", others, reply.details);
 }
 
 }  // namespace sonopose::nodes

@@ -77,6 +77,7 @@ TEST_CASE("Every field of what is said about settings survives the way to IDL an
     SettingsReply reply;
     fill.all(reply.address, reply.request_id, reply.from_sequence);
     reply.accepted = true;
+    reply.details = "7: event 812, 9: event 501";
     CHECK(from_idl(to_idl(reply).sample()) == reply);
     reply.accepted = false;
     reply.reason = "drift.jump_alpha = 2: out of range";
@@ -90,6 +91,7 @@ TEST_CASE("Every field of what is said about settings survives the way to IDL an
   }
   SECTION("a text that a foreign writer left out is empty") {
     CHECK(from_idl(sonopose_SettingsReply{}).reason.empty());
+    CHECK(from_idl(sonopose_SettingsReply{}).details.empty());
     CHECK(from_idl(sonopose_SettingsRequest{}).assignments.empty());
   }
 }

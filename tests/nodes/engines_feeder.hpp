@@ -23,6 +23,14 @@ inline std::vector<Event> walk(BeaconAddress address, double duration_s, TimeNs 
   return events;
 }
 
+inline SettingsRequest request(BeaconAddress address, std::vector<SettingAssignment> assignments,
+                               std::uint64_t from_sequence = 0, std::uint64_t id = 0) {
+  return {.address = address,
+          .request_id = id,
+          .from_sequence = from_sequence,
+          .assignments = std::move(assignments)};
+}
+
 /// Feeds engines and keeps what they make.
 struct Feeder {
   explicit Feeder(bool lossless, config::FusionConfig config = {}) : engines(std::move(config), lossless) {}

@@ -14,14 +14,6 @@ using Catch::Contains;
 
 namespace {
 
-SettingsRequest request(BeaconAddress address, std::vector<SettingAssignment> assignments,
-                        std::uint64_t from_sequence = 0, std::uint64_t id = 0) {
-  return {.address = address,
-          .request_id = id,
-          .from_sequence = from_sequence,
-          .assignments = std::move(assignments)};
-}
-
 const std::vector<SettingAssignment> user_balance{
     {"fusion.imu_weight", "user"}, {"drift.jump_alpha", "0.9"}, {"velocity.blend_weight", "0.05"}};
 
@@ -94,7 +86,7 @@ SCENARIO("a change holds exactly from the event that the request names") {
       const auto reply = feeder.engines.change_settings(request(all_beacons, user_balance, from, 9));
       push_range(feeder, events, 301, to_the_end);
       THEN("the same") {
-        CHECK(reply == SettingsReply{all_beacons, 9, true, "", from});
+        CHECK(reply == SettingsReply{all_beacons, 9, true, "", from, "7: event 700"});
         CHECK(same(feeder.poses, expected));
       }
     }
@@ -256,19 +248,6 @@ SCENARIO("a request that comes again is answered again and not carried out again
       CHECK(feeder.engines.change_settings(request(8, {{"trust.sigma_m", "5"}}, 79, 0)).from_sequence == 79);
     }
   }
-}
-
-SCENARIO("item 1: what a preset replaces is accepted with a warning") {
-  Feeder feeder(false);
-  const BeaconAddress address = GENERATE(BeaconAddress{7}, all_beacons);
-  const auto reply = feeder.engines.change_settings(request(address, {{"drift.jump_alpha", "0.9"}}));
-  CHECK(reply.accepted);
-  CHECK_THAT(reply.reason, Contains("drift.jump_alpha") && Contains("medium") && Contains("user"));
-  const auto user = feeder.engines.change_settings(request(address, user_balance));
-  CHECK(user.accepted);
-  CHECK(user.reason.empty());
-  feeder.push_all(walk(7, 1.0));
-  CHECK(feeder.changes.back().settings.drift.jump_alpha == 0.9);
 }
 
 SCENARIO("more changes than can wait are refused, and those that wait still hold") {

@@ -34,6 +34,15 @@ std::vector<std::string> keys_of(const EffectiveSettings& settings) {
   return keys;
 }
 
+config::FusionConfig loaded(const std::string& text) {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("sonopose_report_" + std::to_string(::getpid()) + ".toml");
+  std::ofstream(file) << text;
+  auto config = config::FusionConfig::load(file);
+  std::filesystem::remove(file);
+  return config;
+}
+
 }  // namespace
 
 TEST_CASE("KEY=VALUE is read whatever the value is; what is not of that form is named") {
@@ -60,16 +69,49 @@ TEST_CASE("what is printed as TOML can be given to a fusion, which then has the 
   settings.trust.enabled = false;
   const EffectiveSettings beacon{7, 0, 1, config::texts_of(settings)};
   EffectiveSettings other{8, 0, 1, {{"trust.n_base", "11"}}};
-  const auto file =
-      std::filesystem::temp_directory_path() / ("sonopose_report_" + std::to_string(::getpid()) + ".toml");
-  std::ofstream(file) << toml_of({beacon, other});
-  const auto config = config::FusionConfig::load(file);
-  std::filesystem::remove(file);
+  const auto config = loaded(toml_of({beacon, other}));
   for (const auto& row : fusion::setting_table()) {
     INFO(row.key);
     CHECK(fusion::get(config.for_beacon(7), row.key) == fusion::get(settings, row.key));
   }
   CHECK(config.for_beacon(8).trust.n_base == 11);
+}
+
+TEST_CASE("what holds for any beacon stands at the top level, for the beacons of the file too") {
+  fusion::Settings for_all;
+  for_all.trust.n_base = 9;
+  const EffectiveSettings seven{7, 0, 1, {{"trust.n_base", "11"}}};
+  const auto config = loaded(toml_of({{all_beacons, 0, 0, config::texts_of(for_all)}, seven}));
+  CHECK(config.for_beacon(8).trust.n_base == 9);
+  CHECK(config.for_beacon(7).trust.n_base == 11);
+}
+
+TEST_CASE("items 2, 3 and 4 under a preset are a remark, so that loading the file warns of nothing") {
+  fusion::Settings low;
+  low.preset.imu_weight = fusion::ImuWeight::low;
+  const auto texts = config::texts_of(fusion::resolved(low));
+  const std::vector<EffectiveSettings> settings{{all_beacons, 0, 0, texts}, {7, 0, 1, texts}};
+  const auto config = loaded(toml_of(settings));
+  CHECK(config.warnings().empty());
+  for (const auto& row : fusion::setting_table()) {
+    INFO(row.key);
+    CHECK(fusion::get(fusion::resolved(config.for_beacon(7)), row.key) ==
+          fusion::get(fusion::resolved(low), row.key));
+  }
+  CHECK_THAT(toml_of(settings), Contains("\n# drift.jump_alpha = "));
+  CHECK_THAT(toml_of(settings, {"drift"}),
+             Contains("\n# drift.jump_alpha = "));  // known from what is not shown
+  low.preset.imu_weight = fusion::ImuWeight::user;
+  CHECK_THAT(toml_of({{7, 0, 1, config::texts_of(low)}}), Contains("\ndrift.jump_alpha = "));
+}
+
+TEST_CASE("names are checked against the table, without any settings there") {
+  CHECK_NOTHROW(check_names({}));
+  CHECK_NOTHROW(check_names({"trust", "drift.jump_alpha", "attitude", "attitude.mahony"}));
+  CHECK_THROWS_WITH(check_names({"trust", "trust.sigma"}),
+                    Contains("'trust.sigma'") && Contains("'trust.sigma_m'"));
+  CHECK_THROWS_WITH(check_names({"trus"}), Contains("'trus'"));
+  CHECK_THROWS_AS(check_names({""}), fusion::SettingError);
 }
 
 TEST_CASE("as JSON, numbers are numbers") {
@@ -112,9 +154,22 @@ TEST_CASE("a watch tells what changed, beacon by beacon") {
   CHECK(lines.on(changed).empty());
 }
 
+TEST_CASE("what changes for all beacons is told as that") {
+  SettingsWatch lines(false);
+  SettingsWatch objects(true);
+  const EffectiveSettings before{all_beacons, 0, 0, {{"trust.n_base", "3"}}};
+  const EffectiveSettings after{all_beacons, 0, 0, {{"trust.n_base", "5"}}};
+  lines.on(before);
+  objects.on(before);
+  CHECK(lines.on(after) == "trust.n_base = 5  # was 3\n");
+  CHECK(nlohmann::json::parse(objects.on(after))["beacon"] == "all");
+}
+
 TEST_CASE("an answer says from when on it holds") {
   CHECK_THAT(when_of({7, 1, true, "", 12}), Contains("event 12") && Contains("beacon 7"));
   CHECK_THAT(when_of({7, 1, true, "", 0}), Contains("first event of beacon 7"));
   CHECK_THAT(when_of({all_beacons, 1, true, "", 12}), Contains("each") && Contains("event 12"));
   CHECK_THAT(when_of({all_beacons, 1, true, "", 0}), Contains("each") && Contains("next event"));
+  CHECK_THAT(when_of({all_beacons, 1, true, "", 0, "7: event 812, 9: event 501"}),
+             Contains("7: event 812, 9: event 501"));
 }

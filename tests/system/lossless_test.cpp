@@ -111,3 +111,13 @@ SCENARIO("a log played as fast as it can be gives each pose once, the same as a 
     }
   }
 }
+
+SCENARIO("a lossless fusion that came too late for the first events says what it waits for") {
+  const Bus bus;
+  const auto bridge = bus.bridge({"--source", "sim"});
+  Consumer<sonopose_ImuSample> imu(bus, topics::imu, dds::Delivery::live);
+  REQUIRE(imu.wait_for_count(1));
+  const auto fusion = bus.fusion({"--lossless"});
+  CHECK(fusion->wait_for_line(Stream::error, "beacon 7: waiting for event 1,"));
+  CHECK(fusion->end_by(SIGTERM).code == 0);
+}

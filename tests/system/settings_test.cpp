@@ -78,9 +78,11 @@ SCENARIO("settings are changed while the fusion runs, and who comes late sees wh
         const Result get = bus.settings({"get", "trust.sigma_m", "--json"});
         REQUIRE(get.code == 0);
         const auto list = nlohmann::json::parse(get.output);
-        REQUIRE(list.size() == 2);
+        REQUIRE(list.size() == 3);
+        CHECK(list[0]["beacon"] == "all");
         CHECK(list[0]["settings"]["trust.sigma_m"] == 0.25);
-        CHECK(list[1]["settings"]["trust.sigma_m"] == 0.8);
+        CHECK(list[1]["settings"]["trust.sigma_m"] == 0.25);
+        CHECK(list[2]["settings"]["trust.sigma_m"] == 0.8);
         CHECK_THAT(bus.settings({"get", "trust", "--beacon", "8"}).output,
                    Contains("[beacon.8]") && Contains("trust.sigma_m = 0.8\n") &&
                        Contains("trust.n_base = 9\n") && !Contains("drift."));
@@ -116,6 +118,36 @@ SCENARIO("settings are changed while the fusion runs, and who comes late sees wh
       }
     }
   }
+}
+
+SCENARIO("a fusion that has heard no beacon yet tells what will hold") {
+  GIVEN("a fusion alone, with a value of its own") {
+    const Bus bus;
+    const auto fusion = bus.fusion({"--set", "trust.n_min=3"});
+    THEN("what it was started with is there, and a beacon is said not to have been heard") {
+      const Result get = bus.settings({"get", "trust"});
+      CAPTURE(get.error);
+      CHECK(get.code == 0);
+      CHECK_THAT(get.output, Contains("trust.n_min = 3\n") && !Contains("[beacon"));
+      const Result seven = bus.settings({"get", "--beacon", "7"});
+      CHECK(seven.code == 1);
+      CHECK_THAT(seven.error, Contains("beacon 7 has not been heard"));
+    }
+    WHEN("all are given another value") {
+      REQUIRE(bus.settings({"set", "trust.n_base=9"}).code == 0);
+      THEN("that is there at once") {
+        CHECK_THAT(bus.settings({"get", "trust"}).output,
+                   Contains("trust.n_min = 3\n") && Contains("trust.n_base = 9\n"));
+      }
+    }
+  }
+}
+
+SCENARIO("a misspelt key is named at once, whether a fusion runs or not") {
+  const Bus bus;
+  const Result get = bus.settings({"get", "trust.sigma", "--timeout", "1000"});
+  CHECK(get.code == 1);
+  CHECK_THAT(get.error, Contains("'trust.sigma'") && Contains("'trust.sigma_m'"));
 }
 
 SCENARIO("a watch prints what changes, when it does") {

@@ -36,11 +36,13 @@ struct SettingsReply {
   std::string reason;  ///< refused: why; accepted: a warning, or empty
   std::uint64_t from_sequence =
       0;  ///< accepted, a beacon that was heard: first event; otherwise as requested
+  std::string details =
+      {};  ///< accepted, all beacons: first event of each heard, "7: event 812, 9: event 501"
 
   bool operator==(const SettingsReply&) const = default;
 };
 
-/// The settings that one beacon's engine uses.
+/// The settings that one beacon's engine uses; under all_beacons, what any uses that has none of its own.
 struct EffectiveSettings {
   BeaconAddress address = 0;
   TimeNs time_ns = 0;                     ///< when this was written

@@ -16,6 +16,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <unordered_map>
 #include <variant>
 #include <vector>
@@ -75,8 +76,15 @@ public:
   /// A request that comes again is answered as it was the first time.
   SettingsReply change_settings(const SettingsRequest& request);
 
+  /// What a beacon uses that has nothing of its own, once every change for all beacons that was accepted
+  /// holds; the address is all_beacons, the number that of the last of these changes.
+  [[nodiscard]] SettingsInForce settings_for_all() const;
+
   /// What one beacon's engine has counted; empty for an address never heard of.
   [[nodiscard]] std::optional<FusionStatus> status(BeaconAddress address) const;
+
+  /// What one beacon's events wait for; empty where nothing waits, and where not lossless.
+  [[nodiscard]] std::optional<fusion::LosslessSequencer::Gap> gap(BeaconAddress address) const;
 
   /// Every address heard of.
   [[nodiscard]] std::vector<BeaconAddress> addresses() const;
@@ -109,6 +117,8 @@ private:
   Beacon& beacon_of(BeaconAddress address);
   SettingsTimeline& timeline_of(BeaconAddress address);
   [[nodiscard]] std::optional<std::uint64_t> last_sequence(BeaconAddress address) const;
+  /// From which event on a change holds for each beacon that was heard: "7: event 812, 9: event 501".
+  [[nodiscard]] std::string first_events(std::uint64_t from_sequence) const;
   /// The number itself, or 0 where that event is past already.
   [[nodiscard]] std::uint64_t ahead(BeaconAddress address, std::uint64_t sequence) const;
   void check_room(const SettingsTimeline& timeline, BeaconAddress address, std::uint64_t from_sequence) const;

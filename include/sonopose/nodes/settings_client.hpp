@@ -20,8 +20,9 @@ public:
   /// Joins the domain. Throws dds::Error, dds::QosFileError.
   SettingsClient(const dds::DomainOptions& domain, const std::optional<std::filesystem::path>& qos_file);
 
-  /// The settings of one beacon, or of every beacon heard of (all_beacons), by address. Empty where none came
-  /// within `timeout_s`.
+  /// The settings of one beacon; where it has not been heard, what holds for any that has none of its own
+  /// (under the address all_beacons). For all_beacons, that first, and then every beacon's that was heard, by
+  /// address. Empty where none came within `timeout_s`.
   std::vector<EffectiveSettings> in_force(BeaconAddress address, double timeout_s);
 
   /// Sends a request, with an id of its own, and waits for its answer. Empty where none came within

@@ -33,6 +33,11 @@ public:
   /// In force from an event on that may lie ahead.
   [[nodiscard]] const fusion::Settings& settings_at(std::uint64_t sequence) const;
 
+  /// The number of the last change; 0 where none waits for a number.
+  [[nodiscard]] std::uint64_t last_from_sequence() const {
+    return steps_.empty() ? 0 : steps_.back().from_sequence;
+  }
+
   /// Whether one more change can wait for this number.
   [[nodiscard]] bool has_room_for(std::uint64_t from_sequence) const;
 
