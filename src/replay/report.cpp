@@ -42,6 +42,7 @@ std::string scores(const RunResult& result) {
   std::string text =
       line("position", fmt::format("{:8.4f} m RMSE, {:.4f} m p95, {:.4f} m max, over {} poses",
                                    position_m.rmse, position_m.p95, position_m.max, result.fused.poses));
+  text += line("no truth", fmt::format("{:8} poses, which are not scored", result.fused.poses_without_truth));
   text += figure("velocity", result.fused.velocity_rmse_mps, 4, "m/s");
   text += figure("yaw", result.fused.yaw_rmse_deg, 3, "deg");
   text += figure("tilt", result.fused.tilt_rmse_deg, 3, "deg");
@@ -56,8 +57,10 @@ std::string report_text(const RunResult& result, const Timing& timing) {
   std::string text = scores(result);
   text += line("fixes", fmt::format("{:8} used, {} rejected{}", counters.fixes_used, counters.fixes_rejected,
                                     special_verdicts(result.verdicts)));
-  text += line("samples", fmt::format("{:8} IMU, {} headings, {} IMU gaps, {} invalid", counters.imu_samples,
-                                      counters.headings, counters.imu_gaps, counters.samples_invalid));
+  text +=
+      line("samples", fmt::format("{:8} IMU, {} headings, {} IMU gaps, {} invalid, {} IMU stamps went back",
+                                  counters.imu_samples, counters.headings, counters.imu_gaps,
+                                  counters.samples_invalid, result.imu_stamps_back));
   text += line(
       "duration",
       fmt::format("{:8.2f} s, replayed at {:.0f} x real time (reading {:.3f} s, engine {:.3f} s)",
@@ -79,6 +82,7 @@ std::string report_json(const RunResult& result, const Timing& timing) {
                                       {"last_fix_rmse_m", result.last_fix_m.rmse},
                                       {"extrapolated_rmse_m", result.extrapolated_m.rmse},
                                       {"poses_scored", result.fused.poses},
+                                      {"poses_without_truth", result.fused.poses_without_truth},
                                       {"fixes_used", result.counters.fixes_used},
                                       {"fixes_rejected", result.counters.fixes_rejected},
                                       {"verdicts", std::move(verdicts)},
@@ -86,6 +90,7 @@ std::string report_json(const RunResult& result, const Timing& timing) {
                                       {"headings", result.counters.headings},
                                       {"imu_gaps", result.counters.imu_gaps},
                                       {"samples_invalid", result.counters.samples_invalid},
+                                      {"imu_stamps_back", result.imu_stamps_back},
                                       {"poses", result.poses},
                                       {"duration_s", result.duration_s},
                                       {"reading_s", timing.reading_s},

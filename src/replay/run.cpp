@@ -142,14 +142,23 @@ RunResult run_through(const io::SensorLog& log, const RunOptions& options, Resul
   const std::uint64_t skipped = last_sequence;
   std::optional<TimeNs> first_ns;
   TimeNs last_ns = 0;
-  for (const Event& event : log.events) {
+  const auto is_over = [&](const Event& event) {
+    return options.until_s && seconds_between(begin_ns, available_at_ns(event)) > *options.until_s;
+  };
+  TimeNs last_imu_ns = 0;
+  for (std::size_t i = 0; i < log.events.size(); ++i) {
+    const Event& event = log.events[i];
+    // One event alone may just carry a wrong stamp.
+    if (is_over(event) && (i + 1 == log.events.size() || is_over(log.events[i + 1]))) break;
     const TimeNs now_ns = available_at_ns(event);
-    const bool over = options.until_s && seconds_between(begin_ns, now_ns) > *options.until_s;
-    if (over) break;
     if (const auto* fix = std::get_if<UltrasonicFix>(&event)) results.add(*fix);
     if (sequence_of(event) <= skipped) continue;
     engine.on(event);
     ++result.events;
+    if (const auto* imu = std::get_if<ImuSample>(&event)) {
+      if (imu->sensor_time_ns < last_imu_ns) ++result.imu_stamps_back;
+      last_imu_ns = imu->sensor_time_ns;
+    }
     last_sequence = sequence_of(event);
     if (!first_ns) first_ns = now_ns;
     last_ns = std::max(last_ns, now_ns);

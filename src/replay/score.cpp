@@ -38,8 +38,9 @@ ErrorSummary summarise(std::vector<double> errors) {
 
 std::optional<TruthSample> TruthTrack::at(TimeNs time_ns) {
   constexpr double widest_gap_s = 0.1;
-  while (next_ < truth_.size() && truth_[next_].time_ns < time_ns) ++next_;
-  if (next_ == truth_.size()) return std::nullopt;
+  if (truth_.empty() || time_ns > truth_.back().time_ns) return std::nullopt;
+  while (truth_[next_].time_ns < time_ns) ++next_;
+  while (next_ > 0 && truth_[next_ - 1].time_ns >= time_ns) --next_;
   const TruthSample& after = truth_[next_];
   if (after.time_ns == time_ns) return after;
   if (next_ == 0) return std::nullopt;
@@ -54,6 +55,7 @@ std::optional<TruthSample> TruthTrack::at(TimeNs time_ns) {
 void Scorer::add(const FusedPose& pose) {
   if (pose.time_ns < from_ns_) return;
   const auto truth = track_.at(pose.time_ns);
+  if (!truth || !truth->position_world_m.allFinite()) ++without_truth_;
   if (!truth) return;
   if (truth->position_world_m.allFinite()) {
     times_ns_.push_back(pose.time_ns);
@@ -71,6 +73,7 @@ void Scorer::add(const FusedPose& pose) {
 
 Score Scorer::score() const {
   return {.poses = position_m_.size(),
+          .poses_without_truth = without_truth_,
           .position_m = summarise(position_m_),
           .yaw_rmse_deg = root_mean_square(yaw_rad_) / math::radians_per_degree,
           .tilt_rmse_deg = root_mean_square(tilt_rad_) / math::radians_per_degree,

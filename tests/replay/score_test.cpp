@@ -48,8 +48,21 @@ TEST_CASE("the position error is the distance to the truth between its samples, 
   scorer.add(pose_at(1.2, {7, 7, 7}));         // no truth any more
   const auto score = scorer.score();
   CHECK(score.poses == 2);
+  CHECK(score.poses_without_truth == 2);
   CHECK(score.position_m.rmse == Approx(std::sqrt((0.25 + 1.44) / 2)));
   CHECK(score.position_m.max == Approx(1.2));
+}
+
+TEST_CASE("a pose whose time is far off costs no other pose its score") {
+  const std::vector<TruthSample> truth{truth_at(1.0, {0, 0, 0}), truth_at(1.1, {1, 0, 0}),
+                                       truth_at(1.2, {2, 0, 0})};
+  Scorer scorer(truth, 0);
+  for (const double time_s : {1.05, 1000.0, 1.1, 1.2, 0.1, 1.15, 1.0}) {
+    scorer.add(pose_at(time_s, {10.0 * (time_s - 1.0), 0.5, 0}));
+  }
+  CHECK(scorer.score().poses == 5);
+  CHECK(scorer.score().poses_without_truth == 2);
+  CHECK(scorer.score().position_m.max == Approx(0.5));
 }
 
 TEST_CASE("what lies before the scored span, in a hole of the truth, or is not known does not count") {
@@ -62,6 +75,7 @@ TEST_CASE("what lies before the scored span, in a hole of the truth, or is not k
   scorer.add(pose_at(1.25, {1, 0, 0}));
   const auto score = scorer.score();
   CHECK(score.poses == 0);
+  CHECK(score.poses_without_truth == 2);  // those of the scored span
   CHECK(std::isnan(score.position_m.rmse));
   CHECK(score.velocity_rmse_mps == Approx(1.0));  // known at that sample all the same
 }

@@ -36,7 +36,7 @@ struct RunOptions {
   EngineKind engine = EngineKind::fusion;
   attitude::StrapdownRule strapdown_rule = attitude::StrapdownRule::previous;
   double after_s = 0;                 ///< scored are poses from so long after the recording's first event on
-  std::optional<double> until_s{};    ///< the run ends before the first event that comes later than this
+  std::optional<double> until_s{};    ///< the run ends before the first two events in a row that come later
   std::optional<SavedState> start{};  ///< go on from here, with the events behind it
 };
 
@@ -50,7 +50,8 @@ struct Observer {
 struct RunResult {
   std::uint64_t events = 0;
   std::uint64_t poses = 0;
-  double duration_s = 0;  ///< from the first event that was used to the last
+  double duration_s = 0;              ///< from the first event that was used to the last
+  std::uint64_t imu_stamps_back = 0;  ///< IMU samples with an earlier stamp than the one before
   fusion::Counters counters;
   VerdictCounts verdicts;
   bool has_truth = false;

@@ -22,7 +22,7 @@ struct ErrorSummary {
 /// Summarises errors, in any order.
 ErrorSummary summarise(std::vector<double> errors);
 
-/// The truth between its samples. Times must be asked for in ascending order.
+/// The truth between its samples. Times may be asked for in any order; near ones in a row are found fast.
 class TruthTrack {
 public:
   /// `truth` in ascending time; must outlive the track.
@@ -39,8 +39,9 @@ private:
 
 /// Errors over one span of time. Each is over the poses for which that part of the truth is known.
 struct Score {
-  std::size_t poses = 0;         ///< with a known true position
-  ErrorSummary position_m;       ///< distance in space
+  std::size_t poses = 0;                ///< with a known true position
+  std::size_t poses_without_truth = 0;  ///< in the span, but at a time without one
+  ErrorSummary position_m;              ///< distance in space
   double yaw_rmse_deg;           ///< 2·atan(d_z/d_w) of d = q_estimate ⊗ q_truth*: turn about world Z
   double tilt_rmse_deg;          ///< 2·acos √(d_w² + d_z²): angle between the two verticals
   double velocity_rmse_mps;      ///< length of the difference
@@ -48,7 +49,7 @@ struct Score {
   std::vector<TimeNs> times_ns;
 };
 
-/// Collects the errors of poses in ascending time.
+/// Collects the errors of poses.
 class Scorer {
 public:
   /// Poses before `from_ns` are not scored. `truth` must outlive the scorer.
@@ -61,6 +62,7 @@ public:
 private:
   TruthTrack track_;
   TimeNs from_ns_;
+  std::size_t without_truth_ = 0;
   std::vector<TimeNs> times_ns_;
   std::vector<double> position_m_;
   std::vector<double> yaw_rad_;
