@@ -2,10 +2,26 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <stdexcept>
+#include <string>
 
 namespace sonopose::apps {
+namespace {
+
+/// A pipe that was closed and a full disk show when the last lines leave the buffer, if not before.
+void check_output() {
+  errno = 0;
+  const bool flushed = std::fflush(stdout) == 0;
+  if (flushed && std::ferror(stdout) == 0) return;
+  const std::string reason = errno != 0 ? std::string(": ") + std::strerror(errno) : std::string();
+  throw std::runtime_error("the output cannot be written" + reason);
+}
+
+}  // namespace
 
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
   try {
@@ -14,7 +30,9 @@ int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body) 
     return app.exit(error);
   }
   try {
-    return body();
+    const int code = body();
+    check_output();
+    return code;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", app.get_name(), error.what());
     return 1;

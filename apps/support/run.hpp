@@ -8,7 +8,8 @@
 namespace sonopose::apps {
 
 /// Parses the command line and runs `body`. Returns the exit code: 0 for success, help and a stop by signal;
-/// the command line's own errors as CLI11 numbers them; 1 for any exception, whose reason goes to stderr.
+/// the command line's own errors as CLI11 numbers them; 1 for any exception and for an
+/// output that cannot be written; the reason goes to stderr.
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
 
 }  // namespace sonopose::apps
