@@ -40,6 +40,16 @@ double place_of(const fusion::Settings& settings, const Variable& variable) {
   return variable.high > variable.low ? (value - variable.low) / (variable.high - variable.low) : 0.0;
 }
 
+/// Values outside their bounds are moved to the nearer bound, others stay as they are to the last bit.
+fusion::Settings within(fusion::Settings settings, const std::vector<Variable>& variables) {
+  for (const Variable& variable : variables) {
+    const double value = number_of(fusion::get(settings, variable.key));
+    if (value < variable.low) set_at(settings, variable, 0.0);
+    if (value > variable.high) set_at(settings, variable, 1.0);
+  }
+  return settings;
+}
+
 }  // namespace
 
 Variable variable_of(std::string_view text) {
@@ -75,7 +85,8 @@ Found search(const fusion::Settings& start, const std::vector<Variable>& variabl
   sim::Random random(seed);
   std::vector<double> best;
   for (const Variable& variable : variables) best.push_back(place_of(start, variable));
-  Found found{start, cost(start)};
+  const fusion::Settings begin = within(start, variables);
+  Found found{begin, cost(begin)};
   constexpr double widest = 0.35;
   constexpr double narrowest = 0.03;
   for (int round = 0; round < rounds && !variables.empty(); ++round) {
@@ -86,9 +97,9 @@ Found search(const fusion::Settings& start, const std::vector<Variable>& variabl
       double& place = places[static_cast<std::size_t>(random.uniform() * static_cast<double>(places.size()))];
       place = std::clamp(place + width * (2.0 * random.uniform() - 1.0), 0.0, 1.0);
     }
-    fusion::Settings candidate = start;
+    fusion::Settings candidate = begin;
     for (std::size_t i = 0; i < places.size(); ++i) {
-      if (places[i] != place_of(start, variables[i])) set_at(candidate, variables[i], places[i]);
+      if (places[i] != place_of(begin, variables[i])) set_at(candidate, variables[i], places[i]);
     }
     const double candidate_cost = cost(candidate);
     if (!(candidate_cost < found.cost)) continue;

@@ -37,6 +37,24 @@ TEST_CASE("the same seed searches alike, and a search that finds nothing returns
   CHECK(flat.settings.trust.sigma_m == fusion::Settings{}.trust.sigma_m);
 }
 
+TEST_CASE("a start outside the bounds is moved to the nearer one before anything is tried") {
+  const std::vector<replay::Variable> variables{replay::variable_of("trust.sigma_m=0.2..0.4"),
+                                                replay::variable_of("trust.n_max=2..5")};
+  fusion::Settings start;
+  start.trust.sigma_m = 0.1;
+  start.trust.n_max = 40;
+  const auto cost = [](const fusion::Settings& settings) {
+    CHECK(settings.trust.sigma_m >= 0.2);
+    CHECK(settings.trust.sigma_m <= 0.4);
+    CHECK(settings.trust.n_max >= 2);
+    CHECK(settings.trust.n_max <= 5);
+    return settings.trust.sigma_m - settings.trust.n_max;  // least at the two bounds
+  };
+  const auto found = replay::search(start, variables, cost, 20, 1, [](int, const replay::Found&) {});
+  CHECK(found.settings.trust.sigma_m == 0.2);
+  CHECK(found.settings.trust.n_max == 5);
+}
+
 TEST_CASE("what cannot be searched is refused with key, value and range") {
   CHECK_THROWS_WITH(replay::variable_of("trust.enabled"), Contains("trust.enabled"));
   CHECK_THROWS_WITH(replay::variable_of("trust.sigmam"), Contains("trust.sigma_m"));
