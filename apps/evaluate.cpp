@@ -3,6 +3,7 @@
 #include "support/case_options.hpp"
 #include "support/config_options.hpp"
 #include "support/run.hpp"
+#include <sonopose/io/log_folder.hpp>
 
 #include <fmt/format.h>
 
@@ -15,11 +16,12 @@ using namespace sonopose;
 struct Options {
   apps::ConfigOptions config;
   apps::CaseOptions cases;
+  BeaconAddress beacon = io::default_log_address;
   bool json = false;
 };
 
 int evaluate(const CLI::App& app, const Options& options) {
-  const fusion::Settings settings = apps::configuration(app, options.config).for_beacon(all_beacons);
+  const fusion::Settings settings = apps::configuration(app, options.config).for_beacon(options.beacon);
   std::vector<replay::Summary> summaries;
   apps::for_each_case(options.cases, [&](const std::vector<replay::Case>& runs) {
     std::vector<replay::CaseResult> results;
@@ -41,6 +43,7 @@ int main(int argc, char** argv) {
       "sonopose-evaluate");
   apps::add_case_options(app, options.cases);
   apps::add_config_options(app, options.config);
+  apps::add_beacon_option(app, options.beacon);
   app.add_flag("--json", options.json, "A JSON array instead of the table");
   return apps::run(app, argc, argv, [&] { return evaluate(app, options); });
 }

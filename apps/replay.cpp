@@ -42,9 +42,7 @@ void add_options(CLI::App& app, Options& options) {
   const CLI::Validator seconds = CLI::Range(0.0, 1e9).description("[0 - 1e9]");
   app.add_option("LOG", options.log, "The sensor-log folder")->required()->type_name("DIR");
   apps::add_config_options(app, options.config);
-  app.add_option("--beacon", options.beacon, "Beacon whose own settings hold: a log does not name its beacon")
-      ->check(CLI::Range(0, 65534))
-      ->capture_default_str();
+  apps::add_beacon_option(app, options.beacon);
   app.add_option("--out", options.out,
                  "Write trajectory.tum, pose.csv and fixes.csv here, replacing those of a run before")
       ->type_name("DIR");
@@ -101,7 +99,7 @@ int replay_log(const CLI::App& app, const Options& options) {
     if (picture) picture->add(sample);
   };
   const replay::RunResult result = replay::run(log, run, {tell, tell});
-  if (out) out->flush();
+  if (out) out->finish();
   timing.running_s = seconds_since(running);
   if (options.save_state) replay::save_state(*options.save_state, result.end);
   if (picture) picture->draw();

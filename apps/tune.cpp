@@ -3,6 +3,7 @@
 #include "support/case_options.hpp"
 #include "support/config_options.hpp"
 #include "support/run.hpp"
+#include <sonopose/io/log_folder.hpp>
 #include <sonopose/replay/search.hpp>
 
 #include <fmt/format.h>
@@ -19,6 +20,7 @@ using namespace sonopose;
 struct Options {
   apps::ConfigOptions config;
   apps::CaseOptions cases;
+  BeaconAddress beacon = io::default_log_address;
   std::vector<std::string> vary;
   int rounds = 500;
   std::uint64_t search_seed = 1;
@@ -27,6 +29,7 @@ struct Options {
 void add_options(CLI::App& app, Options& options) {
   apps::add_case_options(app, options.cases);
   apps::add_config_options(app, options.config);
+  apps::add_beacon_option(app, options.beacon);
   app.add_option("--vary", options.vary,
                  "A setting to search: GROUP.KEY or GROUP.KEY=LOW..HIGH; may be repeated")
       ->required()
@@ -48,7 +51,7 @@ int tune(const CLI::App& app, const Options& options) {
                       [&](std::vector<replay::Case> runs) { cases.push_back(std::move(runs)); });
 
   const auto found = replay::search(
-      config.for_beacon(all_beacons), variables,
+      config.for_beacon(options.beacon), variables,
       [&](const fusion::Settings& settings) { return replay::cost_of(cases, settings); }, options.rounds,
       options.search_seed,
       [](int round, const replay::Found& better) {
@@ -57,6 +60,9 @@ int tune(const CLI::App& app, const Options& options) {
   for (const replay::Variable& variable : variables) {
     const std::string value = fusion::to_text(fusion::get(found.settings, variable.key));
     config.assign(variable.key + "=" + value);
+    const bool overruled = fusion::get(config.for_beacon(options.beacon), variable.key) !=
+                           fusion::get(found.settings, variable.key);
+    if (overruled) config.assign(fmt::format("beacon.{}.{}={}", options.beacon, variable.key, value));
   }
   fmt::print("# Geometric mean over the cases: {:.3f} cm.\n{}", 100.0 * found.cost, config.to_toml());
   return 0;

@@ -7,6 +7,10 @@ void add_case_options(CLI::App& app, CaseOptions& options) {
   app.add_option("--seeds", options.seeds, "Runs of each scenario")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  app.add_option("--first-seed", options.first_seed,
+                 "The first run's seed; another one gives runs not seen yet")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
+      ->capture_default_str();
   app.add_option("--recordings", options.recordings, "Also every sensor-log folder with truth in this one")
       ->type_name("DIR")
       ->envname("SONOPOSE_RECORDINGS");
@@ -20,8 +24,8 @@ void for_each_case(const CaseOptions& options, const std::function<void(std::vec
   }
   for (const sim::Scenario* scenario : chosen) {
     std::vector<replay::Case> runs;
-    for (std::uint64_t seed = 1; seed <= options.seeds; ++seed) {
-      runs.push_back(replay::simulated_case(*scenario, seed));
+    for (std::uint64_t run = 0; run < options.seeds; ++run) {
+      runs.push_back(replay::simulated_case(*scenario, options.first_seed + run));
     }
     use(std::move(runs));
   }

@@ -18,10 +18,11 @@ namespace sonopose::apps {
 struct CaseOptions {
   std::vector<std::string> scenarios;
   std::uint64_t seeds = 5;
+  std::uint64_t first_seed = 1;
   std::optional<std::filesystem::path> recordings;
 };
 
-/// Adds SCENARIO..., --seeds and --recordings.
+/// Adds SCENARIO..., --seeds, --first-seed and --recordings.
 void add_case_options(CLI::App& app, CaseOptions& options);
 
 /// Calls `use(runs)` with the runs of one scenario after the other, then with each recording.

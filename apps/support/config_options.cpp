@@ -15,6 +15,12 @@ void add_config_options(CLI::App& app, ConfigOptions& options) {
   app.footer(config::settings_help);
 }
 
+void add_beacon_option(CLI::App& app, BeaconAddress& beacon) {
+  app.add_option("--beacon", beacon, "Beacon whose own settings hold: a log does not name its beacon")
+      ->check(CLI::Range(0, 65534))
+      ->capture_default_str();
+}
+
 config::FusionConfig configuration(const CLI::App& app, const ConfigOptions& options) {
   auto config = options.file ? config::FusionConfig::load(*options.file) : config::FusionConfig();
   for (const std::string& assignment : options.assignments) config.assign(assignment);

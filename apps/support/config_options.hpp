@@ -2,6 +2,7 @@
 // What every program with fusion settings has in common: --config and --set.
 
 #include <sonopose/config/fusion_config.hpp>
+#include <sonopose/core/samples.hpp>
 
 #include <CLI/CLI.hpp>
 
@@ -20,6 +21,9 @@ struct ConfigOptions {
 
 /// Adds --config and --set.
 void add_config_options(CLI::App& app, ConfigOptions& options);
+
+/// Adds --beacon: whose own settings hold where events name no beacon.
+void add_beacon_option(CLI::App& app, BeaconAddress& beacon);
 
 /// Reads them, --set above --config; warnings go to stderr. Throws config::ConfigError.
 config::FusionConfig configuration(const CLI::App& app, const ConfigOptions& options);

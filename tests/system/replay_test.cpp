@@ -195,8 +195,33 @@ SCENARIO("what is wrong is named, and the exit code says so") {
   std::filesystem::create_symlink("/dev/full", recording / "full/fixes.csv");
   CHECK_THAT(refusal({log, "--out", (recording / "full").string()}),
              Contains("fixes.csv: cannot be written: No space left"));
+  const std::string out = (recording / "out").string();
+  const std::vector<std::string> everything{log,
+                                            "--out",
+                                            out,
+                                            "--plot",
+                                            (recording / "picture.svg").string(),
+                                            "--save-state",
+                                            (recording / "state.json").string()};
+  REQUIRE(replay(everything).code == 0);
+  const auto results = [&recording] {
+    std::string text;
+    for (const char* name :
+         {"out/trajectory.tum", "out/pose.csv", "out/fixes.csv", "picture.svg", "state.json"})
+      text += read_text(recording / name);
+    return text;
+  };
+  const std::string before = results();
   recording.append("imu.csv", "1800000000000000000,0,0,zero,0,0,9.8");
   CHECK_THAT(refusal({log}), Contains("imu.csv:1202: column 4 (w_z [rad s^-1]): \"zero\" is not a number"));
+  refusal(everything);
+  CHECK((results() == before));
+  write_text(recording / "log/imu.csv", "#timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n");
+  write_text(recording / "log/ultrasonic.csv", "#timestamp,received,x,y,z,quality\n");
+  std::filesystem::remove(recording / "log/heading.csv");
+  CHECK_THAT(refusal(everything), Contains("no samples"));
+  CHECK((results() == before));
+  CHECK_FALSE(exists(recording / "out/pose.csv.part"));
 }
 
 SCENARIO("rows that no sensor can have given are counted and harm nothing") {
@@ -210,6 +235,24 @@ SCENARIO("rows that no sensor can have given are counted and harm nothing") {
   CHECK(report["imu_samples"] == 1200);
   CHECK(report["verdicts"]["invalid"] == 1);
   CHECK(report["position_max_m"].is_number());
+}
+
+SCENARIO("one wrong IMU stamp costs that sample alone, and the report says what it did") {
+  const Recording recording;
+  const json clean = report_of({recording.log(), "--after", "6"});
+  const auto imu = std::filesystem::path(recording.log()) / "imu.csv";
+  std::string rows = read_text(imu);
+  const auto at = rows.find("\n1700000008000000000,");
+  REQUIRE(at != std::string::npos);
+  rows.replace(at + 1, 13, "1700001008000");  // 1000 s later
+  write_text(imu, rows);
+  const json report = report_of({recording.log(), "--after", "6"});
+  CHECK(report["imu_stamps_back"] == 1);
+  CHECK(report["fixes_used"] == clean["fixes_used"]);
+  CHECK(report["poses_scored"].get<int>() >= clean["poses_scored"].get<int>() - 10);
+  const Result text = replay({recording.log(), "--after", "6"});
+  CHECK_THAT(text.output, Contains("no truth") && Contains("1 IMU stamps went back"));
+  CHECK(report_of({recording.log(), "--until", "10"})["imu_samples"].get<int>() > 980);
 }
 
 SCENARIO("a replay has nothing to do with the bus") {

@@ -1,0 +1,76 @@
+/// sonopose-evaluate and sonopose-tune as programs: whose settings hold, on which runs, and what cannot be
+/// told.
+
+#include "io/temporary_folder.hpp"
+#include "support/process.hpp"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+using namespace sonopose::test;
+using Catch::Contains;
+using nlohmann::json;
+
+namespace {
+
+/// The fused error on one run of one scenario.
+double rmse_of(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {"walk", "--seeds", "1", "--json"});
+  const Result result = run(SONOPOSE_TEST_EVALUATE, arguments);
+  CAPTURE(result.error);
+  REQUIRE(result.code == 0);
+  return json::parse(result.output).at(0).at("position_rmse_m").get<double>();
+}
+
+/// Runs it with an output that takes nothing.
+Result into_full_disk(const std::string& program, const std::string& arguments) {
+  return run("/bin/sh", {"-c", "\"$0\" " + arguments + " > /dev/full", program});
+}
+
+}  // namespace
+
+SCENARIO("a beacon's own settings are scored where it is named") {
+  const double plain = rmse_of({});
+  const double worse = rmse_of({"--set", "trust.sigma_m=5", "--set", "attitude.mahony.kp=2"});
+  REQUIRE(worse != plain);
+  const std::vector<std::string> of_nine{"--set", "beacon.9.trust.sigma_m=5", "--set",
+                                         "beacon.9.attitude.mahony.kp=2"};
+  CHECK(rmse_of(of_nine) == plain);
+  auto named = of_nine;
+  named.insert(named.end(), {"--beacon", "9"});
+  CHECK(rmse_of(named) == worse);
+  CHECK(rmse_of({"--set", "beacon.7.trust.sigma_m=5", "--set", "beacon.7.attitude.mahony.kp=2"}) == worse);
+}
+
+SCENARIO("another first seed gives other runs") {
+  const double first = rmse_of({});
+  CHECK(rmse_of({"--first-seed", "1"}) == first);
+  CHECK(rmse_of({"--first-seed", "101"}) != first);
+}
+
+SCENARIO("a search prints what holds for the beacon it was made for") {
+  const Result result =
+      run(SONOPOSE_TEST_TUNE, {"walk", "--seeds", "1", "--rounds", "1", "--beacon", "9", "--set",
+                               "beacon.9.trust.sigma_m=0.3", "--vary", "trust.sigma_m=0.1..0.2"});
+  CAPTURE(result.error);
+  REQUIRE(result.code == 0);
+  const TemporaryFolder folder;
+  write_text(folder / "found.toml", result.output);
+  const std::string config = (folder / "found.toml").string();
+  CHECK(rmse_of({"--config", config, "--beacon", "9"}) !=
+        rmse_of({"--config", config, "--beacon", "9", "--set", "beacon.9.trust.sigma_m=0.3"}));
+}
+
+SCENARIO("an output that cannot be written is an error") {
+  const TemporaryFolder folder;
+  const std::string log = (folder / "log").string();
+  REQUIRE(run(SONOPOSE_TEST_SIMULATE, {"walk", "--duration", "2", "--out", log}).code == 0);
+  for (const Result& result : {into_full_disk(SONOPOSE_TEST_REPLAY, "'" + log + "' --json"),
+                               into_full_disk(SONOPOSE_TEST_EVALUATE, "walk --seeds 1")}) {
+    CHECK(result.code == 1);
+    CHECK_THAT(result.error, Contains("the output cannot be written: No space left on device"));
+  }
+}
