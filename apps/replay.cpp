@@ -89,6 +89,7 @@ int replay_log(const CLI::App& app, const Options& options) {
   const auto reading = Clock::now();
   const io::SensorLog log = io::read_sensor_log(options.log, options.beacon);
   timing.reading_s = seconds_since(reading);
+  if (run.start) replay::check_fits(*run.start, log, options.load_state->string());
   std::optional<replay::OutputFolder> out;
   std::optional<replay::Picture> picture;
   if (options.out) out.emplace(*options.out);

@@ -166,6 +166,8 @@ RunResult run_through(const io::SensorLog& log, const RunOptions& options, Resul
   if (first_ns) result.duration_s = seconds_between(*first_ns, last_ns);
   engine.finish();
   result.end.sequence = last_sequence;
+  result.end.beacon = address_of(log.events.front());
+  result.end.first_event_ns = begin_ns;
   return results.finished();
 }
 

@@ -17,7 +17,7 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::string_view format_name = "sonopose engine state";
-constexpr int format_version = 1;
+constexpr int format_version = 2;
 
 double finite(const char* name, double value) {
   if (std::isfinite(value)) return value;
@@ -99,6 +99,8 @@ std::string state_text(const SavedState& saved) {
   file["format"] = format_name;
   file["version"] = format_version;
   file["sequence"] = saved.sequence;
+  file["beacon"] = saved.beacon;
+  file["first_event_ns"] = saved.first_event_ns;
   file["reset_counter"] = saved.snapshot.reset_counter;
   for_each_counter(saved.snapshot.counters,
                    [&file](const char* name, std::uint64_t value) { file["counters"][name] = value; });
@@ -111,6 +113,10 @@ SavedState parse_state(std::string_view text, const std::string& name) {
   check_format(file);
   SavedState saved;
   saved.sequence = file.count("sequence");
+  const std::uint64_t beacon = file.count("beacon");
+  saved.beacon = static_cast<BeaconAddress>(beacon);
+  if (saved.beacon != beacon) file.fail("beacon", "is " + std::to_string(beacon) + ", which is no address");
+  file.read("first_event_ns", saved.first_event_ns);
   saved.snapshot.reset_counter = file.count32("reset_counter");
   StateReader counters = file.object("counters");
   for_each_counter(saved.snapshot.counters,
@@ -119,6 +125,8 @@ SavedState parse_state(std::string_view text, const std::string& name) {
   StateReader state = file.object("state");
   fusion::for_each_field(saved.snapshot.state,
                          [&state](const char* field, auto& value) { state.read(field, value); });
+  const double trust = saved.snapshot.state.trust.trust;
+  if (!(trust >= 0.0 && trust <= 1.0)) state.fail("trust.trust", "is not between 0 and 1");
   if (saved.snapshot.state.velocity.count > fusion::VelocityState::capacity) {
     state.fail("velocity.count", "is more than " + std::to_string(fusion::VelocityState::capacity));
   }
@@ -143,6 +151,19 @@ void save_state(const std::filesystem::path& file, const SavedState& saved) {
 
 SavedState load_state(const std::filesystem::path& file) {
   return parse_state(content_of(file), file.string());
+}
+
+void check_fits(const SavedState& saved, const io::SensorLog& log, const std::string& name) {
+  if (log.events.empty()) return;
+  const auto differs = [&name](const std::string& field, auto stored, auto own) {
+    throw StateFileError(name + ": " + field + ": is " + std::to_string(stored) +
+                         ", but the recording's is " + std::to_string(own) + ": it is of another recording");
+  };
+  const Event& first = log.events.front();
+  if (saved.beacon != address_of(first)) differs("beacon", saved.beacon, address_of(first));
+  if (saved.first_event_ns != available_at_ns(first)) {
+    differs("first_event_ns", saved.first_event_ns, available_at_ns(first));
+  }
 }
 
 }  // namespace sonopose::replay

@@ -53,6 +53,21 @@ TEST_CASE("a run that goes on from a file ends like the whole run") {
   CHECK(rest.end == whole.end);
 }
 
+TEST_CASE("a state fits the recording that it was left in, and no other") {
+  const io::SensorLog log = sample_log("walk", 2.0);
+  const replay::SavedState saved = replay::run(log, {.until_s = 1.0}).end;
+  CHECK_NOTHROW(replay::check_fits(saved, log, "s.json"));
+  io::SensorLog another = log;
+  std::visit([](auto& sample) { sample.address = 9; }, another.events.front());
+  CHECK_THROWS_WITH(replay::check_fits(saved, another, "s.json"),
+                    Contains("s.json: beacon: is " + std::to_string(saved.beacon)) && Contains("is 9"));
+  another = log;
+  std::get<ImuSample>(another.events.front()).sensor_time_ns = 5;
+  CHECK_THROWS_WITH(
+      replay::check_fits(saved, another, "s.json"),
+      Contains("s.json: first_event_ns: is " + std::to_string(saved.first_event_ns)) && Contains("is 5"));
+}
+
 TEST_CASE("numbers that are hard to write come back as they were") {
   replay::SavedState saved;
   saved.snapshot.state.body.position_world_m = {-0.0, 5e-324, -1.7976931348623157e308};
@@ -97,6 +112,10 @@ TEST_CASE("a field that is missing, unknown, of the wrong kind or impossible is 
              Contains("s.json: state: trust.trust: is missing"));
   CHECK_THAT(state("trust.unheard_of", 1.0), Contains("trust.unheard_of: is not known"));
   CHECK_THAT(state("trust.trust", "much"), Contains("trust.trust: is \"much\" instead of a number"));
+  CHECK_THAT(state("trust.trust", 1.5), Contains("trust.trust: is not between 0 and 1"));
+  CHECK_THAT(state("trust.trust", -0.1), Contains("trust.trust: is not between 0 and 1"));
+  CHECK_THAT(complaint_after([](json& file) { file["beacon"] = 70'000; }),
+             Contains("s.json: beacon: is 70000, which is no address"));
   CHECK_THAT(state("trust.forced", 1), Contains("trust.forced: is 1 instead of true or false"));
   CHECK_THAT(state("trust.rebuild_n", -1), Contains("trust.rebuild_n: is -1 instead of a count"));
   CHECK_THAT(state("trust.rebuild_n", 5'000'000'000), Contains("instead of a count below 2^31"));

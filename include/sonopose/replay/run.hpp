@@ -27,6 +27,8 @@ enum class EngineKind : std::uint8_t {
 struct SavedState {
   fusion::Snapshot snapshot;
   std::uint64_t sequence = 0;  ///< of the last event that it was given; 0 before the first
+  BeaconAddress beacon = 0;    ///< whose recording it was
+  TimeNs first_event_ns = 0;   ///< when that recording's first event came
 
   bool operator==(const SavedState&) const = default;
 };

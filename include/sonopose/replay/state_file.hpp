@@ -25,8 +25,13 @@ std::string state_text(const SavedState& saved);
 /// format or version, a field that is missing, unknown, of the wrong kind or impossible.
 SavedState parse_state(std::string_view text, const std::string& name);
 
-/// The same with a file, which is replaced once the new one is whole. Throw io::IoError where it cannot be written or read.
+/// The same with a file, which is replaced once the new one is whole. Throw io::IoError where it cannot be
+/// written or read.
 void save_state(const std::filesystem::path& file, const SavedState& saved);
 SavedState load_state(const std::filesystem::path& file);
+
+/// Throws StateFileError where `saved`, read from `name`, was not left by a run over `log`: another beacon's,
+/// or with another first event.
+void check_fits(const SavedState& saved, const io::SensorLog& log, const std::string& name);
 
 }  // namespace sonopose::replay
