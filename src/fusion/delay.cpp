@@ -1,10 +1,23 @@
 #include <sonopose/fusion/delay.hpp>
 
 namespace sonopose::fusion::delay {
+namespace {
+
+/// Zero, which is no time, where there is none before.
+TimeNs before(TimeNs time_ns, double seconds) {
+  return time_ns > to_ns(seconds) ? time_ns - to_ns(seconds) : 0;
+}
+
+}  // namespace
 
 TimeNs measured_at(const DelaySettings& settings, const UltrasonicFix& fix) {
   const bool own = settings.source == DelaySource::measured && fix.measured_delay_s.has_value();
-  return own ? fix.emission_time_ns : fix.received_time_ns - to_ns(settings.processing_s);
+  return own ? fix.emission_time_ns : before(fix.received_time_ns, settings.processing_s);
+}
+
+TimeNs measured_at(const DelaySettings& settings, const PairHeading& heading) {
+  const bool own = settings.source == DelaySource::measured;
+  return own ? heading.emission_time_ns : before(heading.received_time_ns, settings.processing_s);
 }
 
 void move_on(const DelaySettings& settings, const Kinematics& body, TimedFix& fix) {

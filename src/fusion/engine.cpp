@@ -6,13 +6,6 @@
 #include <type_traits>
 
 namespace sonopose::fusion {
-namespace {
-
-/// World gravity as it adds to the specific force (the strapdown document's g).
-const Vector3d gravity_world_mps2{0.0, 0.0, -standard_gravity_mps2};
-
-}  // namespace
-
 Engine::Engine(const Settings& settings) : settings_(resolved(settings)) {}
 
 void Engine::configure(const Settings& settings) noexcept {
@@ -21,7 +14,8 @@ void Engine::configure(const Settings& settings) noexcept {
 }
 
 std::optional<FusedPose> Engine::on(const ImuSample& imu) noexcept {
-  if (!admission::admits(settings_.admission, state_.body.time_ns, imu)) {
+  if (!admission::admits(settings_.admission, state_.body.time_ns, imu) ||
+      admission::is_sudden(state_.admission, state_.body.time_ns, imu)) {
     ++counters_.samples_invalid;
     if (admission::time_was_wrong(state_.admission, state_.body.time_ns, imu)) reset();
     return std::nullopt;
@@ -29,11 +23,11 @@ std::optional<FusedPose> Engine::on(const ImuSample& imu) noexcept {
   state_.admission.backward_in_row = 0;
   ++counters_.imu_samples;
   if (!state_.body.started()) start(imu);
-  calibrate(imu);
-
   const double dt_s = seconds_between(state_.body.time_ns, imu.sensor_time_ns);
-  state_.body.time_ns = imu.sensor_time_ns;
   state_.in_imu_gap = outage::is_imu_gap(settings_.outage, dt_s);
+  if (state_.in_imu_gap) startup::begin_window(state_.startup, imu.sensor_time_ns);
+  calibrate(imu);
+  state_.body.time_ns = imu.sensor_time_ns;
   if (state_.in_imu_gap) {
     rest_over_gap(imu, dt_s);
   } else {
@@ -52,8 +46,8 @@ FixReport Engine::on(const UltrasonicFix& fix) noexcept {
   report.position_world_m = fix.position_world_m;
   report.trust = state_.trust.trust;
 
-  report.verdict =
-      admission::reasons_against(settings_.admission, state_.admission, state_.body.time_ns, fix);
+  report.verdict = admission::reasons_against(settings_.admission, state_.admission, state_.body.time_ns, fix,
+                                              delay::measured_at(settings_.delay, fix));
   const bool was_frozen = state_.frozen.frozen;
   if (report.verdict == 0 && frozen::watch(settings_.frozen, state_.frozen, state_.body, fix)) {
     report.verdict = verdict_frozen;
@@ -80,13 +74,14 @@ FixReport Engine::on(const UltrasonicFix& fix) noexcept {
 }
 
 void Engine::on(const PairHeading& heading) noexcept {
-  if (!admission::admits(settings_.admission, state_.body.time_ns, heading)) {
+  const TimeNs measured_ns = delay::measured_at(settings_.delay, heading);  // 6
+  if (!admission::admits(settings_.admission, state_.body.time_ns, heading, measured_ns)) {
     ++counters_.samples_invalid;
     return;
   }
   ++counters_.headings;
   if (state_.frozen.frozen) return;  // it comes from the same fixes
-  heading::take(settings_.heading, state_.heading, state_.body, state_.filter, heading);  // 5
+  heading::take(settings_.heading, state_.heading, state_.body, state_.filter, heading, measured_ns);  // 5
 }
 
 void Engine::reset() noexcept {
@@ -102,9 +97,7 @@ void Engine::restore(const Snapshot& snapshot) noexcept {
 
 void Engine::start(const ImuSample& imu) {
   state_.body.time_ns = imu.sensor_time_ns;
-  const bool weightless = imu.specific_force_body_mps2.isZero();
-  state_.filter.reset(weightless ? Quaterniond::Identity()
-                                 : math::level_with(imu.specific_force_body_mps2, 0.0));
+  state_.filter.reset(math::level_with(imu.specific_force_body_mps2, 0.0));
 }
 
 void Engine::calibrate(const ImuSample& imu) {
@@ -132,16 +125,14 @@ void Engine::predict(const ImuSample& imu, double dt_s) {
   const double pulled = heading::pull(settings_.heading, state_.heading, body, state_.filter, dt_s);  // 34
 
   const Vector3d before_world_mps2 = body.acceleration_world_mps2;
-  body.acceleration_world_mps2 =
-      state_.filter.orientation() * imu.specific_force_body_mps2 + gravity_world_mps2;
-  body.acceleration_world_mps2.z() += state_.alignment.vertical_offset_mps2;
+  body.acceleration_world_mps2 = world_acceleration(imu);
   const Vector3d velocity_before_world_mps = body.velocity_world_mps;
   const bool no_position = state_.outage.last_valid_fix_ns == 0;
   if (state_.startup.waiting || no_position) {
     // Held in place: the body is at rest, or nothing is known yet that an integral could start from.
   } else if (outage::watch(settings_.outage, state_.outage, body.time_ns)) {  // 11
     outage::decay(settings_.outage, body, dt_s);                              // 10
-    motion::integrate(settings_.motion, body, Vector3d::Zero(), dt_s);
+    motion::coast(body, dt_s);
   } else {
     const Vector3d mean_world_mps2 = 0.5 * (before_world_mps2 + body.acceleration_world_mps2);
     motion::integrate(settings_.motion, body, motion::gate(settings_.motion, body, mean_world_mps2),
@@ -157,14 +148,20 @@ void Engine::predict(const ImuSample& imu, double dt_s) {
   uncertainty::pull_yaw(settings_.uncertainty, state_.uncertainty, pulled);
 }
 
+/// a = R(q)·f + g, and what alignment has learned of the vertical.
+Vector3d Engine::world_acceleration(const ImuSample& imu) const {
+  Vector3d acceleration_world_mps2 = state_.filter.orientation() * imu.specific_force_body_mps2;
+  acceleration_world_mps2.z() += state_.alignment.vertical_offset_mps2 - standard_gravity_mps2;
+  return acceleration_world_mps2;
+}
+
 void Engine::rest_over_gap(const ImuSample& imu, double dt_s) {
   // Nothing is known of the motion meanwhile: no path to compare old fixes with, and the track is let go.
   ++counters_.imu_gaps;
   state_.previous_rate_body_radps = imu.angular_velocity_body_radps - state_.startup.gyro_offset_body_radps;
   state_.body.angular_velocity_body_radps =
       state_.previous_rate_body_radps - state_.filter.gyro_bias_body_radps();
-  state_.body.acceleration_world_mps2 =
-      state_.filter.orientation() * imu.specific_force_body_mps2 + gravity_world_mps2;
+  state_.body.acceleration_world_mps2 = world_acceleration(imu);
   outage::decay(settings_.outage, state_.body, dt_s);
   state_.outage.track = Track::none;
   state_.body.history.clear();
@@ -206,7 +203,7 @@ void Engine::take_hold(const TimedFix& fix, FixReport& report) {
 /// The second fix of a run sets the velocity: until then there is none that could predict where it should
 /// lie. False where the two stand too near or too far apart in time for a velocity.
 bool Engine::take_velocity(TimedFix& fix, FixReport& report) {
-  const auto measured = velocity::measure(settings_.velocity, state_.velocity, state_.body, fix, true);
+  const auto measured = velocity::measure(settings_.velocity, state_.velocity, state_.body, fix, Verdict{});
   if (!measured) return false;
   report.velocity_change_world_mps = velocity::adopt(state_.velocity, state_.body, *measured);
   delay::move_on(settings_.delay, state_.body, fix);
@@ -230,12 +227,9 @@ void Engine::follow(const TimedFix& fix, FixReport& report) {
   report.trust = state_.trust.trust;
   if (verdict.outlier) report.verdict |= verdict_outlier;
   if (verdict.forced) report.verdict |= verdict_stuck_forced;
-  if (verdict.accepted_anew)
-    state_.velocity.unsettle();  // what led astray was the velocity, more often than not
 
   report.jump_world_m = drift::correct(settings_.drift, state_.drift, body, fix, verdict);  // 2, 4, 9
-  const bool good = !verdict.outlier || verdict.forced;
-  const auto measured = velocity::measure(settings_.velocity, state_.velocity, body, fix, good);
+  const auto measured = velocity::measure(settings_.velocity, state_.velocity, body, fix, verdict);
   double interval_s = 0.0;
   double velocity_share = 0.0;
   if (measured) {
@@ -267,47 +261,6 @@ void Engine::align(const FixVelocity& measured, const VelocityChange& change, Fi
     report.yaw_change_rad = alignment::turn(settings_.alignment, state_.alignment, state_.body, state_.filter,
                                             measured, change.share);
   }
-}
-
-FusedPose Engine::pose_at(const ImuSample& imu) const {
-  const Kinematics& body = state_.body;
-  FusedPose pose;
-  pose.address = imu.address;
-  pose.sequence = imu.sequence;
-  pose.time_ns = body.time_ns;
-  pose.position_world_m = body.position_world_m;
-  pose.q_body_to_world = state_.filter.orientation();
-  pose.velocity_world_mps = body.velocity_world_mps;
-  pose.angular_velocity_body_radps = body.angular_velocity_body_radps;
-  pose.acceleration_world_mps2 = body.acceleration_world_mps2;
-  pose.gyro_bias_body_radps = state_.startup.gyro_offset_body_radps + state_.filter.gyro_bias_body_radps();
-  pose.position_std_m.setConstant(state_.uncertainty.position_std_m);
-  pose.velocity_std_mps.setConstant(state_.uncertainty.velocity_std_mps);
-  pose.yaw_std_rad = state_.uncertainty.yaw_std_rad;
-  pose.trust = state_.trust.trust;
-  pose.since_valid_fix_s =
-      state_.outage.last_valid_fix_ns == 0
-          ? std::numeric_limits<double>::infinity()
-          : std::max(0.0, seconds_between(state_.outage.last_valid_fix_ns, body.time_ns));
-  pose.reset_counter = reset_counter_;
-  pose.status = status();
-  pose.imu_sensor_time_ns = imu.sensor_time_ns;
-  pose.imu_bridge_time_ns = imu.bridge_time_ns;
-  return pose;
-}
-
-std::uint32_t Engine::status() const {
-  const auto bit = [](bool holds, PoseStatus status) { return holds ? std::uint32_t{status} : 0U; };
-  const bool no_position = state_.outage.last_valid_fix_ns == 0;
-  const bool far_off = trust::is_far(settings_.trust, state_.drift.offset_world_m.norm());
-  return bit(no_position || state_.startup.waiting, status_initialising) |
-         bit(!state_.startup.waiting && !state_.startup.calibrated, status_uncalibrated) |
-         bit(state_.outage.stale, status_stale) | bit(state_.trust.forced || far_off, status_converging) |
-         bit(!heading::is_valid(settings_.heading, state_.heading, state_.body.time_ns),
-             status_heading_unknown) |
-         bit(state_.frozen.frozen, status_frozen_track) | bit(state_.in_imu_gap, status_imu_gap) |
-         bit(state_.trust.trust < 1.0, status_low_trust) |
-         bit(motion::is_gated(settings_.motion, state_.body), status_rotating_fast);
 }
 
 }  // namespace sonopose::fusion

@@ -30,12 +30,11 @@ bool is_valid(const HeadingSettings& settings, const HeadingState& state, TimeNs
 }
 
 void take(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::Mahony& filter,
-          const PairHeading& heading) {
+          const PairHeading& heading, TimeNs measured_ns) {
   if (!heading.valid || !body.started() || !yaw_is_defined(filter)) return;
   const double yaw_measured_rad =
       heading.heading_world_rad - settings.mount_offset_deg * math::radians_per_degree;
-  const double yaw_then_rad =
-      body.yaw_at(heading.emission_time_ns).value_or(math::yaw_of(filter.orientation()));
+  const double yaw_then_rad = body.yaw_at(measured_ns).value_or(math::yaw_of(filter.orientation()));
   const double error_rad = math::wrap_angle(yaw_measured_rad - yaw_then_rad);
   if (!state.known) turn(body, filter, error_rad);
   state.wanted_correction_rad =
@@ -50,7 +49,9 @@ double pull(const HeadingSettings& settings, HeadingState& state, Kinematics& bo
   double share = 0.0;
   if (is_valid(settings, state, body.time_ns)) {
     const double error_rad = math::wrap_angle(state.wanted_correction_rad - body.yaw_corrections_rad);
-    state.rate_offset_radps += settings.pair_bias_gain_hz2 * error_rad * dt_s;
+    // Critically damped at most: x″ + k·x′ + b·x = 0 does not swing for b ≤ k²/4.
+    const double damped_hz2 = 0.25 * settings.pair_gain_hz * settings.pair_gain_hz;
+    state.rate_offset_radps += std::min(settings.pair_bias_gain_hz2, damped_hz2) * error_rad * dt_s;
     share = -std::expm1(-settings.pair_gain_hz * dt_s);
     turn_rad += share * error_rad;
   }

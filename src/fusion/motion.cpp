@@ -32,4 +32,8 @@ void integrate(const MotionSettings& settings, Kinematics& body, const Vector3d&
   body.position_world_m += 0.5 * dt_s * (before_world_mps + body.velocity_world_mps);
 }
 
+void coast(Kinematics& body, double dt_s) {
+  body.position_world_m += body.velocity_world_mps * dt_s;
+}
+
 }  // namespace sonopose::fusion::motion

@@ -1,7 +1,6 @@
 #include <sonopose/fusion/startup.hpp>
 
 namespace sonopose::fusion::startup {
-namespace {
 
 void begin_window(StartupState& state, TimeNs time_ns) {
   state.window_began_ns = time_ns;
@@ -13,6 +12,8 @@ void begin_window(StartupState& state, TimeNs time_ns) {
   state.window_has_fix = false;
   state.window_moved = false;
 }
+
+namespace {
 
 /// Welford's running mean and sum of squares.
 void accumulate(Vector3d& mean, Vector3d& squares, const Vector3d& value, int samples) {

@@ -92,6 +92,8 @@ Verdict judge(const TrustSettings& settings, TrustState& state, const Kinematics
   }
   verdict.accepted_anew =
       (state.forced && !was_forced) || (verdict.outlier && state.trust >= 1.0 && against_imu);
+  verdict.new_track = verdict.accepted_anew || (!settings.enabled && verdict.outlier);
+  verdict.trusted = state.trust >= 1.0;
   verdict.forced = state.forced;
   verdict.weight =
       std::max(settings.min_weight, weight_of(verdict.residual_m, settings.sigma_m) * state.trust);

@@ -8,10 +8,12 @@ namespace sonopose::fusion::velocity {
 namespace {
 
 /// Items 7, 8 and 28.
-std::uint32_t snap_for(const VelocitySettings& settings, const FixVelocity& measured) {
+std::uint32_t snap_for(const VelocitySettings& settings, const FixVelocity& measured,
+                       const Verdict& verdict) {
   const double ultrasonic_mps = measured.ultrasonic_world_mps.norm();
   const double inertial_mps = measured.inertial_world_mps.norm();
   if (ultrasonic_mps < settings.snap_min_speed_mps || measured.bend_m > settings.snap_max_bend_m) return 0;
+  if (!verdict.trusted) return 0;
   const bool same_direction = measured.ultrasonic_world_mps.dot(measured.inertial_world_mps) > 0.0;
   if (settings.overshoot_fix && same_direction && inertial_mps > 2.0 * ultrasonic_mps) {
     return verdict_snapped_over;
@@ -20,9 +22,10 @@ std::uint32_t snap_for(const VelocitySettings& settings, const FixVelocity& meas
   return 0;
 }
 
-/// Item 3. The first velocities of a run are averaged, the n-th with a share of 1/n where that is more.
+/// Item 3. The first velocities of a run are averaged, the n-th with a share of 1/n where that is more; item
+/// 3 at zero leaves the velocity alone.
 double blend_of(const VelocitySettings& settings, const VelocityState& state) {
-  if (state.settled()) return settings.blend_weight;
+  if (state.settled() || settings.blend_weight <= 0.0) return settings.blend_weight;
   return std::max(settings.blend_weight, 1.0 / (state.velocities + 1));
 }
 
@@ -90,8 +93,13 @@ void restart(VelocityState& state, const TimedFix& fix, bool velocity_known) {
 }
 
 std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocityState& state,
-                                   const Kinematics& body, const TimedFix& fix, bool good) {
-  if (!good) return std::nullopt;
+                                   const Kinematics& body, const TimedFix& fix, const Verdict& verdict) {
+  if (verdict.new_track) {
+    // What led the pose astray from a track that wins was its velocity, more often than not.
+    restart(state, fix, !verdict.accepted_anew && state.settled());
+    return std::nullopt;
+  }
+  if (verdict.outlier && !verdict.forced) return std::nullopt;
   auto measured = measure_from(reference_for(settings, state, fix), body, fix);
   if (measured) measured->bend_m = bend_of(state, fix);
   remember(state, fix);
@@ -101,7 +109,7 @@ std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocitySta
 VelocityChange correct(const VelocitySettings& settings, VelocityState& state, Kinematics& body,
                        const FixVelocity& measured, const Verdict& verdict) {
   VelocityChange done;
-  done.verdict = snap_for(settings, measured);
+  done.verdict = snap_for(settings, measured, verdict);
   if (done.verdict != 0) {
     done.change_world_mps = measured.ultrasonic_world_mps - body.velocity_world_mps;
   } else {

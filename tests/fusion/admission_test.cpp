@@ -24,7 +24,7 @@ UltrasonicFix good_fix() {
 }
 
 std::uint32_t verdict_on(const UltrasonicFix& fix, AdmissionState state = {}) {
-  return admission::reasons_against(AdmissionSettings{}, state, epoch_ns, fix);
+  return admission::reasons_against(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns);
 }
 
 }  // namespace
@@ -100,14 +100,17 @@ TEST_CASE("a fix that cannot be a measurement of this time is invalid") {
   }
   SECTION("twice, or out of order") {
     AdmissionState state;
-    CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, fix) == 0);
-    CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, fix) == verdict_invalid);
+    CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns) == 0);
+    CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns) ==
+          verdict_invalid);
     fix.emission_time_ns -= to_ns(0.05);
-    CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, fix) == verdict_invalid);
+    CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns) ==
+          verdict_invalid);
   }
   SECTION("before there is any time to compare it with") {
     AdmissionState state;
-    CHECK(admission::reasons_against(AdmissionSettings{}, state, 0, fix) == verdict_invalid);
+    CHECK(admission::reasons_against(AdmissionSettings{}, state, 0, fix, fix.emission_time_ns) ==
+          verdict_invalid);
   }
 }
 
@@ -116,8 +119,10 @@ TEST_CASE("a rejected fix is not remembered: the next good one is in order") {
   UltrasonicFix late = good_fix();
   late.emission_time_ns += to_ns(0.02);
   late.quality_percent = 5.0;
-  CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, late) == verdict_low_quality);
-  CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, good_fix()) == 0);
+  CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, late, late.emission_time_ns) ==
+        verdict_low_quality);
+  CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, good_fix(),
+                                   good_fix().emission_time_ns) == 0);
 }
 
 TEST_CASE("an IMU sample that cannot be a measurement is not admitted") {
@@ -134,27 +139,55 @@ TEST_CASE("an IMU sample that cannot be a measurement is not admitted") {
     imu.specific_force_body_mps2.z() = bad;
     CHECK_FALSE(admission::admits(settings, 0, imu));
   }
-  ImuSample timeless = good;
-  timeless.sensor_time_ns = 0;
-  CHECK_FALSE(admission::admits(settings, 0, timeless));
+  for (const TimeNs no_time :
+       {TimeNs{0}, std::numeric_limits<TimeNs>::min(), std::numeric_limits<TimeNs>::max()}) {
+    ImuSample timeless = good;
+    timeless.sensor_time_ns = no_time;
+    CHECK_FALSE(admission::admits(settings, 0, timeless));
+  }
+  ImuSample forceless = good;  // no accelerometer reads exactly nothing
+  forceless.specific_force_body_mps2.setZero();
+  CHECK_FALSE(admission::admits(settings, 0, forceless));
+}
+
+TEST_CASE("a sample far ahead is believed when the next one confirms it") {
+  AdmissionState state;
+  const auto sudden = [&state](double ahead_s) {
+    return admission::is_sudden(state, epoch_ns, test::imu_on(test::Truth{}, epoch_ns + to_ns(ahead_s)));
+  };
+  CHECK_FALSE(sudden(0.01));
+  CHECK_FALSE(sudden(1.9));
+  GIVEN("one broken stamp") {
+    CHECK(sudden(1000.0));
+    THEN("the samples after it go on as if it had not been") {
+      CHECK_FALSE(sudden(0.02));
+      CHECK(sudden(1000.0));  // nor does it count for the next broken one
+    }
+  }
+  GIVEN("a silence of five minutes") {
+    CHECK(sudden(300.0));
+    THEN("the second sample after it ends it") {
+      CHECK_FALSE(sudden(300.01));
+    }
+  }
 }
 
 TEST_CASE("a heading that cannot be a measurement of this time is not admitted") {
   const AdmissionSettings settings;
   const PairHeading good{7, 1, epoch_ns - to_ns(0.068), epoch_ns, 0.3, true};
-  CHECK(admission::admits(settings, epoch_ns, good));
+  CHECK(admission::admits(settings, epoch_ns, good, good.emission_time_ns));
   PairHeading heading = good;
   heading.heading_world_rad = not_a_number;
-  CHECK_FALSE(admission::admits(settings, epoch_ns, heading));
+  CHECK_FALSE(admission::admits(settings, epoch_ns, heading, heading.emission_time_ns));
   heading = good;
   heading.emission_time_ns = epoch_ns + to_ns(1.0);
-  CHECK_FALSE(admission::admits(settings, epoch_ns, heading));
+  CHECK_FALSE(admission::admits(settings, epoch_ns, heading, heading.emission_time_ns));
   heading = good;
   heading.received_time_ns = epoch_ns + to_ns(1e6);  // would hold for eleven days
-  CHECK_FALSE(admission::admits(settings, epoch_ns, heading));
+  CHECK_FALSE(admission::admits(settings, epoch_ns, heading, heading.emission_time_ns));
 }
 
-TEST_CASE("a stamp from the far future, or a clock set back, does not stop the poses for good") {
+TEST_CASE("stamps from the far future, or a clock set back, does not stop the poses for good") {
   Engine engine{Settings{}};
   const auto sample_at = [](TimeNs time_ns) {
     ImuSample imu;
@@ -166,7 +199,8 @@ TEST_CASE("a stamp from the far future, or a clock set back, does not stop the p
   constexpr TimeNs hour_ns = 3'600'000'000'000;
   TimeNs now_ns = test::epoch_ns;
   for (int i = 0; i < 200; ++i, now_ns += step_ns) REQUIRE(engine.on(sample_at(now_ns)));
-  REQUIRE(engine.on(sample_at(now_ns + hour_ns)));
+  REQUIRE_FALSE(engine.on(sample_at(now_ns + hour_ns)));
+  REQUIRE(engine.on(sample_at(now_ns + hour_ns + step_ns)));  // two that agree are believed
 
   int without_pose = 0;
   while (!engine.on(sample_at(now_ns)) && without_pose < 1000) {
@@ -175,6 +209,6 @@ TEST_CASE("a stamp from the far future, or a clock set back, does not stop the p
   }
   CHECK(without_pose <= 100);  // a second at the most
   CHECK(engine.reset_counter() == 1);
-  CHECK(engine.counters().samples_invalid == static_cast<std::uint64_t>(without_pose));
+  CHECK(engine.counters().samples_invalid == static_cast<std::uint64_t>(without_pose) + 1);
   CHECK(engine.on(sample_at(now_ns + step_ns)));
 }

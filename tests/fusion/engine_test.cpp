@@ -164,19 +164,79 @@ TEST_CASE("samples that are no measurement are counted, and the state stays fini
   CHECK(driver.moments.back().position_error_m() < 0.05);
 }
 
-TEST_CASE("all the specific force gone, as in free fall, is no trouble") {
+TEST_CASE("samples without any specific force are counted and not integrated as a free fall") {
   EngineDriver driver(Settings{}, test::at_rest());
   driver.alter_imu = [](ImuSample& imu, double time_s) {
-    if (time_s > 2.0 && time_s < 2.2) imu.specific_force_body_mps2.setZero();
+    if (time_s > 2.0 && time_s < 2.195) imu.specific_force_body_mps2.setZero();
   };
   driver.run(4.0);
-  for (const auto& moment : driver.moments) REQUIRE(is_finite(moment.pose));
+  CHECK(driver.engine.counters().samples_invalid == 19);
+  CHECK(test::worst_error_m(driver.moments, 1.5) < 0.01);
   Engine engine{Settings{}};
   ImuSample weightless;
   weightless.sensor_time_ns = test::epoch_ns;
-  const auto pose = engine.on(weightless);
-  REQUIRE(pose.has_value());
-  CHECK(is_finite(*pose));
+  CHECK_FALSE(engine.on(weightless).has_value());
+}
+
+TEST_CASE("one broken stamp costs one sample") {
+  EngineDriver driver(Settings{}, test::departure(1.0));
+  driver.alter_imu = [](ImuSample& imu, double time_s) {
+    if (std::abs(time_s - 5.0) < 1e-6) imu.sensor_time_ns += to_ns(1000.0);
+  };
+  driver.run(10.0);
+  CHECK(driver.engine.counters().samples_invalid == 1);
+  CHECK(driver.engine.reset_counter() == 0);
+  CHECK(test::worst_error_m(driver.moments, 4.0) < 0.02);
+}
+
+TEST_CASE("delay.source = fixed: a recorded delay that cannot be does not matter") {
+  Settings settings;
+  settings.delay.source = DelaySource::fixed;
+  for (const double wrong_by_s : {-2.0, 0.1}) {
+    EngineDriver driver(settings, test::departure(3.0));
+    driver.alter_fix = [wrong_by_s](UltrasonicFix& fix, double) {
+      fix.emission_time_ns += to_ns(wrong_by_s);
+      fix.measured_delay_s = seconds_between(fix.emission_time_ns, fix.received_time_ns);
+    };
+    driver.run(10.0);
+    CHECK(driver.engine.counters().fixes_rejected == 0);
+    CHECK(driver.moments.back().position_error_m() < 0.03);
+  }
+}
+
+TEST_CASE("item 3 at zero leaves the velocity to the IMU, from the first fix on") {
+  Settings settings;
+  settings.preset.imu_weight = ImuWeight::user;
+  settings.velocity.blend_weight = 0.0;
+  settings.velocity.overshoot_fix = false;
+  settings.velocity.undershoot_fix = false;
+  test::Sensors sensors;
+  sensors.noise_m = 0.02;
+  EngineDriver driver(settings, test::at_rest(), sensors);
+  driver.run(5.0);
+  for (const FixReport& report : driver.reports) {
+    if (report.applied_time_ns > EngineDriver::stamp(1.1))
+      CHECK(report.velocity_change_world_mps.norm() == 0.0);
+  }
+}
+
+TEST_CASE("a track that wins, however soon, gives no velocity across its jump") {
+  Settings settings;
+  SECTION("item 19") {
+    settings.trust.n_max = 3;
+  }
+  SECTION("item 20") {
+    settings.trust.stuck_n = 2;
+  }
+  SECTION("item 15 off") {
+    settings.trust.enabled = false;
+  }
+  EngineDriver driver(settings, test::at_rest());
+  driver.run(5.0);
+  driver.alter_fix = [](UltrasonicFix& fix, double) { fix.position_world_m.x() += 2.0; };
+  driver.run(5.0);
+  for (const FixReport& report : driver.reports) CHECK(report.velocity_change_world_mps.norm() < 0.5);
+  CHECK(driver.moments.back().pose.position_world_m.x() == Approx(2.0).margin(0.05));
 }
 
 TEST_CASE("21 samples that share a stamp are no duplicates, and the time adds up") {

@@ -22,7 +22,8 @@ struct Rig {
 
   void take(double heading_rad, bool valid = true) {
     heading::take(settings, state, body, filter,
-                  {7, 1, body.time_ns - to_ns(0.068), body.time_ns, heading_rad, valid});
+                  {7, 1, body.time_ns - to_ns(0.068), body.time_ns, heading_rad, valid},
+                  body.time_ns - to_ns(0.068));
   }
 
   /// The pull at 100 Hz; the heading, if given, is heard at every step.

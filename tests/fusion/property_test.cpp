@@ -198,34 +198,53 @@ TEST_CASE("no settings and no samples in any order make the state other than fin
   CHECK(poses > cases * 100);  // most of the samples were taken
 }
 
-TEST_CASE("no settings set a body at rest in motion without end") {
-  // Noise of a beacon, for 20 s: an error of the accelerometer of 0.05 m/s² that nothing corrects makes 1
-  // m/s.
-  constexpr unsigned cases = 1'000;
+TEST_CASE("no settings set a body at rest in motion without end, or turn it away") {
+  // An error of the accelerometer of 0.05 m/s² that nothing corrects makes 1 m/s in 20 s.
+  constexpr unsigned cases = 10'000;
+  constexpr int samples = 400;
   for (unsigned seed = 1; seed <= cases; ++seed) {
     Dice dice(seed);
     Engine engine(random_settings(dice));
+    const double period_s = std::array{0.001, 0.01, 0.01, 0.04}[static_cast<std::size_t>(dice.below(4))];
+    const double mount_rad = engine.settings().heading.mount_offset_deg * math::radians_per_degree;
+    const bool with_heading = dice.chance(0.7);
     const Vector3d accel_offset = dice.normals(0.03);
     double fastest_mps = 0.0;
-    for (int i = 0; i < 2000; ++i) {
-      const TimeNs now_ns = start_ns + to_ns(0.01 * i);
+    double most_turned_rad = 0.0;
+    double next_fix_s = 0.1;
+    for (int i = 0; i < samples; ++i) {
+      const double time_s = period_s * i;
+      const TimeNs now_ns = start_ns + to_ns(time_s);
       ImuSample imu;
       imu.sensor_time_ns = now_ns;
       imu.angular_velocity_body_radps = dice.normals(0.002);
       imu.specific_force_body_mps2 =
           Vector3d(0, 0, standard_gravity_mps2) + accel_offset + dice.normals(0.02);
-      if (const auto pose = engine.on(imu))
+      if (dice.chance(0.02)) continue;  // lost
+      if (const auto pose = engine.on(imu)) {
         fastest_mps = std::max(fastest_mps, pose->velocity_world_mps.norm());
-      if (i % 8 != 3) continue;
+        most_turned_rad = std::max(most_turned_rad, std::abs(math::yaw_of(pose->q_body_to_world)));
+      }
+      if (time_s < next_fix_s) continue;
+      next_fix_s += 0.08;
+      if (dice.chance(0.05)) continue;
       UltrasonicFix fix;
-      fix.emission_time_ns = now_ns - to_ns(0.07);
+      fix.emission_time_ns = now_ns - to_ns(dice.chance(0.05) ? 0.2 : 0.07);
       fix.received_time_ns = now_ns;
-      fix.measured_delay_s = 0.07;
+      fix.measured_delay_s = seconds_between(fix.emission_time_ns, now_ns);
       fix.position_world_m = Vector3d(1, 2, 0.5) + dice.normals(0.02);
       fix.quality_percent = 90.0;
       engine.on(fix);
+      if (!with_heading) continue;
+      PairHeading heading;
+      heading.emission_time_ns = fix.emission_time_ns;
+      heading.received_time_ns = now_ns;
+      heading.heading_world_rad = math::wrap_angle(mount_rad + dice.normal(0.015));
+      heading.valid = true;
+      engine.on(heading);
     }
     INFO("case " << seed);
-    CHECK(fastest_mps < 5.0);
+    REQUIRE(fastest_mps < 5.0);
+    if (with_heading) REQUIRE(most_turned_rad < 0.5);
   }
 }

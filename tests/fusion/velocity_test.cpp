@@ -27,6 +27,12 @@ TimedFix fix_at(double time_s, const Vector3d& position_world_m) {
   return {epoch_ns + to_ns(time_s), position_world_m, position_world_m};
 }
 
+Verdict outlier() {
+  Verdict verdict;
+  verdict.outlier = true;
+  return verdict;
+}
+
 /// What is known after one fix.
 VelocityState after(const TimedFix& fix) {
   VelocityState state;
@@ -86,7 +92,7 @@ TEST_CASE("item 3: the mean over the interval is compared and not the present ve
   }
   body.velocity_world_mps = {4, 0, 0};
   VelocityState state = after(fix_at(-0.17, {x_at(0.83), 0, 0}));
-  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.07, {x_at(0.93), 0, 0}), true);
+  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.07, {x_at(0.93), 0, 0}), Verdict{});
   REQUIRE(measured.has_value());
   CHECK(measured->ultrasonic_world_mps.x() == Approx(4.0 * 0.88));
   CHECK(measured->inertial_world_mps.x() == Approx(4.0 * 0.88));
@@ -101,26 +107,26 @@ TEST_CASE("a velocity comes only of two good fixes within the declared interval"
   VelocitySettings settings = plain();
   settings.interval_min_s = 0.05;
   settings.interval_max_s = 0.4;
-  const auto measured_after = [&](double interval_s, bool good = true) {
+  const auto measured_after = [&](double interval_s, const Verdict& verdict = {}) {
     VelocityState state = first;
     const auto fix = fix_at(-0.5 + interval_s, {interval_s, 0, 0});
-    return velocity::measure(settings, state, body, fix, good).has_value();
+    return velocity::measure(settings, state, body, fix, verdict).has_value();
   };
   CHECK_FALSE(measured_after(0.032));
   CHECK(measured_after(0.051));
   CHECK(measured_after(0.399));
   CHECK_FALSE(measured_after(0.401));
-  CHECK_FALSE(measured_after(0.1, false));
+  CHECK_FALSE(measured_after(0.1, outlier()));
 
   VelocityState none;
-  CHECK_FALSE(velocity::measure(plain(), none, body, fix_at(-0.1, Vector3d::Zero()), true).has_value());
+  CHECK_FALSE(velocity::measure(plain(), none, body, fix_at(-0.1, Vector3d::Zero()), Verdict{}).has_value());
 }
 
 TEST_CASE("two fixes too close together: the older stays the reference") {
   const auto body = test::moving_body({1, 0, 0});
   VelocityState state = after(fix_at(-0.2, Vector3d::Zero()));
-  CHECK_FALSE(velocity::measure(plain(), state, body, fix_at(-0.17, {0.9, 0, 0}), true).has_value());
-  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.1, {0.1, 0, 0}), true);
+  CHECK_FALSE(velocity::measure(plain(), state, body, fix_at(-0.17, {0.9, 0, 0}), Verdict{}).has_value());
+  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.1, {0.1, 0, 0}), Verdict{});
   REQUIRE(measured.has_value());
   CHECK(measured->ultrasonic_world_mps.x() == Approx(1.0));
 }
@@ -135,7 +141,7 @@ TEST_CASE("the velocity is measured over the interval that is wanted, where ther
     std::optional<FixVelocity> measured;
     for (int i = 1; i <= 3; ++i) {
       measured =
-          velocity::measure(settings, state, body, fix_at(-0.4 + 0.09 * i, {0.03 * i * i, 0, 0}), true);
+          velocity::measure(settings, state, body, fix_at(-0.4 + 0.09 * i, {0.03 * i * i, 0, 0}), Verdict{});
     }
     REQUIRE(measured.has_value());
     return measured->ultrasonic_world_mps.x();
@@ -149,8 +155,8 @@ TEST_CASE("the velocity is measured over the interval that is wanted, where ther
 TEST_CASE("an outlier is no end of an interval") {
   const auto body = test::moving_body({1, 0, 0});
   VelocityState state = after(fix_at(-0.3, Vector3d::Zero()));
-  CHECK_FALSE(velocity::measure(plain(), state, body, fix_at(-0.2, {9, 9, 9}), false).has_value());
-  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.1, {0.2, 0, 0}), true);
+  CHECK_FALSE(velocity::measure(plain(), state, body, fix_at(-0.2, {9, 9, 9}), outlier()).has_value());
+  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.1, {0.2, 0, 0}), Verdict{});
   REQUIRE(measured.has_value());
   CHECK(measured->ultrasonic_world_mps.x() == Approx(1.0));
 }
@@ -199,8 +205,8 @@ TEST_CASE("a stray fix, far from where the two before it point, takes no velocit
     const auto body = test::moving_body({1, 0, 0});
     const auto bend_at = [&](const Vector3d& position_world_m) {
       VelocityState state = after(fix_at(-0.3, {0.0, 0, 0}));
-      CHECK(velocity::measure(settings, state, body, fix_at(-0.2, {0.1, 0, 0}), true)->bend_m > 1e9);
-      return velocity::measure(settings, state, body, fix_at(-0.1, position_world_m), true)->bend_m;
+      CHECK(velocity::measure(settings, state, body, fix_at(-0.2, {0.1, 0, 0}), Verdict{})->bend_m > 1e9);
+      return velocity::measure(settings, state, body, fix_at(-0.1, position_world_m), Verdict{})->bend_m;
     };
     THEN("the bend is the distance from 0.2 m") {
       CHECK(bend_at({0.2, 0, 0}) == Approx(0.0).margin(1e-9));

@@ -37,7 +37,7 @@ struct AlignmentSettings {
             own_setting, "yaw_gain", &G::yaw_gain, 0.2, {0.0, 1.0}, "",
             "Share of the angle between the accelerations as the IMU and as the fixes show them by which one "
             "fix turns yaw, while there is no paired heading."),
-        real(own_setting, "yaw_noise_mps", &G::yaw_noise_mps, 0.4, {0.001, 10.0}, "m/s",
+        real(own_setting, "yaw_noise_mps", &G::yaw_noise_mps, 0.4, {0.05, 10.0}, "m/s",
              "Velocity gained by acceleration at which that share is halved; less of it is mostly noise.")};
   }
   constexpr AlignmentSettings() { setting::set_defaults(*this); }

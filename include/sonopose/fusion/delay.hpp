@@ -48,6 +48,7 @@ namespace delay {
 
 /// When a measurement received at `received_ns` was made: its own delay or the fixed one.
 [[nodiscard]] TimeNs measured_at(const DelaySettings& settings, const UltrasonicFix& fix);
+[[nodiscard]] TimeNs measured_at(const DelaySettings& settings, const PairHeading& heading);
 
 /// Moves a timed fix on to the state's time: by the IMU's own path since, which at constant velocity is the
 /// document's v · delay and in a turn is better than it.

@@ -48,6 +48,7 @@ private:
   void start(const ImuSample& imu);
   void calibrate(const ImuSample& imu);
   void predict(const ImuSample& imu, double dt_s);
+  [[nodiscard]] Vector3d world_acceleration(const ImuSample& imu) const;
   void rest_over_gap(const ImuSample& imu, double dt_s);
   void remember_path();
   void take_hold(const TimedFix& fix, FixReport& report);

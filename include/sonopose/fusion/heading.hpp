@@ -40,7 +40,7 @@ struct HeadingSettings {
         real(
             own_setting, "pair_bias_gain_hz2", &G::pair_bias_gain_hz2, 0.15, {0.0, 10.0}, "1/s^2",
             "Rate at which a yaw-rate offset is learned from that pull; tilt's integral (item 30) cannot see "
-            "one."),
+            "one. No more of it acts than the pull (item 34) can damp, a quarter of its square."),
         real(own_setting, "expires_s", &G::expires_s, 0.5, {0.01, 60.0}, "s",
              "A paired heading is no longer valid this long after its last sample.")};
   }
@@ -64,10 +64,10 @@ void turn(Kinematics& body, attitude::Mahony& filter, double angle_rad);
 /// Whether a paired heading holds at `now_ns`.
 [[nodiscard]] bool is_valid(const HeadingSettings& settings, const HeadingState& state, TimeNs now_ns);
 
-/// Takes a heading: body yaw = pair axis − mount offset, compared with the yaw at its emission. The first one
-/// sets yaw outright.
+/// Takes a heading: body yaw = pair axis − mount offset, compared with the yaw when it was measured. The
+/// first one sets yaw outright.
 void take(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::Mahony& filter,
-          const PairHeading& heading);
+          const PairHeading& heading, TimeNs measured_ns);
 
 /// One IMU step of the continuous pull (item 34). Returns the share of the yaw error that it took away.
 double pull(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::Mahony& filter,

@@ -47,5 +47,8 @@ namespace motion {
 void integrate(const MotionSettings& settings, Kinematics& body, const Vector3d& acceleration_world_mps2,
                double dt_s);
 
+/// One step of stale mode: on at the velocity that is left, whatever the acceleration.
+void coast(Kinematics& body, double dt_s);
+
 }  // namespace motion
 }  // namespace sonopose::fusion

@@ -64,6 +64,9 @@ enum class Progress {
   gave_up      ///< just now: not still within the time; the offset stays zero until the body comes to rest
 };
 
+/// Begins to watch anew at this time: the samples before it are too far from those after it.
+void begin_window(StartupState& state, TimeNs time_ns);
+
 /// Watches one IMU sample. Without a rest at the start it goes on watching, so that the first rest
 /// calibrates.
 Progress watch(const StartupSettings& settings, StartupState& state, const ImuSample& imu);

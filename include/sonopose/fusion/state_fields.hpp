@@ -46,9 +46,10 @@ void for_each_field(AnyState& state, const Visit& visit) {
     visit("startup.gyro_offset_body_radps", offset);
   }
   {
-    auto& [backward, last_fix] = admission;
+    auto& [backward, last_fix, announced] = admission;
     visit("admission.backward_in_row", backward);
-    visit("admission.last_fix_emission_ns", last_fix);
+    visit("admission.last_fix_measured_ns", last_fix);
+    visit("admission.announced_ns", announced);
   }
   {
     auto& [has_fix, is_frozen, repeats, coordinates, began, displacement, corrections] = frozen;

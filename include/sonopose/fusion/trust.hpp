@@ -78,7 +78,9 @@ struct Verdict {
   double weight_floor = 0;  ///< item 22 while convergence is forced
   bool outlier = false;
   bool forced = false;
+  bool trusted = true;         ///< trust in the track is full
   bool accepted_anew = false;  ///< with this fix the track has won over the IMU: items 19 and 20
+  bool new_track = false;      ///< no velocity can be measured from the fixes before this one to it
 };
 
 namespace trust {

@@ -109,10 +109,12 @@ namespace velocity {
 /// Begins a run of fixes with this one, of a body whose velocity is known already or not.
 void restart(VelocityState& state, const TimedFix& fix, bool velocity_known);
 
-/// Measures the velocity from the last good fix to this one and remembers this one where it is good. Empty
-/// where there is none at the right distance in time.
+/// Measures the velocity from an earlier good fix to this one and remembers this one where it is good, that
+/// is no outlier, or one of a convergence that is forced. Empty where there is none at the right distance in
+/// time, or where the track begins anew: from the old track to the new one nothing has moved.
 [[nodiscard]] std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocityState& state,
-                                                 const Kinematics& body, const TimedFix& fix, bool good);
+                                                 const Kinematics& body, const TimedFix& fix,
+                                                 const Verdict& verdict);
 
 /// Corrects the velocity: v += blend · reliability · (v_us − mean v_imu), or at once where a snap applies.
 /// The first velocities of a run are averaged.
