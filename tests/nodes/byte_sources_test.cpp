@@ -126,8 +126,8 @@ SCENARIO("a file of a beacon's bytes is played as samples") {
   }
   GIVEN("garbage between frames, a broken frame and a position that is not available") {
     const std::vector<std::uint8_t> garbage{0x00, 0x12, 0x34};
-    auto broken = encode(imu_at(10'010)).bytes();
-    std::vector<std::uint8_t> flipped(broken.begin(), broken.end());
+    const auto whole = encode(imu_at(10'010));
+    std::vector<std::uint8_t> flipped(whole.bytes().begin(), whole.bytes().end());
     flipped[8] ^= 0x01;
     Position unavailable = position_at(9'950);
     unavailable.flags |= position_not_available;
