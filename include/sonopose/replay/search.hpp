@@ -28,9 +28,10 @@ struct Found {
   double cost = 0;
 };
 
-/// Begins at `start`, moved into the bounds where it lies outside them, changes a few of the variables at random and keeps what costs less; the steps become
-/// smaller from round to round. Ranges of more than a decade are searched on a logarithmic scale. The same
-/// seed gives the same search. `on_better(round, found)` hears of each improvement.
+/// Begins at `start`, moved into the bounds where it lies outside them, changes a few of the variables at
+/// random and keeps what costs less; the steps become smaller from round to round. Ranges of more than a
+/// decade are searched on a logarithmic scale. The same seed gives the same search. `on_better(round, found)`
+/// hears of each improvement.
 Found search(const fusion::Settings& start, const std::vector<Variable>& variables,
              const std::function<double(const fusion::Settings&)>& cost, int rounds, std::uint64_t seed,
              const std::function<void(int, const Found&)>& on_better);
