@@ -23,8 +23,8 @@ void for_each_in(Group& group, const Visit& visit) {
 /// Calls `visit(row, value)` for every setting; `AnySettings` is Settings or const Settings.
 template <class AnySettings, class Visit>
 void for_each_setting(AnySettings& settings, const Visit& visit) {
-  auto& [preset, drift, velocity, alignment, heading, delay, outage, admission, trust, runaway, motion, mahony,
-         startup, frozen, uncertainty] = settings;
+  auto& [preset, drift, velocity, alignment, heading, delay, outage, admission, trust, runaway, motion,
+         mahony, startup, frozen, uncertainty] = settings;
   const auto each = [&visit](auto&... group) { (for_each_in(group, visit), ...); };
   each(preset, drift, velocity, alignment, heading, delay, outage, admission, trust, runaway, motion, mahony,
        startup, frozen, uncertainty);

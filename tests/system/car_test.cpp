@@ -86,7 +86,8 @@ double distance_to_fixes_m(const CarRun& run) {
 /// steps of 1 mm. A heading has steps of 0.1°: its half is 0.9 mrad, which turns the car's velocity by
 /// 1.4 mm/s, and the gyro's of 0.0175 deg/s weighs less. An acceleration has steps of 1 mg: half of one over
 /// the half second between corrections is 2.5 mm/s and 0.6 mm. A millisecond more or less can also choose
-/// another earlier fix to measure the velocity from. Altogether some 4 mm, 4 mm/s and 1 mrad; single poses, as in a turn or where a fix falls on the other side of an IMU sample, five times that.
+/// another earlier fix to measure the velocity from. Altogether some 4 mm, 4 mm/s and 1 mrad; single poses,
+/// as in a turn or where a fix falls on the other side of an IMU sample, five times that.
 void check_wire_steps(const RunDistance& distance) {
   CHECK(distance.position_m.rms <= 0.005);
   CHECK(distance.position_m.max <= 0.025);
