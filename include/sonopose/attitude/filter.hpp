@@ -1,0 +1,51 @@
+#pragma once
+/// \file
+/// What an attitude filter is: a value that is given measurements and settings and tells an orientation. All
+/// filters of this room are one, so that each can stand in the place of any other, chosen at compile time by
+/// a template argument or at run time (any_filter.hpp).
+
+#include <sonopose/math/rotation.hpp>
+
+#include <concepts>
+#include <string_view>
+
+namespace sonopose::attitude {
+
+using math::Quaternion;
+using math::Vector3;
+
+/// One step of a filter. Its numbers must be finite.
+template <class Scalar>
+struct Measurement {
+  Scalar dt_s = 0;  ///< since the measurement before, ≥ 0; it may be another one every time
+  Vector3<Scalar> angular_velocity_body_radps = Vector3<Scalar>::Zero();
+  Vector3<Scalar> specific_force_body_mps2 = Vector3<Scalar>::Zero();  ///< zero length: not measured
+  Vector3<Scalar> magnetic_field_body_t = Vector3<Scalar>::Zero();     ///< zero length: not measured
+  /// Unit vector to magnetic north in the world's XY plane: (0, 1) where X is east, (1, 0) where X is north.
+  Eigen::Matrix<Scalar, 2, 1> north_world{0, 1};
+};
+
+/// Orientations are `q_body_to_world`, the world's Z up. Made by its default constructor a filter stands at
+/// the identity and has learned nothing.
+///   reset(q)             begins anew at this orientation; what was learned of the gyroscope is forgotten
+///   update(settings, m)  one step; allocates nothing and never throws
+///   turn_in_world(v)     turns the estimate by |v| about v, a vector in the world (rad); nothing else
+///   changes gyro_bias…           what the filter takes off the rates (rad/s, body), and can be given
+///   for_each_field(f)    calls f(name, field) for each field of the state, to save and restore it; fields
+///   are
+///                        bool, int, Scalar, Vector3 and Quaternion
+template <class F>
+concept Filter = std::regular<F> &&
+    requires(F filter, const F seen, const typename F::Settings settings,
+             const Measurement<typename F::Scalar> measurement,
+             const Quaternion<typename F::Scalar> q_body_to_world, const Vector3<typename F::Scalar> vector) {
+  { F::name } -> std::convertible_to<std::string_view>;
+  filter.reset(q_body_to_world);
+  filter.update(settings, measurement);
+  filter.turn_in_world(vector);
+  filter.set_gyro_bias(vector);
+  { seen.orientation() } -> std::convertible_to<Quaternion<typename F::Scalar>>;
+  { seen.gyro_bias_body_radps() } -> std::convertible_to<Vector3<typename F::Scalar>>;
+};
+
+}  // namespace sonopose::attitude
