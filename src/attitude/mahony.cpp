@@ -1,37 +1,78 @@
 #include <sonopose/attitude/mahony.hpp>
-#include <sonopose/math/rotation.hpp>
+#include <sonopose/core/samples.hpp>
 
 #include <cmath>
 
 namespace sonopose::attitude {
+namespace {
 
-void Mahony::reset(const Quaterniond& q_body_to_world) {
+/// The full error of the field: its measured direction against the one that lies in the vertical plane of
+/// north and dips as the measured one does.
+template <class Scalar>
+Vector3<Scalar> full_magnetic_error(const Quaternion<Scalar>& q_body_to_world,
+                                    const Measurement<Scalar>& measurement) {
+  const Vector3<Scalar> measured_body = measurement.magnetic_field_body_t.normalized();
+  const Vector3<Scalar> measured_world = q_body_to_world * measured_body;
+  const Scalar level = measured_world.template head<2>().norm();
+  const Vector3<Scalar> expected_world(level * measurement.north_world.x(),
+                                       level * measurement.north_world.y(), measured_world.z());
+  return measured_body.cross(q_body_to_world.conjugate() * expected_world);
+}
+
+/// The sine of the angle from the level part of the field to north, about the vertical.
+template <class Scalar>
+Vector3<Scalar> heading_error(const Quaternion<Scalar>& q_body_to_world, const Vector3<Scalar>& up_body,
+                              const Measurement<Scalar>& measurement) {
+  const Vector3<Scalar> field_world = q_body_to_world * measurement.magnetic_field_body_t;
+  const Scalar level = field_world.template head<2>().norm();
+  if (!(level > 0)) return Vector3<Scalar>::Zero();
+  const auto& north = measurement.north_world;
+  return (field_world.x() * north.y() - field_world.y() * north.x()) / level * up_body;
+}
+
+}  // namespace
+
+template <class Scalar>
+void BasicMahony<Scalar>::reset(const Quaternion<Scalar>& q_body_to_world) {
   q_body_to_world_ = q_body_to_world;
   integral_body_radps_.setZero();
 }
 
-void Mahony::update(const MahonySettings& settings, const Vector3d& angular_velocity_body_radps,
-                    const Vector3d& specific_force_body_mps2, double dt_s) {
-  Vector3d rate_body_radps = angular_velocity_body_radps;
-  const double force_mps2 = specific_force_body_mps2.norm();
-  if (force_mps2 > 0.0) {
-    const Vector3d up_measured_body = specific_force_body_mps2 / force_mps2;
-    const Vector3d error_body = up_measured_body.cross(math::up_in_body(q_body_to_world_));
-    if (std::abs(force_mps2 - standard_gravity_mps2) <= settings.ki_gate_mps2) {
-      integral_body_radps_ += settings.ki * dt_s * error_body;
+template <class Scalar>
+void BasicMahony<Scalar>::update(const Settings& settings, const Measurement<Scalar>& measurement) {
+  const Scalar dt_s = measurement.dt_s;
+  const Scalar kp = Scalar(settings.kp);
+  const Scalar ki = Scalar(settings.ki);
+  const Vector3<Scalar> up_body = math::up_in_body(q_body_to_world_);
+  Vector3<Scalar> rate_body_radps = measurement.angular_velocity_body_radps;
+
+  const Vector3<Scalar> force_body_mps2 = gravity_force_body(measurement, q_body_to_world_);
+  const Scalar force_mps2 = force_body_mps2.norm();
+  if (force_mps2 > 0 && !measurement.specific_force_body_mps2.isZero(0)) {
+    const Vector3<Scalar> up_measured_body = force_body_mps2 / force_mps2;
+    const Vector3<Scalar> error_body = up_measured_body.cross(up_body);
+    if (std::abs(force_mps2 - Scalar(standard_gravity_mps2)) <= Scalar(settings.ki_gate_mps2)) {
+      integral_body_radps_ += ki * dt_s * error_body;
     }
-    rate_body_radps += settings.kp * error_body;
+    rate_body_radps += kp * error_body;
+  }
+  if (!measurement.magnetic_field_body_t.isZero(0)) {
+    const bool full = settings.magnetic_error == MagneticError::full;
+    const Vector3<Scalar> error_body = full ? full_magnetic_error(q_body_to_world_, measurement)
+                                            : heading_error(q_body_to_world_, up_body, measurement);
+    integral_body_radps_ += ki * dt_s * error_body;
+    rate_body_radps += (full ? kp : Scalar(settings.heading_kp)) * error_body;
   }
   rate_body_radps += integral_body_radps_;
   q_body_to_world_ = (q_body_to_world_ * math::rotation_by(rate_body_radps * dt_s)).normalized();
 }
 
-void Mahony::turn_about_world_z(double angle_rad) {
-  q_body_to_world_ = (math::rotation_about_z(angle_rad) * q_body_to_world_).normalized();
-}
-
-void Mahony::turn_in_world(const Vector3d& rotation_world_rad) {
+template <class Scalar>
+void BasicMahony<Scalar>::turn_in_world(const Vector3<Scalar>& rotation_world_rad) {
   q_body_to_world_ = (math::rotation_by(rotation_world_rad) * q_body_to_world_).normalized();
 }
+
+template class BasicMahony<float>;
+template class BasicMahony<double>;
 
 }  // namespace sonopose::attitude

@@ -7,20 +7,45 @@
 
 namespace sonopose::fusion::alignment {
 
-void level(const AlignmentSettings& settings, AlignmentState& state, attitude::Mahony& filter,
+void level(const AlignmentSettings& settings, AlignmentState& state, attitude::AnyFilter& filter,
            const Vector3d& velocity_change_world_mps) {
   // A turn φ of the attitude adds φ × g·z to the acceleration: φ = z × dv / g turns it towards dv.
   const Vector3d turn_world_rad =
       settings.tilt_gain_hz / standard_gravity_mps2 * Vector3d::UnitZ().cross(velocity_change_world_mps);
   filter.turn_in_world(turn_world_rad);
+  state.untold_world_mps += velocity_change_world_mps;
   const double limit_mps2 = settings.vertical_limit_mps2;
   state.vertical_offset_mps2 =
       std::clamp(state.vertical_offset_mps2 + settings.vertical_gain_hz * velocity_change_world_mps.z(),
                  -limit_mps2, limit_mps2);
 }
 
+void tell(const AlignmentSettings& settings, AlignmentState& state, const Vector3d& gained_world_mps,
+          TimeNs now_ns, double dt_s) {
+  if (!(settings.aiding_s > 0.0)) return tell_nothing(state);
+  if (!(dt_s > 0.0)) return;
+  const Vector3d told_world_mps = -std::expm1(-dt_s / settings.aiding_s) * state.untold_world_mps;
+  state.untold_world_mps -= told_world_mps;
+  state.known_acceleration_world_mps2 = (gained_world_mps + told_world_mps) / dt_s;
+  state.told_ns = now_ns;
+}
+
+void tell_nothing(AlignmentState& state) {
+  state.untold_world_mps.setZero();
+  state.known_acceleration_world_mps2.setZero();
+}
+
+void aid(const AlignmentSettings& settings, const AlignmentState& state, TimeNs now_ns,
+         attitude::Measurement<double>& measurement) {
+  measurement.acceleration_world_mps2 = state.known_acceleration_world_mps2;
+  const bool unknown = state.known_acceleration_world_mps2.isZero(0.0);
+  if (unknown && state.told_ns != 0 && seconds_between(state.told_ns, now_ns) < settings.hold_s) {
+    measurement.specific_force_body_mps2.setZero();
+  }
+}
+
 double turn(const AlignmentSettings& settings, AlignmentState& state, Kinematics& body,
-            attitude::Mahony& filter, const FixVelocity& measured, double share) {
+            attitude::AnyFilter& filter, const FixVelocity& measured, double share) {
   const Eigen::Vector2d by_imu = state.gained_world_mps.head<2>();
   const Eigen::Vector2d by_fixes =
       by_imu + (measured.ultrasonic_world_mps - measured.inertial_world_mps).head<2>();

@@ -121,7 +121,10 @@ void Engine::predict(const ImuSample& imu, double dt_s) {
   state_.previous_rate_body_radps = rate_body_radps;
   body.angular_velocity_body_radps = rate_body_radps - state_.filter.gyro_bias_body_radps();
 
-  state_.filter.update(settings_.mahony, mean_rate_body_radps, imu.specific_force_body_mps2, dt_s);  // 29, 30
+  auto measurement = attitude::field_use(settings_.attitude.selection).measurement_of(imu, dt_s);
+  measurement.angular_velocity_body_radps = mean_rate_body_radps;
+  alignment::aid(settings_.alignment, state_.alignment, imu.sensor_time_ns, measurement);
+  state_.filter.update(settings_.attitude, measurement);  // 29, 30
   const double pulled = heading::pull(settings_.heading, state_.heading, body, state_.filter, dt_s);  // 34
 
   const Vector3d before_world_mps2 = body.acceleration_world_mps2;
@@ -132,12 +135,19 @@ void Engine::predict(const ImuSample& imu, double dt_s) {
     // Held in place: the body is at rest, or nothing is known yet that an integral could start from.
   } else if (outage::watch(settings_.outage, state_.outage, body.time_ns)) {  // 11
     outage::decay(settings_.outage, body, dt_s);                              // 10
+    alignment::tell_nothing(state_.alignment);
     motion::coast(body, dt_s);
   } else {
     const Vector3d mean_world_mps2 = 0.5 * (before_world_mps2 + body.acceleration_world_mps2);
     motion::integrate(settings_.motion, body, motion::gate(settings_.motion, body, mean_world_mps2),
                       dt_s);  // 25, 35–37
-    state_.alignment.gained_world_mps += body.velocity_world_mps - velocity_before_world_mps;
+    const Vector3d gained_world_mps = body.velocity_world_mps - velocity_before_world_mps;
+    state_.alignment.gained_world_mps += gained_world_mps;
+    if (state_.outage.track == Track::held && state_.velocity.settled()) {
+      alignment::tell(settings_.alignment, state_.alignment, gained_world_mps, body.time_ns, dt_s);
+    } else {
+      alignment::tell_nothing(state_.alignment);
+    }
     runaway::damp(settings_.runaway, state_.runaway, body, dt_s);  // 23, 24
   }
   drift::spend(settings_.drift, state_.drift, body, dt_s);  // 2, 9
@@ -167,6 +177,7 @@ void Engine::rest_over_gap(const ImuSample& imu, double dt_s) {
   state_.body.history.clear();
   frozen::begin_window(state_.frozen, state_.body);
   state_.drift = DriftState{};
+  alignment::tell_nothing(state_.alignment);
   uncertainty::grow(settings_.uncertainty, state_.uncertainty, dt_s);
 }
 

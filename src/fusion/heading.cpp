@@ -8,7 +8,7 @@ namespace sonopose::fusion::heading {
 namespace {
 
 /// Yaw means nothing where body X points up or down.
-bool yaw_is_defined(const attitude::Mahony& filter) {
+bool yaw_is_defined(const attitude::AnyFilter& filter) {
   constexpr double least_horizontal = 0.1;
   const Vector3d x_world = filter.orientation() * Vector3d::UnitX();
   return x_world.head<2>().norm() > least_horizontal;
@@ -20,8 +20,8 @@ double direction_of(const Vector3d& world) {
 
 }  // namespace
 
-void turn(Kinematics& body, attitude::Mahony& filter, double angle_rad) {
-  filter.turn_about_world_z(angle_rad);
+void turn(Kinematics& body, attitude::AnyFilter& filter, double angle_rad) {
+  filter.turn_in_world({0.0, 0.0, angle_rad});
   body.yaw_corrections_rad = math::wrap_angle(body.yaw_corrections_rad + angle_rad);
 }
 
@@ -29,7 +29,7 @@ bool is_valid(const HeadingSettings& settings, const HeadingState& state, TimeNs
   return state.known && seconds_between(state.last_received_ns, now_ns) <= settings.expires_s;
 }
 
-void take(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::Mahony& filter,
+void take(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::AnyFilter& filter,
           const PairHeading& heading, TimeNs measured_ns) {
   if (!heading.valid || !body.started() || !yaw_is_defined(filter)) return;
   const double yaw_measured_rad =
@@ -43,8 +43,8 @@ void take(const HeadingSettings& settings, HeadingState& state, Kinematics& body
   state.last_received_ns = heading.received_time_ns;
 }
 
-double pull(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::Mahony& filter,
-            double dt_s) {
+double pull(const HeadingSettings& settings, HeadingState& state, Kinematics& body,
+            attitude::AnyFilter& filter, double dt_s) {
   double turn_rad = state.rate_offset_radps * dt_s;
   double share = 0.0;
   if (is_valid(settings, state, body.time_ns)) {
@@ -63,7 +63,7 @@ double pull(const HeadingSettings& settings, HeadingState& state, Kinematics& bo
 }
 
 double nudge(const HeadingSettings& settings, const HeadingState& state, Kinematics& body,
-             attitude::Mahony& filter, const FixVelocity& measured) {
+             attitude::AnyFilter& filter, const FixVelocity& measured) {
   if (is_valid(settings, state, body.time_ns)) return 0.0;
   const double displacement_m = measured.displacement_world_m.head<2>().norm();
   if (displacement_m < settings.min_displacement_m || measured.inertial_world_mps.head<2>().isZero()) {

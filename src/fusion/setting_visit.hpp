@@ -24,10 +24,12 @@ void for_each_in(Group& group, const Visit& visit) {
 template <class AnySettings, class Visit>
 void for_each_setting(AnySettings& settings, const Visit& visit) {
   auto& [preset, drift, velocity, alignment, heading, delay, outage, admission, trust, runaway, motion,
-         mahony, startup, frozen, uncertainty] = settings;
+         attitude, startup, frozen, uncertainty] = settings;
+  auto& [selection, adaptive_groups, mahony, complementary] = attitude;
+  auto& [adaptive, rest, bias, magnetic] = adaptive_groups;
   const auto each = [&visit](auto&... group) { (for_each_in(group, visit), ...); };
-  each(preset, drift, velocity, alignment, heading, delay, outage, admission, trust, runaway, motion, mahony,
-       startup, frozen, uncertainty);
+  each(preset, drift, velocity, alignment, heading, delay, outage, admission, trust, runaway, motion,
+       selection, mahony, adaptive, rest, bias, magnetic, complementary, startup, frozen, uncertainty);
 }
 
 }  // namespace sonopose::fusion::detail

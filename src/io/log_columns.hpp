@@ -12,6 +12,7 @@ inline constexpr std::string_view imu_file = "imu.csv";
 inline constexpr std::string_view ultrasonic_file = "ultrasonic.csv";
 inline constexpr std::string_view heading_file = "heading.csv";
 inline constexpr std::string_view truth_file = "truth.csv";
+inline constexpr std::string_view movement_file = "movement.csv";
 
 inline constexpr std::array<std::string_view, 10> imu_columns{
     "timestamp [ns]", "w_x [rad s^-1]", "w_y [rad s^-1]", "w_z [rad s^-1]", "a_x [m s^-2]",
@@ -31,5 +32,7 @@ inline constexpr std::array<std::string_view, 17> truth_columns{
     "b_a_y [m s^-2]", "b_a_z [m s^-2]"};
 inline constexpr std::size_t truth_columns_least = 8;     ///< up to the attitude
 inline constexpr std::size_t truth_columns_written = 11;  ///< up to the velocity
+
+inline constexpr std::array<std::string_view, 2> movement_columns{"start [ns]", "end [ns]"};
 
 }  // namespace sonopose::io

@@ -26,9 +26,15 @@ struct FieldDigest {
     (*this)(name, fix.measured_ns);
     (*this)(name, fix.position_world_m);
   }
-  void operator()(const char* name, const attitude::Mahony& filter) const {
-    for (const double component : filter.orientation().coeffs()) digest.add(component);
-    (*this)(name, filter.gyro_bias_body_radps());
+  void operator()(const char* /*name*/, const Quaterniond& q) const {
+    for (const double component : q.coeffs()) digest.add(component);
+  }
+  void operator()(const char* /*name*/, const Eigen::Matrix3d& value) const {
+    for (const double component : value.reshaped()) digest.add(component);
+  }
+  void operator()(const char* name, attitude::AnyFilter filter) const {
+    (*this)(name, static_cast<int>(filter.kind()));
+    filter.for_each_field(*this);
   }
   void operator()(const char* name, const fusion::InertialHistory& history) const {
     for (std::size_t i = 0; i < history.size(); ++i) {

@@ -1,16 +1,12 @@
-#include <sonopose/io/error.hpp>
 #include <sonopose/replay/output_folder.hpp>
 #include <sonopose/replay/verdicts.hpp>
 
 #include <array>
 #include <string_view>
-#include <system_error>
 
 namespace sonopose::replay {
 namespace {
 
-constexpr std::array<std::string_view, 8> trajectory_columns{"timestamp", "tx", "ty", "tz",
-                                                             "qx",        "qy", "qz", "qw"};
 constexpr std::array<std::string_view, 12> pose_columns{
     "timestamp [ns]", "p_x [m]", "p_y [m]",      "p_z [m]",      "q_w []",       "q_x []",
     "q_y []",         "q_z []",  "v_x [m s^-1]", "v_y [m s^-1]", "v_z [m s^-1]", "status []"};
@@ -21,27 +17,23 @@ constexpr std::array<std::string_view, 22> fix_columns{
     "dv_z [m s^-1]",  "yaw_change [rad]", "verdict []",    "verdict_bits []"};
 
 const std::filesystem::path& made(const std::filesystem::path& folder) {
-  std::error_code error;
-  create_directories(folder, error);
-  if (error) throw io::IoError(folder.string() + ": cannot be made: " + error.message());
+  make_folder(folder);
   return folder;
 }
 
 }  // namespace
 
 OutputFolder::OutputFolder(const std::filesystem::path& folder)
-    : trajectory_{made(folder) / "trajectory.tum", ' '},
+    : trajectory_(made(folder) / "trajectory.tum"),
       poses_{folder / "pose.csv"},
       fixes_{folder / "fixes.csv"} {
-  trajectory_.rows.header(trajectory_columns);
   poses_.rows.header(pose_columns);
   fixes_.rows.header(fix_columns);
 }
 
 void OutputFolder::write(const FusedPose& pose) {
   const Quaterniond& q = pose.q_body_to_world;
-  trajectory_.rows.seconds(pose.time_ns).vector(pose.position_world_m);
-  trajectory_.rows.number(q.x()).number(q.y()).number(q.z()).number(q.w()).end_row();
+  trajectory_.write(pose.time_ns, pose.position_world_m, q);
   poses_.rows.integer(pose.time_ns).vector(pose.position_world_m);
   poses_.rows.number(q.w()).number(q.x()).number(q.y()).number(q.z());
   poses_.rows.vector(pose.velocity_world_mps).integer(pose.status).end_row();
@@ -60,8 +52,10 @@ void OutputFolder::write(const FixReport& report) {
 }
 
 void OutputFolder::finish() {
-  for (Table* table : {&trajectory_, &poses_, &fixes_}) table->rows.flush();
-  for (Table* table : {&trajectory_, &poses_, &fixes_}) table->place.commit();
+  trajectory_.flush();
+  for (Table* table : {&poses_, &fixes_}) table->rows.flush();
+  trajectory_.commit();
+  for (Table* table : {&poses_, &fixes_}) table->place.commit();
 }
 
 }  // namespace sonopose::replay

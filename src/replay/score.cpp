@@ -36,6 +36,13 @@ ErrorSummary summarise(std::vector<double> errors) {
   return {rmse, *p95, *std::max_element(p95, errors.end())};
 }
 
+AttitudeError error_of(const Quaterniond& q_estimate, const Quaterniond& q_truth) {
+  const Quaterniond off = q_estimate * q_truth.conjugate();
+  return {2.0 * std::acos(std::min(1.0, std::abs(off.w()))),
+          2.0 * std::atan2(std::abs(off.z()), std::abs(off.w())),
+          2.0 * std::acos(std::min(1.0, std::hypot(off.w(), off.z())))};
+}
+
 std::optional<TruthSample> TruthTrack::at(TimeNs time_ns) {
   constexpr double widest_gap_s = 0.1;
   if (truth_.empty() || time_ns > truth_.back().time_ns) return std::nullopt;
@@ -65,9 +72,9 @@ void Scorer::add(const FusedPose& pose) {
     velocity_mps_.push_back((pose.velocity_world_mps - truth->velocity_world_mps).norm());
   }
   if (truth->q_body_to_world.coeffs().allFinite()) {
-    const Quaterniond off = pose.q_body_to_world * truth->q_body_to_world.conjugate();
-    yaw_rad_.push_back(2.0 * std::atan2(std::abs(off.z()), std::abs(off.w())));
-    tilt_rad_.push_back(2.0 * std::acos(std::min(1.0, std::hypot(off.w(), off.z()))));
+    const AttitudeError error = error_of(pose.q_body_to_world, truth->q_body_to_world);
+    yaw_rad_.push_back(error.heading_rad);
+    tilt_rad_.push_back(error.inclination_rad);
   }
 }
 

@@ -17,7 +17,7 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::string_view format_name = "sonopose engine state";
-constexpr int format_version = 2;
+constexpr int format_version = 3;
 
 double finite(const char* name, double value) {
   if (std::isfinite(value)) return value;
@@ -44,11 +44,17 @@ struct FieldWriter {
     object[name].push_back(
         {{"measured_ns", fix.measured_ns}, {"position_world_m", json_of(name, fix.position_world_m)}});
   }
-  void operator()(const char* name, const attitude::Mahony& filter) const {
-    const Quaterniond& q = filter.orientation();
-    object[name] = {{"q_body_to_world",
-                     {finite(name, q.w()), finite(name, q.x()), finite(name, q.y()), finite(name, q.z())}},
-                    {"gyro_bias_body_radps", json_of(name, filter.gyro_bias_body_radps())}};
+  void operator()(const char* name, const Quaterniond& q) const {
+    object[name] = {finite(name, q.w()), finite(name, q.x()), finite(name, q.y()), finite(name, q.z())};
+  }
+  void operator()(const char* name, const Eigen::Matrix3d& value) const {
+    object[name] = OrderedJson::array();
+    for (const Vector3d row : value.rowwise()) object[name].push_back(json_of(name, row));
+  }
+  void operator()(const char* name, attitude::AnyFilter filter) const {
+    OrderedJson& fields = object[name];
+    fields["kind"] = choices_of(filter.kind()).at(static_cast<std::size_t>(filter.kind()));
+    filter.for_each_field(FieldWriter{fields});
   }
   void operator()(const char* name, const fusion::InertialHistory& history) const {
     object[name] = OrderedJson::array();

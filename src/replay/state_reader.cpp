@@ -91,31 +91,37 @@ void StateReader::read(const char* name, fusion::Track& value) {
 }
 
 void StateReader::read(const char* name, Vector3d& value) {
-  const json read = take_array(name);
-  const bool numbers = read.size() == 3 && std::all_of(read.begin(), read.end(), [](const json& component) {
-                         return component.is_number();
-                       });
-  if (!numbers) fail(name, kind_error(read, "three numbers"));
-  for (std::size_t i = 0; i < 3; ++i) value[static_cast<Eigen::Index>(i)] = read[i].get<double>();
+  const auto numbers = take_numbers<3>(name, "three numbers");
+  value = Vector3d(numbers.data());
 }
 
-void StateReader::read(const char* name, attitude::Mahony& filter) {
+void StateReader::read(const char* name, Quaterniond& q) {
   constexpr double tolerance = 1e-6;
-  StateReader fields = object(name);
-  const json q = fields.take_array("q_body_to_world");
-  const bool numbers = q.size() == 4 && std::all_of(q.begin(), q.end(), [](const json& component) {
-                         return component.is_number();
-                       });
-  if (!numbers) fields.fail("q_body_to_world", kind_error(q, "four numbers"));
-  const Quaterniond q_body_to_world(q[0].get<double>(), q[1].get<double>(), q[2].get<double>(),
-                                    q[3].get<double>());
-  if (!(std::abs(q_body_to_world.norm() - 1.0) < tolerance)) {
-    fields.fail("q_body_to_world", kind_error(q, "a unit quaternion"));
+  const auto [w, x, y, z] = take_numbers<4>(name, "four numbers");
+  q = Quaterniond(w, x, y, z);
+  if (!(std::abs(q.norm() - 1.0) < tolerance)) fail(name, "is no unit quaternion");
+}
+
+void StateReader::read(const char* name, Eigen::Matrix3d& value) {
+  const json rows = take_array(name);
+  if (rows.size() != 3) fail(name, kind_error(rows, "three rows"));
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    StateReader reader(json{{name, rows[static_cast<std::size_t>(row)]}}, place_);
+    Vector3d numbers;
+    reader.read(name, numbers);
+    value.row(row) = numbers;
   }
-  Vector3d gyro_bias_body_radps;
-  fields.read("gyro_bias_body_radps", gyro_bias_body_radps);
+}
+
+void StateReader::read(const char* name, attitude::AnyFilter& filter) {
+  StateReader fields = object(name);
+  const std::string word = fields.text("kind");
+  constexpr auto kinds = choices_of(attitude::FilterKind{});
+  const auto found = std::find(kinds.begin(), kinds.end(), word);
+  if (found == kinds.end()) fields.fail("kind", kind_error(word, "the name of a filter"));
+  filter.select(static_cast<attitude::FilterKind>(found - kinds.begin()));
+  filter.for_each_field([&fields](const char* field, auto& value) { fields.read(field, value); });
   fields.finish();
-  filter.restore(q_body_to_world, -gyro_bias_body_radps);
 }
 
 void StateReader::read(const char* name, fusion::InertialHistory& history) {
@@ -171,6 +177,15 @@ json StateReader::take(const char* name) {
   json value = std::move(*found);
   object_.erase(found);
   return value;
+}
+
+template <std::size_t Count>
+std::array<double, Count> StateReader::take_numbers(const char* name, const char* wanted) {
+  const json read = take_array(name);
+  const bool fits = read.size() == Count &&
+                    std::all_of(read.begin(), read.end(), [](const json& one) { return one.is_number(); });
+  if (!fits) fail(name, kind_error(read, wanted));
+  return read.get<std::array<double, Count>>();
 }
 
 json StateReader::take_array(const char* name) {

@@ -36,7 +36,9 @@ public:
   void read(const char* name, TimeNs& value);
   void read(const char* name, fusion::Track& value);
   void read(const char* name, Vector3d& value);
-  void read(const char* name, attitude::Mahony& filter);
+  void read(const char* name, Quaterniond& q);  ///< a unit quaternion
+  void read(const char* name, Eigen::Matrix3d& value);
+  void read(const char* name, attitude::AnyFilter& filter);
   void read(const char* name, fusion::InertialHistory& history);
   /// The next one of an array, call by call.
   void read(const char* name, fusion::PastFix& fix);
@@ -49,6 +51,8 @@ public:
 private:
   nlohmann::json take(const char* name);
   nlohmann::json take_array(const char* name);
+  template <std::size_t Count>
+  std::array<double, Count> take_numbers(const char* name, const char* wanted);
 
   nlohmann::json object_;
   std::string place_;

@@ -1,9 +1,13 @@
 /// Items 29 and 30, and what the filter must be without corrections: an exact integral of the rates.
 
 #include <sonopose/attitude/mahony.hpp>
+#include <sonopose/core/samples.hpp>
 #include <sonopose/math/rotation.hpp>
 
 #include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
 
 using namespace sonopose;
 using attitude::Mahony;
@@ -31,9 +35,16 @@ Mahony tilted_by(const Vector3d& rotation_rad) {
   return filter;
 }
 
+void update(Mahony& filter, const MahonySettings& settings, const Vector3d& rate_radps,
+            const Vector3d& force_mps2, double dt_s) {
+  filter.update(
+      settings,
+      {.dt_s = dt_s, .angular_velocity_body_radps = rate_radps, .specific_force_body_mps2 = force_mps2});
+}
+
 void rest(Mahony& filter, const MahonySettings& settings, const Vector3d& rate_radps, double seconds) {
   for (int i = 0; i < static_cast<int>(seconds * 100.0); ++i) {
-    filter.update(settings, rate_radps, at_rest_mps2, 0.01);
+    update(filter, settings, rate_radps, at_rest_mps2, 0.01);
   }
 }
 
@@ -90,7 +101,7 @@ TEST_CASE("a constant rate is integrated exactly, at any step and about any axis
     const Quaterniond start = math::rotation_by({0.3, 0.2, -1.0});
     filter.reset(start);
     const auto steps = static_cast<int>(std::lround(10.0 / dt_s));
-    for (int i = 0; i < steps; ++i) filter.update(gains(0.0, 0.0), rate_radps, at_rest_mps2, dt_s);
+    for (int i = 0; i < steps; ++i) update(filter, gains(0.0, 0.0), rate_radps, at_rest_mps2, dt_s);
     // Body rates stand on the right: q(t) = q(0) ⊗ exp(ω t).
     const Quaterniond expected =
         start * Quaterniond(Eigen::AngleAxisd(10.0 * rate_radps.norm(), rate_radps.normalized()));
@@ -103,11 +114,67 @@ TEST_CASE("a constant rate is integrated exactly, at any step and about any axis
 TEST_CASE("no force, no correction; no time, no change") {
   Mahony filter = tilted_by({0.2, 0.1, 0.0});
   const Mahony before = filter;
-  filter.update(gains(1.0, 0.1), Vector3d::Zero(), Vector3d::Zero(), 0.01);
+  update(filter, gains(1.0, 0.1), Vector3d::Zero(), Vector3d::Zero(), 0.01);
   CHECK(filter.orientation().angularDistance(before.orientation()) < 1e-15);
   CHECK(filter.gyro_bias_body_radps() == before.gyro_bias_body_radps());
-  filter.update(gains(1.0, 0.1), Vector3d(1, 2, 3), at_rest_mps2, 0.0);
+  update(filter, gains(1.0, 0.1), Vector3d(1, 2, 3), at_rest_mps2, 0.0);
   CHECK(filter.orientation().angularDistance(before.orientation()) < 1e-15);
+}
+
+namespace {
+
+/// A level body at rest in a field of 20 µT to the north and 40 µT downwards, and something beside it.
+attitude::Measurement<double> in_field(const Vector3d& disturbance_t) {
+  attitude::Measurement<double> measurement;
+  measurement.dt_s = 0.01;
+  measurement.specific_force_body_mps2 = at_rest_mps2;
+  measurement.magnetic_field_body_t = Vector3d(0, 20e-6, -40e-6) + disturbance_t;
+  return measurement;
+}
+
+}  // namespace
+
+TEST_CASE("the magnetometer's heading gain is a rate, apart from item 29") {
+  MahonySettings settings = gains(5.0, 0.0);
+  settings.heading_kp = 0.2;
+  Mahony filter;
+  filter.turn_in_world({0, 0, 0.05});
+  for (int i = 0; i < 500; ++i) filter.update(settings, in_field(Vector3d::Zero()));
+  CHECK(math::yaw_of(filter.orientation()) / 0.05 == Approx(std::exp(-1.0)).epsilon(0.02));
+}
+
+TEST_CASE("a disturbed field tilts the classic filter and only turns the default one") {
+  const auto settled = [](attitude::MagneticError kind) {
+    MahonySettings settings = gains(0.5, 0.0);
+    settings.heading_kp = 0.5;
+    settings.magnetic_error = kind;
+    Mahony filter;
+    // A magnet beside the body, 20 µT to the east: north seems to lie 45° off, the dip is another one.
+    for (int i = 0; i < 20'000; ++i) filter.update(settings, in_field({20e-6, 0, 0}));
+    return filter;
+  };
+  GIVEN("the error on heading alone") {
+    const Mahony filter = settled(attitude::MagneticError::heading);
+    THEN("heading follows the magnet, and the body stays level") {
+      CHECK(tilt_of(filter) < 1e-6);
+      CHECK(math::yaw_of(filter.orientation()) == Approx(0.785398).epsilon(0.01));
+    }
+  }
+  GIVEN("the classic error of all axes") {
+    MahonySettings settings = gains(0.5, 0.0);
+    settings.magnetic_error = attitude::MagneticError::full;
+    Mahony filter;
+    filter.turn_in_world({0, 0, 1.0});
+    double largest_rad = 0;
+    for (int i = 0; i < 2000; ++i) {
+      filter.update(settings, in_field({20e-6, 0, 0}));
+      largest_rad = std::max(largest_rad, tilt_of(filter));
+    }
+    THEN("it tilts while heading turns") {
+      CHECK(largest_rad > 0.05);
+      CHECK(math::yaw_of(filter.orientation()) == Approx(0.785398).epsilon(0.01));
+    }
+  }
 }
 
 TEST_CASE("a turn about world Z changes yaw alone") {
@@ -116,7 +183,7 @@ TEST_CASE("a turn about world Z changes yaw alone") {
   const Vector3d up_before = math::up_in_body(filter.orientation());
   const Vector3d bias_before = filter.gyro_bias_body_radps();
   const double yaw_before = math::yaw_of(filter.orientation());
-  filter.turn_about_world_z(0.8);
+  filter.turn_in_world({0, 0, 0.8});
   CHECK((math::up_in_body(filter.orientation()) - up_before).norm() < 1e-14);
   CHECK(filter.gyro_bias_body_radps() == bias_before);
   CHECK(math::yaw_of(filter.orientation()) - yaw_before == Approx(0.8));

@@ -82,7 +82,7 @@ kp = 2
     CHECK(settings.trust.sigma_m == 0.08);
     CHECK(settings.trust.n_base == 5);
     CHECK_FALSE(settings.trust.enabled);
-    CHECK(settings.mahony.kp == 2.0);
+    CHECK(settings.attitude.mahony.kp == 2.0);
     CHECK(settings.drift.velocity_smooth_rate_hz == fusion::DriftSettings{}.velocity_smooth_rate_hz);
   }
 }
@@ -96,9 +96,9 @@ ki = 0.005
 velocity_smooth_rate_hz = 12.0
 )");
   CHECK(config.for_beacon(7).drift.velocity_smooth_rate_hz == 25.0);
-  CHECK(config.for_beacon(7).mahony.ki == 0.005);
+  CHECK(config.for_beacon(7).attitude.mahony.ki == 0.005);
   CHECK(config.for_beacon(8).drift.velocity_smooth_rate_hz == 12.0);
-  CHECK(config.for_beacon(8).mahony.ki == attitude::MahonySettings{}.ki);
+  CHECK(config.for_beacon(8).attitude.mahony.ki == attitude::MahonySettings{}.ki);
 }
 
 TEST_CASE("an error names file, line, key, value and what is allowed") {

@@ -21,8 +21,8 @@ AlignmentSettings learning() {
   return settings;
 }
 
-attitude::Mahony filter_at(const Quaterniond& q_body_to_world) {
-  attitude::Mahony filter;
+attitude::AnyFilter filter_at(const Quaterniond& q_body_to_world) {
+  attitude::AnyFilter filter;
   filter.reset(q_body_to_world);
   return filter;
 }
@@ -122,8 +122,7 @@ TEST_CASE("a start with a wrong tilt is levelled by the fixes, with the accelero
   // be accelerated by 0.34 m/s² for ever.
   GIVEN("an accelerometer with an offset of 0.34 m/s² that appears after the start") {
     Settings settings;
-    settings.mahony.kp = 0.0;
-    settings.mahony.ki = 0.0;
+    settings.attitude.selection.filter = attitude::FilterKind::gyro;
     test::Sensors noisy;
     noisy.noise_m = 0.005;
     const auto residual_speed = [&](double tilt_gain_hz) {

@@ -155,8 +155,7 @@ TEST_CASE("21 samples that share a stamp are no duplicates, and the time adds up
 
 TEST_CASE("with shared stamps the rates integrate to the whole angle") {
   Settings settings;
-  settings.mahony.kp = 0.0;
-  settings.mahony.ki = 0.0;
+  settings.attitude.selection.filter = attitude::FilterKind::gyro;
   Engine engine(settings);
   test::Truth turning;
   turning.yaw_rate_radps = 0.5;

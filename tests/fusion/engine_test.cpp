@@ -45,8 +45,7 @@ TEST_CASE("perfect sensors give the true pose: rest, line and circle, slow and f
   // In a steady turn the apparent gravity leans outwards for ever and misleads any pull towards it; without
   // that pull the gyro alone must be exact.
   Settings settings;
-  settings.mahony.kp = 0.0;
-  settings.mahony.ki = 0.0;
+  settings.attitude.selection.filter = attitude::FilterKind::gyro;
   for (const auto& [name, motion] : {Case{"rest", test::at_rest({5, -3, 2})},
                                      {"walk", test::departure(1.3)},
                                      {"forklift", test::departure(3.0, 0.2)},

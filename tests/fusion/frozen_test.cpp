@@ -95,8 +95,7 @@ TEST_CASE("a drive that ends in a standstill is not frozen") {
 TEST_CASE("a silence of the IMU is no motion: at rest it does not freeze the track") {
   Settings settings;
   settings.alignment.tilt_gain_hz = 0.0;  // levelling would end the need for corrections
-  settings.mahony.kp = 0.0;
-  settings.mahony.ki = 0.0;
+  settings.attitude.selection.filter = attitude::FilterKind::gyro;
   EngineDriver driver(settings, test::at_rest());
   // An accelerometer error that the fixes have to counter all the time: the sum of corrections grows.
   driver.alter_imu = [](ImuSample& imu, double time_s) {

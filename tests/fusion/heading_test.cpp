@@ -16,7 +16,7 @@ struct Rig {
   HeadingSettings settings;
   HeadingState state;
   Kinematics body = test::moving_body(Vector3d::Zero());
-  attitude::Mahony filter;
+  attitude::AnyFilter filter;
 
   [[nodiscard]] double yaw() const { return math::yaw_of(filter.orientation()); }
 
@@ -91,7 +91,7 @@ TEST_CASE("item 34: a heading is compared with the yaw at its emission") {
   rig.take(0.0);
   for (int i = 1; i <= 100; ++i) {
     rig.body.time_ns += to_ns(0.01);
-    rig.filter.turn_about_world_z(0.02);
+    rig.filter.turn_in_world({0.0, 0.0, 0.02});
     rig.body.history.push({rig.body.time_ns, Vector3d::Zero(), 0.02 * i});
   }
   rig.take(2.0 - 2.0 * 0.068);
@@ -125,7 +125,7 @@ TEST_CASE("a yaw-rate offset is learned from the pull, tilt's integral stays out
   test::Sensors sensors;
   sensors.headings = true;
   Settings settings;
-  settings.mahony.ki = 0.0;
+  settings.attitude.selection.filter = attitude::FilterKind::gyro;
   test::EngineDriver driver(settings, test::at_rest(), sensors);
   driver.alter_imu = [](ImuSample& imu, double time_s) {
     if (time_s > 2.0) imu.angular_velocity_body_radps.z() += 0.02;  // appears after the calibration

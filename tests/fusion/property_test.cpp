@@ -81,7 +81,7 @@ struct Finite {
   void operator()(const char*, double value) const { all = all && std::isfinite(value); }
   void operator()(const char*, const Vector3d& value) const { all = all && value.allFinite(); }
   void operator()(const char*, const PastFix& fix) const { all = all && fix.position_world_m.allFinite(); }
-  void operator()(const char*, const attitude::Mahony& filter) const {
+  void operator()(const char*, const attitude::AnyFilter& filter) const {
     all = all && std::abs(filter.orientation().norm() - 1.0) < 1e-9 &&
           filter.gyro_bias_body_radps().allFinite();
   }

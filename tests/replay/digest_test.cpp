@@ -46,7 +46,7 @@ TEST_CASE("a change in any group of the state changes its digest") {
   state.body.history.push({1, Vector3d::Zero(), 0.0});
   CHECK(digest_of(state) != digest_of(plain));
   state = plain;
-  state.filter.turn_about_world_z(1e-9);
+  state.filter.turn_in_world({0.0, 0.0, 1e-9});
   CHECK(digest_of(state) != digest_of(plain));
   state = plain;
   state.outage.track = fusion::Track::held;

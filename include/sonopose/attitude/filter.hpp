@@ -21,9 +21,20 @@ struct Measurement {
   Vector3<Scalar> angular_velocity_body_radps = Vector3<Scalar>::Zero();
   Vector3<Scalar> specific_force_body_mps2 = Vector3<Scalar>::Zero();  ///< zero length: not measured
   Vector3<Scalar> magnetic_field_body_t = Vector3<Scalar>::Zero();     ///< zero length: not measured
+  /// What somebody else knows of the body's acceleration, m/s²; the rest of the specific force is gravity's.
+  Vector3<Scalar> acceleration_world_mps2 = Vector3<Scalar>::Zero();
   /// Unit vector to magnetic north in the world's XY plane: (0, 1) where X is east, (1, 0) where X is north.
   Eigen::Matrix<Scalar, 2, 1> north_world{0, 1};
 };
+
+/// The part of the specific force that holds the body against gravity, as far as its acceleration is known.
+template <class Scalar>
+Vector3<Scalar> gravity_force_body(const Measurement<Scalar>& measurement,
+                                   const Quaternion<Scalar>& q_body_to_world) {
+  if (measurement.acceleration_world_mps2.isZero(0)) return measurement.specific_force_body_mps2;
+  return measurement.specific_force_body_mps2 -
+         q_body_to_world.conjugate() * measurement.acceleration_world_mps2;
+}
 
 /// Orientations are `q_body_to_world`, the world's Z up. Made by its default constructor a filter stands at
 /// the identity and has learned nothing.

@@ -1,22 +1,39 @@
 #pragma once
 /// \file
 /// The Mahony filter (settings 29, 30; the attitude document's "Mahony Filter"): the gyroscope integrated,
-/// with a proportional and integral pull of the estimated up towards the measured specific force.
+/// with a proportional and integral pull of the estimated up towards the measured specific force, and of the
+/// estimated north towards the measured field.
 
-#include <sonopose/core/samples.hpp>
+#include <sonopose/attitude/filter.hpp>
 #include <sonopose/core/setting.hpp>
 
+#include <array>
+#include <cstdint>
+
 namespace sonopose::attitude {
+
+/// What the magnetometer may turn.
+enum class MagneticError : std::uint8_t {
+  heading,  ///< yaw alone: a disturbed field cannot tilt the estimate
+  full      ///< the classic error of all three axes
+};
+
+constexpr std::array<std::string_view, 2> choices_of(MagneticError /*kind*/) {
+  return {"heading", "full"};
+}
 
 /// Items 29 and 30.
 struct MahonySettings {
   double kp{};
   double ki{};
   double ki_gate_mps2{};
+  MagneticError magnetic_error{};
+  double heading_kp{};
 
   static constexpr std::string_view group = "attitude.mahony";
   static constexpr auto declarations() {
     using G = MahonySettings;
+    using setting::own_setting;
     using setting::real;
     return std::tuple{
         real(
@@ -26,53 +43,61 @@ struct MahonySettings {
         real(30, "ki", &G::ki, 0.001, {0.0, 0.1}, "1/s^2",
              "Rate at which a remaining gyro offset is learned from the tilt correction, over tens of "
              "seconds."),
-        real(setting::own_setting, "ki_gate_mps2", &G::ki_gate_mps2, 0.5, {0.0, 1000.0}, "m/s^2",
+        real(own_setting, "ki_gate_mps2", &G::ki_gate_mps2, 0.5, {0.0, 1000.0}, "m/s^2",
              "The offset is learned only while the specific force differs from gravity by less than this: in "
-             "a "
-             "long turn the tilt correction is wrong all the time in one direction.")};
+             "a long turn the tilt correction is wrong all the time in one direction."),
+        setting::choice(own_setting, "magnetic_error", &G::magnetic_error, MagneticError::heading,
+                        "What the magnetometer corrects: heading alone, or, as the filter was first written, "
+                        "the full error of all three axes with the gain kp."),
+        real(own_setting, "heading_kp", &G::heading_kp, 0.05, {0.0, 10.0}, "1/s",
+             "Speed at which heading is corrected towards the magnetometer's, where it corrects heading "
+             "alone.")};
   }
   constexpr MahonySettings() { setting::set_defaults(*this); }
 };
 
 /// The filter as a value: copying it copies its state.
-class Mahony {
+template <class Number>
+class BasicMahony {
 public:
-  /// Starts at `q_body_to_world` with the integral at zero.
-  void reset(const Quaterniond& q_body_to_world);
+  using Scalar = Number;
+  using Settings = MahonySettings;
+  static constexpr std::string_view name = "mahony";
 
-  /// Goes on from a state that another one had.
-  void restore(const Quaterniond& q_body_to_world, const Vector3d& integral_body_radps) {
-    q_body_to_world_ = q_body_to_world;
-    integral_body_radps_ = integral_body_radps;
-  }
+  void reset(const Quaternion<Scalar>& q_body_to_world);
 
-  /// One step of `dt_s` > 0 with body rates (rad/s, offset of the start-up calibration taken off) and
-  /// specific force (m/s²; one of zero length corrects nothing).
   ///   e = v_measured × v_estimated;  ω' = ω + Kp·e + Ki·∫e dt;  q ← q ⊗ exp(ω'·dt)
   /// The increment stands on the right, as body rates demand, and is exact where the document's q̇ = ½ q ⊗ ω
   /// is of first order.
-  void update(const MahonySettings& settings, const Vector3d& angular_velocity_body_radps,
-              const Vector3d& specific_force_body_mps2, double dt_s);
+  void update(const Settings& settings, const Measurement<Scalar>& measurement);
 
-  /// Turns the estimate about world Z; tilt and integral are untouched.
-  void turn_about_world_z(double angle_rad);
+  void turn_in_world(const Vector3<Scalar>& rotation_world_rad);
 
-  /// Turns the estimate by |v| about v, a vector in the world (rad); the integral is untouched.
-  void turn_in_world(const Vector3d& rotation_world_rad);
+  [[nodiscard]] const Quaternion<Scalar>& orientation() const { return q_body_to_world_; }
 
-  [[nodiscard]] const Quaterniond& orientation() const { return q_body_to_world_; }
+  /// The integral, with its sign turned.
+  [[nodiscard]] Vector3<Scalar> gyro_bias_body_radps() const { return -integral_body_radps_; }
+  void set_gyro_bias(const Vector3<Scalar>& bias_body_radps) { integral_body_radps_ = -bias_body_radps; }
 
-  /// What the integral has learned: to be taken off the rates (rad/s, body).
-  [[nodiscard]] Vector3d gyro_bias_body_radps() const { return -integral_body_radps_; }
+  template <class Visit>
+  void for_each_field(const Visit& visit) {
+    visit("q_body_to_world", q_body_to_world_);
+    visit("integral_body_radps", integral_body_radps_);
+  }
 
-  bool operator==(const Mahony& other) const {
+  bool operator==(const BasicMahony& other) const {
     return q_body_to_world_.coeffs() == other.q_body_to_world_.coeffs() &&
            integral_body_radps_ == other.integral_body_radps_;
   }
 
 private:
-  Quaterniond q_body_to_world_ = Quaterniond::Identity();
-  Vector3d integral_body_radps_ = Vector3d::Zero();
+  Quaternion<Scalar> q_body_to_world_ = Quaternion<Scalar>::Identity();
+  Vector3<Scalar> integral_body_radps_ = Vector3<Scalar>::Zero();
 };
+
+extern template class BasicMahony<float>;
+extern template class BasicMahony<double>;
+
+using Mahony = BasicMahony<double>;
 
 }  // namespace sonopose::attitude

@@ -5,7 +5,7 @@
 /// off turns the accelerations that are. With it item 29 can be so low that long turns do not mislead the
 /// tilt, and a single beacon finds its heading by moving.
 
-#include <sonopose/attitude/mahony.hpp>
+#include <sonopose/attitude/any_filter.hpp>
 #include <sonopose/core/samples.hpp>
 #include <sonopose/core/setting.hpp>
 #include <sonopose/fusion/kinematics.hpp>
@@ -19,6 +19,8 @@ struct AlignmentSettings {
   double vertical_limit_mps2{};
   double yaw_gain{};
   double yaw_noise_mps{};
+  double aiding_s{};
+  double hold_s{};
 
   static constexpr std::string_view group = "alignment";
   static constexpr auto declarations() {
@@ -26,7 +28,7 @@ struct AlignmentSettings {
     using setting::own_setting;
     using setting::real;
     return std::tuple{
-        real(own_setting, "tilt_gain_hz", &G::tilt_gain_hz, 0.8, {0.0, 3.0}, "1/s",
+        real(own_setting, "tilt_gain_hz", &G::tilt_gain_hz, 0.85, {0.0, 3.0}, "1/s",
              "Rate at which the velocity corrections by fixes level the attitude; 0: they never do."),
         real(own_setting, "vertical_gain_hz", &G::vertical_gain_hz, 0.13, {0.0, 3.0}, "1/s",
              "Rate at which vertical velocity corrections by fixes are learned as an offset of the vertical "
@@ -38,7 +40,13 @@ struct AlignmentSettings {
             "Share of the angle between the accelerations as the IMU and as the fixes show them by which one "
             "fix turns yaw, while there is no paired heading."),
         real(own_setting, "yaw_noise_mps", &G::yaw_noise_mps, 0.4, {0.05, 10.0}, "m/s",
-             "Velocity gained by acceleration at which that share is halved; less of it is mostly noise.")};
+             "Velocity gained by acceleration at which that share is halved; less of it is mostly noise."),
+        real(own_setting, "aiding_s", &G::aiding_s, 10.0, {0.0, 60.0}, "s",
+             "Time over which a velocity correction is told to the attitude filter as acceleration; 0: the "
+             "filter is told of no acceleration."),
+        real(own_setting, "hold_s", &G::hold_s, 10.0, {0.0, 3600.0}, "s",
+             "For so long after it was last told of acceleration the attitude filter goes on without the "
+             "accelerometer, which cannot tell motion from tilt by itself.")};
   }
   constexpr AlignmentSettings() { setting::set_defaults(*this); }
 };
@@ -47,6 +55,11 @@ struct AlignmentState {
   double vertical_offset_mps2 = 0;  ///< to be added to the vertical acceleration
   /// What the IMU's acceleration has added to the velocity, forgotten as fast as the fixes correct it.
   Vector3d gained_world_mps = Vector3d::Zero();
+  /// Velocity corrections that the attitude filter has not been told of.
+  Vector3d untold_world_mps = Vector3d::Zero();
+  /// How the velocity has changed in the last step: what the filter is told.
+  Vector3d known_acceleration_world_mps2 = Vector3d::Zero();
+  TimeNs told_ns = 0;  ///< when it was told; 0: never
 
   bool operator==(const AlignmentState&) const = default;
 };
@@ -55,14 +68,26 @@ namespace alignment {
 
 /// A horizontal velocity change dv by a fix turns the attitude by gain · dv / g about the horizontal axis
 /// across it, a vertical one changes the offset by gain · dv.
-void level(const AlignmentSettings& settings, AlignmentState& state, attitude::Mahony& filter,
+void level(const AlignmentSettings& settings, AlignmentState& state, attitude::AnyFilter& filter,
            const Vector3d& velocity_change_world_mps);
+
+/// One IMU step, in which acceleration has added `gained_world_mps` to a velocity that the fixes hold.
+void tell(const AlignmentSettings& settings, AlignmentState& state, const Vector3d& gained_world_mps,
+          TimeNs now_ns, double dt_s);
+
+/// The velocity is not known: nor is the acceleration.
+void tell_nothing(AlignmentState& state);
+
+/// Puts into `measurement`, made at `now_ns`, what is known of the acceleration; where that was known a
+/// moment ago and is no longer, takes the specific force out.
+void aid(const AlignmentSettings& settings, const AlignmentState& state, TimeNs now_ns,
+         attitude::Measurement<double>& measurement);
 
 /// Turns yaw by a share of the angle from the gained velocity g to g + (v_us − v_imu), the gain that the
 /// fixes have seen, and the velocity with it. `share` is how much of v_us − v_imu the fix has corrected.
 /// Returns the turn (rad). Where nothing accelerates, nothing is learned.
 double turn(const AlignmentSettings& settings, AlignmentState& state, Kinematics& body,
-            attitude::Mahony& filter, const FixVelocity& measured, double share);
+            attitude::AnyFilter& filter, const FixVelocity& measured, double share);
 
 }  // namespace alignment
 }  // namespace sonopose::fusion

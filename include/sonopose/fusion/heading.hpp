@@ -2,7 +2,7 @@
 /// \file
 /// Items 5 and 31–34: yaw from the heading of paired beacons, and from the direction of motion.
 
-#include <sonopose/attitude/mahony.hpp>
+#include <sonopose/attitude/any_filter.hpp>
 #include <sonopose/core/samples.hpp>
 #include <sonopose/core/setting.hpp>
 #include <sonopose/fusion/kinematics.hpp>
@@ -59,24 +59,24 @@ struct HeadingState {
 namespace heading {
 
 /// Turns the body about the vertical and remembers that it was a correction.
-void turn(Kinematics& body, attitude::Mahony& filter, double angle_rad);
+void turn(Kinematics& body, attitude::AnyFilter& filter, double angle_rad);
 
 /// Whether a paired heading holds at `now_ns`.
 [[nodiscard]] bool is_valid(const HeadingSettings& settings, const HeadingState& state, TimeNs now_ns);
 
 /// Takes a heading: body yaw = pair axis − mount offset, compared with the yaw when it was measured. The
 /// first one sets yaw outright.
-void take(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::Mahony& filter,
+void take(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::AnyFilter& filter,
           const PairHeading& heading, TimeNs measured_ns);
 
 /// One IMU step of the continuous pull (item 34). Returns the share of the yaw error that it took away.
-double pull(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::Mahony& filter,
-            double dt_s);
+double pull(const HeadingSettings& settings, HeadingState& state, Kinematics& body,
+            attitude::AnyFilter& filter, double dt_s);
 
 /// Items 31–33: turns yaw by a share of the angle from the IMU's to the ultrasound's direction of motion.
 /// Returns the turn (rad). Does nothing while a paired heading holds: that one is absolute.
 double nudge(const HeadingSettings& settings, const HeadingState& state, Kinematics& body,
-             attitude::Mahony& filter, const FixVelocity& measured);
+             attitude::AnyFilter& filter, const FixVelocity& measured);
 
 }  // namespace heading
 }  // namespace sonopose::fusion

@@ -2,7 +2,7 @@
 /// \file
 /// All settings of one engine, a group per stage, and the table made from their declarations.
 
-#include <sonopose/attitude/mahony.hpp>
+#include <sonopose/attitude/any_filter.hpp>
 #include <sonopose/fusion/admission.hpp>
 #include <sonopose/fusion/alignment.hpp>
 #include <sonopose/fusion/delay.hpp>
@@ -39,7 +39,7 @@ struct Settings {
   TrustSettings trust;
   RunawaySettings runaway;
   MotionSettings motion;
-  attitude::MahonySettings mahony;
+  attitude::Settings attitude;
   StartupSettings startup;
   FrozenSettings frozen;
   UncertaintySettings uncertainty;

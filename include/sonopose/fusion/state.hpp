@@ -3,7 +3,7 @@
 /// The whole state of one engine, a group per stage. It can be read and copied; a copy goes on as the
 /// original would.
 
-#include <sonopose/attitude/mahony.hpp>
+#include <sonopose/attitude/any_filter.hpp>
 #include <sonopose/fusion/admission.hpp>
 #include <sonopose/fusion/alignment.hpp>
 #include <sonopose/fusion/drift.hpp>
@@ -35,7 +35,7 @@ struct Counters {
 
 struct State {
   Kinematics body;
-  attitude::Mahony filter;
+  attitude::AnyFilter filter;
   StartupState startup;
   AdmissionState admission;
   FrozenState frozen;

@@ -11,6 +11,7 @@
 #include <sonopose/core/pose.hpp>
 #include <sonopose/io/csv_writer.hpp>
 #include <sonopose/io/replacement.hpp>
+#include <sonopose/replay/trajectory_file.hpp>
 
 #include <filesystem>
 
@@ -30,14 +31,14 @@ public:
 
 private:
   struct Table {
-    explicit Table(const std::filesystem::path& file, char separator = ',')
-        : place(file), rows(place.part(), io::CsvWriter::Existing::replace, separator) {}
+    explicit Table(const std::filesystem::path& file)
+        : place(file), rows(place.part(), io::CsvWriter::Existing::replace) {}
 
     io::Replacement place;
     io::CsvWriter rows;
   };
 
-  Table trajectory_;
+  TrajectoryFile trajectory_;
   Table poses_;
   Table fixes_;
 };

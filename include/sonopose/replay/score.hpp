@@ -22,6 +22,15 @@ struct ErrorSummary {
 /// Summarises errors, in any order.
 ErrorSummary summarise(std::vector<double> errors);
 
+/// How far one orientation is from the true one, by d = q_estimate ⊗ q_truth*.
+struct AttitudeError {
+  double total_rad;        ///< 2·acos |d_w|: the angle of the turn between them
+  double heading_rad;      ///< 2·atan |d_z/d_w|: turn about world Z
+  double inclination_rad;  ///< 2·acos √(d_w² + d_z²): angle between the two verticals
+};
+
+AttitudeError error_of(const Quaterniond& q_estimate, const Quaterniond& q_truth);
+
 /// The truth between its samples. Times may be asked for in any order; near ones in a row are found fast.
 class TruthTrack {
 public:
@@ -42,10 +51,10 @@ struct Score {
   std::size_t poses = 0;                ///< with a known true position
   std::size_t poses_without_truth = 0;  ///< in the span, but at a time without one
   ErrorSummary position_m;              ///< distance in space
-  double yaw_rmse_deg;           ///< 2·atan(d_z/d_w) of d = q_estimate ⊗ q_truth*: turn about world Z
-  double tilt_rmse_deg;          ///< 2·acos √(d_w² + d_z²): angle between the two verticals
-  double velocity_rmse_mps;      ///< length of the difference
-  std::vector<double> errors_m;  ///< distance at each of `times_ns`
+  double yaw_rmse_deg;                  ///< of AttitudeError::heading_rad
+  double tilt_rmse_deg;                 ///< of AttitudeError::inclination_rad
+  double velocity_rmse_mps;             ///< length of the difference
+  std::vector<double> errors_m;         ///< distance at each of `times_ns`
   std::vector<TimeNs> times_ns;
 };
 

@@ -1,0 +1,111 @@
+// sonopose-attitude: an attitude filter over logs, and its score where the truth is known.
+
+#include "support/config_options.hpp"
+#include "support/run.hpp"
+#include <sonopose/io/attitude_log.hpp>
+#include <sonopose/replay/attitude_run.hpp>
+#include <sonopose/replay/trajectory_file.hpp>
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <stdexcept>
+
+namespace {
+
+using namespace sonopose;
+using Path = std::filesystem::path;
+
+struct Options {
+  std::vector<Path> logs;
+  apps::ConfigOptions config;
+  BeaconAddress beacon = io::default_log_address;
+  std::optional<attitude::FilterKind> filter;
+  std::optional<bool> magnetometer;
+  std::optional<Path> out;
+  bool json = false;
+};
+
+void add_options(CLI::App& app, Options& options) {
+  std::map<std::string, attitude::FilterKind> filters;
+  std::string names;
+  for (const std::string_view name : choices_of(attitude::FilterKind{})) {
+    filters.emplace(name, static_cast<attitude::FilterKind>(filters.size()));
+    names += (names.empty() ? "" : "|") + std::string(name);
+  }
+  const std::map<std::string, bool> on_or_off{{"on", true}, {"off", false}};
+  app.add_option("LOG", options.logs, "Log folders with imu.csv, and truth.csv and movement.csv to score by")
+      ->required()
+      ->type_name("DIR");
+  app.add_option("--filter", options.filter, "Which filter; the same as --set attitude.filter=...")
+      ->transform(CLI::CheckedTransformer(filters))
+      ->option_text(names + " (default: the settings')");
+  app.add_option("--magnetometer", options.magnetometer,
+                 "Heading from the magnetometer; the same as --set attitude.magnetometer=...")
+      ->transform(CLI::CheckedTransformer(on_or_off))
+      ->option_text("on|off (default: the settings')");
+  apps::add_config_options(app, options.config);
+  apps::add_beacon_option(app, options.beacon);
+  app.add_option("--out", options.out, "Write LOG.tum of each log here, at the position 0")->type_name("DIR");
+  app.add_flag("--json", options.json, "One JSON object instead of the table");
+}
+
+/// What a log is called: the last part of its path.
+std::string name_of(const Path& log) {
+  const Path whole = std::filesystem::weakly_canonical(log);
+  return whole.filename().string();
+}
+
+/// Two logs of one name would write one file.
+void check_names(const std::vector<Path>& logs) {
+  std::set<std::string> names;
+  for (const Path& log : logs) {
+    if (!names.insert(name_of(log)).second) {
+      throw std::runtime_error(
+          fmt::format("--out: two logs are called {}; their trajectories need two folders", name_of(log)));
+    }
+  }
+}
+
+replay::AttitudeResult run_log(const Path& folder, const Options& options,
+                               const attitude::Settings& settings) {
+  const io::AttitudeLog log = io::read_attitude_log(folder, options.beacon);
+  if (settings.selection.magnetometer && !log.imu.front().magnetic_field_body_t) {
+    throw io::IoError((folder / "imu.csv").string() + ": no magnetometer, which is asked for");
+  }
+  std::optional<replay::TrajectoryFile> trajectory;
+  if (options.out) trajectory.emplace(*options.out / (name_of(folder) + ".tum"));
+  const auto result =
+      replay::run_attitude(name_of(folder), log, settings, [&](TimeNs time_ns, const Quaterniond& q) {
+        if (trajectory) trajectory->write(time_ns, Vector3d::Zero(), q);
+      });
+  if (trajectory) trajectory->flush();
+  if (trajectory) trajectory->commit();
+  return result;
+}
+
+int run_logs(const CLI::App& app, const Options& options) {
+  attitude::Settings settings = apps::configuration(app, options.config).for_beacon(options.beacon).attitude;
+  if (options.filter) settings.selection.filter = *options.filter;
+  if (options.magnetometer) settings.selection.magnetometer = *options.magnetometer;
+  if (options.out) {
+    check_names(options.logs);
+    replay::make_folder(*options.out);
+  }
+  std::vector<replay::AttitudeResult> results;
+  for (const Path& log : options.logs) results.push_back(run_log(log, options, settings));
+  fmt::print("{}", options.json ? replay::attitude_json(results) : replay::attitude_text(results));
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app("Runs an attitude filter over logs and scores it where the truth is known.",
+               "sonopose-attitude");
+  add_options(app, options);
+  return sonopose::apps::run(app, argc, argv, [&] { return run_logs(app, options); });
+}

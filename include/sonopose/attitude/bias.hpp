@@ -1,0 +1,98 @@
+#pragma once
+/// \file
+/// The gyroscope's offset, estimated by a small Kalman filter: at rest from the mean rate; in motion from
+/// what the accelerometer must correct of the tilt again and again, which shows the two axes that are level
+/// just then.
+
+#include <sonopose/attitude/filter.hpp>
+#include <sonopose/attitude/low_pass.hpp>
+#include <sonopose/core/setting.hpp>
+
+namespace sonopose::attitude {
+
+template <class Scalar>
+using Matrix3 = Eigen::Matrix<Scalar, 3, 3>;
+
+struct BiasSettings {
+  double initial_dps{};
+  double limit_dps{};
+  double wander_s{};
+  double rest_dps{};
+  double motion_dps{};
+  double unseen_dps{};
+
+  static constexpr std::string_view group = "attitude.bias";
+  static constexpr auto declarations() {
+    using G = BiasSettings;
+    using setting::own_setting;
+    using setting::real;
+    return std::tuple{
+        real(own_setting, "initial_dps", &G::initial_dps, 0.5, {0.0, 100.0}, "deg/s",
+             "Standard deviation of the gyroscope's offset at the start, and the most it ever has."),
+        real(own_setting, "limit_dps", &G::limit_dps, 2.0, {0.0, 100.0}, "deg/s",
+             "Largest offset about one axis that is learned."),
+        real(own_setting, "wander_s", &G::wander_s, 100.0, {1.0, 1e6}, "s",
+             "The time in which the offset wanders by 0.1 deg/s."),
+        real(own_setting, "rest_dps", &G::rest_dps, 0.03, {1e-4, 100.0}, "deg/s",
+             "Standard deviation that long rest leaves of the offset; higher learns slower."),
+        real(own_setting, "motion_dps", &G::motion_dps, 0.08, {1e-4, 100.0}, "deg/s",
+             "Standard deviation that long motion leaves of the offset; higher learns slower."),
+        real(own_setting, "unseen_dps", &G::unseen_dps, 10.0, {1e-4, 1000.0}, "deg/s",
+             "The same about the vertical, which in motion nothing shows: how loosely the offset there is "
+             "held "
+             "to zero.")};
+  }
+  constexpr BiasSettings() { setting::set_defaults(*this); }
+};
+
+template <class Scalar>
+struct BiasState {
+  Vector3<Scalar> bias_body_radps = Vector3<Scalar>::Zero();
+  Matrix3<Scalar> covariance = Matrix3<Scalar>::Zero();  ///< of it; zero until the first estimate
+  bool begun = false;
+  // Sums since the last estimate.
+  Scalar span_s = 0;
+  Matrix3<Scalar> rotation_s = Matrix3<Scalar>::Zero();        ///< ∫R(q) dt
+  Vector3<Scalar> turned_world_rad = Vector3<Scalar>::Zero();  ///< corrections made
+  // As late as the corrections are: what has passed through the accelerometer's low-pass.
+  LowPass<Matrix3<Scalar>> late_rotation;    ///< R(q)
+  LowPass<Vector3<Scalar>> late_bias_world;  ///< R(q)·bias
+
+  bool operator==(const BiasState&) const = default;
+};
+
+namespace bias {
+
+/// How often an estimate is made: far oftener than any offset changes, far less often than samples come.
+inline constexpr double period_s = 0.1;
+
+/// Takes in one step: the orientation, and the turn (rad, world) by which it was levelled.
+template <class Scalar>
+void collect(BiasState<Scalar>& state, const Matrix3<Scalar>& rotation_body_to_world,
+             const Vector3<Scalar>& turn_world_rad, Scalar dt_s) {
+  state.span_s += dt_s;
+  state.rotation_s += dt_s * rotation_body_to_world;
+  state.turned_world_rad += turn_world_rad;
+}
+
+template <class Scalar>
+bool is_due(const BiasState<Scalar>& state) {
+  return state.span_s >= Scalar(period_s);
+}
+
+/// What the filter knows besides: the mean rate, where the body rests, and the low-pass that lies between a
+/// wrong tilt and its correction.
+template <class Scalar>
+struct BiasEvidence {
+  bool at_rest = false;
+  bool levelled = false;  ///< the low-pass has settled, so that corrections mean something
+  Vector3<Scalar> rate_mean_body_radps = Vector3<Scalar>::Zero();
+  Scalar accel_time_s = 0;
+};
+
+/// One estimate from what was collected, which begins anew.
+template <class Scalar>
+void estimate(const BiasSettings& settings, BiasState<Scalar>& state, const BiasEvidence<Scalar>& evidence);
+
+}  // namespace bias
+}  // namespace sonopose::attitude

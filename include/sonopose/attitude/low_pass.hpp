@@ -1,0 +1,41 @@
+#pragma once
+/// \file
+/// A low-pass of second order for vectors and matrices, at steps that may vary.
+
+#include <cmath>
+#include <numbers>
+
+namespace sonopose::attitude {
+
+/// y″ + √2·w·y′ + w²·y = w²·u with w = √2/time, a Butterworth low-pass, by the implicit Euler rule, which is
+/// stable at any step. For the first `time_s` it is the mean of what it has seen, so that it needs no guess
+/// to begin with. `Value` is an Eigen vector or matrix.
+template <class Value>
+struct LowPass {
+  using Scalar = typename Value::Scalar;
+
+  Value value = Value::Zero();
+  Value slope = Value::Zero();  ///< per second
+  Scalar age_s = 0;             ///< how long it has been fed, up to its time
+
+  template <class Derived>
+  void feed(const Eigen::MatrixBase<Derived>& input, Scalar dt_s, Scalar time_s) {
+    if (age_s < time_s) {
+      age_s += dt_s;
+      value += (age_s > 0 ? dt_s / age_s : Scalar(1)) * (input - value);
+      return;
+    }
+    const Scalar w = std::numbers::sqrt2_v<Scalar> / time_s;
+    const Scalar wdt = w * dt_s;
+    const Scalar damping = 1 / (1 + std::numbers::sqrt2_v<Scalar> * wdt + wdt * wdt);
+    slope = damping * (slope + (wdt * w) * (input - value));
+    value += dt_s * slope;
+  }
+
+  /// It no longer only takes the mean.
+  [[nodiscard]] bool is_settled(Scalar time_s) const { return age_s >= time_s; }
+
+  bool operator==(const LowPass&) const = default;
+};
+
+}  // namespace sonopose::attitude

@@ -1,0 +1,67 @@
+#pragma once
+/// \file
+/// A filter fed with samples: the time step comes from their own time stamps, the first one sets the start.
+
+#include <sonopose/attitude/filter.hpp>
+#include <sonopose/core/samples.hpp>
+
+#include <cmath>
+#include <utility>
+
+namespace sonopose::attitude {
+
+/// What any filter is told of a sample, where it has no settings of its own about that.
+struct FieldUse {
+  bool use_magnetometer = false;
+  double north_deg = 90;  ///< direction of magnetic north in the world, counter-clockwise from +X
+
+  Measurement<double> measurement_of(const ImuSample& imu, double dt_s) const {
+    Measurement<double> measurement{dt_s, imu.angular_velocity_body_radps, imu.specific_force_body_mps2};
+    if (use_magnetometer && imu.magnetic_field_body_t) {
+      const double north_rad = north_deg * math::radians_per_degree;
+      measurement.magnetic_field_body_t = *imu.magnetic_field_body_t;
+      measurement.north_world = {std::cos(north_rad), std::sin(north_rad)};
+    }
+    return measurement;
+  }
+};
+
+/// Level with the specific force; with yaw so that the field's level part points north, where there is one.
+/// A force of zero length, or a field without a level part, tells nothing.
+Quaterniond first_orientation(const Measurement<double>& measurement);
+
+/// `F` is a filter of double precision, named at compile time: `Tracker<Mahony>`, or `Tracker<AnyFilter>`
+/// where the settings shall name it.
+template <Filter F>
+class Tracker {
+public:
+  Tracker(typename F::Settings settings, FieldUse field) : settings_(std::move(settings)), field_(field) {}
+
+  /// Takes one sample in. False for one that is no measurement, and does nothing then: not finite, or earlier
+  /// than the one before.
+  bool on(const ImuSample& imu) {
+    const bool finite = imu.angular_velocity_body_radps.allFinite() &&
+                        imu.specific_force_body_mps2.allFinite() &&
+                        (!imu.magnetic_field_body_t || imu.magnetic_field_body_t->allFinite());
+    if (!finite || (started_ && imu.sensor_time_ns < time_ns_)) return false;
+    const double dt_s = started_ ? seconds_between(time_ns_, imu.sensor_time_ns) : 0.0;
+    const Measurement<double> measurement = field_.measurement_of(imu, dt_s);
+    if (!started_) filter_.reset(first_orientation(measurement));
+    started_ = true;
+    time_ns_ = imu.sensor_time_ns;
+    filter_.update(settings_, measurement);
+    return true;
+  }
+
+  [[nodiscard]] const F& filter() const { return filter_; }
+  F& filter() { return filter_; }
+
+private:
+  typename F::Settings settings_;
+  FieldUse field_;
+  F filter_;
+  bool started_ = false;
+  TimeNs time_ns_ = 0;
+};
+
+}  // namespace sonopose::attitude

@@ -1,0 +1,71 @@
+#include <sonopose/attitude/bias.hpp>
+
+#include <Eigen/LU>
+
+namespace sonopose::attitude::bias {
+namespace {
+
+template <class Scalar>
+Scalar radps(double dps) {
+  return Scalar(dps * math::radians_per_degree);
+}
+
+/// b ← b + K·e, with |e| and |b| held within the limit: K = P·Cᵀ·(C·P·Cᵀ + W)⁻¹, P ← P − K·C·P.
+template <class Scalar>
+void correct(BiasState<Scalar>& state, const Matrix3<Scalar>& seen, Vector3<Scalar> error_radps,
+             const Vector3<Scalar>& variance, Scalar limit_radps) {
+  const Vector3<Scalar> limit = Vector3<Scalar>::Constant(limit_radps);
+  error_radps = error_radps.cwiseMax(-limit).cwiseMin(limit);
+  Matrix3<Scalar> innovation = seen * state.covariance * seen.transpose();
+  innovation.diagonal() += variance;
+  const Matrix3<Scalar> gain = state.covariance * seen.transpose() * innovation.inverse();
+  state.bias_body_radps += gain * error_radps;
+  state.bias_body_radps = state.bias_body_radps.cwiseMax(-limit).cwiseMin(limit).eval();
+  state.covariance -= (gain * seen * state.covariance).eval();
+}
+
+}  // namespace
+
+template <class Scalar>
+void estimate(const BiasSettings& settings, BiasState<Scalar>& state, const BiasEvidence<Scalar>& evidence) {
+  const Scalar span_s = state.span_s;
+  const Matrix3<Scalar> rotation = state.rotation_s / span_s;
+  const Vector3<Scalar> turn_rate_world_radps = state.turned_world_rad / span_s;
+  state.span_s = 0;
+  state.rotation_s.setZero();
+  state.turned_world_rad.setZero();
+  state.late_rotation.feed(rotation, span_s, evidence.accel_time_s);
+  state.late_bias_world.feed(rotation * state.bias_body_radps, span_s, evidence.accel_time_s);
+
+  const Scalar most_variance = radps<Scalar>(settings.initial_dps) * radps<Scalar>(settings.initial_dps);
+  if (!state.begun) state.covariance = most_variance * Matrix3<Scalar>::Identity();
+  state.begun = true;
+  const Scalar wander = radps<Scalar>(0.1) * radps<Scalar>(0.1) * span_s / Scalar(settings.wander_s);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (state.covariance(axis, axis) < most_variance) state.covariance(axis, axis) += wander;
+  }
+  // The variance of one measurement with which the estimate's own settles at `dps`², the offset wandering.
+  const auto variance_for = [wander](double dps) {
+    const Scalar settled = radps<Scalar>(dps) * radps<Scalar>(dps);
+    return settled * settled / wander + settled;
+  };
+  const Scalar limit_radps = radps<Scalar>(settings.limit_dps);
+  if (evidence.at_rest) {
+    const Vector3<Scalar> error = evidence.rate_mean_body_radps - state.bias_body_radps;
+    correct<Scalar>(state, Matrix3<Scalar>::Identity(), error,
+                    Vector3<Scalar>::Constant(variance_for(settings.rest_dps)), limit_radps);
+  } else if (evidence.levelled) {
+    // An error δ of the offset turns the estimate by −R·δ per second, and so much is corrected of it.
+    const Matrix3<Scalar>& seen = state.late_rotation.value;
+    Vector3<Scalar> error =
+        state.late_bias_world.value - turn_rate_world_radps - seen * state.bias_body_radps;
+    error.z() = -(seen.row(2) * state.bias_body_radps)(0);
+    const Scalar level = variance_for(settings.motion_dps);
+    correct<Scalar>(state, seen, error, {level, level, variance_for(settings.unseen_dps)}, limit_radps);
+  }
+}
+
+template void estimate(const BiasSettings&, BiasState<float>&, const BiasEvidence<float>&);
+template void estimate(const BiasSettings&, BiasState<double>&, const BiasEvidence<double>&);
+
+}  // namespace sonopose::attitude::bias

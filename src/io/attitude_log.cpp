@@ -1,0 +1,26 @@
+#include "csv_reader.hpp"
+#include "log_columns.hpp"
+#include <sonopose/io/attitude_log.hpp>
+
+namespace sonopose::io {
+
+AttitudeLog read_attitude_log(const std::filesystem::path& folder, BeaconAddress address) {
+  AttitudeLog log;
+  log.imu = read_imu_csv(folder / imu_file, address);
+  if (log.imu.empty()) throw IoError((folder / imu_file).string() + ": no sample");
+  if (exists(folder / truth_file)) log.truth = read_truth_csv(folder / truth_file, address);
+  if (exists(folder / movement_file)) log.movements = read_movement_csv(folder / movement_file);
+  return log;
+}
+
+std::vector<TimeSpan> read_movement_csv(const std::filesystem::path& file) {
+  CsvReader rows(file, {movement_columns, movement_columns.size()});
+  std::vector<TimeSpan> spans;
+  while (rows.next_row()) {
+    const TimeSpan& span = spans.emplace_back(rows.time_ns(0), rows.time_ns(1));
+    if (span.end_ns < span.start_ns) rows.fail(1, "lies before the start");
+  }
+  return spans;
+}
+
+}  // namespace sonopose::io
