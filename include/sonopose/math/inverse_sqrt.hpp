@@ -1,0 +1,46 @@
+#pragma once
+/// \file
+/// 1/√x, exactly or fast. Both are always there; `inverse_sqrt` is the fast one where the build defines
+/// SONOPOSE_FAST_INVERSE_SQRT (a CMake option, off by default) and the exact one elsewhere.
+///
+/// The fast one: the bits of a float, read as an integer, are a straight-line approximation of its logarithm,
+/// so that half of them, negated and shifted by a constant, are one of 1/√x, wrong by no more than 3.44 %.
+/// A Newton step y ← y·(3 − x·y²)/2 turns a relative error e into −(3e² + e³)/2, never above and at most
+/// 1.76e-3 below; made larger by half of that, the result is wrong by no more than 8.8e-4 either way. A double
+/// takes a second step, which leaves 1.2e-6. Measured from 1e-6 to 1e6: 8.77e-4 and 1.16e-6
+/// (`test_math "the fast inverse square root*" -s`).
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+namespace sonopose::math {
+
+template <class Scalar>
+Scalar exact_inverse_sqrt(Scalar x) {
+  return 1 / std::sqrt(x);
+}
+
+/// For normal x > 0.
+inline float fast_inverse_sqrt(float x) {
+  const float guess = std::bit_cast<float>(0x5f37'59dfU - (std::bit_cast<std::uint32_t>(x) >> 1U));
+  return guess * (1.50131454F - 0.50043818F * x * guess * guess);
+}
+
+inline double fast_inverse_sqrt(double x) {
+  const double guess =
+      std::bit_cast<double>(0x5fe6'eb50'c7b5'37a9U - (std::bit_cast<std::uint64_t>(x) >> 1U));
+  const double closer = guess * (1.50131454 - 0.50043818 * x * guess * guess);
+  return closer * (1.5 - 0.5 * x * closer * closer);
+}
+
+template <class Scalar>
+Scalar inverse_sqrt(Scalar x) {
+#ifdef SONOPOSE_FAST_INVERSE_SQRT
+  return fast_inverse_sqrt(x);
+#else
+  return exact_inverse_sqrt(x);
+#endif
+}
+
+}  // namespace sonopose::math
