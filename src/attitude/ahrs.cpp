@@ -212,12 +212,9 @@ AhrsInternalStates<Scalar> BasicAhrs<Scalar>::internal_states(const Settings& se
 template <class Scalar>
 AhrsFlags BasicAhrs<Scalar>::flags(const Settings& settings) const {
   const AhrsInternalStates<Scalar> states = internal_states(settings);
-  return {initialising(settings),
-          states.acceleration_timer > Scalar(warning_share),
-          acceleration_.timed_out,
-          states.magnetic_timer > Scalar(warning_share),
-          heading_.timed_out,
-          over_range_};
+  return {initialising(settings),  states.acceleration_timer > Scalar(warning_share),
+          acceleration_.timed_out, states.magnetic_timer > Scalar(warning_share),
+          heading_.timed_out,      over_range_};
 }
 
 template class BasicAhrs<float>;

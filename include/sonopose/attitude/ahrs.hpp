@@ -123,8 +123,8 @@ private:
   GyroOffset<Scalar> offset_;
   Rejection<Scalar> acceleration_;
   Rejection<Scalar> heading_;
-  Scalar ramp_s_ = 0;       ///< since initialisation began, up to its period
-  bool up_known_ = false;   ///< an accelerometer has been seen
+  Scalar ramp_s_ = 0;        ///< since initialisation began, up to its period
+  bool up_known_ = false;    ///< an accelerometer has been seen
   bool over_range_ = false;  ///< as the flag says
 };
 

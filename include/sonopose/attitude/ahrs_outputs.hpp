@@ -43,8 +43,8 @@ struct AhrsFlags {
   /// because of it.
   bool acceleration_timeout = false;
   bool magnetic_warning = false;  ///< the magnetic timer is above 25 %
-  /// It has timed out. Form `recovery`: the magnetometer is used until it agrees. Form `seed`: the last update
-  /// has set the heading.
+  /// It has timed out. Form `recovery`: the magnetometer is used until it agrees. Form `seed`: the last
+  /// update has set the heading.
   bool magnetic_timeout = false;
   bool over_range = false;  ///< initialising because of a rate beyond the gyroscope's range
 };
