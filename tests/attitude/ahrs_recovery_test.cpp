@@ -17,7 +17,7 @@ attitude::Measurement<double> elsewhere(const Vector3d& rotation_rad) {
   return at_rest(math::rotation_by(rotation_rad));
 }
 
-/// The number of updates that ignored the accelerometer in a run of `ignored` contradictions per agreement.
+/// Whether a run of `ignored` contradictions to each agreement ever leads to recovery in 60 s.
 bool recovers(int ignored) {
   AhrsSettings quick;
   quick.rejection_timeout_s = 0.5;
