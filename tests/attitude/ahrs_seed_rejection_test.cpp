@@ -79,10 +79,10 @@ TEST_CASE("a sensor is ignored beyond its threshold, in both forms, up to 180 de
 TEST_CASE("an ignored sensor does not act") {
   Ahrs filter = settled_at(level, seed_form());
   run(filter, seed_form(), tilted_force(30 * degree), 4.9);
-  CHECK(distance_rad(filter, level) < 1e-9);
+  CHECK(distance_rad(filter, level) < rounding_rad);
   run(filter, seed_form(), at_rest(level), 5.0);
   run(filter, seed_form(), turned_field(30 * degree), 4.9);
-  CHECK(distance_rad(filter, level) < 1e-9);
+  CHECK(distance_rad(filter, level) < rounding_rad);
 }
 
 TEST_CASE("a threshold or a timeout of 0 rejects nothing") {
@@ -128,7 +128,7 @@ TEST_CASE("an acceleration timeout begins the initialisation again at the same o
   CHECK_FALSE(filter.flags(settings).initialising);
   CHECK(filter.flags(settings).acceleration_warning);
   CHECK(filter.internal_states(settings).acceleration_timer == Approx(1.0));
-  CHECK(distance_rad(filter, level) < 1e-9);
+  CHECK(distance_rad(filter, level) < rounding_rad);
   run(filter, settings, tilted_force(30 * degree), 0.02);
   CHECK(filter.flags(settings).initialising);
   CHECK(filter.flags(settings).acceleration_timeout);
@@ -162,6 +162,6 @@ TEST_CASE("a magnetic timeout sets the heading at once and does not initialise")
   }
   CHECK(timeouts == 1);  // for that one update
   CHECK(yaw_at_timeout_rad == Approx(100 * degree));
-  CHECK(tilt_error_rad(filter, level) < 1e-9);
+  CHECK(tilt_error_rad(filter, level) < rounding_rad);
   CHECK_FALSE(filter.flags(settings).initialising);
 }

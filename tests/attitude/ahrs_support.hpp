@@ -17,6 +17,13 @@ using attitude::RejectionForm;
 
 inline constexpr double step_s = 0.01;
 inline constexpr double degree = math::radians_per_degree;
+
+/// An angle that rounding alone explains; with the fast inverse square root its error is the larger one.
+#ifdef SONOPOSE_FAST_INVERSE_SQRT
+inline constexpr double rounding_rad = 1e-5;
+#else
+inline constexpr double rounding_rad = 1e-9;
+#endif
 inline const Vector3d up_world(0, 0, 1);
 
 /// What perfect sensors of a body at rest read; the field dips by 60°.

@@ -30,14 +30,15 @@ constexpr double after_two_steps = 1.5 * after_one_step * after_one_step;
 
 }  // namespace
 
-TEST_CASE("the fast inverse square root is as near as one Newton step brings a float, two a double") {
+TEST_CASE("the fast inverse square root is as near as two Newton steps bring it") {
   const double of_float = largest_relative_error<float>();
   const double of_double = largest_relative_error<double>();
   INFO("largest relative error: float " << of_float << ", double " << of_double);
-  CHECK(of_float < after_one_step);
+  // A float's rounding, a few times half of its last place, comes on top.
+  CHECK(of_float < after_two_steps + 4 * 6e-8);
   CHECK(of_double < after_two_steps);
-  // The bounds are no wider than they must be.
-  CHECK(of_float > 0.9 * after_one_step);
+  // The bound is no wider than it must be.
+  CHECK(of_float > 0.9 * after_two_steps);
   CHECK(of_double > 0.9 * after_two_steps);
 }
 
