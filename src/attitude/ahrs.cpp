@@ -100,10 +100,11 @@ void BasicAhrs<Scalar>::step(const Settings& settings, const Measurement<Scalar>
   const Scalar pull = std::min(advance_ramp(settings, dt_s) * dt_s, Scalar(1));
   over_range_ = clipped || (over_range_ && initialising(settings));
 
-  const Vector3<Scalar> tilt_body = pull_up(settings, measurement, math::up_in_body(q_body_to_world_));
+  const Vector3<Scalar> up_body = math::up_in_body(q_body_to_world_);
+  const Vector3<Scalar> tilt_body = pull_up(settings, measurement, up_body);
+  // A timeout may turn the estimate about the vertical here: that leaves its up where it is.
   const Scalar turn = pull_heading(settings, reference, dt_s);
-  // A timeout may have turned the estimate about the vertical, which changes nothing of its up.
-  const Vector3<Scalar> error_body = tilt_body + turn * math::up_in_body(q_body_to_world_);
+  const Vector3<Scalar> error_body = tilt_body + turn * up_body;
   q_body_to_world_ =
       unit<Scalar>(q_body_to_world_ * math::rotation_by(rate_body_radps * dt_s + pull * error_body));
 }
