@@ -1,0 +1,48 @@
+#pragma once
+/// \file
+/// Samples for the examples: those of a log, or a movement that needs none.
+
+#include <sonopose/core/samples.hpp>
+#include <sonopose/io/log_folder.hpp>
+#include <sonopose/math/rotation.hpp>
+
+#include <algorithm>
+#include <vector>
+
+namespace example {
+
+/// 90 s at 100 Hz in a world of X east, Y north, Z up. The body looks north, its gyroscope is 0.5 deg/s off.
+///    0…60 s  at rest
+///   60…63 s  rolls by 30°, and stays so
+///   65…67 s  is pushed to the north by 1 m/s²
+///   70…78 s  a magnet beside it turns the field by 90°
+inline std::vector<sonopose::ImuSample> built_in_movement() {
+  using namespace sonopose;
+  const double degree = math::radians_per_degree;
+  std::vector<ImuSample> samples;
+  for (int i = 0; i <= 9000; ++i) {
+    const double t = 0.01 * i;
+    const bool rolls = t > 60.0 && t <= 63.0;
+    const bool pushed = t > 65.0 && t <= 67.0;
+    const bool magnet = t > 70.0 && t <= 78.0;
+    const double roll_rad = 10.0 * degree * std::clamp(t - 60.0, 0.0, 3.0);
+    const Quaterniond q = math::rotation_about_z(90.0 * degree) * math::rotation_by({roll_rad, 0, 0});
+    ImuSample sample;
+    sample.sensor_time_ns = 1'700'000'000'000'000'000 + to_ns(t);
+    sample.angular_velocity_body_radps = {rolls ? 10.0 * degree : 0.0, 0.0, 0.5 * degree};
+    sample.specific_force_body_mps2 =
+        q.conjugate() * Vector3d(0.0, pushed ? 1.0 : 0.0, standard_gravity_mps2);
+    sample.magnetic_field_body_t =
+        q.conjugate() * (magnet ? Vector3d(-20e-6, 0.0, -45e-6) : Vector3d(0.0, 20e-6, -45e-6));
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+/// The imu.csv that the program was given, else the built-in movement.
+inline std::vector<sonopose::ImuSample> samples(int argc, char** argv) {
+  if (argc > 1) return sonopose::io::read_imu_csv(argv[1], sonopose::io::default_log_address);
+  return built_in_movement();
+}
+
+}  // namespace example

@@ -1,0 +1,136 @@
+#pragma once
+/// \file
+/// The AHRS document's algorithm, the revised one of S. Madgwick's thesis (2014), chapter 7: the gyroscope
+/// integrated, with a pull towards the accelerometer's up and the magnetometer's heading, each of which is
+/// ignored while it contradicts the estimate by too much.
+
+#include <sonopose/attitude/ahrs_outputs.hpp>
+#include <sonopose/attitude/ahrs_settings.hpp>
+#include <sonopose/attitude/filter.hpp>
+#include <sonopose/attitude/gyro_offset.hpp>
+#include <sonopose/attitude/rejection.hpp>
+
+namespace sonopose::attitude {
+
+/// The filter as a value: copying it copies its state. It starts initialising: for 3 s its gain falls from
+/// 10/s to the one set, nothing is rejected, and it converges from wherever it stands. A filter of gain 0
+/// never initialises.
+template <class Scalar_>
+class BasicAhrs {
+public:
+  using Scalar = Scalar_;
+  using Settings = AhrsSettings;
+  static constexpr std::string_view name = "ahrs";
+
+  /// Begins anew, initialising, at this orientation; what was learned of the gyroscope is forgotten.
+  void reset(const Quaternion<Scalar>& q_body_to_world);
+
+  /// One step; with all sensors, without the magnetometer, or with the gyroscope alone.
+  ///   e = up_measured × up_estimated + up_estimated · sin(heading_measured − heading_estimated)
+  ///   q ← q ⊗ exp((ω − offset)·Δt + gain·Δt·e)
+  /// with both errors as rotations in the body's axes, each of length 1 beyond 90°, so that the pull does not
+  /// fade towards 180°. No step pulls further than its errors. A sensor that is not there (zero length) pulls
+  /// nothing and is counted as neither used nor ignored; one that comes with every n-th step pulls 1/n as
+  /// fast. The magnetometer acts on heading alone, and only once an accelerometer has told where up is.
+  void update(const Settings& settings, const Measurement<Scalar>& measurement);
+
+  /// One step with a heading from elsewhere in the magnetometer's place, and its rejection with it:
+  /// `heading_rad` is the body's yaw in the world, the direction of body X seen from above,
+  /// counter-clockwise from world +X. It pulls nothing while body X is vertical.
+  void update_external_heading(const Settings& settings, const Measurement<Scalar>& measurement,
+                               Scalar heading_rad);
+
+  /// The same with the body's ZYX yaw in a convention: what `math::yaw_of(orientation_in(convention, …))`
+  /// tells once it has settled.
+  void update_external_heading(const Settings& settings, const Measurement<Scalar>& measurement,
+                               Scalar heading_rad, Convention convention) {
+    update_external_heading(settings, measurement,
+                            yaw_in_world(convention, measurement.north_world, heading_rad));
+  }
+
+  /// Turns the estimate about world Z until its yaw is this; nothing else changes.
+  void set_heading(Scalar yaw_rad);
+
+  /// Turns the estimate by |v| about v, a vector in the world (rad); nothing else changes.
+  void turn_in_world(const Vector3<Scalar>& rotation_world_rad);
+
+  [[nodiscard]] const Quaternion<Scalar>& orientation() const { return q_body_to_world_; }
+
+  /// The gyroscope's offset: what is taken off the rates (rad/s, body), learned or given.
+  [[nodiscard]] const Vector3<Scalar>& gyro_bias_body_radps() const { return offset_.offset_body_radps; }
+  void set_gyro_bias(const Vector3<Scalar>& bias_body_radps) { offset_.offset_body_radps = bias_body_radps; }
+
+  /// With the settings of the last update.
+  [[nodiscard]] AhrsInternalStates<Scalar> internal_states(const Settings& settings) const;
+  [[nodiscard]] AhrsFlags flags(const Settings& settings) const;
+
+  bool operator==(const BasicAhrs& other) const {
+    return q_body_to_world_.coeffs() == other.q_body_to_world_.coeffs() && offset_ == other.offset_ &&
+           acceleration_ == other.acceleration_ && heading_ == other.heading_ && ramp_s_ == other.ramp_s_ &&
+           up_known_ == other.up_known_ && over_range_ == other.over_range_;
+  }
+
+  /// Calls visit(name, field) for each field of the state.
+  template <class Visit>
+  void for_each_field(Visit&& visit) {
+    visit_fields(*this, visit);
+  }
+  template <class Visit>
+  void for_each_field(Visit&& visit) const {
+    visit_fields(*this, visit);
+  }
+
+private:
+  using Vector2 = Eigen::Matrix<Scalar, 2, 1>;
+
+  /// A horizontal direction as the estimate sees it and as it truly is, both in the world; `seen` of any
+  /// length, zero for none.
+  struct HeadingReference {
+    Vector2 seen_world;
+    Vector2 true_world;
+  };
+
+  void step(const Settings& settings, const Measurement<Scalar>& measurement,
+            const HeadingReference& reference);
+  void initialise();
+  [[nodiscard]] bool initialising(const Settings& settings) const;
+  Scalar advance_ramp(const Settings& settings, Scalar dt_s);
+  Vector3<Scalar> pull_up(const Settings& settings, const Measurement<Scalar>& measurement,
+                          const Vector3<Scalar>& up_body);
+  Scalar pull_heading(const Settings& settings, const HeadingReference& reference, Scalar dt_s);
+
+  template <class Self, class Visit>
+  static void visit_fields(Self& self, Visit& visit) {
+    visit("q_body_to_world", self.q_body_to_world_);
+    visit("gyro_offset_body_radps", self.offset_.offset_body_radps);
+    visit("still_s", self.offset_.still_s);
+    visit("acceleration_error_sine", self.acceleration_.error.sine);
+    visit("acceleration_error_cosine", self.acceleration_.error.cosine);
+    visit("acceleration_timer_s", self.acceleration_.timer_s);
+    visit("acceleration_ignored", self.acceleration_.ignored);
+    visit("acceleration_timed_out", self.acceleration_.timed_out);
+    visit("heading_error_sine", self.heading_.error.sine);
+    visit("heading_error_cosine", self.heading_.error.cosine);
+    visit("heading_timer_s", self.heading_.timer_s);
+    visit("heading_ignored", self.heading_.ignored);
+    visit("heading_timed_out", self.heading_.timed_out);
+    visit("ramp_s", self.ramp_s_);
+    visit("up_known", self.up_known_);
+    visit("over_range", self.over_range_);
+  }
+
+  Quaternion<Scalar> q_body_to_world_ = Quaternion<Scalar>::Identity();
+  GyroOffset<Scalar> offset_;
+  Rejection<Scalar> acceleration_;
+  Rejection<Scalar> heading_;
+  Scalar ramp_s_ = 0;        ///< since initialisation began, up to its period
+  bool up_known_ = false;    ///< an accelerometer has been seen
+  bool over_range_ = false;  ///< as the flag says
+};
+
+using Ahrs = BasicAhrs<double>;
+
+extern template class BasicAhrs<float>;
+extern template class BasicAhrs<double>;
+
+}  // namespace sonopose::attitude

@@ -1,0 +1,75 @@
+#pragma once
+/// \file
+/// Whether a sensor that contradicts the estimate is used (the AHRS document's acceleration and magnetic
+/// rejection), in two forms. Both count by time: a step counts with its own duration, which at a constant
+/// step is the same as counting samples and at a varying one still means what it says.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace sonopose::attitude {
+
+/// The angle in [0, π] between a measured and an estimated direction, without trigonometry.
+template <class Scalar>
+struct AngleError {
+  Scalar sine = 0;
+  Scalar cosine = 1;
+
+  [[nodiscard]] Scalar angle_rad() const { return std::atan2(sine, cosine); }
+
+  [[nodiscard]] bool within(Scalar angle_rad) const {
+    // A sine takes as long as the rest of the comparison, and θ(1 − θ²/6) ≤ sin θ ≤ θ mostly tells enough.
+    if (cosine > 0 && angle_rad <= 1) {
+      if (sine <= angle_rad * (1 - angle_rad * angle_rad / 6)) return true;
+      if (sine > angle_rad) return false;
+    }
+    return this->angle_rad() <= angle_rad;
+  }
+  bool operator==(const AngleError&) const = default;
+};
+
+/// One sensor's limits.
+template <class Scalar>
+struct RejectionLimits {
+  Scalar threshold_rad;  ///< 0: never rejected
+  Scalar timeout_s;      ///< 0: never rejected
+
+  [[nodiscard]] bool active() const { return threshold_rad > 0 && timeout_s > 0; }
+};
+
+/// One sensor's state.
+template <class Scalar>
+struct Rejection {
+  AngleError<Scalar> error;  ///< of the last measurement
+  Scalar timer_s = 0;        ///< 0 to the timeout
+  bool ignored = false;      ///< the last measurement was
+  bool timed_out = false;    ///< recovery form: in recovery; seed form: as the flags say
+
+  /// Form `seed`, before a measurement is judged: it has been ignored for ten times as long as it was used,
+  /// and the timeout longer.
+  [[nodiscard]] bool expired(const RejectionLimits<Scalar>& limits) const {
+    return limits.active() && timer_s > limits.timeout_s;
+  }
+
+  /// Form `seed`: judges a measurement of error `error` that stands for `dt_s`. One that is used takes ten
+  /// times its duration off the timer, one that is ignored adds its own.
+  void judge_once(const RejectionLimits<Scalar>& limits, bool use_anyway, Scalar dt_s) {
+    ignored = limits.active() && !use_anyway && !error.within(limits.threshold_rad);
+    timer_s = ignored ? timer_s + dt_s : std::max(timer_s - 10 * dt_s, Scalar(0));
+  }
+
+  /// Form `recovery`: a measurement outside the threshold is used all the same once the timer has reached the
+  /// timeout, and from then on until the timer is back at 0. Inside, nine times the duration comes off.
+  void judge_recovering(const RejectionLimits<Scalar>& limits, bool use_anyway, Scalar dt_s) {
+    const bool agrees = !limits.active() || use_anyway || error.within(limits.threshold_rad);
+    timer_s += agrees ? -9 * dt_s : dt_s;
+    timed_out = limits.active() && timer_s > (timed_out ? Scalar(0) : limits.timeout_s);
+    timer_s = std::clamp(timer_s, Scalar(0), limits.timeout_s);
+    ignored = !agrees && !timed_out;
+  }
+
+  bool operator==(const Rejection&) const = default;
+};
+
+}  // namespace sonopose::attitude

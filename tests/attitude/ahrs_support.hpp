@@ -1,0 +1,76 @@
+#pragma once
+/// \file
+/// What the tests of the AHRS share: sensors of a body whose orientation is known, and filters that have
+/// already settled on it.
+
+#include <sonopose/attitude/ahrs.hpp>
+#include <sonopose/core/samples.hpp>
+#include <sonopose/math/rotation.hpp>
+
+#include <cmath>
+
+namespace sonopose::testing {
+
+using attitude::Ahrs;
+using attitude::AhrsSettings;
+using attitude::RejectionForm;
+
+inline constexpr double step_s = 0.01;
+inline constexpr double degree = math::radians_per_degree;
+
+/// An angle that rounding alone explains; with the fast inverse square root its error is the larger one.
+#ifdef SONOPOSE_FAST_INVERSE_SQRT
+inline constexpr double rounding_rad = 1e-5;
+#else
+inline constexpr double rounding_rad = 1e-9;
+#endif
+inline const Vector3d up_world(0, 0, 1);
+
+/// What perfect sensors of a body at rest read; the field dips by 60°.
+inline attitude::Measurement<double> at_rest(const Quaterniond& q_body_to_world,
+                                             const Eigen::Vector2d& north_world = {0, 1}) {
+  attitude::Measurement<double> m;
+  m.dt_s = step_s;
+  m.north_world = north_world;
+  m.specific_force_body_mps2 = q_body_to_world.conjugate() * (standard_gravity_mps2 * up_world);
+  m.magnetic_field_body_t =
+      q_body_to_world.conjugate() * Vector3d(25e-6 * north_world.x(), 25e-6 * north_world.y(), -43e-6);
+  return m;
+}
+
+inline attitude::Measurement<double> without_field(attitude::Measurement<double> m) {
+  m.magnetic_field_body_t.setZero();
+  return m;
+}
+
+inline attitude::Measurement<double> gyroscope_alone(attitude::Measurement<double> m) {
+  m.specific_force_body_mps2.setZero();
+  m.magnetic_field_body_t.setZero();
+  return m;
+}
+
+inline void run(Ahrs& filter, const AhrsSettings& settings, const attitude::Measurement<double>& m,
+                double seconds) {
+  for (long i = 0; i < std::lround(seconds / m.dt_s); ++i) filter.update(settings, m);
+}
+
+/// A filter that stands right and has come through its initialisation.
+inline Ahrs settled_at(const Quaterniond& q_body_to_world, const AhrsSettings& settings = {}) {
+  Ahrs filter;
+  filter.reset(q_body_to_world);
+  run(filter, settings, at_rest(q_body_to_world), 3.1);
+  return filter;
+}
+
+/// Angle from the estimated to the true up.
+inline double tilt_error_rad(const Ahrs& filter, const Quaterniond& q_body_to_world) {
+  const Vector3d estimated = math::up_in_body(filter.orientation());
+  const Vector3d truth = math::up_in_body(q_body_to_world);
+  return std::atan2(estimated.cross(truth).norm(), estimated.dot(truth));
+}
+
+inline double distance_rad(const Ahrs& filter, const Quaterniond& q_body_to_world) {
+  return filter.orientation().angularDistance(q_body_to_world);
+}
+
+}  // namespace sonopose::testing
