@@ -134,7 +134,8 @@ Scalar BasicAhrs<Scalar>::advance_ramp(const Settings& settings, Scalar dt_s) {
 template <class Scalar>
 Vector3<Scalar> BasicAhrs<Scalar>::pull_up(const Settings& settings, const Measurement<Scalar>& measurement,
                                            const Vector3<Scalar>& up_body) {
-  const Vector3<Scalar>& force_mps2 = measurement.specific_force_body_mps2;
+  if (measurement.specific_force_body_mps2.isZero(0)) return Vector3<Scalar>::Zero();
+  const Vector3<Scalar> force_mps2 = gravity_force_body(measurement, q_body_to_world_);
   const Scalar force_squared = force_mps2.squaredNorm();
   if (!(force_squared > 0)) return Vector3<Scalar>::Zero();
   up_known_ = true;

@@ -14,6 +14,9 @@ const Mahony::Settings& settings_of(const Mahony& /*filter*/, const Settings& al
 const Complementary::Settings& settings_of(const Complementary& /*filter*/, const Settings& all) {
   return all.complementary;
 }
+const Ahrs::Settings& settings_of(const Ahrs& /*filter*/, const Settings& all) {
+  return all.ahrs;
+}
 GyroSettings settings_of(const Gyro& /*filter*/, const Settings& /*all*/) {
   return {};
 }

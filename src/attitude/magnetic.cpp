@@ -29,10 +29,14 @@ void watch_candidate(const MagneticSettings& settings, MagneticState<Scalar>& st
                      Scalar dt_s) {
   if (!are_alike(settings, state.mean, state.candidate)) {
     state.candidate = state.mean;
+    state.candidate_age_s = 0;
     state.candidate_turned_s = 0;
     return;
   }
-  follow(state.candidate, state.mean, std::min(dt_s / Scalar(settings.reference_s), Scalar(1)));
+  // The mean of all at first: the first of them is on its way from one field to the other.
+  const Scalar memory_s = state.candidate_age_s + dt_s;
+  follow(state.candidate, state.mean, memory_s > 0 ? dt_s / memory_s : Scalar(1));
+  state.candidate_age_s = std::min(memory_s, Scalar(settings.reference_s));
   const double needed_s = state.has_reference ? settings.new_field_s : settings.first_field_s;
   if (rate_radps >= Scalar(settings.new_field_rate_dps * math::radians_per_degree)) {
     state.candidate_turned_s = std::min(state.candidate_turned_s + dt_s, Scalar(needed_s));

@@ -25,11 +25,11 @@ template <class AnySettings, class Visit>
 void for_each_setting(AnySettings& settings, const Visit& visit) {
   auto& [preset, drift, velocity, alignment, heading, delay, outage, admission, trust, runaway, motion,
          attitude, startup, frozen, uncertainty] = settings;
-  auto& [selection, adaptive_groups, mahony, complementary] = attitude;
+  auto& [selection, adaptive_groups, mahony, complementary, ahrs] = attitude;
   auto& [adaptive, rest, bias, magnetic] = adaptive_groups;
   const auto each = [&visit](auto&... group) { (for_each_in(group, visit), ...); };
   each(preset, drift, velocity, alignment, heading, delay, outage, admission, trust, runaway, motion,
-       selection, mahony, adaptive, rest, bias, magnetic, complementary, startup, frozen, uncertainty);
+       selection, mahony, adaptive, rest, bias, magnetic, complementary, ahrs, startup, frozen, uncertainty);
 }
 
 }  // namespace sonopose::fusion::detail

@@ -79,9 +79,9 @@ const Quaterniond some_attitude = math::rotation_by({0.4, -0.9, 1.7});
 
 }  // namespace
 
-#define EVERY_FILTER                                                                               \
-  Mahony, Complementary, Gyro, Adaptive, AnyFilter, BasicMahony<float>, BasicComplementary<float>, \
-      BasicGyro<float>, BasicAdaptive<float>
+#define EVERY_FILTER                                                                                     \
+  Mahony, Complementary, Ahrs, Gyro, Adaptive, AnyFilter, BasicMahony<float>, BasicComplementary<float>, \
+      BasicAhrs<float>, BasicGyro<float>, BasicAdaptive<float>
 
 TEMPLATE_TEST_CASE("it is a filter", "", EVERY_FILTER) {
   STATIC_REQUIRE(Filter<TestType>);

@@ -93,11 +93,12 @@ TEST_CASE("a magnet that comes near turns the heading by a small part of what it
     Adaptive filter;
     Adaptive::Settings settings;
     settings.magnetic.norm_tolerance = norm_tolerance;
+    if (norm_tolerance >= 1.0) settings.magnetic.dip_tolerance_deg = 90.0;
     Measurement<double> measurement;
     measurement.dt_s = 0.01;
     Quaterniond truth = Quaterniond::Identity();
-    for (int i = 0; i < 6000; ++i) {
-      // Turning to and fro about the vertical; the magnet comes after 30 s.
+    for (int i = 0; i < 4000; ++i) {
+      // Turning to and fro about the vertical; the magnet comes for the last 10 s.
       measurement.angular_velocity_body_radps.z() = std::cos(0.01 * i);
       truth = truth * math::rotation_by(measurement.angular_velocity_body_radps * 0.01);
       const Vector3d magnet_t = i > 3000 ? Vector3d(40e-6, 0, 0) : Vector3d::Zero();
@@ -108,5 +109,5 @@ TEST_CASE("a magnet that comes near turns the heading by a small part of what it
     return filter.orientation().angularDistance(truth) / math::radians_per_degree;
   };
   CHECK(heading_deg(MagneticSettings{}.norm_tolerance) < 3.0);
-  CHECK(heading_deg(1.0) > 20.0);  // of 63°; the dip alone does not tell this magnet
+  CHECK(heading_deg(1.0) > 20.0);  // of 63°, with any field believed
 }

@@ -131,6 +131,7 @@ void BasicAdaptive<Number>::for_each_field(const Visit& visit) {
   visit("magnetic.has_reference", magnetic_.has_reference);
   visit("magnetic.candidate_level_t", magnetic_.candidate.level_t);
   visit("magnetic.candidate_up_t", magnetic_.candidate.up_t);
+  visit("magnetic.candidate_age_s", magnetic_.candidate_age_s);
   visit("magnetic.candidate_turned_s", magnetic_.candidate_turned_s);
   visit("magnetic.like_reference_s", magnetic_.like_reference_s);
   visit("magnetic.disturbed", magnetic_.disturbed);

@@ -4,6 +4,7 @@
 /// takes one takes the choice too.
 
 #include <sonopose/attitude/adaptive.hpp>
+#include <sonopose/attitude/ahrs.hpp>
 #include <sonopose/attitude/complementary.hpp>
 #include <sonopose/attitude/filter.hpp>
 #include <sonopose/attitude/gyro.hpp>
@@ -17,10 +18,10 @@
 
 namespace sonopose::attitude {
 
-enum class FilterKind : std::uint8_t { adaptive, mahony, complementary, gyro };
+enum class FilterKind : std::uint8_t { adaptive, mahony, complementary, ahrs, gyro };
 
-constexpr std::array<std::string_view, 4> choices_of(FilterKind /*kind*/) {
-  return {Adaptive::name, Mahony::name, Complementary::name, Gyro::name};
+constexpr std::array<std::string_view, 5> choices_of(FilterKind /*kind*/) {
+  return {Adaptive::name, Mahony::name, Complementary::name, Ahrs::name, Gyro::name};
 }
 
 struct SelectionSettings {
@@ -52,6 +53,7 @@ struct Settings {
   Adaptive::Settings adaptive;
   Mahony::Settings mahony;
   Complementary::Settings complementary;
+  Ahrs::Settings ahrs;
 };
 
 /// What the settings say of the magnetometer.
@@ -87,7 +89,7 @@ public:
 
 private:
   // In the order of FilterKind.
-  std::variant<Adaptive, Mahony, Complementary, Gyro> filter_;
+  std::variant<Adaptive, Mahony, Complementary, Ahrs, Gyro> filter_;
 };
 
 }  // namespace sonopose::attitude

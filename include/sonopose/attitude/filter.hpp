@@ -21,10 +21,10 @@ struct Measurement {
   Vector3<Scalar> angular_velocity_body_radps = Vector3<Scalar>::Zero();
   Vector3<Scalar> specific_force_body_mps2 = Vector3<Scalar>::Zero();  ///< zero length: not measured
   Vector3<Scalar> magnetic_field_body_t = Vector3<Scalar>::Zero();     ///< zero length: not measured
-  /// What somebody else knows of the body's acceleration, m/s²; the rest of the specific force is gravity's.
-  Vector3<Scalar> acceleration_world_mps2 = Vector3<Scalar>::Zero();
   /// Unit vector to magnetic north in the world's XY plane: (0, 1) where X is east, (1, 0) where X is north.
   Eigen::Matrix<Scalar, 2, 1> north_world{0, 1};
+  /// What somebody else knows of the body's acceleration, m/s²; the rest of the specific force is gravity's.
+  Vector3<Scalar> acceleration_world_mps2 = Vector3<Scalar>::Zero();
 };
 
 /// The part of the specific force that holds the body against gravity, as far as its acceleration is known.

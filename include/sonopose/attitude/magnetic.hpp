@@ -68,7 +68,8 @@ struct MagneticState {
   FieldShape<Scalar> reference;
   bool has_reference = false;
   FieldShape<Scalar> candidate;   ///< what may become the reference
-  Scalar candidate_turned_s = 0;  ///< how long it has stayed the same in turns
+  Scalar candidate_age_s = 0;     ///< how long it has stayed the same, up to reference_s
+  Scalar candidate_turned_s = 0;  ///< of that, how long the body turned
   Scalar like_reference_s = 0;
   bool disturbed = true;
   Scalar rejected_s = 0;  ///< how long disturbed fields have not been used, less undisturbed time
