@@ -12,7 +12,7 @@ void BasicAdaptive<Scalar>::reset(const Quaternion<Scalar>& q_body_to_world) {
 }
 
 template <class Scalar>
-void BasicAdaptive<Scalar>::update(const Settings& settings, const Measurement<Scalar>& measurement) {
+void BasicAdaptive<Scalar>::update(const Settings& all, const Measurement<Scalar>& measurement) {
   const Scalar dt_s = measurement.dt_s;
   const Vector3<Scalar> rate_body_radps = measurement.angular_velocity_body_radps - bias_.bias_body_radps;
   q_body_to_world_ = (q_body_to_world_ * math::rotation_by(rate_body_radps * dt_s)).normalized();
@@ -20,36 +20,36 @@ void BasicAdaptive<Scalar>::update(const Settings& settings, const Measurement<S
   since_force_s_ = std::min(since_force_s_ + dt_s, Scalar(longest_wait_s));
   since_field_s_ = std::min(since_field_s_ + dt_s, Scalar(longest_wait_s));
   if (!measurement.specific_force_body_mps2.isZero(0)) {
-    const Scalar most_bias_radps = Scalar(settings.bias.limit_dps * math::radians_per_degree);
-    rest::watch(settings.rest, rest_, measurement, since_force_s_, most_bias_radps);
+    rest::watch(all.rest, rest_, measurement, since_force_s_, bias::limit_radps<Scalar>(all.bias));
     const Matrix3<Scalar> rotation = q_body_to_world_.toRotationMatrix();
     const Vector3<Scalar> force_world_mps2 = rotation * measurement.specific_force_body_mps2;
     const Vector3<Scalar> turn_world_rad =
-        level(settings, force_world_mps2 - measurement.acceleration_world_mps2, since_force_s_);
+        level(all.adaptive, force_world_mps2 - measurement.acceleration_world_mps2, since_force_s_);
     bias::collect(bias_, rotation, turn_world_rad, since_force_s_);
     since_force_s_ = 0;
-    if (bias::is_due(bias_)) learn_bias(settings);
+    if (bias::is_due(bias_)) learn_bias(all);
   }
   if (!measurement.magnetic_field_body_t.isZero(0)) {
-    point_north(settings, measurement, since_field_s_);
+    point_north(all, measurement, since_field_s_);
     since_field_s_ = 0;
   }
 }
 
 template <class Scalar>
-void BasicAdaptive<Scalar>::learn_bias(const Settings& settings) {
-  const Scalar accel_time_s = Scalar(settings.adaptive.accel_time_s);
-  bias::estimate(settings.bias, bias_,
-                 {rest::is_resting(settings.rest, rest_), force_world_.is_settled(accel_time_s),
+void BasicAdaptive<Scalar>::learn_bias(const Settings& all) {
+  const AdaptiveSettings& settings = all.adaptive;
+  const Scalar accel_time_s = Scalar(settings.accel_time_s);
+  bias::estimate(all.bias, bias_,
+                 {rest::is_resting(all.rest, rest_), force_world_.is_settled(accel_time_s),
                   rest_.rate_mean_body_radps, accel_time_s});
 }
 
 /// Turns the estimate, and what the low-pass holds with it, until the low-passed force stands upright;
 /// returns the turn.
 template <class Scalar>
-Vector3<Scalar> BasicAdaptive<Scalar>::level(const Settings& settings,
+Vector3<Scalar> BasicAdaptive<Scalar>::level(const AdaptiveSettings& settings,
                                              const Vector3<Scalar>& force_world_mps2, Scalar dt_s) {
-  force_world_.feed(force_world_mps2, dt_s, Scalar(settings.adaptive.accel_time_s));
+  force_world_.feed(force_world_mps2, dt_s, Scalar(settings.accel_time_s));
   const Scalar force_mps2 = force_world_.value.norm();
   if (!(force_mps2 > 0)) return Vector3<Scalar>::Zero();
   const Vector3<Scalar> up = force_world_.value / force_mps2;
@@ -65,12 +65,13 @@ Vector3<Scalar> BasicAdaptive<Scalar>::level(const Settings& settings,
 }
 
 template <class Scalar>
-void BasicAdaptive<Scalar>::point_north(const Settings& settings, const Measurement<Scalar>& measurement,
+void BasicAdaptive<Scalar>::point_north(const Settings& all, const Measurement<Scalar>& measurement,
                                         Scalar dt_s) {
   const Vector3<Scalar> field_world_t = q_body_to_world_ * measurement.magnetic_field_body_t;
   const Scalar rate_radps = measurement.angular_velocity_body_radps.norm();
-  const Scalar weight = magnetic::weigh(settings.magnetic, magnetic_, field_world_t, rate_radps, dt_s);
-  const Scalar time_s = Scalar(settings.adaptive.heading_time_s);
+  const Scalar weight = magnetic::weigh(all.magnetic, magnetic_, field_world_t, rate_radps, dt_s);
+  const AdaptiveSettings& settings = all.adaptive;
+  const Scalar time_s = Scalar(settings.heading_time_s);
   // The n-th heading counts 1/n at least, until that is less than what it counts anyhow.
   const Scalar usual = weight * dt_s / (time_s + dt_s);
   const Scalar share = std::max(usual, heading_share_);

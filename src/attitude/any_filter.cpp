@@ -37,9 +37,10 @@ void AnyFilter::reset(const Quaterniond& q_body_to_world) {
   std::visit([&](auto& filter) { filter.reset(q_body_to_world); }, filter_);
 }
 
-void AnyFilter::update(const Settings& settings, const Measurement<double>& measurement) {
-  if (settings.selection.filter != kind()) select(settings.selection.filter);
-  std::visit([&](auto& filter) { filter.update(settings_of(filter, settings), measurement); }, filter_);
+void AnyFilter::update(const Settings& all, const Measurement<double>& measurement) {
+  const SelectionSettings& settings = all.selection;
+  if (settings.filter != kind()) select(settings.filter);
+  std::visit([&](auto& filter) { filter.update(settings_of(filter, all), measurement); }, filter_);
 }
 
 void AnyFilter::turn_in_world(const Vector3d& rotation_world_rad) {

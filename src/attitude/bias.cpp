@@ -27,6 +27,11 @@ void correct(BiasState<Scalar>& state, const Matrix3<Scalar>& seen, Vector3<Scal
 }  // namespace
 
 template <class Scalar>
+Scalar limit_radps(const BiasSettings& settings) {
+  return radps<Scalar>(settings.limit_dps);
+}
+
+template <class Scalar>
 void estimate(const BiasSettings& settings, BiasState<Scalar>& state, const BiasEvidence<Scalar>& evidence) {
   const Scalar span_s = state.span_s;
   const Matrix3<Scalar> rotation = state.rotation_s / span_s;
@@ -49,11 +54,11 @@ void estimate(const BiasSettings& settings, BiasState<Scalar>& state, const Bias
     const Scalar settled = radps<Scalar>(dps) * radps<Scalar>(dps);
     return settled * settled / wander + settled;
   };
-  const Scalar limit_radps = radps<Scalar>(settings.limit_dps);
+  const Scalar limit = limit_radps<Scalar>(settings);
   if (evidence.at_rest) {
     const Vector3<Scalar> error = evidence.rate_mean_body_radps - state.bias_body_radps;
     correct<Scalar>(state, Matrix3<Scalar>::Identity(), error,
-                    Vector3<Scalar>::Constant(variance_for(settings.rest_dps)), limit_radps);
+                    Vector3<Scalar>::Constant(variance_for(settings.rest_dps)), limit);
   } else if (evidence.levelled) {
     // An error δ of the offset turns the estimate by −R·δ per second, and so much is corrected of it.
     const Matrix3<Scalar>& seen = state.late_rotation.value;
@@ -61,10 +66,12 @@ void estimate(const BiasSettings& settings, BiasState<Scalar>& state, const Bias
         state.late_bias_world.value - turn_rate_world_radps - seen * state.bias_body_radps;
     error.z() = -(seen.row(2) * state.bias_body_radps)(0);
     const Scalar level = variance_for(settings.motion_dps);
-    correct<Scalar>(state, seen, error, {level, level, variance_for(settings.unseen_dps)}, limit_radps);
+    correct<Scalar>(state, seen, error, {level, level, variance_for(settings.unseen_dps)}, limit);
   }
 }
 
+template float limit_radps(const BiasSettings&);
+template double limit_radps(const BiasSettings&);
 template void estimate(const BiasSettings&, BiasState<float>&, const BiasEvidence<float>&);
 template void estimate(const BiasSettings&, BiasState<double>&, const BiasEvidence<double>&);
 

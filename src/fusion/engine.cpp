@@ -97,7 +97,8 @@ void Engine::restore(const Snapshot& snapshot) noexcept {
 
 void Engine::start(const ImuSample& imu) {
   state_.body.time_ns = imu.sensor_time_ns;
-  state_.filter.reset(math::level_with(imu.specific_force_body_mps2, 0.0));
+  const auto field = attitude::field_use(settings_.attitude.selection);
+  state_.filter.reset(attitude::first_orientation(field.measurement_of(imu, 0.0)));
 }
 
 void Engine::calibrate(const ImuSample& imu) {

@@ -29,9 +29,11 @@ std::map<std::string, std::string> sources() {
   return texts;
 }
 
-/// "trust" of trust.sigma_m; "mahony" of attitude.mahony.kp; the preset's group is the document's "fusion".
+/// "trust" of trust.sigma_m; "mahony" of attitude.mahony.kp; the preset's group is the document's "fusion",
+/// and what is chosen among all filters stands in "attitude" itself.
 std::string stage_of(const std::string& group) {
   if (group == "fusion") return "preset";
+  if (group == "attitude") return "any_filter";
   return group.substr(group.rfind('.') + 1);
 }
 

@@ -32,7 +32,7 @@ TEST_CASE("the same recording and settings give the same bits, others other bits
   CHECK(first.state_hash == replay::run(log, {}).state_hash);
   CHECK(first.state_hash.size() == 16);
   RunOptions other;
-  other.settings.attitude.mahony.kp += 0.01;
+  other.settings.attitude.adaptive.adaptive.accel_time_s += 1.0;
   CHECK(replay::run(log, other).state_hash != first.state_hash);
 }
 

@@ -34,15 +34,16 @@ Result into_full_disk(const std::string& program, const std::string& arguments) 
 
 SCENARIO("a beacon's own settings are scored where it is named") {
   const double plain = rmse_of({});
-  const double worse = rmse_of({"--set", "trust.sigma_m=5", "--set", "attitude.mahony.kp=2"});
+  const double worse = rmse_of({"--set", "trust.sigma_m=5", "--set", "attitude.adaptive.accel_time_s=1"});
   REQUIRE(worse != plain);
   const std::vector<std::string> of_nine{"--set", "beacon.9.trust.sigma_m=5", "--set",
-                                         "beacon.9.attitude.mahony.kp=2"};
+                                         "beacon.9.attitude.adaptive.accel_time_s=1"};
   CHECK(rmse_of(of_nine) == plain);
   auto named = of_nine;
   named.insert(named.end(), {"--beacon", "9"});
   CHECK(rmse_of(named) == worse);
-  CHECK(rmse_of({"--set", "beacon.7.trust.sigma_m=5", "--set", "beacon.7.attitude.mahony.kp=2"}) == worse);
+  CHECK(rmse_of({"--set", "beacon.7.trust.sigma_m=5", "--set",
+                 "beacon.7.attitude.adaptive.accel_time_s=1"}) == worse);
 }
 
 SCENARIO("another first seed gives other runs") {

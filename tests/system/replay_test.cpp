@@ -124,14 +124,15 @@ SCENARIO("settings come from file and command line, also those of one beacon") {
     return report_of(arguments)["state_hash"];
   };
   const auto plain = hash({});
-  const auto changed = hash({"--set", "attitude.mahony.kp=0.5"});
+  const auto changed = hash({"--set", "attitude.adaptive.accel_time_s=10"});
   CHECK(plain != changed);
-  write_text(recording / "own.toml", "[beacon.9.attitude.mahony]\nkp = 0.5\n");
+  write_text(recording / "own.toml", "[beacon.9.attitude.adaptive]\naccel_time_s = 10\n");
   const std::string config = (recording / "own.toml").string();
   CHECK(hash({"--config", config}) == plain);
   // The address is in the poses of no file and in no hash: only its settings make the difference.
   CHECK(hash({"--config", config, "--beacon", "9"}) == changed);
-  CHECK(hash({"--config", config, "--beacon", "9", "--set", "beacon.9.attitude.mahony.kp=0.15"}) != changed);
+  CHECK(hash({"--config", config, "--beacon", "9", "--set", "beacon.9.attitude.adaptive.accel_time_s=20"}) !=
+        changed);
 }
 
 SCENARIO("a state that is saved and loaded goes on as if nothing had happened") {

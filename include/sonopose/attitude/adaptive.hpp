@@ -58,7 +58,7 @@ public:
   /// 3. Heading turns by a share of the angle from the field's level part to north, of fields that are not
   ///    disturbed; it never tilts.
   /// 4. Every 0.1 s the gyroscope's offset b is estimated anew.
-  void update(const Settings& settings, const Measurement<Scalar>& measurement);
+  void update(const Settings& all, const Measurement<Scalar>& measurement);
 
   /// What the low-pass knows of the vertical stays as it was: the accelerometer draws the estimate back to
   /// it.
@@ -82,9 +82,10 @@ public:
   }
 
 private:
-  Vector3<Scalar> level(const Settings& settings, const Vector3<Scalar>& force_world_mps2, Scalar dt_s);
-  void point_north(const Settings& settings, const Measurement<Scalar>& measurement, Scalar dt_s);
-  void learn_bias(const Settings& settings);
+  Vector3<Scalar> level(const AdaptiveSettings& settings, const Vector3<Scalar>& force_world_mps2,
+                        Scalar dt_s);
+  void point_north(const Settings& all, const Measurement<Scalar>& measurement, Scalar dt_s);
+  void learn_bias(const Settings& all);
 
   Quaternion<Scalar> q_body_to_world_ = Quaternion<Scalar>::Identity();
   LowPass<Vector3<Scalar>> force_world_;  ///< m/s²

@@ -70,7 +70,7 @@ public:
 
   /// Where the settings name another filter than the one that stood here, it begins with the orientation and
   /// the gyroscope's offset of that one.
-  void update(const Settings& settings, const Measurement<double>& measurement);
+  void update(const Settings& all, const Measurement<double>& measurement);
 
   void turn_in_world(const Vector3d& rotation_world_rad);
   void set_gyro_bias(const Vector3d& bias_body_radps);

@@ -90,6 +90,10 @@ struct BiasEvidence {
   Scalar accel_time_s = 0;
 };
 
+/// The largest offset that is learned, rad/s.
+template <class Scalar>
+Scalar limit_radps(const BiasSettings& settings);
+
 /// One estimate from what was collected, which begins anew.
 template <class Scalar>
 void estimate(const BiasSettings& settings, BiasState<Scalar>& state, const BiasEvidence<Scalar>& evidence);

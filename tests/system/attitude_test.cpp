@@ -1,0 +1,88 @@
+/// sonopose-attitude: filters over logs as a program.
+
+#include "io/temporary_folder.hpp"
+#include "support/process.hpp"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <vector>
+
+using namespace sonopose::test;
+using Catch::Contains;
+using nlohmann::json;
+
+namespace {
+
+/// A simulated walk, which has no magnetometer.
+std::string walk_in(const TemporaryFolder& folder) {
+  const std::string log = (folder / "walk").string();
+  const Result made = run(SONOPOSE_TEST_SIMULATE, {"walk", "--out", log, "--seed", "3", "--duration", "30"});
+  CAPTURE(made.error);
+  REQUIRE(made.code == 0);
+  return log;
+}
+
+std::string refusal(const std::vector<std::string>& arguments) {
+  const Result result = run(SONOPOSE_TEST_ATTITUDE, arguments);
+  CAPTURE(arguments, result.output);
+  REQUIRE(result.code);
+  CHECK(*result.code > 0);
+  return result.error;
+}
+
+double inclination_of(const std::vector<std::string>& arguments) {
+  const Result result = run(SONOPOSE_TEST_ATTITUDE, arguments);
+  CAPTURE(arguments, result.error);
+  REQUIRE(result.code == 0);
+  return json::parse(result.output).at("mean").at("inclination_rmse_deg").get<double>();
+}
+
+}  // namespace
+
+SCENARIO("each filter runs over a log, is scored and writes its trajectory") {
+  const TemporaryFolder folder;
+  const std::string log = walk_in(folder);
+  for (const char* const filter : {"adaptive", "mahony", "complementary", "ahrs", "gyro"}) {
+    INFO(filter);
+    CHECK(inclination_of({log, "--filter", filter, "--json"}) < 8.0);
+  }
+  CHECK(inclination_of({log, "--filter", "mahony", "--json"}) ==
+        inclination_of({log, "--set", "attitude.filter=mahony", "--json"}));
+  CHECK(inclination_of({log, "--filter", "mahony", "--set", "attitude.mahony.kp=2", "--json"}) !=
+        inclination_of({log, "--filter", "mahony", "--json"}));
+  WHEN("the trajectory is wanted") {
+    const std::string out = (folder / "out").string();
+    const Result result = run(SONOPOSE_TEST_ATTITUDE, {log, "--out", out});
+    REQUIRE(result.code == 0);
+    CHECK_THAT(result.output, Contains("inclination") && Contains("walk"));
+    std::istringstream lines(read_text(folder / "out/walk.tum"));
+    std::string line;
+    std::getline(lines, line);
+    REQUIRE(std::getline(lines, line));
+    std::istringstream row(line);
+    double time_s = 0;
+    double x = 1;
+    double y = 1;
+    double z = 1;
+    double q[4];
+    row >> time_s >> x >> y >> z >> q[0] >> q[1] >> q[2] >> q[3];
+    CHECK(!row.fail());
+    CHECK(std::abs(x) + std::abs(y) + std::abs(z) == 0.0);
+    CHECK(std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])) == Approx(1.0));
+  }
+}
+
+SCENARIO("what sonopose-attitude cannot do, it says") {
+  const TemporaryFolder folder;
+  const std::string log = walk_in(folder);
+  CHECK_THAT(refusal({log, "--magnetometer", "on"}), Contains("imu.csv") && Contains("no magnetometer"));
+  CHECK_THAT(refusal({log, "--filter", "kalman"}), Contains("kalman") && Contains("mahony"));
+  CHECK_THAT(refusal({(folder / "nowhere").string()}), Contains("nowhere/imu.csv"));
+  CHECK_THAT(refusal({log, log, "--out", (folder / "out").string()}), Contains("two logs are called walk"));
+  CHECK_THAT(refusal({log, "--set", "attitude.ahrs.gain=11"}),
+             Contains("attitude.ahrs.gain") && Contains("0 … 10"));
+}
