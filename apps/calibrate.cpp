@@ -79,15 +79,14 @@ int main(int argc, char** argv) {
                                     options);
   CLI::App* const gyroscope =
       add_command(app, "gyroscope", "The gyroscope's offset alone: the sensor at rest", options);
-  CLI::App* const magnetometer =
-      add_command(app, "magnetometer", "Hard and soft iron: the sensor turned slowly through all directions",
-                  options);
+  CLI::App* const magnetometer = add_command(
+      app, "magnetometer", "Hard and soft iron: the sensor turned slowly through all directions", options);
   CLI::App* const allan =
       add_command(app, "allan", "Noise: the sensor at rest for hours, its Allan deviation", options);
   for (CLI::App* const command : {imu, gyroscope, magnetometer}) add_output(*command, options);
   magnetometer
       ->add_option("--field-ut", options.field_ut,
-                   "Strength of the field there (default: mean strength of the readings)")
+                   "Strength of the field there (default: that of the readings about their centre)")
       ->check(CLI::Range(1.0, 1000.0));
   allan->add_option("--plot", options.picture, "Draw the curves: a file .svg or .png (needs gnuplot)")
       ->type_name("FILE");

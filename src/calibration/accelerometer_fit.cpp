@@ -1,6 +1,7 @@
 #include "fit_support.hpp"
 #include "least_squares.hpp"
 #include <sonopose/calibration/inertial_fit.hpp>
+#include <sonopose/math/rotation.hpp>
 
 #include <array>
 #include <cmath>
@@ -78,10 +79,12 @@ Solution solve(std::span<const StillInterval> intervals, Index parameters) {
   start.segment<3>(3).setOnes();
   Solution solution = detail::minimise(
       [&](const VectorXd& at) { return linearised(intervals, unit_mps2, at); }, std::move(start), variance);
-  for (VectorXd* const values : {&solution.parameters, &solution.standard_errors}) {
-    values->head<3>() *= unit_mps2;
-    values->segment<3>(3) *= standard_gravity_mps2 / unit_mps2;
-  }
+  // From the fit's units to m/s².
+  VectorXd factors = VectorXd::Ones(parameters);
+  factors.head<3>().setConstant(unit_mps2);
+  factors.segment<3>(3).setConstant(standard_gravity_mps2 / unit_mps2);
+  solution.parameters = factors.cwiseProduct(solution.parameters);
+  solution.covariance = factors.asDiagonal() * solution.covariance * factors.asDiagonal();
   return solution;
 }
 
@@ -109,14 +112,14 @@ double rms_before(std::span<const StillInterval> intervals) {
   return std::sqrt(sum / static_cast<double>(intervals.size()));
 }
 
-[[noreturn]] void refuse_too_few(std::size_t orientations) {
-  throw CalibrationError("the sensor was held still in " + std::to_string(orientations) +
-                         " orientations that differ by at least " +
-                         detail::text_of(std::round(least_orientation_angle_rad * 180.0 / 3.14159265358979)) +
-                         " degrees; " + std::to_string(least_orientations) +
-                         " are needed for offset and sensitivity, " +
-                         std::to_string(least_orientations_with_misalignment) +
-                         " for misalignment too: hold it still for 2 s in each, the more of them the better");
+[[noreturn]] void refuse_too_few(std::size_t orientations, std::size_t periods) {
+  const double least_deg = std::round(least_orientation_angle_rad / math::radians_per_degree);
+  throw CalibrationError(
+      "orientations at least " + detail::text_of(least_deg) +
+      " degrees apart in which the sensor was held still: " + std::to_string(orientations) + " found, in " +
+      std::to_string(periods) + " still periods; " + std::to_string(least_orientations) +
+      " are needed for offset and sensitivity, " + std::to_string(least_orientations_with_misalignment) +
+      " for misalignment too: hold it still for 2 s in each, the more of them the better");
 }
 
 /// All nine parameters, or nothing and the reason.
@@ -140,7 +143,7 @@ std::optional<Solution> solve_with_misalignment(std::span<const StillInterval> i
 AccelerometerFit fit_accelerometer(std::span<const StillInterval> intervals) {
   AccelerometerFit fit;
   fit.orientations = count_orientations(intervals, least_orientation_angle_rad);
-  if (fit.orientations < least_orientations) refuse_too_few(fit.orientations);
+  if (fit.orientations < least_orientations) refuse_too_few(fit.orientations, intervals.size());
   std::optional<Solution> solution = solve_with_misalignment(intervals, fit.orientations, fit.why_without);
   fit.with_misalignment = solution.has_value();
   if (!solution) solution = solve(intervals, count_without_misalignment);
@@ -153,7 +156,7 @@ AccelerometerFit fit_accelerometer(std::span<const StillInterval> intervals) {
   AccelerometerSettings zero;
   zero.sensitivity_x = zero.sensitivity_y = zero.sensitivity_z = 0.0;
   fit.settings = settings_of(solution->parameters, AccelerometerSettings{});
-  fit.standard_errors = settings_of(solution->standard_errors, zero);
+  fit.standard_errors = settings_of(solution->standard_errors(), zero);
   detail::check_ranges(fit.settings);
   fit.rms_before_mps2 = rms_before(intervals);
   const VectorXd residuals_mps2 = standard_gravity_mps2 * solution->residuals;

@@ -48,6 +48,18 @@ double uniform_period_s(std::span<const ImuSample> imu) {
          static_cast<double>(imu.size() - 1);
 }
 
+/// Motion would be told as noise.
+void check_rest(std::span<const ImuSample> imu) {
+  constexpr double least_share = 0.9;
+  std::size_t still = 0;
+  for (const StillInterval& interval : find_still_intervals(imu)) still += interval.count();
+  const double share = static_cast<double>(still) / static_cast<double>(imu.size());
+  if (share >= least_share) return;
+  throw CalibrationError("the sensor was at rest for " + detail::text_of(std::floor(100.0 * share)) +
+                         " % of the record, where " + detail::text_of(100.0 * least_share) +
+                         " % is the least: lay it down where nothing shakes it");
+}
+
 void check_finite(std::span<const ImuSample> imu) {
   for (std::size_t k = 0; k < imu.size(); ++k) {
     if (imu[k].angular_velocity_body_radps.allFinite() && imu[k].specific_force_body_mps2.allFinite())
@@ -95,6 +107,7 @@ AllanReport analyse_allan(std::span<const ImuSample> imu) {
   check_finite(imu);
   AllanReport report;
   report.period_s = uniform_period_s(imu);
+  check_rest(imu);
   report.duration_s = report.period_s * static_cast<double>(imu.size());
   for (std::size_t axis = 0; axis < allan_axes.size(); ++axis) {
     report.curves[axis] = allan_deviation(axis_of(imu, axis), report.period_s);

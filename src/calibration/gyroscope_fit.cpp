@@ -111,7 +111,7 @@ void refine_by_turns(const std::vector<Turn>& turns, GyroscopeFit& fit) {
     return;
   }
   fit.settings = settings_of(solution.parameters, fit.settings);
-  fit.standard_errors = settings_of(solution.standard_errors, fit.standard_errors);
+  fit.standard_errors = settings_of(solution.standard_errors(), fit.standard_errors);
   fit.rms_after_rad = rms_of(solution.residuals);
   fit.with_sensitivity = true;
   detail::check_ranges(fit.settings);

@@ -21,9 +21,8 @@ void judge(const Eigen::MatrixXd& jacobian, double least_variance, Solution& sol
   const Eigen::Index freedom = jacobian.rows() - jacobian.cols();
   const double scatter = freedom > 0 ? solution.residuals.squaredNorm() / static_cast<double>(freedom) : 0.0;
   const double variance = std::max(scatter, least_variance);
-  const Eigen::MatrixXd covariance = variance * (eigen.eigenvectors() * squares.cwiseInverse().asDiagonal() *
-                                                 eigen.eigenvectors().transpose());
-  solution.standard_errors = covariance.diagonal().cwiseSqrt();
+  solution.covariance = variance * (eigen.eigenvectors() * squares.cwiseInverse().asDiagonal() *
+                                    eigen.eigenvectors().transpose());
 }
 
 }  // namespace

@@ -19,9 +19,11 @@ using Model = std::function<Linearisation(const Eigen::VectorXd& parameters)>;
 struct Solution {
   Eigen::VectorXd parameters;
   Eigen::VectorXd residuals = {};
-  Eigen::VectorXd standard_errors = {};  ///< of the parameters
-  double condition = 0;          ///< largest to smallest singular value of the derivatives; maybe infinite
-  Eigen::VectorXd weakest = {};  ///< the direction of parameters that the residuals tell least about
+  Eigen::MatrixXd covariance = {};  ///< of the parameters
+  double condition = 0;             ///< largest to smallest singular value of the derivatives; maybe infinite
+  Eigen::VectorXd weakest = {};     ///< the direction of parameters that the residuals tell least about
+
+  [[nodiscard]] Eigen::VectorXd standard_errors() const { return covariance.diagonal().cwiseSqrt(); }
 };
 
 /// The parameters with the least sum of squared residuals near `start`. The residuals' scatter tells the

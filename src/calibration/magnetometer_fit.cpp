@@ -1,8 +1,7 @@
+#include "ellipsoid.hpp"
 #include "fit_support.hpp"
-#include "least_squares.hpp"
 #include <sonopose/calibration/magnetometer_fit.hpp>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
@@ -16,11 +15,11 @@
 namespace sonopose::calibration {
 namespace {
 
-using detail::Linearisation;
+using detail::Points;
+using detail::soft_iron_of;
 using detail::Solution;
 using Eigen::Index;
 using Eigen::VectorXd;
-using Points = std::vector<Vector3d>;
 
 constexpr std::size_t least_samples = 50;
 constexpr double largest_condition = 60.0;
@@ -32,78 +31,44 @@ constexpr std::array<std::string_view, 9> names{"soft iron xx", "soft iron xy", 
                                                 "soft iron yy", "soft iron yz", "soft iron zz",
                                                 "hard iron x",  "hard iron y",  "hard iron z"};
 
-Matrix3d soft_iron_of(const VectorXd& p) {
-  return Matrix3d{{p[0], p[1], p[2]}, {p[1], p[3], p[4]}, {p[2], p[4], p[5]}};
+/// `share` of the values lie below it.
+double quantile(std::vector<double> values, double share) {
+  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  return values[static_cast<std::size_t>(rank)];
 }
 
-VectorXd parameters_of(const Matrix3d& s, const Vector3d& h) {
-  VectorXd p(9);
-  p << s(0, 0), s(0, 1), s(0, 2), s(1, 1), s(1, 2), s(2, 2), h;
-  return p;
-}
+/// Where nearly all readings lie: about the middle of the ellipsoid, and half of its widest span.
+struct Span {
+  Vector3d middle_ut = Vector3d::Zero();
+  double half_ut = 0;
+};
 
-/// |S·m − h| − 1 and its derivatives.
-Linearisation linearised(const Points& points, const VectorXd& parameters) {
-  const Matrix3d soft_iron = soft_iron_of(parameters);
-  const Vector3d hard_iron = parameters.tail<3>();
-  const auto rows = static_cast<Index>(points.size());
-  Linearisation found{VectorXd(rows), Eigen::MatrixXd(rows, 9)};
-  for (Index row = 0; row < rows; ++row) {
-    const Vector3d& m = points[static_cast<std::size_t>(row)];
-    const Vector3d corrected = soft_iron * m - hard_iron;
-    const Vector3d d = corrected.normalized();
-    found.residuals[row] = corrected.norm() - 1.0;
-    found.jacobian.row(row) << d.x() * m.x(), d.x() * m.y() + d.y() * m.x(), d.x() * m.z() + d.z() * m.x(),
-        d.y() * m.y(), d.y() * m.z() + d.z() * m.y(), d.z() * m.z(), -d.transpose();
+Span span_of(const Points& points_ut) {
+  Span found;
+  for (Index axis = 0; axis < 3; ++axis) {
+    std::vector<double> values_ut;
+    for (const Vector3d& point_ut : points_ut) values_ut.push_back(point_ut[axis]);
+    const double low_ut = quantile(values_ut, 0.01);
+    const double high_ut = quantile(values_ut, 0.99);
+    found.middle_ut[axis] = 0.5 * (low_ut + high_ut);
+    found.half_ut = std::max(found.half_ut, 0.5 * (high_ut - low_ut));
   }
   return found;
 }
 
-/// The quadric m·Q·m + 2·n·m = 1 with the least squares of its equation, as S and h; a sphere about the mean
-/// where it is no ellipsoid.
-VectorXd starting_point(const Points& points) {
-  Vector3d mean = Vector3d::Zero();
-  for (const Vector3d& point : points) mean += point / static_cast<double>(points.size());
-  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
-  Eigen::Matrix<double, 9, 1> right = Eigen::Matrix<double, 9, 1>::Zero();
-  double radius = 0.0;
-  for (const Vector3d& point : points) {
-    const Vector3d m = point - mean;
-    Eigen::Matrix<double, 9, 1> row;
-    row << m.x() * m.x(), 2.0 * m.x() * m.y(), 2.0 * m.x() * m.z(), m.y() * m.y(), 2.0 * m.y() * m.z(),
-        m.z() * m.z(), 2.0 * m;
-    normal += row * row.transpose();
-    right += row;
-    radius += m.norm() / static_cast<double>(points.size());
-  }
-  const VectorXd quadric = normal.ldlt().solve(right);
-  const Matrix3d q = soft_iron_of(quadric);
-  const Vector3d centre = -q.fullPivLu().solve(Vector3d(quadric.tail<3>()));
-  const double size = 1.0 + centre.dot(q * centre);
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(Matrix3d(q / size));
-  const Vector3d squares = eigen.eigenvalues();
-  const bool is_ellipsoid =
-      squares.allFinite() && squares[0] * largest_axis_ratio * largest_axis_ratio > squares[2];
-  if (!is_ellipsoid) return parameters_of(Matrix3d::Identity() / radius, mean / radius);
-  const Matrix3d root = eigen.operatorSqrt();
-  return parameters_of(root, root * (mean + centre));
-}
-
-Solution solve(const Points& points, VectorXd start) {
-  return detail::minimise([&points](const VectorXd& at) { return linearised(points, at); }, std::move(start));
-}
-
 /// At most a few readings from each small cube, so that a long rest in one direction counts no more than a
-/// quick turn through another.
-Points thinned(const Points& points, double field) {
+/// quick turn through another. From the span's middle, in units of its half.
+Points thinned(const Points& points_ut, const Span& span) {
   constexpr int most_per_cell = 5;
   constexpr double cell = 0.1;
   std::map<std::array<std::int64_t, 3>, int> seen;
   Points kept;
-  for (const Vector3d& point : points) {
+  for (const Vector3d& point_ut : points_ut) {
+    const Vector3d point = (point_ut - span.middle_ut) / span.half_ut;
     std::array<std::int64_t, 3> key{};
     for (std::size_t i = 0; i < 3; ++i) {
-      key[i] = static_cast<std::int64_t>(std::floor(point[static_cast<Index>(i)] / (cell * field)));
+      key[i] = static_cast<std::int64_t>(std::floor(point[static_cast<Index>(i)] / cell));
     }
     if (seen[key]++ < most_per_cell) kept.push_back(point);
   }
@@ -125,20 +90,14 @@ double coverage_of(const Points& points, const VectorXd& parameters) {
   return static_cast<double>(std::count(seen.begin(), seen.end(), true)) / static_cast<double>(seen.size());
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Without the readings whose residual is far outside what most of them have.
 Points without_outliers(const Points& points, const VectorXd& parameters) {
   constexpr double sigmas = 4.0;
   constexpr double sigma_per_median = 1.4826;  // of absolute values of a Gaussian
-  const VectorXd residuals = linearised(points, parameters).residuals;
+  const VectorXd residuals = detail::ellipsoid_residuals(points, parameters);
   std::vector<double> sizes(residuals.data(), residuals.data() + residuals.size());
   for (double& size : sizes) size = std::abs(size);
-  const double limit = sigmas * sigma_per_median * median_of(sizes);
+  const double limit = sigmas * sigma_per_median * quantile(sizes, 0.5);
   Points kept;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (sizes[i] <= limit) kept.push_back(points[i]);
@@ -166,21 +125,24 @@ void check_ellipsoid(const Vector3d& semi_axes_ut, double relative_rms) {
     throw CalibrationError("the readings lie on no ellipsoid: they miss the best one by " +
                            detail::text_of(100.0 * relative_rms) + " % of the field, where " +
                            detail::text_of(100.0 * largest_relative_rms) +
-                           " % is the most: record where no iron, current or magnet is near");
+                           " % is the most: record where no iron, current or magnet is near, and turn the "
+                           "sensor through all directions");
   }
 }
 
-MagnetometerSettings settings_of(const VectorXd& parameters, double field_ut) {
+/// S and h of readings in units of one strength, for readings in µT and a field of another: a factor for
+/// each.
+MagnetometerSettings settings_of(const VectorXd& parameters, double soft_factor, double hard_factor) {
   MagnetometerSettings settings;
-  settings.soft_iron_xx = parameters[0];
-  settings.soft_iron_xy = parameters[1];
-  settings.soft_iron_xz = parameters[2];
-  settings.soft_iron_yy = parameters[3];
-  settings.soft_iron_yz = parameters[4];
-  settings.soft_iron_zz = parameters[5];
-  settings.hard_iron_x_ut = parameters[6] * field_ut;
-  settings.hard_iron_y_ut = parameters[7] * field_ut;
-  settings.hard_iron_z_ut = parameters[8] * field_ut;
+  settings.soft_iron_xx = parameters[0] * soft_factor;
+  settings.soft_iron_xy = parameters[1] * soft_factor;
+  settings.soft_iron_xz = parameters[2] * soft_factor;
+  settings.soft_iron_yy = parameters[3] * soft_factor;
+  settings.soft_iron_yz = parameters[4] * soft_factor;
+  settings.soft_iron_zz = parameters[5] * soft_factor;
+  settings.hard_iron_x_ut = parameters[6] * hard_factor;
+  settings.hard_iron_y_ut = parameters[7] * hard_factor;
+  settings.hard_iron_z_ut = parameters[8] * hard_factor;
   return settings;
 }
 
@@ -200,48 +162,64 @@ Points fields_of(std::span<const ImuSample> imu) {
   return fields_ut;
 }
 
-double mean_norm(const Points& points) {
-  double sum = 0.0;
-  for (const Vector3d& point : points) sum += point.norm();
-  return sum / static_cast<double>(points.size());
+/// Spread of the raw readings' strengths. The points stand as thinned() left them.
+double rms_of_norms_ut(const Points& points, const Span& span) {
+  const auto count = static_cast<double>(points.size());
+  const auto norm_ut = [&span](const Vector3d& point) {
+    return (span.half_ut * point + span.middle_ut).norm();
+  };
+  double mean_ut = 0.0;
+  for (const Vector3d& point : points) mean_ut += norm_ut(point) / count;
+  double variance = 0.0;
+  for (const Vector3d& point : points) variance += std::pow(norm_ut(point) - mean_ut, 2) / count;
+  return std::sqrt(variance);
 }
 
-double rms_of_norms(const Points& points, double about) {
-  double sum = 0.0;
-  for (const Vector3d& point : points) sum += (point.norm() - about) * (point.norm() - about);
-  return std::sqrt(sum / static_cast<double>(points.size()));
+/// For readings from zero instead of from `middle`, in the same unit: h grows by S·middle.
+void move_to_zero(Solution& solution, const Vector3d& middle) {
+  Eigen::MatrixXd change = Eigen::MatrixXd::Identity(9, 9);
+  change.bottomLeftCorner<3, 6>() << middle.x(), middle.y(), middle.z(), 0.0, 0.0, 0.0, 0.0, middle.x(), 0.0,
+      middle.y(), middle.z(), 0.0, 0.0, 0.0, middle.x(), 0.0, middle.y(), middle.z();
+  solution.parameters = change * solution.parameters;
+  solution.covariance = change * solution.covariance * change.transpose();
+}
+
+/// The solution in µT. Readings are in units of `unit_ut`.
+void fill(MagnetometerFit& fit, const Solution& solution, double unit_ut, std::optional<double> field_ut) {
+  const Matrix3d soft_iron = soft_iron_of(solution.parameters);
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(soft_iron);  // in rising order
+  fit.semi_axes_ut = unit_ut * eigen.eigenvalues().cwiseMax(0.0).cwiseInverse();
+  const double relative_rms =
+      std::sqrt(solution.residuals.squaredNorm() / static_cast<double>(solution.residuals.size()));
+  check_ellipsoid(fit.semi_axes_ut, relative_rms);
+  fit.centre_ut = unit_ut * soft_iron.inverse() * solution.parameters.tail<3>();
+  fit.field_ut = field_ut.value_or(std::cbrt(fit.semi_axes_ut.prod()));
+  fit.settings = settings_of(solution.parameters, fit.field_ut / unit_ut, fit.field_ut);
+  fit.standard_errors = settings_of(solution.standard_errors(), fit.field_ut / unit_ut, fit.field_ut);
+  detail::check_ranges(fit.settings);
+  fit.rms_after_ut = fit.field_ut * relative_rms;
 }
 
 }  // namespace
 
 MagnetometerFit fit_magnetometer(std::span<const ImuSample> imu, std::optional<double> field_ut) {
-  MagnetometerFit fit;
   const Points all_ut = fields_of(imu);
-  fit.samples = all_ut.size();
-  Points points = thinned(all_ut, mean_norm(all_ut));
-  fit.field_ut = field_ut.value_or(mean_norm(points));
-  if (!(fit.field_ut > 0.0)) throw CalibrationError("the magnetic field is zero in every sample");
-  for (Vector3d& point : points) point /= fit.field_ut;
-
-  Solution solution = solve(points, starting_point(points));
+  const Span span = span_of(all_ut);
+  if (!(span.half_ut > 0.0)) throw CalibrationError("the magnetic field is the same in every sample");
+  const Points points = thinned(all_ut, span);
+  Solution solution = detail::fit_ellipsoid(points, detail::ellipsoid_start(points));
   const Points good = without_outliers(points, solution.parameters);
+  solution = detail::fit_ellipsoid(good, solution.parameters);
+
+  MagnetometerFit fit;
+  fit.samples = all_ut.size();
   fit.used = good.size();
   fit.outliers = points.size() - good.size();
-  solution = solve(good, solution.parameters);
   fit.coverage = coverage_of(good, solution.parameters);
   check_coverage(solution, fit.coverage);
-
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(soft_iron_of(solution.parameters));
-  fit.semi_axes_ut = fit.field_ut * eigen.eigenvalues().cwiseMax(0.0).cwiseInverse();
-  const double relative_rms = std::sqrt(solution.residuals.squaredNorm() / static_cast<double>(good.size()));
-  check_ellipsoid(fit.semi_axes_ut, relative_rms);
-  const VectorXd& parameters = solution.parameters;
-  fit.centre_ut = fit.field_ut * soft_iron_of(parameters).inverse() * parameters.tail<3>();
-  fit.settings = settings_of(parameters, fit.field_ut);
-  fit.standard_errors = settings_of(solution.standard_errors, fit.field_ut);
-  detail::check_ranges(fit.settings);
-  fit.rms_before_ut = fit.field_ut * rms_of_norms(good, mean_norm(good));
-  fit.rms_after_ut = fit.field_ut * relative_rms;
+  fit.rms_before_ut = rms_of_norms_ut(good, span);
+  move_to_zero(solution, span.middle_ut / span.half_ut);
+  fill(fit, solution, span.half_ut, field_ut);
   return fit;
 }
 

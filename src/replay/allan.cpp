@@ -29,17 +29,17 @@ std::string allan_text(const AllanResult& result) {
   constexpr double root_of_minutes_per_hour = 60.0;  // √(3600 s/h)
   constexpr double seconds_per_hour = 3600.0;
   const calibration::AllanReport& report = result.report;
-  std::string text =
-      fmt::format("{} samples, {:.6g} s apart, over {:.1f} s\n", result.samples, report.period_s, report.duration_s);
+  std::string text = fmt::format("{} samples, {:.6g} s apart, over {:.1f} s\n", result.samples,
+                                 report.period_s, report.duration_s);
   text += fmt::format("{:<16}{:>12}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "", "density", "", "instability", "",
                       "at tau", "walk");
   for (std::size_t axis = 0; axis < calibration::allan_axes.size(); ++axis) {
     const bool is_rate = axis < 3;
     if (axis % 3 == 0) {
-      text += is_rate ? fmt::format("{:<16}{:>12}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "", "rad/s/rtHz", "deg/rth",
-                                    "rad/s", "deg/h", "s", "rad/s/rts")
-                      : fmt::format("{:<16}{:>12}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "", "m/s2/rtHz", "m/s/rth",
-                                    "m/s2", "mg", "s", "m/s2/rts");
+      text += is_rate ? fmt::format("{:<16}{:>12}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "", "rad/s/rtHz",
+                                    "deg/rth", "rad/s", "deg/h", "s", "rad/s/rts")
+                      : fmt::format("{:<16}{:>12}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "", "m/s2/rtHz",
+                                    "m/s/rth", "m/s2", "mg", "s", "m/s2/rts");
     }
     const calibration::AllanNumbers& numbers = report.numbers[axis];
     const double density_factor = root_of_minutes_per_hour * (is_rate ? degrees_per_radian : 1.0);

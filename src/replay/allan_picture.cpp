@@ -42,13 +42,14 @@ void append_axis(std::string& script, std::size_t axis, const AllanNumbers& numb
                  "notitle, \\\n  $curve{0} using 1:2 with lines lw 2 lc rgb '{1}' title '{2}'",
                  axis, colour, names[axis % 3]);
   if (numbers.noise_density) {
-    fmt::format_to(out, ", \\\n  {:.6g}/sqrt(x) with lines lw 1 dt 2 lc rgb '{}' notitle", *numbers.noise_density,
-                   colour);
+    fmt::format_to(out, ", \\\n  {:.6g}/sqrt(x) with lines lw 1 dt 2 lc rgb '{}' notitle",
+                   *numbers.noise_density, colour);
   }
   if (numbers.bias_instability_tau_s) {
-    fmt::format_to(out,
-                   ", \\\n  '+' using ({:.6g}):({:.6g}) every ::0::0 with points pt 6 ps 1.6 lw 2 lc rgb '{}' notitle",
-                   *numbers.bias_instability_tau_s, 0.664 * *numbers.bias_instability, colour);
+    fmt::format_to(
+        out,
+        ", \\\n  '+' using ({:.6g}):({:.6g}) every ::0::0 with points pt 6 ps 1.6 lw 2 lc rgb '{}' notitle",
+        *numbers.bias_instability_tau_s, 0.664 * *numbers.bias_instability, colour);
   }
 }
 
@@ -71,7 +72,8 @@ std::string script_of(const AllanResult& result, const std::filesystem::path& pa
       "set datafile missing 'nan'\nset multiplot layout 1,2 title {} font 'sans,14' noenhanced\n"
       "set logscale xy\nset format x '%g'\nset format y '%.0e'\nset grid xtics ytics lt 1 lw 0.7 lc rgb "
       "'#E4E4E4'\nset tics nomirror\nset border 3 lc rgb '#444444'\nset key bottom left Left reverse "
-      "horizontal samplen 1.6\nset xlabel 'cluster length [s]'\nset samples 200\nset xrange [{:.6g}:{:.6g}]\n",
+      "horizontal samplen 1.6\nset xlabel 'cluster length [s]'\nset samples 200\nset xrange "
+      "[{:.6g}:{:.6g}]\n",
       ending == ".png" ? "pngcairo" : "svg", plot_text(part.string()),
       plot_text("Allan deviation of " + result.log.string()), result.report.curves[0].front().tau_s,
       result.report.curves[0].back().tau_s);

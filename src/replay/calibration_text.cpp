@@ -19,9 +19,9 @@ std::string line(std::string_view what, const std::string& says) {
 }
 
 std::string text_of(const AccelerometerFit& fit, const CalibrationResult& result) {
-  std::string text = line("accelerometer", fmt::format("offset, sensitivity{} from {} orientations",
-                                                       fit.with_misalignment ? " and misalignment" : "",
-                                                       fit.orientations));
+  std::string text =
+      line("accelerometer", fmt::format("offset, sensitivity{} from {} orientations",
+                                        fit.with_misalignment ? " and misalignment" : "", fit.orientations));
   if (!fit.with_misalignment) text += line("", "no misalignment: " + fit.why_without);
   text += line("", fmt::format("|a| - g: {:.4f} m/s^2 RMS before, {:.4f} after", fit.rms_before_mps2,
                                fit.rms_after_mps2));
@@ -35,9 +35,9 @@ std::string text_of(const GyroscopeFit& fit) {
   std::string text = line("gyroscope", fmt::format("offset from {} periods at rest", fit.periods));
   if (fit.with_sensitivity) {
     text += line("", fmt::format("sensitivity and misalignment from {} turns", fit.turns));
-    text += line("", fmt::format("gravity after a turn: {:.2f} deg RMS off before, {:.2f} after",
-                                 degrees_per_radian * fit.rms_before_rad,
-                                 degrees_per_radian * fit.rms_after_rad));
+    text += line(
+        "", fmt::format("gravity after a turn: {:.2f} deg RMS off before, {:.2f} after",
+                        degrees_per_radian * fit.rms_before_rad, degrees_per_radian * fit.rms_after_rad));
   } else if (!fit.why_without.empty()) {
     text += line("", "no sensitivity and misalignment: " + fit.why_without);
   }
@@ -115,8 +115,8 @@ std::string calibration_text(const CalibrationResult& result) {
 
 std::string calibration_toml(const CalibrationResult& result, std::optional<BeaconAddress> beacon) {
   const std::string prefix = beacon ? fmt::format("beacon.{}.", *beacon) : std::string();
-  std::string text = commented("Written by sonopose-calibrate. For --config of the fusion.\n" +
-                               calibration_text(result));
+  std::string text =
+      commented("Written by sonopose-calibrate. For --config of the fusion.\n" + calibration_text(result));
   const auto append = [&](const auto& fit) {
     if (fit) text += table_of(fit->settings, fit->standard_errors, prefix);
   };

@@ -1,4 +1,5 @@
 #include "gnuplot.hpp"
+
 #include <sonopose/io/csv_writer.hpp>
 #include <sonopose/replay/picture.hpp>
 

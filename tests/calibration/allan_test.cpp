@@ -140,7 +140,7 @@ TEST_CASE("a record at rest is analysed axis by axis") {
   }
 }
 
-TEST_CASE("too short a record, a gap and a number that is none are refused with their place") {
+TEST_CASE("too short a record, a gap, motion and a number that is none are refused with their place") {
   auto imu = uniform_samples(2000);
   CHECK_THROWS_WITH(analyse_allan(std::vector<ImuSample>(imu.begin(), imu.begin() + 999)),
                     Catch::Contains("999 samples") && Catch::Contains("1000"));
@@ -150,6 +150,9 @@ TEST_CASE("too short a record, a gap and a number that is none are refused with 
   auto back = imu;
   back[10].sensor_time_ns -= to_ns(0.02);
   CHECK_THROWS_WITH(analyse_allan(back), Catch::Contains("sample 11"));
+  auto turned = imu;
+  for (std::size_t k = 900; k < 1300; ++k) turned[k].angular_velocity_body_radps.z() += 0.5;
+  CHECK_THROWS_WITH(analyse_allan(turned), Catch::Contains("at rest for") && Catch::Contains("90 %"));
   imu[1500].angular_velocity_body_radps.y() = std::numeric_limits<double>::quiet_NaN();
   CHECK_THROWS_WITH(analyse_allan(imu), Catch::Contains("sample 1501") && Catch::Contains("not finite"));
 }

@@ -49,8 +49,8 @@ struct AllanReport {
 };
 
 /// Everything of a record at rest. Throws CalibrationError for fewer than 1000 samples, for a sample that is
-/// not finite, and for stamps that are not uniform: each must come within half a period of its time after
-/// the one before.
+/// not finite, for stamps that are not uniform (each must come within half a period of its time after the one
+/// before), and for a record that is not of a sensor at rest.
 AllanReport analyse_allan(std::span<const ImuSample> imu);
 
 }  // namespace sonopose::calibration

@@ -39,7 +39,8 @@ CalibrationResult calibrate_imu(const std::filesystem::path& log);
 /// The gyroscope's offset alone, from rest.
 CalibrationResult calibrate_gyroscope(const std::filesystem::path& log);
 
-/// `field_ut`: the strength that the corrected field is to have; empty: that of the raw readings.
+/// `field_ut`: the strength that the corrected field is to have; empty: that of the raw readings about their
+/// centre.
 CalibrationResult calibrate_magnetometer(const std::filesystem::path& log, std::optional<double> field_ut);
 
 /// The result for a person, a line per fact.
