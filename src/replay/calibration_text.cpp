@@ -3,6 +3,7 @@
 #include <sonopose/replay/calibration.hpp>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <string_view>
 #include <tuple>
@@ -92,13 +93,9 @@ std::string commented(const std::string& text) {
   return result;
 }
 
-/// A path on one line.
+/// A path on one line of UTF-8, in quotes, whatever bytes it is made of.
 std::string name_of(const std::filesystem::path& path) {
-  std::string name = path.string();
-  for (char& c : name) {
-    if (static_cast<unsigned char>(c) < 0x20) c = '?';
-  }
-  return name;
+  return nlohmann::json(path.string()).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace
