@@ -4,6 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace sonopose::calibration::detail {
@@ -23,19 +25,31 @@ VectorXd parameters_of(const Matrix3d& s, const Vector3d& h) {
   return p;
 }
 
-/// |S·m − h| − 1 and its derivatives.
+/// (|S·m − h| − 1) / ∛det S and its derivatives; nothing finite where S is not positive. Without the divisor
+/// S = 0 with an h of length 1 would fit everything.
 Linearisation linearised(const Points& points, const VectorXd& parameters) {
   const Matrix3d soft_iron = soft_iron_of(parameters);
   const Vector3d hard_iron = parameters.tail<3>();
+  const double size = std::cbrt(soft_iron.determinant());
   const auto rows = static_cast<Index>(points.size());
   Linearisation found{VectorXd(rows), Eigen::MatrixXd(rows, 9)};
+  if (!(size > 0.0)) {
+    found.residuals.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return found;
+  }
+  const Matrix3d inverse = soft_iron.inverse();
+  VectorXd by_size = VectorXd::Zero(9);  // of ln ∛det S
+  by_size.head<6>() << inverse(0, 0), 2.0 * inverse(0, 1), 2.0 * inverse(0, 2), inverse(1, 1),
+      2.0 * inverse(1, 2), inverse(2, 2);
+  by_size /= 3.0;
   for (Index row = 0; row < rows; ++row) {
     const Vector3d& m = points[static_cast<std::size_t>(row)];
     const Vector3d corrected = soft_iron * m - hard_iron;
     const Vector3d d = corrected.normalized();
-    found.residuals[row] = corrected.norm() - 1.0;
+    found.residuals[row] = (corrected.norm() - 1.0) / size;
     found.jacobian.row(row) << d.x() * m.x(), d.x() * m.y() + d.y() * m.x(), d.x() * m.z() + d.z() * m.x(),
         d.y() * m.y(), d.y() * m.z() + d.z() * m.y(), d.z() * m.z(), -d.transpose();
+    found.jacobian.row(row) = found.jacobian.row(row) / size - found.residuals[row] * by_size.transpose();
   }
   return found;
 }

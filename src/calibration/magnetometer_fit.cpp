@@ -189,8 +189,9 @@ void fill(MagnetometerFit& fit, const Solution& solution, double unit_ut, std::o
   const Matrix3d soft_iron = soft_iron_of(solution.parameters);
   const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(soft_iron);  // in rising order
   fit.semi_axes_ut = unit_ut * eigen.eigenvalues().cwiseMax(0.0).cwiseInverse();
-  const double relative_rms =
+  const double rms =
       std::sqrt(solution.residuals.squaredNorm() / static_cast<double>(solution.residuals.size()));
+  const double relative_rms = rms * std::cbrt(soft_iron.determinant());
   check_ellipsoid(fit.semi_axes_ut, relative_rms);
   fit.centre_ut = unit_ut * soft_iron.inverse() * solution.parameters.tail<3>();
   fit.field_ut = field_ut.value_or(std::cbrt(fit.semi_axes_ut.prod()));

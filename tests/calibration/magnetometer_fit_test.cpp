@@ -156,6 +156,17 @@ TEST_CASE("directions in one plane, or about one spot, are refused with what the
   }
 }
 
+TEST_CASE("a magnet that is put on halfway is seen in the residuals, and the field does not vanish") {
+  auto imu = readings(usual_iron, 48.0, 10);
+  for (std::size_t i = imu.size() / 2; i < imu.size(); ++i) {
+    imu[i].magnetic_field_body_t->z() += 16.0 * tesla_per_ut;
+  }
+  const auto fit = fit_magnetometer(imu);
+  CHECK(fit.rms_after_ut > 2.0);
+  CHECK(fit.field_ut == Approx(48.0 * std::cbrt(usual_iron.w.determinant())).epsilon(0.1));
+  CHECK(fit.coverage == 1.0);
+}
+
 TEST_CASE("readings on no ellipsoid are refused") {
   // Field strengths from 20 to 100 µT in random directions: a ball and not its surface.
   sim::Random random(8);

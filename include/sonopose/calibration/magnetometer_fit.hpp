@@ -27,10 +27,10 @@ struct MagnetometerFit {
   double rms_after_ut = 0;                   ///< of |corrected field| − field_ut
 };
 
-/// Minimises |S·m − h| − F over the symmetric S and h. F is `field_ut` or, without it, the one that
-/// keeps the ellipsoid's volume (det S = 1): the strength of the raw readings about their centre. Throws
-/// CalibrationError for too few samples, directions that do not determine the ellipsoid (as all in one
-/// plane), readings that lie on none, and values that no setting may have.
+/// Minimises the readings' distances from the ellipsoid |S·m − h| = F, S symmetric and positive. F is
+/// `field_ut` or, without it, the one that keeps the ellipsoid's volume (det S = 1): the strength of the raw
+/// readings about their centre. Throws CalibrationError for too few samples, directions that do not determine
+/// the ellipsoid (as all in one plane), readings that lie on none, and values that no setting may have.
 MagnetometerFit fit_magnetometer(std::span<const ImuSample> imu, std::optional<double> field_ut = {});
 
 }  // namespace sonopose::calibration
