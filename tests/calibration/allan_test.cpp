@@ -128,6 +128,24 @@ TEST_CASE("GIVEN white noise on a random walk THEN both are seen, and the floor 
   }
 }
 
+TEST_CASE("a floor counts only where it stands out of the white noise by more than the curve's own error") {
+  // σ² = 1/τ + τ/20 is least at τ = √20 s, where it is 1/√5 and the white noise alone 1/√20.
+  for (const double relative_error : {0.02, 0.15}) {
+    CAPTURE(relative_error);
+    std::vector<AllanPoint> curve;
+    for (double tau_s = 0.01; tau_s < 14.0; tau_s *= 1.1) {
+      curve.push_back({tau_s, std::sqrt(1.0 / tau_s + tau_s / 20.0), relative_error});
+    }
+    const AllanNumbers numbers = allan_numbers(curve);
+    CHECK(numbers.noise_density.value() == Approx(1.0).epsilon(0.02));
+    const bool known_well = relative_error < 0.1;
+    CHECK(numbers.bias_instability.has_value() == known_well);
+    if (known_well)
+      CHECK(*numbers.bias_instability == Approx(std::sqrt(1.0 / std::sqrt(5.0)) / 0.664).epsilon(0.01));
+    CHECK_FALSE(numbers.rate_random_walk.has_value());
+  }
+}
+
 TEST_CASE("a record at rest is analysed axis by axis") {
   const auto report = analyse_allan(uniform_samples(20'000));
   CHECK(report.period_s == Approx(period_s));
