@@ -69,10 +69,9 @@ void check_names(const std::vector<Path>& logs) {
   }
 }
 
-replay::AttitudeResult run_log(const Path& folder, const Options& options,
-                               const attitude::Settings& settings) {
+replay::AttitudeResult run_log(const Path& folder, const Options& options, const fusion::Settings& settings) {
   const io::AttitudeLog log = io::read_attitude_log(folder, options.beacon);
-  if (settings.selection.magnetometer && !log.imu.front().magnetic_field_body_t) {
+  if (settings.attitude.selection.magnetometer && !log.imu.front().magnetic_field_body_t) {
     throw io::IoError((folder / "imu.csv").string() + ": no magnetometer, which is asked for");
   }
   std::optional<replay::TrajectoryFile> trajectory;
@@ -87,9 +86,10 @@ replay::AttitudeResult run_log(const Path& folder, const Options& options,
 }
 
 int run_logs(const CLI::App& app, const Options& options) {
-  attitude::Settings settings = apps::configuration(app, options.config).for_beacon(options.beacon).attitude;
-  if (options.filter) settings.selection.filter = *options.filter;
-  if (options.magnetometer) settings.selection.magnetometer = *options.magnetometer;
+  fusion::Settings settings = apps::configuration(app, options.config).for_beacon(options.beacon);
+  attitude::SelectionSettings& selection = settings.attitude.selection;
+  if (options.filter) selection.filter = *options.filter;
+  if (options.magnetometer) selection.magnetometer = *options.magnetometer;
   if (options.out) {
     check_names(options.logs);
     replay::make_folder(*options.out);

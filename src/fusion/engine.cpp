@@ -6,14 +6,17 @@
 #include <type_traits>
 
 namespace sonopose::fusion {
-Engine::Engine(const Settings& settings) : settings_(resolved(settings)) {}
+Engine::Engine(const Settings& settings)
+    : settings_(resolved(settings)), calibration_(settings.calibration) {}
 
 void Engine::configure(const Settings& settings) noexcept {
   static_assert(std::is_trivially_copyable_v<Settings>);  // so that nothing can throw or allocate
   settings_ = resolved(settings);
+  calibration_ = calibration::Calibration(settings.calibration);
 }
 
-std::optional<FusedPose> Engine::on(const ImuSample& imu) noexcept {
+std::optional<FusedPose> Engine::on(const ImuSample& raw) noexcept {
+  const ImuSample imu = calibration_.corrected(raw);
   if (!admission::admits(settings_.admission, state_.body.time_ns, imu) ||
       admission::is_sudden(state_.admission, state_.body.time_ns, imu)) {
     ++counters_.samples_invalid;

@@ -43,9 +43,10 @@ nlohmann::ordered_json json_of(const AttitudeResult& result) {
 }  // namespace
 
 AttitudeResult run_attitude(const std::string& name, const io::AttitudeLog& log,
-                            const attitude::Settings& settings,
+                            const fusion::Settings& settings,
                             const std::function<void(TimeNs, const Quaterniond&)>& tell) {
-  attitude::Tracker<attitude::AnyFilter> tracker(settings, field_use(settings.selection));
+  attitude::Tracker<attitude::AnyFilter> tracker(settings.attitude, field_use(settings.attitude.selection));
+  const calibration::Calibration calibration(settings.calibration);
   TruthTrack truth(log.truth);
   AttitudeResult result;
   std::vector<double> total_rad;
@@ -53,7 +54,7 @@ AttitudeResult run_attitude(const std::string& name, const io::AttitudeLog& log,
   std::vector<double> inclination_rad;
   for (const ImuSample& imu : log.imu) {
     ++result.samples;
-    if (!tracker.on(imu)) {
+    if (!tracker.on(calibration.corrected(imu))) {
       ++result.rejected;
       continue;
     }

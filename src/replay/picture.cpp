@@ -1,70 +1,12 @@
-#include <sonopose/io/csv_writer.hpp>
+#include "gnuplot.hpp"
 #include <sonopose/replay/picture.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
-#include <string_view>
 #include <utility>
 
 namespace sonopose::replay {
 namespace {
-
-namespace fs = std::filesystem;
-
-bool gnuplot_is_installed() {
-  const char* const variable = std::getenv("PATH");
-  std::string_view path = variable == nullptr ? "/usr/bin:/bin" : variable;
-  while (!path.empty()) {
-    const std::size_t colon = std::min(path.find(':'), path.size());
-    std::error_code ignored;
-    if (fs::is_regular_file(fs::path(path.substr(0, colon)) / "gnuplot", ignored)) return true;
-    path.remove_prefix(std::min(colon + 1, path.size()));
-  }
-  return false;
-}
-
-/// Something that the shell takes as one word, whatever stands in it.
-std::string shell_word(const std::string& text) {
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return word + "'";
-}
-
-/// A folder for the commands and for what gnuplot says to them; gone with this object.
-class WorkFolder {
-public:
-  WorkFolder() : name_{(fs::temp_directory_path() / "sonopose-plot-XXXXXX").string()} {
-    if (::mkdtemp(name_.data()) == nullptr) throw PictureError(name_ + ": cannot be made");
-  }
-  ~WorkFolder() {
-    std::error_code ignored;
-    fs::remove_all(name_, ignored);
-  }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-  WorkFolder(WorkFolder&&) = delete;
-  WorkFolder& operator=(WorkFolder&&) = delete;
-
-  [[nodiscard]] fs::path script() const { return fs::path(name_) / "plot.gnuplot"; }
-  [[nodiscard]] fs::path messages() const { return fs::path(name_) / "messages.txt"; }
-
-private:
-  std::string name_;
-};
-
-void write(const fs::path& file, const std::string& text) {
-  io::CsvWriter out(file, io::CsvWriter::Existing::replace);
-  out.text(text);
-  out.flush();
-}
-
-std::string content_of(const fs::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// The greater of two errors, of which either may not be known.
 double worse(double a, double b) {
@@ -82,23 +24,12 @@ void merge(PictureData::Moment& into, const PictureData::Moment& next) {
 
 }  // namespace
 
-Picture::Picture(fs::path file, std::string title, const io::SensorLog& log)
+Picture::Picture(std::filesystem::path file, std::string title, const io::SensorLog& log)
     : file_(std::move(file)),
       replacement_(file_),
       begin_ns_(log.events.empty() ? 0 : available_at_ns(log.events.front())),
       truth_(log.truth) {
-  if (file_.extension() != ".svg" && file_.extension() != ".png") {
-    throw PictureError(file_.string() + ": a picture ends in .svg or .png");
-  }
-  if (std::any_of(file_.native().begin(), file_.native().end(),
-                  [](char c) { return c == '\n' || c == '\r'; })) {
-    throw PictureError(file_.string() + ": a picture's name must not hold a line break");
-  }
-  if (!gnuplot_is_installed()) {
-    throw PictureError("a picture needs gnuplot, which is not installed (Debian package gnuplot-nox)");
-  }
-  io::CsvWriter(replacement_.part(), io::CsvWriter::Existing::replace)
-      .flush();  // what cannot be written is known now
+  check_picture(file_, replacement_);
   data_.title = std::move(title);
   data_.has_truth = !log.truth.empty();
 }
@@ -163,16 +94,7 @@ double Picture::speed_since_last_used(const FixReport& fix) const {
 }
 
 void Picture::draw() {
-  const WorkFolder folder;
-  write(folder.script(), gnuplot_script(data_, replacement_.part(), file_.extension()));
-  const std::string command =
-      "gnuplot " + shell_word(folder.script().string()) + " 2> " + shell_word(folder.messages().string());
-  const int status = std::system(command.c_str());
-  std::error_code ignored;
-  if (status != 0 || fs::file_size(replacement_.part(), ignored) == 0) {
-    throw PictureError(file_.string() + ": gnuplot could not draw it: " + content_of(folder.messages()));
-  }
-  replacement_.commit();
+  draw_picture(file_, replacement_, gnuplot_script(data_, replacement_.part(), file_.extension()));
 }
 
 }  // namespace sonopose::replay

@@ -1,3 +1,4 @@
+#include "gnuplot.hpp"
 #include "picture_layout.hpp"
 #include <sonopose/replay/picture.hpp>
 
@@ -36,16 +37,6 @@ constexpr std::array<FlagRow, 7> flag_rows{
      {"snapped", verdict_snapped_over | verdict_snapped_under, "#CC79A7"},
      {"forced", verdict_stuck_forced, "#CC79A7"},
      {"start", verdict_first | verdict_stale_recovered, fused_colour}}};
-
-/// Text as gnuplot takes it literally.
-std::string plot_text(std::string_view text) {
-  std::string result = "'";
-  for (const char c : text) {
-    if (c == '\'') result += '\'';
-    result += c == '\n' || c == '\r' ? ' ' : c;
-  }
-  return result + "'";
-}
 
 void append_data(std::string& script, const PictureData& data) {
   auto out = std::back_inserter(script);

@@ -16,10 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Source files of the engine and the filters, by stem.
+/// Source files of the engine, the filters and the calibration, by stem.
 std::map<std::string, std::string> sources() {
   std::map<std::string, std::string> texts;
-  for (const char* const folder : {"src/fusion", "src/attitude"}) {
+  for (const char* const folder : {"src/fusion", "src/attitude", "src/calibration"}) {
     for (const auto& entry : fs::directory_iterator(fs::path(SONOPOSE_SOURCE_DIR) / folder)) {
       if (entry.path().extension() != ".cpp") continue;
       std::ifstream stream(entry.path());
@@ -29,11 +29,13 @@ std::map<std::string, std::string> sources() {
   return texts;
 }
 
-/// "trust" of trust.sigma_m; "mahony" of attitude.mahony.kp; the preset's group is the document's "fusion",
-/// and what is chosen among all filters stands in "attitude" itself.
+/// "trust" of trust.sigma_m; "mahony" of attitude.mahony.kp; the preset's group is the document's "fusion";
+/// what is chosen among all filters stands in "attitude" itself; gyroscope and accelerometer share one model.
 std::string stage_of(const std::string& group) {
   if (group == "fusion") return "preset";
   if (group == "attitude") return "any_filter";
+  if (group == "calibration") return "axes";
+  if (group == "calibration.gyroscope" || group == "calibration.accelerometer") return "inertial";
   return group.substr(group.rfind('.') + 1);
 }
 

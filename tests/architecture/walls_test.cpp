@@ -44,7 +44,7 @@ std::regex any_of(const std::vector<std::string>& parts) {
 
 const std::vector<Room> rooms{
     {"core",
-     {"core", "math", "attitude", "fusion"},
+     {"core", "math", "attitude", "calibration", "fusion"},
      {},
      any_of({dds_headers, files, sockets, clocks, threads, logging, command_lines}),
      "DDS, files, sockets, clocks, threads, logging, command lines"},
@@ -55,7 +55,7 @@ const std::vector<Room> rooms{
      "DDS, files, sockets, clocks, threads, logging, command lines"},
     {"config",
      {"config"},
-     {"core", "math", "attitude", "fusion"},
+     {"core", "math", "attitude", "calibration", "fusion"},
      any_of({dds_headers, sockets, threads, command_lines}),
      "DDS, sockets, threads, command lines"},
     {"sim",
@@ -66,7 +66,7 @@ const std::vector<Room> rooms{
     {"io", {"io"}, {"core", "math"}, any_of({dds_headers, command_lines}), "DDS, command lines"},
     {"replay",
      {"replay"},
-     {"core", "math", "attitude", "fusion", "config", "sim", "io"},
+     {"core", "math", "attitude", "calibration", "fusion", "config", "sim", "io"},
      any_of({dds_headers, sockets, clocks, threads, command_lines}),
      "DDS, sockets, clocks, threads, command lines"},
     {"dds",
@@ -76,7 +76,7 @@ const std::vector<Room> rooms{
      "sockets, command lines"},
     {"nodes",
      {"nodes"},
-     {"core", "math", "attitude", "fusion", "marvelmind", "config", "sim", "io", "dds", "idl"},
+     {"core", "math", "attitude", "calibration", "fusion", "marvelmind", "config", "sim", "io", "dds", "idl"},
      any_of({"dds/.*|ddsc/.*", command_lines, "asio.*", "toml.*", "pugixml.*"}),
      "Cyclone DDS itself, command lines, the libraries of other rooms"},
 };
@@ -178,7 +178,8 @@ TEST_CASE("the host's clock is read at the edges alone") {
   const std::regex reading(
       R"(\b(system_clock|steady_clock|high_resolution_clock|clock_gettime|time\(nullptr\)))");
   Breaches breaches;
-  for (const char* folder : {"core", "math", "attitude", "fusion", "marvelmind", "sim", "config", "dds"}) {
+  for (const char* folder :
+       {"core", "math", "attitude", "calibration", "fusion", "marvelmind", "sim", "config", "dds"}) {
     for (const char* half : {"src", "include/sonopose"}) {
       for (const fs::path& file : sources_in(root / half / folder)) {
         for (const std::string& line : lines_of(file)) {
@@ -192,7 +193,7 @@ TEST_CASE("the host's clock is read at the edges alone") {
 
 TEST_CASE("programs are thin: command lines over what nodes, replay, files and simulator do") {
   Breaches breaches;
-  const Names allowed{"nodes", "replay", "sim", "io", "config", "dds", "core"};
+  const Names allowed{"nodes", "replay", "sim", "io", "config", "dds", "core", "calibration"};
   const auto programs = sources_in(root / "apps");
   CHECK(!programs.empty());
   for (const fs::path& file : programs) {

@@ -94,8 +94,8 @@ const std::vector<io::AttitudeLog>& trials() {
   return logs;
 }
 
-AttitudeResult mean_over_trials(attitude::Settings settings, bool magnetometer) {
-  settings.selection.magnetometer = magnetometer;
+AttitudeResult mean_over_trials(fusion::Settings settings, bool magnetometer) {
+  settings.attitude.selection.magnetometer = magnetometer;
   std::vector<AttitudeResult> results;
   for (const io::AttitudeLog& log : trials()) results.push_back(replay::run_attitude("", log, settings));
   return replay::mean_of(results);
@@ -106,20 +106,20 @@ AttitudeResult mean_over_trials(attitude::Settings settings, bool magnetometer) 
 TEST_CASE("recorded trials: the classic Mahony filter scores as the benchmark says") {
   if (trials().empty()) return;
   REQUIRE(trials().size() == 10);
-  attitude::Settings settings;
-  settings.selection.filter = attitude::FilterKind::mahony;
-  settings.mahony.kp = 0.74;
-  settings.mahony.ki = 0.0012;
-  settings.mahony.ki_gate_mps2 = 1000;
-  settings.mahony.magnetic_error = attitude::MagneticError::full;
+  fusion::Settings settings;
+  settings.attitude.selection.filter = attitude::FilterKind::mahony;
+  settings.attitude.mahony.kp = 0.74;
+  settings.attitude.mahony.ki = 0.0012;
+  settings.attitude.mahony.ki_gate_mps2 = 1000;
+  settings.attitude.mahony.magnetic_error = attitude::MagneticError::full;
   CHECK(mean_over_trials(settings, true).total_rmse_deg == Approx(8.98).margin(0.1));
   CHECK(mean_over_trials(settings, false).inclination_rmse_deg == Approx(3.12).margin(0.1));
 }
 
 TEST_CASE("recorded trials: the AHRS is no worse than its library") {
   if (trials().empty()) return;
-  attitude::Settings settings;
-  settings.selection.filter = attitude::FilterKind::ahrs;
+  fusion::Settings settings;
+  settings.attitude.selection.filter = attitude::FilterKind::ahrs;
   CHECK(mean_over_trials(settings, true).total_rmse_deg < 10.82);
   CHECK(mean_over_trials(settings, false).inclination_rmse_deg < 3.82);
 }

@@ -22,9 +22,9 @@ public:
   /// Goes on with other settings, as the user gave them, and with all that it knows so far.
   void configure(const Settings& settings) noexcept;
 
-  /// One IMU sample: the pose at it; empty where the sample is no measurement or lies before the last one,
+  /// One IMU sample, as the sensor gave it: it is calibrated here. The pose at it; empty where the sample is no measurement or lies before the last one,
   /// which is counted.
-  std::optional<FusedPose> on(const ImuSample& imu) noexcept;
+  std::optional<FusedPose> on(const ImuSample& raw) noexcept;
 
   /// One fix: what was done with it.
   FixReport on(const UltrasonicFix& fix) noexcept;
@@ -59,6 +59,7 @@ private:
   [[nodiscard]] std::uint32_t status() const;
 
   Settings settings_;
+  calibration::Calibration calibration_;
   State state_;
   Counters counters_;
   std::uint32_t reset_counter_ = 0;

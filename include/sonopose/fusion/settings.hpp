@@ -3,6 +3,7 @@
 /// All settings of one engine, a group per stage, and the table made from their declarations.
 
 #include <sonopose/attitude/any_filter.hpp>
+#include <sonopose/calibration/calibration.hpp>
 #include <sonopose/fusion/admission.hpp>
 #include <sonopose/fusion/alignment.hpp>
 #include <sonopose/fusion/delay.hpp>
@@ -43,6 +44,7 @@ struct Settings {
   StartupSettings startup;
   FrozenSettings frozen;
   UncertaintySettings uncertainty;
+  calibration::Settings calibration;
 };
 
 /// The settings as the engine uses them: the preset (item 1) has been put in the place of items 2, 3 and 4.

@@ -2,7 +2,7 @@
 /// \file
 /// An attitude filter over a log, and its score as attitude benchmarks give it.
 
-#include <sonopose/attitude/any_filter.hpp>
+#include <sonopose/fusion/settings.hpp>
 #include <sonopose/io/attitude_log.hpp>
 #include <sonopose/replay/score.hpp>
 
@@ -24,9 +24,10 @@ struct AttitudeResult {
   double inclination_rmse_deg;  ///< 2·acos √(d_w² + d_z²)
 };
 
-/// Runs the filter that `settings` name from the first sample to the last; `tell` gets each orientation.
+/// Runs the filter that `settings` name over the calibrated samples, from the first to the last; `tell` gets
+/// each orientation.
 AttitudeResult run_attitude(const std::string& name, const io::AttitudeLog& log,
-                            const attitude::Settings& settings,
+                            const fusion::Settings& settings,
                             const std::function<void(TimeNs, const Quaterniond&)>& tell = {});
 
 /// The unweighted mean of each error over those results that have been scored; `scored` counts them.

@@ -1,0 +1,99 @@
+// sonopose-calibrate: what a sensor does wrong, from a recording of it.
+
+#include "support/run.hpp"
+#include <sonopose/replay/allan.hpp>
+#include <sonopose/replay/calibration.hpp>
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace {
+
+using namespace sonopose;
+using Path = std::filesystem::path;
+
+struct Options {
+  Path log;
+  std::optional<Path> out;
+  std::optional<BeaconAddress> beacon;
+  std::optional<double> field_ut;
+  std::optional<Path> picture;
+  bool json = false;
+};
+
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& what, Options& options) {
+  CLI::App* const command = app.add_subcommand(name, what);
+  command->add_option("LOG", options.log, "The sensor-log folder, of which only imu.csv is read")
+      ->required()
+      ->type_name("DIR");
+  command->add_flag("--json", options.json, "One JSON object instead of the lines");
+  return command;
+}
+
+void add_output(CLI::App& command, Options& options) {
+  command
+      .add_option("--out", options.out,
+                  "Write the TOML tables here, in the place of what the file was, and only the report to the "
+                  "standard output")
+      ->type_name("FILE");
+  command.add_option("--beacon", options.beacon, "Make them this beacon's own settings")
+      ->check(CLI::Range(0, all_beacons - 1));
+}
+
+/// Without a file the tables go to the standard output, the report as comments above them.
+int tell(const Options& options, const replay::CalibrationResult& result) {
+  const std::string toml = replay::calibration_toml(result, options.beacon);
+  if (options.out) replay::write_whole(*options.out, toml);
+  if (options.json) {
+    fmt::print("{}", replay::calibration_json(result));
+  } else {
+    fmt::print("{}", options.out ? replay::calibration_text(result) : toml);
+  }
+  return 0;
+}
+
+int analyse(const Options& options) {
+  std::optional<replay::AllanPicture> picture;
+  if (options.picture) picture.emplace(*options.picture);
+  const replay::AllanResult result = replay::analyse_allan(options.log);
+  if (picture) picture->draw(result);
+  fmt::print("{}", options.json ? replay::allan_json(result) : replay::allan_text(result));
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app(
+      "Finds what a beacon's sensors do wrong from a recording of them, and writes it as settings of the "
+      "fusion. Recordings hold what the sensors tell, whatever the fusion's settings were.",
+      "sonopose-calibrate");
+  app.require_subcommand(1);
+  CLI::App* const imu = add_command(app, "imu",
+                                    "Accelerometer and gyroscope: the sensor held still for 2 s in each of "
+                                    "nine orientations or more, six at least",
+                                    options);
+  CLI::App* const gyroscope =
+      add_command(app, "gyroscope", "The gyroscope's offset alone: the sensor at rest", options);
+  CLI::App* const magnetometer = add_command(
+      app, "magnetometer", "Hard and soft iron: the sensor turned slowly through all directions", options);
+  CLI::App* const allan =
+      add_command(app, "allan", "Noise: the sensor at rest for hours, its Allan deviation", options);
+  for (CLI::App* const command : {imu, gyroscope, magnetometer}) add_output(*command, options);
+  magnetometer
+      ->add_option("--field-ut", options.field_ut,
+                   "Strength of the field there (default: that of the readings about their centre)")
+      ->check(CLI::Range(1.0, 1000.0));
+  allan->add_option("--plot", options.picture, "Draw the curves: a file .svg or .png (needs gnuplot)")
+      ->type_name("FILE");
+  return apps::run(app, argc, argv, [&] {
+    if (*allan) return analyse(options);
+    if (*imu) return tell(options, replay::calibrate_imu(options.log));
+    if (*gyroscope) return tell(options, replay::calibrate_gyroscope(options.log));
+    return tell(options, replay::calibrate_magnetometer(options.log, options.field_ut));
+  });
+}

@@ -1,0 +1,16 @@
+#pragma once
+/// \file
+/// The one exception of this folder.
+
+#include <stdexcept>
+
+namespace sonopose::calibration {
+
+/// A recording from which no calibration follows: the message says what was found, what is needed, and what
+/// to do about it.
+class CalibrationError : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace sonopose::calibration

@@ -1,0 +1,75 @@
+/// sonopose-calibrate as a program: what stands where, and what is left alone when it fails.
+
+#include "calibration/simulated_sensor.hpp"
+#include "io/temporary_folder.hpp"
+#include "support/process.hpp"
+#include <sonopose/io/log_writer.hpp>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+
+namespace {
+
+Result calibrate(const std::vector<std::string>& arguments) {
+  return run(SONOPOSE_TEST_CALIBRATE, arguments);
+}
+
+std::string write_log(const std::filesystem::path& folder, const std::vector<Vector3d>& up_body) {
+  SensorErrors errors;
+  errors.accel_offset_mps2 = {0.2, -0.1, 0.3};
+  io::SensorLogWriter writer(folder);
+  for (const ImuSample& sample : SimulatedSensor(errors, 1).hold_in_turn(up_body)) writer.write(sample);
+  writer.flush();
+  return folder.string();
+}
+
+}  // namespace
+
+SCENARIO("the tables go to the standard output, or to a file and the report to the standard output") {
+  const TemporaryFolder folder;
+  const std::string log = write_log(folder / "log", sides_and_corners_of_a_cube());
+  const auto out = folder / "calibration.toml";
+  const Result shown = calibrate({"imu", log});
+  CHECK(shown.code == 0);
+  CHECK(shown.error.empty());
+  CHECK_THAT(shown.output, Contains("\n[calibration.accelerometer]\n") && Contains("# accelerometer"));
+  const Result written = calibrate({"imu", log, "--out", out.string()});
+  CHECK(written.code == 0);
+  CHECK_THAT(written.output, !Contains("[calibration") && Contains("14 orientations"));
+  CHECK(read_text(out) == shown.output);
+  const Result own = calibrate({"imu", log, "--out", out.string(), "--beacon", "7", "--json"});
+  CHECK(own.code == 0);
+  CHECK(nlohmann::json::parse(own.output).contains("accelerometer"));
+  CHECK_THAT(read_text(out), Contains("\n[beacon.7.calibration.accelerometer]\n"));
+}
+
+SCENARIO("WHEN it fails THEN it says why, and a file from before stays") {
+  const TemporaryFolder folder;
+  const std::string log = write_log(folder / "log", {{0, 0, 1}, {1, 0, 0}});
+  const auto out = folder / "calibration.toml";
+  write_text(out, "precious = 1\n");
+  const Result result = calibrate({"imu", log, "--out", out.string()});
+  CHECK(result.code == 1);
+  CHECK(result.output.empty());
+  CHECK_THAT(result.error, Contains("sonopose-calibrate: ") && Contains("imu.csv") && Contains("2 found"));
+  CHECK(read_text(out) == "precious = 1\n");
+  CHECK(calibrate({"gyroscope", log, "--out", (folder / "none/a.toml").string()}).code == 1);
+  CHECK(calibrate({"magnetometer", log}).code == 1);
+  CHECK(calibrate({"allan", log}).code == 1);
+}
+
+SCENARIO("a command line that makes no sense is refused before anything is read") {
+  CHECK(calibrate({}).code != 0);
+  CHECK(calibrate({"imu"}).code != 0);
+  CHECK(calibrate({"imu", "log", "--beacon", "65535"}).code != 0);
+  CHECK(calibrate({"magnetometer", "log", "--field-ut", "-1"}).code != 0);
+  CHECK(calibrate({"allan", "log", "--out", "x"}).code != 0);
+  CHECK_THAT(calibrate({"--help"}).output, Contains("magnetometer") && Contains("allan"));
+}
