@@ -13,10 +13,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 #include <stdexcept>
-#include <string>
+#include <string_view>
 #include <vector>
 
 namespace {
