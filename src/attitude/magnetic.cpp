@@ -1,4 +1,5 @@
 #include <sonopose/attitude/magnetic.hpp>
+#include <sonopose/attitude/rejection.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -8,13 +9,14 @@ namespace {
 
 template <class Scalar>
 bool are_alike(const MagneticSettings& settings, const FieldShape<Scalar>& a, const FieldShape<Scalar>& b) {
-  const Scalar norm_a_t = std::hypot(a.level_t, a.up_t);
-  const Scalar norm_b_t = std::hypot(b.level_t, b.up_t);
-  const Scalar sine = Scalar(std::sin(settings.dip_tolerance_deg * math::radians_per_degree));
+  const Scalar norm_a_t = std::sqrt(a.level_t * a.level_t + a.up_t * a.up_t);
+  const Scalar norm_b_t = std::sqrt(b.level_t * b.level_t + b.up_t * b.up_t);
   const Scalar across = a.level_t * b.up_t - a.up_t * b.level_t;
   const Scalar along = a.level_t * b.level_t + a.up_t * b.up_t;
-  return std::abs(norm_a_t - norm_b_t) < Scalar(settings.norm_tolerance) * norm_b_t &&
-         std::abs(across) < sine * norm_a_t * norm_b_t && along > 0;
+  if (!(std::abs(norm_a_t - norm_b_t) < Scalar(settings.norm_tolerance) * norm_b_t)) return false;
+  const Scalar scale = 1 / (norm_a_t * norm_b_t);
+  const AngleError<Scalar> dip{scale * std::abs(across), scale * along};
+  return dip.within(Scalar(settings.dip_tolerance_deg * math::radians_per_degree));
 }
 
 template <class Scalar>

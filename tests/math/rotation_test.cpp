@@ -33,7 +33,7 @@ TEST_CASE("the rotation vector turns by its length about itself") {
   }
   SECTION("it agrees with the axis-angle form over all sizes, the series' seam included") {
     const Vector3d axis = Vector3d(0.3, -0.5, 0.8).normalized();
-    for (const double angle : {1e-12, 1e-7, 0.99e-4, 1e-4, 1.01e-4, 1e-3, 0.5, 3.0}) {
+    for (const double angle : {1e-12, 1e-7, 1e-4, 1e-2, 0.1, 0.1999, 0.2, 0.2001, 0.5, 3.0}) {
       const Quaterniond expected(Eigen::AngleAxisd(angle, axis));
       const Quaterniond q = math::rotation_by(angle * axis);
       INFO("angle " << angle);
