@@ -42,7 +42,7 @@ struct MagneticSettings {
              "like a field of the place."),
         real(own_setting, "longest_rejection_s", &G::longest_rejection_s, 60.0, {0.0, 3600.0}, "s",
              "A disturbed field is not used for so long at most, then with the share late_share."),
-        real(own_setting, "late_share", &G::late_share, 0.5, {0.0, 1.0}, "",
+        real(own_setting, "late_share", &G::late_share, 0.1, {0.0, 1.0}, "",
              "How much a disturbed field counts when it has lasted longer than that."),
         real(own_setting, "reference_s", &G::reference_s, 20.0, {0.1, 3600.0}, "s",
              "Time in which the reference follows an undisturbed field."),
