@@ -30,6 +30,20 @@ constexpr std::array<Order, 5> orders{{
      "the acceleration is ignored from the latter on and never projected"},
 }};
 
+/// A group of settings that one attitude filter alone reads.
+struct FilterGroup {
+  std::string_view group;
+  std::string_view filter;
+};
+
+constexpr std::array<FilterGroup, 7> filter_groups{{{"attitude.adaptive", "adaptive"},
+                                                    {"attitude.rest", "adaptive"},
+                                                    {"attitude.bias", "adaptive"},
+                                                    {"attitude.magnetic", "adaptive"},
+                                                    {"attitude.mahony", "mahony"},
+                                                    {"attitude.complementary", "complementary"},
+                                                    {"attitude.ahrs", "ahrs"}}};
+
 /// Of a number.
 double value_of(const fusion::Settings& settings, std::string_view key) {
   const fusion::SettingValue value = fusion::get(settings, key);
@@ -63,10 +77,26 @@ std::vector<std::string> contradictions(const fusion::Settings& settings, const 
   return texts;
 }
 
+std::vector<std::string> idle_filter_warnings(const fusion::Settings& settings, const Assignments& given,
+                                              std::string_view where) {
+  const std::string chosen = fusion::to_text(fusion::get(settings, "attitude.filter"));
+  std::vector<std::string> texts;
+  for (const auto& [key, value] : given) {
+    const fusion::SettingInfo& info = fusion::setting_info(key);
+    const auto owner = std::find_if(filter_groups.begin(), filter_groups.end(),
+                                    [&info](const FilterGroup& group) { return group.group == info.group; });
+    if (owner == filter_groups.end() || owner->filter == chosen || value == info.initial) continue;
+    texts.push_back(fmt::format("{}{} = {} has no effect: attitude.filter is {}, not {}", where, key,
+                                fusion::to_text(value), chosen, owner->filter));
+  }
+  return texts;
+}
+
 std::vector<std::string> warnings_for(const fusion::Settings& settings, const Assignments& given,
                                       std::string_view where) {
   std::vector<std::string> texts = preset_warnings(settings, given, where);
   for (std::string& text : contradictions(settings, given, where)) texts.push_back(std::move(text));
+  for (std::string& text : idle_filter_warnings(settings, given, where)) texts.push_back(std::move(text));
   return texts;
 }
 

@@ -121,3 +121,18 @@ TEST_CASE("item 1: keys that a preset replaces are warned of") {
   settings.preset.imu_weight = fusion::ImuWeight::user;
   CHECK(preset_warnings(settings, given).empty());
 }
+
+TEST_CASE("settings of an attitude filter that is not chosen are warned of, unless they are as ever") {
+  fusion::Settings settings;
+  settings.attitude.selection.filter = attitude::FilterKind::ahrs;
+  const Assignments given{{"attitude.mahony.kp", 0.5},
+                          {"attitude.ahrs.gain", 0.7},
+                          {"attitude.magnetic.late_share", attitude::MagneticSettings{}.late_share},
+                          {"trust.n_base", 9}};
+  const auto warnings = idle_filter_warnings(settings, given, "beacon.7.");
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], Contains("beacon.7.attitude.mahony.kp = 0.5") && Contains("ahrs"));
+  settings.attitude.selection.filter = attitude::FilterKind::mahony;
+  REQUIRE(idle_filter_warnings(settings, given).size() == 1);
+  CHECK_THAT(idle_filter_warnings(settings, given)[0], Contains("attitude.ahrs.gain"));
+}

@@ -50,6 +50,18 @@ SCENARIO("the tables go to the standard output, or to a file and the report to t
   CHECK_THAT(read_text(out), Contains("\n[beacon.7.calibration.accelerometer]\n"));
 }
 
+SCENARIO("what it writes is a configuration that other programs take without a word") {
+  const TemporaryFolder folder;
+  const std::string log = write_log(folder / "log", sides_and_corners_of_a_cube());
+  const std::string out = (folder / "calibration.toml").string();
+  for (const char* const beacon : {"7", "9"}) {
+    REQUIRE(calibrate({"imu", log, "--out", out, "--beacon", beacon}).code == 0);
+    const Result taken = run(SONOPOSE_TEST_ATTITUDE, {log, "--config", out, "--beacon", "7"});
+    CHECK(taken.code == 0);
+    CHECK(taken.error.empty());
+  }
+}
+
 SCENARIO("WHEN it fails THEN it says why, and a file from before stays") {
   const TemporaryFolder folder;
   const std::string log = write_log(folder / "log", {{0, 0, 1}, {1, 0, 0}});

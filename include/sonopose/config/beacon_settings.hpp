@@ -36,7 +36,12 @@ std::vector<std::string> preset_warnings(const fusion::Settings& settings, const
 std::vector<std::string> contradictions(const fusion::Settings& settings, const Assignments& given,
                                         std::string_view where = "");
 
-/// Both: what is allowed but surely not meant.
+/// Warnings, in plain words, for those of the `given` keys that belong to an attitude filter which is not
+/// chosen and differ from their default.
+std::vector<std::string> idle_filter_warnings(const fusion::Settings& settings, const Assignments& given,
+                                              std::string_view where = "");
+
+/// All of these: what is allowed but surely not meant.
 std::vector<std::string> warnings_for(const fusion::Settings& settings, const Assignments& given,
                                       std::string_view where = "");
 
