@@ -22,40 +22,33 @@ struct Options {
   std::vector<Path> logs;
   apps::ConfigOptions config;
   BeaconAddress beacon = io::default_log_address;
-  std::optional<attitude::FilterKind> filter;
-  std::optional<bool> magnetometer;
+  std::optional<std::string> filter;
+  std::optional<std::string> magnetometer;
   std::optional<Path> out;
   bool json = false;
 };
 
 void add_options(CLI::App& app, Options& options) {
-  std::map<std::string, attitude::FilterKind> filters;
-  std::string names;
-  for (const std::string_view name : choices_of(attitude::FilterKind{})) {
-    filters.emplace(name, static_cast<attitude::FilterKind>(filters.size()));
-    names += (names.empty() ? "" : "|") + std::string(name);
-  }
-  const std::map<std::string, bool> on_or_off{{"on", true}, {"off", false}};
+  std::vector<std::string> filters;
+  for (const std::string_view name : choices_of(attitude::FilterKind{})) filters.emplace_back(name);
   app.add_option("LOG", options.logs, "Log folders with imu.csv, and truth.csv and movement.csv to score by")
       ->required()
       ->type_name("DIR");
-  app.add_option("--filter", options.filter, "Which filter; the same as --set attitude.filter=...")
-      ->transform(CLI::CheckedTransformer(filters))
-      ->option_text(names + " (default: the settings')");
+  app.add_option("--filter", options.filter, "Which filter, whatever the settings say")
+      ->check(CLI::IsMember(filters));
   app.add_option("--magnetometer", options.magnetometer,
-                 "Heading from the magnetometer; the same as --set attitude.magnetometer=...")
-      ->transform(CLI::CheckedTransformer(on_or_off))
-      ->option_text("on|off (default: the settings')");
+                 "Heading from the magnetometer or not, whatever the settings say")
+      ->check(CLI::IsMember({"on", "off"}));
   apps::add_config_options(app, options.config);
   apps::add_beacon_option(app, options.beacon);
   app.add_option("--out", options.out, "Write LOG.tum of each log here, at the position 0")->type_name("DIR");
   app.add_flag("--json", options.json, "One JSON object instead of the table");
 }
 
-/// What a log is called: the last part of its path.
+/// What a log is called: the last part of its path, without a slash behind it.
 std::string name_of(const Path& log) {
   const Path whole = std::filesystem::weakly_canonical(log);
-  return whole.filename().string();
+  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
 }
 
 /// Two logs of one name would write one file.
@@ -85,11 +78,21 @@ replay::AttitudeResult run_log(const Path& folder, const Options& options, const
   return result;
 }
 
+/// The settings, above them the two options.
+fusion::Settings settings_of(const CLI::App& app, const Options& options) {
+  apps::ConfigOptions config = options.config;
+  const std::string own = fmt::format("beacon.{}.", options.beacon);
+  const auto set = [&](const std::string& key, const std::string& value) {
+    config.assignments.push_back(key + "=" + value);
+    config.assignments.push_back(own + key + "=" + value);
+  };
+  if (options.filter) set("attitude.filter", *options.filter);
+  if (options.magnetometer) set("attitude.magnetometer", *options.magnetometer == "on" ? "true" : "false");
+  return apps::configuration(app, config).for_beacon(options.beacon);
+}
+
 int run_logs(const CLI::App& app, const Options& options) {
-  fusion::Settings settings = apps::configuration(app, options.config).for_beacon(options.beacon);
-  attitude::SelectionSettings& selection = settings.attitude.selection;
-  if (options.filter) selection.filter = *options.filter;
-  if (options.magnetometer) selection.magnetometer = *options.magnetometer;
+  const fusion::Settings settings = settings_of(app, options);
   if (options.out) {
     check_names(options.logs);
     replay::make_folder(*options.out);
