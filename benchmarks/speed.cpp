@@ -88,7 +88,9 @@ void mahony_per_imu_sample(benchmark::State& state) {
     for (const Event& event : events) {
       const auto* imu = std::get_if<ImuSample>(&event);
       if (imu == nullptr) continue;
-      filter.update(settings, imu->angular_velocity_body_radps, imu->specific_force_body_mps2, 0.01);
+      filter.update(settings, {.dt_s = 0.01,
+                               .angular_velocity_body_radps = imu->angular_velocity_body_radps,
+                               .specific_force_body_mps2 = imu->specific_force_body_mps2});
       ++samples;
     }
     benchmark::DoNotOptimize(filter);

@@ -81,8 +81,11 @@ std::vector<std::string> idle_filter_warnings(const fusion::Settings& settings, 
                                               std::string_view where) {
   const std::string chosen = fusion::to_text(fusion::get(settings, "attitude.filter"));
   std::vector<std::string> texts;
-  for (const auto& [key, value] : given) {
+  for (const auto& entry : given) {
+    const std::string& key = entry.first;
     const fusion::SettingInfo& info = fusion::setting_info(key);
+    // In the setting's own kind: a whole number may have been given for a real one.
+    const fusion::SettingValue value = fusion::get(settings, key);
     const auto owner = std::find_if(filter_groups.begin(), filter_groups.end(),
                                     [&info](const FilterGroup& group) { return group.group == info.group; });
     if (owner == filter_groups.end() || owner->filter == chosen || value == info.initial) continue;

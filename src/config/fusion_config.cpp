@@ -209,7 +209,7 @@ std::string settings_help() {
       "Settings for --set, with default and range (--print-config of sonopose-fusion says what they do):\n";
   for (const auto& row : fusion::setting_table()) {
     const std::string item = row.item == setting::own_setting ? "" : fmt::format("  item {}", row.item);
-    text += fmt::format("  {:<38}{:<10}{}{}\n", row.key, fusion::to_text(row.initial), row.allowed(), item);
+    text += fmt::format("  {:<42}{:<10}{}{}\n", row.key, fusion::to_text(row.initial), row.allowed(), item);
   }
   return text;
 }

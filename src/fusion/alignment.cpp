@@ -13,7 +13,7 @@ void level(const AlignmentSettings& settings, AlignmentState& state, attitude::A
   const Vector3d turn_world_rad =
       settings.tilt_gain_hz / standard_gravity_mps2 * Vector3d::UnitZ().cross(velocity_change_world_mps);
   filter.turn_in_world(turn_world_rad);
-  state.untold_world_mps += velocity_change_world_mps;
+  if (settings.aiding_s > 0.0) state.untold_world_mps += velocity_change_world_mps;
   const double limit_mps2 = settings.vertical_limit_mps2;
   state.vertical_offset_mps2 =
       std::clamp(state.vertical_offset_mps2 + settings.vertical_gain_hz * velocity_change_world_mps.z(),

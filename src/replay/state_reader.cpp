@@ -99,7 +99,7 @@ void StateReader::read(const char* name, Quaterniond& q) {
   constexpr double tolerance = 1e-6;
   const auto [w, x, y, z] = take_numbers<4>(name, "four numbers");
   q = Quaterniond(w, x, y, z);
-  if (!(std::abs(q.norm() - 1.0) < tolerance)) fail(name, "is no unit quaternion");
+  if (!(std::abs(q.norm() - 1.0) < tolerance)) fail(name, "is not a unit quaternion");
 }
 
 void StateReader::read(const char* name, Eigen::Matrix3d& value) {

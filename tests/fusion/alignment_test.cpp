@@ -60,6 +60,7 @@ TEST_CASE("a gain of zero learns nothing") {
   AlignmentSettings off;
   off.tilt_gain_hz = 0.0;
   off.vertical_gain_hz = 0.0;
+  off.aiding_s = 0.0;
   auto filter = filter_at(Quaterniond::Identity());
   AlignmentState state;
   alignment::level(off, state, filter, {1, 2, 3});

@@ -67,11 +67,13 @@ struct GyroscopeSettings : InertialTerms {
       return setting::real(setting::own_setting, name, field, 0.0, {-2.0, 2.0}, "rad/s", sentence);
     };
     return std::tuple_cat(
-        std::tuple{offset("offset_x_radps", &G::offset_x_radps,
-                          "What the sensor's X axis tells at rest; it is taken off first. (The start-up "
-                          "calibration takes off what is left.)"),
-                   offset("offset_y_radps", &G::offset_y_radps, "What the sensor's Y axis tells at rest."),
-                   offset("offset_z_radps", &G::offset_z_radps, "What the sensor's Z axis tells at rest.")},
+        std::tuple{
+            offset(
+                "offset_x_radps", &G::offset_x_radps,
+                "What the sensor's X axis tells at rest, taken off first; the start-up calibration takes off "
+                "what is left."),
+            offset("offset_y_radps", &G::offset_y_radps, "What the sensor's Y axis tells at rest."),
+            offset("offset_z_radps", &G::offset_z_radps, "What the sensor's Z axis tells at rest.")},
         detail::inertial_declarations<G>());
   }
   constexpr GyroscopeSettings() { setting::set_defaults(*this); }

@@ -41,7 +41,7 @@ struct AlignmentSettings {
             "fix turns yaw, while there is no paired heading."),
         real(own_setting, "yaw_noise_mps", &G::yaw_noise_mps, 0.4, {0.05, 10.0}, "m/s",
              "Velocity gained by acceleration at which that share is halved; less of it is mostly noise."),
-        real(own_setting, "aiding_s", &G::aiding_s, 10.0, {0.0, 60.0}, "s",
+        real(own_setting, "aiding_s", &G::aiding_s, 20.0, {0.0, 120.0}, "s",
              "Time over which a velocity correction is told to the attitude filter as acceleration; 0: the "
              "filter is told of no acceleration."),
         real(own_setting, "hold_s", &G::hold_s, 10.0, {0.0, 3600.0}, "s",
