@@ -78,10 +78,7 @@ void BasicAdaptive<Scalar>::point_north(const Settings& all, const Measurement<S
   heading_share_ /= 1 + heading_share_;
   if (heading_share_ * time_s < dt_s) heading_share_ = 0;
   if (!(share > 0)) return;
-  const auto& north = measurement.north_world;
-  const Scalar error_rad = std::atan2(field_world_t.x() * north.y() - field_world_t.y() * north.x(),
-                                      field_world_t.x() * north.x() + field_world_t.y() * north.y());
-  turn_in_world(Vector3<Scalar>(0, 0, share * error_rad));
+  turn_in_world(Vector3<Scalar>(0, 0, share * heading_error_rad(field_world_t, measurement)));
 }
 
 template <class Scalar>

@@ -20,29 +20,22 @@ Quaternion<Scalar> turn_to_level(const Vector3<Scalar>& up_measured_world, Scala
 
 template <class Scalar>
 void BasicComplementary<Scalar>::update(const Settings& settings, const Measurement<Scalar>& measurement) {
-  const Vector3<Scalar> rate_body_radps = measurement.angular_velocity_body_radps - gyro_bias_body_radps_;
-  q_body_to_world_ = q_body_to_world_ * math::rotation_by(rate_body_radps * measurement.dt_s);
-  const Scalar alpha = std::pow(Scalar(settings.alpha), measurement.dt_s / Scalar(settings.alpha_step_s));
-  const Scalar share = 1 - alpha;
+  const Scalar dt_s = measurement.dt_s;
+  this->turn_in_body((measurement.angular_velocity_body_radps - this->gyro_bias_body_radps_) * dt_s);
+  const Scalar share = 1 - std::pow(Scalar(settings.alpha), dt_s / Scalar(settings.alpha_step_s));
 
-  const Vector3<Scalar> force_world =
-      q_body_to_world_ * measurement.specific_force_body_mps2 - measurement.acceleration_world_mps2;
+  Quaternion<Scalar>& q_body_to_world = this->q_body_to_world_;
   if (!measurement.specific_force_body_mps2.isZero(0)) {
-    q_body_to_world_ = turn_to_level(force_world, share) * q_body_to_world_;
+    const Vector3<Scalar> force_world_mps2 =
+        q_body_to_world * measurement.specific_force_body_mps2 - measurement.acceleration_world_mps2;
+    q_body_to_world = turn_to_level(force_world_mps2, share) * q_body_to_world;
   }
-  const Vector3<Scalar> field_world = q_body_to_world_ * measurement.magnetic_field_body_t;
-  if (field_world.x() != 0 || field_world.y() != 0) {
-    const auto& north = measurement.north_world;
-    const Scalar error_rad = std::atan2(field_world.x() * north.y() - field_world.y() * north.x(),
-                                        field_world.x() * north.x() + field_world.y() * north.y());
-    q_body_to_world_ = math::rotation_about_z(share * error_rad) * q_body_to_world_;
+  const Vector3<Scalar> field_world_t = q_body_to_world * measurement.magnetic_field_body_t;
+  if (field_world_t.x() != 0 || field_world_t.y() != 0) {
+    q_body_to_world =
+        math::rotation_about_z(share * heading_error_rad(field_world_t, measurement)) * q_body_to_world;
   }
-  q_body_to_world_.normalize();
-}
-
-template <class Scalar>
-void BasicComplementary<Scalar>::turn_in_world(const Vector3<Scalar>& rotation_world_rad) {
-  q_body_to_world_ = (math::rotation_by(rotation_world_rad) * q_body_to_world_).normalized();
+  q_body_to_world.normalize();
 }
 
 template class BasicComplementary<float>;

@@ -33,43 +33,32 @@ Vector3<Scalar> heading_error(const Quaternion<Scalar>& q_body_to_world, const V
 }  // namespace
 
 template <class Scalar>
-void BasicMahony<Scalar>::reset(const Quaternion<Scalar>& q_body_to_world) {
-  q_body_to_world_ = q_body_to_world;
-  integral_body_radps_.setZero();
-}
-
-template <class Scalar>
 void BasicMahony<Scalar>::update(const Settings& settings, const Measurement<Scalar>& measurement) {
   const Scalar dt_s = measurement.dt_s;
   const Scalar kp = Scalar(settings.kp);
   const Scalar ki = Scalar(settings.ki);
-  const Vector3<Scalar> up_body = math::up_in_body(q_body_to_world_);
+  const Quaternion<Scalar>& q_body_to_world = this->q_body_to_world_;
+  const Vector3<Scalar> up_body = math::up_in_body(q_body_to_world);
   Vector3<Scalar> rate_body_radps = measurement.angular_velocity_body_radps;
 
-  const Vector3<Scalar> force_body_mps2 = gravity_force_body(measurement, q_body_to_world_);
+  const Vector3<Scalar> force_body_mps2 = gravity_force_body(measurement, q_body_to_world);
   const Scalar force_mps2 = force_body_mps2.norm();
   if (force_mps2 > 0 && !measurement.specific_force_body_mps2.isZero(0)) {
     const Vector3<Scalar> up_measured_body = force_body_mps2 / force_mps2;
     const Vector3<Scalar> error_body = up_measured_body.cross(up_body);
     if (std::abs(force_mps2 - Scalar(standard_gravity_mps2)) <= Scalar(settings.ki_gate_mps2)) {
-      integral_body_radps_ += ki * dt_s * error_body;
+      this->gyro_bias_body_radps_ -= ki * dt_s * error_body;
     }
     rate_body_radps += kp * error_body;
   }
   if (!measurement.magnetic_field_body_t.isZero(0)) {
     const bool full = settings.magnetic_error == MagneticError::full;
-    const Vector3<Scalar> error_body = full ? full_magnetic_error(q_body_to_world_, measurement)
-                                            : heading_error(q_body_to_world_, up_body, measurement);
-    integral_body_radps_ += ki * dt_s * error_body;
+    const Vector3<Scalar> error_body = full ? full_magnetic_error(q_body_to_world, measurement)
+                                            : heading_error(q_body_to_world, up_body, measurement);
+    this->gyro_bias_body_radps_ -= ki * dt_s * error_body;
     rate_body_radps += (full ? kp : Scalar(settings.heading_kp)) * error_body;
   }
-  rate_body_radps += integral_body_radps_;
-  q_body_to_world_ = (q_body_to_world_ * math::rotation_by(rate_body_radps * dt_s)).normalized();
-}
-
-template <class Scalar>
-void BasicMahony<Scalar>::turn_in_world(const Vector3<Scalar>& rotation_world_rad) {
-  q_body_to_world_ = (math::rotation_by(rotation_world_rad) * q_body_to_world_).normalized();
+  this->turn_in_body((rate_body_radps - this->gyro_bias_body_radps_) * dt_s);
 }
 
 template class BasicMahony<float>;

@@ -3,7 +3,7 @@
 /// The complementary filter (the attitude document's "Complementary Filter"): what the gyroscope predicts and
 /// what accelerometer and magnetometer measure, blended.
 
-#include <sonopose/attitude/filter.hpp>
+#include <sonopose/attitude/integrated_attitude.hpp>
 #include <sonopose/core/setting.hpp>
 
 namespace sonopose::attitude {
@@ -27,17 +27,13 @@ struct ComplementarySettings {
   constexpr ComplementarySettings() { setting::set_defaults(*this); }
 };
 
+/// Its offset is the one that was given: the filter learns none.
 template <class Number>
-class BasicComplementary {
+class BasicComplementary : public IntegratedAttitude<Number> {
 public:
   using Scalar = Number;
   using Settings = ComplementarySettings;
   static constexpr std::string_view name = "complementary";
-
-  void reset(const Quaternion<Scalar>& q_body_to_world) {
-    *this = BasicComplementary();
-    q_body_to_world_ = q_body_to_world;
-  }
 
   ///   θ ← α·(θ + ω·dt) + (1 − α)·θ_measured
   /// The document blends Euler angles, which holds near level alone, where ω is their rate. Here the
@@ -45,29 +41,6 @@ public:
   /// axis across both, and then about the vertical by (1 − α) of the angle between the level part of the
   /// field and north: for one axis the same, and right at any attitude.
   void update(const Settings& settings, const Measurement<Scalar>& measurement);
-
-  void turn_in_world(const Vector3<Scalar>& rotation_world_rad);
-
-  [[nodiscard]] const Quaternion<Scalar>& orientation() const { return q_body_to_world_; }
-
-  /// As it was given: the filter learns none.
-  [[nodiscard]] const Vector3<Scalar>& gyro_bias_body_radps() const { return gyro_bias_body_radps_; }
-  void set_gyro_bias(const Vector3<Scalar>& bias_body_radps) { gyro_bias_body_radps_ = bias_body_radps; }
-
-  template <class Visit>
-  void for_each_field(const Visit& visit) {
-    visit("q_body_to_world", q_body_to_world_);
-    visit("gyro_bias_body_radps", gyro_bias_body_radps_);
-  }
-
-  bool operator==(const BasicComplementary& other) const {
-    return q_body_to_world_.coeffs() == other.q_body_to_world_.coeffs() &&
-           gyro_bias_body_radps_ == other.gyro_bias_body_radps_;
-  }
-
-private:
-  Quaternion<Scalar> q_body_to_world_ = Quaternion<Scalar>::Identity();
-  Vector3<Scalar> gyro_bias_body_radps_ = Vector3<Scalar>::Zero();
 };
 
 extern template class BasicComplementary<float>;

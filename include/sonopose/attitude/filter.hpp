@@ -6,6 +6,7 @@
 
 #include <sonopose/math/rotation.hpp>
 
+#include <cmath>
 #include <concepts>
 #include <string_view>
 
@@ -34,6 +35,15 @@ Vector3<Scalar> gravity_force_body(const Measurement<Scalar>& measurement,
   if (measurement.acceleration_world_mps2.isZero(0)) return measurement.specific_force_body_mps2;
   return measurement.specific_force_body_mps2 -
          q_body_to_world.conjugate() * measurement.acceleration_world_mps2;
+}
+
+/// The turn about the vertical that takes the level part of `field_world_t` to north; the field must have
+/// one.
+template <class Scalar>
+Scalar heading_error_rad(const Vector3<Scalar>& field_world_t, const Measurement<Scalar>& measurement) {
+  const auto& north = measurement.north_world;
+  return std::atan2(field_world_t.x() * north.y() - field_world_t.y() * north.x(),
+                    field_world_t.x() * north.x() + field_world_t.y() * north.y());
 }
 
 /// Orientations are `q_body_to_world`, the world's Z up. Made by its default constructor a filter stands at

@@ -4,7 +4,7 @@
 /// with a proportional and integral pull of the estimated up towards the measured specific force, and of the
 /// estimated north towards the measured field.
 
-#include <sonopose/attitude/filter.hpp>
+#include <sonopose/attitude/integrated_attitude.hpp>
 #include <sonopose/core/setting.hpp>
 
 #include <array>
@@ -56,43 +56,17 @@ struct MahonySettings {
   constexpr MahonySettings() { setting::set_defaults(*this); }
 };
 
-/// The filter as a value: copying it copies its state.
+/// Its offset of the gyroscope is the integral, with its sign turned.
 template <class Number>
-class BasicMahony {
+class BasicMahony : public IntegratedAttitude<Number> {
 public:
   using Scalar = Number;
   using Settings = MahonySettings;
   static constexpr std::string_view name = "mahony";
 
-  void reset(const Quaternion<Scalar>& q_body_to_world);
-
   ///   e = v_measured × v_estimated;  ω' = ω + Kp·e + Ki·∫e dt;  q ← q ⊗ exp(ω'·dt)
-  /// The increment stands on the right, as body rates demand, and is exact where the document's q̇ = ½ q ⊗ ω
-  /// is of first order.
+  /// The exponential is exact where the document's q̇ = ½ q ⊗ ω is of first order.
   void update(const Settings& settings, const Measurement<Scalar>& measurement);
-
-  void turn_in_world(const Vector3<Scalar>& rotation_world_rad);
-
-  [[nodiscard]] const Quaternion<Scalar>& orientation() const { return q_body_to_world_; }
-
-  /// The integral, with its sign turned.
-  [[nodiscard]] Vector3<Scalar> gyro_bias_body_radps() const { return -integral_body_radps_; }
-  void set_gyro_bias(const Vector3<Scalar>& bias_body_radps) { integral_body_radps_ = -bias_body_radps; }
-
-  template <class Visit>
-  void for_each_field(const Visit& visit) {
-    visit("q_body_to_world", q_body_to_world_);
-    visit("integral_body_radps", integral_body_radps_);
-  }
-
-  bool operator==(const BasicMahony& other) const {
-    return q_body_to_world_.coeffs() == other.q_body_to_world_.coeffs() &&
-           integral_body_radps_ == other.integral_body_radps_;
-  }
-
-private:
-  Quaternion<Scalar> q_body_to_world_ = Quaternion<Scalar>::Identity();
-  Vector3<Scalar> integral_body_radps_ = Vector3<Scalar>::Zero();
 };
 
 extern template class BasicMahony<float>;
