@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -64,7 +65,10 @@ void check_names(const std::vector<Path>& logs) {
 
 replay::AttitudeResult run_log(const Path& folder, const Options& options, const fusion::Settings& settings) {
   const io::AttitudeLog log = io::read_attitude_log(folder, options.beacon);
-  if (settings.attitude.selection.magnetometer && !log.imu.front().magnetic_field_body_t) {
+  const bool has_field = std::any_of(log.imu.begin(), log.imu.end(), [](const ImuSample& imu) {
+    return imu.magnetic_field_body_t.has_value();
+  });
+  if (settings.attitude.selection.magnetometer && !has_field) {
     throw io::IoError((folder / "imu.csv").string() + ": no magnetometer, which is asked for");
   }
   std::optional<replay::TrajectoryFile> trajectory;
@@ -98,8 +102,16 @@ int run_logs(const CLI::App& app, const Options& options) {
     replay::make_folder(*options.out);
   }
   std::vector<replay::AttitudeResult> results;
-  for (const Path& log : options.logs) results.push_back(run_log(log, options, settings));
-  fmt::print("{}", options.json ? replay::attitude_json(results) : replay::attitude_text(results));
+  const auto tell = [&] {
+    fmt::print("{}", options.json ? replay::attitude_json(results) : replay::attitude_text(results));
+  };
+  try {
+    for (const Path& log : options.logs) results.push_back(run_log(log, options, settings));
+  } catch (...) {
+    if (!results.empty()) tell();  // what the logs before gave
+    throw;
+  }
+  tell();
   return 0;
 }
 

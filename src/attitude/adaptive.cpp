@@ -19,20 +19,26 @@ void BasicAdaptive<Scalar>::update(const Settings& all, const Measurement<Scalar
 
   since_force_s_ = std::min(since_force_s_ + dt_s, Scalar(longest_wait_s));
   since_field_s_ = std::min(since_field_s_ + dt_s, Scalar(longest_wait_s));
-  if (!measurement.specific_force_body_mps2.isZero(0)) {
-    rest::watch(all.rest, rest_, measurement, since_force_s_, bias::limit_radps<Scalar>(all.bias));
-    const Matrix3<Scalar> rotation = q_body_to_world_.toRotationMatrix();
-    const Vector3<Scalar> force_world_mps2 = rotation * measurement.specific_force_body_mps2;
-    const Vector3<Scalar> turn_world_rad =
-        level(all.adaptive, force_world_mps2 - measurement.acceleration_world_mps2, since_force_s_);
-    bias::collect(bias_, rotation, turn_world_rad, since_force_s_);
-    since_force_s_ = 0;
-    if (bias::is_due(bias_)) learn_bias(all);
-  }
+  if (!measurement.specific_force_body_mps2.isZero(0)) take_force(all, measurement);
   if (!measurement.magnetic_field_body_t.isZero(0)) {
     point_north(all, measurement, since_field_s_);
     since_field_s_ = 0;
   }
+}
+
+/// At rest the specific force is gravity's, whatever else is known of it.
+template <class Scalar>
+void BasicAdaptive<Scalar>::take_force(const Settings& all, const Measurement<Scalar>& measurement) {
+  const Scalar dt_s = since_force_s_;
+  since_force_s_ = 0;
+  rest::watch(all.rest, rest_, measurement, dt_s, bias::limit_radps<Scalar>(all.bias));
+  if (!measurement.force_tells_up && !rest::is_resting(all.rest, rest_)) return;
+  const Matrix3<Scalar> rotation = q_body_to_world_.toRotationMatrix();
+  const Vector3<Scalar> force_world_mps2 =
+      rotation * measurement.specific_force_body_mps2 - measurement.acceleration_world_mps2;
+  const Vector3<Scalar> turn_world_rad = level(all.adaptive, force_world_mps2, dt_s);
+  bias::collect(bias_, rotation, turn_world_rad, dt_s);
+  if (bias::is_due(bias_)) learn_bias(all);
 }
 
 template <class Scalar>
@@ -68,6 +74,7 @@ template <class Scalar>
 void BasicAdaptive<Scalar>::point_north(const Settings& all, const Measurement<Scalar>& measurement,
                                         Scalar dt_s) {
   const Vector3<Scalar> field_world_t = q_body_to_world_ * measurement.magnetic_field_body_t;
+  if (!has_level_part(field_world_t)) return;
   const Scalar rate_radps = measurement.angular_velocity_body_radps.norm();
   const Scalar weight = magnetic::weigh(all.magnetic, magnetic_, field_world_t, rate_radps, dt_s);
   const AdaptiveSettings& settings = all.adaptive;

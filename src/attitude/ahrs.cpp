@@ -2,8 +2,6 @@
 #include <sonopose/math/inverse_sqrt.hpp>
 #include <sonopose/math/rotation.hpp>
 
-#include <limits>
-
 namespace sonopose::attitude {
 namespace {
 
@@ -64,14 +62,9 @@ template <class Scalar>
 void BasicAhrs<Scalar>::update(const Settings& settings, const Measurement<Scalar>& measurement) {
   HeadingReference reference{Vector2::Zero(), measurement.north_world};
   const Vector3<Scalar>& field_body_t = measurement.magnetic_field_body_t;
-  const Scalar field_squared = field_body_t.squaredNorm();
-  if (field_squared > 0) {
-    const Vector3<Scalar> field_world_t = q_body_to_world_ * field_body_t;
-    // A vertical field knows no north.
-    constexpr Scalar least = 16 * std::numeric_limits<Scalar>::epsilon();
-    if (field_world_t.template head<2>().squaredNorm() > least * least * field_squared)
-      reference.seen_world = field_world_t.template head<2>();
-  }
+  const Vector3<Scalar> field_world_t = q_body_to_world_ * field_body_t;
+  // A vertical field knows no north.
+  if (has_level_part(field_world_t)) reference.seen_world = field_world_t.template head<2>();
   step(settings, measurement, reference);
 }
 
@@ -79,8 +72,9 @@ template <class Scalar>
 void BasicAhrs<Scalar>::update_external_heading(const Settings& settings,
                                                 const Measurement<Scalar>& measurement, Scalar heading_rad) {
   const Vector3<Scalar> forward_world = q_body_to_world_ * Vector3<Scalar>::UnitX();
-  step(settings, measurement,
-       {forward_world.template head<2>(), {std::cos(heading_rad), std::sin(heading_rad)}});
+  HeadingReference reference{Vector2::Zero(), {std::cos(heading_rad), std::sin(heading_rad)}};
+  if (has_level_part(forward_world)) reference.seen_world = forward_world.template head<2>();
+  step(settings, measurement, reference);
 }
 
 template <class Scalar>
@@ -134,7 +128,7 @@ Scalar BasicAhrs<Scalar>::advance_ramp(const Settings& settings, Scalar dt_s) {
 template <class Scalar>
 Vector3<Scalar> BasicAhrs<Scalar>::pull_up(const Settings& settings, const Measurement<Scalar>& measurement,
                                            const Vector3<Scalar>& up_body) {
-  if (measurement.specific_force_body_mps2.isZero(0)) return Vector3<Scalar>::Zero();
+  if (!tells_up(measurement)) return Vector3<Scalar>::Zero();
   const Vector3<Scalar> force_mps2 = gravity_force_body(measurement, q_body_to_world_);
   const Scalar force_squared = force_mps2.squaredNorm();
   if (!(force_squared > 0)) return Vector3<Scalar>::Zero();

@@ -25,13 +25,13 @@ void BasicComplementary<Scalar>::update(const Settings& settings, const Measurem
   const Scalar share = 1 - std::pow(Scalar(settings.alpha), dt_s / Scalar(settings.alpha_step_s));
 
   Quaternion<Scalar>& q_body_to_world = this->q_body_to_world_;
-  if (!measurement.specific_force_body_mps2.isZero(0)) {
+  if (tells_up(measurement)) {
     const Vector3<Scalar> force_world_mps2 =
         q_body_to_world * measurement.specific_force_body_mps2 - measurement.acceleration_world_mps2;
     q_body_to_world = turn_to_level(force_world_mps2, share) * q_body_to_world;
   }
   const Vector3<Scalar> field_world_t = q_body_to_world * measurement.magnetic_field_body_t;
-  if (field_world_t.x() != 0 || field_world_t.y() != 0) {
+  if (has_level_part(field_world_t)) {
     q_body_to_world =
         math::rotation_about_z(share * heading_error_rad(field_world_t, measurement)) * q_body_to_world;
   }

@@ -24,9 +24,9 @@ template <class Scalar>
 Vector3<Scalar> heading_error(const Quaternion<Scalar>& q_body_to_world, const Vector3<Scalar>& up_body,
                               const Measurement<Scalar>& measurement) {
   const Vector3<Scalar> field_world = q_body_to_world * measurement.magnetic_field_body_t;
-  const Scalar level = field_world.template head<2>().norm();
-  if (!(level > 0)) return Vector3<Scalar>::Zero();
+  if (!has_level_part(field_world)) return Vector3<Scalar>::Zero();
   const auto& north = measurement.north_world;
+  const Scalar level = field_world.template head<2>().norm();
   return (field_world.x() * north.y() - field_world.y() * north.x()) / level * up_body;
 }
 
@@ -43,7 +43,7 @@ void BasicMahony<Scalar>::update(const Settings& settings, const Measurement<Sca
 
   const Vector3<Scalar> force_body_mps2 = gravity_force_body(measurement, q_body_to_world);
   const Scalar force_mps2 = force_body_mps2.norm();
-  if (force_mps2 > 0 && !measurement.specific_force_body_mps2.isZero(0)) {
+  if (force_mps2 > 0 && tells_up(measurement)) {
     const Vector3<Scalar> up_measured_body = force_body_mps2 / force_mps2;
     const Vector3<Scalar> error_body = up_measured_body.cross(up_body);
     if (std::abs(force_mps2 - Scalar(standard_gravity_mps2)) <= Scalar(settings.ki_gate_mps2)) {

@@ -44,6 +44,16 @@ constexpr std::array<FilterGroup, 7> filter_groups{{{"attitude.adaptive", "adapt
                                                     {"attitude.complementary", "complementary"},
                                                     {"attitude.ahrs", "ahrs"}}};
 
+/// Read only where the magnetometer is used.
+constexpr std::array<std::string_view, 5> magnetometer_keys{
+    "attitude.north_deg", "attitude.adaptive.heading_time_s", "attitude.mahony.magnetic_error",
+    "attitude.mahony.heading_kp", "attitude.ahrs.magnetic_rejection_deg"};
+
+bool is_for_magnetometer(const fusion::SettingInfo& info) {
+  return info.group == "attitude.magnetic" ||
+         std::find(magnetometer_keys.begin(), magnetometer_keys.end(), info.key) != magnetometer_keys.end();
+}
+
 /// Of a number.
 double value_of(const fusion::Settings& settings, std::string_view key) {
   const fusion::SettingValue value = fusion::get(settings, key);
@@ -80,17 +90,24 @@ std::vector<std::string> contradictions(const fusion::Settings& settings, const 
 std::vector<std::string> idle_filter_warnings(const fusion::Settings& settings, const Assignments& given,
                                               std::string_view where) {
   const std::string chosen = fusion::to_text(fusion::get(settings, "attitude.filter"));
+  const bool magnetometer = std::get<bool>(fusion::get(settings, "attitude.magnetometer"));
   std::vector<std::string> texts;
   for (const auto& entry : given) {
     const std::string& key = entry.first;
     const fusion::SettingInfo& info = fusion::setting_info(key);
     // In the setting's own kind: a whole number may have been given for a real one.
     const fusion::SettingValue value = fusion::get(settings, key);
+    if (value == info.initial) continue;
     const auto owner = std::find_if(filter_groups.begin(), filter_groups.end(),
                                     [&info](const FilterGroup& group) { return group.group == info.group; });
-    if (owner == filter_groups.end() || owner->filter == chosen || value == info.initial) continue;
-    texts.push_back(fmt::format("{}{} = {} has no effect: attitude.filter is {}, not {}", where, key,
-                                fusion::to_text(value), chosen, owner->filter));
+    const auto warn = [&](const std::string& why) {
+      texts.push_back(fmt::format("{}{} = {} has no effect: {}", where, key, fusion::to_text(value), why));
+    };
+    if (owner != filter_groups.end() && owner->filter != chosen) {
+      warn(fmt::format("attitude.filter is {}, not {}", chosen, owner->filter));
+    } else if (!magnetometer && is_for_magnetometer(info)) {
+      warn("attitude.magnetometer is false");
+    }
   }
   return texts;
 }

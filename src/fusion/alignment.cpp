@@ -27,21 +27,21 @@ void tell(const AlignmentSettings& settings, AlignmentState& state, const Vector
   const Vector3d told_world_mps = -std::expm1(-dt_s / settings.aiding_s) * state.untold_world_mps;
   state.untold_world_mps -= told_world_mps;
   state.known_acceleration_world_mps2 = (gained_world_mps + told_world_mps) / dt_s;
+  state.tells = true;
   state.told_ns = now_ns;
 }
 
 void tell_nothing(AlignmentState& state) {
   state.untold_world_mps.setZero();
   state.known_acceleration_world_mps2.setZero();
+  state.tells = false;
 }
 
 void aid(const AlignmentSettings& settings, const AlignmentState& state, TimeNs now_ns,
          attitude::Measurement<double>& measurement) {
   measurement.acceleration_world_mps2 = state.known_acceleration_world_mps2;
-  const bool unknown = state.known_acceleration_world_mps2.isZero(0.0);
-  if (unknown && state.told_ns != 0 && seconds_between(state.told_ns, now_ns) < settings.hold_s) {
-    measurement.specific_force_body_mps2.setZero();
-  }
+  const bool held = state.told_ns != 0 && seconds_between(state.told_ns, now_ns) < settings.hold_s;
+  measurement.force_tells_up = state.tells || !held;
 }
 
 double turn(const AlignmentSettings& settings, AlignmentState& state, Kinematics& body,

@@ -12,7 +12,20 @@ Engine::Engine(const Settings& settings)
 void Engine::configure(const Settings& settings) noexcept {
   static_assert(std::is_trivially_copyable_v<Settings>);  // so that nothing can throw or allocate
   settings_ = resolved(settings);
+  const calibration::Calibration before = calibration_;
   calibration_ = calibration::Calibration(settings.calibration);
+  if (!(calibration_ == before)) translate_offset(before);
+}
+
+/// What rest has told of the gyroscope was told in the terms of the calibration before.
+void Engine::translate_offset(const calibration::Calibration& before) {
+  const Vector3d start_radps = state_.startup.gyro_offset_body_radps;
+  const Vector3d whole_radps = start_radps + state_.filter.gyro_bias_body_radps();
+  const Vector3d new_start_radps = calibration_.rate_from(before, start_radps);
+  const Vector3d new_whole_radps = calibration_.rate_from(before, whole_radps);
+  if (!new_start_radps.allFinite() || !new_whole_radps.allFinite()) return;
+  state_.startup.gyro_offset_body_radps = new_start_radps;
+  state_.filter.set_gyro_bias(new_whole_radps - new_start_radps);
 }
 
 std::optional<FusedPose> Engine::on(const ImuSample& raw) noexcept {
@@ -120,6 +133,20 @@ void Engine::calibrate(const ImuSample& imu) {
 
 void Engine::predict(const ImuSample& imu, double dt_s) {
   Kinematics& body = state_.body;
+  const double pulled = predict_attitude(imu, dt_s);
+  const Vector3d velocity_before_world_mps = body.velocity_world_mps;
+  predict_velocity(imu, dt_s);
+  drift::spend(settings_.drift, state_.drift, body, dt_s);  // 2, 9
+  body.displacement_world_m += dt_s * (0.5 * (velocity_before_world_mps + body.velocity_world_mps) -
+                                       body.velocity_corrections_world_mps);
+
+  uncertainty::grow(settings_.uncertainty, state_.uncertainty, dt_s);
+  uncertainty::pull_yaw(settings_.uncertainty, state_.uncertainty, pulled);
+}
+
+/// Returns the share of the yaw error that a paired heading took away.
+double Engine::predict_attitude(const ImuSample& imu, double dt_s) {
+  Kinematics& body = state_.body;
   const Vector3d rate_body_radps = imu.angular_velocity_body_radps - state_.startup.gyro_offset_body_radps;
   const Vector3d mean_rate_body_radps = 0.5 * (state_.previous_rate_body_radps + rate_body_radps);
   state_.previous_rate_body_radps = rate_body_radps;
@@ -128,38 +155,34 @@ void Engine::predict(const ImuSample& imu, double dt_s) {
   auto measurement = attitude::field_use(settings_.attitude.selection).measurement_of(imu, dt_s);
   measurement.angular_velocity_body_radps = mean_rate_body_radps;
   alignment::aid(settings_.alignment, state_.alignment, imu.sensor_time_ns, measurement);
-  state_.filter.update(settings_.attitude, measurement);  // 29, 30
-  const double pulled = heading::pull(settings_.heading, state_.heading, body, state_.filter, dt_s);  // 34
+  state_.filter.update(settings_.attitude, measurement);                               // 29, 30
+  return heading::pull(settings_.heading, state_.heading, body, state_.filter, dt_s);  // 34
+}
 
+void Engine::predict_velocity(const ImuSample& imu, double dt_s) {
+  Kinematics& body = state_.body;
   const Vector3d before_world_mps2 = body.acceleration_world_mps2;
   body.acceleration_world_mps2 = world_acceleration(imu);
-  const Vector3d velocity_before_world_mps = body.velocity_world_mps;
   const bool no_position = state_.outage.last_valid_fix_ns == 0;
-  if (state_.startup.waiting || no_position) {
-    // Held in place: the body is at rest, or nothing is known yet that an integral could start from.
-  } else if (outage::watch(settings_.outage, state_.outage, body.time_ns)) {  // 11
-    outage::decay(settings_.outage, body, dt_s);                              // 10
+  if (state_.startup.waiting || no_position) return;  // at rest, or nothing to start an integral from
+  if (outage::watch(settings_.outage, state_.outage, body.time_ns)) {  // 11
+    outage::decay(settings_.outage, body, dt_s);                       // 10
     alignment::tell_nothing(state_.alignment);
     motion::coast(body, dt_s);
-  } else {
-    const Vector3d mean_world_mps2 = 0.5 * (before_world_mps2 + body.acceleration_world_mps2);
-    motion::integrate(settings_.motion, body, motion::gate(settings_.motion, body, mean_world_mps2),
-                      dt_s);  // 25, 35–37
-    const Vector3d gained_world_mps = body.velocity_world_mps - velocity_before_world_mps;
-    state_.alignment.gained_world_mps += gained_world_mps;
-    if (state_.outage.track == Track::held && state_.velocity.settled()) {
-      alignment::tell(settings_.alignment, state_.alignment, gained_world_mps, body.time_ns, dt_s);
-    } else {
-      alignment::tell_nothing(state_.alignment);
-    }
-    runaway::damp(settings_.runaway, state_.runaway, body, dt_s);  // 23, 24
+    return;
   }
-  drift::spend(settings_.drift, state_.drift, body, dt_s);  // 2, 9
-  body.displacement_world_m += dt_s * (0.5 * (velocity_before_world_mps + body.velocity_world_mps) -
-                                       body.velocity_corrections_world_mps);
-
-  uncertainty::grow(settings_.uncertainty, state_.uncertainty, dt_s);
-  uncertainty::pull_yaw(settings_.uncertainty, state_.uncertainty, pulled);
+  const Vector3d velocity_before_world_mps = body.velocity_world_mps;
+  const Vector3d mean_world_mps2 = 0.5 * (before_world_mps2 + body.acceleration_world_mps2);
+  motion::integrate(settings_.motion, body, motion::gate(settings_.motion, body, mean_world_mps2),
+                    dt_s);  // 25, 35–37
+  const Vector3d gained_world_mps = body.velocity_world_mps - velocity_before_world_mps;
+  state_.alignment.gained_world_mps += gained_world_mps;
+  if (state_.outage.track == Track::held && state_.velocity.settled()) {
+    alignment::tell(settings_.alignment, state_.alignment, gained_world_mps, body.time_ns, dt_s);
+  } else {
+    alignment::tell_nothing(state_.alignment);
+  }
+  runaway::damp(settings_.runaway, state_.runaway, body, dt_s);  // 23, 24
 }
 
 /// a = R(q)·f + g, and what alignment has learned of the vertical.

@@ -17,9 +17,12 @@ std::vector<TimeSpan> read_movement_csv(const std::filesystem::path& file) {
   CsvReader rows(file, {movement_columns, movement_columns.size()});
   std::vector<TimeSpan> spans;
   while (rows.next_row()) {
-    const TimeSpan& span = spans.emplace_back(rows.time_ns(0), rows.time_ns(1));
+    TimeSpan& span = spans.emplace_back();
+    span.start_ns = rows.time_ns(0);
+    span.end_ns = rows.time_ns(1);
     if (span.end_ns < span.start_ns) rows.fail(1, "lies before the start");
   }
+  if (spans.empty()) throw IoError(file.string() + ": no span");
   return spans;
 }
 

@@ -77,7 +77,8 @@ AttitudeResult run_attitude(const std::string& name, const io::AttitudeLog& log,
 }
 
 AttitudeResult mean_of(const std::vector<AttitudeResult>& results) {
-  AttitudeResult mean{.name = "mean", .total_rmse_deg = 0, .heading_rmse_deg = 0, .inclination_rmse_deg = 0};
+  AttitudeResult mean;
+  mean.name = "mean";
   for (const AttitudeResult& result : results) {
     mean.samples += result.samples;
     mean.rejected += result.rejected;
@@ -109,6 +110,8 @@ std::string attitude_json(const std::vector<AttitudeResult>& results) {
   for (const AttitudeResult& result : results) json["logs"].push_back(json_of(result));
   json["mean"] = json_of(mean_of(results));
   json["mean"].erase("log");
+  json["mean"]["logs_scored"] = json["mean"]["scored"];
+  json["mean"].erase("scored");
   return json.dump(2) + "\n";
 }
 

@@ -38,9 +38,10 @@ ErrorSummary summarise(std::vector<double> errors) {
 
 AttitudeError error_of(const Quaterniond& q_estimate, const Quaterniond& q_truth) {
   const Quaterniond off = q_estimate * q_truth.conjugate();
-  return {2.0 * std::acos(std::min(1.0, std::abs(off.w()))),
+  // In this order the minimum of a NaN is a NaN: what is no orientation has no error of zero.
+  return {2.0 * std::acos(std::min(std::abs(off.w()), 1.0)),
           2.0 * std::atan2(std::abs(off.z()), std::abs(off.w())),
-          2.0 * std::acos(std::min(1.0, std::hypot(off.w(), off.z())))};
+          2.0 * std::acos(std::min(std::hypot(off.w(), off.z()), 1.0))};
 }
 
 std::optional<TruthSample> TruthTrack::at(TimeNs time_ns) {

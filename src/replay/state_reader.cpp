@@ -17,6 +17,11 @@ std::string kind_error(const json& value, std::string_view wanted) {
   return "is " + shown + " instead of " + std::string(wanted);
 }
 
+/// No state of a real run has a larger one, and from larger ones come infinite ones.
+bool is_number(const json& value) {
+  return value.is_number() && std::abs(value.get<double>()) <= 1e9;
+}
+
 }  // namespace
 
 StateReader::StateReader(json object, std::string place)
@@ -56,7 +61,7 @@ StateReader StateReader::object(const char* name) {
 
 void StateReader::read(const char* name, double& value) {
   const json read = take(name);
-  if (!read.is_number()) fail(name, kind_error(read, "a number"));
+  if (!is_number(read)) fail(name, kind_error(read, "a number within ±1e9"));
   value = read.get<double>();
 }
 
@@ -120,7 +125,12 @@ void StateReader::read(const char* name, attitude::AnyFilter& filter) {
   const auto found = std::find(kinds.begin(), kinds.end(), word);
   if (found == kinds.end()) fields.fail("kind", kind_error(word, "the name of a filter"));
   filter.select(static_cast<attitude::FilterKind>(found - kinds.begin()));
-  filter.for_each_field([&fields](const char* field, auto& value) { fields.read(field, value); });
+  filter.for_each_field([&fields](const char* field, auto& value) {
+    fields.read(field, value);
+    if constexpr (std::is_same_v<decltype(value), double&>) {
+      if (std::string_view(field).ends_with("_s") && value < 0.0) fields.fail(field, "is a negative time");
+    }
+  });
   fields.finish();
 }
 
@@ -182,8 +192,7 @@ json StateReader::take(const char* name) {
 template <std::size_t Count>
 std::array<double, Count> StateReader::take_numbers(const char* name, const char* wanted) {
   const json read = take_array(name);
-  const bool fits = read.size() == Count &&
-                    std::all_of(read.begin(), read.end(), [](const json& one) { return one.is_number(); });
+  const bool fits = read.size() == Count && std::all_of(read.begin(), read.end(), is_number);
   if (!fits) fail(name, kind_error(read, wanted));
   return read.get<std::array<double, Count>>();
 }

@@ -125,6 +125,8 @@ TEST_CASE("item 1: keys that a preset replaces are warned of") {
 TEST_CASE("settings of an attitude filter that is not chosen are warned of, unless they are as ever") {
   fusion::Settings settings;
   settings.attitude.selection.filter = attitude::FilterKind::ahrs;
+  settings.attitude.mahony.kp = 0.5;
+  settings.attitude.ahrs.gain = 0.7;
   const Assignments given{{"attitude.mahony.kp", 0.5},
                           {"attitude.ahrs.gain", 0.7},
                           {"attitude.magnetic.late_share", attitude::MagneticSettings{}.late_share},
@@ -135,4 +137,14 @@ TEST_CASE("settings of an attitude filter that is not chosen are warned of, unle
   settings.attitude.selection.filter = attitude::FilterKind::mahony;
   REQUIRE(idle_filter_warnings(settings, given).size() == 1);
   CHECK_THAT(idle_filter_warnings(settings, given)[0], Contains("attitude.ahrs.gain"));
+}
+
+TEST_CASE("settings of a magnetometer that is not used are warned of") {
+  fusion::Settings settings;
+  settings.attitude.selection.north_deg = 30.0;
+  const Assignments given{{"attitude.north_deg", 30.0}};
+  REQUIRE(idle_filter_warnings(settings, given).size() == 1);
+  CHECK_THAT(idle_filter_warnings(settings, given)[0], Contains("attitude.magnetometer is false"));
+  settings.attitude.selection.magnetometer = true;
+  CHECK(idle_filter_warnings(settings, given).empty());
 }

@@ -59,6 +59,11 @@ SCENARIO("an attitude log that is wrong is refused by name") {
     write_text(folder / "imu.csv", imu_text.substr(0, imu_text.find('\n') + 1));
     CHECK_THAT(complaint_about(folder), Contains("imu.csv") && Contains("no sample"));
   }
+  GIVEN("movements without one") {
+    write_text(folder / "imu.csv", imu_text);
+    write_text(folder / "movement.csv", "#start [ns],end [ns]\n");
+    CHECK_THAT(complaint_about(folder), Contains("movement.csv") && Contains("no span"));
+  }
   GIVEN("a movement that ends before it starts") {
     write_text(folder / "imu.csv", imu_text);
     write_text(folder / "movement.csv", "#start [ns],end [ns]\n5,9\n20,19\n");

@@ -34,3 +34,26 @@ SCENARIO("a live event allocates nothing, also while a change waits and when it 
   CHECK(poses == 1000);
   CHECK(changes == 2);
 }
+
+SCENARIO("with no attitude filter does a live event allocate") {
+  const auto events = walk(7, 4.0);
+  for (const std::string_view filter : choices_of(attitude::FilterKind{})) {
+    config::FusionConfig config;
+    config.assign("attitude.filter=" + std::string(filter));
+    config.assign("attitude.magnetometer=true");
+    BeaconEngines engines(config, false);
+    const auto push = [&](Event event) {
+      if (auto* imu = std::get_if<ImuSample>(&event)) imu->magnetic_field_body_t = Vector3d(20e-6, 0, -40e-6);
+      const std::size_t before = sonopose::test::allocations();
+      engines.push(
+          event, available_at_ns(event), [](const FusedPose&) {}, [](const FixReport&) {},
+          [](const SettingsInForce&) {});
+      return sonopose::test::allocations() - before;
+    };
+    INFO(filter);
+    CHECK(push(events[0]) > 0);
+    std::size_t allocated = 0;
+    for (std::size_t i = 1; i < events.size(); ++i) allocated += push(events[i]);
+    CHECK(allocated == 0);
+  }
+}

@@ -55,10 +55,20 @@ TEST_CASE("only movements with a known truth are scored, and a broken sample is 
   log.movements = {{start_ns + 2'000'000'000, start_ns + 3'000'000'000}};
   log.truth.resize(251);  // up to 2.5 s
   log.imu[700].specific_force_body_mps2.x() = std::nan("");
+  log.imu[120].angular_velocity_body_radps.x() = 1e200;
   const AttitudeResult result = replay::run_attitude("log", log, {});
   CHECK(result.scored == 51);
   CHECK(result.samples == 1001);
-  CHECK(result.rejected == 1);
+  CHECK(result.rejected == 2);
+  CHECK(result.heading_rmse_deg == Approx(1.0 / degree));
+}
+
+TEST_CASE("an orientation that is none has no error of zero") {
+  const double nan = std::nan("");
+  const auto error = replay::error_of({nan, nan, nan, nan}, Quaterniond::Identity());
+  CHECK(std::isnan(error.total_rad));
+  CHECK(std::isnan(error.heading_rad));
+  CHECK(std::isnan(error.inclination_rad));
 }
 
 TEST_CASE("without any truth the errors are not known, and the mean leaves that log out") {

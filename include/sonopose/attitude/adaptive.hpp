@@ -49,15 +49,14 @@ public:
 
   void reset(const Quaternion<Scalar>& q_body_to_world);
 
-  /// Each sensor counts for the time since it was last measured, up to longest_wait_s.
   /// 1. q ← q ⊗ exp((ω − b)·dt).
   /// 2. The specific force, turned into the world, passes the low-pass there: a to and fro of the body
-  /// averages
-  ///    out, because the world does not turn with it as the body does. q is then turned so that the
+  ///    averages out, because the world does not turn as the body does. q is then turned so that the
   ///    low-passed force stands upright.
   /// 3. Heading turns by a share of the angle from the field's level part to north, of fields that are not
   ///    disturbed; it never tilts.
   /// 4. Every 0.1 s the gyroscope's offset b is estimated anew.
+  /// Each sensor counts for the time since it was last measured, up to longest_wait_s.
   void update(const Settings& all, const Measurement<Scalar>& measurement);
 
   /// What the low-pass knows of the vertical stays as it was: the accelerometer draws the estimate back to
@@ -67,9 +66,6 @@ public:
   [[nodiscard]] const Quaternion<Scalar>& orientation() const { return q_body_to_world_; }
   [[nodiscard]] const Vector3<Scalar>& gyro_bias_body_radps() const { return bias_.bias_body_radps; }
   void set_gyro_bias(const Vector3<Scalar>& bias_body_radps) { bias_.bias_body_radps = bias_body_radps; }
-
-  /// The magnetometer's field is not believed just now; true until the first one has been.
-  [[nodiscard]] bool is_magnetically_disturbed() const { return magnetic_.disturbed; }
 
   template <class Visit>
   void for_each_field(const Visit& visit);
@@ -85,6 +81,7 @@ private:
   Vector3<Scalar> level(const AdaptiveSettings& settings, const Vector3<Scalar>& force_world_mps2,
                         Scalar dt_s);
   void point_north(const Settings& all, const Measurement<Scalar>& measurement, Scalar dt_s);
+  void take_force(const Settings& all, const Measurement<Scalar>& measurement);
   void learn_bias(const Settings& all);
 
   Quaternion<Scalar> q_body_to_world_ = Quaternion<Scalar>::Identity();

@@ -36,7 +36,7 @@ public:
 
   /// One step with a heading from elsewhere in the magnetometer's place, and its rejection with it:
   /// `heading_rad` is the body's yaw in the world, the direction of body X seen from above,
-  /// counter-clockwise from world +X. It pulls nothing while body X is vertical.
+  /// counter-clockwise from world +X; it must be finite. It pulls nothing while body X is vertical.
   void update_external_heading(const Settings& settings, const Measurement<Scalar>& measurement,
                                Scalar heading_rad);
 

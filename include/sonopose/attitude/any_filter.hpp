@@ -69,7 +69,7 @@ public:
   void reset(const Quaterniond& q_body_to_world);
 
   /// Where the settings name another filter than the one that stood here, it begins with the orientation and
-  /// the gyroscope's offset of that one.
+  /// the gyroscope's offset of that one. The AHRS initialises then, as it does after every reset.
   void update(const Settings& all, const Measurement<double>& measurement);
 
   void turn_in_world(const Vector3d& rotation_world_rad);

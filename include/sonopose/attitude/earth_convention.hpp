@@ -5,10 +5,8 @@
 
 #include <sonopose/math/rotation.hpp>
 
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <string_view>
 
 namespace sonopose::attitude {
 
@@ -17,9 +15,6 @@ enum class Convention {
   enu,  ///< X east, Y north, Z up
   ned   ///< X north, Y east, Z down: NWU turned by 180° about X
 };
-constexpr std::array<std::string_view, 3> choices_of(Convention /*unused*/) {
-  return {"nwu", "enu", "ned"};
-}
 
 template <class Scalar>
 using Direction2 = Eigen::Matrix<Scalar, 2, 1>;

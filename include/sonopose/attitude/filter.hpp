@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <concepts>
+#include <limits>
 #include <string_view>
 
 namespace sonopose::attitude {
@@ -26,6 +27,8 @@ struct Measurement {
   Eigen::Matrix<Scalar, 2, 1> north_world{0, 1};
   /// What somebody else knows of the body's acceleration, m/s²; the rest of the specific force is gravity's.
   Vector3<Scalar> acceleration_world_mps2 = Vector3<Scalar>::Zero();
+  /// False: the body may be accelerated in ways that nobody knows; the specific force tells of rest alone.
+  bool force_tells_up = true;
 };
 
 /// The part of the specific force that holds the body against gravity, as far as its acceleration is known.
@@ -37,6 +40,19 @@ Vector3<Scalar> gravity_force_body(const Measurement<Scalar>& measurement,
          q_body_to_world.conjugate() * measurement.acceleration_world_mps2;
 }
 
+/// The specific force is there, and tells where up is.
+template <class Scalar>
+bool tells_up(const Measurement<Scalar>& measurement) {
+  return measurement.force_tells_up && !measurement.specific_force_body_mps2.isZero(0);
+}
+
+/// A vector in the world has a direction seen from above: its level part is more than what rounding leaves.
+template <class Scalar>
+bool has_level_part(const Vector3<Scalar>& vector_world) {
+  constexpr Scalar least = 16 * std::numeric_limits<Scalar>::epsilon();
+  return vector_world.template head<2>().squaredNorm() > least * least * vector_world.squaredNorm();
+}
+
 /// The turn about the vertical that takes the level part of `field_world_t` to north; the field must have
 /// one.
 template <class Scalar>
@@ -46,15 +62,24 @@ Scalar heading_error_rad(const Vector3<Scalar>& field_world_t, const Measurement
                     field_world_t.x() * north.x() + field_world_t.y() * north.y());
 }
 
+/// Takes a filter's fields, whatever they are.
+struct AnyVisit {
+  template <class Field>
+  void operator()(const char* /*name*/, Field& /*field*/) const {}
+};
+
+// clang-format off
 /// Orientations are `q_body_to_world`, the world's Z up. Made by its default constructor a filter stands at
 /// the identity and has learned nothing.
-///   reset(q)             begins anew at this orientation; what was learned of the gyroscope is forgotten
-///   update(settings, m)  one step; allocates nothing and never throws
-///   turn_in_world(v)     turns the estimate by |v| about v, a vector in the world (rad); nothing else
-///   changes gyro_bias…           what the filter takes off the rates (rad/s, body), and can be given
-///   for_each_field(f)    calls f(name, field) for each field of the state, to save and restore it; fields
-///   are
-///                        bool, int, Scalar, Vector3 and Quaternion
+///
+/// | Member | What it does |
+/// |---|---|
+/// | `reset(q)` | begins anew at this orientation; what was learned of the gyroscope is forgotten |
+/// | `update(settings, m)` | one step; allocates nothing and never throws |
+/// | `turn_in_world(v)` | turns the estimate by the length of v about v, a vector in the world (rad) |
+/// | `gyro_bias_body_radps()`, `set_gyro_bias(b)` | what the filter takes off the rates (rad/s, body) |
+/// | `for_each_field(f)` | calls f(name, field) for each field of the state, to save and restore it; fields are bool, int, Scalar, Vector3, Matrix3 and Quaternion |
+// clang-format on
 template <class F>
 concept Filter = std::regular<F> &&
     requires(F filter, const F seen, const typename F::Settings settings,
@@ -65,6 +90,7 @@ concept Filter = std::regular<F> &&
   filter.update(settings, measurement);
   filter.turn_in_world(vector);
   filter.set_gyro_bias(vector);
+  filter.for_each_field(AnyVisit{});
   { seen.orientation() } -> std::convertible_to<Quaternion<typename F::Scalar>>;
   { seen.gyro_bias_body_radps() } -> std::convertible_to<Vector3<typename F::Scalar>>;
 };

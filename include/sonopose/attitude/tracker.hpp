@@ -30,6 +30,15 @@ struct FieldUse {
 /// A force of zero length, or a field without a level part, tells nothing.
 Quaterniond first_orientation(const Measurement<double>& measurement);
 
+/// Finite, and below 1000 rad/s, 10 km/s² and 1 T: beyond, it is no sensor that tells it.
+inline bool is_measurement(const ImuSample& imu) {
+  const auto below = [](const Vector3d& vector, double limit) {
+    return vector.allFinite() && vector.cwiseAbs().maxCoeff() < limit;
+  };
+  return below(imu.angular_velocity_body_radps, 1e3) && below(imu.specific_force_body_mps2, 1e4) &&
+         (!imu.magnetic_field_body_t || below(*imu.magnetic_field_body_t, 1.0));
+}
+
 /// `F` is a filter of double precision, named at compile time: `Tracker<Mahony>`, or `Tracker<AnyFilter>`
 /// where the settings shall name it.
 template <Filter F>
@@ -37,13 +46,10 @@ class Tracker {
 public:
   Tracker(typename F::Settings settings, FieldUse field) : settings_(std::move(settings)), field_(field) {}
 
-  /// Takes one sample in. False for one that is no measurement, and does nothing then: not finite, or earlier
-  /// than the one before.
+  /// Takes one sample in. False for one that is no measurement, and does nothing then: not finite, beyond
+  /// what any sensor tells, or earlier than the one before.
   bool on(const ImuSample& imu) {
-    const bool finite = imu.angular_velocity_body_radps.allFinite() &&
-                        imu.specific_force_body_mps2.allFinite() &&
-                        (!imu.magnetic_field_body_t || imu.magnetic_field_body_t->allFinite());
-    if (!finite || (started_ && imu.sensor_time_ns < time_ns_)) return false;
+    if (!is_measurement(imu) || (started_ && imu.sensor_time_ns < time_ns_)) return false;
     const double dt_s = started_ ? seconds_between(time_ns_, imu.sensor_time_ns) : 0.0;
     const Measurement<double> measurement = field_.measurement_of(imu, dt_s);
     if (!started_) filter_.reset(first_orientation(measurement));

@@ -4,6 +4,7 @@
 /// settings, then used for every sample.
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <array>
@@ -31,10 +32,17 @@ public:
     return matrix() * (vector - before()) - after();
   }
 
+  /// What becomes of it is `vector`. Not finite where the matrix cannot be inverted.
+  [[nodiscard]] Vector3d inverse_of(const Vector3d& vector) const noexcept {
+    return matrix().inverse() * (vector + after()) + before();
+  }
+
   /// The same, then turned by `rotation`.
   [[nodiscard]] Affine turned_by(const Matrix3d& rotation) const {
     return {rotation * matrix(), before(), rotation * after()};
   }
+
+  bool operator==(const Affine&) const = default;
 
 private:
   using Matrix = Eigen::Map<const Matrix3d>;

@@ -30,6 +30,14 @@ public:
   /// overflow: whoever asks for finite numbers asks the result.
   [[nodiscard]] ImuSample corrected(const ImuSample& raw) const noexcept;
 
+  /// The rate that this one calls what `other` calls `rate_body_radps`. Not finite where that cannot be
+  /// known.
+  [[nodiscard]] Vector3d rate_from(const Calibration& other, const Vector3d& rate_body_radps) const noexcept {
+    return gyroscope_(other.gyroscope_.inverse_of(rate_body_radps));
+  }
+
+  bool operator==(const Calibration&) const = default;
+
 private:
   Affine gyroscope_;
   Affine accelerometer_;

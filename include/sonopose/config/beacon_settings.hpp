@@ -36,8 +36,8 @@ std::vector<std::string> preset_warnings(const fusion::Settings& settings, const
 std::vector<std::string> contradictions(const fusion::Settings& settings, const Assignments& given,
                                         std::string_view where = "");
 
-/// Warnings, in plain words, for those of the `given` keys that belong to an attitude filter which is not
-/// chosen and differ from their default.
+/// Warnings, in plain words, for those of the `given` keys that differ from their default and belong to an
+/// attitude filter which is not chosen, or to a magnetometer which is not used.
 std::vector<std::string> idle_filter_warnings(const fusion::Settings& settings, const Assignments& given,
                                               std::string_view where = "");
 

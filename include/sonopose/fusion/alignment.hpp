@@ -44,7 +44,7 @@ struct AlignmentSettings {
         real(own_setting, "aiding_s", &G::aiding_s, 20.0, {0.0, 120.0}, "s",
              "Time over which a velocity correction is told to the attitude filter as acceleration; 0: the "
              "filter is told of no acceleration."),
-        real(own_setting, "hold_s", &G::hold_s, 10.0, {0.0, 3600.0}, "s",
+        real(own_setting, "hold_s", &G::hold_s, 60.0, {0.0, 3600.0}, "s",
              "For so long after it was last told of acceleration the attitude filter goes on without the "
              "accelerometer, which cannot tell motion from tilt by itself.")};
   }
@@ -59,7 +59,8 @@ struct AlignmentState {
   Vector3d untold_world_mps = Vector3d::Zero();
   /// How the velocity has changed in the last step: what the filter is told.
   Vector3d known_acceleration_world_mps2 = Vector3d::Zero();
-  TimeNs told_ns = 0;  ///< when it was told; 0: never
+  bool tells = false;  ///< it is being told
+  TimeNs told_ns = 0;  ///< when it was told last; 0: never
 
   bool operator==(const AlignmentState&) const = default;
 };
@@ -78,8 +79,8 @@ void tell(const AlignmentSettings& settings, AlignmentState& state, const Vector
 /// The velocity is not known: nor is the acceleration.
 void tell_nothing(AlignmentState& state);
 
-/// Puts into `measurement`, made at `now_ns`, what is known of the acceleration; where that was known a
-/// moment ago and is no longer, takes the specific force out.
+/// Puts into `measurement`, made at `now_ns`, what is known of the acceleration. Where it was known a moment
+/// ago and is no longer, the specific force does not tell up.
 void aid(const AlignmentSettings& settings, const AlignmentState& state, TimeNs now_ns,
          attitude::Measurement<double>& measurement);
 

@@ -22,8 +22,8 @@ public:
   /// Goes on with other settings, as the user gave them, and with all that it knows so far.
   void configure(const Settings& settings) noexcept;
 
-  /// One IMU sample, as the sensor gave it: it is calibrated here. The pose at it; empty where the sample is no measurement or lies before the last one,
-  /// which is counted.
+  /// One IMU sample as the sensor gave it, which is calibrated here: the pose at it. Empty where the sample
+  /// is no measurement or lies before the last one, which is counted.
   std::optional<FusedPose> on(const ImuSample& raw) noexcept;
 
   /// One fix: what was done with it.
@@ -45,9 +45,12 @@ public:
   [[nodiscard]] std::uint32_t reset_counter() const { return reset_counter_; }
 
 private:
+  void translate_offset(const calibration::Calibration& before);
   void start(const ImuSample& imu);
   void calibrate(const ImuSample& imu);
   void predict(const ImuSample& imu, double dt_s);
+  double predict_attitude(const ImuSample& imu, double dt_s);
+  void predict_velocity(const ImuSample& imu, double dt_s);
   [[nodiscard]] Vector3d world_acceleration(const ImuSample& imu) const;
   void rest_over_gap(const ImuSample& imu, double dt_s);
   void remember_path();

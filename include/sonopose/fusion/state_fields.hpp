@@ -86,11 +86,12 @@ void for_each_field(AnyState& state, const Visit& visit) {
     visit("velocity.velocities", velocities);
   }
   {
-    auto& [vertical, gained, untold, known, told_ns] = alignment;
+    auto& [vertical, gained, untold, known, tells, told_ns] = alignment;
     visit("alignment.vertical_offset_mps2", vertical);
     visit("alignment.gained_world_mps", gained);
     visit("alignment.untold_world_mps", untold);
     visit("alignment.known_acceleration_world_mps2", known);
+    visit("alignment.tells", tells);
     visit("alignment.told_ns", told_ns);
   }
   {

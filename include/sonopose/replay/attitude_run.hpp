@@ -16,12 +16,12 @@ namespace sonopose::replay {
 /// One filter over one log.
 struct AttitudeResult {
   std::string name;
-  std::size_t samples = 0;      ///< given to the filter
-  std::size_t rejected = 0;     ///< of them no measurements
-  std::size_t scored = 0;       ///< in the movements, with a known truth; 0: the errors are NaN
-  double total_rmse_deg;        ///< 2·acos |d_w| of d = q_estimate ⊗ q_truth*
-  double heading_rmse_deg;      ///< 2·atan |d_z/d_w|
-  double inclination_rmse_deg;  ///< 2·acos √(d_w² + d_z²)
+  std::size_t samples = 0;          ///< given to the filter
+  std::size_t rejected = 0;         ///< of them no measurements
+  std::size_t scored = 0;           ///< in the movements, with a known truth; 0: the errors are NaN
+  double total_rmse_deg = 0;        ///< 2·acos |d_w| of d = q_estimate ⊗ q_truth*
+  double heading_rmse_deg = 0;      ///< 2·atan |d_z/d_w|
+  double inclination_rmse_deg = 0;  ///< 2·acos √(d_w² + d_z²)
 };
 
 /// Runs the filter that `settings` name over the calibrated samples, from the first to the last; `tell` gets
@@ -30,7 +30,7 @@ AttitudeResult run_attitude(const std::string& name, const io::AttitudeLog& log,
                             const fusion::Settings& settings,
                             const std::function<void(TimeNs, const Quaterniond&)>& tell = {});
 
-/// The unweighted mean of each error over those results that have been scored; `scored` counts them.
+/// The unweighted mean of each error over those results that have been scored; its `scored` counts logs.
 AttitudeResult mean_of(const std::vector<AttitudeResult>& results);
 
 /// A table with a row for each log and, of several, their mean.
