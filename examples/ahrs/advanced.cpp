@@ -1,9 +1,10 @@
-// Everything the AHRS has: three sensors, the gyroscope's offset, rejection, internal states, flags, and
-// outputs in an Earth convention. Prints once per second of the imu.csv that is its argument, or of a
-// built-in movement.
+// The AHRS with three sensors: their calibration and mounting, the gyroscope's offset, rejection, internal
+// states, flags, and outputs in an Earth convention. Prints once per second of the imu.csv that is its
+// argument, or of a built-in movement.
 
 #include "movement.hpp"
 #include <sonopose/attitude/ahrs.hpp>
+#include <sonopose/calibration/calibration.hpp>
 
 #include <cstdio>
 #include <exception>
@@ -59,6 +60,13 @@ void print_condition(const attitude::Ahrs& ahrs, const attitude::AhrsSettings& s
 int main(int argc, char** argv) try {
   const std::vector<ImuSample> samples = example::samples(argc, argv);
 
+  // What sonopose-calibrate finds of a sensor, and how it is mounted; the movement's sensor has only the
+  // offset that the AHRS learns by itself.
+  calibration::Settings sensor;
+  sensor.accelerometer.offset_x_mps2 = 0.0;
+  sensor.axes.axes = calibration::Axes::as_mounted;
+  const calibration::Calibration calibration(sensor);
+
   attitude::AhrsSettings settings;
   settings.gain = 0.5;
   settings.acceleration_rejection_deg = 10.0;
@@ -71,7 +79,8 @@ int main(int argc, char** argv) try {
   TimeNs before_ns = samples.empty() ? 0 : samples.front().sensor_time_ns;
   double since_start_s = 0.0;
   double next_print_s = 0.0;
-  for (const ImuSample& imu : samples) {
+  for (const ImuSample& raw : samples) {
+    const ImuSample imu = calibration.corrected(raw);
     const double dt_s = std::max(seconds_between(before_ns, imu.sensor_time_ns), 0.0);
     ahrs.update(settings, measurement_of(imu, dt_s));
     before_ns = imu.sensor_time_ns;
