@@ -83,7 +83,7 @@ Points thinned(const Points& points_ut, const Span& span) {
 }
 
 Points without_glitches(const Points& points_ut) {
-  // The farthest point of an ellipsoid is no more than about twice as far from its middle as half of them.
+  // Even on a long ellipsoid the farthest point is only about twice as far from the middle as half of them.
   constexpr double farthest_in_medians = 3.0;
   const Span span = span_of(points_ut);
   // Of the thinned readings, or a long rest would make all others glitches.

@@ -54,12 +54,12 @@ struct GyroscopeFit {
 /// period, and for an offset that no setting may have.
 GyroscopeFit fit_gyroscope(std::span<const StillInterval> intervals);
 
-/// The offset, and sensitivity and misalignment from the turns between one period and the next: the rates,
-/// integrated over a turn, must turn gravity's direction from where it was to where it is. The axes become
-/// those of the accelerometer as `accelerometer` corrects it. A turn that the
-/// others contradict is left out. Where there are too few turns, or they do not determine it, or disagree, or
-/// tell values that no setting may have, only the offset is estimated. Throws CalibrationError as the offset
-/// alone does.
+/// The offset, and sensitivity and misalignment from the turns between one period and the next: the
+/// rates, integrated over a turn, must turn gravity's direction from where it was to where it is. The
+/// axes become those of the accelerometer as `accelerometer` corrects it. A turn that the others
+/// contradict is left out. Where there are too few turns, or they do not determine it, or disagree, or
+/// tell values that no setting may have, only the offset is estimated. Throws CalibrationError as the
+/// offset alone does.
 GyroscopeFit fit_gyroscope(std::span<const ImuSample> imu, std::span<const StillInterval> intervals,
                            const AccelerometerSettings& accelerometer);
 
