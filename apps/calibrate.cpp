@@ -73,10 +73,12 @@ int main(int argc, char** argv) {
       "fusion. Recordings hold what the sensors tell, whatever the fusion's settings were.",
       "sonopose-calibrate");
   app.require_subcommand(1);
-  CLI::App* const imu = add_command(app, "imu",
-                                    "Accelerometer and gyroscope: the sensor held still for 2 s in each of "
-                                    "nine orientations or more, six at least",
-                                    options);
+  CLI::App* const imu =
+      add_command(app, "imu",
+                  "Accelerometer and gyroscope: the sensor held still for 2 s in each of 12 or more "
+                  "orientations (at least nine for all, six for offset and sensitivity), with turns of more "
+                  "than 17 degrees between",
+                  options);
   CLI::App* const gyroscope =
       add_command(app, "gyroscope", "The gyroscope's offset alone: the sensor at rest", options);
   CLI::App* const magnetometer = add_command(

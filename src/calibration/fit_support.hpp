@@ -22,18 +22,27 @@ inline std::string text_of(double value) {
   return {text.data(), error == std::errc{} ? end : text.data()};
 }
 
+/// Which value its setting may not have, and what follows; empty where there is none.
+template <class Group>
+std::string out_of_range(const Group& group) {
+  std::string found;
+  const auto check = [&](const auto& row) {
+    const double value = group.*(row.field);
+    if (!found.empty() || (value >= row.minimum && value <= row.maximum)) return;
+    found = std::string(Group::group) + "." + std::string(row.name) + " comes out as " + text_of(value) +
+            ", where " + text_of(row.minimum) + " … " + text_of(row.maximum) +
+            " is allowed: the recording's numbers are not those of this sensor in " +
+            (row.unit.empty() ? "its unit" : std::string(row.unit));
+  };
+  std::apply([&check](const auto&... row) { (check(row), ...); }, Group::declarations());
+  return found;
+}
+
 /// Throws CalibrationError for a value that its setting may not have.
 template <class Group>
 void check_ranges(const Group& group) {
-  const auto check = [&group](const auto& row) {
-    const double value = group.*(row.field);
-    if (value >= row.minimum && value <= row.maximum) return;
-    throw CalibrationError(std::string(Group::group) + "." + std::string(row.name) + " comes out as " +
-                           text_of(value) + ", where " + text_of(row.minimum) + " … " + text_of(row.maximum) +
-                           " is allowed: the recording's numbers are not those of this sensor in " +
-                           (row.unit.empty() ? "its unit" : std::string(row.unit)));
-  };
-  std::apply([&check](const auto&... row) { (check(row), ...); }, Group::declarations());
+  const std::string found = out_of_range(group);
+  if (!found.empty()) throw CalibrationError(found);
 }
 
 /// The parameter that the residuals tell least about.

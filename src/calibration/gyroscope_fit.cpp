@@ -1,20 +1,28 @@
 #include "fit_support.hpp"
 #include "least_squares.hpp"
+#include "turns.hpp"
 #include <sonopose/calibration/inertial_fit.hpp>
+#include <sonopose/math/quantile.hpp>
 #include <sonopose/math/rotation.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace sonopose::calibration {
 namespace {
 
+using detail::residuals_of;
 using detail::Solution;
+using detail::Turn;
 using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr double largest_condition = 100.0;
+constexpr double differences_step = 1e-5;
 
 // The parameters in the fit's order.
 constexpr std::array<std::string_view, 9> names{
@@ -35,86 +43,103 @@ GyroscopeSettings settings_of(const VectorXd& parameters, GyroscopeSettings sett
   return settings;
 }
 
-/// The samples between two periods, and where gravity stood before and after (unit vectors, body).
-struct Turn {
-  std::span<const ImuSample> imu;
-  Vector3d up_before;
-  Vector3d up_after;
-};
-
-std::vector<Turn> turns_between(std::span<const ImuSample> imu, std::span<const StillInterval> intervals,
-                                const AccelerometerSettings& accelerometer) {
-  constexpr double longest_s = 30.0;  // beyond, the offset's error counts
-  constexpr double least_angle_rad = 0.3;
-  const Affine model = model_of(accelerometer);
-  const double widest_gap_s = 5.0 * usual_period_s(imu);
-  std::vector<Turn> turns;
-  for (std::size_t i = 1; i < intervals.size(); ++i) {
-    const std::size_t begin = intervals[i - 1].end - 1;
-    const Turn turn{imu.subspan(begin, intervals[i].begin + 1 - begin),
-                    model(intervals[i - 1].mean_force_mps2).normalized(),
-                    model(intervals[i].mean_force_mps2).normalized()};
-    const double took_s = seconds_between(turn.imu.front().sensor_time_ns, turn.imu.back().sensor_time_ns);
-    bool usable = took_s <= longest_s && turn.up_before.dot(turn.up_after) < std::cos(least_angle_rad);
-    for (std::size_t k = 1; k < turn.imu.size() && usable; ++k) {
-      const double dt_s = seconds_between(turn.imu[k - 1].sensor_time_ns, turn.imu[k].sensor_time_ns);
-      usable = dt_s > 0.0 && dt_s <= widest_gap_s;
-    }
-    if (usable) turns.push_back(turn);
-  }
-  return turns;
-}
-
-/// Gravity's direction after the turn as the rates tell it, minus as it was measured: three per turn.
-VectorXd residuals_of(const std::vector<Turn>& turns, const GyroscopeSettings& settings) {
-  const Affine model = model_of(settings);
-  VectorXd residuals(3 * static_cast<Index>(turns.size()));
-  for (std::size_t i = 0; i < turns.size(); ++i) {
-    Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();
-    const auto& imu = turns[i].imu;
-    Vector3d before_radps = model(imu.front().angular_velocity_body_radps);
-    for (std::size_t k = 1; k < imu.size(); ++k) {
-      const double dt_s = seconds_between(imu[k - 1].sensor_time_ns, imu[k].sensor_time_ns);
-      const Vector3d rate_radps = model(imu[k].angular_velocity_body_radps);
-      turned = turned * math::rotation_by(0.5 * dt_s * (before_radps + rate_radps));
-      before_radps = rate_radps;
-    }
-    residuals.segment<3>(3 * static_cast<Index>(i)) =
-        turned.normalized().conjugate() * turns[i].up_before - turns[i].up_after;
-  }
-  return residuals;
+/// The parameters of a sensor that has no errors.
+VectorXd no_errors() {
+  VectorXd parameters = VectorXd::Zero(static_cast<Index>(names.size()));
+  parameters.head<3>().setOnes();
+  return parameters;
 }
 
 double rms_of(const VectorXd& residuals) {
   return std::sqrt(3.0 * residuals.squaredNorm() / static_cast<double>(residuals.size()));
 }
 
-void refine_by_turns(const std::vector<Turn>& turns, GyroscopeFit& fit) {
+/// Sensitivity and misalignment from the turns, the offset being that of `settings`.
+Solution solve(const std::vector<Turn>& turns, const GyroscopeSettings& settings) {
+  const auto residuals = [&](const VectorXd& at) { return residuals_of(turns, settings_of(at, settings)); };
+  return detail::minimise(detail::differentiated(residuals, differences_step), no_errors());
+}
+
+/// By how much each turn misses (rad).
+Eigen::ArrayXd misses_of(const VectorXd& residuals) {
+  return residuals.reshaped(3, residuals.size() / 3).colwise().norm().transpose();
+}
+
+/// How far each turn is off what most of them tell (rad). Least squares would share one bad turn's error
+/// among all; the least sum of the misses themselves leaves it where it is. It is found by least squares too,
+/// each turn weighted by one over its miss of the time before.
+Eigen::ArrayXd robust_misses(const std::vector<Turn>& turns, const GyroscopeSettings& settings) {
+  constexpr int rounds = 10;
+  constexpr double least_miss_rad = 0.05 * math::radians_per_degree;
+  VectorXd parameters = no_errors();
+  Eigen::ArrayXd weights = Eigen::ArrayXd::Ones(static_cast<Index>(turns.size()));
+  Eigen::ArrayXd misses_rad;
+  for (int round = 0; round < rounds; ++round) {
+    const auto weighted = [&](const VectorXd& at) {
+      VectorXd residuals = residuals_of(turns, settings_of(at, settings));
+      for (Index i = 0; i < weights.size(); ++i) residuals.segment<3>(3 * i) *= weights[i];
+      return residuals;
+    };
+    const Solution solution =
+        detail::minimise(detail::differentiated(weighted, differences_step), std::move(parameters));
+    parameters = solution.parameters;
+    misses_rad = misses_of(solution.residuals) / weights;
+    weights = (least_miss_rad / misses_rad.max(least_miss_rad)).sqrt();
+  }
+  return misses_rad;
+}
+
+/// Without the turns that are off by far more than most: something disturbed them.
+std::vector<Turn> without_outliers(const std::vector<Turn>& turns, const Eigen::ArrayXd& misses_rad) {
+  constexpr double limit_in_medians = 4.0;
+  constexpr double least_limit_rad = 0.25 * math::radians_per_degree;  // no turn is bad for less
+  const double median_rad = math::quantile({misses_rad.begin(), misses_rad.end()}, 0.5);
+  const double limit_rad = std::max(least_limit_rad, limit_in_medians * median_rad);
+  std::vector<Turn> kept;
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    if (misses_rad[static_cast<Index>(i)] <= limit_rad) kept.push_back(turns[i]);
+  }
+  return kept;
+}
+
+/// Why the solution is not to be used; empty where it is.
+std::string objection_to(const Solution& solution, const GyroscopeSettings& settings) {
+  constexpr double largest_rms_rad = math::radians_per_degree;
+  if (!(solution.condition <= largest_condition)) {
+    return "the turns do not determine it, least of all " + std::string(detail::weakest_of(solution, names)) +
+           ": turn about each of the axes";
+  }
+  const double rms_rad = rms_of(solution.residuals);
+  if (!(rms_rad <= largest_rms_rad)) {
+    return "the rates miss gravity's direction after a turn by " +
+           detail::text_of(rms_rad / math::radians_per_degree) + " degrees RMS, where " +
+           detail::text_of(largest_rms_rad / math::radians_per_degree) +
+           " is the most: samples are missing or wrong, or a turn was too fast for the sensor's range";
+  }
+  return detail::out_of_range(settings);
+}
+
+void refine_by_turns(std::vector<Turn> turns, GyroscopeFit& fit) {
   constexpr std::size_t least_turns = 9;
+  const std::size_t found = turns.size();
+  if (found >= least_turns) turns = without_outliers(turns, robust_misses(turns, fit.settings));
   fit.turns = turns.size();
+  fit.turns_left_out = found - turns.size();
   if (turns.size() < least_turns) {
-    fit.why_without = std::to_string(turns.size()) + " turns from one still period to the next were found, " +
+    fit.why_without = std::to_string(found) + " turns from one still period to the next were found, " +
+                      (turns.size() < found ? std::to_string(turns.size()) + " of them agree, " : "") +
                       std::to_string(least_turns) + " are needed";
     return;
   }
-  VectorXd start = VectorXd::Zero(static_cast<Index>(names.size()));
-  start.head<3>().setOnes();
-  const auto residuals = [&](const VectorXd& at) {
-    return residuals_of(turns, settings_of(at, fit.settings));
-  };
-  fit.rms_before_rad = rms_of(residuals(start));
-  constexpr double step = 1e-5;
-  const Solution solution = detail::minimise(detail::differentiated(residuals, step), start);
-  if (!(solution.condition <= largest_condition)) {
-    fit.why_without = "the turns do not determine it, least of all " +
-                      std::string(detail::weakest_of(solution, names)) + ": turn about each of the axes";
-    return;
-  }
-  fit.settings = settings_of(solution.parameters, fit.settings);
+  const Solution solution = solve(turns, fit.settings);
+  fit.rms_before_rad = rms_of(residuals_of(turns, fit.settings));
+  const GyroscopeSettings settings = settings_of(solution.parameters, fit.settings);
+  fit.why_without = objection_to(solution, settings);
+  if (!fit.why_without.empty()) return;
+  fit.settings = settings;
   fit.standard_errors = settings_of(solution.standard_errors(), fit.standard_errors);
   fit.rms_after_rad = rms_of(solution.residuals);
   fit.with_sensitivity = true;
-  detail::check_ranges(fit.settings);
 }
 
 }  // namespace
@@ -158,7 +183,7 @@ GyroscopeFit fit_gyroscope(std::span<const StillInterval> intervals) {
 GyroscopeFit fit_gyroscope(std::span<const ImuSample> imu, std::span<const StillInterval> intervals,
                            const AccelerometerSettings& accelerometer) {
   GyroscopeFit fit = fit_gyroscope(intervals);
-  refine_by_turns(turns_between(imu, intervals, accelerometer), fit);
+  refine_by_turns(detail::turns_between(imu, intervals, accelerometer), fit);
   return fit;
 }
 

@@ -1,10 +1,25 @@
 #include <sonopose/calibration/still.hpp>
+#include <sonopose/math/quantile.hpp>
 
 #include <algorithm>
 #include <cmath>
 
 namespace sonopose::calibration {
 namespace {
+
+using math::quantile;
+
+// What counts as still. The noise of the recording itself sets the thresholds: that of its calmest windows,
+// times a factor, but never less than what a quantised sensor shows nor more than what a hand does.
+constexpr double window_s = 0.6;  // the spread is taken over windows of this length
+constexpr double least_s = 1.0;   // shorter periods are no periods
+constexpr double noise_factor = 4.0;
+constexpr double least_gyro_radps = 0.005;
+constexpr double most_gyro_radps = 0.06;
+constexpr double least_accel_mps2 = 0.04;
+constexpr double most_accel_mps2 = 0.4;
+/// A steady slow turn is not still: most that a window's mean rate differs from the usual one.
+constexpr double rate_tolerance_radps = 0.02;
 
 /// Mean and spread (root of the summed variances of three axes) of a run of samples.
 struct Moments {
@@ -32,21 +47,13 @@ Moments moments_of(std::span<const ImuSample> imu) {
   return found;
 }
 
-/// `share` of the values lie below it.
-double quantile(std::vector<double> values, double share) {
-  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[static_cast<std::size_t>(rank)];
-}
-
 /// The recording in blocks of a third of a window; a block is judged by itself and its two neighbours, so
 /// that the blocks next to a motion fall away with it.
 class Blocks {
 public:
-  Blocks(std::span<const ImuSample> imu, const StillOptions& options)
-      : imu_(imu), options_(options), period_s_(usual_period_s(imu)) {
+  explicit Blocks(std::span<const ImuSample> imu) : imu_(imu), period_s_(usual_period_s(imu)) {
     size_ = std::max<std::size_t>(
-        2, period_s_ > 0.0 ? static_cast<std::size_t>(std::lround(options.window_s / 3.0 / period_s_)) : 2);
+        2, period_s_ > 0.0 ? static_cast<std::size_t>(std::lround(window_s / 3.0 / period_s_)) : 2);
     for (std::size_t begin = 0; begin + 3 * size_ <= imu.size(); begin += size_) {
       windows_.push_back(moments_of(imu.subspan(begin, 3 * size_)));
     }
@@ -64,7 +71,7 @@ public:
       found.back().end = begin + size_;
     }
     std::erase_if(found, [this](const StillInterval& interval) {
-      return static_cast<double>(interval.count()) * period_s_ < options_.least_s;
+      return static_cast<double>(interval.count()) * period_s_ < least_s;
     });
     return found;
   }
@@ -80,10 +87,10 @@ private:
   }
 
   [[nodiscard]] std::vector<bool> calm_windows() const {
-    const double rate_limit_radps = std::clamp(options_.noise_factor * floor_of(&Moments::rate_spread_radps),
-                                               options_.least_gyro_radps, options_.most_gyro_radps);
-    const double force_limit_mps2 = std::clamp(options_.noise_factor * floor_of(&Moments::force_spread_mps2),
-                                               options_.least_accel_mps2, options_.most_accel_mps2);
+    const double rate_limit_radps =
+        std::clamp(noise_factor * floor_of(&Moments::rate_spread_radps), least_gyro_radps, most_gyro_radps);
+    const double force_limit_mps2 =
+        std::clamp(noise_factor * floor_of(&Moments::force_spread_mps2), least_accel_mps2, most_accel_mps2);
     std::vector<bool> calm(windows_.size());
     for (std::size_t i = 0; i < windows_.size(); ++i) {
       // Written so that a NaN is not calm.
@@ -93,7 +100,7 @@ private:
     const Vector3d usual_radps = usual_rate(calm);
     for (std::size_t i = 0; i < windows_.size(); ++i) {
       const double off_radps = (windows_[i].mean_rate_radps - usual_radps).norm();
-      calm[i] = calm[i] && off_radps <= options_.rate_tolerance_radps;
+      calm[i] = calm[i] && off_radps <= rate_tolerance_radps;
     }
     return calm;
   }
@@ -102,10 +109,8 @@ private:
   [[nodiscard]] double floor_of(double Moments::*spread) const {
     constexpr double share = 0.05;
     std::vector<double> spreads;
-    for (const Moments& window : windows_) {
-      if (std::isfinite(window.*spread)) spreads.push_back(window.*spread);
-    }
-    return spreads.empty() ? 0.0 : quantile(std::move(spreads), share);
+    for (const Moments& window : windows_) spreads.push_back(window.*spread);
+    return quantile(std::move(spreads), share);
   }
 
   /// Median of the calm windows' mean rates: the gyro's offset, unless it was turning most of the time.
@@ -116,29 +121,16 @@ private:
       for (std::size_t i = 0; i < windows_.size(); ++i) {
         if (calm[i]) rates.push_back(windows_[i].mean_rate_radps[axis]);
       }
-      if (!rates.empty()) usual_radps[axis] = quantile(std::move(rates), 0.5);
+      usual_radps[axis] = quantile(std::move(rates), 0.5);
     }
     return usual_radps;
   }
 
   std::span<const ImuSample> imu_;
-  StillOptions options_;
   double period_s_;
   std::size_t size_ = 2;
   std::vector<Moments> windows_;  ///< window i holds blocks i, i + 1 and i + 2
 };
-
-std::optional<Vector3d> mean_field(std::span<const ImuSample> imu) {
-  Vector3d sum_t = Vector3d::Zero();
-  std::size_t count = 0;
-  for (const ImuSample& sample : imu) {
-    if (!sample.magnetic_field_body_t) continue;
-    sum_t += *sample.magnetic_field_body_t;
-    ++count;
-  }
-  if (count == 0) return std::nullopt;
-  return sum_t / static_cast<double>(count);
-}
 
 }  // namespace
 
@@ -152,18 +144,16 @@ double usual_period_s(std::span<const ImuSample> imu) {
   return quantile(std::move(periods_s), 0.5);
 }
 
-std::vector<StillInterval> find_still_intervals(std::span<const ImuSample> imu, const StillOptions& options) {
-  std::vector<StillInterval> intervals = Blocks(imu, options).still();
+std::vector<StillInterval> find_still_intervals(std::span<const ImuSample> imu) {
+  std::vector<StillInterval> intervals = Blocks(imu).still();
   for (StillInterval& interval : intervals) {
-    const auto samples = imu.subspan(interval.begin, interval.count());
-    const Moments moments = moments_of(samples);
+    const Moments moments = moments_of(imu.subspan(interval.begin, interval.count()));
     interval.mean_rate_radps = moments.mean_rate_radps;
     interval.mean_force_mps2 = moments.mean_force_mps2;
     const double root_of_count =
         std::sqrt(3.0 * static_cast<double>(interval.count()));  // spreads are of 3 axes
     interval.rate_error_radps = moments.rate_spread_radps / root_of_count;
     interval.force_error_mps2 = moments.force_spread_mps2 / root_of_count;
-    interval.mean_field_t = mean_field(samples);
   }
   return intervals;
 }

@@ -55,6 +55,7 @@ std::string calibration_json(const CalibrationResult& result) {
     Json& sensor = object["gyroscope"] = settings_of(*fit);
     sensor["periods"] = fit->periods;
     sensor["turns"] = fit->turns;
+    sensor["turns_left_out"] = fit->turns_left_out;
     sensor["with_sensitivity"] = fit->with_sensitivity;
     sensor["rms_before_rad"] = fit->rms_before_rad;
     sensor["rms_after_rad"] = fit->rms_after_rad;

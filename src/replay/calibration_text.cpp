@@ -19,6 +19,10 @@ std::string line(std::string_view what, const std::string& says) {
   return fmt::format("{:<14} {}\n", what, says);
 }
 
+std::string periods(std::size_t count) {
+  return fmt::format("{} period{}", count, count == 1 ? "" : "s");
+}
+
 std::string text_of(const AccelerometerFit& fit, const CalibrationResult& result) {
   std::string text =
       line("accelerometer", fmt::format("offset, sensitivity{} from {} orientations",
@@ -33,9 +37,10 @@ std::string text_of(const AccelerometerFit& fit, const CalibrationResult& result
 
 std::string text_of(const GyroscopeFit& fit) {
   constexpr double degrees_per_radian = 1.0 / math::radians_per_degree;
-  std::string text = line("gyroscope", fmt::format("offset from {} periods at rest", fit.periods));
+  std::string text = line("gyroscope", fmt::format("offset from {} at rest", periods(fit.periods)));
   if (fit.with_sensitivity) {
-    text += line("", fmt::format("sensitivity and misalignment from {} turns", fit.turns));
+    text += line("", fmt::format("sensitivity and misalignment from {} turns, {} left out", fit.turns,
+                                 fit.turns_left_out));
     text += line(
         "", fmt::format("gravity after a turn: {:.2f} deg RMS off before, {:.2f} after",
                         degrees_per_radian * fit.rms_before_rad, degrees_per_radian * fit.rms_after_rad));
@@ -103,7 +108,7 @@ std::string name_of(const std::filesystem::path& path) {
 std::string calibration_text(const CalibrationResult& result) {
   std::string text = line("log", fmt::format("{}: {} samples over {:.1f} s", name_of(result.log),
                                              result.samples, result.duration_s));
-  if (!result.still.empty()) text += line("still", fmt::format("{} periods", result.still.size()));
+  if (!result.still.empty()) text += line("still", periods(result.still.size()));
   if (result.accelerometer) text += text_of(*result.accelerometer, result);
   if (result.gyroscope) text += text_of(*result.gyroscope);
   if (result.magnetometer) text += text_of(*result.magnetometer);

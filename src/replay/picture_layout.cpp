@@ -1,5 +1,7 @@
 #include "picture_layout.hpp"
 
+#include <sonopose/math/quantile.hpp>
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -9,14 +11,7 @@
 namespace sonopose::replay {
 namespace {
 
-/// `share` of the values lie below it; 0 where none is known.
-double quantile(std::vector<double> values, double share) {
-  std::erase_if(values, [](double value) { return !std::isfinite(value); });
-  if (values.empty()) return 0.0;
-  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[static_cast<std::size_t>(rank)];
-}
+using math::quantile;
 
 /// The axis of errors in cm. Its top shows what matters in detail: a jump may leave the picture. Where rare
 /// errors dwarf the usual ones, as in outages, the axis is logarithmic.

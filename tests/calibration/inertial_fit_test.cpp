@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 using namespace sonopose;
@@ -165,6 +166,68 @@ TEST_CASE("turns about one axis tell nothing of the others, and then only the of
   const auto fit = fit_gyroscope(imu, find_still_intervals(imu), AccelerometerSettings{});
   CHECK_FALSE(fit.with_sensitivity);
   CHECK_THAT(fit.why_without, Catch::Contains("do not determine"));
+  CHECK(fit.settings.sensitivity_x == 1.0);
+  CHECK(fit.settings.offset_x_radps == Approx(0.02).margin(0.001));
+}
+
+TEST_CASE("GIVEN one wrong rate in a turn THEN that turn is left out, and the others tell the truth") {
+  const auto truth = true_gyroscope();
+  const auto clean =
+      SimulatedSensor(errors_of(true_accelerometer(), truth), 9).hold_in_turn(sides_and_corners_of_a_cube());
+  const auto intervals = find_still_intervals(clean);
+  const auto accelerometer = fit_accelerometer(intervals).settings;
+  // Turn n lasts from 3·n + 2 s to 3·n + 3 s at 100 Hz.
+  for (const std::size_t turn : {0U, 2U, 5U, 12U}) {
+    for (const double wrong_radps : {35.0, -8.0, std::numeric_limits<double>::quiet_NaN()}) {
+      CAPTURE(turn, wrong_radps);
+      auto imu = clean;
+      imu[300 * turn + 240].angular_velocity_body_radps.x() += wrong_radps;
+      const auto fit = fit_gyroscope(imu, intervals, accelerometer);
+      CHECK(fit.with_sensitivity);
+      CHECK(fit.turns == 12);
+      CHECK(fit.turns_left_out == (std::isfinite(wrong_radps) ? 1 : 0));
+      check_recovered(fit.settings, fit.standard_errors, truth, 0.005);
+      CHECK(fit.rms_after_rad < 0.002);
+    }
+  }
+}
+
+TEST_CASE("turns that disagree give the offset alone, and the reason") {
+  const auto clean =
+      SimulatedSensor(errors_of({}, true_gyroscope()), 12).hold_in_turn(sides_and_corners_of_a_cube());
+  const auto intervals = find_still_intervals(clean);
+  auto imu = clean;
+  SECTION("five of thirteen have a wrong rate") {
+    for (const std::size_t turn : {1U, 3U, 6U, 8U, 11U}) {
+      imu[300 * turn + 240].angular_velocity_body_radps[static_cast<int>(turn % 3)] += 20.0;
+    }
+  }
+  SECTION("all are too fast for the sensor's range") {
+    for (ImuSample& sample : imu) {
+      auto& rate_radps = sample.angular_velocity_body_radps;
+      rate_radps = rate_radps.cwiseMax(-1.0).cwiseMin(1.0).eval();
+    }
+  }
+  const auto fit = fit_gyroscope(imu, intervals, AccelerometerSettings{});
+  CHECK_FALSE(fit.with_sensitivity);
+  CHECK_THAT(fit.why_without,
+             Catch::Contains("of them agree, 9 are needed") || Catch::Contains("degrees RMS"));
+  CHECK(fit.settings.sensitivity_x == 1.0);
+  CHECK(fit.settings.misalignment_xy == 0.0);
+  CHECK(fit.settings.offset_x_radps == Approx(0.02).margin(0.001));
+}
+
+TEST_CASE("a sensitivity that no setting may have is not estimated, and said") {
+  GyroscopeSettings truth;
+  truth.offset_x_radps = 0.02;
+  truth.sensitivity_x = truth.sensitivity_y = truth.sensitivity_z = 11.0;
+  SensorErrors errors = errors_of({}, truth);
+  errors.gyro_noise_radps = 0.0002;
+  const auto imu = SimulatedSensor(errors, 13).hold_in_turn(sides_and_corners_of_a_cube());
+  const auto fit = fit_gyroscope(imu, find_still_intervals(imu), AccelerometerSettings{});
+  CHECK_FALSE(fit.with_sensitivity);
+  CHECK_THAT(fit.why_without, Catch::Contains("calibration.gyroscope.sensitivity_x comes out as 11") ||
+                                  Catch::Contains("calibration.gyroscope.sensitivity_x comes out as 10.9"));
   CHECK(fit.settings.sensitivity_x == 1.0);
   CHECK(fit.settings.offset_x_radps == Approx(0.02).margin(0.001));
 }

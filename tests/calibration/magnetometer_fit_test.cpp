@@ -139,6 +139,38 @@ TEST_CASE("a magnet passing by is left out") {
   CHECK((fit.centre_ut - clean.centre_ut).norm() < 0.05);
 }
 
+TEST_CASE("a glitch among thousands of readings is left out and counted, and changes nothing else") {
+  const auto imu = readings(usual_iron, 48.0, 11, 9000);
+  const auto clean = fit_magnetometer(imu, 48.0);
+  for (const double glitch_ut : {300.0, 2000.0, 5000.0, 1e9, 1e20, 1e300}) {
+    for (const Vector3d& direction : {Vector3d(1.0, 0.0, 0.0), Vector3d(0.5, -1.0, 1.0)}) {
+      CAPTURE(glitch_ut, direction.transpose());
+      auto with_glitch = imu;
+      ImuSample glitch = imu.front();
+      glitch.magnetic_field_body_t = glitch_ut * tesla_per_ut * direction;
+      with_glitch.insert(with_glitch.begin() + 1234, glitch);
+      const auto fit = fit_magnetometer(with_glitch, 48.0);
+      CHECK((fit.centre_ut - clean.centre_ut).norm() < 1e-9);
+      CHECK((fit.semi_axes_ut - clean.semi_axes_ut).norm() < 1e-9);
+      CHECK(fit.coverage == clean.coverage);
+      CHECK(fit.samples == clean.samples + 1);
+      CHECK(fit.used == clean.used);
+      CHECK(fit.outliers == clean.outliers + 1);
+    }
+  }
+}
+
+TEST_CASE("glitches in one of thirty readings are left out as well") {
+  auto imu = readings(usual_iron, 48.0, 12);
+  const auto clean = fit_magnetometer(imu, 48.0);
+  ImuSample glitch = imu.front();
+  glitch.magnetic_field_body_t = tesla_per_ut * Vector3d(2000.0, -2000.0, 2000.0);
+  imu.insert(imu.begin() + 2000, imu.size() / 30, glitch);
+  const auto fit = fit_magnetometer(imu, 48.0);
+  CHECK((fit.centre_ut - clean.centre_ut).norm() < 1e-9);
+  CHECK(fit.outliers == clean.outliers + 4000 / 30);
+}
+
 TEST_CASE("a magnet on the sensor is taken off, though it is ten times as strong as the field") {
   Iron iron = usual_iron;
   iron.centre_ut = {400.0, -250.0, 100.0};

@@ -44,18 +44,22 @@ struct GyroscopeFit {
   bool with_sensitivity = false;
   std::string why_without;  ///< without sensitivity and misalignment: the reason
   std::size_t periods = 0;
-  std::size_t turns = 0;      ///< used for sensitivity and misalignment
+  std::size_t turns = 0;           ///< used for sensitivity and misalignment
+  std::size_t turns_left_out = 0;  ///< because the others contradict them
   double rms_before_rad = 0;  ///< gravity's direction after a turn: as the rates tell it against as measured
   double rms_after_rad = 0;
 };
 
-/// The offset alone: the mean of the rates over all still samples. Throws CalibrationError without a period.
+/// The offset alone: the mean of the rates over all still samples. Throws CalibrationError without a
+/// period, and for an offset that no setting may have.
 GyroscopeFit fit_gyroscope(std::span<const StillInterval> intervals);
 
-/// The offset, and sensitivity and misalignment from the turns between one period and the next: the rates,
-/// integrated over a turn, must turn gravity's direction from where it was to where it is. The axes become
-/// those of the accelerometer as `accelerometer` corrects it. Where there are too few turns, or they do not
-/// determine it, only the offset is estimated.
+/// The offset, and sensitivity and misalignment from the turns between one period and the next: the
+/// rates, integrated over a turn, must turn gravity's direction from where it was to where it is. The
+/// axes become those of the accelerometer as `accelerometer` corrects it. A turn that the others
+/// contradict is left out. Where there are too few turns, or they do not determine it, or disagree, or
+/// tell values that no setting may have, only the offset is estimated. Throws CalibrationError as the
+/// offset alone does.
 GyroscopeFit fit_gyroscope(std::span<const ImuSample> imu, std::span<const StillInterval> intervals,
                            const AccelerometerSettings& accelerometer);
 

@@ -18,7 +18,7 @@ struct MagnetometerFit {
   MagnetometerSettings standard_errors;  ///< of each setting
   std::size_t samples = 0;               ///< that have a field
   std::size_t used = 0;                  ///< of them in the fit: no direction counts more than another
-  std::size_t outliers = 0;              ///< left out of the fit because the field was disturbed there
+  std::size_t outliers = 0;              ///< left out of the fit: glitches, and where the field was disturbed
   double coverage = 0;                   ///< share of the sphere's directions that were seen, 0…1
   double field_ut = 0;                   ///< strength that the corrected field has
   Vector3d centre_ut = Vector3d::Zero();

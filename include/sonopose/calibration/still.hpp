@@ -5,25 +5,10 @@
 #include <sonopose/core/samples.hpp>
 
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
 namespace sonopose::calibration {
-
-/// What counts as still. The noise of the recording itself sets the thresholds: that of its calmest windows,
-/// times a factor, but never less than what a quantised sensor shows nor more than what a hand does.
-struct StillOptions {
-  double window_s = 0.6;               ///< the spread is taken over windows of this length
-  double least_s = 1.0;                ///< shorter periods are no periods
-  double noise_factor = 4.0;           ///< the threshold, in units of the calmest windows' spread
-  double least_gyro_radps = 0.005;     ///< smallest threshold for the rate's spread
-  double most_gyro_radps = 0.06;       ///< largest one
-  double least_accel_mps2 = 0.04;      ///< smallest threshold for the specific force's spread
-  double most_accel_mps2 = 0.4;        ///< largest one
-  double rate_tolerance_radps = 0.02;  ///< a steady slow turn is not still: most that a window's mean rate
-                                       ///< differs from the usual one
-};
 
 /// One period, and the means over it, all in the axes of the samples given.
 struct StillInterval {
@@ -33,15 +18,13 @@ struct StillInterval {
   Vector3d mean_force_mps2 = Vector3d::Zero();
   double rate_error_radps = 0;  ///< standard error of the mean rate per axis, by the noise alone
   double force_error_mps2 = 0;  ///< the same of the mean force
-  std::optional<Vector3d> mean_field_t = {};  ///< empty where no sample has one
 
   [[nodiscard]] std::size_t count() const { return end - begin; }
 };
 
 /// The periods in the order of the recording. The ends, where the motion begins or fades, are left out; a gap
 /// in the stamps ends a period. Samples that are not finite are never still.
-std::vector<StillInterval> find_still_intervals(std::span<const ImuSample> imu,
-                                                const StillOptions& options = {});
+std::vector<StillInterval> find_still_intervals(std::span<const ImuSample> imu);
 
 /// Number of orientations among the periods: gravity's direction is a new one where it stands at least
 /// `least_angle_rad` from that of every orientation before.
