@@ -29,6 +29,10 @@ void emplace(std::variant<Filters...>& filter, std::size_t index, std::index_seq
 
 }  // namespace
 
+bool has_magnetic_heading(const SelectionSettings& settings) {
+  return settings.magnetometer && settings.filter != FilterKind::gyro;
+}
+
 FieldUse field_use(const SelectionSettings& settings) {
   return {settings.magnetometer, settings.north_deg};
 }

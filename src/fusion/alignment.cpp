@@ -24,9 +24,15 @@ void tell(const AlignmentSettings& settings, AlignmentState& state, const Vector
           TimeNs now_ns, double dt_s) {
   if (!(settings.aiding_s > 0.0)) return tell_nothing(state);
   if (!(dt_s > 0.0)) return;
-  const Vector3d told_world_mps = -std::expm1(-dt_s / settings.aiding_s) * state.untold_world_mps;
+  Vector3d told_world_mps = -std::expm1(-dt_s / settings.aiding_s) * state.untold_world_mps;
+  // A tilt that follows corrections, and makes new ones, must not be thrown about by wild ones.
+  constexpr double most_told_mps2 = 1.0;
+  const double told_mps2 = told_world_mps.norm() / dt_s;
+  if (told_mps2 > most_told_mps2) told_world_mps *= most_told_mps2 / told_mps2;
   state.untold_world_mps -= told_world_mps;
+  // The learned offset is the accelerometer's, not the body's acceleration: the filter reads it too.
   state.known_acceleration_world_mps2 = (gained_world_mps + told_world_mps) / dt_s;
+  state.known_acceleration_world_mps2.z() -= state.vertical_offset_mps2;
   state.tells = true;
   state.told_ns = now_ns;
 }

@@ -293,7 +293,8 @@ void Engine::align(const FixVelocity& measured, const VelocityChange& change, Fi
     return;
   }
   alignment::level(settings_.alignment, state_.alignment, state_.filter, change.change_world_mps);
-  if (heading::is_valid(settings_.heading, state_.heading, state_.body.time_ns)) {
+  if (heading::is_valid(settings_.heading, state_.heading, state_.body.time_ns) ||
+      attitude::has_magnetic_heading(settings_.attitude.selection)) {
     state_.alignment.gained_world_mps *= 1.0 - change.share;
   } else {
     report.yaw_change_rad = alignment::turn(settings_.alignment, state_.alignment, state_.body, state_.filter,

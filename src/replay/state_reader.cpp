@@ -17,9 +17,18 @@ std::string kind_error(const json& value, std::string_view wanted) {
   return "is " + shown + " instead of " + std::string(wanted);
 }
 
-/// No state of a real run has a larger one, and from larger ones come infinite ones.
-bool is_number(const json& value) {
-  return value.is_number() && std::abs(value.get<double>()) <= 1e9;
+/// Could a filter's field be this? No real run leaves a larger number, and from larger ones come infinite
+/// ones.
+template <class Field>
+std::string_view fault_of(std::string_view name, const Field& field) {
+  constexpr double most = 1e9;
+  if constexpr (std::is_same_v<Field, double>) {
+    if (name.ends_with("_s") && field < 0.0) return "is a negative time";
+    if (std::abs(field) > most) return "is beyond 1e9";
+  } else if constexpr (std::is_same_v<Field, Vector3d> || std::is_same_v<Field, Eigen::Matrix3d>) {
+    if (field.cwiseAbs().maxCoeff() > most) return "is beyond 1e9";
+  }
+  return {};
 }
 
 }  // namespace
@@ -61,7 +70,7 @@ StateReader StateReader::object(const char* name) {
 
 void StateReader::read(const char* name, double& value) {
   const json read = take(name);
-  if (!is_number(read)) fail(name, kind_error(read, "a number within ±1e9"));
+  if (!read.is_number()) fail(name, kind_error(read, "a number"));
   value = read.get<double>();
 }
 
@@ -127,9 +136,8 @@ void StateReader::read(const char* name, attitude::AnyFilter& filter) {
   filter.select(static_cast<attitude::FilterKind>(found - kinds.begin()));
   filter.for_each_field([&fields](const char* field, auto& value) {
     fields.read(field, value);
-    if constexpr (std::is_same_v<decltype(value), double&>) {
-      if (std::string_view(field).ends_with("_s") && value < 0.0) fields.fail(field, "is a negative time");
-    }
+    const std::string_view fault = fault_of(field, value);
+    if (!fault.empty()) fields.fail(field, std::string(fault));
   });
   fields.finish();
 }
@@ -192,7 +200,8 @@ json StateReader::take(const char* name) {
 template <std::size_t Count>
 std::array<double, Count> StateReader::take_numbers(const char* name, const char* wanted) {
   const json read = take_array(name);
-  const bool fits = read.size() == Count && std::all_of(read.begin(), read.end(), is_number);
+  const bool fits = read.size() == Count &&
+                    std::all_of(read.begin(), read.end(), [](const json& one) { return one.is_number(); });
   if (!fits) fail(name, kind_error(read, wanted));
   return read.get<std::array<double, Count>>();
 }

@@ -130,6 +130,12 @@ TEST_CASE("a field that is missing, unknown, of the wrong kind or impossible is 
                file["state"]["velocity.fixes"].push_back(file["state"]["velocity.fixes"][0]);
              }),
              Contains("velocity.fixes: has 9 elements instead of 8"));
+  CHECK_THAT(complaint_after([](json& file) { file["state"]["filter"]["force_age_s"] = -1e-9; }),
+             Contains("filter: force_age_s") && Contains("negative"));
+  CHECK_THAT(complaint_after([](json& file) { file["state"]["filter"]["bias.span_s"] = 1e308; }),
+             Contains("filter: bias.span_s") && Contains("1e9"));
+  CHECK_THAT(complaint_after([](json& file) { file["state"]["filter"]["kind"] = "kalman"; }),
+             Contains("filter: kind") && Contains("kalman"));
   CHECK_THAT(complaint_after([](json& file) {
                file["state"]["filter"]["q_body_to_world"] = {1, 1, 0, 0};
              }),

@@ -56,6 +56,9 @@ struct Settings {
   Ahrs::Settings ahrs;
 };
 
+/// The chosen filter takes heading from the magnetometer.
+bool has_magnetic_heading(const SelectionSettings& settings);
+
 /// What the settings say of the magnetometer.
 FieldUse field_use(const SelectionSettings& settings);
 
