@@ -10,7 +10,6 @@
 #include <charconv>
 #include <string>
 #include <string_view>
-#include <tuple>
 
 namespace sonopose::calibration::detail {
 
@@ -34,7 +33,7 @@ std::string out_of_range(const Group& group) {
             " is allowed: the recording's numbers are not those of this sensor in " +
             (row.unit.empty() ? "its unit" : std::string(row.unit));
   };
-  std::apply([&check](const auto&... row) { (check(row), ...); }, Group::declarations());
+  Group::declarations()([&check](const auto&... row) { (check(row), ...); });
   return found;
 }
 

@@ -4,7 +4,6 @@
 #include <sonopose/fusion/settings.hpp>
 
 #include <string_view>
-#include <tuple>
 
 namespace sonopose::fusion::detail {
 
@@ -16,8 +15,8 @@ constexpr std::string_view group_of(const setting::Declaration<Group, Value>& /*
 /// Calls `visit(row, value)` for every setting of one group.
 template <class Group, class Visit>
 void for_each_in(Group& group, const Visit& visit) {
-  std::apply([&](const auto&... row) { (visit(row, group.*(row.field)), ...); },
-             std::remove_const_t<Group>::declarations());
+  std::remove_const_t<Group>::declarations()(
+      [&](const auto&... row) { (visit(row, group.*(row.field)), ...); });
 }
 
 /// Calls `visit(row, value)` for every setting; `AnySettings` is Settings or const Settings.

@@ -5,7 +5,6 @@
 
 #include <optional>
 #include <string>
-#include <tuple>
 
 namespace sonopose::replay {
 namespace {
@@ -20,8 +19,8 @@ std::string dumped(const Json& json) {
 template <class Group>
 Json json_of(const Group& settings) {
   Json object = Json::object();
-  std::apply([&](const auto&... row) { ((object[std::string(row.name)] = settings.*(row.field)), ...); },
-             Group::declarations());
+  Group::declarations()(
+      [&](const auto&... row) { ((object[std::string(row.name)] = settings.*(row.field)), ...); });
   return object;
 }
 

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include <string_view>
-#include <tuple>
 
 namespace sonopose::replay {
 namespace {
@@ -79,7 +78,7 @@ std::string table_of(const Group& settings, const Group& standard_errors, const 
     if (error > 0.0) text += fmt::format("  # +- {:.2g}{}{}", error, row.unit.empty() ? "" : " ", row.unit);
     text += '\n';
   };
-  std::apply([&append](const auto&... row) { (append(row), ...); }, Group::declarations());
+  Group::declarations()([&append](const auto&... row) { (append(row), ...); });
   return text;
 }
 

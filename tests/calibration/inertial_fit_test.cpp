@@ -63,17 +63,15 @@ SensorErrors errors_of(const AccelerometerSettings& accelerometer, const Gyrosco
 /// their estimate coarse); those are small enough to be useful, and 0 exactly where nothing was estimated.
 template <class Group>
 void check_recovered(const Group& found, const Group& errors, const Group& truth, double largest_error) {
-  std::apply(
-      [&](const auto&... row) {
-        const auto check = [&](const auto& one) {
-          INFO(std::string(one.name) << ": " << found.*(one.field) << " ± " << errors.*(one.field)
-                                     << ", truly " << truth.*(one.field));
-          CHECK(std::abs(found.*(one.field) - truth.*(one.field)) <= 4.5 * (errors.*(one.field)));
-          CHECK(errors.*(one.field) <= largest_error);
-        };
-        (check(row), ...);
-      },
-      Group::declarations());
+  Group::declarations()([&](const auto&... row) {
+    const auto check = [&](const auto& one) {
+      INFO(std::string(one.name) << ": " << found.*(one.field) << " ± " << errors.*(one.field) << ", truly "
+                                 << truth.*(one.field));
+      CHECK(std::abs(found.*(one.field) - truth.*(one.field)) <= 4.5 * (errors.*(one.field)));
+      CHECK(errors.*(one.field) <= largest_error);
+    };
+    (check(row), ...);
+  });
 }
 
 }  // namespace

@@ -50,16 +50,14 @@ template <class Group>
 void check_table(const toml::table* table, const Group& settings) {
   REQUIRE(table != nullptr);
   std::size_t count = 0;
-  std::apply(
-      [&](const auto&... row) {
-        const auto check = [&](const auto& one) {
-          CAPTURE(std::string(one.name));
-          CHECK((*table)[one.name].template value_exact<double>() == settings.*(one.field));
-          ++count;
-        };
-        (check(row), ...);
-      },
-      Group::declarations());
+  Group::declarations()([&](const auto&... row) {
+    const auto check = [&](const auto& one) {
+      CAPTURE(std::string(one.name));
+      CHECK((*table)[one.name].template value_exact<double>() == settings.*(one.field));
+      ++count;
+    };
+    (check(row), ...);
+  });
   CHECK(table->size() == count);
 }
 

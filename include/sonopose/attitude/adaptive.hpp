@@ -24,12 +24,12 @@ struct AdaptiveSettings {
     using G = AdaptiveSettings;
     using setting::own_setting;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(own_setting, "accel_time_s", &G::accel_time_s, 3.0, {0.05, 1000.0}, "s",
              "Time constant of the specific force's low-pass: longer is misled less by acceleration and "
              "corrects the gyroscope later."),
         real(own_setting, "heading_time_s", &G::heading_time_s, 9.0, {0.05, 1000.0}, "s",
-             "Time constant with which heading follows the magnetometer's.")};
+             "Time constant with which heading follows the magnetometer's."));
   }
   constexpr AdaptiveSettings() { setting::set_defaults(*this); }
 };

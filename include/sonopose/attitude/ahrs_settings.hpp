@@ -6,7 +6,6 @@
 
 #include <array>
 #include <string_view>
-#include <tuple>
 
 namespace sonopose::attitude {
 
@@ -36,7 +35,7 @@ struct AhrsSettings {
     using G = AhrsSettings;
     using setting::own_setting;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(own_setting, "gain", &G::gain, 0.5, {0.0, 10.0}, "1/s",
              "Speed at which tilt and heading follow the accelerometer and the magnetometer; 0 is the "
              "gyroscope alone."),
@@ -62,7 +61,7 @@ struct AhrsSettings {
              "Cut-off of the low-pass filter that learns the offset."),
         real(own_setting, "gyro_range_dps", &G::gyro_range_dps, 0.0, {0.0, 100000.0}, "deg/s",
              "Range of the gyroscope; a rate beyond 98 % of it, where the sensor may clip, starts the "
-             "initialisation again; 0 for a range that is never reached.")};
+             "initialisation again; 0 for a range that is never reached."));
   }
   constexpr AhrsSettings() { setting::set_defaults(*this); }
 };

@@ -33,7 +33,7 @@ struct SelectionSettings {
   static constexpr auto declarations() {
     using G = SelectionSettings;
     using setting::own_setting;
-    return std::tuple{
+    return setting::rows(
         setting::choice(own_setting, "filter", &G::filter, FilterKind::adaptive,
                         "Which filter tells the attitude; items 29 and 30 are mahony's."),
         setting::flag(own_setting, "magnetometer", &G::magnetometer, false,
@@ -42,7 +42,7 @@ struct SelectionSettings {
         setting::real(
             own_setting, "north_deg", &G::north_deg, 90.0, {-360.0, 360.0}, "deg",
             "Direction of magnetic north in the world, counter-clockwise from +X: 90 where X is east, "
-            "0 where X is north.")};
+            "0 where X is north."));
   }
   constexpr SelectionSettings() { setting::set_defaults(*this); }
 };

@@ -26,7 +26,7 @@ struct BiasSettings {
     using G = BiasSettings;
     using setting::own_setting;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(own_setting, "initial_dps", &G::initial_dps, 0.5, {0.0, 100.0}, "deg/s",
              "Standard deviation of the gyroscope's offset at the start, and the most it ever has."),
         real(own_setting, "limit_dps", &G::limit_dps, 2.0, {0.0, 100.0}, "deg/s",
@@ -40,7 +40,7 @@ struct BiasSettings {
         real(own_setting, "unseen_dps", &G::unseen_dps, 10.0, {1e-4, 1000.0}, "deg/s",
              "The same about the vertical, which in motion nothing shows: how loosely the offset there is "
              "held "
-             "to zero.")};
+             "to zero."));
   }
   constexpr BiasSettings() { setting::set_defaults(*this); }
 };

@@ -17,12 +17,12 @@ struct ComplementarySettings {
     using G = ComplementarySettings;
     using setting::own_setting;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(own_setting, "alpha", &G::alpha, 0.999, {0.0, 1.0}, "",
              "Share of the gyroscope's prediction in the orientation; the rest is what accelerometer and "
              "magnetometer measure."),
         real(own_setting, "alpha_step_s", &G::alpha_step_s, 0.01, {1e-5, 10.0}, "s",
-             "The time step that alpha is meant for; over another one it counts as often as it fits in.")};
+             "The time step that alpha is meant for; over another one it counts as often as it fits in."));
   }
   constexpr ComplementarySettings() { setting::set_defaults(*this); }
 };

@@ -25,7 +25,7 @@ struct MagneticSettings {
     using G = MagneticSettings;
     using setting::own_setting;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(own_setting, "norm_tolerance", &G::norm_tolerance, 0.1, {0.0, 1.0}, "",
              "A field is disturbed whose norm differs from the reference by more than this share."),
         real(own_setting, "dip_tolerance_deg", &G::dip_tolerance_deg, 10.0, {0.0, 90.0}, "deg",
@@ -47,7 +47,7 @@ struct MagneticSettings {
         real(own_setting, "reference_s", &G::reference_s, 20.0, {0.1, 3600.0}, "s",
              "Time in which the reference follows an undisturbed field."),
         real(own_setting, "smoothing_s", &G::smoothing_s, 0.05, {0.0, 10.0}, "s",
-             "Time constant of the mean of norm and dip.")};
+             "Time constant of the mean of norm and dip."));
   }
   constexpr MagneticSettings() { setting::set_defaults(*this); }
 };

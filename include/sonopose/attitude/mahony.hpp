@@ -35,7 +35,7 @@ struct MahonySettings {
     using G = MahonySettings;
     using setting::own_setting;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(
             29, "kp", &G::kp, 0.01, {0.0, 10.0}, "1/s",
             "Speed at which tilt is corrected towards the measured gravity; higher reacts faster and is more "
@@ -51,7 +51,7 @@ struct MahonySettings {
                         "the full error of all three axes with the gain kp."),
         real(own_setting, "heading_kp", &G::heading_kp, 0.05, {0.0, 10.0}, "1/s",
              "Speed at which heading is corrected towards the magnetometer's, where it corrects heading "
-             "alone.")};
+             "alone."));
   }
   constexpr MahonySettings() { setting::set_defaults(*this); }
 };

@@ -19,14 +19,14 @@ struct RestSettings {
     using G = RestSettings;
     using setting::own_setting;
     using setting::real;
-    return std::tuple{real(own_setting, "rate_limit_dps", &G::rate_limit_dps, 2.0, {0.0, 100.0}, "deg/s",
-                           "At rest the angular rate stays within this of its mean."),
-                      real(own_setting, "force_limit_mps2", &G::force_limit_mps2, 0.5, {0.0, 10.0}, "m/s^2",
-                           "At rest the specific force stays within this of its mean."),
-                      real(own_setting, "still_s", &G::still_s, 1.5, {0.1, 60.0}, "s",
-                           "It is rest when it has been so for this long."),
-                      real(own_setting, "smoothing_s", &G::smoothing_s, 0.5, {0.01, 10.0}, "s",
-                           "Time constant of these means.")};
+    return setting::rows(real(own_setting, "rate_limit_dps", &G::rate_limit_dps, 2.0, {0.0, 100.0}, "deg/s",
+                              "At rest the angular rate stays within this of its mean."),
+                         real(own_setting, "force_limit_mps2", &G::force_limit_mps2, 0.5, {0.0, 10.0},
+                              "m/s^2", "At rest the specific force stays within this of its mean."),
+                         real(own_setting, "still_s", &G::still_s, 1.5, {0.1, 60.0}, "s",
+                              "It is rest when it has been so for this long."),
+                         real(own_setting, "smoothing_s", &G::smoothing_s, 0.5, {0.01, 10.0}, "s",
+                              "Time constant of these means."));
   }
   constexpr RestSettings() { setting::set_defaults(*this); }
 };

@@ -8,7 +8,6 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
-#include <tuple>
 
 namespace sonopose::calibration {
 
@@ -29,11 +28,11 @@ struct AxesSettings {
   static constexpr std::string_view group = "calibration";
   static constexpr auto declarations() {
     using G = AxesSettings;
-    return std::tuple{setting::choice(
+    return setting::rows(setting::choice(
         setting::own_setting, "axes", &G::axes, Axes::as_mounted,
         "The sensor's axes along body X, Y and Z: with +y-x+z body X is the sensor's +Y, body Y its -X and "
         "body Z its +Z. Gyroscope, accelerometer and magnetometer are turned alike, after their calibration, "
-        "which is in the sensor's axes.")};
+        "which is in the sensor's axes."));
   }
   constexpr AxesSettings() { setting::set_defaults(*this); }
 };

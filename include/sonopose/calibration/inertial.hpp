@@ -7,7 +7,6 @@
 #include <sonopose/core/setting.hpp>
 
 #include <string_view>
-#include <tuple>
 
 namespace sonopose::calibration {
 
@@ -39,7 +38,7 @@ constexpr auto misalignment(std::string_view name, double G::*field, std::string
 /// The rows of InertialTerms for the group G, which has them as its base.
 template <class G>
 constexpr auto inertial_declarations() {
-  return std::tuple{
+  return setting::rows(
       sensitivity<G>("sensitivity_x", &G::sensitivity_x,
                      "Factor of the sensor's X axis, after the offset was taken off."),
       sensitivity<G>("sensitivity_y", &G::sensitivity_y, "Factor of the sensor's Y axis."),
@@ -50,7 +49,7 @@ constexpr auto inertial_declarations() {
       misalignment<G>("misalignment_yx", &G::misalignment_yx, "Share of the X axis that is added to Y."),
       misalignment<G>("misalignment_yz", &G::misalignment_yz, "Share of the Z axis that is added to Y."),
       misalignment<G>("misalignment_zx", &G::misalignment_zx, "Share of the X axis that is added to Z."),
-      misalignment<G>("misalignment_zy", &G::misalignment_zy, "Share of the Y axis that is added to Z.")};
+      misalignment<G>("misalignment_zy", &G::misalignment_zy, "Share of the Y axis that is added to Z."));
 }
 
 }  // namespace detail
@@ -66,14 +65,14 @@ struct GyroscopeSettings : InertialTerms {
     constexpr auto offset = [](std::string_view name, double G::*field, std::string_view sentence) {
       return setting::real(setting::own_setting, name, field, 0.0, {-2.0, 2.0}, "rad/s", sentence);
     };
-    return std::tuple_cat(
-        std::tuple{
+    return setting::joined(
+        setting::rows(
             offset(
                 "offset_x_radps", &G::offset_x_radps,
                 "What the sensor's X axis tells at rest, taken off first; the start-up calibration takes off "
                 "what is left."),
             offset("offset_y_radps", &G::offset_y_radps, "What the sensor's Y axis tells at rest."),
-            offset("offset_z_radps", &G::offset_z_radps, "What the sensor's Z axis tells at rest.")},
+            offset("offset_z_radps", &G::offset_z_radps, "What the sensor's Z axis tells at rest.")),
         detail::inertial_declarations<G>());
   }
   constexpr GyroscopeSettings() { setting::set_defaults(*this); }
@@ -90,12 +89,12 @@ struct AccelerometerSettings : InertialTerms {
     constexpr auto offset = [](std::string_view name, double G::*field, std::string_view sentence) {
       return setting::real(setting::own_setting, name, field, 0.0, {-20.0, 20.0}, "m/s^2", sentence);
     };
-    return std::tuple_cat(
-        std::tuple{
+    return setting::joined(
+        setting::rows(
             offset("offset_x_mps2", &G::offset_x_mps2,
                    "What the sensor's X axis tells in free fall; it is taken off first."),
             offset("offset_y_mps2", &G::offset_y_mps2, "What the sensor's Y axis tells in free fall."),
-            offset("offset_z_mps2", &G::offset_z_mps2, "What the sensor's Z axis tells in free fall.")},
+            offset("offset_z_mps2", &G::offset_z_mps2, "What the sensor's Z axis tells in free fall.")),
         detail::inertial_declarations<G>());
   }
   constexpr AccelerometerSettings() { setting::set_defaults(*this); }

@@ -8,7 +8,6 @@
 #include <sonopose/core/setting.hpp>
 
 #include <string_view>
-#include <tuple>
 
 namespace sonopose::calibration {
 
@@ -37,7 +36,7 @@ struct MagnetometerSettings {
     constexpr auto offset = [](std::string_view name, double G::*field, std::string_view sentence) {
       return real(own_setting, name, field, 0.0, {-10000.0, 10000.0}, "uT", sentence);
     };
-    return std::tuple{
+    return setting::rows(
         stretch("soft_iron_xx", &G::soft_iron_xx,
                 "Soft-iron matrix, which is symmetric: factor of the sensor's X axis."),
         mixture("soft_iron_xy", &G::soft_iron_xy, "Soft-iron matrix: share of Y in X and of X in Y."),
@@ -48,7 +47,7 @@ struct MagnetometerSettings {
         offset("hard_iron_x_ut", &G::hard_iron_x_ut,
                "Hard-iron offset of the sensor's X axis, taken off after the soft-iron matrix."),
         offset("hard_iron_y_ut", &G::hard_iron_y_ut, "Hard-iron offset of the sensor's Y axis."),
-        offset("hard_iron_z_ut", &G::hard_iron_z_ut, "Hard-iron offset of the sensor's Z axis.")};
+        offset("hard_iron_z_ut", &G::hard_iron_z_ut, "Hard-iron offset of the sensor's Z axis."));
   }
   constexpr MagnetometerSettings() { setting::set_defaults(*this); }
 };

@@ -5,7 +5,6 @@
 /// programs' help, the commented configuration file and the page of the docs.
 
 #include <string_view>
-#include <tuple>
 
 namespace sonopose::setting {
 
@@ -58,11 +57,26 @@ constexpr Declaration<Group, Enum> choice(int item, std::string_view name, Enum 
   return {item, name, field, initial, Enum{}, static_cast<Enum>(names.size() - 1), "", sentence};
 }
 
+/// Rows, to be given to a function as its arguments: `rows(a, b)(f)` is `f(a, b)`. Every file that includes a
+/// settings group compiles its rows, and a std::tuple of as many would take most of its time.
+template <class... Row>
+constexpr auto rows(const Row&... row) {
+  return [row...](const auto& function) { return function(row...); };
+}
+
+/// The rows of both, one after the other.
+template <class First, class Second>
+constexpr auto joined(const First& first, const Second& second) {
+  return [first, second](const auto& function) {
+    return first(
+        [&](const auto&... a) { return second([&](const auto&... b) { return function(a..., b...); }); });
+  };
+}
+
 /// Gives every setting of `group` its declared default.
 template <class Group>
 constexpr void set_defaults(Group& group) {
-  std::apply([&group](const auto&... row) { ((group.*(row.field) = row.initial), ...); },
-             Group::declarations());
+  Group::declarations()([&group](const auto&... row) { ((group.*(row.field) = row.initial), ...); });
 }
 
 }  // namespace sonopose::setting

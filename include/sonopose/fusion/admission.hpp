@@ -21,7 +21,7 @@ struct AdmissionSettings {
     using G = AdmissionSettings;
     using setting::own_setting;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(12, "min_quality_percent", &G::min_quality_percent, 50.0, {0.0, 100.0}, "%",
              "Fixes of a lower reported quality are not used; fixes without a quality are."),
         real(own_setting, "max_position_m", &G::max_position_m, 1e4, {1.0, 1e6}, "m",
@@ -32,7 +32,7 @@ struct AdmissionSettings {
              "An IMU sample with an angular rate beyond this is no measurement."),
         real(own_setting, "max_fix_age_s", &G::max_fix_age_s, 0.9, {0.1, 1.0}, "s",
              "A fix or heading measured longer ago than this, longer under way, or in the future, is not "
-             "used.")};
+             "used."));
   }
   constexpr AdmissionSettings() { setting::set_defaults(*this); }
 };

@@ -27,7 +27,7 @@ struct AlignmentSettings {
     using G = AlignmentSettings;
     using setting::own_setting;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(own_setting, "tilt_gain_hz", &G::tilt_gain_hz, 0.85, {0.0, 3.0}, "1/s",
              "Rate at which the velocity corrections by fixes level the attitude; 0: they never do."),
         real(own_setting, "vertical_gain_hz", &G::vertical_gain_hz, 0.13, {0.0, 3.0}, "1/s",
@@ -46,7 +46,7 @@ struct AlignmentSettings {
              "filter is told of no acceleration."),
         real(own_setting, "hold_s", &G::hold_s, 60.0, {0.0, 3600.0}, "s",
              "For so long after it was last told of acceleration the attitude filter goes on without the "
-             "accelerometer, which cannot tell motion from tilt by itself.")};
+             "accelerometer, which cannot tell motion from tilt by itself."));
   }
   constexpr AlignmentSettings() { setting::set_defaults(*this); }
 };

@@ -25,14 +25,14 @@ struct DelaySettings {
   static constexpr auto declarations() {
     using G = DelaySettings;
     using setting::own_setting;
-    return std::tuple{
+    return setting::rows(
         setting::flag(
             6, "extrapolate", &G::extrapolate, true,
             "Move a fix forward by its delay along the IMU's path, so that motion makes no step at it."),
         setting::real(own_setting, "processing_s", &G::processing_s, 0.068, {0.0, 0.5}, "s",
                       "Delay from ultrasound emission to receipt where the fix does not carry its own."),
         setting::choice(own_setting, "source", &G::source, DelaySource::measured,
-                        "Which delay counts where a fix carries its own: that one, or the fixed one.")};
+                        "Which delay counts where a fix carries its own: that one, or the fixed one."));
   }
   constexpr DelaySettings() { setting::set_defaults(*this); }
 };

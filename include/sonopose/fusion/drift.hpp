@@ -19,7 +19,7 @@ struct DriftSettings {
   static constexpr auto declarations() {
     using G = DriftSettings;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(2, "decay_rate_hz", &G::decay_rate_hz, 1.5, {0.0, 50.0}, "1/s",
              "Rate at which the offset between the IMU's path and the ultrasonic track is driven to zero."),
         real(4, "jump_alpha", &G::jump_alpha, 0.32, {0.0, 1.0}, "",
@@ -27,7 +27,7 @@ struct DriftSettings {
         real(9, "velocity_smooth_rate_hz", &G::velocity_smooth_rate_hz, 10.0, {0.1, 200.0}, "1/s",
              "Smoothing rate of the drift velocity, the inner loop of the decay; it rings where item 2 "
              "exceeds a "
-             "quarter of it.")};
+             "quarter of it."));
   }
   constexpr DriftSettings() { setting::set_defaults(*this); }
 };

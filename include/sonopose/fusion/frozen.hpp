@@ -18,14 +18,14 @@ struct FrozenSettings {
   static constexpr auto declarations() {
     using G = FrozenSettings;
     using setting::own_setting;
-    return std::tuple{
+    return setting::rows(
         setting::real(own_setting, "moved_m", &G::moved_m, 0.3, {0.01, 10.0}, "m",
                       "The track is frozen when the IMU has moved this far while the coordinates repeated."),
         setting::real(
             own_setting, "window_s", &G::window_s, 1.0, {0.1, 10.0}, "s",
             "Time within which it must have moved that far; longer, and the IMU's drift would count."),
         setting::count(own_setting, "repeats", &G::repeats, 3, {1, 1000}, "fixes",
-                       "Least number of repetitions before a track can be called frozen.")};
+                       "Least number of repetitions before a track can be called frozen."));
   }
   constexpr FrozenSettings() { setting::set_defaults(*this); }
 };

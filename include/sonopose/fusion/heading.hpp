@@ -24,7 +24,7 @@ struct HeadingSettings {
     using G = HeadingSettings;
     using setting::own_setting;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(5, "mount_offset_deg", &G::mount_offset_deg, 0.0, {-360.0, 360.0}, "deg",
              "Angle from the body's X axis to the axis of the paired beacons; 90 where the pair stands along "
              "body "
@@ -42,7 +42,7 @@ struct HeadingSettings {
             "Rate at which a yaw-rate offset is learned from that pull; tilt's integral (item 30) cannot see "
             "one. No more of it acts than the pull (item 34) can damp, a quarter of its square."),
         real(own_setting, "expires_s", &G::expires_s, 0.5, {0.01, 60.0}, "s",
-             "A paired heading is no longer valid this long after its last sample.")};
+             "A paired heading is no longer valid this long after its last sample."));
   }
   constexpr HeadingSettings() { setting::set_defaults(*this); }
 };

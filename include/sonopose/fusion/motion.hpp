@@ -19,7 +19,7 @@ struct MotionSettings {
   static constexpr auto declarations() {
     using G = MotionSettings;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(25, "accel_linear_threshold_mps2", &G::accel_linear_threshold_mps2, 30.0, {0.1, 1000.0}, "m/s^2",
              "World acceleration above which velocity is softly reduced."),
         setting::flag(
@@ -28,7 +28,7 @@ struct MotionSettings {
         real(36, "gyro_gate_projection_radps", &G::gyro_gate_projection_radps, 3.0, {0.0, 100.0}, "rad/s",
              "Angular rate above which only the acceleration along the velocity is integrated."),
         real(37, "gyro_gate_freeze_radps", &G::gyro_gate_freeze_radps, 6.0, {0.0, 100.0}, "rad/s",
-             "Angular rate above which no acceleration is integrated.")};
+             "Angular rate above which no acceleration is integrated."));
   }
   constexpr MotionSettings() { setting::set_defaults(*this); }
 };

@@ -18,13 +18,13 @@ struct OutageSettings {
     using G = OutageSettings;
     using setting::own_setting;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(10, "velocity_decay_rate_hz", &G::velocity_decay_rate_hz, 1.0, {0.0, 100.0}, "1/s",
              "Rate at which velocity falls to zero in stale mode."),
         real(11, "stale_after_s", &G::stale_after_s, 1.0, {0.1, 60.0}, "s",
              "Without a valid fix for this long, stale mode begins: acceleration is no longer integrated."),
         real(own_setting, "imu_gap_s", &G::imu_gap_s, 0.25, {0.01, 5.0}, "s",
-             "A silence of the IMU longer than this is not integrated over; the velocity only decays.")};
+             "A silence of the IMU longer than this is not integrated over; the velocity only decays."));
   }
   constexpr OutageSettings() { setting::set_defaults(*this); }
 };

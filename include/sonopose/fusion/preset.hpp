@@ -22,10 +22,10 @@ struct PresetSettings {
   static constexpr std::string_view group = "fusion";
   static constexpr auto declarations() {
     using G = PresetSettings;
-    return std::tuple{setting::choice(
+    return setting::rows(setting::choice(
         1, "imu_weight", &G::imu_weight, ImuWeight::medium,
         "Balance of IMU and ultrasound: low follows the fixes closely, high is smooth and corrects slowly; "
-        "user takes items 2, 3 and 4 as they are set.")};
+        "user takes items 2, 3 and 4 as they are set."));
   }
   constexpr PresetSettings() { setting::set_defaults(*this); }
 };

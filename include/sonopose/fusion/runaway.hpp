@@ -16,11 +16,11 @@ struct RunawaySettings {
   static constexpr auto declarations() {
     using G = RunawaySettings;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(23, "position_error_m", &G::position_error_m, 1.5, {0.01, 1000.0}, "m",
              "Distance from the last valid fix beyond which a velocity that leads away from it is damped."),
         real(24, "velocity_damp_max_hz", &G::velocity_damp_max_hz, 10.0, {0.0, 100.0}, "1/s",
-             "Rate of that damping at twice the distance and beyond; it rises linearly from zero.")};
+             "Rate of that damping at twice the distance and beyond; it rises linearly from zero."));
   }
   constexpr RunawaySettings() { setting::set_defaults(*this); }
 };

@@ -19,7 +19,7 @@ struct StartupSettings {
     using G = StartupSettings;
     using setting::own_setting;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(own_setting, "calibration_s", &G::calibration_s, 1.0, {0.1, 30.0}, "s",
              "How long the body must be still for the gyro's offset to be taken, and how long the start "
              "waits."),
@@ -31,7 +31,7 @@ struct StartupSettings {
              "A mean rate beyond this is a turn and not an offset."),
         real(own_setting, "still_moved_m", &G::still_moved_m, 0.2, {0.01, 100.0}, "m",
              "Fixes that lie farther apart than this show a motion which an IMU at constant velocity cannot "
-             "feel.")};
+             "feel."));
   }
   constexpr StartupSettings() { setting::set_defaults(*this); }
 };

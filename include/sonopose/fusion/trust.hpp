@@ -29,7 +29,7 @@ struct TrustSettings {
     using setting::count;
     using setting::own_setting;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(13, "sigma_m", &G::sigma_m, 0.15, {0.001, 10.0}, "m",
              "A fix this far from the velocity-predicted position has weight 0.5; farther, less."),
         real(14, "min_weight", &G::min_weight, 0.003, {0.0, 1.0}, "",
@@ -51,7 +51,7 @@ struct TrustSettings {
         real(22, "stuck_weight_floor", &G::stuck_weight_floor, 0.5, {0.0, 1.0}, "",
              "Floor of the drift's weight while convergence is forced."),
         real(own_setting, "outlier_sigmas", &G::outlier_sigmas, 1.75, {0.5, 100.0}, "",
-             "A fix whose residual exceeds this many sigma_m is an outlier.")};
+             "A fix whose residual exceeds this many sigma_m is an outlier."));
   }
   constexpr TrustSettings() { setting::set_defaults(*this); }
 };

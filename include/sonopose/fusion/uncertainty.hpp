@@ -21,7 +21,7 @@ struct UncertaintySettings {
     using G = UncertaintySettings;
     using setting::own_setting;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(own_setting, "fix_std_m", &G::fix_std_m, 0.02, {1e-4, 10.0}, "m",
              "Standard deviation of a fix of full weight, per axis."),
         real(own_setting, "heading_std_deg", &G::heading_std_deg, 1.0, {0.01, 180.0}, "deg",
@@ -30,7 +30,7 @@ struct UncertaintySettings {
             own_setting, "accel_std_mps2", &G::accel_std_mps2, 0.2, {1e-3, 100.0}, "m/s^2",
             "Error of the world acceleration, tilt error included: the rate at which velocity grows unsure."),
         real(own_setting, "yaw_drift_std_degps", &G::yaw_drift_std_degps, 0.1, {1e-4, 100.0}, "deg/s",
-             "Rate at which yaw grows unsure without a heading.")};
+             "Rate at which yaw grows unsure without a heading."));
   }
   constexpr UncertaintySettings() { setting::set_defaults(*this); }
 };

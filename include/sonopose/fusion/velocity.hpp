@@ -32,7 +32,7 @@ struct VelocitySettings {
     using setting::flag;
     using setting::own_setting;
     using setting::real;
-    return std::tuple{
+    return setting::rows(
         real(3, "blend_weight", &G::blend_weight, 0.14, {0.0, 1.0}, "",
              "Largest share of the difference to the velocity between two fixes that one fix corrects; "
              "scaled by "
@@ -58,7 +58,7 @@ struct VelocitySettings {
              "Two fixes farther apart than this give no velocity."),
         real(own_setting, "interval_wanted_s", &G::interval_wanted_s, 0.15, {0.001, 10.0}, "s",
              "Of the earlier fixes the velocity is measured from the latest that lies this far back, else "
-             "from the oldest: over a longer interval the fixes' noise counts less.")};
+             "from the oldest: over a longer interval the fixes' noise counts less."));
   }
   constexpr VelocitySettings() { setting::set_defaults(*this); }
 };
