@@ -23,14 +23,14 @@ void for_each_in(Group& group, const Visit& visit) {
 template <class AnySettings, class Visit>
 void for_each_setting(AnySettings& settings, const Visit& visit) {
   auto& [preset, drift, velocity, alignment, heading, delay, outage, admission, trust, runaway, motion,
-         attitude, startup, frozen, uncertainty, calibration] = settings;
+         attitude, startup, frozen, uncertainty, output, calibration] = settings;
   auto& [selection, adaptive_groups, mahony, complementary, ahrs] = attitude;
   auto& [adaptive, rest, bias, magnetic] = adaptive_groups;
   auto& [axes, gyroscope, accelerometer, magnetometer] = calibration;
   const auto each = [&visit](auto&... group) { (for_each_in(group, visit), ...); };
   each(preset, drift, velocity, alignment, heading, delay, outage, admission, trust, runaway, motion,
        selection, mahony, adaptive, rest, bias, magnetic, complementary, ahrs, startup, frozen, uncertainty,
-       axes, gyroscope, accelerometer, magnetometer);
+       output, axes, gyroscope, accelerometer, magnetometer);
 }
 
 }  // namespace sonopose::fusion::detail

@@ -68,7 +68,9 @@ TEST_CASE("Every field of a beacon's status survives the way to IDL and back") {
   BeaconStatus s;
   fill.all(s.address, s.time_ns, s.battery_v, s.rssi_dbm, s.imu_rate_hz, s.fix_rate_hz, s.heading_rate_hz,
            s.clock_offset_s, s.clock_jitter_s, s.frames, s.crc_errors, s.bytes_lost, s.unknown_frames,
-           s.fixes_unavailable, s.samples_rejected, s.clock_resets, s.other_bridges);
+           s.fixes_unavailable, s.samples_rejected, s.clock_resets, s.other_bridges, s.imu_deadlines_missed,
+           s.fix_deadlines_missed, s.heading_deadlines_missed, s.liveliness_lost, s.readers_incompatible,
+           s.samples_unwritten);
   const BeaconStatus back = from_idl(to_idl(s));
   CHECK(back.address == s.address);
   CHECK(back.time_ns == s.time_ns);
@@ -87,6 +89,12 @@ TEST_CASE("Every field of a beacon's status survives the way to IDL and back") {
   CHECK(back.samples_rejected == s.samples_rejected);
   CHECK(back.clock_resets == s.clock_resets);
   CHECK(back.other_bridges == s.other_bridges);
+  CHECK(back.imu_deadlines_missed == s.imu_deadlines_missed);
+  CHECK(back.fix_deadlines_missed == s.fix_deadlines_missed);
+  CHECK(back.heading_deadlines_missed == s.heading_deadlines_missed);
+  CHECK(back.liveliness_lost == s.liveliness_lost);
+  CHECK(back.readers_incompatible == s.readers_incompatible);
+  CHECK(back.samples_unwritten == s.samples_unwritten);
   s.battery_v.reset();
   CHECK_FALSE(from_idl(to_idl(s)).battery_v);
   CHECK(from_idl(to_idl(s)).rssi_dbm);
@@ -98,7 +106,12 @@ TEST_CASE("Every field of the fusion's status survives the way to IDL and back")
   Filler fill;
   FusionStatus s;
   fill.all(s.address, s.time_ns, s.imu_samples, s.fixes_used, s.fixes_rejected, s.headings, s.events_lost,
-           s.events_duplicated, s.samples_invalid, s.imu_gaps, s.reset_counter);
+           s.events_duplicated, s.samples_invalid, s.imu_gaps, s.reset_counter, s.fusion_id, s.strength,
+           s.imu_deadlines_missed, s.fix_deadlines_missed, s.heading_deadlines_missed, s.bridge_losses,
+           s.pose_deadlines_missed, s.liveliness_lost, s.samples_lost, s.samples_rejected, s.incompatible_qos,
+           s.poses_unwritten);
+  s.imu_silent = true;
+  s.role = FusionRole::stalled;
   const FusionStatus back = from_idl(to_idl(s));
   CHECK(back.address == s.address);
   CHECK(back.time_ns == s.time_ns);
@@ -111,6 +124,20 @@ TEST_CASE("Every field of the fusion's status survives the way to IDL and back")
   CHECK(back.samples_invalid == s.samples_invalid);
   CHECK(back.imu_gaps == s.imu_gaps);
   CHECK(back.reset_counter == s.reset_counter);
+  CHECK(back.fusion_id == s.fusion_id);
+  CHECK(back.strength == s.strength);
+  CHECK(back.imu_silent);
+  CHECK(back.role == FusionRole::stalled);
+  CHECK(back.imu_deadlines_missed == s.imu_deadlines_missed);
+  CHECK(back.fix_deadlines_missed == s.fix_deadlines_missed);
+  CHECK(back.heading_deadlines_missed == s.heading_deadlines_missed);
+  CHECK(back.bridge_losses == s.bridge_losses);
+  CHECK(back.pose_deadlines_missed == s.pose_deadlines_missed);
+  CHECK(back.liveliness_lost == s.liveliness_lost);
+  CHECK(back.samples_lost == s.samples_lost);
+  CHECK(back.samples_rejected == s.samples_rejected);
+  CHECK(back.incompatible_qos == s.incompatible_qos);
+  CHECK(back.poses_unwritten == s.poses_unwritten);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <sonopose/fusion/heading.hpp>
 #include <sonopose/fusion/motion.hpp>
 #include <sonopose/fusion/outage.hpp>
+#include <sonopose/fusion/output.hpp>
 #include <sonopose/fusion/preset.hpp>
 #include <sonopose/fusion/runaway.hpp>
 #include <sonopose/fusion/startup.hpp>
@@ -44,6 +45,7 @@ struct Settings {
   StartupSettings startup;
   FrozenSettings frozen;
   UncertaintySettings uncertainty;
+  OutputSettings output;
   calibration::Settings calibration;
 };
 
