@@ -6,17 +6,58 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <cstdio>
+#include <limits>
+#include <string>
 
 namespace {
 
 struct Options {
   sonopose::apps::BusOptions bus;
   sonopose::apps::ConfigOptions config;
+  std::string addresses;
+  std::int32_t standby_strength = 0;
+  double warm_up_s = sonopose::nodes::StandbyOptions{}.warm_up_s;
   bool lossless = false;
   bool print_config = false;
   bool print_settings_page = false;
 };
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--addresses", options.addresses,
+                 "Serve these beacons alone: 7, 7-131 or 7-131,200 (default: all)")
+      ->type_name("LIST");
+  auto* strength =
+      app.add_option("--standby-strength", options.standby_strength,
+                     "Share the beacons with other fusions: each is served by the strongest that has it");
+  strength->check(CLI::Range(1, std::numeric_limits<std::int32_t>::max()))->type_name("N");
+  app.add_option("--warm-up", options.warm_up_s,
+                 "With --standby-strength: seconds of good poses before a beacon is claimed")
+      ->check(CLI::Range(0.0, 600.0).description("[0 - 600]"))
+      ->needs(strength)
+      ->capture_default_str();
+  app.add_flag("--lossless", options.lossless,
+               "Keep every event and pose and wait for slow consumers: for a log played at --rate 0")
+      ->excludes(strength);
+  app.add_flag("--print-config", options.print_config, "Print the settings as commented TOML and end");
+  app.add_flag("--print-settings-page", options.print_settings_page,
+               "Print the table of all settings as a page of the docs and end");
+}
+
+sonopose::nodes::FusionOptions node_options(const Options& options,
+                                            const sonopose::config::FusionConfig& config) {
+  using namespace sonopose::nodes;
+  FusionOptions node{.domain = options.bus.domain,
+                     .qos_file = options.bus.qos_file,
+                     .config = config,
+                     .addresses = {},
+                     .standby = {},
+                     .lossless = options.lossless};
+  if (!options.addresses.empty()) node.addresses = AddressSet::parse(options.addresses);
+  if (options.standby_strength > 0) node.standby = {options.standby_strength, options.warm_up_s};
+  return node;
+}
 
 int serve(const CLI::App& app, const Options& options) {
   if (options.print_settings_page) {
@@ -30,7 +71,7 @@ int serve(const CLI::App& app, const Options& options) {
   }
   sonopose::nodes::StopSignal stop;
   stop.listen_to_signals();
-  sonopose::nodes::FusionNode node({options.bus.domain, options.bus.qos_file, config, options.lossless});
+  sonopose::nodes::FusionNode node(node_options(options, config));
   fmt::print(stderr, "sonopose-fusion: serving\n");
   node.run(stop);
   return 0;
@@ -44,10 +85,6 @@ int main(int argc, char** argv) {
                "sonopose-fusion");
   add_bus_options(app, options.bus);
   sonopose::apps::add_config_options(app, options.config);
-  app.add_flag("--lossless", options.lossless,
-               "Keep every event and pose and wait for slow consumers: for a log played at --rate 0");
-  app.add_flag("--print-config", options.print_config, "Print the settings as commented TOML and end");
-  app.add_flag("--print-settings-page", options.print_settings_page,
-               "Print the table of all settings as a page of the docs and end");
+  add_options(app, options);
   return sonopose::apps::run(app, argc, argv, [&] { return serve(app, options); });
 }

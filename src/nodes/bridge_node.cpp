@@ -3,6 +3,8 @@
 #include <sonopose/dds/topics.hpp>
 #include <sonopose/nodes/beacon_recorder.hpp>
 #include <sonopose/nodes/bridge_node.hpp>
+#include <sonopose/nodes/deadline_count.hpp>
+#include <sonopose/nodes/end_counters.hpp>
 #include <sonopose/nodes/host_clock.hpp>
 
 #include <fmt/format.h>
@@ -13,10 +15,19 @@
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 namespace sonopose::nodes {
 
 namespace topics = dds::topics;
+
+namespace {
+
+TimeNs deadline_ns(const dds::Entity& writer) {
+  return writer.qos().policy<dds::policy::Deadline>().value_or(dds::policy::Deadline{}).period.count();
+}
+
+}  // namespace
 
 class BridgeNode::Publisher final : public SampleSink {
 public:
@@ -34,12 +45,18 @@ public:
   void wait_until_read();
 
 private:
+  /// One stream of one beacon.
+  struct Stream {
+    std::uint64_t samples = 0;  ///< of the second that runs
+    DeadlineCount deadlines;
+  };
+
   /// What is kept for each address: its numbering, and its status of the second that runs.
   struct Beacon {
     std::uint64_t next_sequence = 1;
-    std::uint64_t imu_samples = 0;
-    std::uint64_t fixes = 0;
-    std::uint64_t headings = 0;
+    Stream imu;
+    Stream fix;
+    Stream heading;
     BeaconStatus status;
     std::set<std::uint64_t> other_writers;  ///< publication handles of further bridges that live
   };
@@ -47,10 +64,12 @@ private:
   Beacon& beacon_of(BeaconAddress address);
   template <class T>
   void write(dds::DataWriter<T>& writer, const T& sample);
+  static void note(Stream& stream, TimeNs deadline_ns);
   void publish(ImuSample imu, Beacon& beacon);
   void publish(const UltrasonicFix& fix, Beacon& beacon);
   void publish(const PairHeading& heading, Beacon& beacon);
-  void publish_status(Beacon& beacon, double elapsed_s);
+  void publish_status(Beacon& beacon, TimeNs now_steady_ns);
+  void tell_unwritten();
   void look_for_other_bridges();
   [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
 
@@ -58,6 +77,10 @@ private:
   const StopSignal* stop_ = nullptr;
   dds::DomainParticipant participant_;
   dds::QosProvider qos_;
+  EndCounters ends_;
+  CountingWriterListener<sonopose_ImuSample> imu_listener_{ends_};
+  CountingWriterListener<sonopose_UltrasonicFix> fix_listener_{ends_};
+  CountingWriterListener<sonopose_PairHeading> heading_listener_{ends_};
   dds::DataWriter<sonopose_ImuSample> imu_writer_;
   dds::DataWriter<sonopose_UltrasonicFix> fix_writer_;
   dds::DataWriter<sonopose_PairHeading> heading_writer_;
@@ -65,6 +88,9 @@ private:
   dds::DataWriter<sonopose_BeaconStatus> status_writer_;
   dds::DataReader<sonopose_BeaconStatus> status_reader_;
   std::optional<BeaconRecorder> recorder_;
+  TimeNs imu_deadline_ns_;
+  TimeNs fix_deadline_ns_;
+  TimeNs heading_deadline_ns_;
   std::map<BeaconAddress, Beacon> beacons_;
   TimeNs status_due_ns_ = 0;
   TimeNs status_last_ns_ = 0;
@@ -79,9 +105,12 @@ BridgeNode::Publisher::Publisher(const BridgeOptions& options, const StopSignal*
       qos_(dds::find_qos_file(options.qos_file)),
       status_last_ns_(steady_now_ns()) {
   const auto delivery = lossless_ ? dds::Delivery::lossless : dds::Delivery::live;
-  imu_writer_ = dds::make_writer(participant_, qos_, topics::imu, nullptr, delivery);
-  fix_writer_ = dds::make_writer(participant_, qos_, topics::fix, nullptr, delivery);
-  heading_writer_ = dds::make_writer(participant_, qos_, topics::heading, nullptr, delivery);
+  imu_writer_ = dds::make_writer(participant_, qos_, topics::imu, &imu_listener_, delivery);
+  fix_writer_ = dds::make_writer(participant_, qos_, topics::fix, &fix_listener_, delivery);
+  heading_writer_ = dds::make_writer(participant_, qos_, topics::heading, &heading_listener_, delivery);
+  imu_deadline_ns_ = deadline_ns(imu_writer_);
+  fix_deadline_ns_ = deadline_ns(fix_writer_);
+  heading_deadline_ns_ = deadline_ns(heading_writer_);
   truth_writer_ = dds::make_writer(participant_, qos_, topics::truth);
   status_writer_ = dds::make_writer(participant_, qos_, topics::beacon_status);
   status_reader_ = dds::make_reader(participant_, qos_, topics::beacon_status);
@@ -133,19 +162,24 @@ void BridgeNode::Publisher::on(const Event& event) {
   if (recorder_) recorder_->write(numbered);
 }
 
+void BridgeNode::Publisher::note(Stream& stream, TimeNs deadline_ns) {
+  ++stream.samples;
+  stream.deadlines.on_sample(steady_now_ns(), deadline_ns);
+}
+
 void BridgeNode::Publisher::publish(ImuSample imu, Beacon& beacon) {
-  ++beacon.imu_samples;
+  note(beacon.imu, imu_deadline_ns_);
   imu.bridge_time_ns = now_ns();
   write(imu_writer_, dds::to_idl(imu));
 }
 
 void BridgeNode::Publisher::publish(const UltrasonicFix& fix, Beacon& beacon) {
-  ++beacon.fixes;
+  note(beacon.fix, fix_deadline_ns_);
   write(fix_writer_, dds::to_idl(fix));
 }
 
 void BridgeNode::Publisher::publish(const PairHeading& heading, Beacon& beacon) {
-  ++beacon.headings;
+  note(beacon.heading, heading_deadline_ns_);
   write(heading_writer_, dds::to_idl(heading));
 }
 
@@ -167,9 +201,13 @@ void BridgeNode::Publisher::tick() {
 void BridgeNode::Publisher::publish_statuses(TimeNs now) {
   constexpr TimeNs period_ns = 1'000'000'000;
   look_for_other_bridges();
-  for (auto& entry : beacons_) publish_status(entry.second, seconds_between(status_last_ns_, now));
+  for (auto& entry : beacons_) publish_status(entry.second, now);
   status_last_ns_ = now;
   status_due_ns_ = now + period_ns;
+  tell_unwritten();
+}
+
+void BridgeNode::Publisher::tell_unwritten() {
   if (unwritten_ != unwritten_told_) {
     fmt::print(stderr, "sonopose-bridge: {} samples could not be written: a reader is too slow\n",
                unwritten_ - unwritten_told_);
@@ -177,17 +215,24 @@ void BridgeNode::Publisher::publish_statuses(TimeNs now) {
   }
 }
 
-void BridgeNode::Publisher::publish_status(Beacon& beacon, double elapsed_s) {
-  const auto rate_hz = [elapsed_s](std::uint64_t& count) {
-    const double rate = elapsed_s > 0.0 ? static_cast<double>(count) / elapsed_s : 0.0;
-    count = 0;
-    return rate;
+void BridgeNode::Publisher::publish_status(Beacon& beacon, TimeNs now_steady_ns) {
+  const double elapsed_s = seconds_between(status_last_ns_, now_steady_ns);
+  const auto rate_hz = [elapsed_s](Stream& stream) {
+    const auto samples = static_cast<double>(std::exchange(stream.samples, 0));
+    return elapsed_s > 0.0 ? samples / elapsed_s : 0.0;
   };
-  beacon.status.time_ns = now_ns();
-  beacon.status.imu_rate_hz = rate_hz(beacon.imu_samples);
-  beacon.status.fix_rate_hz = rate_hz(beacon.fixes);
-  beacon.status.heading_rate_hz = rate_hz(beacon.headings);
-  beacon.status.other_bridges = static_cast<std::uint32_t>(beacon.other_writers.size());
+  BeaconStatus& status = beacon.status;
+  status.time_ns = now_ns();
+  status.imu_rate_hz = rate_hz(beacon.imu);
+  status.fix_rate_hz = rate_hz(beacon.fix);
+  status.heading_rate_hz = rate_hz(beacon.heading);
+  status.other_bridges = static_cast<std::uint32_t>(beacon.other_writers.size());
+  status.imu_deadlines_missed = beacon.imu.deadlines.count(now_steady_ns, imu_deadline_ns_);
+  status.fix_deadlines_missed = beacon.fix.deadlines.count(now_steady_ns, fix_deadline_ns_);
+  status.heading_deadlines_missed = beacon.heading.deadlines.count(now_steady_ns, heading_deadline_ns_);
+  status.liveliness_lost = ends_.liveliness_lost;
+  status.readers_incompatible = ends_.incompatible_qos;
+  status.samples_unwritten = unwritten_;
   write(status_writer_, dds::to_idl(beacon.status));
 }
 

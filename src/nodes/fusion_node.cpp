@@ -1,117 +1,56 @@
-#include <sonopose/dds/conversions.hpp>
-#include <sonopose/dds/participant.hpp>
-#include <sonopose/dds/topics.hpp>
+#include "fusion_node_impl.hpp"
 #include <sonopose/dds/waitset.hpp>
-#include <sonopose/nodes/beacon_engines.hpp>
-#include <sonopose/nodes/fusion_node.hpp>
-#include <sonopose/nodes/gap_watch.hpp>
-#include <sonopose/nodes/host_clock.hpp>
 
 #include <fmt/format.h>
 
-#include <array>
-#include <atomic>
-#include <cstdint>
-#include <cstdio>
-#include <map>
-#include <mutex>
-#include <optional>
-#include <string>
-#include <thread>
-#include <vector>
+#include <algorithm>
+#include <chrono>
+#include <random>
 
 namespace sonopose::nodes {
 namespace {
 
 namespace topics = dds::topics;
 
+/// Numbers of two processes are the same once in 2^64 times.
+std::uint64_t random_id() {
+  std::random_device device;
+  return (std::uint64_t{device()} << 32U) | device();
+}
+
+/// After how long a silence of the IMU nothing is made of its last sample any more: its deadline, or, where
+/// the profile sets none, a second.
+TimeNs input_deadline_ns(const dds::QosProvider& qos) {
+  constexpr TimeNs most_ns = 1'000'000'000;
+  const auto deadline = qos.datareader_qos(topics::imu.profile).policy<dds::policy::Deadline>();
+  return std::min(most_ns, deadline.value_or(dds::policy::Deadline{}).period.count());
+}
+
+constexpr std::uint64_t InputCounters::*counter_of(const sonopose_ImuSample& /*stream*/) {
+  return &InputCounters::imu_deadlines_missed;
+}
+constexpr std::uint64_t InputCounters::*counter_of(const sonopose_UltrasonicFix& /*stream*/) {
+  return &InputCounters::fix_deadlines_missed;
+}
+constexpr std::uint64_t InputCounters::*counter_of(const sonopose_PairHeading& /*stream*/) {
+  return &InputCounters::heading_deadlines_missed;
+}
+
 }  // namespace
-
-class FusionNode::Impl {
-public:
-  explicit Impl(const FusionOptions& options);
-  ~Impl();
-
-  void publish_statuses();
-
-private:
-  template <class T>
-  void take(dds::DataReader<T>& reader) noexcept {
-    const TimeNs in_ns = now_ns();
-    const TimeNs steady_ns = steady_now_ns();
-    reader.try_take_each([&](const T& sample, const dds::SampleInfo&) {
-      if (!stopping_) feed(dds::from_idl(sample), in_ns, steady_ns);  // a lossless reader may hold minutes
-    });
-  }
-  void take(dds::DataReader<sonopose_ResetCommand>& reader) noexcept;
-  void take(dds::DataReader<sonopose_SettingsRequest>& reader) noexcept;
-  void feed(const Event& event, TimeNs in_ns, TimeNs steady_ns) noexcept;
-  void write(FusedPose& pose) noexcept;
-  void write(const SettingsInForce& change) noexcept;
-  template <class T>
-  void write_to(dds::DataWriter<T>& writer, const T& sample) noexcept;
-  void tell_gaps();
-  void serve_lossless(const std::stop_token& stop);
-
-  /// Hands what one topic brings on, on the thread that received it.
-  template <class T>
-  class Listener final : public dds::DataReaderListener<T> {
-  public:
-    explicit Listener(Impl& node) : node_(node) {}
-    void on_data_available(dds::DataReader<T>& reader) noexcept override { node_.take(reader); }
-
-  private:
-    Impl& node_;
-  };
-
-  bool lossless_;
-  dds::DomainParticipant participant_;
-  dds::QosProvider qos_;
-  dds::Delivery delivery_;
-
-  // Guards the engines, for computing alone: nothing is read or written under it.
-  std::mutex engines_mutex_;
-  BeaconEngines engines_;
-  std::map<BeaconAddress, std::uint64_t> last_reset_ids_;  // of the receive thread
-  // What one event brought about; of the feeding thread, kept for its capacity.
-  std::vector<FusedPose> poses_;
-  std::vector<FixReport> reports_;
-  std::vector<SettingsInForce> changes_;
-  std::atomic<std::uint64_t> unwritten_ = 0;
-  std::uint64_t unwritten_told_ = 0;
-  std::atomic<bool> stopping_ = false;
-  std::atomic<bool> waited_for_consumer_ = false;  // since tell_gaps() last asked
-  GapWatch gaps_;
-
-  dds::DataWriter<sonopose_FusedPose> pose_writer_;
-  dds::DataWriter<sonopose_FixReport> report_writer_;
-  dds::DataWriter<sonopose_FusionStatus> status_writer_;
-  dds::DataWriter<sonopose_SettingsReply> reply_writer_;
-  dds::DataWriter<sonopose_EffectiveSettings> settings_writer_;
-
-  Listener<sonopose_ImuSample> imu_listener_{*this};
-  Listener<sonopose_UltrasonicFix> fix_listener_{*this};
-  Listener<sonopose_PairHeading> heading_listener_{*this};
-  Listener<sonopose_ResetCommand> reset_listener_{*this};
-  Listener<sonopose_SettingsRequest> request_listener_{*this};
-  // Readers last: their listeners may be called while the constructor still runs.
-  dds::DataReader<sonopose_ImuSample> imu_reader_;
-  dds::DataReader<sonopose_UltrasonicFix> fix_reader_;
-  dds::DataReader<sonopose_PairHeading> heading_reader_;
-  dds::DataReader<sonopose_ResetCommand> reset_reader_;
-  dds::DataReader<sonopose_SettingsRequest> request_reader_;
-  std::jthread lossless_thread_;
-};
 
 FusionNode::Impl::Impl(const FusionOptions& options)
     : lossless_(options.lossless),
+      addresses_(options.addresses),
+      id_(random_id()),
       participant_(options.domain),
       qos_(dds::find_qos_file(options.qos_file)),
       delivery_(options.lossless ? dds::Delivery::lossless : dds::Delivery::live),
+      input_deadline_ns_(input_deadline_ns(qos_)),
       engines_(options.config, options.lossless),
-      pose_writer_(dds::make_writer(participant_, qos_, topics::pose, nullptr, delivery_)),
-      report_writer_(dds::make_writer(participant_, qos_, topics::report, nullptr, delivery_)),
-      status_writer_(dds::make_writer(participant_, qos_, topics::fusion_status)),
+      inputs_(input_deadline_ns_),
+      output_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, ends_),
+      report_writer_(dds::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)),
+      status_writer_(dds::make_writer(participant_, qos_, topics::fusion_status, &status_listener_)),
       reply_writer_(dds::make_writer(participant_, qos_, topics::settings_reply)),
       settings_writer_(dds::make_writer(participant_, qos_, topics::settings)) {
   // Room for all that can come of one event: what waited for it.
@@ -138,14 +77,13 @@ FusionNode::Impl::~Impl() {
   heading_reader_.close();
   reset_reader_.close();
   request_reader_.close();
-  // Consumers hear at once that the poses end, and a standby takes over. (Lossless writers would wait for
-  // room first: there the writers' own end must tell.)
+  // Consumers hear at once that the poses end. (Lossless writers would wait for room first: there the
+  // writers' own end must tell.)
   for (const BeaconAddress address : engines_.addresses()) {
-    sonopose_FusedPose pose{};
-    pose.address = address;
-    if (!lossless_) pose_writer_.try_unregister_instance(pose);
+    if (!lossless_) output_.unregister(address);
     sonopose_FusionStatus status{};
     status.address = address;
+    status.fusion_id = id_;
     status_writer_.try_unregister_instance(status);
     sonopose_EffectiveSettings settings{};
     settings.address = address;
@@ -156,28 +94,46 @@ FusionNode::Impl::~Impl() {
   settings_writer_.try_unregister_instance(for_all);
 }
 
-void FusionNode::Impl::feed(const Event& event, TimeNs in_ns, TimeNs steady_ns) noexcept {
+template <class T>
+void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
+  const TimeNs in_ns = now_ns();
+  const TimeNs steady_ns = steady_now_ns();
+  working_ = true;
+  reader.try_take_each([&](const T& sample, const dds::SampleInfo& info) {
+    if (stopping_ || !addresses_.contains(sample.address)) return;  // a lossless reader may hold minutes
+    feed(dds::from_idl(sample), info.publication_handle(), in_ns, steady_ns);
+  });
+  working_ = false;
+}
+
+void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns,
+                            TimeNs steady_ns) noexcept {
   poses_.clear();
   reports_.clear();
   changes_.clear();
   {
     const std::lock_guard lock(engines_mutex_);
+    if (std::holds_alternative<ImuSample>(event)) inputs_.on_imu(address_of(event), bridge.value, steady_ns);
     engines_.push(
         event, steady_ns, [&](const FusedPose& pose) { poses_.push_back(pose); },
         [&](const FixReport& report) { reports_.push_back(report); },
         [&](const SettingsInForce& change) { changes_.push_back(change); });
   }
+  for (const SettingsInForce& change : changes_) {
+    output_.set_period(change.address, fusion::output::period_ns(change.settings.output));
+  }
   for (FusedPose& pose : poses_) {
     pose.fusion_in_time_ns = in_ns;
-    write(pose);
+    write(pose, steady_ns);
   }
   for (const FixReport& report : reports_) write_to(report_writer_, dds::to_idl(report));
   for (const SettingsInForce& change : changes_) write(change);
 }
 
-void FusionNode::Impl::write(FusedPose& pose) noexcept {
+void FusionNode::Impl::write(FusedPose& pose, TimeNs steady_ns) noexcept {
+  auto& writer = output_.writer_for(pose, steady_ns);
   pose.fusion_out_time_ns = now_ns();
-  write_to(pose_writer_, dds::to_idl(pose));
+  write_to(writer, dds::to_idl(pose));
 }
 
 void FusionNode::Impl::write(const SettingsInForce& change) noexcept {
@@ -211,6 +167,7 @@ void FusionNode::Impl::take(dds::DataReader<sonopose_ResetCommand>& reader) noex
 
 void FusionNode::Impl::take(dds::DataReader<sonopose_SettingsRequest>& reader) noexcept {
   reader.try_take_each([this](const sonopose_SettingsRequest& sample, const dds::SampleInfo&) {
+    if (sample.address != all_beacons && !addresses_.contains(sample.address)) return;
     const SettingsRequest request = dds::from_idl(sample);
     SettingsReply reply;
     std::optional<SettingsInForce> for_all;
@@ -240,36 +197,23 @@ void FusionNode::Impl::serve_lossless(const std::stop_token& stop) {
   }
 }
 
-void FusionNode::Impl::publish_statuses() {
-  std::vector<FusionStatus> statuses;
-  {
+template <class T>
+void FusionNode::Impl::on_deadline_missed(dds::DataReader<T>& reader,
+                                          const dds::RequestedDeadlineMissedStatus& status) noexcept {
+  if constexpr (requires(const T& stream) { counter_of(stream); }) {
+    T key{};
+    if (status.total_count_change <= 0 || reader.try_key_value(key, {status.last_instance_handle}) < 0)
+      return;
     const std::lock_guard lock(engines_mutex_);
-    for (const BeaconAddress address : engines_.addresses()) statuses.push_back(*engines_.status(address));
-  }
-  for (FusionStatus& status : statuses) {
-    status.time_ns = now_ns();
-    if (status_writer_.try_write(dds::to_idl(status)) < 0) ++unwritten_;
-  }
-  if (lossless_) tell_gaps();
-  const std::uint64_t unwritten = unwritten_;
-  if (unwritten != unwritten_told_) {
-    fmt::print(stderr, "sonopose-fusion: {} poses or reports could not be written: a consumer is too slow\n",
-               unwritten - unwritten_told_);
-    unwritten_told_ = unwritten;
+    inputs_.on_deadline_missed(key.address, counter_of(key),
+                               static_cast<std::uint64_t>(status.total_count_change));
   }
 }
 
-void FusionNode::Impl::tell_gaps() {
-  if (waited_for_consumer_.exchange(false)) gaps_.start_over();
-  std::vector<std::string> texts;
-  {
-    const std::lock_guard lock(engines_mutex_);
-    for (const BeaconAddress address : engines_.addresses()) {
-      if (auto text = gaps_.on(address, engines_.gap(address), steady_now_ns()))
-        texts.push_back(*std::move(text));
-    }
-  }
-  for (const std::string& text : texts) fmt::print(stderr, "sonopose-fusion: {}\n", text);
+void FusionNode::Impl::on_bridge_liveliness(const dds::LivelinessChangedStatus& status) noexcept {
+  if (status.not_alive_count_change <= 0) return;
+  const std::lock_guard lock(engines_mutex_);
+  inputs_.on_bridge_lost(status.last_publication_handle);
 }
 
 FusionNode::FusionNode(const FusionOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -277,11 +221,14 @@ FusionNode::~FusionNode() = default;
 
 void FusionNode::run(const StopSignal& stop) {
   constexpr TimeNs period_ns = 1'000'000'000;
-  TimeNs next_ns = steady_now_ns();
+  TimeNs status_due_ns = steady_now_ns();
   do {
+    impl_->watch();
+    if (steady_now_ns() < status_due_ns) continue;
     impl_->publish_statuses();
-    next_ns += period_ns;
-  } while (!stop.wait_until(next_ns));
+    status_due_ns += period_ns;
+  } while (!stop.wait_until(std::min(status_due_ns, impl_->watch_by_ns())));
+  impl_->hand_over();
 }
 
 }  // namespace sonopose::nodes

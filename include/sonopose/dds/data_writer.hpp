@@ -78,6 +78,9 @@ public:
   /// (Cyclone DDS 0.10).
   void assert_liveliness() { check("dds_assert_liveliness", dds_assert_liveliness(handle())); }
 
+  /// The same without an exception, for threads that must go on.
+  ReturnCode try_assert_liveliness() noexcept { return dds_assert_liveliness(handle()); }
+
   /// Returns whether all readers have all samples within `timeout`.
   bool wait_for_acknowledgments(Duration timeout) {
     const ReturnCode code = dds_wait_for_acks(handle(), timeout.count());

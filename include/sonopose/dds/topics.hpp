@@ -51,15 +51,17 @@ const char* profile_of(const TopicEntry<T>& entry, Delivery delivery) {
   return delivery == Delivery::lossless ? entry.lossless_profile : entry.profile;
 }
 
-/// A writer for one row of the diagram. `listener` must outlive it.
+/// A writer for one row of the diagram. `listener` must outlive it. `changes` stand above the profile.
 template <class T>
 DataWriter<T> make_writer(const DomainParticipant& participant, const QosProvider& qos,
                           const TopicEntry<T>& entry,
                           std::type_identity_t<DataWriterListener<T>>* listener = nullptr,
-                          Delivery delivery = Delivery::live) {
+                          Delivery delivery = Delivery::live, const Qos& changes = {}) {
   const char* profile = profile_of(entry, delivery);
   const Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
-  return DataWriter<T>(participant, topic, qos.datawriter_qos(profile), listener);
+  Qos writer_qos = qos.datawriter_qos(profile);
+  writer_qos.merge(changes);
+  return DataWriter<T>(participant, topic, writer_qos, listener);
 }
 
 /// A reader for one row of the diagram. `listener` must outlive it.

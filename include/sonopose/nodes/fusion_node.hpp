@@ -5,6 +5,8 @@
 
 #include <sonopose/config/fusion_config.hpp>
 #include <sonopose/dds/domain.hpp>
+#include <sonopose/nodes/address_set.hpp>
+#include <sonopose/nodes/standby.hpp>
 #include <sonopose/nodes/stop_signal.hpp>
 
 #include <filesystem>
@@ -17,6 +19,8 @@ struct FusionOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
   config::FusionConfig config;
+  AddressSet addresses;                   ///< serve these beacons alone
+  std::optional<StandbyOptions> standby;  ///< stand by for others, or be stood by for; not with `lossless`
   bool lossless = false;  ///< keep all events and poses, for a log that is played as fast as it can be
 };
 
@@ -30,7 +34,8 @@ public:
   FusionNode& operator=(const FusionNode&) = delete;
   ~FusionNode();
 
-  /// Publishes the status of every beacon once a second until the stop.
+  /// Publishes the status of every beacon once a second, and at once when its IMU falls silent or comes back,
+  /// until the stop. With a standby, serves on for a lease then, so that it can take over.
   void run(const StopSignal& stop);
 
 private:

@@ -1,0 +1,36 @@
+#pragma once
+/// \file
+/// Which beacons a process is for.
+
+#include <sonopose/core/samples.hpp>
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace sonopose::nodes {
+
+/// Ranges of beacon addresses. A value.
+class AddressSet {
+public:
+  /// Every beacon.
+  AddressSet() = default;
+
+  /// "7", "7-131", "7-131,200": numbers of 0…65534, ranges from low to high. Throws std::invalid_argument,
+  /// naming the part that is none.
+  static AddressSet parse(std::string_view text);
+
+  [[nodiscard]] bool contains(BeaconAddress address) const {
+    if (ranges_.empty()) return true;
+    for (const auto& [first, last] : ranges_) {
+      if (first <= address && address <= last) return true;
+    }
+    return false;
+  }
+
+private:
+  std::vector<std::pair<BeaconAddress, BeaconAddress>> ranges_;  ///< none: all
+};
+
+}  // namespace sonopose::nodes

@@ -1,0 +1,100 @@
+#pragma once
+/// \file
+/// A live consumer of poses that notes, for each, when it came and from which writer.
+
+#include "bus.hpp"
+#include <sonopose/nodes/host_clock.hpp>
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <set>
+#include <vector>
+
+namespace sonopose::test {
+
+struct TappedPose {
+  FusedPose pose;
+  std::uint64_t writer = 0;  ///< publication handle
+  TimeNs received_ns = 0;    ///< steady clock
+};
+
+class PoseTap {
+public:
+  explicit PoseTap(const Bus& bus)
+      : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
+        reader_(dds::make_reader(participant_, dds::QosProvider(dds::find_qos_file()), dds::topics::pose,
+                                 &listener_)) {}
+
+  /// The writers that it has matched now.
+  [[nodiscard]] std::set<std::uint64_t> writers() const {
+    std::set<std::uint64_t> handles;
+    for (const auto handle : reader_.matched_publications()) handles.insert(handle.value);
+    return handles;
+  }
+
+  /// How many poses have come.
+  [[nodiscard]] std::size_t count() const {
+    const std::lock_guard lock(listener_.mutex);
+    return listener_.poses.size();
+  }
+
+  /// What came from the pose of this number on.
+  [[nodiscard]] std::vector<TappedPose> since(std::size_t first) const {
+    const std::lock_guard lock(listener_.mutex);
+    const auto begin = listener_.poses.begin() + static_cast<std::ptrdiff_t>(first);
+    return {begin, listener_.poses.end()};
+  }
+
+  /// Waits for a pose that fulfils `predicate`, of those that came already `from` this number on too. Empty
+  /// when time was up.
+  template <class Predicate>
+  std::optional<TappedPose> wait_for(const Predicate& predicate, std::size_t from,
+                                     std::chrono::milliseconds timeout = patience) const {
+    std::unique_lock lock(listener_.mutex);
+    std::optional<TappedPose> found;
+    listener_.came.wait_for(lock, timeout, [&] {
+      for (; !found && from < listener_.poses.size(); ++from) {
+        if (predicate(listener_.poses[from])) found = listener_.poses[from];
+      }
+      return found.has_value();
+    });
+    return found;
+  }
+
+  /// Waits until `count` have come from this number on, and returns them.
+  [[nodiscard]] std::vector<TappedPose> wait_for_count(std::size_t first, std::size_t count) const {
+    {
+      std::unique_lock lock(listener_.mutex);
+      listener_.came.wait_for(lock, patience, [&] { return listener_.poses.size() >= first + count; });
+    }
+    return since(first);
+  }
+
+  /// Waits for a pose from one of these writers.
+  std::optional<TappedPose> wait_for_writer(const std::set<std::uint64_t>& writers, std::size_t from) const {
+    return wait_for([&](const TappedPose& tapped) { return writers.contains(tapped.writer); }, from);
+  }
+
+private:
+  struct Listener final : dds::DataReaderListener<sonopose_FusedPose> {
+    void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
+      const TimeNs received_ns = nodes::steady_now_ns();
+      const std::lock_guard lock(mutex);
+      reader.try_take_each([&](const sonopose_FusedPose& pose, const dds::SampleInfo& info) {
+        poses.push_back({dds::from_idl(pose), info.publication_handle().value, received_ns});
+      });
+      came.notify_all();
+    }
+
+    mutable std::mutex mutex;
+    mutable std::condition_variable came;
+    std::vector<TappedPose> poses;
+  };
+
+  Listener listener_;
+  dds::DomainParticipant participant_;
+  dds::DataReader<sonopose_FusedPose> reader_;
+};
+
+}  // namespace sonopose::test

@@ -1,0 +1,165 @@
+/// Two fusions on the same inputs: one serves, the other one takes over.
+
+#include "support/held_thread.hpp"
+#include "support/pose_tap.hpp"
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <functional>
+#include <iostream>
+
+using namespace sonopose;
+using namespace sonopose::test;
+namespace topics = dds::topics;
+
+namespace {
+
+constexpr int kills = 20;
+constexpr double lease_ms = 100.0;
+constexpr double imu_period_ms = 5.0;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr double slowness = 5.0;
+#else
+constexpr double slowness = 1.0;
+#endif
+
+using Writers = std::set<std::uint64_t>;
+
+/// A fusion of the pair, with the writers by which the tap knows it.
+struct Fusion {
+  std::unique_ptr<Process> process;
+  Writers writers;
+
+  [[nodiscard]] bool wrote(const TappedPose& tapped) const { return writers.contains(tapped.writer); }
+};
+
+/// The bus with a bridge, a tap, and fusions as they are asked for.
+class Pair {
+public:
+  Pair() : tap(bus), bridge(bus.bridge({"--scenario", "rest", "--imu-rate", "200"})) {}
+
+  Fusion start(const std::string& strength) {
+    const Writers before = tap.writers();
+    Fusion fusion;
+    fusion.process = bus.fusion({"--standby-strength", strength, "--warm-up", "0.2"});
+    const auto give_up = std::chrono::steady_clock::now() + patience;
+    while (fusion.writers.size() < 2 && std::chrono::steady_clock::now() < give_up) {
+      fusion.writers = tap.writers();
+      for (const auto handle : before) fusion.writers.erase(handle);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    REQUIRE(fusion.writers.size() == 2);
+    return fusion;
+  }
+
+  /// Waits until the consumer has a good pose of this fusion's, from now on.
+  void wait_until_served_by(const Fusion& fusion) {
+    REQUIRE(tap.wait_for(
+        [&](const TappedPose& tapped) {
+          return fusion.wrote(tapped) && (tapped.pose.status & status_initialising) == 0U;
+        },
+        tap.count()));
+  }
+
+  Bus bus;
+  PoseTap tap;
+  std::unique_ptr<Process> bridge;
+};
+
+/// Takes the strong one out `kills` times, and says how long the consumer then waited for the weak one.
+std::vector<double> takeovers_ms(Pair& pair, Fusion& strong, const Fusion& weak,
+                                 const std::function<std::function<void()>()>& take_out) {
+  std::vector<double> waits_ms;
+  for (int i = 0; i < kills; ++i) {
+    pair.wait_until_served_by(strong);
+    const std::size_t before = pair.tap.count();
+    const TimeNs out_ns = nodes::steady_now_ns();
+    const auto bring_back = take_out();
+    const auto first = pair.tap.wait_for_writer(weak.writers, before);
+    REQUIRE(first);
+    waits_ms.push_back(static_cast<double>(first->received_ns - out_ns) * 1e-6);
+    bring_back();
+  }
+  std::sort(waits_ms.begin(), waits_ms.end());
+  return waits_ms;
+}
+
+void report(const std::string& what, const std::vector<double>& waits_ms) {
+  const double median_ms = waits_ms[waits_ms.size() / 2];
+  std::cout << fmt::format(
+      "{}: taken over after {:.1f} / {:.1f} / {:.1f} ms (min/median/max of {}), lease {} ms\n", what,
+      waits_ms.front(), median_ms, waits_ms.back(), waits_ms.size(), lease_ms);
+  CHECK(median_ms <= slowness * (1.1 * lease_ms + imu_period_ms));
+}
+
+/// The poses up to the first of the weak one are the strong one's alone: one stream.
+void check_one_stream(const std::vector<TappedPose>& poses, const Fusion& weak) {
+  std::uint64_t latest = 0;
+  for (const TappedPose& tapped : poses) {
+    if (weak.wrote(tapped)) break;
+    REQUIRE(tapped.pose.sequence > latest);
+    latest = tapped.pose.sequence;
+  }
+}
+
+}  // namespace
+
+SCENARIO("a fusion that is killed is replaced within its lease") {
+  Pair pair;
+  Fusion strong = pair.start("200");
+  const Fusion weak = pair.start("100");
+  const auto waits_ms = takeovers_ms(pair, strong, weak, [&]() -> std::function<void()> {
+    strong.process->send(SIGKILL);
+    return [&] {
+      strong.process->wait_for_exit();
+      strong = pair.start("200");
+    };
+  });
+  report("kill -9", waits_ms);
+}
+
+SCENARIO("a fusion that is stopped is replaced within its lease, and serves again when it goes on") {
+  Pair pair;
+  Fusion strong = pair.start("200");
+  const Fusion weak = pair.start("100");
+  const auto waits_ms = takeovers_ms(pair, strong, weak, [&]() -> std::function<void()> {
+    strong.process->send(SIGSTOP);
+    return [&] { strong.process->send(SIGCONT); };
+  });
+  report("SIGSTOP", waits_ms);
+}
+
+SCENARIO("a fusion whose receiving thread hangs is replaced, though its other threads live") {
+  Pair pair;
+  Fusion strong = pair.start("200");
+  const Fusion weak = pair.start("100");
+  std::optional<HeldThread> held;
+  const auto waits_ms = takeovers_ms(pair, strong, weak, [&]() -> std::function<void()> {
+    held.emplace(strong.process->pid(), "recv");
+    return [&held] { held.reset(); };
+  });
+  report("a thread that hangs", waits_ms);
+}
+
+SCENARIO("while the stronger one lives nothing comes from the weaker one, and no time goes back") {
+  GIVEN("a pair of which the stronger one serves") {
+    Pair pair;
+    const Fusion weak = pair.start("100");
+    pair.wait_until_served_by(weak);
+    const Fusion strong = pair.start("200");
+    pair.wait_until_served_by(strong);
+    const std::size_t begin = pair.tap.count();
+    WHEN("two seconds pass") {
+      const auto poses = pair.tap.wait_for_count(begin, 400);
+      THEN("each IMU sample has one pose, of the stronger one") {
+        check_one_stream(poses, weak);
+        for (std::size_t i = 0; i < poses.size(); ++i) {
+          REQUIRE(strong.wrote(poses[i]));
+          if (i > 0) REQUIRE(poses[i].pose.time_ns - poses[i - 1].pose.time_ns == Approx(5e6).margin(1000));
+        }
+      }
+    }
+  }
+}
