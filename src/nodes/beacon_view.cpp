@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace sonopose::nodes {
 namespace {
 
 /// Remembers at most this many; more than a second at any rate.
 constexpr std::size_t most_waiting = 2048;
-/// A run's latencies: over an hour at 250 Hz; what comes after that does not count.
-constexpr std::size_t most_latencies = 1'000'000;
 
 void remember(std::map<TimeNs, Vector3d>& waiting, TimeNs time_ns, const Vector3d& position_world_m) {
   waiting[time_ns] = position_world_m;
@@ -24,28 +21,27 @@ std::optional<Vector3d> taken(std::map<TimeNs, Vector3d>& waiting, TimeNs time_n
   return node.mapped();
 }
 
-}  // namespace
-
-Percentiles percentiles_of(std::vector<double> durations_s) {
-  constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  if (durations_s.empty()) return {none, none};
-  const auto at = [&durations_s](double share) {
-    const auto last = static_cast<double>(durations_s.size() - 1);
-    const auto place = durations_s.begin() + static_cast<std::ptrdiff_t>(std::ceil(share * last));
-    std::nth_element(durations_s.begin(), place, durations_s.end());
-    return *place;
+/// Whose poses consumers get first of two: one that serves before one that does not, then the stronger.
+bool serves_before(const FusionStatus& a, const FusionStatus& b) {
+  const auto serves = [](const FusionStatus& status) {
+    return status.role == FusionRole::sole || status.role == FusionRole::serving;
   };
-  return {at(0.50), at(0.99)};
+  if (serves(a) != serves(b)) return serves(a);
+  return a.strength > b.strength;
 }
 
+}  // namespace
+
 void BeaconWatch::on(const FusedPose& pose, TimeNs received_ns) {
-  const double latency_s = seconds_between(pose.imu_bridge_time_ns, received_ns);
+  const bool is_predicted = (pose.status & status_predicted) != 0U;
   for (Span* span : {&window_, &whole_}) {
     if (span->began_ns == 0) span->began_ns = received_ns;
-    ++span->poses;
-    if (span->latencies_s.size() < most_latencies) span->latencies_s.push_back(latency_s);
+    ++(is_predicted ? span->predicted : span->poses);
+    if (!is_predicted) span->traces.add(trace_of(pose, received_ns));
   }
   latest_ = pose;
+  lost_ = false;
+  if (is_predicted) return;
   if ((pose.status & status_initialising) != 0U) return;
   if (const auto truth_world_m = taken(truth_world_m_, pose.time_ns)) {
     compare(pose.position_world_m, *truth_world_m);
@@ -60,6 +56,11 @@ void BeaconWatch::on(const TruthSample& truth) {
   } else {
     remember(truth_world_m_, truth.time_ns, truth.position_world_m);
   }
+}
+
+void BeaconWatch::on_pose_lost() {
+  ++losses_;
+  lost_ = true;
 }
 
 void BeaconWatch::compare(const Vector3d& fused_world_m, const Vector3d& true_world_m) {
@@ -78,10 +79,17 @@ BeaconView BeaconWatch::view_of(const Span& span, BeaconAddress address, TimeNs 
   view.window_s = span.began_ns == 0 ? 0.0 : seconds_between(span.began_ns, now_ns);
   view.poses = span.poses;
   view.pose_rate_hz = view.window_s > 0.0 ? static_cast<double>(span.poses) / view.window_s : 0.0;
-  view.latency = percentiles_of(span.latencies_s);
+  view.predicted = span.predicted;
+  view.latency = span.traces.latency();
+  view.legs = span.traces.legs();
+  view.worst = span.traces.worst();
   view.pose = latest_;
   view.bridge = bridge_;
-  view.fusion = fusion_;
+  for (const auto& entry : fusions_) view.fusions.push_back(entry.second);
+  std::sort(view.fusions.begin(), view.fusions.end(), serves_before);
+  if (!view.fusions.empty()) view.fusion = view.fusions.front();
+  view.losses = losses_;
+  view.lost = lost_;
   view.deadlines_missed = deadlines_missed_;
   if (span.errors > 0) {
     view.position_error_rms_m = std::sqrt(span.squared_error_sum_m2 / static_cast<double>(span.errors));

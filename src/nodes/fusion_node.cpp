@@ -47,7 +47,7 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       delivery_(options.lossless ? dds::Delivery::lossless : dds::Delivery::live),
       input_deadline_ns_(input_deadline_ns(qos_)),
       engines_(options.config, options.lossless),
-      inputs_(input_deadline_ns_),
+      imu_silences_(input_deadline_ns_),
       output_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, ends_),
       report_writer_(dds::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)),
       status_writer_(dds::make_writer(participant_, qos_, topics::fusion_status, &status_listener_)),
@@ -113,7 +113,10 @@ void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, Time
   changes_.clear();
   {
     const std::lock_guard lock(engines_mutex_);
-    if (std::holds_alternative<ImuSample>(event)) inputs_.on_imu(address_of(event), bridge.value, steady_ns);
+    if (std::holds_alternative<ImuSample>(event)) {
+      inputs_.on_imu(address_of(event), bridge.value);
+      imu_silences_.on_sample(address_of(event), steady_ns);
+    }
     engines_.push(
         event, steady_ns, [&](const FusedPose& pose) { poses_.push_back(pose); },
         [&](const FixReport& report) { reports_.push_back(report); },

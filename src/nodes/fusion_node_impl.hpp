@@ -12,6 +12,7 @@
 #include <sonopose/nodes/host_clock.hpp>
 #include <sonopose/nodes/input_watch.hpp>
 #include <sonopose/nodes/pose_output.hpp>
+#include <sonopose/nodes/silence_watch.hpp>
 
 #include <atomic>
 #include <cstdint>
@@ -90,12 +91,13 @@ private:
   std::mutex engines_mutex_;
   BeaconEngines engines_;
   InputWatch inputs_;
+  SilenceWatch imu_silences_;
   std::map<BeaconAddress, std::uint64_t> last_reset_ids_;  // of the receive thread
   // What one event brought about; of the feeding thread, kept for its capacity.
   std::vector<FusedPose> poses_;
   std::vector<FixReport> reports_;
   std::vector<SettingsInForce> changes_;
-  std::vector<BeaconAddress> silence_changes_;  // of watch(), likewise
+  std::vector<SilenceWatch::Change> silence_changes_;  // of watch(), likewise
   std::atomic<std::uint64_t> unwritten_ = 0;
   std::uint64_t unwritten_told_ = 0;
   std::uint64_t incompatible_told_ = 0;

@@ -14,9 +14,9 @@ void FusionNode::Impl::watch() {
   silence_changes_.clear();
   {
     const std::lock_guard lock(engines_mutex_);
-    inputs_.find_changes(steady_ns, silence_changes_);
+    imu_silences_.find_changes(steady_ns, silence_changes_);
   }
-  for (const BeaconAddress address : silence_changes_) publish_status(address);
+  for (const auto& change : silence_changes_) publish_status(change.address);
 }
 
 void FusionNode::Impl::hand_over() {
@@ -48,7 +48,7 @@ void FusionNode::Impl::publish_status(BeaconAddress address) {
     const std::lock_guard lock(engines_mutex_);
     status = engines_.status(address);
     if (!status) return;
-    status->imu_silent = inputs_.is_silent(address);
+    status->imu_silent = imu_silences_.is_silent(address);
     inputs = inputs_.counters(address);
   }
   status->fusion_id = id_;

@@ -5,9 +5,11 @@
 #include <sonopose/nodes/host_clock.hpp>
 #include <sonopose/nodes/monitor_node.hpp>
 #include <sonopose/nodes/monitor_report.hpp>
+#include <sonopose/nodes/silence_watch.hpp>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <limits>
 #include <map>
@@ -21,6 +23,8 @@ namespace topics = dds::topics;
 /// All beacons; filled by Cyclone's threads, looked at by the main one.
 class Watches {
 public:
+  explicit Watches(TimeNs pose_deadline_ns) : silences_(pose_deadline_ns) {}
+
   template <class Sample>
   void on(const Sample& sample) {
     const std::lock_guard lock(mutex_);
@@ -30,11 +34,32 @@ public:
   void on(const FusedPose& pose, TimeNs received_ns) {
     const std::lock_guard lock(mutex_);
     watches_[pose.address].on(pose, received_ns);
+    silences_.on_sample(pose.address, steady_now_ns());
   }
 
   void on_deadline_missed(BeaconAddress address, std::uint64_t count) {
     const std::lock_guard lock(mutex_);
     watches_[address].on_deadline_missed(count);
+  }
+
+  /// An instance lost its last writer.
+  void on_gone(const sonopose_FusedPose& key) {
+    const std::lock_guard lock(mutex_);
+    watches_[key.address].on_pose_lost();
+  }
+  void on_gone(const sonopose_FusionStatus& key) {
+    const std::lock_guard lock(mutex_);
+    watches_[key.address].on_fusion_gone(key.fusion_id);
+  }
+  template <class Other>
+  void on_gone(const Other& /*key*/) {}
+
+  /// What fell silent or was heard again since the last call.
+  std::vector<SilenceWatch::Change> silence_changes() {
+    std::vector<SilenceWatch::Change> changes;
+    const std::lock_guard lock(mutex_);
+    silences_.find_changes(steady_now_ns(), changes);
+    return changes;
   }
 
   /// `look(watch, address)` for each beacon, in the order of addresses.
@@ -49,6 +74,7 @@ public:
 private:
   std::mutex mutex_;
   std::map<BeaconAddress, BeaconWatch> watches_;
+  SilenceWatch silences_;
 };
 
 template <class T>
@@ -58,12 +84,15 @@ public:
 
   void on_data_available(dds::DataReader<T>& reader) noexcept override {
     const TimeNs received_ns = now_ns();
-    reader.try_take_each([&](const T& sample, const dds::SampleInfo&) {
+    const auto on_data = [&](const T& sample, const dds::SampleInfo&) {
       if constexpr (std::is_same_v<T, sonopose_FusedPose>) {
         watches_.on(dds::from_idl(sample), received_ns);
       } else {
         watches_.on(dds::from_idl(sample));
       }
+    };
+    reader.try_take_each(on_data, [&](const T& key, const dds::SampleInfo& info) {
+      if (!info.alive()) watches_.on_gone(key);
     });
   }
 
@@ -101,12 +130,26 @@ void print(const MonitorOptions& options, const std::vector<BeaconView>& views) 
   std::fflush(stdout);
 }
 
+/// At once, and beside the table: whoever controls something by these poses must know.
+void tell_silences(const std::vector<SilenceWatch::Change>& changes) {
+  for (const auto& change : changes) {
+    if (change.silent) {
+      fmt::print(stderr, "sonopose-monitor: beacon {}: no pose for {:.3f} s\n", change.address,
+                 change.lasted_s);
+    } else {
+      fmt::print(stderr, "sonopose-monitor: beacon {}: poses again, after {:.3f} s\n", change.address,
+                 change.lasted_s);
+    }
+  }
+}
+
 }  // namespace
 
 std::uint64_t monitor(const MonitorOptions& options, const StopSignal& stop) {
   const dds::QosProvider qos(dds::find_qos_file(options.qos_file));
   const dds::DomainParticipant participant(options.domain);
-  Watches watches;
+  const auto deadline = qos.datareader_qos(topics::pose.profile).policy<dds::policy::Deadline>();
+  Watches watches(deadline.value_or(dds::policy::Deadline{}).period.count());
   const Watched pose(participant, qos, topics::pose, watches);
   const Watched truth(participant, qos, topics::truth, watches);
   const Watched beacon_status(participant, qos, topics::beacon_status, watches);
@@ -117,7 +160,10 @@ std::uint64_t monitor(const MonitorOptions& options, const StopSignal& stop) {
   const TimeNs end_ns = options.duration_s > 0 ? steady_now_ns() + to_ns(options.duration_s)
                                                : std::numeric_limits<TimeNs>::max();
   if (options.redraw) fmt::print("\x1b[2J");
-  while (next_ns <= end_ns && !stop.wait_until(next_ns)) {
+  constexpr TimeNs look_period_ns = 20'000'000;
+  while (next_ns <= end_ns && !stop.wait_until(std::min(next_ns, steady_now_ns() + look_period_ns))) {
+    tell_silences(watches.silence_changes());
+    if (steady_now_ns() < next_ns) continue;
     const TimeNs now = now_ns();
     print(options, watches.views([now](BeaconWatch& watch, BeaconAddress address) {
       return watch.look(address, now);

@@ -2,11 +2,12 @@
 #include <sonopose/nodes/monitor_report.hpp>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace sonopose::nodes {
 namespace {
@@ -33,66 +34,98 @@ std::string ms(double seconds) {
   return seconds == seconds ? fmt::format("{:.2f}", seconds * 1e3) : "-";
 }
 
+/// "0.03/0.12", of milliseconds.
+std::string ms_pair(const Percentiles& percentiles) {
+  return ms(percentiles.p50_s) + "/" + ms(percentiles.p99_s);
+}
+
+std::string worst_words(const PoseTrace& worst) {
+  const auto legs_s = worst.legs_s();
+  return fmt::format("{} = {} + {} + {} (event {})", ms(worst.latency_s()), ms(legs_s[1]), ms(legs_s[2]),
+                     ms(legs_s[3]), worst.sequence);
+}
+
+std::string_view role_word(FusionRole role) {
+  constexpr std::array<std::string_view, 4> words{"alone", "warming up", "serving", "stalled"};
+  return words[static_cast<std::size_t>(role)];
+}
+
+/// What consumers get of a beacon, in a word or two.
+std::string stream_words(const BeaconView& view) {
+  if (view.lost) return "lost";
+  if (view.poses + view.predicted == 0) return "silent";
+  if (view.fusion && view.fusion->imu_silent) return "IMU silent, " + status_words(view.pose.status);
+  return status_words(view.pose.status);
+}
+
+using Counted = std::pair<std::uint64_t, std::string_view>;
+
+/// "3 IMU deadlines missed, 1 bridge lost"; empty where all counts are 0.
+std::string counted_words(const std::vector<Counted>& counts) {
+  std::vector<std::string> words;
+  for (const auto& [count, what] : counts) {
+    if (count > 0) words.push_back(fmt::format("{} {}", count, what));
+  }
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+std::string bridge_troubles(const BeaconStatus& bridge) {
+  return counted_words({{bridge.imu_deadlines_missed, "IMU deadlines missed"},
+                        {bridge.fix_deadlines_missed, "fix deadlines missed"},
+                        {bridge.heading_deadlines_missed, "heading deadlines missed"},
+                        {bridge.liveliness_lost, "leases lost"},
+                        {bridge.readers_incompatible, "readers incompatible"},
+                        {bridge.samples_unwritten, "samples not written"},
+                        {bridge.other_bridges, "other bridges"}});
+}
+
+std::string fusion_troubles(const FusionStatus& fusion) {
+  return counted_words({{fusion.imu_deadlines_missed, "IMU deadlines missed"},
+                        {fusion.fix_deadlines_missed, "fix deadlines missed"},
+                        {fusion.heading_deadlines_missed, "heading deadlines missed"},
+                        {fusion.bridge_losses, "times the bridge lost"},
+                        {fusion.events_lost, "events lost"},
+                        {fusion.imu_gaps, "IMU gaps"},
+                        {fusion.pose_deadlines_missed, "pose deadlines missed"},
+                        {fusion.liveliness_lost, "leases lost"},
+                        {fusion.samples_lost, "samples lost"},
+                        {fusion.samples_rejected, "samples rejected"},
+                        {fusion.incompatible_qos, "ends incompatible"},
+                        {fusion.poses_unwritten, "poses not written"}});
+}
+
+/// "3 pose deadlines missed …" of one beacon, a line for each process that has something to tell.
+std::string troubles_of(const BeaconView& view) {
+  std::string text;
+  const auto tell = [&](std::string_view who, const std::string& words) {
+    if (!words.empty()) text += fmt::format("{:>6}  {}: {}\n", view.address, who, words);
+  };
+  if (view.bridge) tell("bridge", bridge_troubles(*view.bridge));
+  for (const FusionStatus& fusion : view.fusions) {
+    const std::string who = view.fusions.size() > 1 ? fmt::format("fusion of strength {} ({})",
+                                                                  fusion.strength, role_word(fusion.role))
+                                                    : "fusion";
+    tell(who, fusion_troubles(fusion));
+  }
+  tell("here", counted_words({{view.deadlines_missed, "pose deadlines missed"},
+                              {view.losses, "times the poses lost"}}));
+  return text;
+}
+
+std::string legs_table_of(const std::vector<BeaconView>& views) {
+  std::string text =
+      "beacon  sensor > bridge   > fusion     fusing      > here   p50/p99 ms   worst: bridge to here ms\n";
+  for (const BeaconView& view : views) {
+    if (!view.worst) continue;
+    text += fmt::format("{:>6}  {:>15}  {:>11}  {:>9}  {:>11}                {}\n", view.address,
+                        ms_pair(view.legs[0]), ms_pair(view.legs[1]), ms_pair(view.legs[2]),
+                        ms_pair(view.legs[3]), worst_words(*view.worst));
+  }
+  return text;
+}
+
 std::uint64_t lost_events(const BeaconView& view) {
   return view.fusion ? view.fusion->events_lost : 0;
-}
-
-nlohmann::json vector_json(const Vector3d& vector) {
-  return {vector.x(), vector.y(), vector.z()};
-}
-
-nlohmann::json optional_json(const std::optional<double>& value) {
-  return value ? nlohmann::json(*value) : nlohmann::json();
-}
-
-nlohmann::json beacon_json(const BeaconView& view) {
-  const FusedPose& pose = view.pose;
-  nlohmann::json json{{"address", view.address},
-                      {"poses", view.poses},
-                      {"pose_rate_hz", view.pose_rate_hz},
-                      {"latency_p50_s", view.latency.p50_s},
-                      {"latency_p99_s", view.latency.p99_s},
-                      {"position_m", vector_json(pose.position_world_m)},
-                      {"orientation_wxyz",
-                       {pose.q_body_to_world.w(), pose.q_body_to_world.x(), pose.q_body_to_world.y(),
-                        pose.q_body_to_world.z()}},
-                      {"heading_deg", heading_deg(pose)},
-                      {"velocity_mps", vector_json(pose.velocity_world_mps)},
-                      {"speed_mps", pose.velocity_world_mps.norm()},
-                      {"position_std_m", vector_json(pose.position_std_m)},
-                      {"since_valid_fix_s", pose.since_valid_fix_s},
-                      {"trust", pose.trust},
-                      {"status", pose.status},
-                      {"status_words", status_words(pose.status)},
-                      {"reset_counter", pose.reset_counter},
-                      {"pose_time_ns", pose.time_ns},
-                      {"pose_deadlines_missed", view.deadlines_missed},
-                      {"position_error_rms_m", optional_json(view.position_error_rms_m)},
-                      {"position_error_max_m", optional_json(view.position_error_max_m)}};
-  if (view.bridge) {
-    const BeaconStatus& bridge = *view.bridge;
-    json["bridge"] = {{"imu_rate_hz", bridge.imu_rate_hz},
-                      {"fix_rate_hz", bridge.fix_rate_hz},
-                      {"heading_rate_hz", bridge.heading_rate_hz},
-                      {"battery_v", optional_json(bridge.battery_v)},
-                      {"rssi_dbm", optional_json(bridge.rssi_dbm)},
-                      {"clock_offset_s", bridge.clock_offset_s},
-                      {"clock_jitter_s", bridge.clock_jitter_s},
-                      {"frames", bridge.frames},
-                      {"crc_errors", bridge.crc_errors},
-                      {"bytes_lost", bridge.bytes_lost},
-                      {"fixes_unavailable", bridge.fixes_unavailable},
-                      {"other_bridges", bridge.other_bridges}};
-  }
-  if (view.fusion) {
-    const FusionStatus& fusion = *view.fusion;
-    json["fusion"] = {
-        {"imu_samples", fusion.imu_samples},         {"fixes_used", fusion.fixes_used},
-        {"fixes_rejected", fusion.fixes_rejected},   {"headings", fusion.headings},
-        {"events_lost", fusion.events_lost},         {"events_duplicated", fusion.events_duplicated},
-        {"samples_invalid", fusion.samples_invalid}, {"imu_gaps", fusion.imu_gaps}};
-  }
-  return json;
 }
 
 }  // namespace
@@ -118,15 +151,11 @@ std::string table_of(const std::vector<BeaconView>& views) {
         view.address, view.pose_rate_hz, view.bridge ? view.bridge->imu_rate_hz : 0.0,
         view.bridge ? view.bridge->fix_rate_hz : 0.0, pose.position_world_m.x(), pose.position_world_m.y(),
         pose.position_world_m.z(), heading_deg(pose), pose.velocity_world_mps.norm(), ms(view.latency.p50_s),
-        ms(view.latency.p99_s), lost_events(view), view.poses == 0 ? "silent" : status_words(pose.status));
+        ms(view.latency.p99_s), lost_events(view), stream_words(view));
   }
+  text += legs_table_of(views);
+  for (const BeaconView& view : views) text += troubles_of(view);
   return text;
-}
-
-std::string json_of(const std::vector<BeaconView>& views, TimeNs now_ns) {
-  nlohmann::json json{{"time_ns", now_ns}, {"beacons", nlohmann::json::array()}};
-  for (const BeaconView& view : views) json["beacons"].push_back(beacon_json(view));
-  return json.dump();
 }
 
 std::string summary_of(const std::vector<BeaconView>& views) {
@@ -141,6 +170,11 @@ std::string summary_of(const std::vector<BeaconView>& views) {
     }
     text += fmt::format("  latency          p50 {} ms, p99 {} ms (bridge to here)\n", ms(view.latency.p50_s),
                         ms(view.latency.p99_s));
+    if (view.worst) {
+      text += fmt::format("  its legs         {} to the fusion, {} in it, {} to here (p50/p99 ms)\n",
+                          ms_pair(view.legs[1]), ms_pair(view.legs[2]), ms_pair(view.legs[3]));
+      text += fmt::format("  the slowest      {} ms\n", worst_words(*view.worst));
+    }
     if (view.position_error_rms_m) {
       text +=
           fmt::format("  position error   {:.1f} cm RMS, {:.1f} cm at most (against the simulator's truth)\n",
@@ -152,6 +186,7 @@ std::string summary_of(const std::vector<BeaconView>& views) {
     }
     text += fmt::format("  lost             {} events, {} pose deadlines missed\n", lost_events(view),
                         view.deadlines_missed);
+    text += troubles_of(view);
   }
   return text;
 }

@@ -35,30 +35,6 @@ TruthSample truth_at(TimeNs time_ns, double x_m) {
 
 }  // namespace
 
-TEST_CASE("percentiles of durations") {
-  SECTION("of 0 … 100 s in any order: the median is 50 s, and 99 of a hundred lie below 99 s") {
-    std::vector<double> durations_s;
-    for (int i = 0; i <= 100; ++i) durations_s.push_back((i * 37) % 101);
-    const Percentiles percentiles = percentiles_of(durations_s);
-    CHECK(percentiles.p50_s == 50.0);
-    CHECK(percentiles.p99_s == 99.0);
-  }
-  SECTION("one late one of a hundred shows in the 99th percentile and not in the median") {
-    std::vector<double> durations_s(100, 0.001);
-    durations_s[10] = 5.0;
-    CHECK(percentiles_of(durations_s).p50_s == 0.001);
-    CHECK(percentiles_of(durations_s).p99_s == 5.0);
-  }
-  SECTION("of a single one: itself") {
-    CHECK(percentiles_of({0.25}).p50_s == 0.25);
-    CHECK(percentiles_of({0.25}).p99_s == 0.25);
-  }
-  SECTION("of none: unknown") {
-    CHECK(std::isnan(percentiles_of({}).p50_s));
-    CHECK(std::isnan(percentiles_of({}).p99_s));
-  }
-}
-
 SCENARIO("a watch counts what comes in each second and in all") {
   GIVEN("100 poses a second for two seconds, which take 2 ms in the first and 4 ms in the second") {
     BeaconWatch watch;
@@ -115,6 +91,49 @@ SCENARIO("a watch counts what comes in each second and in all") {
       CHECK(view.pose_rate_hz == 0.0);
     }
   }
+}
+
+SCENARIO("poses between samples are counted apart and take no part in the latency") {
+  BeaconWatch watch;
+  watch.on(pose_at(begin_ns), begin_ns + 2 * ms);
+  watch.on(pose_at(begin_ns + 5 * ms, 0.5, status_predicted), begin_ns + 900 * ms);
+  const BeaconView view = watch.look(7, begin_ns + second);
+  CHECK(view.poses == 1);
+  CHECK(view.predicted == 1);
+  CHECK(view.latency.p99_s == Approx(0.001));
+  CHECK(view.pose.position_world_m.x() == 0.5);
+}
+
+SCENARIO("a watch knows whether anybody writes the poses") {
+  BeaconWatch watch;
+  watch.on(pose_at(begin_ns), begin_ns);
+  CHECK_FALSE(watch.look(7, begin_ns).lost);
+  watch.on_pose_lost();
+  CHECK(watch.look(7, begin_ns).lost);
+  watch.on(pose_at(begin_ns + second), begin_ns + second);
+  const BeaconView view = watch.look(7, begin_ns + second);
+  CHECK_FALSE(view.lost);
+  CHECK(view.losses == 1);
+}
+
+SCENARIO("of several fusions the strongest that serves is shown first") {
+  BeaconWatch watch;
+  const auto tell = [&watch](std::uint64_t id, FusionRole role, std::int32_t strength) {
+    FusionStatus status;
+    status.fusion_id = id;
+    status.role = role;
+    status.strength = strength;
+    watch.on(status);
+  };
+  tell(1, FusionRole::serving, 100);
+  tell(2, FusionRole::serving, 200);
+  tell(3, FusionRole::warming, 300);
+  const BeaconView view = watch.look(7, begin_ns);
+  REQUIRE(view.fusions.size() == 3);
+  CHECK(view.fusion->strength == 200);
+  CHECK(view.fusions.back().strength == 300);
+  watch.on_fusion_gone(2);
+  CHECK(watch.look(7, begin_ns).fusion->strength == 100);
 }
 
 SCENARIO("poses are compared with the truth of their own moment") {

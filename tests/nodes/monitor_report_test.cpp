@@ -40,7 +40,18 @@ BeaconView good_view() {
   view.fusion->fixes_used = 110;
   view.fusion->fixes_rejected = 6;
   view.fusion->events_lost = 17;
+  view.fusion->imu_deadlines_missed = 3;
+  view.fusions = {*view.fusion};
   view.deadlines_missed = 8;
+  view.losses = 2;
+  view.predicted = 5;
+  view.legs = {{{0.001, 0.002}, {0.00005, 0.00011}, {0.00001, 0.00002}, {0.00006, 0.00021}}};
+  view.worst = PoseTrace{.sequence = 812,
+                         .sensor_ns = now_ns - 3'000'000,
+                         .bridge_ns = now_ns - 2'000'000,
+                         .fusion_in_ns = now_ns - 1'500'000,
+                         .fusion_out_ns = now_ns - 1'250'000,
+                         .here_ns = now_ns};
   view.position_error_rms_m = 0.021;
   view.position_error_max_m = 0.055;
   return view;
@@ -51,6 +62,7 @@ BeaconView silent_view() {
   BeaconView view;
   view.address = 21;
   view.latency = percentiles_of({});
+  view.legs.fill(percentiles_of({}));
   view.pose.since_valid_fix_s = std::numeric_limits<double>::infinity();
   return view;
 }
@@ -97,6 +109,11 @@ SCENARIO("the JSON object has what programs look for") {
       CHECK(good["reset_counter"] == 2);
       CHECK(good["pose_time_ns"] == now_ns - 1'000'000);
       CHECK(good["pose_deadlines_missed"] == 8);
+      CHECK(good["pose_losses"] == 2);
+      CHECK(good["predicted"] == 5);
+      CHECK(good["legs"]["fusion_to_here"]["p99_s"] == 0.00021);
+      CHECK(good["worst"]["event_sequence"] == 812);
+      CHECK(good["worst"]["latency_s"].get<double>() == Approx(0.002));
       CHECK(good["position_error_max_m"] == 0.055);
     }
     THEN("it has what bridge and fusion say") {
@@ -107,12 +124,16 @@ SCENARIO("the JSON object has what programs look for") {
       CHECK(good["bridge"]["other_bridges"] == 1);
       CHECK(good["fusion"]["fixes_used"] == 110);
       CHECK(good["fusion"]["events_lost"] == 17);
+      CHECK(good["fusion"]["imu_deadlines_missed"] == 3);
+      CHECK(good["fusions"].size() == 1);
     }
     THEN("what is not known of the silent one is null or absent, and never a number") {
       CHECK(silent["address"] == 21);
       CHECK(silent["latency_p50_s"].is_null());
       CHECK(silent["position_error_rms_m"].is_null());
       CHECK(silent["since_valid_fix_s"].is_null());
+      CHECK(silent["worst"].is_null());
+      CHECK(silent["legs"]["in_fusion"]["p50_s"].is_null());
       CHECK_FALSE(silent.contains("bridge"));
       CHECK_FALSE(silent.contains("fusion"));
     }
@@ -128,13 +149,47 @@ SCENARIO("the table has a row for each beacon") {
   GIVEN("a followed and a silent beacon") {
     const std::string table = table_of({good_view(), silent_view()});
     THEN("header and rows are there, rates, place, heading, speed, milliseconds, losses and status") {
-      CHECK(lines_in(table) == 3);
+      CHECK(lines_in(table) >= 3);
       const std::string row = table.substr(table.find('\n') + 1, table.find('\n', table.find('\n') + 1));
       for (const char* part : {"7", "100.0", "99.5", "12.0", "1.500", "-2.250", "0.750", "90.0°", "5.00",
                                "0.12", "0.34", "17", "ok"}) {
         CHECK_THAT(row, Contains(part));
       }
       CHECK_THAT(table, Contains("    21  ") && Contains("silent"));
+    }
+    THEN("the legs of the way and the slowest pose's follow, in milliseconds") {
+      CHECK_THAT(table, Contains("1.00/2.00") && Contains("0.05/0.11") && Contains("0.01/0.02") &&
+                            Contains("0.06/0.21") && Contains("2.00 = 0.50 + 0.25 + 1.25 (event 812)"));
+    }
+    THEN("then what each process counted, and nothing of the one that counted nothing") {
+      CHECK_THAT(table, Contains("7  bridge: 1 other bridges\n") &&
+                            Contains("7  fusion: 3 IMU deadlines missed, 17 events lost\n") &&
+                            Contains("7  here: 8 pose deadlines missed, 2 times the poses lost\n") &&
+                            !Contains("21  here"));
+    }
+  }
+  GIVEN("a beacon whose poses were lost, and one whose IMU is silent") {
+    BeaconView lost = good_view();
+    lost.lost = true;
+    BeaconView silent = good_view();
+    silent.fusion->imu_silent = true;
+    THEN("their rows say so") {
+      CHECK_THAT(table_of({lost}), Contains("17  lost\n"));
+      CHECK_THAT(table_of({silent}), Contains("IMU silent"));
+    }
+  }
+  GIVEN("a beacon with a standby") {
+    BeaconView view = good_view();
+    view.fusions.front().role = FusionRole::serving;
+    view.fusions.front().strength = 200;
+    FusionStatus standby;
+    standby.role = FusionRole::serving;
+    standby.strength = 100;
+    standby.imu_gaps = 1;
+    view.fusions.push_back(standby);
+    THEN("each one's counts stand under its strength") {
+      CHECK_THAT(table_of({view}), Contains("fusion of strength 200 (serving): 3 IMU deadlines missed") &&
+                                       Contains("fusion of strength 100 (serving): 1 IMU gaps"));
     }
   }
 }

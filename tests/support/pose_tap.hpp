@@ -33,6 +33,16 @@ public:
     return handles;
   }
 
+  /// Whether this writer writes with any strength at all.
+  [[nodiscard]] bool is_claim(std::uint64_t writer) const {
+    dds_builtintopic_endpoint_t* data = dds_get_matched_publication_data(reader_.handle(), writer);
+    REQUIRE(data != nullptr);
+    std::int32_t strength = 0;
+    dds_qget_ownership_strength(data->qos, &strength);
+    dds_builtintopic_free_endpoint(data);
+    return strength > 0;
+  }
+
   /// How many poses have come.
   [[nodiscard]] std::size_t count() const {
     const std::lock_guard lock(listener_.mutex);

@@ -31,6 +31,7 @@ using Writers = std::set<std::uint64_t>;
 struct Fusion {
   std::unique_ptr<Process> process;
   Writers writers;
+  std::uint64_t claim = 0;  ///< the one of them that has a strength
 
   [[nodiscard]] bool wrote(const TappedPose& tapped) const { return writers.contains(tapped.writer); }
 };
@@ -51,16 +52,15 @@ public:
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     REQUIRE(fusion.writers.size() == 2);
+    for (const auto writer : fusion.writers) {
+      if (tap.is_claim(writer)) fusion.claim = writer;
+    }
     return fusion;
   }
 
-  /// Waits until the consumer has a good pose of this fusion's, from now on.
+  /// Waits until the consumer has a pose that this fusion claims, from now on.
   void wait_until_served_by(const Fusion& fusion) {
-    REQUIRE(tap.wait_for(
-        [&](const TappedPose& tapped) {
-          return fusion.wrote(tapped) && (tapped.pose.status & status_initialising) == 0U;
-        },
-        tap.count()));
+    REQUIRE(tap.wait_for_writer({fusion.claim}, tap.count()));
   }
 
   Bus bus;

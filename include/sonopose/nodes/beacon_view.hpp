@@ -5,6 +5,7 @@
 #include <sonopose/core/pose.hpp>
 #include <sonopose/core/samples.hpp>
 #include <sonopose/core/status.hpp>
+#include <sonopose/nodes/latency_trace.hpp>
 
 #include <cstdint>
 #include <map>
@@ -13,24 +14,23 @@
 
 namespace sonopose::nodes {
 
-/// Percentiles of a set of durations. NaN where there are none.
-struct Percentiles {
-  double p50_s;
-  double p99_s;
-};
-Percentiles percentiles_of(std::vector<double> durations_s);
-
 /// One second (or a whole run) of one beacon.
 struct BeaconView {
   BeaconAddress address = 0;
   double window_s = 0;
-  std::uint64_t poses = 0;
+  std::uint64_t poses = 0;  ///< at IMU samples
   double pose_rate_hz = 0;
-  Percentiles latency;  ///< bridge's publication → here, of the poses
-  FusedPose pose;       ///< the latest
+  std::uint64_t predicted = 0;        ///< poses between them
+  Percentiles latency;                ///< bridge's publication → here, of the poses at IMU samples
+  std::array<Percentiles, 4> legs{};  ///< of each leg, as leg_names
+  std::optional<PoseTrace> worst;     ///< the slowest one's way
+  FusedPose pose;                     ///< the latest
   std::optional<BeaconStatus> bridge;
-  std::optional<FusionStatus> fusion;
+  std::optional<FusionStatus> fusion;          ///< of the strongest one that serves
+  std::vector<FusionStatus> fusions;           ///< of all that have the beacon, the strongest first
   std::uint64_t deadlines_missed = 0;          ///< of the pose stream, since the start
+  std::uint64_t losses = 0;                    ///< how often the pose stream lost its last writer
+  bool lost = false;                           ///< it has none now
   std::optional<double> position_error_rms_m;  ///< against the truth, where it is published
   std::optional<double> position_error_max_m;
 };
@@ -41,8 +41,11 @@ public:
   void on(const FusedPose& pose, TimeNs received_ns);
   void on(const TruthSample& truth);
   void on(const BeaconStatus& status) { bridge_ = status; }
-  void on(const FusionStatus& status) { fusion_ = status; }
+  void on(const FusionStatus& status) { fusions_[status.fusion_id] = status; }
   void on_deadline_missed(std::uint64_t more) { deadlines_missed_ += more; }
+  /// Nobody that lives writes this beacon's poses any more, until the next one comes.
+  void on_pose_lost();
+  void on_fusion_gone(std::uint64_t fusion_id) { fusions_.erase(fusion_id); }
 
   /// What was seen since the last call.
   BeaconView look(BeaconAddress address, TimeNs now_ns);
@@ -55,7 +58,8 @@ private:
   struct Span {
     TimeNs began_ns = 0;
     std::uint64_t poses = 0;
-    std::vector<double> latencies_s;
+    std::uint64_t predicted = 0;
+    TraceCollector traces;
     std::uint64_t errors = 0;
     double squared_error_sum_m2 = 0;
     double error_max_m = 0;
@@ -68,7 +72,9 @@ private:
   Span whole_;
   FusedPose latest_;
   std::optional<BeaconStatus> bridge_;
-  std::optional<FusionStatus> fusion_;
+  std::map<std::uint64_t, FusionStatus> fusions_;
+  std::uint64_t losses_ = 0;
+  bool lost_ = false;
   std::uint64_t deadlines_missed_ = 0;
   // Pose and truth of one instant come in any order: each waits for the other, for a while.
   std::map<TimeNs, Vector3d> truth_world_m_;
