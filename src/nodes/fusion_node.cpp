@@ -106,7 +106,7 @@ private:
 FusionNode::Impl::Impl(const FusionOptions& options)
     : lossless_(options.lossless),
       participant_(options.domain),
-      qos_(dds::find_qos_file(options.qos_file)),
+      qos_(options.qos_file),
       delivery_(options.lossless ? dds::Delivery::lossless : dds::Delivery::live),
       engines_(options.config, options.lossless),
       pose_writer_(dds::make_writer(participant_, qos_, topics::pose, nullptr, delivery_)),

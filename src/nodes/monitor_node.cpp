@@ -104,7 +104,7 @@ void print(const MonitorOptions& options, const std::vector<BeaconView>& views) 
 }  // namespace
 
 std::uint64_t monitor(const MonitorOptions& options, const StopSignal& stop) {
-  const dds::QosProvider qos(dds::find_qos_file(options.qos_file));
+  const dds::QosProvider qos(options.qos_file);
   const dds::DomainParticipant participant(options.domain);
   Watches watches;
   const Watched pose(participant, qos, topics::pose, watches);

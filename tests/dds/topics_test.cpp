@@ -44,7 +44,7 @@ void check_pair(const DomainParticipant& member, const QosProvider& qos, const T
 
 TEST_CASE("Every row of the wiring diagram carries samples, live and lossless in any mixture") {
   const DomainParticipant member = participant();
-  const QosProvider qos(std::string(SONOPOSE_SOURCE_DIR) + "/qos/sonopose.xml");
+  const QosProvider qos = project_qos();
   std::apply(
       [&](const auto&... entry) {
         for (const Delivery written : {Delivery::live, Delivery::lossless}) {
@@ -65,7 +65,7 @@ TEST_CASE("Every row has a name of its own and names of sonopose") {
 
 TEST_CASE("A status reaches a monitor that comes late") {
   const DomainParticipant member = participant();
-  const QosProvider qos(std::string(SONOPOSE_SOURCE_DIR) + "/qos/sonopose.xml");
+  const QosProvider qos = project_qos();
   DataWriter<sonopose_FusionStatus> writer = make_writer(member, qos, topics::fusion_status);
   sonopose_FusionStatus status{};
   status.address = 9;
@@ -81,7 +81,7 @@ TEST_CASE("A status reaches a monitor that comes late") {
 
 TEST_CASE("A reset does not reach a fusion that comes late") {
   const DomainParticipant member = participant();
-  const QosProvider qos(std::string(SONOPOSE_SOURCE_DIR) + "/qos/sonopose.xml");
+  const QosProvider qos = project_qos();
   DataWriter<sonopose_ResetCommand> writer = make_writer(member, qos, topics::reset);
   writer.write(command(7, 1));
   DataReader<sonopose_ResetCommand> late = make_reader(member, qos, topics::reset);
@@ -95,7 +95,7 @@ TEST_CASE("A reset does not reach a fusion that comes late") {
 TEST_CASE(
     "The settings in force reach a consumer that comes late, the latest of each beacon, with their texts") {
   const DomainParticipant member = participant();
-  const QosProvider qos(std::string(SONOPOSE_SOURCE_DIR) + "/qos/sonopose.xml");
+  const QosProvider qos = project_qos();
   auto writer = make_writer(member, qos, topics::settings);
   const EffectiveSettings first{7, 1, 10, {{"drift.jump_alpha", "0.25"}}};
   const EffectiveSettings second{7, 2, 20, {{"drift.jump_alpha", "0.5"}, {"fusion.imu_weight", "user"}}};
@@ -113,7 +113,7 @@ TEST_CASE(
 
 TEST_CASE("A request for settings does not reach a fusion that comes late; many in a row all arrive") {
   const DomainParticipant member = participant();
-  const QosProvider qos(std::string(SONOPOSE_SOURCE_DIR) + "/qos/sonopose.xml");
+  const QosProvider qos = project_qos();
   auto writer = make_writer(member, qos, topics::settings_request);
   const auto request = [](std::uint64_t id) {
     return SettingsRequest{all_beacons, id, 0, {{"trust.n_base", std::to_string(id)}}};
