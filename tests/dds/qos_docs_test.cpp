@@ -15,19 +15,6 @@
 namespace sonopose::dds::test {
 namespace {
 
-constexpr std::tuple all_topics{topics::imu,
-                                topics::fix,
-                                topics::heading,
-                                topics::pose,
-                                topics::report,
-                                topics::beacon_status,
-                                topics::fusion_status,
-                                topics::truth,
-                                topics::reset,
-                                topics::settings_request,
-                                topics::settings_reply,
-                                topics::settings};
-
 const std::string library = "sonopose::";
 
 /// Profile → its topics, as the docs list them: "`reset`, `pose`".
@@ -41,7 +28,7 @@ std::map<std::string, std::string> topics_by_profile() {
     note(entry.profile, entry.name);
     if (std::string(entry.profile) != entry.lossless_profile) note(entry.lossless_profile, entry.name);
   };
-  std::apply([&](const auto&... entry) { (note_both(entry), ...); }, all_topics);
+  std::apply([&](const auto&... entry) { (note_both(entry), ...); }, topics::all);
   return result;
 }
 

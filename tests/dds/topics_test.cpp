@@ -12,19 +12,6 @@
 namespace sonopose::dds::test {
 namespace {
 
-constexpr std::tuple all_topics{topics::imu,
-                                topics::fix,
-                                topics::heading,
-                                topics::pose,
-                                topics::report,
-                                topics::beacon_status,
-                                topics::fusion_status,
-                                topics::truth,
-                                topics::reset,
-                                topics::settings_request,
-                                topics::settings_reply,
-                                topics::settings};
-
 /// Makes a reader and a writer for the row and sends one sample across.
 template <class T>
 void check_pair(const DomainParticipant& member, const QosProvider& qos, const TopicEntry<T>& entry,
@@ -53,13 +40,13 @@ TEST_CASE("Every row of the wiring diagram carries samples, live and lossless in
           }
         }
       },
-      all_topics);
+      topics::all);
 }
 
 TEST_CASE("Every row has a name of its own and names of sonopose") {
   std::set<std::string> names;
-  std::apply([&](const auto&... entry) { (names.insert(entry.name), ...); }, all_topics);
-  CHECK(names.size() == std::tuple_size_v<decltype(all_topics)>);
+  std::apply([&](const auto&... entry) { (names.insert(entry.name), ...); }, topics::all);
+  CHECK(names.size() == std::tuple_size_v<decltype(topics::all)>);
   for (const std::string& name : names) CHECK_THAT(name, Catch::StartsWith("sonopose/"));
 }
 
