@@ -92,7 +92,7 @@ private:
 nodes::Percentiles measure(const Options& options, const nodes::StopSignal& stop) {
   Consumer consumer;
   const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
-  const dds::QosProvider qos(dds::find_qos_file());
+  const dds::QosProvider qos;
   const auto reader = dds::make_reader(participant, qos, dds::topics::pose, &consumer);
   constexpr TimeNs patience_ns = 10'000'000'000;
   const TimeNs give_up_ns = nodes::steady_now_ns() + patience_ns;

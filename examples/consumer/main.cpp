@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
   const long most = argc > 1 ? std::strtol(argv[1], nullptr, 10) : 0;
 
   const dds::DomainParticipant participant;
-  const dds::QosProvider qos(dds::find_qos_file());
+  const dds::QosProvider qos;
   auto reader = dds::make_reader(participant, qos, dds::topics::pose);
   const dds::ReadCondition has_data(reader);
   dds::WaitSet waitset;

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
+#include <initializer_list>
 #include <map>
 #include <mutex>
 #include <sstream>
@@ -22,12 +23,6 @@ std::string environment(const char* name) {
   return value == nullptr ? std::string() : std::string(value);
 }
 
-/// What the user's configuration names itself, of the lists that Cyclone DDS appends to.
-struct UserLists {
-  bool interfaces = false;
-  bool peers = false;
-};
-
 bool same(const char* a, const char* b) {
   return strcasecmp(a, b) == 0;
 }  // as Cyclone DDS compares names
@@ -41,35 +36,28 @@ bool applies(const pugi::xml_node& domain, std::uint32_t domain_id) {
   return true;
 }
 
-void look_for_lists(const pugi::xml_node& parent, std::uint32_t domain_id, UserLists& found) {
+std::string attribute_of(const pugi::xml_node& node, std::initializer_list<const char*> names) {
+  for (const pugi::xml_attribute attribute : node.attributes()) {
+    for (const char* const name : names) {
+      if (same(attribute.name(), name)) return attribute.value();
+    }
+  }
+  return {};
+}
+
+void look_for_lists(const pugi::xml_node& parent, std::uint32_t domain_id, UserNetwork& found) {
   for (const pugi::xml_node node : parent.children()) {
     if (same(node.name(), "Domain") && !applies(node, domain_id)) continue;
-    if (same(node.name(), "Interfaces") || same(node.name(), "NetworkInterfaceAddress")) {
-      found.interfaces = true;
+    if (same(node.name(), "NetworkInterface")) {
+      found.interfaces.push_back(attribute_of(node, {"name", "address"}));
+    }
+    if (same(node.name(), "NetworkInterfaceAddress")) found.interfaces.emplace_back(node.child_value());
+    if (same(node.name(), "AllowMulticast")) {
+      found.without_multicast = same(node.child_value(), "false");
     }
     if (same(node.name(), "Peers")) found.peers = true;
     look_for_lists(node, domain_id, found);
   }
-}
-
-/// CYCLONEDDS_URI is a list of XML fragments, file names and file:// URIs with commas between. Whether they
-/// are right is for Cyclone DDS to say: what cannot be read here names nothing.
-UserLists lists_named_by(const std::string& uri, std::uint32_t domain_id) {
-  UserLists found;
-  pugi::xml_document fragments;
-  fragments.load_string(uri.c_str(), pugi::parse_default | pugi::parse_fragment);
-  look_for_lists(fragments, domain_id, found);
-  for (const pugi::xml_node node : fragments.children()) {
-    if (node.type() != pugi::node_pcdata) continue;
-    std::istringstream names(node.value());
-    for (std::string name; std::getline(names, name, ',');) {
-      name.erase(0, name.find_first_not_of(" \t\n"));
-      if (name.rfind("file://", 0) == 0) name.erase(0, std::strlen("file://"));
-      pugi::xml_document file;
-      if (!name.empty() && file.load_file(name.c_str())) look_for_lists(file, domain_id, found);
-    }
-  }
-  return found;
 }
 
 /// Participants of one machine find each other by trying the ports of all indices: 7410 + 250 · id + 2 ·
@@ -83,12 +71,12 @@ std::string fragment(const std::string& content) {
   return "<CycloneDDS><Domain>" + content + "</Domain></CycloneDDS>";
 }
 
-std::string defaults(std::uint32_t domain_id, Network network, const UserLists& user) {
+std::string defaults(std::uint32_t domain_id, Network network, const UserNetwork& user) {
   std::string general;
   if (network == Network::loopback) {
-    if (!user.interfaces) general += R"(<Interfaces><NetworkInterface name="lo"/></Interfaces>)";
+    if (user.interfaces.empty()) general += R"(<Interfaces><NetworkInterface name="lo"/></Interfaces>)";
     // With interfaces of the user's own, Cyclone DDS decides about multicast as usual.
-    if (!user.interfaces) general += "<AllowMulticast>false</AllowMulticast>";
+    if (user.interfaces.empty()) general += "<AllowMulticast>false</AllowMulticast>";
   }
   std::string discovery = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
                           std::to_string(max_participant_index(domain_id)) + "</MaxAutoParticipantIndex>";
@@ -144,8 +132,26 @@ std::uint32_t resolve_domain_id(const DomainOptions& options) {
   return id;
 }
 
+UserNetwork network_named_by(const std::string& uri, std::uint32_t domain_id) {
+  UserNetwork found;
+  pugi::xml_document fragments;
+  fragments.load_string(uri.c_str(), pugi::parse_default | pugi::parse_fragment);
+  look_for_lists(fragments, domain_id, found);
+  for (const pugi::xml_node node : fragments.children()) {
+    if (node.type() != pugi::node_pcdata) continue;
+    std::istringstream names(node.value());
+    for (std::string name; std::getline(names, name, ',');) {
+      name.erase(0, name.find_first_not_of(" \t\n"));
+      if (name.rfind("file://", 0) == 0) name.erase(0, std::strlen("file://"));
+      pugi::xml_document file;
+      if (!name.empty() && file.load_file(name.c_str())) look_for_lists(file, domain_id, found);
+    }
+  }
+  return found;
+}
+
 std::string domain_configuration(std::uint32_t domain_id, Network network, const std::string& user_uri) {
-  const UserLists user = lists_named_by(user_uri, domain_id);
+  const UserNetwork user = network_named_by(user_uri, domain_id);
   std::string configuration = defaults(domain_id, network, user);
   if (!user_uri.empty()) configuration += "," + user_uri;
   return configuration + "," +

@@ -1,14 +1,18 @@
 #include "qos_xml.hpp"
+#include <sonopose/dds/qos_match.hpp>
 #include <sonopose/dds/qos_provider.hpp>
 
 #include <pugixml.hpp>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <set>
 #include <sstream>
 #include <string_view>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 namespace sonopose::dds {
 namespace {
@@ -37,15 +41,23 @@ std::vector<pugi::xml_node> children_of(const qos_xml::Source& source, const pug
   return result;
 }
 
+/// Where `base_name` looks: further up in the file, then among what the file is laid over.
+struct Bases {
+  const Profiles& above;
+  const Profiles& beneath;
+};
+
 QosProvider::Profile inherited(const qos_xml::Source& source, const pugi::xml_node& element,
-                               const std::string& library, const Profiles& profiles) {
+                               const std::string& library, const Bases& bases) {
   const pugi::xml_attribute base = element.attribute("base_name");
   if (base.empty()) return {};
   std::string name = base.value();
   if (name.find("::") == std::string::npos) name = library + "::" + name;
-  const auto found = profiles.find(name);
-  if (found == profiles.end()) source.fail(element, "no profile '" + name + "' stands above it");
-  return found->second;
+  for (const Profiles* const profiles : {&bases.above, &bases.beneath}) {
+    const auto found = profiles->find(name);
+    if (found != profiles->end()) return found->second;
+  }
+  source.fail(element, "no profile '" + name + "' stands above it");
 }
 
 QosProvider::Profile read_profile(const qos_xml::Source& source, const pugi::xml_node& element,
@@ -65,7 +77,46 @@ QosProvider::Profile read_profile(const qos_xml::Source& source, const pugi::xml
   return profile;
 }
 
-Profiles read_file(const qos_xml::Source& source) {
+std::string library_of(const std::string& profile) {
+  return profile.substr(0, profile.find("::"));
+}
+
+bool has_library(const Profiles& profiles, const std::string& library) {
+  return std::any_of(profiles.begin(), profiles.end(),
+                     [&](const auto& entry) { return library_of(entry.first) == library; });
+}
+
+/// `over` laid over the profile of this name in `beneath`, where its library is one of them.
+QosProvider::Profile laid_over(const qos_xml::Source& source, const pugi::xml_node& element,
+                               const std::string& name, const QosProvider::Profile& over,
+                               const Profiles& beneath) {
+  if (!has_library(beneath, library_of(name))) return over;
+  const auto found = beneath.find(name);
+  if (found == beneath.end()) {
+    std::string known;
+    for (const auto& [other, profile] : beneath) {
+      if (library_of(other) == library_of(name)) known += (known.empty() ? "" : ", ") + other;
+    }
+    source.fail(element, "there is no profile '" + name + "' to change; there are " + known);
+  }
+  QosProvider::Profile whole = found->second;
+  whole.datawriter.merge(over.datawriter);
+  whole.datareader.merge(over.datareader);
+  whole.topic.merge(over.topic);
+  whole.participant.merge(over.participant);
+  for (const Qos* const qos : {&whole.datawriter, &whole.datareader, &whole.topic}) {
+    qos_xml::check_depth(source, element, *qos);
+  }
+  const auto mismatches = qos_mismatches(whole.datawriter, whole.datareader);
+  if (!mismatches.empty()) {
+    source.fail(element,
+                "writer and reader of '" + name + "' would not match: " + text_of(mismatches.front()));
+  }
+  return whole;
+}
+
+/// The profiles that the file holds, each laid over that of the same name in `beneath`.
+Profiles read_file(const qos_xml::Source& source, const Profiles& beneath = {}) {
   pugi::xml_document document;
   const pugi::xml_parse_result parsed =
       document.load_buffer(source.text().data(), source.text().size(), pugi::parse_default);
@@ -86,8 +137,9 @@ Profiles read_file(const qos_xml::Source& source) {
         source.check_attributes(element, {"name", "base_name"});
         const std::string name = library_name + "::" + name_of(source, element);
         if (profiles.contains(name)) source.fail(element, "'" + name + "' stands twice");
-        profiles.emplace(name,
-                         read_profile(source, element, inherited(source, element, library_name, profiles)));
+        const auto own =
+            read_profile(source, element, inherited(source, element, library_name, {profiles, beneath}));
+        profiles.emplace(name, laid_over(source, element, name, own, beneath));
       }
     }
   }
@@ -95,21 +147,19 @@ Profiles read_file(const qos_xml::Source& source) {
   return profiles;
 }
 
+std::string text_in(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw QosFileError(file.string() + ": cannot be read");
+  return text.str();
+}
+
 }  // namespace
 
-std::filesystem::path find_qos_file(const std::optional<std::filesystem::path>& explicit_path) {
+std::filesystem::path project_qos_file() {
   namespace fs = std::filesystem;
   std::error_code error;
-  const auto asked_for = [&](const fs::path& path, const std::string& by) {
-    if (!fs::is_regular_file(path, error)) {
-      throw QosFileError(path.string() + ": no such QoS file (asked for by " + by + ")");
-    }
-    return path;
-  };
-  if (explicit_path) return asked_for(*explicit_path, "the option");
-  if (const char* path = std::getenv("SONOPOSE_QOS"); path != nullptr && *path != '\0') {
-    return asked_for(path, "SONOPOSE_QOS");
-  }
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   const std::vector<fs::path> places{
       program.parent_path().parent_path() / "share/sonopose/qos/sonopose.xml",
@@ -121,22 +171,51 @@ std::filesystem::path find_qos_file(const std::optional<std::filesystem::path>& 
     if (fs::is_regular_file(place, error)) return place;
     looked_at += "\n  " + place.string();
   }
-  throw QosFileError("no QoS file; set SONOPOSE_QOS. Looked for:" + looked_at);
+  throw QosFileError("the project's QoS file sonopose.xml is not there. Looked for:" + looked_at);
 }
 
-QosProvider::QosProvider(const std::filesystem::path& file) : file_(file.string()) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw QosFileError(file_ + ": cannot be read");
-  profiles_ = read_file(qos_xml::Source(file_, text.str()));
+std::optional<std::filesystem::path> qos_overrides(const std::optional<std::filesystem::path>& asked_for) {
+  const char* const variable = std::getenv("SONOPOSE_QOS");
+  const bool by_variable = !asked_for && variable != nullptr && *variable != '\0';
+  if (!asked_for && !by_variable) return std::nullopt;
+  const std::filesystem::path path = by_variable ? std::filesystem::path(variable) : *asked_for;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
+    throw QosFileError(path.string() + ": no such QoS file (asked for by " +
+                       (by_variable ? "SONOPOSE_QOS" : "the option") + ")");
+  }
+  return path;
+}
+
+QosProvider::QosProvider(const std::optional<std::filesystem::path>& overrides)
+    : file_(project_qos_file().string()) {
+  profiles_ = read_file(qos_xml::Source(file_, text_in(file_)));
+  if (const auto path = qos_overrides(overrides)) lay_over(text_in(*path), path->string());
 }
 
 QosProvider QosProvider::from_string(const std::string& xml, const std::string& name) {
-  QosProvider provider;
+  QosProvider provider{Empty{}};
   provider.file_ = name;
   provider.profiles_ = read_file(qos_xml::Source(name, xml));
   return provider;
+}
+
+void QosProvider::lay_over(const std::string& xml, const std::string& name) {
+  Profiles changed = read_file(qos_xml::Source(name, xml), profiles_);
+  std::erase_if(changed, [this](const auto& entry) { return !profiles_.contains(entry.first); });
+  if (changed.empty()) {
+    std::set<std::string> libraries;
+    for (const auto& entry : profiles_) libraries.insert(library_of(entry.first));
+    throw QosFileError(name + ": changes no profile: no <qos_library> is called '" + *libraries.begin() +
+                       "'");
+  }
+  for (auto& [profile, qos] : changed) profiles_.insert_or_assign(profile, std::move(qos));
+}
+
+std::vector<std::string> QosProvider::profiles() const {
+  std::vector<std::string> names;
+  for (const auto& entry : profiles_) names.push_back(entry.first);
+  return names;
 }
 
 const QosProvider::Profile& QosProvider::find(const std::string& profile) const {

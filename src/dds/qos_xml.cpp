@@ -161,6 +161,10 @@ void read_policies(const Source& source, const pugi::xml_node& element, Qos& qos
     if (!seen.insert(name).second) source.fail(child, "stands twice");
     row->read(source, child, qos);
   }
+  check_depth(source, element, qos);
+}
+
+void check_depth(const Source& source, const pugi::xml_node& element, const Qos& qos) {
   const auto history = qos.policy<policy::History>();
   const auto limits = qos.policy<policy::ResourceLimits>();
   if (history && limits && history->kind == policy::HistoryKind::keep_last &&

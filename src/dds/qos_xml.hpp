@@ -12,4 +12,7 @@ namespace sonopose::dds::qos_xml {
 /// into `qos`, over what it has.
 void read_policies(const Source& source, const pugi::xml_node& element, Qos& qos);
 
+/// Fails where the history is deeper than the resource limits let it be.
+void check_depth(const Source& source, const pugi::xml_node& element, const Qos& qos);
+
 }  // namespace sonopose::dds::qos_xml

@@ -102,7 +102,7 @@ BridgeNode::Publisher::Publisher(const BridgeOptions& options, const StopSignal*
     : lossless_(options.lossless),
       stop_(stop),
       participant_(options.domain),
-      qos_(dds::find_qos_file(options.qos_file)),
+      qos_(options.qos_file),
       status_last_ns_(steady_now_ns()) {
   const auto delivery = lossless_ ? dds::Delivery::lossless : dds::Delivery::live;
   imu_writer_ = dds::make_writer(participant_, qos_, topics::imu, &imu_listener_, delivery);

@@ -43,7 +43,7 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       addresses_(options.addresses),
       id_(random_id()),
       participant_(options.domain),
-      qos_(dds::find_qos_file(options.qos_file)),
+      qos_(options.qos_file),
       delivery_(options.lossless ? dds::Delivery::lossless : dds::Delivery::live),
       input_deadline_ns_(input_deadline_ns(qos_)),
       engines_(options.config, options.lossless),

@@ -146,7 +146,7 @@ void tell_silences(const std::vector<SilenceWatch::Change>& changes) {
 }  // namespace
 
 std::uint64_t monitor(const MonitorOptions& options, const StopSignal& stop) {
-  const dds::QosProvider qos(dds::find_qos_file(options.qos_file));
+  const dds::QosProvider qos(options.qos_file);
   const dds::DomainParticipant participant(options.domain);
   const auto deadline = qos.datareader_qos(topics::pose.profile).policy<dds::policy::Deadline>();
   Watches watches(deadline.value_or(dds::policy::Deadline{}).period.count());

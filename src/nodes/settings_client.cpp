@@ -62,7 +62,7 @@ using ResetCounters = std::map<std::pair<BeaconAddress, std::uint64_t>, std::uin
 
 SettingsClient::SettingsClient(const dds::DomainOptions& domain,
                                const std::optional<std::filesystem::path>& qos_file)
-    : qos_(dds::find_qos_file(qos_file)), participant_(domain) {}
+    : qos_(qos_file), participant_(domain) {}
 
 std::vector<EffectiveSettings> SettingsClient::in_force(BeaconAddress address, double timeout_s) {
   auto reader = dds::make_reader(participant_, qos_, topics::settings);

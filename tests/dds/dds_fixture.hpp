@@ -93,4 +93,10 @@ private:
   bool had_ = false;
 };
 
+/// The project's profiles, whatever SONOPOSE_QOS says.
+inline QosProvider project_qos() {
+  const Environment environment("SONOPOSE_QOS", nullptr);
+  return QosProvider();
+}
+
 }  // namespace sonopose::dds::test

@@ -67,5 +67,44 @@ TEST_CASE("Of two exclusive writers the stronger one is heard, instance by insta
   }
 }
 
+TEST_CASE("By the pose's profile a standby takes over from a fusion that hangs, and not before") {
+  const DomainParticipant member = participant();
+  const QosProvider qos = project_qos();
+  DataReader<sonopose_FusedPose> reader = make_reader(member, qos, topics::pose);
+  DataWriter<sonopose_FusedPose> strong = make_writer(member, qos, topics::pose);
+  DataWriter<sonopose_FusedPose> standby = make_writer(member, qos, topics::pose);
+  standby.ownership_strength(strong.qos().policy<policy::OwnershipStrength>()->value - 1);
+  REQUIRE(matched(reader, 2));
+  sonopose_FusedPose pose{};
+  pose.address = 7;
+  const auto write_as = [&pose](DataWriter<sonopose_FusedPose>& writer, std::uint64_t number) {
+    pose.event_sequence = number;
+    writer.write(pose);
+  };
+  std::vector<std::uint64_t> heard;
+  const auto hear = [&](Duration timeout) {
+    return wait_for(
+        reader, StatusMask::data_available(),
+        [&] {
+          reader.take_each([&](const sonopose_FusedPose& sample, const SampleInfo&) {
+            heard.push_back(sample.event_sequence);
+          });
+          return heard.size() > 1;
+        },
+        timeout);
+  };
+  write_as(strong, 1);
+  write_as(standby, 2);
+  // From here on the strong one writes no more, while its process goes on.
+  const auto give_up = std::chrono::steady_clock::now() + patience;
+  std::uint64_t number = 2;
+  while (!hear(std::chrono::milliseconds(10)) && std::chrono::steady_clock::now() < give_up) {
+    write_as(standby, ++number);
+  }
+  REQUIRE(heard.size() > 1);
+  CHECK(heard[0] == 1);
+  CHECK(heard[1] > 2);  // the standby's first one came while the strong one was alive
+}
+
 }  // namespace
 }  // namespace sonopose::dds::test

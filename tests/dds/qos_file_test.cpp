@@ -2,59 +2,13 @@
 
 #include <catch2/catch.hpp>
 
-#include <filesystem>
-#include <fstream>
+#include <string>
 
 namespace sonopose::dds::test {
 namespace {
 
-namespace fs = std::filesystem;
-
-/// A file of its own for a test, removed afterwards.
-class TemporaryFile {
-public:
-  TemporaryFile(const std::string& name, const std::string& content)
-      : path(fs::temp_directory_path() / ("sonopose_" + std::to_string(getpid()) + "_" + name)) {
-    std::ofstream(path) << content;
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  TemporaryFile(TemporaryFile&&) = delete;
-  TemporaryFile& operator=(TemporaryFile&&) = delete;
-  ~TemporaryFile() { fs::remove(path); }
-  const fs::path path;
-};
-
-TEST_CASE("The QoS file is the one asked for, else the environment's, else the project's") {
-  const TemporaryFile a("a.xml", "<dds/>");
-  const TemporaryFile b("b.xml", "<dds/>");
-  {
-    const Environment environment("SONOPOSE_QOS", b.path.c_str());
-    CHECK(find_qos_file(a.path) == a.path);
-    CHECK(find_qos_file() == b.path);
-  }
-  {
-    const Environment environment("SONOPOSE_QOS", nullptr);
-    CHECK(find_qos_file() == fs::path(SONOPOSE_SOURCE_DIR) / "qos/sonopose.xml");
-  }
-}
-
-TEST_CASE("A QoS file that was asked for and is not there is an error, and is not replaced") {
-  const Environment environment("SONOPOSE_QOS", "/nonexistent/env.xml");
-  CHECK_THROWS_WITH(find_qos_file(),
-                    Catch::Contains("/nonexistent/env.xml") && Catch::Contains("SONOPOSE_QOS"));
-  CHECK_THROWS_WITH(find_qos_file("/nonexistent/option.xml"), Catch::Contains("/nonexistent/option.xml"));
-  CHECK_THROWS_AS(find_qos_file(fs::temp_directory_path()), QosFileError);
-  CHECK_THROWS_WITH(QosProvider("/nonexistent/option.xml"), "/nonexistent/option.xml: cannot be read");
-}
-
-TEST_CASE("Errors in a file name the file") {
-  const TemporaryFile bad("bad.xml", "<dds>\n\n<oops/></dds>");
-  CHECK_THROWS_WITH(QosProvider(bad.path), bad.path.string() + ":3: <oops>: unknown element in <dds>");
-}
-
 TEST_CASE("The project's QoS file holds what its streams need") {
-  const QosProvider provider(fs::path(SONOPOSE_SOURCE_DIR) / "qos/sonopose.xml");
+  const QosProvider provider = project_qos();
   using std::chrono::milliseconds;
   SECTION("IMU and pose: reliable, 64 deep or more, and a stopped consumer holds nobody up for long") {
     for (const char* const name : {"sonopose::Imu", "sonopose::Pose"}) {

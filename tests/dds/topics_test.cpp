@@ -12,19 +12,6 @@
 namespace sonopose::dds::test {
 namespace {
 
-constexpr std::tuple all_topics{topics::imu,
-                                topics::fix,
-                                topics::heading,
-                                topics::pose,
-                                topics::report,
-                                topics::beacon_status,
-                                topics::fusion_status,
-                                topics::truth,
-                                topics::reset,
-                                topics::settings_request,
-                                topics::settings_reply,
-                                topics::settings};
-
 /// Makes a reader and a writer for the row and sends one sample across.
 template <class T>
 void check_pair(const DomainParticipant& member, const QosProvider& qos, const TopicEntry<T>& entry,
@@ -44,7 +31,7 @@ void check_pair(const DomainParticipant& member, const QosProvider& qos, const T
 
 TEST_CASE("Every row of the wiring diagram carries samples, live and lossless in any mixture") {
   const DomainParticipant member = participant();
-  const QosProvider qos(std::string(SONOPOSE_SOURCE_DIR) + "/qos/sonopose.xml");
+  const QosProvider qos = project_qos();
   std::apply(
       [&](const auto&... entry) {
         for (const Delivery written : {Delivery::live, Delivery::lossless}) {
@@ -53,19 +40,19 @@ TEST_CASE("Every row of the wiring diagram carries samples, live and lossless in
           }
         }
       },
-      all_topics);
+      topics::all);
 }
 
 TEST_CASE("Every row has a name of its own and names of sonopose") {
   std::set<std::string> names;
-  std::apply([&](const auto&... entry) { (names.insert(entry.name), ...); }, all_topics);
-  CHECK(names.size() == std::tuple_size_v<decltype(all_topics)>);
+  std::apply([&](const auto&... entry) { (names.insert(entry.name), ...); }, topics::all);
+  CHECK(names.size() == std::tuple_size_v<decltype(topics::all)>);
   for (const std::string& name : names) CHECK_THAT(name, Catch::StartsWith("sonopose/"));
 }
 
 TEST_CASE("A status reaches a monitor that comes late") {
   const DomainParticipant member = participant();
-  const QosProvider qos(std::string(SONOPOSE_SOURCE_DIR) + "/qos/sonopose.xml");
+  const QosProvider qos = project_qos();
   DataWriter<sonopose_FusionStatus> writer = make_writer(member, qos, topics::fusion_status);
   sonopose_FusionStatus status{};
   status.address = 9;
@@ -81,7 +68,7 @@ TEST_CASE("A status reaches a monitor that comes late") {
 
 TEST_CASE("A reset does not reach a fusion that comes late") {
   const DomainParticipant member = participant();
-  const QosProvider qos(std::string(SONOPOSE_SOURCE_DIR) + "/qos/sonopose.xml");
+  const QosProvider qos = project_qos();
   DataWriter<sonopose_ResetCommand> writer = make_writer(member, qos, topics::reset);
   writer.write(command(7, 1));
   DataReader<sonopose_ResetCommand> late = make_reader(member, qos, topics::reset);
@@ -95,7 +82,7 @@ TEST_CASE("A reset does not reach a fusion that comes late") {
 TEST_CASE(
     "The settings in force reach a consumer that comes late, the latest of each beacon, with their texts") {
   const DomainParticipant member = participant();
-  const QosProvider qos(std::string(SONOPOSE_SOURCE_DIR) + "/qos/sonopose.xml");
+  const QosProvider qos = project_qos();
   auto writer = make_writer(member, qos, topics::settings);
   const EffectiveSettings first{7, 1, 10, {{"drift.jump_alpha", "0.25"}}};
   const EffectiveSettings second{7, 2, 20, {{"drift.jump_alpha", "0.5"}, {"fusion.imu_weight", "user"}}};
@@ -113,7 +100,7 @@ TEST_CASE(
 
 TEST_CASE("A request for settings does not reach a fusion that comes late; many in a row all arrive") {
   const DomainParticipant member = participant();
-  const QosProvider qos(std::string(SONOPOSE_SOURCE_DIR) + "/qos/sonopose.xml");
+  const QosProvider qos = project_qos();
   auto writer = make_writer(member, qos, topics::settings_request);
   const auto request = [](std::uint64_t id) {
     return SettingsRequest{all_beacons, id, 0, {{"trust.n_base", std::to_string(id)}}};

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace sonopose::dds {
 
@@ -26,6 +27,17 @@ struct DomainOptions {
 /// The id that `options` leads to. Throws std::invalid_argument that names the option or ROS_DOMAIN_ID and
 /// the value where it is no number of 0…232.
 std::uint32_t resolve_domain_id(const DomainOptions& options);
+
+/// What a user's CYCLONEDDS_URI says of the network in a domain.
+struct UserNetwork {
+  std::vector<std::string> interfaces;  ///< their names or addresses; empty where it leaves them to us
+  bool peers = false;                   ///< it lists peers
+  bool without_multicast = false;       ///< AllowMulticast is false
+};
+
+/// `uri` is a list of XML fragments, file names and file:// URIs with commas between. Whether they are right
+/// is for Cyclone DDS to say: what cannot be read here names nothing.
+UserNetwork network_named_by(const std::string& uri, std::uint32_t domain_id);
 
 /// What Cyclone DDS is configured with: our defaults, then the user's own CYCLONEDDS_URI (`user_uri`, may be
 /// empty), which wins, then what must hold: one receive thread, on which all data listeners of remote samples

@@ -7,6 +7,7 @@
 #include <sonopose/dds/idl_types.hpp>
 #include <sonopose/dds/qos_provider.hpp>
 
+#include <tuple>
 #include <type_traits>
 
 namespace sonopose::dds {
@@ -42,6 +43,11 @@ inline constexpr TopicEntry<sonopose_SettingsReply> settings_reply{"sonopose/set
 /// fusion → anybody
 inline constexpr TopicEntry<sonopose_EffectiveSettings> settings{"sonopose/settings", "sonopose::Settings", "sonopose::Settings"};
 // clang-format on
+
+/// Every row.
+inline constexpr std::tuple all{
+    imu,   fix,   heading,          pose,           report,  beacon_status, fusion_status,
+    truth, reset, settings_request, settings_reply, settings};
 }  // namespace topics
 
 enum class Delivery : bool { live, lossless };

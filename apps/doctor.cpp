@@ -1,0 +1,35 @@
+// sonopose-doctor: looks at the running system and says in plain words what is wrong and what to do.
+
+#include "support/app.hpp"
+#include <sonopose/nodes/doctor_node.hpp>
+#include <sonopose/nodes/doctor_report.hpp>
+
+#include <fmt/format.h>
+
+int main(int argc, char** argv) {
+  sonopose::apps::BusOptions bus;
+  sonopose::nodes::DoctorOptions options;
+  bool json = false;
+  CLI::App app(
+      "Looks at the running system for some seconds and says what is wrong and what to do. Ends with 0 where "
+      "nothing is wrong, with 1 where something is.",
+      "sonopose-doctor");
+  add_bus_options(app, bus);
+  app.add_flag("--json", json, "One JSON object instead of text");
+  app.add_option("--duration", options.duration_s, "How many seconds to look")
+      ->check(CLI::Range(0.5, 3600.0).description("[0.5 - 3600]"))
+      ->capture_default_str();
+  return sonopose::apps::run(app, argc, argv, [&] {
+    options.domain = bus.domain;
+    options.qos_file = bus.qos_file;
+    sonopose::nodes::StopSignal stop;
+    stop.listen_to_signals();
+    const auto findings = diagnose(observe(options, stop));
+    if (json) {
+      fmt::print("{}\n", json_of(findings));
+    } else {
+      fmt::print("{}", report_of(findings));
+    }
+    return any_wrong(findings) ? 1 : 0;
+  });
+}

@@ -1,0 +1,86 @@
+#include "dds_fixture.hpp"
+#include <sonopose/dds/discovery.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <thread>
+
+namespace sonopose::dds::test {
+namespace {
+
+/// The endpoint on a topic, or nullptr.
+const FoundEndpoint* on_topic(const std::vector<FoundEndpoint>& endpoints, const std::string& topic) {
+  const auto found = std::find_if(endpoints.begin(), endpoints.end(),
+                                  [&](const auto& endpoint) { return endpoint.topic_name == topic; });
+  return found == endpoints.end() ? nullptr : &*found;
+}
+
+const FoundParticipant* with_key(const std::vector<FoundParticipant>& participants, const std::string& key) {
+  const auto found = std::find_if(participants.begin(), participants.end(),
+                                  [&](const auto& participant) { return participant.key == key; });
+  return found == participants.end() ? nullptr : &*found;
+}
+
+TEST_CASE("Discovery finds the own process with its readers and writers and their QoS") {
+  const DomainParticipant member = participant();
+  const QosProvider qos = project_qos();
+  const Discovery discovery(member);
+  CHECK(on_topic(discovery.writers(), topics::pose.name) == nullptr);
+  auto writer = make_writer(member, qos, topics::pose);
+  const auto reader = make_reader(member, qos, topics::imu);
+
+  const auto writers = discovery.writers();
+  const FoundEndpoint* const pose = on_topic(writers, "sonopose/pose");
+  REQUIRE(pose != nullptr);
+  CHECK(pose->type_name == "sonopose::FusedPose");
+  CHECK(pose->participant_key == discovery.own_key());
+  CHECK(pose->qos.policy<policy::Ownership>()->kind == policy::OwnershipKind::exclusive);
+  CHECK(pose->qos.policy<policy::OwnershipStrength>()->value == 100);
+
+  const auto readers = discovery.readers();
+  const FoundEndpoint* const imu = on_topic(readers, "sonopose/imu");
+  REQUIRE(imu != nullptr);
+  CHECK(imu->qos.policy<policy::Deadline>()->period == std::chrono::milliseconds(100));
+
+  const auto participants = discovery.participants();
+  const FoundParticipant* const own = with_key(participants, discovery.own_key());
+  REQUIRE(own != nullptr);
+  CHECK(own->process_id == static_cast<std::uint32_t>(getpid()));
+  CHECK_THAT(own->process_name, Catch::Contains("test_dds"));
+  CHECK_FALSE(own->host_name.empty());
+
+  writer.close();
+  CHECK(on_topic(discovery.writers(), "sonopose/pose") == nullptr);
+}
+
+TEST_CASE("Discovery finds another process, its writer and who it is") {
+  const DomainParticipant member = participant();
+  const Discovery discovery(member);
+  const std::string command =
+      std::string(SONOPOSE_TEST_DDS_PEER) + " " + std::to_string(test_domain()) + " loopback 7";
+  const auto close = [](FILE* file) { pclose(file); };
+  const std::unique_ptr<FILE, decltype(close)> peer(popen(command.c_str(), "w"), close);
+  REQUIRE(peer != nullptr);
+
+  const auto give_up = std::chrono::steady_clock::now() + patience;
+  std::vector<FoundEndpoint> writers;
+  while (on_topic(writers, "test/peer") == nullptr && std::chrono::steady_clock::now() < give_up) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    writers = discovery.writers();
+  }
+  const FoundEndpoint* const writer = on_topic(writers, "test/peer");
+  REQUIRE(writer != nullptr);
+  CHECK(writer->participant_key != discovery.own_key());
+  CHECK(writer->qos.policy<policy::Reliability>()->kind == policy::ReliabilityKind::reliable);
+  const auto participants = discovery.participants();
+  const FoundParticipant* const process = with_key(participants, writer->participant_key);
+  REQUIRE(process != nullptr);
+  CHECK_THAT(process->process_name, Catch::Contains("test_dds_peer"));
+  CHECK_THAT(process->addresses, Catch::Contains("127.0.0.1"));
+  CHECK(process->process_id != static_cast<std::uint32_t>(getpid()));
+}
+
+}  // namespace
+}  // namespace sonopose::dds::test

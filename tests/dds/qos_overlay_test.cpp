@@ -1,0 +1,178 @@
+#include "dds_fixture.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::dds::test {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+/// A file of its own for a test, removed afterwards.
+class TemporaryFile {
+public:
+  TemporaryFile(const std::string& name, const std::string& content)
+      : path(fs::temp_directory_path() / ("sonopose_" + std::to_string(getpid()) + "_" + name)) {
+    std::ofstream(path) << content;
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  TemporaryFile(TemporaryFile&&) = delete;
+  TemporaryFile& operator=(TemporaryFile&&) = delete;
+  ~TemporaryFile() { fs::remove(path); }
+  const fs::path path;
+};
+
+/// A user's file: `content` stands on lines 3 and following, in the library of the project's profiles.
+std::string user_file(const std::string& content) {
+  return "<dds>\n<qos_library name=\"sonopose\">\n" + content + "\n</qos_library></dds>";
+}
+
+std::string history(const std::string& profile, int depth, const std::string& base = "") {
+  const std::string policy =
+      "<history><kind>KEEP_LAST_HISTORY_QOS</kind><depth>" + std::to_string(depth) + "</depth></history>";
+  return "<qos_profile name=\"" + profile + "\"" + (base.empty() ? "" : " base_name=\"" + base + "\"") +
+         "><datareader_qos>" + policy + "</datareader_qos></qos_profile>";
+}
+
+std::int32_t depth_of(const QosProvider& qos, const std::string& profile) {
+  return qos.datareader_qos(profile).policy<policy::History>()->depth;
+}
+
+QosProvider overlaid(const std::string& content) {
+  QosProvider qos = project_qos();
+  qos.lay_over(user_file(content), "user.xml");
+  return qos;
+}
+
+TEST_CASE("The file laid over is the one asked for, else the environment's, else none") {
+  const TemporaryFile a("a.xml", user_file(history("Imu", 701)));
+  const TemporaryFile b("b.xml", user_file(history("Imu", 702)));
+  {
+    const Environment environment("SONOPOSE_QOS", b.path.c_str());
+    CHECK(qos_overrides(a.path) == a.path);
+    CHECK(qos_overrides() == b.path);
+    CHECK(depth_of(QosProvider(a.path), "sonopose::Imu") == 701);
+    CHECK(depth_of(QosProvider(), "sonopose::Imu") == 702);
+  }
+  for (const char* const none : {static_cast<const char*>(nullptr), ""}) {
+    const Environment environment("SONOPOSE_QOS", none);
+    CHECK(qos_overrides() == std::nullopt);
+    CHECK(project_qos_file() == fs::path(SONOPOSE_SOURCE_DIR) / "qos/sonopose.xml");
+    CHECK(depth_of(QosProvider(), "sonopose::Imu") != 702);
+  }
+}
+
+TEST_CASE("A QoS file that was asked for and is not there is an error, and is not replaced") {
+  const Environment environment("SONOPOSE_QOS", "/nonexistent/env.xml");
+  CHECK_THROWS_WITH(QosProvider(),
+                    Catch::Contains("/nonexistent/env.xml") && Catch::Contains("SONOPOSE_QOS"));
+  CHECK_THROWS_WITH(QosProvider("/nonexistent/option.xml"), Catch::Contains("/nonexistent/option.xml"));
+  CHECK_THROWS_AS(QosProvider(fs::temp_directory_path()), QosFileError);
+}
+
+TEST_CASE("Errors in a user's file name that file") {
+  const TemporaryFile bad("bad.xml", "<dds>\n\n<oops/></dds>");
+  CHECK_THROWS_WITH(QosProvider(bad.path), bad.path.string() + ":3: <oops>: unknown element in <dds>");
+}
+
+SCENARIO("a user's file changes what it says and nothing else") {
+  GIVEN("a file with the IMU reader's history alone") {
+    const QosProvider project = project_qos();
+    const QosProvider qos = overlaid(history("Imu", 700));
+    THEN("that is changed") {
+      CHECK(depth_of(qos, "sonopose::Imu") == 700);
+    }
+    THEN("the reader's other policies, and the writer, are the project's") {
+      const Qos& reader = qos.datareader_qos("sonopose::Imu");
+      CHECK(reader.policy<policy::Deadline>()->period ==
+            project.datareader_qos("sonopose::Imu").policy<policy::Deadline>()->period);
+      CHECK(reader.policy<policy::Reliability>()->kind == policy::ReliabilityKind::reliable);
+      CHECK(qos.datawriter_qos("sonopose::Imu").policy<policy::History>()->depth ==
+            project.datawriter_qos("sonopose::Imu").policy<policy::History>()->depth);
+    }
+    THEN("profiles that inherit from it in the project's file keep theirs") {
+      for (const char* const heir : {"sonopose::Fix", "sonopose::Pose", "sonopose::Heading"}) {
+        CHECK(depth_of(qos, heir) == depth_of(project, heir));
+      }
+    }
+  }
+}
+
+TEST_CASE("base_name in a user's file lays a profile of the project over another one") {
+  const QosProvider qos = overlaid("<qos_profile name=\"Report\" base_name=\"Truth\"/>");
+  CHECK(depth_of(qos, "sonopose::Report") == depth_of(project_qos(), "sonopose::Truth"));
+}
+
+TEST_CASE("base_name finds what the user's own file says of a profile before the project's") {
+  const QosProvider qos =
+      overlaid(history("Truth", 703) + "<qos_profile name=\"Report\" base_name=\"Truth\"/>");
+  CHECK(depth_of(qos, "sonopose::Report") == 703);
+}
+
+TEST_CASE("A library of the user's own holds profiles to inherit from, which bring in what they set alone") {
+  QosProvider qos = project_qos();
+  qos.lay_over("<dds><qos_library name=\"mine\">" + history("Deep", 704) +
+                   "</qos_library><qos_library name=\"sonopose\">"
+                   "<qos_profile name=\"Pose\" base_name=\"mine::Deep\"/></qos_library></dds>",
+               "user.xml");
+  CHECK(depth_of(qos, "sonopose::Pose") == 704);
+  CHECK(qos.datareader_qos("sonopose::Pose").policy<policy::Ownership>()->kind ==
+        policy::OwnershipKind::exclusive);
+  CHECK_THROWS_AS(qos.datareader_qos("mine::Deep"), QosFileError);
+}
+
+TEST_CASE("A copy of the project's whole file changes nothing") {
+  std::ifstream stream(project_qos_file());
+  const std::string copy{std::istreambuf_iterator<char>(stream), {}};
+  const QosProvider project = project_qos();
+  QosProvider qos = project_qos();
+  qos.lay_over(copy, "copy.xml");
+  for (const std::string name : {"Imu", "Fix", "Pose", "Status", "Command", "LosslessReport"}) {
+    CAPTURE(name);
+    for (const auto member : {&QosProvider::datawriter_qos, &QosProvider::datareader_qos}) {
+      CHECK(dds_qos_equal((qos.*member)("sonopose::" + name).get(),
+                          (project.*member)("sonopose::" + name).get()));
+    }
+  }
+}
+
+TEST_CASE("A user's file that cannot be meant so is refused, and changes nothing") {
+  struct Bad {
+    std::string xml;
+    const char* message;
+  };
+  const std::vector<Bad> cases{
+      {user_file("\n" + history("Imuu", 3)),
+       "user.xml:4: <qos_profile>: there is no profile 'sonopose::Imuu' to change; there are "
+       "sonopose::Command, sonopose::Fix, "},
+      {user_file("<qos_profile name='Pose' base_name='Posse'/>"),
+       "user.xml:3: <qos_profile>: no profile 'sonopose::Posse' stands above it"},
+      {user_file(history("Imu", 3) + "\n" + history("Imu", 3)),
+       "user.xml:4: <qos_profile>: 'sonopose::Imu' stands twice"},
+      {user_file(history("Imu", 0)), "user.xml:3: <depth>: '0' is no whole number"},
+      {"<dds><qos_library name='sonpose'>" + history("Imu", 3) + "</qos_library></dds>",
+       "user.xml: changes no profile: no <qos_library> is called 'sonopose'"},
+      {user_file("<qos_profile name='Imu'><datareader_qos><resource_limits><max_samples_per_instance>8"
+                 "</max_samples_per_instance></resource_limits></datareader_qos></qos_profile>"),
+       "user.xml:3: <qos_profile>: the history is deeper than max_samples_per_instance"},
+      {user_file("<qos_profile name='Imu'><datareader_qos><deadline><period><sec>0</sec><nanosec>50000000"
+                 "</nanosec></period></deadline></datareader_qos></qos_profile>"),
+       "user.xml:3: <qos_profile>: writer and reader of 'sonopose::Imu' would not match: deadline: offered "},
+  };
+  QosProvider qos = project_qos();
+  for (const Bad& bad : cases) {
+    CAPTURE(bad.xml);
+    CHECK_THROWS_WITH(qos.lay_over(bad.xml, "user.xml"), Catch::StartsWith(bad.message));
+  }
+  CHECK(depth_of(qos, "sonopose::Imu") == depth_of(project_qos(), "sonopose::Imu"));
+}
+
+}  // namespace
+}  // namespace sonopose::dds::test

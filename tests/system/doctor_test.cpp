@@ -1,0 +1,129 @@
+/// The doctor at systems that are well, and at such as have one thing wrong.
+
+#include "support/bus.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <csignal>
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+namespace topics = dds::topics;
+
+namespace {
+
+/// Runs the doctor to its end.
+Result doctor(std::uint32_t domain_id, Arguments arguments = {}, const Environment& changes = {}) {
+  arguments.insert(arguments.end(), {"--domain", std::to_string(domain_id)});
+  Environment environment = neutral;
+  for (const auto& [name, value] : changes) environment[name] = value;
+  return run(SONOPOSE_TEST_DOCTOR, arguments, environment);
+}
+
+bool is_ready(const FusedPose& pose) {
+  constexpr std::uint32_t not_yet = status_initialising | status_uncalibrated | status_heading_unknown;
+  return (pose.status & not_yet) == 0U;
+}
+
+}  // namespace
+
+SCENARIO("of a system that is well the doctor says so") {
+  GIVEN("bridge, fusion and a consumer at work") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({});
+    REQUIRE(poses.wait_for(is_ready));
+    WHEN("the doctor looks") {
+      const Result result = doctor(bus.domain_id());
+      THEN("nothing is wrong, and the rates are told") {
+        CAPTURE(result.output, result.error);
+        CHECK(result.code == 0);
+        CHECK_THAT(result.output, Contains("nothing is wrong") && Contains("beacon 7: IMU "));
+        CHECK_THAT(result.output, Contains("domain " + std::to_string(bus.domain_id())));
+      }
+    }
+    WHEN("programs ask") {
+      const Result result = doctor(bus.domain_id(), {"--json", "--duration", "1"});
+      THEN("it is one object") {
+        const auto report = nlohmann::json::parse(result.output);
+        CHECK(report["wrong"] == false);
+        CHECK(report["findings"].size() >= 2);
+      }
+    }
+    WHEN("a consumer asks for shared ownership") {
+      const dds::DomainParticipant participant({.domain_id = bus.domain_id()});
+      const dds::Topic<sonopose_FusedPose> topic(participant, topics::pose.name);
+      const dds::DataReader<sonopose_FusedPose> shared(participant, topic);
+      const Result result = doctor(bus.domain_id(), {"--duration", "1"});
+      THEN("it is named, with the policy and what to do") {
+        CAPTURE(result.output, result.error);
+        CHECK(result.code == 1);
+        CHECK_THAT(result.output, Contains("test_system (process " + std::to_string(::getpid()) + " on "));
+        CHECK_THAT(result.output, Contains("does not hear") &&
+                                      Contains("sonopose-fusion (process " + std::to_string(fusion->pid())));
+        CHECK_THAT(result.output, Contains("ownership: offered exclusive, requested shared"));
+      }
+    }
+    WHEN("a second bridge publishes the same beacon") {
+      const auto second = bus.bridge({});
+      REQUIRE(second->wait_for_line(Stream::error, "another bridge publishes beacon 7 too"));
+      const Result result = doctor(bus.domain_id(), {"--duration", "1"});
+      THEN("both are named") {
+        CAPTURE(result.output, result.error);
+        CHECK(result.code == 1);
+        CHECK_THAT(result.output, Contains("beacon 7: 2 bridges publish it"));
+        for (const auto* const process : {bridge.get(), second.get()}) {
+          CHECK_THAT(result.output, Contains("process " + std::to_string(process->pid())));
+        }
+      }
+    }
+    WHEN("the fusion ends") {
+      REQUIRE(fusion->end_by(SIGINT).code == 0);
+      const Result result = doctor(bus.domain_id(), {"--duration", "0.5"});
+      THEN("that is what is missing, and the beacon is well") {
+        CAPTURE(result.output, result.error);
+        CHECK(result.code == 1);
+        CHECK_THAT(result.output, Contains("no fusion runs in domain ") && Contains("start sonopose-fusion"));
+        CHECK_THAT(result.output, !Contains("nobody publishes beacons"));
+      }
+    }
+  }
+}
+
+SCENARIO("where nobody is, the doctor says so, and finds a system in another domain") {
+  const Bus empty;
+  GIVEN("nobody at all") {
+    WHEN("the doctor looks") {
+      const Result result = doctor(empty.domain_id(), {"--duration", "0.5"});
+      THEN("that is an error") {
+        CHECK(result.code == 1);
+        CHECK_THAT(result.output,
+                   Contains("no sonopose process in domain " + std::to_string(empty.domain_id())));
+      }
+    }
+  }
+  GIVEN("a bridge in the domain that ROS_DOMAIN_ID names") {
+    const Bus bus;
+    Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+    const auto bridge = bus.bridge({});
+    REQUIRE(imu.wait_for_count(1));
+    WHEN("the doctor looks at another one") {
+      const std::string right = std::to_string(bus.domain_id());
+      const Result result = doctor(empty.domain_id(), {"--duration", "0.5"}, {{"ROS_DOMAIN_ID", right}});
+      THEN("the right one is named") {
+        CAPTURE(result.output, result.error);
+        CHECK(result.code == 1);
+        CHECK_THAT(result.output,
+                   Contains("beacons are published in domain " + right + ": use --domain " + right));
+      }
+    }
+  }
+}
+
+SCENARIO("the doctor refuses a command line that makes no sense") {
+  const Bus bus;
+  CHECK(doctor(bus.domain_id(), {"--duration", "0"}).code.value_or(0) > 1);
+  CHECK(doctor(bus.domain_id(), {"--nonsense"}).code.value_or(0) > 1);
+}
