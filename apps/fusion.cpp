@@ -2,6 +2,7 @@
 
 #include "support/app.hpp"
 #include "support/config_options.hpp"
+#include "support/realtime_option.hpp"
 #include <sonopose/nodes/fusion_node.hpp>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@ struct Options {
   sonopose::apps::BusOptions bus;
   sonopose::apps::ConfigOptions config;
   bool lossless = false;
+  int realtime_priority = 0;
   bool print_config = false;
   bool print_settings_page = false;
 };
@@ -31,6 +33,7 @@ int serve(const CLI::App& app, const Options& options) {
   sonopose::nodes::StopSignal stop;
   stop.listen_to_signals();
   sonopose::nodes::FusionNode node({options.bus.domain, options.bus.qos_file, config, options.lossless});
+  const auto realtime = sonopose::apps::realtime(app, options.realtime_priority);
   fmt::print(stderr, "sonopose-fusion: serving\n");
   node.run(stop);
   return 0;
@@ -43,6 +46,7 @@ int main(int argc, char** argv) {
   CLI::App app("Fuses IMU samples and ultrasonic fixes into a pose for every beacon on the bus.",
                "sonopose-fusion");
   add_bus_options(app, options.bus);
+  sonopose::apps::add_realtime_option(app, options.realtime_priority);
   sonopose::apps::add_config_options(app, options.config);
   app.add_flag("--lossless", options.lossless,
                "Keep every event and pose and wait for slow consumers: for a log played at --rate 0");
