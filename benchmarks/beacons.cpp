@@ -2,6 +2,7 @@
 // of a sample depends on the number of beacons. Rounds of all numbers are interleaved.
 
 #include "child.hpp"
+#include "own_realtime.hpp"
 #include "pose_stream.hpp"
 #include "statistics.hpp"
 
@@ -12,6 +13,7 @@
 #include <chrono>
 #include <cstdio>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -31,6 +33,7 @@ struct Options {
   int rounds = 5;
   double round_s = 4.0;
   bool share = false;
+  bool realtime = false;
 };
 
 /// What one round gave.
@@ -51,7 +54,8 @@ void sleep_s(double seconds) {
 
 /// One fusion for all, or two with half of the addresses each.
 std::vector<Child> start_fusions(const Options& options, std::uint32_t beacons) {
-  const std::vector<std::string> command{SONOPOSE_FUSION, "--domain", std::to_string(options.domain)};
+  std::vector<std::string> command{SONOPOSE_FUSION, "--domain", std::to_string(options.domain)};
+  if (options.realtime) command.emplace_back("--realtime");
   std::vector<Child> fusions;
   if (!options.share) {
     fusions.push_back(Child::execute(command));
@@ -68,6 +72,15 @@ std::vector<Child> start_fusions(const Options& options, std::uint32_t beacons) 
   return fusions;
 }
 
+Child start_bridge(const Options& options, std::uint32_t beacons) {
+  std::vector<std::string> command{SONOPOSE_BRIDGE, "--domain", std::to_string(options.domain)};
+  command.insert(command.end(), {"--address", std::to_string(first_address)});
+  command.insert(command.end(), {"--beacons", std::to_string(beacons)});
+  command.insert(command.end(), {"--imu-rate", fmt::format("{}", imu_rate_hz)});
+  if (options.realtime) command.emplace_back("--realtime");
+  return Child::execute(command);
+}
+
 void wait_for_all(PoseStream& poses, std::uint32_t beacons) {
   for (int tenths = 0; poses.beacons() < beacons; ++tenths) {
     if (tenths == 200) {
@@ -80,16 +93,15 @@ void wait_for_all(PoseStream& poses, std::uint32_t beacons) {
 
 Round measure(const Options& options, std::uint32_t beacons) {
   const std::vector<Child> fusions = start_fusions(options, beacons);
-  const Child bridge =
-      Child::execute({SONOPOSE_BRIDGE, "--domain", std::to_string(options.domain), "--address",
-                      std::to_string(first_address), "--beacons", std::to_string(beacons), "--imu-rate",
-                      fmt::format("{}", imu_rate_hz)});
+  const Child bridge = start_bridge(options, beacons);
   PoseStream poses(imu_rate_hz);
   LostEvents lost;
   const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
   const dds::QosProvider qos(dds::find_qos_file());
   const auto status_reader = dds::make_reader(participant, qos, dds::topics::fusion_status, &lost);
   const auto pose_reader = dds::make_reader(participant, qos, dds::topics::pose, &poses);
+  std::optional<OwnRealtime> own;
+  if (options.realtime) own.emplace();
   wait_for_all(poses, beacons);
 
   std::vector<std::int64_t> fusion_before_ns;
@@ -190,6 +202,7 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_flag("--share", options.share, "Two fusion processes, each with half of the addresses");
+  app.add_flag("--realtime", options.realtime, "--realtime for bridge and fusion, the same for the consumer");
   CLI11_PARSE(app, argc, argv);
   try {
     std::map<std::uint32_t, std::vector<Round>> all;

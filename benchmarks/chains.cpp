@@ -1,15 +1,15 @@
 #include "chains.hpp"
 
 #include "bare_chain.hpp"
+#include "own_realtime.hpp"
 #include "plain_chain.hpp"
 #include <sonopose/dds/topics.hpp>
 #include <sonopose/nodes/host_clock.hpp>
-#include <sonopose/nodes/stop_signal.hpp>
 
 #include <fmt/format.h>
 
-#include <memory>
 #include <mutex>
+#include <optional>
 #include <sched.h>
 #include <stdexcept>
 #include <thread>
@@ -73,12 +73,14 @@ Round measure(const RoundOptions& options, const Child& relay, Ways& ways) {
   return round;
 }
 
-Round measure_on_bus(const RoundOptions& options, const Child& relay) {
+Round measure_on_bus(const RoundOptions& options, const Child& relay, bool realtime = false) {
   Ways ways;
   PoseListener listener(ways);
   const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
   const dds::QosProvider qos(dds::find_qos_file());
   const auto reader = dds::make_reader(participant, qos, dds::topics::pose, &listener);
+  std::optional<OwnRealtime> own;
+  if (realtime) own.emplace();
   return measure(options, relay, ways);
 }
 
@@ -143,7 +145,7 @@ Round real_round(const RoundOptions& options, const Tuning& tuning) {
     if (tuning.fusion_cpu) stay_on(*tuning.fusion_cpu);
   });
   const auto source = Child::execute(bridge);
-  return measure_on_bus(options, relay);
+  return measure_on_bus(options, relay, tuning.realtime);
 }
 
 }  // namespace

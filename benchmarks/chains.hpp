@@ -41,7 +41,7 @@ struct Chain {
 
 /// What changes in the real chain.
 struct Tuning {
-  bool realtime = false;  ///< --realtime for bridge and fusion
+  bool realtime = false;  ///< --realtime for bridge and fusion, the same for the consumer
   bool awake = false;     ///< a process of the lowest priority keeps each core from falling asleep
   std::optional<unsigned> fusion_cpu;  ///< the core for the fusion alone
 };
