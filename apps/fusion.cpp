@@ -2,6 +2,7 @@
 
 #include "support/app.hpp"
 #include "support/config_options.hpp"
+#include "support/realtime_option.hpp"
 #include <sonopose/nodes/fusion_node.hpp>
 
 #include <fmt/format.h>
@@ -20,6 +21,7 @@ struct Options {
   std::int32_t standby_strength = 0;
   double warm_up_s = sonopose::nodes::StandbyOptions{}.warm_up_s;
   bool lossless = false;
+  int realtime_priority = 0;
   bool print_config = false;
   bool print_settings_page = false;
 };
@@ -72,6 +74,7 @@ int serve(const CLI::App& app, const Options& options) {
   sonopose::nodes::StopSignal stop;
   stop.listen_to_signals();
   sonopose::nodes::FusionNode node(node_options(options, config));
+  const auto realtime = sonopose::apps::realtime(app, options.realtime_priority);
   fmt::print(stderr, "sonopose-fusion: serving\n");
   node.run(stop);
   return 0;
@@ -84,6 +87,7 @@ int main(int argc, char** argv) {
   CLI::App app("Fuses IMU samples and ultrasonic fixes into a pose for every beacon on the bus.",
                "sonopose-fusion");
   add_bus_options(app, options.bus);
+  sonopose::apps::add_realtime_option(app, options.realtime_priority);
   sonopose::apps::add_config_options(app, options.config);
   add_options(app, options);
   return sonopose::apps::run(app, argc, argv, [&] { return serve(app, options); });

@@ -1,6 +1,8 @@
 #include "bare_chain.hpp"
 
+#include "pulse.hpp"
 #include <sonopose/dds/domain.hpp>
+#include <sonopose/dds/topics.hpp>
 #include <sonopose/idl/sonopose.h>
 #include <sonopose/nodes/host_clock.hpp>
 
@@ -10,25 +12,25 @@
 #include <poll.h>
 #include <stdexcept>
 #include <string>
-#include <time.h>
 
 namespace sonopose::benchmarks {
 namespace {
+
+namespace topics = dds::topics;
 
 dds_entity_t checked(dds_entity_t entity) {
   if (entity < 0) throw std::runtime_error(std::string("bare chain: ") + dds_strretcode(entity));
   return entity;
 }
 
-/// What the Imu and Pose profiles say, said in C.
-dds_qos_t* stream_qos(bool exclusive) {
-  dds_qos_t* qos = dds_create_qos();
-  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_MSECS(2));
-  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 64);
-  dds_qset_deadline(qos, DDS_MSECS(100));
-  dds_qset_liveliness(qos, DDS_LIVELINESS_AUTOMATIC, DDS_SECS(1));
-  if (exclusive) dds_qset_ownership(qos, DDS_OWNERSHIP_EXCLUSIVE);
-  return qos;
+/// The profiles of the real chain, read as it reads them: the two cannot differ.
+const dds::QosProvider& profiles() {
+  static const dds::QosProvider provider;
+  return provider;
+}
+
+const dds_qos_t* writer_qos(const char* profile) {
+  return profiles().datawriter_qos(profile).get();
 }
 
 dds_entity_t join(std::uint32_t domain) {
@@ -38,7 +40,7 @@ dds_entity_t join(std::uint32_t domain) {
 }
 
 dds_entity_t imu_topic(dds_entity_t participant) {
-  return checked(dds_create_topic(participant, &sonopose_ImuSample_desc, "sonopose/imu", nullptr, nullptr));
+  return checked(dds_create_topic(participant, &sonopose_ImuSample_desc, topics::imu.name, nullptr, nullptr));
 }
 
 void on_imu(dds_entity_t reader, void* writer) {
@@ -62,25 +64,17 @@ void on_imu(dds_entity_t reader, void* writer) {
   if (count > 0) dds_return_loan(reader, samples.data(), count);
 }
 
-void sleep_until(std::int64_t steady_ns) {
-  const timespec until{static_cast<time_t>(steady_ns / 1'000'000'000),
-                       static_cast<long>(steady_ns % 1'000'000'000)};
-  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
-}
-
 }  // namespace
 
 void run_bare_source(std::uint32_t domain, double rate_hz) {
   const dds_entity_t participant = join(domain);
-  const dds_entity_t writer =
-      checked(dds_create_writer(participant, imu_topic(participant), stream_qos(false), nullptr));
-  const auto period_ns = static_cast<std::int64_t>(1e9 / rate_hz);
-  std::int64_t next_ns = nodes::steady_now_ns();
+  const dds_entity_t writer = checked(
+      dds_create_writer(participant, imu_topic(participant), writer_qos(topics::imu.profile), nullptr));
   sonopose_ImuSample imu{};
   imu.address = 7;
+  Pulse pulse(rate_hz);
   while (true) {
-    sleep_until(next_ns);
-    next_ns += period_ns;
+    pulse.wait();
     ++imu.event_sequence;
     imu.sensor_time = imu.bridge_time = nodes::now_ns();
     dds_write(writer, &imu);
@@ -90,11 +84,13 @@ void run_bare_source(std::uint32_t domain, double rate_hz) {
 void run_bare_relay(std::uint32_t domain) {
   const dds_entity_t participant = join(domain);
   const dds_entity_t pose_topic =
-      checked(dds_create_topic(participant, &sonopose_FusedPose_desc, "sonopose/pose", nullptr, nullptr));
-  dds_entity_t writer = checked(dds_create_writer(participant, pose_topic, stream_qos(true), nullptr));
+      checked(dds_create_topic(participant, &sonopose_FusedPose_desc, topics::pose.name, nullptr, nullptr));
+  dds_entity_t writer =
+      checked(dds_create_writer(participant, pose_topic, writer_qos(topics::pose.profile), nullptr));
   dds_listener_t* listener = dds_create_listener(&writer);
   dds_lset_data_available(listener, on_imu);
-  checked(dds_create_reader(participant, imu_topic(participant), stream_qos(false), listener));
+  checked(dds_create_reader(participant, imu_topic(participant),
+                            profiles().datareader_qos(topics::imu.profile).get(), listener));
   while (true) ::poll(nullptr, 0, -1);
 }
 

@@ -70,11 +70,12 @@ bool StopSignal::requested() const noexcept {
 
 bool StopSignal::wait_until(TimeNs deadline_ns) const {
   TimeNs left_ns = deadline_ns - steady_now_ns();
+  if (left_ns <= 0) return requested();
   while (left_ns > 0) {
     if (is_readable(event_fd_, left_ns)) return true;
     left_ns = deadline_ns - steady_now_ns();  // a signal may have cut the sleep short
   }
-  return requested();
+  return false;
 }
 
 }  // namespace sonopose::nodes

@@ -8,8 +8,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <stdexcept>
-
 using namespace sonopose;
 using namespace sonopose::nodes;
 using sonopose::test::CollectingSink;
@@ -19,15 +17,6 @@ namespace {
 
 constexpr TimeNs recorded_ns = 1'600'000'000'000'000'000;
 constexpr TimeNs ms = 1'000'000;
-
-/// The simulator as fast as it can be; 0 s: without end.
-SimulatorOptions simulator(double duration_s) {
-  SimulatorOptions options;
-  options.address = 9;
-  options.duration_s = duration_s;
-  options.rate = 0.0;
-  return options;
-}
 
 /// A log of 2020: an IMU sample, a fix and a heading that came 68 ms later, an IMU sample, all with truth.
 void write_log(const std::filesystem::path& folder) {
@@ -57,49 +46,6 @@ void write_log(const std::filesystem::path& folder) {
 }
 
 }  // namespace
-
-SCENARIO("the simulator as a source") {
-  CollectingSink sink;
-  StopSignal stop;
-  GIVEN("two seconds of it, as fast as they can be") {
-    const TimeNs before_ns = now_ns();
-    const auto source = make_simulator_source(simulator(2.0));
-    const TimeNs after_ns = now_ns();
-    CHECK_FALSE(source->is_recording());
-    source->run(sink, stop);
-    THEN("200 IMU samples with their truth and fixes at 8 to 16 Hz with headings come, and it ends") {
-      const auto imu = sink.of_kind<ImuSample>();
-      CHECK(imu.size() == 200);
-      CHECK(sink.truth.size() == 200);
-      CHECK(sink.of_kind<UltrasonicFix>().size() >= 14);  // what is under way at the end does not come
-      CHECK(sink.of_kind<UltrasonicFix>().size() <= 32);
-      CHECK(sink.of_kind<PairHeading>().size() == sink.of_kind<UltrasonicFix>().size());
-      CHECK(sink.truth.back().time_ns == imu.back().sensor_time_ns);
-    }
-    THEN("it begins now, under its address") {
-      const auto first = sink.of_kind<ImuSample>().front();
-      CHECK(first.address == 9);
-      CHECK(first.sensor_time_ns >= before_ns);
-      CHECK(first.sensor_time_ns <= after_ns);
-    }
-  }
-  GIVEN("one without an end") {
-    const auto source = make_simulator_source(simulator(0.0));
-    sink.stop = &stop;
-    sink.stop_after = 1000;
-    THEN("the stop ends it") {
-      source->run(sink, stop);
-      CHECK(sink.events.size() >= 1000);
-    }
-  }
-  GIVEN("a scenario that does not exist") {
-    THEN("it is refused with those that do") {
-      SimulatorOptions options;
-      options.scenario = "swim";
-      CHECK_THROWS_WITH(make_simulator_source(options), Catch::Contains("swim") && Catch::Contains("walk"));
-    }
-  }
-}
 
 SCENARIO("a log folder as a source") {
   CollectingSink sink;

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <csignal>
 #include <thread>
 
@@ -43,6 +44,16 @@ SCENARIO("a stop is waited for") {
       const TimeNs deadline_ns = steady_now_ns() + 30 * ms;
       CHECK_FALSE(stop.wait_until(deadline_ns));
       CHECK(steady_now_ns() >= deadline_ns);
+    }
+    THEN("a wait is not rounded up to milliseconds: of many, the best ends well within one") {
+      TimeNs least_late_ns = minute;
+      for (int i = 0; i < 100; ++i) {
+        const TimeNs deadline_ns = steady_now_ns() + 300'000;
+        CHECK_FALSE(stop.wait_until(deadline_ns));
+        least_late_ns = std::min(least_late_ns, steady_now_ns() - deadline_ns);
+      }
+      CHECK(least_late_ns >= 0);
+      CHECK(least_late_ns < ms / 2);
     }
     THEN("a deadline in the past is no wait") {
       CHECK_FALSE(stop.wait_until(steady_now_ns() - minute));

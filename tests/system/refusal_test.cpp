@@ -172,6 +172,15 @@ SCENARIO("a bridge refuses an input that it cannot use") {
       CHECK_THAT(refused({"--rate", "-1"}), Contains("--rate") && Contains("-1"));
     }
   }
+  WHEN("more beacons are to be simulated than there are addresses") {
+    THEN("number, address and limit are named") {
+      CHECK_THAT(refused({"--beacons", "1000", "--address", "65000"}),
+                 Contains("1000") && Contains("65000") && Contains("65534"));
+      CHECK_THAT(refused({"--beacons", "1001"}), Contains("--beacons") && Contains("1001"));
+      CHECK_THAT(refused({"--beacons", "2", "--capture", (folder / "bytes").string()}),
+                 Contains("bytes") && Contains("2 beacons"));
+    }
+  }
   WHEN("it shall record into a folder that holds a recording") {
     write_text(folder / "imu.csv", "precious\n");
     THEN("it refuses, and the recording is as it was") {

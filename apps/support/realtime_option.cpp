@@ -1,0 +1,28 @@
+#include "realtime_option.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+namespace sonopose::apps {
+
+void add_realtime_option(CLI::App& app, int& priority) {
+  app.add_flag("--realtime{50}", priority,
+               "Real-time priority (--realtime=PRIORITY: another one than 50), memory locked, cores kept "
+               "awake; what "
+               "is refused is said and done without")
+      ->check(CLI::Range(1, 99))
+      ->group("Bus");
+}
+
+nodes::Realtime realtime(const CLI::App& app, int priority) {
+  if (priority == 0) return {};
+  nodes::Realtime realtime = nodes::apply_realtime(priority);
+  for (const auto& line : realtime.applied()) fmt::print(stderr, "{}: realtime: {}\n", app.get_name(), line);
+  for (const auto& line : realtime.refused()) {
+    fmt::print(stderr, "{}: realtime: not applied: {}\n", app.get_name(), line);
+  }
+  return realtime;
+}
+
+}  // namespace sonopose::apps

@@ -1,0 +1,73 @@
+#include "source_options.hpp"
+
+#include <stdexcept>
+
+namespace sonopose::apps {
+namespace {
+
+const std::string& required_input(const SourceOptions& options) {
+  if (options.input.empty()) throw CLI::RequiredError("--source " + options.source + ": --input");
+  return options.input;
+}
+
+}  // namespace
+
+void add_source_options(CLI::App& app, SourceOptions& options) {
+  app.add_option("--source", options.source, "Where samples come from: sim, log, stream, serial or udp")
+      ->check(CLI::IsMember({"sim", "log", "stream", "serial", "udp"}))
+      ->capture_default_str();
+  app.add_option("--input", options.input, "The sensor-log folder (log) or file of raw beacon bytes (stream)")
+      ->type_name("PATH");
+  app.add_option("--rate", options.rate,
+                 "Speed of sim, log and stream: 1 is real time, 0 as fast as readers take it")
+      ->check(CLI::Range(0.0, 1e6).description("[0 - 1e6]"))
+      ->capture_default_str();
+  app.add_flag("--restamp", options.restamp, "Shift a log's stamps so that it begins now");
+  app.add_option("--address", options.address, "Beacon address of sim and log")
+      ->check(CLI::Range(0, 65534))
+      ->capture_default_str();
+  app.add_option("--beacons", options.sim.beacons,
+                 "How many beacons sim brings, each with the next address and seed")
+      ->check(CLI::Range(1U, nodes::max_simulated_beacons))
+      ->capture_default_str();
+  app.add_option("--device", options.serial.device, "Serial device; waited for while it is absent")
+      ->capture_default_str();
+  app.add_option("--baud", options.serial.baud, "Baud rate; USB devices ignore it")
+      ->check(CLI::Range(1200U, 4'000'000U))
+      ->capture_default_str();
+  app.add_option("--listen", options.listen, "UDP address and port to listen on")
+      ->type_name("ADDR:PORT")
+      ->capture_default_str();
+  app.add_option("--capture", options.capture, "Keep the raw bytes of the beacon in this file")
+      ->type_name("FILE");
+  app.add_option("--scenario", options.sim.scenario, "What the simulated beacon does")->capture_default_str();
+  app.add_option("--imu-rate", options.sim.imu_rate_hz,
+                 "IMU rate of the simulator in Hz (default: the scenario's)")
+      ->check(CLI::Range(1.0, 1000.0).description("[1 - 1000]"));
+  app.add_option("--seed", options.sim.seed, "Seed of the simulator's noise")->capture_default_str();
+  app.add_option("--duration", options.sim.duration_s, "Length of the simulation in seconds; 0: without end")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+}
+
+std::unique_ptr<nodes::Source> make_source(const SourceOptions& options) {
+  if (options.capture && (options.source == "log" || options.source == "stream")) {
+    throw std::invalid_argument("--capture goes with --source sim, serial or udp, not with " +
+                                options.source);
+  }
+  if (options.source == "log") {
+    return nodes::make_log_source({required_input(options), options.address, options.rate, options.restamp});
+  }
+  if (options.source == "stream") {
+    return nodes::make_stream_source({required_input(options), options.rate});
+  }
+  if (options.source == "serial") return nodes::make_serial_source(options.serial, options.capture);
+  if (options.source == "udp") return nodes::make_udp_source(options.listen, options.capture);
+  nodes::SimulatorOptions sim = options.sim;
+  sim.address = options.address;
+  sim.rate = options.rate;
+  sim.capture = options.capture;
+  return nodes::make_simulator_source(sim);
+}
+
+}  // namespace sonopose::apps

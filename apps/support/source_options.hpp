@@ -1,0 +1,38 @@
+#pragma once
+// Where a bridge's samples come from: the options that say so, and the source that they lead to.
+
+#include <sonopose/nodes/byte_sources.hpp>
+#include <sonopose/nodes/recorded_sources.hpp>
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace sonopose::apps {
+
+struct SourceOptions {
+  std::string source = "sim";
+  std::string input;
+  nodes::SimulatorOptions sim;
+  nodes::SerialOptions serial;
+  std::string listen = "0.0.0.0:49100";
+  std::optional<std::filesystem::path> capture;
+  BeaconAddress address = 7;
+  double rate = 1;
+  bool restamp = false;
+
+  /// Whether it is played as fast as its readers take it.
+  [[nodiscard]] bool is_unpaced() const { return source != "serial" && source != "udp" && rate == 0.0; }
+};
+
+/// Adds --source and all that belongs to one of the sources.
+void add_source_options(CLI::App& app, SourceOptions& options);
+
+/// Throws what the source throws; std::invalid_argument for options that do not go together,
+/// CLI::RequiredError.
+std::unique_ptr<nodes::Source> make_source(const SourceOptions& options);
+
+}  // namespace sonopose::apps

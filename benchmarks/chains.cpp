@@ -1,0 +1,165 @@
+#include "chains.hpp"
+
+#include "bare_chain.hpp"
+#include "own_realtime.hpp"
+#include "plain_chain.hpp"
+#include <sonopose/dds/topics.hpp>
+#include <sonopose/nodes/host_clock.hpp>
+
+#include <fmt/format.h>
+
+#include <mutex>
+#include <optional>
+#include <sched.h>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+namespace sonopose::benchmarks {
+namespace {
+
+constexpr TimeNs patience_ns = 10'000'000'000;
+constexpr TimeNs warm_up_ns = 500'000'000;
+
+/// The consumer's memory: the way of each pose that came.
+class Ways {
+public:
+  void on(const sonopose_FusedPose& pose, TimeNs received_ns) {
+    const std::lock_guard lock(mutex_);
+    ways_.push_back({seconds_between(pose.imu_bridge_time, pose.fusion_in_time),
+                     seconds_between(pose.fusion_in_time, pose.fusion_out_time),
+                     seconds_between(pose.fusion_out_time, received_ns)});
+  }
+  std::vector<Way> taken() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(ways_, {});
+  }
+
+private:
+  std::mutex mutex_;
+  std::vector<Way> ways_;
+};
+
+class PoseListener final : public dds::DataReaderListener<sonopose_FusedPose> {
+public:
+  explicit PoseListener(Ways& ways) : ways_(ways) {}
+  void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
+    const TimeNs received_ns = nodes::now_ns();
+    reader.try_take_each(
+        [&](const sonopose_FusedPose& pose, const dds::SampleInfo&) { ways_.on(pose, received_ns); });
+  }
+
+private:
+  Ways& ways_;
+};
+
+void sleep_ns(TimeNs duration_ns) {
+  std::this_thread::sleep_for(std::chrono::nanoseconds(duration_ns));
+}
+
+/// Waits until poses come, lets the chain run warm, then measures.
+Round measure(const RoundOptions& options, const Child& relay, Ways& ways) {
+  const TimeNs give_up_ns = nodes::steady_now_ns() + patience_ns;
+  while (ways.taken().empty() && nodes::steady_now_ns() < give_up_ns) sleep_ns(20'000'000);
+  sleep_ns(warm_up_ns);
+  const std::int64_t cpu_before_ns = relay.cpu_time_ns();
+  ways.taken();
+  sleep_ns(to_ns(options.length_s));
+  Round round;
+  round.ways = ways.taken();
+  if (round.ways.empty()) throw std::runtime_error("no pose came through the chain");
+  round.relay_cpu_s =
+      seconds_between(cpu_before_ns, relay.cpu_time_ns()) / static_cast<double>(round.ways.size());
+  return round;
+}
+
+Round measure_on_bus(const RoundOptions& options, const Child& relay, bool realtime = false) {
+  Ways ways;
+  PoseListener listener(ways);
+  const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
+  const dds::QosProvider qos;
+  const auto reader = dds::make_reader(participant, qos, dds::topics::pose, &listener);
+  std::optional<OwnRealtime> own;
+  if (realtime) own.emplace();
+  return measure(options, relay, ways);
+}
+
+// In all of them the children are forked before this process has any thread, and each round has new ones.
+
+Round plain_round(const RoundOptions& options) {
+  LoopbackSocket source_out;
+  LoopbackSocket relay_in;
+  LoopbackSocket relay_out;
+  LoopbackSocket consumer_in;
+  source_out.connect(relay_in);
+  relay_out.connect(consumer_in);
+  const auto relay = Child::fork_to([&] { run_plain_relay(relay_in, relay_out); });
+  const auto source = Child::fork_to([&] { run_plain_source(source_out, options.rate_hz); });
+  Ways ways;
+  const std::jthread consumer([&](const std::stop_token& stop) {
+    take_plain_poses(
+        consumer_in, [&stop] { return stop.stop_requested(); },
+        [&ways](const sonopose_FusedPose& pose, TimeNs received_ns) { ways.on(pose, received_ns); });
+  });
+  return measure(options, relay, ways);
+}
+
+Round bare_round(const RoundOptions& options) {
+  const auto relay = Child::fork_to([&] { run_bare_relay(options.domain); });
+  const auto source = Child::fork_to([&] { run_bare_source(options.domain, options.rate_hz); });
+  return measure_on_bus(options, relay);
+}
+
+void stay_on(unsigned cpu) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(cpu, &set);
+  if (::sched_setaffinity(0, sizeof set, &set) != 0) throw std::runtime_error("sched_setaffinity failed");
+}
+
+/// One process for each core that runs when nothing else wants to.
+std::vector<Child> keep_awake() {
+  std::vector<Child> children;
+  for (unsigned cpu = 0; cpu < std::thread::hardware_concurrency(); ++cpu) {
+    children.push_back(Child::fork_to([cpu] {
+      stay_on(cpu);
+      const sched_param lowest{};
+      if (::sched_setscheduler(0, SCHED_IDLE, &lowest) != 0) throw std::runtime_error("SCHED_IDLE refused");
+      volatile unsigned spent = 0;
+      while (true) spent = spent + 1;
+    }));
+  }
+  return children;
+}
+
+Round real_round(const RoundOptions& options, const Tuning& tuning) {
+  const std::vector<Child> awake = tuning.awake ? keep_awake() : std::vector<Child>{};
+  std::vector<std::string> fusion{SONOPOSE_FUSION, "--domain", std::to_string(options.domain)};
+  std::vector<std::string> bridge{SONOPOSE_BRIDGE, "--domain", std::to_string(options.domain), "--imu-rate",
+                                  fmt::format("{}", options.rate_hz)};
+  if (tuning.realtime) {
+    fusion.emplace_back("--realtime");
+    bridge.emplace_back("--realtime");
+  }
+  const auto relay = Child::execute(fusion, [&tuning] {
+    if (tuning.fusion_cpu) stay_on(*tuning.fusion_cpu);
+  });
+  const auto source = Child::execute(bridge);
+  return measure_on_bus(options, relay, tuning.realtime);
+}
+
+}  // namespace
+
+Chain plain_chain() {
+  return {"udp", plain_round};
+}
+
+Chain bare_chain() {
+  return {"bare", bare_round};
+}
+
+Chain real_chain(std::string name, const Tuning& tuning) {
+  return {std::move(name), [tuning](const RoundOptions& options) { return real_round(options, tuning); }};
+}
+
+}  // namespace sonopose::benchmarks

@@ -1,0 +1,58 @@
+#include "child.hpp"
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <sys/wait.h>
+#include <system_error>
+#include <time.h>
+#include <unistd.h>
+#include <utility>
+
+namespace sonopose::benchmarks {
+
+Child Child::fork_to(const std::function<void()>& body) {
+  const pid_t pid = ::fork();
+  if (pid < 0) throw std::system_error(errno, std::generic_category(), "fork");
+  if (pid > 0) return Child(pid);
+  try {
+    body();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "a child of the benchmark: %s\n", error.what());
+  }
+  ::_exit(1);
+}
+
+Child Child::execute(const std::vector<std::string>& command, const std::function<void()>& prepare) {
+  return fork_to([&] {
+    prepare();
+    std::vector<char*> arguments;
+    for (const auto& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    if (std::freopen("/dev/null", "w", stderr) == nullptr) return;
+    ::execv(arguments.front(), arguments.data());
+  });
+}
+
+Child::Child(Child&& other) noexcept : pid_(std::exchange(other.pid_, -1)) {}
+
+Child::~Child() {
+  if (pid_ < 0) return;
+  ::kill(pid_, SIGKILL);
+  ::waitpid(pid_, nullptr, 0);
+}
+
+std::int64_t Child::cpu_time_ns() const {
+  clockid_t clock = 0;
+  timespec time{};
+  if (const int error = ::clock_getcpuclockid(pid_, &clock); error != 0) {
+    throw std::system_error(error, std::generic_category(),
+                            "clock_getcpuclockid: a process of the chain ended");
+  }
+  if (::clock_gettime(clock, &time) != 0)
+    throw std::system_error(errno, std::generic_category(), "clock_gettime");
+  return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
+}
+
+}  // namespace sonopose::benchmarks

@@ -1,0 +1,98 @@
+#include "latency_report.hpp"
+
+#include "statistics.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+namespace sonopose::benchmarks {
+namespace {
+
+template <class Part>
+double quantile_us(const std::vector<const Round*>& rounds, double share, const Part& part) {
+  std::vector<double> values_s;
+  for (const Round* round : rounds) {
+    for (const Way& way : round->ways) values_s.push_back(part(way));
+  }
+  return 1e6 * math::quantile(std::move(values_s), share);
+}
+
+double all_s(const Way& way) {
+  return way.all_s();
+}
+
+double p50_us(const Round& round) {
+  return quantile_us({&round}, 0.5, all_s);
+}
+double p99_us(const Round& round) {
+  return quantile_us({&round}, 0.99, all_s);
+}
+double relay_cpu_us(const Round& round) {
+  return 1e6 * round.relay_cpu_s;
+}
+
+void print_chain(const ChainResult& result) {
+  std::vector<const Round*> rounds;
+  std::vector<double> cpu_us;
+  for (const Round& round : result.rounds) {
+    rounds.push_back(&round);
+    cpu_us.push_back(relay_cpu_us(round));
+  }
+  fmt::print("  {:<9} {:>6.0f} {:>6.0f} {:>6.0f} {:>10.1f} {:>11.0f} {:>6.1f} {:>6.0f}\n", result.name,
+             quantile_us(rounds, 0.5, all_s), quantile_us(rounds, 0.99, all_s),
+             quantile_us(rounds, 0.999, all_s), median(cpu_us),
+             quantile_us(rounds, 0.5, [](const Way& way) { return way.to_relay_s; }),
+             quantile_us(rounds, 0.5, [](const Way& way) { return way.in_relay_s; }),
+             quantile_us(rounds, 0.5, [](const Way& way) { return way.to_consumer_s; }));
+}
+
+std::vector<double> ratios(const ChainResult& over, const ChainResult& under, double (*value)(const Round&)) {
+  std::vector<double> found;
+  for (std::size_t i = 0; i < over.rounds.size(); ++i) {
+    found.push_back(value(over.rounds[i]) / value(under.rounds[i]));
+  }
+  return found;
+}
+
+void print_ratios(const ChainResult& over, const ChainResult& under) {
+  fmt::print("  {:<18}", over.name + "/" + under.name);
+  for (auto* value : {p50_us, p99_us, relay_cpu_us}) {
+    const auto found = ratios(over, under, value);
+    const MedianInterval interval = median_interval(found);
+    fmt::print("  {:.2f} ({:.2f} .. {:.2f})", median(found), interval.least, interval.most);
+  }
+  fmt::print("\n");
+}
+
+void judge(const char* what, double bar, const std::vector<double>& found) {
+  constexpr std::size_t enough = 10;
+  fmt::print("  bar {:.2f}, {} sonopose/bare: ", bar, what);
+  if (found.size() < enough) {
+    fmt::print("not judged, {} rounds of {} that it takes\n", found.size(), enough);
+  } else {
+    fmt::print("{}\n", median(found) <= bar ? "met" : "missed");
+  }
+}
+
+}  // namespace
+
+void print_report(double rate_hz, double round_s, const Results& results) {
+  const ChainResult& bare = results.at(1);
+  const ChainResult& ours = results.at(2);
+  fmt::print("{:.0f} Hz, {} interleaved rounds of {} s; us\n", rate_hz, ours.rounds.size(), round_s);
+  fmt::print("  chain        p50    p99  p99.9  relay CPU  p50: to relay, in it, to consumer\n");
+  for (const ChainResult& result : results) print_chain(result);
+  fmt::print("  median ratio (interval of the median by order statistics, {:.0f} %)\n",
+             100.0 * median_interval(std::vector<double>(ours.rounds.size())).confidence);
+  fmt::print("                      p50                  p99                  relay CPU\n");
+  print_ratios(bare, results.at(0));
+  print_ratios(ours, bare);
+  print_ratios(ours, results.at(0));
+  for (std::size_t i = 3; i < results.size(); ++i) print_ratios(results[i], ours);
+  judge("p50", 1.15, ratios(ours, bare, p50_us));
+  judge("p99", 1.30, ratios(ours, bare, p99_us));
+  std::fflush(stdout);
+}
+
+}  // namespace sonopose::benchmarks

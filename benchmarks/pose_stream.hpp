@@ -1,0 +1,87 @@
+#pragma once
+// The consumer of many beacons' poses, and what it counts.
+
+#include <sonopose/dds/topics.hpp>
+#include <sonopose/nodes/host_clock.hpp>
+
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace sonopose::benchmarks {
+
+/// What came in a span of time.
+struct PoseCount {
+  std::vector<double> latencies_s;  ///< bridge's publication → here, one for each pose
+  std::uint64_t missing = 0;        ///< poses between which the IMU's time went on by more than a period
+};
+
+/// Takes poses of any number of beacons whose IMUs have one known rate and lose nothing.
+class PoseStream final : public dds::DataReaderListener<sonopose_FusedPose> {
+public:
+  explicit PoseStream(double imu_rate_hz) : imu_rate_hz_(imu_rate_hz), last_ns_(65536) {}
+
+  void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
+    const TimeNs received_ns = nodes::now_ns();
+    const std::lock_guard lock(mutex_);
+    reader.try_take_each(
+        [&](const sonopose_FusedPose& pose, const dds::SampleInfo&) { on(pose, received_ns); });
+  }
+
+  PoseCount taken() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(count_, {});
+  }
+
+  /// How many beacons had a pose so far.
+  std::size_t beacons() {
+    const std::lock_guard lock(mutex_);
+    return beacons_;
+  }
+
+private:
+  void on(const sonopose_FusedPose& pose, TimeNs received_ns) {
+    count_.latencies_s.push_back(seconds_between(pose.imu_bridge_time, received_ns));
+    TimeNs& last_ns = last_ns_[pose.address];
+    if (last_ns == 0) {
+      ++beacons_;
+    } else {
+      const auto periods = std::llround(seconds_between(last_ns, pose.imu_sensor_time) * imu_rate_hz_);
+      if (periods > 1) count_.missing += static_cast<std::uint64_t>(periods - 1);
+    }
+    last_ns = pose.imu_sensor_time;
+  }
+
+  double imu_rate_hz_;
+  std::mutex mutex_;
+  PoseCount count_;
+  std::vector<TimeNs> last_ns_;  ///< by address: the sensor time of its latest pose; 0: none yet
+  std::size_t beacons_ = 0;
+};
+
+/// The events that fusions have given up, after their own count.
+class LostEvents final : public dds::DataReaderListener<sonopose_FusionStatus> {
+public:
+  void on_data_available(dds::DataReader<sonopose_FusionStatus>& reader) noexcept override {
+    const std::lock_guard lock(mutex_);
+    reader.try_take_each([this](const sonopose_FusionStatus& status, const dds::SampleInfo&) {
+      by_address_[status.address] = status.events_lost;
+    });
+  }
+
+  std::uint64_t sum() {
+    const std::lock_guard lock(mutex_);
+    std::uint64_t lost = 0;
+    for (const auto& entry : by_address_) lost += entry.second;
+    return lost;
+  }
+
+private:
+  std::mutex mutex_;
+  std::map<BeaconAddress, std::uint64_t> by_address_;
+};
+
+}  // namespace sonopose::benchmarks

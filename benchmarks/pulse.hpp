@@ -1,0 +1,29 @@
+#pragma once
+// When a source without a simulator sends.
+
+#include <sonopose/nodes/host_clock.hpp>
+
+#include <time.h>
+
+namespace sonopose::benchmarks {
+
+/// Beats at a fixed rate from its making on.
+class Pulse {
+public:
+  explicit Pulse(double rate_hz)
+      : period_ns_(static_cast<TimeNs>(1e9 / rate_hz)), next_ns_(nodes::steady_now_ns()) {}
+
+  /// Sleeps until the next beat.
+  void wait() {
+    const timespec until{static_cast<time_t>(next_ns_ / 1'000'000'000),
+                         static_cast<long>(next_ns_ % 1'000'000'000)};
+    ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
+    next_ns_ += period_ns_;
+  }
+
+private:
+  TimeNs period_ns_;
+  TimeNs next_ns_;
+};
+
+}  // namespace sonopose::benchmarks

@@ -1,0 +1,66 @@
+/// --realtime: what is applied and what is refused is said, and the programs serve in any case.
+
+#include "support/bus.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sched.h>
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+
+namespace {
+
+/// The scheduling policy of a process's thread of this name; −1 where it has none.
+int policy_of_thread(int pid, const std::string& name) {
+  for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
+    std::ifstream comm(task.path() / "comm");
+    std::string found;
+    std::getline(comm, found);
+    if (found == name) return ::sched_getscheduler(std::stoi(task.path().filename())) & ~SCHED_RESET_ON_FORK;
+  }
+  return -1;
+}
+
+bool is_about_recv(const std::string& line) {
+  return line.find("thread recv:") != std::string::npos;
+}
+
+}  // namespace
+
+SCENARIO("a fusion that is asked for real time") {
+  const Bus bus;
+  GIVEN("--realtime") {
+    const auto fusion = bus.fusion({"--realtime=31"});
+    const auto lines = fusion->lines(Stream::error);
+    THEN("it says of the receive thread what holds, and that is so") {
+      const auto said = std::find_if(lines.begin(), lines.end(), is_about_recv);
+      REQUIRE(said != lines.end());
+      CHECK_THAT(*said, Contains("sonopose-fusion: realtime: ") && Contains("31"));
+      const bool refused = said->find("not applied") != std::string::npos;
+      if (refused) CHECK_THAT(*said, Contains("sched_setscheduler") && Contains("remedy"));
+      CHECK(policy_of_thread(fusion->pid(), "recv") == (refused ? SCHED_OTHER : SCHED_FIFO));
+    }
+    THEN("poses come all the same") {
+      const auto bridge = bus.bridge({"--realtime"});
+      Consumer poses(bus, dds::topics::pose);
+      CHECK(poses.wait_for_count(100));
+      CHECK(bridge->wait_for_line(Stream::error, "realtime"));
+    }
+  }
+  GIVEN("none of it") {
+    const auto fusion = bus.fusion();
+    THEN("nothing is said or done") {
+      CHECK_THAT(fusion->text(Stream::error), !Contains("realtime"));
+      CHECK(policy_of_thread(fusion->pid(), "recv") == SCHED_OTHER);
+    }
+  }
+}
+
+SCENARIO("a priority that is none is refused") {
+  const Result result = run(SONOPOSE_TEST_FUSION, {"--realtime=100"}, neutral);
+  CHECK(result.code.value_or(0) > 0);
+  CHECK_THAT(result.error, Contains("--realtime") && Contains("100"));
+}
