@@ -34,7 +34,7 @@ const dds_qos_t* writer_qos(const char* profile) {
 }
 
 dds_entity_t join(std::uint32_t domain) {
-  const std::string config = dds::domain_configuration(domain, dds::Network::loopback, "");
+  const std::string config = dds::domain_configuration(domain, {}, "");
   checked(dds_create_domain(domain, config.c_str()));
   return checked(dds_create_participant(domain, nullptr, nullptr));
 }

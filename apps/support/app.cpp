@@ -19,7 +19,14 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
       ->transform(CLI::CheckedTransformer(networks))
       ->option_text("loopback|lan (default: loopback)")
       ->group("Bus");
-  app.add_option("--qos", options.qos_file, "QoS policies laid over the project's own (default: SONOPOSE_QOS, else none)")
+  app.add_option(
+         "--partition", options.domain.partition,
+         "Part of the domain that is read and written; who reads may name several: hall-* (default: what "
+         "is in none)")
+      ->type_name("NAME")
+      ->group("Bus");
+  app.add_option("--qos", options.qos_file,
+                 "QoS policies laid over the project's own (default: SONOPOSE_QOS, else none)")
       ->type_name("FILE")
       ->group("Bus");
 }

@@ -71,9 +71,9 @@ std::string fragment(const std::string& content) {
   return "<CycloneDDS><Domain>" + content + "</Domain></CycloneDDS>";
 }
 
-std::string defaults(std::uint32_t domain_id, Network network, const UserNetwork& user) {
+std::string defaults(std::uint32_t domain_id, const DomainOptions& options, const UserNetwork& user) {
   std::string general;
-  if (network == Network::loopback) {
+  if (options.network == Network::loopback) {
     if (user.interfaces.empty()) general += R"(<Interfaces><NetworkInterface name="lo"/></Interfaces>)";
     // With interfaces of the user's own, Cyclone DDS decides about multicast as usual.
     if (user.interfaces.empty()) general += "<AllowMulticast>false</AllowMulticast>";
@@ -83,14 +83,22 @@ std::string defaults(std::uint32_t domain_id, Network network, const UserNetwork
   if (!user.peers) discovery += R"(<Peers><Peer address="127.0.0.1"/></Peers>)";
   // How long each writer that goes waits for readers that do not answer. Cyclone DDS's own 1 s, one writer
   // after the other, would keep a process that was told to end for seconds.
-  const std::string internal = "<Internal><WriterLingerDuration>100 ms</WriterLingerDuration></Internal>";
-  return fragment("<General>" + general + "</General><Discovery>" + discovery + "</Discovery>" + internal);
+  std::string internal = "<WriterLingerDuration>100 ms</WriterLingerDuration>";
+  // Cyclone DDS holds a writer up when readers have not acknowledged so much, whatever its history keeps.
+  if (!options.wait_for_readers) {
+    internal +=
+        "<Watermarks><WhcHigh>1 GB</WhcHigh><WhcHighInit>1 GB</WhcHighInit>"
+        "<WhcAdaptive>false</WhcAdaptive></Watermarks>";
+  }
+  return fragment("<General>" + general + "</General><Discovery>" + discovery + "</Discovery><Internal>" +
+                  internal + "</Internal>");
 }
 
 /// The domains that this process has open.
 struct OpenDomain {
   dds_entity_t entity = 0;
   Network network = Network::loopback;
+  bool wait_for_readers = false;
   int leases = 0;
 };
 
@@ -104,12 +112,12 @@ Registry& registry() {
   return *instance;
 }
 
-dds_entity_t create_domain(std::uint32_t id, Network network) {
+dds_entity_t create_domain(std::uint32_t id, const DomainOptions& options) {
   const std::string uri = environment("CYCLONEDDS_URI");
   std::string about = "domain " + std::to_string(id);
   if (!uri.empty()) about += ", CYCLONEDDS_URI=" + uri;
   return check("dds_create_domain", about,
-               dds_create_domain(id, domain_configuration(id, network, uri).c_str()));
+               dds_create_domain(id, domain_configuration(id, options, uri).c_str()));
 }
 
 }  // namespace
@@ -150,9 +158,10 @@ UserNetwork network_named_by(const std::string& uri, std::uint32_t domain_id) {
   return found;
 }
 
-std::string domain_configuration(std::uint32_t domain_id, Network network, const std::string& user_uri) {
+std::string domain_configuration(std::uint32_t domain_id, const DomainOptions& options,
+                                 const std::string& user_uri) {
   const UserNetwork user = network_named_by(user_uri, domain_id);
-  std::string configuration = defaults(domain_id, network, user);
+  std::string configuration = defaults(domain_id, options, user);
   if (!user_uri.empty()) configuration += "," + user_uri;
   return configuration + "," +
          fragment("<Internal><MultipleReceiveThreads>false</MultipleReceiveThreads></Internal>");
@@ -163,11 +172,13 @@ DomainLease::DomainLease(const DomainOptions& options) : id_(resolve_domain_id(o
   const auto found = registry().open.find(id_);
   if (found == registry().open.end()) {
     // No entry before the domain stands: creating it may throw.
-    const dds_entity_t entity = create_domain(id_, options.network);
-    registry().open[id_] = {entity, options.network, 1};
-  } else if (found->second.network != options.network) {
-    throw Error("domain " + std::to_string(id_) + " is in use in this process with another network",
-                DDS_RETCODE_PRECONDITION_NOT_MET);
+    const dds_entity_t entity = create_domain(id_, options);
+    registry().open[id_] = {entity, options.network, options.wait_for_readers, 1};
+  } else if (found->second.network != options.network ||
+             found->second.wait_for_readers != options.wait_for_readers) {
+    throw Error(
+        "domain " + std::to_string(id_) + " is in use in this process with another network, or other waiting",
+        DDS_RETCODE_PRECONDITION_NOT_MET);
   } else {
     ++found->second.leases;
   }

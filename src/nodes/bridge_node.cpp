@@ -27,6 +27,13 @@ TimeNs deadline_ns(const dds::Entity& writer) {
   return writer.qos().policy<dds::policy::Deadline>().value_or(dds::policy::Deadline{}).period.count();
 }
 
+/// Live, a fusion that has stopped holds nobody up.
+dds::DomainOptions domain_options(const BridgeOptions& options) {
+  dds::DomainOptions domain = options.domain;
+  domain.wait_for_readers = options.lossless;
+  return domain;
+}
+
 }  // namespace
 
 class BridgeNode::Publisher final : public SampleSink {
@@ -101,7 +108,7 @@ private:
 BridgeNode::Publisher::Publisher(const BridgeOptions& options, const StopSignal* stop)
     : lossless_(options.lossless),
       stop_(stop),
-      participant_(options.domain),
+      participant_(domain_options(options)),
       qos_(options.qos_file),
       status_last_ns_(steady_now_ns()) {
   const auto delivery = lossless_ ? dds::Delivery::lossless : dds::Delivery::live;

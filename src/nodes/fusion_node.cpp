@@ -26,6 +26,13 @@ TimeNs input_deadline_ns(const dds::QosProvider& qos) {
   return std::min(most_ns, deadline.value_or(dds::policy::Deadline{}).period.count());
 }
 
+/// Live, a consumer that has stopped holds nobody up.
+dds::DomainOptions domain_options(const FusionOptions& options) {
+  dds::DomainOptions domain = options.domain;
+  domain.wait_for_readers = options.lossless;
+  return domain;
+}
+
 constexpr std::uint64_t InputCounters::*counter_of(const sonopose_ImuSample& /*stream*/) {
   return &InputCounters::imu_deadlines_missed;
 }
@@ -42,7 +49,7 @@ FusionNode::Impl::Impl(const FusionOptions& options)
     : lossless_(options.lossless),
       addresses_(options.addresses),
       id_(random_id()),
-      participant_(options.domain),
+      participant_(domain_options(options)),
       qos_(options.qos_file),
       delivery_(options.lossless ? dds::Delivery::lossless : dds::Delivery::live),
       input_deadline_ns_(input_deadline_ns(qos_)),

@@ -22,6 +22,12 @@ enum class Network : std::uint8_t {
 struct DomainOptions {
   std::optional<std::uint32_t> domain_id = std::nullopt;  ///< empty: ROS_DOMAIN_ID, else 0
   Network network = Network::loopback;
+  /// The part of the domain whose topics are read and written; empty: what is in no part. Readers may name
+  /// several by a pattern ("hall-*").
+  std::string partition = {};
+  /// Whether writers wait for readers that lag behind, which bounds the memory of one that keeps all. Else
+  /// they write on: what a lagging reader has not got is overwritten, and nobody waits for it.
+  bool wait_for_readers = false;
 };
 
 /// The id that `options` leads to. Throws std::invalid_argument that names the option or ROS_DOMAIN_ID and
@@ -39,11 +45,12 @@ struct UserNetwork {
 /// is for Cyclone DDS to say: what cannot be read here names nothing.
 UserNetwork network_named_by(const std::string& uri, std::uint32_t domain_id);
 
-/// What Cyclone DDS is configured with: our defaults, then the user's own CYCLONEDDS_URI (`user_uri`, may be
-/// empty), which wins, then what must hold: one receive thread, on which all data listeners of remote samples
+/// What Cyclone DDS is configured with for this domain (the id in `options` does not count): our defaults,
+/// then the user's own CYCLONEDDS_URI (`user_uri`, may be empty), which wins, then what must hold: one receive thread, on which all data listeners of remote samples
 /// run. Interfaces and peers are lists that Cyclone DDS would append to, so ours stay out where the user
 /// names some for this domain.
-std::string domain_configuration(std::uint32_t domain_id, Network network, const std::string& user_uri);
+std::string domain_configuration(std::uint32_t domain_id, const DomainOptions& options,
+                                 const std::string& user_uri);
 
 /// A share in the process's configured domain: the first one configures it, the last one closes it.
 /// Throws `Error`; also where the domain is in use in this process with another network.

@@ -6,6 +6,8 @@
 #include <sonopose/dds/entity.hpp>
 #include <sonopose/dds/qos.hpp>
 
+#include <string>
+
 namespace sonopose::dds {
 
 /// Joins the domain, which is configured when its first participant in this process comes and closed after
@@ -21,6 +23,12 @@ public:
   ~DomainParticipant() = default;
 
   using DomainLease::domain_id;
+
+  /// Of the options: what make_writer and make_reader add to every profile.
+  [[nodiscard]] const std::string& partition() const noexcept { return partition_; }
+
+private:
+  std::string partition_;
 };
 
 /// As the constructor: the one line by which an application joins.

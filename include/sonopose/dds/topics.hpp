@@ -57,6 +57,11 @@ const char* profile_of(const TopicEntry<T>& entry, Delivery delivery) {
   return delivery == Delivery::lossless ? entry.lossless_profile : entry.profile;
 }
 
+/// Puts an end into the participant's part of the domain, where it has one.
+inline void join_partition(Qos& qos, const DomainParticipant& participant) {
+  if (!participant.partition().empty()) qos << policy::Partition{{participant.partition()}};
+}
+
 /// A writer for one row of the diagram. `listener` must outlive it. `changes` stand above the profile.
 template <class T>
 DataWriter<T> make_writer(const DomainParticipant& participant, const QosProvider& qos,
@@ -67,6 +72,7 @@ DataWriter<T> make_writer(const DomainParticipant& participant, const QosProvide
   const Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
   Qos writer_qos = qos.datawriter_qos(profile);
   writer_qos.merge(changes);
+  join_partition(writer_qos, participant);
   return DataWriter<T>(participant, topic, writer_qos, listener);
 }
 
@@ -78,7 +84,9 @@ DataReader<T> make_reader(const DomainParticipant& participant, const QosProvide
                           Delivery delivery = Delivery::live) {
   const char* profile = profile_of(entry, delivery);
   const Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
-  return DataReader<T>(participant, topic, qos.datareader_qos(profile), listener);
+  Qos reader_qos = qos.datareader_qos(profile);
+  join_partition(reader_qos, participant);
+  return DataReader<T>(participant, topic, reader_qos, listener);
 }
 
 }  // namespace sonopose::dds
