@@ -19,7 +19,8 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
       ->transform(CLI::CheckedTransformer(networks))
       ->option_text("loopback|lan (default: loopback)")
       ->group("Bus");
-  app.add_option("--qos", options.qos_file, "QoS policies laid over the project's own (default: SONOPOSE_QOS, else none)")
+  app.add_option("--qos", options.qos_file,
+                 "QoS policies laid over the project's own (default: SONOPOSE_QOS, else none)")
       ->type_name("FILE")
       ->group("Bus");
 }
