@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace sonopose::nodes::doctor {
@@ -20,10 +21,13 @@ public:
       : seen_(seen), beacon_(beacon), findings_(findings) {}
 
   void rates() const {
-    add(Severity::ok,
+    std::string text =
         fmt::format("IMU {:.1f} Hz, fixes {:.1f} Hz, headings {:.1f} Hz, poses {:.1f} Hz",
-                    beacon_.imu.rate_hz, beacon_.fix.rate_hz, beacon_.heading.rate_hz, beacon_.pose.rate_hz),
-        "");
+                    beacon_.imu.rate_hz, beacon_.fix.rate_hz, beacon_.heading.rate_hz, beacon_.pose.rate_hz);
+    if (beacon_.status && beacon_.status->battery_v) {
+      text += fmt::format(", battery {:.2f} V", *beacon_.status->battery_v);
+    }
+    add(Severity::ok, text, "");
   }
 
   void imu() const {
@@ -58,7 +62,7 @@ public:
   }
 
   void poses(bool fusion_runs) const {
-    if (!fusion_runs || beacon_.imu.samples == 0) return;  // told already
+    if (!fusion_runs || beacon_.imu.samples == 0 || fusion_is_deaf()) return;  // told already
     if (beacon_.pose.samples == 0) {
       add(Severity::error, "a fusion runs, but no pose of this beacon came",
           "hold it still for a second, and see that fixes come; look at what sonopose-fusion says");
@@ -84,11 +88,13 @@ public:
 
   void numbering() const {
     if (beacon_.events_missing > 0 && beacon_.bridges.size() < 2) {
-      add(Severity::warning, fmt::format("{} of its events did not come here", beacon_.events_missing),
+      add(by_share(beacon_.events_missing),
+          fmt::format("{} of its events did not come here", beacon_.events_missing),
           "see whether a network in between loses packets, or this machine is overloaded");
     }
+    if (fusion_is_deaf()) return;  // what it counts follows from that
     if (const auto lost = rising(&FusionStatus::events_lost); lost > 0) {
-      add(Severity::warning, fmt::format("its fusion lost {} events", lost),
+      add(by_share(lost), fmt::format("its fusion lost {} events", lost),
           "see whether a network in between loses packets, or the fusion's machine is overloaded");
     }
     if (const auto invalid = rising(&FusionStatus::samples_invalid); invalid > 0) {
@@ -153,9 +159,24 @@ private:
     findings_.push_back({severity, name_of(beacon_), what, remedy});
   }
 
+  /// How bad it is that so many events are lost: up to one in a hundred is a note.
+  [[nodiscard]] Severity by_share(std::uint64_t lost) const {
+    return lost * 100 > beacon_.imu.samples ? Severity::warning : Severity::note;
+  }
+
+  /// Whether a reader of IMU samples does not match, which has been told.
+  [[nodiscard]] bool fusion_is_deaf() const {
+    return std::any_of(findings_.begin(), findings_.end(), [](const Finding& finding) {
+      return finding.severity == Severity::error && finding.subject == "sonopose/imu";
+    });
+  }
+
   void silence(const StreamSeen& stream, const char* what, const char* remedy) const {
     if (stream.longest_silence_s <= stream.deadline_s) return;
-    add(Severity::warning,
+    // One hiccup of a busy machine is no more than worth a note.
+    const bool bad =
+        stream.longest_silence_s > 3 * stream.deadline_s || stream.rate_hz * stream.deadline_s < 1;
+    add(bad ? Severity::warning : Severity::note,
         fmt::format("no {} for {:.2f} s, which is longer than the deadline of {:.1f} s", what,
                     stream.longest_silence_s, stream.deadline_s),
         remedy);

@@ -64,8 +64,10 @@ std::string remedy(const BusSeen& bus, const std::string& otherwise) {
 void look_for_processes(const Observations& seen, Findings& findings) {
   const BusSeen& bus = seen.bus;
   const std::string lan =
-      bus.loopback_only ? "; what runs on other machines is seen with --network lan alone, on both sides"
-                        : "";
+      !bus.loopback_only ? ""
+      : bus.interfaces.empty()
+          ? "; what runs on other machines is seen with --network lan alone, on both sides"
+          : "; what runs on other machines is not seen, as CYCLONEDDS_URI says";
   if (!anybody(seen)) {
     findings.push_back({Severity::error, "bus",
                         fmt::format("no sonopose process in domain {}{}", bus.domain_id,

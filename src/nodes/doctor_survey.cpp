@@ -4,6 +4,7 @@
 #include <sonopose/dds/topics.hpp>
 #include <sonopose/nodes/host_clock.hpp>
 
+#include <algorithm>
 #include <arpa/inet.h>
 #include <array>
 #include <cstdlib>
@@ -68,10 +69,10 @@ std::vector<InterfaceSeen> named_interfaces(const dds::UserNetwork& user,
 
 /// Where this process may receive: "lo", what the user names, or what Cyclone DDS has to choose from.
 std::string interfaces_in_use(const BusSeen& bus, const std::vector<Interface>& of_machine) {
-  if (bus.loopback_only) return "lo";
   std::string list;
   for (const InterfaceSeen& named : bus.interfaces) list += (list.empty() ? "" : ", ") + named.name;
-  if (!list.empty()) return list + " (CYCLONEDDS_URI)";
+  if (!list.empty()) return list + ", named by CYCLONEDDS_URI";
+  if (bus.loopback_only) return "lo";
   int count = 0;
   for (const Interface& interface : of_machine) {
     if ((interface.flags & IFF_LOOPBACK) != 0U || (interface.flags & IFF_UP) == 0U) continue;
@@ -79,7 +80,7 @@ std::string interfaces_in_use(const BusSeen& bus, const std::vector<Interface>& 
     ++count;
   }
   if (count == 0) return "no interface but lo";
-  return count == 1 ? list : "one of " + list + " (name it in CYCLONEDDS_URI where it is the wrong one)";
+  return count == 1 ? list : "one of " + list + "; CYCLONEDDS_URI can name it";
 }
 
 DomainSeen look_into(const dds::DomainOptions& options, const StopSignal& stop) {
@@ -140,9 +141,12 @@ BusSeen bus_of(const dds::DomainOptions& options) {
   bus.domain_id = dds::resolve_domain_id(options);
   const char* const uri = std::getenv("CYCLONEDDS_URI");
   const dds::UserNetwork user = dds::network_named_by(uri == nullptr ? "" : uri, bus.domain_id);
-  bus.loopback_only = options.network == dds::Network::loopback && user.interfaces.empty();
   const auto of_machine = interfaces_of_machine();
   bus.interfaces = named_interfaces(user, of_machine);
+  bus.loopback_only = user.interfaces.empty()
+                          ? options.network == dds::Network::loopback
+                          : std::all_of(bus.interfaces.begin(), bus.interfaces.end(),
+                                        [](const InterfaceSeen& named) { return named.loopback; });
   bus.interfaces_in_use = interfaces_in_use(bus, of_machine);
   bus.peers_named = user.peers;
   return bus;

@@ -23,8 +23,11 @@ std::string remedy_for(const dds::QosMismatch& mismatch, const NativeTopic& topi
     return fmt::format("let both ends of {} have {} ownership", topic.name, mismatch.offered);
   }
   if (mismatch.policy == "partition") return "let both ends be in one partition";
-  return fmt::format("let the reader ask for {} {} or the writer offer {} (docs/qos.md)", mismatch.policy,
-                     mismatch.offered, mismatch.requested);
+  return fmt::format(
+      "let the reader ask for a {0} of {1}, or the writer offer one of {2}; programs of sonopose: give all "
+      "of them the "
+      "same --qos file (docs/qos.md)",
+      mismatch.policy, mismatch.offered, mismatch.requested);
 }
 
 void look_at_pair(const NativeTopic& topic, const EndpointSeen& writer, const EndpointSeen& reader,

@@ -137,6 +137,24 @@ TEST_CASE("The user's own CYCLONEDDS_URI wins, and one receive thread stays") {
   }
 }
 
+TEST_CASE("What CYCLONEDDS_URI says of the network is read as Cyclone DDS reads it") {
+  const auto in_domain = [](const char* attributes, const std::string& content) {
+    return "<CycloneDDS><Domain" + std::string(attributes) + ">" + content + "</Domain></CycloneDDS>";
+  };
+  const std::string named = R"(<General><Interfaces><NetworkInterface name="eth0"/>)"
+                            R"(<NetworkInterface address="10.0.0.2"/></Interfaces>)"
+                            R"(<AllowMulticast>false</AllowMulticast></General>)";
+  const UserNetwork network = network_named_by(in_domain("", named), 5);
+  CHECK(network.interfaces == std::vector<std::string>{"eth0", "10.0.0.2"});
+  CHECK(network.without_multicast);
+  CHECK_FALSE(network.peers);
+
+  CHECK(network_named_by(in_domain(R"( id="6")", named), 5).interfaces.empty());
+  CHECK(network_named_by(in_domain("", "<Discovery><Peers/></Discovery>"), 5).peers);
+  CHECK(network_named_by("", 5).interfaces.empty());
+  CHECK_FALSE(network_named_by("nonsense", 5).without_multicast);
+}
+
 /// Another process that writes until this object dies.
 class Peer {
 public:

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <set>
 #include <string>
@@ -106,6 +107,20 @@ TEST_CASE("The table of docs/qos.md is what qos/sonopose.xml says, profile by pr
   }
   CHECK(profiles.size() == topics.size());
   CHECK(rows_of_page() == rows);
+}
+
+TEST_CASE("The example of docs/qos.md does what it says, to the profile that it names and to no other") {
+  std::ifstream page(std::string(SONOPOSE_SOURCE_DIR) + "/docs/qos.md");
+  const std::string text{std::istreambuf_iterator<char>(page), {}};
+  const std::string fence = "```xml\n";
+  const std::size_t begin = text.find(fence) + fence.size();
+  const std::size_t end = text.find("```", begin);
+  REQUIRE(end != std::string::npos);
+  QosProvider qos = project_qos();
+  const std::string heading = deadline(qos.datareader_qos("sonopose::Heading"));
+  qos.lay_over(text.substr(begin, end - begin), "docs/qos.md");
+  CHECK(deadline(qos.datareader_qos("sonopose::Fix")) == "10 s");
+  CHECK(deadline(qos.datareader_qos("sonopose::Heading")) == heading);
 }
 
 TEST_CASE("Every profile states every policy, and what docs/qos.md says of all holds for all") {

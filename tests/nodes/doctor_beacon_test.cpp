@@ -23,10 +23,15 @@ TEST_CASE("Streams that do not come, or come too late for their deadline, are to
   CHECK(severity("no pair heading came", [](auto& b) { b.heading = {}; }) == Severity::note);
   CHECK(severity("knows no heading", [](auto& b) { b.valid_headings = 0; }) == Severity::warning);
   CHECK(severity("no pose of this beacon came", [](auto& b) { b.pose = {}; }) == Severity::error);
-  CHECK(severity("no IMU samples for 0.15 s", [](auto& b) { b.imu.longest_silence_s = 0.15; }) ==
+  CHECK(severity("no IMU samples for 0.35 s", [](auto& b) { b.imu.longest_silence_s = 0.35; }) ==
         Severity::warning);
+  CHECK(severity("no IMU samples for 0.15 s", [](auto& b) { b.imu.longest_silence_s = 0.15; }) ==
+        Severity::note);
+  CHECK(severity("no IMU samples for 0.15 s", [](auto& b) {
+          b.imu = {24, 8.0, 0.15, 0.1};
+        }) == Severity::warning);
   CHECK(severity("no IMU samples for", [](auto& b) { b.imu.longest_silence_s = 0.09; }) == Severity::ok);
-  CHECK(severity("no fixes for 2.60 s", [](auto& b) { b.fix.longest_silence_s = 2.6; }) == Severity::warning);
+  CHECK(severity("no fixes for 2.60 s", [](auto& b) { b.fix = {1, 0.33, 2.6, 2.5}; }) == Severity::warning);
   CHECK(severity("no poses for 1.00 s", [](auto& b) { b.pose.longest_silence_s = 1; }) == Severity::warning);
 }
 
@@ -63,8 +68,9 @@ TEST_CASE("Counters matter where they rise, not where they stand") {
           b.status_before->crc_errors = 50;
           b.status->crc_errors = 5;
         }) == Severity::ok);
-  CHECK(severity("its fusion lost 3 events", [](auto& b) { b.fusion->events_lost = 3; }) ==
+  CHECK(severity("its fusion lost 30 events", [](auto& b) { b.fusion->events_lost = 30; }) ==
         Severity::warning);
+  CHECK(severity("its fusion lost 2 events", [](auto& b) { b.fusion->events_lost = 2; }) == Severity::note);
   CHECK(severity("its fusion refused 2 samples", [](auto& b) { b.fusion->samples_invalid = 2; }) ==
         Severity::warning);
   CHECK(severity("no sensor can give", [](auto& b) { b.status->samples_rejected = 2; }) == Severity::warning);

@@ -94,6 +94,16 @@ TEST_CASE("A deadline that is too short is an error of its topic alone") {
   CHECK(found(diagnose(seen), "deadline: offered infinite, requested 1 ms").subject == "sonopose/imu");
 }
 
+TEST_CASE("Where the fusion does not hear the beacon, what follows from it is not told as well") {
+  Observations seen = healthy();
+  seen.readers.front().qos << dds::policy::Deadline{std::chrono::milliseconds(1)};
+  seen.beacons.front().pose = {};
+  seen.beacons.front().fusion->events_lost = 100;
+  const auto findings = diagnose(seen);
+  CHECK(std::count_if(findings.begin(), findings.end(),
+                      [](const Finding& finding) { return finding.severity >= Severity::warning; }) == 1);
+}
+
 TEST_CASE("The same topic with another type is an error") {
   Observations seen = healthy();
   seen.readers.push_back(endpoint("sonopose/imu", "other::Imu", "logger"));

@@ -91,8 +91,7 @@ public:
 
   Consumer(const Bus& bus, const dds::TopicEntry<T>& entry, dds::Delivery delivery = dds::Delivery::lossless)
       : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
-        reader_(dds::make_reader(participant_, dds::QosProvider(), entry, nullptr,
-                                 delivery)) {}
+        reader_(dds::make_reader(participant_, dds::QosProvider(), entry, nullptr, delivery)) {}
 
   /// Waits until it has matched this many writers (at least).
   bool wait_for_writers(std::uint32_t count = 1) {

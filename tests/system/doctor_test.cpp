@@ -92,6 +92,25 @@ SCENARIO("of a system that is well the doctor says so") {
   }
 }
 
+SCENARIO("an IMU that is mounted otherwise than the fusion was told is found at rest") {
+  GIVEN("a level beacon at rest, and a fusion that takes the sensor's Y for the vertical") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    const auto fusion = bus.fusion({"--set", "calibration.axes=+x-z+y"});
+    const auto bridge = bus.bridge({"--scenario", "rest"});
+    REQUIRE(poses.wait_for_count(1));
+    WHEN("the doctor looks") {
+      const Result result = doctor(bus.domain_id(), {"--duration", "1"});
+      THEN("it says where gravity is, and which setting puts it right") {
+        CAPTURE(result.output, result.error);
+        CHECK(result.code == 1);
+        CHECK_THAT(result.output, Contains("on -y of the body and not on +z"));
+        CHECK_THAT(result.output, Contains("calibration.axes=+x+y+z;"));
+      }
+    }
+  }
+}
+
 SCENARIO("where nobody is, the doctor says so, and finds a system in another domain") {
   const Bus empty;
   GIVEN("nobody at all") {

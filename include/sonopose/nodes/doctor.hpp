@@ -58,7 +58,7 @@ struct DomainSeen {
 
 struct BusSeen {
   std::uint32_t domain_id = 0;
-  bool loopback_only = true;      ///< --network loopback, and no interface of the user's own
+  bool loopback_only = true;      ///< other machines cannot be found
   std::string interfaces_in_use;  ///< in words: "lo", "eth0 10.0.0.2"
   std::vector<InterfaceSeen> interfaces;
   bool peers_named = false;  ///< by CYCLONEDDS_URI
