@@ -1,24 +1,10 @@
+#include "shifted.hpp"
 #include <sonopose/io/log_folder.hpp>
 #include <sonopose/nodes/host_clock.hpp>
 #include <sonopose/nodes/recorded_sources.hpp>
 
 namespace sonopose::nodes {
 namespace {
-
-/// The same event `shift_ns` later.
-Event shifted(Event event, TimeNs shift_ns) {
-  if (auto* imu = std::get_if<ImuSample>(&event)) {
-    imu->sensor_time_ns += shift_ns;
-  } else if (auto* fix = std::get_if<UltrasonicFix>(&event)) {
-    fix->emission_time_ns += shift_ns;
-    fix->received_time_ns += shift_ns;
-  } else {
-    auto& heading = std::get<PairHeading>(event);
-    heading.emission_time_ns += shift_ns;
-    heading.received_time_ns += shift_ns;
-  }
-  return event;
-}
 
 class LogSource final : public Source {
 public:
@@ -37,9 +23,7 @@ public:
       const TimeNs time_ns = available_at_ns(event);
       if (!pacer_.wait_for(time_ns, sink, stop)) return;
       for (; truth != log_.truth.end() && truth->time_ns <= time_ns; ++truth) {
-        TruthSample moved = *truth;
-        moved.time_ns += shift_ns;
-        sink.on(moved);
+        sink.on(shifted(*truth, shift_ns));
       }
       sink.on(shifted(event, shift_ns));
     }

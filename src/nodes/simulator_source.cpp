@@ -1,3 +1,4 @@
+#include "shifted.hpp"
 #include <sonopose/io/byte_file.hpp>
 #include <sonopose/marvelmind/disassembler.hpp>
 #include <sonopose/marvelmind/encoder.hpp>
@@ -121,24 +122,29 @@ private:
 
 class SimulatorSource final : public Source {
 public:
-  SimulatorSource(const SimulatorOptions& options, TimeNs start_ns)
-      : pacer_(options.rate), beacons_(options, start_ns) {
+  explicit SimulatorSource(const SimulatorOptions& options)
+      : pacer_(options.rate), beacons_(options, simulated_start_ns) {
     // A beacon wakes up before it measures: its first stamp is not negative.
     constexpr TimeNs awake_before_ns = 1'000'000'000;
-    if (options.capture) capture_.emplace(*options.capture, start_ns - awake_before_ns);
+    if (options.capture) capture_.emplace(*options.capture, simulated_start_ns - awake_before_ns);
   }
 
   void run(SampleSink& sink, const StopSignal& stop) override {
+    // From now on, however long it took to make the beacons and to join the bus: in real time a sample is
+    // then brought at its own stamp.
+    const TimeNs shift_ns = now_ns() - simulated_start_ns;
     for (const sim::Step* step = beacons_.front(); step != nullptr; step = beacons_.front()) {
       if (!pacer_.wait_for(available_at_ns(step->event), sink, stop)) return;
-      if (step->truth) sink.on(*step->truth);
-      sink.on(step->event);
+      if (step->truth) sink.on(shifted(*step->truth, shift_ns));
+      sink.on(shifted(step->event, shift_ns));
       if (capture_) capture_->on(step->event);
       beacons_.pop();
     }
   }
 
 private:
+  static constexpr TimeNs simulated_start_ns = sim::Run{}.start_time_ns;
+
   Pacer pacer_;
   MergedBeacons beacons_;
   std::optional<BeaconCapture> capture_;
@@ -147,7 +153,7 @@ private:
 }  // namespace
 
 std::unique_ptr<Source> make_simulator_source(const SimulatorOptions& options) {
-  return std::make_unique<SimulatorSource>(checked(options), now_ns());
+  return std::make_unique<SimulatorSource>(checked(options));
 }
 
 }  // namespace sonopose::nodes

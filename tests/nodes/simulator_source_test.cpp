@@ -37,11 +37,11 @@ SCENARIO("the simulator as a source") {
   CollectingSink sink;
   StopSignal stop;
   GIVEN("two seconds of it, as fast as they can be") {
-    const TimeNs before_ns = now_ns();
     const auto source = make_simulator_source(simulator(2.0));
-    const TimeNs after_ns = now_ns();
     CHECK_FALSE(source->is_recording());
+    const TimeNs before_ns = now_ns();
     source->run(sink, stop);
+    const TimeNs after_ns = now_ns();
     THEN("200 IMU samples with their truth and fixes at 8 to 16 Hz with headings come, and it ends") {
       const auto imu = sink.of_kind<ImuSample>();
       CHECK(imu.size() == 200);
@@ -51,11 +51,24 @@ SCENARIO("the simulator as a source") {
       CHECK(sink.of_kind<PairHeading>().size() == sink.of_kind<UltrasonicFix>().size());
       CHECK(sink.truth.back().time_ns == imu.back().sensor_time_ns);
     }
-    THEN("it begins now, under its address") {
+    THEN("it begins when it is run, under its address") {
       const auto first = sink.of_kind<ImuSample>().front();
       CHECK(first.address == 9);
       CHECK(first.sensor_time_ns >= before_ns);
       CHECK(first.sensor_time_ns <= after_ns);
+    }
+  }
+  GIVEN("a tenth of a second of it in real time, run a while after it was made") {
+    SimulatorOptions options = simulator(0.1);
+    options.rate = 1.0;
+    const auto source = make_simulator_source(options);
+    stop.wait_until(steady_now_ns() + 20'000'000);
+    const TimeNs begun_ns = now_ns();
+    source->run(sink, stop);
+    THEN("no sample is older than the run, and none is brought before its own time") {
+      REQUIRE(sink.of_kind<ImuSample>().size() == 10);
+      CHECK(sink.of_kind<ImuSample>().front().sensor_time_ns >= begun_ns);
+      CHECK(sink.of_kind<ImuSample>().back().sensor_time_ns <= now_ns());
     }
   }
   GIVEN("one without an end") {

@@ -30,9 +30,9 @@ struct SimulatorOptions {
 /// The most beacons that one simulator source brings.
 inline constexpr std::uint32_t max_simulated_beacons = 1000;
 
-/// The built-in simulator, from now on. The IMU samples of several beacons are spread evenly over the IMU's
-/// period. Throws std::invalid_argument for an unknown scenario, a number of beacons outside 1…1000,
-/// addresses that no beacon can have, and a capture of several beacons.
+/// The built-in simulator, from the start of its run on. The IMU samples of several beacons are spread evenly
+/// over the IMU's period. Throws std::invalid_argument for an unknown scenario, a number of beacons outside
+/// 1…1000, addresses that no beacon can have, and a capture of several beacons.
 std::unique_ptr<Source> make_simulator_source(const SimulatorOptions& options);
 
 struct LogOptions {
