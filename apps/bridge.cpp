@@ -24,8 +24,11 @@ int serve(const CLI::App& app, const Options& options) {
   const auto source = apps::make_source(options.source);
   nodes::StopSignal stop;
   stop.listen_to_signals();
-  nodes::BridgeNode node(
-      {options.bus.domain, options.bus.qos_file, options.source.is_unpaced(), options.record});
+  nodes::BridgeNode node({.domain = options.bus.domain,
+                          .qos_file = options.bus.qos_file,
+                          .lossless = options.source.is_unpaced(),
+                          .batch = options.source.is_many(),
+                          .record_folder = options.record});
   const auto realtime = apps::realtime(app, options.realtime_priority);
   fmt::print(stderr, "sonopose-bridge: publishing from {}\n", options.source.source);
   node.run(*source, stop);

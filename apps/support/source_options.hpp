@@ -24,6 +24,8 @@ struct SourceOptions {
   double rate = 1;
   bool restamp = false;
 
+  /// Whether it brings more beacons than one.
+  [[nodiscard]] bool is_many() const { return source == "sim" && sim.beacons > 1; }
   /// Whether it is played as fast as its readers take it.
   [[nodiscard]] bool is_unpaced() const { return source != "serial" && source != "udp" && rate == 0.0; }
 };

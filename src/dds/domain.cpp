@@ -84,6 +84,7 @@ std::string defaults(std::uint32_t domain_id, const DomainOptions& options, cons
   // How long each writer that goes waits for readers that do not answer. Cyclone DDS's own 1 s, one writer
   // after the other, would keep a process that was told to end for seconds.
   std::string internal = "<WriterLingerDuration>100 ms</WriterLingerDuration>";
+  if (options.batch_writes) internal += "<WriteBatch>true</WriteBatch>";
   // Cyclone DDS holds a writer up when readers have not acknowledged so much, whatever its history keeps.
   if (!options.wait_for_readers) {
     internal +=
@@ -99,6 +100,7 @@ struct OpenDomain {
   dds_entity_t entity = 0;
   Network network = Network::loopback;
   bool wait_for_readers = false;
+  bool batch_writes = false;
   int leases = 0;
 };
 
@@ -173,12 +175,13 @@ DomainLease::DomainLease(const DomainOptions& options) : id_(resolve_domain_id(o
   if (found == registry().open.end()) {
     // No entry before the domain stands: creating it may throw.
     const dds_entity_t entity = create_domain(id_, options);
-    registry().open[id_] = {entity, options.network, options.wait_for_readers, 1};
+    registry().open[id_] = {entity, options.network, options.wait_for_readers, options.batch_writes, 1};
   } else if (found->second.network != options.network ||
-             found->second.wait_for_readers != options.wait_for_readers) {
-    throw Error(
-        "domain " + std::to_string(id_) + " is in use in this process with another network, or other waiting",
-        DDS_RETCODE_PRECONDITION_NOT_MET);
+             found->second.wait_for_readers != options.wait_for_readers ||
+             found->second.batch_writes != options.batch_writes) {
+    throw Error("domain " + std::to_string(id_) +
+                    " is in use in this process with another network, or another way of writing",
+                DDS_RETCODE_PRECONDITION_NOT_MET);
   } else {
     ++found->second.leases;
   }

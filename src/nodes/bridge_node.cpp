@@ -31,6 +31,7 @@ TimeNs deadline_ns(const dds::Entity& writer) {
 dds::DomainOptions domain_options(const BridgeOptions& options) {
   dds::DomainOptions domain = options.domain;
   domain.wait_for_readers = options.lossless;
+  domain.batch_writes = options.batch;
   return domain;
 }
 
@@ -44,6 +45,7 @@ public:
   void on(const Event& event) override;
   void on(const TruthSample& truth) override;
   void on(const BeaconStatus& status) override;
+  void flush() override;
   void tick() override;
 
   void obey(const StopSignal& stop) { stop_ = &stop; }
@@ -81,6 +83,7 @@ private:
   [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
 
   bool lossless_;
+  bool batch_;
   const StopSignal* stop_ = nullptr;
   dds::DomainParticipant participant_;
   dds::QosProvider qos_;
@@ -107,6 +110,7 @@ private:
 
 BridgeNode::Publisher::Publisher(const BridgeOptions& options, const StopSignal* stop)
     : lossless_(options.lossless),
+      batch_(options.batch),
       stop_(stop),
       participant_(domain_options(options)),
       qos_(options.qos_file),
@@ -200,7 +204,17 @@ void BridgeNode::Publisher::on(const BeaconStatus& status) {
   beacon_of(status.address).status = status;
 }
 
+void BridgeNode::Publisher::flush() {
+  if (!batch_) return;
+  imu_writer_.flush();
+  fix_writer_.flush();
+  heading_writer_.flush();
+  truth_writer_.flush();
+  status_writer_.flush();
+}
+
 void BridgeNode::Publisher::tick() {
+  flush();
   const TimeNs now = steady_now_ns();
   if (now >= status_due_ns_) publish_statuses(now);
 }
@@ -308,6 +322,7 @@ void BridgeNode::run(Source& source, const StopSignal& stop) {
   if (source.is_recording()) publisher_->wait_for_readers();
   source.run(*publisher_, stop);
   publisher_->publish_statuses(steady_now_ns());
+  publisher_->flush();
   if (source.is_recording()) publisher_->wait_until_read();
 }
 

@@ -33,6 +33,7 @@ bool Pacer::wait_for(TimeNs time_ns, SampleSink& sink, const StopSignal& stop) {
       if (stop.requested()) return false;
     }
     if (now >= due_ns) return true;
+    sink.flush();
     if (stop.wait_until(std::min(due_ns, ticked_ns_ + tick_period_ns))) return false;
     now = steady_now_ns();
   }

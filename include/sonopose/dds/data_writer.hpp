@@ -46,6 +46,9 @@ public:
   /// sample was not written.
   ReturnCode try_write(const T& sample) noexcept { return dds_write(handle(), &sample); }
 
+  /// Sends what waits where the domain's writes are batched (DomainOptions::batch_writes).
+  void flush() noexcept { dds_write_flush(handle()); }
+
   /// For a stream that must not lose anything: while there is no room, tries again until `give_up()` says
   /// true. Returns whether the sample was written.
   template <class GiveUp>

@@ -28,6 +28,8 @@ struct DomainOptions {
   /// Whether writers wait for readers that lag behind, which bounds the memory of one that keeps all. Else
   /// they write on: what a lagging reader has not got is overwritten, and nobody waits for it.
   bool wait_for_readers = false;
+  /// Whether samples wait for DataWriter::flush, or a full packet, to travel together.
+  bool batch_writes = false;
 };
 
 /// The id that `options` leads to. Throws std::invalid_argument that names the option or ROS_DOMAIN_ID and

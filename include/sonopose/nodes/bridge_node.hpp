@@ -15,7 +15,8 @@ namespace sonopose::nodes {
 struct BridgeOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
-  bool lossless = false;                               ///< keep all and wait for slow readers
+  bool lossless = false;  ///< keep all and wait for slow readers
+  bool batch = false;     ///< samples that are due at once travel together: for many beacons
   std::optional<std::filesystem::path> record_folder;  ///< write what is published as a sensor-log folder
 };
 

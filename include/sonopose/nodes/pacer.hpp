@@ -14,7 +14,8 @@ public:
   /// negative or not finite one.
   explicit Pacer(double rate);
 
-  /// Sleeps until `time_ns` of the recording is due, counted from the first call; ticks `sink` meanwhile.
+  /// Sleeps until `time_ns` of the recording is due, counted from the first call; flushes `sink` before
+  /// it sleeps and ticks it meanwhile.
   /// Returns false when the stop came.
   bool wait_for(TimeNs time_ns, SampleSink& sink, const StopSignal& stop);
 

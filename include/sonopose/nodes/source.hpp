@@ -25,6 +25,9 @@ public:
   /// What the source knows of a beacon and its line; rates and other bridges are filled in by the sink.
   virtual void on(const BeaconStatus& status) = 0;
 
+  /// Nothing more comes at this moment: what was brought may go on its way. At each `tick` it does so too.
+  virtual void flush() {}
+
   /// To be called several times a second, also while there is nothing to bring.
   virtual void tick() = 0;
 };
