@@ -1,0 +1,49 @@
+/// One bridge, several beacons: each is followed as if it were alone.
+
+#include "support/bus.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+
+using namespace sonopose;
+using namespace sonopose::test;
+
+namespace {
+
+using Tracks = std::map<BeaconAddress, std::vector<FusedPose>>;
+
+Tracks tracks_of(const std::vector<FusedPose>& poses) {
+  Tracks tracks;
+  for (const FusedPose& pose : poses) tracks[pose.address].push_back(pose);
+  return tracks;
+}
+
+}  // namespace
+
+SCENARIO("a bridge with five beacons") {
+  GIVEN("five simulated beacons from address 20 on, at 100 Hz each") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, dds::topics::pose);
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({"--beacons", "5", "--address", "20"});
+    WHEN("all of them have run for two seconds") {
+      REQUIRE(poses.wait_until([&] {
+        const Tracks tracks = tracks_of(poses.samples);
+        return tracks.size() == 5 && std::all_of(tracks.begin(), tracks.end(), [](const auto& track) {
+                 return track.second.size() >= 200;
+               });
+      }));
+      const Tracks tracks = tracks_of(poses.samples);
+      THEN("there is a pose of each at every IMU sample, a period apart") {
+        BeaconAddress address = 20;
+        for (const auto& [tracked, track] : tracks) {
+          CHECK(tracked == address++);
+          for (std::size_t i = 1; i < track.size(); ++i) {
+            REQUIRE(std::abs(track[i].time_ns - track[i - 1].time_ns - 10'000'000) <= 1);
+          }
+        }
+      }
+    }
+  }
+}
