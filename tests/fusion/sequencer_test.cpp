@@ -4,6 +4,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <map>
 #include <vector>
 
 using namespace sonopose;
@@ -122,6 +124,22 @@ TEST_CASE("a bridge that begins to count anew is followed after a few events") {
   CHECK(line.delivered.size() >= 50 + 16);
   CHECK(line.sequencer.counters().restarts == 1);
   CHECK(line.sequencer.counters().lost == 0);
+}
+
+TEST_CASE("a stream that lags behind another by more than the patience is late, and no restart") {
+  // Every tenth event comes at once, the others 8 ms later: an overloaded receiver's two sockets.
+  std::multimap<TimeNs, std::uint64_t> arrivals;
+  for (std::uint64_t n = 1; n <= 1000; ++n) {
+    arrivals.emplace((static_cast<TimeNs>(n) + (n % 10 == 0 ? 0 : 8)) * ms, n);
+  }
+  Line line;
+  for (const auto& [arrival_ns, n] : arrivals) {
+    line.now_ns = arrival_ns;
+    line.push(n);
+  }
+  CHECK(std::is_sorted(line.delivered.begin(), line.delivered.end()));
+  CHECK(line.sequencer.counters().restarts == 0);
+  CHECK(line.sequencer.counters().lost + line.delivered.size() <= 1000);
 }
 
 TEST_CASE("a restart does not swallow what was still waiting") {

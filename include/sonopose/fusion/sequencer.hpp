@@ -66,8 +66,10 @@ private:
   /// A bridge that was started anew counts from the beginning again: late numbers, but one after the other
   /// with none in line between them. (Of two bridges that publish the same address the first goes on being
   /// served.)
+  /// What was given up and comes after all is late and no restart, however much of it there is.
   [[nodiscard]] bool is_restart(std::uint64_t sequence) {
     constexpr int enough = 4;
+    if (was_given_up(sequence)) return false;
     late_run_ = sequence == late_next_ ? late_run_ + 1 : 1;
     late_next_ = sequence + 1;
     return late_run_ >= enough;
@@ -77,8 +79,15 @@ private:
   void begin_again(std::uint64_t sequence, const Deliver& deliver) {
     while (waiting_ > 0) skip_to_earliest(deliver);
     next_ = sequence;
+    given_up_ = {};
     ++counters_.restarts;
   }
+
+  /// Numbers that were given up; a `to` of 0: none.
+  struct Gap {
+    std::uint64_t from = 0;
+    std::uint64_t to = 0;
+  };
 
   Place& place_of(std::uint64_t sequence) { return places_[sequence % capacity]; }
 
@@ -86,10 +95,7 @@ private:
   void hold(const Event& event, TimeNs now_ns, const Deliver& deliver) {
     const std::uint64_t sequence = sequence_of(event);
     while (waiting_ > 0 && sequence >= next_ + capacity) skip_to_earliest(deliver);
-    if (waiting_ == 0 && sequence >= next_ + capacity) {  // a gap too wide to be filled
-      counters_.lost += sequence - next_;
-      next_ = sequence;
-    }
+    if (waiting_ == 0 && sequence >= next_ + capacity) give_up_to(sequence);  // too wide to be filled
     Place& place = place_of(sequence);
     if (place.taken) {
       ++counters_.duplicated;
@@ -99,13 +105,30 @@ private:
     ++waiting_;
   }
 
+  /// Everything before `sequence` that has not come is lost.
+  void give_up_to(std::uint64_t sequence) {
+    if (sequence == next_) return;
+    constexpr std::uint64_t widest = 1024;  // beyond that a number was wrong, or the numbering is another one
+    counters_.lost += sequence - next_;
+    if (sequence - next_ <= widest) {
+      given_up_[given_up_count_++ % given_up_.size()] = {next_, sequence};
+    }
+    next_ = sequence;
+  }
+
+  [[nodiscard]] bool was_given_up(std::uint64_t sequence) const {
+    for (const Gap& gap : given_up_) {
+      if (gap.from <= sequence && sequence < gap.to) return true;
+    }
+    return false;
+  }
+
   /// Gives up the gap before the earliest event that waits.
   template <class Deliver>
   void skip_to_earliest(const Deliver& deliver) {
-    while (!place_of(next_).taken) {
-      ++next_;
-      ++counters_.lost;
-    }
+    std::uint64_t earliest = next_;
+    while (!place_of(earliest).taken) ++earliest;
+    give_up_to(earliest);
     deliver_run(deliver);
   }
 
@@ -141,6 +164,8 @@ private:
   bool started_ = false;
   int late_run_ = 0;
   std::uint64_t late_next_ = 0;
+  std::array<Gap, 16> given_up_{};  ///< the latest
+  std::size_t given_up_count_ = 0;
   SequencerCounters counters_;
 };
 

@@ -1,0 +1,173 @@
+/// What happens when a promise is broken: it stops what depended on it, and everybody sees it.
+
+#include "support/pose_tap.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <csignal>
+#include <cstdlib>
+
+using namespace sonopose;
+using namespace sonopose::test;
+namespace topics = dds::topics;
+
+namespace {
+
+bool is_predicted(const FusedPose& pose) {
+  return (pose.status & status_predicted) != 0U;
+}
+
+constexpr TimeNs imu_deadline_ns = 100'000'000;
+
+}  // namespace
+
+SCENARIO("poses are predicted between the samples of the IMU, and no longer than its deadline") {
+  GIVEN("an IMU of 100 Hz and poses asked for at 500 Hz") {
+    const Bus bus;
+    PoseTap tap(bus);
+    Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::Delivery::live);
+    const auto fusion = bus.fusion({"--set", "output.rate_hz=500"});
+    const auto bridge = bus.bridge({});
+    REQUIRE(tap.wait_for([](const TappedPose& tapped) { return is_predicted(tapped.pose); }, 0));
+    WHEN("it runs") {
+      const auto poses = tap.wait_for_count(tap.count(), 600);
+      THEN("about five predicted poses come with each sample's, from that sample, a little later") {
+        std::size_t predicted = 0;
+        for (const TappedPose& tapped : poses) {
+          if (!is_predicted(tapped.pose)) continue;
+          ++predicted;
+          REQUIRE(tapped.pose.time_ns > tapped.pose.imu_sensor_time_ns);
+          REQUIRE(tapped.pose.time_ns - tapped.pose.imu_sensor_time_ns < imu_deadline_ns);
+        }
+        const double share = static_cast<double>(predicted) / static_cast<double>(poses.size());
+        CHECK(share == Approx(5.0 / 6.0).margin(0.1));
+      }
+    }
+    WHEN("the IMU stops") {
+      bridge->send(SIGSTOP);
+      THEN("the status says so, and what was predicted ends with the deadline") {
+        REQUIRE(
+            status.wait_for([](const FusionStatus& told) { return told.imu_silent; }, status.samples.size()));
+        const auto all = tap.since(0);
+        const FusedPose& last = all.back().pose;
+        CHECK(last.time_ns - last.imu_sensor_time_ns < imu_deadline_ns);
+        const std::size_t count = tap.count();
+        bridge->send(SIGCONT);
+        REQUIRE(status.wait_for([](const FusionStatus& told) { return !told.imu_silent; },
+                                status.samples.size()));
+        const auto next = tap.wait_for([](const TappedPose&) { return true; }, count);
+        REQUIRE(next);
+        CHECK_FALSE(is_predicted(next->pose));  // nothing was predicted during the silence
+      }
+    }
+  }
+}
+
+SCENARIO("every missed deadline and every lost bridge is counted where it is seen") {
+  GIVEN("a chain with a monitor") {
+    const Bus bus;
+    PoseTap tap(bus);
+    Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::Delivery::live);
+    Consumer<sonopose_BeaconStatus> beacon(bus, topics::beacon_status, dds::Delivery::live);
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({});
+    const auto monitor = bus.monitor({"--json"});
+    REQUIRE(tap.wait_for_count(0, 50).size() >= 50);
+    REQUIRE(monitor->wait_for_lines(Stream::output, 1));
+    WHEN("the bridge stops for longer than its lease, and goes on") {
+      bridge->send(SIGSTOP);
+      REQUIRE(status.wait_for([](const FusionStatus& told) { return told.bridge_losses == 1; }));
+      REQUIRE(monitor->wait_for_line(Stream::error, "beacon 7: no pose for"));
+      bridge->send(SIGCONT);
+      THEN("the fusion has counted the IMU's missed deadlines and the bridge's loss") {
+        CHECK(status.samples.back().imu_deadlines_missed >= 5);
+        CHECK(status.samples.back().imu_silent);
+      }
+      THEN("the bridge counts what it did not keep") {
+        REQUIRE(beacon.wait_for([](const BeaconStatus& told) { return told.imu_deadlines_missed >= 5; }));
+      }
+      THEN("the monitor counts the pose stream's, and says when poses come again") {
+        REQUIRE(monitor->wait_for_line(Stream::error, "beacon 7: poses again, after"));
+        REQUIRE(monitor->wait_for_lines(Stream::output, monitor->lines(Stream::output).size() + 1));
+        const auto report = nlohmann::json::parse(monitor->lines(Stream::output).back());
+        CHECK(report["beacons"][0]["pose_deadlines_missed"].get<int>() >= 5);
+        CHECK(report["beacons"][0]["fusion"]["imu_deadlines_missed"].get<int>() >= 5);
+      }
+    }
+    WHEN("the fusion is killed") {
+      fusion->send(SIGKILL);
+      THEN("the monitor sees the pose stream lost") {
+        REQUIRE(monitor->wait_for_line(Stream::error, "beacon 7: no pose for"));
+        const std::size_t lines = monitor->lines(Stream::output).size();
+        REQUIRE(monitor->wait_for_lines(Stream::output, lines + 2));
+        const auto report = nlohmann::json::parse(monitor->lines(Stream::output).back());
+        CHECK(report["beacons"][0]["lost"] == true);
+        CHECK(report["beacons"][0]["pose_losses"].get<int>() >= 1);
+      }
+    }
+  }
+}
+
+SCENARIO("a consumer that has stopped holds nobody up") {
+  GIVEN("250 beacons, and two consumers of which one stops") {
+    const Bus bus;
+    PoseTap tap(bus);
+    Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::Delivery::live);
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({"--beacons", "250", "--imu-rate", "10"});
+    const auto monitor = bus.monitor({"--json"});
+    REQUIRE(monitor->wait_for_lines(Stream::output, 2));
+    const auto rate_of = [&tap] {
+      const auto poses = tap.wait_for_count(tap.count(), 5000);
+      REQUIRE(poses.size() >= 5000);
+      return static_cast<double>(poses.size()) /
+             (static_cast<double>(poses.back().received_ns - poses.front().received_ns) * 1e-9);
+    };
+    const double before_hz = rate_of();
+    monitor->send(SIGSTOP);
+    THEN("the other one gets as many poses as before, and none is left unwritten") {
+      for (int i = 0; i < 3; ++i) CHECK(rate_of() > 0.8 * before_hz);
+      CHECK(status.wait_for([](const FusionStatus&) { return true; }, status.samples.size()));
+      for (const FusionStatus& told : status.samples) CHECK(told.poses_unwritten == 0);
+    }
+    monitor->send(SIGCONT);
+  }
+}
+
+SCENARIO("parts of a domain do not hear each other, and a pattern hears several") {
+  GIVEN("a chain in each of two parts") {
+    const Bus bus;
+    const auto east = bus.fusion({"--partition", "hall-east"});
+    const auto west = bus.fusion({"--partition", "hall-west"});
+    const auto east_bridge = bus.bridge({"--partition", "hall-east", "--address", "7"});
+    const auto west_bridge = bus.bridge({"--partition", "hall-west", "--address", "8"});
+    const auto both = bus.monitor({"--json", "--partition", "hall-*"});
+    const auto one = bus.monitor({"--json", "--partition", "hall-east"});
+    THEN("who asks for one hears one beacon, who asks for both hears both") {
+      REQUIRE(both->wait_for_line(Stream::output, "\"address\":8"));
+      REQUIRE(both->wait_for_line(Stream::output, "\"address\":7"));
+      REQUIRE(one->wait_for_lines(Stream::output, 3));
+      const auto report = nlohmann::json::parse(one->lines(Stream::output).back());
+      REQUIRE(report["beacons"].size() == 1);
+      CHECK(report["beacons"][0]["address"] == 7);
+      CHECK(report["beacons"][0]["fusions"].size() == 1);
+    }
+  }
+}
+
+SCENARIO("two fusions share the beacons by their addresses") {
+  GIVEN("four beacons, and two fusions with two of them each") {
+    const Bus bus;
+    const auto low = bus.fusion({"--addresses", "20-21"});
+    const auto high = bus.fusion({"--addresses", "22-23"});
+    const auto bridge = bus.bridge({"--beacons", "4", "--address", "20"});
+    const auto monitor = bus.monitor({"--json"});
+    THEN("each beacon has one fusion") {
+      REQUIRE(monitor->wait_for_line(Stream::output, "\"address\":23"));
+      REQUIRE(monitor->wait_for_lines(Stream::output, monitor->lines(Stream::output).size() + 2));
+      const auto report = nlohmann::json::parse(monitor->lines(Stream::output).back());
+      REQUIRE(report["beacons"].size() == 4);
+      for (const auto& beacon : report["beacons"]) CHECK(beacon["fusions"].size() == 1);
+    }
+  }
+}
