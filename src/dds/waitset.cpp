@@ -1,6 +1,8 @@
 #include <sonopose/dds/error.hpp>
 #include <sonopose/dds/waitset.hpp>
 
+#include <algorithm>
+
 namespace sonopose::dds {
 
 ReadCondition::ReadCondition(dds_entity_t reader, DataState state)
@@ -40,8 +42,10 @@ bool StatusCondition::trigger_value() const {
 WaitSet::WaitSet() : Entity(check("dds_create_waitset", dds_create_waitset(DDS_CYCLONEDDS_HANDLE))) {}
 
 std::size_t WaitSet::wait(Duration timeout) {
+  // A time that is past already is no error: who waits until a moment may come to it late.
+  const Duration left = std::max(timeout, Duration::zero());
   return static_cast<std::size_t>(
-      check("dds_waitset_wait", dds_waitset_wait(handle(), nullptr, 0, timeout.count())));
+      check("dds_waitset_wait", dds_waitset_wait(handle(), nullptr, 0, left.count())));
 }
 
 void WaitSet::attach(dds_entity_t condition) {

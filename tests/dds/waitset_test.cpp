@@ -26,6 +26,7 @@ TEST_CASE("A wait set wakes for the condition that is true, and says so") {
   SECTION("nothing happens: the timeout is a result") {
     CHECK(waitset.wait(milliseconds(5)) == 0);
     CHECK(waitset.wait(Duration::zero()) == 0);
+    CHECK(waitset.wait(milliseconds(-5)) == 0);  // past already
   }
   SECTION("data") {
     writer.write(command(7, 1));

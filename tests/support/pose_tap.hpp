@@ -23,8 +23,7 @@ class PoseTap {
 public:
   explicit PoseTap(const Bus& bus)
       : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
-        reader_(dds::make_reader(participant_, dds::QosProvider(), dds::topics::pose,
-                                 &listener_)) {}
+        reader_(dds::make_reader(participant_, dds::QosProvider(), dds::topics::pose, &listener_)) {}
 
   /// The writers that it has matched now.
   [[nodiscard]] std::set<std::uint64_t> writers() const {

@@ -48,9 +48,9 @@ struct UserNetwork {
 UserNetwork network_named_by(const std::string& uri, std::uint32_t domain_id);
 
 /// What Cyclone DDS is configured with for this domain (the id in `options` does not count): our defaults,
-/// then the user's own CYCLONEDDS_URI (`user_uri`, may be empty), which wins, then what must hold: one receive thread, on which all data listeners of remote samples
-/// run. Interfaces and peers are lists that Cyclone DDS would append to, so ours stay out where the user
-/// names some for this domain.
+/// then the user's own CYCLONEDDS_URI (`user_uri`, may be empty), which wins, then what must hold: one
+/// receive thread, on which all data listeners of remote samples run. Interfaces and peers are lists that
+/// Cyclone DDS would append to, so ours stay out where the user names some for this domain.
 std::string domain_configuration(std::uint32_t domain_id, const DomainOptions& options,
                                  const std::string& user_uri);
 
