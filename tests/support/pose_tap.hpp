@@ -21,8 +21,8 @@ struct TappedPose {
 
 class PoseTap {
 public:
-  explicit PoseTap(const Bus& bus)
-      : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
+  explicit PoseTap(const Bus& bus, const std::string& partition = {})
+      : participant_(dds::make_participant({.domain_id = bus.domain_id(), .partition = partition})),
         reader_(dds::make_reader(participant_, dds::QosProvider(), dds::topics::pose, &listener_)) {}
 
   /// The writers that it has matched now.
@@ -32,14 +32,14 @@ public:
     return handles;
   }
 
-  /// Whether this writer writes with any strength at all.
-  [[nodiscard]] bool is_claim(std::uint64_t writer) const {
+  /// The strength with which this writer writes.
+  [[nodiscard]] std::int32_t strength_of(std::uint64_t writer) const {
     dds_builtintopic_endpoint_t* data = dds_get_matched_publication_data(reader_.handle(), writer);
     REQUIRE(data != nullptr);
     std::int32_t strength = 0;
     dds_qget_ownership_strength(data->qos, &strength);
     dds_builtintopic_free_endpoint(data);
-    return strength > 0;
+    return strength;
   }
 
   /// How many poses have come.

@@ -56,7 +56,7 @@ public:
     }
     REQUIRE(fusion.writers.size() == 2);
     for (const auto writer : fusion.writers) {
-      if (tap.is_claim(writer)) fusion.claim = writer;
+      if (tap.strength_of(writer) > 0) fusion.claim = writer;
     }
     return fusion;
   }
@@ -246,6 +246,39 @@ SCENARIO("a beacon that falls silent is given up, and taken up again when it com
         }
       }
       pair.bridge->send(SIGCONT);
+    }
+  }
+}
+
+SCENARIO("a beacon that only the stronger one has lost is taken over, though that process lives and is idle") {
+  GIVEN("two fusions, each with a bridge of its own to the same beacon, and a consumer that hears both") {
+    const Bus bus;
+    const PoseTap tap(bus, "way-*");
+    const auto bridge_in = [&bus](const std::string& partition) {
+      return bus.bridge({"--scenario", "rest", "--imu-rate", "200", "--partition", partition});
+    };
+    const auto strong_bridge = bridge_in("way-1");
+    const auto weak_bridge = bridge_in("way-2");
+    const auto strong =
+        bus.fusion({"--partition", "way-1", "--standby-strength", "200", "--warm-up", "0.2"});
+    const auto from_strong = [&] {
+      for (const auto writer : tap.writers()) {
+        if (tap.strength_of(writer) == 200) return tap.wait_for_writer({writer}, tap.count());
+      }
+      return std::optional<TappedPose>();
+    };
+    REQUIRE(tap.wait_for([](const TappedPose&) { return true; }, 0));
+    const auto served = from_strong();
+    REQUIRE(served);
+    const auto weak = bus.fusion({"--partition", "way-2", "--standby-strength", "100", "--warm-up", "0.2"});
+    WHEN("the stronger one's bridge falls silent") {
+      const std::size_t before = tap.count();
+      strong_bridge->send(SIGSTOP);
+      THEN("the weaker one serves, and when the bridge is back the stronger one again") {
+        REQUIRE(tap.wait_for([&](const TappedPose& tapped) { return tapped.writer != served->writer; }, before));
+        strong_bridge->send(SIGCONT);
+        REQUIRE(tap.wait_for_writer({served->writer}, tap.count()));
+      }
     }
   }
 }
