@@ -21,6 +21,7 @@ struct Options {
 };
 
 int serve(const CLI::App& app, const Options& options) {
+  apps::check_publisher(options.bus);
   const auto source = apps::make_source(options.source);
   nodes::StopSignal stop;
   stop.listen_to_signals();

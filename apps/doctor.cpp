@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
   add_bus_options(app, bus);
   app.add_flag("--json", json, "One JSON object instead of text");
   app.add_option("--duration", options.duration_s, "How many seconds to look")
-      ->check(CLI::Range(0.5, 3600.0).description("[0.5 - 3600]"))
+      ->check(sonopose::apps::number_between(0.5, 3600.0))
       ->capture_default_str();
   return sonopose::apps::run(app, argc, argv, [&] {
     options.domain = bus.domain;

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <string>
 
 namespace {
@@ -17,7 +18,7 @@ namespace {
 struct Options {
   sonopose::apps::BusOptions bus;
   sonopose::apps::ConfigOptions config;
-  std::string addresses;
+  std::optional<std::string> addresses;
   std::int32_t standby_strength = 0;
   double warm_up_s = sonopose::nodes::StandbyOptions{}.warm_up_s;
   bool lossless = false;
@@ -36,7 +37,7 @@ void add_options(CLI::App& app, Options& options) {
   strength->check(CLI::Range(1, std::numeric_limits<std::int32_t>::max()))->type_name("N");
   app.add_option("--warm-up", options.warm_up_s,
                  "With --standby-strength: seconds of good poses before a beacon is claimed")
-      ->check(CLI::Range(0.0, 600.0).description("[0 - 600]"))
+      ->check(sonopose::apps::number_between(0.0, 600.0))
       ->needs(strength)
       ->capture_default_str();
   app.add_flag("--lossless", options.lossless,
@@ -56,7 +57,7 @@ sonopose::nodes::FusionOptions node_options(const Options& options,
                      .addresses = {},
                      .standby = {},
                      .lossless = options.lossless};
-  if (!options.addresses.empty()) node.addresses = AddressSet::parse(options.addresses);
+  if (options.addresses) node.addresses = AddressSet::parse(*options.addresses);
   if (options.standby_strength > 0) node.standby = {options.standby_strength, options.warm_up_s};
   return node;
 }
@@ -71,6 +72,7 @@ int serve(const CLI::App& app, const Options& options) {
     fmt::print("{}", config.to_toml());
     return 0;
   }
+  check_publisher(options.bus);
   sonopose::nodes::StopSignal stop;
   stop.listen_to_signals();
   sonopose::nodes::FusionNode node(node_options(options, config));

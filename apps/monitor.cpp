@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   add_bus_options(app, bus);
   app.add_flag("--json", options.json, "One JSON object a second instead of the table");
   app.add_option("--duration", options.duration_s, "End after this many seconds; 0: without end")
-      ->check(CLI::NonNegativeNumber)
+      ->check(sonopose::apps::number_between(0.0))
       ->capture_default_str();
   return sonopose::apps::run(app, argc, argv, [&] {
     options.domain = bus.domain;

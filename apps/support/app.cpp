@@ -1,6 +1,7 @@
 #include "app.hpp"
 
 #include <map>
+#include <stdexcept>
 #include <string>
 
 namespace sonopose::apps {
@@ -29,6 +30,14 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
                  "QoS policies laid over the project's own (default: SONOPOSE_QOS, else none)")
       ->type_name("FILE")
       ->group("Bus");
+}
+
+void check_publisher(const BusOptions& options) {
+  const std::string& partition = options.domain.partition;
+  if (partition.find_first_of("*?[") == std::string::npos) return;
+  throw std::invalid_argument(
+      "--partition " + partition +
+      ": a program that publishes is in one part; patterns (* ? [) are for who reads");
 }
 
 }  // namespace sonopose::apps

@@ -15,7 +15,11 @@ struct BusOptions {
   std::optional<std::filesystem::path> qos_file;
 };
 
-/// Adds --domain, --network and --qos.
+/// Throws std::invalid_argument where a program that publishes is told to be in several parts: a writer whose
+/// partition is a pattern is heard by nobody who asks for one.
+void check_publisher(const BusOptions& options);
+
+/// Adds --domain, --network, --partition and --qos.
 void add_bus_options(CLI::App& app, BusOptions& options);
 
 }  // namespace sonopose::apps

@@ -7,10 +7,10 @@
 namespace sonopose::apps {
 
 void add_realtime_option(CLI::App& app, int& priority) {
-  app.add_flag("--realtime{50}", priority,
-               "Real-time priority (--realtime=PRIORITY: another one than 50), memory locked, cores kept "
-               "awake; what "
-               "is refused is said and done without")
+  app.add_flag(
+         "--realtime{50}", priority,
+         "Real-time priority (--realtime=PRIORITY: another one than 50), memory locked, cores kept awake; "
+         "what is refused is said and done without")
       ->check(CLI::Range(1, 99))
       ->group("Bus");
 }

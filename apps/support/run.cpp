@@ -23,6 +23,17 @@ void check_output() {
 
 }  // namespace
 
+CLI::Validator number_between(double least, double most) {
+  const bool open = most == std::numeric_limits<double>::max();
+  const std::string range = open ? fmt::format("{} or more", least) : fmt::format("{} - {}", least, most);
+  return {[=](const std::string& text) {
+            double value = 0.0;
+            const bool good = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
+            return good ? std::string() : fmt::format("Value {} not in range [{}]", text, range);
+          },
+          "[" + range + "]"};
+}
+
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
   try {
     app.parse(argc, argv);

@@ -4,8 +4,12 @@
 #include <CLI/CLI.hpp>
 
 #include <functional>
+#include <limits>
 
 namespace sonopose::apps {
+
+/// A number between the two; unlike CLI::Range it refuses what is no number, such as nan.
+CLI::Validator number_between(double least, double most = std::numeric_limits<double>::max());
 
 /// Parses the command line and runs `body`. Returns the exit code: 0 for success, help and a stop by signal;
 /// the command line's own errors as CLI11 numbers them; 1 for any exception and for an

@@ -51,6 +51,9 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
 }
 
 std::unique_ptr<nodes::Source> make_source(const SourceOptions& options) {
+  if (options.sim.beacons > 1 && options.source != "sim") {
+    throw std::invalid_argument("--beacons goes with --source sim, not with " + options.source);
+  }
   if (options.capture && (options.source == "log" || options.source == "stream")) {
     throw std::invalid_argument("--capture goes with --source sim, serial or udp, not with " +
                                 options.source);

@@ -4,7 +4,7 @@
 namespace sonopose::fusion::output {
 
 TimeNs period_ns(const OutputSettings& settings) {
-  return settings.rate_hz > 0.0 ? to_ns(1.0 / settings.rate_hz) : 0;
+  return settings.rate_hz > 0 ? to_ns(1.0 / settings.rate_hz) : 0;
 }
 
 FusedPose predicted(const FusedPose& at_sample, TimeNs ahead_ns) {

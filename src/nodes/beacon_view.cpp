@@ -21,16 +21,16 @@ std::optional<Vector3d> taken(std::map<TimeNs, Vector3d>& waiting, TimeNs time_n
   return node.mapped();
 }
 
-/// Whose poses consumers get first of two: one that serves before one that does not, then the stronger.
+}  // namespace
+
+bool serves(const FusionStatus& status) {
+  return status.role == FusionRole::sole || status.role == FusionRole::serving;
+}
+
 bool serves_before(const FusionStatus& a, const FusionStatus& b) {
-  const auto serves = [](const FusionStatus& status) {
-    return status.role == FusionRole::sole || status.role == FusionRole::serving;
-  };
   if (serves(a) != serves(b)) return serves(a);
   return a.strength > b.strength;
 }
-
-}  // namespace
 
 void BeaconWatch::on(const FusedPose& pose, TimeNs received_ns) {
   const bool is_predicted = (pose.status & status_predicted) != 0U;
@@ -59,7 +59,7 @@ void BeaconWatch::on(const TruthSample& truth) {
 }
 
 void BeaconWatch::on_pose_lost() {
-  ++losses_;
+  if (!lost_) ++losses_;
   lost_ = true;
 }
 

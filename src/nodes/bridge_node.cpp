@@ -1,3 +1,4 @@
+#include "other_bridges.hpp"
 #include <sonopose/dds/conversions.hpp>
 #include <sonopose/dds/participant.hpp>
 #include <sonopose/dds/topics.hpp>
@@ -13,7 +14,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <map>
-#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -67,7 +67,6 @@ private:
     Stream fix;
     Stream heading;
     BeaconStatus status;
-    std::set<std::uint64_t> other_writers;  ///< publication handles of further bridges that live
   };
 
   Beacon& beacon_of(BeaconAddress address);
@@ -79,7 +78,6 @@ private:
   void publish(const PairHeading& heading, Beacon& beacon);
   void publish_status(Beacon& beacon, TimeNs now_steady_ns);
   void tell_unwritten();
-  void look_for_other_bridges();
   [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
 
   bool lossless_;
@@ -96,7 +94,7 @@ private:
   dds::DataWriter<sonopose_PairHeading> heading_writer_;
   dds::DataWriter<sonopose_TruthSample> truth_writer_;
   dds::DataWriter<sonopose_BeaconStatus> status_writer_;
-  dds::DataReader<sonopose_BeaconStatus> status_reader_;
+  OtherBridges others_;
   std::optional<BeaconRecorder> recorder_;
   TimeNs imu_deadline_ns_;
   TimeNs fix_deadline_ns_;
@@ -114,6 +112,7 @@ BridgeNode::Publisher::Publisher(const BridgeOptions& options, const StopSignal*
       stop_(stop),
       participant_(domain_options(options)),
       qos_(options.qos_file),
+      others_(participant_, qos_),
       status_last_ns_(steady_now_ns()) {
   const auto delivery = lossless_ ? dds::Delivery::lossless : dds::Delivery::live;
   imu_writer_ = dds::make_writer(participant_, qos_, topics::imu, &imu_listener_, delivery);
@@ -124,7 +123,6 @@ BridgeNode::Publisher::Publisher(const BridgeOptions& options, const StopSignal*
   heading_deadline_ns_ = deadline_ns(heading_writer_);
   truth_writer_ = dds::make_writer(participant_, qos_, topics::truth);
   status_writer_ = dds::make_writer(participant_, qos_, topics::beacon_status);
-  status_reader_ = dds::make_reader(participant_, qos_, topics::beacon_status);
   if (options.record_folder) recorder_.emplace(*options.record_folder);
 }
 
@@ -221,7 +219,8 @@ void BridgeNode::Publisher::tick() {
 
 void BridgeNode::Publisher::publish_statuses(TimeNs now) {
   constexpr TimeNs period_ns = 1'000'000'000;
-  look_for_other_bridges();
+  others_.look(status_writer_.instance_handle(),
+               [this](BeaconAddress address) { return beacons_.contains(address); });
   for (auto& entry : beacons_) publish_status(entry.second, now);
   status_last_ns_ = now;
   status_due_ns_ = now + period_ns;
@@ -247,7 +246,7 @@ void BridgeNode::Publisher::publish_status(Beacon& beacon, TimeNs now_steady_ns)
   status.imu_rate_hz = rate_hz(beacon.imu);
   status.fix_rate_hz = rate_hz(beacon.fix);
   status.heading_rate_hz = rate_hz(beacon.heading);
-  status.other_bridges = static_cast<std::uint32_t>(beacon.other_writers.size());
+  status.other_bridges = others_.count(status.address);
   status.imu_deadlines_missed = beacon.imu.deadlines.count(now_steady_ns, imu_deadline_ns_);
   status.fix_deadlines_missed = beacon.fix.deadlines.count(now_steady_ns, fix_deadline_ns_);
   status.heading_deadlines_missed = beacon.heading.deadlines.count(now_steady_ns, heading_deadline_ns_);
@@ -255,30 +254,6 @@ void BridgeNode::Publisher::publish_status(Beacon& beacon, TimeNs now_steady_ns)
   status.readers_incompatible = ends_.incompatible_qos;
   status.samples_unwritten = unwritten_;
   write(status_writer_, dds::to_idl(beacon.status));
-}
-
-void BridgeNode::Publisher::look_for_other_bridges() {
-  const auto own = status_writer_.instance_handle();
-  const auto note = [&](const sonopose_BeaconStatus& status, const dds::SampleInfo& info) {
-    if (info.publication_handle() == own) return;
-    const auto found = beacons_.find(status.address);
-    if (found == beacons_.end()) return;
-    if (found->second.other_writers.insert(info.publication_handle().value).second) {
-      fmt::print(stderr,
-                 "sonopose-bridge: another bridge publishes beacon {} too: its poses will be wrong until one "
-                 "of them "
-                 "is stopped\n",
-                 status.address);
-    }
-  };
-  status_reader_.try_take_each(note);
-  // A bridge that has gone is no longer among the matched writers.
-  std::set<std::uint64_t> living;
-  for (const auto handle : status_reader_.matched_publications()) living.insert(handle.value);
-  for (auto& entry : beacons_) {
-    std::erase_if(entry.second.other_writers,
-                  [&living](std::uint64_t handle) { return !living.contains(handle); });
-  }
 }
 
 void BridgeNode::Publisher::wait_for_readers() {

@@ -1,4 +1,5 @@
 #include "doctor_rules.hpp"
+#include <sonopose/nodes/beacon_view.hpp>
 
 #include <fmt/format.h>
 
@@ -26,6 +27,10 @@ public:
                     beacon_.imu.rate_hz, beacon_.fix.rate_hz, beacon_.heading.rate_hz, beacon_.pose.rate_hz);
     if (beacon_.status && beacon_.status->battery_v) {
       text += fmt::format(", battery {:.2f} V", *beacon_.status->battery_v);
+    }
+    if (beacon_.status) {
+      text += fmt::format(", clock offset {:.3f} s, jitter {:.1f} ms", beacon_.status->clock_offset_s,
+                          beacon_.status->clock_jitter_s * 1e3);
     }
     add(Severity::ok, text, "");
   }
@@ -83,6 +88,25 @@ public:
       add(Severity::error,
           fmt::format("its bridge sees {} more that publish it", beacon_.status->other_bridges),
           "stop all but one, or give them other addresses");
+    }
+  }
+
+  void standbys() const {
+    if (beacon_.fusions.size() < 2 || !beacon_.fusion || !serves(*beacon_.fusion)) return;
+    const auto rivals =
+        std::count_if(beacon_.fusions.begin(), beacon_.fusions.end(), [this](const FusionStatus& fusion) {
+          return serves(fusion) && fusion.strength == beacon_.fusion->strength;
+        });
+    if (rivals > 1) {
+      add(Severity::warning,
+          fmt::format("{} fusions of the same strength {} serve it: which of them is heard is chance", rivals,
+                      beacon_.fusion->strength),
+          "give each another --standby-strength (docs/standby.md)");
+    } else {
+      add(Severity::ok,
+          fmt::format("served by the fusion of strength {}, {} more stand by", beacon_.fusion->strength,
+                      beacon_.fusions.size() - 1),
+          "");
     }
   }
 
@@ -213,6 +237,7 @@ void look_at_beacon(const Observations& seen, const BeaconSeen& beacon, Findings
     look.poses(!on_topic(seen.writers, "sonopose/pose").empty());
   }
   look.two_bridges();
+  look.standbys();
   look.numbering();
   look.clocks();
   look.host_clock();

@@ -1,4 +1,5 @@
 #include <sonopose/fusion/settings.hpp>
+#include <sonopose/nodes/beacon_view.hpp>
 #include <sonopose/nodes/doctor_probe.hpp>
 
 #include <algorithm>
@@ -62,8 +63,8 @@ void BeaconProbe::on(const BeaconStatus& status) {
 }
 
 void BeaconProbe::on(const FusionStatus& status) {
-  if (!fusion_before_) fusion_before_ = status;
-  fusion_ = status;
+  const auto [found, is_new] = fusions_.try_emplace(status.fusion_id, FusionSeen{status, status});
+  if (!is_new) found->second.latest = status;
 }
 
 void BeaconProbe::number(std::uint64_t sequence, TimeNs received_ns) {
@@ -129,8 +130,13 @@ BeaconSeen BeaconProbe::seen(TimeNs now_ns, const calibration::Settings& calibra
   }
   seen.status_before = status_before_;
   seen.status = status_;
-  seen.fusion_before = fusion_before_;
-  seen.fusion = fusion_;
+  for (const auto& entry : fusions_) {
+    const FusionSeen& fusion = entry.second;
+    seen.fusions.push_back(fusion.latest);
+    if (seen.fusion && !serves_before(fusion.latest, *seen.fusion)) continue;
+    seen.fusion_before = fusion.before;
+    seen.fusion = fusion.latest;
+  }
   seen.lasting_status = pose_.samples > 0 ? lasting_status_ : 0;
   seen.imu_means = means(calibration);
   return seen;

@@ -12,9 +12,9 @@ using Findings = std::vector<Finding>;
 
 /// Network, and who is missing.
 void look_at_bus(const Observations& seen, Findings& findings);
-/// Readers and writers: types, QoS, standbys.
+/// Readers and writers: types, QoS, parts of the domain.
 void look_at_topics(const Observations& seen, Findings& findings);
-/// One beacon's streams, numbering, clock and line.
+/// One beacon's streams, fusions, numbering, clock and line.
 void look_at_beacon(const Observations& seen, const BeaconSeen& beacon, Findings& findings);
 /// What its poses have said of themselves all the time.
 void look_at_pose(const BeaconSeen& beacon, Findings& findings);

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
 namespace sonopose::nodes::doctor {
 namespace {
@@ -22,17 +21,23 @@ std::string remedy_for(const dds::QosMismatch& mismatch, const NativeTopic& topi
   if (mismatch.policy == "ownership") {
     return fmt::format("let both ends of {} have {} ownership", topic.name, mismatch.offered);
   }
-  if (mismatch.policy == "partition") return "let both ends be in one partition";
   return fmt::format(
       "let the reader ask for a {0} of {1}, or the writer offer one of {2}; programs of sonopose: give all "
-      "of them the "
-      "same --qos file (docs/qos.md)",
+      "of "
+      "them the same --qos file (docs/qos.md)",
       mismatch.policy, mismatch.offered, mismatch.requested);
+}
+
+/// Whether the two are kept apart on purpose, as parts of a domain are.
+bool in_other_parts(const EndpointSeen& writer, const EndpointSeen& reader) {
+  const auto mismatches = dds::qos_mismatches(writer.qos, reader.qos);
+  return std::any_of(mismatches.begin(), mismatches.end(),
+                     [](const dds::QosMismatch& mismatch) { return mismatch.policy == "partition"; });
 }
 
 void look_at_pair(const NativeTopic& topic, const EndpointSeen& writer, const EndpointSeen& reader,
                   Findings& findings) {
-  if (writer.type != reader.type) return;  // told already
+  if (writer.type != reader.type || in_other_parts(writer, reader)) return;  // told already, or as meant
   for (const dds::QosMismatch& mismatch : dds::qos_mismatches(writer.qos, reader.qos)) {
     findings.push_back({Severity::error, topic.name,
                         fmt::format("{} does not hear {}: {}", text_of(reader.process),
@@ -41,28 +46,18 @@ void look_at_pair(const NativeTopic& topic, const EndpointSeen& writer, const En
   }
 }
 
-/// Of several fusions one must be the stronger.
-void look_at_standbys(const Observations& seen, Findings& findings) {
-  std::map<std::int32_t, std::vector<std::string>> by_strength;
-  for (const EndpointSeen* const writer : on_topic(seen.writers, "sonopose/pose")) {
-    const auto strength = writer->qos.policy<dds::policy::OwnershipStrength>();
-    by_strength[strength ? strength->value : 0].push_back(text_of(writer->process));
-  }
-  for (const auto& [strength, processes] : by_strength) {
-    if (processes.size() < 2) continue;
-    findings.push_back(
-        {Severity::warning, "sonopose/pose",
-         fmt::format("{} fusions of the same strength {}: {}; which of them is heard is chance",
-                     processes.size(), strength, fmt::join(processes, ", ")),
-         "stop all but one, or give a standby a lower ownership strength (docs/qos.md)"});
-  }
-  if (by_strength.size() > 1) {
-    const auto& [strength, processes] = *by_strength.rbegin();
-    findings.push_back(
-        {Severity::ok,
-         "sonopose/pose",
-         fmt::format("{} is heard (strength {}), the others stand by", fmt::join(processes, ", "), strength),
-         {}});
+/// A part of the domain with a bridge and without a fusion.
+void look_at_parts(const Observations& seen, Findings& findings) {
+  const auto readers = on_topic(seen.readers, "sonopose/imu");
+  for (const EndpointSeen* const writer : on_topic(seen.writers, "sonopose/imu")) {
+    const bool alone =
+        !readers.empty() && std::all_of(readers.begin(), readers.end(), [&](const EndpointSeen* reader) {
+          return in_other_parts(*writer, *reader);
+        });
+    if (!alone) continue;
+    findings.push_back({Severity::warning, "sonopose/imu",
+                        fmt::format("nobody in its partition hears {}", text_of(writer->process)),
+                        "give bridge and fusion the same --partition"});
   }
 }
 
@@ -78,7 +73,7 @@ void look_at_topics(const Observations& seen, Findings& findings) {
       for (const EndpointSeen* const reader : readers) look_at_pair(topic, *writer, *reader, findings);
     }
   }
-  look_at_standbys(seen, findings);
+  look_at_parts(seen, findings);
 }
 
 }  // namespace sonopose::nodes::doctor

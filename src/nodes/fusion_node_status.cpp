@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <string>
@@ -22,10 +23,11 @@ void FusionNode::Impl::watch() {
 void FusionNode::Impl::hand_over() {
   output_.hand_over();
   if (!output_.is_standby()) return;
-  const TimeNs until_ns = steady_now_ns() + output_.lease_ns();
-  while (steady_now_ns() < until_ns) {
+  constexpr TimeNs longest_ns = 1'000'000'000;  // of a profile with a long lease, or without one
+  const TimeNs until_ns = steady_now_ns() + std::min(output_.lease_ns(), longest_ns);
+  for (TimeNs now = steady_now_ns(); now < until_ns; now = steady_now_ns()) {
     watch();
-    std::this_thread::sleep_for(std::chrono::nanoseconds(output_.lease_ns() / 10));
+    std::this_thread::sleep_for(std::chrono::nanoseconds(std::min(watch_by_ns(), until_ns) - now));
   }
 }
 

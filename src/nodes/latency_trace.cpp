@@ -33,14 +33,20 @@ PoseTrace trace_of(const FusedPose& pose, TimeNs here_ns) {
 }
 
 void TraceCollector::add(const PoseTrace& trace) {
-  constexpr std::size_t most = 1'000'000;
+  constexpr std::size_t most = 16'384;
   if (!worst_ || trace.latency_s() > worst_->latency_s()) worst_ = trace;
-  if (durations_.size() == most) return;
+  ++seen_;
   Durations durations{static_cast<float>(trace.latency_s()), {}};
   const auto legs_s = trace.legs_s();
   std::transform(legs_s.begin(), legs_s.end(), durations.legs_s.begin(),
                  [](double leg_s) { return static_cast<float>(leg_s); });
-  durations_.push_back(durations);
+  if (durations_.size() < most) {
+    durations_.push_back(durations);
+    return;
+  }
+  // Reservoir sampling: each trace stays with the same probability, most / seen_.
+  const std::size_t place = std::uniform_int_distribution<std::size_t>(0, seen_ - 1)(random_);
+  if (place < most) durations_[place] = durations;
 }
 
 Percentiles TraceCollector::latency() const {

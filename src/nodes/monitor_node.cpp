@@ -2,6 +2,7 @@
 #include <sonopose/dds/participant.hpp>
 #include <sonopose/dds/topics.hpp>
 #include <sonopose/nodes/beacon_view.hpp>
+#include <sonopose/nodes/end_counters.hpp>
 #include <sonopose/nodes/host_clock.hpp>
 #include <sonopose/nodes/monitor_node.hpp>
 #include <sonopose/nodes/monitor_report.hpp>
@@ -31,8 +32,9 @@ public:
     watches_[sample.address].on(sample);
   }
 
-  void on(const FusedPose& pose, TimeNs received_ns) {
+  void on(const FusedPose& pose, TimeNs received_ns, dds::InstanceHandle writer) {
     const std::lock_guard lock(mutex_);
+    pose_writers_[pose.address] = writer;
     watches_[pose.address].on(pose, received_ns);
     silences_.on_sample(pose.address, steady_now_ns());
   }
@@ -40,6 +42,14 @@ public:
   void on_deadline_missed(BeaconAddress address, std::uint64_t count) {
     const std::lock_guard lock(mutex_);
     watches_[address].on_deadline_missed(count);
+  }
+
+  /// A writer of poses lives no more: so do the beacons that it wrote last, until another one takes over.
+  void on_pose_writer_lost(dds::InstanceHandle lost) {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [address, writer] : pose_writers_) {
+      if (writer == lost) watches_[address].on_pose_lost();
+    }
   }
 
   /// An instance lost its last writer.
@@ -74,19 +84,20 @@ public:
 private:
   std::mutex mutex_;
   std::map<BeaconAddress, BeaconWatch> watches_;
+  std::map<BeaconAddress, dds::InstanceHandle> pose_writers_;
   SilenceWatch silences_;
 };
 
 template <class T>
-class WatchListener : public dds::DataReaderListener<T> {
+class WatchListener : public CountingReaderListener<T> {
 public:
-  explicit WatchListener(Watches& watches) : watches_(watches) {}
+  WatchListener(Watches& watches, EndCounters& ends) : CountingReaderListener<T>(ends), watches_(watches) {}
 
   void on_data_available(dds::DataReader<T>& reader) noexcept override {
     const TimeNs received_ns = now_ns();
-    const auto on_data = [&](const T& sample, const dds::SampleInfo&) {
+    const auto on_data = [&](const T& sample, const dds::SampleInfo& info) {
       if constexpr (std::is_same_v<T, sonopose_FusedPose>) {
-        watches_.on(dds::from_idl(sample), received_ns);
+        watches_.on(dds::from_idl(sample), received_ns, info.publication_handle());
       } else {
         watches_.on(dds::from_idl(sample));
       }
@@ -94,6 +105,13 @@ public:
     reader.try_take_each(on_data, [&](const T& key, const dds::SampleInfo& info) {
       if (!info.alive()) watches_.on_gone(key);
     });
+  }
+
+  void on_liveliness_changed(dds::DataReader<T>& /*reader*/,
+                             const dds::LivelinessChangedStatus& status) noexcept override {
+    if (std::is_same_v<T, sonopose_FusedPose> && status.not_alive_count_change > 0) {
+      watches_.on_pose_writer_lost({status.last_publication_handle});
+    }
   }
 
   void on_requested_deadline_missed(dds::DataReader<T>& reader,
@@ -113,8 +131,8 @@ private:
 template <class T>
 struct Watched {
   Watched(const dds::DomainParticipant& participant, const dds::QosProvider& qos,
-          const dds::TopicEntry<T>& entry, Watches& watches)
-      : listener(watches), reader(dds::make_reader(participant, qos, entry, &listener)) {}
+          const dds::TopicEntry<T>& entry, Watches& watches, EndCounters& ends)
+      : listener(watches, ends), reader(dds::make_reader(participant, qos, entry, &listener)) {}
 
   WatchListener<T> listener;
   dds::DataReader<T> reader;
@@ -129,6 +147,27 @@ void print(const MonitorOptions& options, const std::vector<BeaconView>& views) 
   }
   std::fflush(stdout);
 }
+
+/// Tells what the middleware said of this program's own readers, where it is more than it was.
+class EndsTeller {
+public:
+  void operator()(const EndCounters& ends) {
+    tell(ends.incompatible_qos, incompatible_told_,
+         "writers offer QoS that does not go with its own; sonopose-doctor tells which");
+    tell(ends.samples_lost, lost_told_, "samples were lost on the way here");
+    tell(ends.samples_rejected, rejected_told_, "samples were refused for want of room");
+  }
+
+private:
+  static void tell(std::uint64_t count, std::uint64_t& told, const char* what) {
+    if (count != told) fmt::print(stderr, "sonopose-monitor: {} {}\n", count - told, what);
+    told = count;
+  }
+
+  std::uint64_t incompatible_told_ = 0;
+  std::uint64_t lost_told_ = 0;
+  std::uint64_t rejected_told_ = 0;
+};
 
 /// At once, and beside the table: whoever controls something by these poses must know.
 void tell_silences(const std::vector<SilenceWatch::Change>& changes) {
@@ -150,10 +189,12 @@ std::uint64_t monitor(const MonitorOptions& options, const StopSignal& stop) {
   const dds::DomainParticipant participant(options.domain);
   const auto deadline = qos.datareader_qos(topics::pose.profile).policy<dds::policy::Deadline>();
   Watches watches(deadline.value_or(dds::policy::Deadline{}).period.count());
-  const Watched pose(participant, qos, topics::pose, watches);
-  const Watched truth(participant, qos, topics::truth, watches);
-  const Watched beacon_status(participant, qos, topics::beacon_status, watches);
-  const Watched fusion_status(participant, qos, topics::fusion_status, watches);
+  EndCounters ends;
+  EndsTeller tell_ends;
+  const Watched pose(participant, qos, topics::pose, watches, ends);
+  const Watched truth(participant, qos, topics::truth, watches, ends);
+  const Watched beacon_status(participant, qos, topics::beacon_status, watches, ends);
+  const Watched fusion_status(participant, qos, topics::fusion_status, watches, ends);
 
   constexpr TimeNs period_ns = 1'000'000'000;
   TimeNs next_ns = steady_now_ns() + period_ns;
@@ -163,6 +204,7 @@ std::uint64_t monitor(const MonitorOptions& options, const StopSignal& stop) {
   constexpr TimeNs look_period_ns = 20'000'000;
   while (next_ns <= end_ns && !stop.wait_until(std::min(next_ns, steady_now_ns() + look_period_ns))) {
     tell_silences(watches.silence_changes());
+    tell_ends(ends);
     if (steady_now_ns() < next_ns) continue;
     const TimeNs now = now_ns();
     print(options, watches.views([now](BeaconWatch& watch, BeaconAddress address) {

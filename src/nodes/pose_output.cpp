@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <pthread.h>
+#include <utility>
 
 namespace sonopose::nodes {
 namespace {
@@ -42,14 +44,20 @@ PoseOutput::PoseOutput(const dds::DomainParticipant& participant, const dds::Qos
   const auto liveliness = in_force.policy<Liveliness>().value_or(Liveliness{});
   is_manual_ = liveliness.kind == LivelinessKind::manual_by_topic;
   lease_ns_ = liveliness.lease_duration.count();
+  if (delivery == dds::Delivery::lossless) return;  // a log's time is not the clock's
   predicting_thread_ = std::jthread([this](const std::stop_token& stop) { serve_predictions(stop); });
+  ::pthread_setname_np(predicting_thread_.native_handle(), predicting_thread_name);
 }
 
 PoseOutput::~PoseOutput() = default;
 
 void PoseOutput::set_period(BeaconAddress address, TimeNs period_ns) noexcept {
-  const std::lock_guard lock(mutex_);
-  predictor_.set_period(address, period_ns);
+  {
+    const std::lock_guard lock(mutex_);
+    if (!predictor_.set_period(address, period_ns)) return;
+    periods_changed_ = true;
+  }
+  wake_.notify_one();
 }
 
 dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(const FusedPose& pose,
@@ -58,7 +66,10 @@ dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(const FusedPose& pos
   {
     const std::lock_guard lock(mutex_);
     predictor_.on_pose(pose, steady_ns);
-    if (standby_) step = standby_->on_pose(pose.address, pose.status, steady_ns);
+    if (standby_) {
+      const TimeNs age_ns = pose.fusion_in_time_ns - pose.imu_bridge_time_ns;
+      step = standby_->on_pose(pose.address, pose.status, age_ns, steady_ns);
+    }
   }
   if (step.give_up) take_back(pose.address);
   return writer_of(step.role);
@@ -113,11 +124,11 @@ FusionRole PoseOutput::role(BeaconAddress address) const noexcept {
 void PoseOutput::serve_predictions(const std::stop_token& stop) {
   std::vector<FusedPose> due;
   while (!stop.stop_requested()) {
-    constexpr TimeNs look_again_ns = 100'000'000;  // where nothing is asked for yet
+    constexpr TimeNs look_again_ns = 100'000'000;  // where nothing is asked for, or no sample has come since
     const TimeNs wake_ns = write_predictions(due).value_or(steady_now_ns() + look_again_ns);
     std::unique_lock lock(mutex_);
-    sleep_.wait_until(lock, stop, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(wake_ns)),
-                      [] { return false; });
+    wake_.wait_until(lock, stop, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(wake_ns)),
+                     [this] { return std::exchange(periods_changed_, false); });
   }
 }
 

@@ -3,6 +3,14 @@
 
 namespace sonopose::nodes {
 
+bool PosePredictor::set_period(BeaconAddress address, TimeNs period_ns) {
+  Lane& lane = lanes_[address];
+  if (lane.period_ns == period_ns) return false;
+  lane.period_ns = period_ns;
+  lane.due_ns = 0;
+  return true;
+}
+
 void PosePredictor::on_pose(const FusedPose& pose, TimeNs now_ns) {
   const auto found = lanes_.find(pose.address);
   if (found == lanes_.end() || found->second.period_ns == 0) return;

@@ -1,3 +1,4 @@
+#include <sonopose/nodes/pose_output.hpp>
 #include <sonopose/nodes/realtime.hpp>
 
 #include <fmt/format.h>
@@ -17,7 +18,8 @@ std::string priority_remedy(int priority) {
       "give the program the capability CAP_SYS_NICE (setcap cap_sys_nice+ep FILE), or its user `rtprio {}` "
       "in "
       "/etc/security/limits.d and a new login; a cgroup without real-time share (cpu.rt_runtime_us) refuses "
-      "it too",
+      "it "
+      "too",
       priority);
 }
 
@@ -59,6 +61,10 @@ void Realtime::give_priority(int priority, const RealtimeCalls& calls) {
   constexpr int calling_thread = 0;
   give("main thread", calling_thread);
   const std::vector<NamedThread> threads = calls.threads();
+  // Ours takes a mutex that the receiving thread takes too: whoever could hold it up must not be preempted.
+  for (const NamedThread& thread : threads) {
+    if (thread.name == predicting_thread_name) give("predicting thread", thread.id);
+  }
   for (const auto* name : {"recv", "tev"}) {
     bool found = false;
     for (const NamedThread& thread : threads) {

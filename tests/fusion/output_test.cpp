@@ -77,6 +77,6 @@ SCENARIO("what is predicted is less sure than what was measured") {
 TEST_CASE("a rate gives its period, and none gives none") {
   OutputSettings settings;
   CHECK(output::period_ns(settings) == 0);
-  settings.rate_hz = 1000.0;
+  settings.rate_hz = 1000;
   CHECK(output::period_ns(settings) == ms_ns);
 }

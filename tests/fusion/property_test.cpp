@@ -49,6 +49,7 @@ double number_of(const SettingValue& value) {
 Settings random_settings(Dice& dice) {
   Settings settings;
   for (const SettingInfo& row : setting_table()) {
+    if (row.group == OutputSettings::group) continue;  // it is not the engine's
     if (!row.choices.empty()) {
       set(settings, row.key,
           std::string(

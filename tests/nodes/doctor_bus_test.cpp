@@ -112,13 +112,30 @@ TEST_CASE("The same topic with another type is an error") {
   CHECK_THAT(finding.remedy, Contains("sonopose.idl"));
 }
 
-TEST_CASE("Two fusions of one strength are a warning, a weaker one stands by") {
+TEST_CASE("Two fusions of one strength that serve one beacon are a warning, a weaker one stands by") {
   Observations seen = healthy();
-  seen.writers.push_back(endpoint("sonopose/pose", "sonopose::FusedPose", "sonopose-fusion", exclusive()));
+  FusionStatus fusion;
+  fusion.fusion_id = 1;
+  fusion.role = FusionRole::serving;
+  fusion.strength = 100;
+  seen.beacons.front().fusion = fusion;
+  seen.beacons.front().fusions = {fusion, fusion};
   CHECK(found(diagnose(seen), "2 fusions of the same strength 100").severity == Severity::warning);
-  seen.writers.back().qos = exclusive(50);
+  seen.beacons.front().fusions.back().strength = 50;
   CHECK_FALSE(any_wrong(diagnose(seen)));
   CHECK_THAT(found(diagnose(seen), "stand by").what, Contains("strength 100"));
+  seen.beacons.front().fusions.back().strength = 100;
+  seen.beacons.front().fusions.back().role = FusionRole::warming;
+  CHECK_FALSE(any_wrong(diagnose(seen)));
+}
+
+TEST_CASE("Parts of a domain do not hear each other as meant; a bridge alone in its part is a warning") {
+  Observations seen = healthy();
+  const dds::Qos east = dds::Qos() << dds::policy::Partition{{"east"}};
+  seen.writers.push_back(endpoint("sonopose/imu", "sonopose::ImuSample", "sonopose-bridge", east));
+  CHECK(found(diagnose(seen), "nobody in its partition hears sonopose-bridge").severity == Severity::warning);
+  seen.readers.push_back(endpoint("sonopose/imu", "sonopose::ImuSample", "sonopose-fusion", east));
+  CHECK_FALSE(any_wrong(diagnose(seen)));
 }
 
 TEST_CASE("The report has the worst last, what to do, and a count") {

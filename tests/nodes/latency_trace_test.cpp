@@ -58,6 +58,14 @@ SCENARIO("the way of a pose is the sum of its legs") {
   CHECK(one.legs_s()[3] == Approx(40e-6));
 }
 
+SCENARIO("of a long run a fair sample is kept") {
+  TraceCollector collector;
+  for (std::uint64_t i = 0; i < 200'000; ++i) collector.add(trace(i, i % 10 == 0 ? 900 * us : 40 * us));
+  for (std::uint64_t i = 0; i < 200'000; ++i) collector.add(trace(i, i % 10 == 0 ? 1900 * us : 140 * us));
+  CHECK(collector.latency().p50_s < 201e-6);
+  CHECK(collector.latency().p99_s == Approx(1960e-6));  // a twentieth of all took so long
+}
+
 SCENARIO("a collector knows each leg's distribution, and the slowest pose") {
   TraceCollector collector;
   CHECK_FALSE(collector.worst());

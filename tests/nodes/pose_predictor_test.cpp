@@ -70,6 +70,16 @@ SCENARIO("poses are due on a clock of their own") {
         CHECK(made.poses.back().time_ns == sensor_ns + 96 * ms);
       }
     }
+    WHEN("it is asked for once a second first, and then more often") {
+      made.predictor.set_period(7, 1000 * ms);
+      made.predictor.on_pose(pose_at(10 * ms), begin_ns + 10 * ms);
+      made.predictor.set_period(7, 2 * ms);
+      made.predictor.on_pose(pose_at(20 * ms), begin_ns + 20 * ms);
+      THEN("the new period holds from the next sample on") {
+        CHECK(made.at(22 * ms) == begin_ns + 24 * ms);
+        CHECK(made.poses.size() == 1);
+      }
+    }
     WHEN("it is asked for no more") {
       made.predictor.set_period(7, 0);
       THEN("nothing is due") {

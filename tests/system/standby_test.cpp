@@ -95,6 +95,7 @@ void report(const std::string& what, const std::vector<double>& waits_ms) {
       "{}: taken over after {:.1f} / {:.1f} / {:.1f} ms (min/median/max of {}), lease {} ms\n", what,
       waits_ms.front(), median_ms, waits_ms.back(), waits_ms.size(), lease_ms);
   CHECK(median_ms <= slowness * (1.1 * lease_ms + imu_period_ms));
+  CHECK(waits_ms[waits_ms.size() * 9 / 10] <= slowness * 2.0 * lease_ms);  // a busy machine delays some
 }
 
 /// The poses up to the first of the weak one are the strong one's alone: one stream.
@@ -156,11 +157,11 @@ SCENARIO("while the stronger one lives nothing comes from the weaker one, and no
     const std::size_t begin = pair.tap.count();
     WHEN("two seconds pass") {
       const auto poses = pair.tap.wait_for_count(begin, 400);
-      THEN("each IMU sample has one pose, of the stronger one") {
+      THEN("each pose is of the stronger one, and of a later IMU sample") {
         check_one_stream(poses, weak);
         for (std::size_t i = 0; i < poses.size(); ++i) {
           REQUIRE(strong.wrote(poses[i]));
-          if (i > 0) REQUIRE(poses[i].pose.time_ns - poses[i - 1].pose.time_ns == Approx(5e6).margin(1000));
+          if (i > 0) REQUIRE(poses[i].pose.time_ns > poses[i - 1].pose.time_ns);
         }
       }
     }
@@ -196,7 +197,7 @@ SCENARIO(
   }
 }
 
-SCENARIO("a beacon that the stronger one cannot serve any more is served by the weaker one, and it alone") {
+SCENARIO("of two beacons the stronger one serves the one that it has, and the weaker one the other") {
   GIVEN("a pair that serves two beacons, of which the stronger one is told to leave one out") {
     Pair pair({"--scenario", "rest", "--imu-rate", "200", "--address", "7"});
     const auto other = pair.bus.bridge({"--scenario", "rest", "--imu-rate", "200", "--address", "8"});
@@ -236,7 +237,7 @@ SCENARIO("a beacon that falls silent is given up, and taken up again when it com
         CHECK(status.samples.back().strength == 100);
         WHEN("it goes on") {
           pair.bridge->send(SIGCONT);
-          THEN("it is served again after a warm-up") {
+          THEN("it is served again") {
             REQUIRE(pair.tap.wait_for(
                 [&](const TappedPose& tapped) {
                   return tapped.pose.address == 7 && tapped.writer == fusion.claim;
@@ -250,7 +251,8 @@ SCENARIO("a beacon that falls silent is given up, and taken up again when it com
   }
 }
 
-SCENARIO("a beacon that only the stronger one has lost is taken over, though that process lives and is idle") {
+SCENARIO(
+    "a beacon that only the stronger one has lost is taken over, though that process lives and is idle") {
   GIVEN("two fusions, each with a bridge of its own to the same beacon, and a consumer that hears both") {
     const Bus bus;
     const PoseTap tap(bus, "way-*");
@@ -259,8 +261,7 @@ SCENARIO("a beacon that only the stronger one has lost is taken over, though tha
     };
     const auto strong_bridge = bridge_in("way-1");
     const auto weak_bridge = bridge_in("way-2");
-    const auto strong =
-        bus.fusion({"--partition", "way-1", "--standby-strength", "200", "--warm-up", "0.2"});
+    const auto strong = bus.fusion({"--partition", "way-1", "--standby-strength", "200", "--warm-up", "0.2"});
     const auto from_strong = [&] {
       for (const auto writer : tap.writers()) {
         if (tap.strength_of(writer) == 200) return tap.wait_for_writer({writer}, tap.count());
@@ -275,7 +276,8 @@ SCENARIO("a beacon that only the stronger one has lost is taken over, though tha
       const std::size_t before = tap.count();
       strong_bridge->send(SIGSTOP);
       THEN("the weaker one serves, and when the bridge is back the stronger one again") {
-        REQUIRE(tap.wait_for([&](const TappedPose& tapped) { return tapped.writer != served->writer; }, before));
+        REQUIRE(
+            tap.wait_for([&](const TappedPose& tapped) { return tapped.writer != served->writer; }, before));
         strong_bridge->send(SIGCONT);
         REQUIRE(tap.wait_for_writer({served->writer}, tap.count()));
       }

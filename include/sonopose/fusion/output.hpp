@@ -8,14 +8,14 @@
 namespace sonopose::fusion {
 
 struct OutputSettings {
-  double rate_hz{};
+  int rate_hz{};
 
   static constexpr std::string_view group = "output";
   static constexpr auto declarations() {
     using G = OutputSettings;
-    return setting::rows(setting::real(setting::own_setting, "rate_hz", &G::rate_hz, 0.0, {0.0, 1000.0}, "Hz",
-                                       "Further poses on a steady clock, predicted from the latest IMU "
-                                       "sample; 0: one at each sample alone."));
+    return setting::rows(setting::count(setting::own_setting, "rate_hz", &G::rate_hz, 0, {0, 1000}, "Hz",
+                                        "Further poses on a steady clock, predicted from the latest IMU "
+                                        "sample; 0: one at each sample alone."));
   }
   constexpr OutputSettings() { setting::set_defaults(*this); }
 };

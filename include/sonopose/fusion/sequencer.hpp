@@ -34,11 +34,11 @@ public:
   void push(const Event& event, TimeNs now_ns, const Deliver& deliver) {
     const std::uint64_t sequence = sequence_of(event);
     if (!started_) begin(sequence);
-    if (sequence < next_ && !is_restart(sequence)) {
+    if (sequence < next_ && !is_restart(sequence, now_ns)) {
       ++counters_.duplicated;
       return;
     }
-    if (sequence < next_) begin_again(sequence, deliver);
+    if (sequence < next_) begin_again(sequence, now_ns, deliver);
     late_run_ = 0;
     if (sequence == next_ && waiting_ == 0) {
       ++next_;
@@ -67,17 +67,17 @@ private:
   /// with none in line between them. (Of two bridges that publish the same address the first goes on being
   /// served.)
   /// What was given up and comes after all is late and no restart, however much of it there is.
-  [[nodiscard]] bool is_restart(std::uint64_t sequence) {
+  [[nodiscard]] bool is_restart(std::uint64_t sequence, TimeNs now_ns) {
     constexpr int enough = 4;
-    if (was_given_up(sequence)) return false;
+    if (was_given_up(sequence, now_ns)) return false;
     late_run_ = sequence == late_next_ ? late_run_ + 1 : 1;
     late_next_ = sequence + 1;
     return late_run_ >= enough;
   }
 
   template <class Deliver>
-  void begin_again(std::uint64_t sequence, const Deliver& deliver) {
-    while (waiting_ > 0) skip_to_earliest(deliver);
+  void begin_again(std::uint64_t sequence, TimeNs now_ns, const Deliver& deliver) {
+    while (waiting_ > 0) skip_to_earliest(now_ns, deliver);
     next_ = sequence;
     given_up_ = {};
     ++counters_.restarts;
@@ -87,6 +87,7 @@ private:
   struct Gap {
     std::uint64_t from = 0;
     std::uint64_t to = 0;
+    TimeNs since_ns = 0;
   };
 
   Place& place_of(std::uint64_t sequence) { return places_[sequence % capacity]; }
@@ -94,8 +95,8 @@ private:
   template <class Deliver>
   void hold(const Event& event, TimeNs now_ns, const Deliver& deliver) {
     const std::uint64_t sequence = sequence_of(event);
-    while (waiting_ > 0 && sequence >= next_ + capacity) skip_to_earliest(deliver);
-    if (waiting_ == 0 && sequence >= next_ + capacity) give_up_to(sequence);  // too wide to be filled
+    while (waiting_ > 0 && sequence >= next_ + capacity) skip_to_earliest(now_ns, deliver);
+    if (waiting_ == 0 && sequence >= next_ + capacity) give_up_to(sequence, now_ns);  // too wide to be filled
     Place& place = place_of(sequence);
     if (place.taken) {
       ++counters_.duplicated;
@@ -106,29 +107,30 @@ private:
   }
 
   /// Everything before `sequence` that has not come is lost.
-  void give_up_to(std::uint64_t sequence) {
+  void give_up_to(std::uint64_t sequence, TimeNs now_ns) {
     if (sequence == next_) return;
     constexpr std::uint64_t widest = 1024;  // beyond that a number was wrong, or the numbering is another one
     counters_.lost += sequence - next_;
     if (sequence - next_ <= widest) {
-      given_up_[given_up_count_++ % given_up_.size()] = {next_, sequence};
+      given_up_[given_up_count_++ % given_up_.size()] = {next_, sequence, now_ns};
     }
     next_ = sequence;
   }
 
-  [[nodiscard]] bool was_given_up(std::uint64_t sequence) const {
+  [[nodiscard]] bool was_given_up(std::uint64_t sequence, TimeNs now_ns) const {
+    constexpr TimeNs remembered_ns = 1'000'000'000;
     for (const Gap& gap : given_up_) {
-      if (gap.from <= sequence && sequence < gap.to) return true;
+      if (gap.from <= sequence && sequence < gap.to && now_ns - gap.since_ns < remembered_ns) return true;
     }
     return false;
   }
 
   /// Gives up the gap before the earliest event that waits.
   template <class Deliver>
-  void skip_to_earliest(const Deliver& deliver) {
+  void skip_to_earliest(TimeNs now_ns, const Deliver& deliver) {
     std::uint64_t earliest = next_;
     while (!place_of(earliest).taken) ++earliest;
-    give_up_to(earliest);
+    give_up_to(earliest, now_ns);
     deliver_run(deliver);
   }
 
@@ -146,7 +148,7 @@ private:
   template <class Deliver>
   void release(TimeNs now_ns, const Deliver& deliver) {
     deliver_run(deliver);
-    while (waiting_ > 0 && now_ns - longest_wait_began_ns() > patience_ns_) skip_to_earliest(deliver);
+    while (waiting_ > 0 && now_ns - longest_wait_began_ns() > patience_ns_) skip_to_earliest(now_ns, deliver);
   }
 
   [[nodiscard]] TimeNs longest_wait_began_ns() const {

@@ -35,6 +35,12 @@ struct BeaconView {
   std::optional<double> position_error_max_m;
 };
 
+/// Whether a fusion claims the beacon.
+bool serves(const FusionStatus& status);
+
+/// Whose poses consumers get of two: one that serves before one that does not, then the stronger one's.
+bool serves_before(const FusionStatus& a, const FusionStatus& b);
+
 /// Collects the poses, statuses and truth of one beacon. Not for use by several threads at once.
 class BeaconWatch {
 public:

@@ -99,7 +99,8 @@ struct BeaconSeen {
   std::optional<BeaconStatus> status;         ///< the last one
   std::optional<FusionStatus> fusion_before;
   std::optional<FusionStatus> fusion;
-  std::uint32_t lasting_status = 0;  ///< bits of PoseStatus that each pose of the window had
+  std::vector<FusionStatus> fusions;  ///< the last one of each fusion that serves it
+  std::uint32_t lasting_status = 0;   ///< bits of PoseStatus that each pose of the window had
   std::optional<RestSeen> imu_means;
 };
 

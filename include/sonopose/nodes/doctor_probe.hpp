@@ -63,8 +63,11 @@ private:
   Vector3d fixes_max_m_ = Vector3d::Constant(-std::numeric_limits<double>::infinity());
   std::optional<BeaconStatus> status_before_;
   std::optional<BeaconStatus> status_;
-  std::optional<FusionStatus> fusion_before_;
-  std::optional<FusionStatus> fusion_;
+  struct FusionSeen {
+    FusionStatus before;
+    FusionStatus latest;
+  };
+  std::map<std::uint64_t, FusionSeen> fusions_;  ///< by their ids
 };
 
 /// The calibration of an engine's settings in force; what cannot be read is left at its default.

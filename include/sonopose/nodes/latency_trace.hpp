@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <random>
 #include <string_view>
 #include <vector>
 
@@ -41,8 +42,7 @@ struct PoseTrace {
 /// The trace that a pose brings along, which arrived at `here_ns`.
 PoseTrace trace_of(const FusedPose& pose, TimeNs here_ns);
 
-/// Collects traces over some span of time: a million at most, over an hour at 250 Hz; what comes after that
-/// counts for the worst alone.
+/// Collects traces over some span of time. Of more than 16,384 it keeps a fair sample, and the worst.
 class TraceCollector {
 public:
   void add(const PoseTrace& trace);
@@ -59,6 +59,8 @@ private:
     std::array<float, 4> legs_s;
   };
   std::vector<Durations> durations_;
+  std::size_t seen_ = 0;
+  std::minstd_rand random_;
   std::optional<PoseTrace> worst_;
 };
 

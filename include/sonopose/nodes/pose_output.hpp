@@ -18,6 +18,9 @@
 
 namespace sonopose::nodes {
 
+/// The thread that writes predicted poses, as the kernel and --realtime know it.
+inline constexpr const char* predicting_thread_name = "predict";
+
 /// Poses come from one thread, `watch` and `hand_over` from another one; a third writes predicted poses.
 /// No lock is held while something is written.
 ///
@@ -69,7 +72,8 @@ private:
   mutable std::mutex mutex_;  // guards standby_ and predictor_, for computing alone
   std::optional<Standby> standby_;
   PosePredictor predictor_;
-  std::condition_variable_any sleep_;   // of the predicting thread, until its stop
+  std::condition_variable_any wake_;  // of the predicting thread, before its time
+  bool periods_changed_ = false;
   std::vector<BeaconAddress> stalled_;  // of watch(), kept for its capacity
   std::atomic<std::uint64_t> unwritten_ = 0;
 

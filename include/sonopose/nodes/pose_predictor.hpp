@@ -16,8 +16,9 @@ public:
   /// `deadline_ns`: so long after an IMU sample nothing is predicted from it any more.
   explicit PosePredictor(TimeNs deadline_ns) : deadline_ns_(deadline_ns) {}
 
-  /// A beacon's poses are due every `period_ns`; 0: never.
-  void set_period(BeaconAddress address, TimeNs period_ns) { lanes_[address].period_ns = period_ns; }
+  /// A beacon's poses are due every `period_ns`; 0: never. Returns whether that is new: the next one is due
+  /// a period after the next sample then.
+  bool set_period(BeaconAddress address, TimeNs period_ns);
 
   /// The pose of an IMU sample that was taken at `now_ns`.
   void on_pose(const FusedPose& pose, TimeNs now_ns);
@@ -29,7 +30,7 @@ public:
     std::optional<TimeNs> next_ns;
     for (auto& entry : lanes_) {
       Lane& lane = entry.second;
-      if (lane.period_ns == 0) continue;
+      if (lane.period_ns == 0 || lane.due_ns == 0) continue;
       if (now_ns >= lane.due_ns) {
         if (const auto pose = predicted(lane, now_ns)) on_due(*pose);
         lane.due_ns += ((now_ns - lane.due_ns) / lane.period_ns + 1) * lane.period_ns;

@@ -7,6 +7,7 @@
 #include <sonopose/core/status.hpp>
 
 #include <cstdint>
+#include <limits>
 #include <unordered_map>
 #include <vector>
 
@@ -32,12 +33,14 @@ public:
     bool give_up = false;                   ///< take the claim back first
   };
 
-  /// A pose that is about to be written at `now_ns` of the steady clock. After a silence that was a stall the
-  /// beacon warms up anew: the process may have been stopped, and what it brings may be old.
-  Step on_pose(BeaconAddress address, std::uint32_t status, TimeNs now_ns);
+  /// A pose that is about to be written at `now_ns` of the steady clock, whose sample the bridge published
+  /// `age_ns` ago (by clocks that need not agree). After a stall the beacon is claimed again with its first
+  /// good pose where the input was silent; where its samples come later than they used to, this process was
+  /// held up, has missed some, and warms up anew.
+  Step on_pose(BeaconAddress address, std::uint32_t status, TimeNs age_ns, TimeNs now_ns);
 
-  /// Adds to `stalled` the beacons whose claim must be taken back at `now_ns`. Each is named twice, the
-  /// second time at the next call, for a pose that was on its way at the first.
+  /// Adds to `stalled` the beacons whose claim must be taken back at `now_ns`. Each is named again at the
+  /// next call, and so is one that on_pose gave up: for a pose that was on its way just then.
   void find_stalled(TimeNs now_ns, std::vector<BeaconAddress>& stalled);
 
   /// When find_stalled has something to say if no pose comes; the largest time where never.
@@ -55,10 +58,14 @@ private:
     TimeNs latest_ns = 0;         ///< of the last pose
     TimeNs warming_since_ns = 0;  ///< first pose of this warm-up
     TimeNs good_since_ns = 0;     ///< first good pose of the present run of them; 0: the last was bad
+    TimeNs least_age_ns = std::numeric_limits<TimeNs>::max();
+    TimeNs age_ns = 0;  ///< of the last pose's sample
+    bool warm = false;  ///< it has been claimed, and missed nothing since
     bool name_again = false;
   };
 
   [[nodiscard]] bool is_warm(const Lane& lane, TimeNs now_ns) const;
+  [[nodiscard]] bool is_late(const Lane& lane) const;
   void begin_warm_up(Lane& lane, TimeNs now_ns) const;
 
   TimeNs warm_up_ns_;
