@@ -134,32 +134,6 @@ SCENARIO("a consumer hears of a fusion that died within a lease") {
   CHECK(waits_ms[2] <= slowness * lease_ms);
 }
 
-SCENARIO("a consumer that has stopped holds nobody up") {
-  GIVEN("250 beacons, and two consumers of which one stops") {
-    const Bus bus;
-    PoseTap tap(bus);
-    Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::Delivery::live);
-    const auto fusion = bus.fusion();
-    const auto bridge = bus.bridge({"--beacons", "250", "--imu-rate", "25"});
-    const auto monitor = bus.monitor({"--json"});
-    REQUIRE(monitor->wait_for_lines(Stream::output, 2));
-    const auto rate_of = [&tap] {
-      const auto poses = tap.wait_for_count(tap.count(), 5000);
-      REQUIRE(poses.size() >= 5000);
-      return static_cast<double>(poses.size()) /
-             (static_cast<double>(poses.back().received_ns - poses.front().received_ns) * 1e-9);
-    };
-    const double before_hz = rate_of();
-    monitor->send(SIGSTOP);
-    THEN("the other one gets as many poses as before, and none is left unwritten") {
-      for (int i = 0; i < 3; ++i) CHECK(rate_of() > 0.8 * before_hz);
-      CHECK(status.wait_for([](const FusionStatus&) { return true; }, status.samples.size()));
-      for (const FusionStatus& told : status.samples) CHECK(told.poses_unwritten == 0);
-    }
-    monitor->send(SIGCONT);
-  }
-}
-
 SCENARIO("parts of a domain do not hear each other, and a pattern hears several") {
   GIVEN("a chain in each of two parts") {
     const Bus bus;

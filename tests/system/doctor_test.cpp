@@ -85,7 +85,8 @@ SCENARIO("of a system that is well the doctor says so") {
       THEN("that is what is missing, and the beacon is well") {
         CAPTURE(result.output, result.error);
         CHECK(result.code == 1);
-        CHECK_THAT(result.output, Contains("no fusion runs in domain ") && Contains("start sonopose-fusion"));
+        // What to do depends on what else runs on this machine.
+        CHECK_THAT(result.output, Contains("no fusion runs in domain " + std::to_string(bus.domain_id())));
         CHECK_THAT(result.output, !Contains("nobody publishes beacons"));
       }
     }
