@@ -70,15 +70,7 @@ void run_bare_source(std::uint32_t domain, double rate_hz) {
   const dds_entity_t participant = join(domain);
   const dds_entity_t writer = checked(
       dds_create_writer(participant, imu_topic(participant), writer_qos(topics::imu.profile), nullptr));
-  sonopose_ImuSample imu{};
-  imu.address = 7;
-  Pulse pulse(rate_hz);
-  while (true) {
-    pulse.wait();
-    ++imu.event_sequence;
-    imu.sensor_time = imu.bridge_time = nodes::now_ns();
-    dds_write(writer, &imu);
-  }
+  run_source(rate_hz, [writer](const sonopose_ImuSample& imu) { dds_write(writer, &imu); });
 }
 
 void run_bare_relay(std::uint32_t domain) {

@@ -43,15 +43,7 @@ void LoopbackSocket::connect(const LoopbackSocket& other) {
 }
 
 void run_plain_source(const LoopbackSocket& out, double rate_hz) {
-  sonopose_ImuSample imu{};
-  imu.address = 7;
-  Pulse pulse(rate_hz);
-  while (true) {
-    pulse.wait();
-    ++imu.event_sequence;
-    imu.sensor_time = imu.bridge_time = nodes::now_ns();
-    ::send(out.file(), &imu, sizeof imu, 0);
-  }
+  run_source(rate_hz, [&out](const sonopose_ImuSample& imu) { ::send(out.file(), &imu, sizeof imu, 0); });
 }
 
 void run_plain_relay(const LoopbackSocket& in, const LoopbackSocket& out) {

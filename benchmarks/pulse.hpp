@@ -1,6 +1,7 @@
 #pragma once
 // When a source without a simulator sends.
 
+#include <sonopose/idl/sonopose.h>
 #include <sonopose/nodes/host_clock.hpp>
 
 #include <time.h>
@@ -25,5 +26,19 @@ private:
   TimeNs period_ns_;
   TimeNs next_ns_;
 };
+
+/// Stamps and numbers IMU samples and hands each to `send(const sonopose_ImuSample&)`, without end.
+template <class Send>
+[[noreturn]] void run_source(double rate_hz, const Send& send) {
+  sonopose_ImuSample imu{};
+  imu.address = 7;
+  Pulse pulse(rate_hz);
+  while (true) {
+    pulse.wait();
+    ++imu.event_sequence;
+    imu.sensor_time = imu.bridge_time = nodes::now_ns();
+    send(imu);
+  }
+}
 
 }  // namespace sonopose::benchmarks

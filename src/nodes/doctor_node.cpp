@@ -1,3 +1,4 @@
+#include "doctor_rules.hpp"
 #include "doctor_survey.hpp"
 #include <sonopose/dds/conversions.hpp>
 #include <sonopose/dds/topics.hpp>
@@ -129,9 +130,9 @@ void Observer::listen_until(TimeNs end_ns, const StopSignal& stop) {
 
 template <class T>
 double Observer::deadline_s(const dds::TopicEntry<T>& entry) const {
-  const auto deadline = qos_.datareader_qos(entry.profile).template policy<dds::policy::Deadline>();
-  if (!deadline || deadline->period == dds::infinite) return std::numeric_limits<double>::infinity();
-  return std::chrono::duration<double>(deadline->period).count();
+  const dds::Duration deadline = dds::deadline_of(qos_.datareader_qos(entry.profile));
+  if (deadline == dds::infinite) return std::numeric_limits<double>::infinity();
+  return std::chrono::duration<double>(deadline).count();
 }
 
 std::vector<ProcessSeen> Observer::processes_of(const std::set<std::uint64_t>& imu_writers,
@@ -190,16 +191,12 @@ Observations Observer::run(const StopSignal& stop) {
   return seen;
 }
 
-bool writes(const Observations& seen, const char* topic) {
-  return std::any_of(seen.writers.begin(), seen.writers.end(),
-                     [topic](const EndpointSeen& writer) { return writer.topic == topic; });
-}
-
 }  // namespace
 
 Observations observe(const DoctorOptions& options, const StopSignal& stop) {
   Observations seen = Observer(options).run(stop);
-  if (!writes(seen, topics::imu.name) || !writes(seen, topics::pose.name)) {
+  if (doctor::on_topic(seen.writers, topics::imu.name).empty() ||
+      doctor::on_topic(seen.writers, topics::pose.name).empty()) {
     seen.bus.looked_elsewhere = true;
     seen.bus.other_domains = doctor::look_elsewhere(options.domain, stop);
   }

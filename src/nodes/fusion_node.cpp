@@ -22,8 +22,7 @@ std::uint64_t random_id() {
 /// the profile sets none, a second.
 TimeNs input_deadline_ns(const dds::QosProvider& qos) {
   constexpr TimeNs most_ns = 1'000'000'000;
-  const auto deadline = qos.datareader_qos(topics::imu.profile).policy<dds::policy::Deadline>();
-  return std::min(most_ns, deadline.value_or(dds::policy::Deadline{}).period.count());
+  return std::min(most_ns, dds::deadline_of(qos.datareader_qos(topics::imu.profile)).count());
 }
 
 /// Live, a consumer that has stopped holds nobody up.

@@ -187,8 +187,7 @@ void tell_silences(const std::vector<SilenceWatch::Change>& changes) {
 std::uint64_t monitor(const MonitorOptions& options, const StopSignal& stop) {
   const dds::QosProvider qos(options.qos_file);
   const dds::DomainParticipant participant(options.domain);
-  const auto deadline = qos.datareader_qos(topics::pose.profile).policy<dds::policy::Deadline>();
-  Watches watches(deadline.value_or(dds::policy::Deadline{}).period.count());
+  Watches watches(dds::deadline_of(qos.datareader_qos(topics::pose.profile)).count());
   EndCounters ends;
   EndsTeller tell_ends;
   const Watched pose(participant, qos, topics::pose, watches, ends);

@@ -61,14 +61,14 @@ SCENARIO("a silence is told once when it begins and once when it ends") {
 }
 
 SCENARIO("whole periods without a sample are counted") {
-  DeadlineCount count;
-  CHECK(count.count(5'000 * ms, 100 * ms) == 0);  // nothing has begun
-  count.on_sample(1'000 * ms, 100 * ms);
-  count.on_sample(1'090 * ms, 100 * ms);
-  CHECK(count.count(1'189 * ms, 100 * ms) == 0);
-  CHECK(count.count(1'190 * ms, 100 * ms) == 1);
-  CHECK(count.count(1'340 * ms, 100 * ms) == 2);
-  count.on_sample(1'340 * ms, 100 * ms);
-  CHECK(count.count(1'350 * ms, 100 * ms) == 2);
-  CHECK(count.count(1'440 * ms, 100 * ms) == 3);
+  DeadlineCount count(100 * ms);
+  CHECK(count.count(5'000 * ms) == 0);  // nothing has begun
+  count.on_sample(1'000 * ms);
+  count.on_sample(1'090 * ms);
+  CHECK(count.count(1'189 * ms) == 0);
+  CHECK(count.count(1'190 * ms) == 1);
+  CHECK(count.count(1'340 * ms) == 2);
+  count.on_sample(1'340 * ms);
+  CHECK(count.count(1'350 * ms) == 2);
+  CHECK(count.count(1'440 * ms) == 3);
 }

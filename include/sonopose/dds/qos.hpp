@@ -47,4 +47,9 @@ private:
   std::unique_ptr<dds_qos_t, Delete> qos_;
 };
 
+/// The deadline's period; infinite where the object leaves it open, as DDS does.
+inline Duration deadline_of(const Qos& qos) {
+  return qos.policy<policy::Deadline>().value_or(policy::Deadline{}).period;
+}
+
 }  // namespace sonopose::dds

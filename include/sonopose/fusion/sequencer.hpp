@@ -65,8 +65,7 @@ private:
 
   /// A bridge that was started anew counts from the beginning again: late numbers, but one after the other
   /// with none in line between them. (Of two bridges that publish the same address the first goes on being
-  /// served.)
-  /// What was given up and comes after all is late and no restart, however much of it there is.
+  /// served.) What was given up and comes after all is late and no restart, however much of it there is.
   [[nodiscard]] bool is_restart(std::uint64_t sequence, TimeNs now_ns) {
     constexpr int enough = 4;
     if (was_given_up(sequence, now_ns)) return false;

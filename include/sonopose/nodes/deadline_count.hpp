@@ -12,19 +12,22 @@ namespace sonopose::nodes {
 /// Times are of the steady clock. Nothing is missed before the first sample.
 class DeadlineCount {
 public:
-  void on_sample(TimeNs now_ns, TimeNs period_ns) {
-    missed_ = count(now_ns, period_ns);
+  explicit DeadlineCount(TimeNs period_ns) : period_ns_(period_ns) {}
+
+  void on_sample(TimeNs now_ns) {
+    missed_ = count(now_ns);
     latest_ns_ = now_ns;
     begun_ = true;
   }
 
   /// Whole periods without a sample, up to `now_ns`.
-  [[nodiscard]] std::uint64_t count(TimeNs now_ns, TimeNs period_ns) const {
+  [[nodiscard]] std::uint64_t count(TimeNs now_ns) const {
     if (!begun_ || now_ns <= latest_ns_) return missed_;
-    return missed_ + static_cast<std::uint64_t>((now_ns - latest_ns_) / period_ns);
+    return missed_ + static_cast<std::uint64_t>((now_ns - latest_ns_) / period_ns_);
   }
 
 private:
+  TimeNs period_ns_;
   bool begun_ = false;
   TimeNs latest_ns_ = 0;
   std::uint64_t missed_ = 0;
