@@ -74,9 +74,15 @@ const std::vector<Room> rooms{
      {"core", "math", "idl"},
      any_of({sockets, "asio.*", command_lines}),
      "sockets, command lines"},
+    {"ros2",
+     {"ros2"},
+     {"core", "math", "dds", "idl"},
+     any_of({files, sockets, clocks, threads, "asio.*", command_lines}),
+     "files, sockets, clocks, threads, command lines"},
     {"nodes",
      {"nodes"},
-     {"core", "math", "attitude", "calibration", "fusion", "marvelmind", "config", "sim", "io", "dds", "idl"},
+     {"core", "math", "attitude", "calibration", "fusion", "marvelmind", "config", "sim", "io", "dds", "idl",
+      "ros2"},
      any_of({"dds/.*|ddsc/.*", command_lines, "asio.*", "toml.*", "pugixml.*"}),
      "Cyclone DDS itself, command lines, the libraries of other rooms"},
 };
@@ -179,7 +185,7 @@ TEST_CASE("the host's clock is read at the edges alone") {
       R"(\b(system_clock|steady_clock|high_resolution_clock|clock_gettime|time\(nullptr\)))");
   Breaches breaches;
   for (const char* folder :
-       {"core", "math", "attitude", "calibration", "fusion", "marvelmind", "sim", "config", "dds"}) {
+       {"core", "math", "attitude", "calibration", "fusion", "marvelmind", "sim", "config", "dds", "ros2"}) {
     for (const char* half : {"src", "include/sonopose"}) {
       for (const fs::path& file : sources_in(root / half / folder)) {
         for (const std::string& line : lines_of(file)) {

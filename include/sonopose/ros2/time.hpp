@@ -1,0 +1,34 @@
+#pragma once
+/// \file
+/// Times as ROS 2 writes them, and stamps that only rise.
+
+#include <sonopose/core/samples.hpp>
+#include <sonopose/ros2/idl_types.hpp>
+
+#include <optional>
+
+namespace sonopose::ros2 {
+
+/// ROS 2 counts whole seconds in 32 bits, signed, and what is left in nanoseconds: until 2038.
+Time to_ros(TimeNs time_ns);
+
+/// Empty where the nanoseconds are a second or more: no clock reads so.
+std::optional<TimeNs> from_ros(const Time& time);
+
+/// Consumers drop what is not newer than what they have, and tf2 warns of a stamp that came before. Beacons
+/// count milliseconds, so samples that were measured apart may have one stamp.
+class RisingStamp {
+public:
+  /// The stamp to use for `time_ns`: itself, or a nanosecond more than the last where it is equal or
+  /// up to `slack_ns` older. Empty for what is older still: to be left out. Further back than
+  /// `new_start_ns` is no late sample but a clock that was set, or a recording that begins anew.
+  std::optional<TimeNs> next(TimeNs time_ns);
+
+  static constexpr TimeNs slack_ns = 1'000'000;
+  static constexpr TimeNs new_start_ns = 1'000'000'000;
+
+private:
+  std::optional<TimeNs> last_ns_;
+};
+
+}  // namespace sonopose::ros2

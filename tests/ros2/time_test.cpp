@@ -1,0 +1,51 @@
+#include <sonopose/ros2/time.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <optional>
+
+using namespace sonopose;
+using namespace sonopose::ros2;
+
+TEST_CASE("A time goes to ROS 2 and back to the nanosecond") {
+  for (const TimeNs time_ns : {TimeNs{0}, TimeNs{1}, TimeNs{999'999'999}, TimeNs{1'000'000'000},
+                               TimeNs{1'700'000'000'123'456'789}, TimeNs{-1}, TimeNs{-2'000'000'001}}) {
+    CAPTURE(time_ns);
+    CHECK(to_ros(time_ns).nanosec < 1'000'000'000U);
+    CHECK(from_ros(to_ros(time_ns)) == time_ns);
+  }
+  CHECK(to_ros(-1).sec == -1);
+  CHECK(to_ros(-1).nanosec == 999'999'999U);
+  CHECK(from_ros({5, 1'000'000'000U}) == std::nullopt);
+}
+
+SCENARIO("stamps rise") {
+  GIVEN("a stream whose last sample was stamped 10 s") {
+    constexpr TimeNs ten_s = 10'000'000'000;
+    RisingStamp stamps;
+    REQUIRE(stamps.next(ten_s) == ten_s);
+    WHEN("a newer one comes") {
+      THEN("its stamp stays") {
+        CHECK(stamps.next(ten_s + 5) == ten_s + 5);
+      }
+    }
+    WHEN("two come with the same stamp") {
+      THEN("each is a nanosecond later, and the next real one stays") {
+        CHECK(stamps.next(ten_s) == ten_s + 1);
+        CHECK(stamps.next(ten_s) == ten_s + 2);
+        CHECK(stamps.next(ten_s + 1'000'000) == ten_s + 1'000'000);
+      }
+    }
+    WHEN("one comes that is 2 ms older") {
+      THEN("it is left out") {
+        CHECK(stamps.next(ten_s - 2'000'000) == std::nullopt);
+      }
+    }
+    WHEN("the clock is set back by two seconds") {
+      THEN("the stream begins anew") {
+        CHECK(stamps.next(ten_s - 2'000'000'000) == ten_s - 2'000'000'000);
+        CHECK(stamps.next(ten_s - 1'900'000'000) == ten_s - 1'900'000'000);
+      }
+    }
+  }
+}
