@@ -1,32 +1,29 @@
 #include <sonopose/ros2/type_hash.hpp>
 
 #include <algorithm>
-#include <array>
+#include <iterator>
 #include <stdexcept>
 #include <string_view>
-#include <utility>
 
 namespace sonopose::ros2 {
 namespace {
 
 struct Row {
-  std::string_view type;
-  std::string_view hash;
+  std::string_view dds_type_name;
+  std::string_view sha256;
 };
 
-constexpr std::array hashes{
-    Row{"sensor_msgs::msg::dds_::Imu_", "7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b"},
-    Row{"nav_msgs::msg::dds_::Odometry_", "3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0"},
-    Row{"rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_",
-        "91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e"},
+constexpr Row rows[] = {
+#include <sonopose/idl/ros2/type_hashes.inc>
 };
 
 }  // namespace
 
 std::string type_hash(const std::string& dds_type_name) {
-  const auto row =
-      std::find_if(hashes.begin(), hashes.end(), [&](const Row& each) { return each.type == dds_type_name; });
-  return "RIHS01_" + (row == hashes.end() ? std::string(64, '0') : std::string(row->hash));
+  const auto* const row = std::find_if(std::begin(rows), std::end(rows),
+                                       [&](const Row& each) { return each.dds_type_name == dds_type_name; });
+  if (row == std::end(rows)) throw std::invalid_argument("idl/ros2 holds no type '" + dds_type_name + "'");
+  return "RIHS01_" + std::string(row->sha256);
 }
 
 }  // namespace sonopose::ros2
