@@ -43,7 +43,6 @@ void add_frame_options(CLI::App& app, Ros2Options& options) {
   frame("--base-frame", options.output.frames.base, "The robot");
   frame("--imu-frame", options.output.frames.imu, "The IMU's axes");
   app.add_option("--mount", options.mount, "Where the IMU sits on the robot: x y z (m) roll pitch yaw (deg)")
-      ->expected(6)
       ->type_name("N")
       ->group(group);
   const std::map<std::string, nodes::TfMode> modes{{"map_base", nodes::TfMode::map_base},
