@@ -45,4 +45,10 @@ StatusMask Entity::status_changes() const {
   return status;
 }
 
+dds_guid_t guid_of(const Entity& entity) {
+  dds_guid_t guid{};
+  check("dds_get_guid", dds_get_guid(entity.handle(), &guid));
+  return guid;
+}
+
 }  // namespace sonopose::dds

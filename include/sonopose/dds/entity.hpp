@@ -51,4 +51,7 @@ private:
   Ownership ownership_ = Ownership::owned;
 };
 
+/// Under which name the whole domain knows a participant, reader or writer.
+dds_guid_t guid_of(const Entity& entity);
+
 }  // namespace sonopose::dds

@@ -17,6 +17,22 @@ namespace sonopose::dds {
 template <class T>
 struct TopicTraits;
 
+/// The same type under another name on the wire. Its type information, which holds the old name, is left out.
+inline dds_topic_descriptor_t renamed(const dds_topic_descriptor_t& descriptor, const char* type_name) {
+  return {.m_size = descriptor.m_size,
+          .m_align = descriptor.m_align,
+          .m_flagset = descriptor.m_flagset & ~DDS_TOPIC_XTYPES_METADATA,
+          .m_nkeys = descriptor.m_nkeys,
+          .m_typename = type_name,
+          .m_keys = descriptor.m_keys,
+          .m_nops = descriptor.m_nops,
+          .m_ops = descriptor.m_ops,
+          .m_meta = descriptor.m_meta,
+          .type_information = {},
+          .type_mapping = {},
+          .restrict_data_representation = descriptor.restrict_data_representation};
+}
+
 /// Several topics of one name may live in a participant. A writer or reader keeps what it needs of its topic,
 /// which may go before it.
 template <class T>

@@ -6,6 +6,8 @@
 #include <sonopose/idl/ros2/diagnostic_msgs.h>
 #include <sonopose/idl/ros2/geometry_msgs.h>
 #include <sonopose/idl/ros2/nav_msgs.h>
+#include <sonopose/idl/ros2/rmw_dds_common.h>
+#include <sonopose/idl/ros2/rmw_dds_common_humble.h>
 #include <sonopose/idl/ros2/sensor_msgs.h>
 #include <sonopose/idl/ros2/tf2_msgs.h>
 
@@ -29,6 +31,8 @@ using TFMessage = tf2_msgs_msg_dds__TFMessage_;
 using KeyValue = diagnostic_msgs_msg_dds__KeyValue_;
 using DiagnosticStatus = diagnostic_msgs_msg_dds__DiagnosticStatus_;
 using DiagnosticArray = diagnostic_msgs_msg_dds__DiagnosticArray_;
+using ParticipantEntitiesInfo = rmw_dds_common_msg_dds__ParticipantEntitiesInfo_;
+using HumbleParticipantEntitiesInfo = rmw_dds_common_humble_msg_dds__ParticipantEntitiesInfo_;
 
 }  // namespace sonopose::ros2
 
@@ -74,6 +78,24 @@ struct TopicTraits<ros2::TFMessage> {
 template <>
 struct TopicTraits<ros2::DiagnosticArray> {
   static const dds_topic_descriptor_t& descriptor() { return diagnostic_msgs_msg_dds__DiagnosticArray__desc; }
+};
+
+template <>
+struct TopicTraits<ros2::ParticipantEntitiesInfo> {
+  static const dds_topic_descriptor_t& descriptor() {
+    return rmw_dds_common_msg_dds__ParticipantEntitiesInfo__desc;
+  }
+};
+
+/// Two layouts have one name on the wire.
+template <>
+struct TopicTraits<ros2::HumbleParticipantEntitiesInfo> {
+  static const dds_topic_descriptor_t& descriptor() {
+    static const dds_topic_descriptor_t as_on_the_wire =
+        renamed(rmw_dds_common_humble_msg_dds__ParticipantEntitiesInfo__desc,
+                rmw_dds_common_msg_dds__ParticipantEntitiesInfo__desc.m_typename);
+    return as_on_the_wire;
+  }
 };
 
 }  // namespace sonopose::dds

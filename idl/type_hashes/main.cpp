@@ -1,0 +1,153 @@
+// Prints the RIHS01 hashes of ROS 2's types (REP-2011) as rows of a C++ table, from the IDL files that it is
+// given: the SHA-256 of each type's description in JSON, in the very form in which rosidl writes it.
+//
+//   type_hashes FILE.idl ...
+//
+// Our IDL has the names of the wire, "pkg::msg::dds_::Name_"; the description has ROS's, "pkg/msg/Name".
+
+#include "idl_fields.h"
+
+#include <array>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <openssl/evp.h>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+using Names = std::set<std::string>;
+
+/// What is told of one type: its fields in JSON, and the types that they are made of.
+struct Type {
+  std::string wire_name;
+  std::string fields;
+  Names used;
+};
+using Types = std::map<std::string, Type>;  // by their names in ROS
+
+/// The file's text with what it includes in front, each file once.
+std::string read(const fs::path& file, std::set<fs::path>& seen) {
+  if (!seen.insert(fs::weakly_canonical(file)).second) return {};
+  std::ifstream stream(file);
+  if (!stream) throw std::runtime_error(file.string() + ": cannot be read");
+  const std::string include = "#include \"";
+  std::string before;
+  std::string own;
+  for (std::string line; std::getline(stream, line);) {
+    if (!line.starts_with(include)) {
+      own += line + "\n";
+      continue;
+    }
+    const std::string name = line.substr(include.size(), line.find('"', include.size()) - include.size());
+    before += read(file.parent_path() / name, seen);
+  }
+  return before + own;
+}
+
+/// "sensor_msgs::msg::dds_::Imu_" → "sensor_msgs/msg/Imu".
+std::string ros_name(const std::string& wire_name) {
+  const std::string scope = "::dds_::";
+  std::string name = wire_name;
+  const std::size_t at = name.find(scope);
+  if (at == std::string::npos || !name.ends_with('_')) {
+    throw std::runtime_error(name + ": is not called as ROS 2 calls its types, pkg::msg::dds_::Name_");
+  }
+  name.pop_back();
+  name.replace(at, scope.size(), "/");
+  return name.replace(name.find("::"), 2, "/");
+}
+
+std::string quoted(const std::string& text) {
+  return "\"" + text + "\"";
+}
+
+void add_field(Types& types, const idl_field& field) {
+  if (field.type_id == 0) {
+    throw std::runtime_error(std::string(field.owner) + "." + field.name +
+                             ": is of a type that is not known");
+  }
+  Type& owner = types[ros_name(field.owner)];
+  owner.wire_name = field.owner;
+  const std::string nested = *field.nested == '\0' ? "" : ros_name(field.nested);
+  if (!nested.empty()) owner.used.insert(nested);
+  owner.fields += (owner.fields.empty() ? "" : ", ") + ("{\"name\": " + quoted(field.name)) +
+                  ", \"type\": {\"type_id\": " + std::to_string(field.type_id) +
+                  ", \"capacity\": " + std::to_string(field.capacity) +
+                  ", \"string_capacity\": " + std::to_string(field.string_capacity) +
+                  ", \"nested_type_name\": " + quoted(nested) + "}}";
+}
+
+std::string description(const std::string& name, const Types& types) {
+  return "{\"type_name\": " + quoted(name) + ", \"fields\": [" + types.at(name).fields + "]}";
+}
+
+/// What the type uses, and what that uses.
+void collect_used(const std::string& name, const Types& types, Names& used) {
+  for (const std::string& other : types.at(name).used) {
+    if (used.insert(other).second) collect_used(other, types, used);
+  }
+}
+
+std::string whole_description(const std::string& name, const Types& types) {
+  Names used;
+  collect_used(name, types, used);
+  std::string referenced;
+  for (const std::string& other : used) {
+    referenced += (referenced.empty() ? "" : ", ") + description(other, types);
+  }
+  return "{\"type_description\": " + description(name, types) + ", \"referenced_type_descriptions\": [" +
+         referenced + "]}";
+}
+
+std::string sha256(const std::string& text) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned size = 0;
+  if (EVP_Digest(text.data(), text.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1) {
+    throw std::runtime_error("SHA-256 failed");
+  }
+  std::string hex;
+  for (unsigned i = 0; i < size; ++i) {
+    for (const unsigned digit : {digest[i] / 16U, digest[i] % 16U}) hex += "0123456789abcdef"[digit];
+  }
+  return hex;
+}
+
+struct Reading {
+  Types types;
+  std::exception_ptr error;  ///< must not pass through the parser
+};
+
+void on_field(void* user, const idl_field* field) {
+  auto& reading = *static_cast<Reading*>(user);
+  try {
+    if (!reading.error) add_field(reading.types, *field);
+  } catch (...) {
+    reading.error = std::current_exception();
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  std::set<fs::path> seen;
+  std::string text;
+  for (int i = 1; i < argc; ++i) text += read(argv[i], seen);
+  Reading reading;
+  if (idl_each_field(text.c_str(), on_field, &reading) != 0) throw std::runtime_error("the IDL is wrong");
+  if (reading.error) std::rethrow_exception(reading.error);
+  if (reading.types.empty()) throw std::runtime_error("no type in what is given");
+  for (const auto& [name, type] : reading.types) {
+    std::printf("{\"%s\", \"%s\"},\n", type.wire_name.c_str(),
+                sha256(whole_description(name, reading.types)).c_str());
+  }
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "type_hashes: %s\n", error.what());
+  return 1;
+}

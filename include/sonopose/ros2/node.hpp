@@ -1,0 +1,93 @@
+#pragma once
+/// \file
+/// A ROS 2 node as others see it (`ros2 node list`, `ros2 topic info -v`): its endpoints carry the hash of
+/// their type, and the topic `ros_discovery_info` says whose they are. Source: rmw_dds_common.
+
+#include <sonopose/dds/data_reader.hpp>
+#include <sonopose/dds/data_writer.hpp>
+#include <sonopose/dds/qos_provider.hpp>
+#include <sonopose/ros2/idl_types.hpp>
+#include <sonopose/ros2/names.hpp>
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace sonopose::ros2 {
+
+/// Which layout `ros_discovery_info` has: a `Gid` is 24 bytes long up to Humble and 16 later. A node that
+/// speaks the other one works all the same, but `ros2 node list` does not show it.
+enum class Distro : std::uint8_t {
+  humble,  ///< and before
+  jazzy    ///< Iron and later
+};
+
+/// Says of a participant that it belongs to ROS 2 and to this enclave: absolute, as "/".
+dds::Qos participant_qos(const std::string& enclave = "/");
+
+/// For one thread at a time. The node vanishes from the others' lists with this object.
+class Node {
+public:
+  /// `participant` and `qos` must outlive it.
+  Node(const dds::DomainParticipant& participant, const dds::QosProvider& qos, NameResolver names,
+       Distro distro);
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+  Node(Node&&) = delete;
+  Node& operator=(Node&&) = delete;
+  ~Node();
+
+  const NameResolver& names() const noexcept { return names_; }
+  Distro distro() const noexcept { return distro_; }
+
+  /// A writer for a topic by its ROS name, which is resolved, with a profile of the QoS file
+  /// ("ros2::Default"). `listener` must outlive it. Others learn that it is this node's by the next
+  /// announce().
+  template <class T>
+  dds::DataWriter<T> make_writer(const std::string& name, const char* profile,
+                                 dds::DataWriterListener<T>* listener = nullptr) {
+    const dds::Topic<T> topic(participant_, dds_topic_name(names_.topic(name)), qos_.topic_qos(profile));
+    dds::DataWriter<T> writer(participant_, topic, with_type_hash<T>(qos_.datawriter_qos(profile)), listener);
+    note(writers_, writer);
+    return writer;
+  }
+
+  /// The same for a reader.
+  template <class T>
+  dds::DataReader<T> make_reader(const std::string& name, const char* profile,
+                                 dds::DataReaderListener<T>* listener = nullptr) {
+    const dds::Topic<T> topic(participant_, dds_topic_name(names_.topic(name)), qos_.topic_qos(profile));
+    dds::DataReader<T> reader(participant_, topic, with_type_hash<T>(qos_.datareader_qos(profile)), listener);
+    note(readers_, reader);
+    return reader;
+  }
+
+  /// Tells the others of node and endpoints, if anything has changed since the last time.
+  void announce();
+
+  /// For a reader or writer that is about to go: call it before it is closed, and announce() after.
+  void forget(const dds::Entity& endpoint);
+
+private:
+  using Guids = std::vector<dds_guid_t>;
+
+  template <class T>
+  static dds::Qos with_type_hash(dds::Qos qos) {
+    return add_type_hash(std::move(qos), dds::TopicTraits<T>::descriptor().m_typename);
+  }
+  static dds::Qos add_type_hash(dds::Qos qos, const char* type_name);
+  void note(Guids& guids, const dds::Entity& endpoint);
+
+  const dds::DomainParticipant& participant_;
+  const dds::QosProvider& qos_;
+  NameResolver names_;
+  Distro distro_;
+  Guids readers_;
+  Guids writers_;
+  bool changed_ = true;
+  std::variant<dds::DataWriter<ParticipantEntitiesInfo>, dds::DataWriter<HumbleParticipantEntitiesInfo>>
+      discovery_;
+};
+
+}  // namespace sonopose::ros2

@@ -1,0 +1,99 @@
+#include <sonopose/ros2/names.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+using namespace sonopose::ros2;
+
+namespace {
+
+/// Of a node /robot/locator with these rules.
+NameResolver resolver(const std::vector<std::string>& rules = {}) {
+  std::vector<RemapRule> parsed;
+  for (const std::string& rule : rules) parsed.push_back(parse_remap_rule(rule));
+  return NameResolver({.name_space = "/robot", .name = "locator"}, parsed);
+}
+
+}  // namespace
+
+TEST_CASE("Names stand in the namespace, below the node, or by themselves") {
+  // The examples of design.ros2.org, "Topic and Service Names".
+  CHECK(resolver().topic("ping") == "/robot/ping");
+  CHECK(resolver().topic("ping/pong") == "/robot/ping/pong");
+  CHECK(resolver().topic("/ping") == "/ping");
+  CHECK(resolver().topic("~") == "/robot/locator");
+  CHECK(resolver().topic("~/ping") == "/robot/locator/ping");
+  const NameResolver in_root(NodeName{.name_space = "/", .name = "locator"});
+  CHECK(in_root.topic("ping") == "/ping");
+  CHECK(in_root.topic("~/ping") == "/locator/ping");
+  CHECK(full_name(in_root.node()) == "/locator");
+  CHECK(full_name(resolver().node()) == "/robot/locator");
+  CHECK(dds_topic_name("/hedge_7/odom") == "rt/hedge_7/odom");
+}
+
+TEST_CASE("A rule replaces the name that it resolves to, however either is written") {
+  for (const char* const rule : {"odom:=/car/odom", "/robot/odom:=/car/odom", "odom:=/car/odom"}) {
+    CAPTURE(rule);
+    CHECK(resolver({rule}).topic("odom") == "/car/odom");
+    CHECK(resolver({rule}).topic("/robot/odom") == "/car/odom");
+    CHECK(resolver({rule}).topic("/odom") == "/odom");
+    CHECK(resolver({rule}).topic("odom/more") == "/robot/odom/more");
+  }
+  CHECK(resolver({"~/odom:=odom"}).topic("~/odom") == "/robot/odom");
+  CHECK(resolver({"odom:=~/odom"}).topic("odom") == "/robot/locator/odom");
+  SECTION("the first one that fits counts, and its result is not replaced again") {
+    CHECK(resolver({"a:=b", "b:=c", "a:=d"}).topic("a") == "/robot/b");
+  }
+}
+
+TEST_CASE("Rules name the node, for one node or for all") {
+  const NameResolver both = resolver({"__node:=kart", "__ns:=/hall/north"});
+  CHECK(both.node() == NodeName{.name_space = "/hall/north", .name = "kart"});
+  CHECK(both.topic("~/odom") == "/hall/north/kart/odom");
+  CHECK(resolver({"__ns:=/"}).topic("odom") == "/odom");
+  CHECK(resolver({"__name:=kart"}).node().name == "kart");
+  CHECK(resolver({"other:odom:=car", "other:__ns:=/x"}).topic("odom") == "/robot/odom");
+  CHECK(resolver({"locator:odom:=car"}).topic("odom") == "/robot/car");
+  CHECK(resolver({"locator:__node:=kart", "odom:=~/odom"}).topic("odom") == "/robot/kart/odom");
+}
+
+TEST_CASE("What ROS 2 does not allow is refused with name, fault and rule") {
+  struct Bad {
+    std::string name;
+    std::string why;
+  };
+  const std::vector<Bad> bad_names{{"", "is empty"},
+                                   {"/", "is empty"},
+                                   {"a/", "ends with '/'"},
+                                   {"a//b", "two '/'"},
+                                   {"7a", "digit"},
+                                   {"a/7", "digit"},
+                                   {"a-b", "'-'"},
+                                   {"a b", "' '"},
+                                   {"a~b", "'~'"},
+                                   {"/~/a", "'~'"},
+                                   {"{node}/a", "'{'"},
+                                   {"ä", "letters a-z"},
+                                   {"/" + std::string(247, 'a'), "247"}};
+  for (const Bad& bad : bad_names) {
+    CAPTURE(bad.name);
+    CHECK_THROWS_AS(resolver().topic(bad.name), std::invalid_argument);
+    CHECK_THROWS_WITH(resolver().topic(bad.name), Catch::Contains(bad.name) && Catch::Contains(bad.why));
+  }
+  CHECK_NOTHROW(resolver().topic("/" + std::string(246, 'a')));
+  CHECK_NOTHROW(resolver().topic("_a__b_/_9"));
+
+  for (const char* const rule : {"a", "a=b", ":=b", "a:=", ":a:=b"}) {
+    CAPTURE(rule);
+    CHECK_THROWS_AS(parse_remap_rule(rule), std::invalid_argument);
+    CHECK_THROWS_WITH(parse_remap_rule(rule), Catch::Contains(std::string("'") + rule + "'"));
+  }
+  for (const char* const rule : {"a:=b/", "1a:=b", "__node:=a/b", "__ns:=x", "__ns:=/x/", "__node:=9"}) {
+    CAPTURE(rule);
+    CHECK_THROWS_AS(resolver({rule}), std::invalid_argument);
+  }
+  CHECK_THROWS_WITH(NameResolver(NodeName{.name_space = "robot"}), Catch::Contains("namespace 'robot'"));
+}

@@ -1,0 +1,38 @@
+#include <sonopose/ros2/idl_types.hpp>
+#include <sonopose/ros2/type_hash.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <stdexcept>
+#include <string>
+
+using namespace sonopose::ros2;
+
+namespace {
+
+template <class T>
+std::string hash_of() {
+  return type_hash(sonopose::dds::TopicTraits<T>::descriptor().m_typename);
+}
+
+}  // namespace
+
+TEST_CASE("Types have the hashes that ROS 2 publishes for them") {
+  // As ROS 2 ships them in share/<package>/msg/<type>.json.
+  CHECK(hash_of<Imu>() == "RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b");
+  CHECK(hash_of<Odometry>() == "RIHS01_3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0");
+  CHECK(hash_of<PoseWithCovarianceStamped>() ==
+        "RIHS01_26432f9803e43727d3c8f668d1fdb3c630f548af631e2f4e31382371bfea3b6e");
+  CHECK(hash_of<TFMessage>() == "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087");
+  CHECK(hash_of<DiagnosticArray>() ==
+        "RIHS01_5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e");
+  CHECK(hash_of<MagneticField>() ==
+        "RIHS01_e80f32f56a20486c9923008fc1a1db07bbb273cbbf6a5b3bfa00835ee00e4dff");
+  CHECK(hash_of<ParticipantEntitiesInfo>() ==
+        "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e");
+}
+
+TEST_CASE("A type that idl/ros2 does not hold is refused by name") {
+  CHECK_THROWS_AS(type_hash("sensor_msgs::msg::dds_::Imu"), std::invalid_argument);
+  CHECK_THROWS_WITH(type_hash("a::b"), Catch::Contains("'a::b'"));
+}
