@@ -49,6 +49,6 @@ private:
 };
 
 /// What a topic is called in DDS: "/imu" → "rt/imu".
-std::string name_on_the_wire(const std::string& topic);
+std::string name_in_dds(const std::string& topic);
 
 }  // namespace sonopose::ros2

@@ -1,0 +1,38 @@
+// sonopose-ros2: a ROS 2 node, without rclcpp: hands poses and samples on as ROS 2's messages, and takes
+// those of ROS 2 drivers in.
+
+#include "support/app.hpp"
+#include "support/ros2_options.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+namespace {
+
+using namespace sonopose;
+
+int serve(const apps::BusOptions& bus, const apps::Ros2Options& ros2) {
+  auto options = apps::relay_options(ros2);
+  options.domain = bus.domain;
+  options.qos_file = bus.qos_file;
+  if (!options.inputs.empty()) apps::check_publisher(bus);
+  nodes::StopSignal stop;
+  stop.listen_to_signals();
+  nodes::Ros2Relay relay(options);
+  fmt::print(stderr, "sonopose-ros2: relaying as {}\n", ros2::full_name(options.names.node()));
+  relay.run(stop);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  apps::BusOptions bus;
+  apps::Ros2Options ros2;
+  CLI::App app("Speaks to ROS 2: poses and samples as standard messages, and drivers' samples in.",
+               "sonopose-ros2");
+  add_bus_options(app, bus);
+  apps::add_ros2_options(app, ros2);
+  return apps::run(app, argc, argv, [&] { return serve(bus, ros2); });
+}

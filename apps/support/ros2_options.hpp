@@ -1,0 +1,32 @@
+#pragma once
+// How the relay appears in ROS 2, on the command line.
+
+#include <sonopose/nodes/ros2_relay.hpp>
+
+#include <CLI/CLI.hpp>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::apps {
+
+struct Ros2Options {
+  ros2::NodeName node;
+  std::vector<std::string> remap;
+  std::optional<ros2::Distro> distro;
+  std::string enclave = "/";
+  std::optional<std::string> addresses;
+  nodes::Ros2Output output;
+  std::array<double, 6> mount{};  ///< x, y, z in m; roll, pitch, yaw in degrees
+  std::vector<std::string> imu_in;
+  std::vector<std::string> fix_in;
+};
+
+void add_ros2_options(CLI::App& app, Ros2Options& options);
+
+/// What the node needs, but for the bus. Throws std::invalid_argument that names the option.
+nodes::Ros2RelayOptions relay_options(const Ros2Options& options);
+
+}  // namespace sonopose::apps

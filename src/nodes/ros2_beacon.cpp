@@ -1,0 +1,176 @@
+#include "ros2_beacon.hpp"
+
+#include <sonopose/fusion/uncertainty.hpp>
+#include <sonopose/nodes/host_clock.hpp>
+
+#include <algorithm>
+#include <charconv>
+
+namespace sonopose::nodes {
+namespace {
+
+/// Between two points of a path.
+constexpr TimeNs way_step_ns = 100'000'000;
+const char* const profile = "ros2::Default";
+
+/// The transforms of one message, and nobody's memory.
+ros2::TFMessage message_of(ros2::TransformStamped& transform) {
+  return {{1, 1, &transform, false}};
+}
+
+}  // namespace
+
+Ros2Beacon::Ros2Beacon(ros2::Node& node, const Ros2Output& output, BeaconAddress address,
+                       dds::DataWriter<ros2::TFMessage>* tf)
+    : output_(output),
+      prefix_(ros2::for_beacon(output.beacon_namespace, address) + "/"),
+      frames_(ros2::for_beacon(output.frames, address)),
+      tf_(tf),
+      fix_std_m_(fusion::UncertaintySettings{}.fix_std_m) {
+  raw_imu_ = node.make_writer<ros2::Imu>(prefix_ + "imu/data_raw", profile);
+  imu_ = node.make_writer<ros2::Imu>(prefix_ + "imu/data", profile);
+  odometry_ = node.make_writer<ros2::Odometry>(prefix_ + "odom", profile);
+  pose_ = node.make_writer<ros2::PoseWithCovarianceStamped>(prefix_ + "pose", profile);
+  if (output.fix == FixMessage::pose) {
+    fix_as_pose_ = node.make_writer<ros2::PoseWithCovarianceStamped>(prefix_ + "fix", profile);
+  } else {
+    fix_as_point_ = node.make_writer<ros2::PointStamped>(prefix_ + "fix", profile);
+  }
+  if (output.path_s > 0) path_ = node.make_writer<ros2::Path>(prefix_ + "path", profile);
+}
+
+bool Ros2Beacon::make_magnetic(ros2::Node& node) {
+  if (!has_magnetic_ || magnetic_made_) return false;
+  magnetic_ = node.make_writer<ros2::MagneticField>(prefix_ + "imu/mag", profile);
+  magnetic_made_ = true;
+  return true;
+}
+
+void Ros2Beacon::on(const ImuSample& sample) {
+  {
+    const std::lock_guard lock(mutex_);
+    samples_[next_sample_++ % samples_.size()] = sample;
+  }
+  const auto stamp_ns = raw_stamp_.next(sample.sensor_time_ns);
+  if (!stamp_ns) return;
+  raw_imu_.try_write(ros2::raw_imu(sample, *stamp_ns, frames_, output_.noise));
+  const auto field = ros2::magnetic_field(sample, *stamp_ns, frames_, output_.noise);
+  if (!field) return;
+  has_magnetic_ = true;
+  if (magnetic_made_) magnetic_.try_write(*field);
+}
+
+void Ros2Beacon::on(const FusedPose& pose) {
+  fused_at_ns_ = steady_now_ns();
+  publish_imu(pose);
+  if ((pose.status & status_initialising) != 0) return;  // there is no position yet
+  const auto stamp_ns = pose_stamp_.next(pose.time_ns);
+  if (!stamp_ns) return;
+  const ros2::Odometry odometry = ros2::odometry(pose, *stamp_ns, frames_, output_.mount, output_.noise);
+  publish_transform(odometry, *stamp_ns);
+  odometry_.try_write(odometry);
+  pose_.try_write(ros2::pose_of(odometry));
+  if (!path_.is_nil()) remember(odometry, *stamp_ns);
+}
+
+/// A pose between samples has none of its own.
+void Ros2Beacon::publish_imu(const FusedPose& pose) {
+  if ((pose.status & status_predicted) != 0) return;
+  const auto sample = sample_of(pose.sequence);
+  if (!sample) return;
+  const auto stamp_ns = imu_stamp_.next(sample->sensor_time_ns);
+  if (stamp_ns) imu_.try_write(ros2::fused_imu(*sample, pose, *stamp_ns, frames_, output_.noise));
+}
+
+std::optional<ImuSample> Ros2Beacon::sample_of(std::uint64_t sequence) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::find_if(samples_.begin(), samples_.end(), [sequence](const ImuSample& sample) {
+    return sample.sequence == sequence;
+  });
+  if (found == samples_.end()) return std::nullopt;
+  return *found;
+}
+
+void Ros2Beacon::publish_transform(const ros2::Odometry& odometry, TimeNs stamp_ns) {
+  if (tf_ == nullptr || output_.tf == TfMode::off) return;
+  const ros2::Transform base_in_map = ros2::base_in_map(odometry);
+  if (output_.tf == TfMode::map_base) {
+    auto transform = ros2::transform(base_in_map, stamp_ns, frames_.map, frames_.base);
+    tf_->try_write(message_of(transform));
+    return;
+  }
+  std::optional<ros2::Transform> base_in_odom;
+  {
+    const std::lock_guard lock(mutex_);
+    base_in_odom = odom_track_.at(stamp_ns);
+  }
+  lacks_odometry_ = !base_in_odom;
+  if (!base_in_odom) return;
+  auto transform =
+      ros2::transform(ros2::odom_in_map(base_in_map, *base_in_odom), stamp_ns, frames_.map, frames_.odom);
+  tf_->try_write(message_of(transform));
+}
+
+void Ros2Beacon::on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom) {
+  const std::lock_guard lock(mutex_);
+  odom_track_.add(time_ns, base_in_odom);
+}
+
+/// While a fusion runs, its report tells of the same fix, and how much it is worth.
+void Ros2Beacon::on(const UltrasonicFix& fix) {
+  constexpr TimeNs fusion_gone_ns = 1'000'000'000;
+  if (fused_at_ns_ != 0 && steady_now_ns() - fused_at_ns_ < fusion_gone_ns) return;
+  publish_fix(fix.position_world_m, fix.emission_time_ns, std::nullopt);
+}
+
+void Ros2Beacon::on(const FixReport& report) {
+  if ((report.verdict & verdict_invalid) != 0) return;
+  publish_fix(report.position_world_m, report.emission_time_ns, report.weight);
+}
+
+void Ros2Beacon::publish_fix(const Vector3d& position_world_m, TimeNs emission_time_ns,
+                             std::optional<double> weight) {
+  const auto stamp_ns = fix_stamp_.next(emission_time_ns);
+  if (!stamp_ns) return;
+  if (output_.fix == FixMessage::point) {
+    fix_as_point_.try_write(ros2::position_as_point(position_world_m, *stamp_ns, frames_));
+  } else {
+    fix_as_pose_.try_write(ros2::position_as_pose(position_world_m, ros2::fix_covariance(fix_std_m_, weight),
+                                                  *stamp_ns, frames_));
+  }
+}
+
+void Ros2Beacon::on(const EffectiveSettings& settings) {
+  for (const auto& [key, value] : settings.values) {
+    if (key != "uncertainty.fix_std_m") continue;
+    double std_m = 0;
+    std::from_chars(value.data(), value.data() + value.size(), std_m);
+    if (std_m > 0) fix_std_m_ = std_m;
+  }
+}
+
+void Ros2Beacon::remember(const ros2::Odometry& odometry, TimeNs stamp_ns) {
+  const std::lock_guard lock(mutex_);
+  if (!way_.empty() && stamp_ns - way_.back().time_ns < way_step_ns) {
+    if (stamp_ns > way_.back().time_ns) return;
+    way_.clear();  // the clock was set back
+  }
+  way_.push_back({stamp_ns, odometry.pose.pose});
+  while (stamp_ns - way_.front().time_ns > to_ns(output_.path_s)) way_.pop_front();
+}
+
+void Ros2Beacon::publish_path() {
+  if (path_.is_nil()) return;
+  std::vector<ros2::PoseStamped> poses;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const WayPoint& point : way_) {
+      poses.push_back({ros2::header_of(point.time_ns, frames_.map), point.pose});
+    }
+  }
+  if (poses.empty()) return;
+  const auto length = static_cast<std::uint32_t>(poses.size());
+  path_.try_write({poses.back().header, {length, length, poses.data(), false}});
+}
+
+}  // namespace sonopose::nodes

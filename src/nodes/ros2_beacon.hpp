@@ -1,0 +1,89 @@
+#pragma once
+// The topics of one beacon in ROS 2, and what is written to them.
+
+#include <sonopose/core/live_settings.hpp>
+#include <sonopose/core/pose.hpp>
+#include <sonopose/core/samples.hpp>
+#include <sonopose/nodes/ros2_relay.hpp>
+#include <sonopose/ros2/messages.hpp>
+#include <sonopose/ros2/odom_track.hpp>
+#include <sonopose/ros2/time.hpp>
+
+#include <array>
+#include <atomic>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::nodes {
+
+/// Each stream comes on one thread, though not all on the same one: what two of them share has a lock, which
+/// is held for copying alone.
+class Ros2Beacon {
+public:
+  /// Makes the topics. `tf`: where transforms go; empty: this beacon publishes none.
+  Ros2Beacon(ros2::Node& node, const Ros2Output& output, BeaconAddress address,
+             dds::DataWriter<ros2::TFMessage>* tf);
+
+  void on(const ImuSample& sample);
+  void on(const FusedPose& pose);
+  void on(const UltrasonicFix& fix);
+  void on(const FixReport& report);
+  void on(const EffectiveSettings& settings);
+  /// Another source says where the base is in its own odometry.
+  void on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom);
+
+  /// On the main thread: makes the topic of the magnetic field once there is one. Returns whether it did.
+  bool make_magnetic(ros2::Node& node);
+  /// On the main thread, once a second.
+  void publish_path();
+
+  [[nodiscard]] const ros2::FrameNames& frames() const { return frames_; }
+  [[nodiscard]] bool publishes_tf() const { return tf_ != nullptr; }
+  /// In mode map_odom: whether the latest pose found no odometry to stand on.
+  [[nodiscard]] bool lacks_odometry() const { return lacks_odometry_; }
+
+private:
+  void publish_imu(const FusedPose& pose);
+  void publish_fix(const Vector3d& position_world_m, TimeNs emission_time_ns, std::optional<double> weight);
+  void publish_transform(const ros2::Odometry& odometry, TimeNs stamp_ns);
+  void remember(const ros2::Odometry& odometry, TimeNs stamp_ns);
+  [[nodiscard]] std::optional<ImuSample> sample_of(std::uint64_t sequence) const;
+
+  const Ros2Output& output_;
+  std::string prefix_;  ///< of the topics' names
+  ros2::FrameNames frames_;
+  dds::DataWriter<ros2::TFMessage>* tf_;
+  dds::DataWriter<ros2::Imu> raw_imu_;
+  dds::DataWriter<ros2::Imu> imu_;
+  dds::DataWriter<ros2::MagneticField> magnetic_;
+  dds::DataWriter<ros2::Odometry> odometry_;
+  dds::DataWriter<ros2::PoseWithCovarianceStamped> pose_;
+  dds::DataWriter<ros2::PoseWithCovarianceStamped> fix_as_pose_;
+  dds::DataWriter<ros2::PointStamped> fix_as_point_;
+  dds::DataWriter<ros2::Path> path_;
+
+  ros2::RisingStamp raw_stamp_;
+  ros2::RisingStamp imu_stamp_;
+  ros2::RisingStamp pose_stamp_;
+  ros2::RisingStamp fix_stamp_;
+  std::atomic<double> fix_std_m_;
+  std::atomic<TimeNs> fused_at_ns_ = 0;  ///< steady clock: when the latest pose came
+  std::atomic<bool> lacks_odometry_ = false;
+  std::atomic<bool> has_magnetic_ = false;   ///< a sample had a magnetic field
+  std::atomic<bool> magnetic_made_ = false;  ///< and its topic is there
+
+  mutable std::mutex mutex_;  ///< of what follows
+  std::array<ImuSample, 64> samples_{};
+  std::size_t next_sample_ = 0;
+  ros2::OdomTrack odom_track_;
+  struct WayPoint {
+    TimeNs time_ns;
+    ros2::Pose pose;
+  };
+  std::deque<WayPoint> way_;
+};
+
+}  // namespace sonopose::nodes
