@@ -63,21 +63,22 @@ const Arguments awkward{"7ff8dead0000beef", "fff8000000000123", "800000000000000
                         "7fefffffffffffff", "c0091eb851eb851f", "3fd5555555555555"};
 
 /// A peer's line: what stands between spaces.
-std::vector<std::string> fields_of(const std::string& line) {
+using Fields = std::vector<std::string>;
+Fields fields_of(const std::string& line) {
   std::istringstream in(line);
-  std::vector<std::string> fields;
+  Fields fields;
   for (std::string field; in >> field;) fields.push_back(field);
   return fields;
 }
 
 /// The time that begins at this field.
-TimeNs time_of(const std::vector<std::string>& fields, std::size_t first = 0) {
+TimeNs time_of(const Fields& fields, std::size_t first = 0) {
   return std::stoll(fields.at(first)) * 1'000'000'000 + std::stoll(fields.at(first + 1));
 }
 
 /// The numbers from this field on. Zero has no sign here: what is turned by nothing may lose it.
 template <std::size_t size>
-std::array<double, size> numbers(const std::vector<std::string>& fields, std::size_t first) {
+std::array<double, size> numbers(const Fields& fields, std::size_t first) {
   std::array<double, size> values{};
   for (std::size_t i = 0; i < size; ++i) {
     values[i] = std::bit_cast<double>(std::uint64_t{std::stoull(fields.at(first + i), nullptr, 16)}) + 0.0;
@@ -90,6 +91,22 @@ std::array<double, 3> numbers(const Vector3d& v) {
 }
 std::array<double, 4> numbers(const Quaterniond& q) {
   return {q.x() + 0.0, q.y() + 0.0, q.z() + 0.0, q.w() + 0.0};
+}
+
+/// Compares each line of a peer with the native sample of the same time, which stands at the field
+/// `time_at`. A busy machine may lose a few of the one or the other.
+template <class Sample, class Compare>
+void compare(const Process& peer, const std::map<TimeNs, Sample>& natives, std::size_t time_at,
+             const Compare& compare_fields) {
+  std::size_t compared = 0;
+  for (const std::string& line : peer.lines(Stream::output)) {
+    const auto fields = fields_of(line);
+    const auto native = natives.find(time_of(fields, time_at));
+    if (native == natives.end()) continue;
+    compare_fields(fields, native->second);
+    ++compared;
+  }
+  CHECK(compared > 90);
 }
 
 }  // namespace
@@ -159,31 +176,25 @@ SCENARIO("consumers in Fast DDS get of the relay what native ones get") {
       std::map<TimeNs, ImuSample> samples;
       for (const ImuSample& sample : imu.samples) samples[sample.sensor_time_ns] = sample;
       THEN("poses, IMU samples and transforms are the same numbers at the same times") {
-        for (const std::string& line : odometry->lines(Stream::output)) {
-          const auto fields = fields_of(line);
-          const FusedPose& native = poses.at(time_of(fields));
+        compare(*odometry, poses, 0, [](const Fields& fields, const FusedPose& native) {
           REQUIRE(fields.at(2) == "\"map\"");
           REQUIRE(fields.at(3) == "\"base_link\"");
           REQUIRE(numbers<3>(fields, 4) == numbers(native.position_world_m));
           REQUIRE(numbers<4>(fields, 7) == numbers(native.q_body_to_world));
           REQUIRE(numbers<3>(fields, 50) == numbers(native.angular_velocity_body_radps));
-        }
-        for (const std::string& line : raw_imu->lines(Stream::output)) {
-          const auto fields = fields_of(line);
-          const ImuSample& native = samples.at(time_of(fields));
+        });
+        compare(*raw_imu, samples, 0, [](const Fields& fields, const ImuSample& native) {
           REQUIRE(fields.at(2) == "\"imu_link\"");
           REQUIRE(fields.at(7) == "bff0000000000000");  // -1: a raw sample knows no orientation
           REQUIRE(numbers<3>(fields, 16) == numbers(native.angular_velocity_body_radps));
           REQUIRE(numbers<3>(fields, 28) == numbers(native.specific_force_body_mps2));
-        }
-        for (const std::string& line : tf->lines(Stream::output)) {
-          const auto fields = fields_of(line);
-          const FusedPose& native = poses.at(time_of(fields, 1));
+        });
+        compare(*tf, poses, 1, [](const Fields& fields, const FusedPose& native) {
           REQUIRE(fields.at(3) == "\"map\"");
           REQUIRE(fields.at(4) == "\"base_link\"");
           REQUIRE(numbers<3>(fields, 5) == numbers(native.position_world_m));
           REQUIRE(numbers<4>(fields, 8) == numbers(native.q_body_to_world));
-        }
+        });
         const std::string last = diagnostics->lines(Stream::output).back();
         CHECK(last.find("[1]") != std::string::npos);
         CHECK(last.find(": beacon 7\"") != std::string::npos);
