@@ -1,12 +1,9 @@
 #include "ros2_options.hpp"
 
 #include "run.hpp"
-#include <sonopose/math/rotation.hpp>
 
-#include <cmath>
 #include <cstdlib>
 #include <map>
-#include <stdexcept>
 #include <string_view>
 
 namespace sonopose::apps {
@@ -46,7 +43,6 @@ void add_frame_options(CLI::App& app, Ros2Options& options) {
   frame("--base-frame", options.output.frames.base, "The robot");
   frame("--imu-frame", options.output.frames.imu, "The IMU's axes");
   app.add_option("--mount", options.mount, "Where the IMU sits on the robot: x y z (m) roll pitch yaw (deg)")
-      ->expected(6)
       ->type_name("N")
       ->group(group);
   const std::map<std::string, nodes::TfMode> modes{{"map_base", nodes::TfMode::map_base},
@@ -84,7 +80,7 @@ void add_message_options(CLI::App& app, Ros2Options& options) {
   deviation("--gyro-std", options.output.noise.gyro_std_radps, "Standard deviation of the gyro, rad/s");
   deviation("--accel-std", options.output.noise.accel_std_mps2, "Of the accelerometer, m/s^2");
   deviation("--magnetic-std", options.output.noise.magnetic_std_t, "Of the magnetometer, T");
-  deviation("--tilt-std", options.tilt_std_deg, "Of roll and pitch, deg");
+  deviation("--tilt-std", options.output.noise.tilt_std_deg, "Of roll and pitch, deg");
 }
 
 void add_input_options(CLI::App& app, Ros2Options& options) {
@@ -103,37 +99,7 @@ ros2::Distro distro_of_environment() {
   return name != nullptr && std::string_view(name) == "humble" ? ros2::Distro::humble : ros2::Distro::jazzy;
 }
 
-ros2::Mount mount_of(const std::vector<double>& numbers) {
-  if (numbers.empty()) return {};
-  for (const double number : numbers) {
-    if (!std::isfinite(number)) throw std::invalid_argument("--mount: every number must be finite");
-  }
-  const auto radians = [&](std::size_t i) { return numbers[i] * math::radians_per_degree; };
-  return {{numbers[0], numbers[1], numbers[2]},
-          math::rotation_of(math::EulerAngles<double>{radians(3), radians(4), radians(5)})};
-}
-
-void check_frames(const ros2::FrameNames& frames) {
-  const std::vector<std::pair<const char*, std::string>> all{{"--map-frame", frames.map},
-                                                             {"--odom-frame", frames.odom},
-                                                             {"--base-frame", frames.base},
-                                                             {"--imu-frame", frames.imu}};
-  for (auto one = all.begin(); one != all.end(); ++one) {
-    const std::string what = std::string(one->first) + " '" + one->second + "': ";
-    if (one->second.empty()) throw std::invalid_argument(what + "a frame needs a name");
-    if (one->second.front() == '/')
-      throw std::invalid_argument(what + "a frame's name has no slash before it");
-    for (auto other = all.begin(); other != one; ++other) {
-      if (other->second == one->second) {
-        throw std::invalid_argument(what + "is the name given to " + other->first + " too");
-      }
-    }
-  }
-}
-
 }  // namespace
-
-Ros2Options::Ros2Options() : tilt_std_deg(output.noise.tilt_std_rad / math::radians_per_degree) {}
 
 void add_ros2_options(CLI::App& app, Ros2Options& options) {
   add_node_options(app, options);
@@ -145,7 +111,7 @@ void add_ros2_options(CLI::App& app, Ros2Options& options) {
 nodes::Ros2RelayOptions relay_options(const Ros2Options& options) {
   std::vector<ros2::RemapRule> rules;
   for (const std::string& rule : options.remap) rules.push_back(ros2::parse_remap_rule(rule));
-  check_frames(options.output.frames);
+  check(options.output.frames);
   nodes::Ros2RelayOptions relay{.domain = {},
                                 .qos_file = {},
                                 .names = ros2::NameResolver(options.node, std::move(rules)),
@@ -154,8 +120,7 @@ nodes::Ros2RelayOptions relay_options(const Ros2Options& options) {
                                 .addresses = {},
                                 .output = options.output,
                                 .inputs = {}};
-  relay.output.mount = mount_of(options.mount);
-  relay.output.noise.tilt_std_rad = options.tilt_std_deg * math::radians_per_degree;
+  relay.output.mount = ros2::mount_at(options.mount);
   if (options.addresses) relay.addresses = nodes::AddressSet::parse(*options.addresses);
   using Kind = nodes::Ros2Input::Kind;
   for (const auto& text : options.imu_in) relay.inputs.push_back(nodes::Ros2Input::parse(Kind::imu, text));

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,12 +19,9 @@ struct Ros2Options {
   std::string enclave = "/";
   std::optional<std::string> addresses;
   nodes::Ros2Output output;
-  std::vector<double> mount;  ///< x, y, z in m; roll, pitch, yaw in degrees
-  double tilt_std_deg = 0;
+  std::array<double, 6> mount{};  ///< x, y, z in m; roll, pitch, yaw in degrees
   std::vector<std::string> imu_in;
   std::vector<std::string> fix_in;
-
-  Ros2Options();
 };
 
 void add_ros2_options(CLI::App& app, Ros2Options& options);

@@ -204,10 +204,13 @@ void QosProvider::lay_over(const std::string& xml, const std::string& name) {
   Profiles changed = read_file(qos_xml::Source(name, xml), profiles_);
   std::erase_if(changed, [this](const auto& entry) { return !profiles_.contains(entry.first); });
   if (changed.empty()) {
-    std::set<std::string> libraries;
-    for (const auto& entry : profiles_) libraries.insert(library_of(entry.first));
-    throw QosFileError(name + ": changes no profile: no <qos_library> is called '" + *libraries.begin() +
-                       "'");
+    std::string libraries;
+    for (const auto& entry : profiles_) {
+      const std::string library = "'" + library_of(entry.first) + "'";
+      if (libraries.find(library) == std::string::npos)
+        libraries += (libraries.empty() ? "" : " or ") + library;
+    }
+    throw QosFileError(name + ": changes no profile: no <qos_library> is called " + libraries);
   }
   for (auto& [profile, qos] : changed) profiles_.insert_or_assign(profile, std::move(qos));
 }

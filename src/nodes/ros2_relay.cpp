@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <stdexcept>
 #include <thread>
 
 namespace sonopose::nodes {
@@ -15,6 +16,17 @@ namespace topics = dds::topics;
 
 constexpr TimeNs second_ns = 1'000'000'000;
 
+/// Throws std::invalid_argument where the relay would feed a beacon with what it tells of that beacon.
+void check_inputs(const Ros2RelayOptions& options) {
+  for (const Ros2Input& input : options.inputs) {
+    const std::string prefix = ros2::for_beacon(options.output.beacon_namespace, input.address) + "/";
+    for (const char* const output : {"imu/data_raw", "imu/data", "pose", "fix"}) {
+      if (options.names.topic(input.topic) != options.names.topic(prefix + output)) continue;
+      throw std::invalid_argument(fmt::format("{}={} is the relay's own output", input.topic, input.address));
+    }
+  }
+}
+
 }  // namespace
 
 Ros2Relay::Impl::Impl(const Ros2RelayOptions& options)
@@ -23,6 +35,7 @@ Ros2Relay::Impl::Impl(const Ros2RelayOptions& options)
       qos_(options.qos_file),
       node_(participant_, qos_, options.names, options.distro),
       diagnostics_writer_(node_.make_writer<ros2::DiagnosticArray>("/diagnostics", "ros2::Diagnostics")) {
+  check_inputs(options);
   if (options.output.tf != TfMode::off) {
     tf_writer_ = node_.make_writer<ros2::TFMessage>("/tf", "ros2::Tf");
     static_tf_writer_ = node_.make_writer<ros2::TFMessage>("/tf_static", "ros2::TfStatic");

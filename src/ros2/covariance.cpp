@@ -1,3 +1,4 @@
+#include <sonopose/math/rotation.hpp>
 #include <sonopose/ros2/covariance.hpp>
 
 #include <algorithm>
@@ -42,7 +43,8 @@ Covariance3 diagonal(double std) {
 }
 
 Covariance3 orientation_covariance(const FusedPose& pose, const Noise& noise) {
-  return variances({noise.tilt_std_rad, noise.tilt_std_rad, pose.yaw_std_rad});
+  const double tilt_std_rad = noise.tilt_std_deg * math::radians_per_degree;
+  return variances({tilt_std_rad, tilt_std_rad, pose.yaw_std_rad});
 }
 
 Covariance6 pose_covariance(const FusedPose& pose, const Mount& mount, const Noise& noise) {

@@ -1,4 +1,9 @@
+#include <sonopose/math/rotation.hpp>
 #include <sonopose/ros2/frames.hpp>
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
 
 namespace sonopose::ros2 {
 namespace {
@@ -21,9 +26,35 @@ FrameNames for_beacon(const FrameNames& patterns, BeaconAddress address) {
           for_beacon(patterns.base, address), for_beacon(patterns.imu, address)};
 }
 
+void check(const FrameNames& patterns) {
+  const std::array<std::pair<const char*, const std::string*>, 4> all{
+      {{"map", &patterns.map}, {"odom", &patterns.odom}, {"base", &patterns.base}, {"imu", &patterns.imu}}};
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto& [frame, name] = all[i];
+    const auto fail = [&, frame = frame, name = name](const std::string& why) {
+      throw std::invalid_argument(std::string("the ") + frame + " frame '" + *name + "' " + why);
+    };
+    if (name->empty()) fail("needs a name");
+    if (name->front() == '/') fail("must not begin with a slash");
+    for (std::size_t before = 0; before < i; ++before) {
+      if (*all[before].second == *name)
+        fail(std::string("is called as the ") + all[before].first + " frame is");
+    }
+  }
+}
+
 bool tell_beacons_apart(const FrameNames& patterns) {
   return patterns.base.find(placeholder) != std::string::npos &&
          patterns.imu.find(placeholder) != std::string::npos;
+}
+
+Mount mount_at(const std::array<double, 6>& place) {
+  for (const double number : place) {
+    if (!std::isfinite(number)) throw std::invalid_argument("the mount's numbers must be finite");
+  }
+  const auto radians = [](double degrees) { return degrees * math::radians_per_degree; };
+  const math::EulerAngles<double> angles{radians(place[3]), radians(place[4]), radians(place[5])};
+  return {{place[0], place[1], place[2]}, math::rotation_of(angles)};
 }
 
 Transform operator*(const Transform& outer, const Transform& inner) {

@@ -125,7 +125,7 @@ std::string NameResolver::topic(const std::string& name) const {
   return rule == rules_.end() ? path : rule->to;
 }
 
-std::string dds_topic_name(const std::string& topic) {
+std::string name_in_dds(const std::string& topic) {
   return "rt" + topic;
 }
 

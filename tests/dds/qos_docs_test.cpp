@@ -18,6 +18,10 @@ namespace {
 
 const std::string library = "sonopose::";
 
+bool is_native(const std::string& profile) {
+  return profile.starts_with(library);
+}
+
 /// Profile → its topics, as the docs list them: "`reset`, `pose`".
 std::map<std::string, std::string> topics_by_profile() {
   std::map<std::string, std::string> result;
@@ -31,6 +35,12 @@ std::map<std::string, std::string> topics_by_profile() {
   };
   std::apply([&](const auto&... entry) { (note_both(entry), ...); }, topics::all);
   return result;
+}
+
+/// How long a writer may be blocked concerns writers alone.
+std::string reliability(const Qos& qos) {
+  return qos.policy<policy::Reliability>().value().kind == policy::ReliabilityKind::reliable ? "reliable"
+                                                                                             : "best effort";
 }
 
 std::string history(const Qos& qos) {
@@ -62,29 +72,30 @@ std::string durability(const Qos& qos) {
              : "transient local";
 }
 
-std::string row_of(const QosProvider& qos, const std::string& profile, const std::string& topics) {
+/// `begin` is what stands in front of the policies.
+std::string row_of(const QosProvider& qos, const std::string& profile, const std::string& begin) {
   const Qos& writer = qos.datawriter_qos(profile);
   const Qos& reader = qos.datareader_qos(profile);
-  const auto both = [&](std::string (*text)(const Qos&)) {
+  const auto both = [&](std::string (*text)(const Qos&), const std::string& more = {}) {
     const std::string offered = text(writer);
     const std::string requested = text(reader);
-    return offered == requested ? offered : offered + "; reader: " + requested;
+    return offered + more + (offered == requested ? "" : "; reader: " + requested);
   };
-  const auto reliability = writer.policy<policy::Reliability>().value();
+  const std::string blocking = text_of(writer.policy<policy::Reliability>().value().max_blocking_time);
   std::string owner = both(ownership);
   if (owner == "exclusive") {
     owner += ", " + std::to_string(writer.policy<policy::OwnershipStrength>().value().value);
   }
-  std::string row = "| `" + profile.substr(library.size()) + "` | " + topics + " |";
-  row += " reliable, " + text_of(reliability.max_blocking_time) + " |";
-  for (const std::string& cell : {both(history), both(deadline), both(liveliness), owner, both(durability),
-                                  std::to_string(writer.policy<policy::TransportPriority>().value().value)}) {
+  std::string row = begin;
+  for (const std::string& cell :
+       {both(reliability, ", " + blocking), both(history), both(deadline), both(liveliness), owner,
+        both(durability), std::to_string(writer.policy<policy::TransportPriority>().value().value)}) {
     row += " " + cell + " |";
   }
   return row;
 }
 
-/// The rows of the page's first table.
+/// The rows of the page's two tables of profiles.
 std::set<std::string> rows_of_page() {
   std::ifstream page(std::string(SONOPOSE_SOURCE_DIR) + "/docs/qos.md");
   REQUIRE(page.good());
@@ -95,17 +106,22 @@ std::set<std::string> rows_of_page() {
   return rows;
 }
 
-TEST_CASE("The table of docs/qos.md is what qos/sonopose.xml says, profile by profile") {
+TEST_CASE("The tables of docs/qos.md are what qos/sonopose.xml says, profile by profile") {
   const QosProvider qos = project_qos();
   const auto topics = topics_by_profile();
-  std::set<std::string> profiles;
+  std::size_t native = 0;
   std::set<std::string> rows;
   for (const std::string& profile : qos.profiles()) {
-    profiles.insert(profile);
+    if (!is_native(profile)) {
+      rows.insert(row_of(qos, profile, "| `" + profile + "` |"));
+      continue;
+    }
+    ++native;
     REQUIRE(topics.contains(profile));  // a profile that no topic uses is left over
-    rows.insert(row_of(qos, profile, topics.at(profile)));
+    rows.insert(
+        row_of(qos, profile, "| `" + profile.substr(library.size()) + "` | " + topics.at(profile) + " |"));
   }
-  CHECK(profiles.size() == topics.size());
+  CHECK(native == topics.size());
   CHECK(rows_of_page() == rows);
 }
 
@@ -128,14 +144,22 @@ TEST_CASE("Every profile states every policy, and what docs/qos.md says of all h
   for (const std::string& profile : qos.profiles()) {
     CAPTURE(profile);
     const Qos& writer = qos.datawriter_qos(profile);
+    CHECK(writer.policy<policy::Reliability>().value().kind == policy::ReliabilityKind::reliable);
     for (const Qos* const end : {&writer, &qos.datareader_qos(profile)}) {
-      CHECK(end->policy<policy::Reliability>().value().kind == policy::ReliabilityKind::reliable);
       CHECK(end->policy<policy::LatencyBudget>().value().duration == Duration::zero());
-      CHECK(end->policy<policy::Liveliness>().value().lease_duration != infinite);
       const auto limits = end->policy<policy::ResourceLimits>().value();
       CHECK(limits.max_samples == policy::length_unlimited);
       CHECK(limits.max_instances == policy::length_unlimited);
       CHECK(limits.max_samples_per_instance == policy::length_unlimited);
+      const Duration lease = end->policy<policy::Liveliness>().value().lease_duration;
+      if (is_native(profile)) {
+        CHECK(end->policy<policy::Reliability>().value().kind == policy::ReliabilityKind::reliable);
+        CHECK(lease != infinite);
+      } else {
+        CHECK(lease == infinite);
+        CHECK(end->policy<policy::Deadline>().value().period == infinite);
+        CHECK(end->policy<policy::Ownership>().value().kind == policy::OwnershipKind::shared);
+      }
     }
     CHECK(writer.policy<policy::Lifespan>().value().duration == infinite);
   }

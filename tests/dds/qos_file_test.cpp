@@ -1,4 +1,5 @@
 #include "dds_fixture.hpp"
+#include <sonopose/dds/qos_match.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -69,6 +70,52 @@ TEST_CASE("The project's QoS file holds what its streams need") {
       CHECK(provider.datawriter_qos(profile).policy<policy::Reliability>()->max_blocking_time >=
             milliseconds(100));
     }
+  }
+}
+
+/// What an end of a ROS 2 node's has that does not choose: rmw's defaults, with this of its own.
+Qos ros_end(policy::ReliabilityKind reliability, policy::DurabilityKind durability, std::int32_t depth) {
+  return Qos() << policy::Reliability{reliability} << policy::Durability{durability}
+               << policy::History::keep_last(depth);
+}
+
+TEST_CASE("The profiles for ROS 2 match what ROS 2 nodes use by default") {
+  using Kind = policy::ReliabilityKind;
+  using Durability = policy::DurabilityKind;
+  const QosProvider provider = project_qos();
+  const Qos usual = ros_end(Kind::reliable, Durability::volatile_data, 10);
+  const Qos sensor_data = ros_end(Kind::best_effort, Durability::volatile_data, 5);
+  const Qos transient = ros_end(Kind::reliable, Durability::transient_local, 1);
+  const auto match = [](const Qos& writer, const Qos& reader) {
+    return qos_mismatches(writer, reader).empty();
+  };
+
+  SECTION("rclcpp's default and sensor data, both ways") {
+    for (const char* const name : {"ros2::Default", "ros2::SensorData", "ros2::Tf", "ros2::Diagnostics"}) {
+      CAPTURE(name);
+      CHECK(match(provider.datawriter_qos(name), usual));
+      CHECK(match(provider.datawriter_qos(name), sensor_data));
+      CHECK(match(usual, provider.datareader_qos(name)));
+    }
+    CHECK(match(sensor_data, provider.datareader_qos("ros2::SensorData")));
+    CHECK_FALSE(match(sensor_data, provider.datareader_qos("ros2::Default")));
+  }
+  SECTION("what latecomers need is kept for them") {
+    for (const char* const name : {"ros2::TfStatic", "ros2::Discovery"}) {
+      CAPTURE(name);
+      CHECK(match(provider.datawriter_qos(name), transient));
+      CHECK(match(transient, provider.datareader_qos(name)));
+      CHECK(provider.datawriter_qos(name).policy<policy::History>()->depth == 1);
+      CHECK_FALSE(match(usual, provider.datareader_qos(name)));
+    }
+  }
+  SECTION("depths are those of rclcpp, tf2_ros and rmw_dds_common") {
+    const auto depth = [](const Qos& qos) { return qos.policy<policy::History>()->depth; };
+    CHECK(depth(provider.datawriter_qos("ros2::Default")) == 10);
+    CHECK(depth(provider.datareader_qos("ros2::SensorData")) == 5);
+    CHECK(depth(provider.datawriter_qos("ros2::Tf")) == 100);
+    CHECK(provider.datareader_qos("ros2::Discovery").policy<policy::History>()->kind ==
+          policy::HistoryKind::keep_all);
   }
 }
 

@@ -158,7 +158,7 @@ TEST_CASE("A user's file that cannot be meant so is refused, and changes nothing
        "user.xml:4: <qos_profile>: 'sonopose::Imu' stands twice"},
       {user_file(history("Imu", 0)), "user.xml:3: <depth>: '0' is no whole number"},
       {"<dds><qos_library name='sonpose'>" + history("Imu", 3) + "</qos_library></dds>",
-       "user.xml: changes no profile: no <qos_library> is called 'sonopose'"},
+       "user.xml: changes no profile: no <qos_library> is called 'ros2' or 'sonopose'"},
       {user_file("<qos_profile name='Imu'><datareader_qos><resource_limits><max_samples_per_instance>8"
                  "</max_samples_per_instance></resource_limits></datareader_qos></qos_profile>"),
        "user.xml:3: <qos_profile>: the history is deeper than max_samples_per_instance"},

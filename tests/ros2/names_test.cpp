@@ -31,7 +31,7 @@ TEST_CASE("Names stand in the namespace, below the node, or by themselves") {
   CHECK(in_root.topic("~/ping") == "/locator/ping");
   CHECK(full_name(in_root.node()) == "/locator");
   CHECK(full_name(resolver().node()) == "/robot/locator");
-  CHECK(dds_topic_name("/hedge_7/odom") == "rt/hedge_7/odom");
+  CHECK(name_in_dds("/hedge_7/odom") == "rt/hedge_7/odom");
 }
 
 TEST_CASE("A rule replaces the name that it resolves to, however either is written") {

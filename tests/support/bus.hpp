@@ -58,6 +58,13 @@ public:
     return fusion;
   }
 
+  /// Returns when it relays.
+  std::unique_ptr<Process> ros2(const Arguments& arguments = {}) const {
+    auto relay = start(SONOPOSE_TEST_ROS2, arguments);
+    REQUIRE(relay->wait_for_line(Stream::error, "relaying as"));
+    return relay;
+  }
+
 private:
   [[nodiscard]] std::unique_ptr<Process> start(const char* program, Arguments arguments) const {
     arguments.insert(arguments.end(), {"--domain", std::to_string(domain_.id())});

@@ -5,7 +5,6 @@
 /// and the mount's lever arm. docs/ros2.md has the formulas.
 
 #include <sonopose/core/pose.hpp>
-#include <sonopose/math/rotation.hpp>
 #include <sonopose/ros2/frames.hpp>
 
 #include <Eigen/Core>
@@ -19,7 +18,7 @@ struct Noise {
   double gyro_std_radps = 0.005;
   double accel_std_mps2 = 0.05;
   double magnetic_std_t = 1e-6;
-  double tilt_std_rad = math::radians_per_degree;  ///< of roll and pitch
+  double tilt_std_deg = 1.0;  ///< of roll and pitch
 };
 
 using Covariance3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;

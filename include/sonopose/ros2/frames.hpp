@@ -8,6 +8,7 @@
 #include <sonopose/core/pose.hpp>
 #include <sonopose/core/samples.hpp>
 
+#include <array>
 #include <string>
 
 namespace sonopose::ros2 {
@@ -24,6 +25,10 @@ struct FrameNames {
 std::string for_beacon(const std::string& pattern, BeaconAddress address);
 FrameNames for_beacon(const FrameNames& patterns, BeaconAddress address);
 
+/// Throws std::invalid_argument, naming the frame, for one that is empty or begins with a slash, and for two
+/// of the same name.
+void check(const FrameNames& patterns);
+
 /// Whether two beacons have base frames of their own, as the tree needs it: a frame has one parent.
 bool tell_beacons_apart(const FrameNames& patterns);
 
@@ -32,6 +37,10 @@ struct Mount {
   Vector3d imu_in_base_m = Vector3d::Zero();
   Quaterniond q_imu_to_base = Quaterniond::Identity();
 };
+
+/// x, y, z (m), then roll, pitch, yaw (deg): turns about the base's fixed axes X, Y, Z, in this order
+/// (REP-103). Throws std::invalid_argument for a number that is not finite.
+Mount mount_at(const std::array<double, 6>& place);
 
 /// Where a frame's origin stands in another one, and how it is turned.
 struct Transform {

@@ -49,6 +49,6 @@ private:
 };
 
 /// What a topic is called in DDS: "/imu" → "rt/imu".
-std::string dds_topic_name(const std::string& topic);
+std::string name_in_dds(const std::string& topic);
 
 }  // namespace sonopose::ros2

@@ -47,7 +47,7 @@ public:
   template <class T>
   dds::DataWriter<T> make_writer(const std::string& name, const char* profile,
                                  dds::DataWriterListener<T>* listener = nullptr) {
-    const dds::Topic<T> topic(participant_, dds_topic_name(names_.topic(name)), qos_.topic_qos(profile));
+    const dds::Topic<T> topic(participant_, name_in_dds(names_.topic(name)), qos_.topic_qos(profile));
     dds::DataWriter<T> writer(participant_, topic, with_type_hash<T>(qos_.datawriter_qos(profile)), listener);
     note(writers_, writer);
     return writer;
@@ -57,7 +57,7 @@ public:
   template <class T>
   dds::DataReader<T> make_reader(const std::string& name, const char* profile,
                                  dds::DataReaderListener<T>* listener = nullptr) {
-    const dds::Topic<T> topic(participant_, dds_topic_name(names_.topic(name)), qos_.topic_qos(profile));
+    const dds::Topic<T> topic(participant_, name_in_dds(names_.topic(name)), qos_.topic_qos(profile));
     dds::DataReader<T> reader(participant_, topic, with_type_hash<T>(qos_.datareader_qos(profile)), listener);
     note(readers_, reader);
     return reader;

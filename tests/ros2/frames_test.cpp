@@ -1,0 +1,95 @@
+#include <sonopose/ros2/frames.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+using namespace sonopose;
+using namespace sonopose::ros2;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+Quaterniond about_z(double angle_rad) {
+  return Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ()));
+}
+
+}  // namespace
+
+TEST_CASE("A frame's pattern takes the beacon's address, as often as it asks for it") {
+  CHECK(for_beacon("base_link", 7) == "base_link");
+  CHECK(for_beacon("hedge_{address}/base_link", 7) == "hedge_7/base_link");
+  CHECK(for_beacon("{address}_{address}", 131) == "131_131");
+  CHECK_FALSE(tell_beacons_apart({}));
+  CHECK_FALSE(tell_beacons_apart({.base = "hedge_{address}/base_link"}));
+  CHECK(tell_beacons_apart({.base = "hedge_{address}/base_link", .imu = "hedge_{address}/imu_link"}));
+}
+
+TEST_CASE("Frames that ROS 2 would not have are refused, by name") {
+  CHECK_NOTHROW(check(FrameNames{}));
+  CHECK_THROWS_WITH(check({.map = ""}), "the map frame '' needs a name");
+  CHECK_THROWS_WITH(check({.base = "/base"}), "the base frame '/base' must not begin with a slash");
+  CHECK_THROWS_WITH(check({.base = "body", .imu = "body"}),
+                    "the imu frame 'body' is called as the base frame is");
+}
+
+TEST_CASE("A mount is given in metres and degrees") {
+  const Mount mount = mount_at({0.1, 0.2, 0.3, 0, 90, 0});
+  CHECK(mount.imu_in_base_m == Vector3d(0.1, 0.2, 0.3));
+  // Pitched nose down by 90 degrees: what is ahead for the IMU is down for the base.
+  CHECK((mount.q_imu_to_base * Vector3d::UnitX() + Vector3d::UnitZ()).norm() < 1e-12);
+  CHECK_THROWS_AS(mount_at({0, 0, 0, std::nan(""), 0, 0}), std::invalid_argument);
+}
+
+SCENARIO("the base moves as a rigid body with the IMU on it does") {
+  GIVEN("an IMU half a metre before the base's centre, turned by 90 degrees to the left") {
+    const Mount mount{{0.5, 0, 0}, about_z(pi / 2)};
+    WHEN("the robot stands at (3, 4), looking along the map's X") {
+      FusedPose pose;
+      pose.position_world_m = {3.5, 4, 0};
+      pose.q_body_to_world = about_z(pi / 2);  // the IMU's X looks to the robot's left
+      const BaseState base = base_state(pose, mount);
+      THEN("the base is there, level and straight") {
+        CHECK((base.position_map_m - Vector3d(3, 4, 0)).norm() < 1e-12);
+        CHECK(base.q_base_to_map.angularDistance(Quaterniond::Identity()) < 1e-12);
+      }
+    }
+    WHEN("the robot turns on the spot, 2 rad/s to the left") {
+      FusedPose pose;
+      pose.position_world_m = {0.5, 0, 0};
+      pose.q_body_to_world = about_z(pi / 2);
+      pose.velocity_world_mps = {0, 1, 0};  // ω × r
+      pose.angular_velocity_body_radps = {0, 0, 2};
+      const BaseState base = base_state(pose, mount);
+      THEN("the base's centre stands still and turns") {
+        CHECK(base.velocity_base_mps.norm() < 1e-12);
+        CHECK((base.angular_velocity_base_radps - Vector3d(0, 0, 2)).norm() < 1e-12);
+      }
+    }
+    WHEN("the robot looks to the north and drives ahead at 1 m/s") {
+      FusedPose pose;
+      pose.position_world_m = {0, 0.5, 0};
+      pose.q_body_to_world = about_z(pi);
+      pose.velocity_world_mps = {0, 1, 0};
+      const BaseState base = base_state(pose, mount);
+      THEN("its velocity is ahead in its own axes") {
+        CHECK((base.velocity_base_mps - Vector3d(1, 0, 0)).norm() < 1e-12);
+        CHECK(base.position_map_m.norm() < 1e-12);
+      }
+    }
+  }
+}
+
+TEST_CASE("A transform and its inverse lead back") {
+  const Transform there{{1, -2, 3}, Quaterniond(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 2) / 3))};
+  const Transform back = there * inverse_of(there);
+  CHECK(back.translation_m.norm() < 1e-12);
+  CHECK(back.rotation.angularDistance(Quaterniond::Identity()) < 1e-12);
+  // A point of the child's: first turned, then moved.
+  const Transform quarter{{1, 0, 0}, about_z(pi / 2)};
+  CHECK(((quarter * Transform{{2, 0, 0}, Quaterniond::Identity()}).translation_m - Vector3d(1, 2, 0)).norm() <
+        1e-12);
+}

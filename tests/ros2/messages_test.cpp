@@ -1,0 +1,150 @@
+#include <sonopose/ros2/diagnostics.hpp>
+#include <sonopose/ros2/input.hpp>
+#include <sonopose/ros2/messages.hpp>
+#include <sonopose/ros2/time.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+using namespace sonopose;
+using namespace sonopose::ros2;
+
+namespace {
+
+constexpr TimeNs stamp_ns = 1'700'000'000'250'000'000;
+
+ImuSample at_rest() {
+  ImuSample sample;
+  sample.address = 7;
+  sample.sensor_time_ns = stamp_ns;
+  sample.angular_velocity_body_radps = {0.01, -0.02, 0.03};
+  sample.specific_force_body_mps2 = {0, 0, 9.81};
+  return sample;
+}
+
+}  // namespace
+
+SCENARIO("an IMU sample becomes the two messages of REP-145") {
+  GIVEN("a sample at rest, and the pose made at it") {
+    const ImuSample sample = at_rest();
+    FusedPose pose;
+    pose.q_body_to_world = Quaterniond(0.5, 0.5, 0.5, 0.5);
+    pose.angular_velocity_body_radps = {0, 0, 0};
+    pose.yaw_std_rad = 0.1;
+    const FrameNames frames;
+    WHEN("it goes out raw") {
+      const Imu imu = raw_imu(sample, stamp_ns, frames, {});
+      THEN("it says that it has no orientation, +g on z, and how sure it is") {
+        CHECK(imu.orientation_covariance[0] == -1);
+        CHECK(imu.linear_acceleration.z == 9.81);
+        CHECK(imu.angular_velocity.y == -0.02);
+        CHECK(imu.linear_acceleration_covariance[8] > 0);
+        CHECK(imu.angular_velocity_covariance[0] > 0);
+        CHECK(std::string(imu.header.frame_id) == "imu_link");
+        CHECK(imu.header.stamp.sec == 1'700'000'000);
+        CHECK(imu.header.stamp.nanosec == 250'000'000U);
+      }
+    }
+    WHEN("it goes out with the fused orientation") {
+      const Imu imu = fused_imu(sample, pose, stamp_ns, frames, {});
+      THEN("it has that orientation, the force as measured, and the gyro without its bias") {
+        CHECK(imu.orientation.w == 0.5);
+        CHECK(imu.orientation.z == 0.5);
+        CHECK(imu.orientation_covariance[8] == Approx(0.01));
+        CHECK(imu.orientation_covariance[0] > 0);
+        CHECK(imu.linear_acceleration.z == 9.81);
+        CHECK(imu.angular_velocity.z == 0);
+      }
+    }
+    WHEN("it has no magnetic field") {
+      THEN("there is no such message") {
+        CHECK_FALSE(magnetic_field(sample, stamp_ns, frames, {}));
+      }
+    }
+    WHEN("it has one") {
+      ImuSample with = sample;
+      with.magnetic_field_body_t = Vector3d(20e-6, 0, -40e-6);
+      const auto field = magnetic_field(with, stamp_ns, frames, {});
+      THEN("it goes out in tesla") {
+        REQUIRE(field);
+        CHECK(field->magnetic_field.z == -40e-6);
+        CHECK(field->magnetic_field_covariance[4] > 0);
+      }
+    }
+  }
+}
+
+SCENARIO("a ROS 2 driver's message becomes a sample and back") {
+  GIVEN("a sample that goes out as sensor_msgs/Imu") {
+    const ImuSample sample = at_rest();
+    const FrameNames frames;
+    Imu imu = raw_imu(sample, stamp_ns, frames, {});
+    const TimeNs received_ns = stamp_ns + 3'000'000;
+    THEN("taken in, it is the same sample") {
+      const auto back = imu_sample(imu, 7, received_ns);
+      REQUIRE(back);
+      CHECK(*back == sample);
+    }
+    WHEN("its driver gives no stamp") {
+      imu.header.stamp = {0, 0};
+      THEN("it counts as measured when it came") {
+        CHECK(imu_sample(imu, 7, received_ns)->sensor_time_ns == received_ns);
+      }
+    }
+    WHEN("a value is not finite, or the stamp is none") {
+      Imu broken = imu;
+      broken.linear_acceleration.x = std::numeric_limits<double>::quiet_NaN();
+      Imu late = imu;
+      late.header.stamp.nanosec = 2'000'000'000U;
+      THEN("there is no sample") {
+        CHECK_FALSE(imu_sample(broken, 7, received_ns));
+        CHECK_FALSE(imu_sample(late, 7, received_ns));
+      }
+    }
+  }
+  GIVEN("a position from a positioning system, as a point and as a pose") {
+    const FrameNames frames;
+    const Vector3d where(1.5, -2.5, 0.75);
+    const PointStamped point = position_as_point(where, stamp_ns, frames);
+    PoseWithCovarianceStamped pose = position_as_pose(where, fix_covariance(0.02, 1.0), stamp_ns, frames);
+    const TimeNs received_ns = stamp_ns + 40'000'000;
+    THEN("both are the same fix: emitted then, received now") {
+      for (const auto& taken : {fix(point, 9, received_ns), fix(pose, 9, received_ns)}) {
+        REQUIRE(taken);
+        CHECK(taken->address == 9);
+        CHECK(taken->position_world_m == where);
+        CHECK(taken->emission_time_ns == stamp_ns);
+        CHECK(taken->received_time_ns == received_ns);
+      }
+    }
+    WHEN("it is infinite") {
+      pose.pose.pose.position.y = std::numeric_limits<double>::infinity();
+      THEN("there is no fix") {
+        CHECK_FALSE(fix(pose, 9, received_ns));
+      }
+    }
+  }
+}
+
+TEST_CASE("Diagnostics keep their order, texts and levels in the message") {
+  const std::vector<Diagnostic> diagnostics{{Level::ok,
+                                             "sonopose: beacon 7",
+                                             "poses at 100.0 Hz",
+                                             "7",
+                                             {{"trust", "1.000"}, {"battery_v", "3.91"}}},
+                                            {Level::stale, "sonopose: beacon 9", "no pose", "9", {}}};
+  const DiagnosticMessage made(diagnostics, stamp_ns);
+  const DiagnosticArray& message = made.message();
+  REQUIRE(message.status._length == 2);
+  CHECK(message.header.stamp.sec == 1'700'000'000);
+  CHECK(message.status._buffer[0].level == 0);
+  CHECK(message.status._buffer[1].level == 3);
+  CHECK(std::string(message.status._buffer[0].hardware_id) == "7");
+  REQUIRE(message.status._buffer[0].values._length == 2);
+  CHECK(std::string(message.status._buffer[0].values._buffer[1].key) == "battery_v");
+  CHECK(std::string(message.status._buffer[0].values._buffer[1].value) == "3.91");
+  CHECK(message.status._buffer[1].values._length == 0);
+}

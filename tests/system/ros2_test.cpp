@@ -1,0 +1,199 @@
+/// The relay's messages, as a ROS 2 process gets them, against what is on the native topics.
+
+#include "support/ros2.hpp"
+
+#include <csignal>
+#include <map>
+#include <string>
+
+using namespace sonopose;
+using namespace sonopose::test;
+namespace topics = dds::topics;
+
+namespace {
+
+/// Finds the native sample of a stamp among those that came, and waits for it.
+template <class T, class Time>
+auto native_at(Consumer<T>& consumer, TimeNs time_ns, Time time) {
+  const auto* found = static_cast<const typename Consumer<T>::Sample*>(nullptr);
+  REQUIRE(consumer.wait_for([&](const auto& sample) {
+    if (sample.*time == time_ns) found = &sample;
+    return found != nullptr;
+  }));
+  return *found;
+}
+
+template <std::size_t size>
+bool positive_diagonal(const double (&covariance)[size], std::size_t rows) {
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (!(covariance[i * (rows + 1)] > 0)) return false;
+  }
+  return true;
+}
+
+/// A copy of what the test looks at: a message on loan does not last.
+struct SeenOdometry {
+  TimeNs stamp_ns = 0;
+  Vector3d position_m;
+  Quaterniond orientation;
+  Vector3d velocity_mps;
+  bool variances_positive = false;
+  std::string frame;
+  std::string child;
+};
+
+SeenOdometry seen(const ros2::Odometry& message) {
+  const ros2::Transform pose = ros2::base_in_map(message);
+  const ros2::Vector3& v = message.twist.twist.linear;
+  return {stamp_of(message.header),
+          pose.translation_m,
+          pose.rotation,
+          {v.x, v.y, v.z},
+          positive_diagonal(message.pose.covariance, 6) && positive_diagonal(message.twist.covariance, 6),
+          message.header.frame_id,
+          message.child_frame_id};
+}
+
+}  // namespace
+
+SCENARIO("a ROS 2 process gets the fused pose as Odometry, bit for bit") {
+  GIVEN("a chain at work, a relay, and a subscription of the usual kind and one of sensor data") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    RosReader<ros2::Odometry> standard(bus, "/hedge_7/odom");
+    RosReader<ros2::Odometry> sensor_data(bus, "/hedge_7/odom", Subscription::sensor_data);
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2();
+    const auto bridge = bus.bridge({"--scenario", "walk"});
+    THEN("it is the native pose of the same moment, the velocity in the robot's own axes") {
+      std::vector<SeenOdometry> odometry;
+      REQUIRE(standard.wait_for_count(200, [&](const auto& message) { odometry.push_back(seen(message)); }));
+      const FusedPose pose = native_at(poses, odometry.back().stamp_ns, &FusedPose::time_ns);
+      CHECK(odometry.back().position_m == pose.position_world_m);
+      CHECK(odometry.back().orientation.coeffs() == pose.q_body_to_world.coeffs());
+      CHECK((pose.q_body_to_world * odometry.back().velocity_mps - pose.velocity_world_mps).norm() < 1e-9);
+      CHECK(odometry.back().frame == "map");
+      CHECK(odometry.back().child == "base_link");
+      for (std::size_t i = 1; i < odometry.size(); ++i) {
+        CHECK(odometry[i].stamp_ns > odometry[i - 1].stamp_ns);
+        CHECK(odometry[i].variances_positive);
+      }
+    }
+    THEN("the subscription of sensor data gets it too") {
+      CHECK(sensor_data.wait_for_count(20, [](const auto&) {}));
+    }
+  }
+}
+
+SCENARIO("a ROS 2 process gets the IMU, raw and with its orientation, and the fixes") {
+  GIVEN("a chain at work and a relay") {
+    const Bus bus;
+    Consumer<sonopose_ImuSample> samples(bus, topics::imu);
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    Consumer<sonopose_UltrasonicFix> fixes(bus, topics::fix);
+    RosReader<ros2::Imu> raw(bus, "/hedge_7/imu/data_raw", Subscription::sensor_data);
+    RosReader<ros2::Imu> fused(bus, "/hedge_7/imu/data", Subscription::sensor_data);
+    RosReader<ros2::PoseWithCovarianceStamped> fix(bus, "/hedge_7/fix");
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2();
+    const auto bridge = bus.bridge({"--scenario", "walk"});
+    THEN("the raw one is the native sample, and says that it has no orientation") {
+      ros2::Imu message{};
+      REQUIRE(raw.wait_for_count(50, [&](const auto& imu) { message = imu; }));
+      const ImuSample sample = native_at(samples, stamp_of(message.header), &ImuSample::sensor_time_ns);
+      CHECK(message.linear_acceleration.x == sample.specific_force_body_mps2.x());
+      CHECK(message.linear_acceleration.z == sample.specific_force_body_mps2.z());
+      CHECK(message.angular_velocity.y == sample.angular_velocity_body_radps.y());
+      CHECK(message.orientation_covariance[0] == -1);
+    }
+    THEN("the other one has the fused orientation of the same sample") {
+      ros2::Imu message{};
+      REQUIRE(fused.wait_for_count(50, [&](const auto& imu) { message = imu; }));
+      const FusedPose pose = native_at(poses, stamp_of(message.header), &FusedPose::imu_sensor_time_ns);
+      const ImuSample sample = native_at(samples, stamp_of(message.header), &ImuSample::sensor_time_ns);
+      CHECK(message.orientation.w == pose.q_body_to_world.w());
+      CHECK(message.orientation.z == pose.q_body_to_world.z());
+      CHECK(message.linear_acceleration.z == sample.specific_force_body_mps2.z());
+      CHECK(positive_diagonal(message.orientation_covariance, 3));
+    }
+    THEN("a fix is where the hardware said, when the sound left, and as sure as the fusion holds it") {
+      ros2::PoseWithCovarianceStamped message{};
+      REQUIRE(fix.wait_for_count(5, [&](const auto& one) { message = one; }));
+      const UltrasonicFix native =
+          native_at(fixes, stamp_of(message.header), &UltrasonicFix::emission_time_ns);
+      CHECK(message.pose.pose.position.x == native.position_world_m.x());
+      CHECK(message.pose.pose.position.y == native.position_world_m.y());
+      CHECK(positive_diagonal(message.pose.covariance, 6));
+    }
+  }
+}
+
+SCENARIO("ROS 2's dashboards are told how each beacon is") {
+  GIVEN("a relay that hears nobody") {
+    const Bus bus;
+    RosReader<ros2::DiagnosticArray> diagnostics(bus, "/diagnostics");
+    const auto relay = bus.ros2();
+    const auto level_of = [](const ros2::DiagnosticArray& message, const std::string& name) {
+      for (std::uint32_t i = 0; i < message.status._length; ++i) {
+        if (message.status._buffer[i].name == name) return int{message.status._buffer[i].level};
+      }
+      return -1;
+    };
+    THEN("it says so") {
+      CHECK(diagnostics.wait_for(
+          [&](const auto& message) { return level_of(message, "sonopose: beacons") == 3; }));
+    }
+    WHEN("a chain comes, and later its bridge is killed") {
+      const auto fusion = bus.fusion();
+      const auto bridge = bus.bridge({});
+      THEN("the beacon is OK first and an error or stale then") {
+        REQUIRE(diagnostics.wait_for(
+            [&](const auto& message) { return level_of(message, "sonopose: beacon 7") == 0; }));
+        bridge->send(SIGKILL);
+        CHECK(diagnostics.wait_for(
+            [&](const auto& message) { return level_of(message, "sonopose: beacon 7") >= 2; }));
+      }
+    }
+  }
+}
+
+SCENARIO("names, frames and messages are the user's") {
+  GIVEN("a relay in a namespace, with a beacon's topics renamed, and fixes as points") {
+    const Bus bus;
+    RosReader<ros2::Odometry> odom(bus, "/robot/odometry");
+    RosReader<ros2::PointStamped> fix(bus, "/robot/tag7/fix");
+    RosReader<ros2::Path> path(bus, "/robot/tag7/path");
+    const auto fusion = bus.fusion();
+    const auto relay =
+        bus.ros2({"--namespace", "/robot", "--beacon-namespace", "tag{address}", "--remap",
+                  "tag7/odom:=odometry", "--fix-message", "point", "--path", "10", "--map-frame", "hall"});
+    CHECK(relay->wait_for_line(Stream::error, "relaying as /robot/sonopose"));
+    const auto bridge = bus.bridge({});
+    THEN("they are there, under these names") {
+      std::string frame;
+      CHECK(odom.wait_for_count(5, [&](const auto& message) { frame = message.header.frame_id; }));
+      CHECK(frame == "hall");
+      CHECK(fix.wait_for_count(2, [](const auto&) {}));
+      CHECK(path.wait_for([](const auto& message) { return message.poses._length > 5; }));
+    }
+  }
+  GIVEN("options that cannot be") {
+    const std::vector<std::pair<Arguments, std::string>> wrong{
+        {{"--remap", "odom"}, "odom"},
+        {{"--name", "a b"}, "a b"},
+        {{"--map-frame", "/map"}, "must not begin with a slash"},
+        {{"--base-frame", "map"}, "is called as the map frame is"},
+        {{"--imu-in", "/imu"}, "--imu-in /imu"},
+        {{"--fix-in", "/tag=70000"}, "'70000' is no address"},
+        {{"--gyro-std", "0"}, "gyro-std"},
+        {{"--ros-distro", "kilted"}, "kilted"}};
+    THEN("each is refused by name") {
+      for (const auto& [arguments, text] : wrong) {
+        const Result result = run(SONOPOSE_TEST_ROS2, arguments);
+        CAPTURE(arguments, result.error);
+        CHECK(result.code != 0);
+        CHECK(result.error.find(text) != std::string::npos);
+      }
+    }
+  }
+}

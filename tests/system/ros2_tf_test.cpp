@@ -1,0 +1,155 @@
+/// The relay's transforms.
+
+#include "support/ros2.hpp"
+
+#include <atomic>
+#include <set>
+#include <string>
+#include <thread>
+
+using namespace sonopose;
+using namespace sonopose::test;
+namespace topics = dds::topics;
+
+namespace {
+
+struct SeenTransform {
+  TimeNs stamp_ns = 0;
+  std::string parent;
+  std::string child;
+  ros2::Transform transform;
+};
+
+std::vector<SeenTransform> seen(const ros2::TFMessage& message) {
+  std::vector<SeenTransform> all;
+  for (std::uint32_t i = 0; i < message.transforms._length; ++i) {
+    const ros2::TransformStamped& one = message.transforms._buffer[i];
+    const auto& [x, y, z] = one.transform.translation;
+    const ros2::Quaternion& q = one.transform.rotation;
+    all.push_back({stamp_of(one.header),
+                   one.header.frame_id,
+                   one.child_frame_id,
+                   {{x, y, z}, Quaterniond(q.w, q.x, q.y, q.z)}});
+  }
+  return all;
+}
+
+}  // namespace
+
+SCENARIO("the tree says where the robot is, and where its IMU is on it") {
+  GIVEN("a chain at work, and a relay that knows of the mount") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    RosReader<ros2::TFMessage> tf(bus, "/tf");
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2({"--mount", "0.2", "0", "0.5", "0", "0", "90"});
+    const auto bridge = bus.bridge({"--scenario", "walk"});
+    THEN("map → base_link → imu_link leads to the fused pose, and no stamp comes twice") {
+      std::vector<SeenTransform> moving;
+      REQUIRE(tf.wait_for_count(150, [&](const auto& message) {
+        for (auto& one : seen(message)) moving.push_back(one);
+      }));
+      std::set<TimeNs> stamps;
+      for (const SeenTransform& one : moving) {
+        CHECK(one.parent == "map");
+        CHECK(one.child == "base_link");
+        CHECK(stamps.insert(one.stamp_ns).second);
+      }
+      // Who comes late gets the mount too.
+      RosReader<ros2::TFMessage> late(bus, "/tf_static", Subscription::latched);
+      std::vector<SeenTransform> fixed;
+      REQUIRE(late.wait_for_count(1, [&](const auto& message) { fixed = seen(message); }));
+      REQUIRE(fixed.size() == 1);
+      CHECK(fixed[0].parent == "base_link");
+      CHECK(fixed[0].child == "imu_link");
+      const SeenTransform& last = moving.back();
+      const ros2::Transform imu = last.transform * fixed[0].transform;
+      bool compared = false;
+      REQUIRE(poses.wait_for([&](const FusedPose& pose) {
+        if (pose.time_ns != last.stamp_ns) return false;
+        CHECK((imu.translation_m - pose.position_world_m).norm() < 1e-9);
+        CHECK(imu.rotation.angularDistance(pose.q_body_to_world) < 1e-7);
+        return compared = true;
+      }));
+      CHECK(compared);
+    }
+  }
+}
+
+SCENARIO("beside another odometry the relay moves that one's frame") {
+  GIVEN("wheels that say how far the robot has come, and a relay in mode map_odom") {
+    const Bus bus;
+    RosReader<ros2::TFMessage> tf(bus, "/tf");
+    RosReader<ros2::Odometry> odometry(bus, "/hedge_7/odom");
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2({"--tf", "map_odom"});
+    const auto bridge = bus.bridge({});
+    RosWriter<ros2::TFMessage> wheels(bus, "/tf");
+    REQUIRE(odometry.wait_for_count(1, [](const auto&) {}));
+    const std::string odom = "odom";
+    const std::string base = "base_link";
+    const ros2::Transform base_in_odom{{3, -1, 0}, Quaterniond(Eigen::AngleAxisd(0.5, Vector3d::UnitZ()))};
+    WHEN("they stand still at (3, -1)") {
+      std::atomic<bool> enough = false;
+      std::thread driver([&] {
+        while (!enough) {
+          const TimeNs now_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                    std::chrono::system_clock::now().time_since_epoch())
+                                    .count();
+          auto transform = ros2::transform(base_in_odom, now_ns, odom, base);
+          wheels.write({{1, 1, &transform, false}});
+          std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+      });
+      SeenTransform map_to_odom;
+      const bool found = tf.wait_for([&](const auto& message) {
+        for (const SeenTransform& one : seen(message)) {
+          if (one.child == "odom") map_to_odom = one;
+        }
+        return !map_to_odom.child.empty();
+      });
+      ros2::Transform base_in_map;
+      const bool compared = found && odometry.wait_for([&](const auto& message) {
+        base_in_map = ros2::base_in_map(message);
+        return stamp_of(message.header) == map_to_odom.stamp_ns;
+      });
+      enough = true;
+      driver.join();
+      THEN("map → odom → base_link is where the fusion says") {
+        REQUIRE(found);
+        CHECK(map_to_odom.parent == "map");
+        REQUIRE(compared);
+        const ros2::Transform through = map_to_odom.transform * base_in_odom;
+        CHECK((through.translation_m - base_in_map.translation_m).norm() < 1e-9);
+        CHECK(through.rotation.angularDistance(base_in_map.rotation) < 1e-7);
+      }
+    }
+  }
+}
+
+SCENARIO("two beacons do not fight over one frame") {
+  GIVEN("two beacons and a relay whose frames do not tell them apart") {
+    const Bus bus;
+    RosReader<ros2::TFMessage> tf(bus, "/tf");
+    const auto fusion = bus.fusion();
+    WHEN("they come") {
+      const auto relay = bus.ros2();
+      const auto bridge = bus.bridge({"--beacons", "2"});
+      THEN("the relay says that the second one has no transforms, and what to do") {
+        CHECK(relay->wait_for_line(Stream::error, "--base-frame hedge_{address}/base_link"));
+      }
+    }
+    WHEN("the frames have the address in them") {
+      const auto relay =
+          bus.ros2({"--base-frame", "hedge_{address}/base_link", "--imu-frame", "hedge_{address}/imu_link"});
+      const auto bridge = bus.bridge({"--beacons", "2"});
+      THEN("both are in the tree") {
+        std::set<std::string> children;
+        CHECK(tf.wait_for([&](const auto& message) {
+          for (const SeenTransform& one : seen(message)) children.insert(one.child);
+          return children.size() == 2;
+        }));
+      }
+    }
+  }
+}
