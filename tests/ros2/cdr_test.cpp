@@ -62,11 +62,11 @@ std::string difference(const Bytes& actual, const Bytes& expected) {
 }
 
 template <class Message>
-void check(const dds_topic_descriptor_t& descriptor, Filler filler = Filler()) {
-  Filled<Message> filled(descriptor, std::move(filler));
-  RawTopic topic(descriptor);
+void check(const std::vector<std::uint32_t>& lengths = {1}) {
+  Filled<Message> filled{Filler(lengths)};
   Layout expected;
   visit(expected, filled.message);
+  RawTopic topic(dds::TopicTraits<Message>::descriptor());
   CHECK(difference(topic.bytes_of(&filled.message), padded(expected.bytes())) == "");
   topic.read(expected.bytes(), filled.message,
              [&](const Message& read) { CHECK((described(read) == described(filled.message))); });
@@ -75,22 +75,20 @@ void check(const dds_topic_descriptor_t& descriptor, Filler filler = Filler()) {
 }  // namespace
 
 TEST_CASE("Every message is on the wire as ROS 2 defines it, and is read from it") {
-  check<ros2::PointStamped>(geometry_msgs_msg_dds__PointStamped__desc);
-  check<ros2::PoseWithCovarianceStamped>(geometry_msgs_msg_dds__PoseWithCovarianceStamped__desc);
-  check<ros2::Imu>(sensor_msgs_msg_dds__Imu__desc);
-  check<ros2::MagneticField>(sensor_msgs_msg_dds__MagneticField__desc);
-  check<ros2::Odometry>(nav_msgs_msg_dds__Odometry__desc);
+  check<ros2::PointStamped>();
+  check<ros2::PoseWithCovarianceStamped>();
+  check<ros2::Imu>();
+  check<ros2::MagneticField>();
+  check<ros2::Odometry>();
   for (const std::uint32_t length : {0U, 1U, 7U, 500U}) {
     CAPTURE(length);
-    check<ros2::Path>(nav_msgs_msg_dds__Path__desc, Filler({length}));
-    check<ros2::TFMessage>(tf2_msgs_msg_dds__TFMessage__desc, Filler({length}));
+    check<ros2::Path>({length});
+    check<ros2::TFMessage>({length});
   }
   for (const auto& lengths : {std::vector<std::uint32_t>{0}, {3, 0, 1, 5}, {40, 9, 0}}) {
-    check<ros2::DiagnosticArray>(diagnostic_msgs_msg_dds__DiagnosticArray__desc, Filler(lengths));
-    check<rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>(
-        rmw_dds_common_msg_dds__ParticipantEntitiesInfo__desc, Filler(lengths));
-    check<rmw_dds_common_humble_msg_dds__ParticipantEntitiesInfo_>(
-        rmw_dds_common_humble_msg_dds__ParticipantEntitiesInfo__desc, Filler(lengths));
+    check<ros2::DiagnosticArray>(lengths);
+    check<ros2::ParticipantEntitiesInfo>(lengths);
+    check<ros2::HumbleParticipantEntitiesInfo>(lengths);
   }
 }
 
@@ -107,7 +105,7 @@ TEST_CASE("A point is, byte for byte") {
   };
   char hall[] = "hall";
   const ros2::PointStamped point{.header = {{123'456'789, 999'999'999}, hall}, .point = {1.0, -2.5, -0.0}};
-  RawTopic topic(geometry_msgs_msg_dds__PointStamped__desc);
+  RawTopic topic(dds::TopicTraits<ros2::PointStamped>::descriptor());
   CHECK(difference(topic.bytes_of(&point), expected) == "");
 }
 
@@ -137,6 +135,6 @@ TEST_CASE("Diagnostics are, byte for byte") {
   ros2::KeyValue pair{key, value};
   ros2::DiagnosticStatus status{2, name, message, hardware, {1, 1, &pair, false}};
   const ros2::DiagnosticArray array{{{-2, 1}, empty}, {1, 1, &status, false}};
-  RawTopic topic(diagnostic_msgs_msg_dds__DiagnosticArray__desc);
+  RawTopic topic(dds::TopicTraits<ros2::DiagnosticArray>::descriptor());
   CHECK(difference(topic.bytes_of(&array), expected) == "");
 }

@@ -3,8 +3,6 @@
 /// ROS 2's messages field by field, in the order of the definitions (.msg) that ROS 2 publishes, written down
 /// by hand: what idlc or anybody else makes of them is compared with this.
 
-#include <sonopose/idl/ros2/rmw_dds_common.h>
-#include <sonopose/idl/ros2/rmw_dds_common_humble.h>
 #include <sonopose/ros2/idl_types.hpp>
 
 #include <bit>
@@ -76,12 +74,12 @@ template <class V> void visit(V& v, rmw_dds_common_msg_dds__Gid_& m) { visit_all
 template <class V> void visit(V& v, rmw_dds_common_msg_dds__NodeEntitiesInfo_& m) {
   visit_all(v, m.node_namespace, m.node_name, m.reader_gid_seq, m.writer_gid_seq);
 }
-template <class V> void visit(V& v, rmw_dds_common_msg_dds__ParticipantEntitiesInfo_& m) { visit_all(v, m.gid, m.node_entities_info_seq); }
+template <class V> void visit(V& v, ros2::ParticipantEntitiesInfo& m) { visit_all(v, m.gid, m.node_entities_info_seq); }
 template <class V> void visit(V& v, rmw_dds_common_humble_msg_dds__Gid_& m) { visit_all(v, m.data); }
 template <class V> void visit(V& v, rmw_dds_common_humble_msg_dds__NodeEntitiesInfo_& m) {
   visit_all(v, m.node_namespace, m.node_name, m.reader_gid_seq, m.writer_gid_seq);
 }
-template <class V> void visit(V& v, rmw_dds_common_humble_msg_dds__ParticipantEntitiesInfo_& m) { visit_all(v, m.gid, m.node_entities_info_seq); }
+template <class V> void visit(V& v, ros2::HumbleParticipantEntitiesInfo& m) { visit_all(v, m.gid, m.node_entities_info_seq); }
 // clang-format on
 
 /// Gives every field a value of its own, awkward ones among them. Texts and sequences come from dds_alloc.
@@ -173,20 +171,14 @@ std::string described(Message message) {  // shallow: nobody changes what it poi
 template <class Message>
 class Filled {
 public:
-  explicit Filled(const dds_topic_descriptor_t& descriptor, Filler filler = Filler())
-      : descriptor_(descriptor) {
-    visit(filler, message);
-  }
+  explicit Filled(Filler filler = Filler()) { visit(filler, message); }
   Filled(const Filled&) = delete;
   Filled& operator=(const Filled&) = delete;
   Filled(Filled&&) = delete;
   Filled& operator=(Filled&&) = delete;
-  ~Filled() { dds_sample_free(&message, &descriptor_, DDS_FREE_CONTENTS); }
+  ~Filled() { dds_sample_free(&message, &dds::TopicTraits<Message>::descriptor(), DDS_FREE_CONTENTS); }
 
   Message message{};
-
-private:
-  const dds_topic_descriptor_t& descriptor_;
 };
 
 }  // namespace sonopose::test
