@@ -161,8 +161,7 @@ SCENARIO("consumers in Fast DDS get of the relay what native ones get") {
     const auto raw_imu = listener(bus, "rt/hedge_7/imu/data_raw", "imu", 100, {"--bits", "--best-effort"});
     const auto tf = listener(bus, "rt/tf", "tf", 100);
     const auto diagnostics = listener(bus, "rt/diagnostics", "diagnostics", 4);
-    Process relay(SONOPOSE_TEST_ROS2, {"--domain", std::to_string(bus.domain_id())});
-    REQUIRE(relay.wait_for_line(Stream::error, "relaying"));
+    const auto relay = bus.ros2();
     const auto fusion = bus.fusion();
     WHEN("the beacon moves") {
       const auto bridge = bus.bridge({});
@@ -196,7 +195,7 @@ SCENARIO("consumers in Fast DDS get of the relay what native ones get") {
           REQUIRE(numbers<4>(fields, 8) == numbers(native.q_body_to_world));
         });
         const std::string last = diagnostics->lines(Stream::output).back();
-        CHECK(last.find("[1]") != std::string::npos);
+        CHECK(last.find("[2]") != std::string::npos);  // the beacon and the relay
         CHECK(last.find(": beacon 7\"") != std::string::npos);
       }
     }
@@ -207,9 +206,7 @@ SCENARIO("the relay takes the samples of a driver in Fast DDS in") {
   GIVEN("a relay with an input, and a native consumer") {
     const Bus bus;
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
-    Process relay(SONOPOSE_TEST_ROS2,
-                  {"--imu-in", "/driver/imu=9", "--domain", std::to_string(bus.domain_id())});
-    REQUIRE(relay.wait_for_line(Stream::error, "relaying"));
+    const auto relay = bus.ros2({"--imu-in", "/driver/imu=9"});
     REQUIRE(imu.wait_for_writers());
     WHEN("the driver sends 50 samples") {
       Arguments arguments{"send-imu", "rt/driver/imu", "50"};
