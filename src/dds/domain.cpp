@@ -7,9 +7,11 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
+#include <ifaddrs.h>
 #include <initializer_list>
 #include <map>
 #include <mutex>
+#include <net/if.h>
 #include <sstream>
 #include <stdexcept>
 #include <strings.h>
@@ -71,16 +73,48 @@ std::string fragment(const std::string& content) {
   return "<CycloneDDS><Domain>" + content + "</Domain></CycloneDDS>";
 }
 
-std::string defaults(std::uint32_t domain_id, const DomainOptions& options, const UserNetwork& user) {
-  std::string general;
-  if (options.network == Network::loopback) {
-    if (user.interfaces.empty()) general += R"(<Interfaces><NetworkInterface name="lo"/></Interfaces>)";
-    // With interfaces of the user's own, Cyclone DDS decides about multicast as usual.
-    if (user.interfaces.empty()) general += "<AllowMulticast>false</AllowMulticast>";
+/// Whether this machine has an interface besides loopback. Cyclone DDS refuses to be told of loopback twice.
+bool has_other_interface() {
+  ifaddrs* first = nullptr;
+  if (getifaddrs(&first) != 0) return false;
+  bool found = false;
+  for (const ifaddrs* each = first; each != nullptr; each = each->ifa_next) {
+    const bool usable = (each->ifa_flags & IFF_UP) != 0 && (each->ifa_flags & IFF_LOOPBACK) == 0;
+    found = found || (usable && each->ifa_addr != nullptr && each->ifa_addr->sa_family == AF_INET);
   }
-  std::string discovery = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
-                          std::to_string(max_participant_index(domain_id)) + "</MaxAutoParticipantIndex>";
-  if (!user.peers) discovery += R"(<Peers><Peer address="127.0.0.1"/></Peers>)";
+  freeifaddrs(first);
+  return found;
+}
+
+std::string general(Network network) {
+  const bool multicast = network == Network::ros_subnet && has_other_interface();
+  std::string interfaces = multicast
+                               ? R"(<NetworkInterface name="lo" multicast="true"/>)"  // else none anywhere
+                               : R"(<NetworkInterface name="lo"/>)";
+  if (network != Network::loopback && has_other_interface()) {
+    interfaces += R"(<NetworkInterface autodetermine="true"/>)";
+  }
+  return "<Interfaces>" + interfaces + "</Interfaces>" +
+         (multicast ? "" : "<AllowMulticast>false</AllowMulticast>");
+}
+
+std::string peers(const DomainOptions& options, const UserNetwork& user) {
+  std::string list = user.peers ? "" : R"(<Peer address="127.0.0.1"/>)";
+  for (const std::string& peer : options.peers) {
+    if (peer.empty() || peer.find_first_of("<>&\"' \t") != std::string::npos) {
+      throw std::invalid_argument("peer '" + peer + "': is no address or name of a machine");
+    }
+    list += "<Peer address=\"" + peer + "\"/>";
+  }
+  return list.empty() ? list : "<Peers>" + list + "</Peers>";
+}
+
+std::string defaults(std::uint32_t domain_id, const DomainOptions& options, const UserNetwork& user) {
+  // With interfaces of the user's own, Cyclone DDS decides about multicast as usual.
+  const bool ours = options.network != Network::lan && user.interfaces.empty();
+  const std::string discovery = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
+                                std::to_string(max_participant_index(domain_id)) +
+                                "</MaxAutoParticipantIndex>" + peers(options, user);
   // How long each writer that goes waits for readers that do not answer. Cyclone DDS's own 1 s, one writer
   // after the other, would keep a process that was told to end for seconds.
   std::string internal = "<WriterLingerDuration>100 ms</WriterLingerDuration>";
@@ -91,18 +125,22 @@ std::string defaults(std::uint32_t domain_id, const DomainOptions& options, cons
         "<Watermarks><WhcHigh>1 GB</WhcHigh><WhcHighInit>1 GB</WhcHighInit>"
         "<WhcAdaptive>false</WhcAdaptive></Watermarks>";
   }
-  return fragment("<General>" + general + "</General><Discovery>" + discovery + "</Discovery><Internal>" +
-                  internal + "</Internal>");
+  return fragment("<General>" + (ours ? general(options.network) : "") + "</General><Discovery>" + discovery +
+                  "</Discovery><Internal>" + internal + "</Internal>");
 }
 
 /// The domains that this process has open.
 struct OpenDomain {
   dds_entity_t entity = 0;
-  Network network = Network::loopback;
-  bool wait_for_readers = false;
-  bool batch_writes = false;
+  DomainOptions options;
   int leases = 0;
 };
+
+/// Whether a domain that was opened so will do.
+bool same_configuration(const DomainOptions& a, const DomainOptions& b) {
+  return a.network == b.network && a.peers == b.peers && a.wait_for_readers == b.wait_for_readers &&
+         a.batch_writes == b.batch_writes;
+}
 
 struct Registry {
   std::mutex mutex;
@@ -142,6 +180,15 @@ std::uint32_t resolve_domain_id(const DomainOptions& options) {
   return id;
 }
 
+std::map<std::string, std::string> environment_variables(const std::vector<std::string>& names) {
+  std::map<std::string, std::string> found;
+  for (const std::string& name : names) {
+    const std::string value = environment(name.c_str());
+    if (!value.empty()) found.emplace(name, value);
+  }
+  return found;
+}
+
 UserNetwork network_named_by(const std::string& uri, std::uint32_t domain_id) {
   UserNetwork found;
   pugi::xml_document fragments;
@@ -175,10 +222,8 @@ DomainLease::DomainLease(const DomainOptions& options) : id_(resolve_domain_id(o
   if (found == registry().open.end()) {
     // No entry before the domain stands: creating it may throw.
     const dds_entity_t entity = create_domain(id_, options);
-    registry().open[id_] = {entity, options.network, options.wait_for_readers, options.batch_writes, 1};
-  } else if (found->second.network != options.network ||
-             found->second.wait_for_readers != options.wait_for_readers ||
-             found->second.batch_writes != options.batch_writes) {
+    registry().open[id_] = {entity, options, 1};
+  } else if (!same_configuration(found->second.options, options)) {
     throw Error("domain " + std::to_string(id_) +
                     " is in use in this process with another network, or another way of writing",
                 DDS_RETCODE_PRECONDITION_NOT_MET);

@@ -97,6 +97,14 @@ TEST_CASE("The user's own CYCLONEDDS_URI wins, and one receive thread stays") {
     CHECK_THAT(in_force, !Contains(lo) && Contains(self) && Contains(one_thread));
     CHECK_THAT(in_force, !Contains("AllowMulticast/#text: false"));
   }
+  SECTION("for ROS 2: loopback always, and one interface more where there is one") {
+    for (const Network network : {Network::ros_localhost, Network::ros_subnet}) {
+      const std::string in_force = configuration_in_force("", network);
+      CHECK_THAT(in_force, Contains(lo) && Contains(self) && Contains(one_thread));
+      CHECK_THAT(in_force, Contains("selected interfaces: lo ("));
+    }
+    CHECK_THAT(configuration_in_force("", Network::ros_localhost), Contains("AllowMulticast/#text: false"));
+  }
   SECTION("single values of the user's replace ours; the receive thread does not") {
     const std::string in_force = configuration_in_force(
         "<CycloneDDS><Domain><Discovery><MaxAutoParticipantIndex>33</MaxAutoParticipantIndex></Discovery>"
@@ -135,6 +143,31 @@ TEST_CASE("The user's own CYCLONEDDS_URI wins, and one receive thread stays") {
                         Contains("dds_create_domain") && Contains("CYCLONEDDS_URI") && Contains("Nonsense"));
     }
   }
+}
+
+TEST_CASE("Peers of the options are looked for besides this machine") {
+  using Catch::Contains;
+  const auto configured = [](const DomainOptions& options, const char* uri = "") {
+    return domain_configuration(0, options, uri);
+  };
+  const std::string self = R"(<Peer address="127.0.0.1"/>)";
+  const std::string robot = R"(<Peer address="robot"/>)";
+  CHECK_THAT(configured({.peers = {"robot"}}), Contains(self + robot));
+  CHECK_THAT(configured({.peers = {"robot"}},
+                        "<CycloneDDS><Domain><Discovery><Peers/></Discovery></Domain></CycloneDDS>"),
+             Contains("<Peers>" + robot) && !Contains(self));
+  for (const char* const peer : {"", "a b", "a\"/>", "<a>"}) {
+    CHECK_THROWS_WITH(configured({.peers = {peer}}), Contains(std::string("peer '") + peer + "'"));
+  }
+  const DomainParticipant member = participant();
+  CHECK_THROWS_AS(make_participant({.domain_id = test_domain(), .peers = {"127.0.0.2"}}), Error);
+}
+
+TEST_CASE("The variables that are set are found, the empty ones are not") {
+  const Environment set("SONOPOSE_TEST_SET", "x");
+  const Environment empty("SONOPOSE_TEST_EMPTY", "");
+  CHECK(environment_variables({"SONOPOSE_TEST_SET", "SONOPOSE_TEST_EMPTY", "SONOPOSE_TEST_UNSET"}) ==
+        std::map<std::string, std::string>{{"SONOPOSE_TEST_SET", "x"}});
 }
 
 TEST_CASE("What CYCLONEDDS_URI says of the network is read as Cyclone DDS reads it") {
