@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # GIVEN an installation of this build in an empty folder
-# WHEN the example consumer is configured with find_package(sonopose) alone, built and started
-# THEN it receives poses from the installed bridge and fusion.
+# WHEN the example consumers are configured with find_package(sonopose) alone, built and started
+# THEN they receive poses from the installed bridge and fusion, and those of ROS 2 from the relay.
 set -euo pipefail
 build=$1 source=$2 cmake=$3
 work=$(mktemp -d)
@@ -15,13 +15,18 @@ trap cleanup EXIT
 
 "$cmake" --install "$build" --prefix "$work/prefix" >/dev/null
 flags=$(sed -n 's/^SONOPOSE_SANITIZE:STRING=//p' "$build/CMakeCache.txt")
-"$cmake" -S "$source/examples/consumer" -B "$work/build" -G Ninja -DCMAKE_PREFIX_PATH="$work/prefix" \
-  ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags} >/dev/null
-"$cmake" --build "$work/build" >/dev/null
+for example in consumer ros2_listener_cyclone; do
+  "$cmake" -S "$source/examples/$example" -B "$work/$example" -G Ninja -DCMAKE_PREFIX_PATH="$work/prefix" \
+    ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags} >/dev/null
+  "$cmake" --build "$work/$example" >/dev/null
+done
 
 export ROS_DOMAIN_ID=$((200 + $$ % 30))
 "$work/prefix/bin/sonopose-fusion" & pids+=($!)
+"$work/prefix/bin/sonopose-ros2" & pids+=($!)
 "$work/prefix/bin/sonopose-bridge" & pids+=($!)
-poses=$(timeout 60 "$work/build/sonopose_consumer" 50 | tee "$work/poses" | wc -l)
-tail -n 1 "$work/poses"
-[ "$poses" -ge 50 ]
+for consumer in consumer/sonopose_consumer ros2_listener_cyclone/sonopose_ros2_listener; do
+  poses=$(timeout 60 "$work/$consumer" 50 | tee "$work/poses" | wc -l)
+  tail -n 1 "$work/poses"
+  [ "$poses" -ge 50 ]
+done

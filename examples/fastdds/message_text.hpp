@@ -1,0 +1,91 @@
+#pragma once
+/// \file
+/// ROS 2's messages, as Fast DDS knows them, as one line of text: all fields in the message's order.
+
+#include "diagnostic_msgs.h"
+#include "nav_msgs.h"
+#include "sensor_msgs.h"
+#include "tf2_msgs.h"
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <iomanip>
+#include <sstream>
+#include <string>
+#include <vector>
+
+/// Doubles stand for people to read, or as the 16 hexadecimal digits of their bits; texts in quotation marks;
+/// a sequence begins with its [length].
+class MessageText {
+public:
+  explicit MessageText(bool bits) : bits_(bits) {}
+
+  template <class... Field>
+  void fields(const Field&... field) {
+    (add(field), ...);
+  }
+  std::string line() const { return out_.str().substr(1); }
+
+private:
+  void add(double value) {
+    if (bits_) {
+      const auto raw = std::bit_cast<std::uint64_t>(value);
+      out_ << ' ' << std::hex << std::setw(16) << std::setfill('0') << raw << std::dec;
+    } else {
+      out_ << ' ' << value;
+    }
+  }
+  void add(std::int32_t value) { out_ << ' ' << value; }
+  void add(std::uint32_t value) { out_ << ' ' << value; }
+  void add(std::uint8_t value) { out_ << ' ' << +value; }
+  void add(const std::string& value) { out_ << " \"" << value << '"'; }
+  template <std::size_t n>
+  void add(const std::array<double, n>& values) {
+    for (const double value : values) add(value);
+  }
+  template <class Element>
+  void add(const std::vector<Element>& elements) {
+    out_ << " [" << elements.size() << ']';
+    for (const Element& element : elements) add(element);
+  }
+
+  void add(const std_msgs::msg::dds_::Header_& m) {
+    fields(m.stamp().sec(), m.stamp().nanosec(), m.frame_id());
+  }
+  void add(const geometry_msgs::msg::dds_::Vector3_& m) { fields(m.x(), m.y(), m.z()); }
+  void add(const geometry_msgs::msg::dds_::Point_& m) { fields(m.x(), m.y(), m.z()); }
+  void add(const geometry_msgs::msg::dds_::Quaternion_& m) { fields(m.x(), m.y(), m.z(), m.w()); }
+  void add(const geometry_msgs::msg::dds_::PoseWithCovariance_& m) {
+    fields(m.pose().position(), m.pose().orientation(), m.covariance());
+  }
+  void add(const geometry_msgs::msg::dds_::TwistWithCovariance_& m) {
+    fields(m.twist().linear(), m.twist().angular(), m.covariance());
+  }
+  void add(const geometry_msgs::msg::dds_::TransformStamped_& m) {
+    fields(m.header(), m.child_frame_id(), m.transform().translation(), m.transform().rotation());
+  }
+  void add(const diagnostic_msgs::msg::dds_::KeyValue_& m) { fields(m.key(), m.value()); }
+  void add(const diagnostic_msgs::msg::dds_::DiagnosticStatus_& m) {
+    fields(m.level(), m.name(), m.message(), m.hardware_id(), m.values());
+  }
+  void add(const sensor_msgs::msg::dds_::Imu_& m) {
+    fields(m.header(), m.orientation(), m.orientation_covariance(), m.angular_velocity(),
+           m.angular_velocity_covariance(), m.linear_acceleration(), m.linear_acceleration_covariance());
+  }
+  void add(const nav_msgs::msg::dds_::Odometry_& m) {
+    fields(m.header(), m.child_frame_id(), m.pose(), m.twist());
+  }
+  void add(const tf2_msgs::msg::dds_::TFMessage_& m) { fields(m.transforms()); }
+  void add(const diagnostic_msgs::msg::dds_::DiagnosticArray_& m) { fields(m.header(), m.status()); }
+
+  bool bits_;
+  std::ostringstream out_;
+};
+
+template <class Message>
+std::string text_of(const Message& message, bool bits) {
+  MessageText text(bits);
+  text.fields(message);
+  return text.line();
+}

@@ -1,0 +1,37 @@
+// A consumer of ROS 2's nav_msgs/Odometry without ROS: prints where the robot is. Ends after as many poses as
+// its argument says.
+
+#include <sonopose/dds/data_reader.hpp>
+#include <sonopose/dds/waitset.hpp>
+#include <sonopose/ros2/idl_types.hpp>
+#include <sonopose/ros2/names.hpp>
+
+#include <cstdlib>
+#include <iostream>
+
+int main(int argc, char** argv) {
+  using namespace sonopose;
+  const long most = argc > 1 ? std::strtol(argv[1], nullptr, 10) : 0;
+
+  const dds::DomainParticipant participant;
+  const dds::Topic<ros2::Odometry> topic(participant, ros2::dds_topic_name("/hedge_7/odom"));
+  // As a ROS 2 subscription is by default.
+  dds::Qos qos;
+  qos << dds::policy::Reliability::reliable() << dds::policy::History::keep_last(10);
+  dds::DataReader<ros2::Odometry> reader(participant, topic, qos);
+  const dds::ReadCondition has_data(reader);
+  dds::WaitSet waitset;
+  waitset += has_data;
+
+  for (long seen = 0; most == 0 || seen < most;) {
+    waitset.wait();
+    for (const auto sample : reader.take()) {
+      if (!sample.info().valid()) continue;
+      const ros2::Odometry& odometry = sample.data();
+      const ros2::Point& position = odometry.pose.pose.position;
+      std::cout << odometry.child_frame_id << " in " << odometry.header.frame_id << ": " << position.x << ' '
+                << position.y << ' ' << position.z << '\n';
+      ++seen;
+    }
+  }
+}

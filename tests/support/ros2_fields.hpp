@@ -1,0 +1,184 @@
+#pragma once
+/// \file
+/// ROS 2's messages field by field, in the order of the definitions (.msg) that ROS 2 publishes, written down
+/// by hand: what idlc or anybody else makes of them is compared with this.
+
+#include <sonopose/ros2/idl_types.hpp>
+
+#include <bit>
+#include <cstdint>
+#include <iomanip>
+#include <sstream>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace sonopose::test {
+
+/// What goes through fields derives from this, so that the messages below are found, and has `number(x)`,
+/// `text(characters)` and `length(sequence)`.
+class FieldVisitor {};
+
+/// Shows fields to a visitor, one after the other; those that are made of others are gone through.
+template <class Visitor, class... Field>
+void visit_all(Visitor& visitor, Field&... fields);
+
+template <class Visitor, class Field>
+void visit_field(Visitor& visitor, Field& field) {
+  if constexpr (std::is_arithmetic_v<Field>) {
+    visitor.number(field);
+  } else if constexpr (std::is_same_v<Field, char*> || std::is_same_v<std::remove_extent_t<Field>, char>) {
+    visitor.text(field);
+  } else if constexpr (std::is_array_v<Field>) {
+    for (auto& element : field) visit_field(visitor, element);
+  } else if constexpr (requires { field._buffer; }) {
+    visitor.length(field);
+    for (std::uint32_t i = 0; i < field._length; ++i) visit_field(visitor, field._buffer[i]);
+  } else {
+    visit(visitor, field);
+  }
+}
+
+template <class Visitor, class... Field>
+void visit_all(Visitor& visitor, Field&... fields) {
+  (visit_field(visitor, fields), ...);
+}
+
+// clang-format off
+template <class V> void visit(V& v, ros2::Time& m) { visit_all(v, m.sec, m.nanosec); }
+template <class V> void visit(V& v, ros2::Header& m) { visit_all(v, m.stamp, m.frame_id); }
+template <class V> void visit(V& v, ros2::Vector3& m) { visit_all(v, m.x, m.y, m.z); }
+template <class V> void visit(V& v, ros2::Point& m) { visit_all(v, m.x, m.y, m.z); }
+template <class V> void visit(V& v, ros2::Quaternion& m) { visit_all(v, m.x, m.y, m.z, m.w); }
+template <class V> void visit(V& v, ros2::Pose& m) { visit_all(v, m.position, m.orientation); }
+template <class V> void visit(V& v, ros2::PoseStamped& m) { visit_all(v, m.header, m.pose); }
+template <class V> void visit(V& v, ros2::PointStamped& m) { visit_all(v, m.header, m.point); }
+template <class V> void visit(V& v, geometry_msgs_msg_dds__PoseWithCovariance_& m) { visit_all(v, m.pose, m.covariance); }
+template <class V> void visit(V& v, geometry_msgs_msg_dds__Twist_& m) { visit_all(v, m.linear, m.angular); }
+template <class V> void visit(V& v, geometry_msgs_msg_dds__TwistWithCovariance_& m) { visit_all(v, m.twist, m.covariance); }
+template <class V> void visit(V& v, geometry_msgs_msg_dds__Transform_& m) { visit_all(v, m.translation, m.rotation); }
+template <class V> void visit(V& v, ros2::PoseWithCovarianceStamped& m) { visit_all(v, m.header, m.pose); }
+template <class V> void visit(V& v, ros2::TransformStamped& m) { visit_all(v, m.header, m.child_frame_id, m.transform); }
+template <class V> void visit(V& v, ros2::Imu& m) {
+  visit_all(v, m.header, m.orientation, m.orientation_covariance, m.angular_velocity, m.angular_velocity_covariance,
+            m.linear_acceleration, m.linear_acceleration_covariance);
+}
+template <class V> void visit(V& v, ros2::MagneticField& m) { visit_all(v, m.header, m.magnetic_field, m.magnetic_field_covariance); }
+template <class V> void visit(V& v, ros2::Odometry& m) { visit_all(v, m.header, m.child_frame_id, m.pose, m.twist); }
+template <class V> void visit(V& v, ros2::Path& m) { visit_all(v, m.header, m.poses); }
+template <class V> void visit(V& v, ros2::TFMessage& m) { visit_all(v, m.transforms); }
+template <class V> void visit(V& v, ros2::KeyValue& m) { visit_all(v, m.key, m.value); }
+template <class V> void visit(V& v, ros2::DiagnosticStatus& m) { visit_all(v, m.level, m.name, m.message, m.hardware_id, m.values); }
+template <class V> void visit(V& v, ros2::DiagnosticArray& m) { visit_all(v, m.header, m.status); }
+template <class V> void visit(V& v, rmw_dds_common_msg_dds__Gid_& m) { visit_all(v, m.data); }
+template <class V> void visit(V& v, rmw_dds_common_msg_dds__NodeEntitiesInfo_& m) {
+  visit_all(v, m.node_namespace, m.node_name, m.reader_gid_seq, m.writer_gid_seq);
+}
+template <class V> void visit(V& v, ros2::ParticipantEntitiesInfo& m) { visit_all(v, m.gid, m.node_entities_info_seq); }
+template <class V> void visit(V& v, rmw_dds_common_humble_msg_dds__Gid_& m) { visit_all(v, m.data); }
+template <class V> void visit(V& v, rmw_dds_common_humble_msg_dds__NodeEntitiesInfo_& m) {
+  visit_all(v, m.node_namespace, m.node_name, m.reader_gid_seq, m.writer_gid_seq);
+}
+template <class V> void visit(V& v, ros2::HumbleParticipantEntitiesInfo& m) { visit_all(v, m.gid, m.node_entities_info_seq); }
+// clang-format on
+
+/// Gives every field a value of its own, awkward ones among them. Texts and sequences come from dds_alloc.
+class Filler : public FieldVisitor {
+public:
+  /// `lengths`: of the sequences, in the order in which they come, over and over again.
+  explicit Filler(std::vector<std::uint32_t> lengths = {2, 0, 1, 3}) : lengths_(std::move(lengths)) {}
+
+  template <class Number>
+  void number(Number& value) {
+    static constexpr std::uint64_t awkward[]{
+        0x7ff8dead0000beefULL, 0xfff8000000000123ULL,  // not numbers, with something to say
+        0x8000000000000000ULL, 0x0000000000000001ULL,  // -0, the least there is
+        0xfff0000000000000ULL, 0x7fefffffffffffffULL,  // -infinity, the most there is
+    };
+    ++count_;
+    if constexpr (std::is_same_v<Number, double>) {
+      const std::uint64_t ordinary = 0x3ff0000000000000ULL + 0x0102030405ULL * count_;
+      value = std::bit_cast<double>(count_ % 3 == 0 ? awkward[count_ / 3 % 6] : ordinary);
+    } else {
+      value = static_cast<Number>(0x81828384U + 0x01010101U * count_);  // signed ones are below zero
+    }
+  }
+
+  void text(char*& value) { value = dds_string_dup(next_text().c_str()); }
+
+  template <std::size_t n>
+  void text(char (&value)[n]) {
+    const std::string text = next_text().substr(0, n - 1);
+    text.copy(value, text.size());
+    value[text.size()] = '\0';
+  }
+
+  template <class Sequence>
+  void length(Sequence& sequence) {
+    const std::uint32_t n = lengths_[sequences_++ % lengths_.size()];
+    const std::size_t bytes = n * sizeof(*sequence._buffer);
+    sequence = {n, n, static_cast<decltype(sequence._buffer)>(n == 0 ? nullptr : dds_alloc(bytes)), true};
+  }
+
+private:
+  /// Of all lengths modulo 8, so that every padding comes; without quotation marks and line ends.
+  std::string next_text() {
+    static const std::string texts[]{"map",   "",         "a", std::string(1000, 'x'), "hedge_7/imu_link",
+                                     "Räume", "two words"};
+    return texts[count_texts_++ % 7];
+  }
+
+  std::vector<std::uint32_t> lengths_;
+  std::size_t sequences_ = 0;
+  std::size_t count_texts_ = 0;
+  std::uint32_t count_ = 0;
+};
+
+/// All fields in one line, in the message's order: doubles as the 16 hexadecimal digits of their bits, whole
+/// numbers as such, texts in quotation marks, a sequence begun by its [length].
+class Describer : public FieldVisitor {
+public:
+  template <class Number>
+  void number(Number value) {
+    if constexpr (std::is_same_v<Number, double>) {
+      out_ << ' ' << std::hex << std::setw(16) << std::setfill('0') << std::bit_cast<std::uint64_t>(value)
+           << std::dec;
+    } else {
+      out_ << ' ' << +value;
+    }
+  }
+  void text(const char* value) { out_ << " \"" << value << '"'; }
+  template <class Sequence>
+  void length(const Sequence& sequence) {
+    out_ << " [" << sequence._length << ']';
+  }
+
+  [[nodiscard]] std::string line() const { return out_.str().substr(1); }
+
+private:
+  std::ostringstream out_;
+};
+
+/// The line of a message.
+template <class Message>
+std::string described(Message message) {  // shallow: nobody changes what it points to
+  Describer describer;
+  visit(describer, message);
+  return describer.line();
+}
+
+/// A message in which no two fields are equal; its texts and sequences are given back at the end.
+template <class Message>
+class Filled {
+public:
+  explicit Filled(Filler filler = Filler()) { visit(filler, message); }
+  Filled(const Filled&) = delete;
+  Filled& operator=(const Filled&) = delete;
+  Filled(Filled&&) = delete;
+  Filled& operator=(Filled&&) = delete;
+  ~Filled() { dds_sample_free(&message, &dds::TopicTraits<Message>::descriptor(), DDS_FREE_CONTENTS); }
+
+  Message message{};
+};
+
+}  // namespace sonopose::test
