@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <string_view>
+#include <utility>
 
 namespace sonopose::dds {
 namespace {
@@ -27,7 +28,10 @@ FoundParticipant found(const dds_builtintopic_participant_t& sample) {
                                .process_name = property(sample.qos, process_name_property),
                                .host_name = property(sample.qos, host_name_property),
                                .process_id = std::nullopt,
-                               .addresses = property(sample.qos, addresses_property)};
+                               .addresses = property(sample.qos, addresses_property),
+                               .user_data = {}};
+  if (auto user_data = policy::UserData::from(sample.qos))
+    participant.user_data = std::move(user_data->value);
   const std::string id = property(sample.qos, process_id_property);
   std::uint32_t number = 0;
   if (std::from_chars(id.data(), id.data() + id.size(), number).ec == std::errc()) {

@@ -20,6 +20,7 @@ struct FoundParticipant {
   std::string host_name;
   std::optional<std::uint32_t> process_id;
   std::string addresses;  ///< where it receives, as Cyclone DDS writes them
+  std::vector<std::uint8_t> user_data;
 };
 
 /// A reader or a writer.
