@@ -63,7 +63,11 @@ void Ros2Beacon::on(const ImuSample& sample) {
 
 void Ros2Beacon::on(const FusedPose& pose) {
   fused_at_ns_ = steady_now_ns();
+  publish_odometry(pose);  // first: somebody drives by it
   publish_imu(pose);
+}
+
+void Ros2Beacon::publish_odometry(const FusedPose& pose) {
   if ((pose.status & status_initialising) != 0) return;  // there is no position yet
   const auto stamp_ns = pose_stamp_.next(pose.time_ns);
   if (!stamp_ns) return;

@@ -47,6 +47,7 @@ public:
   [[nodiscard]] bool lacks_odometry() const { return lacks_odometry_; }
 
 private:
+  void publish_odometry(const FusedPose& pose);
   void publish_imu(const FusedPose& pose);
   void publish_fix(const Vector3d& position_world_m, TimeNs emission_time_ns, std::optional<double> weight);
   void publish_transform(const ros2::Odometry& odometry, TimeNs stamp_ns);

@@ -1,6 +1,7 @@
 /// ROS 2 drivers feed the fusion through the relay.
 
 #include "support/ros2.hpp"
+#include <sonopose/nodes/host_clock.hpp>
 
 #include <atomic>
 #include <csignal>
@@ -13,12 +14,6 @@ using namespace sonopose::test;
 namespace topics = dds::topics;
 
 namespace {
-
-TimeNs now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 /// A robot at rest at (1, 2, 0.5), as drivers tell of it: 100 Hz and 10 Hz, until it is destroyed.
 class Drivers {
@@ -40,10 +35,10 @@ private:
     rest.specific_force_body_mps2 = {0, 0, standard_gravity_mps2};
     const ros2::FrameNames frames;
     for (int i = 0; !stop_; ++i) {
-      imu_.write(ros2::raw_imu(rest, now_ns(), frames, {}));
+      imu_.write(ros2::raw_imu(rest, nodes::now_ns(), frames, {}));
       if (i % 10 == 0) {
         position_.write(
-            ros2::position_as_pose({1, 2, 0.5}, ros2::fix_covariance(0.02, 1.0), now_ns(), frames));
+            ros2::position_as_pose({1, 2, 0.5}, ros2::fix_covariance(0.02, 1.0), nodes::now_ns(), frames));
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }

@@ -1,6 +1,7 @@
 /// The relay's transforms.
 
 #include "support/ros2.hpp"
+#include <sonopose/nodes/host_clock.hpp>
 
 #include <atomic>
 #include <set>
@@ -93,10 +94,7 @@ SCENARIO("beside another odometry the relay moves that one's frame") {
       std::atomic<bool> enough = false;
       std::thread driver([&] {
         while (!enough) {
-          const TimeNs now_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
-                                    std::chrono::system_clock::now().time_since_epoch())
-                                    .count();
-          auto transform = ros2::transform(base_in_odom, now_ns, odom, base);
+          auto transform = ros2::transform(base_in_odom, nodes::now_ns(), odom, base);
           wheels.write({{1, 1, &transform, false}});
           std::this_thread::sleep_for(std::chrono::milliseconds(20));
         }
