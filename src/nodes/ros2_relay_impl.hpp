@@ -8,12 +8,14 @@
 #include <sonopose/nodes/beacon_view.hpp>
 #include <sonopose/nodes/host_clock.hpp>
 #include <sonopose/nodes/ros2_diagnostics.hpp>
+#include <sonopose/nodes/ros2_parameter_server.hpp>
 #include <sonopose/nodes/ros2_relay.hpp>
 
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -139,6 +141,7 @@ private:
   void publish_diagnostics();
   void judge_transforms(const Ros2Beacon& outputs, ros2::Diagnostic& diagnostic) const;
   void serve(const StopSignal& stop);
+  void serve_parameters(const std::stop_token& end, const StopSignal& stop);
 
   [[nodiscard]] const std::string& node_name() const { return options_.names.node().name; }
 
@@ -146,6 +149,7 @@ private:
   dds::DomainParticipant participant_;
   dds::QosProvider qos_;
   ros2::Node node_;
+  Ros2ParameterServer parameters_;
   dds::DataWriter<ros2::DiagnosticArray> diagnostics_writer_;
   dds::DataWriter<ros2::TFMessage> tf_writer_;
   dds::DataWriter<ros2::TFMessage> static_tf_writer_;
