@@ -12,10 +12,19 @@ namespace {
 
 using namespace sonopose;
 
-int serve(const apps::BusOptions& bus, const apps::Ros2Options& ros2) {
-  auto options = apps::relay_options(ros2);
+/// Nodes are looked for as far as ROS 2's variables say, where --network says nothing.
+nodes::Ros2RelayOptions node_options(const CLI::App& app, const apps::BusOptions& bus,
+                                     const apps::Ros2Options& ros2) {
+  const ros2::Variables environment = dds::environment_variables(ros2::variable_names());
+  auto options = apps::relay_options(ros2, environment);
   options.domain = bus.domain;
+  if (app.count("--network") == 0) options.domain = ros2::with_discovery_range(bus.domain, environment);
   options.qos_file = bus.qos_file;
+  return options;
+}
+
+int serve(const CLI::App& app, const apps::BusOptions& bus, const apps::Ros2Options& ros2) {
+  const auto options = node_options(app, bus, ros2);
   if (!options.inputs.empty()) apps::check_publisher(bus);
   nodes::StopSignal stop;
   stop.listen_to_signals();
@@ -34,5 +43,5 @@ int main(int argc, char** argv) {
                "sonopose-ros2");
   add_bus_options(app, bus);
   apps::add_ros2_options(app, ros2);
-  return apps::run(app, argc, argv, [&] { return serve(bus, ros2); });
+  return apps::run(app, argc, argv, [&] { return serve(app, bus, ros2); });
 }

@@ -3,6 +3,7 @@
 #include "bare_chain.hpp"
 #include "own_realtime.hpp"
 #include "plain_chain.hpp"
+#include "ros2_ways.hpp"
 #include <sonopose/dds/topics.hpp>
 #include <sonopose/nodes/host_clock.hpp>
 
@@ -58,6 +59,7 @@ void sleep_ns(TimeNs duration_ns) {
 }
 
 /// Waits until poses come, lets the chain run warm, then measures.
+template <class Ways>
 Round measure(const RoundOptions& options, const Child& relay, Ways& ways) {
   const TimeNs give_up_ns = nodes::steady_now_ns() + patience_ns;
   while (ways.taken().empty() && nodes::steady_now_ns() < give_up_ns) sleep_ns(20'000'000);
@@ -71,6 +73,18 @@ Round measure(const RoundOptions& options, const Child& relay, Ways& ways) {
   round.relay_cpu_s =
       seconds_between(cpu_before_ns, relay.cpu_time_ns()) / static_cast<double>(round.ways.size());
   return round;
+}
+
+/// The consumer is a ROS 2 process.
+Round measure_in_ros2(const RoundOptions& options, const Child& relay) {
+  Ros2Ways ways;
+  const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
+  const dds::QosProvider qos;
+  const auto native = dds::make_reader(participant, qos, dds::topics::pose, &ways);
+  const dds::Topic<ros2::Odometry> topic(participant, ros2::name_in_dds("/hedge_7/odom"));
+  const dds::DataReader<ros2::Odometry> reader(participant, topic, qos.datareader_qos("ros2::Default"),
+                                               &ways);
+  return measure(options, relay, ways);
 }
 
 Round measure_on_bus(const RoundOptions& options, const Child& relay, bool realtime = false) {
@@ -145,6 +159,10 @@ Round real_round(const RoundOptions& options, const Tuning& tuning) {
     if (tuning.fusion_cpu) stay_on(*tuning.fusion_cpu);
   });
   const auto source = Child::execute(bridge);
+  if (tuning.ros2) {
+    const auto to_ros2 = Child::execute({SONOPOSE_ROS2, "--domain", std::to_string(options.domain)});
+    return measure_in_ros2(options, to_ros2);
+  }
   return measure_on_bus(options, relay, tuning.realtime);
 }
 

@@ -44,6 +44,7 @@ struct Tuning {
   bool realtime = false;  ///< --realtime for bridge and fusion, the same for the consumer
   bool awake = false;     ///< a process of the lowest priority keeps each core from falling asleep
   std::optional<unsigned> fusion_cpu;  ///< the core for the fusion alone
+  bool ros2 = false;                   ///< sonopose-ros2 stands before the consumer; the CPU time is its own
 };
 
 /// Plain UDP sockets.

@@ -32,6 +32,7 @@ std::vector<Chain> chains_of(const Options& options) {
     Tuning tuning;
     tuning.realtime = variant == "realtime";
     tuning.awake = variant == "awake";
+    tuning.ros2 = variant == "ros2";
     if (variant == "pinned") tuning.fusion_cpu = options.fusion_cpu;
     chains.push_back(real_chain(variant, tuning));
   }
@@ -65,8 +66,8 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--variants", options.variants,
                  "Also the real chain, compared with itself as it is: realtime (with --realtime), awake (no "
-                 "core falls asleep), pinned (the fusion on a core of its own)")
-      ->check(CLI::IsMember({"realtime", "awake", "pinned"}));
+                 "core falls asleep), pinned (the fusion on a core of its own), ros2 (through sonopose-ros2)")
+      ->check(CLI::IsMember({"realtime", "awake", "pinned", "ros2"}));
   app.add_option("--fusion-cpu", options.fusion_cpu, "The core for pinned")->capture_default_str();
 }
 

@@ -16,6 +16,24 @@ function(sonopose_compile_options target)
   endif()
 endfunction()
 
+# What g++ 12 forgets to be quiet about where system headers are precompiled.
+set(SONOPOSE_PRECOMPILED_OPTIONS -Wno-maybe-uninitialized -Wno-ignored-attributes -Wno-array-bounds -Wno-restrict
+                                 -Wno-stringop-overflow -Wno-stringop-overread)
+
+# sonopose_precompile(TARGET OWNER HEADERS ...): where SONOPOSE_PRECOMPILE is on, headers that nearly every file of a
+# target includes are compiled once, in OWNER, which has the same flags: up to two thirds of a file's compile time.
+function(sonopose_precompile target owner)
+  if(NOT SONOPOSE_PRECOMPILE)
+    return()
+  endif()
+  target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${SONOPOSE_PRECOMPILED_OPTIONS}>)
+  if(target STREQUAL owner)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+  else()
+    target_precompile_headers(${target} REUSE_FROM ${owner})
+  endif()
+endfunction()
+
 # sonopose_room(NAME SOURCES ... USES ...): one library `sonopose::NAME`. USES is the wall:
 # a room sees only what stands there.
 function(sonopose_room name)
@@ -27,5 +45,8 @@ function(sonopose_room name)
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(sonopose_${name} PUBLIC ${room_USES} PRIVATE ${room_PRIVATELY_USES})
   sonopose_compile_options(sonopose_${name})
+  sonopose_precompile(sonopose_${name} sonopose_core
+    <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <functional> <map> <memory> <optional> <string> <variant>
+    <vector>)
   set_property(GLOBAL APPEND PROPERTY SONOPOSE_INSTALLED_TARGETS sonopose_${name})
 endfunction()

@@ -2,9 +2,7 @@
 
 #include "run.hpp"
 
-#include <cstdlib>
 #include <map>
-#include <string_view>
 
 namespace sonopose::apps {
 namespace {
@@ -94,11 +92,6 @@ void add_input_options(CLI::App& app, Ros2Options& options) {
       ->group(group);
 }
 
-ros2::Distro distro_of_environment() {
-  const char* const name = std::getenv("ROS_DISTRO");
-  return name != nullptr && std::string_view(name) == "humble" ? ros2::Distro::humble : ros2::Distro::jazzy;
-}
-
 }  // namespace
 
 void add_ros2_options(CLI::App& app, Ros2Options& options) {
@@ -108,18 +101,21 @@ void add_ros2_options(CLI::App& app, Ros2Options& options) {
   add_input_options(app, options);
 }
 
-nodes::Ros2RelayOptions relay_options(const Ros2Options& options) {
+nodes::Ros2RelayOptions relay_options(const Ros2Options& options, const ros2::Variables& environment) {
   std::vector<ros2::RemapRule> rules;
   for (const std::string& rule : options.remap) rules.push_back(ros2::parse_remap_rule(rule));
   check(options.output.frames);
   nodes::Ros2RelayOptions relay{.domain = {},
                                 .qos_file = {},
                                 .names = ros2::NameResolver(options.node, std::move(rules)),
-                                .distro = options.distro.value_or(distro_of_environment()),
+                                .distro = {},
                                 .enclave = options.enclave,
                                 .addresses = {},
                                 .output = options.output,
                                 .inputs = {}};
+  // A variable that is wrong does not matter where the option says it.
+  relay.distro =
+      options.distro ? *options.distro : ros2::distro_of(environment).value_or(ros2::Distro::jazzy);
   relay.output.mount = ros2::mount_at(options.mount);
   if (options.addresses) relay.addresses = nodes::AddressSet::parse(*options.addresses);
   using Kind = nodes::Ros2Input::Kind;

@@ -2,6 +2,7 @@
 // How the relay appears in ROS 2, on the command line.
 
 #include <sonopose/nodes/ros2_relay.hpp>
+#include <sonopose/ros2/environment.hpp>
 
 #include <CLI/CLI.hpp>
 
@@ -26,7 +27,7 @@ struct Ros2Options {
 
 void add_ros2_options(CLI::App& app, Ros2Options& options);
 
-/// What the node needs, but for the bus. Throws std::invalid_argument that names the option.
-nodes::Ros2RelayOptions relay_options(const Ros2Options& options);
+/// What the node needs, but for the bus. Throws std::invalid_argument that names option or variable.
+nodes::Ros2RelayOptions relay_options(const Ros2Options& options, const ros2::Variables& environment);
 
 }  // namespace sonopose::apps

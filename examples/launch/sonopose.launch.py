@@ -11,21 +11,19 @@ from launch.substitutions import LaunchConfiguration, PythonExpression
 
 def generate_launch_description():
     source = LaunchConfiguration("source")
-    network = ["--network", LaunchConfiguration("network")]
     from_line = PythonExpression(["'", source, "' == 'serial'"])
     otherwise = PythonExpression(["'", source, "' != 'serial'"])
 
     def program(name, *arguments, condition=None):
         # The programs end in good order at SIGINT, which launch sends first.
         return ExecuteProcess(
-            cmd=[f"sonopose-{name}", *arguments, *network], name=name, output="screen", condition=condition
+            cmd=[f"sonopose-{name}", *arguments], name=name, output="screen", condition=condition
         )
 
     return LaunchDescription(
         [
             DeclareLaunchArgument("source", default_value="sim", description="sim, or serial: a beacon on USB"),
             DeclareLaunchArgument("device", default_value="/dev/ttyACM0", description="The beacon's serial line"),
-            DeclareLaunchArgument("network", default_value="lan", description="lan, as ROS 2; or loopback"),
             DeclareLaunchArgument("tf", default_value="map_base", description="map_base, map_odom or off"),
             DeclareLaunchArgument("path", default_value="30", description="Seconds of the way on /hedge_7/path"),
             program("fusion"),

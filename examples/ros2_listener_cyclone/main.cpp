@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   const long most = argc > 1 ? std::strtol(argv[1], nullptr, 10) : 0;
 
   const dds::DomainParticipant participant;
-  const dds::Topic<ros2::Odometry> topic(participant, ros2::dds_topic_name("/hedge_7/odom"));
+  const dds::Topic<ros2::Odometry> topic(participant, ros2::name_in_dds("/hedge_7/odom"));
   // As a ROS 2 subscription is by default.
   dds::Qos qos;
   qos << dds::policy::Reliability::reliable() << dds::policy::History::keep_last(10);

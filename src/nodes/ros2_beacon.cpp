@@ -21,11 +21,12 @@ ros2::TFMessage message_of(ros2::TransformStamped& transform) {
 }  // namespace
 
 Ros2Beacon::Ros2Beacon(ros2::Node& node, const Ros2Output& output, BeaconAddress address,
-                       dds::DataWriter<ros2::TFMessage>* tf)
+                       dds::DataWriter<ros2::TFMessage>& tf, bool in_tree)
     : output_(output),
       prefix_(ros2::for_beacon(output.beacon_namespace, address) + "/"),
       frames_(ros2::for_beacon(output.frames, address)),
       tf_(tf),
+      in_tree_(in_tree),
       fix_std_m_(fusion::UncertaintySettings{}.fix_std_m) {
   raw_imu_ = node.make_writer<ros2::Imu>(prefix_ + "imu/data_raw", profile);
   imu_ = node.make_writer<ros2::Imu>(prefix_ + "imu/data", profile);
@@ -92,11 +93,11 @@ std::optional<ImuSample> Ros2Beacon::sample_of(std::uint64_t sequence) const {
 }
 
 void Ros2Beacon::publish_transform(const ros2::Odometry& odometry, TimeNs stamp_ns) {
-  if (tf_ == nullptr || output_.tf == TfMode::off) return;
+  if (!in_tree_ || output_.tf == TfMode::off) return;
   const ros2::Transform base_in_map = ros2::base_in_map(odometry);
   if (output_.tf == TfMode::map_base) {
     auto transform = ros2::transform(base_in_map, stamp_ns, frames_.map, frames_.base);
-    tf_->try_write(message_of(transform));
+    tf_.try_write(message_of(transform));
     return;
   }
   std::optional<ros2::Transform> base_in_odom;
@@ -108,7 +109,7 @@ void Ros2Beacon::publish_transform(const ros2::Odometry& odometry, TimeNs stamp_
   if (!base_in_odom) return;
   auto transform =
       ros2::transform(ros2::odom_in_map(base_in_map, *base_in_odom), stamp_ns, frames_.map, frames_.odom);
-  tf_->try_write(message_of(transform));
+  tf_.try_write(message_of(transform));
 }
 
 void Ros2Beacon::on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom) {

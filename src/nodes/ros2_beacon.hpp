@@ -23,9 +23,10 @@ namespace sonopose::nodes {
 /// is held for copying alone.
 class Ros2Beacon {
 public:
-  /// Makes the topics. `tf`: where transforms go; empty: this beacon publishes none.
+  /// Makes the topics. `tf`: where transforms go, nil for mode off; it must outlive this. `in_tree`: whether
+  /// the frames are this beacon's.
   Ros2Beacon(ros2::Node& node, const Ros2Output& output, BeaconAddress address,
-             dds::DataWriter<ros2::TFMessage>* tf);
+             dds::DataWriter<ros2::TFMessage>& tf, bool in_tree);
 
   void on(const ImuSample& sample);
   void on(const FusedPose& pose);
@@ -41,7 +42,7 @@ public:
   void publish_path();
 
   [[nodiscard]] const ros2::FrameNames& frames() const { return frames_; }
-  [[nodiscard]] bool publishes_tf() const { return tf_ != nullptr; }
+  [[nodiscard]] bool is_in_tree() const { return in_tree_; }
   /// In mode map_odom: whether the latest pose found no odometry to stand on.
   [[nodiscard]] bool lacks_odometry() const { return lacks_odometry_; }
 
@@ -55,7 +56,8 @@ private:
   const Ros2Output& output_;
   std::string prefix_;  ///< of the topics' names
   ros2::FrameNames frames_;
-  dds::DataWriter<ros2::TFMessage>* tf_;
+  dds::DataWriter<ros2::TFMessage>& tf_;
+  bool in_tree_;
   dds::DataWriter<ros2::Imu> raw_imu_;
   dds::DataWriter<ros2::Imu> imu_;
   dds::DataWriter<ros2::MagneticField> magnetic_;

@@ -1,7 +1,5 @@
 #include "ros2_relay_impl.hpp"
-#include <sonopose/dds/conversions.hpp>
 #include <sonopose/nodes/bridge_node.hpp>
-#include <sonopose/nodes/host_clock.hpp>
 
 #include <fmt/format.h>
 
@@ -36,12 +34,11 @@ Ros2Relay::Impl::Impl(const Ros2RelayOptions& options)
       qos_(options.qos_file),
       node_(participant_, qos_, options.names, options.distro),
       parameters_(node_, participant_, options.domain, options.qos_file),
-      diagnostics_writer_(node_.make_writer<ros2::DiagnosticArray>("/diagnostics", "ros2::Diagnostics")) {
+      diagnostics_writer_(node_.make_writer<ros2::DiagnosticArray>("/diagnostics", "ros2::Diagnostics")),
+      watches_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()) {
   check_inputs(options);
-  if (options.output.tf != TfMode::off) {
-    tf_writer_ = node_.make_writer<ros2::TFMessage>("/tf", "ros2::Tf");
-    static_tf_writer_ = node_.make_writer<ros2::TFMessage>("/tf_static", "ros2::TfStatic");
-  }
+  static_tf_writer_ = node_.make_writer<ros2::TFMessage>("/tf_static", "ros2::TfStatic");
+  if (options.output.tf != TfMode::off) tf_writer_ = node_.make_writer<ros2::TFMessage>("/tf", "ros2::Tf");
   if (options.output.tf == TfMode::map_odom) {
     tf_reader_ = node_.make_reader<ros2::TFMessage>("/tf", "ros2::Tf", &tf_listener_);
   }
@@ -65,12 +62,18 @@ Ros2Beacon* Ros2Relay::Impl::outputs_of(BeaconAddress address) {
   return found->second.get();
 }
 
-void Ros2Relay::Impl::on(const EffectiveSettings& settings) {
+Ros2Beacon* Ros2Relay::Impl::find_outputs(BeaconAddress address) {
   const std::lock_guard lock(mutex_);
-  settings_in_force_[settings.address] = settings;
-  if (const auto found = outputs_.find(settings.address); found != outputs_.end() && found->second) {
-    found->second->on(settings);
+  const auto found = outputs_.find(address);
+  return found == outputs_.end() ? nullptr : found->second.get();
+}
+
+void Ros2Relay::Impl::on(const EffectiveSettings& settings) {
+  {
+    const std::lock_guard lock(mutex_);
+    settings_in_force_[settings.address] = settings;
   }
+  if (auto* const outputs = find_outputs(settings.address)) outputs->on(settings);
 }
 
 void Ros2Relay::Impl::on_transform(const ros2::TransformStamped& transform) {
@@ -103,7 +106,8 @@ void Ros2Relay::Impl::make_new_outputs() {
     }
   }
   for (const BeaconAddress address : missing) {
-    auto made = std::make_unique<Ros2Beacon>(node_, options_.output, address, transforms_for(address));
+    auto made =
+        std::make_unique<Ros2Beacon>(node_, options_.output, address, tf_writer_, is_in_tree(address));
     const std::lock_guard lock(mutex_);
     if (const auto known = settings_in_force_.find(address); known != settings_in_force_.end()) {
       made->on(known->second);
@@ -114,25 +118,23 @@ void Ros2Relay::Impl::make_new_outputs() {
 }
 
 /// Two beacons that say where the same frame is would pull the robot to and fro.
-dds::DataWriter<ros2::TFMessage>* Ros2Relay::Impl::transforms_for(BeaconAddress address) {
-  if (options_.output.tf == TfMode::off) return nullptr;
-  if (!tf_owner_) tf_owner_ = address;
-  if (tf_owner_ == address || ros2::tell_beacons_apart(options_.output.frames)) return &tf_writer_;
+bool Ros2Relay::Impl::is_in_tree(BeaconAddress address) {
+  if (!tree_owner_) tree_owner_ = address;
+  if (tree_owner_ == address || ros2::tell_beacons_apart(options_.output.frames)) return true;
   fmt::print(
       stderr,
       "sonopose-ros2: beacon {}: no transforms: its base would be beacon {}'s '{}'. Give each frames of "
       "its own: --base-frame hedge_{{address}}/base_link --imu-frame hedge_{{address}}/imu_link\n",
-      address, *tf_owner_, options_.output.frames.base);
-  return nullptr;
+      address, *tree_owner_, options_.output.frames.base);
+  return false;
 }
 
 /// All in one message: who comes late gets the last one alone.
 void Ros2Relay::Impl::publish_static_transforms() {
-  if (options_.output.tf == TfMode::off) return;
   const ros2::Transform mount{options_.output.mount.imu_in_base_m, options_.output.mount.q_imu_to_base};
   std::vector<ros2::TransformStamped> transforms;
   for_each_output([&](Ros2Beacon& outputs) {
-    if (!outputs.publishes_tf()) return;
+    if (!outputs.is_in_tree()) return;
     transforms.push_back(ros2::transform(mount, now_ns(), outputs.frames().base, outputs.frames().imu));
   });
   if (transforms.empty()) return;
@@ -141,22 +143,30 @@ void Ros2Relay::Impl::publish_static_transforms() {
 }
 
 void Ros2Relay::Impl::publish_diagnostics() {
+  const TimeNs now = now_ns();
+  const auto views =
+      watches_.views([now](BeaconWatch& watch, BeaconAddress address) { return watch.look(address, now); });
   std::vector<ros2::Diagnostic> diagnostics;
-  {
-    const std::lock_guard lock(mutex_);
-    for (auto& [address, watched] : watched_) {
-      const BeaconView view = watched.watch.look(address, now_ns());
-      diagnostics.push_back(diagnostic_of(node_name(), view, watched.before));
-      watched.before = view;
-      const auto outputs = outputs_.find(address);
-      if (outputs != outputs_.end() && outputs->second)
-        judge_transforms(*outputs->second, diagnostics.back());
-    }
+  for (const BeaconView& view : views) {
+    if (!options_.addresses.contains(view.address)) continue;
+    diagnostics.push_back(diagnostic_of(node_name(), view, told_[view.address]));
+    told_[view.address] = view;
+    if (const auto* const outputs = find_outputs(view.address))
+      judge_transforms(*outputs, diagnostics.back());
   }
-  if (diagnostics.empty()) {
-    diagnostics.push_back({ros2::Level::stale, node_name() + ": beacons", "no beacon was heard", "", {}});
-  }
-  diagnostics_writer_.try_write(ros2::DiagnosticMessage(diagnostics, now_ns()).message());
+  diagnostics.push_back(own_diagnostic(diagnostics.size()));
+  diagnostics_writer_.try_write(ros2::DiagnosticMessage(diagnostics, now).message());
+}
+
+ros2::Diagnostic Ros2Relay::Impl::own_diagnostic(std::size_t beacons) const {
+  ros2::Diagnostic own;
+  own.name = node_name() + ": relay";
+  own.level = beacons == 0 ? ros2::Level::stale : ros2::Level::ok;
+  own.message = beacons == 0 ? "no beacon was heard" : fmt::format("{} beacons", beacons);
+  own.values = {{"samples_lost", std::to_string(ends_.samples_lost)},
+                {"samples_rejected", std::to_string(ends_.samples_rejected)},
+                {"incompatible_qos", std::to_string(ends_.incompatible_qos)}};
+  return own;
 }
 
 void Ros2Relay::Impl::judge_transforms(const Ros2Beacon& outputs, ros2::Diagnostic& diagnostic) const {

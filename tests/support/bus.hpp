@@ -24,7 +24,8 @@ using Stream = Process::Stream;
 using Arguments = std::vector<std::string>;
 
 /// What no test may take over from the person who runs it.
-inline const Environment neutral{{"CYCLONEDDS_URI", ""}, {"SONOPOSE_QOS", ""}, {"ROS_DOMAIN_ID", ""}};
+inline const Environment neutral{
+    {"CYCLONEDDS_URI", ""}, {"SONOPOSE_QOS", ""}, {"ROS_DOMAIN_ID", ""}, {"ROS_DISTRO", ""}};
 
 class Bus {
 public:
@@ -59,7 +60,8 @@ public:
   }
 
   /// Returns when it relays.
-  std::unique_ptr<Process> ros2(const Arguments& arguments = {}) const {
+  std::unique_ptr<Process> ros2(Arguments arguments = {}) const {
+    arguments.insert(arguments.end(), {"--network", "loopback"});
     auto relay = start(SONOPOSE_TEST_ROS2, arguments);
     REQUIRE(relay->wait_for_line(Stream::error, "relaying as"));
     return relay;

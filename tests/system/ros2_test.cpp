@@ -141,7 +141,7 @@ SCENARIO("ROS 2's dashboards are told how each beacon is") {
     };
     THEN("it says so") {
       CHECK(diagnostics.wait_for(
-          [&](const auto& message) { return level_of(message, "sonopose: beacons") == 3; }));
+          [&](const auto& message) { return level_of(message, "sonopose: relay") == 3; }));
     }
     WHEN("a chain comes, and later its bridge is killed") {
       const auto fusion = bus.fusion();

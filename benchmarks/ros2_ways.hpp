@@ -1,0 +1,55 @@
+#pragma once
+// The way of poses that come out of the relay as ROS 2's Odometry, which says no more of it than the stamp:
+// the native pose of the same stamp says the rest.
+
+#include "chains.hpp"
+#include <sonopose/dds/topics.hpp>
+#include <sonopose/nodes/host_clock.hpp>
+#include <sonopose/ros2/names.hpp>
+#include <sonopose/ros2/time.hpp>
+
+#include <map>
+#include <mutex>
+#include <vector>
+
+namespace sonopose::benchmarks {
+
+class Ros2Ways final : public dds::DataReaderListener<sonopose_FusedPose>,
+                       public dds::DataReaderListener<ros2::Odometry> {
+public:
+  void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
+    const std::lock_guard lock(mutex_);
+    reader.try_take_each(
+        [this](const sonopose_FusedPose& pose, const dds::SampleInfo&) { poses_[pose.time] = pose; });
+  }
+  void on_data_available(dds::DataReader<ros2::Odometry>& reader) noexcept override {
+    const TimeNs received_ns = nodes::now_ns();
+    const std::lock_guard lock(mutex_);
+    reader.try_take_each([&](const ros2::Odometry& odometry, const dds::SampleInfo&) {
+      received_ns_[ros2::from_ros(odometry.header.stamp).value_or(0)] = received_ns;
+    });
+  }
+
+  /// Of those that have come both ways.
+  std::vector<Way> taken() {
+    const std::lock_guard lock(mutex_);
+    std::vector<Way> ways;
+    for (const auto& [stamp_ns, received_ns] : received_ns_) {
+      const auto pose = poses_.find(stamp_ns);
+      if (pose == poses_.end()) continue;
+      ways.push_back({seconds_between(pose->second.imu_bridge_time, pose->second.fusion_in_time),
+                      seconds_between(pose->second.fusion_in_time, pose->second.fusion_out_time),
+                      seconds_between(pose->second.fusion_out_time, received_ns)});
+    }
+    poses_.clear();
+    received_ns_.clear();
+    return ways;
+  }
+
+private:
+  std::mutex mutex_;
+  std::map<TimeNs, sonopose_FusedPose> poses_;
+  std::map<TimeNs, TimeNs> received_ns_;
+};
+
+}  // namespace sonopose::benchmarks

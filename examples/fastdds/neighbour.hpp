@@ -1,0 +1,102 @@
+#pragma once
+/// \file
+/// A participant of Fast DDS that meets ROS 2's nodes and ours on loopback.
+
+#include <cstdint>
+#include <cstdlib>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+using namespace eprosima::fastdds::dds;
+
+/// A whole number, of decimal or of hexadecimal digits alone.
+inline std::uint64_t number(const std::string& name, const std::string& text, int base = 10) {
+  const char* const digits = base == 16 ? "0123456789abcdef" : "0123456789";
+  if (text.empty() || text.size() > 16 || text.find_first_not_of(digits) != std::string::npos) {
+    throw std::invalid_argument(name + " is '" + text + "': 1 to 16 of the digits " + digits + " are needed");
+  }
+  return std::stoull(text, nullptr, base);
+}
+
+/// UDP on loopback, without shared memory and multicast: the participants are looked for at the ports that
+/// the first ones of a domain have.
+inline DomainParticipantQos loopback_qos() {
+  const auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->interfaceWhiteList = {"127.0.0.1"};
+  udp->maxInitialPeersRange = 20;
+  eprosima::fastrtps::rtps::Locator_t all_ports;
+  eprosima::fastrtps::rtps::IPLocator::setIPv4(all_ports, "127.0.0.1");
+  DomainParticipantQos qos;
+  qos.name("fastdds_peer");
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports.push_back(udp);
+  qos.wire_protocol().builtin.initialPeersList.push_back(all_ports);
+  return qos;
+}
+
+/// What has not come is thrown.
+template <class Entity>
+Entity* made(Entity* entity, const char* what) {
+  if (entity == nullptr) throw std::runtime_error(std::string("Fast DDS made no ") + what);
+  return entity;
+}
+
+/// One topic of one type in the domain of ROS_DOMAIN_ID, with the QoS that ROS 2's nodes have by default.
+class Neighbour {
+public:
+  Neighbour(TopicDataType* type_of_our_own, const std::string& topic)
+      : type_(type_of_our_own),
+        participant_(
+            made(DomainParticipantFactory::get_instance()->create_participant(domain(), loopback_qos()),
+                 "participant")) {
+    type_.register_type(participant_);
+    topic_ = made(participant_->create_topic(topic, type_.get_type_name(), TOPIC_QOS_DEFAULT), "topic");
+  }
+  Neighbour(const Neighbour&) = delete;
+  Neighbour& operator=(const Neighbour&) = delete;
+  ~Neighbour() {
+    participant_->delete_contained_entities();
+    DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  }
+
+  /// Reliable, volatile, the last ten; or as for sensor data: best effort, the last five.
+  DataReader* reader(bool sensor_data) {
+    DataReaderQos qos;
+    qos.reliability().kind = sensor_data ? BEST_EFFORT_RELIABILITY_QOS : RELIABLE_RELIABILITY_QOS;
+    qos.history().depth = sensor_data ? 5 : 10;
+    qos.data_sharing().off();
+    Subscriber* const subscriber =
+        made(participant_->create_subscriber(SUBSCRIBER_QOS_DEFAULT), "subscriber");
+    return made(subscriber->create_datareader(topic_, qos), "reader");
+  }
+
+  /// Reliable, volatile, the last ten.
+  DataWriter* writer() {
+    DataWriterQos qos;
+    qos.reliability().kind = RELIABLE_RELIABILITY_QOS;
+    qos.history().depth = 10;
+    qos.durability().kind = VOLATILE_DURABILITY_QOS;
+    qos.data_sharing().off();
+    Publisher* const publisher = made(participant_->create_publisher(PUBLISHER_QOS_DEFAULT), "publisher");
+    return made(publisher->create_datawriter(topic_, qos), "writer");
+  }
+
+private:
+  static std::uint32_t domain() {
+    const char* const id = std::getenv("ROS_DOMAIN_ID");
+    return id == nullptr ? 0 : static_cast<std::uint32_t>(number("ROS_DOMAIN_ID", id));
+  }
+
+  TypeSupport type_;
+  DomainParticipant* participant_;
+  Topic* topic_ = nullptr;
+};
