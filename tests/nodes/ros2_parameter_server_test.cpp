@@ -23,7 +23,7 @@ using Texts = std::vector<std::string>;
 
 constexpr std::chrono::seconds patience{20};
 
-/// Waits until `done()`, which is asked again and again.
+/// Asks `done()` again and again.
 template <class Done>
 bool wait_until(const Done& done) {
   const auto give_up = std::chrono::steady_clock::now() + patience;
@@ -128,7 +128,7 @@ char* lent(const char* value) {
 /// A view of names as idlc's sequence; `names` must outlive it.
 struct Names {
   explicit Names(const Texts& names) {
-    for (const std::string& name : names) pointers.push_back(lent(name.c_str()));
+    for (const auto& name : names) pointers.push_back(lent(name.c_str()));
   }
   template <class Sequence>
   void lend(Sequence& sequence) {
@@ -147,22 +147,10 @@ Texts values_of(Client<ros2::GetParameters>& client, const Texts& names) {
   client.call(request, [&](const ros2::GetParameters::Response& response) {
     for (std::uint32_t i = 0; i < response.values._length; ++i) {
       const ros2::ParameterValue& value = response.values._buffer[i];
-      switch (value.type) {
-        case 1:
-          values.push_back(value.bool_value ? "true" : "false");
-          break;
-        case 2:
-          values.push_back("integer " + std::to_string(value.integer_value));
-          break;
-        case 3:
-          values.push_back("double " + std::to_string(value.double_value));
-          break;
-        case 4:
-          values.push_back("string " + std::string(value.string_value));
-          break;
-        default:
-          values.emplace_back("not set");
-      }
+      const Texts known{
+          "not set", value.bool_value ? "true" : "false", "integer " + std::to_string(value.integer_value),
+          "double " + std::to_string(value.double_value), std::string("string ") + value.string_value};
+      values.push_back(known.at(value.type));
     }
   });
   return values;
@@ -299,4 +287,15 @@ TEST_CASE("A client resets the fusion, and learns which beacons were reset") {
     CHECK(response.success);
     CHECK(response.message == std::string("reset 7"));
   });
+}
+
+TEST_CASE("A client that does not listen holds no other one up") {
+  const System system;
+  const auto deaf = dds::make_participant(system.options());
+  dds::DataWriter<ros2::ListParameters::Request> writer(deaf, {deaf, "rq/sonopose/list_parametersRequest"},
+                                                        dds::Qos() << dds::policy::Reliability::reliable());
+  REQUIRE(wait_until([&] { return writer.publication_matched_status().current_count > 0; }));
+  writer.write({});
+  Client<ros2::ListParameters> list(system, "list_parameters");
+  list.call({}, [](const auto&) {});  // fails without an answer
 }

@@ -28,12 +28,15 @@ public:
 
   /// Calls `answer(const Request&, reply)` for every request that has come and whose client can hear; it
   /// calls `reply(Response)` once, whose header is filled in here. Requests of clients that are not known as
-  /// readers yet wait for the next call.
+  /// readers yet wait for later calls, but for no more than `most_waits`: one that never listens shall not
+  /// hold others up.
   template <class Answer>
   void serve(const Answer& answer) {
     for (const auto sample : requests_.read(most)) {
-      if (sample.info().valid() && !can_hear(sample.info().publication_handle())) return;
+      const bool waits = sample.info().valid() && !can_hear(sample.info().publication_handle());
+      if (waits && ++waits_ < most_waits) return;
     }
+    waits_ = 0;
     requests_.take_each([&](const Request& request, const dds::SampleInfo&) {
       answer(request, [&](Response response) {
         response.header = request.header;
@@ -44,6 +47,7 @@ public:
 
 private:
   static constexpr std::size_t most = 32;
+  static constexpr int most_waits = 25;
 
   bool can_hear(dds::InstanceHandle request_writer) const {
     try {
@@ -61,6 +65,7 @@ private:
 
   dds::DataReader<Request> requests_;
   dds::DataWriter<Response> replies_;
+  int waits_ = 0;
 };
 
 }  // namespace sonopose::ros2
