@@ -171,8 +171,7 @@ ros2::Diagnostic Ros2Relay::Impl::own_diagnostic(std::size_t beacons) const {
 
 void Ros2Relay::Impl::judge_transforms(const Ros2Beacon& outputs, ros2::Diagnostic& diagnostic) const {
   std::string what;
-  if (options_.output.tf != TfMode::off && !outputs.is_in_tree())
-    what = "no transforms: its frames are taken";
+  if (!outputs.is_in_tree()) what = "no transforms: its frames are taken";
   if (outputs.lacks_odometry()) {
     what = fmt::format("no transforms: /tf has no {} -> {}", outputs.frames().odom, outputs.frames().base);
   }

@@ -199,7 +199,7 @@ TEST_CASE("the host's clock is read at the edges alone") {
 
 TEST_CASE("programs are thin: command lines over what nodes, replay, files and simulator do") {
   Breaches breaches;
-  const Names allowed{"nodes", "replay", "sim", "io", "config", "dds", "core", "calibration"};
+  const Names allowed{"nodes", "replay", "sim", "io", "config", "dds", "core", "calibration", "ros2"};
   const auto programs = sources_in(root / "apps");
   CHECK(!programs.empty());
   for (const fs::path& file : programs) {
