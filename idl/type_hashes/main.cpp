@@ -31,6 +31,9 @@ struct Type {
 };
 using Types = std::map<std::string, Type>;  // by their names in ROS
 
+/// Stands in front of requests and replies, and is not ROS's.
+const std::string middleware_header = "rmw_cyclonedds/srv/RequestHeader";
+
 /// The file's text with what it includes in front, each file once.
 std::string read(const fs::path& file, std::set<fs::path>& seen) {
   if (!seen.insert(fs::weakly_canonical(file)).second) return {};
@@ -75,6 +78,7 @@ void add_field(Types& types, const idl_field& field) {
   Type& owner = types[ros_name(field.owner)];
   owner.wire_name = field.owner;
   const std::string nested = *field.nested == '\0' ? "" : ros_name(field.nested);
+  if (nested == middleware_header) return;
   if (!nested.empty()) owner.used.insert(nested);
   owner.fields += (owner.fields.empty() ? "" : ", ") + ("{\"name\": " + quoted(field.name)) +
                   ", \"type\": {\"type_id\": " + std::to_string(field.type_id) +

@@ -8,6 +8,8 @@
 namespace sonopose::dds::detail {
 namespace {
 
+using EndpointData = std::unique_ptr<dds_builtintopic_endpoint_t, void (*)(dds_builtintopic_endpoint_t*)>;
+
 /// Asks again while matches come faster than room for them is made.
 template <class Call>
 std::vector<InstanceHandle> matched(const char* name, Call call, dds_entity_t entity) {
@@ -34,14 +36,25 @@ std::vector<InstanceHandle> matched_publications(dds_entity_t reader) {
 }
 
 PublicationData matched_publication_data(dds_entity_t reader, InstanceHandle publication) {
-  const std::unique_ptr<dds_builtintopic_endpoint_t, void (*)(dds_builtintopic_endpoint_t*)> endpoint(
-      dds_get_matched_publication_data(reader, publication.value), dds_builtintopic_free_endpoint);
+  const EndpointData endpoint(dds_get_matched_publication_data(reader, publication.value),
+                              dds_builtintopic_free_endpoint);
   if (!endpoint) throw Error("dds_get_matched_publication_data", DDS_RETCODE_BAD_PARAMETER);
 
   PublicationData data;
   data.topic_name = endpoint->topic_name;
   data.type_name = endpoint->type_name;
   data.key = endpoint->key;
+  data.participant_key = endpoint->participant_key;
+  if (auto user_data = policy::UserData::from(endpoint->qos)) data.user_data = std::move(user_data->value);
+  return data;
+}
+
+SubscriptionData matched_subscription_data(dds_entity_t writer, InstanceHandle subscription) {
+  const EndpointData endpoint(dds_get_matched_subscription_data(writer, subscription.value),
+                              dds_builtintopic_free_endpoint);
+  if (!endpoint) throw Error("dds_get_matched_subscription_data", DDS_RETCODE_BAD_PARAMETER);
+
+  SubscriptionData data;
   data.participant_key = endpoint->participant_key;
   if (auto user_data = policy::UserData::from(endpoint->qos)) data.user_data = std::move(user_data->value);
   return data;

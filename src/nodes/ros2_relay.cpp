@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <stdexcept>
+#include <stop_token>
 #include <thread>
 
 namespace sonopose::nodes {
@@ -32,6 +33,7 @@ Ros2Relay::Impl::Impl(const Ros2RelayOptions& options)
       participant_(options.domain, ros2::participant_qos(options.enclave)),
       qos_(options.qos_file),
       node_(participant_, qos_, options.names, options.distro),
+      parameters_(node_, participant_, options.domain, options.qos_file),
       diagnostics_writer_(node_.make_writer<ros2::DiagnosticArray>("/diagnostics", "ros2::Diagnostics")),
       watches_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()) {
   check_inputs(options);
@@ -203,8 +205,21 @@ void Ros2Relay::run(const StopSignal& stop) {
   impl_->run(stop);
 }
 
+/// On a thread of its own: it waits for the fusion's answers.
+void Ros2Relay::Impl::serve_parameters(const std::stop_token& end, const StopSignal& stop) {
+  constexpr TimeNs look_period_ns = 20'000'000;
+  while (!end.stop_requested() && !stop.wait_until(steady_now_ns() + look_period_ns)) {
+    try {
+      parameters_.serve();
+    } catch (const dds::Error& error) {
+      fmt::print(stderr, "sonopose-ros2: parameters: {}\n", error.what());
+    }
+  }
+}
+
 /// What comes in from ROS 2 is a bridge of its own, on a thread of its own.
 void Ros2Relay::Impl::run(const StopSignal& stop) {
+  const std::jthread parameters([&](const std::stop_token& end) { serve_parameters(end, stop); });
   if (options_.inputs.empty()) return serve(stop);
   const auto timeout_ns = [this](const auto& entry) {
     return std::min(second_ns * 10, dds::deadline_of(qos_.datareader_qos(entry.profile)).count());

@@ -7,12 +7,14 @@
 #include <sonopose/dds/topics.hpp>
 #include <sonopose/nodes/beacon_watches.hpp>
 #include <sonopose/nodes/ros2_diagnostics.hpp>
+#include <sonopose/nodes/ros2_parameter_server.hpp>
 #include <sonopose/nodes/ros2_relay.hpp>
 
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 namespace sonopose::nodes {
@@ -95,6 +97,7 @@ private:
   [[nodiscard]] ros2::Diagnostic own_diagnostic(std::size_t beacons) const;
   void judge_transforms(const Ros2Beacon& outputs, ros2::Diagnostic& diagnostic) const;
   void serve(const StopSignal& stop);
+  void serve_parameters(const std::stop_token& end, const StopSignal& stop);
 
   [[nodiscard]] const std::string& node_name() const { return options_.names.node().name; }
 
@@ -102,6 +105,7 @@ private:
   dds::DomainParticipant participant_;
   dds::QosProvider qos_;
   ros2::Node node_;
+  Ros2ParameterServer parameters_;
   dds::DataWriter<ros2::DiagnosticArray> diagnostics_writer_;
   dds::DataWriter<ros2::TFMessage> tf_writer_;
   dds::DataWriter<ros2::TFMessage> static_tf_writer_;

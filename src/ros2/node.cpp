@@ -1,6 +1,8 @@
 #include <sonopose/ros2/node.hpp>
 #include <sonopose/ros2/type_hash.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 #include <exception>
@@ -117,9 +119,27 @@ void Node::note(Guids& guids, const dds::Entity& endpoint) {
   changed_ = true;
 }
 
-dds::Qos Node::add_type_hash(dds::Qos qos, const char* type_name) {
-  qos << user_data("typehash=" + type_hash(type_name) + ";");
+dds::Qos Node::add_type_hash(dds::Qos qos, const char* type_name, const std::string& before) {
+  qos << user_data(before + "typehash=" + type_hash(type_name) + ";");
   return qos;
+}
+
+/// As rmw_cyclonedds does: the participant's GUID, with a number of its own instead of the last four bytes.
+std::string Node::next_service_id() {
+  dds_guid_t id = dds::guid_of(participant_);
+  ++service_count_;
+  for (unsigned i = 0; i < 4; ++i) id.v[12 + i] = static_cast<std::uint8_t>(service_count_ >> (24 - 8 * i));
+  std::string text = fmt::format("{:2x}", id.v[0]);
+  for (std::size_t i = 1; i < sizeof id.v; ++i) text += fmt::format(".{:x}", id.v[i]);
+  return "serviceid=" + text + ";";
+}
+
+std::string client_of(const std::vector<std::uint8_t>& user_data, const dds_guid_t& participant) {
+  const std::string text(user_data.begin(), user_data.end());
+  const std::string key = "clientid=";
+  const std::size_t begin = text.find(key);
+  if (begin == std::string::npos) return {std::begin(participant.v), std::end(participant.v)};
+  return text.substr(begin, text.find(';', begin) - begin);
 }
 
 }  // namespace sonopose::ros2

@@ -15,9 +15,16 @@
 
 namespace sonopose::dds {
 
+/// Who stands behind a matched reader.
+struct SubscriptionData {
+  dds_guid_t participant_key{};  ///< of the participant that it belongs to
+  std::vector<std::uint8_t> user_data;
+};
+
 namespace detail {
 std::vector<InstanceHandle> matched_subscriptions(dds_entity_t writer);
-}
+SubscriptionData matched_subscription_data(dds_entity_t writer, InstanceHandle subscription);
+}  // namespace detail
 
 /// Every member but the `try_…` ones throws `Error`.
 template <class T>
@@ -98,6 +105,10 @@ public:
 
   std::vector<InstanceHandle> matched_subscriptions() const {
     return detail::matched_subscriptions(handle());
+  }
+
+  SubscriptionData matched_subscription_data(InstanceHandle subscription) const {
+    return detail::matched_subscription_data(handle(), subscription);
   }
 
   PublicationMatchedStatus publication_matched_status() {

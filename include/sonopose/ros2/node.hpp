@@ -8,6 +8,7 @@
 #include <sonopose/dds/qos_provider.hpp>
 #include <sonopose/ros2/idl_types.hpp>
 #include <sonopose/ros2/names.hpp>
+#include <sonopose/ros2/service.hpp>
 
 #include <cstdint>
 #include <string>
@@ -63,6 +64,30 @@ public:
     return reader;
   }
 
+  /// A service by its ROS name, which is resolved as a topic's is.
+  template <class S>
+  Service<S> make_service(const std::string& name) {
+    using Request = typename S::Request;
+    using Response = typename S::Response;
+    const char* const profile = "ros2::Default";
+    const std::string service = names_.topic(name);
+    const std::string id = next_service_id();
+    const auto with_id = [&](dds::Qos qos, const char* type_name) {
+      return add_type_hash(std::move(qos), type_name, id);
+    };
+    const dds::Topic<Request> requests(participant_, "rq" + service + "Request", qos_.topic_qos(profile));
+    const dds::Topic<Response> replies(participant_, "rr" + service + "Reply", qos_.topic_qos(profile));
+    dds::DataReader<Request> reader(
+        participant_, requests,
+        with_id(qos_.datareader_qos(profile), dds::TopicTraits<Request>::descriptor().m_typename));
+    dds::DataWriter<Response> writer(
+        participant_, replies,
+        with_id(qos_.datawriter_qos(profile), dds::TopicTraits<Response>::descriptor().m_typename));
+    note(readers_, reader);
+    note(writers_, writer);
+    return {std::move(reader), std::move(writer)};
+  }
+
   /// Tells the others of node and endpoints, if anything has changed since the last time.
   void announce();
 
@@ -76,7 +101,9 @@ private:
   static dds::Qos with_type_hash(dds::Qos qos) {
     return add_type_hash(std::move(qos), dds::TopicTraits<T>::descriptor().m_typename);
   }
-  static dds::Qos add_type_hash(dds::Qos qos, const char* type_name);
+  static dds::Qos add_type_hash(dds::Qos qos, const char* type_name, const std::string& before = {});
+  /// By which a client knows that a service's two ends belong together: "serviceid=…;".
+  std::string next_service_id();
   void note(Guids& guids, const dds::Entity& endpoint);
 
   const dds::DomainParticipant& participant_;
@@ -86,6 +113,7 @@ private:
   Guids readers_;
   Guids writers_;
   bool changed_ = true;
+  std::uint32_t service_count_ = 0;
   std::variant<dds::DataWriter<ParticipantEntitiesInfo>, dds::DataWriter<HumbleParticipantEntitiesInfo>>
       discovery_;
 };
