@@ -52,7 +52,7 @@ void Ros2Beacon::on(const ImuSample& sample) {
     const std::lock_guard lock(mutex_);
     samples_[next_sample_++ % samples_.size()] = sample;
   }
-  const auto stamp_ns = raw_stamp_.next(sample.sensor_time_ns);
+  const auto stamp_ns = next(raw_stamp_, sample.sensor_time_ns);
   if (!stamp_ns) return;
   raw_imu_.try_write(ros2::raw_imu(sample, *stamp_ns, frames_, output_.noise));
   const auto field = ros2::magnetic_field(sample, *stamp_ns, frames_, output_.noise);
@@ -69,7 +69,7 @@ void Ros2Beacon::on(const FusedPose& pose) {
 
 void Ros2Beacon::publish_odometry(const FusedPose& pose) {
   if ((pose.status & status_initialising) != 0) return;  // there is no position yet
-  const auto stamp_ns = pose_stamp_.next(pose.time_ns);
+  const auto stamp_ns = next(pose_stamp_, pose.time_ns);
   if (!stamp_ns) return;
   const ros2::Odometry odometry = ros2::odometry(pose, *stamp_ns, frames_, output_.mount, output_.noise);
   publish_transform(odometry, *stamp_ns);
@@ -83,7 +83,7 @@ void Ros2Beacon::publish_imu(const FusedPose& pose) {
   if ((pose.status & status_predicted) != 0) return;
   const auto sample = sample_of(pose.sequence);
   if (!sample) return;
-  const auto stamp_ns = imu_stamp_.next(sample->sensor_time_ns);
+  const auto stamp_ns = next(imu_stamp_, sample->sensor_time_ns);
   if (stamp_ns) imu_.try_write(ros2::fused_imu(*sample, pose, *stamp_ns, frames_, output_.noise));
 }
 
@@ -121,28 +121,54 @@ void Ros2Beacon::on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom
   odom_track_.add(time_ns, base_in_odom);
 }
 
-/// While a fusion runs, its report tells of the same fix, and how much it is worth.
 void Ros2Beacon::on(const UltrasonicFix& fix) {
   constexpr TimeNs fusion_gone_ns = 1'000'000'000;
-  if (fused_at_ns_ != 0 && steady_now_ns() - fused_at_ns_ < fusion_gone_ns) return;
-  publish_fix(fix.position_world_m, fix.emission_time_ns, std::nullopt);
+  if (!fix.position_world_m.allFinite()) return;
+  const TimeNs now = steady_now_ns();
+  const bool fusion_runs = fused_at_ns_ != 0 && now - fused_at_ns_ < fusion_gone_ns;
+  ros2::FixQueue::Ready ready;
+  {
+    const std::lock_guard lock(mutex_);
+    ready = fixes_.on(fix, now, fusion_runs);
+  }
+  publish(ready);
 }
 
 void Ros2Beacon::on(const FixReport& report) {
-  if ((report.verdict & verdict_invalid) != 0) return;
-  publish_fix(report.position_world_m, report.emission_time_ns, report.weight);
+  if (!report.position_world_m.allFinite()) return;
+  ros2::FixQueue::Ready ready;
+  {
+    const std::lock_guard lock(mutex_);
+    ready = fixes_.on(report);
+  }
+  publish(ready);
 }
 
-void Ros2Beacon::publish_fix(const Vector3d& position_world_m, TimeNs emission_time_ns,
-                             std::optional<double> weight) {
-  const auto stamp_ns = fix_stamp_.next(emission_time_ns);
-  if (!stamp_ns) return;
-  if (output_.fix == FixMessage::point) {
-    fix_as_point_.try_write(ros2::position_as_point(position_world_m, *stamp_ns, frames_));
-  } else {
-    fix_as_pose_.try_write(ros2::position_as_pose(position_world_m, ros2::fix_covariance(fix_std_m_, weight),
-                                                  *stamp_ns, frames_));
+void Ros2Beacon::publish_overdue_fixes() {
+  ros2::FixQueue::Ready ready;
+  {
+    const std::lock_guard lock(mutex_);
+    ready = fixes_.overdue(steady_now_ns());
   }
+  publish(ready);
+}
+
+void Ros2Beacon::publish(const ros2::FixQueue::Ready& fixes) {
+  for (const ros2::ReadyFix& fix : fixes) {
+    const auto stamp_ns = next(fix_stamp_, fix.emission_time_ns);
+    if (!stamp_ns) continue;
+    if (output_.fix == FixMessage::point) {
+      fix_as_point_.try_write(ros2::position_as_point(fix.position_world_m, *stamp_ns, frames_));
+    } else {
+      fix_as_pose_.try_write(ros2::position_as_pose(
+          fix.position_world_m, ros2::fix_covariance(fix_std_m_, fix.weight), *stamp_ns, frames_));
+    }
+  }
+}
+
+std::optional<TimeNs> Ros2Beacon::next(ros2::RisingStamp& stamp, TimeNs time_ns) {
+  const std::lock_guard lock(mutex_);
+  return stamp.next(time_ns);
 }
 
 void Ros2Beacon::on(const EffectiveSettings& settings) {
@@ -169,6 +195,7 @@ void Ros2Beacon::publish_path() {
   std::vector<ros2::PoseStamped> poses;
   {
     const std::lock_guard lock(mutex_);
+    poses.reserve(way_.size());
     for (const WayPoint& point : way_) {
       poses.push_back({ros2::header_of(point.time_ns, frames_.map), point.pose});
     }

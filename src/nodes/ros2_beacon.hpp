@@ -5,6 +5,7 @@
 #include <sonopose/core/pose.hpp>
 #include <sonopose/core/samples.hpp>
 #include <sonopose/nodes/ros2_relay.hpp>
+#include <sonopose/ros2/fix_queue.hpp>
 #include <sonopose/ros2/messages.hpp>
 #include <sonopose/ros2/odom_track.hpp>
 #include <sonopose/ros2/time.hpp>
@@ -19,8 +20,8 @@
 
 namespace sonopose::nodes {
 
-/// Each stream comes on one thread, though not all on the same one: what two of them share has a lock, which
-/// is held for copying alone.
+/// Samples come on the receive thread, or, where this process brings them itself, on the thread that does:
+/// what they share has a lock, which is held for computing alone.
 class Ros2Beacon {
 public:
   /// Makes the topics. `tf`: where transforms go, nil for mode off; it must outlive this. `in_tree`: whether
@@ -38,6 +39,8 @@ public:
 
   /// On the main thread: makes the topic of the magnetic field once there is one. Returns whether it did.
   bool make_magnetic(ros2::Node& node);
+  /// On the main thread, often: fixes that nobody reports on.
+  void publish_overdue_fixes();
   /// On the main thread, once a second.
   void publish_path();
 
@@ -49,7 +52,8 @@ public:
 private:
   void publish_odometry(const FusedPose& pose);
   void publish_imu(const FusedPose& pose);
-  void publish_fix(const Vector3d& position_world_m, TimeNs emission_time_ns, std::optional<double> weight);
+  void publish(const ros2::FixQueue::Ready& fixes);
+  std::optional<TimeNs> next(ros2::RisingStamp& stamp, TimeNs time_ns);
   void publish_transform(const ros2::Odometry& odometry, TimeNs stamp_ns);
   void remember(const ros2::Odometry& odometry, TimeNs stamp_ns);
   [[nodiscard]] std::optional<ImuSample> sample_of(std::uint64_t sequence) const;
@@ -68,10 +72,6 @@ private:
   dds::DataWriter<ros2::PointStamped> fix_as_point_;
   dds::DataWriter<ros2::Path> path_;
 
-  ros2::RisingStamp raw_stamp_;
-  ros2::RisingStamp imu_stamp_;
-  ros2::RisingStamp pose_stamp_;
-  ros2::RisingStamp fix_stamp_;
   std::atomic<double> fix_std_m_;
   std::atomic<TimeNs> fused_at_ns_ = 0;  ///< steady clock: when the latest pose came
   std::atomic<bool> lacks_odometry_ = false;
@@ -81,6 +81,11 @@ private:
   mutable std::mutex mutex_;  ///< of what follows
   std::array<ImuSample, 64> samples_{};
   std::size_t next_sample_ = 0;
+  ros2::RisingStamp raw_stamp_;
+  ros2::RisingStamp imu_stamp_;
+  ros2::RisingStamp pose_stamp_{0};  ///< a measured pose that is older than a predicted one is of no use
+  ros2::RisingStamp fix_stamp_;
+  ros2::FixQueue fixes_;
   ros2::OdomTrack odom_track_;
   struct WayPoint {
     TimeNs time_ns;

@@ -22,7 +22,7 @@ constexpr std::uint32_t doubts = status_initialising | status_uncalibrated | sta
 class Verdict {
 public:
   void add(Level level, std::string what) {
-    if (level > level_) level_ = level;
+    if (rank(level) > rank(level_)) level_ = level;
     reasons_.push_back(std::move(what));
   }
   void add_risen(std::uint64_t now, std::uint64_t before, std::string_view what) {
@@ -35,12 +35,18 @@ public:
   }
 
 private:
+  /// Why there is nothing says more than that there is nothing.
+  static int rank(Level level) {
+    if (level == Level::error) return 3;
+    return level == Level::stale ? 2 : static_cast<int>(level);
+  }
+
   Level level_ = Level::ok;
   std::vector<std::string> reasons_;
 };
 
 void judge_pose(const BeaconView& view, Verdict& verdict) {
-  if (view.lost) {
+  if (view.lost || (!view.fusion && view.poses + view.predicted == 0)) {
     verdict.add(Level::error, "no fusion serves it");
   } else if (view.poses + view.predicted == 0) {
     verdict.add(Level::stale, "no pose");
@@ -51,7 +57,8 @@ void judge_pose(const BeaconView& view, Verdict& verdict) {
 }
 
 void judge_losses(const BeaconView& view, const BeaconView& before, Verdict& verdict) {
-  verdict.add_risen(view.deadlines_missed, before.deadlines_missed, "pose deadlines missed");
+  // A reader's deadlines go on being missed when the writer is gone.
+  if (!view.lost) verdict.add_risen(view.deadlines_missed, before.deadlines_missed, "pose deadlines missed");
   verdict.add_risen(view.losses, before.losses, "losses of the fusion");
   if (view.bridge && before.bridge) {
     const BeaconStatus& now = *view.bridge;
@@ -69,8 +76,17 @@ void judge_losses(const BeaconView& view, const BeaconView& before, Verdict& ver
   }
 }
 
-void judge_bridge(const BeaconView& view, Verdict& verdict) {
-  if (!view.bridge) return;
+/// A bridge tells of its beacons once a second.
+bool bridge_tells(const BeaconView& view, TimeNs now_ns) {
+  constexpr TimeNs silent_ns = 3'000'000'000;
+  return view.bridge && now_ns - view.bridge->time_ns < silent_ns;
+}
+
+void judge_bridge(const BeaconView& view, TimeNs now_ns, Verdict& verdict) {
+  if (!bridge_tells(view, now_ns)) {
+    verdict.add(Level::error, "no bridge tells of it");
+    return;
+  }
   if (view.bridge->battery_v && *view.bridge->battery_v < low_battery_v) {
     verdict.add(Level::warning, fmt::format("battery {:.2f} V", *view.bridge->battery_v));
   }
@@ -134,11 +150,12 @@ void tell_fusion(const FusionStatus& fusion, Values& values) {
 
 }  // namespace
 
-ros2::Diagnostic diagnostic_of(const std::string& node, const BeaconView& view, const BeaconView& before) {
+ros2::Diagnostic diagnostic_of(const std::string& node, const BeaconView& view, const BeaconView& before,
+                               TimeNs now_ns) {
   Verdict verdict;
   judge_pose(view, verdict);
   judge_losses(view, before, verdict);
-  judge_bridge(view, verdict);
+  judge_bridge(view, now_ns, verdict);
 
   ros2::Diagnostic diagnostic;
   diagnostic.level = verdict.level();
@@ -147,7 +164,7 @@ ros2::Diagnostic diagnostic_of(const std::string& node, const BeaconView& view, 
   diagnostic.message = verdict.text(fmt::format("poses at {:.1f} Hz", view.pose_rate_hz));
   Values values(diagnostic.values);
   tell_pose(view, values);
-  if (view.bridge) tell_bridge(*view.bridge, values);
+  if (bridge_tells(view, now_ns)) tell_bridge(*view.bridge, values);
   if (view.fusion) tell_fusion(*view.fusion, values);
   return diagnostic;
 }

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdio>
+#include <exception>
 #include <stdexcept>
 #include <stop_token>
 #include <thread>
@@ -24,6 +26,11 @@ void check_inputs(const Ros2RelayOptions& options) {
       throw std::invalid_argument(fmt::format("{}={} is the relay's own output", input.topic, input.address));
     }
   }
+}
+
+/// A little off the unit sphere is rounding; further off it is no rotation.
+bool is_rotation(const Quaterniond& q) {
+  return std::abs(q.squaredNorm() - 1) < 0.02;  // false for nan
 }
 
 }  // namespace
@@ -81,7 +88,9 @@ void Ros2Relay::Impl::on_transform(const ros2::TransformStamped& transform) {
   if (!time_ns) return;
   const auto& [x, y, z] = transform.transform.translation;
   const ros2::Quaternion& q = transform.transform.rotation;
-  const ros2::Transform base_in_odom{{x, y, z}, Quaterniond(q.w, q.x, q.y, q.z)};
+  ros2::Transform base_in_odom{{x, y, z}, Quaterniond(q.w, q.x, q.y, q.z)};
+  if (!base_in_odom.translation_m.allFinite() || !is_rotation(base_in_odom.rotation)) return;
+  base_in_odom.rotation.normalize();
   std::vector<Ros2Beacon*> concerned;
   {
     const std::lock_guard lock(mutex_);
@@ -119,80 +128,35 @@ void Ros2Relay::Impl::make_new_outputs() {
 
 /// Two beacons that say where the same frame is would pull the robot to and fro.
 bool Ros2Relay::Impl::is_in_tree(BeaconAddress address) {
-  if (!tree_owner_) tree_owner_ = address;
-  if (tree_owner_ == address || ros2::tell_beacons_apart(options_.output.frames)) return true;
-  fmt::print(
-      stderr,
-      "sonopose-ros2: beacon {}: no transforms: its base would be beacon {}'s '{}'. Give each frames of "
-      "its own: --base-frame hedge_{{address}}/base_link --imu-frame hedge_{{address}}/imu_link\n",
-      address, *tree_owner_, options_.output.frames.base);
+  const ros2::FrameNames& frames = options_.output.frames;
+  if (!tree_owner_) tree_owner_ = options_.addresses.first().value_or(address);
+  if (tree_owner_ == address || ros2::tell_beacons_apart(frames, options_.output.tf == TfMode::map_odom)) {
+    return true;
+  }
+  if (options_.output.tf != TfMode::off && !std::exchange(told_of_tree_, true)) {
+    fmt::print(
+        stderr,
+        "sonopose-ros2: beacon {} has no transforms, since its frames are beacon {}'s. Give each its own "
+        "(--base-frame hedge_{{address}}/base_link --imu-frame hedge_{{address}}/imu_link, and "
+        "--odom-frame with --tf map_odom), or choose one (--addresses)\n",
+        address, *tree_owner_);
+  }
   return false;
 }
 
-/// All in one message: who comes late gets the last one alone.
-void Ros2Relay::Impl::publish_static_transforms() {
-  const ros2::Transform mount{options_.output.mount.imu_in_base_m, options_.output.mount.q_imu_to_base};
-  std::vector<ros2::TransformStamped> transforms;
-  for_each_output([&](Ros2Beacon& outputs) {
-    if (!outputs.is_in_tree()) return;
-    transforms.push_back(ros2::transform(mount, now_ns(), outputs.frames().base, outputs.frames().imu));
-  });
-  if (transforms.empty()) return;
-  const auto length = static_cast<std::uint32_t>(transforms.size());
-  static_tf_writer_.try_write({{length, length, transforms.data(), false}});
-}
-
-void Ros2Relay::Impl::publish_diagnostics() {
-  const TimeNs now = now_ns();
-  const auto views =
-      watches_.views([now](BeaconWatch& watch, BeaconAddress address) { return watch.look(address, now); });
-  std::vector<ros2::Diagnostic> diagnostics;
-  for (const BeaconView& view : views) {
-    if (!options_.addresses.contains(view.address)) continue;
-    diagnostics.push_back(diagnostic_of(node_name(), view, told_[view.address]));
-    told_[view.address] = view;
-    if (const auto* const outputs = find_outputs(view.address))
-      judge_transforms(*outputs, diagnostics.back());
-  }
-  diagnostics.push_back(own_diagnostic(diagnostics.size()));
-  diagnostics_writer_.try_write(ros2::DiagnosticMessage(diagnostics, now).message());
-}
-
-ros2::Diagnostic Ros2Relay::Impl::own_diagnostic(std::size_t beacons) const {
-  ros2::Diagnostic own;
-  own.name = node_name() + ": relay";
-  own.level = beacons == 0 ? ros2::Level::stale : ros2::Level::ok;
-  own.message = beacons == 0 ? "no beacon was heard" : fmt::format("{} beacons", beacons);
-  own.values = {{"samples_lost", std::to_string(ends_.samples_lost)},
-                {"samples_rejected", std::to_string(ends_.samples_rejected)},
-                {"incompatible_qos", std::to_string(ends_.incompatible_qos)}};
-  return own;
-}
-
-void Ros2Relay::Impl::judge_transforms(const Ros2Beacon& outputs, ros2::Diagnostic& diagnostic) const {
-  std::string what;
-  if (!outputs.is_in_tree()) what = "no transforms: its frames are taken";
-  if (outputs.lacks_odometry()) {
-    what = fmt::format("no transforms: /tf has no {} -> {}", outputs.frames().odom, outputs.frames().base);
-  }
-  if (what.empty()) return;
-  if (diagnostic.level == ros2::Level::ok) {
-    diagnostic.level = ros2::Level::warning;
-    diagnostic.message = what;
-  } else {
-    diagnostic.message += "; " + what;
-  }
-}
-
-void Ros2Relay::Impl::serve(const StopSignal& stop) {
+/// Until the stop, or until `failed`.
+void Ros2Relay::Impl::serve(const StopSignal& stop, const std::atomic<bool>& failed) {
   constexpr TimeNs look_period_ns = 20'000'000;
   TimeNs tell_ns = steady_now_ns() + second_ns;
-  while (!stop.wait_until(steady_now_ns() + look_period_ns)) {
+  while (!failed && !stop.wait_until(steady_now_ns() + look_period_ns)) {
     make_new_outputs();
-    for_each_output([this](Ros2Beacon& outputs) { outputs.make_magnetic(node_); });
+    for_each_output([this](Ros2Beacon& outputs) {
+      outputs.make_magnetic(node_);
+      outputs.publish_overdue_fixes();
+    });
     node_.announce();
     if (steady_now_ns() < tell_ns) continue;
-    tell_ns += second_ns;
+    tell_ns = steady_now_ns() + second_ns;
     publish_diagnostics();
     for_each_output([](Ros2Beacon& outputs) { outputs.publish_path(); });
   }
@@ -217,19 +181,38 @@ void Ros2Relay::Impl::serve_parameters(const std::stop_token& end, const StopSig
   }
 }
 
-/// What comes in from ROS 2 is a bridge of its own, on a thread of its own.
 void Ros2Relay::Impl::run(const StopSignal& stop) {
   const std::jthread parameters([&](const std::stop_token& end) { serve_parameters(end, stop); });
-  if (options_.inputs.empty()) return serve(stop);
+  std::atomic<bool> failed = false;
+  if (options_.inputs.empty()) return serve(stop, failed);
+  feed_while([&] { serve(stop, failed); }, failed);
+}
+
+/// What comes in from ROS 2 is a bridge of its own, on a thread of its own, as long as `serve` runs. What
+/// makes it unusable is thrown here.
+void Ros2Relay::Impl::feed_while(const std::function<void()>& serve, std::atomic<bool>& failed) {
   const auto timeout_ns = [this](const auto& entry) {
     return std::min(second_ns * 10, dds::deadline_of(qos_.datareader_qos(entry.profile)).count());
   };
   const auto source =
       make_ros2_source(node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)});
   BridgeNode bridge({.domain = options_.domain, .qos_file = options_.qos_file, .record_folder = {}});
-  std::thread feeding([&] { bridge.run(*source, stop); });
-  serve(stop);
-  feeding.join();
+  StopSignal enough;
+  std::exception_ptr failure;
+  {
+    const std::jthread feeding([&] {
+      try {
+        bridge.run(*source, enough);
+      } catch (...) {
+        failure = std::current_exception();
+        failed = true;
+      }
+    });
+    const std::unique_ptr<StopSignal, void (*)(StopSignal*)> end(&enough,
+                                                                 [](StopSignal* it) { it->request(); });
+    serve();
+  }
+  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace sonopose::nodes

@@ -10,6 +10,8 @@
 #include <sonopose/nodes/ros2_parameter_server.hpp>
 #include <sonopose/nodes/ros2_relay.hpp>
 
+#include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -96,7 +98,8 @@ private:
   void publish_diagnostics();
   [[nodiscard]] ros2::Diagnostic own_diagnostic(std::size_t beacons) const;
   void judge_transforms(const Ros2Beacon& outputs, ros2::Diagnostic& diagnostic) const;
-  void serve(const StopSignal& stop);
+  void serve(const StopSignal& stop, const std::atomic<bool>& failed);
+  void feed_while(const std::function<void()>& serve, std::atomic<bool>& failed);
   void serve_parameters(const std::stop_token& end, const StopSignal& stop);
 
   [[nodiscard]] const std::string& node_name() const { return options_.names.node().name; }
@@ -109,7 +112,8 @@ private:
   dds::DataWriter<ros2::DiagnosticArray> diagnostics_writer_;
   dds::DataWriter<ros2::TFMessage> tf_writer_;
   dds::DataWriter<ros2::TFMessage> static_tf_writer_;
-  std::optional<BeaconAddress> tree_owner_;  ///< the first beacon
+  std::optional<BeaconAddress> tree_owner_;  ///< whose frames they are where all have the same
+  bool told_of_tree_ = false;
   BeaconWatches watches_;
   EndCounters ends_;
   std::map<BeaconAddress, BeaconView> told_;  ///< in the diagnostics of the second before

@@ -43,9 +43,11 @@ void check(const FrameNames& patterns) {
   }
 }
 
-bool tell_beacons_apart(const FrameNames& patterns) {
-  return patterns.base.find(placeholder) != std::string::npos &&
-         patterns.imu.find(placeholder) != std::string::npos;
+bool tell_beacons_apart(const FrameNames& patterns, bool moves_odom) {
+  const auto differs = [](const std::string& pattern) {
+    return pattern.find(placeholder) != std::string::npos;
+  };
+  return differs(patterns.base) && differs(patterns.imu) && (differs(patterns.odom) || !moves_odom);
 }
 
 Mount mount_at(const std::array<double, 6>& place) {

@@ -24,7 +24,7 @@ std::optional<TimeNs> from_ros(const Time& time) {
 
 std::optional<TimeNs> RisingStamp::next(TimeNs time_ns) {
   if (last_ns_ && time_ns <= *last_ns_ && time_ns > *last_ns_ - new_start_ns) {
-    if (time_ns < *last_ns_ - slack_ns) return std::nullopt;
+    if (time_ns <= *last_ns_ - slack_ns_) return std::nullopt;
     time_ns = *last_ns_ + 1;
   }
   last_ns_ = time_ns;

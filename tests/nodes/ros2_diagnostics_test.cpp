@@ -11,6 +11,12 @@ using ros2::Level;
 
 namespace {
 
+constexpr TimeNs now_ns = 1'700'000'000'000'000'000;
+
+ros2::Diagnostic told(const BeaconView& view, const BeaconView& before) {
+  return diagnostic_of("sonopose", view, before, now_ns);
+}
+
 /// A beacon that is well.
 BeaconView well() {
   BeaconView view;
@@ -21,6 +27,7 @@ BeaconView well() {
   view.pose.trust = 1;
   view.bridge.emplace();
   view.bridge->battery_v = 3.9;
+  view.bridge->time_ns = now_ns - 500'000'000;
   view.bridge->imu_rate_hz = 100;
   view.bridge->clock_offset_s = 12.5;
   view.fusion.emplace();
@@ -44,7 +51,7 @@ SCENARIO("a dashboard sees how a beacon is") {
     const BeaconView before = well();
     BeaconView now = well();
     WHEN("it still is") {
-      const auto diagnostic = diagnostic_of("sonopose", now, before);
+      const auto diagnostic = told(now, before);
       THEN("it is OK, named by node and task, with rates, trust, battery and clock") {
         CHECK(diagnostic.level == Level::ok);
         CHECK(diagnostic.name == "sonopose: beacon 7");
@@ -63,14 +70,14 @@ SCENARIO("a dashboard sees how a beacon is") {
       earlier.bridge->imu_deadlines_missed = now.bridge->imu_deadlines_missed = 5;
       earlier.fusion->events_lost = now.fusion->events_lost = 3;
       THEN("it is well now") {
-        CHECK(diagnostic_of("sonopose", now, earlier).level == Level::ok);
-        CHECK(value_of(diagnostic_of("sonopose", now, earlier), "imu_deadlines_missed") == "5");
+        CHECK(told(now, earlier).level == Level::ok);
+        CHECK(value_of(told(now, earlier), "imu_deadlines_missed") == "5");
       }
     }
     WHEN("two more were missed in this second, and an event lost") {
       now.bridge->imu_deadlines_missed = 2;
       now.fusion->events_lost = 1;
-      const auto diagnostic = diagnostic_of("sonopose", now, before);
+      const auto diagnostic = told(now, before);
       THEN("that is a warning, in words") {
         CHECK(diagnostic.level == Level::warning);
         CHECK(says(diagnostic, "2 IMU deadlines missed"));
@@ -80,34 +87,56 @@ SCENARIO("a dashboard sees how a beacon is") {
     WHEN("it has no fixes any more, or its track is doubted") {
       now.pose.status = status_stale | status_low_trust;
       THEN("that is a warning") {
-        CHECK(diagnostic_of("sonopose", now, before).level == Level::warning);
-        CHECK(says(diagnostic_of("sonopose", now, before), "stale"));
+        CHECK(told(now, before).level == Level::warning);
+        CHECK(says(told(now, before), "stale"));
       }
     }
     WHEN("its battery is low") {
       now.bridge->battery_v = 3.4;
       THEN("that is a warning") {
-        CHECK(diagnostic_of("sonopose", now, before).level == Level::warning);
-        CHECK(says(diagnostic_of("sonopose", now, before), "battery 3.40 V"));
+        CHECK(told(now, before).level == Level::warning);
+        CHECK(says(told(now, before), "battery 3.40 V"));
       }
     }
     WHEN("its IMU is silent") {
       now.fusion->imu_silent = true;
+      now.poses = 0;  // as it always is then
       THEN("that is an error") {
-        CHECK(diagnostic_of("sonopose", now, before).level == Level::error);
+        CHECK(told(now, before).level == Level::error);
       }
     }
     WHEN("the fusion is gone") {
       now.lost = true;
       now.poses = 0;
       THEN("that is an error") {
-        CHECK(diagnostic_of("sonopose", now, before).level == Level::error);
+        CHECK(told(now, before).level == Level::error);
+      }
+    }
+    WHEN("there is no fusion at all") {
+      now.fusion.reset();
+      now.poses = 0;
+      THEN("that is an error") {
+        CHECK(told(now, before).level == Level::error);
+      }
+    }
+    WHEN("the fusion is gone, and the deadlines of its poses go on being missed") {
+      now.lost = true;
+      now.deadlines_missed = 10;
+      THEN("that is not told of as news") {
+        CHECK_FALSE(says(told(now, before), "deadlines"));
+      }
+    }
+    WHEN("its bridge has told nothing for four seconds") {
+      now.bridge->time_ns = now_ns - 4'000'000'000;
+      THEN("that is an error, and old rates are no news") {
+        CHECK(told(now, before).level == Level::error);
+        CHECK(value_of(told(now, before), "imu_rate_hz") == "(none)");
       }
     }
     WHEN("no pose came for the whole second") {
       now.poses = 0;
       THEN("what is known of it is stale") {
-        CHECK(diagnostic_of("sonopose", now, before).level == Level::stale);
+        CHECK(told(now, before).level == Level::stale);
       }
     }
   }

@@ -48,4 +48,13 @@ SCENARIO("stamps rise") {
       }
     }
   }
+  GIVEN("a stream where a newer sample makes an older one useless, such as poses") {
+    RisingStamp stamps(0);
+    REQUIRE(stamps.next(1'000) == 1'000);
+    THEN("what is not newer is left out") {
+      CHECK(stamps.next(1'000) == std::nullopt);
+      CHECK(stamps.next(999) == std::nullopt);
+      CHECK(stamps.next(1'001) == 1'001);
+    }
+  }
 }

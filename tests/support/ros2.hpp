@@ -11,7 +11,8 @@
 
 namespace sonopose::test {
 
-/// Best effort, keep-last 5, as sensors' subscriptions are; or reliable, keep-last 10, the default.
+/// Best effort, keep-last 5, as sensors' subscriptions are; reliable as the default, though with more room
+/// than its ten, for a test that is held up; or as for what stays.
 enum class Subscription : std::uint8_t { standard, sensor_data, latched };
 
 inline dds::Qos qos_of(Subscription kind) {
@@ -53,11 +54,13 @@ public:
 
   /// Waits for `count` messages and calls `look(const T&)` of each.
   template <class Look>
-  bool wait_for_count(std::size_t count, const Look& look) {
-    return wait_for([&](const T& message) {
-      look(message);
-      return ++seen_ >= count;
-    });
+  bool wait_for_count(std::size_t count, const Look& look, std::chrono::milliseconds timeout = patience) {
+    return wait_for(
+        [&](const T& message) {
+          look(message);
+          return ++seen_ >= count;
+        },
+        timeout);
   }
 
   /// Whether anybody writes the topic.

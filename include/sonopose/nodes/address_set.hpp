@@ -4,6 +4,7 @@
 
 #include <sonopose/core/samples.hpp>
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,6 +28,11 @@ public:
       if (first <= address && address <= last) return true;
     }
     return false;
+  }
+
+  /// The first that was named; empty for every beacon.
+  [[nodiscard]] std::optional<BeaconAddress> first() const {
+    return ranges_.empty() ? std::nullopt : std::optional(ranges_.front().first);
   }
 
 private:

@@ -10,8 +10,10 @@
 namespace sonopose::nodes {
 
 /// `node` is the name before the colon. `before` is the view of the second before, for counters that rose.
-/// No pose for the whole window is STALE; a pose stream without a living writer, or an IMU that is silent,
-/// an ERROR; doubts of the pose, and whatever was missed or lost in this second, a WARN.
-ros2::Diagnostic diagnostic_of(const std::string& node, const BeaconView& view, const BeaconView& before);
+/// ERROR: no fusion serves the beacon, its IMU is silent, or its bridge has told nothing for three seconds
+/// (by its own clock against `now_ns`: those of two machines must agree). STALE: no pose for the whole
+/// window, and nobody says why. WARN: doubts of the pose, and whatever was missed or lost in this second.
+ros2::Diagnostic diagnostic_of(const std::string& node, const BeaconView& view, const BeaconView& before,
+                               TimeNs now_ns);
 
 }  // namespace sonopose::nodes

@@ -29,8 +29,9 @@ FrameNames for_beacon(const FrameNames& patterns, BeaconAddress address);
 /// of the same name.
 void check(const FrameNames& patterns);
 
-/// Whether two beacons have base frames of their own, as the tree needs it: a frame has one parent.
-bool tell_beacons_apart(const FrameNames& patterns);
+/// Whether two beacons have frames of their own, as the tree needs it, since a frame has one parent: base and
+/// IMU, and `odom` too where it is the relay that moves it.
+bool tell_beacons_apart(const FrameNames& patterns, bool moves_odom);
 
 /// Where the IMU sits on the robot.
 struct Mount {

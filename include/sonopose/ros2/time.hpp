@@ -19,15 +19,18 @@ std::optional<TimeNs> from_ros(const Time& time);
 /// count milliseconds, so samples that were measured apart may have one stamp.
 class RisingStamp {
 public:
-  /// The stamp to use for `time_ns`: itself, or a nanosecond more than the last where it is equal or
-  /// up to `slack_ns` older. Empty for what is older still: to be left out. Further back than
+  /// `slack_ns`: how far behind the last one a sample may be and still count as measured apart.
+  explicit RisingStamp(TimeNs slack_ns = 1'000'000) : slack_ns_(slack_ns) {}
+
+  /// The stamp to use for `time_ns`: itself, or, where it is not newer than the last but within the slack, a
+  /// nanosecond more than the last. Empty for what is older still: to be left out. Further back than
   /// `new_start_ns` is no late sample but a clock that was set, or a recording that begins anew.
   std::optional<TimeNs> next(TimeNs time_ns);
 
-  static constexpr TimeNs slack_ns = 1'000'000;
   static constexpr TimeNs new_start_ns = 1'000'000'000;
 
 private:
+  TimeNs slack_ns_;
   std::optional<TimeNs> last_ns_;
 };
 

@@ -1,0 +1,94 @@
+#include <sonopose/ros2/fix_queue.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <vector>
+
+using namespace sonopose;
+using namespace sonopose::ros2;
+
+namespace {
+
+constexpr TimeNs ms = 1'000'000;
+
+UltrasonicFix fix_number(std::uint64_t sequence) {
+  UltrasonicFix fix;
+  fix.sequence = sequence;
+  fix.emission_time_ns = static_cast<TimeNs>(sequence) * 100 * ms;
+  fix.position_world_m = {static_cast<double>(sequence), 0, 0};
+  return fix;
+}
+
+FixReport report_on(std::uint64_t sequence, double weight) {
+  FixReport report;
+  report.sequence = sequence;
+  report.emission_time_ns = static_cast<TimeNs>(sequence) * 100 * ms;
+  report.position_world_m = {static_cast<double>(sequence), 0, 0};
+  report.weight = weight;
+  return report;
+}
+
+/// Number and weight; −1 for none.
+std::vector<std::pair<int, double>> of(const FixQueue::Ready& ready) {
+  std::vector<std::pair<int, double>> result;
+  for (const ReadyFix& fix : ready) {
+    CHECK(fix.emission_time_ns == static_cast<TimeNs>(fix.position_world_m.x()) * 100 * ms);
+    result.emplace_back(static_cast<int>(fix.position_world_m.x()), fix.weight.value_or(-1));
+  }
+  return result;
+}
+
+using List = std::vector<std::pair<int, double>>;
+
+}  // namespace
+
+SCENARIO("each fix goes out once, as sure as the fusion holds it") {
+  GIVEN("a fusion that runs, and a fix") {
+    FixQueue queue;
+    CHECK(of(queue.on(fix_number(1), 0, true)) == List{});
+    WHEN("the fusion reports on it") {
+      THEN("it goes out with its weight") {
+        CHECK(of(queue.on(report_on(1, 0.5))) == List{{1, 0.5}});
+      }
+    }
+    WHEN("two fusions report on it, as where one stands by for the other") {
+      CHECK(of(queue.on(report_on(1, 0.5))).size() == 1);
+      THEN("it goes out once") {
+        CHECK(of(queue.on(report_on(1, 0.7))) == List{});
+      }
+    }
+    WHEN("the fusion says nothing") {
+      THEN("it goes out after a tenth of a second, and only once") {
+        CHECK(of(queue.overdue(100 * ms)) == List{});
+        CHECK(of(queue.overdue(101 * ms)) == List{{1, -1}});
+        CHECK(of(queue.on(report_on(1, 0.5))) == List{});
+      }
+    }
+    WHEN("the report on the next one comes first") {
+      CHECK(of(queue.on(fix_number(2), 50 * ms, true)) == List{});
+      THEN("both go out, in their order") {
+        CHECK(of(queue.on(report_on(2, 0.9))) == List{{1, -1}, {2, 0.9}});
+      }
+    }
+    WHEN("no fusion runs any more") {
+      THEN("nothing waits") {
+        CHECK(of(queue.on(fix_number(2), 50 * ms, false)) == List{{1, -1}, {2, -1}});
+      }
+    }
+    WHEN("more come than can wait") {
+      for (std::uint64_t i = 2; i <= FixQueue::most_waiting; ++i) {
+        CHECK(of(queue.on(fix_number(i), 0, true)) == List{});
+      }
+      THEN("the first one makes room") {
+        CHECK(of(queue.on(fix_number(FixQueue::most_waiting + 1), 0, true)) == List{{1, -1}});
+      }
+    }
+  }
+  GIVEN("a report that comes before its fix") {
+    FixQueue queue;
+    CHECK(of(queue.on(report_on(4, 0.25))) == List{{4, 0.25}});
+    THEN("the fix itself brings nothing new") {
+      CHECK(of(queue.on(fix_number(4), 0, true)) == List{});
+    }
+  }
+}

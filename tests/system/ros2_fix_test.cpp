@@ -1,0 +1,115 @@
+/// Fixes as ROS 2 gets them: each once, and as sure as the fusion holds it.
+
+#include "support/ros2.hpp"
+#include <sonopose/nodes/host_clock.hpp>
+
+#include <cmath>
+#include <map>
+#include <string>
+
+using namespace sonopose;
+using namespace sonopose::test;
+namespace topics = dds::topics;
+
+namespace {
+
+struct SeenFix {
+  TimeNs stamp_ns = 0;
+  double variance_m2 = 0;
+};
+
+std::vector<SeenFix> fixes_seen(RosReader<ros2::PoseWithCovarianceStamped>& reader, std::size_t count) {
+  std::vector<SeenFix> seen;
+  REQUIRE(reader.wait_for_count(count, [&](const auto& message) {
+    seen.push_back({stamp_of(message.header), message.pose.covariance[0]});
+  }));
+  return seen;
+}
+
+}  // namespace
+
+SCENARIO("a fix is as sure as the fusion holds it, and comes once") {
+  GIVEN("two fusions that stand by for each other, with fixes of 10 cm") {
+    const Bus bus;
+    Consumer<sonopose_UltrasonicFix> native(bus, topics::fix);
+    Consumer<sonopose_FixReport> reports(bus, topics::report);
+    RosReader<ros2::PoseWithCovarianceStamped> fix(bus, "/hedge_7/fix");
+    const Arguments settings{"--set", "uncertainty.fix_std_m=0.1", "--warm-up", "0", "--standby-strength"};
+    const auto with_strength = [&](const char* strength) {
+      Arguments arguments = settings;
+      arguments.emplace_back(strength);
+      return bus.fusion(arguments);
+    };
+    const auto strong = with_strength("100");
+    const auto weak = with_strength("50");
+    const auto relay = bus.ros2();
+    const auto bridge = bus.bridge({"--scenario", "walk"});
+    THEN("each has a native one's stamp, no stamp twice, and the variance that its weight means") {
+      const auto seen = fixes_seen(fix, 40);
+      native.take();
+      reports.take();
+      std::map<TimeNs, int> of_native;
+      for (const UltrasonicFix& one : native.samples) of_native[one.emission_time_ns] = 0;
+      std::multimap<TimeNs, double> weights;
+      for (const FixReport& report : reports.samples) weights.emplace(report.emission_time_ns, report.weight);
+      int weighted = 0;
+      for (const SeenFix& one : seen) {
+        REQUIRE(of_native.contains(one.stamp_ns));
+        CHECK(++of_native[one.stamp_ns] == 1);
+        const auto [first, last] = weights.equal_range(one.stamp_ns);
+        for (auto report = first; report != last; ++report) {
+          const double expected_m2 = 0.01 / std::max(report->second, 1e-4);
+          if (std::abs(one.variance_m2 / expected_m2 - 1) < 1e-9) {
+            ++weighted;
+            break;
+          }
+        }
+      }
+      CHECK(weighted > 30);  // the first ones may have come before the settings, or waited in vain
+    }
+  }
+}
+
+SCENARIO("without a fusion fixes come all the same") {
+  GIVEN("a bridge with two beacons, and a relay for one of them") {
+    const Bus bus;
+    RosReader<ros2::PoseWithCovarianceStamped> fix(bus, "/hedge_8/fix");
+    RosReader<ros2::PoseWithCovarianceStamped> other(bus, "/hedge_7/fix");
+    const auto relay = bus.ros2({"--addresses", "8"});
+    const auto bridge = bus.bridge({"--beacons", "2"});
+    THEN("they are of full weight, and nothing of the other beacon is there") {
+      for (const SeenFix& one : fixes_seen(fix, 10)) CHECK(one.variance_m2 == Approx(0.02 * 0.02));
+      CHECK_FALSE(other.wait_for([](const auto&) { return true; }, std::chrono::milliseconds(1)));
+    }
+  }
+}
+
+SCENARIO("a beacon with a magnetometer has a topic for it") {
+  GIVEN("a relay, and a beacon that measures the field too") {
+    const Bus bus;
+    const auto relay = bus.ros2();
+    const auto participant = dds::make_participant({.domain_id = bus.domain_id()});
+    auto samples = dds::make_writer(participant, dds::QosProvider(), topics::imu);
+    RosReader<ros2::MagneticField> field(bus, "/hedge_9/imu/mag", Subscription::sensor_data);
+    ImuSample sample;
+    sample.address = 9;
+    sample.specific_force_body_mps2 = {0, 0, 9.81};
+    sample.magnetic_field_body_t = Vector3d(20e-6, 1e-6, -40e-6);
+    WHEN("its samples come") {
+      ros2::Vector3 seen{};
+      bool came = false;
+      for (int i = 0; i < 1000 && !came; ++i) {
+        sample.sequence = static_cast<std::uint64_t>(i) + 1;
+        sample.sensor_time_ns = nodes::now_ns();
+        samples.write(dds::to_idl(sample));
+        came = field.wait_for_count(
+            1, [&](const auto& message) { seen = message.magnetic_field; }, std::chrono::milliseconds(10));
+      }
+      THEN("the field is there, in tesla") {
+        REQUIRE(came);
+        CHECK(seen.x == 20e-6);
+        CHECK(seen.z == -40e-6);
+      }
+    }
+  }
+}
