@@ -29,6 +29,9 @@ public:
     return false;
   }
 
+  /// Whether it is a single beacon, however often it is named.
+  [[nodiscard]] bool only_one() const;
+
 private:
   std::vector<std::pair<BeaconAddress, BeaconAddress>> ranges_;  ///< none: all
 };
