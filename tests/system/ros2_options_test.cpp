@@ -20,6 +20,10 @@ void check_refused(const char* program, const Wrong& wrong) {
   const TestDomain domain;
   Environment environment = neutral;
   environment["ROS_DOMAIN_ID"] = std::to_string(domain.id());
+  for (const char* const range :
+       {"ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS"}) {
+    environment[range] = "";
+  }
   for (const auto& [name, value] : wrong.environment) environment[name] = value;
   const Result result = run(program, wrong.arguments, environment);
   CAPTURE(wrong.arguments, result.error);
