@@ -1,5 +1,6 @@
 // sonopose-replay: the fusion's engine over a sensor-log folder, without bus and without clock.
 
+#include "support/choice.hpp"
 #include "support/config_options.hpp"
 #include "support/run.hpp"
 #include <sonopose/io/log_folder.hpp>
@@ -13,7 +14,6 @@
 
 #include <chrono>
 #include <filesystem>
-#include <map>
 #include <optional>
 
 namespace {
@@ -35,10 +35,6 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  const std::map<std::string, replay::EngineKind> engines{{"fusion", replay::EngineKind::fusion},
-                                                          {"strapdown", replay::EngineKind::strapdown}};
-  const std::map<std::string, attitude::StrapdownRule> rules{{"previous", attitude::StrapdownRule::previous},
-                                                             {"mean", attitude::StrapdownRule::mean}};
   const CLI::Validator seconds = CLI::Range(0.0, 1e9).description("[0 - 1e9]");
   app.add_option("LOG", options.log, "The sensor-log folder")->required()->type_name("DIR");
   apps::add_config_options(app, options.config);
@@ -54,18 +50,17 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--plot", options.picture,
                  "Draw path, error, speed and verdicts: a file .svg or .png (needs gnuplot)")
       ->type_name("FILE");
-  auto* const engine =
-      app.add_option("--engine", options.run.engine, "strapdown: the IMU alone, integrated from the truth")
-          ->transform(CLI::CheckedTransformer(engines))
-          ->option_text("fusion|strapdown (default: fusion)");
+  auto* const engine = apps::add_choice<replay::EngineKind>(
+      app, "--engine", options.run.engine,
+      {{"fusion", replay::EngineKind::fusion}, {"strapdown", replay::EngineKind::strapdown}},
+      "strapdown: the IMU alone, integrated from the truth");
   app.add_option("--init", "Where strapdown starts: at the log's first complete truth")
       ->check(CLI::IsMember({"truth"}))
       ->needs(engine);
-  app.add_option(
-         "--integration", options.run.strapdown_rule,
-         "Held over a step of strapdown: the previous sample, as its document says, or the mean of both")
-      ->transform(CLI::CheckedTransformer(rules))
-      ->option_text("previous|mean (default: previous)")
+  apps::add_choice<attitude::StrapdownRule>(
+      app, "--integration", options.run.strapdown_rule,
+      {{"previous", attitude::StrapdownRule::previous}, {"mean", attitude::StrapdownRule::mean}},
+      "Held over a step of strapdown: the previous sample, as its document says, or the mean of both")
       ->needs(engine);
   app.add_option("--save-state", options.save_state, "Write the engine's state at the end, a JSON file")
       ->type_name("FILE");

@@ -41,7 +41,7 @@ int main(int argc, char** argv) {
   apps::Ros2Options ros2;
   CLI::App app("Speaks to ROS 2: poses and samples as standard messages, and drivers' samples in.",
                "sonopose-ros2");
-  add_bus_options(app, bus);
+  apps::add_bus_options(app, bus);
   apps::add_ros2_options(app, ros2);
   return apps::run(app, argc, argv, [&] { return serve(app, bus, ros2); });
 }

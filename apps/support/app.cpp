@@ -1,6 +1,7 @@
 #include "app.hpp"
 
-#include <map>
+#include "choice.hpp"
+
 #include <stdexcept>
 #include <string>
 
@@ -12,13 +13,10 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
          "DDS domain (default: ROS_DOMAIN_ID, else 0)")
       ->check(CLI::Range(0U, dds::max_domain_id))
       ->group("Bus");
-  const std::map<std::string, dds::Network> networks{{"loopback", dds::Network::loopback},
-                                                     {"lan", dds::Network::lan}};
-  app.add_option("--network", options.domain.network,
-                 "loopback: this machine alone; lan: the interface that Cyclone DDS chooses "
-                 "(a CYCLONEDDS_URI of your own wins over both)")
-      ->transform(CLI::CheckedTransformer(networks))
-      ->option_text("loopback|lan (default: loopback)")
+  add_choice<dds::Network>(app, "--network", options.domain.network,
+                           {{"loopback", dds::Network::loopback}, {"lan", dds::Network::lan}},
+                           "loopback: this machine alone; lan: the interface that Cyclone DDS chooses "
+                           "(a CYCLONEDDS_URI of your own wins over both)")
       ->group("Bus");
   app.add_option(
          "--partition", options.domain.partition,

@@ -25,9 +25,11 @@ struct Ros2Options {
   std::vector<std::string> fix_in;
 };
 
+/// After add_bus_options(), whose --network means another default here.
 void add_ros2_options(CLI::App& app, Ros2Options& options);
 
-/// What the node needs, but for the bus. Throws std::invalid_argument that names option or variable.
+/// What the node needs, but for the bus; says on stderr what is odd in the environment. Throws
+/// std::invalid_argument that names option or variable.
 nodes::Ros2RelayOptions relay_options(const Ros2Options& options, const ros2::Variables& environment);
 
 }  // namespace sonopose::apps

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <stdexcept>
 
@@ -25,7 +26,11 @@ std::pair<BeaconAddress, BeaconAddress> range_in(std::string_view part) {
   if (dash == std::string_view::npos) return {first, first};
   const BeaconAddress last = address_in(part.substr(dash + 1), part);
   if (last < first) {
-    throw std::invalid_argument(fmt::format("the range '{}' ends before it begins", part));
+    throw std::invalid_argument(
+        fmt::format("the range '{}' ends before it begins: allowed are ranges from the lower address to the "
+                    "higher, as in "
+                    "7-131",
+                    part));
   }
   return {first, last};
 }
@@ -41,6 +46,13 @@ AddressSet AddressSet::parse(std::string_view text) {
     begin = end + 1;
   }
   return set;
+}
+
+bool AddressSet::only_one() const {
+  const auto is_first = [this](const auto& range) {
+    return range.first == ranges_.front().first && range.second == ranges_.front().first;
+  };
+  return !ranges_.empty() && std::all_of(ranges_.begin(), ranges_.end(), is_first);
 }
 
 }  // namespace sonopose::nodes

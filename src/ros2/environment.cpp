@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <stdexcept>
-#include <string_view>
 #include <utility>
 
 namespace sonopose::ros2 {
@@ -14,9 +13,20 @@ constexpr const char* discovery_range = "ROS_AUTOMATIC_DISCOVERY_RANGE";
 constexpr const char* static_peers = "ROS_STATIC_PEERS";
 constexpr const char* ros_distro = "ROS_DISTRO";
 
-constexpr std::array<std::string_view, 6> old_distros{"crystal", "dashing",  "eloquent",
-                                                      "foxy",    "galactic", "humble"};
-constexpr std::array<std::string_view, 4> new_distros{"iron", "jazzy", "kilted", "rolling"};
+struct NamedDistro {
+  const char* name;
+  Distro layout;
+};
+constexpr std::array<NamedDistro, 10> distros{{{"crystal", Distro::humble},
+                                               {"dashing", Distro::humble},
+                                               {"eloquent", Distro::humble},
+                                               {"foxy", Distro::humble},
+                                               {"galactic", Distro::humble},
+                                               {"humble", Distro::humble},
+                                               {"iron", Distro::jazzy},
+                                               {"jazzy", Distro::jazzy},
+                                               {"kilted", Distro::jazzy},
+                                               {"rolling", Distro::jazzy}}};
 
 std::string value_of(const Variables& variables, const char* name) {
   const auto found = variables.find(name);
@@ -35,6 +45,17 @@ std::vector<std::string> split(const std::string& text, char separator) {
     begin = end + 1;
   }
   return parts;
+}
+
+std::vector<std::string> peers(const Variables& variables) {
+  const std::string value = value_of(variables, static_peers);
+  std::vector<std::string> found = split(value, ';');
+  for (const std::string& peer : found) {
+    if (peer.find_first_of("<>&\"' \t\n") == std::string::npos) continue;
+    refuse(static_peers, value,
+           "'" + peer + "' is no address or name of a machine; several stand with ';' between them");
+  }
+  return found;
 }
 
 bool only_localhost(const Variables& variables) {
@@ -68,25 +89,30 @@ dds::DomainOptions with_discovery_range(dds::DomainOptions options, const Variab
   } else {
     refuse(discovery_range, range, "it must be OFF, LOCALHOST, SUBNET or SYSTEM_DEFAULT");
   }
-  if (range != "SYSTEM_DEFAULT") options.peers = split(value_of(variables, static_peers), ';');
+  if (range != "SYSTEM_DEFAULT") options.peers = peers(variables);
   return options;
 }
 
-std::optional<Distro> distro_named(const std::string& name) {
-  const auto is_one_of = [&](const auto& names) {
-    return std::find(names.begin(), names.end(), name) != names.end();
-  };
-  if (is_one_of(old_distros)) return Distro::humble;
-  if (is_one_of(new_distros)) return Distro::jazzy;
-  return std::nullopt;
+std::vector<std::string> distro_names() {
+  std::vector<std::string> names;
+  for (const NamedDistro& each : distros) names.emplace_back(each.name);
+  return names;
 }
 
-std::optional<Distro> distro_of(const Variables& variables) {
+std::optional<Distro> distro_named(const std::string& name) {
+  const auto found = std::find_if(distros.begin(), distros.end(),
+                                  [&](const NamedDistro& each) { return each.name == name; });
+  if (found == distros.end()) return std::nullopt;
+  return found->layout;
+}
+
+FoundDistro distro_of(const Variables& variables) {
   const std::string name = value_of(variables, ros_distro);
-  if (name.empty()) return std::nullopt;
-  const auto distro = distro_named(name);
-  if (!distro) refuse(ros_distro, name, "not known here; humble and jazzy stand for those before and after");
-  return distro;
+  if (name.empty()) return {};
+  if (const auto known = distro_named(name)) return {.distro = *known, .warning = {}};
+  return {.distro = newest_layout,
+          .warning = std::string(ros_distro) + " is '" + name +
+                     "', which is not known here: the node tells of itself as in Iron and later"};
 }
 
 }  // namespace sonopose::ros2

@@ -1,14 +1,33 @@
 #include <sonopose/math/rotation.hpp>
 #include <sonopose/ros2/frames.hpp>
 
+#include <algorithm>
 #include <cmath>
-#include <stdexcept>
+#include <cstddef>
+#include <sstream>
 #include <utility>
 
 namespace sonopose::ros2 {
 namespace {
 
 const std::string placeholder = "{address}";
+
+using FramesByName = std::array<std::pair<const char*, const std::string*>, 4>;
+
+FramesByName by_frame(const FrameNames& names) {
+  return {{{"map", &names.map}, {"odom", &names.odom}, {"base", &names.base}, {"imu", &names.imu}}};
+}
+
+/// `why` says, of the frame that has the name already, what is wrong.
+template <class Why>
+void check_differ(const FrameNames& names, const Why& why) {
+  const FramesByName all = by_frame(names);
+  for (auto later = all.begin(); later != all.end(); ++later) {
+    const auto taken =
+        std::find_if(all.begin(), later, [&](const auto& each) { return *each.second == *later->second; });
+    if (taken != later) throw FrameError(later->first, *later->second, why(taken->first));
+  }
+}
 
 }  // namespace
 
@@ -26,20 +45,24 @@ FrameNames for_beacon(const FrameNames& patterns, BeaconAddress address) {
           for_beacon(patterns.base, address), for_beacon(patterns.imu, address)};
 }
 
+FrameError::FrameError(std::string frame, const std::string& name, const std::string& why)
+    : std::invalid_argument("the " + frame + " frame '" + name + "' " + why), frame_(std::move(frame)) {}
+
 void check(const FrameNames& patterns) {
-  const std::array<std::pair<const char*, const std::string*>, 4> all{
-      {{"map", &patterns.map}, {"odom", &patterns.odom}, {"base", &patterns.base}, {"imu", &patterns.imu}}};
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto& [frame, name] = all[i];
-    const auto fail = [&, frame = frame, name = name](const std::string& why) {
-      throw std::invalid_argument(std::string("the ") + frame + " frame '" + *name + "' " + why);
-    };
-    if (name->empty()) fail("needs a name");
-    if (name->front() == '/') fail("must not begin with a slash");
-    for (std::size_t before = 0; before < i; ++before) {
-      if (*all[before].second == *name)
-        fail(std::string("is called as the ") + all[before].first + " frame is");
-    }
+  for (const auto& [frame, name] : by_frame(patterns)) {
+    if (name->empty()) throw FrameError(frame, *name, "needs a name");
+    if (name->front() == '/') throw FrameError(frame, *name, "must not begin with a slash");
+  }
+  check_differ(patterns,
+               [](const char* other) { return std::string("is called as the ") + other + " frame is"; });
+  const auto varies = [](const auto& each) { return each.second->find(placeholder) != std::string::npos; };
+  const auto all = by_frame(patterns);
+  if (std::none_of(all.begin(), all.end(), varies)) return;
+  // b7 and b{address} are one for beacon 7: only trying tells.
+  for (BeaconAddress address = 0; address < all_beacons; ++address) {
+    check_differ(for_beacon(patterns, address), [address](const char* other) {
+      return "of beacon " + std::to_string(address) + " is called as its " + other + " frame is";
+    });
   }
 }
 
@@ -51,8 +74,16 @@ bool tell_beacons_apart(const FrameNames& patterns, bool moves_odom) {
 }
 
 Mount mount_at(const std::array<double, 6>& place) {
-  for (const double number : place) {
-    if (!std::isfinite(number)) throw std::invalid_argument("the mount's numbers must be finite");
+  constexpr std::array<const char*, 6> names{"x", "y", "z", "roll", "pitch", "yaw"};
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    const bool is_length = i < 3;
+    const int most = is_length ? 1000 : 360;
+    if (std::abs(place[i]) <= most) continue;  // false for what is no number
+    std::ostringstream value;
+    value << place[i];
+    throw std::invalid_argument(std::string(names[i]) + " is " + value.str() + ": it must be from -" +
+                                std::to_string(most) + " to " + std::to_string(most) +
+                                (is_length ? " m" : " deg"));
   }
   const auto radians = [](double degrees) { return degrees * math::radians_per_degree; };
   const math::EulerAngles<double> angles{radians(place[3]), radians(place[4]), radians(place[5])};

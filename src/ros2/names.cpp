@@ -12,6 +12,7 @@ namespace {
 constexpr std::size_t longest_topic = 247;
 constexpr std::size_t longest_node_name = 255;
 constexpr std::size_t longest_namespace = longest_topic - 2;
+constexpr std::size_t longest_enclave = 255;  // rcl's
 
 bool is_digit(char c) {
   return c >= '0' && c <= '9';
@@ -50,14 +51,6 @@ void check_path(const std::string& what, const std::string& name, std::size_t lo
   }
 }
 
-void check_node(const NodeName& node) {
-  check_word("node name", node.name, node.name);
-  if (node.name.size() > longest_node_name) {
-    refuse("node name", node.name, "ROS 2 allows " + std::to_string(longest_node_name) + " characters");
-  }
-  if (node.name_space != "/") check_path("namespace", node.name_space, longest_namespace);
-}
-
 bool names_node(const RemapRule& rule) {
   return rule.from == "__node" || rule.from == "__name";
 }
@@ -65,12 +58,28 @@ bool names_namespace(const RemapRule& rule) {
   return rule.from == "__ns";
 }
 
+/// What `resolve` returns; what it throws names the rule.
+template <class Resolve>
+auto by_rule(const RemapRule& rule, const Resolve& resolve) {
+  try {
+    return resolve();
+  } catch (const std::invalid_argument& error) {
+    refuse("remap rule", rule.from + ":=" + rule.to, error.what());
+  }
+}
+
 /// The first rule of its kind counts, as in rcl.
 NodeName renamed(NodeName node, const std::vector<RemapRule>& rules) {
   const auto space = std::find_if(rules.begin(), rules.end(), names_namespace);
   const auto name = std::find_if(rules.begin(), rules.end(), names_node);
-  if (space != rules.end()) node.name_space = space->to;
-  if (name != rules.end()) node.name = name->to;
+  if (space != rules.end()) {
+    by_rule(*space, [&] { check_namespace(space->to); });
+    node.name_space = space->to;
+  }
+  if (name != rules.end()) {
+    by_rule(*name, [&] { check_node_name(name->to); });
+    node.name = name->to;
+  }
   return node;
 }
 
@@ -78,6 +87,23 @@ NodeName renamed(NodeName node, const std::vector<RemapRule>& rules) {
 
 std::string full_name(const NodeName& node) {
   return (node.name_space == "/" ? "" : node.name_space) + "/" + node.name;
+}
+
+void check_node_name(const std::string& name) {
+  const char* const what = "node name";
+  if (name.empty()) refuse(what, name, "it is empty");
+  check_word(what, name, name);
+  if (name.size() > longest_node_name) {
+    refuse(what, name, "ROS 2 allows " + std::to_string(longest_node_name) + " characters");
+  }
+}
+
+void check_namespace(const std::string& name_space) {
+  if (name_space != "/") check_path("namespace", name_space, longest_namespace);
+}
+
+void check_enclave(const std::string& enclave) {
+  if (enclave != "/") check_path("enclave", enclave, longest_enclave);
 }
 
 RemapRule parse_remap_rule(const std::string& text) {
@@ -97,14 +123,15 @@ RemapRule parse_remap_rule(const std::string& text) {
 
 NameResolver::NameResolver(NodeName node, std::vector<RemapRule> rules) {
   std::erase_if(rules, [&](const RemapRule& rule) { return !rule.node.empty() && rule.node != node.name; });
+  check_node_name(node.name);
+  check_namespace(node.name_space);
   node_ = renamed(std::move(node), rules);
-  check_node(node_);
   std::erase_if(rules, [](const RemapRule& rule) { return names_node(rule) || names_namespace(rule); });
-  for (RemapRule& rule : rules) {
-    rule.from = expanded(rule.from);
-    rule.to = expanded(rule.to);
+  for (const RemapRule& rule : rules) {
+    rules_.push_back(by_rule(rule, [&] {
+      return RemapRule{.from = expanded(rule.from), .to = expanded(rule.to), .node = rule.node};
+    }));
   }
-  rules_ = std::move(rules);
 }
 
 std::string NameResolver::expanded(const std::string& name) const {

@@ -14,6 +14,12 @@ TEST_CASE("a set of addresses holds its numbers and ranges, and none other") {
     CHECK_FALSE(set.contains(static_cast<BeaconAddress>(address)));
 }
 
+TEST_CASE("a set knows whether it is a single beacon") {
+  for (const char* const one : {"7", "7-7", "7,7", "65534"}) CHECK(AddressSet::parse(one).only_one());
+  for (const char* const more : {"7-8", "7,8", "7-7,6-7"}) CHECK_FALSE(AddressSet::parse(more).only_one());
+  CHECK_FALSE(AddressSet().only_one());
+}
+
 TEST_CASE("no list is every beacon") {
   CHECK(AddressSet().contains(0));
   CHECK(AddressSet().contains(65534));

@@ -62,6 +62,10 @@ TEST_CASE("What cannot be is refused with variable, value and what may stand the
                       Contains(range + " is '" + value + "'") && Contains("LOCALHOST, SUBNET"));
   }
   CHECK_THROWS_WITH(network_for({{range, "OFF"}}), Contains("is 'OFF'"));
+  for (const char* const value : {"a b", "robot;<x/>", "a, b"}) {
+    CHECK_THROWS_AS(peers_for({{static_peers, value}}), std::invalid_argument);
+    CHECK_THROWS_WITH(peers_for({{static_peers, value}}), Contains(static_peers + " is '" + value + "'"));
+  }
 }
 
 TEST_CASE("The distribution tells the layout") {
@@ -70,7 +74,15 @@ TEST_CASE("The distribution tells the layout") {
     CHECK(distro_named(name) == Distro::jazzy);
   }
   CHECK(distro_named("Humble") == std::nullopt);
-  CHECK(distro_of({}) == std::nullopt);
-  CHECK(distro_of({{"ROS_DISTRO", "humble"}}) == Distro::humble);
-  CHECK_THROWS_WITH(distro_of({{"ROS_DISTRO", "hydro"}}), Catch::Contains("ROS_DISTRO is 'hydro'"));
+  for (const std::string& name : distro_names()) CHECK(distro_named(name));
+  CHECK(distro_of({}).distro == Distro::jazzy);
+  CHECK(distro_of({}).warning.empty());
+  CHECK(distro_of({{"ROS_DISTRO", "humble"}}).distro == Distro::humble);
+  CHECK(distro_of({{"ROS_DISTRO", "humble"}}).warning.empty());
+}
+
+TEST_CASE("A distribution that came later is taken for the newest one, and said to be unknown") {
+  const FoundDistro found = distro_of({{"ROS_DISTRO", "lyrical"}});
+  CHECK(found.distro == Distro::jazzy);
+  CHECK_THAT(found.warning, Catch::Contains("ROS_DISTRO is 'lyrical'"));
 }

@@ -38,6 +38,22 @@ TEST_CASE("Frames that ROS 2 would not have are refused, by name") {
   CHECK_THROWS_WITH(check({.base = "/base"}), "the base frame '/base' must not begin with a slash");
   CHECK_THROWS_WITH(check({.base = "body", .imu = "body"}),
                     "the imu frame 'body' is called as the base frame is");
+  try {
+    check({.imu = "/imu"});
+    FAIL("was not refused");
+  } catch (const FrameError& error) {
+    CHECK(error.frame() == "imu");
+  }
+}
+
+TEST_CASE("Frames that are one for a single beacon are refused") {
+  CHECK_THROWS_WITH(check({.base = "b7", .imu = "b{address}"}),
+                    "the imu frame 'b7' of beacon 7 is called as its base frame is");
+  CHECK_THROWS_WITH(check({.map = "m{address}", .odom = "m65534"}), Catch::Contains("beacon 65534"));
+  CHECK_THROWS_WITH(check({.base = "{address}{address}", .imu = "1{address}1"}),
+                    Catch::Contains("beacon 11 "));
+  CHECK_NOTHROW(check({.base = "b65535", .imu = "b{address}"}));  // no beacon's address
+  CHECK_NOTHROW(check({.base = "hedge_{address}/base_link", .imu = "hedge_{address}/imu_link"}));
 }
 
 TEST_CASE("A mount is given in metres and degrees") {
@@ -45,7 +61,10 @@ TEST_CASE("A mount is given in metres and degrees") {
   CHECK(mount.imu_in_base_m == Vector3d(0.1, 0.2, 0.3));
   // Pitched nose down by 90 degrees: what is ahead for the IMU is down for the base.
   CHECK((mount.q_imu_to_base * Vector3d::UnitX() + Vector3d::UnitZ()).norm() < 1e-12);
-  CHECK_THROWS_AS(mount_at({0, 0, 0, std::nan(""), 0, 0}), std::invalid_argument);
+  CHECK_THROWS_WITH(mount_at({0, 0, 0, std::nan(""), 0, 0}), "roll is nan: it must be from -360 to 360 deg");
+  CHECK_THROWS_WITH(mount_at({0, 0, -1000.5, 0, 0, 0}), "z is -1000.5: it must be from -1000 to 1000 m");
+  CHECK_THROWS_AS(mount_at({0, 0, 0, 0, 0, 361}), std::invalid_argument);
+  CHECK_NOTHROW(mount_at({1000, -1000, 0, 360, -360, 0}));
 }
 
 SCENARIO("the base moves as a rigid body with the IMU on it does") {

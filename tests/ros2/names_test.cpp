@@ -94,6 +94,26 @@ TEST_CASE("What ROS 2 does not allow is refused with name, fault and rule") {
   for (const char* const rule : {"a:=b/", "1a:=b", "__node:=a/b", "__ns:=x", "__ns:=/x/", "__node:=9"}) {
     CAPTURE(rule);
     CHECK_THROWS_AS(resolver({rule}), std::invalid_argument);
+    CHECK_THROWS_WITH(resolver({rule}), Catch::StartsWith(std::string("remap rule '") + rule + "'"));
   }
   CHECK_THROWS_WITH(NameResolver(NodeName{.name_space = "robot"}), Catch::Contains("namespace 'robot'"));
+}
+
+TEST_CASE("A node's name, its namespace and its enclave follow ROS's rules") {
+  for (const char* const name : {"", "a b", "a/b", "/a", "7a", "{node}"}) {
+    CAPTURE(name);
+    CHECK_THROWS_WITH(check_node_name(name), Catch::StartsWith(std::string("node name '") + name + "'"));
+  }
+  CHECK_NOTHROW(check_node_name("_locator7"));
+  CHECK_THROWS_AS(check_node_name(std::string(256, 'a')), std::invalid_argument);
+  // What would end the entry "enclave=…;" in a participant's user data, too.
+  for (const char* const path : {"", "a", "/a/", "//a", "/a b", "/foo;bar", "/a=b", "foo;bar"}) {
+    CAPTURE(path);
+    CHECK_THROWS_WITH(check_enclave(path), Catch::StartsWith(std::string("enclave '") + path + "'"));
+    CHECK_THROWS_WITH(check_namespace(path), Catch::StartsWith(std::string("namespace '") + path + "'"));
+  }
+  for (const char* const path : {"/", "/a", "/a/b_7"}) {
+    CHECK_NOTHROW(check_enclave(path));
+    CHECK_NOTHROW(check_namespace(path));
+  }
 }

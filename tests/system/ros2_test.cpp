@@ -177,23 +177,4 @@ SCENARIO("names, frames and messages are the user's") {
       CHECK(path.wait_for([](const auto& message) { return message.poses._length > 5; }));
     }
   }
-  GIVEN("options that cannot be") {
-    const std::vector<std::pair<Arguments, std::string>> wrong{
-        {{"--remap", "odom"}, "odom"},
-        {{"--name", "a b"}, "a b"},
-        {{"--map-frame", "/map"}, "must not begin with a slash"},
-        {{"--base-frame", "map"}, "is called as the map frame is"},
-        {{"--imu-in", "/imu"}, "--imu-in /imu"},
-        {{"--fix-in", "/tag=70000"}, "'70000' is no address"},
-        {{"--gyro-std", "0"}, "gyro-std"},
-        {{"--ros-distro", "kilted"}, "kilted"}};
-    THEN("each is refused by name") {
-      for (const auto& [arguments, text] : wrong) {
-        const Result result = run(SONOPOSE_TEST_ROS2, arguments);
-        CAPTURE(arguments, result.error);
-        CHECK(result.code != 0);
-        CHECK(result.error.find(text) != std::string::npos);
-      }
-    }
-  }
 }

@@ -34,6 +34,8 @@ public:
   [[nodiscard]] std::optional<BeaconAddress> first() const {
     return ranges_.empty() ? std::nullopt : std::optional(ranges_.front().first);
   }
+  /// Whether it is a single beacon, however often it is named.
+  [[nodiscard]] bool only_one() const;
 
 private:
   std::vector<std::pair<BeaconAddress, BeaconAddress>> ranges_;  ///< none: all

@@ -25,12 +25,20 @@ const std::vector<std::string>& variable_names();
 /// refused too: a node that keeps it can be found by nobody.
 dds::DomainOptions with_discovery_range(dds::DomainOptions options, const Variables& variables);
 
-/// The layout that a distribution speaks: "humble" and before, or later ones by name. Empty for a name that
-/// is not known.
+/// The distributions that are known, from the oldest on.
+std::vector<std::string> distro_names();
+
+/// The layout that a distribution speaks, by its name: "foxy". Empty for a name that is not known.
 std::optional<Distro> distro_named(const std::string& name);
 
-/// By ROS_DISTRO, which ROS's setup sets. Empty where it is not set; throws std::invalid_argument for one
-/// that is not known.
-std::optional<Distro> distro_of(const Variables& variables);
+inline constexpr Distro newest_layout = Distro::jazzy;
+
+struct FoundDistro {
+  Distro distro = newest_layout;
+  std::string warning = {};  ///< names variable and value; empty: there is none
+};
+
+/// By ROS_DISTRO, which ROS's setup sets. A name that is not known is taken for a newer one, with a warning.
+FoundDistro distro_of(const Variables& variables);
 
 }  // namespace sonopose::ros2

@@ -9,6 +9,7 @@
 #include <sonopose/core/samples.hpp>
 
 #include <array>
+#include <stdexcept>
 #include <string>
 
 namespace sonopose::ros2 {
@@ -25,8 +26,20 @@ struct FrameNames {
 std::string for_beacon(const std::string& pattern, BeaconAddress address);
 FrameNames for_beacon(const FrameNames& patterns, BeaconAddress address);
 
-/// Throws std::invalid_argument, naming the frame, for one that is empty or begins with a slash, and for two
-/// of the same name.
+/// What is wrong with a frame's name.
+class FrameError : public std::invalid_argument {
+public:
+  FrameError(std::string frame, const std::string& name, const std::string& why);
+
+  /// Which it is: "map", "odom", "base" or "imu".
+  const std::string& frame() const noexcept { return frame_; }
+
+private:
+  std::string frame_;
+};
+
+/// Throws FrameError for one that is empty or begins with a slash, and for two that are called the same, be
+/// it for one beacon's address alone.
 void check(const FrameNames& patterns);
 
 /// Whether two beacons have frames of their own, as the tree needs it, since a frame has one parent: base and
@@ -40,7 +53,8 @@ struct Mount {
 };
 
 /// x, y, z (m), then roll, pitch, yaw (deg): turns about the base's fixed axes X, Y, Z, in this order
-/// (REP-103). Throws std::invalid_argument for a number that is not finite.
+/// (REP-103). Throws std::invalid_argument, naming which of them, its value and the limit, for more than 1000
+/// m or 360 degrees, and for what is no number.
 Mount mount_at(const std::array<double, 6>& place);
 
 /// Where a frame's origin stands in another one, and how it is turned.

@@ -17,6 +17,12 @@ struct NodeName {
 /// The node's full name: "/a/b/sonopose".
 std::string full_name(const NodeName& node);
 
+/// Each throws std::invalid_argument, naming it and what is wrong, for what ROS 2 does not allow.
+void check_node_name(const std::string& name);
+void check_namespace(const std::string& name_space);
+/// An enclave is written as a namespace is: "/" or "/a/b".
+void check_enclave(const std::string& enclave);
+
 /// One rule of ROS's `from:=to`. `__node` (or `__name`) and `__ns` stand for the node's own name.
 struct RemapRule {
   std::string from;
@@ -37,6 +43,9 @@ public:
   /// After the rules for the node's own name.
   const NodeName& node() const noexcept { return node_; }
 
+  /// Those for topics that are for this node, both sides absolute.
+  const std::vector<RemapRule>& rules() const noexcept { return rules_; }
+
   /// The absolute name: a relative one stands in the namespace, `~/x` below the node; then the first rule
   /// whose left side is this name gives another. "imu/data" → "/robot/imu/data".
   std::string topic(const std::string& name) const;
@@ -45,7 +54,7 @@ private:
   std::string expanded(const std::string& name) const;
 
   NodeName node_;
-  std::vector<RemapRule> rules_;  ///< both sides absolute
+  std::vector<RemapRule> rules_;
 };
 
 /// What a topic is called in DDS: "/imu" → "rt/imu".

@@ -1,0 +1,123 @@
+#pragma once
+/// \file
+/// What the processes of ROS 2 learn of each other's nodes: `ros_discovery_info`, the type of which has two
+/// layouts, and the endpoints that it names.
+
+#include "process.hpp"
+#include <sonopose/dds/discovery.hpp>
+#include <sonopose/dds/waitset.hpp>
+#include <sonopose/ros2/node.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace sonopose::test {
+
+/// A participant's message in plain values.
+struct Told {
+  struct Entities {
+    std::string name_space;
+    std::string name;
+    std::set<std::string> readers;
+    std::set<std::string> writers;
+  };
+  std::string participant;
+  std::vector<Entities> nodes;
+};
+
+/// The GUID as Discovery writes it. What stands behind it must be zeros.
+template <class Gid>
+std::string key_of(const Gid& gid) {
+  dds_guid_t guid{};
+  std::copy_n(std::begin(gid.data), sizeof guid.v, std::begin(guid.v));
+  CHECK(std::all_of(std::begin(gid.data) + sizeof guid.v, std::end(gid.data), [](auto b) { return b == 0; }));
+  return dds::text_of(guid);
+}
+
+template <class Sequence>
+std::set<std::string> keys_of(const Sequence& gids) {
+  std::set<std::string> keys;
+  for (std::uint32_t i = 0; i < gids._length; ++i) keys.insert(key_of(gids._buffer[i]));
+  return keys;
+}
+
+template <class Info>
+Told told_by(const Info& info) {
+  Told told{.participant = key_of(info.gid), .nodes = {}};
+  for (std::uint32_t i = 0; i < info.node_entities_info_seq._length; ++i) {
+    const auto& node = info.node_entities_info_seq._buffer[i];
+    told.nodes.push_back({.name_space = node.node_namespace,
+                          .name = node.node_name,
+                          .readers = keys_of(node.reader_gid_seq),
+                          .writers = keys_of(node.writer_gid_seq)});
+  }
+  return told;
+}
+
+/// A process that watches the graph, as every ROS 2 process does.
+template <class Info>
+class Watcher {
+public:
+  explicit Watcher(std::uint32_t domain_id)
+      : participant_(dds::make_participant({.domain_id = domain_id})),
+        reader_(participant_, dds::Topic<Info>(participant_, "ros_discovery_info"),
+                dds::Qos() << dds::policy::Reliability::reliable() << dds::policy::History::keep_all()
+                           << dds::policy::Durability{dds::policy::DurabilityKind::transient_local}) {}
+
+  /// Takes until `done()`, which is asked now and then too: what the discovery finds wakes nobody.
+  template <class Done>
+  bool wait_until(const Done& done) {
+    dds::StatusCondition condition(reader_);
+    condition.enabled_statuses(dds::StatusMask::data_available() | dds::StatusMask::subscription_matched());
+    dds::WaitSet waitset;
+    waitset += condition;
+    const auto give_up = std::chrono::steady_clock::now() + patience;
+    const auto finished = [&] {
+      reader_.take_each([&](const Info& info, const dds::SampleInfo&) { messages.push_back(told_by(info)); });
+      return done();
+    };
+    while (!finished() && std::chrono::steady_clock::now() < give_up) {
+      waitset.wait(std::chrono::milliseconds(20));
+    }
+    return done();
+  }
+  bool wait_for_count(std::size_t count) {
+    return wait_until([&] { return messages.size() >= count; });
+  }
+
+  std::uint32_t writer_count() { return reader_.subscription_matched_status().current_count; }
+  const dds::DomainParticipant& participant() const { return participant_; }
+
+  std::vector<Told> messages;
+
+private:
+  dds::DomainParticipant participant_;
+  dds::DataReader<Info> reader_;
+};
+
+inline std::string text_of(const std::vector<std::uint8_t>& bytes) {
+  return {bytes.begin(), bytes.end()};
+}
+
+/// The endpoints of one participant by topic.
+inline std::map<std::string, dds::FoundEndpoint> endpoints_of(const std::vector<dds::FoundEndpoint>& all,
+                                                              const std::string& participant) {
+  std::map<std::string, dds::FoundEndpoint> found;
+  for (const auto& each : all) {
+    if (each.participant_key == participant) found.emplace(each.topic_name, each);
+  }
+  return found;
+}
+
+inline std::string user_data_of(const dds::FoundEndpoint& endpoint) {
+  return text_of(endpoint.qos.policy<dds::policy::UserData>().value_or(dds::policy::UserData{}).value);
+}
+
+}  // namespace sonopose::test

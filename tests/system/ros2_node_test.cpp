@@ -1,0 +1,71 @@
+/// The relay as other processes of ROS 2 see it: a node, its enclave, and what is the node's.
+
+#include "support/bus.hpp"
+#include "support/ros2_graph.hpp"
+
+#include <csignal>
+#include <type_traits>
+
+using namespace sonopose;
+using namespace sonopose::test;
+
+namespace {
+
+/// The writers of these topics, by key; fewer where some do not exist (yet).
+std::set<std::string> writers_of(const dds::Discovery& discovery, const std::string& participant,
+                                 const std::vector<std::string>& topics) {
+  const auto all = endpoints_of(discovery.writers(), participant);
+  std::set<std::string> keys;
+  for (const std::string& topic : topics) {
+    if (const auto found = all.find(topic); found != all.end()) keys.insert(found->second.key);
+  }
+  return keys;
+}
+
+const std::vector<std::string> topics_of_beacon_7{
+    "rt/robot/hedge_7/imu/data_raw", "rt/robot/hedge_7/imu/data", "rt/robot/hedge_7/odom",
+    "rt/robot/hedge_7/pose",         "rt/robot/hedge_7/fix",      "rt/robot/kart/way"};
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("ROS 2 lists the relay as a node with the topics of the beacons that it heard", "",
+                   ros2::HumbleParticipantEntitiesInfo, ros2::ParticipantEntitiesInfo) {
+  const bool humble = std::is_same_v<TestType, ros2::HumbleParticipantEntitiesInfo>;
+  const Bus bus;
+  Watcher<TestType> watcher(bus.domain_id());
+  const dds::Discovery discovery(watcher.participant());
+  auto relay = bus.ros2({"--ros-distro", humble ? "humble" : "jazzy", "--enclave", "/x", "--namespace",
+                         "/robot", "--name", "kart", "--path", "5", "--remap", "hedge_7/path:=~/way"});
+  REQUIRE(watcher.wait_for_count(1));
+  const std::string participant = watcher.messages.front().participant;
+  CHECK(writers_of(discovery, participant, topics_of_beacon_7).empty());
+
+  const auto bridge = bus.bridge({});
+  // The node tells of them all at once or one after the other; discovery may come before or after.
+  std::set<std::string> writers;
+  const auto tells_of_all = [&] {
+    writers = writers_of(discovery, participant, topics_of_beacon_7);
+    if (writers.size() < topics_of_beacon_7.size()) return false;
+    const Told& told = watcher.messages.back();
+    if (told.nodes.size() != 1) return false;
+    const auto& of_node = told.nodes[0].writers;
+    return std::includes(of_node.begin(), of_node.end(), writers.begin(), writers.end());
+  };
+  REQUIRE(watcher.wait_until(tells_of_all));
+  const Told told = watcher.messages.back();
+  CHECK(told.participant == participant);
+  CHECK(told.nodes[0].name_space == "/robot");
+  CHECK(told.nodes[0].name == "kart");
+  // What is no topic of ROS 2's is not the node's.
+  const auto all = endpoints_of(discovery.writers(), participant);
+  CHECK(told.nodes[0].writers.count(all.at("ros_discovery_info").key) == 0);
+
+  const auto participants = discovery.participants();
+  const auto found = std::find_if(participants.begin(), participants.end(),
+                                  [&](const auto& each) { return each.key == participant; });
+  REQUIRE(found != participants.end());
+  CHECK(text_of(found->user_data) == "enclave=/x;");
+
+  CHECK(relay->end_by(SIGTERM).code == 0);
+  CHECK(watcher.wait_until([&] { return watcher.messages.back().nodes.empty(); }));
+}

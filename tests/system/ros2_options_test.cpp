@@ -1,0 +1,130 @@
+/// The relay's command line and its shell's variables: what cannot be is refused at the start, in words that
+/// name the option, the value and what is allowed.
+
+#include "support/bus.hpp"
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+
+namespace {
+
+struct Wrong {
+  Arguments arguments;
+  std::vector<std::string> said;
+  Environment environment = {};
+};
+
+/// In a domain of its own, should it run after all.
+void check_refused(const char* program, const Wrong& wrong) {
+  const TestDomain domain;
+  Environment environment = neutral;
+  environment["ROS_DOMAIN_ID"] = std::to_string(domain.id());
+  for (const char* const range :
+       {"ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS"}) {
+    environment[range] = "";
+  }
+  for (const auto& [name, value] : wrong.environment) environment[name] = value;
+  const Result result = run(program, wrong.arguments, environment);
+  CAPTURE(wrong.arguments, result.error);
+  CHECK(result.code.value_or(0) > 0);
+  for (const std::string& text : wrong.said) CHECK_THAT(result.error, Contains(text));
+}
+
+void check_all_refused(const std::vector<Wrong>& all) {
+  for (const Wrong& wrong : all) check_refused(SONOPOSE_TEST_ROS2, wrong);
+}
+
+}  // namespace
+
+TEST_CASE("The relay refuses names that ROS 2 would not allow") {
+  const std::string many(228, 'n');
+  check_all_refused(
+      {{{"--name", "a b"}, {"--name: node name 'a b'", "' '"}},
+       {{"--name", ""}, {"--name: node name ''", "empty"}},
+       {{"--namespace", "robot"}, {"--namespace: namespace 'robot'", "begin with '/'"}},
+       {{"--namespace", ""}, {"--namespace: namespace ''"}},
+       {{"--enclave", ""}, {"--enclave: enclave ''", "begin with '/'"}},
+       {{"--enclave", "foo;bar"}, {"--enclave: enclave 'foo;bar'"}},
+       {{"--enclave", "/foo;bar"}, {"--enclave: enclave '/foo;bar'", "';'"}},
+       {{"--remap", "odom"}, {"--remap: remap rule 'odom'", "from:=to"}},
+       {{"--remap", "a:=b c"}, {"--remap: remap rule 'a:=b c'", "' '"}},
+       {{"--remap", "__node:=a/b"}, {"--remap: remap rule '__node:=a/b'"}},
+       {{"--remap", "/hedge_7/pose:=/hedge_7/odom"}, {"--remap: ", "the topic '/hedge_7/odom'"}},
+       {{"--beacon-namespace", "bad ns", "--addresses", "7"}, {"--beacon-namespace 'bad ns'", "' '"}},
+       {{"--beacon-namespace", "bad-{address}"}, {"--beacon-namespace 'bad-{address}'", "'-'"}},
+       {{"--beacon-namespace", many + "{address}", "--namespace", "/robot"},
+        {"--beacon-namespace '" + many, "247"}},
+       {{"--beacon-namespace", "tag"}, {"--beacon-namespace 'tag'", "{address}", "--addresses"}},
+       {{"--beacon-namespace", "", "--addresses", "7-8"}, {"--beacon-namespace ''", "{address}"}}});
+}
+
+TEST_CASE("The relay refuses frames, mounts and numbers that cannot be") {
+  check_all_refused(
+      {{{"--map-frame", "/map"}, {"--map-frame: ", "'/map'", "must not begin with a slash"}},
+       {{"--base-frame", "map"}, {"--base-frame: ", "is called as the map frame is"}},
+       {{"--base-frame", "b7", "--imu-frame", "b{address}"}, {"--imu-frame: ", "'b7'", "beacon 7"}},
+       {{"--mount", "0", "0", "nan", "0", "0", "0"}, {"--mount: z is nan", "1000 m"}},
+       {{"--mount", "0", "-1001", "0", "0", "0", "0"}, {"--mount: y is -1001", "1000 m"}},
+       {{"--mount", "0", "0", "0", "0", "0", "inf"}, {"--mount: yaw is inf", "360 deg"}},
+       {{"--gyro-std", "0"}, {"--gyro-std: ", "0", "1000"}},
+       {{"--tilt-std", "181"}, {"--tilt-std: ", "181", "180"}},
+       {{"--addresses", "x"}, {"--addresses: 'x'", "65534"}},
+       {{"--addresses", "7-3"}, {"--addresses: ", "'7-3'", "from the lower address"}},
+       {{"--imu-in", "/imu"}, {"--imu-in /imu"}},
+       {{"--fix-in", "/tag=70000"}, {"'70000' is no address"}}});
+}
+
+TEST_CASE("An option of a few words takes these alone, and lists them") {
+  check_all_refused({{{"--tf", "foo"}, {"--tf: 'foo'", "map_base, map_odom, off"}},
+                     {{"--tf", "1"}, {"--tf: '1'", "map_base, map_odom, off"}},
+                     {{"--fix-message", "foo"}, {"--fix-message: 'foo'", "pose, point"}},
+                     {{"--fix-message", "0"}, {"--fix-message: '0'", "pose, point"}},
+                     {{"--ros-distro", "humbug"}, {"--ros-distro: 'humbug'", "humble, iron, jazzy"}},
+                     {{"--ros-distro", "1"}, {"--ros-distro: '1'", "humble, iron, jazzy"}},
+                     {{"--network", "foo"}, {"--network: 'foo'", "loopback, lan"}},
+                     {{"--network", "1"}, {"--network: '1'", "loopback, lan"}}});
+  check_refused(SONOPOSE_TEST_MONITOR, {{"--network", "1"}, {"--network: '1'", "loopback, lan"}});
+  check_refused(SONOPOSE_TEST_REPLAY, {{"log", "--engine", "1"}, {"--engine: '1'", "fusion, strapdown"}});
+  check_refused(SONOPOSE_TEST_REPLAY, {{"log", "--engine", "strapdown", "--integration", "1"},
+                                       {"--integration: '1'", "previous, mean"}});
+}
+
+TEST_CASE("The relay's help says where it looks for others, and what it takes") {
+  const Result help = run(SONOPOSE_TEST_ROS2, {"--help"}, neutral);
+  CHECK(help.code == 0);
+  CHECK_THAT(help.output, Contains("loopback|lan (default: as far as ROS 2's variables say)"));
+  CHECK_THAT(help.output, Contains("no bridge or fusion on loopback is heard"));
+  CHECK_THAT(help.output, Contains("map_base|map_odom|off (default: map_base)"));
+  CHECK_THAT(help.output, Contains("pose|point (default: pose)"));
+  CHECK_THAT(run(SONOPOSE_TEST_MONITOR, {"--help"}, neutral).output,
+             Contains("loopback|lan (default: loopback)"));
+}
+
+TEST_CASE("The relay refuses variables that cannot be, and names them") {
+  check_all_refused({{{}, {"ROS_STATIC_PEERS is 'a b'", "no address"}, {{"ROS_STATIC_PEERS", "a b"}}},
+                     {{}, {"ROS_LOCALHOST_ONLY is '2'", "0 or 1"}, {{"ROS_LOCALHOST_ONLY", "2"}}}});
+}
+
+SCENARIO("A ROS 2 that is newer than the relay does not stop it") {
+  GIVEN("a relay in the shell of a distribution that nobody has heard of") {
+    const TestDomain domain;
+    Environment environment = neutral;
+    environment["ROS_DISTRO"] = "lyrical";
+    const Arguments arguments{"--network", "loopback", "--domain", std::to_string(domain.id())};
+    THEN("it relays, and says which variable it does not know and which option helps") {
+      Process relay(SONOPOSE_TEST_ROS2, arguments, environment);
+      CHECK(relay.wait_for_line(Stream::error, "relaying as"));
+      const bool warned = relay.wait_for_line(Stream::error, "warning: ROS_DISTRO is 'lyrical'");
+      CHECK(warned);
+      if (warned) CHECK_THAT(relay.lines(Stream::error).front(), Contains("--ros-distro"));
+    }
+    THEN("where the option names a distribution by any name, it says nothing of it") {
+      Arguments all = arguments;
+      all.insert(all.end(), {"--ros-distro", "kilted"});
+      Process relay(SONOPOSE_TEST_ROS2, all, environment);
+      CHECK(relay.wait_for_line(Stream::error, "relaying as"));
+      CHECK(relay.lines(Stream::error).size() == 1);
+    }
+  }
+}
