@@ -1,31 +1,57 @@
 #include <sonopose/dds/waitset.hpp>
+#include <sonopose/nodes/end_counters.hpp>
 #include <sonopose/nodes/host_clock.hpp>
+#include <sonopose/nodes/ros2_input_watch.hpp>
 #include <sonopose/nodes/ros2_source.hpp>
-#include <sonopose/nodes/silence_watch.hpp>
+#include <sonopose/ros2/frames.hpp>
 #include <sonopose/ros2/input.hpp>
+#include <sonopose/ros2/time.hpp>
 
 #include <fmt/format.h>
 
-#include <charconv>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <map>
-#include <stdexcept>
 
 namespace sonopose::nodes {
 namespace {
 
-const char* word(Ros2Input::Kind kind) {
-  return kind == Ros2Input::Kind::imu ? "--imu-in" : "--fix-in";
-}
+/// What a listener counts. The news of data stays with the wait set, matches are asked for.
+constexpr dds::StatusMask counted_statuses = dds::StatusMask::requested_incompatible_qos() |
+                                             dds::StatusMask::sample_lost() |
+                                             dds::StatusMask::sample_rejected();
 
-/// One topic of one type.
-template <class T>
-struct Stream {
-  Stream(ros2::Node& node, const Ros2Input& input)
-      : address(input.address), reader(node.make_reader<T>(input.topic, "ros2::SensorData")), news(reader) {}
+/// One input: a topic, which has a reader for each type that it may be of.
+struct Input {
+  Input(const Ros2Input& what, const Ros2Timeouts& timeouts, const std::string& map_frame)
+      : address(what.address),
+        is_imu(what.kind == Ros2Input::Kind::imu),
+        watch(what, ros2::for_beacon(map_frame, what.address), is_imu ? timeouts.imu_ns : timeouts.fix_ns,
+              steady_now_ns()) {}
+
+  [[nodiscard]] std::uint64_t samples_lost() const noexcept {
+    return ends.samples_lost.load(std::memory_order_relaxed) +
+           ends.samples_rejected.load(std::memory_order_relaxed);
+  }
 
   BeaconAddress address;
+  bool is_imu;
+  EndCounters ends;
+  Ros2InputWatch watch;
+};
+
+/// The reader of one of an input's types.
+template <class T>
+struct Stream {
+  Stream(ros2::Node& node, const std::string& topic, Input& its_input)
+      : input(its_input),
+        listener(its_input.ends),
+        reader(node.make_reader<T>(topic, "ros2::Input", &listener, counted_statuses)),
+        news(reader) {}
+
+  Input& input;
+  CountingReaderListener<T> listener;
   dds::DataReader<T> reader;
   dds::ReadCondition news;
 };
@@ -45,32 +71,25 @@ TimeNs measured_ns(const Event& event) {
   return std::get<PairHeading>(event).emission_time_ns;
 }
 
-/// Tells what of one kind has fallen silent, and what is heard again.
-void tell(SilenceWatch& watch, const char* kind, std::vector<SilenceWatch::Change>& changes) {
-  changes.clear();
-  watch.find_changes(steady_now_ns(), changes);
-  for (const auto& change : changes) {
-    if (change.silent) {
-      fmt::print(stderr, "sonopose-ros2: beacon {}: no {} from ROS 2 for {:.1f} s\n", change.address, kind,
-                 change.lasted_s);
-    } else {
-      fmt::print(stderr, "sonopose-ros2: beacon {}: {} from ROS 2 again, after {:.1f} s\n", change.address,
-                 kind, change.lasted_s);
-    }
-  }
+void tell_on_standard_error(const std::string& line) {
+  fmt::print(stderr, "sonopose-ros2: {}\n", line);
 }
 
-class Ros2Source final : public Source {
+class TopicsSource final : public Ros2Source {
 public:
-  Ros2Source(ros2::Node& node, const std::vector<Ros2Input>& inputs, const Ros2Timeouts& timeouts)
-      : imu_silences_(timeouts.imu_ns), fix_silences_(timeouts.fix_ns) {
-    for (const Ros2Input& input : inputs) {
-      statuses_[input.address].address = input.address;
-      if (input.kind == Ros2Input::Kind::imu) {
-        listen(imus_, node, input);
+  TopicsSource(ros2::Node& node, const std::vector<Ros2Input>& inputs, const Ros2Timeouts& timeouts,
+               const std::string& map_frame, Ros2Teller tell)
+      : tell_(std::move(tell)) {
+    for (const Ros2Input& what : inputs) {
+      Input& input = *inputs_.emplace_back(std::make_unique<Input>(what, timeouts, map_frame));
+      Beacon& beacon = beacons_[what.address];
+      beacon.status.address = what.address;
+      beacon.has_imu = beacon.has_imu || input.is_imu;
+      if (input.is_imu) {
+        listen(imus_, node, what.topic, input);
       } else {
-        listen(points_, node, input);
-        listen(poses_, node, input);
+        listen(points_, node, what.topic, input);
+        listen(poses_, node, what.topic, input);
       }
     }
   }
@@ -79,87 +98,126 @@ public:
     constexpr std::chrono::milliseconds longest_sleep{100};
     while (!stop.requested()) {
       waitset_.wait(longest_sleep);
-      take(imus_, imu_silences_, sink);
-      take(points_, fix_silences_, sink);
-      take(poses_, fix_silences_, sink);
-      tell(imu_silences_, "IMU samples", changes_);
-      tell(fix_silences_, "fixes", changes_);
+      for_all_streams([&](auto& stream) { take(stream, sink); });
+      look_at_inputs();
       tell_statuses(sink);
       sink.tick();
     }
+  }
+
+  std::uint64_t samples_lost(BeaconAddress address) const noexcept override {
+    std::uint64_t lost = 0;
+    for (const auto& input : inputs_) {
+      if (input->address == address) lost += input->samples_lost();
+    }
+    return lost;
   }
 
 private:
   template <class T>
   using Streams = std::vector<std::unique_ptr<Stream<T>>>;
 
+  struct Beacon {
+    BeaconStatus status;
+    bool has_imu = false;
+    SmallestOffset offset;  ///< of the IMU's samples, where there is an IMU
+  };
+
   template <class T>
-  void listen(Streams<T>& streams, ros2::Node& node, const Ros2Input& input) {
-    streams.push_back(std::make_unique<Stream<T>>(node, input));
+  void listen(Streams<T>& streams, ros2::Node& node, const std::string& topic, Input& input) {
+    streams.push_back(std::make_unique<Stream<T>>(node, topic, input));
     waitset_ += streams.back()->news;
   }
 
+  template <class Action>
+  void for_all_streams(const Action& action) {
+    for (const auto& stream : imus_) action(*stream);
+    for (const auto& stream : points_) action(*stream);
+    for (const auto& stream : poses_) action(*stream);
+  }
+
   template <class T>
-  void take(Streams<T>& streams, SilenceWatch& silences, SampleSink& sink) {
-    for (const auto& stream : streams) {
-      const TimeNs received_ns = now_ns();
-      stream->reader.try_take_each([&](const T& message, const dds::SampleInfo&) {
-        BeaconStatus& status = statuses_[stream->address];
-        ++status.frames;
-        const auto event = event_of(message, stream->address, received_ns);
-        if (!event) {
-          ++status.samples_rejected;
-          return;
-        }
-        status.clock_offset_s = seconds_between(measured_ns(*event), received_ns);
-        silences.on_sample(stream->address, steady_now_ns());
-        sink.on(*event);
-      });
+  void take(Stream<T>& stream, SampleSink& sink) {
+    Input& input = stream.input;
+    Beacon& beacon = beacons_.at(input.address);
+    stream.reader.try_take_each([&](const T& message, const dds::SampleInfo&) {
+      const TimeNs received_ns = next_reception_ns();
+      ++beacon.status.frames;
+      const auto event = event_of(message, input.address, received_ns);
+      if (!event) {
+        ++beacon.status.samples_rejected;
+        return;
+      }
+      const TimeNs steady_ns = steady_now_ns();
+      if (input.is_imu == beacon.has_imu) {
+        beacon.offset.add(seconds_between(measured_ns(*event), received_ns), steady_ns);
+      }
+      input.watch.on_sample(message.header.frame_id, steady_ns, lines_);
+      sink.on(*event);
+    });
+  }
+
+  /// Now, by the host's clock, but later than the one before: messages without a stamp have this one.
+  TimeNs next_reception_ns() {
+    const TimeNs time_ns = now_ns();
+    return reception_.next(time_ns).value_or(time_ns);
+  }
+
+  void look_at_inputs() {
+    constexpr TimeNs period_ns = 20'000'000;
+    const TimeNs steady_ns = steady_now_ns();
+    if (steady_ns >= look_due_ns_) {
+      look_due_ns_ = steady_ns + period_ns;
+      for (const auto& input : inputs_) input->watch.look(ends_of(*input), steady_ns, lines_);
     }
+    for (const std::string& line : lines_) tell_(line);
+    lines_.clear();
+  }
+
+  Ros2InputEnds ends_of(const Input& input) {
+    Ros2InputEnds ends;
+    for_all_streams([&](auto& stream) {
+      if (&stream.input == &input)
+        ends.publishers += stream.reader.subscription_matched_status().current_count;
+    });
+    ends.publishers_refused = input.ends.incompatible_qos.load(std::memory_order_relaxed);
+    ends.samples_lost = input.samples_lost();
+    return ends;
   }
 
   void tell_statuses(SampleSink& sink) {
     constexpr TimeNs period_ns = 250'000'000;
     if (steady_now_ns() < statuses_due_ns_) return;
     statuses_due_ns_ = steady_now_ns() + period_ns;
-    for (auto& [address, status] : statuses_) {
-      if (status.frames == 0) continue;
-      status.time_ns = now_ns();
-      sink.on(status);
+    for (auto& [address, beacon] : beacons_) {
+      if (beacon.status.frames == 0) continue;
+      beacon.status.time_ns = now_ns();
+      beacon.status.clock_offset_s = beacon.offset.value_s();
+      sink.on(beacon.status);
     }
   }
 
+  Ros2Teller tell_;
+  std::vector<std::unique_ptr<Input>> inputs_;  ///< as many as there were at the start
   Streams<ros2::Imu> imus_;
   Streams<ros2::PointStamped> points_;
   Streams<ros2::PoseWithCovarianceStamped> poses_;
   dds::WaitSet waitset_;
-  SilenceWatch imu_silences_;
-  SilenceWatch fix_silences_;
-  std::vector<SilenceWatch::Change> changes_;
-  std::map<BeaconAddress, BeaconStatus> statuses_;
+  std::map<BeaconAddress, Beacon> beacons_;
+  ros2::RisingStamp reception_;
+  Ros2InputWatch::Lines lines_;
+  TimeNs look_due_ns_ = 0;
   TimeNs statuses_due_ns_ = 0;
 };
 
 }  // namespace
 
-Ros2Input Ros2Input::parse(Kind kind, std::string_view text) {
-  const std::size_t equals = text.rfind('=');
-  const auto fail = [&](const std::string& why) {
-    throw std::invalid_argument(fmt::format("{} {}: {}; as in /imu/data=7", word(kind), text, why));
-  };
-  if (equals == std::string_view::npos || equals == 0) fail("a topic, '=' and a beacon's address are needed");
-  const std::string_view number = text.substr(equals + 1);
-  std::uint32_t address = 0;
-  const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), address);
-  if (error != std::errc() || rest != number.data() + number.size() || address >= all_beacons) {
-    fail(fmt::format("'{}' is no address of 0 to {}", number, all_beacons - 1));
-  }
-  return {kind, std::string(text.substr(0, equals)), static_cast<BeaconAddress>(address)};
-}
-
-std::unique_ptr<Source> make_ros2_source(ros2::Node& node, const std::vector<Ros2Input>& inputs,
-                                         const Ros2Timeouts& timeouts) {
-  return std::make_unique<Ros2Source>(node, inputs, timeouts);
+std::unique_ptr<Ros2Source> make_ros2_source(ros2::Node& node, const std::vector<Ros2Input>& inputs,
+                                             const Ros2Timeouts& timeouts, const std::string& map_frame,
+                                             Ros2Teller tell) {
+  check(inputs);
+  if (!tell) tell = tell_on_standard_error;
+  return std::make_unique<TopicsSource>(node, inputs, timeouts, map_frame, std::move(tell));
 }
 
 }  // namespace sonopose::nodes

@@ -98,6 +98,8 @@ TEST_CASE("The profiles for ROS 2 match what ROS 2 nodes use by default") {
       CHECK(match(usual, provider.datareader_qos(name)));
     }
     CHECK(match(sensor_data, provider.datareader_qos("ros2::SensorData")));
+    CHECK(match(sensor_data, provider.datareader_qos("ros2::Input")));
+    CHECK(match(usual, provider.datareader_qos("ros2::Input")));
     CHECK_FALSE(match(sensor_data, provider.datareader_qos("ros2::Default")));
   }
   SECTION("what latecomers need is kept for them") {

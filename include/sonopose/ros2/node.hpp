@@ -54,12 +54,14 @@ public:
     return writer;
   }
 
-  /// The same for a reader.
+  /// The same for a reader; its listener hears of the statuses in `mask`.
   template <class T>
   dds::DataReader<T> make_reader(const std::string& name, const char* profile,
-                                 dds::DataReaderListener<T>* listener = nullptr) {
+                                 dds::DataReaderListener<T>* listener = nullptr,
+                                 dds::StatusMask mask = dds::StatusMask::all()) {
     const dds::Topic<T> topic(participant_, name_in_dds(names_.topic(name)), qos_.topic_qos(profile));
-    dds::DataReader<T> reader(participant_, topic, with_type_hash<T>(qos_.datareader_qos(profile)), listener);
+    dds::DataReader<T> reader(participant_, topic, with_type_hash<T>(qos_.datareader_qos(profile)), listener,
+                              mask);
     note(readers_, reader);
     return reader;
   }
