@@ -23,7 +23,7 @@ ros2::TFMessage message_of(ros2::TransformStamped& transform) {
 Ros2Beacon::Ros2Beacon(ros2::Node& node, const Ros2Output& output, BeaconAddress address,
                        dds::DataWriter<ros2::TFMessage>& tf, bool in_tree)
     : output_(output),
-      prefix_(ros2::for_beacon(output.beacon_namespace, address) + "/"),
+      prefix_(ros2::topic_prefix(output.beacon_namespace, address)),
       frames_(ros2::for_beacon(output.frames, address)),
       tf_(tf),
       in_tree_(in_tree),

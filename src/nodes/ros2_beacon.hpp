@@ -5,6 +5,7 @@
 #include <sonopose/core/pose.hpp>
 #include <sonopose/core/samples.hpp>
 #include <sonopose/nodes/ros2_relay.hpp>
+#include <sonopose/ros2/beacon_topics.hpp>
 #include <sonopose/ros2/fix_queue.hpp>
 #include <sonopose/ros2/messages.hpp>
 #include <sonopose/ros2/odom_track.hpp>

@@ -12,10 +12,6 @@ const char* word(Ros2Input::Kind kind) {
   return kind == Ros2Input::Kind::imu ? "--imu-in" : "--fix-in";
 }
 
-std::string text_of(const Ros2Input& input) {
-  return fmt::format("{} {}={}", word(input.kind), input.topic, input.address);
-}
-
 void check_pair(const Ros2Input& one, const Ros2Input& other) {
   if (one.kind != other.kind || one.address != other.address) return;
   throw std::invalid_argument(fmt::format("{} and {}: beacon {} has one source of {} alone", text_of(one),
@@ -24,6 +20,10 @@ void check_pair(const Ros2Input& one, const Ros2Input& other) {
 }
 
 }  // namespace
+
+std::string text_of(const Ros2Input& input) {
+  return fmt::format("{} {}={}", word(input.kind), input.topic, input.address);
+}
 
 Ros2Input Ros2Input::parse(Kind kind, std::string_view text) {
   const std::size_t equals = text.rfind('=');

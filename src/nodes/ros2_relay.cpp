@@ -17,13 +17,16 @@ namespace topics = dds::topics;
 
 constexpr TimeNs second_ns = 1'000'000'000;
 
-/// Throws std::invalid_argument where the relay would feed a beacon with what it tells of that beacon.
+/// Throws std::invalid_argument where the relay would be fed with what it tells of its own inputs.
 void check_inputs(const Ros2RelayOptions& options) {
   for (const Ros2Input& input : options.inputs) {
-    const std::string prefix = ros2::for_beacon(options.output.beacon_namespace, input.address) + "/";
-    for (const char* const output : {"imu/data_raw", "imu/data", "pose", "fix"}) {
-      if (options.names.topic(input.topic) != options.names.topic(prefix + output)) continue;
-      throw std::invalid_argument(fmt::format("{}={} is the relay's own output", input.topic, input.address));
+    for (const Ros2Input& told : options.inputs) {
+      const std::string prefix = ros2::topic_prefix(options.output.beacon_namespace, told.address);
+      for (const char* const output : {"imu/data_raw", "imu/data", "pose", "fix"}) {
+        if (options.names.topic(input.topic) != options.names.topic(prefix + output)) continue;
+        throw std::invalid_argument(
+            fmt::format("{} is the relay's own output, made from {}", text_of(input), text_of(told)));
+      }
     }
   }
 }
@@ -194,8 +197,8 @@ void Ros2Relay::Impl::feed_while(const std::function<void()>& serve, std::atomic
   const auto timeout_ns = [this](const auto& entry) {
     return std::min(second_ns * 10, dds::deadline_of(qos_.datareader_qos(entry.profile)).count());
   };
-  const auto source =
-      make_ros2_source(node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)});
+  const auto source = make_ros2_source(
+      node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)}, options_.output.frames.map);
   BridgeNode bridge({.domain = options_.domain, .qos_file = options_.qos_file, .record_folder = {}});
   StopSignal enough;
   std::exception_ptr failure;

@@ -22,6 +22,9 @@ struct Ros2Input {
   static Ros2Input parse(Kind kind, std::string_view text);
 };
 
+/// As on the command line: "--imu-in /imu/data=7".
+std::string text_of(const Ros2Input& input);
+
 /// Throws std::invalid_argument, naming both, for two topics of one kind that are to count as one beacon:
 /// their samples would be mixed, as if one sensor were in two places.
 void check(const std::vector<Ros2Input>& inputs);
