@@ -197,15 +197,15 @@ void Ros2Relay::Impl::feed_while(const std::function<void()>& serve, std::atomic
   const auto timeout_ns = [this](const auto& entry) {
     return std::min(second_ns * 10, dds::deadline_of(qos_.datareader_qos(entry.profile)).count());
   };
-  const auto source = make_ros2_source(
-      node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)}, options_.output.frames.map);
+  source_ = make_ros2_source(node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)},
+                             options_.output.frames.map);
   BridgeNode bridge({.domain = options_.domain, .qos_file = options_.qos_file, .record_folder = {}});
   StopSignal enough;
   std::exception_ptr failure;
   {
     const std::jthread feeding([&] {
       try {
-        bridge.run(*source, enough);
+        bridge.run(*source_, enough);
       } catch (...) {
         failure = std::current_exception();
         failed = true;

@@ -114,6 +114,7 @@ private:
   dds::DataWriter<ros2::TFMessage> static_tf_writer_;
   std::optional<BeaconAddress> tree_owner_;  ///< whose frames they are where all have the same
   bool told_of_tree_ = false;
+  std::unique_ptr<Ros2Source> source_;  ///< of what comes in from ROS 2, if anything does
   BeaconWatches watches_;
   EndCounters ends_;
   std::map<BeaconAddress, BeaconView> told_;  ///< in the diagnostics of the second before

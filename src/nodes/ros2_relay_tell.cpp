@@ -43,6 +43,11 @@ ros2::Diagnostic Ros2Relay::Impl::own_diagnostic(std::size_t beacons) const {
   own.values = {{"samples_lost", std::to_string(ends_.samples_lost)},
                 {"samples_rejected", std::to_string(ends_.samples_rejected)},
                 {"incompatible_qos", std::to_string(ends_.incompatible_qos)}};
+  for (const Ros2Input& input : options_.inputs) {
+    if (!source_ || input.kind != Ros2Input::Kind::imu) continue;
+    own.values.emplace_back(fmt::format("beacon_{}_input_samples_lost", input.address),
+                            std::to_string(source_->samples_lost(input.address)));
+  }
   return own;
 }
 

@@ -1,0 +1,90 @@
+// What was asked for on the command line, checked: each error names its option.
+
+#include "ros2_options.hpp"
+#include <sonopose/ros2/beacon_topics.hpp>
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <stdexcept>
+
+namespace sonopose::apps {
+namespace {
+
+/// What `make` returns; what it throws names the option.
+template <class Make>
+auto by_option(const std::string& option, const Make& make) {
+  try {
+    return make();
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(option + ": " + error.what());
+  }
+}
+
+ros2::NameResolver names_by(const Ros2Options& options) {
+  by_option("--name", [&] { ros2::check_node_name(options.node.name); });
+  by_option("--namespace", [&] { ros2::check_namespace(options.node.name_space); });
+  by_option("--enclave", [&] { ros2::check_enclave(options.enclave); });
+  return by_option("--remap", [&] {
+    std::vector<ros2::RemapRule> rules;
+    for (const std::string& rule : options.remap) rules.push_back(ros2::parse_remap_rule(rule));
+    return ros2::NameResolver(options.node, std::move(rules));
+  });
+}
+
+void check_topics(const nodes::Ros2RelayOptions& relay) {
+  const std::string& pattern = relay.output.beacon_namespace;
+  by_option("--beacon-namespace '" + pattern + "'", [&] {
+    if (!ros2::tells_topics_apart(pattern) && !relay.addresses.only_one()) {
+      throw std::invalid_argument(
+          "without {address} all beacons would be in the same topics; that goes with a single beacon, as in "
+          "--addresses 7");
+    }
+    ros2::check_beacon_namespace(relay.names, pattern);
+  });
+  by_option("--remap", [&] { ros2::check_outputs_differ(relay.names, pattern); });
+}
+
+void check_frames(const ros2::FrameNames& frames) {
+  try {
+    check(frames);
+  } catch (const ros2::FrameError& error) {
+    throw std::invalid_argument("--" + error.frame() + "-frame: " + error.what());
+  }
+}
+
+/// A variable that is wrong does not matter where the option says it.
+ros2::Distro distro_by(const Ros2Options& options, const ros2::Variables& environment) {
+  if (options.distro) return *options.distro;
+  const ros2::FoundDistro found = ros2::distro_of(environment);
+  if (!found.warning.empty()) {
+    fmt::print(stderr, "sonopose-ros2: warning: {}; --ros-distro says otherwise\n", found.warning);
+  }
+  return found.distro;
+}
+
+}  // namespace
+
+nodes::Ros2RelayOptions relay_options(const Ros2Options& options, const ros2::Variables& environment) {
+  check_frames(options.output.frames);
+  nodes::Ros2RelayOptions relay{.domain = {},
+                                .qos_file = {},
+                                .names = names_by(options),
+                                .distro = distro_by(options, environment),
+                                .enclave = options.enclave,
+                                .addresses = {},
+                                .output = options.output,
+                                .inputs = {}};
+  relay.output.mount = by_option("--mount", [&] { return ros2::mount_at(options.mount); });
+  if (options.addresses) {
+    relay.addresses = by_option("--addresses", [&] { return nodes::AddressSet::parse(*options.addresses); });
+  }
+  check_topics(relay);
+  using Kind = nodes::Ros2Input::Kind;
+  for (const auto& text : options.imu_in) relay.inputs.push_back(nodes::Ros2Input::parse(Kind::imu, text));
+  for (const auto& text : options.fix_in) relay.inputs.push_back(nodes::Ros2Input::parse(Kind::fix, text));
+  check(relay.inputs);
+  return relay;
+}
+
+}  // namespace sonopose::apps
