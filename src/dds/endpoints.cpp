@@ -25,6 +25,16 @@ std::vector<InstanceHandle> matched(const char* name, Call call, dds_entity_t en
   return result;
 }
 
+/// What the data of readers and of writers have in common. Throws `Error` where `call` gave no endpoint.
+template <class Data>
+Data data_of(const char* call, const EndpointData& endpoint) {
+  if (!endpoint) throw Error(call, DDS_RETCODE_BAD_PARAMETER);
+  Data data;
+  data.participant_key = endpoint->participant_key;
+  if (auto user_data = policy::UserData::from(endpoint->qos)) data.user_data = std::move(user_data->value);
+  return data;
+}
+
 }  // namespace
 
 std::vector<InstanceHandle> matched_subscriptions(dds_entity_t writer) {
@@ -38,26 +48,17 @@ std::vector<InstanceHandle> matched_publications(dds_entity_t reader) {
 PublicationData matched_publication_data(dds_entity_t reader, InstanceHandle publication) {
   const EndpointData endpoint(dds_get_matched_publication_data(reader, publication.value),
                               dds_builtintopic_free_endpoint);
-  if (!endpoint) throw Error("dds_get_matched_publication_data", DDS_RETCODE_BAD_PARAMETER);
-
-  PublicationData data;
+  auto data = data_of<PublicationData>("dds_get_matched_publication_data", endpoint);
   data.topic_name = endpoint->topic_name;
   data.type_name = endpoint->type_name;
   data.key = endpoint->key;
-  data.participant_key = endpoint->participant_key;
-  if (auto user_data = policy::UserData::from(endpoint->qos)) data.user_data = std::move(user_data->value);
   return data;
 }
 
 SubscriptionData matched_subscription_data(dds_entity_t writer, InstanceHandle subscription) {
   const EndpointData endpoint(dds_get_matched_subscription_data(writer, subscription.value),
                               dds_builtintopic_free_endpoint);
-  if (!endpoint) throw Error("dds_get_matched_subscription_data", DDS_RETCODE_BAD_PARAMETER);
-
-  SubscriptionData data;
-  data.participant_key = endpoint->participant_key;
-  if (auto user_data = policy::UserData::from(endpoint->qos)) data.user_data = std::move(user_data->value);
-  return data;
+  return data_of<SubscriptionData>("dds_get_matched_subscription_data", endpoint);
 }
 
 }  // namespace sonopose::dds::detail

@@ -2,6 +2,7 @@
 
 #include <sonopose/fusion/uncertainty.hpp>
 #include <sonopose/nodes/host_clock.hpp>
+#include <sonopose/ros2/lend.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -40,11 +41,10 @@ Ros2Beacon::Ros2Beacon(ros2::Node& node, const Ros2Output& output, BeaconAddress
   if (output.path_s > 0) path_ = node.make_writer<ros2::Path>(prefix_ + "path", profile);
 }
 
-bool Ros2Beacon::make_magnetic(ros2::Node& node) {
-  if (!has_magnetic_ || magnetic_made_) return false;
+void Ros2Beacon::make_magnetic(ros2::Node& node) {
+  if (!has_magnetic_ || magnetic_made_) return;
   magnetic_ = node.make_writer<ros2::MagneticField>(prefix_ + "imu/mag", profile);
   magnetic_made_ = true;
-  return true;
 }
 
 void Ros2Beacon::on(const ImuSample& sample) {
@@ -201,8 +201,10 @@ void Ros2Beacon::publish_path() {
     }
   }
   if (poses.empty()) return;
-  const auto length = static_cast<std::uint32_t>(poses.size());
-  path_.try_write({poses.back().header, {length, length, poses.data(), false}});
+  ros2::Path path{};
+  path.header = poses.back().header;
+  ros2::lend(path.poses, poses);
+  path_.try_write(path);
 }
 
 }  // namespace sonopose::nodes

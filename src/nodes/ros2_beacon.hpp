@@ -38,8 +38,8 @@ public:
   /// Another source says where the base is in its own odometry.
   void on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom);
 
-  /// On the main thread: makes the topic of the magnetic field once there is one. Returns whether it did.
-  bool make_magnetic(ros2::Node& node);
+  /// On the main thread: makes the topic of the magnetic field once there is one.
+  void make_magnetic(ros2::Node& node);
   /// On the main thread, often: fixes that nobody reports on.
   void publish_overdue_fixes();
   /// On the main thread, once a second.

@@ -1,6 +1,7 @@
 #include <sonopose/dds/conversions.hpp>
 #include <sonopose/dds/topics.hpp>
 #include <sonopose/nodes/ros2_parameter_server.hpp>
+#include <sonopose/ros2/lend.hpp>
 
 #include <fmt/format.h>
 
@@ -14,17 +15,8 @@ constexpr double answer_timeout_s = 2.0;
 /// rcl_interfaces/msg/ParameterType.
 enum Type : std::uint8_t { not_set = 0, boolean = 1, integer = 2, real = 3, text = 4 };
 
-/// idlc's strings are not const; nobody writes to them.
-char* lent(const std::string& value) {
-  return const_cast<char*>(value.c_str());  // NOLINT(cppcoreguidelines-pro-type-const-cast)
-}
-
-/// A view of `values` as a sequence of idlc's.
-template <class Sequence, class Value>
-void lend(Sequence& sequence, std::vector<Value>& values) {
-  const auto length = static_cast<std::uint32_t>(values.size());
-  sequence = {length, length, values.data(), false};
-}
+using ros2::lend;
+using ros2::lent;
 
 std::vector<char*> lent(const std::vector<std::string>& values) {
   std::vector<char*> result;

@@ -1,6 +1,7 @@
 // What the relay tells once a second, and the transforms that do not move.
 
 #include "ros2_relay_impl.hpp"
+#include <sonopose/ros2/lend.hpp>
 
 #include <fmt/format.h>
 
@@ -15,8 +16,9 @@ void Ros2Relay::Impl::publish_static_transforms() {
     transforms.push_back(ros2::transform(mount, now_ns(), outputs.frames().base, outputs.frames().imu));
   });
   if (transforms.empty()) return;
-  const auto length = static_cast<std::uint32_t>(transforms.size());
-  static_tf_writer_.try_write({{length, length, transforms.data(), false}});
+  ros2::TFMessage message{};
+  ros2::lend(message.transforms, transforms);
+  static_tf_writer_.try_write(message);
 }
 
 void Ros2Relay::Impl::publish_diagnostics() {

@@ -1,3 +1,4 @@
+#include <sonopose/ros2/lend.hpp>
 #include <sonopose/ros2/node.hpp>
 #include <sonopose/ros2/type_hash.hpp>
 
@@ -42,13 +43,6 @@ std::vector<Gid> gids_of(const std::vector<dds_guid_t>& guids) {
   return gids;
 }
 
-/// A view of `values` as a sequence of idlc's.
-template <class Sequence, class Value>
-void lend(Sequence& sequence, std::vector<Value>& values) {
-  sequence._buffer = values.data();
-  sequence._length = sequence._maximum = static_cast<std::uint32_t>(values.size());
-}
-
 template <class Info>
 void write(dds::DataWriter<Info>& writer, const dds_guid_t& participant, const NodeName* node,
            const std::vector<dds_guid_t>& readers, const std::vector<dds_guid_t>& writers) {
@@ -79,7 +73,7 @@ dds::Qos participant_qos(const std::string& enclave) {
 
 Node::Node(const dds::DomainParticipant& participant, const dds::QosProvider& qos, NameResolver names,
            Distro distro)
-    : participant_(participant), qos_(qos), names_(std::move(names)), distro_(distro) {
+    : participant_(participant), qos_(qos), names_(std::move(names)) {
   const dds::Qos& topic_qos = qos.topic_qos(discovery_profile);
   const dds::Qos& writer_qos = qos.datawriter_qos(discovery_profile);
   if (distro == Distro::humble) {

@@ -40,7 +40,6 @@ public:
   ~Node();
 
   const NameResolver& names() const noexcept { return names_; }
-  Distro distro() const noexcept { return distro_; }
 
   /// A writer for a topic by its ROS name, which is resolved, with a profile of the QoS file
   /// ("ros2::Default"). `listener` must outlive it. Others learn that it is this node's by the next
@@ -48,10 +47,7 @@ public:
   template <class T>
   dds::DataWriter<T> make_writer(const std::string& name, const char* profile,
                                  dds::DataWriterListener<T>* listener = nullptr) {
-    const dds::Topic<T> topic(participant_, name_in_dds(names_.topic(name)), qos_.topic_qos(profile));
-    dds::DataWriter<T> writer(participant_, topic, with_type_hash<T>(qos_.datawriter_qos(profile)), listener);
-    note(writers_, writer);
-    return writer;
+    return make_writer_in_dds<T>(name_in_dds(names_.topic(name)), profile, {}, listener);
   }
 
   /// The same for a reader; its listener hears of the statuses in `mask`.
@@ -59,35 +55,17 @@ public:
   dds::DataReader<T> make_reader(const std::string& name, const char* profile,
                                  dds::DataReaderListener<T>* listener = nullptr,
                                  dds::StatusMask mask = dds::StatusMask::all()) {
-    const dds::Topic<T> topic(participant_, name_in_dds(names_.topic(name)), qos_.topic_qos(profile));
-    dds::DataReader<T> reader(participant_, topic, with_type_hash<T>(qos_.datareader_qos(profile)), listener,
-                              mask);
-    note(readers_, reader);
-    return reader;
+    return make_reader_in_dds<T>(name_in_dds(names_.topic(name)), profile, {}, listener, mask);
   }
 
   /// A service by its ROS name, which is resolved as a topic's is.
   template <class S>
   Service<S> make_service(const std::string& name) {
-    using Request = typename S::Request;
-    using Response = typename S::Response;
     const char* const profile = "ros2::Default";
     const std::string service = names_.topic(name);
     const std::string id = next_service_id();
-    const auto with_id = [&](dds::Qos qos, const char* type_name) {
-      return add_type_hash(std::move(qos), type_name, id);
-    };
-    const dds::Topic<Request> requests(participant_, "rq" + service + "Request", qos_.topic_qos(profile));
-    const dds::Topic<Response> replies(participant_, "rr" + service + "Reply", qos_.topic_qos(profile));
-    dds::DataReader<Request> reader(
-        participant_, requests,
-        with_id(qos_.datareader_qos(profile), dds::TopicTraits<Request>::descriptor().m_typename));
-    dds::DataWriter<Response> writer(
-        participant_, replies,
-        with_id(qos_.datawriter_qos(profile), dds::TopicTraits<Response>::descriptor().m_typename));
-    note(readers_, reader);
-    note(writers_, writer);
-    return {std::move(reader), std::move(writer)};
+    return {make_reader_in_dds<typename S::Request>("rq" + service + "Request", profile, id),
+            make_writer_in_dds<typename S::Response>("rr" + service + "Reply", profile, id)};
   }
 
   /// Tells the others of node and endpoints, if anything has changed since the last time.
@@ -99,11 +77,34 @@ public:
 private:
   using Guids = std::vector<dds_guid_t>;
 
+  /// `before`: what stands in the user data before the type's hash.
   template <class T>
-  static dds::Qos with_type_hash(dds::Qos qos) {
-    return add_type_hash(std::move(qos), dds::TopicTraits<T>::descriptor().m_typename);
+  dds::DataWriter<T> make_writer_in_dds(const std::string& name, const char* profile,
+                                        const std::string& before,
+                                        dds::DataWriterListener<T>* listener = nullptr) {
+    const dds::Topic<T> topic(participant_, name, qos_.topic_qos(profile));
+    dds::DataWriter<T> writer(participant_, topic, with_type_hash<T>(qos_.datawriter_qos(profile), before),
+                              listener);
+    note(writers_, writer);
+    return writer;
   }
-  static dds::Qos add_type_hash(dds::Qos qos, const char* type_name, const std::string& before = {});
+  template <class T>
+  dds::DataReader<T> make_reader_in_dds(const std::string& name, const char* profile,
+                                        const std::string& before,
+                                        dds::DataReaderListener<T>* listener = nullptr,
+                                        dds::StatusMask mask = dds::StatusMask::all()) {
+    const dds::Topic<T> topic(participant_, name, qos_.topic_qos(profile));
+    dds::DataReader<T> reader(participant_, topic, with_type_hash<T>(qos_.datareader_qos(profile), before),
+                              listener, mask);
+    note(readers_, reader);
+    return reader;
+  }
+
+  template <class T>
+  static dds::Qos with_type_hash(dds::Qos qos, const std::string& before = {}) {
+    return add_type_hash(std::move(qos), dds::TopicTraits<T>::descriptor().m_typename, before);
+  }
+  static dds::Qos add_type_hash(dds::Qos qos, const char* type_name, const std::string& before);
   /// By which a client knows that a service's two ends belong together: "serviceid=…;".
   std::string next_service_id();
   void note(Guids& guids, const dds::Entity& endpoint);
@@ -111,7 +112,6 @@ private:
   const dds::DomainParticipant& participant_;
   const dds::QosProvider& qos_;
   NameResolver names_;
-  Distro distro_;
   Guids readers_;
   Guids writers_;
   bool changed_ = true;
