@@ -1,5 +1,5 @@
-#include <sonopose/marvelmind/beacon_assembler.hpp>
-#include <sonopose/marvelmind/conversions.hpp>
+#include "marvelmind/beacon_assembler.hpp"
+#include "marvelmind/conversions.hpp"
 
 #include <algorithm>
 #include <cstdlib>

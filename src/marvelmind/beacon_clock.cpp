@@ -1,4 +1,4 @@
-#include <sonopose/marvelmind/beacon_clock.hpp>
+#include "marvelmind/beacon_clock.hpp"
 
 #include <algorithm>
 #include <cmath>

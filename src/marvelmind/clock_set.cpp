@@ -1,4 +1,4 @@
-#include <sonopose/marvelmind/clock_set.hpp>
+#include "marvelmind/clock_set.hpp"
 
 #include <algorithm>
 

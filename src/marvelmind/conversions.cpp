@@ -1,4 +1,4 @@
-#include <sonopose/marvelmind/conversions.hpp>
+#include "marvelmind/conversions.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
-#include <sonopose/marvelmind/conversions.hpp>
-#include <sonopose/marvelmind/disassembler.hpp>
+#include "marvelmind/conversions.hpp"
+#include "marvelmind/disassembler.hpp"
 
 namespace sonopose::marvelmind {
 

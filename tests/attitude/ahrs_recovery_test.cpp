@@ -1,6 +1,6 @@
 /// Rejection with recovery: after the timeout a sensor is used until it agrees, without restart or jump.
 
-#include "ahrs_support.hpp"
+#include "attitude/ahrs_support.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -14,7 +14,7 @@ const AhrsSettings settings;  // the default form
 
 /// The sensors of a body at rest at another orientation: what is measured contradicts the estimate.
 attitude::Measurement<double> elsewhere(const Vector3d& rotation_rad) {
-  return at_rest(math::rotation_by(rotation_rad));
+  return at_rest(geometry::rotation_by(rotation_rad));
 }
 
 /// Whether a run of `ignored` contradictions to each agreement ever leads to recovery in 60 s.
@@ -84,7 +84,7 @@ TEST_CASE("a contradicting magnetometer is followed after the timeout, without a
   double yaw_rad = 0.0;
   for (int i = 0; i < 3000; ++i) {
     filter.update(settings, turned);
-    const double now_rad = math::yaw_of(filter.orientation());
+    const double now_rad = geometry::yaw_of(filter.orientation());
     CHECK(now_rad - yaw_rad <= settings.gain * step_s * 1.0001);
     if (i == 10) CHECK(filter.flags(settings).magnetic_timeout);
     CHECK_FALSE(filter.flags(settings).initialising);

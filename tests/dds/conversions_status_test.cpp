@@ -1,5 +1,5 @@
-#include "field_filler.hpp"
-#include <sonopose/dds/conversions.hpp>
+#include "dds/field_filler.hpp"
+#include <sonopose/dds/topics/conversions.hpp>
 
 #include <catch2/catch.hpp>
 

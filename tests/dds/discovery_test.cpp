@@ -1,5 +1,5 @@
-#include "dds_fixture.hpp"
-#include <sonopose/dds/discovery.hpp>
+#include "dds/dds_fixture.hpp"
+#include <sonopose/dds/binding/discovery.hpp>
 
 #include <catch2/catch.hpp>
 

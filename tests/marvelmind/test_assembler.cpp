@@ -1,6 +1,6 @@
 // Packets → samples: units, flags, the wait for quality, what is kept back.
 
-#include "assembler_fixture.hpp"
+#include "marvelmind/assembler_fixture.hpp"
 
 #include <catch2/catch.hpp>
 

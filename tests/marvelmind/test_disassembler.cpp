@@ -1,10 +1,10 @@
 // Samples → packets → bytes → packets → samples: what comes back differs by the wire's steps alone.
 
-#include "frames.hpp"
-#include <sonopose/marvelmind/assembler.hpp>
-#include <sonopose/marvelmind/conversions.hpp>
-#include <sonopose/marvelmind/disassembler.hpp>
-#include <sonopose/marvelmind/encoder.hpp>
+#include "marvelmind/frames.hpp"
+#include "marvelmind/assembler.hpp"
+#include "marvelmind/conversions.hpp"
+#include "marvelmind/disassembler.hpp"
+#include "marvelmind/encoder.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -3,7 +3,7 @@
 /// What the engine gives, as the bits of its numbers: for "equal" in its strictest sense (0 is not -0, and a
 /// NaN is itself). The times at which a pose passed through the processes are no part of it.
 
-#include <sonopose/core/pose.hpp>
+#include <sonopose/samples/pose.hpp>
 
 #include <bit>
 #include <cstdint>

@@ -2,11 +2,11 @@
 /// \file
 /// The bus of one test: a domain of its own, the real programs on it, and the test's own consumers.
 
-#include "process.hpp"
-#include "test_domain.hpp"
-#include <sonopose/dds/conversions.hpp>
-#include <sonopose/dds/topics.hpp>
-#include <sonopose/dds/waitset.hpp>
+#include "support/process.hpp"
+#include "support/test_domain.hpp"
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/dds/binding/waitset.hpp>
 
 #include <catch2/catch.hpp>
 

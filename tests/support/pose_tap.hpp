@@ -2,8 +2,8 @@
 /// \file
 /// A live consumer of poses that notes, for each, when it came and from which writer.
 
-#include "bus.hpp"
-#include <sonopose/nodes/host_clock.hpp>
+#include "support/bus.hpp"
+#include "process/host_clock.hpp"
 
 #include <algorithm>
 #include <condition_variable>
@@ -95,7 +95,7 @@ public:
 private:
   struct Listener final : dds::DataReaderListener<sonopose_FusedPose> {
     void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
-      const TimeNs received_ns = nodes::steady_now_ns();
+      const TimeNs received_ns = process::steady_now_ns();
       const std::lock_guard lock(mutex);
       reader.try_take_each([&](const sonopose_FusedPose& pose, const dds::SampleInfo& info) {
         poses.push_back({dds::from_idl(pose), info.publication_handle().value, received_ns});
@@ -107,7 +107,7 @@ private:
                                const dds::LivelinessChangedStatus& status) noexcept override {
       if (status.not_alive_count_change <= 0) return;
       const std::lock_guard lock(mutex);
-      lost_ns = nodes::steady_now_ns();
+      lost_ns = process::steady_now_ns();
       came.notify_all();
     }
 

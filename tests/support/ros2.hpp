@@ -2,10 +2,10 @@
 /// \file
 /// The other side of the relay: a ROS 2 process's readers and writers, as rclcpp makes them.
 
-#include "bus.hpp"
-#include <sonopose/ros2/messages.hpp>
-#include <sonopose/ros2/names.hpp>
-#include <sonopose/ros2/time.hpp>
+#include "support/bus.hpp"
+#include <sonopose/ros2/messages/messages.hpp>
+#include <sonopose/ros2/messages/names.hpp>
+#include <sonopose/ros2/messages/time.hpp>
 
 #include <string>
 

@@ -3,10 +3,10 @@
 /// What the processes of ROS 2 learn of each other's nodes: `ros_discovery_info`, the type of which has two
 /// layouts, and the endpoints that it names.
 
-#include "process.hpp"
-#include <sonopose/dds/discovery.hpp>
-#include <sonopose/dds/waitset.hpp>
-#include <sonopose/ros2/node.hpp>
+#include "support/process.hpp"
+#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/ros2/messages/node.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -1,6 +1,6 @@
 /// The real recording: 112 s of a car with a pair of beacons, through the real programs.
 
-#include "car_run.hpp"
+#include "system/car_run.hpp"
 
 #include <algorithm>
 #include <cmath>

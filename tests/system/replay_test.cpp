@@ -1,10 +1,10 @@
 /// sonopose-replay as a program: what it prints, writes and refuses.
 
-#include "io/temporary_folder.hpp"
-#include "replay_rows.hpp"
+#include "support/temporary_folder.hpp"
+#include "system/replay_rows.hpp"
 #include "support/process.hpp"
-#include <sonopose/io/log_writer.hpp>
-#include <sonopose/sim/simulator.hpp>
+#include "recording/log_writer.hpp"
+#include "sim/simulator.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -26,7 +26,7 @@ class Recording {
 public:
   explicit Recording(bool with_truth = true) {
     sim::Simulator simulator(sim::find_scenario("outlier_bursts"), {.duration_s = 12.0});
-    io::SensorLogWriter writer(log());
+    recording::SensorLogWriter writer(log());
     while (const auto step = simulator.next()) {
       writer.write(step->event);
       if (with_truth && step->truth) writer.write(*step->truth);

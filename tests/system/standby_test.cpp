@@ -78,7 +78,7 @@ std::vector<double> takeovers_ms(Pair& pair, Fusion& strong, const Fusion& weak,
   for (int i = 0; i < kills; ++i) {
     pair.wait_until_served_by(strong);
     const std::size_t before = pair.tap.count();
-    const TimeNs out_ns = nodes::steady_now_ns();
+    const TimeNs out_ns = process::steady_now_ns();
     const auto bring_back = take_out();
     const auto first = pair.tap.wait_for_writer(weak.writers, before);
     REQUIRE(first);

@@ -1,0 +1,24 @@
+#include "fusion/gap_detector.hpp"
+
+#include <fmt/format.h>
+
+namespace sonopose::fusion {
+
+std::optional<std::string> GapWatch::on(BeaconAddress address,
+                                        const std::optional<collation::LosslessSequencer::Gap>& gap,
+                                        TimeNs process::now_ns) {
+  if (!gap) {
+    waits_.erase(address);
+    return std::nullopt;
+  }
+  const auto [found, first] = waits_.try_emplace(address, Wait{gap->missing, process::now_ns, false});
+  Wait& wait = found->second;
+  if (wait.missing != gap->missing) wait = {gap->missing, process::now_ns, false};
+  if (first || wait.told || process::now_ns - wait.since_ns < patience_ns) return std::nullopt;
+  wait.told = true;
+  return fmt::format(
+      "beacon {}: waiting for event {}, {} events held; --lossless is for a bridge with --rate 0", address,
+      gap->missing, gap->held);
+}
+
+}  // namespace sonopose::fusion
