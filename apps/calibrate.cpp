@@ -2,6 +2,7 @@
 
 #include "support/run.hpp"
 #include "evaluation/allan.hpp"
+#include "plots/allan_plot.hpp"
 #include "evaluation/calibration.hpp"
 
 #include <fmt/format.h>
@@ -56,7 +57,7 @@ int tell(const Options& options, const evaluation::CalibrationResult& result) {
 }
 
 int analyse(const Options& options) {
-  std::optional<evaluation::AllanPicture> picture;
+  std::optional<plots::AllanPlot> picture;
   if (options.picture) picture.emplace(*options.picture);
   const evaluation::AllanResult result = evaluation::analyse_allan(options.log);
   if (picture) picture->draw(result);

@@ -50,14 +50,14 @@ void add_options(CLI::App& app, Options& options) {
 
 sonopose::fusion::FusionOptions node_options(const Options& options,
                                             const sonopose::config::FusionConfig& config) {
-  using namespace sonopose::nodes;
+  using namespace sonopose::fusion;
   FusionOptions node{.domain = options.bus.domain,
                      .qos_file = options.bus.qos_file,
                      .config = config,
                      .addresses = {},
                      .standby = {},
                      .lossless = options.lossless};
-  if (options.addresses) node.addresses = AddressSet::parse(*options.addresses);
+  if (options.addresses) node.addresses = sonopose::process::AddressSet::parse(*options.addresses);
   if (options.standby_strength > 0) node.standby = {options.standby_strength, options.warm_up_s};
   return node;
 }

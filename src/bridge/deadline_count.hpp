@@ -14,16 +14,16 @@ class DeadlineCount {
 public:
   explicit DeadlineCount(TimeNs period_ns) : period_ns_(period_ns) {}
 
-  void on_sample(TimeNs process::now_ns) {
-    missed_ = count(process::now_ns);
-    latest_ns_ = process::now_ns;
+  void on_sample(TimeNs now_ns) {
+    missed_ = count(now_ns);
+    latest_ns_ = now_ns;
     begun_ = true;
   }
 
-  /// Whole periods without a sample, up to `process::now_ns`.
-  [[nodiscard]] std::uint64_t count(TimeNs process::now_ns) const {
-    if (!begun_ || process::now_ns <= latest_ns_) return missed_;
-    return missed_ + static_cast<std::uint64_t>((process::now_ns - latest_ns_) / period_ns_);
+  /// Whole periods without a sample, up to `now_ns`.
+  [[nodiscard]] std::uint64_t count(TimeNs now_ns) const {
+    if (!begun_ || now_ns <= latest_ns_) return missed_;
+    return missed_ + static_cast<std::uint64_t>((now_ns - latest_ns_) / period_ns_);
   }
 
 private:

@@ -1,9 +1,8 @@
 #pragma once
 /// \file
-/// The Allan deviation of a log at rest: as a table, as JSON, and as a picture.
+/// The Allan deviation of a log at rest: as a table and as JSON.
 
 #include "calibration/fit/allan.hpp"
-#include "files/replacement.hpp"
 
 #include <cstddef>
 #include <filesystem>
@@ -25,20 +24,5 @@ std::string allan_text(const AllanResult& result);
 
 /// One JSON object with the curves, rows of [tau_s, deviation, relative_error]; null for what is not seen.
 std::string allan_json(const AllanResult& result);
-
-/// The curves of both sensors with the line of the noise density and the floor. Drawn by gnuplot.
-class AllanPicture {
-public:
-  /// `file` ends in .svg or .png. Throws plots::PictureError (picture.hpp) for another ending and where gnuplot is
-  /// not installed, files::IoError where the file cannot be written.
-  explicit AllanPicture(std::filesystem::path file);
-
-  /// Replaces the file. Throws plots::PictureError where gnuplot fails; the file then stays as it was.
-  void draw(const AllanResult& result);
-
-private:
-  std::filesystem::path file_;
-  files::Replacement replacement_;
-};
 
 }  // namespace sonopose::evaluation

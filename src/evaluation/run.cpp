@@ -98,7 +98,7 @@ public:
     const auto* imu = std::get_if<ImuSample>(&event);
     if (imu == nullptr) return;
     estimation::documented::Counters& counters = results_.result().counters;
-    if (!fusion::admission::admits(settings_.admission, last_imu_ns_, *imu)) {
+    if (!estimation::documented::admission::admits(settings_.admission, last_imu_ns_, *imu)) {
       ++counters.samples_invalid;
       return;
     }

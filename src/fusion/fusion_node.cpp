@@ -129,7 +129,7 @@ void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, Time
         [&](const SettingsInForce& change) { changes_.push_back(change); });
   }
   for (const SettingsInForce& change : changes_) {
-    output_.set_period(change.address, fusion::output::period_ns(change.settings.output));
+    output_.set_period(change.address, estimation::documented::output::period_ns(change.settings.output));
   }
   for (FusedPose& pose : poses_) {
     pose.fusion_in_time_ns = in_ns;

@@ -6,15 +6,15 @@ namespace sonopose::fusion {
 
 std::optional<std::string> GapWatch::on(BeaconAddress address,
                                         const std::optional<collation::LosslessSequencer::Gap>& gap,
-                                        TimeNs process::now_ns) {
+                                        TimeNs now_ns) {
   if (!gap) {
     waits_.erase(address);
     return std::nullopt;
   }
-  const auto [found, first] = waits_.try_emplace(address, Wait{gap->missing, process::now_ns, false});
+  const auto [found, first] = waits_.try_emplace(address, Wait{gap->missing, now_ns, false});
   Wait& wait = found->second;
-  if (wait.missing != gap->missing) wait = {gap->missing, process::now_ns, false};
-  if (first || wait.told || process::now_ns - wait.since_ns < patience_ns) return std::nullopt;
+  if (wait.missing != gap->missing) wait = {gap->missing, now_ns, false};
+  if (first || wait.told || now_ns - wait.since_ns < patience_ns) return std::nullopt;
   wait.told = true;
   return fmt::format(
       "beacon {}: waiting for event {}, {} events held; --lossless is for a bridge with --rate 0", address,

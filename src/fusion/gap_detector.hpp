@@ -19,10 +19,10 @@ public:
   /// So long a wait is no slow transport any more.
   static constexpr TimeNs patience_ns = 5'000'000'000;
 
-  /// What one beacon's events wait for at `process::now_ns` (steady clock). Returns what to tell the user, once for
+  /// What one beacon's events wait for at `now_ns` (steady clock). Returns what to tell the user, once for
   /// each event that is waited for.
   std::optional<std::string> on(BeaconAddress address,
-                                const std::optional<collation::LosslessSequencer::Gap>& gap, TimeNs process::now_ns);
+                                const std::optional<collation::LosslessSequencer::Gap>& gap, TimeNs now_ns);
 
   /// Events were not taken for a while because a consumer was waited for: that wait does not count.
   void start_over() { waits_.clear(); }

@@ -20,20 +20,20 @@ public:
   /// a period after the next sample then.
   bool set_period(BeaconAddress address, TimeNs period_ns);
 
-  /// The pose of an IMU sample that was taken at `process::now_ns`.
-  void on_pose(const FusedPose& pose, TimeNs process::now_ns);
+  /// The pose of an IMU sample that was taken at `now_ns`.
+  void on_pose(const FusedPose& pose, TimeNs now_ns);
 
-  /// Calls `on_due(const FusedPose&)` with every predicted pose that is due at `process::now_ns`: one for each beacon
+  /// Calls `on_due(const FusedPose&)` with every predicted pose that is due at `now_ns`: one for each beacon
   /// at most, for what was due earlier is past. Returns when the next one is; empty where none ever.
   template <class OnDue>
-  std::optional<TimeNs> predict(TimeNs process::now_ns, const OnDue& on_due) {
+  std::optional<TimeNs> predict(TimeNs now_ns, const OnDue& on_due) {
     std::optional<TimeNs> next_ns;
     for (auto& entry : lanes_) {
       Lane& lane = entry.second;
       if (lane.period_ns == 0 || lane.due_ns == 0) continue;
-      if (process::now_ns >= lane.due_ns) {
-        if (const auto pose = predicted(lane, process::now_ns)) on_due(*pose);
-        lane.due_ns += ((process::now_ns - lane.due_ns) / lane.period_ns + 1) * lane.period_ns;
+      if (now_ns >= lane.due_ns) {
+        if (const auto pose = predicted(lane, now_ns)) on_due(*pose);
+        lane.due_ns += ((now_ns - lane.due_ns) / lane.period_ns + 1) * lane.period_ns;
       }
       if (!next_ns || lane.due_ns < *next_ns) next_ns = lane.due_ns;
     }
@@ -48,7 +48,7 @@ private:
     FusedPose pose;
   };
 
-  [[nodiscard]] std::optional<FusedPose> predicted(const Lane& lane, TimeNs process::now_ns) const;
+  [[nodiscard]] std::optional<FusedPose> predicted(const Lane& lane, TimeNs now_ns) const;
 
   TimeNs deadline_ns_;
   std::unordered_map<BeaconAddress, Lane> lanes_;

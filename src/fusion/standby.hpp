@@ -33,15 +33,15 @@ public:
     bool give_up = false;                   ///< take the claim back first
   };
 
-  /// A pose that is about to be written at `process::now_ns` of the steady clock, whose sample the bridge published
+  /// A pose that is about to be written at `now_ns` of the steady clock, whose sample the bridge published
   /// `age_ns` ago (by clocks that need not agree). After a stall the beacon is claimed again with its first
   /// good pose where the input was silent; where its samples come later than they used to, this process was
   /// held up, has missed some, and warms up anew.
-  Step on_pose(BeaconAddress address, std::uint32_t status, TimeNs age_ns, TimeNs process::now_ns);
+  Step on_pose(BeaconAddress address, std::uint32_t status, TimeNs age_ns, TimeNs now_ns);
 
-  /// Adds to `stalled` the beacons whose claim must be taken back at `process::now_ns`. Each is named again at the
+  /// Adds to `stalled` the beacons whose claim must be taken back at `now_ns`. Each is named again at the
   /// next call, and so is one that on_pose gave up: for a pose that was on its way just then.
-  void find_stalled(TimeNs process::now_ns, std::vector<BeaconAddress>& stalled);
+  void find_stalled(TimeNs now_ns, std::vector<BeaconAddress>& stalled);
 
   /// When find_stalled has something to say if no pose comes; the largest time where never.
   [[nodiscard]] TimeNs next_stall_ns() const;
@@ -64,9 +64,9 @@ private:
     bool name_again = false;
   };
 
-  [[nodiscard]] bool is_warm(const Lane& lane, TimeNs process::now_ns) const;
+  [[nodiscard]] bool is_warm(const Lane& lane, TimeNs now_ns) const;
   [[nodiscard]] bool is_late(const Lane& lane) const;
-  void begin_warm_up(Lane& lane, TimeNs process::now_ns) const;
+  void begin_warm_up(Lane& lane, TimeNs now_ns) const;
 
   TimeNs warm_up_ns_;
   TimeNs stall_ns_;

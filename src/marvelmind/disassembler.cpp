@@ -5,9 +5,6 @@ namespace sonopose::marvelmind {
 
 namespace {
 
-constexpr std::int64_t ns_per_ms = 1'000'000;
-constexpr std::int64_t ns_per_64th = 15'625'000;
-
 std::int64_t divide_down(std::int64_t value, std::int64_t divisor) {
   return value / divisor - (value % divisor < 0 ? 1 : 0);
 }

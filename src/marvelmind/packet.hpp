@@ -22,6 +22,10 @@ inline constexpr std::uint8_t frame_start = 0xFF;
 inline constexpr std::uint8_t stream_type = 0x47;       ///< streamed by the beacon
 inline constexpr std::uint8_t user_device_type = 0x4A;  ///< meant for the user's device
 
+/// The two units of a stamp.
+inline constexpr std::int64_t ns_per_ms = 1'000'000;
+inline constexpr std::int64_t ns_per_64th = 15'625'000;  ///< 1/64 s
+
 inline constexpr std::size_t header_size = 5;
 inline constexpr std::size_t crc_size = 2;
 inline constexpr std::size_t max_payload_size = 255;

@@ -1,5 +1,6 @@
 #include <sonopose/geometry/rotation.hpp>
 #include "monitor/monitor_report.hpp"
+#include "observation/status_words.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -19,8 +20,8 @@ nlohmann::json optional_json(const std::optional<double>& value) {
 
 nlohmann::json legs_json(const observation::BeaconView& view) {
   nlohmann::json json;
-  for (std::size_t leg = 0; leg < leg_names.size(); ++leg) {
-    json[std::string(leg_names[leg])] = {{"p50_s", view.legs[leg].p50_s}, {"p99_s", view.legs[leg].p99_s}};
+  for (std::size_t leg = 0; leg < observation::leg_names.size(); ++leg) {
+    json[std::string(observation::leg_names[leg])] = {{"p50_s", view.legs[leg].p50_s}, {"p99_s", view.legs[leg].p99_s}};
   }
   return json;
 }
@@ -100,7 +101,7 @@ nlohmann::json beacon_json(const observation::BeaconView& view) {
                       {"since_valid_fix_s", pose.since_valid_fix_s},
                       {"trust", pose.trust},
                       {"status", pose.status},
-                      {"status_words", status_words(pose.status)},
+                      {"status_words", observation::status_words(pose.status)},
                       {"reset_counter", pose.reset_counter},
                       {"pose_time_ns", pose.time_ns},
                       {"pose_deadlines_missed", view.deadlines_missed},
@@ -120,8 +121,8 @@ nlohmann::json beacon_json(const observation::BeaconView& view) {
 
 }  // namespace
 
-std::string json_of(const std::vector<observation::BeaconView>& views, TimeNs process::now_ns) {
-  nlohmann::json json{{"time_ns", process::now_ns}, {"beacons", nlohmann::json::array()}};
+std::string json_of(const std::vector<observation::BeaconView>& views, TimeNs now_ns) {
+  nlohmann::json json{{"time_ns", now_ns}, {"beacons", nlohmann::json::array()}};
   for (const observation::BeaconView& view : views) json["beacons"].push_back(beacon_json(view));
   return json.dump();
 }

@@ -1,5 +1,6 @@
 #include <sonopose/geometry/rotation.hpp>
 #include "monitor/monitor_report.hpp"
+#include "observation/status_words.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,18 +13,6 @@
 namespace sonopose::monitor {
 namespace {
 
-constexpr std::array<std::pair<PoseStatus, std::string_view>, 10> status_names{{
-    {status_initialising, "initialising"},
-    {status_uncalibrated, "uncalibrated"},
-    {status_stale, "stale"},
-    {status_converging, "converging"},
-    {status_heading_unknown, "heading unknown"},
-    {status_frozen_track, "frozen track"},
-    {status_predicted, "predicted"},
-    {status_imu_gap, "IMU gap"},
-    {status_low_trust, "low trust"},
-    {status_rotating_fast, "rotating fast"},
-}};
 
 double heading_deg(const FusedPose& pose) {
   return geometry::yaw_of(pose.q_body_to_world) / geometry::radians_per_degree;
@@ -54,8 +43,8 @@ std::string_view role_word(FusionRole role) {
 std::string stream_words(const observation::BeaconView& view) {
   if (view.lost) return "lost";
   if (view.poses + view.predicted == 0) return "silent";
-  if (view.fusion && view.fusion->imu_silent) return "IMU silent, " + status_words(view.pose.status);
-  return status_words(view.pose.status);
+  if (view.fusion && view.fusion->imu_silent) return "IMU silent, " + observation::status_words(view.pose.status);
+  return observation::status_words(view.pose.status);
 }
 
 using Counted = std::pair<std::uint64_t, std::string_view>;
@@ -129,16 +118,6 @@ std::uint64_t lost_events(const observation::BeaconView& view) {
 }
 
 }  // namespace
-
-std::string status_words(std::uint32_t status) {
-  std::string words;
-  for (const auto& [bit, name] : status_names) {
-    if ((status & bit) == 0U) continue;
-    if (!words.empty()) words += ", ";
-    words += name;
-  }
-  return words.empty() ? "ok" : words;
-}
 
 std::string table_of(const std::vector<observation::BeaconView>& views) {
   std::string text =

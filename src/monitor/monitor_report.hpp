@@ -9,15 +9,12 @@
 
 namespace sonopose::monitor {
 
-/// "ok", or the names of the status bits, as "stale, frozen track".
-std::string status_words(std::uint32_t status);
-
 /// A header and a row per beacon, the same again for the legs of the poses' way, and a line for each process
 /// that counted a breach of a promise; each ended by a newline.
 std::string table_of(const std::vector<observation::BeaconView>& views);
 
 /// {"time_ns": …, "beacons": [{…}]}, on one line without a newline. What is not known is null.
-std::string json_of(const std::vector<observation::BeaconView>& views, TimeNs process::now_ns);
+std::string json_of(const std::vector<observation::BeaconView>& views, TimeNs now_ns);
 
 /// Some lines per beacon: rates, latency and its legs, error, losses.
 std::string summary_of(const std::vector<observation::BeaconView>& views);

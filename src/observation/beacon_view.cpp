@@ -73,10 +73,10 @@ void BeaconWatch::compare(const Vector3d& fused_world_m, const Vector3d& true_wo
   }
 }
 
-BeaconView BeaconWatch::view_of(const Span& span, BeaconAddress address, TimeNs process::now_ns) const {
+BeaconView BeaconWatch::view_of(const Span& span, BeaconAddress address, TimeNs now_ns) const {
   BeaconView view;
   view.address = address;
-  view.window_s = span.began_ns == 0 ? 0.0 : seconds_between(span.began_ns, process::now_ns);
+  view.window_s = span.began_ns == 0 ? 0.0 : seconds_between(span.began_ns, now_ns);
   view.poses = span.poses;
   view.pose_rate_hz = view.window_s > 0.0 ? static_cast<double>(span.poses) / view.window_s : 0.0;
   view.predicted = span.predicted;
@@ -98,15 +98,15 @@ BeaconView BeaconWatch::view_of(const Span& span, BeaconAddress address, TimeNs 
   return view;
 }
 
-BeaconView BeaconWatch::look(BeaconAddress address, TimeNs process::now_ns) {
-  const BeaconView view = view_of(window_, address, process::now_ns);
+BeaconView BeaconWatch::look(BeaconAddress address, TimeNs now_ns) {
+  const BeaconView view = view_of(window_, address, now_ns);
   window_ = {};
-  window_.began_ns = process::now_ns;
+  window_.began_ns = now_ns;
   return view;
 }
 
-BeaconView BeaconWatch::summary(BeaconAddress address, TimeNs process::now_ns) const {
-  return view_of(whole_, address, process::now_ns);
+BeaconView BeaconWatch::summary(BeaconAddress address, TimeNs now_ns) const {
+  return view_of(whole_, address, now_ns);
 }
 
 }  // namespace sonopose::observation

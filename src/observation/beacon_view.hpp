@@ -54,10 +54,10 @@ public:
   void on_fusion_gone(std::uint64_t fusion_id) { fusions_.erase(fusion_id); }
 
   /// What was seen since the last call.
-  BeaconView look(BeaconAddress address, TimeNs process::now_ns);
+  BeaconView look(BeaconAddress address, TimeNs now_ns);
 
   /// What was seen in all.
-  [[nodiscard]] BeaconView summary(BeaconAddress address, TimeNs process::now_ns) const;
+  [[nodiscard]] BeaconView summary(BeaconAddress address, TimeNs now_ns) const;
 
 private:
   /// Counts over some span of time.
@@ -72,7 +72,7 @@ private:
   };
 
   void compare(const Vector3d& fused_world_m, const Vector3d& true_world_m);
-  [[nodiscard]] BeaconView view_of(const Span& span, BeaconAddress address, TimeNs process::now_ns) const;
+  [[nodiscard]] BeaconView view_of(const Span& span, BeaconAddress address, TimeNs now_ns) const;
 
   Span window_;
   Span whole_;

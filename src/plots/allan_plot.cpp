@@ -1,5 +1,5 @@
 #include "plots/gnuplot.hpp"
-#include "evaluation/allan.hpp"
+#include "plots/allan_plot.hpp"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@ namespace {
 using calibration::AllanNumbers;
 
 // Colours that are told apart by everybody (Okabe and Ito).
-constexpr std::array<std::string_view, 3> colours{"#0072B2", "#D55E00", "#009E73"};
+constexpr std::array<std::string_view, 3> axis_colours{"#0072B2", "#D55E00", "#009E73"};
 constexpr std::array<std::string_view, 3> names{"x", "y", "z"};
 
 void append_curves(std::string& script, const evaluation::AllanResult& result) {
@@ -36,7 +36,7 @@ void append_curves(std::string& script, const evaluation::AllanResult& result) {
 /// The curve with a band of its own error, the line of the white noise, and the floor.
 void append_axis(std::string& script, std::size_t axis, const AllanNumbers& numbers) {
   auto out = std::back_inserter(script);
-  const std::string_view colour = colours[axis % 3];
+  const std::string_view colour = axis_colours[axis % 3];
   fmt::format_to(out,
                  "$curve{0} using 1:3:4 with filledcurves fc rgb '{1}' fs transparent solid 0.15 noborder "
                  "notitle, \\\n  $curve{0} using 1:2 with lines lw 2 lc rgb '{1}' title '{2}'",
@@ -84,11 +84,11 @@ std::string script_of(const evaluation::AllanResult& result, const std::filesyst
 
 }  // namespace
 
-evaluation::AllanPicture::AllanPicture(std::filesystem::path file) : file_(std::move(file)), replacement_(file_) {
+AllanPlot::AllanPlot(std::filesystem::path file) : file_(std::move(file)), replacement_(file_) {
   check_picture(file_, replacement_);
 }
 
-void evaluation::AllanPicture::draw(const evaluation::AllanResult& result) {
+void AllanPlot::draw(const evaluation::AllanResult& result) {
   draw_picture(file_, replacement_, script_of(result, replacement_.part(), file_.extension()));
 }
 

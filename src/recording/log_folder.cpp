@@ -35,8 +35,8 @@ public:
     sample_.specific_force_body_mps2 = rows_.vector(4);
     sample_.magnetic_field_body_t.reset();
     if (!rows_.all_filled(7, 3)) return;
-    sample_.magnetic_field_body_t.emplace(rows_.number_in(microtesla, 7), rows_.number_in(microtesla, 8),
-                                          rows_.number_in(microtesla, 9));
+    sample_.magnetic_field_body_t.emplace(rows_.number_in(files::microtesla, 7), rows_.number_in(files::microtesla, 8),
+                                          rows_.number_in(files::microtesla, 9));
   }
 
   [[nodiscard]] std::size_t expected_count() const { return at_end_ ? 0 : rows_.rows_like_this(); }
@@ -195,7 +195,7 @@ std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, Bea
     heading.emission_time_ns = rows.time_ns(0);
     heading.received_time_ns = rows.time_ns(1);
     heading.valid = !rows.is_empty(2);
-    if (heading.valid) heading.heading_world_rad = rows.number_in(degree, 2);
+    if (heading.valid) heading.heading_world_rad = rows.number_in(files::degree, 2);
   }
   return headings;
 }

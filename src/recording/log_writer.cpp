@@ -55,7 +55,7 @@ void SensorLogWriter::write(const ImuSample& sample) {
   if (*with_magnetometer_) {
     for (int axis = 0; axis < 3; ++axis) {
       if (sample.magnetic_field_body_t) {
-        imu_->number_in(microtesla, (*sample.magnetic_field_body_t)[axis]);
+        imu_->number_in(files::microtesla, (*sample.magnetic_field_body_t)[axis]);
       } else {
         imu_->empty();
       }
@@ -83,7 +83,7 @@ void SensorLogWriter::write(const PairHeading& heading) {
   admit(heading.address);
   heading_->integer(heading.emission_time_ns).integer(heading.received_time_ns);
   if (heading.valid) {
-    heading_->number_in(degree, heading.heading_world_rad);
+    heading_->number_in(files::degree, heading.heading_world_rad);
   } else {
     heading_->empty();
   }

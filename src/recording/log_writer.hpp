@@ -9,9 +9,13 @@
 #include <memory>
 #include <optional>
 
+namespace sonopose::files {
+class CsvWriter;
+}
+
 namespace sonopose::recording {
 
-class files::CsvWriter;
+
 
 /// One beacon's recording. Whole lines go to the files a few times a second, so a killed process loses less
 /// than its last second. Rows stand in the order in which they were given.

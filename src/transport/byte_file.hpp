@@ -10,6 +10,10 @@
 #include <memory>
 #include <string>
 
+namespace sonopose::files {
+class AppendFile;
+}
+
 namespace sonopose::transport {
 
 /// A file's bytes, a buffer at a time and as fast as they are asked for; then `end`.
@@ -32,7 +36,7 @@ private:
   std::atomic<bool> stopped_ = false;
 };
 
-class files::AppendFile;
+
 
 /// Keeps raw bytes, after those that the file already holds.
 class CaptureFile {

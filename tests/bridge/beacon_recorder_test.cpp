@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
+using namespace sonopose::bridge;
 using sonopose::test::TemporaryFolder;
 using sonopose::test::write_text;
 

@@ -12,7 +12,8 @@
 #include <stdexcept>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
+using namespace sonopose::bridge;
+using namespace sonopose::process;
 using namespace sonopose::marvelmind;
 using sonopose::test::CollectingSink;
 using sonopose::test::TemporaryFolder;

@@ -9,7 +9,8 @@
 #include <thread>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
+using namespace sonopose::bridge;
+using namespace sonopose::process;
 using sonopose::test::CollectingSink;
 
 namespace {

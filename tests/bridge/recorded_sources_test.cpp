@@ -9,7 +9,8 @@
 #include <catch2/catch.hpp>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
+using namespace sonopose::bridge;
+using namespace sonopose::process;
 using sonopose::test::CollectingSink;
 using sonopose::test::TemporaryFolder;
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 using namespace sonopose;
-using namespace sonopose::fusion;
+using namespace sonopose::collation;
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 using namespace sonopose;
-using namespace sonopose::fusion;
+using namespace sonopose::collation;
 
 namespace {
 

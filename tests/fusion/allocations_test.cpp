@@ -7,8 +7,8 @@
 #include <catch2/catch.hpp>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
-using namespace sonopose::nodes::test;
+using namespace sonopose::fusion;
+using namespace sonopose::fusion::test;
 
 SCENARIO("a live event allocates nothing, also while a change waits and when it takes hold") {
   const auto events = walk(7, 10.0);

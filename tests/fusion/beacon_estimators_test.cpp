@@ -6,8 +6,8 @@
 #include <utility>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
-using namespace sonopose::nodes::test;
+using namespace sonopose::fusion;
+using namespace sonopose::fusion::test;
 
 namespace {
 

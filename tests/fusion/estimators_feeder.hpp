@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace sonopose::nodes::test {
+namespace sonopose::fusion::test {
 
 inline constexpr TimeNs begin_ns = 1'700'000'000'000'000'000;
 
@@ -92,4 +92,4 @@ inline std::vector<FusedPose> poses_of_engine(const std::vector<Event>& events,
   return poses;
 }
 
-}  // namespace sonopose::nodes::test
+}  // namespace sonopose::fusion::test

@@ -5,7 +5,8 @@
 #include <catch2/catch.hpp>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
+using namespace sonopose::fusion;
+using namespace sonopose::process;
 
 namespace {
 constexpr TimeNs ms = 1'000'000;

@@ -8,8 +8,8 @@
 #include <cmath>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
-using namespace sonopose::nodes::test;
+using namespace sonopose::fusion;
+using namespace sonopose::fusion::test;
 using Catch::Contains;
 
 namespace {

@@ -10,8 +10,8 @@
 #include <catch2/catch.hpp>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
-using namespace sonopose::nodes::test;
+using namespace sonopose::fusion;
+using namespace sonopose::fusion::test;
 
 namespace {
 

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
-using namespace sonopose::nodes::test;
+using namespace sonopose::fusion;
+using namespace sonopose::fusion::test;
 using Catch::Contains;
 
 SCENARIO("what holds for any beacon without values of its own can be asked for") {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
+using namespace sonopose::fusion;
 
 namespace {
 

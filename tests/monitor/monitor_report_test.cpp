@@ -1,4 +1,5 @@
 #include "monitor/monitor_report.hpp"
+#include "observation/status_words.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -9,7 +10,7 @@
 #include <set>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
+using namespace sonopose::monitor;
 using Catch::Contains;
 
 namespace {
@@ -74,11 +75,11 @@ std::size_t lines_in(const std::string& text) {
 }  // namespace
 
 TEST_CASE("every status bit has a word of its own") {
-  CHECK(status_words(0) == "ok");
-  CHECK(status_words(status_stale | status_frozen_track) == "stale, frozen track");
+  CHECK(observation::status_words(0) == "ok");
+  CHECK(observation::status_words(status_stale | status_frozen_track) == "stale, frozen track");
   std::set<std::string> words;
   for (std::uint32_t bit = status_initialising; bit <= status_rotating_fast; bit <<= 1U) {
-    const std::string word = status_words(bit);
+    const std::string word = observation::status_words(bit);
     CHECK(!word.empty());
     CHECK(word != "ok");
     words.insert(word);

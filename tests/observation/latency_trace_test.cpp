@@ -5,7 +5,7 @@
 #include <cmath>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
+using namespace sonopose::observation;
 
 namespace {
 

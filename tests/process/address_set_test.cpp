@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
+using namespace sonopose::process;
 
 TEST_CASE("a set of addresses holds its numbers and ranges, and none other") {
   const AddressSet set = AddressSet::parse("7-9,200,65534");

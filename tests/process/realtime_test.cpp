@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <unistd.h>
 
-using namespace sonopose::nodes;
+using namespace sonopose::process;
 using Catch::Contains;
 
 namespace {

@@ -8,7 +8,7 @@
 #include <thread>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
+using namespace sonopose::process;
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 using namespace sonopose;
-using namespace sonopose::io;
+using namespace sonopose::recording;
 using Catch::Contains;
 using sonopose::test::TemporaryFolder;
 using sonopose::test::write_text;

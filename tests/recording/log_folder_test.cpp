@@ -10,7 +10,7 @@
 #include <string>
 
 using namespace sonopose;
-using namespace sonopose::io;
+using namespace sonopose::recording;
 using sonopose::test::fix_at;
 using sonopose::test::heading_at;
 using sonopose::test::imu_at;

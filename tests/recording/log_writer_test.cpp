@@ -17,7 +17,7 @@
 #include <vector>
 
 using namespace sonopose;
-using namespace sonopose::io;
+using namespace sonopose::recording;
 using Catch::Contains;
 using sonopose::test::fix_at;
 using sonopose::test::heading_at;

@@ -11,7 +11,7 @@
 #include <string>
 
 using namespace sonopose;
-using namespace sonopose::io;
+using namespace sonopose::recording;
 
 namespace {
 

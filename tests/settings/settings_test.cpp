@@ -8,8 +8,8 @@
 #include <map>
 #include <set>
 
-using namespace sonopose::fusion;
-namespace setting = sonopose::setting;
+using namespace sonopose::settings;
+using namespace sonopose::estimation::documented;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -52,7 +52,7 @@ TEST_CASE("each of the document's 37 items is declared exactly once") {
     INFO("item " << item);
     CHECK(times[item] == 1);
   }
-  times.erase(settings::own_setting);
+  times.erase(own_setting);
   CHECK(times.size() == 37);
 }
 

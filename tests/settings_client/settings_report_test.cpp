@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
+using namespace sonopose::settings_client;
 using Catch::Contains;
 
 namespace {

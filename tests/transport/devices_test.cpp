@@ -18,7 +18,8 @@
 #include <vector>
 
 using namespace sonopose;
-using namespace sonopose::io;
+using namespace sonopose::transport;
+using namespace sonopose::files;
 using namespace std::chrono_literals;
 using Catch::Contains;
 using sonopose::test::read_text;

@@ -20,7 +20,8 @@
 #include <utility>
 
 using namespace sonopose;
-using namespace sonopose::io;
+using namespace sonopose::transport;
+using namespace sonopose::files;
 using namespace std::chrono_literals;
 using Catch::Contains;
 using sonopose::test::TemporaryFolder;

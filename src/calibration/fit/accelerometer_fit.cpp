@@ -18,11 +18,11 @@ using Eigen::VectorXd;
 
 /// Above this the orientations do not determine the parameters: noise of 1 per mille of gravity would come
 /// out as more than a tenth.
-constexpr double largest_condition = 100.0;
+constexpr double max_accelerometer_condition = 100.0;
 
 // The parameters in the fit's order: offset in units of the mean reading, sensitivity in units of gravity
 // over that, lower triangle of the misalignment.
-constexpr std::array<std::string_view, 9> names{
+constexpr std::array<std::string_view, 9> accelerometer_names{
     "the offset of X",      "the offset of Y",      "the offset of Z",
     "the sensitivity of X", "the sensitivity of Y", "the sensitivity of Z",
     "the misalignment yx",  "the misalignment zx",  "the misalignment zy"};
@@ -130,10 +130,10 @@ std::optional<Solution> solve_with_misalignment(std::span<const StillInterval> i
                   std::to_string(least_orientations_with_misalignment) + " are needed";
     return std::nullopt;
   }
-  Solution solution = solve(intervals, static_cast<Index>(names.size()));
-  if (solution.condition <= largest_condition) return solution;
+  Solution solution = solve(intervals, static_cast<Index>(accelerometer_names.size()));
+  if (solution.condition <= max_accelerometer_condition) return solution;
   why_without = "the orientations do not determine it, least of all " +
-                std::string(detail::weakest_of(solution, names)) +
+                std::string(detail::weakest_of(solution, accelerometer_names)) +
                 ": hold the sensor also on its edges and corners";
   return std::nullopt;
 }
@@ -147,10 +147,10 @@ AccelerometerFit fit_accelerometer(std::span<const StillInterval> intervals) {
   std::optional<Solution> solution = solve_with_misalignment(intervals, fit.orientations, fit.why_without);
   fit.with_misalignment = solution.has_value();
   if (!solution) solution = solve(intervals, count_without_misalignment);
-  if (!(solution->condition <= largest_condition)) {
+  if (!(solution->condition <= max_accelerometer_condition)) {
     throw CalibrationError("the " + std::to_string(fit.orientations) +
                            " orientations do not determine offset and sensitivity, least of all " +
-                           std::string(detail::weakest_of(*solution, names)) +
+                           std::string(detail::weakest_of(*solution, accelerometer_names)) +
                            ": hold the sensor still with each of its six sides up");
   }
   AccelerometerSettings zero;

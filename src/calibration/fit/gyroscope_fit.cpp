@@ -21,11 +21,11 @@ using detail::Turn;
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double largest_condition = 100.0;
+constexpr double max_gyroscope_condition = 100.0;
 constexpr double differences_step = 1e-5;
 
 // The parameters in the fit's order.
-constexpr std::array<std::string_view, 9> names{
+constexpr std::array<std::string_view, 9> gyroscope_names{
     "the sensitivity of X", "the sensitivity of Y", "the sensitivity of Z",
     "the misalignment xy",  "the misalignment xz",  "the misalignment yx",
     "the misalignment yz",  "the misalignment zx",  "the misalignment zy"};
@@ -45,7 +45,7 @@ GyroscopeSettings settings_of(const VectorXd& parameters, GyroscopeSettings sett
 
 /// The parameters of a sensor that has no errors.
 VectorXd no_errors() {
-  VectorXd parameters = VectorXd::Zero(static_cast<Index>(names.size()));
+  VectorXd parameters = VectorXd::Zero(static_cast<Index>(gyroscope_names.size()));
   parameters.head<3>().setOnes();
   return parameters;
 }
@@ -105,8 +105,8 @@ std::vector<Turn> without_outliers(const std::vector<Turn>& turns, const Eigen::
 /// Why the solution is not to be used; empty where it is.
 std::string objection_to(const Solution& solution, const GyroscopeSettings& settings) {
   constexpr double largest_rms_rad = geometry::radians_per_degree;
-  if (!(solution.condition <= largest_condition)) {
-    return "the turns do not determine it, least of all " + std::string(detail::weakest_of(solution, names)) +
+  if (!(solution.condition <= max_gyroscope_condition)) {
+    return "the turns do not determine it, least of all " + std::string(detail::weakest_of(solution, gyroscope_names)) +
            ": turn about each of the axes";
   }
   const double rms_rad = rms_of(solution.residuals);
@@ -172,7 +172,7 @@ GyroscopeFit fit_gyroscope(std::span<const StillInterval> intervals) {
   fit.settings.offset_x_radps = offset_radps.x();
   fit.settings.offset_y_radps = offset_radps.y();
   fit.settings.offset_z_radps = offset_radps.z();
-  fit.standard_errors = settings_of(VectorXd::Zero(static_cast<Index>(names.size())), fit.settings);
+  fit.standard_errors = settings_of(VectorXd::Zero(static_cast<Index>(gyroscope_names.size())), fit.settings);
   fit.standard_errors.offset_x_radps = std::sqrt(variance.x());
   fit.standard_errors.offset_y_radps = std::sqrt(variance.y());
   fit.standard_errors.offset_z_radps = std::sqrt(variance.z());

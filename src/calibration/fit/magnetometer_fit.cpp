@@ -20,12 +20,12 @@ using detail::Solution;
 using detail::Span;
 using Eigen::VectorXd;
 
-constexpr double largest_condition = 60.0;
+constexpr double max_magnetometer_condition = 60.0;
 constexpr double largest_axis_ratio = 5.0;
 constexpr double largest_relative_rms = 0.2;
 
 // The parameters in the fit's order: S, then h, both for readings in units of the field's strength.
-constexpr std::array<std::string_view, 9> names{"soft iron xx", "soft iron xy", "soft iron xz",
+constexpr std::array<std::string_view, 9> magnetometer_names{"soft iron xx", "soft iron xy", "soft iron xz",
                                                 "soft iron yy", "soft iron yz", "soft iron zz",
                                                 "hard iron x",  "hard iron y",  "hard iron z"};
 
@@ -45,10 +45,10 @@ Points without_outliers(const Points& points, const VectorXd& parameters) {
 }
 
 void check_coverage(const Solution& solution, double coverage) {
-  if (solution.condition <= largest_condition) return;
+  if (solution.condition <= max_magnetometer_condition) return;
   throw CalibrationError("the directions seen, " + detail::text_of(std::round(100.0 * coverage)) +
                          " % of the sphere, do not determine the ellipsoid, least of all " +
-                         std::string(detail::weakest_of(solution, names)) +
+                         std::string(detail::weakest_of(solution, magnetometer_names)) +
                          ": turn the sensor slowly about all of its axes, until each side has pointed in "
                          "every direction");
 }

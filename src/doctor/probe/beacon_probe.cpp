@@ -20,9 +20,9 @@ StreamSeen BeaconProbe::Stream::seen(TimeNs began_ns, TimeNs ended_ns) const {
           .longest_silence_s = static_cast<double>(std::max(longest_ns, ended_ns - last_ns)) * 1e-9};
 }
 
-void BeaconProbe::begin(TimeNs process::now_ns) {
-  began_ns_ = process::now_ns;
-  for (Stream* const stream : {&imu_, &fix_, &heading_, &pose_}) stream->last_ns = process::now_ns;
+void BeaconProbe::begin(TimeNs now_ns) {
+  began_ns_ = now_ns;
+  for (Stream* const stream : {&imu_, &fix_, &heading_, &pose_}) stream->last_ns = now_ns;
 }
 
 void BeaconProbe::on(const ImuSample& imu, TimeNs received_ns, std::uint64_t writer) {
@@ -114,14 +114,14 @@ std::optional<RestSeen> BeaconProbe::means(const calibration::Settings& calibrat
   return rest;
 }
 
-BeaconSeen BeaconProbe::seen(TimeNs process::now_ns, const calibration::Settings& calibration) const {
+BeaconSeen BeaconProbe::seen(TimeNs now_ns, const calibration::Settings& calibration) const {
   BeaconSeen seen;
-  seen.imu = imu_.seen(began_ns_, process::now_ns);
-  seen.fix = fix_.seen(began_ns_, process::now_ns);
-  seen.heading = heading_.seen(began_ns_, process::now_ns);
-  seen.pose = pose_.seen(began_ns_, process::now_ns);
+  seen.imu = imu_.seen(began_ns_, now_ns);
+  seen.fix = fix_.seen(began_ns_, now_ns);
+  seen.heading = heading_.seen(began_ns_, now_ns);
+  seen.pose = pose_.seen(began_ns_, now_ns);
   seen.valid_headings = valid_headings_;
-  seen.events_missing = missing(process::now_ns);
+  seen.events_missing = missing(now_ns);
   if (!ahead_s_.empty()) {
     std::vector<double> sorted = ahead_s_;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
@@ -133,7 +133,7 @@ BeaconSeen BeaconProbe::seen(TimeNs process::now_ns, const calibration::Settings
   for (const auto& entry : fusions_) {
     const FusionSeen& fusion = entry.second;
     seen.fusions.push_back(fusion.latest);
-    if (seen.fusion && !serves_before(fusion.latest, *seen.fusion)) continue;
+    if (seen.fusion && !observation::serves_before(fusion.latest, *seen.fusion)) continue;
     seen.fusion_before = fusion.before;
     seen.fusion = fusion.latest;
   }

@@ -24,10 +24,10 @@ public:
   void on(const FusionStatus& status);
 
   /// The window begins.
-  void begin(TimeNs process::now_ns);
+  void begin(TimeNs now_ns);
 
   /// The window is over. The processes behind `writers()`, the deadlines and the address are left open.
-  [[nodiscard]] BeaconSeen seen(TimeNs process::now_ns, const calibration::Settings& calibration) const;
+  [[nodiscard]] BeaconSeen seen(TimeNs now_ns, const calibration::Settings& calibration) const;
 
   /// Who publishes its IMU samples: the handles given to `on`.
   [[nodiscard]] const std::set<std::uint64_t>& writers() const { return writers_; }

@@ -48,7 +48,7 @@ private:
   /// Of these writers of IMU samples, those that are still there.
   [[nodiscard]] std::vector<ProcessSeen> processes_of(const std::set<std::uint64_t>& imu_writers,
                                                       const doctor::Processes& processes);
-  [[nodiscard]] BeaconSeen seen_of(BeaconAddress address, const BeaconProbe& probe, TimeNs process::now_ns,
+  [[nodiscard]] BeaconSeen seen_of(BeaconAddress address, const BeaconProbe& probe, TimeNs now_ns,
                                    const doctor::Processes& processes);
 
   const DoctorOptions& options_;
@@ -151,12 +151,12 @@ std::vector<ProcessSeen> Observer::processes_of(const std::set<std::uint64_t>& i
   return found;
 }
 
-BeaconSeen Observer::seen_of(BeaconAddress address, const BeaconProbe& probe, TimeNs process::now_ns,
+BeaconSeen Observer::seen_of(BeaconAddress address, const BeaconProbe& probe, TimeNs now_ns,
                              const doctor::Processes& processes) {
   auto settings = settings_in_force_.find(address);
   if (settings == settings_in_force_.end()) settings = settings_in_force_.find(all_beacons);
   BeaconSeen seen =
-      probe.seen(process::now_ns, settings == settings_in_force_.end() ? calibration::Settings{}
+      probe.seen(now_ns, settings == settings_in_force_.end() ? calibration::Settings{}
                                                               : calibration_in(settings->second));
   seen.address = address;
   seen.imu.deadline_s = deadline_s(topics::imu);

@@ -119,7 +119,7 @@ ProcessSeen process_of(const Processes& processes, const std::string& key) {
 std::vector<NativeTopic> native_topics() {
   std::vector<NativeTopic> topics;
   const auto add = [&topics]<class T>(const dds::TopicEntry<T>& entry) {
-    topics.push_back({entry.name, ros2::TopicTraits<T>::descriptor().m_typename});
+    topics.push_back({entry.name, dds::TopicTraits<T>::descriptor().m_typename});
   };
   std::apply([&](const auto&... entry) { (add(entry), ...); }, dds::topics::all);
   return topics;

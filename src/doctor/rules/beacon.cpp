@@ -92,10 +92,10 @@ public:
   }
 
   void standbys() const {
-    if (beacon_.fusions.size() < 2 || !beacon_.fusion || !serves(*beacon_.fusion)) return;
+    if (beacon_.fusions.size() < 2 || !beacon_.fusion || !observation::serves(*beacon_.fusion)) return;
     const auto rivals =
         std::count_if(beacon_.fusions.begin(), beacon_.fusions.end(), [this](const FusionStatus& fusion) {
-          return serves(fusion) && fusion.strength == beacon_.fusion->strength;
+          return observation::serves(fusion) && fusion.strength == beacon_.fusion->strength;
         });
     if (rivals > 1) {
       add(Severity::warning,

@@ -1,5 +1,5 @@
 #include <sonopose/geometry/rotation.hpp>
-#include "monitor/monitor_report.hpp"
+#include "observation/status_words.hpp"
 #include "ros2/relay/diagnostics.hpp"
 
 #include <fmt/format.h>
@@ -51,7 +51,7 @@ void judge_pose(const observation::BeaconView& view, Verdict& verdict) {
   } else if (view.poses + view.predicted == 0) {
     verdict.add(Level::stale, "no pose");
   } else if ((view.pose.status & doubts) != 0) {
-    verdict.add(Level::warning, status_words(view.pose.status & doubts));
+    verdict.add(Level::warning, observation::status_words(view.pose.status & doubts));
   }
   if (view.fusion && view.fusion->imu_silent) verdict.add(Level::error, "IMU silent");
 }
@@ -77,13 +77,13 @@ void judge_losses(const observation::BeaconView& view, const observation::Beacon
 }
 
 /// A bridge tells of its beacons once a second.
-bool bridge_tells(const observation::BeaconView& view, TimeNs process::now_ns) {
+bool bridge_tells(const observation::BeaconView& view, TimeNs now_ns) {
   constexpr TimeNs silent_ns = 3'000'000'000;
-  return view.bridge && process::now_ns - view.bridge->time_ns < silent_ns;
+  return view.bridge && now_ns - view.bridge->time_ns < silent_ns;
 }
 
-void judge_bridge(const observation::BeaconView& view, TimeNs process::now_ns, Verdict& verdict) {
-  if (!bridge_tells(view, process::now_ns)) {
+void judge_bridge(const observation::BeaconView& view, TimeNs now_ns, Verdict& verdict) {
+  if (!bridge_tells(view, now_ns)) {
     verdict.add(Level::error, "no bridge tells of it");
     return;
   }
@@ -115,7 +115,7 @@ void tell_pose(const observation::BeaconView& view, Values& values) {
   values.add("latency_p99_ms", view.latency.p99_s * 1e3, 3);
   values.add("pose_deadlines_missed", view.deadlines_missed);
   values.add("fusion_losses", view.losses);
-  values.add("status", status_words(view.pose.status));
+  values.add("status", observation::status_words(view.pose.status));
   values.add("trust", view.pose.trust, 3);
   values.add("since_valid_fix_s", view.pose.since_valid_fix_s, 3);
   values.add("position_std_m", view.pose.position_std_m.maxCoeff(), 4);
@@ -151,11 +151,11 @@ void tell_fusion(const FusionStatus& fusion, Values& values) {
 }  // namespace
 
 ros2::Diagnostic diagnostic_of(const std::string& node, const observation::BeaconView& view, const observation::BeaconView& before,
-                               TimeNs process::now_ns) {
+                               TimeNs now_ns) {
   Verdict verdict;
   judge_pose(view, verdict);
   judge_losses(view, before, verdict);
-  judge_bridge(view, process::now_ns, verdict);
+  judge_bridge(view, now_ns, verdict);
 
   ros2::Diagnostic diagnostic;
   diagnostic.level = verdict.level();
@@ -164,7 +164,7 @@ ros2::Diagnostic diagnostic_of(const std::string& node, const observation::Beaco
   diagnostic.message = verdict.text(fmt::format("poses at {:.1f} Hz", view.pose_rate_hz));
   Values values(diagnostic.values);
   tell_pose(view, values);
-  if (bridge_tells(view, process::now_ns)) tell_bridge(*view.bridge, values);
+  if (bridge_tells(view, now_ns)) tell_bridge(*view.bridge, values);
   if (view.fusion) tell_fusion(*view.fusion, values);
   return diagnostic;
 }

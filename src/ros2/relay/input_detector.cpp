@@ -7,7 +7,7 @@
 namespace sonopose::ros2 {
 namespace {
 
-constexpr TimeNs second_ns = 1'000'000'000;
+constexpr TimeNs loss_report_period_ns = 1'000'000'000;
 /// A sender that makes up a new frame for each message shall not be told of for ever.
 constexpr std::size_t most_foreign_frames = 8;
 
@@ -23,31 +23,31 @@ std::string_view without_slash(std::string_view frame) {
 
 }  // namespace
 
-Ros2InputWatch::Ros2InputWatch(Ros2Input input, std::string map_frame, TimeNs timeout_ns, TimeNs process::now_ns)
-    : input_(std::move(input)), timeout_ns_(timeout_ns), latest_ns_(process::now_ns) {
+Ros2InputWatch::Ros2InputWatch(Ros2Input input, std::string map_frame, TimeNs timeout_ns, TimeNs now_ns)
+    : input_(std::move(input)), timeout_ns_(timeout_ns), latest_ns_(now_ns) {
   if (!is_imu(input_)) expected_frame_ = std::move(map_frame);
 }
 
-void Ros2InputWatch::on_sample(std::string_view frame, TimeNs process::now_ns, Lines& lines) {
+void Ros2InputWatch::on_sample(std::string_view frame, TimeNs now_ns, Lines& lines) {
   heard_ = true;
-  latest_ns_ = process::now_ns;
+  latest_ns_ = now_ns;
   frame = without_slash(frame);
   if (!expected_frame_) expected_frame_ = frame;
   if (frame != *expected_frame_) tell_foreign_frame(frame, lines);
 }
 
-void Ros2InputWatch::look(const Ros2InputEnds& ends, TimeNs process::now_ns, Lines& lines) {
-  look_for_silence(ends, process::now_ns, lines);
-  look_for_losses(ends, process::now_ns, lines);
+void Ros2InputWatch::look(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
+  look_for_silence(ends, now_ns, lines);
+  look_for_losses(ends, now_ns, lines);
 }
 
-void Ros2InputWatch::look_for_silence(const Ros2InputEnds& ends, TimeNs process::now_ns, Lines& lines) {
+void Ros2InputWatch::look_for_silence(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
   const bool was_silent = silence_.has_value();
-  if (process::now_ns - latest_ns_ > (heard_ ? timeout_ns_ : std::max(timeout_ns_, first_sample_ns))) {
+  if (now_ns - latest_ns_ > (heard_ ? timeout_ns_ : std::max(timeout_ns_, first_sample_ns))) {
     if (!was_silent) silence_ = Silence{latest_ns_, !heard_};
     // Somebody who came later and does not match is the likely cause.
     const bool has_news = ends.publishers == 0 && ends.publishers_refused > told_refused_;
-    if (!was_silent || has_news) tell_silence(ends, process::now_ns, lines);
+    if (!was_silent || has_news) tell_silence(ends, now_ns, lines);
   } else if (was_silent) {
     lines.push_back(fmt::format("beacon {}: {} from ROS 2{}, after {:.1f} s", input_.address, what(),
                                 silence_->is_first ? "" : " again",
@@ -56,21 +56,21 @@ void Ros2InputWatch::look_for_silence(const Ros2InputEnds& ends, TimeNs process:
   }
 }
 
-void Ros2InputWatch::tell_silence(const Ros2InputEnds& ends, TimeNs process::now_ns, Lines& lines) {
+void Ros2InputWatch::tell_silence(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
   const std::string lasted =
-      silence_->is_first ? "yet" : fmt::format("for {:.1f} s", seconds_between(silence_->since_ns, process::now_ns));
+      silence_->is_first ? "yet" : fmt::format("for {:.1f} s", seconds_between(silence_->since_ns, now_ns));
   lines.push_back(
       fmt::format("beacon {}: no {} from ROS 2 {}: {}", input_.address, what(), lasted, reason(ends)));
   told_refused_ = ends.publishers_refused;
 }
 
-void Ros2InputWatch::look_for_losses(const Ros2InputEnds& ends, TimeNs process::now_ns, Lines& lines) {
+void Ros2InputWatch::look_for_losses(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
   if (ends.samples_lost <= told_lost_) return;
-  if (told_lost_at_ns_ && process::now_ns - *told_lost_at_ns_ < second_ns) return;
+  if (told_lost_at_ns_ && now_ns - *told_lost_at_ns_ < loss_report_period_ns) return;
   lines.push_back(fmt::format("beacon {}: {} {} from ROS 2 lost: they came on {} faster than they were taken",
                               input_.address, ends.samples_lost - told_lost_, what(), input_.topic));
   told_lost_ = ends.samples_lost;
-  told_lost_at_ns_ = process::now_ns;
+  told_lost_at_ns_ = now_ns;
 }
 
 void Ros2InputWatch::tell_foreign_frame(std::string_view frame, Lines& lines) {
@@ -104,10 +104,10 @@ std::string Ros2InputWatch::reason(const Ros2InputEnds& ends) const {
                      input_.topic);
 }
 
-void SmallestOffset::add(double offset_s, TimeNs process::now_ns) {
+void SmallestOffset::add(double offset_s, TimeNs now_ns) {
   while (!rising_.empty() && rising_.back().second >= offset_s) rising_.pop_back();
-  rising_.emplace_back(process::now_ns, offset_s);
-  while (process::now_ns - rising_.front().first > second_ns) rising_.pop_front();
+  rising_.emplace_back(now_ns, offset_s);
+  while (now_ns - rising_.front().first > loss_report_period_ns) rising_.pop_front();
 }
 
 }  // namespace sonopose::ros2

@@ -26,19 +26,19 @@ public:
   using Lines = std::vector<std::string>;
 
   /// An input without a usable sample for longer than `timeout_ns` is silent. One that was never heard is
-  /// given `first_sample_ns` at the least, counted from `process::now_ns`: publishers have to be found first.
+  /// given `first_sample_ns` at the least, counted from `now_ns`: publishers have to be found first.
   /// `map_frame` is the frame that fixes are taken to be in.
-  Ros2InputWatch(Ros2Input input, std::string map_frame, TimeNs timeout_ns, TimeNs process::now_ns);
+  Ros2InputWatch(Ros2Input input, std::string map_frame, TimeNs timeout_ns, TimeNs now_ns);
 
   static constexpr TimeNs first_sample_ns = 2'000'000'000;
 
   /// A usable sample, with the frame that its header names. A fix in a frame that is not the map, and an IMU
   /// sample in another frame than the first one's, add a line: once for each such frame.
-  void on_sample(std::string_view frame, TimeNs process::now_ns, Lines& lines);
+  void on_sample(std::string_view frame, TimeNs now_ns, Lines& lines);
 
   /// Adds to `lines` what fell silent, and why as far as is known, what is heard again, and, once a second at
   /// the most, what was lost. To be called many times a second.
-  void look(const Ros2InputEnds& ends, TimeNs process::now_ns, Lines& lines);
+  void look(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines);
 
 private:
   struct Silence {
@@ -46,9 +46,9 @@ private:
     bool is_first = false;  ///< it was never heard before
   };
 
-  void look_for_silence(const Ros2InputEnds& ends, TimeNs process::now_ns, Lines& lines);
-  void tell_silence(const Ros2InputEnds& ends, TimeNs process::now_ns, Lines& lines);
-  void look_for_losses(const Ros2InputEnds& ends, TimeNs process::now_ns, Lines& lines);
+  void look_for_silence(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines);
+  void tell_silence(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines);
+  void look_for_losses(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines);
   void tell_foreign_frame(std::string_view frame, Lines& lines);
   [[nodiscard]] const char* what() const;
   [[nodiscard]] std::string reason(const Ros2InputEnds& ends) const;
@@ -69,8 +69,8 @@ private:
 /// samples waited for on their way.
 class SmallestOffset {
 public:
-  /// `process::now_ns`: of the steady clock, rising.
-  void add(double offset_s, TimeNs process::now_ns);
+  /// `now_ns`: of the steady clock, rising.
+  void add(double offset_s, TimeNs now_ns);
 
   /// 0 where there was none yet; the last one known where nothing came since.
   [[nodiscard]] double value_s() const { return rising_.empty() ? 0 : rising_.front().second; }

@@ -15,7 +15,7 @@ namespace {
 
 namespace topics = dds::topics;
 
-constexpr TimeNs second_ns = 1'000'000'000;
+constexpr TimeNs status_period_ns = 1'000'000'000;
 
 /// Throws std::invalid_argument where the relay would be fed with what it tells of its own inputs.
 void check_inputs(const Ros2RelayOptions& options) {
@@ -150,7 +150,7 @@ bool Ros2Relay::Impl::is_in_tree(BeaconAddress address) {
 /// Until the stop, or until `failed`.
 void Ros2Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>& failed) {
   constexpr TimeNs look_period_ns = 20'000'000;
-  TimeNs tell_ns = process::steady_now_ns() + second_ns;
+  TimeNs tell_ns = process::steady_now_ns() + status_period_ns;
   while (!failed && !stop.wait_until(process::steady_now_ns() + look_period_ns)) {
     make_new_outputs();
     for_each_output([this](Ros2Beacon& outputs) {
@@ -159,7 +159,7 @@ void Ros2Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<b
     });
     node_.announce();
     if (process::steady_now_ns() < tell_ns) continue;
-    tell_ns = process::steady_now_ns() + second_ns;
+    tell_ns = process::steady_now_ns() + status_period_ns;
     publish_diagnostics();
     for_each_output([](Ros2Beacon& outputs) { outputs.publish_path(); });
   }
@@ -195,7 +195,7 @@ void Ros2Relay::Impl::run(const process::StopSignal& stop) {
 /// makes it unusable is thrown here.
 void Ros2Relay::Impl::feed_while(const std::function<void()>& serve, std::atomic<bool>& failed) {
   const auto timeout_ns = [this](const auto& entry) {
-    return std::min(second_ns * 10, dds::deadline_of(qos_.datareader_qos(entry.profile)).count());
+    return std::min(status_period_ns * 10, dds::deadline_of(qos_.datareader_qos(entry.profile)).count());
   };
   source_ = make_ros2_source(node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)},
                              options_.output.frames.map);

@@ -45,7 +45,7 @@ private:
   /// Poses are watched besides, for diagnostics.
   class PoseListener final : public observation::WatchListener<sonopose_FusedPose> {
   public:
-    explicit PoseListener(Impl& relay) : observation::WatchListener(relay.watches_, relay.ends_), relay_(relay) {}
+    explicit PoseListener(Impl& relay) : WatchListener(relay.watches_, relay.ends_), relay_(relay) {}
 
   private:
     void on_sample(const FusedPose& pose) noexcept override { relay_.on(pose); }

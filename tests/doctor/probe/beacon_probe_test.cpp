@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
+using namespace sonopose::doctor;
 
 namespace {
 

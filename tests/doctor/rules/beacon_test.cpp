@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
-using namespace sonopose::nodes::test;
+using namespace sonopose::doctor;
+using namespace sonopose::doctor::test;
 using Catch::Contains;
 
 namespace {

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
-using namespace sonopose::nodes::test;
+using namespace sonopose::doctor;
+using namespace sonopose::doctor::test;
 using Catch::Contains;
 
 TEST_CASE("Of a healthy system nothing is wrong") {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace sonopose::nodes::test {
+namespace sonopose::doctor::test {
 
 inline EndpointSeen endpoint(const std::string& topic, const std::string& type, const std::string& process,
                              const dds::Qos& qos = {}) {
@@ -77,4 +77,4 @@ std::vector<Finding> findings_with(const Change& change) {
   return diagnose(seen);
 }
 
-}  // namespace sonopose::nodes::test
+}  // namespace sonopose::doctor::test

@@ -8,7 +8,8 @@
 #include <numbers>
 
 using namespace sonopose;
-using namespace sonopose::fusion;
+using namespace sonopose::estimation::documented;
+using namespace sonopose::settings;
 using test::EngineDriver;
 
 namespace {

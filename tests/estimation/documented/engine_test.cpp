@@ -6,7 +6,8 @@
 #include <support/engine_driver.hpp>
 
 using namespace sonopose;
-using namespace sonopose::fusion;
+using namespace sonopose::estimation::documented;
+using namespace sonopose::settings;
 using test::EngineDriver;
 
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 using namespace sonopose;
-using namespace sonopose::fusion;
+using namespace sonopose::estimation::documented;
 
 namespace {
 

@@ -14,7 +14,8 @@
 #include <string>
 
 using namespace sonopose;
-using namespace sonopose::fusion;
+using namespace sonopose::estimation::documented;
+using namespace sonopose::settings;
 
 namespace {
 

@@ -9,7 +9,8 @@
 #include <support/engine_driver.hpp>
 
 using namespace sonopose;
-using namespace sonopose::fusion;
+using namespace sonopose::estimation::documented;
+using namespace sonopose::settings;
 
 TEST_CASE("every group of the state is walked over, and no field has another one's name") {
   const State state;

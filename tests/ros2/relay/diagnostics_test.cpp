@@ -6,7 +6,7 @@
 #include <string>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
+using namespace sonopose::ros2;
 using ros2::Level;
 
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 using namespace sonopose;
-using namespace sonopose::nodes;
+using namespace sonopose::ros2;
 
 namespace {
 

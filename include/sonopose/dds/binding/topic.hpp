@@ -15,7 +15,7 @@ namespace sonopose::dds {
 /// Says which descriptor belongs to a type that idlc generated. Specialise it with a static function
 /// `const dds_topic_descriptor_t& descriptor()`.
 template <class T>
-struct ros2::TopicTraits;
+struct TopicTraits;
 
 /// The same type under another name on the wire. Its type information, which holds the old name, is left out.
 inline dds_topic_descriptor_t renamed(const dds_topic_descriptor_t& descriptor, const char* type_name) {
@@ -40,7 +40,7 @@ class Topic : public Entity {
 public:
   Topic(const DomainParticipant& participant, const std::string& name, const Qos& qos = {})
       : Entity(check("dds_create_topic", name,
-                     dds_create_topic(participant.handle(), &ros2::TopicTraits<T>::descriptor(), name.c_str(),
+                     dds_create_topic(participant.handle(), &TopicTraits<T>::descriptor(), name.c_str(),
                                       qos.get(), nullptr))),
         name_(name) {}
 

@@ -102,7 +102,7 @@ private:
 
   template <class T>
   static dds::Qos with_type_hash(dds::Qos qos, const std::string& before = {}) {
-    return add_type_hash(std::move(qos), TopicTraits<T>::descriptor().m_typename, before);
+    return add_type_hash(std::move(qos), dds::TopicTraits<T>::descriptor().m_typename, before);
   }
   static dds::Qos add_type_hash(dds::Qos qos, const char* type_name, const std::string& before);
   /// By which a client knows that a service's two ends belong together: "serviceid=…;".
