@@ -48,7 +48,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--until", options.run.until_s, "End so many seconds after the first event")->check(seconds);
   app.add_flag("--json", options.json, "One JSON object instead of the lines");
   app.add_option("--plot", options.picture,
-                 "Draw path, error, speed and verdicts: a file .svg or .png (needs gnuplot)")
+                 "Draw path, error, speed and fix_flags: a file .svg or .png (needs gnuplot)")
       ->type_name("FILE");
   auto* const engine = apps::add_choice<evaluation::EngineKind>(
       app, "--engine", options.run.engine,

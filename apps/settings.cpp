@@ -64,7 +64,7 @@ int set(const Options& options) {
 int watch(const Options& options) {
   process::StopSignal stop;
   stop.listen_to_signals();
-  settings_client::SettingsWatch changes(options.json);
+  settings_client::SettingsObserver changes(options.json);
   const auto print = [&changes](const EffectiveSettings& settings) {
     if (!changes.knows(settings.address)) {
       const bool all = settings.address == all_beacons;

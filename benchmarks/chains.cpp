@@ -19,7 +19,7 @@
 namespace sonopose::benchmarks {
 namespace {
 
-constexpr TimeNs patience_ns = 10'000'000'000;
+constexpr TimeNs timeout_ns = 10'000'000'000;
 constexpr TimeNs warm_up_ns = 500'000'000;
 
 /// The consumer's memory: the way of each pose that came.
@@ -61,7 +61,7 @@ void sleep_ns(TimeNs duration_ns) {
 /// Waits until poses come, lets the chain run warm, then measures.
 template <class Ways>
 Round measure(const RoundOptions& options, const Child& relay, Ways& ways) {
-  const TimeNs give_up_ns = process::steady_now_ns() + patience_ns;
+  const TimeNs give_up_ns = process::steady_now_ns() + timeout_ns;
   while (ways.taken().empty() && process::steady_now_ns() < give_up_ns) sleep_ns(20'000'000);
   sleep_ns(warm_up_ns);
   const std::int64_t cpu_before_ns = relay.cpu_time_ns();

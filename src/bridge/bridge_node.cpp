@@ -15,12 +15,12 @@ void BridgeNode::Publisher::wait_for_readers() {
            heading_writer_.publication_matched_status().current_count > 0;
   };
   constexpr TimeNs look_period_ns = 20'000'000;
-  constexpr TimeNs patience_ns = 3'000'000'000;
+  constexpr TimeNs timeout_ns = 3'000'000'000;
   const TimeNs began_ns = process::steady_now_ns();
   bool told = false;
   while (!all_matched()) {
     if (stop_->wait_until(process::steady_now_ns() + look_period_ns)) return;
-    if (!told && process::steady_now_ns() - began_ns > patience_ns) {
+    if (!told && process::steady_now_ns() - began_ns > timeout_ns) {
       fmt::print(stderr, "sonopose-bridge: waiting for somebody to listen (is sonopose-fusion running?)\n");
       told = true;
     }

@@ -61,7 +61,7 @@ private:
   void publish(const UltrasonicFix& fix, Beacon& beacon);
   void publish(const PairHeading& heading, Beacon& beacon);
   void publish_status(Beacon& beacon, TimeNs now_steady_ns);
-  void tell_unwritten();
+  void log_unwritten();
   [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
 
   bool lossless_;
@@ -69,7 +69,7 @@ private:
   const process::StopSignal* stop_ = nullptr;
   dds::DomainParticipant participant_;
   dds::QosProvider qos_;
-  process::EndCounters ends_;
+  process::EndpointCounters ends_;
   process::CountingWriterListener<sonopose_ImuSample> imu_listener_{ends_};
   process::CountingWriterListener<sonopose_UltrasonicFix> fix_listener_{ends_};
   process::CountingWriterListener<sonopose_PairHeading> heading_listener_{ends_};
@@ -84,7 +84,7 @@ private:
   TimeNs status_due_ns_ = 0;
   TimeNs status_last_ns_ = 0;
   std::uint64_t unwritten_ = 0;
-  std::uint64_t unwritten_told_ = 0;
+  std::uint64_t unwritten_reported_ = 0;
 };
 
 template <class T>

@@ -22,14 +22,14 @@ void BridgeNode::Publisher::publish_statuses(TimeNs now) {
   for (auto& entry : beacons_) publish_status(entry.second, now);
   status_last_ns_ = now;
   status_due_ns_ = now + period_ns;
-  tell_unwritten();
+  log_unwritten();
 }
 
-void BridgeNode::Publisher::tell_unwritten() {
-  if (unwritten_ != unwritten_told_) {
+void BridgeNode::Publisher::log_unwritten() {
+  if (unwritten_ != unwritten_reported_) {
     fmt::print(stderr, "sonopose-bridge: {} samples could not be written: a reader is too slow\n",
-               unwritten_ - unwritten_told_);
-    unwritten_told_ = unwritten_;
+               unwritten_ - unwritten_reported_);
+    unwritten_reported_ = unwritten_;
   }
 }
 

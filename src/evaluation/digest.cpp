@@ -16,7 +16,7 @@ struct FieldDigest {
   void operator()(const char* /*name*/, bool value) const { digest.add(std::uint64_t{value}); }
   void operator()(const char* /*name*/, int value) const { digest.add(static_cast<std::uint64_t>(value)); }
   void operator()(const char* /*name*/, TimeNs value) const { digest.add(static_cast<std::uint64_t>(value)); }
-  void operator()(const char* /*name*/, estimation::documented::Track value) const {
+  void operator()(const char* /*name*/, estimation::documented::InitPhase value) const {
     digest.add(static_cast<std::uint64_t>(value));
   }
   void operator()(const char* /*name*/, const Vector3d& value) const {

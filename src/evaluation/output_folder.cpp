@@ -1,5 +1,5 @@
 #include "evaluation/output_folder.hpp"
-#include "evaluation/verdicts.hpp"
+#include "evaluation/fix_flag_counts.hpp"
 
 #include <array>
 #include <string_view>
@@ -12,9 +12,9 @@ constexpr std::array<std::string_view, 12> pose_columns{
     "q_y []",         "q_z []",  "v_x [m s^-1]", "v_y [m s^-1]", "v_z [m s^-1]", "status []"};
 constexpr std::array<std::string_view, 22> fix_columns{
     "timestamp [ns]", "applied [ns]",     "beacon []",     "sequence []",    "x [m]",         "y [m]",
-    "z [m]",          "shifted_x [m]",    "shifted_y [m]", "shifted_z [m]",  "residual [m]",  "weight []",
+    "z [m]",          "shifted_x [m]",    "shifted_y [m]", "shifted_z [m]",  "innovation [m]",  "weight []",
     "trust []",       "jump_x [m]",       "jump_y [m]",    "jump_z [m]",     "dv_x [m s^-1]", "dv_y [m s^-1]",
-    "dv_z [m s^-1]",  "yaw_change [rad]", "verdict []",    "verdict_bits []"};
+    "dv_z [m s^-1]",  "yaw_change [rad]", "flags []",    "flag_bits []"};
 
 const std::filesystem::path& made(const std::filesystem::path& folder) {
   make_folder(folder);
@@ -43,11 +43,11 @@ void OutputFolder::write(const FixReport& report) {
   fixes_.rows.integer(report.emission_time_ns).integer(report.applied_time_ns);
   fixes_.rows.integer(report.address).integer(static_cast<std::int64_t>(report.sequence));
   fixes_.rows.vector(report.position_world_m).vector(report.shifted_position_world_m);
-  fixes_.rows.number(report.residual_m).number(report.weight).number(report.trust);
+  fixes_.rows.number(report.innovation_m).number(report.weight).number(report.trust);
   fixes_.rows.vector(report.jump_world_m).vector(report.velocity_change_world_mps);
   fixes_.rows.number(report.yaw_change_rad)
-      .text(verdict_text(report.verdict))
-      .integer(report.verdict)
+      .text(fix_flag_text(report.flags))
+      .integer(report.flags)
       .end_row();
 }
 

@@ -6,7 +6,7 @@
 /// |------------------|---------|
 /// | `trajectory.tum` | `t x y z qx qy qz qw`: s, m; spaces between, as evo and others read it |
 /// | `pose.csv`       | time, position, attitude, velocity, status (bits of PoseStatus) |
-/// | `fixes.csv`      | every field of FixReport, verdicts in words |
+/// | `fixes.csv`      | every field of FixReport, fix_flags in words |
 
 #include <sonopose/samples/pose.hpp>
 #include "files/csv_writer.hpp"

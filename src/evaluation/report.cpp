@@ -24,11 +24,11 @@ std::string figure(std::string_view what, double value, int decimals, std::strin
 }
 
 /// Verdicts that were given at all, other than "used", with their counts.
-std::string special_verdicts(const VerdictCounts& verdicts) {
+std::string special_fix_flags(const FixFlagCounts& fix_flags) {
   std::string text;
-  for (const VerdictName& entry : verdict_names) {
-    const std::uint64_t count = verdicts.of(entry.bit);
-    if (entry.bit == verdict_used || count == 0) continue;
+  for (const FixFlagName& entry : fix_flag_names) {
+    const std::uint64_t count = fix_flags.of(entry.bit);
+    if (entry.bit == fix_used || count == 0) continue;
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, entry.name);
   }
   return text.empty() ? "" : " (" + text + ")";
@@ -56,7 +56,7 @@ std::string report_text(const RunResult& result, const Timing& timing) {
   const estimation::documented::Counters& counters = result.counters;
   std::string text = scores(result);
   text += line("fixes", fmt::format("{:8} used, {} rejected{}", counters.fixes_used, counters.fixes_rejected,
-                                    special_verdicts(result.verdicts)));
+                                    special_fix_flags(result.fix_flags)));
   text +=
       line("samples", fmt::format("{:8} IMU, {} headings, {} IMU gaps, {} invalid, {} IMU stamps went back",
                                   counters.imu_samples, counters.headings, counters.imu_gaps,
@@ -70,9 +70,9 @@ std::string report_text(const RunResult& result, const Timing& timing) {
 
 std::string report_json(const RunResult& result, const Timing& timing) {
   // A number that is not known is NaN, which the library writes as null.
-  nlohmann::ordered_json verdicts = nlohmann::ordered_json::object();
-  for (const VerdictName& entry : verdict_names)
-    verdicts[std::string(entry.name)] = result.verdicts.of(entry.bit);
+  nlohmann::ordered_json fix_flags = nlohmann::ordered_json::object();
+  for (const FixFlagName& entry : fix_flag_names)
+    fix_flags[std::string(entry.name)] = result.fix_flags.of(entry.bit);
   const nlohmann::ordered_json object{{"position_rmse_m", result.fused.position_m.rmse},
                                       {"position_p95_m", result.fused.position_m.p95},
                                       {"position_max_m", result.fused.position_m.max},
@@ -85,7 +85,7 @@ std::string report_json(const RunResult& result, const Timing& timing) {
                                       {"poses_without_truth", result.fused.poses_without_truth},
                                       {"fixes_used", result.counters.fixes_used},
                                       {"fixes_rejected", result.counters.fixes_rejected},
-                                      {"verdicts", std::move(verdicts)},
+                                      {"fix_flags", std::move(fix_flags)},
                                       {"imu_samples", result.counters.imu_samples},
                                       {"headings", result.counters.headings},
                                       {"imu_gaps", result.counters.imu_gaps},

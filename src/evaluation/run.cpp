@@ -30,7 +30,7 @@ public:
   }
 
   void add(const FixReport& report) {
-    result_.verdicts.add(report.verdict);
+    result_.fix_flags.add(report.flags);
     if (observer_.on_report) observer_.on_report(report);
   }
 

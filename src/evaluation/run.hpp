@@ -9,7 +9,7 @@
 #include <sonopose/estimation/documented/state.hpp>
 #include "recording/log_folder.hpp"
 #include "evaluation/score.hpp"
-#include "evaluation/verdicts.hpp"
+#include "evaluation/fix_flag_counts.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -55,7 +55,7 @@ struct RunResult {
   double duration_s = 0;              ///< from the first event that was used to the last
   std::uint64_t imu_stamps_back = 0;  ///< IMU samples with an earlier stamp than the one before
   estimation::documented::Counters counters;
-  VerdictCounts verdicts;
+  FixFlagCounts fix_flags;
   bool has_truth = false;
   Score fused;
   ErrorSummary last_fix_m;      ///< at the same moments, from the first fix on

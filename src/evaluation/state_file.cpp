@@ -36,7 +36,7 @@ struct FieldWriter {
   void operator()(const char* name, bool value) const { object[name] = value; }
   void operator()(const char* name, int value) const { object[name] = value; }
   void operator()(const char* name, TimeNs value) const { object[name] = value; }
-  void operator()(const char* name, estimation::documented::Track value) const {
+  void operator()(const char* name, estimation::documented::InitPhase value) const {
     object[name] = track_names.at(static_cast<std::size_t>(value));
   }
   void operator()(const char* name, const Vector3d& value) const { object[name] = json_of(name, value); }

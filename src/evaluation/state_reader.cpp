@@ -97,11 +97,11 @@ void StateReader::read(const char* name, TimeNs& value) {
   value = read.get<TimeNs>();
 }
 
-void StateReader::read(const char* name, estimation::documented::Track& value) {
+void StateReader::read(const char* name, estimation::documented::InitPhase& value) {
   const std::string word = text(name);
   const auto found = std::find(track_names.begin(), track_names.end(), word);
   if (found == track_names.end()) fail(name, kind_error(word, "none, position or held"));
-  value = static_cast<estimation::documented::Track>(found - track_names.begin());
+  value = static_cast<estimation::documented::InitPhase>(found - track_names.begin());
 }
 
 void StateReader::read(const char* name, Vector3d& value) {

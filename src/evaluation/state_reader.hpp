@@ -15,7 +15,7 @@
 
 namespace sonopose::evaluation {
 
-/// estimation::documented::Track in words, in its order.
+/// estimation::documented::InitPhase in words, in its order.
 inline constexpr std::array<std::string_view, 3> track_names{"none", "position", "held"};
 
 /// Every member throws StateFileError that names file and field.
@@ -34,7 +34,7 @@ public:
   void read(const char* name, bool& value);
   void read(const char* name, int& value);  ///< a count or index: not negative
   void read(const char* name, TimeNs& value);
-  void read(const char* name, estimation::documented::Track& value);
+  void read(const char* name, estimation::documented::InitPhase& value);
   void read(const char* name, Vector3d& value);
   void read(const char* name, Quaterniond& q);  ///< a unit quaternion
   void read(const char* name, Eigen::Matrix3d& value);

@@ -8,45 +8,45 @@
 
 namespace sonopose::fusion {
 
-BeaconEngines::BeaconEngines(const config::FusionConfig& config, bool lossless)
+BeaconEstimators::BeaconEstimators(const config::FusionConfig& config, bool lossless)
     : lossless_(lossless), others_(config.beacon(all_beacons)) {
   for (const BeaconAddress address : config.beacons()) timelines_.emplace(address, config.beacon(address));
 }
 
-BeaconEngines::Beacon::Beacon(SettingsTimeline& settings, bool lossless)
+BeaconEstimators::Beacon::Beacon(SettingsTimeline& settings, bool lossless)
     : timeline(settings), engine(settings.settings()) {
-  if (lossless) order.emplace<collation::LosslessSequencer>();
+  if (lossless) order.emplace<collation::LosslessCollator>();
 }
 
-const collation::SequencerCounters& BeaconEngines::Beacon::order_counters() const {
+const collation::CollatorCounters& BeaconEstimators::Beacon::order_counters() const {
   return std::visit(
-      [](const auto& sequencer) -> const auto& { return sequencer.counters(); }, order);
+      [](const auto& collator) -> const auto& { return collator.counters(); }, order);
 }
 
-BeaconEngines::Beacon& BeaconEngines::beacon_of(BeaconAddress address) {
+BeaconEstimators::Beacon& BeaconEstimators::beacon_of(BeaconAddress address) {
   auto& beacon = beacons_[address];
   if (!beacon) beacon = std::make_unique<Beacon>(timeline_of(address), lossless_);
   return *beacon;
 }
 
-SettingsTimeline& BeaconEngines::timeline_of(BeaconAddress address) {
+SettingsTimeline& BeaconEstimators::timeline_of(BeaconAddress address) {
   return timelines_.try_emplace(address, others_).first->second;
 }
 
-bool BeaconEngines::Beacon::starts_over(const Event& event) {
+bool BeaconEstimators::Beacon::starts_over(const Event& event) {
   const std::uint64_t restarts = order_counters().restarts;
   if (restarts == restarts_seen) return false;
   restarts_seen = restarts;
   return available_at_ns(event) < engine.state().body.time_ns;
 }
 
-void BeaconEngines::reset(BeaconAddress address) {
+void BeaconEstimators::reset(BeaconAddress address) {
   for (auto& [known, beacon] : beacons_) {
     if (known == address || address == all_beacons) beacon->engine.reset();
   }
 }
 
-SettingsReply BeaconEngines::change_settings(const SettingsRequest& request) {
+SettingsReply BeaconEstimators::change_settings(const SettingsRequest& request) {
   constexpr std::size_t remembered = 64;  // as many as can be under way
   const auto is_repeated = [&request](const SettingsReply& reply) {
     return request.request_id != 0 && reply.request_id == request.request_id &&
@@ -69,7 +69,7 @@ SettingsReply BeaconEngines::change_settings(const SettingsRequest& request) {
 }
 
 /// Throws SettingError before anything is changed.
-void BeaconEngines::carry_out(const SettingsRequest& request, SettingsReply& reply) {
+void BeaconEstimators::carry_out(const SettingsRequest& request, SettingsReply& reply) {
   if (request.assignments.empty()) throw settings::SettingError("the request names no setting");
   const config::Assignments assignments = config::parsed(request.assignments);
   const std::uint64_t from = request.from_sequence;
@@ -93,17 +93,17 @@ void BeaconEngines::carry_out(const SettingsRequest& request, SettingsReply& rep
   reply.reason = fmt::format("{}", fmt::join(config::warnings_for(after, assignments), "; "));
 }
 
-SettingsInForce BeaconEngines::settings_for_all() const {
+SettingsInForce BeaconEstimators::settings_for_all() const {
   constexpr auto end = std::numeric_limits<std::uint64_t>::max();
   return {all_beacons, others_.last_from_sequence(), settings::resolved(others_.settings_at(end))};
 }
 
-std::optional<std::uint64_t> BeaconEngines::last_sequence(BeaconAddress address) const {
+std::optional<std::uint64_t> BeaconEstimators::last_sequence(BeaconAddress address) const {
   const auto found = beacons_.find(address);
   return found == beacons_.end() ? std::nullopt : found->second->last_sequence;
 }
 
-std::string BeaconEngines::first_events(std::uint64_t from_sequence) const {
+std::string BeaconEstimators::first_events(std::uint64_t from_sequence) const {
   std::vector<std::string> texts;
   for (const auto& entry : timelines_) {  // in the order of the addresses
     const auto last = last_sequence(entry.first);
@@ -112,24 +112,24 @@ std::string BeaconEngines::first_events(std::uint64_t from_sequence) const {
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
-std::uint64_t BeaconEngines::ahead(BeaconAddress address, std::uint64_t sequence) const {
+std::uint64_t BeaconEstimators::ahead(BeaconAddress address, std::uint64_t sequence) const {
   const auto last = last_sequence(address);
   return last && sequence <= *last ? 0 : sequence;
 }
 
-void BeaconEngines::check_room(const SettingsTimeline& timeline, BeaconAddress address,
+void BeaconEstimators::check_room(const SettingsTimeline& timeline, BeaconAddress address,
                                std::uint64_t from_sequence) const {
   if (timeline.has_room_for(ahead(address, from_sequence))) return;
   throw settings::SettingError(fmt::format("beacon {}: {} changes wait for their events already", address,
                                          SettingsTimeline::capacity));
 }
 
-std::optional<FusionStatus> BeaconEngines::status(BeaconAddress address) const {
+std::optional<FusionStatus> BeaconEstimators::status(BeaconAddress address) const {
   const auto found = beacons_.find(address);
   if (found == beacons_.end()) return std::nullopt;
   const Beacon& beacon = *found->second;
   const estimation::documented::Counters& counted = beacon.engine.counters();
-  const collation::SequencerCounters& order = beacon.order_counters();
+  const collation::CollatorCounters& order = beacon.order_counters();
   FusionStatus status;
   status.address = address;
   status.imu_samples = counted.imu_samples;
@@ -144,14 +144,14 @@ std::optional<FusionStatus> BeaconEngines::status(BeaconAddress address) const {
   return status;
 }
 
-std::optional<collation::LosslessSequencer::Gap> BeaconEngines::gap(BeaconAddress address) const {
+std::optional<collation::LosslessCollator::Gap> BeaconEstimators::gap(BeaconAddress address) const {
   const auto found = beacons_.find(address);
   if (found == beacons_.end()) return std::nullopt;
-  const auto* order = std::get_if<collation::LosslessSequencer>(&found->second->order);
+  const auto* order = std::get_if<collation::LosslessCollator>(&found->second->order);
   return order == nullptr ? std::nullopt : order->gap();
 }
 
-std::vector<BeaconAddress> BeaconEngines::addresses() const {
+std::vector<BeaconAddress> BeaconEstimators::addresses() const {
   std::vector<BeaconAddress> addresses;
   addresses.reserve(beacons_.size());
   for (const auto& entry : beacons_) addresses.push_back(entry.first);

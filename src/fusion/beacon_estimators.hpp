@@ -31,10 +31,10 @@ struct SettingsInForce {
 };
 
 /// Not for several threads at once: no locks.
-class BeaconEngines {
+class BeaconEstimators {
 public:
   /// `lossless`: wait for a missing event without end, rather than for a few milliseconds.
-  BeaconEngines(const config::FusionConfig& config, bool lossless);
+  BeaconEstimators(const config::FusionConfig& config, bool lossless);
 
   /// Takes an event that arrived at `now_ns` (steady clock) and calls `on_pose(FusedPose&)` and
   /// `on_report(const FixReport&)` for what came of it, and of those that waited for it; before these,
@@ -56,10 +56,10 @@ public:
         beacon.engine.on(std::get<PairHeading>(next));
       }
     };
-    if (auto* live = std::get_if<collation::Sequencer>(&beacon.order)) {
+    if (auto* live = std::get_if<collation::Collator>(&beacon.order)) {
       live->push(event, now_ns, deliver);
     } else {
-      std::get<collation::LosslessSequencer>(beacon.order).push(event, deliver);
+      std::get<collation::LosslessCollator>(beacon.order).push(event, deliver);
     }
   }
 
@@ -84,7 +84,7 @@ public:
   [[nodiscard]] std::optional<FusionStatus> status(BeaconAddress address) const;
 
   /// What one beacon's events wait for; empty where nothing waits, and where not lossless.
-  [[nodiscard]] std::optional<collation::LosslessSequencer::Gap> gap(BeaconAddress address) const;
+  [[nodiscard]] std::optional<collation::LosslessCollator::Gap> gap(BeaconAddress address) const;
 
   /// Every address heard of.
   [[nodiscard]] std::vector<BeaconAddress> addresses() const;
@@ -105,11 +105,11 @@ private:
       return true;
     }
 
-    [[nodiscard]] const collation::SequencerCounters& order_counters() const;
+    [[nodiscard]] const collation::CollatorCounters& order_counters() const;
 
     SettingsTimeline& timeline;
     estimation::documented::Engine engine;
-    std::variant<collation::Sequencer, collation::LosslessSequencer> order;
+    std::variant<collation::Collator, collation::LosslessCollator> order;
     std::uint64_t restarts_seen = 0;
     std::optional<std::uint64_t> last_sequence;  ///< of the latest event that the engine was given
   };

@@ -60,9 +60,9 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       reply_writer_(dds::make_writer(participant_, qos_, topics::settings_reply)),
       settings_writer_(dds::make_writer(participant_, qos_, topics::settings)) {
   // Room for all that can come of one event: what waited for it.
-  poses_.reserve(collation::Sequencer::capacity + 1);
-  reports_.reserve(collation::Sequencer::capacity + 1);
-  changes_.reserve(collation::Sequencer::capacity + 1);
+  poses_.reserve(collation::Collator::capacity + 1);
+  reports_.reserve(collation::Collator::capacity + 1);
+  changes_.reserve(collation::Collator::capacity + 1);
   write(engines_.settings_for_all());
   const auto live = [this](auto& listener) { return lossless_ ? nullptr : &listener; };
   fix_reader_ = dds::make_reader(participant_, qos_, topics::fix, live(fix_listener_), delivery_);

@@ -50,9 +50,9 @@ private:
   void serve_lossless(const std::stop_token& stop);
 
   void publish_status(BeaconAddress address);
-  void tell_gaps();
-  void tell_unwritten();
-  void tell_incompatible();
+  void log_gaps();
+  void log_unwritten();
+  void log_incompatible();
 
   /// Hands on what one topic brings, on the thread that received it, and what the middleware tells of it.
   template <class T>
@@ -89,24 +89,24 @@ private:
   // Guards the engines and what is known of their inputs, for computing alone: nothing is read or written
   // under it.
   std::mutex engines_mutex_;
-  BeaconEngines engines_;
-  InputWatch inputs_;
-  process::SilenceWatch imu_silences_;
+  BeaconEstimators engines_;
+  InputMonitor inputs_;
+  process::SilenceDetector imu_silences_;
   std::map<BeaconAddress, std::uint64_t> last_reset_ids_;  // of the receive thread
   // What one event brought about; of the feeding thread, kept for its capacity.
   std::vector<FusedPose> poses_;
   std::vector<FixReport> reports_;
   std::vector<SettingsInForce> changes_;
-  std::vector<process::SilenceWatch::Change> silence_changes_;  // of watch(), likewise
+  std::vector<process::SilenceDetector::Change> silence_changes_;  // of watch(), likewise
   std::atomic<std::uint64_t> unwritten_ = 0;
-  std::uint64_t unwritten_told_ = 0;
-  std::uint64_t incompatible_told_ = 0;
+  std::uint64_t unwritten_reported_ = 0;
+  std::uint64_t incompatible_reported_ = 0;
   std::atomic<bool> working_ = false;  // on an event, right now
   std::atomic<bool> stopping_ = false;
-  std::atomic<bool> waited_for_consumer_ = false;  // since tell_gaps() last asked
-  GapWatch gaps_;
+  std::atomic<bool> waited_for_consumer_ = false;  // since log_gaps() last asked
+  GapDetector gaps_;
 
-  process::EndCounters ends_;
+  process::EndpointCounters ends_;
   process::CountingWriterListener<sonopose_FixReport> report_listener_{ends_};
   process::CountingWriterListener<sonopose_FusionStatus> status_listener_{ends_};
   PoseOutput output_;

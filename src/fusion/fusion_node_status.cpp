@@ -38,9 +38,9 @@ void FusionNode::Impl::publish_statuses() {
     addresses = engines_.addresses();
   }
   for (const BeaconAddress address : addresses) publish_status(address);
-  if (lossless_) tell_gaps();
-  tell_unwritten();
-  tell_incompatible();
+  if (lossless_) log_gaps();
+  log_unwritten();
+  log_incompatible();
 }
 
 void FusionNode::Impl::publish_status(BeaconAddress address) {
@@ -70,25 +70,25 @@ void FusionNode::Impl::publish_status(BeaconAddress address) {
   if (status_writer_.try_write(dds::to_idl(*status)) < 0) ++unwritten_;
 }
 
-void FusionNode::Impl::tell_unwritten() {
+void FusionNode::Impl::log_unwritten() {
   const std::uint64_t unwritten = unwritten_ + output_.unwritten();
-  if (unwritten == unwritten_told_) return;
+  if (unwritten == unwritten_reported_) return;
   fmt::print(stderr, "sonopose-fusion: {} poses or reports could not be written: a consumer is too slow\n",
-             unwritten - unwritten_told_);
-  unwritten_told_ = unwritten;
+             unwritten - unwritten_reported_);
+  unwritten_reported_ = unwritten;
 }
 
-void FusionNode::Impl::tell_incompatible() {
+void FusionNode::Impl::log_incompatible() {
   const std::uint64_t incompatible = ends_.incompatible_qos;
-  if (incompatible == incompatible_told_) return;
+  if (incompatible == incompatible_reported_) return;
   fmt::print(stderr,
              "sonopose-fusion: {} readers or writers ask for QoS that does not go with its own; "
              "sonopose-doctor tells which\n",
-             incompatible - incompatible_told_);
-  incompatible_told_ = incompatible;
+             incompatible - incompatible_reported_);
+  incompatible_reported_ = incompatible;
 }
 
-void FusionNode::Impl::tell_gaps() {
+void FusionNode::Impl::log_gaps() {
   if (waited_for_consumer_.exchange(false)) gaps_.start_over();
   std::vector<std::string> texts;
   {

@@ -4,8 +4,8 @@
 
 namespace sonopose::fusion {
 
-std::optional<std::string> GapWatch::on(BeaconAddress address,
-                                        const std::optional<collation::LosslessSequencer::Gap>& gap,
+std::optional<std::string> GapDetector::on(BeaconAddress address,
+                                        const std::optional<collation::LosslessCollator::Gap>& gap,
                                         TimeNs now_ns) {
   if (!gap) {
     waits_.erase(address);
@@ -14,7 +14,7 @@ std::optional<std::string> GapWatch::on(BeaconAddress address,
   const auto [found, first] = waits_.try_emplace(address, Wait{gap->missing, now_ns, false});
   Wait& wait = found->second;
   if (wait.missing != gap->missing) wait = {gap->missing, now_ns, false};
-  if (first || wait.told || now_ns - wait.since_ns < patience_ns) return std::nullopt;
+  if (first || wait.told || now_ns - wait.since_ns < timeout_ns) return std::nullopt;
   wait.told = true;
   return fmt::format(
       "beacon {}: waiting for event {}, {} events held; --lossless is for a bridge with --rate 0", address,

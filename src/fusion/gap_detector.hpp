@@ -14,15 +14,15 @@ namespace sonopose::fusion {
 
 /// Lossless, an event that was lost before the bridge knew of the fusion is waited for without end: the user
 /// must be told. Asked about once a second.
-class GapWatch {
+class GapDetector {
 public:
   /// So long a wait is no slow transport any more.
-  static constexpr TimeNs patience_ns = 5'000'000'000;
+  static constexpr TimeNs timeout_ns = 5'000'000'000;
 
   /// What one beacon's events wait for at `now_ns` (steady clock). Returns what to tell the user, once for
   /// each event that is waited for.
   std::optional<std::string> on(BeaconAddress address,
-                                const std::optional<collation::LosslessSequencer::Gap>& gap, TimeNs now_ns);
+                                const std::optional<collation::LosslessCollator::Gap>& gap, TimeNs now_ns);
 
   /// Events were not taken for a while because a consumer was waited for: that wait does not count.
   void start_over() { waits_.clear(); }

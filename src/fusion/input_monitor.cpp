@@ -2,19 +2,19 @@
 
 namespace sonopose::fusion {
 
-void InputWatch::on_deadline_missed(BeaconAddress address, std::uint64_t InputCounters::*counter,
+void InputMonitor::on_deadline_missed(BeaconAddress address, std::uint64_t InputCounters::*counter,
                                     std::uint64_t more) {
   const auto found = beacons_.find(address);
   if (found != beacons_.end()) found->second.counters.*counter += more;
 }
 
-void InputWatch::on_bridge_lost(std::uint64_t bridge) {
+void InputMonitor::on_bridge_lost(std::uint64_t bridge) {
   for (auto& entry : beacons_) {
     if (entry.second.bridge == bridge) ++entry.second.counters.bridge_losses;
   }
 }
 
-InputCounters InputWatch::counters(BeaconAddress address) const {
+InputCounters InputMonitor::counters(BeaconAddress address) const {
   const auto found = beacons_.find(address);
   return found == beacons_.end() ? InputCounters{} : found->second.counters;
 }

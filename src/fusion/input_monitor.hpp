@@ -19,7 +19,7 @@ struct InputCounters {
 };
 
 /// All beacons. Not for several threads at once: no locks. Allocates at a beacon's first sample alone.
-class InputWatch {
+class InputMonitor {
 public:
   /// An IMU sample that came from the writer `bridge` (its publication handle).
   void on_imu(BeaconAddress address, std::uint64_t bridge) { beacons_[address].bridge = bridge; }

@@ -29,7 +29,7 @@ sonopose_FusedPose key_of(BeaconAddress address) {
 
 PoseOutput::PoseOutput(const dds::DomainParticipant& participant, const dds::QosProvider& qos,
                        dds::Delivery delivery, const std::optional<StandbyOptions>& standby,
-                       TimeNs input_deadline_ns, process::EndCounters& counters)
+                       TimeNs input_deadline_ns, process::EndpointCounters& counters)
     : standby_(standby_of(standby, input_deadline_ns)), predictor_(input_deadline_ns), listener_(counters) {
   const auto make = [&](const dds::Qos& changes) {
     return dds::make_writer(participant, qos, dds::topics::pose, &listener_, delivery, changes);

@@ -28,7 +28,7 @@ class PoseOutput {
 public:
   /// `input_deadline_ns`: an IMU that is silent for so long is not predicted on, and its beacon is given up.
   PoseOutput(const dds::DomainParticipant& participant, const dds::QosProvider& qos, dds::Delivery delivery,
-             const std::optional<StandbyOptions>& standby, TimeNs input_deadline_ns, process::EndCounters& counters);
+             const std::optional<StandbyOptions>& standby, TimeNs input_deadline_ns, process::EndpointCounters& counters);
   PoseOutput(const PoseOutput&) = delete;
   PoseOutput& operator=(const PoseOutput&) = delete;
   ~PoseOutput();

@@ -43,8 +43,8 @@ bool Standby::is_late(const Lane& lane) const {
 
 bool Standby::is_warm(const Lane& lane, TimeNs now_ns) const {
   const bool good = lane.good_since_ns != 0 && (lane.warm || now_ns - lane.good_since_ns >= warm_up_ns_);
-  const auto patience_ns = static_cast<TimeNs>(most_warm_ups * static_cast<double>(warm_up_ns_));
-  return good || now_ns - lane.warming_since_ns > patience_ns;
+  const auto timeout_ns = static_cast<TimeNs>(most_warm_ups * static_cast<double>(warm_up_ns_));
+  return good || now_ns - lane.warming_since_ns > timeout_ns;
 }
 
 void Standby::begin_warm_up(Lane& lane, TimeNs now_ns) const {

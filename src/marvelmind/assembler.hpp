@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Packets → the hub's samples, for all beacons of a line.
+/// Packets → the native's samples, for all beacons of a line.
 
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/samples/status.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The wire's units ↔ the hub's SI units: one pure function a kind and direction. What goes to the wire is
+/// The wire's units ↔ the native's SI units: one pure function a kind and direction. What goes to the wire is
 /// rounded to its steps and held inside its range.
 
 #include <sonopose/samples/samples.hpp>

@@ -33,7 +33,7 @@ void Disassembler::flush(PacketSink sink) {
 
 void Disassembler::send(const UltrasonicFix& fix, const PairHeading* heading, PacketSink sink) const {
   Stamp stamp = stamp_of(fix.emission_time_ns);
-  if ((fix.flags & fix_flag_second_resolution) != 0 && stamp.base == TimeBase::uptime_ms) {
+  if ((fix.flags & ultrasonic_flag_second_resolution) != 0 && stamp.base == TimeBase::uptime_ms) {
     stamp = {TimeBase::uptime_64ths, static_cast<std::uint32_t>(divide_down(
                                          fix.emission_time_ns - options_.beacon_zero_ns, ns_per_64th))};
   }

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The hub's samples → packets: what a real beacon would have sent.
+/// The native's samples → packets: what a real beacon would have sent.
 
 #include <sonopose/samples/samples.hpp>
 #include "marvelmind/event_sink.hpp"

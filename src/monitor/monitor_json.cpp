@@ -20,8 +20,8 @@ nlohmann::json optional_json(const std::optional<double>& value) {
 
 nlohmann::json legs_json(const observation::BeaconView& view) {
   nlohmann::json json;
-  for (std::size_t leg = 0; leg < observation::leg_names.size(); ++leg) {
-    json[std::string(observation::leg_names[leg])] = {{"p50_s", view.legs[leg].p50_s}, {"p99_s", view.legs[leg].p99_s}};
+  for (std::size_t leg = 0; leg < observation::latency_segment_names.size(); ++leg) {
+    json[std::string(observation::latency_segment_names[leg])] = {{"p50_s", view.segments[leg].p50_s}, {"p99_s", view.segments[leg].p99_s}};
   }
   return json;
 }
@@ -108,7 +108,7 @@ nlohmann::json beacon_json(const observation::BeaconView& view) {
                       {"pose_losses", view.losses},
                       {"lost", view.lost},
                       {"predicted", view.predicted},
-                      {"legs", legs_json(view)},
+                      {"segments", legs_json(view)},
                       {"worst", view.worst ? trace_json(*view.worst) : nlohmann::json()},
                       {"position_error_rms_m", optional_json(view.position_error_rms_m)},
                       {"position_error_max_m", optional_json(view.position_error_max_m)}};

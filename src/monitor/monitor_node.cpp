@@ -20,10 +20,10 @@ namespace topics = dds::topics;
 template <class T>
 struct Watched {
   Watched(const dds::DomainParticipant& participant, const dds::QosProvider& qos,
-          const dds::TopicEntry<T>& entry, observation::BeaconWatches& watches, process::EndCounters& ends)
+          const dds::TopicEntry<T>& entry, observation::BeaconObservers& watches, process::EndpointCounters& ends)
       : listener(watches, ends), reader(dds::make_reader(participant, qos, entry, &listener)) {}
 
-  observation::WatchListener<T> listener;
+  observation::ObservingListener<T> listener;
   dds::DataReader<T> reader;
 };
 
@@ -40,11 +40,11 @@ void print(const MonitorOptions& options, const std::vector<observation::BeaconV
 /// Tells what the middleware said of this program's own readers, where it is more than it was.
 class EndsTeller {
 public:
-  void operator()(const process::EndCounters& ends) {
-    tell(ends.incompatible_qos, incompatible_told_,
+  void operator()(const process::EndpointCounters& ends) {
+    tell(ends.incompatible_qos, incompatible_reported_,
          "writers offer QoS that does not go with its own; sonopose-doctor tells which");
-    tell(ends.samples_lost, lost_told_, "samples were lost on the way here");
-    tell(ends.samples_rejected, rejected_told_, "samples were refused for want of room");
+    tell(ends.samples_lost, lost_reported_, "samples were lost on the way here");
+    tell(ends.samples_rejected, rejected_reported_, "samples were refused for want of room");
   }
 
 private:
@@ -53,13 +53,13 @@ private:
     told = count;
   }
 
-  std::uint64_t incompatible_told_ = 0;
-  std::uint64_t lost_told_ = 0;
-  std::uint64_t rejected_told_ = 0;
+  std::uint64_t incompatible_reported_ = 0;
+  std::uint64_t lost_reported_ = 0;
+  std::uint64_t rejected_reported_ = 0;
 };
 
 /// At once, and beside the table: whoever controls something by these poses must know.
-void tell_silences(const std::vector<process::SilenceWatch::Change>& changes) {
+void log_silences(const std::vector<process::SilenceDetector::Change>& changes) {
   for (const auto& change : changes) {
     if (change.silent) {
       fmt::print(stderr, "sonopose-monitor: beacon {}: no pose for {:.3f} s\n", change.address,
@@ -76,9 +76,9 @@ void tell_silences(const std::vector<process::SilenceWatch::Change>& changes) {
 std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& stop) {
   const dds::QosProvider qos(options.qos_file);
   const dds::DomainParticipant participant(options.domain);
-  observation::BeaconWatches watches(dds::deadline_of(qos.datareader_qos(topics::pose.profile)).count());
-  process::EndCounters ends;
-  EndsTeller tell_ends;
+  observation::BeaconObservers watches(dds::deadline_of(qos.datareader_qos(topics::pose.profile)).count());
+  process::EndpointCounters ends;
+  EndsTeller log_ends;
   const Watched pose(participant, qos, topics::pose, watches, ends);
   const Watched truth(participant, qos, topics::truth, watches, ends);
   const Watched beacon_status(participant, qos, topics::beacon_status, watches, ends);
@@ -91,11 +91,11 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
   if (options.redraw) fmt::print("\x1b[2J");
   constexpr TimeNs look_period_ns = 20'000'000;
   while (next_ns <= end_ns && !stop.wait_until(std::min(next_ns, process::steady_now_ns() + look_period_ns))) {
-    tell_silences(watches.silence_changes());
-    tell_ends(ends);
+    log_silences(watches.silence_changes());
+    log_ends(ends);
     if (process::steady_now_ns() < next_ns) continue;
     const TimeNs now = process::now_ns();
-    print(options, watches.views([now](observation::BeaconWatch& watch, BeaconAddress address) {
+    print(options, watches.views([now](observation::BeaconObserver& watch, BeaconAddress address) {
       return watch.look(address, now);
     }));
     next_ns += period_ns;
@@ -104,7 +104,7 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
 
   const TimeNs now = process::now_ns();
   const auto summaries = watches.views(
-      [now](const observation::BeaconWatch& watch, BeaconAddress address) { return watch.summary(address, now); });
+      [now](const observation::BeaconObserver& watch, BeaconAddress address) { return watch.summary(address, now); });
   if (!options.json) fmt::print("\n{}", summary_of(summaries));
   std::uint64_t poses = 0;
   for (const observation::BeaconView& view : summaries) poses += view.poses;

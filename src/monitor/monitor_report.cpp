@@ -107,8 +107,8 @@ std::string legs_table_of(const std::vector<observation::BeaconView>& views) {
   for (const observation::BeaconView& view : views) {
     if (!view.worst) continue;
     text += fmt::format("{:>6}  {:>15}  {:>11}  {:>9}  {:>11}                {}\n", view.address,
-                        ms_pair(view.legs[0]), ms_pair(view.legs[1]), ms_pair(view.legs[2]),
-                        ms_pair(view.legs[3]), worst_words(*view.worst));
+                        ms_pair(view.segments[0]), ms_pair(view.segments[1]), ms_pair(view.segments[2]),
+                        ms_pair(view.segments[3]), worst_words(*view.worst));
   }
   return text;
 }
@@ -150,8 +150,8 @@ std::string summary_of(const std::vector<observation::BeaconView>& views) {
     text += fmt::format("  latency          p50 {} ms, p99 {} ms (bridge to here)\n", ms(view.latency.p50_s),
                         ms(view.latency.p99_s));
     if (view.worst) {
-      text += fmt::format("  its legs         {} to the fusion, {} in it, {} to here (p50/p99 ms)\n",
-                          ms_pair(view.legs[1]), ms_pair(view.legs[2]), ms_pair(view.legs[3]));
+      text += fmt::format("  its segments         {} to the fusion, {} in it, {} to here (p50/p99 ms)\n",
+                          ms_pair(view.segments[1]), ms_pair(view.segments[2]), ms_pair(view.segments[3]));
       text += fmt::format("  the slowest      {} ms\n", worst_words(*view.worst));
     }
     if (view.position_error_rms_m) {

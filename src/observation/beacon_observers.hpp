@@ -17,9 +17,9 @@
 namespace sonopose::observation {
 
 /// All beacons; filled by Cyclone's threads, looked at by another one.
-class BeaconWatches {
+class BeaconObservers {
 public:
-  explicit BeaconWatches(TimeNs pose_deadline_ns) : silences_(pose_deadline_ns) {}
+  explicit BeaconObservers(TimeNs pose_deadline_ns) : silences_(pose_deadline_ns) {}
 
   template <class Sample>
   void on(const Sample& sample) {
@@ -60,8 +60,8 @@ public:
   void on_gone(const Other& /*key*/) {}
 
   /// What pose streams fell silent or were heard again since the last call.
-  std::vector<process::SilenceWatch::Change> silence_changes() {
-    std::vector<process::SilenceWatch::Change> changes;
+  std::vector<process::SilenceDetector::Change> silence_changes() {
+    std::vector<process::SilenceDetector::Change> changes;
     const std::lock_guard lock(mutex_);
     silences_.find_changes(process::steady_now_ns(), changes);
     return changes;
@@ -78,29 +78,29 @@ public:
 
 private:
   std::mutex mutex_;
-  std::map<BeaconAddress, BeaconWatch> watches_;
+  std::map<BeaconAddress, BeaconObserver> watches_;
   std::map<BeaconAddress, dds::InstanceHandle> pose_writers_;
-  process::SilenceWatch silences_;
+  process::SilenceDetector silences_;
 };
 
 /// Listens for one topic. `on_sample` hears of each sample besides.
 template <class T>
-class WatchListener : public process::CountingReaderListener<T> {
+class ObservingListener : public process::CountingReaderListener<T> {
 public:
-  using Hub = decltype(dds::from_idl(std::declval<const T&>()));
+  using Native = decltype(dds::from_idl(std::declval<const T&>()));
 
-  WatchListener(BeaconWatches& watches, process::EndCounters& ends)
+  ObservingListener(BeaconObservers& watches, process::EndpointCounters& ends)
       : process::CountingReaderListener<T>(ends), watches_(watches) {}
 
   void on_data_available(dds::DataReader<T>& reader) noexcept override {
     const TimeNs received_ns = process::now_ns();
     const auto on_data = [&](const T& sample, const dds::SampleInfo& info) {
-      const Hub hub = dds::from_idl(sample);
-      on_sample(hub);
+      const Native native = dds::from_idl(sample);
+      on_sample(native);
       if constexpr (std::is_same_v<T, sonopose_FusedPose>) {
-        watches_.on(hub, received_ns, info.publication_handle());
+        watches_.on(native, received_ns, info.publication_handle());
       } else {
-        watches_.on(hub);
+        watches_.on(native);
       }
     };
     reader.try_take_each(on_data, [&](const T& key, const dds::SampleInfo& info) {
@@ -125,10 +125,10 @@ public:
   }
 
 protected:
-  virtual void on_sample(const Hub& /*sample*/) noexcept {}
+  virtual void on_sample(const Native& /*sample*/) noexcept {}
 
 private:
-  BeaconWatches& watches_;
+  BeaconObservers& watches_;
 };
 
 }  // namespace sonopose::observation

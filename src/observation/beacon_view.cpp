@@ -32,7 +32,7 @@ bool serves_before(const FusionStatus& a, const FusionStatus& b) {
   return a.strength > b.strength;
 }
 
-void BeaconWatch::on(const FusedPose& pose, TimeNs received_ns) {
+void BeaconObserver::on(const FusedPose& pose, TimeNs received_ns) {
   const bool is_predicted = (pose.status & status_predicted) != 0U;
   for (Span* span : {&window_, &whole_}) {
     if (span->began_ns == 0) span->began_ns = received_ns;
@@ -50,7 +50,7 @@ void BeaconWatch::on(const FusedPose& pose, TimeNs received_ns) {
   }
 }
 
-void BeaconWatch::on(const TruthSample& truth) {
+void BeaconObserver::on(const TruthSample& truth) {
   if (const auto fused_world_m = taken(unmatched_world_m_, truth.time_ns)) {
     compare(*fused_world_m, truth.position_world_m);
   } else {
@@ -58,12 +58,12 @@ void BeaconWatch::on(const TruthSample& truth) {
   }
 }
 
-void BeaconWatch::on_pose_lost() {
+void BeaconObserver::on_pose_lost() {
   if (!lost_) ++losses_;
   lost_ = true;
 }
 
-void BeaconWatch::compare(const Vector3d& fused_world_m, const Vector3d& true_world_m) {
+void BeaconObserver::compare(const Vector3d& fused_world_m, const Vector3d& true_world_m) {
   const double error_m = (fused_world_m - true_world_m).norm();
   if (!std::isfinite(error_m)) return;
   for (Span* span : {&window_, &whole_}) {
@@ -73,7 +73,7 @@ void BeaconWatch::compare(const Vector3d& fused_world_m, const Vector3d& true_wo
   }
 }
 
-BeaconView BeaconWatch::view_of(const Span& span, BeaconAddress address, TimeNs now_ns) const {
+BeaconView BeaconObserver::view_of(const Span& span, BeaconAddress address, TimeNs now_ns) const {
   BeaconView view;
   view.address = address;
   view.window_s = span.began_ns == 0 ? 0.0 : seconds_between(span.began_ns, now_ns);
@@ -81,7 +81,7 @@ BeaconView BeaconWatch::view_of(const Span& span, BeaconAddress address, TimeNs 
   view.pose_rate_hz = view.window_s > 0.0 ? static_cast<double>(span.poses) / view.window_s : 0.0;
   view.predicted = span.predicted;
   view.latency = span.traces.latency();
-  view.legs = span.traces.legs();
+  view.segments = span.traces.segments();
   view.worst = span.traces.worst();
   view.pose = latest_;
   view.bridge = bridge_;
@@ -98,14 +98,14 @@ BeaconView BeaconWatch::view_of(const Span& span, BeaconAddress address, TimeNs 
   return view;
 }
 
-BeaconView BeaconWatch::look(BeaconAddress address, TimeNs now_ns) {
+BeaconView BeaconObserver::look(BeaconAddress address, TimeNs now_ns) {
   const BeaconView view = view_of(window_, address, now_ns);
   window_ = {};
   window_.began_ns = now_ns;
   return view;
 }
 
-BeaconView BeaconWatch::summary(BeaconAddress address, TimeNs now_ns) const {
+BeaconView BeaconObserver::summary(BeaconAddress address, TimeNs now_ns) const {
   return view_of(whole_, address, now_ns);
 }
 

@@ -22,7 +22,7 @@ struct BeaconView {
   double pose_rate_hz = 0;
   std::uint64_t predicted = 0;        ///< poses between them
   Percentiles latency;                ///< bridge's publication → here, of the poses at IMU samples
-  std::array<Percentiles, 4> legs{};  ///< of each leg, as leg_names
+  std::array<Percentiles, 4> segments{};  ///< of each leg, as latency_segment_names
   std::optional<PoseTrace> worst;     ///< the slowest one's way
   FusedPose pose;                     ///< the latest
   std::optional<BeaconStatus> bridge;
@@ -42,7 +42,7 @@ bool serves(const FusionStatus& status);
 bool serves_before(const FusionStatus& a, const FusionStatus& b);
 
 /// Collects the poses, statuses and truth of one beacon. Not for use by several threads at once.
-class BeaconWatch {
+class BeaconObserver {
 public:
   void on(const FusedPose& pose, TimeNs received_ns);
   void on(const TruthSample& truth);

@@ -56,15 +56,15 @@ Percentiles TraceCollector::latency() const {
   return percentiles_of(std::move(latencies_s));
 }
 
-std::array<Percentiles, 4> TraceCollector::legs() const {
-  std::array<Percentiles, 4> legs{};
-  for (std::size_t leg = 0; leg < legs.size(); ++leg) {
+std::array<Percentiles, 4> TraceCollector::segments() const {
+  std::array<Percentiles, 4> segments{};
+  for (std::size_t leg = 0; leg < segments.size(); ++leg) {
     std::vector<double> lengths_s;
     lengths_s.reserve(durations_.size());
     for (const Durations& durations : durations_) lengths_s.push_back(durations.legs_s[leg]);
-    legs[leg] = percentiles_of(std::move(lengths_s));
+    segments[leg] = percentiles_of(std::move(lengths_s));
   }
-  return legs;
+  return segments;
 }
 
 }  // namespace sonopose::observation

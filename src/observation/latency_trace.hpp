@@ -20,8 +20,8 @@ struct Percentiles {
 };
 Percentiles percentiles_of(std::vector<double> durations_s);
 
-/// The legs of a pose's way, in their order.
-inline constexpr std::array<std::string_view, 4> leg_names{"sensor_to_bridge", "bridge_to_fusion",
+/// The segments of a pose's way, in their order.
+inline constexpr std::array<std::string_view, 4> latency_segment_names{"sensor_to_bridge", "bridge_to_fusion",
                                                            "in_fusion", "fusion_to_here"};
 
 /// The way of one pose. Between two machines a leg is wrong by as much as their clocks differ.
@@ -33,7 +33,7 @@ struct PoseTrace {
   TimeNs fusion_out_ns = 0;    ///< its pose written,
   TimeNs here_ns = 0;          ///< and received here
 
-  /// As long as `leg_names`.
+  /// As long as `latency_segment_names`.
   [[nodiscard]] std::array<double, 4> legs_s() const;
   /// From the bridge to here: what the system adds.
   [[nodiscard]] double latency_s() const { return seconds_between(bridge_ns, here_ns); }
@@ -48,8 +48,8 @@ public:
   void add(const PoseTrace& trace);
 
   [[nodiscard]] Percentiles latency() const;
-  /// Of each leg, as `leg_names`.
-  [[nodiscard]] std::array<Percentiles, 4> legs() const;
+  /// Of each leg, as `latency_segment_names`.
+  [[nodiscard]] std::array<Percentiles, 4> segments() const;
   /// The one with the greatest latency; empty where there is none.
   [[nodiscard]] const std::optional<PoseTrace>& worst() const { return worst_; }
 

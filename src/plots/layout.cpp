@@ -42,7 +42,7 @@ std::string axis_of_errors(const PictureData& data) {
 std::string axis_of_residuals(const PictureData& data) {
   std::vector<double> residuals_m;
   for (const auto& fix : data.fixes) {
-    if ((fix.verdict & verdict_used) != 0) residuals_m.push_back(fix.residual_m);
+    if ((fix.flags & fix_used) != 0) residuals_m.push_back(fix.innovation_m);
   }
   return error_axis(residuals_m, 1.5 * quantile(residuals_m, 0.99));
 }
@@ -63,15 +63,15 @@ Box path_box(const PictureData& data) {
     box.include(moment.true_position_world_m);
   }
   for (const auto& fix : data.fixes) {
-    if (class_of(fix.verdict) == 0) box.include(fix.position_world_m);
+    if (class_of(fix.flags) == 0) box.include(fix.position_world_m);
   }
   box.fit(path_panel.width() * picture_width, path_panel.height() * picture_height);
   return box;
 }
 
-int class_of(std::uint32_t verdict) {
-  if ((verdict & verdict_used) == 0) return 2;
-  return (verdict & verdict_outlier) != 0 ? 1 : 0;
+int class_of(std::uint32_t flags) {
+  if ((flags & fix_used) == 0) return 2;
+  return (flags & fix_outlier) != 0 ? 1 : 0;
 }
 
 }  // namespace sonopose::plots

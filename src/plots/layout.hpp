@@ -27,7 +27,7 @@ struct Panel {
 inline constexpr Panel path_panel{0.065, 0.47, 0.075, 0.9};
 inline constexpr Panel error_panel{0.58, 0.985, 0.69, 0.9};
 inline constexpr Panel speed_panel{0.58, 0.985, 0.425, 0.635};
-inline constexpr Panel verdict_panel{0.58, 0.985, 0.075, 0.37};
+inline constexpr Panel fix_flag_panel{0.58, 0.985, 0.075, 0.37};
 
 /// What a part of the map spans.
 struct Box {
@@ -55,7 +55,7 @@ struct Box {
 };
 
 /// 0: used, 1: used with less weight as an outlier, 2: rejected.
-int class_of(std::uint32_t verdict);
+int class_of(std::uint32_t flags);
 
 /// 1 where the status is set, else 0.
 inline int bit(std::uint32_t status, PoseStatus wanted) {
@@ -65,7 +65,7 @@ inline int bit(std::uint32_t status, PoseStatus wanted) {
 /// Both axes' ranges, so that the path and the good fixes fill the panel and a metre is as long on both.
 Box path_box(const PictureData& data);
 
-/// Commands for the axis of the position errors, and of the fixes' residuals.
+/// Commands for the axis of the position errors, and of the fixes' innovations.
 std::string axis_of_errors(const PictureData& data);
 std::string axis_of_residuals(const PictureData& data);
 

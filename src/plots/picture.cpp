@@ -66,11 +66,11 @@ void Picture::add(const FixReport& report) {
   baseline_.on(fix);
   data_.fixes.push_back({.time_s = seconds_between(begin_ns_, report.applied_time_ns),
                          .position_world_m = report.position_world_m,
-                         .residual_m = report.residual_m,
+                         .innovation_m = report.innovation_m,
                          .weight = report.weight,
                          .speed_mps = speed_since_last_used(report),
-                         .verdict = report.verdict});
-  if ((report.verdict & verdict_used) != 0) last_used_ = report;
+                         .flags = report.flags});
+  if ((report.flags & fix_used) != 0) last_used_ = report;
 }
 
 void Picture::halve() {
@@ -87,7 +87,7 @@ void Picture::halve() {
 double Picture::speed_since_last_used(const FixReport& fix) const {
   constexpr double least_interval_s = 0.05;  // below, the fixes' noise is all that one would see
   constexpr double widest_gap_s = 0.5;
-  if (!last_used_ || (fix.verdict & verdict_used) == 0) return PictureData::unknown;
+  if (!last_used_ || (fix.flags & fix_used) == 0) return PictureData::unknown;
   const double interval_s = seconds_between(last_used_->emission_time_ns, fix.emission_time_ns);
   if (!(interval_s > least_interval_s && interval_s < widest_gap_s)) return PictureData::unknown;
   return (fix.position_world_m - last_used_->position_world_m).norm() / interval_s;

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A run as a picture to tune by: the path with its fixes, and over time the error (or the fixes' residuals),
+/// A run as a picture to tune by: the path with its fixes, and over time the error (or the fixes' innovations),
 /// the speed, and what was made of each fix. Drawn by gnuplot.
 
 #include <sonopose/samples/pose.hpp>
@@ -47,10 +47,10 @@ struct PictureData {
   struct Fix {
     double time_s = 0;  ///< when it was applied
     Vector3d position_world_m = Vector3d::Zero();
-    double residual_m = 0;
+    double innovation_m = 0;
     double weight = 0;
     double speed_mps = unknown;  ///< from the used fix before
-    std::uint32_t verdict = 0;
+    std::uint32_t flags = 0;
   };
 
   std::string title;

@@ -22,21 +22,21 @@ constexpr std::string_view faint_colour = "#B0B0B0";
 constexpr std::string_view stale_colour = "#F3CFC0";
 constexpr std::string_view converging_colour = "#FFF2B8";
 
-/// A row of marks below weight and trust; the verdicts that it shows.
+/// A row of marks below weight and trust; the fix_flags that it shows.
 struct FlagRow {
   std::string_view label;
-  std::uint32_t verdicts;
+  std::uint32_t fix_flags;
   std::string_view colour;
 };
 
 constexpr std::array<FlagRow, 7> flag_rows{
-    {{"outlier", verdict_outlier, outlier_colour},
-     {"low quality", verdict_low_quality, rejected_colour},
-     {"invalid", verdict_invalid, rejected_colour},
-     {"frozen", verdict_frozen, rejected_colour},
-     {"snapped", verdict_snapped_over | verdict_snapped_under, "#CC79A7"},
-     {"forced", verdict_stuck_forced, "#CC79A7"},
-     {"start", verdict_first | verdict_stale_recovered, fused_colour}}};
+    {{"outlier", fix_outlier, outlier_colour},
+     {"low quality", fix_low_quality, rejected_colour},
+     {"invalid", fix_invalid, rejected_colour},
+     {"frozen", fix_frozen, rejected_colour},
+     {"snapped", fix_snapped_over | fix_snapped_under, "#CC79A7"},
+     {"forced", fix_stuck_forced, "#CC79A7"},
+     {"start", fix_first | fix_stale_recovered, fused_colour}}};
 
 void append_data(std::string& script, const PictureData& data) {
   auto out = std::back_inserter(script);
@@ -54,8 +54,8 @@ void append_data(std::string& script, const PictureData& data) {
   fmt::format_to(out, "END\n$fixes << END\n");
   for (const auto& fix : data.fixes) {
     fmt::format_to(out, "{:.4f} {:.5g} {:.5g} {:.5g} {:.4g} {:.4g} {} {}\n", fix.time_s,
-                   fix.position_world_m.x(), fix.position_world_m.y(), 100.0 * fix.residual_m, fix.weight,
-                   fix.speed_mps, class_of(fix.verdict), fix.verdict);
+                   fix.position_world_m.x(), fix.position_world_m.y(), 100.0 * fix.innovation_m, fix.weight,
+                   fix.speed_mps, class_of(fix.flags), fix.flags);
   }
   fmt::format_to(out, "END\n");
 }
@@ -135,7 +135,7 @@ void append_path(std::string& script, const PictureData& data) {
 
 void append_errors(std::string& script, const PictureData& data) {
   const bool errors = data.has_truth;
-  append_frame(script, error_panel, errors ? "position error [cm]" : "residual of fixes [cm]");
+  append_frame(script, error_panel, errors ? "position error [cm]" : "innovation of fixes [cm]");
   script += (errors ? axis_of_errors(data) : axis_of_residuals(data)) + "plot " + shades(true);
   if (!errors) {
     script += fixes_by_kind("1", "$4", 2) + "\n";
@@ -163,23 +163,23 @@ void append_speed(std::string& script, const PictureData& data) {
                  fused_colour);
 }
 
-/// Weight and trust, and below them a row of marks for each verdict that was given.
-void append_verdicts(std::string& script, const PictureData& data) {
+/// Weight and trust, and below them a row of marks for each flags that was given.
+void append_fix_flags(std::string& script, const PictureData& data) {
   constexpr double row_height = 0.2;
   std::string tics = "'0' 0, '0.5' 0.5, '1' 1";
   std::string marks;
   double y = 0.0;
   for (const FlagRow& row : flag_rows) {
     const bool given = std::any_of(data.fixes.begin(), data.fixes.end(),
-                                   [&row](const auto& fix) { return (fix.verdict & row.verdicts) != 0; });
+                                   [&row](const auto& fix) { return (fix.flags & row.fix_flags) != 0; });
     if (!given) continue;
     y -= row_height;
     tics += fmt::format(", {} {:.1f}", plot_text(row.label), y);
     marks += fmt::format(
         ", \\\n  $fixes using 1:((int($8)&{})?{:.1f}:NaN) with points pt 2 ps 0.7 lc rgb '{}' notitle",
-        row.verdicts, y, row.colour);
+        row.fix_flags, y, row.colour);
   }
-  append_frame(script, verdict_panel, "verdicts             weight, trust");
+  append_frame(script, fix_flag_panel, "flags                weight, trust");
   fmt::format_to(
       std::back_inserter(script),
       "set ytics ({})\nset yrange [{:.1f}:1.05]\nset xlabel 'time [s]'\nset format x '%g'\nplot {}", tics,
@@ -216,7 +216,7 @@ std::string gnuplot_script(const PictureData& data, const std::filesystem::path&
                  begin_s, std::max(end_s, begin_s + 1e-3));
   append_errors(script, data);
   append_speed(script, data);
-  append_verdicts(script, data);
+  append_fix_flags(script, data);
   script += "unset multiplot\nunset output\n";
   return script;
 }

@@ -10,7 +10,7 @@
 namespace sonopose::process {
 
 /// Of all ends that share it.
-struct EndCounters {
+struct EndpointCounters {
   std::atomic<std::uint64_t> offered_deadlines_missed = 0;
   std::atomic<std::uint64_t> liveliness_lost = 0;   ///< of a writer: its lease ran out
   std::atomic<std::uint64_t> incompatible_qos = 0;  ///< other ends that were refused, or refused
@@ -27,7 +27,7 @@ inline void add(std::atomic<std::uint64_t>& counter, std::int32_t change) noexce
 template <class T>
 class CountingWriterListener final : public dds::DataWriterListener<T> {
 public:
-  explicit CountingWriterListener(EndCounters& counters) : counters_(counters) {}
+  explicit CountingWriterListener(EndpointCounters& counters) : counters_(counters) {}
 
   void on_offered_deadline_missed(dds::DataWriter<T>& /*writer*/,
                                   const dds::OfferedDeadlineMissedStatus& status) noexcept override {
@@ -43,14 +43,14 @@ public:
   }
 
 private:
-  EndCounters& counters_;
+  EndpointCounters& counters_;
 };
 
 /// Counts for a reader; base of listeners that take data too.
 template <class T>
 class CountingReaderListener : public dds::DataReaderListener<T> {
 public:
-  explicit CountingReaderListener(EndCounters& counters) : counters_(counters) {}
+  explicit CountingReaderListener(EndpointCounters& counters) : counters_(counters) {}
 
   void on_requested_incompatible_qos(dds::DataReader<T>& /*reader*/,
                                      const dds::RequestedIncompatibleQosStatus& status) noexcept override {
@@ -65,7 +65,7 @@ public:
   }
 
 private:
-  EndCounters& counters_;
+  EndpointCounters& counters_;
 };
 
 }  // namespace sonopose::process

@@ -2,7 +2,7 @@
 
 namespace sonopose::process {
 
-void SilenceWatch::find_changes(TimeNs now_ns, std::vector<Change>& changes) {
+void SilenceDetector::find_changes(TimeNs now_ns, std::vector<Change>& changes) {
   for (auto& [address, beacon] : beacons_) {
     const bool silent = now_ns - beacon.latest_ns > deadline_ns_;
     if (silent == beacon.silent) continue;
@@ -13,7 +13,7 @@ void SilenceWatch::find_changes(TimeNs now_ns, std::vector<Change>& changes) {
   }
 }
 
-bool SilenceWatch::is_silent(BeaconAddress address) const {
+bool SilenceDetector::is_silent(BeaconAddress address) const {
   const auto found = beacons_.find(address);
   return found != beacons_.end() && found->second.silent;
 }

@@ -12,10 +12,10 @@ namespace sonopose::process {
 
 /// All beacons of one stream. Times are of the steady clock. Not for several threads at once: no locks.
 /// Allocates at a beacon's first sample alone.
-class SilenceWatch {
+class SilenceDetector {
 public:
   /// `deadline_ns`: a beacon without a sample for longer is silent.
-  explicit SilenceWatch(TimeNs deadline_ns) : deadline_ns_(deadline_ns) {}
+  explicit SilenceDetector(TimeNs deadline_ns) : deadline_ns_(deadline_ns) {}
 
   void on_sample(BeaconAddress address, TimeNs now_ns) { beacons_[address].latest_ns = now_ns; }
 

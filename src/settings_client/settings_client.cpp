@@ -87,7 +87,7 @@ std::vector<EffectiveSettings> SettingsClient::in_force(BeaconAddress address, d
 }
 
 std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, double timeout_s) {
-  constexpr TimeNs patience_ns = 250'000'000;
+  constexpr TimeNs timeout_ns = 250'000'000;
   request.request_id = new_request_id();
   auto reader = dds::make_reader(participant_, qos_, topics::settings_reply);
   auto writer = dds::make_writer(participant_, qos_, topics::settings_request);
@@ -104,7 +104,7 @@ std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, dou
         const bool heard = writer.publication_matched_status().current_count > 0;
         if (!answer && heard && process::steady_now_ns() >= next_send_ns) {
           writer.write(dds::to_idl(request).sample());
-          next_send_ns = process::steady_now_ns() + patience_ns;
+          next_send_ns = process::steady_now_ns() + timeout_ns;
         }
         return answer.has_value();
       });

@@ -109,7 +109,7 @@ std::string json_of(const std::vector<EffectiveSettings>& settings) {
   return list.dump() + "\n";
 }
 
-std::string SettingsWatch::on(const EffectiveSettings& settings) {
+std::string SettingsObserver::on(const EffectiveSettings& settings) {
   const auto [known, first] = latest_.try_emplace(settings.address, settings);
   if (first) return {};
   const EffectiveSettings before = std::exchange(known->second, settings);

@@ -34,12 +34,12 @@ std::string toml_of(const std::vector<EffectiveSettings>& settings,
 std::string json_of(const std::vector<EffectiveSettings>& settings);
 
 /// Tells what changes, from beacon to beacon.
-class SettingsWatch {
+class SettingsObserver {
 public:
   /// `json`: an object per change, {"beacon": 7, "from_event": …, "time_ns": …, "changed": {…}}, instead of a
   /// line per key, "beacon.7.drift.jump_alpha = 0.5  # was 0.25, from event 1200". What is under all_beacons
   /// has no "beacon.7." in front, and in an object the beacon "all".
-  explicit SettingsWatch(bool json) : json_(json) {}
+  explicit SettingsObserver(bool json) : json_(json) {}
 
   [[nodiscard]] bool knows(BeaconAddress address) const { return latest_.contains(address); }
 

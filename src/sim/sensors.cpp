@@ -127,7 +127,7 @@ UltrasonicFix UltrasonicModel::measure_fix(const Motion& motion, const FixCondit
                              ? random_.uniform_in(*condition.quality_percent)
                              : settings_.quality_percent + settings_.quality_noise_percent * random_.normal();
   fix.quality_percent = std::clamp(std::round(quality), 0.0, 100.0);  // packet 0x0007: whole percent
-  if (settings_.pair_heading) fix.flags |= fix_flag_pair_centre;
+  if (settings_.pair_heading) fix.flags |= ultrasonic_flag_pair_centre;
   return fix;
 }
 

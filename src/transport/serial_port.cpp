@@ -60,7 +60,7 @@ private:
     if (loop_.stopped()) return {ReadStatus::stopped};
     if (done.error == asio::error::operation_aborted) return {ReadStatus::timeout};
     close(done.error == asio::error::eof ? "the device hung up" : done.error.message());
-    absence_told_ = true;
+    absence_reported_ = true;
     return {ReadStatus::disconnected};
   }
 
@@ -69,7 +69,7 @@ private:
     for (;;) {
       if (steady_clock::now() >= next_attempt_) {
         if (open()) return {ReadStatus::connected};
-        if (!std::exchange(absence_told_, true)) return {ReadStatus::disconnected};
+        if (!std::exchange(absence_reported_, true)) return {ReadStatus::disconnected};
       }
       sleep(until(std::min(deadline, next_attempt_)));
       if (loop_.stopped()) return {ReadStatus::stopped};
@@ -90,7 +90,7 @@ private:
       return false;
     }
     last_error_.clear();
-    absence_told_ = false;
+    absence_reported_ = false;
     return true;
   }
 
@@ -113,7 +113,7 @@ private:
   StoppableLoop loop_;
   asio::serial_port port_;
   std::string last_error_ = "not opened yet";
-  bool absence_told_ = false;
+  bool absence_reported_ = false;
   steady_clock::time_point next_attempt_;
 };
 

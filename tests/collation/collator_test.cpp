@@ -15,14 +15,14 @@ namespace {
 
 constexpr TimeNs ms = 1'000'000;
 
-/// A sequencer with what it has delivered; one event a millisecond.
+/// A collator with what it has delivered; one event a millisecond.
 struct Line {
-  Sequencer sequencer{5 * ms};
+  Collator collator{5 * ms};
   std::vector<std::uint64_t> delivered;
   TimeNs now_ns = 1000 * ms;
 
   void push(const Event& event) {
-    sequencer.push(event, now_ns, [this](const Event& out) { delivered.push_back(sequence_of(out)); });
+    collator.push(event, now_ns, [this](const Event& out) { delivered.push_back(sequence_of(out)); });
     now_ns += ms;
   }
   void push(std::uint64_t sequence) {
@@ -45,8 +45,8 @@ TEST_CASE("events in order pass at once, whatever number they begin with") {
     line.push(n);
     REQUIRE(line.delivered.back() == n);
   }
-  CHECK(line.sequencer.counters().lost == 0);
-  CHECK(line.sequencer.counters().duplicated == 0);
+  CHECK(line.collator.counters().lost == 0);
+  CHECK(line.collator.counters().duplicated == 0);
 }
 
 TEST_CASE("a gap that fills in time holds nothing up for good and loses nothing") {
@@ -55,21 +55,21 @@ TEST_CASE("a gap that fills in time holds nothing up for good and loses nothing"
   CHECK(line.delivered == Numbers{1, 2});
   line.push(3);
   CHECK(line.delivered == Numbers{1, 2, 3, 4, 5});
-  CHECK(line.sequencer.counters().lost == 0);
+  CHECK(line.collator.counters().lost == 0);
 }
 
 TEST_CASE("a gap is waited for as long as declared, then counted as lost") {
   Line line;
-  line.push_all({1, 2, 4, 5, 6, 7, 8});  // 4 came at 3 ms: 5 ms of patience are not over yet
+  line.push_all({1, 2, 4, 5, 6, 7, 8});  // 4 came at 3 ms: 5 ms of timeout are not over yet
   CHECK(line.delivered == Numbers{1, 2});
   line.push_all({9, 10});
   CHECK(line.delivered == Numbers{1, 2, 4, 5, 6, 7, 8, 9, 10});
-  CHECK(line.sequencer.counters().lost == 1);
+  CHECK(line.collator.counters().lost == 1);
   WHEN("it comes after all") {
     line.push(3);
     THEN("it is too late") {
       CHECK(line.delivered.size() == 9);
-      CHECK(line.sequencer.counters().duplicated == 1);
+      CHECK(line.collator.counters().duplicated == 1);
     }
   }
 }
@@ -80,7 +80,7 @@ TEST_CASE("two gaps at once are given up each in its own time") {
   line.now_ns += 10 * ms;
   line.push(6);
   CHECK(line.delivered == Numbers{1, 3, 5, 6});
-  CHECK(line.sequencer.counters().lost == 2);
+  CHECK(line.collator.counters().lost == 2);
 }
 
 TEST_CASE("three streams that overtake each other come out in the bridge's order") {
@@ -105,15 +105,15 @@ TEST_CASE("three streams that overtake each other come out in the bridge's order
     line.push(event);
   }
   CHECK(line.delivered == Numbers{1, 2, 3, 4, 5, 6, 7, 8, 9, 10});
-  CHECK(line.sequencer.counters().lost == 0);
-  CHECK(line.sequencer.counters().duplicated == 0);
+  CHECK(line.collator.counters().lost == 0);
+  CHECK(line.collator.counters().duplicated == 0);
 }
 
 TEST_CASE("what comes twice is delivered once") {
   Line line;
   line.push_all({1, 2, 2, 3, 1, 5, 5, 4});
   CHECK(line.delivered == Numbers{1, 2, 3, 4, 5});
-  CHECK(line.sequencer.counters().duplicated == 3);
+  CHECK(line.collator.counters().duplicated == 3);
 }
 
 TEST_CASE("a bridge that begins to count anew is followed after a few events") {
@@ -122,11 +122,11 @@ TEST_CASE("a bridge that begins to count anew is followed after a few events") {
   for (std::uint64_t n = 1; n <= 20; ++n) line.push(n);
   CHECK(line.delivered.back() == 20);
   CHECK(line.delivered.size() >= 50 + 16);
-  CHECK(line.sequencer.counters().restarts == 1);
-  CHECK(line.sequencer.counters().lost == 0);
+  CHECK(line.collator.counters().restarts == 1);
+  CHECK(line.collator.counters().lost == 0);
 }
 
-TEST_CASE("a stream that lags behind another by more than the patience is late, and no restart") {
+TEST_CASE("a stream that lags behind another by more than the timeout is late, and no restart") {
   // Every tenth event comes at once, the others 8 ms later: an overloaded receiver's two sockets.
   std::multimap<TimeNs, std::uint64_t> arrivals;
   for (std::uint64_t n = 1; n <= 1000; ++n) {
@@ -138,8 +138,8 @@ TEST_CASE("a stream that lags behind another by more than the patience is late, 
     line.push(n);
   }
   CHECK(std::is_sorted(line.delivered.begin(), line.delivered.end()));
-  CHECK(line.sequencer.counters().restarts == 0);
-  CHECK(line.sequencer.counters().lost + line.delivered.size() <= 1000);
+  CHECK(line.collator.counters().restarts == 0);
+  CHECK(line.collator.counters().lost + line.delivered.size() <= 1000);
 }
 
 TEST_CASE("a restart does not swallow what was still waiting") {
@@ -153,19 +153,19 @@ TEST_CASE("a gap too wide to be filled is not waited for") {
   Line line;
   line.push_all({1, 2, 1'000'000, 1'000'001});
   CHECK(line.delivered == Numbers{1, 2, 1'000'000, 1'000'001});
-  CHECK(line.sequencer.counters().lost == 1'000'000 - 3);
+  CHECK(line.collator.counters().lost == 1'000'000 - 3);
 }
 
 TEST_CASE("more waiting events than places give the gap up early, in order") {
   Line line;
-  line.sequencer = Sequencer(TimeNs{3600} * 1000 * ms);
+  line.collator = Collator(TimeNs{3600} * 1000 * ms);
   line.push(1);
-  for (std::uint64_t n = 3; n < 3 + 2 * Sequencer::capacity; ++n) line.push(n);
+  for (std::uint64_t n = 3; n < 3 + 2 * Collator::capacity; ++n) line.push(n);
   CHECK(line.delivered.front() == 1);
-  CHECK(line.delivered.back() == 2 + 2 * Sequencer::capacity);
-  CHECK(line.delivered.size() == 1 + 2 * Sequencer::capacity);
+  CHECK(line.delivered.back() == 2 + 2 * Collator::capacity);
+  CHECK(line.delivered.size() == 1 + 2 * Collator::capacity);
   CHECK(std::is_sorted(line.delivered.begin(), line.delivered.end()));
-  CHECK(line.sequencer.counters().lost == 1);
+  CHECK(line.collator.counters().lost == 1);
 }
 
 TEST_CASE("of two bridges in turn the first goes on being served, in order and completely") {
@@ -177,8 +177,8 @@ TEST_CASE("of two bridges in turn the first goes on being served, in order and c
   CHECK(line.delivered.size() == 200);
   CHECK(line.delivered.front() == 5000);
   CHECK(line.delivered.back() == 5199);
-  CHECK(line.sequencer.counters().restarts == 0);
-  CHECK(line.sequencer.counters().duplicated == 200);
+  CHECK(line.collator.counters().restarts == 0);
+  CHECK(line.collator.counters().duplicated == 200);
 }
 
 TEST_CASE("a number from nowhere does not shut the line for good") {

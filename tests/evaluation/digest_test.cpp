@@ -49,7 +49,7 @@ TEST_CASE("a change in any group of the state changes its digest") {
   state.filter.turn_in_world({0.0, 0.0, 1e-9});
   CHECK(digest_of(state) != digest_of(plain));
   state = plain;
-  state.outage.track = estimation::documented::Track::held;
+  state.outage.track = estimation::documented::InitPhase::held;
   CHECK(digest_of(state) != digest_of(plain));
 }
 

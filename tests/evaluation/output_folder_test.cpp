@@ -28,13 +28,13 @@ FixReport sample_report() {
   report.applied_time_ns = 168;
   report.position_world_m = {1, 2, 3};
   report.shifted_position_world_m = {1.25, 2, 3};
-  report.residual_m = 0.5;
+  report.innovation_m = 0.5;
   report.weight = 0.25;
   report.trust = 0.75;
   report.jump_world_m = {0.1, 0.2, 0.3};
   report.velocity_change_world_mps = {-0.1, -0.2, -0.3};
   report.yaw_change_rad = 0.01;
-  report.verdict = verdict_used | verdict_outlier;
+  report.flags = fix_used | fix_outlier;
   return report;
 }
 
@@ -57,7 +57,7 @@ TEST_CASE("a pose stands in both files with every digit that it has") {
         "1700000000005000001,1.5,-0.1,0.3333333333333333,0.5,0.5,-0.5,0.5,0,1e-09,-2,20\n");
 }
 
-TEST_CASE("a report stands in its file with every field, its verdict in words") {
+TEST_CASE("a report stands in its file with every field, its flags in words") {
   const TemporaryFolder folder;
   {
     OutputFolder out(folder.path());

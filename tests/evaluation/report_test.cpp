@@ -26,7 +26,7 @@ TEST_CASE("the JSON report holds the run's figures") {
   CHECK(report["poses_without_truth"] == 0);
   CHECK(report["imu_stamps_back"] == 0);
   CHECK(report["state_hash"] == result.state_hash);
-  CHECK(report["verdicts"]["first"] == 1);
+  CHECK(report["fix_flags"]["first"] == 1);
   CHECK(report["times_real_time"] == Approx(result.duration_s / 2.0));
 }
 

@@ -44,8 +44,8 @@ TEST_CASE("each IMU sample gives a pose and each fix a report, and both are told
   CHECK(result.poses == told.poses.size());
   CHECK(result.counters.imu_samples == told.poses.size());
   CHECK(told.reports.size() == result.counters.fixes_used + result.counters.fixes_rejected);
-  CHECK(result.verdicts.of(verdict_used) == result.counters.fixes_used);
-  CHECK(result.verdicts.of(verdict_first) == 1);
+  CHECK(result.fix_flags.of(fix_used) == result.counters.fixes_used);
+  CHECK(result.fix_flags.of(fix_first) == 1);
   CHECK(result.events == log.events.size());
   CHECK(result.end.sequence == log.events.size());
   CHECK(result.duration_s == Approx(20.0).margin(0.02));
@@ -146,7 +146,7 @@ TEST_CASE("rows that no sensor can have given are counted, and the result stays 
   }
   const auto result = evaluation::run(log, {});
   CHECK(result.counters.samples_invalid == 1);
-  CHECK(result.verdicts.of(verdict_invalid) == 1);
+  CHECK(result.fix_flags.of(fix_invalid) == 1);
   CHECK(std::isfinite(result.fused.position_m.max));
 }
 

@@ -12,7 +12,7 @@ using namespace sonopose::fusion::test;
 
 SCENARIO("a live event allocates nothing, also while a change waits and when it takes hold") {
   const auto events = walk(7, 10.0);
-  BeaconEngines engines({}, false);
+  BeaconEstimators engines({}, false);
   std::size_t poses = 0;
   std::size_t changes = 0;
   const auto allocated_by = [&](std::size_t first, std::size_t last) {
@@ -41,7 +41,7 @@ SCENARIO("with no attitude filter does a live event allocate") {
     config::FusionConfig config;
     config.assign("attitude.filter=" + std::string(filter));
     config.assign("attitude.magnetometer=true");
-    BeaconEngines engines(config, false);
+    BeaconEstimators engines(config, false);
     const auto push = [&](Event event) {
       if (auto* imu = std::get_if<ImuSample>(&event)) imu->magnetic_field_body_t = Vector3d(20e-6, 0, -40e-6);
       const std::size_t before = sonopose::test::allocations();

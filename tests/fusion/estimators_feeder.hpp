@@ -61,7 +61,7 @@ struct Feeder {
     return found;
   }
 
-  BeaconEngines engines;
+  BeaconEstimators engines;
   std::vector<FusedPose> poses;
   std::vector<FixReport> reports;
   std::vector<SettingsInForce> changes;

@@ -6,7 +6,7 @@
 
 using namespace sonopose;
 using Catch::Contains;
-using fusion::GapWatch;
+using fusion::GapDetector;
 
 namespace {
 
@@ -15,10 +15,10 @@ constexpr TimeNs second_ns = 1'000'000'000;
 }  // namespace
 
 SCENARIO("a wait for a missing event is told after five seconds, once") {
-  GapWatch watch;
+  GapDetector watch;
   const auto at = [&watch](TimeNs time_s, std::uint64_t missing, std::size_t held,
                            BeaconAddress address = 7) {
-    return watch.on(address, collation::LosslessSequencer::Gap{missing, held}, time_s * second_ns);
+    return watch.on(address, collation::LosslessCollator::Gap{missing, held}, time_s * second_ns);
   };
   GIVEN("events that wait for the first one") {
     CHECK_FALSE(at(100, 1, 80));

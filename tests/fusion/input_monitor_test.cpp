@@ -13,7 +13,7 @@ constexpr TimeNs ms = 1'000'000;
 }
 
 SCENARIO("missed deadlines are the beacon's own, a bridge's death that of all it serves") {
-  InputWatch watch;
+  InputMonitor watch;
   watch.on_imu(7, 100);
   watch.on_imu(8, 100);
   watch.on_imu(9, 200);
@@ -36,8 +36,8 @@ SCENARIO("missed deadlines are the beacon's own, a bridge's death that of all it
 }
 
 SCENARIO("a silence is told once when it begins and once when it ends") {
-  SilenceWatch watch(100 * ms);
-  std::vector<SilenceWatch::Change> changes;
+  SilenceDetector watch(100 * ms);
+  std::vector<SilenceDetector::Change> changes;
   const auto look = [&](TimeNs now_ns) {
     changes.clear();
     watch.find_changes(now_ns, changes);

@@ -46,7 +46,7 @@ BeaconView good_view() {
   view.deadlines_missed = 8;
   view.losses = 2;
   view.predicted = 5;
-  view.legs = {{{0.001, 0.002}, {0.00005, 0.00011}, {0.00001, 0.00002}, {0.00006, 0.00021}}};
+  view.segments = {{{0.001, 0.002}, {0.00005, 0.00011}, {0.00001, 0.00002}, {0.00006, 0.00021}}};
   view.worst = PoseTrace{.sequence = 812,
                          .sensor_ns = now_ns - 3'000'000,
                          .bridge_ns = now_ns - 2'000'000,
@@ -63,7 +63,7 @@ BeaconView silent_view() {
   BeaconView view;
   view.address = 21;
   view.latency = percentiles_of({});
-  view.legs.fill(percentiles_of({}));
+  view.segments.fill(percentiles_of({}));
   view.pose.since_valid_fix_s = std::numeric_limits<double>::infinity();
   return view;
 }
@@ -112,7 +112,7 @@ SCENARIO("the JSON object has what programs look for") {
       CHECK(good["pose_deadlines_missed"] == 8);
       CHECK(good["pose_losses"] == 2);
       CHECK(good["predicted"] == 5);
-      CHECK(good["legs"]["fusion_to_here"]["p99_s"] == 0.00021);
+      CHECK(good["segments"]["fusion_to_here"]["p99_s"] == 0.00021);
       CHECK(good["worst"]["event_sequence"] == 812);
       CHECK(good["worst"]["latency_s"].get<double>() == Approx(0.002));
       CHECK(good["position_error_max_m"] == 0.055);
@@ -134,7 +134,7 @@ SCENARIO("the JSON object has what programs look for") {
       CHECK(silent["position_error_rms_m"].is_null());
       CHECK(silent["since_valid_fix_s"].is_null());
       CHECK(silent["worst"].is_null());
-      CHECK(silent["legs"]["in_fusion"]["p50_s"].is_null());
+      CHECK(silent["segments"]["in_fusion"]["p50_s"].is_null());
       CHECK_FALSE(silent.contains("bridge"));
       CHECK_FALSE(silent.contains("fusion"));
     }
@@ -158,7 +158,7 @@ SCENARIO("the table has a row for each beacon") {
       }
       CHECK_THAT(table, Contains("    21  ") && Contains("silent"));
     }
-    THEN("the legs of the way and the slowest pose's follow, in milliseconds") {
+    THEN("the segments of the way and the slowest pose's follow, in milliseconds") {
       CHECK_THAT(table, Contains("1.00/2.00") && Contains("0.05/0.11") && Contains("0.01/0.02") &&
                             Contains("0.06/0.21") && Contains("2.00 = 0.50 + 0.25 + 1.25 (event 812)"));
     }

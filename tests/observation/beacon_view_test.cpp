@@ -37,7 +37,7 @@ TruthSample truth_at(TimeNs time_ns, double x_m) {
 
 SCENARIO("a watch counts what comes in each second and in all") {
   GIVEN("100 poses a second for two seconds, which take 2 ms in the first and 4 ms in the second") {
-    BeaconWatch watch;
+    BeaconObserver watch;
     const auto receive = [&watch](int from, int until, TimeNs latency_ns) {
       for (int i = from; i < until; ++i) {
         const FusedPose pose = pose_at(begin_ns + i * 10 * ms, i);
@@ -75,7 +75,7 @@ SCENARIO("a watch counts what comes in each second and in all") {
     }
   }
   GIVEN("a beacon of which only statuses came") {
-    BeaconWatch watch;
+    BeaconObserver watch;
     BeaconStatus bridge;
     bridge.crc_errors = 3;
     watch.on(bridge);
@@ -94,7 +94,7 @@ SCENARIO("a watch counts what comes in each second and in all") {
 }
 
 SCENARIO("poses between samples are counted apart and take no part in the latency") {
-  BeaconWatch watch;
+  BeaconObserver watch;
   watch.on(pose_at(begin_ns), begin_ns + 2 * ms);
   watch.on(pose_at(begin_ns + 5 * ms, 0.5, status_predicted), begin_ns + 900 * ms);
   const BeaconView view = watch.look(7, begin_ns + second);
@@ -105,7 +105,7 @@ SCENARIO("poses between samples are counted apart and take no part in the latenc
 }
 
 SCENARIO("a watch knows whether anybody writes the poses") {
-  BeaconWatch watch;
+  BeaconObserver watch;
   watch.on(pose_at(begin_ns), begin_ns);
   CHECK_FALSE(watch.look(7, begin_ns).lost);
   watch.on_pose_lost();
@@ -117,7 +117,7 @@ SCENARIO("a watch knows whether anybody writes the poses") {
 }
 
 SCENARIO("of several fusions the strongest that serves is shown first") {
-  BeaconWatch watch;
+  BeaconObserver watch;
   const auto tell = [&watch](std::uint64_t id, FusionRole role, std::int32_t strength) {
     FusionStatus status;
     status.fusion_id = id;
@@ -137,7 +137,7 @@ SCENARIO("of several fusions the strongest that serves is shown first") {
 }
 
 SCENARIO("poses are compared with the truth of their own moment") {
-  BeaconWatch watch;
+  BeaconObserver watch;
   const auto error = [&watch] { return watch.look(7, begin_ns + second); };
   GIVEN("two poses that are 3 cm and 4 cm off, one before its truth and one after") {
     watch.on(pose_at(begin_ns, 1.03), begin_ns);

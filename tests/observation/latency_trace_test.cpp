@@ -49,7 +49,7 @@ TEST_CASE("percentiles of durations") {
   }
 }
 
-SCENARIO("the way of a pose is the sum of its legs") {
+SCENARIO("the way of a pose is the sum of its segments") {
   const PoseTrace one = trace(1, 40 * us);
   CHECK(one.latency_s() == Approx(100e-6));
   CHECK(one.legs_s()[0] == Approx(1e-3));
@@ -72,9 +72,9 @@ SCENARIO("a collector knows each leg's distribution, and the slowest pose") {
   CHECK(std::isnan(collector.latency().p50_s));
   for (std::uint64_t i = 1; i <= 100; ++i) collector.add(trace(i, i == 42 ? 900 * us : 40 * us));
   CHECK(collector.latency().p50_s == Approx(100e-6));
-  CHECK(collector.legs()[3].p50_s == Approx(40e-6));
-  CHECK(collector.legs()[3].p99_s == Approx(900e-6));
-  CHECK(collector.legs()[1].p99_s == Approx(50e-6));
+  CHECK(collector.segments()[3].p50_s == Approx(40e-6));
+  CHECK(collector.segments()[3].p99_s == Approx(900e-6));
+  CHECK(collector.segments()[1].p99_s == Approx(50e-6));
   REQUIRE(collector.worst());
   CHECK(collector.worst()->sequence == 42);
 }

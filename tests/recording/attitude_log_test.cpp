@@ -21,7 +21,7 @@ const std::string imu_text =
 std::string complaint_about(const TemporaryFolder& log) {
   try {
     read_attitude_log(log.path());
-  } catch (const IoError& error) {
+  } catch (const files::IoError& error) {
     return error.what();
   }
   return "no complaint";

@@ -31,7 +31,7 @@ std::string complaint_about(const Files& files) {
   write_text(log / "truth.csv", files.truth);
   try {
     read_sensor_log(log.path());
-  } catch (const IoError& error) {
+  } catch (const files::IoError& error) {
     return error.what();
   }
   return "no complaint";

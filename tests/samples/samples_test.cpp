@@ -1,4 +1,4 @@
-/// The hub's small helpers: whole nanoseconds and what is common to the three kinds of event.
+/// The native's small helpers: whole nanoseconds and what is common to the three kinds of event.
 
 #include <sonopose/samples/samples.hpp>
 

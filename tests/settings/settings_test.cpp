@@ -73,7 +73,7 @@ TEST_CASE("the items stand under the documented keys") {
       {13, "trust.sigma_m"},
       {14, "trust.min_weight"},
       {15, "trust.enabled"},
-      {16, "trust.reference_residual_m"},
+      {16, "trust.reference_innovation_m"},
       {17, "trust.n_base"},
       {18, "trust.n_min"},
       {19, "trust.n_max"},

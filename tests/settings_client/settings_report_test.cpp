@@ -128,8 +128,8 @@ TEST_CASE("as JSON, numbers are numbers") {
 }
 
 TEST_CASE("a watch tells what changed, beacon by beacon") {
-  SettingsWatch lines(false);
-  SettingsWatch objects(true);
+  SettingsObserver lines(false);
+  SettingsObserver objects(true);
   for (auto* watch : {&lines, &objects}) {
     CHECK_FALSE(watch->knows(7));
     CHECK(watch->on(some()).empty());
@@ -155,8 +155,8 @@ TEST_CASE("a watch tells what changed, beacon by beacon") {
 }
 
 TEST_CASE("what changes for all beacons is told as that") {
-  SettingsWatch lines(false);
-  SettingsWatch objects(true);
+  SettingsObserver lines(false);
+  SettingsObserver objects(true);
   const EffectiveSettings before{all_beacons, 0, 0, {{"trust.n_base", "3"}}};
   const EffectiveSettings after{all_beacons, 0, 0, {{"trust.n_base", "5"}}};
   lines.on(before);

@@ -59,7 +59,7 @@ public:
   /// when time was up.
   template <class Predicate>
   std::optional<TappedPose> wait_for(const Predicate& predicate, std::size_t from,
-                                     std::chrono::milliseconds timeout = patience) const {
+                                     std::chrono::milliseconds timeout = timeout) const {
     std::unique_lock lock(listener_.mutex);
     std::optional<TappedPose> found;
     listener_.came.wait_for(lock, timeout, [&] {
@@ -75,7 +75,7 @@ public:
   [[nodiscard]] std::vector<TappedPose> wait_for_count(std::size_t first, std::size_t count) const {
     {
       std::unique_lock lock(listener_.mutex);
-      listener_.came.wait_for(lock, patience, [&] { return listener_.poses.size() >= first + count; });
+      listener_.came.wait_for(lock, timeout, [&] { return listener_.poses.size() >= first + count; });
     }
     return since(first);
   }
@@ -88,7 +88,7 @@ public:
   /// Waits until a writer is no longer alive, after this time: when that was. Empty when time was up.
   std::optional<TimeNs> wait_for_loss(TimeNs after_ns) const {
     std::unique_lock lock(listener_.mutex);
-    const bool lost = listener_.came.wait_for(lock, patience, [&] { return listener_.lost_ns >= after_ns; });
+    const bool lost = listener_.came.wait_for(lock, timeout, [&] { return listener_.lost_ns >= after_ns; });
     return lost ? std::optional(listener_.lost_ns) : std::nullopt;
   }
 

@@ -40,7 +40,7 @@ public:
 
   /// Waits until `look(const T&)` has said true of one.
   template <class Look>
-  bool wait_for(const Look& look, std::chrono::milliseconds timeout = patience) {
+  bool wait_for(const Look& look, std::chrono::milliseconds timeout = timeout) {
     bool found = false;
     return wait_for_status(
         reader_, dds::StatusMask::data_available(),
@@ -54,7 +54,7 @@ public:
 
   /// Waits for `count` messages and calls `look(const T&)` of each.
   template <class Look>
-  bool wait_for_count(std::size_t count, const Look& look, std::chrono::milliseconds timeout = patience) {
+  bool wait_for_count(std::size_t count, const Look& look, std::chrono::milliseconds timeout = timeout) {
     return wait_for(
         [&](const T& message) {
           look(message);

@@ -78,7 +78,7 @@ public:
     condition.enabled_statuses(dds::StatusMask::data_available() | dds::StatusMask::subscription_matched());
     dds::WaitSet waitset;
     waitset += condition;
-    const auto give_up = std::chrono::steady_clock::now() + patience;
+    const auto give_up = std::chrono::steady_clock::now() + timeout;
     const auto finished = [&] {
       reader_.take_each([&](const Info& info, const dds::SampleInfo&) { messages.push_back(told_by(info)); });
       return done();

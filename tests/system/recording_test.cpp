@@ -14,7 +14,7 @@ namespace topics = dds::topics;
 
 namespace {
 
-/// Everything that a bridge publishes of the hub's three streams.
+/// Everything that a bridge publishes of the native's three streams.
 struct Streams {
   explicit Streams(const Bus& bus)
       : imu(bus, topics::imu), fixes(bus, topics::fix), headings(bus, topics::heading) {}

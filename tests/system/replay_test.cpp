@@ -234,7 +234,7 @@ SCENARIO("rows that no sensor can have given are counted and harm nothing") {
   const json report = report_of({recording.log()});
   CHECK(report["samples_invalid"] == 3);
   CHECK(report["imu_samples"] == 1200);
-  CHECK(report["verdicts"]["invalid"] == 1);
+  CHECK(report["fix_flags"]["invalid"] == 1);
   CHECK(report["position_max_m"].is_number());
 }
 

@@ -48,7 +48,7 @@ public:
     Arguments arguments{"--standby-strength", strength};
     arguments.insert(arguments.end(), further.begin(), further.end());
     fusion.process = bus.fusion(arguments);
-    const auto give_up = std::chrono::steady_clock::now() + patience;
+    const auto give_up = std::chrono::steady_clock::now() + timeout;
     while (fusion.writers.size() < 2 && std::chrono::steady_clock::now() < give_up) {
       fusion.writers = tap.writers();
       for (const auto handle : before) fusion.writers.erase(handle);

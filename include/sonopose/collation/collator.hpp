@@ -12,20 +12,20 @@
 
 namespace sonopose::collation {
 
-struct SequencerCounters {
+struct CollatorCounters {
   std::uint64_t lost = 0;        ///< event numbers that never came
   std::uint64_t duplicated = 0;  ///< came twice, or after they had been given up
   std::uint64_t restarts = 0;    ///< the numbering began anew
 };
 
 /// The order of one beacon's events. Fixed size, allocates nothing.
-class Sequencer {
+class Collator {
 public:
   /// Events that can wait at once; when all places are taken the gap is given up early.
   static constexpr std::size_t capacity = 64;
 
   /// How long a gap is waited for.
-  explicit Sequencer(TimeNs patience_ns = 5'000'000) : patience_ns_(patience_ns) {}
+  explicit Collator(TimeNs timeout_ns = 5'000'000) : timeout_ns_(timeout_ns) {}
 
   /// Takes an event that arrived at `now_ns` (any steady clock) and calls `deliver(event)` for each that is
   /// in line now. Without a gap that is the event itself, at once. Gaps are given up only here, when a later
@@ -49,7 +49,7 @@ public:
     }
   }
 
-  [[nodiscard]] const SequencerCounters& counters() const { return counters_; }
+  [[nodiscard]] const CollatorCounters& counters() const { return counters_; }
 
 private:
   struct Place {
@@ -147,7 +147,7 @@ private:
   template <class Deliver>
   void release(TimeNs now_ns, const Deliver& deliver) {
     deliver_run(deliver);
-    while (waiting_ > 0 && now_ns - longest_wait_began_ns() > patience_ns_) skip_to_earliest(now_ns, deliver);
+    while (waiting_ > 0 && now_ns - longest_wait_began_ns() > timeout_ns_) skip_to_earliest(now_ns, deliver);
   }
 
   [[nodiscard]] TimeNs longest_wait_began_ns() const {
@@ -158,7 +158,7 @@ private:
     return earliest_ns;
   }
 
-  TimeNs patience_ns_;
+  TimeNs timeout_ns_;
   std::array<Place, capacity> places_{};
   std::size_t waiting_ = 0;
   std::uint64_t next_ = 0;
@@ -167,7 +167,7 @@ private:
   std::uint64_t late_next_ = 0;
   std::array<Gap, 16> given_up_{};  ///< the latest
   std::size_t given_up_count_ = 0;
-  SequencerCounters counters_;
+  CollatorCounters counters_;
 };
 
 }  // namespace sonopose::collation

@@ -15,7 +15,7 @@
 namespace sonopose::collation {
 
 /// Numbering begins with 1, as a log's does. It allocates: for use off the live path.
-class LosslessSequencer {
+class LosslessCollator {
 public:
   /// More events than any transport holds back: then the first number is not coming any more.
   static constexpr std::size_t capacity = 1U << 16U;
@@ -45,7 +45,7 @@ public:
     }
   }
 
-  [[nodiscard]] const SequencerCounters& counters() const { return counters_; }
+  [[nodiscard]] const CollatorCounters& counters() const { return counters_; }
 
   struct Gap {
     std::uint64_t missing = 0;  ///< number of the event that is waited for
@@ -69,7 +69,7 @@ private:
   std::uint64_t next_ = 1;
   std::map<std::uint64_t, Event> waiting_;
   std::map<std::uint64_t, Event> late_;  ///< numbers that were delivered already
-  SequencerCounters counters_;
+  CollatorCounters counters_;
 };
 
 }  // namespace sonopose::collation

@@ -46,18 +46,18 @@ struct FusedPose {
   TimeNs fusion_out_time_ns = 0;    ///< and the pose written
 };
 
-/// What was done with a fix; bits of `FixReport::verdict`.
-enum FixVerdict : std::uint32_t {
-  verdict_used = 1U << 0U,
-  verdict_outlier = 1U << 1U,
-  verdict_low_quality = 1U << 2U,
-  verdict_invalid = 1U << 3U,  ///< not finite, absurd, out of order, or not of this time
-  verdict_stuck_forced = 1U << 4U,
-  verdict_snapped_over = 1U << 5U,
-  verdict_snapped_under = 1U << 6U,
-  verdict_stale_recovered = 1U << 7U,
-  verdict_frozen = 1U << 8U,
-  verdict_first = 1U << 9U  ///< set the position outright: the first of a run
+/// What was done with a fix; bits of `FixReport::flags`.
+enum FixFlag : std::uint32_t {
+  fix_used = 1U << 0U,
+  fix_outlier = 1U << 1U,
+  fix_low_quality = 1U << 2U,
+  fix_invalid = 1U << 3U,  ///< not finite, absurd, out of order, or not of this time
+  fix_stuck_forced = 1U << 4U,
+  fix_snapped_over = 1U << 5U,
+  fix_snapped_under = 1U << 6U,
+  fix_stale_recovered = 1U << 7U,
+  fix_frozen = 1U << 8U,
+  fix_first = 1U << 9U  ///< set the position outright: the first of a run
 };
 
 /// What the engine did with one fix, and why.
@@ -68,13 +68,13 @@ struct FixReport {
   TimeNs applied_time_ns = 0;                            ///< engine's time at which it was applied
   Vector3d position_world_m = Vector3d::Zero();          ///< as measured
   Vector3d shifted_position_world_m = Vector3d::Zero();  ///< moved on to `applied_time_ns` (setting 6)
-  double residual_m = 0;                                 ///< to the velocity-predicted position (setting 13)
+  double innovation_m = 0;                                 ///< to the velocity-predicted position (setting 13)
   double weight = 0;                         ///< effective, after floor and trust (settings 13–15)
   double trust = 0;                          ///< 0…1
   Vector3d jump_world_m = Vector3d::Zero();  ///< applied at once (setting 4)
   Vector3d velocity_change_world_mps = Vector3d::Zero();  ///< applied at once (setting 3)
   double yaw_change_rad = 0;                              ///< applied at once (settings 31–33)
-  std::uint32_t verdict = 0;                              ///< bits of FixVerdict
+  std::uint32_t flags = 0;                              ///< bits of FixFlag
 };
 
 }  // namespace sonopose

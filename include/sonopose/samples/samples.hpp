@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The hub: the samples that every edge of the system (wire, log folder, simulator, DDS, ROS 2) converts to
+/// The native: the samples that every edge of the system (wire, log folder, simulator, DDS, ROS 2) converts to
 /// and from, once. SI units; times are integer nanoseconds since the Unix epoch in the host's clock; vectors
 /// say in their names in which frame they stand (`body`: the IMU's axes, `world`: the beacons' map, Z up).
 
@@ -52,13 +52,13 @@ struct ImuSample {
 };
 
 /// What the positioning system said of a fix, besides the position; bits of `UltrasonicFix::flags`.
-enum FixFlag : std::uint32_t {
-  fix_flag_user_button_1 = 1U << 0U,
-  fix_flag_user_button_2 = 1U << 1U,
-  fix_flag_other_hedge = 1U << 2U,       ///< the data are of another mobile beacon
-  fix_flag_out_of_geofence = 1U << 3U,   ///< the beacon stands outside its geofence
-  fix_flag_pair_centre = 1U << 4U,       ///< the coordinates are the centre of a beacon pair
-  fix_flag_second_resolution = 1U << 5U  ///< stamped in 1/64 s by old firmware
+enum UltrasonicFlag : std::uint32_t {
+  ultrasonic_flag_user_button_1 = 1U << 0U,
+  ultrasonic_flag_user_button_2 = 1U << 1U,
+  ultrasonic_flag_other_hedge = 1U << 2U,       ///< the data are of another mobile beacon
+  ultrasonic_flag_out_of_geofence = 1U << 3U,   ///< the beacon stands outside its geofence
+  ultrasonic_flag_pair_centre = 1U << 4U,       ///< the coordinates are the centre of a beacon pair
+  ultrasonic_flag_second_resolution = 1U << 5U  ///< stamped in 1/64 s by old firmware
 };
 
 /// One position from the ultrasonic system. Fixes that it flags as not available are never made into one.
@@ -70,7 +70,7 @@ struct UltrasonicFix {
   Vector3d position_world_m = Vector3d::Zero();
   std::optional<double> quality_percent;   ///< 0…100; empty where the hardware does not report it
   std::optional<double> measured_delay_s;  ///< emission → receipt, where the hardware measured it
-  std::uint32_t flags = 0;                 ///< bits of FixFlag
+  std::uint32_t flags = 0;                 ///< bits of UltrasonicFlag
 
   bool operator==(const UltrasonicFix&) const = default;
 };

@@ -5,12 +5,12 @@ namespace {
 
 // The bits mean the same on both sides, so that they can be copied as they are.
 static_assert(all_beacons == sonopose_ALL_BEACONS);
-static_assert(fix_flag_user_button_1 == sonopose_FIX_USER_BUTTON_1);
-static_assert(fix_flag_user_button_2 == sonopose_FIX_USER_BUTTON_2);
-static_assert(fix_flag_other_hedge == sonopose_FIX_OTHER_HEDGE);
-static_assert(fix_flag_out_of_geofence == sonopose_FIX_OUT_OF_GEOFENCE);
-static_assert(fix_flag_pair_centre == sonopose_FIX_PAIR_CENTRE);
-static_assert(fix_flag_second_resolution == sonopose_FIX_SECOND_RESOLUTION);
+static_assert(ultrasonic_flag_user_button_1 == sonopose_FIX_USER_BUTTON_1);
+static_assert(ultrasonic_flag_user_button_2 == sonopose_FIX_USER_BUTTON_2);
+static_assert(ultrasonic_flag_other_hedge == sonopose_FIX_OTHER_HEDGE);
+static_assert(ultrasonic_flag_out_of_geofence == sonopose_FIX_OUT_OF_GEOFENCE);
+static_assert(ultrasonic_flag_pair_centre == sonopose_FIX_PAIR_CENTRE);
+static_assert(ultrasonic_flag_second_resolution == sonopose_FIX_SECOND_RESOLUTION);
 static_assert(status_initialising == sonopose_STATUS_INITIALISING);
 static_assert(status_uncalibrated == sonopose_STATUS_UNCALIBRATED);
 static_assert(status_stale == sonopose_STATUS_STALE);
@@ -21,28 +21,28 @@ static_assert(status_predicted == sonopose_STATUS_PREDICTED);
 static_assert(status_imu_gap == sonopose_STATUS_IMU_GAP);
 static_assert(status_low_trust == sonopose_STATUS_LOW_TRUST);
 static_assert(status_rotating_fast == sonopose_STATUS_ROTATING_FAST);
-static_assert(verdict_used == sonopose_VERDICT_USED);
-static_assert(verdict_outlier == sonopose_VERDICT_OUTLIER);
-static_assert(verdict_low_quality == sonopose_VERDICT_LOW_QUALITY);
-static_assert(verdict_invalid == sonopose_VERDICT_INVALID);
-static_assert(verdict_stuck_forced == sonopose_VERDICT_STUCK_FORCED);
-static_assert(verdict_snapped_over == sonopose_VERDICT_SNAPPED_OVER);
-static_assert(verdict_snapped_under == sonopose_VERDICT_SNAPPED_UNDER);
-static_assert(verdict_stale_recovered == sonopose_VERDICT_STALE_RECOVERED);
-static_assert(verdict_frozen == sonopose_VERDICT_FROZEN);
-static_assert(verdict_first == sonopose_VERDICT_FIRST);
+static_assert(fix_used == sonopose_FIX_USED);
+static_assert(fix_outlier == sonopose_FIX_OUTLIER);
+static_assert(fix_low_quality == sonopose_FIX_LOW_QUALITY);
+static_assert(fix_invalid == sonopose_FIX_INVALID);
+static_assert(fix_stuck_forced == sonopose_FIX_STUCK_FORCED);
+static_assert(fix_snapped_over == sonopose_FIX_SNAPPED_OVER);
+static_assert(fix_snapped_under == sonopose_FIX_SNAPPED_UNDER);
+static_assert(fix_stale_recovered == sonopose_FIX_STALE_RECOVERED);
+static_assert(fix_frozen == sonopose_FIX_FROZEN);
+static_assert(fix_first == sonopose_FIX_FIRST);
 
 sonopose_Vector3 idl(const Vector3d& v) {
   return {v.x(), v.y(), v.z()};
 }
-Vector3d hub(const sonopose_Vector3& v) {
+Vector3d native(const sonopose_Vector3& v) {
   return {v.x, v.y, v.z};
 }
 
 sonopose_Quaternion idl(const Quaterniond& q) {
   return {q.w(), q.x(), q.y(), q.z()};
 }
-Quaterniond hub(const sonopose_Quaternion& q) {
+Quaterniond native(const sonopose_Quaternion& q) {
   return {q.w, q.x, q.y, q.z};
 }
 
@@ -71,9 +71,9 @@ ImuSample from_idl(const sonopose_ImuSample& sample) {
           .sequence = sample.event_sequence,
           .sensor_time_ns = sample.sensor_time,
           .bridge_time_ns = sample.bridge_time,
-          .angular_velocity_body_radps = hub(sample.angular_velocity),
-          .specific_force_body_mps2 = hub(sample.specific_force),
-          .magnetic_field_body_t = if_valid(sample.magnetic_field_valid, hub(sample.magnetic_field))};
+          .angular_velocity_body_radps = native(sample.angular_velocity),
+          .specific_force_body_mps2 = native(sample.specific_force),
+          .magnetic_field_body_t = if_valid(sample.magnetic_field_valid, native(sample.magnetic_field))};
 }
 
 sonopose_UltrasonicFix to_idl(const UltrasonicFix& fix) {
@@ -93,7 +93,7 @@ UltrasonicFix from_idl(const sonopose_UltrasonicFix& fix) {
           .sequence = fix.event_sequence,
           .emission_time_ns = fix.emission_time,
           .received_time_ns = fix.received_time,
-          .position_world_m = hub(fix.position),
+          .position_world_m = native(fix.position),
           .quality_percent = if_valid(fix.quality >= 0.0F, static_cast<double>(fix.quality)),
           .measured_delay_s = if_valid(fix.measured_delay_valid, fix.measured_delay),
           .flags = fix.flags};
@@ -144,14 +144,14 @@ FusedPose from_idl(const sonopose_FusedPose& pose) {
   return {.address = pose.address,
           .sequence = pose.event_sequence,
           .time_ns = pose.time,
-          .position_world_m = hub(pose.position),
-          .q_body_to_world = hub(pose.orientation),
-          .velocity_world_mps = hub(pose.velocity),
-          .angular_velocity_body_radps = hub(pose.angular_velocity),
-          .acceleration_world_mps2 = hub(pose.acceleration),
-          .gyro_bias_body_radps = hub(pose.gyro_bias),
-          .position_std_m = hub(pose.position_std),
-          .velocity_std_mps = hub(pose.velocity_std),
+          .position_world_m = native(pose.position),
+          .q_body_to_world = native(pose.orientation),
+          .velocity_world_mps = native(pose.velocity),
+          .angular_velocity_body_radps = native(pose.angular_velocity),
+          .acceleration_world_mps2 = native(pose.acceleration),
+          .gyro_bias_body_radps = native(pose.gyro_bias),
+          .position_std_m = native(pose.position_std),
+          .velocity_std_mps = native(pose.velocity_std),
           .yaw_std_rad = pose.yaw_std,
           .trust = pose.trust,
           .since_valid_fix_s = pose.since_valid_fix,
@@ -170,13 +170,13 @@ sonopose_FixReport to_idl(const FixReport& report) {
           .applied_time = report.applied_time_ns,
           .position = idl(report.position_world_m),
           .shifted_position = idl(report.shifted_position_world_m),
-          .residual = report.residual_m,
+          .innovation = report.innovation_m,
           .weight = report.weight,
           .trust = report.trust,
           .jump = idl(report.jump_world_m),
           .velocity_change = idl(report.velocity_change_world_mps),
           .yaw_change = report.yaw_change_rad,
-          .verdict = report.verdict};
+          .flags = report.flags};
 }
 
 FixReport from_idl(const sonopose_FixReport& report) {
@@ -184,15 +184,15 @@ FixReport from_idl(const sonopose_FixReport& report) {
           .sequence = report.event_sequence,
           .emission_time_ns = report.emission_time,
           .applied_time_ns = report.applied_time,
-          .position_world_m = hub(report.position),
-          .shifted_position_world_m = hub(report.shifted_position),
-          .residual_m = report.residual,
+          .position_world_m = native(report.position),
+          .shifted_position_world_m = native(report.shifted_position),
+          .innovation_m = report.innovation,
           .weight = report.weight,
           .trust = report.trust,
-          .jump_world_m = hub(report.jump),
-          .velocity_change_world_mps = hub(report.velocity_change),
+          .jump_world_m = native(report.jump),
+          .velocity_change_world_mps = native(report.velocity_change),
           .yaw_change_rad = report.yaw_change,
-          .verdict = report.verdict};
+          .flags = report.flags};
 }
 
 sonopose_TruthSample to_idl(const TruthSample& truth) {
@@ -206,9 +206,9 @@ sonopose_TruthSample to_idl(const TruthSample& truth) {
 TruthSample from_idl(const sonopose_TruthSample& truth) {
   return {.address = truth.address,
           .time_ns = truth.time,
-          .position_world_m = hub(truth.position),
-          .q_body_to_world = hub(truth.orientation),
-          .velocity_world_mps = hub(truth.velocity)};
+          .position_world_m = native(truth.position),
+          .q_body_to_world = native(truth.orientation),
+          .velocity_world_mps = native(truth.velocity)};
 }
 
 }  // namespace sonopose::dds

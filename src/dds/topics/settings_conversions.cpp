@@ -12,7 +12,7 @@ char* idl(const std::string& text) {
   return const_cast<char*>(text.c_str());
 }
 
-std::string hub(const char* text) {
+std::string native(const char* text) {
   return text == nullptr ? std::string() : std::string(text);
 }
 
@@ -23,11 +23,11 @@ std::vector<sonopose_SettingAssignment> idl(const std::vector<SettingAssignment>
   return list;
 }
 
-std::vector<SettingAssignment> hub(const dds_sequence_sonopose_SettingAssignment& list) {
+std::vector<SettingAssignment> native(const dds_sequence_sonopose_SettingAssignment& list) {
   std::vector<SettingAssignment> assignments;
   assignments.reserve(list._length);
   for (std::uint32_t i = 0; i < list._length; ++i) {
-    assignments.push_back({hub(list._buffer[i].key), hub(list._buffer[i].value)});
+    assignments.push_back({native(list._buffer[i].key), native(list._buffer[i].value)});
   }
   return assignments;
 }
@@ -46,7 +46,7 @@ SettingsRequest from_idl(const sonopose_SettingsRequest& request) {
   return {.address = request.address,
           .request_id = request.request_id,
           .from_sequence = request.from_event_sequence,
-          .assignments = hub(request.assignments)};
+          .assignments = native(request.assignments)};
 }
 
 IdlView<sonopose_SettingsReply> to_idl(const SettingsReply& reply) {
@@ -62,9 +62,9 @@ SettingsReply from_idl(const sonopose_SettingsReply& reply) {
   return {.address = reply.address,
           .request_id = reply.request_id,
           .accepted = reply.accepted,
-          .reason = hub(reply.reason),
+          .reason = native(reply.reason),
           .from_sequence = reply.from_event_sequence,
-          .details = hub(reply.details)};
+          .details = native(reply.details)};
 }
 
 IdlView<sonopose_EffectiveSettings> to_idl(const EffectiveSettings& settings) {
@@ -79,7 +79,7 @@ EffectiveSettings from_idl(const sonopose_EffectiveSettings& settings) {
   return {.address = settings.address,
           .time_ns = settings.time,
           .from_sequence = settings.from_event_sequence,
-          .values = hub(settings.values)};
+          .values = native(settings.values)};
 }
 
 }  // namespace sonopose::dds

@@ -13,7 +13,7 @@ void BeaconProbe::Stream::count(TimeNs received_ns) {
   last_ns = received_ns;
 }
 
-StreamSeen BeaconProbe::Stream::seen(TimeNs began_ns, TimeNs ended_ns) const {
+StreamObservation BeaconProbe::Stream::seen(TimeNs began_ns, TimeNs ended_ns) const {
   const double window_s = seconds_between(began_ns, ended_ns);
   return {.samples = samples,
           .rate_hz = window_s > 0 ? static_cast<double>(samples) / window_s : 0.0,
@@ -63,7 +63,7 @@ void BeaconProbe::on(const BeaconStatus& status) {
 }
 
 void BeaconProbe::on(const FusionStatus& status) {
-  const auto [found, is_new] = fusions_.try_emplace(status.fusion_id, FusionSeen{status, status});
+  const auto [found, is_new] = fusions_.try_emplace(status.fusion_id, FusionObservation{status, status});
   if (!is_new) found->second.latest = status;
 }
 
@@ -88,7 +88,7 @@ std::uint64_t BeaconProbe::missing(TimeNs ended_ns) const {
   return last - first + 1 - static_cast<std::uint64_t>(present);
 }
 
-std::optional<RestSeen> BeaconProbe::means(const calibration::Settings& calibration) const {
+std::optional<RestObservation> BeaconProbe::means(const calibration::Settings& calibration) const {
   constexpr std::size_t enough = 20;
   if (readings_.size() < enough) return std::nullopt;
   const auto count = static_cast<double>(readings_.size());
@@ -104,7 +104,7 @@ std::optional<RestSeen> BeaconProbe::means(const calibration::Settings& calibrat
     rate_variance += (rate - mean.angular_velocity_body_radps).cwiseAbs2() / count;
   }
   const ImuSample corrected = calibration::Calibration(calibration).corrected(mean);
-  RestSeen rest;
+  RestObservation rest;
   rest.mean_force_body_mps2 = corrected.specific_force_body_mps2;
   rest.mean_rate_body_radps = corrected.angular_velocity_body_radps;
   rest.force_std_mps2 = std::sqrt(force_variance.maxCoeff());
@@ -114,8 +114,8 @@ std::optional<RestSeen> BeaconProbe::means(const calibration::Settings& calibrat
   return rest;
 }
 
-BeaconSeen BeaconProbe::seen(TimeNs now_ns, const calibration::Settings& calibration) const {
-  BeaconSeen seen;
+BeaconObservation BeaconProbe::seen(TimeNs now_ns, const calibration::Settings& calibration) const {
+  BeaconObservation seen;
   seen.imu = imu_.seen(began_ns_, now_ns);
   seen.fix = fix_.seen(began_ns_, now_ns);
   seen.heading = heading_.seen(began_ns_, now_ns);
@@ -131,7 +131,7 @@ BeaconSeen BeaconProbe::seen(TimeNs now_ns, const calibration::Settings& calibra
   seen.status_before = status_before_;
   seen.status = status_;
   for (const auto& entry : fusions_) {
-    const FusionSeen& fusion = entry.second;
+    const FusionObservation& fusion = entry.second;
     seen.fusions.push_back(fusion.latest);
     if (seen.fusion && !observation::serves_before(fusion.latest, *seen.fusion)) continue;
     seen.fusion_before = fusion.before;

@@ -27,7 +27,7 @@ public:
   void begin(TimeNs now_ns);
 
   /// The window is over. The processes behind `writers()`, the deadlines and the address are left open.
-  [[nodiscard]] BeaconSeen seen(TimeNs now_ns, const calibration::Settings& calibration) const;
+  [[nodiscard]] BeaconObservation seen(TimeNs now_ns, const calibration::Settings& calibration) const;
 
   /// Who publishes its IMU samples: the handles given to `on`.
   [[nodiscard]] const std::set<std::uint64_t>& writers() const { return writers_; }
@@ -39,12 +39,12 @@ private:
     TimeNs last_ns = 0;
     TimeNs longest_ns = 0;
     void count(TimeNs received_ns);
-    [[nodiscard]] StreamSeen seen(TimeNs began_ns, TimeNs ended_ns) const;
+    [[nodiscard]] StreamObservation seen(TimeNs began_ns, TimeNs ended_ns) const;
   };
 
   void number(std::uint64_t sequence, TimeNs received_ns);
   [[nodiscard]] std::uint64_t missing(TimeNs ended_ns) const;
-  [[nodiscard]] std::optional<RestSeen> means(const calibration::Settings& calibration) const;
+  [[nodiscard]] std::optional<RestObservation> means(const calibration::Settings& calibration) const;
   [[nodiscard]] bool in_window() const { return began_ns_ != 0; }
 
   TimeNs began_ns_ = 0;
@@ -63,11 +63,11 @@ private:
   Vector3d fixes_max_m_ = Vector3d::Constant(-std::numeric_limits<double>::infinity());
   std::optional<BeaconStatus> status_before_;
   std::optional<BeaconStatus> status_;
-  struct FusionSeen {
+  struct FusionObservation {
     FusionStatus before;
     FusionStatus latest;
   };
-  std::map<std::uint64_t, FusionSeen> fusions_;  ///< by their ids
+  std::map<std::uint64_t, FusionObservation> fusions_;  ///< by their ids
 };
 
 /// The calibration of an engine's settings in force; what cannot be read is left at its default.

@@ -46,9 +46,9 @@ private:
   template <class T>
   [[nodiscard]] double deadline_s(const dds::TopicEntry<T>& entry) const;
   /// Of these writers of IMU samples, those that are still there.
-  [[nodiscard]] std::vector<ProcessSeen> processes_of(const std::set<std::uint64_t>& imu_writers,
+  [[nodiscard]] std::vector<ProcessObservation> processes_of(const std::set<std::uint64_t>& imu_writers,
                                                       const doctor::Processes& processes);
-  [[nodiscard]] BeaconSeen seen_of(BeaconAddress address, const BeaconProbe& probe, TimeNs now_ns,
+  [[nodiscard]] BeaconObservation seen_of(BeaconAddress address, const BeaconProbe& probe, TimeNs now_ns,
                                    const doctor::Processes& processes);
 
   const DoctorOptions& options_;
@@ -135,9 +135,9 @@ double Observer::deadline_s(const dds::TopicEntry<T>& entry) const {
   return std::chrono::duration<double>(deadline).count();
 }
 
-std::vector<ProcessSeen> Observer::processes_of(const std::set<std::uint64_t>& imu_writers,
+std::vector<ProcessObservation> Observer::processes_of(const std::set<std::uint64_t>& imu_writers,
                                                 const doctor::Processes& processes) {
-  std::vector<ProcessSeen> found;
+  std::vector<ProcessObservation> found;
   const auto there = imu_.reader.matched_publications();
   for (const std::uint64_t writer : imu_writers) {
     if (std::find(there.begin(), there.end(), dds::InstanceHandle{writer}) == there.end()) continue;
@@ -151,11 +151,11 @@ std::vector<ProcessSeen> Observer::processes_of(const std::set<std::uint64_t>& i
   return found;
 }
 
-BeaconSeen Observer::seen_of(BeaconAddress address, const BeaconProbe& probe, TimeNs now_ns,
+BeaconObservation Observer::seen_of(BeaconAddress address, const BeaconProbe& probe, TimeNs now_ns,
                              const doctor::Processes& processes) {
   auto settings = settings_in_force_.find(address);
   if (settings == settings_in_force_.end()) settings = settings_in_force_.find(all_beacons);
-  BeaconSeen seen =
+  BeaconObservation seen =
       probe.seen(now_ns, settings == settings_in_force_.end() ? calibration::Settings{}
                                                               : calibration_in(settings->second));
   seen.address = address;

@@ -51,12 +51,12 @@ std::vector<Interface> interfaces_of_machine() {
 }
 
 /// Those that the user names, by name or address; one that is not there has no multicast.
-std::vector<InterfaceSeen> named_interfaces(const dds::UserNetwork& user,
+std::vector<InterfaceObservation> named_interfaces(const dds::UserNetwork& user,
                                             const std::vector<Interface>& of_machine) {
-  std::vector<InterfaceSeen> named;
+  std::vector<InterfaceObservation> named;
   for (const std::string& name : user.interfaces) {
     if (name.empty()) continue;  // Cyclone DDS chooses one itself
-    InterfaceSeen seen{.name = name};
+    InterfaceObservation seen{.name = name};
     for (const Interface& interface : of_machine) {
       if (name != interface.name && name != interface.address) continue;
       seen.loopback = (interface.flags & IFF_LOOPBACK) != 0U;
@@ -68,9 +68,9 @@ std::vector<InterfaceSeen> named_interfaces(const dds::UserNetwork& user,
 }
 
 /// Where this process may receive: "lo", what the user names, or what Cyclone DDS has to choose from.
-std::string interfaces_in_use(const BusSeen& bus, const std::vector<Interface>& of_machine) {
+std::string interfaces_in_use(const BusObservation& bus, const std::vector<Interface>& of_machine) {
   std::string list;
-  for (const InterfaceSeen& named : bus.interfaces) list += (list.empty() ? "" : ", ") + named.name;
+  for (const InterfaceObservation& named : bus.interfaces) list += (list.empty() ? "" : ", ") + named.name;
   if (!list.empty()) return list + ", named by CYCLONEDDS_URI";
   if (bus.loopback_only) return "lo";
   int count = 0;
@@ -83,13 +83,13 @@ std::string interfaces_in_use(const BusSeen& bus, const std::vector<Interface>& 
   return count == 1 ? list : "one of " + list + "; CYCLONEDDS_URI can name it";
 }
 
-DomainSeen look_into(const dds::DomainOptions& options, const process::StopSignal& stop) {
-  constexpr TimeNs patience_ns = 300'000'000;  // on one machine processes find each other within 10 … 50 ms
+DomainObservation look_into(const dds::DomainOptions& options, const process::StopSignal& stop) {
+  constexpr TimeNs timeout_ns = 300'000'000;  // on one machine processes find each other within 10 … 50 ms
   constexpr TimeNs step_ns = 20'000'000;
-  DomainSeen seen{.id = *options.domain_id};
+  DomainObservation seen{.id = *options.domain_id};
   const dds::DomainParticipant participant(options);
   const dds::Discovery discovery(participant);
-  const TimeNs end_ns = process::steady_now_ns() + patience_ns;
+  const TimeNs end_ns = process::steady_now_ns() + timeout_ns;
   while (!seen.beacons && process::steady_now_ns() < end_ns && !stop.wait_until(process::steady_now_ns() + step_ns)) {
     for (const auto& writer : discovery.writers()) {
       seen.beacons = seen.beacons || writer.topic_name == dds::topics::imu.name;
@@ -111,9 +111,9 @@ Processes processes_in(const std::vector<dds::FoundParticipant>& participants) {
   return processes;
 }
 
-ProcessSeen process_of(const Processes& processes, const std::string& key) {
+ProcessObservation process_of(const Processes& processes, const std::string& key) {
   const auto found = processes.find(key);
-  return found == processes.end() ? ProcessSeen{} : found->second;
+  return found == processes.end() ? ProcessObservation{} : found->second;
 }
 
 std::vector<NativeTopic> native_topics() {
@@ -125,9 +125,9 @@ std::vector<NativeTopic> native_topics() {
   return topics;
 }
 
-std::vector<EndpointSeen> others_of(const std::vector<dds::FoundEndpoint>& endpoints,
+std::vector<EndpointObservation> others_of(const std::vector<dds::FoundEndpoint>& endpoints,
                                     const Processes& processes, const std::string& own_key) {
-  std::vector<EndpointSeen> others;
+  std::vector<EndpointObservation> others;
   for (const auto& endpoint : endpoints) {
     if (endpoint.participant_key == own_key) continue;
     others.push_back({endpoint.topic_name, endpoint.type_name, endpoint.qos,
@@ -136,8 +136,8 @@ std::vector<EndpointSeen> others_of(const std::vector<dds::FoundEndpoint>& endpo
   return others;
 }
 
-BusSeen bus_of(const dds::DomainOptions& options) {
-  BusSeen bus;
+BusObservation bus_of(const dds::DomainOptions& options) {
+  BusObservation bus;
   bus.domain_id = dds::resolve_domain_id(options);
   const char* const uri = std::getenv("CYCLONEDDS_URI");
   const dds::UserNetwork user = dds::network_named_by(uri == nullptr ? "" : uri, bus.domain_id);
@@ -146,13 +146,13 @@ BusSeen bus_of(const dds::DomainOptions& options) {
   bus.loopback_only = user.interfaces.empty()
                           ? options.network == dds::Network::loopback
                           : std::all_of(bus.interfaces.begin(), bus.interfaces.end(),
-                                        [](const InterfaceSeen& named) { return named.loopback; });
+                                        [](const InterfaceObservation& named) { return named.loopback; });
   bus.interfaces_in_use = interfaces_in_use(bus, of_machine);
   bus.peers_named = user.peers;
   return bus;
 }
 
-std::vector<DomainSeen> look_elsewhere(const dds::DomainOptions& here, const process::StopSignal& stop) {
+std::vector<DomainObservation> look_elsewhere(const dds::DomainOptions& here, const process::StopSignal& stop) {
   std::set<std::uint32_t> ids;
   for (std::uint32_t id = 0; id <= usual_domains; ++id) ids.insert(id);
   try {
@@ -161,10 +161,10 @@ std::vector<DomainSeen> look_elsewhere(const dds::DomainOptions& here, const pro
     // ROS_DOMAIN_ID names no domain, and was not asked for.
   }
   ids.erase(dds::resolve_domain_id(here));
-  std::vector<DomainSeen> found;
+  std::vector<DomainObservation> found;
   for (const std::uint32_t id : ids) {
     if (stop.requested()) break;
-    const DomainSeen seen = look_into({.domain_id = id, .network = here.network}, stop);
+    const DomainObservation seen = look_into({.domain_id = id, .network = here.network}, stop);
     if (seen.ours) found.push_back(seen);
   }
   return found;

@@ -13,24 +13,24 @@
 namespace sonopose::doctor::doctor {
 
 /// The processes of a domain by the key of their participant.
-using Processes = std::map<std::string, ProcessSeen>;
+using Processes = std::map<std::string, ProcessObservation>;
 
 Processes processes_in(const std::vector<dds::FoundParticipant>& participants);
 
 /// The one with this key; an unknown one where discovery has not told of it.
-ProcessSeen process_of(const Processes& processes, const std::string& key);
+ProcessObservation process_of(const Processes& processes, const std::string& key);
 
 /// Every row of the wiring diagram.
 std::vector<NativeTopic> native_topics();
 
 /// The endpoints of other processes.
-std::vector<EndpointSeen> others_of(const std::vector<dds::FoundEndpoint>& endpoints,
+std::vector<EndpointObservation> others_of(const std::vector<dds::FoundEndpoint>& endpoints,
                                     const Processes& processes, const std::string& own_key);
 
 /// Domain, interfaces and peers.
-BusSeen bus_of(const dds::DomainOptions& options);
+BusObservation bus_of(const dds::DomainOptions& options);
 
 /// Joins other domains of the same network, one after the other, and tells in which of them this system runs.
-std::vector<DomainSeen> look_elsewhere(const dds::DomainOptions& here, const process::StopSignal& stop);
+std::vector<DomainObservation> look_elsewhere(const dds::DomainOptions& here, const process::StopSignal& stop);
 
 }  // namespace sonopose::doctor::doctor

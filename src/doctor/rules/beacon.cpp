@@ -18,7 +18,7 @@ constexpr double large_clock_difference_s = 0.050;
 
 class Look {
 public:
-  Look(const Observations& seen, const BeaconSeen& beacon, Findings& findings)
+  Look(const Observations& seen, const BeaconObservation& beacon, Findings& findings)
       : seen_(seen), beacon_(beacon), findings_(findings) {}
 
   void rates() const {
@@ -79,7 +79,7 @@ public:
   void two_bridges() const {
     if (beacon_.bridges.size() > 1) {
       std::string names;
-      for (const ProcessSeen& bridge : beacon_.bridges)
+      for (const ProcessObservation& bridge : beacon_.bridges)
         names += (names.empty() ? "" : ", ") + text_of(bridge);
       add(Severity::error,
           fmt::format("{} bridges publish it: {}; its poses are wrong", beacon_.bridges.size(), names),
@@ -195,7 +195,7 @@ private:
     });
   }
 
-  void silence(const StreamSeen& stream, const char* what, const char* remedy) const {
+  void silence(const StreamObservation& stream, const char* what, const char* remedy) const {
     if (stream.longest_silence_s <= stream.deadline_s) return;
     // One hiccup of a busy machine is no more than worth a note.
     const bool bad =
@@ -221,13 +221,13 @@ private:
   }
 
   const Observations& seen_;
-  const BeaconSeen& beacon_;
+  const BeaconObservation& beacon_;
   Findings& findings_;
 };
 
 }  // namespace
 
-void look_at_beacon(const Observations& seen, const BeaconSeen& beacon, Findings& findings) {
+void check_beacon(const Observations& seen, const BeaconObservation& beacon, Findings& findings) {
   const Look look(seen, beacon, findings);
   look.rates();
   if (!on_topic(seen.writers, "sonopose/imu").empty()) {  // without a bridge all the rest follows from that

@@ -7,18 +7,18 @@
 namespace sonopose::doctor::doctor {
 namespace {
 
-bool is_native(const Observations& seen, const EndpointSeen& endpoint) {
+bool is_native(const Observations& seen, const EndpointObservation& endpoint) {
   return std::any_of(seen.native_topics.begin(), seen.native_topics.end(),
                      [&](const NativeTopic& topic) { return topic.name == endpoint.topic; });
 }
 
 bool anybody(const Observations& seen) {
-  const auto native = [&](const EndpointSeen& endpoint) { return is_native(seen, endpoint); };
+  const auto native = [&](const EndpointObservation& endpoint) { return is_native(seen, endpoint); };
   return std::any_of(seen.writers.begin(), seen.writers.end(), native) ||
          std::any_of(seen.readers.begin(), seen.readers.end(), native);
 }
 
-void look_at_network(const BusSeen& bus, Findings& findings) {
+void check_network(const BusObservation& bus, Findings& findings) {
   findings.push_back(
       {Severity::ok,
        "bus",
@@ -26,7 +26,7 @@ void look_at_network(const BusSeen& bus, Findings& findings) {
                    bus.loopback_only ? "this machine alone" : "the network", bus.interfaces_in_use),
        {}});
   if (bus.peers_named) return;
-  for (const InterfaceSeen& interface : bus.interfaces) {
+  for (const InterfaceObservation& interface : bus.interfaces) {
     if (interface.multicast) continue;
     const std::string what = fmt::format(
         "CYCLONEDDS_URI names the interface {}, which has no multicast, and no peers: ", interface.name);
@@ -44,9 +44,9 @@ void look_at_network(const BusSeen& bus, Findings& findings) {
 }
 
 /// "beacons are published in domain 5: use --domain 5"; empty where there are none.
-std::string found_elsewhere(const BusSeen& bus) {
+std::string found_elsewhere(const BusObservation& bus) {
   std::string text;
-  for (const DomainSeen& domain : bus.other_domains) {
+  for (const DomainObservation& domain : bus.other_domains) {
     const char* const what = domain.beacons ? "beacons are published"
                              : domain.poses ? "a fusion runs"
                                             : "processes of sonopose run";
@@ -56,13 +56,13 @@ std::string found_elsewhere(const BusSeen& bus) {
   return text;
 }
 
-std::string remedy(const BusSeen& bus, const std::string& otherwise) {
+std::string remedy(const BusObservation& bus, const std::string& otherwise) {
   const std::string elsewhere = found_elsewhere(bus);
   return elsewhere.empty() ? otherwise : elsewhere;
 }
 
 void look_for_processes(const Observations& seen, Findings& findings) {
-  const BusSeen& bus = seen.bus;
+  const BusObservation& bus = seen.bus;
   const std::string lan =
       !bus.loopback_only ? ""
       : bus.interfaces.empty()
@@ -94,8 +94,8 @@ void look_for_processes(const Observations& seen, Findings& findings) {
 
 }  // namespace
 
-void look_at_bus(const Observations& seen, Findings& findings) {
-  look_at_network(seen.bus, findings);
+void check_bus(const Observations& seen, Findings& findings) {
+  check_network(seen.bus, findings);
   look_for_processes(seen, findings);
 }
 

@@ -9,14 +9,14 @@ namespace sonopose::doctor {
 
 namespace doctor {
 
-std::string name_of(const BeaconSeen& beacon) {
+std::string name_of(const BeaconObservation& beacon) {
   return fmt::format("beacon {}", beacon.address);
 }
 
-std::vector<const EndpointSeen*> on_topic(const std::vector<EndpointSeen>& endpoints,
+std::vector<const EndpointObservation*> on_topic(const std::vector<EndpointObservation>& endpoints,
                                           const std::string& topic) {
-  std::vector<const EndpointSeen*> found;
-  for (const EndpointSeen& endpoint : endpoints) {
+  std::vector<const EndpointObservation*> found;
+  for (const EndpointObservation& endpoint : endpoints) {
     if (endpoint.topic == topic) found.push_back(&endpoint);
   }
   return found;
@@ -24,7 +24,7 @@ std::vector<const EndpointSeen*> on_topic(const std::vector<EndpointSeen>& endpo
 
 }  // namespace doctor
 
-std::string text_of(const ProcessSeen& process) {
+std::string text_of(const ProcessObservation& process) {
   if (process.name.empty() && process.host.empty() && !process.id) return "an unknown process";
   std::string text = process.name.empty() ? "a process" : process.name;
   if (process.id) text += fmt::format(" (process {}", *process.id);
@@ -35,12 +35,12 @@ std::string text_of(const ProcessSeen& process) {
 
 std::vector<Finding> diagnose(const Observations& seen) {
   doctor::Findings findings;
-  doctor::look_at_bus(seen, findings);
-  doctor::look_at_topics(seen, findings);
-  for (const BeaconSeen& beacon : seen.beacons) {
-    doctor::look_at_beacon(seen, beacon, findings);
-    doctor::look_at_pose(beacon, findings);
-    doctor::look_at_mount(beacon, findings);
+  doctor::check_bus(seen, findings);
+  doctor::check_topics(seen, findings);
+  for (const BeaconObservation& beacon : seen.beacons) {
+    doctor::check_beacon(seen, beacon, findings);
+    doctor::check_pose(beacon, findings);
+    doctor::check_mount(beacon, findings);
   }
   return findings;
 }

@@ -18,21 +18,21 @@
 namespace sonopose::doctor {
 
 /// A process behind a reader or writer, as far as its DDS implementation tells of it.
-struct ProcessSeen {
+struct ProcessObservation {
   std::string name;
   std::string host;
   std::optional<std::uint32_t> id;
 };
 
 /// "sonopose-bridge (process 812 on rover)", "an unknown process".
-std::string text_of(const ProcessSeen& process);
+std::string text_of(const ProcessObservation& process);
 
 /// A reader or writer of another process.
-struct EndpointSeen {
+struct EndpointObservation {
   std::string topic;
   std::string type;
   dds::Qos qos;
-  ProcessSeen process;
+  ProcessObservation process;
 };
 
 /// A native topic as it should be.
@@ -42,32 +42,32 @@ struct NativeTopic {
 };
 
 /// An interface that the user's CYCLONEDDS_URI names.
-struct InterfaceSeen {
+struct InterfaceObservation {
   std::string name;
   bool multicast = false;
   bool loopback = false;
 };
 
 /// Another domain of the same network in which processes of this system were found.
-struct DomainSeen {
+struct DomainObservation {
   std::uint32_t id = 0;
   bool beacons = false;  ///< IMU samples are published there
   bool poses = false;    ///< poses are
   bool ours = false;     ///< anybody is on one of this system's topics
 };
 
-struct BusSeen {
+struct BusObservation {
   std::uint32_t domain_id = 0;
   bool loopback_only = true;      ///< other machines cannot be found
   std::string interfaces_in_use;  ///< in words: "lo", "eth0 10.0.0.2"
-  std::vector<InterfaceSeen> interfaces;
+  std::vector<InterfaceObservation> interfaces;
   bool peers_named = false;  ///< by CYCLONEDDS_URI
   bool looked_elsewhere = false;
-  std::vector<DomainSeen> other_domains;
+  std::vector<DomainObservation> other_domains;
 };
 
 /// One stream of one beacon over the window.
-struct StreamSeen {
+struct StreamObservation {
   std::uint64_t samples = 0;
   double rate_hz = 0;
   double longest_silence_s = 0;                                 ///< until the window's end too
@@ -75,7 +75,7 @@ struct StreamSeen {
 };
 
 /// Means and spreads of the IMU over the window, in body axes, as the fusion's calibration makes them.
-struct RestSeen {
+struct RestObservation {
   Vector3d mean_force_body_mps2 = Vector3d::Zero();
   Vector3d mean_rate_body_radps = Vector3d::Zero();
   double force_std_mps2 = 0;  ///< the largest of the three axes
@@ -85,33 +85,33 @@ struct RestSeen {
 };
 
 /// One beacon over the window.
-struct BeaconSeen {
+struct BeaconObservation {
   BeaconAddress address = 0;
-  StreamSeen imu;
-  StreamSeen fix;
-  StreamSeen heading;
-  StreamSeen pose;
+  StreamObservation imu;
+  StreamObservation fix;
+  StreamObservation heading;
+  StreamObservation pose;
   std::uint64_t valid_headings = 0;
   std::uint64_t events_missing = 0;      ///< gaps in the numbering of its three streams
   std::optional<double> bridge_ahead_s;  ///< median of the bridge's stamp minus this clock at the receipt
-  std::vector<ProcessSeen> bridges;      ///< who publishes its IMU samples
+  std::vector<ProcessObservation> bridges;      ///< who publishes its IMU samples
   std::optional<BeaconStatus> status_before;  ///< the first in the window
   std::optional<BeaconStatus> status;         ///< the last one
   std::optional<FusionStatus> fusion_before;
   std::optional<FusionStatus> fusion;
   std::vector<FusionStatus> fusions;  ///< the last one of each fusion that serves it
   std::uint32_t lasting_status = 0;   ///< bits of PoseStatus that each pose of the window had
-  std::optional<RestSeen> imu_means;
+  std::optional<RestObservation> imu_means;
 };
 
 struct Observations {
   double window_s = 0;
   std::string own_host;
-  BusSeen bus;
+  BusObservation bus;
   std::vector<NativeTopic> native_topics;
-  std::vector<EndpointSeen> writers;  ///< without this process's own
-  std::vector<EndpointSeen> readers;
-  std::vector<BeaconSeen> beacons;
+  std::vector<EndpointObservation> writers;  ///< without this process's own
+  std::vector<EndpointObservation> readers;
+  std::vector<BeaconObservation> beacons;
 };
 
 enum class Severity : std::uint8_t { ok, note, warning, error };

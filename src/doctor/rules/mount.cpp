@@ -23,7 +23,7 @@ constexpr double large_rate_offset_radps = 3.0 * geometry::radians_per_degree;
 constexpr double wrong_axis_deg = 45.0;
 constexpr double notable_tilt_deg = 15.0;
 
-bool at_rest(const RestSeen& rest) {
+bool at_rest(const RestObservation& rest) {
   return rest.force_std_mps2 < rest_force_std_mps2 && rest.rate_std_radps < rest_rate_std_radps &&
          rest.fixes_span_m < rest_fixes_span_m;
 }
@@ -55,7 +55,7 @@ std::string axes_with(const std::string& up, const calibration::AxesSettings& no
   return std::string(best);
 }
 
-void look_at_direction(const BeaconSeen& beacon, const RestSeen& rest, Findings& findings) {
+void check_direction(const BeaconObservation& beacon, const RestObservation& rest, Findings& findings) {
   const Vector3d& force = rest.mean_force_body_mps2;
   const double tilt_deg = std::acos(std::clamp(force.normalized().z(), -1.0, 1.0)) / geometry::radians_per_degree;
   if (tilt_deg > wrong_axis_deg) {
@@ -82,9 +82,9 @@ void look_at_direction(const BeaconSeen& beacon, const RestSeen& rest, Findings&
 
 }  // namespace
 
-void look_at_mount(const BeaconSeen& beacon, Findings& findings) {
+void check_mount(const BeaconObservation& beacon, Findings& findings) {
   if (!beacon.imu_means || !at_rest(*beacon.imu_means)) return;
-  const RestSeen& rest = *beacon.imu_means;
+  const RestObservation& rest = *beacon.imu_means;
   const double force_mps2 = rest.mean_force_body_mps2.norm();
   if (!(force_mps2 > 0.5 * standard_gravity_mps2)) {
     findings.push_back(
@@ -93,7 +93,7 @@ void look_at_mount(const BeaconSeen& beacon, Findings& findings) {
          "look at what the beacon streams (raw, not compensated), or replace it"});
     return;
   }
-  look_at_direction(beacon, rest, findings);
+  check_direction(beacon, rest, findings);
   if (std::abs(force_mps2 / standard_gravity_mps2 - 1.0) > gravity_tolerance) {
     findings.push_back({Severity::warning, name_of(beacon),
                         fmt::format("at rest its accelerometer tells {:.2f} m/s² instead of {:.2f}",

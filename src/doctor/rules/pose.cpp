@@ -35,7 +35,7 @@ constexpr std::array lasting_bits{
 
 }  // namespace
 
-void look_at_pose(const BeaconSeen& beacon, Findings& findings) {
+void check_pose(const BeaconObservation& beacon, Findings& findings) {
   if (beacon.pose.samples == 0) return;
   for (const Lasting& lasting : lasting_bits) {
     if ((beacon.lasting_status & lasting.bit) == 0U) continue;

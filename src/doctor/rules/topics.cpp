@@ -8,7 +8,7 @@
 namespace sonopose::doctor::doctor {
 namespace {
 
-void look_at_type(const NativeTopic& topic, const EndpointSeen& endpoint, const char* does,
+void check_type(const NativeTopic& topic, const EndpointObservation& endpoint, const char* does,
                   Findings& findings) {
   if (endpoint.type == topic.type) return;
   findings.push_back({Severity::error, topic.name,
@@ -29,13 +29,13 @@ std::string remedy_for(const dds::QosMismatch& mismatch, const NativeTopic& topi
 }
 
 /// Whether the two are kept apart on purpose, as parts of a domain are.
-bool in_other_parts(const EndpointSeen& writer, const EndpointSeen& reader) {
+bool in_other_parts(const EndpointObservation& writer, const EndpointObservation& reader) {
   const auto mismatches = dds::qos_mismatches(writer.qos, reader.qos);
   return std::any_of(mismatches.begin(), mismatches.end(),
                      [](const dds::QosMismatch& mismatch) { return mismatch.policy == "partition"; });
 }
 
-void look_at_pair(const NativeTopic& topic, const EndpointSeen& writer, const EndpointSeen& reader,
+void check_pair(const NativeTopic& topic, const EndpointObservation& writer, const EndpointObservation& reader,
                   Findings& findings) {
   if (writer.type != reader.type || in_other_parts(writer, reader)) return;  // told already, or as meant
   for (const dds::QosMismatch& mismatch : dds::qos_mismatches(writer.qos, reader.qos)) {
@@ -47,11 +47,11 @@ void look_at_pair(const NativeTopic& topic, const EndpointSeen& writer, const En
 }
 
 /// A part of the domain with a bridge and without a fusion.
-void look_at_parts(const Observations& seen, Findings& findings) {
+void check_parts(const Observations& seen, Findings& findings) {
   const auto readers = on_topic(seen.readers, "sonopose/imu");
-  for (const EndpointSeen* const writer : on_topic(seen.writers, "sonopose/imu")) {
+  for (const EndpointObservation* const writer : on_topic(seen.writers, "sonopose/imu")) {
     const bool alone =
-        !readers.empty() && std::all_of(readers.begin(), readers.end(), [&](const EndpointSeen* reader) {
+        !readers.empty() && std::all_of(readers.begin(), readers.end(), [&](const EndpointObservation* reader) {
           return in_other_parts(*writer, *reader);
         });
     if (!alone) continue;
@@ -63,17 +63,17 @@ void look_at_parts(const Observations& seen, Findings& findings) {
 
 }  // namespace
 
-void look_at_topics(const Observations& seen, Findings& findings) {
+void check_topics(const Observations& seen, Findings& findings) {
   for (const NativeTopic& topic : seen.native_topics) {
     const auto writers = on_topic(seen.writers, topic.name);
     const auto readers = on_topic(seen.readers, topic.name);
-    for (const EndpointSeen* const writer : writers) look_at_type(topic, *writer, "writes", findings);
-    for (const EndpointSeen* const reader : readers) look_at_type(topic, *reader, "reads", findings);
-    for (const EndpointSeen* const writer : writers) {
-      for (const EndpointSeen* const reader : readers) look_at_pair(topic, *writer, *reader, findings);
+    for (const EndpointObservation* const writer : writers) check_type(topic, *writer, "writes", findings);
+    for (const EndpointObservation* const reader : readers) check_type(topic, *reader, "reads", findings);
+    for (const EndpointObservation* const writer : writers) {
+      for (const EndpointObservation* const reader : readers) check_pair(topic, *writer, *reader, findings);
     }
   }
-  look_at_parts(seen, findings);
+  check_parts(seen, findings);
 }
 
 }  // namespace sonopose::doctor::doctor

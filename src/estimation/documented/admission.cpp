@@ -67,9 +67,9 @@ std::uint32_t reasons_against(const AdmissionSettings& settings, AdmissionState&
   const bool possible = within(fix.position_world_m, settings.max_position_m) &&
                         measured_ns > state.last_fix_measured_ns &&
                         is_recent(settings, now_ns, measured_ns, fix.received_time_ns);
-  if (!possible) return verdict_invalid;
+  if (!possible) return fix_invalid;
   if (fix.quality_percent && !(*fix.quality_percent >= settings.min_quality_percent)) {
-    return verdict_low_quality;
+    return fix_low_quality;
   }
   state.last_fix_measured_ns = measured_ns;
   return 0;

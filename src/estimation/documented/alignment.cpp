@@ -13,32 +13,32 @@ void level(const AlignmentSettings& settings, AlignmentState& state, attitude::A
   const Vector3d turn_world_rad =
       settings.tilt_gain_hz / standard_gravity_mps2 * Vector3d::UnitZ().cross(velocity_change_world_mps);
   filter.turn_in_world(turn_world_rad);
-  if (settings.aiding_s > 0.0) state.untold_world_mps += velocity_change_world_mps;
+  if (settings.aiding_s > 0.0) state.pending_world_mps += velocity_change_world_mps;
   const double limit_mps2 = settings.vertical_limit_mps2;
   state.vertical_offset_mps2 =
       std::clamp(state.vertical_offset_mps2 + settings.vertical_gain_hz * velocity_change_world_mps.z(),
                  -limit_mps2, limit_mps2);
 }
 
-void tell(const AlignmentSettings& settings, AlignmentState& state, const Vector3d& gained_world_mps,
+void set_known_acceleration(const AlignmentSettings& settings, AlignmentState& state, const Vector3d& gained_world_mps,
           TimeNs now_ns, double dt_s) {
-  if (!(settings.aiding_s > 0.0)) return tell_nothing(state);
+  if (!(settings.aiding_s > 0.0)) return clear_known_acceleration(state);
   if (!(dt_s > 0.0)) return;
-  Vector3d told_world_mps = -std::expm1(-dt_s / settings.aiding_s) * state.untold_world_mps;
+  Vector3d reported_world_mps = -std::expm1(-dt_s / settings.aiding_s) * state.pending_world_mps;
   // A tilt that follows corrections, and makes new ones, must not be thrown about by wild ones.
   constexpr double most_told_mps2 = 1.0;
-  const double told_mps2 = told_world_mps.norm() / dt_s;
-  if (told_mps2 > most_told_mps2) told_world_mps *= most_told_mps2 / told_mps2;
-  state.untold_world_mps -= told_world_mps;
+  const double told_mps2 = reported_world_mps.norm() / dt_s;
+  if (told_mps2 > most_told_mps2) reported_world_mps *= most_told_mps2 / told_mps2;
+  state.pending_world_mps -= reported_world_mps;
   // The learned offset is the accelerometer's, not the body's acceleration: the filter reads it too.
-  state.known_acceleration_world_mps2 = (gained_world_mps + told_world_mps) / dt_s;
+  state.known_acceleration_world_mps2 = (gained_world_mps + reported_world_mps) / dt_s;
   state.known_acceleration_world_mps2.z() -= state.vertical_offset_mps2;
   state.tells = true;
   state.told_ns = now_ns;
 }
 
-void tell_nothing(AlignmentState& state) {
-  state.untold_world_mps.setZero();
+void clear_known_acceleration(AlignmentState& state) {
+  state.pending_world_mps.setZero();
   state.known_acceleration_world_mps2.setZero();
   state.tells = false;
 }

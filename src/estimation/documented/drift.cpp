@@ -5,21 +5,21 @@
 
 namespace sonopose::estimation::documented::drift {
 
-double jump_share(const DriftSettings& settings, const Verdict& verdict) {
-  return std::max(settings.jump_alpha * verdict.weight, verdict.jump_floor);
+double jump_share(const DriftSettings& settings, const FixAssessment& assessment) {
+  return std::max(settings.jump_alpha * assessment.weight, assessment.jump_floor);
 }
 
 Vector3d correct(const DriftSettings& settings, DriftState& state, Kinematics& body, const TimedFix& fix,
-                 const Verdict& verdict) {
+                 const FixAssessment& assessment) {
   const Vector3d discrepancy_world_m = fix.shifted_position_world_m - body.position_world_m;
-  Vector3d jump_world_m = jump_share(settings, verdict) * discrepancy_world_m;
+  Vector3d jump_world_m = jump_share(settings, assessment) * discrepancy_world_m;
   body.position_world_m += jump_world_m;
   state.offset_world_m = discrepancy_world_m - jump_world_m;
-  state.weight = std::max(verdict.weight, verdict.weight_floor);
+  state.weight = std::max(assessment.weight, assessment.weight_floor);
   return jump_world_m;
 }
 
-void spend(const DriftSettings& settings, DriftState& state, Kinematics& body, double dt_s) {
+void apply_decay(const DriftSettings& settings, DriftState& state, Kinematics& body, double dt_s) {
   // Steps short against the decay keep it stable at any IMU rate; one is enough at ordinary rates.
   const double steps = std::max(1.0, std::ceil(4.0 * settings.decay_rate_hz * dt_s));
   const double step_s = dt_s / steps;

@@ -81,7 +81,7 @@ void Engine::calibrate(const ImuSample& imu) {
   state_.body.correct_velocity(-state_.body.velocity_world_mps);
   state_.uncertainty.velocity_std_mps = 0.0;
   state_.velocity.settle();
-  if (state_.outage.track == Track::position) state_.outage.track = Track::held;
+  if (state_.outage.track == InitPhase::position) state_.outage.track = InitPhase::held;
 }
 
 void Engine::predict(const ImuSample& imu, double dt_s) {
@@ -89,7 +89,7 @@ void Engine::predict(const ImuSample& imu, double dt_s) {
   const double pulled = predict_attitude(imu, dt_s);
   const Vector3d velocity_before_world_mps = body.velocity_world_mps;
   predict_velocity(imu, dt_s);
-  drift::spend(settings_.drift, state_.drift, body, dt_s);  // 2, 9
+  drift::apply_decay(settings_.drift, state_.drift, body, dt_s);  // 2, 9
   body.displacement_world_m += dt_s * (0.5 * (velocity_before_world_mps + body.velocity_world_mps) -
                                        body.velocity_corrections_world_mps);
 
@@ -109,7 +109,7 @@ double Engine::predict_attitude(const ImuSample& imu, double dt_s) {
   measurement.angular_velocity_body_radps = mean_rate_body_radps;
   alignment::aid(settings_.alignment, state_.alignment, imu.sensor_time_ns, measurement);
   state_.filter.update(settings_.attitude, measurement);                               // 29, 30
-  return heading::pull(settings_.heading, state_.heading, body, state_.filter, dt_s);  // 34
+  return heading::correct_from_pair(settings_.heading, state_.heading, body, state_.filter, dt_s);  // 34
 }
 
 void Engine::predict_velocity(const ImuSample& imu, double dt_s) {
@@ -120,7 +120,7 @@ void Engine::predict_velocity(const ImuSample& imu, double dt_s) {
   if (state_.startup.waiting || no_position) return;  // at rest, or nothing to start an integral from
   if (outage::watch(settings_.outage, state_.outage, body.time_ns)) {  // 11
     outage::decay(settings_.outage, body, dt_s);                       // 10
-    alignment::tell_nothing(state_.alignment);
+    alignment::clear_known_acceleration(state_.alignment);
     motion::coast(body, dt_s);
     return;
   }
@@ -130,10 +130,10 @@ void Engine::predict_velocity(const ImuSample& imu, double dt_s) {
                     dt_s);  // 25, 35–37
   const Vector3d gained_world_mps = body.velocity_world_mps - velocity_before_world_mps;
   state_.alignment.gained_world_mps += gained_world_mps;
-  if (state_.outage.track == Track::held && state_.velocity.settled()) {
-    alignment::tell(settings_.alignment, state_.alignment, gained_world_mps, body.time_ns, dt_s);
+  if (state_.outage.track == InitPhase::held && state_.velocity.settled()) {
+    alignment::set_known_acceleration(settings_.alignment, state_.alignment, gained_world_mps, body.time_ns, dt_s);
   } else {
-    alignment::tell_nothing(state_.alignment);
+    alignment::clear_known_acceleration(state_.alignment);
   }
   runaway::damp(settings_.runaway, state_.runaway, body, dt_s);  // 23, 24
 }
@@ -153,11 +153,11 @@ void Engine::rest_over_gap(const ImuSample& imu, double dt_s) {
       state_.previous_rate_body_radps - state_.filter.gyro_bias_body_radps();
   state_.body.acceleration_world_mps2 = world_acceleration(imu);
   outage::decay(settings_.outage, state_.body, dt_s);
-  state_.outage.track = Track::none;
+  state_.outage.track = InitPhase::none;
   state_.body.history.clear();
   frozen::begin_window(state_.frozen, state_.body);
   state_.drift = DriftState{};
-  alignment::tell_nothing(state_.alignment);
+  alignment::clear_known_acceleration(state_.alignment);
   uncertainty::grow(settings_.uncertainty, state_.uncertainty, dt_s);
 }
 

@@ -13,29 +13,29 @@ FixReport Engine::on(const UltrasonicFix& fix) noexcept {
   report.position_world_m = fix.position_world_m;
   report.trust = state_.trust.trust;
 
-  report.verdict = admission::reasons_against(settings_.admission, state_.admission, state_.body.time_ns, fix,
+  report.flags = admission::reasons_against(settings_.admission, state_.admission, state_.body.time_ns, fix,
                                               delay::measured_at(settings_.delay, fix));
   const bool was_frozen = state_.frozen.frozen;
-  if (report.verdict == 0 && frozen::watch(settings_.frozen, state_.frozen, state_.body, fix)) {
-    report.verdict = verdict_frozen;
+  if (report.flags == 0 && frozen::watch(settings_.frozen, state_.frozen, state_.body, fix)) {
+    report.flags = fix_frozen;
   }
-  if (report.verdict != 0) {
+  if (report.flags != 0) {
     ++counters_.fixes_rejected;
     return report;
   }
   // What a track repeated before it was found out to be frozen has bent the pose: begin anew.
-  if (was_frozen) state_.outage.track = Track::none;
+  if (was_frozen) state_.outage.track = InitPhase::none;
   startup::watch(settings_.startup, state_.startup, fix);
   TimedFix timed = delay::shift(settings_.delay, state_.body, fix);  // 6
-  if (state_.outage.track == Track::none) {
-    take_hold(timed, report);
-  } else if (state_.outage.track == Track::held || !take_velocity(timed, report)) {
-    follow(timed, report);
+  if (state_.outage.track == InitPhase::none) {
+    reset_position(timed, report);
+  } else if (state_.outage.track == InitPhase::held || !reset_velocity(timed, report)) {
+    apply_fix(timed, report);
   }
   report.shifted_position_world_m = timed.shifted_position_world_m;
   state_.outage.last_valid_fix_ns = fix.received_time_ns;
   state_.runaway = {true, timed.shifted_position_world_m};
-  report.verdict |= verdict_used;
+  report.flags |= fix_used;
   ++counters_.fixes_used;
   return report;
 }
@@ -52,17 +52,17 @@ void Engine::on(const PairHeading& heading) noexcept {
 }
 
 /// The first fix of a run sets the position, trust begins anew.
-void Engine::take_hold(const TimedFix& fix, FixReport& report) {
+void Engine::reset_position(const TimedFix& fix, FixReport& report) {
   const bool first = state_.outage.last_valid_fix_ns == 0;
-  report.verdict |= first ? verdict_first : verdict_stale_recovered;
+  report.flags |= first ? fix_first : fix_stale_recovered;
   report.jump_world_m = fix.shifted_position_world_m - state_.body.position_world_m;
-  report.residual_m = first ? 0.0 : report.jump_world_m.norm();
+  report.innovation_m = first ? 0.0 : report.jump_world_m.norm();
   report.weight = 1.0;
   report.trust = 1.0;
   state_.body.position_world_m = fix.shifted_position_world_m;
   state_.drift = DriftState{};
   trust::restart(state_.trust, fix);
-  uncertainty::take_hold(settings_.uncertainty, state_.uncertainty);
+  uncertainty::reset_position(settings_.uncertainty, state_.uncertainty);
   // Just after a start at rest the velocity is known already: zero.
   const bool velocity_known =
       first && state_.startup.calibrated &&
@@ -71,14 +71,14 @@ void Engine::take_hold(const TimedFix& fix, FixReport& report) {
   if (first) {
     state_.uncertainty.velocity_std_mps = velocity_known ? 0.0 : UncertaintyState::unknown_mps;
   }
-  state_.outage.track = velocity_known ? Track::held : Track::position;
+  state_.outage.track = velocity_known ? InitPhase::held : InitPhase::position;
   state_.outage.stale = false;
 }
 
 /// The second fix of a run sets the velocity: until then there is none that could predict where it should
 /// lie. False where the two stand too near or too far apart in time for a velocity.
-bool Engine::take_velocity(TimedFix& fix, FixReport& report) {
-  const auto measured = velocity::measure(settings_.velocity, state_.velocity, state_.body, fix, Verdict{});
+bool Engine::reset_velocity(TimedFix& fix, FixReport& report) {
+  const auto measured = velocity::measure(settings_.velocity, state_.velocity, state_.body, fix, FixAssessment{});
   if (!measured) return false;
   report.velocity_change_world_mps = velocity::adopt(state_.velocity, state_.body, *measured);
   delay::move_on(settings_.delay, state_.body, fix);
@@ -89,43 +89,43 @@ bool Engine::take_velocity(TimedFix& fix, FixReport& report) {
   state_.drift = DriftState{};
   trust::restart(state_.trust, fix);
   uncertainty::correct(settings_.uncertainty, state_.uncertainty, 1.0, 1.0, 1.0, measured->interval_s);
-  state_.outage.track = Track::held;
+  state_.outage.track = InitPhase::held;
   return true;
 }
 
 /// Every later fix corrects position, velocity and yaw by what it is worth.
-void Engine::follow(const TimedFix& fix, FixReport& report) {
+void Engine::apply_fix(const TimedFix& fix, FixReport& report) {
   Kinematics& body = state_.body;
-  const Verdict verdict = trust::judge(settings_.trust, state_.trust, body, fix);  // 13–22
-  report.residual_m = verdict.residual_m;
-  report.weight = verdict.weight;
+  const FixAssessment assessment = trust::judge(settings_.trust, state_.trust, body, fix);  // 13–22
+  report.innovation_m = assessment.innovation_m;
+  report.weight = assessment.weight;
   report.trust = state_.trust.trust;
-  if (verdict.outlier) report.verdict |= verdict_outlier;
-  if (verdict.forced) report.verdict |= verdict_stuck_forced;
+  if (assessment.outlier) report.flags |= fix_outlier;
+  if (assessment.forced) report.flags |= fix_stuck_forced;
 
-  report.jump_world_m = drift::correct(settings_.drift, state_.drift, body, fix, verdict);  // 2, 4, 9
-  const auto measured = velocity::measure(settings_.velocity, state_.velocity, body, fix, verdict);
+  report.jump_world_m = drift::correct(settings_.drift, state_.drift, body, fix, assessment);  // 2, 4, 9
+  const auto measured = velocity::measure(settings_.velocity, state_.velocity, body, fix, assessment);
   double interval_s = 0.0;
   double velocity_share = 0.0;
   if (measured) {
     const auto change =
-        velocity::correct(settings_.velocity, state_.velocity, body, *measured, verdict);  // 3, 7, 8, 26–28
+        velocity::correct(settings_.velocity, state_.velocity, body, *measured, assessment);  // 3, 7, 8, 26–28
     report.velocity_change_world_mps = change.change_world_mps;
-    report.verdict |= change.verdict;
+    report.flags |= change.flags;
     align(*measured, change, report);
     report.yaw_change_rad +=
-        heading::nudge(settings_.heading, state_.heading, body, state_.filter, *measured);  // 31–33
+        heading::correct_from_course(settings_.heading, state_.heading, body, state_.filter, *measured);  // 31–33
     interval_s = measured->interval_s;
     velocity_share = change.share;
   }
-  uncertainty::correct(settings_.uncertainty, state_.uncertainty, verdict.weight,
-                       drift::jump_share(settings_.drift, verdict), velocity_share, interval_s);
+  uncertainty::correct(settings_.uncertainty, state_.uncertainty, assessment.weight,
+                       drift::jump_share(settings_.drift, assessment), velocity_share, interval_s);
 }
 
 /// What a velocity correction tells of the attitude.
 void Engine::align(const FixVelocity& measured, const VelocityChange& change, FixReport& report) {
   // A snap, and the first fixes of a run, mend a velocity that was not known, whatever the attitude.
-  if (change.verdict != 0 || !state_.velocity.settled()) {
+  if (change.flags != 0 || !state_.velocity.settled()) {
     state_.alignment.gained_world_mps.setZero();
     return;
   }

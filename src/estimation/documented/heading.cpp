@@ -43,7 +43,7 @@ void take(const HeadingSettings& settings, HeadingState& state, Kinematics& body
   state.last_received_ns = heading.received_time_ns;
 }
 
-double pull(const HeadingSettings& settings, HeadingState& state, Kinematics& body,
+double correct_from_pair(const HeadingSettings& settings, HeadingState& state, Kinematics& body,
             attitude::AnyFilter& filter, double dt_s) {
   double turn_rad = state.rate_offset_radps * dt_s;
   double share = 0.0;
@@ -62,7 +62,7 @@ double pull(const HeadingSettings& settings, HeadingState& state, Kinematics& bo
   return share;
 }
 
-double nudge(const HeadingSettings& settings, const HeadingState& state, Kinematics& body,
+double correct_from_course(const HeadingSettings& settings, const HeadingState& state, Kinematics& body,
              attitude::AnyFilter& filter, const FixVelocity& measured) {
   if (is_valid(settings, state, body.time_ns)) return 0.0;
   const double displacement_m = measured.displacement_world_m.head<2>().norm();

@@ -15,7 +15,7 @@ bool is_recent(const OutageSettings& settings, TimeNs then_ns, TimeNs now_ns) {
 bool watch(const OutageSettings& settings, OutageState& state, TimeNs now_ns) {
   if (state.last_valid_fix_ns == 0) return false;
   state.stale = !is_recent(settings, state.last_valid_fix_ns, now_ns);
-  if (state.stale) state.track = Track::none;
+  if (state.stale) state.track = InitPhase::none;
   return state.stale;
 }
 

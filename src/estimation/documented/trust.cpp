@@ -17,7 +17,7 @@ double residual_of(const TrustState& state, const Kinematics& body, const TimedF
 
 /// Items 16–19: N = clamp(n_base · jump / reference, n_min, n_max).
 int rebuild_count(const TrustSettings& settings, double jump_m) {
-  const double scaled = std::round(settings.n_base * jump_m / settings.reference_residual_m);
+  const double scaled = std::round(settings.n_base * jump_m / settings.reference_innovation_m);
   const int n_max = std::max(settings.n_min, settings.n_max);
   return static_cast<int>(std::clamp<double>(scaled, settings.n_min, n_max));
 }
@@ -41,10 +41,10 @@ void regain(TrustState& state) {
 }
 
 /// Items 15–20 for one fix, once it is known whether it is an outlier.
-void update(const TrustSettings& settings, TrustState& state, double residual_m, bool outlier) {
+void update(const TrustSettings& settings, TrustState& state, double innovation_m, bool outlier) {
   const bool was_at_zero = state.trust <= 0.0;
   if (outlier) {
-    if (!was_at_zero) lose(settings, state, residual_m);
+    if (!was_at_zero) lose(settings, state, innovation_m);
     ++state.outliers_in_row;
   } else if (state.trust < 1.0) {
     state.outliers_in_row = 0;
@@ -60,8 +60,8 @@ void update(const TrustSettings& settings, TrustState& state, double residual_m,
 
 }  // namespace
 
-double weight_of(double residual_m, double sigma_m) {
-  const double ratio = residual_m / sigma_m;
+double weight_of(double innovation_m, double sigma_m) {
+  const double ratio = innovation_m / sigma_m;
   return 1.0 / (1.0 + ratio * ratio);
 }
 
@@ -76,35 +76,35 @@ void restart(TrustState& state, const TimedFix& fix) {
   state.last_position_world_m = fix.measured_position_world_m;
 }
 
-Verdict judge(const TrustSettings& settings, TrustState& state, const Kinematics& body, const TimedFix& fix) {
+FixAssessment judge(const TrustSettings& settings, TrustState& state, const Kinematics& body, const TimedFix& fix) {
   const bool against_imu = settings.enabled && state.trust < 1.0;
   const bool was_forced = state.forced;
-  Verdict verdict;
-  verdict.residual_m = residual_of(state, body, fix, against_imu);
-  verdict.outlier = verdict.residual_m > settings.outlier_sigmas * settings.sigma_m;
+  FixAssessment assessment;
+  assessment.innovation_m = residual_of(state, body, fix, against_imu);
+  assessment.outlier = assessment.innovation_m > settings.outlier_sigmas * settings.sigma_m;
 
   if (!settings.enabled) {
     regain(state);
   } else if (state.forced) {
-    if (verdict.residual_m < settings.sigma_m) regain(state);
+    if (assessment.innovation_m < settings.sigma_m) regain(state);
   } else {
-    update(settings, state, verdict.residual_m, verdict.outlier);
+    update(settings, state, assessment.innovation_m, assessment.outlier);
   }
-  verdict.accepted_anew =
-      (state.forced && !was_forced) || (verdict.outlier && state.trust >= 1.0 && against_imu);
-  verdict.new_track = verdict.accepted_anew || (!settings.enabled && verdict.outlier);
-  verdict.trusted = state.trust >= 1.0;
-  verdict.forced = state.forced;
-  verdict.weight =
-      std::max(settings.min_weight, weight_of(verdict.residual_m, settings.sigma_m) * state.trust);
+  assessment.accepted_anew =
+      (state.forced && !was_forced) || (assessment.outlier && state.trust >= 1.0 && against_imu);
+  assessment.new_track = assessment.accepted_anew || (!settings.enabled && assessment.outlier);
+  assessment.trusted = state.trust >= 1.0;
+  assessment.forced = state.forced;
+  assessment.weight =
+      std::max(settings.min_weight, weight_of(assessment.innovation_m, settings.sigma_m) * state.trust);
   if (state.forced) {
-    verdict.jump_floor = settings.stuck_jump_scale;
-    verdict.weight_floor = settings.stuck_weight_floor;
+    assessment.jump_floor = settings.stuck_jump_scale;
+    assessment.weight_floor = settings.stuck_weight_floor;
   }
   state.has_last = true;
   state.last_measured_ns = fix.measured_ns;
   state.last_position_world_m = fix.measured_position_world_m;
-  return verdict;
+  return assessment;
 }
 
 }  // namespace sonopose::estimation::documented::trust

@@ -40,7 +40,7 @@ void pull_yaw(const UncertaintySettings& settings, UncertaintyState& state, doub
   state.yaw_std_rad = std::max(heading_std_rad, blended(state.yaw_std_rad, heading_std_rad, share));
 }
 
-void take_hold(const UncertaintySettings& settings, UncertaintyState& state) {
+void reset_position(const UncertaintySettings& settings, UncertaintyState& state) {
   state.position_std_m = settings.fix_std_m;
 }
 

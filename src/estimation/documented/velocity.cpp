@@ -9,16 +9,16 @@ namespace {
 
 /// Items 7, 8 and 28.
 std::uint32_t snap_for(const VelocitySettings& settings, const FixVelocity& measured,
-                       const Verdict& verdict) {
+                       const FixAssessment& assessment) {
   const double ultrasonic_mps = measured.ultrasonic_world_mps.norm();
   const double inertial_mps = measured.inertial_world_mps.norm();
   if (ultrasonic_mps < settings.snap_min_speed_mps || measured.bend_m > settings.snap_max_bend_m) return 0;
-  if (!verdict.trusted) return 0;
+  if (!assessment.trusted) return 0;
   const bool same_direction = measured.ultrasonic_world_mps.dot(measured.inertial_world_mps) > 0.0;
   if (settings.overshoot_fix && same_direction && inertial_mps > 2.0 * ultrasonic_mps) {
-    return verdict_snapped_over;
+    return fix_snapped_over;
   }
-  if (settings.undershoot_fix && ultrasonic_mps > 2.0 * inertial_mps) return verdict_snapped_under;
+  if (settings.undershoot_fix && ultrasonic_mps > 2.0 * inertial_mps) return fix_snapped_under;
   return 0;
 }
 
@@ -93,13 +93,13 @@ void restart(VelocityState& state, const TimedFix& fix, bool velocity_known) {
 }
 
 std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocityState& state,
-                                   const Kinematics& body, const TimedFix& fix, const Verdict& verdict) {
-  if (verdict.new_track) {
+                                   const Kinematics& body, const TimedFix& fix, const FixAssessment& assessment) {
+  if (assessment.new_track) {
     // What led the pose astray from a track that wins was its velocity, more often than not.
-    restart(state, fix, !verdict.accepted_anew && state.settled());
+    restart(state, fix, !assessment.accepted_anew && state.settled());
     return std::nullopt;
   }
-  if (verdict.outlier && !verdict.forced) return std::nullopt;
+  if (assessment.outlier && !assessment.forced) return std::nullopt;
   auto measured = measure_from(reference_for(settings, state, fix), body, fix);
   if (measured) measured->bend_m = bend_of(state, fix);
   remember(state, fix);
@@ -107,14 +107,14 @@ std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocitySta
 }
 
 VelocityChange correct(const VelocitySettings& settings, VelocityState& state, Kinematics& body,
-                       const FixVelocity& measured, const Verdict& verdict) {
+                       const FixVelocity& measured, const FixAssessment& assessment) {
   VelocityChange done;
-  done.verdict = snap_for(settings, measured, verdict);
-  if (done.verdict != 0) {
+  done.flags = snap_for(settings, measured, assessment);
+  if (done.flags != 0) {
     done.change_world_mps = measured.ultrasonic_world_mps - body.velocity_world_mps;
   } else {
     // A forced convergence would never end if the velocity that led astray were not corrected too.
-    const double reliability = std::max(verdict.weight, verdict.weight_floor);
+    const double reliability = std::max(assessment.weight, assessment.weight_floor);
     done.share =
         blend_of(settings, state) * reliability * accel_gate(settings, body.acceleration_world_mps2.norm());
     done.change_world_mps = done.share * (measured.ultrasonic_world_mps - measured.inertial_world_mps);

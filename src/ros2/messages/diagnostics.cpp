@@ -1,5 +1,5 @@
 #include <sonopose/ros2/messages/diagnostics.hpp>
-#include <sonopose/ros2/messages/lend.hpp>
+#include <sonopose/ros2/messages/borrow.hpp>
 #include <sonopose/ros2/messages/messages.hpp>
 
 namespace sonopose::ros2 {

@@ -37,7 +37,7 @@ FixQueue::Ready FixQueue::on(const FixReport& report) {
 
 FixQueue::Ready FixQueue::overdue(TimeNs now_ns) {
   Ready ready;
-  while (waiting_count_ > 0 && now_ns - waiting_[0].since_ns > patience_ns) put_first_out(ready);
+  while (waiting_count_ > 0 && now_ns - waiting_[0].since_ns > timeout_ns) put_first_out(ready);
   return ready;
 }
 

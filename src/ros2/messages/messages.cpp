@@ -1,4 +1,4 @@
-#include <sonopose/ros2/messages/lend.hpp>
+#include <sonopose/ros2/messages/borrow.hpp>
 #include <sonopose/ros2/messages/messages.hpp>
 #include <sonopose/ros2/messages/time.hpp>
 

@@ -2,7 +2,7 @@
 
 #include <sonopose/estimation/documented/uncertainty.hpp>
 #include "process/host_clock.hpp"
-#include <sonopose/ros2/messages/lend.hpp>
+#include <sonopose/ros2/messages/borrow.hpp>
 
 #include <algorithm>
 #include <charconv>

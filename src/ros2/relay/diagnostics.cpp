@@ -109,7 +109,7 @@ private:
   std::vector<std::pair<std::string, std::string>>& values_;
 };
 
-void tell_pose(const observation::BeaconView& view, Values& values) {
+void log_pose(const observation::BeaconView& view, Values& values) {
   values.add("pose_rate_hz", view.pose_rate_hz, 1);
   values.add("latency_p50_ms", view.latency.p50_s * 1e3, 3);
   values.add("latency_p99_ms", view.latency.p99_s * 1e3, 3);
@@ -123,7 +123,7 @@ void tell_pose(const observation::BeaconView& view, Values& values) {
   values.add("reset_counter", std::uint64_t{view.pose.reset_counter});
 }
 
-void tell_bridge(const BeaconStatus& bridge, Values& values) {
+void log_bridge(const BeaconStatus& bridge, Values& values) {
   values.add("imu_rate_hz", bridge.imu_rate_hz, 1);
   values.add("fix_rate_hz", bridge.fix_rate_hz, 1);
   values.add("heading_rate_hz", bridge.heading_rate_hz, 1);
@@ -139,7 +139,7 @@ void tell_bridge(const BeaconStatus& bridge, Values& values) {
   values.add("clock_resets", bridge.clock_resets);
 }
 
-void tell_fusion(const FusionStatus& fusion, Values& values) {
+void log_fusion(const FusionStatus& fusion, Values& values) {
   values.add("fixes_used", fusion.fixes_used);
   values.add("fixes_rejected", fusion.fixes_rejected);
   values.add("events_lost", fusion.events_lost);
@@ -163,9 +163,9 @@ ros2::Diagnostic diagnostic_of(const std::string& node, const observation::Beaco
   diagnostic.hardware_id = std::to_string(view.address);
   diagnostic.message = verdict.text(fmt::format("poses at {:.1f} Hz", view.pose_rate_hz));
   Values values(diagnostic.values);
-  tell_pose(view, values);
-  if (bridge_tells(view, now_ns)) tell_bridge(*view.bridge, values);
-  if (view.fusion) tell_fusion(*view.fusion, values);
+  log_pose(view, values);
+  if (bridge_tells(view, now_ns)) log_bridge(*view.bridge, values);
+  if (view.fusion) log_fusion(*view.fusion, values);
   return diagnostic;
 }
 

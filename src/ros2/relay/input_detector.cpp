@@ -23,31 +23,31 @@ std::string_view without_slash(std::string_view frame) {
 
 }  // namespace
 
-Ros2InputWatch::Ros2InputWatch(Ros2Input input, std::string map_frame, TimeNs timeout_ns, TimeNs now_ns)
+Ros2InputDetector::Ros2InputDetector(Ros2Input input, std::string map_frame, TimeNs timeout_ns, TimeNs now_ns)
     : input_(std::move(input)), timeout_ns_(timeout_ns), latest_ns_(now_ns) {
   if (!is_imu(input_)) expected_frame_ = std::move(map_frame);
 }
 
-void Ros2InputWatch::on_sample(std::string_view frame, TimeNs now_ns, Lines& lines) {
+void Ros2InputDetector::on_sample(std::string_view frame, TimeNs now_ns, Lines& lines) {
   heard_ = true;
   latest_ns_ = now_ns;
   frame = without_slash(frame);
   if (!expected_frame_) expected_frame_ = frame;
-  if (frame != *expected_frame_) tell_foreign_frame(frame, lines);
+  if (frame != *expected_frame_) log_foreign_frame(frame, lines);
 }
 
-void Ros2InputWatch::look(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
+void Ros2InputDetector::look(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
   look_for_silence(ends, now_ns, lines);
   look_for_losses(ends, now_ns, lines);
 }
 
-void Ros2InputWatch::look_for_silence(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
+void Ros2InputDetector::look_for_silence(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
   const bool was_silent = silence_.has_value();
   if (now_ns - latest_ns_ > (heard_ ? timeout_ns_ : std::max(timeout_ns_, first_sample_ns))) {
     if (!was_silent) silence_ = Silence{latest_ns_, !heard_};
     // Somebody who came later and does not match is the likely cause.
-    const bool has_news = ends.publishers == 0 && ends.publishers_refused > told_refused_;
-    if (!was_silent || has_news) tell_silence(ends, now_ns, lines);
+    const bool has_news = ends.publishers == 0 && ends.publishers_refused > reported_refused_;
+    if (!was_silent || has_news) log_silence(ends, now_ns, lines);
   } else if (was_silent) {
     lines.push_back(fmt::format("beacon {}: {} from ROS 2{}, after {:.1f} s", input_.address, what(),
                                 silence_->is_first ? "" : " again",
@@ -56,24 +56,24 @@ void Ros2InputWatch::look_for_silence(const Ros2InputEnds& ends, TimeNs now_ns, 
   }
 }
 
-void Ros2InputWatch::tell_silence(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
+void Ros2InputDetector::log_silence(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
   const std::string lasted =
       silence_->is_first ? "yet" : fmt::format("for {:.1f} s", seconds_between(silence_->since_ns, now_ns));
   lines.push_back(
       fmt::format("beacon {}: no {} from ROS 2 {}: {}", input_.address, what(), lasted, reason(ends)));
-  told_refused_ = ends.publishers_refused;
+  reported_refused_ = ends.publishers_refused;
 }
 
-void Ros2InputWatch::look_for_losses(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
-  if (ends.samples_lost <= told_lost_) return;
-  if (told_lost_at_ns_ && now_ns - *told_lost_at_ns_ < loss_report_period_ns) return;
+void Ros2InputDetector::look_for_losses(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
+  if (ends.samples_lost <= reported_lost_) return;
+  if (reported_lost_at_ns_ && now_ns - *reported_lost_at_ns_ < loss_report_period_ns) return;
   lines.push_back(fmt::format("beacon {}: {} {} from ROS 2 lost: they came on {} faster than they were taken",
-                              input_.address, ends.samples_lost - told_lost_, what(), input_.topic));
-  told_lost_ = ends.samples_lost;
-  told_lost_at_ns_ = now_ns;
+                              input_.address, ends.samples_lost - reported_lost_, what(), input_.topic));
+  reported_lost_ = ends.samples_lost;
+  reported_lost_at_ns_ = now_ns;
 }
 
-void Ros2InputWatch::tell_foreign_frame(std::string_view frame, Lines& lines) {
+void Ros2InputDetector::log_foreign_frame(std::string_view frame, Lines& lines) {
   if (foreign_frames_.size() == most_foreign_frames) return;
   if (std::find(foreign_frames_.begin(), foreign_frames_.end(), frame) != foreign_frames_.end()) return;
   foreign_frames_.emplace_back(frame);
@@ -86,11 +86,11 @@ void Ros2InputWatch::tell_foreign_frame(std::string_view frame, Lines& lines) {
                         what(), input_.topic, frame, *expected_frame_));
 }
 
-const char* Ros2InputWatch::what() const {
+const char* Ros2InputDetector::what() const {
   return is_imu(input_) ? "IMU samples" : "fixes";
 }
 
-std::string Ros2InputWatch::reason(const Ros2InputEnds& ends) const {
+std::string Ros2InputDetector::reason(const Ros2InputEnds& ends) const {
   if (ends.publishers > 0) {
     return fmt::format("{} has {} publisher{}, but nothing usable comes", input_.topic, ends.publishers,
                        ends.publishers == 1 ? "" : "s");

@@ -21,14 +21,14 @@ struct Ros2InputEnds {
 };
 
 /// One topic. Times are of the steady clock (ns). Not for several threads at once: no locks.
-class Ros2InputWatch {
+class Ros2InputDetector {
 public:
   using Lines = std::vector<std::string>;
 
   /// An input without a usable sample for longer than `timeout_ns` is silent. One that was never heard is
   /// given `first_sample_ns` at the least, counted from `now_ns`: publishers have to be found first.
   /// `map_frame` is the frame that fixes are taken to be in.
-  Ros2InputWatch(Ros2Input input, std::string map_frame, TimeNs timeout_ns, TimeNs now_ns);
+  Ros2InputDetector(Ros2Input input, std::string map_frame, TimeNs timeout_ns, TimeNs now_ns);
 
   static constexpr TimeNs first_sample_ns = 2'000'000'000;
 
@@ -47,9 +47,9 @@ private:
   };
 
   void look_for_silence(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines);
-  void tell_silence(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines);
+  void log_silence(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines);
   void look_for_losses(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines);
-  void tell_foreign_frame(std::string_view frame, Lines& lines);
+  void log_foreign_frame(std::string_view frame, Lines& lines);
   [[nodiscard]] const char* what() const;
   [[nodiscard]] std::string reason(const Ros2InputEnds& ends) const;
 
@@ -58,9 +58,9 @@ private:
   TimeNs latest_ns_;
   bool heard_ = false;
   std::optional<Silence> silence_;
-  std::uint64_t told_refused_ = 0;
-  std::uint64_t told_lost_ = 0;
-  std::optional<TimeNs> told_lost_at_ns_;
+  std::uint64_t reported_refused_ = 0;
+  std::uint64_t reported_lost_ = 0;
+  std::optional<TimeNs> reported_lost_at_ns_;
   std::optional<std::string> expected_frame_;
   std::vector<std::string> foreign_frames_;
 };

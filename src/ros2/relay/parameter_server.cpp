@@ -1,7 +1,7 @@
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include "ros2/relay/parameter_server.hpp"
-#include <sonopose/ros2/messages/lend.hpp>
+#include <sonopose/ros2/messages/borrow.hpp>
 
 #include <fmt/format.h>
 

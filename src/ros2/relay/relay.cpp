@@ -136,7 +136,7 @@ bool Ros2Relay::Impl::is_in_tree(BeaconAddress address) {
   if (tree_owner_ == address || ros2::tell_beacons_apart(frames, options_.output.tf == TfMode::map_odom)) {
     return true;
   }
-  if (options_.output.tf != TfMode::off && !std::exchange(told_of_tree_, true)) {
+  if (options_.output.tf != TfMode::off && !std::exchange(reported_of_tree_, true)) {
     fmt::print(
         stderr,
         "sonopose-ros2: beacon {} has no transforms, since its frames are beacon {}'s. Give each its own "

@@ -43,9 +43,9 @@ private:
   };
 
   /// Poses are watched besides, for diagnostics.
-  class PoseListener final : public observation::WatchListener<sonopose_FusedPose> {
+  class PoseListener final : public observation::ObservingListener<sonopose_FusedPose> {
   public:
-    explicit PoseListener(Impl& relay) : WatchListener(relay.watches_, relay.ends_), relay_(relay) {}
+    explicit PoseListener(Impl& relay) : ObservingListener(relay.watches_, relay.ends_), relay_(relay) {}
 
   private:
     void on_sample(const FusedPose& pose) noexcept override { relay_.on(pose); }
@@ -62,7 +62,7 @@ private:
     dds::DataReader<T> reader;
   };
   template <class T>
-  using Watched = Input<T, observation::WatchListener<T>>;
+  using Watched = Input<T, observation::ObservingListener<T>>;
 
   class TfListener final : public dds::DataReaderListener<ros2::TFMessage> {
   public:
@@ -113,10 +113,10 @@ private:
   dds::DataWriter<ros2::TFMessage> tf_writer_;
   dds::DataWriter<ros2::TFMessage> static_tf_writer_;
   std::optional<BeaconAddress> tree_owner_;  ///< whose frames they are where all have the same
-  bool told_of_tree_ = false;
+  bool reported_of_tree_ = false;
   std::unique_ptr<Ros2Source> source_;  ///< of what comes in from ROS 2, if anything does
-  observation::BeaconWatches watches_;
-  process::EndCounters ends_;
+  observation::BeaconObservers watches_;
+  process::EndpointCounters ends_;
   std::map<BeaconAddress, observation::BeaconView> told_;  ///< in the diagnostics of the second before
 
   std::mutex mutex_;                                              ///< of what follows

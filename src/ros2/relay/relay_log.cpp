@@ -1,7 +1,7 @@
 // What the relay tells once a second, and the transforms that do not move.
 
 #include "ros2/relay/relay_impl.hpp"
-#include <sonopose/ros2/messages/lend.hpp>
+#include <sonopose/ros2/messages/borrow.hpp>
 
 #include <fmt/format.h>
 
@@ -24,7 +24,7 @@ void Ros2Relay::Impl::publish_static_transforms() {
 void Ros2Relay::Impl::publish_diagnostics() {
   const TimeNs now = process::now_ns();
   const auto views =
-      watches_.views([now](observation::BeaconWatch& watch, BeaconAddress address) { return watch.look(address, now); });
+      watches_.views([now](observation::BeaconObserver& watch, BeaconAddress address) { return watch.look(address, now); });
   std::vector<ros2::Diagnostic> diagnostics;
   for (const observation::BeaconView& view : views) {
     if (!options_.addresses.contains(view.address)) continue;

@@ -37,8 +37,8 @@ struct Input {
 
   BeaconAddress address;
   bool is_imu;
-  process::EndCounters ends;
-  Ros2InputWatch watch;
+  process::EndpointCounters ends;
+  Ros2InputDetector watch;
 };
 
 /// The reader of one of an input's types.
@@ -99,8 +99,8 @@ public:
     while (!stop.requested()) {
       waitset_.wait(longest_sleep);
       for_all_streams([&](auto& stream) { take(stream, sink); });
-      look_at_inputs();
-      tell_statuses(sink);
+      check_inputs();
+      log_statuses(sink);
       sink.tick();
     }
   }
@@ -163,7 +163,7 @@ private:
     return reception_.next(time_ns).value_or(time_ns);
   }
 
-  void look_at_inputs() {
+  void check_inputs() {
     constexpr TimeNs period_ns = 20'000'000;
     const TimeNs steady_ns = process::steady_now_ns();
     if (steady_ns >= look_due_ns_) {
@@ -185,7 +185,7 @@ private:
     return ends;
   }
 
-  void tell_statuses(bridge::SampleSink& sink) {
+  void log_statuses(bridge::SampleSink& sink) {
     constexpr TimeNs period_ns = 250'000'000;
     if (process::steady_now_ns() < statuses_due_ns_) return;
     statuses_due_ns_ = process::steady_now_ns() + period_ns;
@@ -205,7 +205,7 @@ private:
   dds::WaitSet waitset_;
   std::map<BeaconAddress, Beacon> beacons_;
   ros2::RisingStamp reception_;
-  Ros2InputWatch::Lines lines_;
+  Ros2InputDetector::Lines lines_;
   TimeNs look_due_ns_ = 0;
   TimeNs statuses_due_ns_ = 0;
 };

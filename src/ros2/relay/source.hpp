@@ -15,7 +15,7 @@
 namespace sonopose::ros2 {
 
 /// Drivers offer no deadline, so none is asked for: an input that has fallen silent for longer, or was never
-/// heard since the start (Ros2InputWatch), is told of, and so is its return.
+/// heard since the start (Ros2InputDetector), is told of, and so is its return.
 struct Ros2Timeouts {
   TimeNs imu_ns = 0;
   TimeNs fix_ns = 0;

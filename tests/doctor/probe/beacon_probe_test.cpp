@@ -32,7 +32,7 @@ BeaconProbe fed(const Lost& lost) {
   return probe;
 }
 
-BeaconSeen seen_by(const BeaconProbe& probe) {
+BeaconObservation seen_by(const BeaconProbe& probe) {
   return probe.seen(begin_ns + window_ns, {});
 }
 
@@ -43,7 +43,7 @@ bool none(std::uint64_t /*sequence*/) {
 }  // namespace
 
 TEST_CASE("A stream's rate and longest silence are those of the window") {
-  const BeaconSeen seen = seen_by(fed([](std::uint64_t n) { return n > 1100 && n <= 1120; }));
+  const BeaconObservation seen = seen_by(fed([](std::uint64_t n) { return n > 1100 && n <= 1120; }));
   CHECK(seen.imu.samples == 280);
   CHECK(seen.imu.rate_hz == Approx(280 / 3.0));
   CHECK(seen.imu.longest_silence_s == Approx(0.21));
@@ -61,7 +61,7 @@ TEST_CASE("What came before the window is no part of it") {
   for (std::uint64_t n = 1; n <= 100; ++n)
     probe.on(imu(n, begin_ns - 1'000'000'000), begin_ns - 1'000'000'000, 1);
   probe.begin(begin_ns);
-  const BeaconSeen seen = seen_by(probe);
+  const BeaconObservation seen = seen_by(probe);
   CHECK(seen.imu.samples == 0);
   CHECK(probe.writers().empty());
   CHECK_FALSE(seen.imu_means);

@@ -161,8 +161,8 @@ TEST_CASE("The report has the worst last, what to do, and a count") {
 }
 
 TEST_CASE("A process is named as far as it is known") {
-  CHECK(text_of(ProcessSeen{"a", "h", 3}) == "a (process 3 on h)");
-  CHECK(text_of(ProcessSeen{"a", "", 3}) == "a (process 3)");
-  CHECK(text_of(ProcessSeen{"", "h", {}}) == "a process (on h)");
-  CHECK(text_of(ProcessSeen{}) == "an unknown process");
+  CHECK(text_of(ProcessObservation{"a", "h", 3}) == "a (process 3 on h)");
+  CHECK(text_of(ProcessObservation{"a", "", 3}) == "a (process 3)");
+  CHECK(text_of(ProcessObservation{"", "h", {}}) == "a process (on h)");
+  CHECK(text_of(ProcessObservation{}) == "an unknown process");
 }

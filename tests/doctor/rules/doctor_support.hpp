@@ -10,7 +10,7 @@
 
 namespace sonopose::doctor::test {
 
-inline EndpointSeen endpoint(const std::string& topic, const std::string& type, const std::string& process,
+inline EndpointObservation endpoint(const std::string& topic, const std::string& type, const std::string& process,
                              const dds::Qos& qos = {}) {
   return {topic, type, qos, {process, "rover", 100}};
 }
@@ -20,8 +20,8 @@ inline dds::Qos exclusive(std::int32_t strength = 100) {
                     << dds::policy::OwnershipStrength{strength};
 }
 
-inline BeaconSeen healthy_beacon() {
-  BeaconSeen beacon;
+inline BeaconObservation healthy_beacon() {
+  BeaconObservation beacon;
   beacon.address = 7;
   beacon.imu = {300, 100.0, 0.02, 0.1};
   beacon.fix = {24, 8.0, 0.15, 2.5};
@@ -37,7 +37,7 @@ inline BeaconSeen healthy_beacon() {
   beacon.status = status;
   beacon.fusion_before = FusionStatus{};
   beacon.fusion = FusionStatus{};
-  RestSeen rest;
+  RestObservation rest;
   rest.mean_force_body_mps2 = {0.05, -0.1, 9.8};
   rest.force_std_mps2 = 0.03;
   rest.rate_std_radps = 0.003;

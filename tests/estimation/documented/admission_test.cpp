@@ -35,9 +35,9 @@ TEST_CASE("item 12: a fix below the least quality is kept out, one at it is not"
   fix.quality_percent = AdmissionSettings{}.min_quality_percent;
   CHECK(verdict_on(fix) == 0);
   fix.quality_percent = AdmissionSettings{}.min_quality_percent - 0.1;
-  CHECK(verdict_on(fix) == verdict_low_quality);
+  CHECK(verdict_on(fix) == fix_low_quality);
   fix.quality_percent = not_a_number;
-  CHECK(verdict_on(fix) == verdict_low_quality);
+  CHECK(verdict_on(fix) == fix_low_quality);
   fix.quality_percent = std::nullopt;
   CHECK(verdict_on(fix) == 0);
 }
@@ -67,7 +67,7 @@ TEST_CASE("item 12: a fix of low quality changes nothing but a counter and its r
   }
   CHECK(with.engine.counters().fixes_rejected >= 15);
   int reported = 0;
-  for (const FixReport& report : with.reports) reported += report.verdict == verdict_low_quality ? 1 : 0;
+  for (const FixReport& report : with.reports) reported += report.flags == fix_low_quality ? 1 : 0;
   CHECK(reported == static_cast<int>(with.engine.counters().fixes_rejected));
 }
 
@@ -78,40 +78,40 @@ TEST_CASE("a fix that cannot be a measurement of this time is invalid") {
       for (int axis = 0; axis < 3; ++axis) {
         fix = good_fix();
         fix.position_world_m[axis] = bad;
-        CHECK(verdict_on(fix) == verdict_invalid);
+        CHECK(verdict_on(fix) == fix_invalid);
       }
     }
   }
   SECTION("from the future, beyond what an IMU sample may still be under way") {
     fix.emission_time_ns = epoch_ns + to_ns(1.0);
     fix.received_time_ns = fix.emission_time_ns + to_ns(0.068);
-    CHECK(verdict_on(fix) == verdict_invalid);
+    CHECK(verdict_on(fix) == fix_invalid);
   }
   SECTION("too old") {
     fix.emission_time_ns = epoch_ns - to_ns(2.0);
-    CHECK(verdict_on(fix) == verdict_invalid);
+    CHECK(verdict_on(fix) == fix_invalid);
   }
   SECTION("received before it was emitted, or absurdly long after") {
     fix.received_time_ns = fix.emission_time_ns - 1;
-    CHECK(verdict_on(fix) == verdict_invalid);
+    CHECK(verdict_on(fix) == fix_invalid);
     fix.received_time_ns = 0;
-    CHECK(verdict_on(fix) == verdict_invalid);
+    CHECK(verdict_on(fix) == fix_invalid);
     fix.received_time_ns = epoch_ns + to_ns(1e6);
-    CHECK(verdict_on(fix) == verdict_invalid);
+    CHECK(verdict_on(fix) == fix_invalid);
   }
   SECTION("twice, or out of order") {
     AdmissionState state;
     CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns) == 0);
     CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns) ==
-          verdict_invalid);
+          fix_invalid);
     fix.emission_time_ns -= to_ns(0.05);
     CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns) ==
-          verdict_invalid);
+          fix_invalid);
   }
   SECTION("before there is any time to compare it with") {
     AdmissionState state;
     CHECK(admission::reasons_against(AdmissionSettings{}, state, 0, fix, fix.emission_time_ns) ==
-          verdict_invalid);
+          fix_invalid);
   }
 }
 
@@ -121,7 +121,7 @@ TEST_CASE("a rejected fix is not remembered: the next good one is in order") {
   late.emission_time_ns += to_ns(0.02);
   late.quality_percent = 5.0;
   CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, late, late.emission_time_ns) ==
-        verdict_low_quality);
+        fix_low_quality);
   CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, good_fix(),
                                    good_fix().emission_time_ns) == 0);
 }

@@ -22,10 +22,10 @@ TimedFix fix_at(const Vector3d& position_world_m) {
   return {0, position_world_m, position_world_m};
 }
 
-Verdict verdict_of(double weight) {
-  Verdict verdict;
-  verdict.weight = weight;
-  return verdict;
+FixAssessment verdict_of(double weight) {
+  FixAssessment assessment;
+  assessment.weight = weight;
+  return assessment;
 }
 
 /// d' = −u, u' = smooth (decay·d − u) from d = 1, u = 0, by steps of a microsecond.
@@ -47,7 +47,7 @@ double left_of_one_metre(const DriftSettings& settings, double weight, double se
   Kinematics body;
   drift::correct(settings, state, body, fix_at(Vector3d::UnitX()), verdict_of(weight));
   const auto steps = static_cast<int>(std::lround(seconds * rate_hz));
-  for (int i = 0; i < steps; ++i) drift::spend(settings, state, body, 1.0 / rate_hz);
+  for (int i = 0; i < steps; ++i) drift::apply_decay(settings, state, body, 1.0 / rate_hz);
   // What has been spent stands in the position, nothing is lost between them.
   REQUIRE(body.position_world_m.x() + state.offset_world_m.x() == Approx(1.0).margin(1e-12));
   return state.offset_world_m.x();
@@ -107,7 +107,7 @@ TEST_CASE("item 9: the drift velocity comes to a wanted velocity with the time c
     Kinematics body;
     drift::correct(settings, state, body, fix_at({1e6, 0, 0}), verdict_of(1.0));
     const auto steps = static_cast<int>(std::lround(1000.0 / rate_hz));
-    for (int i = 0; i < steps; ++i) drift::spend(settings, state, body, 0.001);
+    for (int i = 0; i < steps; ++i) drift::apply_decay(settings, state, body, 0.001);
     CHECK(state.velocity_world_mps.x() == Approx(1.0 - std::exp(-1.0)).epsilon(0.01));
   }
 }
@@ -140,10 +140,10 @@ TEST_CASE("the decay is stable at slow IMU rates and at the ends of the ranges")
 TEST_CASE("items 21 and 22: floors of a forced convergence hold whatever the weight") {
   DriftState state;
   Kinematics body;
-  Verdict verdict = verdict_of(0.01);
-  verdict.jump_floor = 0.6;
-  verdict.weight_floor = 0.5;
-  drift::correct(settings_with(3, 0.35, 15), state, body, fix_at({10, 0, 0}), verdict);
+  FixAssessment assessment = verdict_of(0.01);
+  assessment.jump_floor = 0.6;
+  assessment.weight_floor = 0.5;
+  drift::correct(settings_with(3, 0.35, 15), state, body, fix_at({10, 0, 0}), assessment);
   CHECK(body.position_world_m.x() == Approx(6.0));
   CHECK(state.weight == Approx(0.5));
 }

@@ -54,7 +54,7 @@ TEST_CASE("a fix from the future is counted and changes nothing") {
   UltrasonicFix fix;
   fix.emission_time_ns = driver.stamp(driver.time_s() + 60.0);
   fix.received_time_ns = fix.emission_time_ns + to_ns(0.068);
-  CHECK(driver.engine.on(fix).verdict == verdict_invalid);
+  CHECK(driver.engine.on(fix).flags == fix_invalid);
   CHECK(driver.engine.counters().fixes_rejected == rejected_before + 1);
   CHECK(driver.engine.state().body.position_world_m == position);
   CHECK(driver.run(2.0).position_error_m() < 0.02);

@@ -178,10 +178,10 @@ TEST_CASE("every fix leaves a report that adds up") {
   EngineDriver driver(Settings{}, test::departure(2.0, 0.1), with_headings(0.02));
   driver.run(10.0);
   REQUIRE_FALSE(driver.reports.empty());
-  CHECK((driver.reports.front().verdict & verdict_first) != 0);
+  CHECK((driver.reports.front().flags & fix_first) != 0);
   std::uint64_t used = 0;
   for (const auto& report : driver.reports) {
-    if ((report.verdict & verdict_used) != 0) ++used;
+    if ((report.flags & fix_used) != 0) ++used;
     REQUIRE(report.weight >= 0.0);
     REQUIRE(report.weight <= 1.0);
     REQUIRE(report.applied_time_ns >= report.emission_time_ns);
@@ -198,6 +198,6 @@ TEST_CASE("the time since the last valid fix is never negative") {
   UltrasonicFix fix;
   fix.emission_time_ns = driver.stamp(driver.time_s() - 0.05);
   fix.received_time_ns = driver.stamp(driver.time_s() + 0.018);
-  REQUIRE((driver.engine.on(fix).verdict & verdict_used) != 0);
+  REQUIRE((driver.engine.on(fix).flags & fix_used) != 0);
   CHECK(driver.run(0.01).pose.since_valid_fix_s >= 0.0);
 }

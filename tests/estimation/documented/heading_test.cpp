@@ -31,14 +31,14 @@ struct Rig {
   void pull(double seconds, std::optional<double> heading_rad) {
     for (int i = 0; i < static_cast<int>(std::lround(seconds * 100.0)); ++i) {
       body.time_ns += to_ns(0.01);
-      heading::pull(settings, state, body, filter, 0.01);
+      heading::correct_from_pair(settings, state, body, filter, 0.01);
       body.history.push({body.time_ns, Vector3d::Zero(), 0.0});
       if (heading_rad) take(*heading_rad);
     }
   }
 
   double nudge(const Vector3d& displacement, const Vector3d& inertial) {
-    return heading::nudge(settings, state, body, filter, {displacement / 0.08, inertial, displacement});
+    return heading::correct_from_course(settings, state, body, filter, {displacement / 0.08, inertial, displacement});
   }
 };
 

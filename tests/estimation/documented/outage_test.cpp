@@ -90,12 +90,12 @@ TEST_CASE("item 11: the first valid fix ends it and sets the position, the secon
   driver.fixes_on = true;
   const std::size_t before = driver.reports.size();
   while (driver.reports.size() == before) driver.run(0.01);
-  CHECK((driver.reports.back().verdict & verdict_stale_recovered) != 0);
+  CHECK((driver.reports.back().flags & fix_stale_recovered) != 0);
   CHECK_FALSE(driver.moments.back().has(status_stale));
   // Its velocity has decayed, so the fix cannot be moved on: what remains is v × delay.
   CHECK(driver.moments.back().position_error_m() < 4.0 * 0.09);
   while (driver.reports.size() == before + 1) driver.run(0.01);
-  CHECK((driver.reports.back().verdict & verdict_outlier) == 0);
+  CHECK((driver.reports.back().flags & fix_outlier) == 0);
   CHECK(driver.moments.back().pose.velocity_world_mps.x() == Approx(4.0).epsilon(0.01));
   CHECK(driver.moments.back().position_error_m() < 0.02);
   CHECK(driver.moments.back().pose.trust == 1.0);

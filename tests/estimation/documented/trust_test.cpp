@@ -19,7 +19,7 @@ TrustSettings plain() {
   settings.sigma_m = 0.1;
   settings.min_weight = 0.002;
   settings.outlier_sigmas = 2.0;
-  settings.reference_residual_m = 1.0;
+  settings.reference_innovation_m = 1.0;
   settings.n_base = 4;
   settings.n_min = 2;
   settings.n_max = 20;
@@ -34,14 +34,14 @@ public:
     trust::restart(state, fix_at(Vector3d::Zero()));
   }
 
-  Verdict judge(const Vector3d& position_world_m) {
+  FixAssessment judge(const Vector3d& position_world_m) {
     now_ns_ += to_ns(interval_s);
     body = test::moving_body(velocity_world_mps, now_ns_);
     body.position_world_m = fused_world_m;
     return trust::judge(settings_, state, body, fix_at(position_world_m));
   }
 
-  Verdict judge(double offset_m) { return judge(Vector3d(offset_m, 0, 0)); }
+  FixAssessment judge(double offset_m) { return judge(Vector3d(offset_m, 0, 0)); }
 
   Vector3d fused_world_m = Vector3d::Zero();
   Vector3d velocity_world_mps = Vector3d::Zero();
@@ -67,18 +67,18 @@ TEST_CASE("item 13: the weight is one half exactly at sigma and falls further aw
     CHECK(trust::weight_of(3.0 * sigma_m, sigma_m) == Approx(0.1));
   }
   JudgedTrack track(plain());
-  const Verdict verdict = track.judge(0.1);
-  CHECK(verdict.residual_m == Approx(0.1));
-  CHECK(verdict.weight == Approx(0.5));
-  CHECK_FALSE(verdict.outlier);
+  const FixAssessment assessment = track.judge(0.1);
+  CHECK(assessment.innovation_m == Approx(0.1));
+  CHECK(assessment.weight == Approx(0.5));
+  CHECK_FALSE(assessment.outlier);
 }
 
-TEST_CASE("item 13: the residual is measured from the position that the velocity predicts") {
+TEST_CASE("item 13: the innovation is measured from the position that the velocity predicts") {
   JudgedTrack track(plain());
   track.velocity_world_mps = {5, 0, 0};
-  CHECK(track.judge(5.0 * interval_s).residual_m < 1e-9);
+  CHECK(track.judge(5.0 * interval_s).innovation_m < 1e-9);
   // 10 cm short of the next prediction.
-  CHECK(track.judge(10.0 * interval_s - 0.1).residual_m == Approx(0.1));
+  CHECK(track.judge(10.0 * interval_s - 0.1).innovation_m == Approx(0.1));
 }
 
 TEST_CASE("an outlier lies beyond the declared number of sigmas") {
@@ -114,18 +114,18 @@ TEST_CASE("item 15 on: after an outlier fixes are compared with the IMU's predic
   CHECK(track.judge(1.0).outlier);
   CHECK(track.state.trust == 0.0);
   WHEN("the wrong track goes on") {
-    const Verdict next = track.judge(1.0);
+    const FixAssessment next = track.judge(1.0);
     THEN("it is seen to be wrong still") {
       CHECK(next.outlier);
-      CHECK(next.residual_m == Approx(1.0));
+      CHECK(next.innovation_m == Approx(1.0));
       CHECK(next.weight == Approx(0.002));
     }
   }
   WHEN("the right track comes back") {
-    const Verdict next = track.judge(0.0);
+    const FixAssessment next = track.judge(0.0);
     THEN("it is no outlier, and trusted by one part of N = 4") {
       CHECK_FALSE(next.outlier);
-      CHECK(next.residual_m < 1e-9);
+      CHECK(next.innovation_m < 1e-9);
       CHECK(track.state.trust == Approx(0.25));
       CHECK(next.weight == Approx(0.25));
     }
@@ -188,20 +188,20 @@ TEST_CASE("items 20–22: outliers in a row at zero trust force convergence") {
   settings.stuck_jump_scale = 0.6;
   settings.stuck_weight_floor = 0.5;
   JudgedTrack track(settings);
-  Verdict verdict = track.judge(3.0);  // loses the trust
-  for (int i = 0; i < 4; ++i) verdict = track.judge(3.0);
-  CHECK_FALSE(verdict.forced);
-  verdict = track.judge(3.0);  // the fifth at zero trust
-  CHECK(verdict.forced);
-  CHECK(verdict.jump_floor == 0.6);
-  CHECK(verdict.weight_floor == 0.5);
+  FixAssessment assessment = track.judge(3.0);  // loses the trust
+  for (int i = 0; i < 4; ++i) assessment = track.judge(3.0);
+  CHECK_FALSE(assessment.forced);
+  assessment = track.judge(3.0);  // the fifth at zero trust
+  CHECK(assessment.forced);
+  CHECK(assessment.jump_floor == 0.6);
+  CHECK(assessment.weight_floor == 0.5);
 
-  WHEN("the residual comes below sigma") {
+  WHEN("the innovation comes below sigma") {
     track.fused_world_m = {2.95, 0, 0};
-    verdict = track.judge(3.0);
+    assessment = track.judge(3.0);
     THEN("it ends, with full trust") {
-      CHECK_FALSE(verdict.forced);
-      CHECK(verdict.jump_floor == 0.0);
+      CHECK_FALSE(assessment.forced);
+      CHECK(assessment.jump_floor == 0.0);
       CHECK(track.state.trust == 1.0);
     }
   }
@@ -240,7 +240,7 @@ TEST_CASE("items 19–22, in the engine: a genuine relocation is followed in the
   CHECK(late.pose.position_world_m.x() == Approx(3.0).margin(0.05));
   bool forced = false;
   for (const auto& report : driver.reports) {
-    forced = forced || (report.verdict & verdict_stuck_forced) != 0;
+    forced = forced || (report.flags & fix_stuck_forced) != 0;
   }
   CHECK(forced);
 }

@@ -18,20 +18,20 @@ VelocitySettings plain() {
   return settings;
 }
 
-Verdict verdict_of(double weight) {
-  Verdict verdict;
-  verdict.weight = weight;
-  return verdict;
+FixAssessment verdict_of(double weight) {
+  FixAssessment assessment;
+  assessment.weight = weight;
+  return assessment;
 }
 
 TimedFix fix_at(double time_s, const Vector3d& position_world_m) {
   return {epoch_ns + to_ns(time_s), position_world_m, position_world_m};
 }
 
-Verdict outlier() {
-  Verdict verdict;
-  verdict.outlier = true;
-  return verdict;
+FixAssessment outlier() {
+  FixAssessment assessment;
+  assessment.outlier = true;
+  return assessment;
 }
 
 /// What is known after one fix.
@@ -66,7 +66,7 @@ std::uint32_t verdict_after(const VelocitySettings& settings, const Vector3d& ul
                             const Vector3d& inertial) {
   auto body = test::moving_body(inertial);
   VelocityState run = settled();
-  return velocity::correct(settings, run, body, between(ultrasonic, inertial), verdict_of(1.0)).verdict;
+  return velocity::correct(settings, run, body, between(ultrasonic, inertial), verdict_of(1.0)).flags;
 }
 
 }  // namespace
@@ -93,7 +93,7 @@ TEST_CASE("item 3: the mean over the interval is compared and not the present ve
   }
   body.velocity_world_mps = {4, 0, 0};
   VelocityState state = after(fix_at(-0.17, {x_at(0.83), 0, 0}));
-  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.07, {x_at(0.93), 0, 0}), Verdict{});
+  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.07, {x_at(0.93), 0, 0}), FixAssessment{});
   REQUIRE(measured.has_value());
   CHECK(measured->ultrasonic_world_mps.x() == Approx(4.0 * 0.88));
   CHECK(measured->inertial_world_mps.x() == Approx(4.0 * 0.88));
@@ -108,10 +108,10 @@ TEST_CASE("a velocity comes only of two good fixes within the declared interval"
   VelocitySettings settings = plain();
   settings.interval_min_s = 0.05;
   settings.interval_max_s = 0.4;
-  const auto measured_after = [&](double interval_s, const Verdict& verdict = {}) {
+  const auto measured_after = [&](double interval_s, const FixAssessment& assessment = {}) {
     VelocityState state = first;
     const auto fix = fix_at(-0.5 + interval_s, {interval_s, 0, 0});
-    return velocity::measure(settings, state, body, fix, verdict).has_value();
+    return velocity::measure(settings, state, body, fix, assessment).has_value();
   };
   CHECK_FALSE(measured_after(0.032));
   CHECK(measured_after(0.051));
@@ -120,14 +120,14 @@ TEST_CASE("a velocity comes only of two good fixes within the declared interval"
   CHECK_FALSE(measured_after(0.1, outlier()));
 
   VelocityState none;
-  CHECK_FALSE(velocity::measure(plain(), none, body, fix_at(-0.1, Vector3d::Zero()), Verdict{}).has_value());
+  CHECK_FALSE(velocity::measure(plain(), none, body, fix_at(-0.1, Vector3d::Zero()), FixAssessment{}).has_value());
 }
 
 TEST_CASE("two fixes too close together: the older stays the reference") {
   const auto body = test::moving_body({1, 0, 0});
   VelocityState state = after(fix_at(-0.2, Vector3d::Zero()));
-  CHECK_FALSE(velocity::measure(plain(), state, body, fix_at(-0.17, {0.9, 0, 0}), Verdict{}).has_value());
-  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.1, {0.1, 0, 0}), Verdict{});
+  CHECK_FALSE(velocity::measure(plain(), state, body, fix_at(-0.17, {0.9, 0, 0}), FixAssessment{}).has_value());
+  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.1, {0.1, 0, 0}), FixAssessment{});
   REQUIRE(measured.has_value());
   CHECK(measured->ultrasonic_world_mps.x() == Approx(1.0));
 }
@@ -142,7 +142,7 @@ TEST_CASE("the velocity is measured over the interval that is wanted, where ther
     std::optional<FixVelocity> measured;
     for (int i = 1; i <= 3; ++i) {
       measured =
-          velocity::measure(settings, state, body, fix_at(-0.4 + 0.09 * i, {0.03 * i * i, 0, 0}), Verdict{});
+          velocity::measure(settings, state, body, fix_at(-0.4 + 0.09 * i, {0.03 * i * i, 0, 0}), FixAssessment{});
     }
     REQUIRE(measured.has_value());
     return measured->ultrasonic_world_mps.x();
@@ -157,14 +157,14 @@ TEST_CASE("an outlier is no end of an interval") {
   const auto body = test::moving_body({1, 0, 0});
   VelocityState state = after(fix_at(-0.3, Vector3d::Zero()));
   CHECK_FALSE(velocity::measure(plain(), state, body, fix_at(-0.2, {9, 9, 9}), outlier()).has_value());
-  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.1, {0.2, 0, 0}), Verdict{});
+  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.1, {0.2, 0, 0}), FixAssessment{});
   REQUIRE(measured.has_value());
   CHECK(measured->ultrasonic_world_mps.x() == Approx(1.0));
 }
 
 TEST_CASE("item 7: an IMU more than twice as fast in the same direction takes the ultrasonic velocity") {
   const Vector3d slow(1.5, 0, 0);
-  CHECK(verdict_after(plain(), slow, {3.01, 0, 0}) == verdict_snapped_over);
+  CHECK(verdict_after(plain(), slow, {3.01, 0, 0}) == fix_snapped_over);
   CHECK((after_fix(plain(), slow, {3.01, 0, 0}) - slow).norm() < 1e-12);
   CHECK(verdict_after(plain(), slow, {2.99, 0, 0}) == 0);
   CHECK(verdict_after(plain(), slow, {-3.01, 0, 0}) == 0);  // the other direction
@@ -175,7 +175,7 @@ TEST_CASE("item 7: an IMU more than twice as fast in the same direction takes th
 
 TEST_CASE("item 8: an ultrasonic velocity more than twice the IMU's is taken at once") {
   const Vector3d fast(3, 0, 0);
-  CHECK(verdict_after(plain(), fast, {1.49, 0, 0}) == verdict_snapped_under);
+  CHECK(verdict_after(plain(), fast, {1.49, 0, 0}) == fix_snapped_under);
   CHECK((after_fix(plain(), fast, {1.49, 0, 0}) - fast).norm() < 1e-12);
   CHECK(verdict_after(plain(), fast, {1.51, 0, 0}) == 0);
   VelocitySettings off = plain();
@@ -186,8 +186,8 @@ TEST_CASE("item 8: an ultrasonic velocity more than twice the IMU's is taken at 
 TEST_CASE("item 28: below the least ultrasonic speed neither acts") {
   CHECK(verdict_after(plain(), {0.99, 0, 0}, {5, 0, 0}) == 0);
   CHECK(verdict_after(plain(), {0.99, 0, 0}, Vector3d::Zero()) == 0);
-  CHECK(verdict_after(plain(), {1.01, 0, 0}, {5, 0, 0}) == verdict_snapped_over);
-  CHECK(verdict_after(plain(), {1.01, 0, 0}, Vector3d::Zero()) == verdict_snapped_under);
+  CHECK(verdict_after(plain(), {1.01, 0, 0}, {5, 0, 0}) == fix_snapped_over);
+  CHECK(verdict_after(plain(), {1.01, 0, 0}, Vector3d::Zero()) == fix_snapped_under);
 }
 
 TEST_CASE("a stray fix, far from where the two before it point, takes no velocity at once") {
@@ -197,17 +197,17 @@ TEST_CASE("a stray fix, far from where the two before it point, takes no velocit
     auto body = test::moving_body({1, 0, 0});
     const auto measured = between({3, 0, 0}, {1, 0, 0}, bend_m);
     VelocityState run = settled();
-    return velocity::correct(settings, run, body, measured, verdict_of(1.0)).verdict;
+    return velocity::correct(settings, run, body, measured, verdict_of(1.0)).flags;
   };
-  CHECK(verdict_for(0.09) == verdict_snapped_under);
+  CHECK(verdict_for(0.09) == fix_snapped_under);
   CHECK(verdict_for(0.11) == 0);
 
   GIVEN("fixes at 1 m/s along x") {
     const auto body = test::moving_body({1, 0, 0});
     const auto bend_at = [&](const Vector3d& position_world_m) {
       VelocityState state = after(fix_at(-0.3, {0.0, 0, 0}));
-      CHECK(velocity::measure(settings, state, body, fix_at(-0.2, {0.1, 0, 0}), Verdict{})->bend_m > 1e9);
-      return velocity::measure(settings, state, body, fix_at(-0.1, position_world_m), Verdict{})->bend_m;
+      CHECK(velocity::measure(settings, state, body, fix_at(-0.2, {0.1, 0, 0}), FixAssessment{})->bend_m > 1e9);
+      return velocity::measure(settings, state, body, fix_at(-0.1, position_world_m), FixAssessment{})->bend_m;
     };
     THEN("the bend is the distance from 0.2 m") {
       CHECK(bend_at({0.2, 0, 0}) == Approx(0.0).margin(1e-9));
@@ -264,7 +264,7 @@ TEST_CASE("items 26 and 27: the acceleration gate halves at the threshold and cl
 
 TEST_CASE("items 20–22: forced convergence corrects the velocity at its own weight") {
   auto body = test::moving_body({4, 0, 0});
-  Verdict forced = verdict_of(0.002);
+  FixAssessment forced = verdict_of(0.002);
   forced.forced = true;
   forced.weight_floor = 0.5;
   VelocityState run = settled();

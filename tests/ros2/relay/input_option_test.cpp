@@ -11,7 +11,7 @@ namespace {
 using namespace sonopose;
 using ros2::Ros2Input;
 using ros2::Ros2InputEnds;
-using ros2::Ros2InputWatch;
+using ros2::Ros2InputDetector;
 using Kind = Ros2Input::Kind;
 using Catch::Matchers::Contains;
 
@@ -23,18 +23,18 @@ struct Told {
   explicit Told(Kind kind)
       : watch({kind, kind == Kind::imu ? "/imu/data" : "/tag", 42}, "map", 100 * ms, 0) {}
 
-  Ros2InputWatch::Lines take() { return std::exchange(lines, {}); }
-  Ros2InputWatch::Lines look(const Ros2InputEnds& ends, TimeNs now_ns) {
+  Ros2InputDetector::Lines take() { return std::exchange(lines, {}); }
+  Ros2InputDetector::Lines look(const Ros2InputEnds& ends, TimeNs now_ns) {
     watch.look(ends, now_ns, lines);
     return take();
   }
-  Ros2InputWatch::Lines hear(std::string_view frame, TimeNs now_ns = 0) {
+  Ros2InputDetector::Lines hear(std::string_view frame, TimeNs now_ns = 0) {
     watch.on_sample(frame, now_ns, lines);
     return take();
   }
 
-  Ros2InputWatch watch;
-  Ros2InputWatch::Lines lines;
+  Ros2InputDetector watch;
+  Ros2InputDetector::Lines lines;
 };
 
 }  // namespace
@@ -59,35 +59,35 @@ SCENARIO("a beacon has one source of a kind in ROS 2") {
 SCENARIO("an input that was never heard is told of, with the cause") {
   GIVEN("an IMU's topic that brings nothing from the start") {
     Told told(Kind::imu);
-    const TimeNs patience_ns = Ros2InputWatch::first_sample_ns;
-    REQUIRE(told.look({}, patience_ns - ms).empty());  // publishers have to be found first
+    const TimeNs timeout_ns = Ros2InputDetector::first_sample_ns;
+    REQUIRE(told.look({}, timeout_ns - ms).empty());  // publishers have to be found first
     WHEN("nobody publishes it") {
-      const auto lines = told.look({}, patience_ns + ms);
+      const auto lines = told.look({}, timeout_ns + ms);
       THEN("it says so, and says it once") {
         REQUIRE(lines.size() == 1);
         CHECK_THAT(lines[0], Contains("beacon 42: no IMU samples from ROS 2 yet: nobody publishes") &&
                                  Contains("on /imu/data"));
-        CHECK(told.look({}, 10 * patience_ns).empty());
+        CHECK(told.look({}, 10 * timeout_ns).empty());
       }
       AND_WHEN("somebody comes whose QoS does not match") {
         THEN("that is told, too") {
-          const auto more = told.look({.publishers_refused = 1}, 2 * patience_ns);
+          const auto more = told.look({.publishers_refused = 1}, 2 * timeout_ns);
           REQUIRE(more.size() == 1);
           CHECK_THAT(more[0], Contains("the QoS of 1 publisher of /imu/data does not match"));
-          CHECK(told.look({.publishers_refused = 1}, 3 * patience_ns).empty());
+          CHECK(told.look({.publishers_refused = 1}, 3 * timeout_ns).empty());
         }
       }
       AND_WHEN("the first sample comes") {
-        told.hear("imu_link", 3 * patience_ns);
+        told.hear("imu_link", 3 * timeout_ns);
         THEN("it is heard, but not again") {
-          const auto more = told.look({.publishers = 1}, 3 * patience_ns + ms);
+          const auto more = told.look({.publishers = 1}, 3 * timeout_ns + ms);
           REQUIRE(more.size() == 1);
           CHECK_THAT(more[0], Contains("IMU samples from ROS 2, after 6.0 s"));
         }
       }
     }
     WHEN("somebody publishes it, but nothing comes") {
-      const auto lines = told.look({.publishers = 1, .publishers_refused = 1}, patience_ns + ms);
+      const auto lines = told.look({.publishers = 1, .publishers_refused = 1}, timeout_ns + ms);
       THEN("it says so") {
         REQUIRE(lines.size() == 1);
         CHECK_THAT(lines[0], Contains("/imu/data has 1 publisher, but nothing usable comes"));

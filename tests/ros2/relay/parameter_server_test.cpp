@@ -21,12 +21,12 @@ namespace {
 using namespace sonopose;
 using Texts = std::vector<std::string>;
 
-constexpr std::chrono::seconds patience{20};
+constexpr std::chrono::seconds timeout{20};
 
 /// Asks `done()` again and again.
 template <class Done>
 bool wait_until(const Done& done) {
-  const auto give_up = std::chrono::steady_clock::now() + patience;
+  const auto give_up = std::chrono::steady_clock::now() + timeout;
   while (!done()) {
     if (std::chrono::steady_clock::now() > give_up) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(2));

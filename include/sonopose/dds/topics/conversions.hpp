@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Hub struct ↔ IDL type, for every native topic. Pure functions. Units and frames are the same on both
+/// Native struct ↔ IDL type, for every native topic. Pure functions. Units and frames are the same on both
 /// sides; an empty optional is a validity flag on the wire (a negative number for a fix's quality, which is a
 /// float there).
 
@@ -16,7 +16,7 @@
 
 namespace sonopose::dds {
 
-/// An IDL sample with texts, for writing: its pointers lead into the hub struct that it was made from, which
+/// An IDL sample with texts, for writing: its pointers lead into the native struct that it was made from, which
 /// must outlive it.
 template <class T>
 class IdlView {

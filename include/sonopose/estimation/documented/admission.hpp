@@ -67,7 +67,7 @@ namespace admission {
 [[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading,
                           TimeNs measured_ns);
 
-/// The bits of FixVerdict that keep a fix out that was measured at `measured_ns` (0: it is admitted, and
+/// The bits of FixFlag that keep a fix out that was measured at `measured_ns` (0: it is admitted, and
 /// remembered).
 [[nodiscard]] std::uint32_t reasons_against(const AdmissionSettings& settings, AdmissionState& state,
                                             TimeNs now_ns, const UltrasonicFix& fix, TimeNs measured_ns);

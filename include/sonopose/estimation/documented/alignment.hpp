@@ -56,7 +56,7 @@ struct AlignmentState {
   /// What the IMU's acceleration has added to the velocity, forgotten as fast as the fixes correct it.
   Vector3d gained_world_mps = Vector3d::Zero();
   /// Velocity corrections that the attitude filter has not been told of.
-  Vector3d untold_world_mps = Vector3d::Zero();
+  Vector3d pending_world_mps = Vector3d::Zero();
   /// How the velocity has changed in the last step: what the filter is told.
   Vector3d known_acceleration_world_mps2 = Vector3d::Zero();
   bool tells = false;  ///< it is being told
@@ -73,11 +73,11 @@ void level(const AlignmentSettings& settings, AlignmentState& state, attitude::A
            const Vector3d& velocity_change_world_mps);
 
 /// One IMU step, in which acceleration has added `gained_world_mps` to a velocity that the fixes hold.
-void tell(const AlignmentSettings& settings, AlignmentState& state, const Vector3d& gained_world_mps,
+void set_known_acceleration(const AlignmentSettings& settings, AlignmentState& state, const Vector3d& gained_world_mps,
           TimeNs now_ns, double dt_s);
 
 /// The velocity is not known: nor is the acceleration.
-void tell_nothing(AlignmentState& state);
+void clear_known_acceleration(AlignmentState& state);
 
 /// Puts into `measurement`, made at `now_ns`, what is known of the acceleration. Where it was known a moment
 /// ago and is no longer, the specific force does not tell up.

@@ -43,14 +43,14 @@ struct DriftState {
 namespace drift {
 
 /// The share of the discrepancy that a fix removes at once (item 4, or item 21 where it is more).
-[[nodiscard]] double jump_share(const DriftSettings& settings, const Verdict& verdict);
+[[nodiscard]] double jump_share(const DriftSettings& settings, const FixAssessment& assessment);
 
 /// A fix: p += jump · e at once; the rest *replaces* d. Offsets never add up. Returns the jump.
 Vector3d correct(const DriftSettings& settings, DriftState& state, Kinematics& body, const TimedFix& fix,
-                 const Verdict& verdict);
+                 const FixAssessment& assessment);
 
 /// One IMU step: u follows u* = decay · w · d at the smoothing rate; p += u·dt, d −= u·dt.
-void spend(const DriftSettings& settings, DriftState& state, Kinematics& body, double dt_s);
+void apply_decay(const DriftSettings& settings, DriftState& state, Kinematics& body, double dt_s);
 
 }  // namespace drift
 }  // namespace sonopose::estimation::documented

@@ -54,9 +54,9 @@ private:
   [[nodiscard]] Vector3d world_acceleration(const ImuSample& imu) const;
   void rest_over_gap(const ImuSample& imu, double dt_s);
   void remember_path();
-  void take_hold(const TimedFix& fix, FixReport& report);
-  bool take_velocity(TimedFix& fix, FixReport& report);
-  void follow(const TimedFix& fix, FixReport& report);
+  void reset_position(const TimedFix& fix, FixReport& report);
+  bool reset_velocity(TimedFix& fix, FixReport& report);
+  void apply_fix(const TimedFix& fix, FixReport& report);
   void align(const FixVelocity& measured, const VelocityChange& change, FixReport& report);
   [[nodiscard]] FusedPose pose_at(const ImuSample& imu) const;
   [[nodiscard]] std::uint32_t status() const;

@@ -70,12 +70,12 @@ void take(const HeadingSettings& settings, HeadingState& state, Kinematics& body
           const PairHeading& heading, TimeNs measured_ns);
 
 /// One IMU step of the continuous pull (item 34). Returns the share of the yaw error that it took away.
-double pull(const HeadingSettings& settings, HeadingState& state, Kinematics& body,
+double correct_from_pair(const HeadingSettings& settings, HeadingState& state, Kinematics& body,
             attitude::AnyFilter& filter, double dt_s);
 
 /// Items 31–33: turns yaw by a share of the angle from the IMU's to the ultrasound's direction of motion.
 /// Returns the turn (rad). Does nothing while a paired heading holds: that one is absolute.
-double nudge(const HeadingSettings& settings, const HeadingState& state, Kinematics& body,
+double correct_from_course(const HeadingSettings& settings, const HeadingState& state, Kinematics& body,
              attitude::AnyFilter& filter, const FixVelocity& measured);
 
 }  // namespace heading

@@ -30,7 +30,7 @@ struct OutageSettings {
 };
 
 /// How far the engine has got hold of the ultrasonic track.
-enum class Track {
+enum class InitPhase {
   none,      ///< no fix yet, or stale: the next valid fix sets the position
   position,  ///< the next valid fix sets the velocity
   held
@@ -38,7 +38,7 @@ enum class Track {
 
 struct OutageState {
   TimeNs last_valid_fix_ns = 0;  ///< receipt of the last valid fix; 0 before the first
-  Track track = Track::none;
+  InitPhase track = InitPhase::none;
   bool stale = false;
 
   bool operator==(const OutageState&) const = default;

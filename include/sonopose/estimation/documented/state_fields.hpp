@@ -8,7 +8,7 @@
 namespace sonopose::estimation::documented {
 
 /// Calls `visit(name, field)` for each field; `AnyState` is State or const State. Fields are bool, int,
-/// TimeNs, double, Vector3d, Track, attitude::AnyFilter, InertialHistory and PastFix.
+/// TimeNs, double, Vector3d, InitPhase, attitude::AnyFilter, InertialHistory and PastFix.
 template <class AnyState, class Visit>
 void for_each_field(AnyState& state, const Visit& visit) {
   auto& [body, filter, startup, admission, frozen, trust, drift, velocity, alignment, heading, outage,
@@ -86,10 +86,10 @@ void for_each_field(AnyState& state, const Visit& visit) {
     visit("velocity.velocities", velocities);
   }
   {
-    auto& [vertical, gained, untold, known, tells, told_ns] = alignment;
+    auto& [vertical, gained, pending, known, tells, told_ns] = alignment;
     visit("alignment.vertical_offset_mps2", vertical);
     visit("alignment.gained_world_mps", gained);
-    visit("alignment.untold_world_mps", untold);
+    visit("alignment.pending_world_mps", pending);
     visit("alignment.known_acceleration_world_mps2", known);
     visit("alignment.tells", tells);
     visit("alignment.told_ns", told_ns);

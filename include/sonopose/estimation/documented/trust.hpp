@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Items 13–22: how far a fix is believed. A weight from its residual, a trust in the track that is lost at
+/// Items 13–22: how far a fix is believed. A weight from its innovation, a trust in the track that is lost at
 /// an outlier and rebuilt over consistent fixes, and forced convergence for an engine that has run away.
 
 #include <sonopose/samples/samples.hpp>
@@ -14,7 +14,7 @@ struct TrustSettings {
   double sigma_m{};
   double min_weight{};
   bool enabled{};
-  double reference_residual_m{};
+  double reference_innovation_m{};
   int n_base{};
   int n_min{};
   int n_max{};
@@ -33,11 +33,11 @@ struct TrustSettings {
         real(13, "sigma_m", &G::sigma_m, 0.15, {0.001, 10.0}, "m",
              "A fix this far from the velocity-predicted position has weight 0.5; farther, less."),
         real(14, "min_weight", &G::min_weight, 0.003, {0.0, 1.0}, "",
-             "Floor of the weight of any fix, however large its residual."),
+             "Floor of the weight of any fix, however large its innovation."),
         settings::flag(15, "enabled", &G::enabled, true,
                       "After an outlier, compare fixes with the IMU's prediction and rebuild trust over "
                       "consistent ones."),
-        real(16, "reference_residual_m", &G::reference_residual_m, 1.0, {0.01, 100.0}, "m",
+        real(16, "reference_innovation_m", &G::reference_innovation_m, 1.0, {0.01, 100.0}, "m",
              "A jump of this size takes n_base fixes to be trusted again; others in proportion."),
         count(17, "n_base", &G::n_base, 2, {1, 1000}, "fixes",
               "Fixes that rebuild full trust after a jump of the reference size."),
@@ -51,7 +51,7 @@ struct TrustSettings {
         real(22, "stuck_weight_floor", &G::stuck_weight_floor, 0.5, {0.0, 1.0}, "",
              "Floor of the drift's weight while convergence is forced."),
         real(own_setting, "outlier_sigmas", &G::outlier_sigmas, 1.75, {0.5, 100.0}, "",
-             "A fix whose residual exceeds this many sigma_m is an outlier."));
+             "A fix whose innovation exceeds this many sigma_m is an outlier."));
   }
   constexpr TrustSettings() { settings::set_defaults(*this); }
 };
@@ -71,8 +71,8 @@ struct TrustState {
 };
 
 /// What the later stages apply; they ask nothing more about trust.
-struct Verdict {
-  double residual_m = 0;
+struct FixAssessment {
+  double innovation_m = 0;
   double weight = 1;        ///< w_eff = max(item 14, w · trust)
   double jump_floor = 0;    ///< item 21 while convergence is forced
   double weight_floor = 0;  ///< item 22 while convergence is forced
@@ -86,14 +86,14 @@ struct Verdict {
 namespace trust {
 
 /// w = 1 / (1 + (r/σ)²): one half at r = σ (item 13).
-[[nodiscard]] double weight_of(double residual_m, double sigma_m);
+[[nodiscard]] double weight_of(double innovation_m, double sigma_m);
 
 /// Whether a pose so far from its fix is still converging: a fix there would have less than half its weight.
 [[nodiscard]] bool is_far(const TrustSettings& settings, double distance_m);
 
-/// Judges a fix by its residual to the position that the previous fix and the IMU's velocity predict, or,
+/// Judges a fix by its innovation to the position that the previous fix and the IMU's velocity predict, or,
 /// while trust is not full, to the fused position itself (item 15).
-Verdict judge(const TrustSettings& settings, TrustState& state, const Kinematics& body, const TimedFix& fix);
+FixAssessment judge(const TrustSettings& settings, TrustState& state, const Kinematics& body, const TimedFix& fix);
 
 /// Begins anew at `fix`, fully trusted: at the start and after stale mode.
 void restart(TrustState& state, const TimedFix& fix);

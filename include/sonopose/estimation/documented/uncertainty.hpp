@@ -64,7 +64,7 @@ void correct(const UncertaintySettings& settings, UncertaintyState& state, doubl
 void pull_yaw(const UncertaintySettings& settings, UncertaintyState& state, double share);
 
 /// The first fix of a run sets the position.
-void take_hold(const UncertaintySettings& settings, UncertaintyState& state);
+void reset_position(const UncertaintySettings& settings, UncertaintyState& state);
 
 }  // namespace uncertainty
 }  // namespace sonopose::estimation::documented

@@ -101,7 +101,7 @@ struct FixVelocity {
 struct VelocityChange {
   Vector3d change_world_mps = Vector3d::Zero();
   double share = 1;           ///< of the difference between the two velocities that was corrected
-  std::uint32_t verdict = 0;  ///< verdict_snapped_over, verdict_snapped_under
+  std::uint32_t flags = 0;  ///< fix_snapped_over, fix_snapped_under
 };
 
 namespace velocity {
@@ -114,12 +114,12 @@ void restart(VelocityState& state, const TimedFix& fix, bool velocity_known);
 /// time, or where the track begins anew: from the old track to the new one nothing has moved.
 [[nodiscard]] std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocityState& state,
                                                  const Kinematics& body, const TimedFix& fix,
-                                                 const Verdict& verdict);
+                                                 const FixAssessment& assessment);
 
 /// Corrects the velocity: v += blend · reliability · (v_us − mean v_imu), or at once where a snap applies.
 /// The first velocities of a run are averaged.
 VelocityChange correct(const VelocitySettings& settings, VelocityState& state, Kinematics& body,
-                       const FixVelocity& measured, const Verdict& verdict);
+                       const FixVelocity& measured, const FixAssessment& assessment);
 
 /// Takes the measured velocity outright: the second fix after stale mode.
 Vector3d adopt(VelocityState& state, Kinematics& body, const FixVelocity& measured);

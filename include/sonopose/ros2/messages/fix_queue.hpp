@@ -37,10 +37,10 @@ public:
   Ready on(const UltrasonicFix& fix, TimeNs now_ns, bool fusion_runs);
   /// A fusion reported on one: that one goes out, and before it those that wait since longer.
   Ready on(const FixReport& report);
-  /// Those that nobody reported on for `patience_ns`.
+  /// Those that nobody reported on for `timeout_ns`.
   Ready overdue(TimeNs now_ns);
 
-  static constexpr TimeNs patience_ns = 100'000'000;
+  static constexpr TimeNs timeout_ns = 100'000'000;
 
 private:
   struct Key {

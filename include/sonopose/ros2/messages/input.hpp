@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// ROS 2 message → hub struct: how any IMU and any positioning system with a ROS 2 driver feeds the fusion.
+/// ROS 2 message → native struct: how any IMU and any positioning system with a ROS 2 driver feeds the fusion.
 
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>

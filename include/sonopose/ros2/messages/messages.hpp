@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Hub struct → ROS 2 message. Pure functions that allocate nothing: the texts of a message lead into the
+/// Native struct → ROS 2 message. Pure functions that allocate nothing: the texts of a message lead into the
 /// frame names that it was made with, which must outlive it.
 
 #include <sonopose/samples/pose.hpp>
