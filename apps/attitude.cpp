@@ -2,9 +2,9 @@
 
 #include "support/config_options.hpp"
 #include "support/run.hpp"
-#include <sonopose/io/attitude_log.hpp>
-#include <sonopose/replay/attitude_run.hpp>
-#include <sonopose/replay/trajectory_file.hpp>
+#include "recording/attitude_log.hpp"
+#include "evaluation/attitude_run.hpp"
+#include "evaluation/trajectory_file.hpp"
 
 #include <fmt/format.h>
 
@@ -22,7 +22,7 @@ using Path = std::filesystem::path;
 struct Options {
   std::vector<Path> logs;
   apps::ConfigOptions config;
-  BeaconAddress beacon = io::default_log_address;
+  BeaconAddress beacon = recording::default_log_address;
   std::optional<std::string> filter;
   std::optional<std::string> magnetometer;
   std::optional<Path> out;
@@ -63,18 +63,18 @@ void check_names(const std::vector<Path>& logs) {
   }
 }
 
-replay::AttitudeResult run_log(const Path& folder, const Options& options, const fusion::Settings& settings) {
-  const io::AttitudeLog log = io::read_attitude_log(folder, options.beacon);
+evaluation::AttitudeResult run_log(const Path& folder, const Options& options, const settings::Settings& settings) {
+  const recording::AttitudeLog log = recording::read_attitude_log(folder, options.beacon);
   const bool has_field = std::any_of(log.imu.begin(), log.imu.end(), [](const ImuSample& imu) {
     return imu.magnetic_field_body_t.has_value();
   });
   if (settings.attitude.selection.magnetometer && !has_field) {
-    throw io::IoError((folder / "imu.csv").string() + ": no magnetometer, which is asked for");
+    throw files::IoError((folder / "imu.csv").string() + ": no magnetometer, which is asked for");
   }
-  std::optional<replay::TrajectoryFile> trajectory;
+  std::optional<evaluation::TrajectoryFile> trajectory;
   if (options.out) trajectory.emplace(*options.out / (name_of(folder) + ".tum"));
   const auto result =
-      replay::run_attitude(name_of(folder), log, settings, [&](TimeNs time_ns, const Quaterniond& q) {
+      evaluation::run_attitude(name_of(folder), log, settings, [&](TimeNs time_ns, const Quaterniond& q) {
         if (trajectory) trajectory->write(time_ns, Vector3d::Zero(), q);
       });
   if (trajectory) trajectory->flush();
@@ -83,7 +83,7 @@ replay::AttitudeResult run_log(const Path& folder, const Options& options, const
 }
 
 /// The settings, above them the two options.
-fusion::Settings settings_of(const CLI::App& app, const Options& options) {
+settings::Settings settings_of(const CLI::App& app, const Options& options) {
   apps::ConfigOptions config = options.config;
   const std::string own = fmt::format("beacon.{}.", options.beacon);
   const auto set = [&](const std::string& key, const std::string& value) {
@@ -96,14 +96,14 @@ fusion::Settings settings_of(const CLI::App& app, const Options& options) {
 }
 
 int run_logs(const CLI::App& app, const Options& options) {
-  const fusion::Settings settings = settings_of(app, options);
+  const settings::Settings settings = settings_of(app, options);
   if (options.out) {
     check_names(options.logs);
-    replay::make_folder(*options.out);
+    evaluation::make_folder(*options.out);
   }
-  std::vector<replay::AttitudeResult> results;
+  std::vector<evaluation::AttitudeResult> results;
   const auto tell = [&] {
-    fmt::print("{}", options.json ? replay::attitude_json(results) : replay::attitude_text(results));
+    fmt::print("{}", options.json ? evaluation::attitude_json(results) : evaluation::attitude_text(results));
   };
   try {
     for (const Path& log : options.logs) results.push_back(run_log(log, options, settings));

@@ -3,7 +3,7 @@
 #include "support/app.hpp"
 #include "support/realtime_option.hpp"
 #include "support/source_options.hpp"
-#include <sonopose/nodes/bridge_node.hpp>
+#include "bridge/bridge_node.hpp"
 
 #include <fmt/format.h>
 
@@ -23,9 +23,9 @@ struct Options {
 int serve(const CLI::App& app, const Options& options) {
   apps::check_publisher(options.bus);
   const auto source = apps::make_source(options.source);
-  nodes::StopSignal stop;
+  process::StopSignal stop;
   stop.listen_to_signals();
-  nodes::BridgeNode node({.domain = options.bus.domain,
+  bridge::BridgeNode node({.domain = options.bus.domain,
                           .qos_file = options.bus.qos_file,
                           .lossless = options.source.is_unpaced(),
                           .batch = options.source.is_many(),

@@ -1,8 +1,9 @@
 // sonopose-calibrate: what a sensor does wrong, from a recording of it.
 
 #include "support/run.hpp"
-#include <sonopose/replay/allan.hpp>
-#include <sonopose/replay/calibration.hpp>
+#include "evaluation/allan.hpp"
+#include "plots/allan_plot.hpp"
+#include "evaluation/calibration.hpp"
 
 #include <fmt/format.h>
 
@@ -44,23 +45,23 @@ void add_output(CLI::App& command, Options& options) {
 }
 
 /// Without a file the tables go to the standard output, the report as comments above them.
-int tell(const Options& options, const replay::CalibrationResult& result) {
-  const std::string toml = replay::calibration_toml(result, options.beacon);
-  if (options.out) replay::write_whole(*options.out, toml);
+int tell(const Options& options, const evaluation::CalibrationResult& result) {
+  const std::string toml = evaluation::calibration_toml(result, options.beacon);
+  if (options.out) evaluation::write_whole(*options.out, toml);
   if (options.json) {
-    fmt::print("{}", replay::calibration_json(result));
+    fmt::print("{}", evaluation::calibration_json(result));
   } else {
-    fmt::print("{}", options.out ? replay::calibration_text(result) : toml);
+    fmt::print("{}", options.out ? evaluation::calibration_text(result) : toml);
   }
   return 0;
 }
 
 int analyse(const Options& options) {
-  std::optional<replay::AllanPicture> picture;
+  std::optional<plots::AllanPlot> picture;
   if (options.picture) picture.emplace(*options.picture);
-  const replay::AllanResult result = replay::analyse_allan(options.log);
+  const evaluation::AllanResult result = evaluation::analyse_allan(options.log);
   if (picture) picture->draw(result);
-  fmt::print("{}", options.json ? replay::allan_json(result) : replay::allan_text(result));
+  fmt::print("{}", options.json ? evaluation::allan_json(result) : evaluation::allan_text(result));
   return 0;
 }
 
@@ -94,8 +95,8 @@ int main(int argc, char** argv) {
       ->type_name("FILE");
   return apps::run(app, argc, argv, [&] {
     if (*allan) return analyse(options);
-    if (*imu) return tell(options, replay::calibrate_imu(options.log));
-    if (*gyroscope) return tell(options, replay::calibrate_gyroscope(options.log));
-    return tell(options, replay::calibrate_magnetometer(options.log, options.field_ut));
+    if (*imu) return tell(options, evaluation::calibrate_imu(options.log));
+    if (*gyroscope) return tell(options, evaluation::calibrate_gyroscope(options.log));
+    return tell(options, evaluation::calibrate_magnetometer(options.log, options.field_ut));
   });
 }

@@ -1,14 +1,14 @@
 // sonopose-doctor: looks at the running system and says in plain words what is wrong and what to do.
 
 #include "support/app.hpp"
-#include <sonopose/nodes/doctor_node.hpp>
-#include <sonopose/nodes/doctor_report.hpp>
+#include "doctor/probe/doctor_node.hpp"
+#include "doctor/rules/report.hpp"
 
 #include <fmt/format.h>
 
 int main(int argc, char** argv) {
   sonopose::apps::BusOptions bus;
-  sonopose::nodes::DoctorOptions options;
+  sonopose::doctor::DoctorOptions options;
   bool json = false;
   CLI::App app(
       "Looks at the running system for some seconds and says what is wrong and what to do. Ends with 0 where "
@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
   return sonopose::apps::run(app, argc, argv, [&] {
     options.domain = bus.domain;
     options.qos_file = bus.qos_file;
-    sonopose::nodes::StopSignal stop;
+    sonopose::process::StopSignal stop;
     stop.listen_to_signals();
     const auto findings = diagnose(observe(options, stop));
     if (json) {

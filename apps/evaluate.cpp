@@ -3,7 +3,7 @@
 #include "support/case_options.hpp"
 #include "support/config_options.hpp"
 #include "support/run.hpp"
-#include <sonopose/io/log_folder.hpp>
+#include "recording/log_folder.hpp"
 
 #include <fmt/format.h>
 
@@ -16,19 +16,19 @@ using namespace sonopose;
 struct Options {
   apps::ConfigOptions config;
   apps::CaseOptions cases;
-  BeaconAddress beacon = io::default_log_address;
+  BeaconAddress beacon = recording::default_log_address;
   bool json = false;
 };
 
 int evaluate(const CLI::App& app, const Options& options) {
-  const fusion::Settings settings = apps::configuration(app, options.config).for_beacon(options.beacon);
-  std::vector<replay::Summary> summaries;
-  apps::for_each_case(options.cases, [&](const std::vector<replay::Case>& runs) {
-    std::vector<replay::CaseResult> results;
-    for (const replay::Case& run : runs) results.push_back(replay::evaluate(run, settings));
-    summaries.push_back(replay::summarise(results));
+  const settings::Settings settings = apps::configuration(app, options.config).for_beacon(options.beacon);
+  std::vector<evaluation::Summary> summaries;
+  apps::for_each_case(options.cases, [&](const std::vector<evaluation::Case>& runs) {
+    std::vector<evaluation::CaseResult> results;
+    for (const evaluation::Case& run : runs) results.push_back(evaluation::evaluate(run, settings));
+    summaries.push_back(evaluation::summarise(results));
   });
-  fmt::print("{}", options.json ? replay::json_of(summaries) : replay::table_of(summaries));
+  fmt::print("{}", options.json ? evaluation::json_of(summaries) : evaluation::table_of(summaries));
   return 0;
 }
 

@@ -3,7 +3,7 @@
 #include "support/app.hpp"
 #include "support/config_options.hpp"
 #include "support/realtime_option.hpp"
-#include <sonopose/nodes/fusion_node.hpp>
+#include "fusion/fusion_node.hpp"
 
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@ struct Options {
   sonopose::apps::ConfigOptions config;
   std::optional<std::string> addresses;
   std::int32_t standby_strength = 0;
-  double warm_up_s = sonopose::nodes::StandbyOptions{}.warm_up_s;
+  double warm_up_s = sonopose::fusion::StandbyOptions{}.warm_up_s;
   bool lossless = false;
   int realtime_priority = 0;
   bool print_config = false;
@@ -48,16 +48,16 @@ void add_options(CLI::App& app, Options& options) {
                "Print the table of all settings as a page of the docs and end");
 }
 
-sonopose::nodes::FusionOptions node_options(const Options& options,
+sonopose::fusion::FusionOptions node_options(const Options& options,
                                             const sonopose::config::FusionConfig& config) {
-  using namespace sonopose::nodes;
+  using namespace sonopose::fusion;
   FusionOptions node{.domain = options.bus.domain,
                      .qos_file = options.bus.qos_file,
                      .config = config,
                      .addresses = {},
                      .standby = {},
                      .lossless = options.lossless};
-  if (options.addresses) node.addresses = AddressSet::parse(*options.addresses);
+  if (options.addresses) node.addresses = sonopose::process::AddressSet::parse(*options.addresses);
   if (options.standby_strength > 0) node.standby = {options.standby_strength, options.warm_up_s};
   return node;
 }
@@ -73,9 +73,9 @@ int serve(const CLI::App& app, const Options& options) {
     return 0;
   }
   check_publisher(options.bus);
-  sonopose::nodes::StopSignal stop;
+  sonopose::process::StopSignal stop;
   stop.listen_to_signals();
-  sonopose::nodes::FusionNode node(node_options(options, config));
+  sonopose::fusion::FusionNode node(node_options(options, config));
   const auto realtime = sonopose::apps::realtime(app, options.realtime_priority);
   fmt::print(stderr, "sonopose-fusion: serving\n");
   node.run(stop);

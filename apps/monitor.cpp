@@ -1,13 +1,13 @@
 // sonopose-monitor: a live table of every beacon on the bus.
 
 #include "support/app.hpp"
-#include <sonopose/nodes/monitor_node.hpp>
+#include "monitor/monitor_node.hpp"
 
 #include <unistd.h>
 
 int main(int argc, char** argv) {
   sonopose::apps::BusOptions bus;
-  sonopose::nodes::MonitorOptions options;
+  sonopose::monitor::MonitorOptions options;
   CLI::App app(
       "Shows every beacon's rates, pose, status and latency, once a second, and a summary at the end.",
       "sonopose-monitor");
@@ -20,9 +20,9 @@ int main(int argc, char** argv) {
     options.domain = bus.domain;
     options.qos_file = bus.qos_file;
     options.redraw = !options.json && ::isatty(STDOUT_FILENO) == 1;
-    sonopose::nodes::StopSignal stop;
+    sonopose::process::StopSignal stop;
     stop.listen_to_signals();
-    const auto poses = sonopose::nodes::monitor(options, stop);
+    const auto poses = sonopose::monitor::monitor(options, stop);
     return poses > 0 || stop.requested() ? 0 : 1;  // a whole duration without a pose: nothing works
   });
 }

@@ -3,12 +3,12 @@
 #include "support/choice.hpp"
 #include "support/config_options.hpp"
 #include "support/run.hpp"
-#include <sonopose/io/log_folder.hpp>
-#include <sonopose/replay/output_folder.hpp>
-#include <sonopose/replay/picture.hpp>
-#include <sonopose/replay/report.hpp>
-#include <sonopose/replay/run.hpp>
-#include <sonopose/replay/state_file.hpp>
+#include "recording/log_folder.hpp"
+#include "evaluation/output_folder.hpp"
+#include "plots/picture.hpp"
+#include "evaluation/report.hpp"
+#include "evaluation/run.hpp"
+#include "evaluation/state_file.hpp"
 
 #include <fmt/format.h>
 
@@ -25,12 +25,12 @@ using Clock = std::chrono::steady_clock;
 struct Options {
   Path log;
   apps::ConfigOptions config;
-  BeaconAddress beacon = io::default_log_address;
+  BeaconAddress beacon = recording::default_log_address;
   std::optional<Path> out;
   std::optional<Path> picture;
   std::optional<Path> save_state;
   std::optional<Path> load_state;
-  replay::RunOptions run;
+  evaluation::RunOptions run;
   bool json = false;
 };
 
@@ -48,18 +48,18 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--until", options.run.until_s, "End so many seconds after the first event")->check(seconds);
   app.add_flag("--json", options.json, "One JSON object instead of the lines");
   app.add_option("--plot", options.picture,
-                 "Draw path, error, speed and verdicts: a file .svg or .png (needs gnuplot)")
+                 "Draw path, error, speed and fix_flags: a file .svg or .png (needs gnuplot)")
       ->type_name("FILE");
-  auto* const engine = apps::add_choice<replay::EngineKind>(
+  auto* const engine = apps::add_choice<evaluation::EngineKind>(
       app, "--engine", options.run.engine,
-      {{"fusion", replay::EngineKind::fusion}, {"strapdown", replay::EngineKind::strapdown}},
+      {{"fusion", evaluation::EngineKind::fusion}, {"strapdown", evaluation::EngineKind::strapdown}},
       "strapdown: the IMU alone, integrated from the truth");
   app.add_option("--init", "Where strapdown starts: at the log's first complete truth")
       ->check(CLI::IsMember({"truth"}))
       ->needs(engine);
-  apps::add_choice<attitude::StrapdownRule>(
+  apps::add_choice<estimation::StrapdownRule>(
       app, "--integration", options.run.strapdown_rule,
-      {{"previous", attitude::StrapdownRule::previous}, {"mean", attitude::StrapdownRule::mean}},
+      {{"previous", estimation::StrapdownRule::previous}, {"mean", estimation::StrapdownRule::mean}},
       "Held over a step of strapdown: the previous sample, as its document says, or the mean of both")
       ->needs(engine);
   app.add_option("--save-state", options.save_state, "Write the engine's state at the end, a JSON file")
@@ -73,20 +73,20 @@ double seconds_since(Clock::time_point begin) {
 }
 
 int replay_log(const CLI::App& app, const Options& options) {
-  replay::RunOptions run = options.run;
-  if (run.engine == replay::EngineKind::strapdown && (options.save_state || options.load_state)) {
+  evaluation::RunOptions run = options.run;
+  if (run.engine == evaluation::EngineKind::strapdown && (options.save_state || options.load_state)) {
     throw CLI::ValidationError("--save-state and --load-state", "go with --engine fusion");
   }
   run.settings = apps::configuration(app, options.config).for_beacon(options.beacon);
-  if (options.load_state) run.start = replay::load_state(*options.load_state);
+  if (options.load_state) run.start = evaluation::load_state(*options.load_state);
 
-  replay::Timing timing;
+  evaluation::Timing timing;
   const auto reading = Clock::now();
-  const io::SensorLog log = io::read_sensor_log(options.log, options.beacon);
+  const recording::SensorLog log = recording::read_sensor_log(options.log, options.beacon);
   timing.reading_s = seconds_since(reading);
-  if (run.start) replay::check_fits(*run.start, log, options.load_state->string());
-  std::optional<replay::OutputFolder> out;
-  std::optional<replay::Picture> picture;
+  if (run.start) evaluation::check_fits(*run.start, log, options.load_state->string());
+  std::optional<evaluation::OutputFolder> out;
+  std::optional<plots::Picture> picture;
   if (options.out) out.emplace(*options.out);
   if (options.picture) picture.emplace(*options.picture, options.log.string(), log);
   const auto running = Clock::now();
@@ -94,12 +94,12 @@ int replay_log(const CLI::App& app, const Options& options) {
     if (out) out->write(sample);
     if (picture) picture->add(sample);
   };
-  const replay::RunResult result = replay::run(log, run, {tell, tell});
+  const evaluation::RunResult result = evaluation::run(log, run, {tell, tell});
   if (out) out->finish();
   timing.running_s = seconds_since(running);
-  if (options.save_state) replay::save_state(*options.save_state, result.end);
+  if (options.save_state) evaluation::save_state(*options.save_state, result.end);
   if (picture) picture->draw();
-  fmt::print("{}", options.json ? replay::report_json(result, timing) : replay::report_text(result, timing));
+  fmt::print("{}", options.json ? evaluation::report_json(result, timing) : evaluation::report_text(result, timing));
   return 0;
 }
 

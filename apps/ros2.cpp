@@ -13,7 +13,7 @@ namespace {
 using namespace sonopose;
 
 /// Nodes are looked for as far as ROS 2's variables say, where --network says nothing.
-nodes::Ros2RelayOptions node_options(const CLI::App& app, const apps::BusOptions& bus,
+ros2::Ros2RelayOptions node_options(const CLI::App& app, const apps::BusOptions& bus,
                                      const apps::Ros2Options& ros2) {
   const ros2::Variables environment = dds::environment_variables(ros2::variable_names());
   auto options = apps::relay_options(ros2, environment);
@@ -26,9 +26,9 @@ nodes::Ros2RelayOptions node_options(const CLI::App& app, const apps::BusOptions
 int serve(const CLI::App& app, const apps::BusOptions& bus, const apps::Ros2Options& ros2) {
   const auto options = node_options(app, bus, ros2);
   if (!options.inputs.empty()) apps::check_publisher(bus);
-  nodes::StopSignal stop;
+  process::StopSignal stop;
   stop.listen_to_signals();
-  nodes::Ros2Relay relay(options);
+  ros2::Ros2Relay relay(options);
   fmt::print(stderr, "sonopose-ros2: relaying as {}\n", ros2::full_name(options.names.node()));
   relay.run(stop);
   return 0;

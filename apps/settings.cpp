@@ -1,8 +1,8 @@
 // sonopose-settings: asks a running fusion which settings hold, and tells it to use others.
 
 #include "support/app.hpp"
-#include <sonopose/nodes/settings_client.hpp>
-#include <sonopose/nodes/settings_report.hpp>
+#include "settings_client/settings_client.hpp"
+#include "settings_client/settings_report.hpp"
 
 #include <fmt/format.h>
 
@@ -23,7 +23,7 @@ struct Options {
   double timeout_s = 5.0;
   double duration_s = 0.0;
   bool json = false;
-  nodes::SettingsClient client() const { return {bus.domain, bus.qos_file}; }
+  settings_client::SettingsClient client() const { return {bus.domain, bus.qos_file}; }
 };
 
 [[noreturn]] void fail(const Options& options, const char* nothing) {
@@ -32,7 +32,7 @@ struct Options {
 }
 
 int get(const Options& options) {
-  nodes::check_names(options.words);
+  settings_client::check_names(options.words);
   auto found = options.client().in_force(options.address, options.timeout_s);
   if (found.empty()) fail(options, "no settings came");
   if (options.address != all_beacons && found.front().address == all_beacons) {
@@ -42,29 +42,29 @@ int get(const Options& options) {
                     options.address));
   }
   if (options.json) {
-    for (auto& settings : found) settings = nodes::chosen(std::move(settings), options.words);
-    fmt::print("{}", nodes::json_of(found));
+    for (auto& settings : found) settings = settings_client::chosen(std::move(settings), options.words);
+    fmt::print("{}", settings_client::json_of(found));
   } else {
-    fmt::print("{}", nodes::toml_of(found, options.words));
+    fmt::print("{}", settings_client::toml_of(found, options.words));
   }
   return 0;
 }
 
 int set(const Options& options) {
   SettingsRequest request{.address = options.address, .from_sequence = options.from_event, .assignments = {}};
-  for (const auto& word : options.words) request.assignments.push_back(nodes::read_assignment(word));
+  for (const auto& word : options.words) request.assignments.push_back(settings_client::read_assignment(word));
   const auto reply = options.client().change(request, options.timeout_s);
   if (!reply) fail(options, "no fusion answered");
   if (!reply->accepted) throw std::runtime_error("refused: " + reply->reason);
   if (!reply->reason.empty()) fmt::print(stderr, "sonopose-settings: warning: {}\n", reply->reason);
-  fmt::print("accepted: {}\n", nodes::when_of(*reply));
+  fmt::print("accepted: {}\n", settings_client::when_of(*reply));
   return 0;
 }
 
 int watch(const Options& options) {
-  nodes::StopSignal stop;
+  process::StopSignal stop;
   stop.listen_to_signals();
-  nodes::SettingsWatch changes(options.json);
+  settings_client::SettingsObserver changes(options.json);
   const auto print = [&changes](const EffectiveSettings& settings) {
     if (!changes.knows(settings.address)) {
       const bool all = settings.address == all_beacons;

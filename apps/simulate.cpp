@@ -1,8 +1,8 @@
 // sonopose-simulate: writes a run of the simulator as a sensor-log folder with truth.
 
 #include "support/run.hpp"
-#include <sonopose/io/log_writer.hpp>
-#include <sonopose/sim/simulator.hpp>
+#include "recording/log_writer.hpp"
+#include "sim/simulator.hpp"
 
 #include <fmt/format.h>
 
@@ -49,7 +49,7 @@ int write(const Options& options) {
   if (options.folder.empty()) throw CLI::RequiredError("--out");
   const double duration_s = options.duration_s.value_or(scenario.duration_s);
   sim::Simulator simulator(scenario, {.seed = options.seed, .duration_s = duration_s});
-  io::SensorLogWriter log(options.folder);
+  recording::SensorLogWriter log(options.folder);
   std::array<std::size_t, std::variant_size_v<Event>> count{};
   std::size_t truth_count = 0;
   while (const auto step = simulator.next()) {

@@ -3,8 +3,8 @@
 #include "support/case_options.hpp"
 #include "support/config_options.hpp"
 #include "support/run.hpp"
-#include <sonopose/io/log_folder.hpp>
-#include <sonopose/replay/search.hpp>
+#include "recording/log_folder.hpp"
+#include "evaluation/search.hpp"
 
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@ using namespace sonopose;
 struct Options {
   apps::ConfigOptions config;
   apps::CaseOptions cases;
-  BeaconAddress beacon = io::default_log_address;
+  BeaconAddress beacon = recording::default_log_address;
   std::vector<std::string> vary;
   int rounds = 500;
   std::uint64_t search_seed = 1;
@@ -44,24 +44,24 @@ void add_options(CLI::App& app, Options& options) {
 
 int tune(const CLI::App& app, const Options& options) {
   config::FusionConfig config = apps::configuration(app, options.config);
-  std::vector<replay::Variable> variables;
-  for (const std::string& text : options.vary) variables.push_back(replay::variable_of(text));
-  std::vector<std::vector<replay::Case>> cases;
+  std::vector<evaluation::Variable> variables;
+  for (const std::string& text : options.vary) variables.push_back(evaluation::variable_of(text));
+  std::vector<std::vector<evaluation::Case>> cases;
   apps::for_each_case(options.cases,
-                      [&](std::vector<replay::Case> runs) { cases.push_back(std::move(runs)); });
+                      [&](std::vector<evaluation::Case> runs) { cases.push_back(std::move(runs)); });
 
-  const auto found = replay::search(
+  const auto found = evaluation::search(
       config.for_beacon(options.beacon), variables,
-      [&](const fusion::Settings& settings) { return replay::cost_of(cases, settings); }, options.rounds,
+      [&](const settings::Settings& settings) { return evaluation::cost_of(cases, settings); }, options.rounds,
       options.search_seed,
-      [](int round, const replay::Found& better) {
+      [](int round, const evaluation::Found& better) {
         fmt::print(stderr, "round {}: {:.3f} cm\n", round + 1, 100.0 * better.cost);
       });
-  for (const replay::Variable& variable : variables) {
-    const std::string value = fusion::to_text(fusion::get(found.settings, variable.key));
+  for (const evaluation::Variable& variable : variables) {
+    const std::string value = settings::to_text(settings::get(found.settings, variable.key));
     config.assign(variable.key + "=" + value);
-    const bool overruled = fusion::get(config.for_beacon(options.beacon), variable.key) !=
-                           fusion::get(found.settings, variable.key);
+    const bool overruled = settings::get(config.for_beacon(options.beacon), variable.key) !=
+                           settings::get(found.settings, variable.key);
     if (overruled) config.assign(fmt::format("beacon.{}.{}={}", options.beacon, variable.key, value));
   }
   fmt::print("# Geometric mean over the cases: {:.3f} cm.\n{}", 100.0 * found.cost, config.to_toml());

@@ -6,7 +6,7 @@
 #include <sonopose/attitude/complementary.hpp>
 #include <sonopose/attitude/gyro.hpp>
 #include <sonopose/attitude/mahony.hpp>
-#include <sonopose/core/samples.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -44,8 +44,8 @@ struct Motion {
     return swell(time_s) * std::sin(2.0 * std::numbers::pi * frequency_hz * time_s);
   }
   static Quaterniond q_body_to_world(double time_s) {
-    return math::rotation_of(
-        math::EulerAngles<double>{0.8 * wave(time_s, 0.6), 0.6 * wave(time_s, 0.9), 1.2 * wave(time_s, 0.4)});
+    return geometry::rotation_of(
+        geometry::EulerAngles<double>{0.8 * wave(time_s, 0.6), 0.6 * wave(time_s, 0.9), 1.2 * wave(time_s, 0.4)});
   }
   static Vector3d position_world_m(double time_s) {
     return {0.15 * wave(time_s, 0.8), 0.1 * wave(time_s, 0.7), 0.05 * wave(time_s, 1.1)};

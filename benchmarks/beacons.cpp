@@ -3,7 +3,7 @@
 
 #include "beacons_round.hpp"
 #include "statistics.hpp"
-#include <sonopose/nodes/stop_signal.hpp>
+#include "process/stop_signal.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -101,7 +101,7 @@ int main(int argc, char** argv) {
   app.add_flag("--realtime", options.realtime, "--realtime for bridge and fusion, the same for the consumer");
   CLI11_PARSE(app, argc, argv);
   try {
-    nodes::StopSignal stop;
+    process::StopSignal stop;
     stop.listen_to_signals();
     std::map<std::uint32_t, Rounds> all;
     for (int round = 0; round < options.rounds && !stop.requested(); ++round) {

@@ -3,7 +3,7 @@
 #include "child.hpp"
 #include "own_realtime.hpp"
 #include "pose_stream.hpp"
-#include <sonopose/math/quantile.hpp>
+#include <sonopose/statistics/quantile.hpp>
 
 #include <fmt/format.h>
 
@@ -81,10 +81,10 @@ BeaconsRound measure_beacons(const BeaconsOptions& options, std::uint32_t beacon
   for (const Child& fusion : fusions) fusion_before_ns.push_back(fusion.cpu_time_ns());
   const std::int64_t bridge_before_ns = bridge.cpu_time_ns();
   const std::uint64_t lost_before = lost.sum();
-  const TimeNs began_ns = nodes::steady_now_ns();
+  const TimeNs began_ns = process::steady_now_ns();
   poses.taken();
   sleep_s(options.round_s);
-  const double length_s = seconds_between(began_ns, nodes::steady_now_ns());
+  const double length_s = seconds_between(began_ns, process::steady_now_ns());
   const PoseCount count = poses.taken();
   BeaconsRound round;
   const auto samples = static_cast<double>(count.latencies_s.size());
@@ -98,8 +98,8 @@ BeaconsRound measure_beacons(const BeaconsOptions& options, std::uint32_t beacon
   round.lost = static_cast<double>(lost.sum() - lost_before);
   round.poses_hz = samples / length_s;
   round.missing = static_cast<double>(count.missing);
-  round.p50_s = math::quantile(count.latencies_s, 0.5);
-  round.p99_s = math::quantile(count.latencies_s, 0.99);
+  round.p50_s = statistics::quantile(count.latencies_s, 0.5);
+  round.p99_s = statistics::quantile(count.latencies_s, 0.99);
   return round;
 }
 

@@ -4,8 +4,8 @@
 #include "own_realtime.hpp"
 #include "plain_chain.hpp"
 #include "ros2_ways.hpp"
-#include <sonopose/dds/topics.hpp>
-#include <sonopose/nodes/host_clock.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include "process/host_clock.hpp"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@
 namespace sonopose::benchmarks {
 namespace {
 
-constexpr TimeNs patience_ns = 10'000'000'000;
+constexpr TimeNs timeout_ns = 10'000'000'000;
 constexpr TimeNs warm_up_ns = 500'000'000;
 
 /// The consumer's memory: the way of each pose that came.
@@ -45,7 +45,7 @@ class PoseListener final : public dds::DataReaderListener<sonopose_FusedPose> {
 public:
   explicit PoseListener(Ways& ways) : ways_(ways) {}
   void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
-    const TimeNs received_ns = nodes::now_ns();
+    const TimeNs received_ns = process::now_ns();
     reader.try_take_each(
         [&](const sonopose_FusedPose& pose, const dds::SampleInfo&) { ways_.on(pose, received_ns); });
   }
@@ -61,8 +61,8 @@ void sleep_ns(TimeNs duration_ns) {
 /// Waits until poses come, lets the chain run warm, then measures.
 template <class Ways>
 Round measure(const RoundOptions& options, const Child& relay, Ways& ways) {
-  const TimeNs give_up_ns = nodes::steady_now_ns() + patience_ns;
-  while (ways.taken().empty() && nodes::steady_now_ns() < give_up_ns) sleep_ns(20'000'000);
+  const TimeNs give_up_ns = process::steady_now_ns() + timeout_ns;
+  while (ways.taken().empty() && process::steady_now_ns() < give_up_ns) sleep_ns(20'000'000);
   sleep_ns(warm_up_ns);
   const std::int64_t cpu_before_ns = relay.cpu_time_ns();
   ways.taken();

@@ -4,7 +4,7 @@
 
 #include "chains.hpp"
 #include "latency_report.hpp"
-#include <sonopose/nodes/stop_signal.hpp>
+#include "process/stop_signal.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -40,7 +40,7 @@ std::vector<Chain> chains_of(const Options& options) {
 }
 
 /// Each round begins with another chain, so that none always comes first.
-Results rounds_of(const Options& options, double rate_hz, const nodes::StopSignal& stop) {
+Results rounds_of(const Options& options, double rate_hz, const process::StopSignal& stop) {
   const std::vector<Chain> chains = chains_of(options);
   Results results;
   for (const Chain& chain : chains) results.push_back({chain.name, {}, {}});
@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
   add_options(app, options);
   CLI11_PARSE(app, argc, argv);
   try {
-    nodes::StopSignal stop;
+    process::StopSignal stop;
     stop.listen_to_signals();
     for (const double rate_hz : options.rates_hz) {
       const Results results = rounds_of(options, rate_hz, stop);

@@ -15,7 +15,7 @@ double quantile_us(const std::vector<const Round*>& rounds, double share, const 
   for (const Round* round : rounds) {
     for (const Way& way : round->ways) values_s.push_back(part(way));
   }
-  return 1e6 * math::quantile(std::move(values_s), share);
+  return 1e6 * statistics::quantile(std::move(values_s), share);
 }
 
 double all_s(const Way& way) {

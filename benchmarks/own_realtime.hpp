@@ -1,7 +1,7 @@
 #pragma once
 // Real time for the benchmark's own process, which is the consumer, for as long as a round lasts.
 
-#include <sonopose/nodes/realtime.hpp>
+#include "process/realtime.hpp"
 
 #include <sched.h>
 #include <sys/mman.h>
@@ -11,7 +11,7 @@ namespace sonopose::benchmarks {
 /// To be made when the consumer's threads exist; puts main thread and memory back as they were.
 class OwnRealtime {
 public:
-  OwnRealtime() : realtime_(nodes::apply_realtime(50)) {}
+  OwnRealtime() : realtime_(process::apply_realtime(50)) {}
   OwnRealtime(const OwnRealtime&) = delete;
   OwnRealtime& operator=(const OwnRealtime&) = delete;
   ~OwnRealtime() {
@@ -21,7 +21,7 @@ public:
   }
 
 private:
-  nodes::Realtime realtime_;
+  process::Realtime realtime_;
 };
 
 }  // namespace sonopose::benchmarks

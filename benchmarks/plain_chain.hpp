@@ -2,7 +2,7 @@
 // The floor below the floor: source → relay → sink over plain UDP sockets, with the size of the real
 // payloads.
 
-#include <sonopose/core/samples.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <cstdint>
 #include <functional>

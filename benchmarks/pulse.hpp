@@ -2,7 +2,7 @@
 // When a source without a simulator sends.
 
 #include <sonopose/idl/sonopose.h>
-#include <sonopose/nodes/host_clock.hpp>
+#include "process/host_clock.hpp"
 
 #include <time.h>
 
@@ -12,7 +12,7 @@ namespace sonopose::benchmarks {
 class Pulse {
 public:
   explicit Pulse(double rate_hz)
-      : period_ns_(static_cast<TimeNs>(1e9 / rate_hz)), next_ns_(nodes::steady_now_ns()) {}
+      : period_ns_(static_cast<TimeNs>(1e9 / rate_hz)), next_ns_(process::steady_now_ns()) {}
 
   /// Sleeps until the next beat.
   void wait() {
@@ -36,7 +36,7 @@ template <class Send>
   while (true) {
     pulse.wait();
     ++imu.event_sequence;
-    imu.sensor_time = imu.bridge_time = nodes::now_ns();
+    imu.sensor_time = imu.bridge_time = process::now_ns();
     send(imu);
   }
 }

@@ -1,10 +1,10 @@
 // An hour of 100 Hz data as sonopose-replay takes it: reading the folder, and running the engine over what
 // was read.
 
-#include <sonopose/io/log_folder.hpp>
-#include <sonopose/io/log_writer.hpp>
-#include <sonopose/replay/run.hpp>
-#include <sonopose/sim/simulator.hpp>
+#include "recording/log_folder.hpp"
+#include "recording/log_writer.hpp"
+#include "evaluation/run.hpp"
+#include "sim/simulator.hpp"
 
 #include <benchmark/benchmark.h>
 #include <cstdlib>
@@ -44,7 +44,7 @@ public:
 private:
   static void record(const std::filesystem::path& folder, bool with_truth) {
     sim::Simulator simulator(sim::find_scenario("walk"), {.duration_s = hour_s});
-    io::SensorLogWriter log(folder);
+    recording::SensorLogWriter log(folder);
     while (const auto step = simulator.next()) {
       log.write(step->event);
       if (with_truth && step->truth) log.write(*step->truth);
@@ -67,19 +67,19 @@ void count_real_time(benchmark::State& state) {
 
 void replay_hour(benchmark::State& state) {
   const auto folder = hour(state.range(0) != 0);
-  for (auto run : state) benchmark::DoNotOptimize(replay::run(io::read_sensor_log(folder), {}));
+  for (auto run : state) benchmark::DoNotOptimize(evaluation::run(recording::read_sensor_log(folder), {}));
   count_real_time(state);
 }
 
 void replay_hour_reading_alone(benchmark::State& state) {
   const auto folder = hour(state.range(0) != 0);
-  for (auto run : state) benchmark::DoNotOptimize(io::read_sensor_log(folder));
+  for (auto run : state) benchmark::DoNotOptimize(recording::read_sensor_log(folder));
   count_real_time(state);
 }
 
 void replay_hour_engine_alone(benchmark::State& state) {
-  const auto log = io::read_sensor_log(hour(state.range(0) != 0));
-  for (auto run : state) benchmark::DoNotOptimize(replay::run(log, {}));
+  const auto log = recording::read_sensor_log(hour(state.range(0) != 0));
+  for (auto run : state) benchmark::DoNotOptimize(evaluation::run(log, {}));
   count_real_time(state);
 }
 

@@ -1,10 +1,10 @@
 // Computation alone: the decoder in MB/s, the engine in ns per IMU sample, next to the Mahony update in it.
 
-#include <sonopose/fusion/engine.hpp>
-#include <sonopose/marvelmind/decoder.hpp>
-#include <sonopose/marvelmind/disassembler.hpp>
-#include <sonopose/marvelmind/encoder.hpp>
-#include <sonopose/sim/simulator.hpp>
+#include <sonopose/estimation/documented/engine.hpp>
+#include "marvelmind/decoder.hpp"
+#include "marvelmind/disassembler.hpp"
+#include "marvelmind/encoder.hpp"
+#include "sim/simulator.hpp"
 
 #include <benchmark/benchmark.h>
 #include <cstdint>
@@ -59,7 +59,7 @@ void engine_per_imu_sample(benchmark::State& state) {
   const auto& events = recorded_events();
   std::int64_t samples = 0;
   for (auto run : state) {
-    fusion::Engine engine({});
+    estimation::documented::Engine engine({});
     for (const Event& event : events) {
       if (const auto* imu = std::get_if<ImuSample>(&event)) {
         benchmark::DoNotOptimize(engine.on(*imu));

@@ -1,7 +1,7 @@
 #pragma once
 // Medians over rounds and how sure they are.
 
-#include <sonopose/math/quantile.hpp>
+#include <sonopose/statistics/quantile.hpp>
 
 #include <cstddef>
 #include <vector>

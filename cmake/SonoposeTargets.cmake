@@ -34,19 +34,27 @@ function(sonopose_precompile target owner)
   endif()
 endfunction()
 
-# sonopose_room(NAME SOURCES ... USES ...): one library `sonopose::NAME`. USES is the wall:
-# a room sees only what stands there.
-function(sonopose_room name)
-  cmake_parse_arguments(room "" "" "SOURCES;USES;PRIVATELY_USES" ${ARGN})
-  add_library(sonopose_${name} STATIC ${room_SOURCES})
+# sonopose_module(NAME [SOURCES ...] [USES ...] [PRIVATELY_USES ...]): one library `sonopose::NAME` for the folder of
+# its CMakeLists.txt; without sources it is headers alone. USES and PRIVATELY_USES are the dependency rule: a module
+# includes nothing but what is listed there (tests/architecture/dependencies_test.cpp).
+function(sonopose_module name)
+  cmake_parse_arguments(module "" "" "SOURCES;USES;PRIVATELY_USES" ${ARGN})
+  set(includes
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  if(module_SOURCES)
+    add_library(sonopose_${name} STATIC ${module_SOURCES})
+    target_include_directories(sonopose_${name} PUBLIC ${includes})
+    target_link_libraries(sonopose_${name} PUBLIC ${module_USES} PRIVATE ${module_PRIVATELY_USES})
+    set_target_properties(sonopose_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON UNITY_BUILD ${SONOPOSE_UNITY})
+    sonopose_compile_options(sonopose_${name})
+  else()
+    add_library(sonopose_${name} INTERFACE)
+    target_include_directories(sonopose_${name} INTERFACE ${includes})
+    target_link_libraries(sonopose_${name} INTERFACE ${module_USES})
+    target_compile_features(sonopose_${name} INTERFACE cxx_std_20)
+  endif()
   add_library(sonopose::${name} ALIAS sonopose_${name})
-  set_target_properties(sonopose_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
-  target_include_directories(sonopose_${name} PUBLIC
-    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  target_link_libraries(sonopose_${name} PUBLIC ${room_USES} PRIVATE ${room_PRIVATELY_USES})
-  sonopose_compile_options(sonopose_${name})
-  sonopose_precompile(sonopose_${name} sonopose_core
-    <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <functional> <map> <memory> <optional> <string> <variant>
-    <vector>)
+  set_target_properties(sonopose_${name} PROPERTIES EXPORT_NAME ${name})
   set_property(GLOBAL APPEND PROPERTY SONOPOSE_INSTALLED_TARGETS sonopose_${name})
 endfunction()

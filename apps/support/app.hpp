@@ -2,7 +2,7 @@
 // What every program on the bus has in common: its options for the bus.
 
 #include "run.hpp"
-#include <sonopose/dds/domain.hpp>
+#include <sonopose/dds/binding/domain.hpp>
 
 #include <filesystem>
 #include <optional>

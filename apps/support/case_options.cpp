@@ -16,22 +16,22 @@ void add_case_options(CLI::App& app, CaseOptions& options) {
       ->envname("SONOPOSE_RECORDINGS");
 }
 
-void for_each_case(const CaseOptions& options, const std::function<void(std::vector<replay::Case>)>& use) {
+void for_each_case(const CaseOptions& options, const std::function<void(std::vector<evaluation::Case>)>& use) {
   std::vector<const sim::Scenario*> chosen;
   for (const std::string& name : options.scenarios) chosen.push_back(&sim::find_scenario(name));
   if (chosen.empty()) {
     for (const sim::Scenario& scenario : sim::scenarios()) chosen.push_back(&scenario);
   }
   for (const sim::Scenario* scenario : chosen) {
-    std::vector<replay::Case> runs;
+    std::vector<evaluation::Case> runs;
     for (std::uint64_t run = 0; run < options.seeds; ++run) {
-      runs.push_back(replay::simulated_case(*scenario, options.first_seed + run));
+      runs.push_back(evaluation::simulated_case(*scenario, options.first_seed + run));
     }
     use(std::move(runs));
   }
   if (!options.recordings) return;
-  for (const std::filesystem::path& folder : replay::recordings_with_truth(*options.recordings)) {
-    use({replay::recorded_case(folder)});
+  for (const std::filesystem::path& folder : evaluation::recordings_with_truth(*options.recordings)) {
+    use({evaluation::recorded_case(folder)});
   }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // What the programs that score have in common: which cases.
 
-#include <sonopose/replay/evaluation.hpp>
+#include "evaluation/evaluation.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -26,6 +26,6 @@ struct CaseOptions {
 void add_case_options(CLI::App& app, CaseOptions& options);
 
 /// Calls `use(runs)` with the runs of one scenario after the other, then with each recording.
-void for_each_case(const CaseOptions& options, const std::function<void(std::vector<replay::Case>)>& use);
+void for_each_case(const CaseOptions& options, const std::function<void(std::vector<evaluation::Case>)>& use);
 
 }  // namespace sonopose::apps

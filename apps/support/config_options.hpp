@@ -1,8 +1,8 @@
 #pragma once
 // What every program with fusion settings has in common: --config and --set.
 
-#include <sonopose/config/fusion_config.hpp>
-#include <sonopose/core/samples.hpp>
+#include "config/fusion_config.hpp"
+#include <sonopose/samples/samples.hpp>
 
 #include <CLI/CLI.hpp>
 

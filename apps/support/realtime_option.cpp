@@ -15,9 +15,9 @@ void add_realtime_option(CLI::App& app, int& priority) {
       ->group("Bus");
 }
 
-nodes::Realtime realtime(const CLI::App& app, int priority) {
+process::Realtime realtime(const CLI::App& app, int priority) {
   if (priority == 0) return {};
-  nodes::Realtime realtime = nodes::apply_realtime(priority);
+  process::Realtime realtime = process::apply_realtime(priority);
   for (const auto& line : realtime.applied()) fmt::print(stderr, "{}: realtime: {}\n", app.get_name(), line);
   for (const auto& line : realtime.refused()) {
     fmt::print(stderr, "{}: realtime: not applied: {}\n", app.get_name(), line);

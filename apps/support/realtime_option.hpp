@@ -1,7 +1,7 @@
 #pragma once
 // What the programs on the way of a pose have in common: --realtime.
 
-#include <sonopose/nodes/realtime.hpp>
+#include "process/realtime.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -12,6 +12,6 @@ void add_realtime_option(CLI::App& app, int& priority);
 
 /// Applies it where it was asked for and says on standard error what holds and what does not. To be called
 /// when the node was made; what it gives is to be kept until the end.
-[[nodiscard]] nodes::Realtime realtime(const CLI::App& app, int priority);
+[[nodiscard]] process::Realtime realtime(const CLI::App& app, int priority);
 
 }  // namespace sonopose::apps

@@ -1,7 +1,7 @@
 // What was asked for on the command line, checked: each error names its option.
 
 #include "ros2_options.hpp"
-#include <sonopose/ros2/beacon_topics.hpp>
+#include <sonopose/ros2/messages/beacon_topics.hpp>
 
 #include <fmt/format.h>
 
@@ -32,7 +32,7 @@ ros2::NameResolver names_by(const Ros2Options& options) {
   });
 }
 
-void check_topics(const nodes::Ros2RelayOptions& relay) {
+void check_topics(const ros2::Ros2RelayOptions& relay) {
   const std::string& pattern = relay.output.beacon_namespace;
   by_option("--beacon-namespace '" + pattern + "'", [&] {
     if (!ros2::tells_topics_apart(pattern) && !relay.addresses.only_one()) {
@@ -65,9 +65,9 @@ ros2::Distro distro_by(const Ros2Options& options, const ros2::Variables& enviro
 
 }  // namespace
 
-nodes::Ros2RelayOptions relay_options(const Ros2Options& options, const ros2::Variables& environment) {
+ros2::Ros2RelayOptions relay_options(const Ros2Options& options, const ros2::Variables& environment) {
   check_frames(options.output.frames);
-  nodes::Ros2RelayOptions relay{.domain = {},
+  ros2::Ros2RelayOptions relay{.domain = {},
                                 .qos_file = {},
                                 .names = names_by(options),
                                 .distro = distro_by(options, environment),
@@ -77,12 +77,12 @@ nodes::Ros2RelayOptions relay_options(const Ros2Options& options, const ros2::Va
                                 .inputs = {}};
   relay.output.mount = by_option("--mount", [&] { return ros2::mount_at(options.mount); });
   if (options.addresses) {
-    relay.addresses = by_option("--addresses", [&] { return nodes::AddressSet::parse(*options.addresses); });
+    relay.addresses = by_option("--addresses", [&] { return process::AddressSet::parse(*options.addresses); });
   }
   check_topics(relay);
-  using Kind = nodes::Ros2Input::Kind;
-  for (const auto& text : options.imu_in) relay.inputs.push_back(nodes::Ros2Input::parse(Kind::imu, text));
-  for (const auto& text : options.fix_in) relay.inputs.push_back(nodes::Ros2Input::parse(Kind::fix, text));
+  using Kind = ros2::Ros2Input::Kind;
+  for (const auto& text : options.imu_in) relay.inputs.push_back(ros2::Ros2Input::parse(Kind::imu, text));
+  for (const auto& text : options.fix_in) relay.inputs.push_back(ros2::Ros2Input::parse(Kind::fix, text));
   check(relay.inputs);
   return relay;
 }

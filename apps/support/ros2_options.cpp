@@ -39,11 +39,11 @@ void add_frame_options(CLI::App& app, Ros2Options& options) {
   app.add_option("--mount", options.mount, "Where the IMU sits on the robot: x y z (m) roll pitch yaw (deg)")
       ->type_name("N")
       ->group(group);
-  add_choice<nodes::TfMode>(
+  add_choice<ros2::TfMode>(
       app, "--tf", options.output.tf,
-      {{"map_base", nodes::TfMode::map_base},
-       {"map_odom", nodes::TfMode::map_odom},
-       {"off", nodes::TfMode::off}},
+      {{"map_base", ros2::TfMode::map_base},
+       {"map_odom", ros2::TfMode::map_odom},
+       {"off", ros2::TfMode::off}},
       "Transforms: map to base; or map to odom, where /tf has odom to base from another source; or none")
       ->group(group);
 }
@@ -57,8 +57,8 @@ void add_message_options(CLI::App& app, Ros2Options& options) {
                  "Where a beacon's topics are; '' with a single beacon: right in the node's namespace")
       ->capture_default_str()
       ->group(group);
-  add_choice<nodes::FixMessage>(app, "--fix-message", options.output.fix,
-                                {{"pose", nodes::FixMessage::pose}, {"point", nodes::FixMessage::point}},
+  add_choice<ros2::FixMessage>(app, "--fix-message", options.output.fix,
+                                {{"pose", ros2::FixMessage::pose}, {"point", ros2::FixMessage::point}},
                                 "Fixes as PoseWithCovarianceStamped or as PointStamped")
       ->group(group);
   app.add_option("--path", options.output.path_s, "Publish the way of the last S seconds")

@@ -28,7 +28,7 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
       ->capture_default_str();
   app.add_option("--beacons", options.sim.beacons,
                  "How many beacons sim brings, each with the next address and seed")
-      ->check(CLI::Range(1U, nodes::max_simulated_beacons))
+      ->check(CLI::Range(1U, bridge::max_simulated_beacons))
       ->capture_default_str();
   app.add_option("--device", options.serial.device, "Serial device; waited for while it is absent")
       ->capture_default_str();
@@ -50,7 +50,7 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
       ->capture_default_str();
 }
 
-std::unique_ptr<nodes::Source> make_source(const SourceOptions& options) {
+std::unique_ptr<bridge::Source> make_source(const SourceOptions& options) {
   if (options.sim.beacons > 1 && options.source != "sim") {
     throw std::invalid_argument("--beacons goes with --source sim, not with " + options.source);
   }
@@ -59,18 +59,18 @@ std::unique_ptr<nodes::Source> make_source(const SourceOptions& options) {
                                 options.source);
   }
   if (options.source == "log") {
-    return nodes::make_log_source({required_input(options), options.address, options.rate, options.restamp});
+    return bridge::make_log_source({required_input(options), options.address, options.rate, options.restamp});
   }
   if (options.source == "stream") {
-    return nodes::make_stream_source({required_input(options), options.rate});
+    return bridge::make_stream_source({required_input(options), options.rate});
   }
-  if (options.source == "serial") return nodes::make_serial_source(options.serial, options.capture);
-  if (options.source == "udp") return nodes::make_udp_source(options.listen, options.capture);
-  nodes::SimulatorOptions sim = options.sim;
+  if (options.source == "serial") return bridge::make_serial_source(options.serial, options.capture);
+  if (options.source == "udp") return bridge::make_udp_source(options.listen, options.capture);
+  bridge::SimulatorOptions sim = options.sim;
   sim.address = options.address;
   sim.rate = options.rate;
   sim.capture = options.capture;
-  return nodes::make_simulator_source(sim);
+  return bridge::make_simulator_source(sim);
 }
 
 }  // namespace sonopose::apps

@@ -1,8 +1,8 @@
 #pragma once
 // Where a bridge's samples come from: the options that say so, and the source that they lead to.
 
-#include <sonopose/nodes/byte_sources.hpp>
-#include <sonopose/nodes/recorded_sources.hpp>
+#include "bridge/byte_sources.hpp"
+#include "bridge/recorded_sources.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -16,8 +16,8 @@ namespace sonopose::apps {
 struct SourceOptions {
   std::string source = "sim";
   std::string input;
-  nodes::SimulatorOptions sim;
-  nodes::SerialOptions serial;
+  bridge::SimulatorOptions sim;
+  bridge::SerialOptions serial;
   std::string listen = "0.0.0.0:49100";
   std::optional<std::filesystem::path> capture;
   BeaconAddress address = 7;
@@ -35,6 +35,6 @@ void add_source_options(CLI::App& app, SourceOptions& options);
 
 /// Throws what the source throws; std::invalid_argument for options that do not go together,
 /// CLI::RequiredError.
-std::unique_ptr<nodes::Source> make_source(const SourceOptions& options);
+std::unique_ptr<bridge::Source> make_source(const SourceOptions& options);
 
 }  // namespace sonopose::apps

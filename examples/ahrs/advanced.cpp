@@ -4,7 +4,7 @@
 
 #include "movement.hpp"
 #include <sonopose/attitude/ahrs.hpp>
-#include <sonopose/calibration/calibration.hpp>
+#include <sonopose/calibration/model/calibration.hpp>
 
 #include <cstdio>
 #include <exception>
@@ -30,8 +30,8 @@ attitude::Measurement<double> measurement_of(const ImuSample& imu, double dt_s) 
 
 void print_outputs(double time_s, const attitude::Ahrs& ahrs, const ImuSample& imu) {
   const Quaterniond q = attitude::orientation_in(convention, north_world, ahrs.orientation());
-  const auto angles = math::euler_angles_of(q);
-  constexpr double degree = math::radians_per_degree;
+  const auto angles = geometry::euler_angles_of(q);
+  constexpr double degree = geometry::radians_per_degree;
   const Vector3d acceleration = attitude::vector_in(
       convention, north_world,
       attitude::earth_acceleration_world_mps2(ahrs.orientation(), imu.specific_force_body_mps2));
@@ -90,7 +90,7 @@ int main(int argc, char** argv) try {
     print_condition(ahrs, settings);
     next_print_s += 1.0;
   }
-  const Vector3d offset_dps = ahrs.gyro_bias_body_radps() / math::radians_per_degree;
+  const Vector3d offset_dps = ahrs.gyro_bias_body_radps() / geometry::radians_per_degree;
   std::printf("gyroscope offset %.2f deg/s in all\n", offset_dps.norm());
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());

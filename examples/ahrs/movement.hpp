@@ -2,9 +2,9 @@
 /// \file
 /// Samples for the examples: those of a log, or a movement that needs none.
 
-#include <sonopose/core/samples.hpp>
-#include <sonopose/io/log_folder.hpp>
-#include <sonopose/math/rotation.hpp>
+#include <sonopose/samples/samples.hpp>
+#include "recording/log_folder.hpp"
+#include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
 #include <vector>
@@ -18,7 +18,7 @@ namespace example {
 ///   70…78 s  a magnet beside it turns the field by 90°
 inline std::vector<sonopose::ImuSample> built_in_movement() {
   using namespace sonopose;
-  const double degree = math::radians_per_degree;
+  const double degree = geometry::radians_per_degree;
   std::vector<ImuSample> samples;
   for (int i = 0; i <= 9000; ++i) {
     const double t = 0.01 * i;
@@ -26,7 +26,7 @@ inline std::vector<sonopose::ImuSample> built_in_movement() {
     const bool pushed = t > 65.0 && t <= 67.0;
     const bool magnet = t > 70.0 && t <= 78.0;
     const double roll_rad = 10.0 * degree * std::clamp(t - 60.0, 0.0, 3.0);
-    const Quaterniond q = math::rotation_about_z(90.0 * degree) * math::rotation_by({roll_rad, 0, 0});
+    const Quaterniond q = geometry::rotation_about_z(90.0 * degree) * geometry::rotation_by({roll_rad, 0, 0});
     ImuSample sample;
     sample.sensor_time_ns = 1'700'000'000'000'000'000 + to_ns(t);
     sample.angular_velocity_body_radps = {rolls ? 10.0 * degree : 0.0, 0.0, 0.5 * degree};
@@ -41,7 +41,7 @@ inline std::vector<sonopose::ImuSample> built_in_movement() {
 
 /// The imu.csv that the program was given, else the built-in movement.
 inline std::vector<sonopose::ImuSample> samples(int argc, char** argv) {
-  if (argc > 1) return sonopose::io::read_imu_csv(argv[1], sonopose::io::default_log_address);
+  if (argc > 1) return sonopose::recording::read_imu_csv(argv[1], sonopose::recording::default_log_address);
   return built_in_movement();
 }
 

@@ -10,8 +10,8 @@
 namespace {
 
 void print(double time_s, const sonopose::Quaterniond& q_body_to_world) {
-  const auto angles = sonopose::math::euler_angles_of(q_body_to_world);
-  constexpr double degree = sonopose::math::radians_per_degree;
+  const auto angles = sonopose::geometry::euler_angles_of(q_body_to_world);
+  constexpr double degree = sonopose::geometry::radians_per_degree;
   std::printf("%6.1f s  roll %6.1f deg  pitch %6.1f deg  yaw %6.1f deg\n", time_s, angles.roll_rad / degree,
               angles.pitch_rad / degree, angles.yaw_rad / degree);
 }

@@ -1,9 +1,9 @@
 // A consumer of its own: prints where every beacon on the bus is. Ends after as many poses as its argument
 // says.
 
-#include <sonopose/dds/conversions.hpp>
-#include <sonopose/dds/topics.hpp>
-#include <sonopose/dds/waitset.hpp>
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/dds/binding/waitset.hpp>
 
 #include <cstdlib>
 #include <iostream>

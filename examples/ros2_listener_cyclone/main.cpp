@@ -1,10 +1,10 @@
 // A consumer of ROS 2's nav_msgs/Odometry without ROS: prints where the robot is. Ends after as many poses as
 // its argument says.
 
-#include <sonopose/dds/data_reader.hpp>
-#include <sonopose/dds/waitset.hpp>
-#include <sonopose/ros2/idl_types.hpp>
-#include <sonopose/ros2/names.hpp>
+#include <sonopose/dds/binding/data_reader.hpp>
+#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/ros2/messages/idl_types.hpp>
+#include <sonopose/ros2/messages/names.hpp>
 
 #include <cstdlib>
 #include <iostream>

@@ -15,7 +15,7 @@ template <class Scalar>
 void BasicAdaptive<Scalar>::update(const Settings& all, const Measurement<Scalar>& measurement) {
   const Scalar dt_s = measurement.dt_s;
   const Vector3<Scalar> rate_body_radps = measurement.angular_velocity_body_radps - bias_.bias_body_radps;
-  q_body_to_world_ = (q_body_to_world_ * math::rotation_by(rate_body_radps * dt_s)).normalized();
+  q_body_to_world_ = (q_body_to_world_ * geometry::rotation_by(rate_body_radps * dt_s)).normalized();
 
   since_force_s_ = std::min(since_force_s_ + dt_s, Scalar(longest_wait_s));
   since_field_s_ = std::min(since_field_s_ + dt_s, Scalar(longest_wait_s));
@@ -90,10 +90,10 @@ void BasicAdaptive<Scalar>::point_north(const Settings& all, const Measurement<S
 
 template <class Scalar>
 void BasicAdaptive<Scalar>::turn_in_world(const Vector3<Scalar>& rotation_world_rad) {
-  q_body_to_world_ = (math::rotation_by(rotation_world_rad) * q_body_to_world_).normalized();
+  q_body_to_world_ = (geometry::rotation_by(rotation_world_rad) * q_body_to_world_).normalized();
   bias_.turned_world_rad += rotation_world_rad;
   if (rotation_world_rad.z() != 0) {
-    force_world_.slope = math::rotation_about_z(rotation_world_rad.z()) * force_world_.slope;
+    force_world_.slope = geometry::rotation_about_z(rotation_world_rad.z()) * force_world_.slope;
   }
 }
 

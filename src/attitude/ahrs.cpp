@@ -1,6 +1,6 @@
 #include <sonopose/attitude/ahrs.hpp>
-#include <sonopose/math/inverse_sqrt.hpp>
-#include <sonopose/math/rotation.hpp>
+#include <sonopose/geometry/inverse_sqrt.hpp>
+#include <sonopose/geometry/rotation.hpp>
 
 namespace sonopose::attitude {
 namespace {
@@ -12,7 +12,7 @@ constexpr double warning_share = 0.25;   ///< of the rejection timeout
 
 template <class Scalar>
 Scalar radians(double degrees) {
-  return Scalar(degrees * math::radians_per_degree);
+  return Scalar(degrees * geometry::radians_per_degree);
 }
 
 /// Gain 0 has no feedback that could be rejected.
@@ -42,7 +42,7 @@ void judge(Rejection<Scalar>& rejection, RejectionForm form, const RejectionLimi
 
 template <class Scalar>
 Quaternion<Scalar> unit(const Quaternion<Scalar>& q) {
-  return Quaternion<Scalar>(q.coeffs() * math::inverse_sqrt(q.squaredNorm()));
+  return Quaternion<Scalar>(q.coeffs() * geometry::inverse_sqrt(q.squaredNorm()));
 }
 
 template <class Scalar>
@@ -94,13 +94,13 @@ void BasicAhrs<Scalar>::step(const Settings& settings, const Measurement<Scalar>
   const Scalar pull = std::min(advance_ramp(settings, dt_s) * dt_s, Scalar(1));
   over_range_ = clipped || (over_range_ && initialising(settings));
 
-  const Vector3<Scalar> up_body = math::up_in_body(q_body_to_world_);
+  const Vector3<Scalar> up_body = geometry::up_in_body(q_body_to_world_);
   const Vector3<Scalar> tilt_body = pull_up(settings, measurement, up_body);
   // A timeout may turn the estimate about the vertical here: that leaves its up where it is.
   const Scalar turn = pull_heading(settings, reference, dt_s);
   const Vector3<Scalar> error_body = tilt_body + turn * up_body;
   q_body_to_world_ =
-      unit<Scalar>(q_body_to_world_ * math::rotation_by(rate_body_radps * dt_s + pull * error_body));
+      unit<Scalar>(q_body_to_world_ * geometry::rotation_by(rate_body_radps * dt_s + pull * error_body));
 }
 
 template <class Scalar>
@@ -141,7 +141,7 @@ Vector3<Scalar> BasicAhrs<Scalar>::pull_up(const Settings& settings, const Measu
     }
     acceleration_.timed_out = acceleration_.timed_out && initialising(settings);
   }
-  const Vector3<Scalar> up_measured_body = force_mps2 * math::inverse_sqrt(force_squared);
+  const Vector3<Scalar> up_measured_body = force_mps2 * geometry::inverse_sqrt(force_squared);
   Vector3<Scalar> error_body = up_measured_body.cross(up_body);
   const Scalar sine_squared = error_body.squaredNorm();
   acceleration_.error = {std::sqrt(sine_squared), up_measured_body.dot(up_body)};
@@ -150,7 +150,7 @@ Vector3<Scalar> BasicAhrs<Scalar>::pull_up(const Settings& settings, const Measu
   if (acceleration_.error.cosine < 0) {
     // Upside down to the last bit, any horizontal axis leads back.
     if (sine_squared > 0)
-      error_body *= math::inverse_sqrt(sine_squared);
+      error_body *= geometry::inverse_sqrt(sine_squared);
     else
       error_body = up_body.unitOrthogonal();
   }
@@ -166,7 +166,7 @@ Scalar BasicAhrs<Scalar>::pull_heading(const Settings& settings, const HeadingRe
   const Vector2& seen = reference.seen_world;
   const Scalar seen_squared = seen.squaredNorm();
   if (!up_known_ || !(seen_squared > 0)) return 0;
-  const Scalar scale = math::inverse_sqrt(seen_squared);
+  const Scalar scale = geometry::inverse_sqrt(seen_squared);
   const Vector2& wanted = reference.true_world;
   Scalar sine = scale * (seen.x() * wanted.y() - seen.y() * wanted.x());
   Scalar cosine = scale * seen.dot(wanted);
@@ -186,17 +186,17 @@ Scalar BasicAhrs<Scalar>::pull_heading(const Settings& settings, const HeadingRe
 
 template <class Scalar>
 void BasicAhrs<Scalar>::set_heading(Scalar yaw_rad) {
-  turn_in_world({0, 0, yaw_rad - math::yaw_of(q_body_to_world_)});
+  turn_in_world({0, 0, yaw_rad - geometry::yaw_of(q_body_to_world_)});
 }
 
 template <class Scalar>
 void BasicAhrs<Scalar>::turn_in_world(const Vector3<Scalar>& rotation_world_rad) {
-  q_body_to_world_ = (math::rotation_by(rotation_world_rad) * q_body_to_world_).normalized();
+  q_body_to_world_ = (geometry::rotation_by(rotation_world_rad) * q_body_to_world_).normalized();
 }
 
 template <class Scalar>
 AhrsInternalStates<Scalar> BasicAhrs<Scalar>::internal_states(const Settings& settings) const {
-  constexpr auto degrees = Scalar(1 / math::radians_per_degree);
+  constexpr auto degrees = Scalar(1 / geometry::radians_per_degree);
   return {degrees * acceleration_.error.angle_rad(),
           acceleration_.ignored,
           normalised_timer(acceleration_.timer_s, acceleration_limits<Scalar>(settings)),

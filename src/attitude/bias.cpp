@@ -7,7 +7,7 @@ namespace {
 
 template <class Scalar>
 Scalar radps(double dps) {
-  return Scalar(dps * math::radians_per_degree);
+  return Scalar(dps * geometry::radians_per_degree);
 }
 
 /// b ← b + K·e, with |e| and |b| held within the limit: K = P·Cᵀ·(C·P·Cᵀ + W)⁻¹, P ← P − K·C·P.

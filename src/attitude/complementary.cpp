@@ -12,8 +12,8 @@ Quaternion<Scalar> turn_to_level(const Vector3<Scalar>& up_measured_world, Scala
   const Vector3<Scalar> across(up_measured_world.y(), -up_measured_world.x(), 0);
   const Scalar sine = across.norm();
   const Scalar angle_rad = std::atan2(sine, up_measured_world.z());
-  if (!(sine > 0)) return math::rotation_by(Vector3<Scalar>(share * angle_rad, 0, 0));
-  return math::rotation_by(across * (share * angle_rad / sine));
+  if (!(sine > 0)) return geometry::rotation_by(Vector3<Scalar>(share * angle_rad, 0, 0));
+  return geometry::rotation_by(across * (share * angle_rad / sine));
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ void BasicComplementary<Scalar>::update(const Settings& settings, const Measurem
   const Vector3<Scalar> field_world_t = q_body_to_world * measurement.magnetic_field_body_t;
   if (has_level_part(field_world_t)) {
     q_body_to_world =
-        math::rotation_about_z(share * heading_error_rad(field_world_t, measurement)) * q_body_to_world;
+        geometry::rotation_about_z(share * heading_error_rad(field_world_t, measurement)) * q_body_to_world;
   }
   q_body_to_world.normalize();
 }

@@ -6,8 +6,8 @@ namespace sonopose::attitude {
 
 template <class Scalar>
 void GyroOffset<Scalar>::learn(const GyroOffsetLimits<Scalar>& limits,
-                               const math::Vector3<Scalar>& angular_velocity_body_radps, Scalar dt_s) {
-  const math::Vector3<Scalar> remainder_radps = angular_velocity_body_radps - offset_body_radps;
+                               const geometry::Vector3<Scalar>& angular_velocity_body_radps, Scalar dt_s) {
+  const geometry::Vector3<Scalar> remainder_radps = angular_velocity_body_radps - offset_body_radps;
   if (remainder_radps.cwiseAbs().maxCoeff() > limits.rate_radps) {
     still_s = 0;
     return;

@@ -16,7 +16,7 @@ bool are_alike(const MagneticSettings& settings, const FieldShape<Scalar>& a, co
   if (!(std::abs(norm_a_t - norm_b_t) < Scalar(settings.norm_tolerance) * norm_b_t)) return false;
   const Scalar scale = 1 / (norm_a_t * norm_b_t);
   const AngleError<Scalar> dip{scale * std::abs(across), scale * along};
-  return dip.within(Scalar(settings.dip_tolerance_deg * math::radians_per_degree));
+  return dip.within(Scalar(settings.dip_tolerance_deg * geometry::radians_per_degree));
 }
 
 template <class Scalar>
@@ -40,7 +40,7 @@ void watch_candidate(const MagneticSettings& settings, MagneticState<Scalar>& st
   follow(state.candidate, state.mean, memory_s > 0 ? dt_s / memory_s : Scalar(1));
   state.candidate_age_s = std::min(memory_s, Scalar(settings.reference_s));
   const double needed_s = state.has_reference ? settings.new_field_s : settings.first_field_s;
-  if (rate_radps >= Scalar(settings.new_field_rate_dps * math::radians_per_degree)) {
+  if (rate_radps >= Scalar(settings.new_field_rate_dps * geometry::radians_per_degree)) {
     state.candidate_turned_s = std::min(state.candidate_turned_s + dt_s, Scalar(needed_s));
   }
   if (state.disturbed && state.candidate_turned_s >= Scalar(needed_s)) {

@@ -1,5 +1,5 @@
 #include <sonopose/attitude/mahony.hpp>
-#include <sonopose/core/samples.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <cmath>
 
@@ -38,7 +38,7 @@ void BasicMahony<Scalar>::update(const Settings& settings, const Measurement<Sca
   const Scalar kp = Scalar(settings.kp);
   const Scalar ki = Scalar(settings.ki);
   const Quaternion<Scalar>& q_body_to_world = this->q_body_to_world_;
-  const Vector3<Scalar> up_body = math::up_in_body(q_body_to_world);
+  const Vector3<Scalar> up_body = geometry::up_in_body(q_body_to_world);
   Vector3<Scalar> rate_body_radps = measurement.angular_velocity_body_radps;
 
   const Vector3<Scalar> force_body_mps2 = gravity_force_body(measurement, q_body_to_world);

@@ -1,4 +1,4 @@
-#include <sonopose/config/beacon_settings.hpp>
+#include "config/beacon_settings.hpp"
 
 #include <fmt/format.h>
 
@@ -49,20 +49,20 @@ constexpr std::array<std::string_view, 5> magnetometer_keys{
     "attitude.north_deg", "attitude.adaptive.heading_time_s", "attitude.mahony.magnetic_error",
     "attitude.mahony.heading_kp", "attitude.ahrs.magnetic_rejection_deg"};
 
-bool is_for_magnetometer(const fusion::SettingInfo& info) {
+bool is_for_magnetometer(const settings::SettingInfo& info) {
   return info.group == "attitude.magnetic" ||
          std::find(magnetometer_keys.begin(), magnetometer_keys.end(), info.key) != magnetometer_keys.end();
 }
 
 /// Of a number.
-double value_of(const fusion::Settings& settings, std::string_view key) {
-  const fusion::SettingValue value = fusion::get(settings, key);
+double value_of(const settings::Settings& settings, std::string_view key) {
+  const settings::SettingValue value = settings::get(settings, key);
   const auto* whole = std::get_if<int>(&value);
   return whole != nullptr ? *whole : std::get<double>(value);
 }
 
-bool is_kept(const fusion::Settings& settings, const Order& order) {
-  if (!order.part_of.empty() && !std::get<bool>(fusion::get(settings, order.part_of))) return true;
+bool is_kept(const settings::Settings& settings, const Order& order) {
+  if (!order.part_of.empty() && !std::get<bool>(settings::get(settings, order.part_of))) return true;
   const double smaller = value_of(settings, order.smaller);
   const double larger = value_of(settings, order.larger);
   return smaller < larger || (order.may_be_equal && smaller == larger);
@@ -70,11 +70,11 @@ bool is_kept(const fusion::Settings& settings, const Order& order) {
 
 }  // namespace
 
-std::vector<std::string> contradictions(const fusion::Settings& settings, const Assignments& given,
+std::vector<std::string> contradictions(const settings::Settings& settings, const Assignments& given,
                                         std::string_view where) {
   const auto is_given = [&given](std::string_view key) { return given.contains(key); };
   const auto text_of = [&](std::string_view key) {
-    return fmt::format("{}{} = {}", where, key, fusion::to_text(fusion::get(settings, key)));
+    return fmt::format("{}{} = {}", where, key, settings::to_text(settings::get(settings, key)));
   };
   std::vector<std::string> texts;
   for (const Order& order : orders) {
@@ -87,21 +87,21 @@ std::vector<std::string> contradictions(const fusion::Settings& settings, const 
   return texts;
 }
 
-std::vector<std::string> idle_filter_warnings(const fusion::Settings& settings, const Assignments& given,
+std::vector<std::string> idle_filter_warnings(const settings::Settings& settings, const Assignments& given,
                                               std::string_view where) {
-  const std::string chosen = fusion::to_text(fusion::get(settings, "attitude.filter"));
-  const bool magnetometer = std::get<bool>(fusion::get(settings, "attitude.magnetometer"));
+  const std::string chosen = settings::to_text(settings::get(settings, "attitude.filter"));
+  const bool magnetometer = std::get<bool>(settings::get(settings, "attitude.magnetometer"));
   std::vector<std::string> texts;
   for (const auto& entry : given) {
     const std::string& key = entry.first;
-    const fusion::SettingInfo& info = fusion::setting_info(key);
+    const settings::SettingInfo& info = settings::setting_info(key);
     // In the setting's own kind: a whole number may have been given for a real one.
-    const fusion::SettingValue value = fusion::get(settings, key);
+    const settings::SettingValue value = settings::get(settings, key);
     if (value == info.initial) continue;
     const auto owner = std::find_if(filter_groups.begin(), filter_groups.end(),
                                     [&info](const FilterGroup& group) { return group.group == info.group; });
     const auto warn = [&](const std::string& why) {
-      texts.push_back(fmt::format("{}{} = {} has no effect: {}", where, key, fusion::to_text(value), why));
+      texts.push_back(fmt::format("{}{} = {} has no effect: {}", where, key, settings::to_text(value), why));
     };
     if (owner != filter_groups.end() && owner->filter != chosen) {
       warn(fmt::format("attitude.filter is {}, not {}", chosen, owner->filter));
@@ -112,7 +112,7 @@ std::vector<std::string> idle_filter_warnings(const fusion::Settings& settings, 
   return texts;
 }
 
-std::vector<std::string> warnings_for(const fusion::Settings& settings, const Assignments& given,
+std::vector<std::string> warnings_for(const settings::Settings& settings, const Assignments& given,
                                       std::string_view where) {
   std::vector<std::string> texts = preset_warnings(settings, given, where);
   for (std::string& text : contradictions(settings, given, where)) texts.push_back(std::move(text));

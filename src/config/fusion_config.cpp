@@ -1,4 +1,4 @@
-#include <sonopose/config/fusion_config.hpp>
+#include "config/fusion_config.hpp"
 
 #include <fmt/format.h>
 #define TOML_EXCEPTIONS 1
@@ -10,8 +10,8 @@
 namespace sonopose::config {
 namespace {
 
-using fusion::SettingError;
-using fusion::SettingValue;
+using settings::SettingError;
+using settings::SettingValue;
 
 constexpr std::string_view beacon_prefix = "beacon.";
 
@@ -59,15 +59,15 @@ std::string as_toml(const SettingValue& value) {
   if (const auto* text = std::get_if<std::string>(&value)) return fmt::format("\"{}\"", *text);
   if (const auto* real = std::get_if<double>(&value)) {
     // A float in TOML needs a point, or it would read as an integer.
-    std::string text = fusion::to_text(*real);
+    std::string text = settings::to_text(*real);
     if (text.find_first_of(".eni") == std::string::npos) text += ".0";
     return text;
   }
-  return fusion::to_text(value);
+  return settings::to_text(value);
 }
 
 std::string item_text(int item) {
-  return item == setting::own_setting ? std::string() : fmt::format("Item {}. ", item);
+  return item == settings::own_setting ? std::string() : fmt::format("Item {}. ", item);
 }
 
 /// "prefix" + the group of a key that is known to exist.
@@ -106,7 +106,7 @@ void FusionConfig::assign(std::string_view assignment) {
   const std::string_view text = assignment.substr(equals + 1);
   try {
     const std::string_view setting_key = key.starts_with(beacon_prefix) ? split_beacon(key).second : key;
-    set(key, fusion::parse_value(setting_key, text));
+    set(key, settings::parse_value(setting_key, text));
   } catch (const SettingError& error) {
     throw ConfigError(fmt::format("--set {}: {}", assignment, error.what()));
   }
@@ -115,16 +115,16 @@ void FusionConfig::assign(std::string_view assignment) {
 void FusionConfig::set(std::string_view key, const SettingValue& value) {
   if (key.starts_with(beacon_prefix)) {
     const auto [address, setting_key] = split_beacon(key);
-    fusion::Settings trial;
-    fusion::set(trial, setting_key, value);
+    settings::Settings trial;
+    settings::set(trial, setting_key, value);
     overrides_[address].insert_or_assign(std::string(setting_key), value);
     return;
   }
-  fusion::set(settings_, key, value);
+  settings::set(settings_, key, value);
   given_.insert_or_assign(std::string(key), value);
 }
 
-fusion::Settings FusionConfig::for_beacon(BeaconAddress address) const {
+settings::Settings FusionConfig::for_beacon(BeaconAddress address) const {
   return beacon(address).settings();
 }
 
@@ -156,22 +156,22 @@ std::string FusionConfig::to_toml() const {
       "# Settings of sonopose-fusion. Every value below is what is used; delete what you do not change.\n"
       "# Items 2, 3 and 4 stand behind a # where the preset (item 1) sets them.\n"
       "# One beacon of its own: [beacon.7.drift] and so on.\n";
-  const bool has_preset = settings_.preset.imu_weight != fusion::ImuWeight::user;
-  const fusion::Settings used = fusion::resolved(settings_);
+  const bool has_preset = settings_.preset.imu_weight != estimation::documented::ImuWeight::user;
+  const settings::Settings used = settings::resolved(settings_);
   std::string group;
-  for (const auto& row : fusion::setting_table()) {
+  for (const auto& row : settings::setting_table()) {
     if (row.group != group) text += table_header("", row.group);
     group = row.group;
     text += fmt::format("# {}{} ({})\n", item_text(row.item), row.sentence, row.allowed());
     const bool by_preset = has_preset && !given_.contains(row.key) && is_preset_key(row.key);
-    const SettingValue value = fusion::get(by_preset ? used : settings_, row.key);
+    const SettingValue value = settings::get(by_preset ? used : settings_, row.key);
     text += fmt::format("{}{} = {}\n", by_preset ? "# " : "", row.name, as_toml(value));
   }
   for (const auto& [address, own] : overrides_) {
     // A table may stand in a file only once.
     std::map<std::string, std::map<std::string, SettingValue>> groups;
     for (const auto& [key, value] : own) {
-      const auto& row = fusion::setting_info(key);
+      const auto& row = settings::setting_info(key);
       groups[row.group][row.name] = value;
     }
     for (const auto& [name, values] : groups) {
@@ -191,15 +191,15 @@ std::string settings_page() {
       "`sonopose-fusion --print-config` prints one), or on the command line (`--set drift.decay_rate_hz=2`); "
       "`beacon.7.` in front makes it one beacon's own.\n";
   std::string group;
-  for (const auto& row : fusion::setting_table()) {
+  for (const auto& row : settings::setting_table()) {
     if (row.group != group) {
       text += fmt::format("\n## {}\n\n| Item | Key | Default | Allowed | Meaning |\n|---|---|---|---|---|\n",
                           row.group);
     }
     group = row.group;
     text += fmt::format("| {} | `{}` | {} | {} | {} |\n",
-                        row.item == setting::own_setting ? "" : std::to_string(row.item), row.key,
-                        fusion::to_text(row.initial), row.allowed(), row.sentence);
+                        row.item == settings::own_setting ? "" : std::to_string(row.item), row.key,
+                        settings::to_text(row.initial), row.allowed(), row.sentence);
   }
   return text;
 }
@@ -207,9 +207,9 @@ std::string settings_page() {
 std::string settings_help() {
   std::string text =
       "Settings for --set, with default and range (--print-config of sonopose-fusion says what they do):\n";
-  for (const auto& row : fusion::setting_table()) {
-    const std::string item = row.item == setting::own_setting ? "" : fmt::format("  item {}", row.item);
-    text += fmt::format("  {:<42}{:<10}{}{}\n", row.key, fusion::to_text(row.initial), row.allowed(), item);
+  for (const auto& row : settings::setting_table()) {
+    const std::string item = row.item == settings::own_setting ? "" : fmt::format("  item {}", row.item);
+    text += fmt::format("  {:<42}{:<10}{}{}\n", row.key, settings::to_text(row.initial), row.allowed(), item);
   }
   return text;
 }

@@ -1,4 +1,4 @@
-#include <sonopose/marvelmind/assembler.hpp>
+#include "marvelmind/assembler.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
-#include <sonopose/marvelmind/beacon_assembler.hpp>
-#include <sonopose/marvelmind/conversions.hpp>
+#include "marvelmind/beacon_assembler.hpp"
+#include "marvelmind/conversions.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -8,7 +8,6 @@ namespace sonopose::marvelmind {
 
 namespace {
 
-constexpr std::int64_t ns_per_ms = 1'000'000;
 constexpr std::size_t max_held = 256;
 constexpr std::int32_t max_coordinate_mm = 10'000'000;  // 10 km: no ultrasound reaches a tenth of it
 constexpr std::uint8_t max_quality_percent = 100;

@@ -1,4 +1,4 @@
-#include <sonopose/marvelmind/beacon_clock.hpp>
+#include "marvelmind/beacon_clock.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +15,6 @@ std::int64_t Unwrapper::unwrapped(const Stamp& stamp) const {
 }
 
 std::int64_t Unwrapper::beacon_ns(const Stamp& stamp) const {
-  constexpr std::int64_t ns_per_ms = 1'000'000;
-  constexpr std::int64_t ns_per_64th = 15'625'000;
   return unwrapped(stamp) * (stamp.base == TimeBase::uptime_64ths ? ns_per_64th : ns_per_ms);
 }
 

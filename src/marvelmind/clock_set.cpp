@@ -1,12 +1,10 @@
-#include <sonopose/marvelmind/clock_set.hpp>
+#include "marvelmind/clock_set.hpp"
 
 #include <algorithm>
 
 namespace sonopose::marvelmind {
 
 namespace {
-
-constexpr std::int64_t ns_per_ms = 1'000'000;
 
 /// More than this is no way of a position through the system, and would send the clock ahead of itself.
 constexpr std::uint16_t max_time_passed_ms = 2000;

@@ -1,4 +1,4 @@
-#include <sonopose/marvelmind/conversions.hpp>
+#include "marvelmind/conversions.hpp"
 
 #include <algorithm>
 #include <array>
@@ -17,11 +17,11 @@ constexpr double rad_per_decideg = std::numbers::pi / 1800;
 
 const Vector3d compass_t_per_lsb{compass_xy_t_per_lsb, compass_xy_t_per_lsb, compass_z_t_per_lsb};
 
-constexpr std::array<std::pair<PositionFlag, FixFlag>, 4> same_flags{{
-    {position_user_button_1, fix_flag_user_button_1},
-    {position_user_button_2, fix_flag_user_button_2},
-    {position_other_hedge, fix_flag_other_hedge},
-    {position_out_of_geofence, fix_flag_out_of_geofence},
+constexpr std::array<std::pair<PositionFlag, UltrasonicFlag>, 4> same_flags{{
+    {position_user_button_1, ultrasonic_flag_user_button_1},
+    {position_user_button_2, ultrasonic_flag_user_button_2},
+    {position_other_hedge, ultrasonic_flag_other_hedge},
+    {position_out_of_geofence, ultrasonic_flag_out_of_geofence},
 }};
 
 template <typename Integer>
@@ -46,16 +46,16 @@ std::array<Integer, 3> to_wire(const Vector3d& values) {
 
 std::uint32_t fix_flags(const Position& position) {
   std::uint32_t flags = 0;
-  for (const auto& [wire, hub] : same_flags) {
-    if ((position.flags & wire) != 0) flags |= hub;
+  for (const auto& [wire, native] : same_flags) {
+    if ((position.flags & wire) != 0) flags |= native;
   }
-  if (position.angle.is_pair_centre()) flags |= fix_flag_pair_centre;
-  if (position.time.base == TimeBase::uptime_64ths) flags |= fix_flag_second_resolution;
+  if (position.angle.is_pair_centre()) flags |= ultrasonic_flag_pair_centre;
+  if (position.time.base == TimeBase::uptime_64ths) flags |= ultrasonic_flag_second_resolution;
   return flags;
 }
 
 std::uint16_t angle_word(const UltrasonicFix& fix, const PairHeading* heading) {
-  unsigned word = (fix.flags & fix_flag_pair_centre) != 0 ? PairAngle::pair_centre : 0U;
+  unsigned word = (fix.flags & ultrasonic_flag_pair_centre) != 0 ? PairAngle::pair_centre : 0U;
   if (heading == nullptr || !heading->valid || !std::isfinite(heading->heading_world_rad)) {
     return static_cast<std::uint16_t>(word | PairAngle::not_applicable);
   }
@@ -120,8 +120,8 @@ Position to_position(const UltrasonicFix& fix, const PairHeading* heading, const
   position.xyz_mm = to_wire<std::int32_t>(fix.position_world_m / m_per_mm);
   position.flags = position_time_in_ms;
   if (emission.base == TimeBase::uptime_64ths) position.flags = 0;
-  for (const auto& [wire, hub] : same_flags) {
-    if ((fix.flags & hub) != 0) position.flags |= wire;
+  for (const auto& [wire, native] : same_flags) {
+    if ((fix.flags & native) != 0) position.flags |= wire;
   }
   position.address = static_cast<std::uint8_t>(fix.address);
   position.angle.word = angle_word(fix, heading);

@@ -1,7 +1,7 @@
-#include "parse.hpp"
-#include <sonopose/marvelmind/bytes.hpp>
-#include <sonopose/marvelmind/crc16.hpp>
-#include <sonopose/marvelmind/decoder.hpp>
+#include "marvelmind/parse.hpp"
+#include "marvelmind/bytes.hpp"
+#include "marvelmind/crc16.hpp"
+#include "marvelmind/decoder.hpp"
 
 #include <algorithm>
 

@@ -1,12 +1,9 @@
-#include <sonopose/marvelmind/conversions.hpp>
-#include <sonopose/marvelmind/disassembler.hpp>
+#include "marvelmind/conversions.hpp"
+#include "marvelmind/disassembler.hpp"
 
 namespace sonopose::marvelmind {
 
 namespace {
-
-constexpr std::int64_t ns_per_ms = 1'000'000;
-constexpr std::int64_t ns_per_64th = 15'625'000;
 
 std::int64_t divide_down(std::int64_t value, std::int64_t divisor) {
   return value / divisor - (value % divisor < 0 ? 1 : 0);
@@ -36,7 +33,7 @@ void Disassembler::flush(PacketSink sink) {
 
 void Disassembler::send(const UltrasonicFix& fix, const PairHeading* heading, PacketSink sink) const {
   Stamp stamp = stamp_of(fix.emission_time_ns);
-  if ((fix.flags & fix_flag_second_resolution) != 0 && stamp.base == TimeBase::uptime_ms) {
+  if ((fix.flags & ultrasonic_flag_second_resolution) != 0 && stamp.base == TimeBase::uptime_ms) {
     stamp = {TimeBase::uptime_64ths, static_cast<std::uint32_t>(divide_down(
                                          fix.emission_time_ns - options_.beacon_zero_ns, ns_per_64th))};
   }

@@ -1,6 +1,6 @@
-#include <sonopose/marvelmind/bytes.hpp>
-#include <sonopose/marvelmind/crc16.hpp>
-#include <sonopose/marvelmind/encoder.hpp>
+#include "marvelmind/bytes.hpp"
+#include "marvelmind/crc16.hpp"
+#include "marvelmind/encoder.hpp"
 
 #include <algorithm>
 #include <limits>

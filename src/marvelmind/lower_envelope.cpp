@@ -1,4 +1,4 @@
-#include <sonopose/marvelmind/lower_envelope.hpp>
+#include "marvelmind/lower_envelope.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
-#include "parse.hpp"
+#include "marvelmind/parse.hpp"
 
-#include <sonopose/marvelmind/bytes.hpp>
+#include "marvelmind/bytes.hpp"
 
 #include <algorithm>
 

@@ -2,7 +2,7 @@
 /// \file
 /// One payload → one packet, by the offsets in packet.hpp.
 
-#include <sonopose/marvelmind/packet.hpp>
+#include "marvelmind/packet.hpp"
 
 #include <cstdint>
 #include <span>

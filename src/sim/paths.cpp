@@ -1,4 +1,4 @@
-#include "paths.hpp"
+#include "sim/paths.hpp"
 
 #include <numbers>
 

@@ -3,7 +3,7 @@
 /// The paths of the scenarios. Each rests until `departure_s`, so that gyros can be calibrated, and then goes
 /// on for ever; positions in metres, angles in radians.
 
-#include <sonopose/sim/trajectory.hpp>
+#include "sim/trajectory.hpp"
 
 namespace sonopose::sim {
 

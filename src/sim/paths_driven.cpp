@@ -1,7 +1,7 @@
-/// Paths with stops: straight legs and turns on the spot, one after the other, in laps that end where they
+/// Paths with stops: straight segments and turns on the spot, one after the other, in laps that end where they
 /// began.
 
-#include "paths.hpp"
+#include "sim/paths.hpp"
 
 #include <array>
 #include <cmath>

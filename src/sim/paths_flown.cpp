@@ -1,8 +1,8 @@
 /// The quadrotor's path: its attitude is the one that its acceleration needs.
 
-#include "paths.hpp"
-#include "taylor.hpp"
-#include <sonopose/marvelmind/conversions.hpp>
+#include "sim/paths.hpp"
+#include "sim/taylor.hpp"
+#include "marvelmind/conversions.hpp"
 
 namespace sonopose::sim {
 

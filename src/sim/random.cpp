@@ -1,4 +1,4 @@
-#include <sonopose/sim/random.hpp>
+#include "sim/random.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -1,6 +1,6 @@
-#include "paths.hpp"
-#include <sonopose/math/rotation.hpp>
-#include <sonopose/sim/scenario.hpp>
+#include "sim/paths.hpp"
+#include <sonopose/geometry/rotation.hpp>
+#include "sim/scenario.hpp"
 
 #include <stdexcept>
 #include <string>
@@ -25,7 +25,7 @@ SensorSettings single_beacon() {
 
 SensorSettings poor_gyro() {
   SensorSettings sensors;
-  sensors.gyro_bias_radps = 1.0 * math::radians_per_degree;
+  sensors.gyro_bias_radps = 1.0 * geometry::radians_per_degree;
   sensors.gyro_bias_walk_radps_rts = 0.0005;
   return sensors;
 }
@@ -63,7 +63,7 @@ Disturbances carried_away() {
 /// 1 deg/s in all, after any calibration at the start.
 Disturbances warming_up() {
   const Vector3d by_deg_per_s{0.5, -0.5, 0.7};
-  return {.gyro_drift = GyroDrift{8.0, 10.0, math::radians_per_degree * by_deg_per_s}};
+  return {.gyro_drift = GyroDrift{8.0, 10.0, geometry::radians_per_degree * by_deg_per_s}};
 }
 
 Disturbances bad_line() {

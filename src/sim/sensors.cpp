@@ -1,6 +1,6 @@
-#include <sonopose/marvelmind/conversions.hpp>
-#include <sonopose/math/rotation.hpp>
-#include <sonopose/sim/sensors.hpp>
+#include "marvelmind/conversions.hpp"
+#include <sonopose/geometry/rotation.hpp>
+#include "sim/sensors.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -127,14 +127,14 @@ UltrasonicFix UltrasonicModel::measure_fix(const Motion& motion, const FixCondit
                              ? random_.uniform_in(*condition.quality_percent)
                              : settings_.quality_percent + settings_.quality_noise_percent * random_.normal();
   fix.quality_percent = std::clamp(std::round(quality), 0.0, 100.0);  // packet 0x0007: whole percent
-  if (settings_.pair_heading) fix.flags |= fix_flag_pair_centre;
+  if (settings_.pair_heading) fix.flags |= ultrasonic_flag_pair_centre;
   return fix;
 }
 
 PairHeading UltrasonicModel::measure_heading(const Motion& motion) {
   PairHeading heading;
   heading.heading_world_rad =
-      math::wrap_angle(math::yaw_of(motion.q_body_to_world) + settings_.pair_mount_offset_rad +
+      geometry::wrap_angle(geometry::yaw_of(motion.q_body_to_world) + settings_.pair_mount_offset_rad +
                        settings_.heading_noise_rad * random_.normal());
   heading.valid = true;
   return heading;

@@ -1,4 +1,4 @@
-#include <sonopose/sim/simulator.hpp>
+#include "sim/simulator.hpp"
 
 #include <algorithm>
 #include <cmath>

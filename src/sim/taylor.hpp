@@ -3,7 +3,7 @@
 /// A number together with its first four derivatives by time: where an attitude follows from an acceleration,
 /// the angular acceleration needs the fourth derivative of the position.
 
-#include <sonopose/sim/jet.hpp>
+#include "sim/jet.hpp"
 
 #include <array>
 #include <cmath>

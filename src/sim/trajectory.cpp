@@ -1,4 +1,4 @@
-#include <sonopose/sim/trajectory.hpp>
+#include "sim/trajectory.hpp"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 /// Each setting belongs to one stage: its group's fields are read in that stage's source and nowhere else.
 
-#include <sonopose/fusion/settings.hpp>
+#include <sonopose/settings/settings.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -44,7 +44,7 @@ std::string stage_of(const std::string& group) {
 TEST_CASE("each of the 37 items is read by its own stage and by no other") {
   const auto texts = sources();
   REQUIRE(texts.size() > 10);
-  for (const auto& row : sonopose::fusion::setting_table()) {
+  for (const auto& row : sonopose::settings::setting_table()) {
     const std::string stage = stage_of(row.group);
     // In its stage a group is called `settings`, the preset's `preset`.
     const std::regex own("\\b(settings|preset)\\." + row.name + "\\b");

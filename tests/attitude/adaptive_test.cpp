@@ -2,7 +2,7 @@
 
 #include <sonopose/attitude/adaptive.hpp>
 #include <sonopose/attitude/mahony.hpp>
-#include <sonopose/core/samples.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -19,7 +19,7 @@ namespace {
 const Vector3d gravity_mps2(0, 0, 9.80665);
 
 double tilt_deg(const Quaterniond& q_body_to_world) {
-  return std::acos(std::min(1.0, math::up_in_body(q_body_to_world).z())) / math::radians_per_degree;
+  return std::acos(std::min(1.0, geometry::up_in_body(q_body_to_world).z())) / geometry::radians_per_degree;
 }
 
 Measurement<double> level(const Vector3d& force_mps2, double dt_s = 0.01) {
@@ -67,7 +67,7 @@ TEST_CASE("a tilt is corrected with the low-pass's time constant") {
   Adaptive filter;
   for (int i = 0; i < 2000; ++i) filter.update({}, level(gravity_mps2));
   GIVEN("a turn of 5° that did not happen") {
-    filter.turn_in_world({5.0 * math::radians_per_degree, 0, 0});
+    filter.turn_in_world({5.0 * geometry::radians_per_degree, 0, 0});
     const double time_s = AdaptiveSettings{}.accel_time_s;
     THEN("after that time much of it is left, after thrice nearly nothing") {
       for (int i = 0; i < static_cast<int>(100 * time_s); ++i) filter.update({}, level(gravity_mps2));
@@ -110,7 +110,7 @@ TEST_CASE("float and double agree") {
     in_double.update({}, exact);
     in_float.update({}, rounded);
   }
-  const Vector3d up_double = math::up_in_body(in_double.orientation());
-  const Vector3d up_float = math::up_in_body(in_float.orientation()).cast<double>();
+  const Vector3d up_double = geometry::up_in_body(in_double.orientation());
+  const Vector3d up_float = geometry::up_in_body(in_float.orientation()).cast<double>();
   CHECK((up_double - up_float).norm() < 1e-3);
 }

@@ -1,7 +1,7 @@
 /// What is known to go wrong in filters of this kind and does not here: headings from outside on a pitched
 /// body, a gyroscope out of range, a gain of zero.
 
-#include "ahrs_support.hpp"
+#include "attitude/ahrs_support.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -33,15 +33,15 @@ TEST_CASE("a heading from outside is met however the body is pitched, in every c
       for (const double pitch_deg : {0.0, 30.0, -70.0}) {
         for (const double roll_deg : {0.0, 25.0, 170.0}) {
           INFO("pitch " << pitch_deg << " roll " << roll_deg);
-          const Quaterniond in_convention = math::rotation_of(
-              math::EulerAngles<double>{roll_deg * degree, pitch_deg * degree, heading_rad});
+          const Quaterniond in_convention = geometry::rotation_of(
+              geometry::EulerAngles<double>{roll_deg * degree, pitch_deg * degree, heading_rad});
           const Quaterniond truth =
               attitude::world_to_convention(convention, north).conjugate() * in_convention;
           Ahrs filter;
           const auto m = without_field(at_rest(truth, north));
           for (int i = 0; i < 3000; ++i) filter.update_external_heading({}, m, heading_rad, convention);
           const auto angles =
-              math::euler_angles_of(attitude::orientation_in(convention, north, filter.orientation()));
+              geometry::euler_angles_of(attitude::orientation_in(convention, north, filter.orientation()));
           CHECK(angles.yaw_rad / degree == Approx(60.0).margin(0.01));
           CHECK(distance_rad(filter, truth) < 1e-4);
         }
@@ -51,15 +51,15 @@ TEST_CASE("a heading from outside is met however the body is pitched, in every c
 }
 
 TEST_CASE("a heading from outside in the world is the yaw there") {
-  const Quaterniond truth = math::rotation_about_z(-2.0) * math::rotation_by({0, -0.5, 0});
+  const Quaterniond truth = geometry::rotation_about_z(-2.0) * geometry::rotation_by({0, -0.5, 0});
   Ahrs filter;
   for (int i = 0; i < 3000; ++i) filter.update_external_heading({}, without_field(at_rest(truth)), -2.0);
-  CHECK(math::yaw_of(filter.orientation()) == Approx(-2.0).margin(1e-4));
+  CHECK(geometry::yaw_of(filter.orientation()) == Approx(-2.0).margin(1e-4));
   CHECK(distance_rad(filter, truth) < 1e-4);
 }
 
 TEST_CASE("a body that stands on its tail has no yaw to be pulled") {
-  const Quaterniond truth = math::rotation_by({0, -std::numbers::pi / 2, 0});
+  const Quaterniond truth = geometry::rotation_by({0, -std::numbers::pi / 2, 0});
   Ahrs filter = settled_at(truth);
   const Quaterniond before = filter.orientation();
   for (int i = 0; i < 100; ++i) filter.update_external_heading({}, without_field(at_rest(truth)), 1.0);
@@ -80,7 +80,7 @@ TEST_CASE("a rate beyond the range costs no more heading than it hides, without 
     CHECK(filter.flags(settings).over_range == (i >= 300 && i < 604));
     CHECK(filter.flags(settings).initialising == (i >= 300 && i < 604));
   }
-  const double error_rad = math::wrap_angle(math::yaw_of(filter.orientation()) - yaw_rad);
+  const double error_rad = geometry::wrap_angle(geometry::yaw_of(filter.orientation()) - yaw_rad);
   CHECK(hidden_rad == Approx(10 * degree));
   CHECK(std::abs(error_rad) <= hidden_rad + rounding_rad);
   CHECK(tilt_error_rad(filter, Quaterniond::Identity()) < rounding_rad);
@@ -88,7 +88,7 @@ TEST_CASE("a rate beyond the range costs no more heading than it hides, without 
 
 TEST_CASE("what a rate beyond the range hid of the tilt is made good by initialising") {
   // Turned by 60° about a horizontal axis in a moment that the gyroscope did not see.
-  const Quaterniond truth = math::rotation_by({60 * degree, 0, 0});
+  const Quaterniond truth = geometry::rotation_by({60 * degree, 0, 0});
   const AhrsSettings settings = with_range(500.0);
   Ahrs filter = settled_at(Quaterniond::Identity(), settings);
   auto m = without_field(at_rest(truth));
@@ -112,7 +112,7 @@ TEST_CASE("a gain of 0 is the gyroscope alone from the first update") {
     settings.gain = 0.0;
     settings.rejection = form;
     settings.gyro_offset = false;
-    const Quaterniond start = math::rotation_by({0.3, 0.2, -1.0});
+    const Quaterniond start = geometry::rotation_by({0.3, 0.2, -1.0});
     Ahrs filter;
     filter.reset(start);
     CHECK_FALSE(filter.flags(settings).initialising);
@@ -120,9 +120,9 @@ TEST_CASE("a gain of 0 is the gyroscope alone from the first update") {
     m.angular_velocity_body_radps = {0.1, -0.2, 0.3};
     filter.update(settings, m);
     CHECK_FALSE(filter.flags(settings).initialising);
-    CHECK(distance_rad(filter, start * math::rotation_by({0.001, -0.002, 0.003})) < 1e-12);
+    CHECK(distance_rad(filter, start * geometry::rotation_by({0.001, -0.002, 0.003})) < 1e-12);
     run(filter, settings, m, 20.0);
     const Vector3d turned = 20.01 * m.angular_velocity_body_radps;
-    CHECK(distance_rad(filter, start * math::rotation_by(turned)) < rounding_rad);
+    CHECK(distance_rad(filter, start * geometry::rotation_by(turned)) < rounding_rad);
   }
 }

@@ -1,6 +1,6 @@
 /// What the AHRS tells: orientation and accelerations in each convention, at attitudes anyone can picture.
 
-#include "ahrs_support.hpp"
+#include "attitude/ahrs_support.hpp"
 #include <sonopose/attitude/ahrs_outputs.hpp>
 
 #include <catch2/catch.hpp>
@@ -17,7 +17,7 @@ constexpr double g = standard_gravity_mps2;
 
 /// In degrees: roll, pitch, yaw.
 Vector3d angles_deg(const Quaterniond& q) {
-  const auto angles = math::euler_angles_of(q);
+  const auto angles = geometry::euler_angles_of(q);
   return Vector3d(angles.roll_rad, angles.pitch_rad, angles.yaw_rad) / degree;
 }
 
@@ -41,7 +41,7 @@ TEST_CASE("north, east and up of the world stand where each convention has them"
 }
 
 TEST_CASE("an orientation is the same body in every convention") {
-  const Quaterniond q = math::rotation_about_z(0.7) * math::rotation_by({0.3, -0.5, 0.2});
+  const Quaterniond q = geometry::rotation_about_z(0.7) * geometry::rotation_by({0.3, -0.5, 0.2});
   const Vector3d in_body(0.2, -0.6, 0.9);
   for (const Convention convention : {Convention::nwu, Convention::enu, Convention::ned}) {
     const Quaterniond told = attitude::orientation_in(convention, north_is_y, q);
@@ -54,7 +54,7 @@ TEST_CASE("an orientation is the same body in every convention") {
 TEST_CASE("angles of known attitudes, as settled on from the sensors") {
   using attitude::orientation_in;
   GIVEN("a body that lies level, Z up, and looks north") {
-    const Ahrs filter = settled_at(math::rotation_about_z(90 * degree));
+    const Ahrs filter = settled_at(geometry::rotation_about_z(90 * degree));
     const Quaterniond& q = filter.orientation();
     CHECK(angles_deg(orientation_in(Convention::nwu, north_is_y, q)).isMuchSmallerThan(1.0, 1e-3));
     CHECK(angles_deg(orientation_in(Convention::enu, north_is_y, q)).isApprox(Vector3d(0, 0, 90), 1e-5));
@@ -63,7 +63,7 @@ TEST_CASE("angles of known attitudes, as settled on from the sensors") {
     CHECK(std::abs(ned.z()) < 1e-3);
   }
   GIVEN("an aircraft in NED: Z down, climbing by 20°, heading 60° to the east of north") {
-    const Quaterniond told = math::rotation_of(math::EulerAngles<double>{0.0, 20 * degree, 60 * degree});
+    const Quaterniond told = geometry::rotation_of(geometry::EulerAngles<double>{0.0, 20 * degree, 60 * degree});
     const Quaterniond truth = attitude::world_to_convention(Convention::ned, north_is_y).conjugate() * told;
     const auto m = at_rest(truth);
     // The nose is up: gravity's reaction shows along it, and against Z, which points down.
@@ -78,7 +78,7 @@ TEST_CASE("angles of known attitudes, as settled on from the sensors") {
 
 TEST_CASE("at rest there is no acceleration but gravity, whatever the attitude") {
   for (const Vector3d& rotation : {Vector3d(0, 0, 0), Vector3d(1, 0.5, -2), Vector3d(3, 0, 0.3)}) {
-    const Quaterniond q = math::rotation_by(rotation);
+    const Quaterniond q = geometry::rotation_by(rotation);
     const Vector3d force = at_rest(q).specific_force_body_mps2;
     CHECK(attitude::linear_acceleration_body_mps2(q, force).norm() < 1e-12);
     CHECK(attitude::earth_acceleration_world_mps2(q, force).norm() < 1e-12);
@@ -88,7 +88,7 @@ TEST_CASE("at rest there is no acceleration but gravity, whatever the attitude")
 
 TEST_CASE("an acceleration to the north is one along body X where the nose points north") {
   const Quaterniond looking_north_rolled =
-      math::rotation_about_z(90 * degree) * math::rotation_by({40 * degree, 0, 0});
+      geometry::rotation_about_z(90 * degree) * geometry::rotation_by({40 * degree, 0, 0});
   const Vector3d acceleration_world(0, 2.0, 0);
   const Vector3d force = looking_north_rolled.conjugate() * (acceleration_world + g * up_world);
   CHECK(

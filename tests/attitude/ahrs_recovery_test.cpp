@@ -1,6 +1,6 @@
 /// Rejection with recovery: after the timeout a sensor is used until it agrees, without restart or jump.
 
-#include "ahrs_support.hpp"
+#include "attitude/ahrs_support.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -10,11 +10,11 @@ using namespace sonopose::testing;
 namespace {
 
 const Quaterniond level = Quaterniond::Identity();
-const AhrsSettings settings;  // the default form
+const AhrsSettings default_settings;  // the default form
 
 /// The sensors of a body at rest at another orientation: what is measured contradicts the estimate.
 attitude::Measurement<double> elsewhere(const Vector3d& rotation_rad) {
-  return at_rest(math::rotation_by(rotation_rad));
+  return at_rest(geometry::rotation_by(rotation_rad));
 }
 
 /// Whether a run of `ignored` contradictions to each agreement ever leads to recovery in 60 s.
@@ -33,40 +33,40 @@ bool recovers(int ignored) {
 }  // namespace
 
 TEST_CASE("recovery is the default") {
-  CHECK(settings.rejection == RejectionForm::recovery);
+  CHECK(default_settings.rejection == RejectionForm::recovery);
 }
 
 TEST_CASE("a contradicting accelerometer is ignored for the timeout, then followed at the final gain") {
   const auto tilted = without_field(elsewhere({30 * degree, 0, 0}));
   Ahrs filter = settled_at(level);
-  run(filter, settings, tilted, 5.0);
+  run(filter, default_settings, tilted, 5.0);
   CHECK(distance_rad(filter, level) < rounding_rad);
-  CHECK(filter.internal_states(settings).accelerometer_ignored);
-  CHECK(filter.flags(settings).acceleration_warning);
-  CHECK_FALSE(filter.flags(settings).acceleration_timeout);
+  CHECK(filter.internal_states(default_settings).accelerometer_ignored);
+  CHECK(filter.flags(default_settings).acceleration_warning);
+  CHECK_FALSE(filter.flags(default_settings).acceleration_timeout);
 
-  run(filter, settings, tilted, 0.1);
-  CHECK(filter.flags(settings).acceleration_timeout);
-  CHECK_FALSE(filter.internal_states(settings).accelerometer_ignored);
-  CHECK_FALSE(filter.flags(settings).initialising);
-  CHECK(distance_rad(filter, level) == Approx(0.1 * settings.gain * std::sin(30 * degree)).epsilon(0.15));
+  run(filter, default_settings, tilted, 0.1);
+  CHECK(filter.flags(default_settings).acceleration_timeout);
+  CHECK_FALSE(filter.internal_states(default_settings).accelerometer_ignored);
+  CHECK_FALSE(filter.flags(default_settings).initialising);
+  CHECK(distance_rad(filter, level) == Approx(0.1 * default_settings.gain * std::sin(30 * degree)).epsilon(0.15));
 }
 
 TEST_CASE("recovery goes on until the timer is back at 0") {
   const auto tilted = without_field(elsewhere({30 * degree, 0, 0}));
   Ahrs filter = settled_at(level);
-  run(filter, settings, tilted, 5.02);
-  REQUIRE(filter.flags(settings).acceleration_timeout);
+  run(filter, default_settings, tilted, 5.02);
+  REQUIRE(filter.flags(default_settings).acceleration_timeout);
   // sin e shrinks at the gain: tan(e/2) falls exponentially, and is inside 10° after 2.2 s.
-  const double inside_after_s = std::log(std::tan(15 * degree) / std::tan(5 * degree)) / settings.gain;
-  run(filter, settings, tilted, inside_after_s - 0.05);
-  CHECK(filter.internal_states(settings).acceleration_timer == 1.0);
-  run(filter, settings, tilted, 0.1 + 5.0 / 9.0 - 0.15);
-  CHECK(filter.internal_states(settings).acceleration_error_deg < 10.0);
-  CHECK(filter.flags(settings).acceleration_timeout);
-  run(filter, settings, tilted, 0.15);
-  CHECK_FALSE(filter.flags(settings).acceleration_timeout);
-  CHECK(filter.internal_states(settings).acceleration_timer == 0.0);
+  const double inside_after_s = std::log(std::tan(15 * degree) / std::tan(5 * degree)) / default_settings.gain;
+  run(filter, default_settings, tilted, inside_after_s - 0.05);
+  CHECK(filter.internal_states(default_settings).acceleration_timer == 1.0);
+  run(filter, default_settings, tilted, 0.1 + 5.0 / 9.0 - 0.15);
+  CHECK(filter.internal_states(default_settings).acceleration_error_deg < 10.0);
+  CHECK(filter.flags(default_settings).acceleration_timeout);
+  run(filter, default_settings, tilted, 0.15);
+  CHECK_FALSE(filter.flags(default_settings).acceleration_timeout);
+  CHECK(filter.internal_states(default_settings).acceleration_timer == 0.0);
 }
 
 TEST_CASE("recovery comes when ignored updates exceed nine times the used ones") {
@@ -79,19 +79,19 @@ TEST_CASE("recovery comes when ignored updates exceed nine times the used ones")
 TEST_CASE("a contradicting magnetometer is followed after the timeout, without a jump") {
   const auto turned = elsewhere({0, 0, 100 * degree});
   Ahrs filter = settled_at(level);
-  run(filter, settings, turned, 5.0);
+  run(filter, default_settings, turned, 5.0);
   CHECK(distance_rad(filter, level) < rounding_rad);
   double yaw_rad = 0.0;
   for (int i = 0; i < 3000; ++i) {
-    filter.update(settings, turned);
-    const double now_rad = math::yaw_of(filter.orientation());
-    CHECK(now_rad - yaw_rad <= settings.gain * step_s * 1.0001);
-    if (i == 10) CHECK(filter.flags(settings).magnetic_timeout);
-    CHECK_FALSE(filter.flags(settings).initialising);
+    filter.update(default_settings, turned);
+    const double now_rad = geometry::yaw_of(filter.orientation());
+    CHECK(now_rad - yaw_rad <= default_settings.gain * step_s * 1.0001);
+    if (i == 10) CHECK(filter.flags(default_settings).magnetic_timeout);
+    CHECK_FALSE(filter.flags(default_settings).initialising);
     yaw_rad = now_rad;
   }
   CHECK(yaw_rad == Approx(100 * degree).margin(1e-4));
-  CHECK_FALSE(filter.flags(settings).magnetic_timeout);
+  CHECK_FALSE(filter.flags(default_settings).magnetic_timeout);
 }
 
 TEST_CASE("the warnings come at a quarter of the timeout") {

@@ -1,6 +1,6 @@
 /// Rejection as the AHRS document describes it: thresholds, the ten-times rule, and what a timeout does.
 
-#include "ahrs_support.hpp"
+#include "attitude/ahrs_support.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -20,13 +20,13 @@ AhrsSettings seed_form() {
 /// As an accelerometer of a tilted body: the field is the level body's.
 attitude::Measurement<double> tilted_force(double angle_rad) {
   auto m = at_rest(level);
-  m.specific_force_body_mps2 = math::rotation_by({angle_rad, 0, 0}).conjugate() * m.specific_force_body_mps2;
+  m.specific_force_body_mps2 = geometry::rotation_by({angle_rad, 0, 0}).conjugate() * m.specific_force_body_mps2;
   return m;
 }
 
 attitude::Measurement<double> turned_field(double angle_rad) {
   auto m = at_rest(level);
-  m.magnetic_field_body_t = math::rotation_about_z(-angle_rad) * m.magnetic_field_body_t;
+  m.magnetic_field_body_t = geometry::rotation_about_z(-angle_rad) * m.magnetic_field_body_t;
   return m;
 }
 
@@ -147,7 +147,7 @@ TEST_CASE("a magnetic timeout sets the heading at once and does not initialise")
   const AhrsSettings settings = seed_form();
   Ahrs filter = settled_at(level, settings);
   run(filter, settings, turned_field(100 * degree), 5.0);
-  CHECK(math::yaw_of(filter.orientation()) == Approx(0.0).margin(1e-9));
+  CHECK(geometry::yaw_of(filter.orientation()) == Approx(0.0).margin(1e-9));
   CHECK(filter.flags(settings).magnetic_warning);
   CHECK_FALSE(filter.flags(settings).magnetic_timeout);
   int timeouts = 0;
@@ -156,7 +156,7 @@ TEST_CASE("a magnetic timeout sets the heading at once and does not initialise")
     filter.update(settings, turned_field(100 * degree));
     if (!filter.flags(settings).magnetic_timeout) continue;
     ++timeouts;
-    yaw_at_timeout_rad = math::yaw_of(filter.orientation());
+    yaw_at_timeout_rad = geometry::yaw_of(filter.orientation());
     CHECK(i < 3);
     CHECK(filter.internal_states(settings).magnetic_timer == 0.0);
   }

@@ -4,8 +4,8 @@
 /// already settled on it.
 
 #include <sonopose/attitude/ahrs.hpp>
-#include <sonopose/core/samples.hpp>
-#include <sonopose/math/rotation.hpp>
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/geometry/rotation.hpp>
 
 #include <cmath>
 
@@ -16,7 +16,7 @@ using attitude::AhrsSettings;
 using attitude::RejectionForm;
 
 inline constexpr double step_s = 0.01;
-inline constexpr double degree = math::radians_per_degree;
+inline constexpr double degree = geometry::radians_per_degree;
 
 /// An angle that rounding alone explains; with the fast inverse square root its error is the larger one.
 #ifdef SONOPOSE_FAST_INVERSE_SQRT
@@ -64,8 +64,8 @@ inline Ahrs settled_at(const Quaterniond& q_body_to_world, const AhrsSettings& s
 
 /// Angle from the estimated to the true up.
 inline double tilt_error_rad(const Ahrs& filter, const Quaterniond& q_body_to_world) {
-  const Vector3d estimated = math::up_in_body(filter.orientation());
-  const Vector3d truth = math::up_in_body(q_body_to_world);
+  const Vector3d estimated = geometry::up_in_body(filter.orientation());
+  const Vector3d truth = geometry::up_in_body(q_body_to_world);
   return std::atan2(estimated.cross(truth).norm(), estimated.dot(truth));
 }
 

@@ -1,6 +1,6 @@
 /// The AHRS document's algorithm: initialisation, the pull of the sensors and what each of them can tell.
 
-#include "ahrs_support.hpp"
+#include "attitude/ahrs_support.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -9,7 +9,7 @@ using namespace sonopose::testing;
 
 namespace {
 
-const Quaterniond somewhere = math::rotation_about_z(2.0) * math::rotation_by({0.4, -0.7, 0.0});
+const Quaterniond somewhere = geometry::rotation_about_z(2.0) * geometry::rotation_by({0.4, -0.7, 0.0});
 
 /// After `seconds`, of an error that the filter is given once it has settled.
 Ahrs after_error(const AhrsSettings& settings, const Vector3d& error_world_rad, double seconds) {
@@ -32,7 +32,7 @@ TEST_CASE("initialisation converges within its 3 s from any orientation") {
                                 Vector3d(0, 0, 3.0), Vector3d(1.8, 1.8, 1.8)}) {
     INFO("from " << start.transpose());
     Ahrs filter;
-    filter.reset(math::rotation_by(start));
+    filter.reset(geometry::rotation_by(start));
     run(filter, {}, at_rest(somewhere, north), 3.0);
     CHECK(distance_rad(filter, somewhere) < 1.0 * degree);
     run(filter, {}, at_rest(somewhere, north), 20.0);
@@ -54,7 +54,7 @@ TEST_CASE("exactly upside down and exactly backwards are no places to rest") {
 TEST_CASE("the gain falls from 10 to its final value over 3 s") {
   AhrsSettings settings;
   settings.acceleration_rejection_deg = 0.0;
-  const Quaterniond truth = math::rotation_by({std::numbers::pi / 2, 0, 0});
+  const Quaterniond truth = geometry::rotation_by({std::numbers::pi / 2, 0, 0});
   for (const double seconds : {0.5, 1.0, 2.0, 2.9, 3.2}) {
     Ahrs filter;
     filter.reset(truth);
@@ -100,10 +100,10 @@ TEST_CASE("beyond 90 degrees the pull does not fade") {
 
 TEST_CASE("gravity says nothing of heading, the field nothing of tilt") {
   Ahrs filter;
-  filter.reset(math::rotation_about_z(1.0) * math::rotation_by({0.1, -0.05, 0.0}));
+  filter.reset(geometry::rotation_about_z(1.0) * geometry::rotation_by({0.1, -0.05, 0.0}));
   run(filter, {}, without_field(at_rest(Quaterniond::Identity())), 20.0);
   CHECK(tilt_error_rad(filter, Quaterniond::Identity()) < 1e-4);
-  CHECK(math::yaw_of(filter.orientation()) == Approx(1.0).margin(0.01));
+  CHECK(geometry::yaw_of(filter.orientation()) == Approx(1.0).margin(0.01));
 
   filter = settled_at(somewhere);
   auto disturbed = at_rest(somewhere);
@@ -135,12 +135,12 @@ TEST_CASE("a field before any force is not used: up is not known yet") {
   auto m = at_rest(Quaterniond::Identity());
   m.specific_force_body_mps2.setZero();
   Ahrs filter;
-  filter.reset(math::rotation_about_z(1.0));
+  filter.reset(geometry::rotation_about_z(1.0));
   run(filter, {}, m, 1.0);
-  CHECK(math::yaw_of(filter.orientation()) == Approx(1.0));
+  CHECK(geometry::yaw_of(filter.orientation()) == Approx(1.0));
   filter.update({}, without_field(at_rest(Quaterniond::Identity())));
   run(filter, {}, m, 5.0);
-  CHECK(std::abs(math::yaw_of(filter.orientation())) < 0.01);
+  CHECK(std::abs(geometry::yaw_of(filter.orientation())) < 0.01);
 }
 
 TEST_CASE("sensors may come at different rates: a step without one neither pulls nor counts") {

@@ -1,6 +1,6 @@
 /// The AHRS as a value: what can be set, read, copied, saved and restored, at any step and in any precision.
 
-#include "ahrs_support.hpp"
+#include "attitude/ahrs_support.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -16,9 +16,9 @@ namespace {
 
 /// A body that swings about all axes, in closed form.
 Quaterniond swinging(double t) {
-  return math::rotation_about_z(0.8 * std::sin(0.9 * t)) *
-         math::rotation_by({0.5 * std::sin(1.3 * t), 0.0, 0.0}) *
-         math::rotation_by({0.0, 0.4 * std::sin(0.7 * t), 0.0});
+  return geometry::rotation_about_z(0.8 * std::sin(0.9 * t)) *
+         geometry::rotation_by({0.5 * std::sin(1.3 * t), 0.0, 0.0}) *
+         geometry::rotation_by({0.0, 0.4 * std::sin(0.7 * t), 0.0});
 }
 
 /// Its sensors over the step from `t − dt_s` to `t`: the mean rate, which a gyroscope that integrates tells.
@@ -92,7 +92,7 @@ TEST_CASE("float agrees with double") {
 }
 
 TEST_CASE("a step of any length pulls no further than its errors") {
-  const Quaterniond truth = math::rotation_by({0.1, 0.05, 0.1});
+  const Quaterniond truth = geometry::rotation_by({0.1, 0.05, 0.1});
   Ahrs filter;
   auto m = at_rest(truth);
   m.dt_s = 1.0;  // ten times as long as a gain of 10 can bear
@@ -165,11 +165,11 @@ TEST_CASE("a turn in the world and a heading that is set change the orientation 
   const Quaterniond before = filter.orientation();
   auto fields_before = saved(filter);
   filter.turn_in_world({0.1, -0.2, 0.3});
-  CHECK(distance_rad(filter, math::rotation_by({0.1, -0.2, 0.3}) * before) < 1e-12);
-  const Vector3d up_before = math::up_in_body(filter.orientation());
+  CHECK(distance_rad(filter, geometry::rotation_by({0.1, -0.2, 0.3}) * before) < 1e-12);
+  const Vector3d up_before = geometry::up_in_body(filter.orientation());
   filter.set_heading(-2.5);
-  CHECK(math::yaw_of(filter.orientation()) == Approx(-2.5));
-  CHECK((math::up_in_body(filter.orientation()) - up_before).norm() < 1e-12);
+  CHECK(geometry::yaw_of(filter.orientation()) == Approx(-2.5));
+  CHECK((geometry::up_in_body(filter.orientation()) - up_before).norm() < 1e-12);
   auto fields_after = saved(filter);
   fields_before.erase("q_body_to_world");
   fields_after.erase("q_body_to_world");

@@ -24,7 +24,7 @@ ImuSample sample_at(double time_s, const Vector3d& rate_radps) {
 TEST_CASE("every kind can be named, and another one goes on where the one before stood") {
   attitude::Settings settings;
   AnyFilter filter;
-  filter.reset(math::rotation_by({0.0, 0.0, 1.0}));
+  filter.reset(geometry::rotation_by({0.0, 0.0, 1.0}));
   filter.set_gyro_bias({0.0, 0.0, 0.02});
   Measurement<double> measurement;
   measurement.dt_s = 0.01;
@@ -36,7 +36,7 @@ TEST_CASE("every kind can be named, and another one goes on where the one before
     for (int i = 0; i < 50; ++i) filter.update(settings, measurement);
     INFO(names[kind]);
     CHECK(filter.kind() == settings.selection.filter);
-    CHECK(math::yaw_of(filter.orientation()) == Approx(1.0).margin(1e-3));
+    CHECK(geometry::yaw_of(filter.orientation()) == Approx(1.0).margin(1e-3));
     CHECK(filter.gyro_bias_body_radps().z() == Approx(0.02).margin(1e-3));
   }
 }
@@ -60,15 +60,15 @@ TEST_CASE("a tracker takes the step from the stamps, and leaves out what is no m
   CHECK(tracker.on(sample_at(0.0, rate_radps)));
   CHECK(tracker.on(sample_at(0.1, rate_radps)));
   CHECK(tracker.on(sample_at(0.4, rate_radps)));
-  CHECK(math::yaw_of(tracker.filter().orientation()) == Approx(0.2));
+  CHECK(geometry::yaw_of(tracker.filter().orientation()) == Approx(0.2));
   CHECK_FALSE(tracker.on(sample_at(0.3, rate_radps)));
   CHECK_FALSE(tracker.on(sample_at(0.5, {0, 0, std::numeric_limits<double>::quiet_NaN()})));
   CHECK(tracker.on(sample_at(0.4, rate_radps)));
-  CHECK(math::yaw_of(tracker.filter().orientation()) == Approx(0.2));
+  CHECK(geometry::yaw_of(tracker.filter().orientation()) == Approx(0.2));
 }
 
 TEST_CASE("a tracker starts level, and with a magnetometer pointing as it says") {
-  const Quaterniond truth = math::rotation_of(math::EulerAngles<double>{0.3, -0.2, 2.5});
+  const Quaterniond truth = geometry::rotation_of(geometry::EulerAngles<double>{0.3, -0.2, 2.5});
   ImuSample imu = sample_at(0.0, Vector3d::Zero());
   imu.specific_force_body_mps2 = truth.conjugate() * imu.specific_force_body_mps2;
   imu.magnetic_field_body_t = truth.conjugate() * Vector3d(-20e-6, 0, -40e-6);  // north is the world's −X
@@ -77,6 +77,6 @@ TEST_CASE("a tracker starts level, and with a magnetometer pointing as it says")
   CHECK(with_field.filter().orientation().angularDistance(truth) < 1e-9);
   Tracker<Gyro> without({}, {});
   without.on(imu);
-  CHECK(math::up_in_body(without.filter().orientation()).dot(math::up_in_body(truth)) == Approx(1.0));
-  CHECK(math::yaw_of(without.filter().orientation()) == Approx(0.0).margin(1e-9));
+  CHECK(geometry::up_in_body(without.filter().orientation()).dot(geometry::up_in_body(truth)) == Approx(1.0));
+  CHECK(geometry::yaw_of(without.filter().orientation()) == Approx(0.0).margin(1e-9));
 }

@@ -1,7 +1,7 @@
 /// The gyroscope's offset, learned at rest and in motion.
 
 #include <sonopose/attitude/adaptive.hpp>
-#include <sonopose/core/samples.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -13,7 +13,7 @@ using namespace sonopose::attitude;
 namespace {
 
 const Vector3d gravity_mps2(0, 0, 9.80665);
-constexpr double dps = math::radians_per_degree;
+constexpr double dps = geometry::radians_per_degree;
 const Vector3d offset_radps(0.6 * dps, -0.4 * dps, 0.5 * dps);
 
 /// A body that turns with `rate(t)` about its own axes, and its gyroscope with the offset.
@@ -25,7 +25,7 @@ Adaptive after(double duration_s, const Rate& rate) {
     Measurement<double> measurement;
     measurement.dt_s = 0.01;
     const Vector3d rate_radps = rate(0.01 * i);
-    truth = truth * math::rotation_by(rate_radps * 0.01);
+    truth = truth * geometry::rotation_by(rate_radps * 0.01);
     measurement.angular_velocity_body_radps = rate_radps + offset_radps;
     measurement.specific_force_body_mps2 = truth.conjugate() * gravity_mps2;
     filter.update({}, measurement);

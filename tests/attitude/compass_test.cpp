@@ -1,6 +1,6 @@
 /// The compass, and the conventions that it tells headings in.
 
-#include "ahrs_support.hpp"
+#include "attitude/ahrs_support.hpp"
 #include <sonopose/attitude/compass.hpp>
 
 #include <catch2/catch.hpp>
@@ -22,7 +22,7 @@ double degrees_of(Convention convention, const attitude::Measurement<double>& m)
 
 TEST_CASE("level and looking north, east, south: each convention's own angle") {
   // The world is ENU here, so that a yaw of 90° looks north.
-  const auto looking_north = at_rest(math::rotation_about_z(90 * degree));
+  const auto looking_north = at_rest(geometry::rotation_about_z(90 * degree));
   CHECK(degrees_of(Convention::nwu, looking_north) == Approx(0.0).margin(1e-9));
   CHECK(degrees_of(Convention::enu, looking_north) == Approx(90.0));
   CHECK(degrees_of(Convention::ned, looking_north) == Approx(0.0).margin(1e-9));
@@ -37,11 +37,11 @@ TEST_CASE("tilt does not change the heading: it is the yaw of the orientation in
     for (const double yaw_deg : {-170.0, -30.0, 0.0, 75.0, 140.0}) {
       for (const double pitch_deg : {-80.0, 0.0, 30.0}) {
         for (const double roll_deg : {-100.0, 0.0, 45.0, 180.0}) {
-          const Quaterniond q = math::rotation_of(
-              math::EulerAngles<double>{roll_deg * degree, pitch_deg * degree, yaw_deg * degree});
+          const Quaterniond q = geometry::rotation_of(
+              geometry::EulerAngles<double>{roll_deg * degree, pitch_deg * degree, yaw_deg * degree});
           const Eigen::Vector2d north(0.6, 0.8);
           INFO("yaw " << yaw_deg << " pitch " << pitch_deg << " roll " << roll_deg);
-          const double expected_deg = math::yaw_of(attitude::orientation_in(convention, north, q)) / degree;
+          const double expected_deg = geometry::yaw_of(attitude::orientation_in(convention, north, q)) / degree;
           CHECK(degrees_of(convention, at_rest(q, north)) == Approx(expected_deg));
           // The length of neither vector matters.
           auto scaled = at_rest(q, north);
@@ -70,8 +70,8 @@ TEST_CASE("a yaw of a convention is told in the world and back") {
     for (const double yaw_rad : {-3.0, -1.0, 0.0, 0.5, 2.0}) {
       const Eigen::Vector2d north(-0.28, 0.96);
       const double world_rad = attitude::yaw_in_world(convention, north, yaw_rad);
-      const Quaterniond q = math::rotation_about_z(world_rad) * math::rotation_by({0, 0.4, 0});
-      CHECK(math::yaw_of(attitude::orientation_in(convention, north, q)) == Approx(yaw_rad).margin(1e-12));
+      const Quaterniond q = geometry::rotation_about_z(world_rad) * geometry::rotation_by({0, 0.4, 0});
+      CHECK(geometry::yaw_of(attitude::orientation_in(convention, north, q)) == Approx(yaw_rad).margin(1e-12));
     }
   }
 }

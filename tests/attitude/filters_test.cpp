@@ -75,7 +75,7 @@ void reset(F& filter, const Quaterniond& q_body_to_world) {
   filter.reset(q_body_to_world.template cast<typename F::Scalar>());
 }
 
-const Quaterniond some_attitude = math::rotation_by({0.4, -0.9, 1.7});
+const Quaterniond some_attitude = geometry::rotation_by({0.4, -0.9, 1.7});
 
 }  // namespace
 
@@ -101,13 +101,13 @@ TEMPLATE_TEST_CASE("with the gyroscope alone a constant rate is integrated exact
     filter.update(lively<TestType>(), measurement);
     time_s += dt_s;
   }
-  const Quaterniond expected = some_attitude * math::rotation_by(rate_radps * time_s);
+  const Quaterniond expected = some_attitude * geometry::rotation_by(rate_radps * time_s);
   CHECK(angle_between(filter, expected) < tolerance_rad<TestType>);
   CHECK(filter.orientation().norm() == Approx(1.0).margin(1e-6));
 }
 
 TEMPLATE_TEST_CASE("a gyroscope's offset that is given is taken off", "", EVERY_FILTER) {
-  using Vector = math::Vector3<typename TestType::Scalar>;
+  using Vector = geometry::Vector3<typename TestType::Scalar>;
   TestType filter;
   reset(filter, some_attitude);
   const Vector offset(typename TestType::Scalar(0.02), typename TestType::Scalar(-0.01),
@@ -128,17 +128,17 @@ TEMPLATE_TEST_CASE("a gyroscope's offset that is given is taken off", "", EVERY_
 }
 
 TEMPLATE_TEST_CASE("gravity corrects the tilt, from any attitude and at any", "", EVERY_FILTER) {
-  for (const Quaterniond& truth : {Quaterniond::Identity(), some_attitude, math::rotation_by({3.1, 0.0, 0.0}),
-                                   math::rotation_by({0.0, std::acos(0.0), 0.0})}) {
+  for (const Quaterniond& truth : {Quaterniond::Identity(), some_attitude, geometry::rotation_by({3.1, 0.0, 0.0}),
+                                   geometry::rotation_by({0.0, std::acos(0.0), 0.0})}) {
     TestType filter;
     // 1 rad, and nearly upside down.
     for (const double off_rad : {1.0, 3.0}) {
-      reset(filter, math::rotation_by({off_rad, 0.0, 0.0}) * truth);
+      reset(filter, geometry::rotation_by({off_rad, 0.0, 0.0}) * truth);
       Measured<TestType> measurement = at_rest<TestType>(truth, 0.01, 0.0);
       measurement.magnetic_field_body_t.setZero();
       for (int i = 0; i < 10'000; ++i) filter.update(lively<TestType>(), measurement);
-      const Vector3d up_body = math::up_in_body(filter.orientation()).template cast<double>();
-      const double tilt_rad = std::acos(std::min(1.0, up_body.dot(math::up_in_body(truth))));
+      const Vector3d up_body = geometry::up_in_body(filter.orientation()).template cast<double>();
+      const double tilt_rad = std::acos(std::min(1.0, up_body.dot(geometry::up_in_body(truth))));
       INFO("off by " << off_rad << " rad at first");
       if (corrects<TestType>) CHECK(tilt_rad < 0.01);
       if (!corrects<TestType>) CHECK(tilt_rad == Approx(off_rad).epsilon(0.01));
@@ -152,7 +152,7 @@ TEMPLATE_TEST_CASE("the magnetometer turns heading to north, wherever north lies
   const double quarter = std::acos(0.0);
   for (const double north_rad : {0.0, quarter, -2.0}) {
     TestType filter;
-    reset(filter, math::rotation_about_z(1.5) * some_attitude);
+    reset(filter, geometry::rotation_about_z(1.5) * some_attitude);
     // Some filters first look whether a field is the Earth's, so a minute and some.
     for (int i = 0; i < 12'000; ++i) {
       filter.update(lively<TestType>(), at_rest<TestType>(some_attitude, 0.01, north_rad));
@@ -163,7 +163,7 @@ TEMPLATE_TEST_CASE("the magnetometer turns heading to north, wherever north lies
 }
 
 TEMPLATE_TEST_CASE("what is known of the acceleration is not taken for gravity", "", EVERY_FILTER) {
-  using Vector = math::Vector3<typename TestType::Scalar>;
+  using Vector = geometry::Vector3<typename TestType::Scalar>;
   TestType filter;
   reset(filter, some_attitude);
   Measured<TestType> measurement = at_rest<TestType>(some_attitude, 0.01, 0.0);
@@ -177,7 +177,7 @@ TEMPLATE_TEST_CASE("what is known of the acceleration is not taken for gravity",
 
 TEMPLATE_TEST_CASE("a turn in the world turns the orientation, and no time changes nothing", "",
                    EVERY_FILTER) {
-  using Vector = math::Vector3<typename TestType::Scalar>;
+  using Vector = geometry::Vector3<typename TestType::Scalar>;
   TestType filter;
   reset(filter, some_attitude);
   for (int i = 0; i < 500; ++i)
@@ -186,7 +186,7 @@ TEMPLATE_TEST_CASE("a turn in the world turns the orientation, and no time chang
   const Vector turn(typename TestType::Scalar(0.1), typename TestType::Scalar(-0.2),
                     typename TestType::Scalar(0.3));
   filter.turn_in_world(turn);
-  const Quaterniond turned = math::rotation_by(Vector3d(0.1, -0.2, 0.3)) * before;
+  const Quaterniond turned = geometry::rotation_by(Vector3d(0.1, -0.2, 0.3)) * before;
   CHECK(angle_between(filter, turned) < tolerance_rad<TestType>);
   Measured<TestType> measurement;
   measurement.angular_velocity_body_radps = Vector(1, 2, 3);

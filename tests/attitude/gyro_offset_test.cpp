@@ -1,6 +1,6 @@
 /// The AHRS document's gyroscope offset correction.
 
-#include "ahrs_support.hpp"
+#include "attitude/ahrs_support.hpp"
 
 #include <catch2/catch.hpp>
 

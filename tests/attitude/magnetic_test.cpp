@@ -1,7 +1,7 @@
 /// Which fields are asked for north.
 
 #include <sonopose/attitude/adaptive.hpp>
-#include <sonopose/core/samples.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -47,8 +47,8 @@ TEST_CASE("a field that stays the same while the body turns becomes the referenc
 }
 
 TEST_CASE("a field of another norm or another dip is rejected, one turned about the vertical is not") {
-  const double ten_deg = 10.0 * math::radians_per_degree;
-  const auto dipped = [](double by_rad) { return math::rotation_by(Vector3d(by_rad, 0, 0)) * earth_t; };
+  const double ten_deg = 10.0 * geometry::radians_per_degree;
+  const auto dipped = [](double by_rad) { return geometry::rotation_by(Vector3d(by_rad, 0, 0)) * earth_t; };
   struct Case {
     const char* what;
     Vector3d field_t;
@@ -58,7 +58,7 @@ TEST_CASE("a field of another norm or another dip is rejected, one turned about 
        {Case{"8 % stronger", 1.08 * earth_t, true}, Case{"15 % stronger", 1.15 * earth_t, false},
         Case{"15 % weaker", 0.85 * earth_t, false}, Case{"dips by 8° more", dipped(0.8 * ten_deg), true},
         Case{"dips by 15° more", dipped(1.5 * ten_deg), false},
-        Case{"another heading", math::rotation_about_z(2.0) * earth_t, true}}) {
+        Case{"another heading", geometry::rotation_about_z(2.0) * earth_t, true}}) {
     INFO(what);
     Rig rig = that_knows_earth();
     CHECK((rig.feed(1.0, field_t, turning_radps) == 1.0) == accepted);
@@ -100,13 +100,13 @@ TEST_CASE("a magnet that comes near turns the heading by a small part of what it
     for (int i = 0; i < 4000; ++i) {
       // Turning to and fro about the vertical; the magnet comes for the last 10 s.
       measurement.angular_velocity_body_radps.z() = std::cos(0.01 * i);
-      truth = truth * math::rotation_by(measurement.angular_velocity_body_radps * 0.01);
+      truth = truth * geometry::rotation_by(measurement.angular_velocity_body_radps * 0.01);
       const Vector3d magnet_t = i > 3000 ? Vector3d(40e-6, 0, 0) : Vector3d::Zero();
       measurement.specific_force_body_mps2 = {0, 0, 9.80665};
       measurement.magnetic_field_body_t = truth.conjugate() * (earth_t + magnet_t);
       filter.update(settings, measurement);
     }
-    return filter.orientation().angularDistance(truth) / math::radians_per_degree;
+    return filter.orientation().angularDistance(truth) / geometry::radians_per_degree;
   };
   CHECK(heading_deg(MagneticSettings{}.norm_tolerance) < 3.0);
   CHECK(heading_deg(1.0) > 20.0);  // of 63°, with any field believed

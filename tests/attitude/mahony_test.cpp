@@ -1,8 +1,8 @@
 /// Items 29 and 30, and what the filter must be without corrections: an exact integral of the rates.
 
 #include <sonopose/attitude/mahony.hpp>
-#include <sonopose/core/samples.hpp>
-#include <sonopose/math/rotation.hpp>
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -26,12 +26,12 @@ MahonySettings gains(double kp, double ki) {
 
 /// Angle between the estimated and the true up, the body being level.
 double tilt_of(const Mahony& filter) {
-  return std::acos(std::clamp(math::up_in_body(filter.orientation()).z(), -1.0, 1.0));
+  return std::acos(std::clamp(geometry::up_in_body(filter.orientation()).z(), -1.0, 1.0));
 }
 
 Mahony tilted_by(const Vector3d& rotation_rad) {
   Mahony filter;
-  filter.reset(math::rotation_by(rotation_rad));
+  filter.reset(geometry::rotation_by(rotation_rad));
   return filter;
 }
 
@@ -65,11 +65,11 @@ TEST_CASE("item 29: a tilt error decays with the time constant 1/kp, whatever it
 
 TEST_CASE("item 29: gravity says nothing of yaw") {
   Mahony filter;
-  filter.reset(math::rotation_about_z(1.0) * math::rotation_by({0.1, -0.05, 0.0}));
-  const double yaw_rad = math::yaw_of(filter.orientation());
+  filter.reset(geometry::rotation_about_z(1.0) * geometry::rotation_by({0.1, -0.05, 0.0}));
+  const double yaw_rad = geometry::yaw_of(filter.orientation());
   rest(filter, gains(1.0, 0.01), Vector3d::Zero(), 20.0);
   CHECK(tilt_of(filter) < 1e-3);
-  CHECK(math::yaw_of(filter.orientation()) == Approx(yaw_rad).margin(0.02));
+  CHECK(geometry::yaw_of(filter.orientation()) == Approx(yaw_rad).margin(0.02));
 }
 
 TEST_CASE("item 30: a constant gyro offset is removed over tens of seconds") {
@@ -98,7 +98,7 @@ TEST_CASE("a constant rate is integrated exactly, at any step and about any axis
   const Vector3d rate_radps(1.2, -0.7, 2.5);
   for (const double dt_s : {0.001, 0.01, 0.1}) {
     Mahony filter;
-    const Quaterniond start = math::rotation_by({0.3, 0.2, -1.0});
+    const Quaterniond start = geometry::rotation_by({0.3, 0.2, -1.0});
     filter.reset(start);
     const auto steps = static_cast<int>(std::lround(10.0 / dt_s));
     for (int i = 0; i < steps; ++i) update(filter, gains(0.0, 0.0), rate_radps, at_rest_mps2, dt_s);
@@ -140,7 +140,7 @@ TEST_CASE("the magnetometer's heading gain is a rate, apart from item 29") {
   Mahony filter;
   filter.turn_in_world({0, 0, 0.05});
   for (int i = 0; i < 500; ++i) filter.update(settings, in_field(Vector3d::Zero()));
-  CHECK(math::yaw_of(filter.orientation()) / 0.05 == Approx(std::exp(-1.0)).epsilon(0.02));
+  CHECK(geometry::yaw_of(filter.orientation()) / 0.05 == Approx(std::exp(-1.0)).epsilon(0.02));
 }
 
 TEST_CASE("a disturbed field tilts the classic filter and only turns the default one") {
@@ -157,7 +157,7 @@ TEST_CASE("a disturbed field tilts the classic filter and only turns the default
     const Mahony filter = settled(attitude::MagneticError::heading);
     THEN("heading follows the magnet, and the body stays level") {
       CHECK(tilt_of(filter) < 1e-6);
-      CHECK(math::yaw_of(filter.orientation()) == Approx(0.785398).epsilon(0.01));
+      CHECK(geometry::yaw_of(filter.orientation()) == Approx(0.785398).epsilon(0.01));
     }
   }
   GIVEN("the classic error of all axes") {
@@ -172,7 +172,7 @@ TEST_CASE("a disturbed field tilts the classic filter and only turns the default
     }
     THEN("it tilts while heading turns") {
       CHECK(largest_rad > 0.03);
-      CHECK(math::yaw_of(filter.orientation()) == Approx(0.785398).epsilon(0.01));
+      CHECK(geometry::yaw_of(filter.orientation()) == Approx(0.785398).epsilon(0.01));
     }
   }
 }
@@ -180,13 +180,13 @@ TEST_CASE("a disturbed field tilts the classic filter and only turns the default
 TEST_CASE("a turn about world Z changes yaw alone") {
   Mahony filter = tilted_by({0.3, -0.2, 0.0});
   rest(filter, gains(0.15, 0.005), Vector3d(0.01, 0.0, 0.0), 1.0);
-  const Vector3d up_before = math::up_in_body(filter.orientation());
+  const Vector3d up_before = geometry::up_in_body(filter.orientation());
   const Vector3d bias_before = filter.gyro_bias_body_radps();
-  const double yaw_before = math::yaw_of(filter.orientation());
+  const double yaw_before = geometry::yaw_of(filter.orientation());
   filter.turn_in_world({0, 0, 0.8});
-  CHECK((math::up_in_body(filter.orientation()) - up_before).norm() < 1e-14);
+  CHECK((geometry::up_in_body(filter.orientation()) - up_before).norm() < 1e-14);
   CHECK(filter.gyro_bias_body_radps() == bias_before);
-  CHECK(math::yaw_of(filter.orientation()) - yaw_before == Approx(0.8));
+  CHECK(geometry::yaw_of(filter.orientation()) - yaw_before == Approx(0.8));
 }
 
 TEST_CASE("a filter is a value: a copy goes on as the original does, a reset forgets") {

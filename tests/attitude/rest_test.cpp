@@ -1,7 +1,7 @@
 /// What counts as rest.
 
 #include <sonopose/attitude/rest.hpp>
-#include <sonopose/core/samples.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -1,5 +1,5 @@
-#include <sonopose/calibration/allan.hpp>
-#include <sonopose/sim/random.hpp>
+#include "calibration/fit/allan.hpp"
+#include "sim/random.hpp"
 
 #include <catch2/catch.hpp>
 

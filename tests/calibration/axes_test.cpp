@@ -1,4 +1,4 @@
-#include <sonopose/calibration/calibration.hpp>
+#include <sonopose/calibration/model/calibration.hpp>
 
 #include <Eigen/LU>
 #include <catch2/catch.hpp>

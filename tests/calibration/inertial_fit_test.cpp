@@ -1,5 +1,5 @@
-#include "simulated_sensor.hpp"
-#include <sonopose/calibration/inertial_fit.hpp>
+#include "calibration/simulated_sensor.hpp"
+#include "calibration/fit/inertial_fit.hpp"
 
 #include <catch2/catch.hpp>
 

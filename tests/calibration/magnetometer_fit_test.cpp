@@ -1,6 +1,6 @@
-#include <sonopose/calibration/calibration.hpp>
-#include <sonopose/calibration/magnetometer_fit.hpp>
-#include <sonopose/sim/random.hpp>
+#include <sonopose/calibration/model/calibration.hpp>
+#include "calibration/fit/magnetometer_fit.hpp"
+#include "sim/random.hpp"
 
 #include <Eigen/LU>
 #include <catch2/catch.hpp>

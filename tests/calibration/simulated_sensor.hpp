@@ -2,9 +2,9 @@
 /// \file
 /// A sensor with known errors that is held still in one orientation after the other.
 
-#include <sonopose/calibration/calibration.hpp>
-#include <sonopose/math/rotation.hpp>
-#include <sonopose/sim/random.hpp>
+#include <sonopose/calibration/model/calibration.hpp>
+#include <sonopose/geometry/rotation.hpp>
+#include "sim/random.hpp"
 
 #include <Eigen/LU>
 
@@ -66,7 +66,7 @@ public:
     for (double t = 0.5 * dt_s_; t < 1.0; t += dt_s_) {
       const double share = t - std::sin(2.0 * std::numbers::pi * t) / (2.0 * std::numbers::pi);
       const double rate_radps = whole.angle() * (1.0 - std::cos(2.0 * std::numbers::pi * t));
-      measure(from * math::rotation_by(Vector3d(share * whole.angle() * whole.axis())),
+      measure(from * geometry::rotation_by(Vector3d(share * whole.angle() * whole.axis())),
               rate_radps * whole.axis());
     }
   }
@@ -79,7 +79,7 @@ private:
     sample.sensor_time_ns = 1'700'000'000'000'000'000 + to_ns(dt_s_ * static_cast<double>(samples_.size()));
     sample.angular_velocity_body_radps = errors_.gyro_gain * rate_radps + errors_.gyro_offset_radps +
                                          errors_.gyro_noise_radps * random_.normal_vector();
-    const Vector3d force_mps2 = standard_gravity_mps2 * math::up_in_body(q_body_to_world);
+    const Vector3d force_mps2 = standard_gravity_mps2 * geometry::up_in_body(q_body_to_world);
     sample.specific_force_body_mps2 = errors_.accel_gain * force_mps2 + errors_.accel_offset_mps2 +
                                       errors_.accel_noise_mps2 * random_.normal_vector();
     samples_.push_back(sample);

@@ -1,5 +1,5 @@
-#include "simulated_sensor.hpp"
-#include <sonopose/calibration/still.hpp>
+#include "calibration/simulated_sensor.hpp"
+#include "calibration/fit/still.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -42,7 +42,7 @@ TEST_CASE("a sensor that is always in motion is never still") {
   SimulatedSensor sensor(SensorErrors{}, 3);
   Quaterniond q = Quaterniond::Identity();
   for (int i = 0; i < 20; ++i) {
-    const Quaterniond next = q * math::rotation_by(Vector3d(1.0, i % 3 - 1.0, 0.5));
+    const Quaterniond next = q * geometry::rotation_by(Vector3d(1.0, i % 3 - 1.0, 0.5));
     sensor.turn(q, next);
     q = next;
   }

@@ -1,6 +1,6 @@
 /// Assignments while the fusion runs: what is read, what is refused, and whose value stands above whose.
 
-#include <sonopose/config/fusion_config.hpp>
+#include "config/fusion_config.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -10,13 +10,13 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double default_sigma_m = fusion::TrustSettings{}.sigma_m;
+constexpr double default_sigma_m = estimation::documented::TrustSettings{}.sigma_m;
 
 /// The message with which these are refused.
 std::string refusal(const std::vector<SettingAssignment>& texts) {
   try {
     parsed(texts);
-  } catch (const fusion::SettingError& error) {
+  } catch (const settings::SettingError& error) {
     return error.what();
   }
   FAIL("accepted");
@@ -58,23 +58,23 @@ TEST_CASE("a key that is named twice is refused: nobody knows which was meant") 
 }
 
 TEST_CASE("every setting's text reads back to the same bits") {
-  fusion::Settings settings;
+  settings::Settings settings;
   settings.drift.jump_alpha = 0.1 + 0.2;  // 0.30000000000000004
   settings.trust.sigma_m = 1.0 / 3.0;
   settings.trust.enabled = false;
-  settings.preset.imu_weight = fusion::ImuWeight::user;
+  settings.preset.imu_weight = estimation::documented::ImuWeight::user;
   const auto texts = texts_of(settings);
-  CHECK(texts.size() == fusion::setting_table().size());
-  fusion::Settings again;
-  for (const auto& [key, value] : parsed(texts)) fusion::set(again, key, value);
-  for (const auto& row : fusion::setting_table()) {
+  CHECK(texts.size() == settings::setting_table().size());
+  settings::Settings again;
+  for (const auto& [key, value] : parsed(texts)) settings::set(again, key, value);
+  for (const auto& row : settings::setting_table()) {
     INFO(row.key);
-    CHECK(fusion::get(again, row.key) == fusion::get(settings, row.key));
+    CHECK(settings::get(again, row.key) == settings::get(settings, row.key));
   }
 }
 
 TEST_CASE("a change for all leaves a beacon's own values alone, whichever came first") {
-  BeaconSettings beacon{fusion::Settings{}};
+  BeaconSettings beacon{settings::Settings{}};
   SECTION("own first") {
     beacon.assign_own({{"trust.sigma_m", 0.5}});
     beacon.assign_for_all({{"trust.sigma_m", 0.25}, {"trust.n_base", 7}});
@@ -88,7 +88,7 @@ TEST_CASE("a change for all leaves a beacon's own values alone, whichever came f
 }
 
 TEST_CASE("a beacon's own value stays its own when it equals everybody's, and follows its own changes") {
-  BeaconSettings beacon{fusion::Settings{}};
+  BeaconSettings beacon{settings::Settings{}};
   beacon.assign_own({{"trust.sigma_m", default_sigma_m}});
   beacon.assign_for_all({{"trust.sigma_m", 0.25}});
   CHECK(beacon.settings().trust.sigma_m == default_sigma_m);
@@ -112,18 +112,18 @@ TEST_CASE("what a configuration gives one beacon is the beacon's own") {
 }
 
 TEST_CASE("item 1: keys that a preset replaces are warned of") {
-  fusion::Settings settings;
-  settings.preset.imu_weight = fusion::ImuWeight::high;
+  settings::Settings settings;
+  settings.preset.imu_weight = estimation::documented::ImuWeight::high;
   const Assignments given{{"drift.jump_alpha", 0.5}, {"trust.n_base", 9}};
   const auto warnings = preset_warnings(settings, given, "beacon.7.");
   REQUIRE(warnings.size() == 1);
   CHECK_THAT(warnings[0], Contains("beacon.7.drift.jump_alpha") && Contains("high") && Contains("user"));
-  settings.preset.imu_weight = fusion::ImuWeight::user;
+  settings.preset.imu_weight = estimation::documented::ImuWeight::user;
   CHECK(preset_warnings(settings, given).empty());
 }
 
 TEST_CASE("settings of an attitude filter that is not chosen are warned of, unless they are as ever") {
-  fusion::Settings settings;
+  settings::Settings settings;
   settings.attitude.selection.filter = attitude::FilterKind::ahrs;
   settings.attitude.mahony.kp = 0.5;
   settings.attitude.ahrs.gain = 0.7;
@@ -140,7 +140,7 @@ TEST_CASE("settings of an attitude filter that is not chosen are warned of, unle
 }
 
 TEST_CASE("settings of a magnetometer that is not used are warned of") {
-  fusion::Settings settings;
+  settings::Settings settings;
   settings.attitude.selection.north_deg = 30.0;
   const Assignments given{{"attitude.north_deg", 30.0}};
   REQUIRE(idle_filter_warnings(settings, given).size() == 1);

@@ -1,6 +1,6 @@
 /// Settings from TOML and the command line: what is right goes through, what is wrong is named.
 
-#include <sonopose/config/fusion_config.hpp>
+#include "config/fusion_config.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -53,9 +53,9 @@ std::string refusal(const std::string& text) {
   return {};
 }
 
-bool same_everywhere(const fusion::Settings& a, const fusion::Settings& b) {
-  for (const auto& row : fusion::setting_table()) {
-    if (fusion::get(a, row.key) != fusion::get(b, row.key)) return false;
+bool same_everywhere(const settings::Settings& a, const settings::Settings& b) {
+  for (const auto& row : settings::setting_table()) {
+    if (settings::get(a, row.key) != settings::get(b, row.key)) return false;
   }
   return true;
 }
@@ -63,7 +63,7 @@ bool same_everywhere(const fusion::Settings& a, const fusion::Settings& b) {
 }  // namespace
 
 TEST_CASE("an empty file leaves every default") {
-  CHECK(same_everywhere(loaded("").for_beacon(7), fusion::Settings{}));
+  CHECK(same_everywhere(loaded("").for_beacon(7), settings::Settings{}));
 }
 
 TEST_CASE("a file's values reach every beacon") {
@@ -77,13 +77,13 @@ enabled = false
 kp = 2
 )");
   for (const BeaconAddress address : std::initializer_list<BeaconAddress>{0, 7, 65534}) {
-    const fusion::Settings settings = config.for_beacon(address);
-    CHECK(settings.preset.imu_weight == fusion::ImuWeight::high);
+    const settings::Settings settings = config.for_beacon(address);
+    CHECK(settings.preset.imu_weight == estimation::documented::ImuWeight::high);
     CHECK(settings.trust.sigma_m == 0.08);
     CHECK(settings.trust.n_base == 5);
     CHECK_FALSE(settings.trust.enabled);
     CHECK(settings.attitude.mahony.kp == 2.0);
-    CHECK(settings.drift.velocity_smooth_rate_hz == fusion::DriftSettings{}.velocity_smooth_rate_hz);
+    CHECK(settings.drift.velocity_smooth_rate_hz == estimation::documented::DriftSettings{}.velocity_smooth_rate_hz);
   }
 }
 
@@ -153,8 +153,8 @@ TEST_CASE("an assignment (--set) takes a value for all or for one beacon") {
   config.assign("fusion.imu_weight=low");
   CHECK(config.for_beacon(3).drift.velocity_smooth_rate_hz == 20.0);
   CHECK(config.for_beacon(7).trust.n_base == 9);
-  CHECK(config.for_beacon(3).trust.n_base == fusion::TrustSettings{}.n_base);
-  CHECK(config.for_beacon(3).preset.imu_weight == fusion::ImuWeight::low);
+  CHECK(config.for_beacon(3).trust.n_base == estimation::documented::TrustSettings{}.n_base);
+  CHECK(config.for_beacon(3).preset.imu_weight == estimation::documented::ImuWeight::low);
   config.assign("beacon.7.trust.n_base=11");  // the last one counts
   CHECK(config.for_beacon(7).trust.n_base == 11);
 }
@@ -179,7 +179,7 @@ TEST_CASE("an assignment (--set) refuses with key, value and what is allowed, an
   CHECK_THAT(refused("=0.5"), Contains("GROUP.KEY=VALUE"));
   CHECK_THAT(refused("beacon.x.drift.jump_alpha=0.5"), Contains("beacon.ADDRESS"));
   CHECK_THAT(refused("beacon.7.drift.jump_alpha=5"), Contains("0 … 1"));
-  CHECK(same_everywhere(config.for_beacon(7), fusion::Settings{}));
+  CHECK(same_everywhere(config.for_beacon(7), settings::Settings{}));
   CHECK(config.warnings().empty());
 }
 
@@ -202,7 +202,7 @@ TEST_CASE("what is printed loads back to the same, beacons included") {
 
 TEST_CASE("the printed configuration shows every setting with its item and range") {
   const std::string text = FusionConfig{}.to_toml();
-  for (const auto& row : fusion::setting_table()) {
+  for (const auto& row : settings::setting_table()) {
     INFO(row.key);
     CHECK(text.find(row.sentence + " (" + row.allowed() + ")") != std::string::npos);
     CHECK(text.find(row.name + " = ") != std::string::npos);

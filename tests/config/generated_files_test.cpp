@@ -1,6 +1,6 @@
 /// The committed files that are made from the declarations must be what the declarations make.
 
-#include <sonopose/config/fusion_config.hpp>
+#include "config/fusion_config.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -28,7 +28,7 @@ TEST_CASE("config/fusion.toml is the defaults as --print-config prints them") {
 TEST_CASE("config/tuned.toml loads, without a warning, and leaves the typical ranges where it says so") {
   const auto config = config::FusionConfig::load(std::string(SONOPOSE_SOURCE_DIR) + "/config/tuned.toml");
   CHECK(config.warnings().empty());
-  const fusion::Settings tuned = config.for_beacon(7);
+  const settings::Settings tuned = config.for_beacon(7);
   CHECK(tuned.trust.sigma_m > 0.15);
   CHECK(tuned.attitude.mahony.ki < 0.001);
   CHECK(tuned.drift.velocity_smooth_rate_hz < 10.0);
@@ -40,12 +40,12 @@ TEST_CASE("docs/settings.md is the page of the declarations") {
 
 TEST_CASE("the programs' help has a line for every setting, with item, default and range") {
   const std::string help = config::settings_help();
-  for (const auto& row : fusion::setting_table()) {
+  for (const auto& row : settings::setting_table()) {
     INFO(row.key);
     const auto begin = help.find("  " + row.key + " ");
     REQUIRE(begin != std::string::npos);
     const std::string line = help.substr(begin, help.find('\n', begin) - begin);
-    CHECK(line.find(fusion::to_text(row.initial)) != std::string::npos);
+    CHECK(line.find(settings::to_text(row.initial)) != std::string::npos);
     CHECK(line.find(row.allowed()) != std::string::npos);
     if (row.item != 0) CHECK(line.ends_with("item " + std::to_string(row.item)));
   }
@@ -53,7 +53,7 @@ TEST_CASE("the programs' help has a line for every setting, with item, default a
 
 TEST_CASE("the page names every setting") {
   const std::string page = config::settings_page();
-  for (const auto& row : fusion::setting_table()) {
+  for (const auto& row : settings::setting_table()) {
     INFO(row.key);
     CHECK(page.find("`" + row.key + "`") != std::string::npos);
     CHECK(page.find(row.sentence) != std::string::npos);

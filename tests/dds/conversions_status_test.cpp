@@ -1,5 +1,5 @@
-#include "field_filler.hpp"
-#include <sonopose/dds/conversions.hpp>
+#include "dds/field_filler.hpp"
+#include <sonopose/dds/topics/conversions.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -45,8 +45,8 @@ TEST_CASE("Every field of a report survives the way to IDL and back") {
   Filler fill;
   FixReport r;
   fill.all(r.address, r.sequence, r.emission_time_ns, r.applied_time_ns, r.position_world_m,
-           r.shifted_position_world_m, r.residual_m, r.weight, r.trust, r.jump_world_m,
-           r.velocity_change_world_mps, r.yaw_change_rad, r.verdict);
+           r.shifted_position_world_m, r.innovation_m, r.weight, r.trust, r.jump_world_m,
+           r.velocity_change_world_mps, r.yaw_change_rad, r.flags);
   const FixReport back = from_idl(to_idl(r));
   CHECK(back.address == r.address);
   CHECK(back.sequence == r.sequence);
@@ -54,13 +54,13 @@ TEST_CASE("Every field of a report survives the way to IDL and back") {
   CHECK(back.applied_time_ns == r.applied_time_ns);
   CHECK(back.position_world_m == r.position_world_m);
   CHECK(back.shifted_position_world_m == r.shifted_position_world_m);
-  CHECK(back.residual_m == r.residual_m);
+  CHECK(back.innovation_m == r.innovation_m);
   CHECK(back.weight == r.weight);
   CHECK(back.trust == r.trust);
   CHECK(back.jump_world_m == r.jump_world_m);
   CHECK(back.velocity_change_world_mps == r.velocity_change_world_mps);
   CHECK(back.yaw_change_rad == r.yaw_change_rad);
-  CHECK(back.verdict == r.verdict);
+  CHECK(back.flags == r.flags);
 }
 
 TEST_CASE("Every field of a beacon's status survives the way to IDL and back") {

@@ -1,5 +1,5 @@
-#include "field_filler.hpp"
-#include <sonopose/dds/conversions.hpp>
+#include "dds/field_filler.hpp"
+#include <sonopose/dds/topics/conversions.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -8,7 +8,7 @@
 namespace sonopose::dds::test {
 namespace {
 
-/// Both ways, in both directions: hub → IDL → hub and IDL → hub → IDL, every field with a value of its own. A
+/// Both ways, in both directions: native → IDL → native and IDL → native → IDL, every field with a value of its own. A
 /// field that one of the functions forgets is zero afterwards, and one that they mix up has another's value.
 TEST_CASE("Every field of every sample survives the way to IDL and back") {
   SECTION("IMU sample") {

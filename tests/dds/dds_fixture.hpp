@@ -1,8 +1,8 @@
 #pragma once
 // What the tests of the DDS layer share: a domain of their own, and waiting for events.
 
-#include <sonopose/dds/topics.hpp>
-#include <sonopose/dds/waitset.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/dds/binding/waitset.hpp>
 
 #include <chrono>
 #include <cstdint>
@@ -14,7 +14,7 @@
 namespace sonopose::dds::test {
 
 /// An upper bound only: every wait ends with its event.
-inline constexpr Duration patience = std::chrono::seconds(20);
+inline constexpr Duration test_timeout = std::chrono::seconds(20);
 
 /// A domain of this process alone, away from the ones that people use.
 inline std::uint32_t test_domain() {
@@ -28,7 +28,7 @@ inline DomainParticipant participant() {
 
 /// Waits for a change of one of the entity's statuses until `done()`. Returns what `done()` says at the end.
 template <class Done>
-bool wait_for(const Entity& entity, StatusMask statuses, Done done, Duration timeout = patience) {
+bool wait_for(const Entity& entity, StatusMask statuses, Done done, Duration timeout = test_timeout) {
   StatusCondition condition(entity);
   condition.enabled_statuses(statuses);
   WaitSet waitset;

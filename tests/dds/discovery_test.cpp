@@ -1,5 +1,5 @@
-#include "dds_fixture.hpp"
-#include <sonopose/dds/discovery.hpp>
+#include "dds/dds_fixture.hpp"
+#include <sonopose/dds/binding/discovery.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -64,7 +64,7 @@ TEST_CASE("Discovery finds another process, its writer and who it is") {
   const std::unique_ptr<FILE, decltype(close)> peer(popen(command.c_str(), "w"), close);
   REQUIRE(peer != nullptr);
 
-  const auto give_up = std::chrono::steady_clock::now() + patience;
+  const auto give_up = std::chrono::steady_clock::now() + test_timeout;
   std::vector<FoundEndpoint> writers;
   while (on_topic(writers, "test/peer") == nullptr && std::chrono::steady_clock::now() < give_up) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));

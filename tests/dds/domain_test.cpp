@@ -1,5 +1,5 @@
-#include "dds_fixture.hpp"
-#include <sonopose/dds/domain.hpp>
+#include "dds/dds_fixture.hpp"
+#include <sonopose/dds/binding/domain.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "dds_fixture.hpp"
+#include "dds/dds_fixture.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -207,11 +207,11 @@ TEST_CASE("A transient-local writer serves who comes late") {
   writer.write(command(7, 1));
   writer.write(command(7, 2));
   DataReader<Command> reader(member, topic, qos);
-  CHECK(reader.wait_for_historical_data(patience));
+  CHECK(reader.wait_for_historical_data(test_timeout));
   const std::vector<Command> samples = take_samples(reader, 1);
   REQUIRE(samples.size() == 1);
   CHECK(samples[0].request_id == 2);
-  CHECK(writer.wait_for_acknowledgments(patience));
+  CHECK(writer.wait_for_acknowledgments(test_timeout));
 }
 
 TEST_CASE("Errors name the call, what it was about and the reason") {

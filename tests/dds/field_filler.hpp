@@ -1,7 +1,7 @@
 #pragma once
 // Gives every field of a sample a value that no other one has.
 
-#include <sonopose/core/samples.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <type_traits>
 

@@ -1,4 +1,4 @@
-#include "dds_fixture.hpp"
+#include "dds/dds_fixture.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -66,7 +66,7 @@ public:
   template <class Done>
   bool wait(Done done) {
     std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, patience, done);
+    return changed_.wait_for(lock, test_timeout, done);
   }
 
   std::vector<std::uint64_t> ids;

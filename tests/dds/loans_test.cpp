@@ -1,4 +1,4 @@
-#include "dds_fixture.hpp"
+#include "dds/dds_fixture.hpp"
 
 #include <catch2/catch.hpp>
 

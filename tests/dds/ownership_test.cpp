@@ -1,4 +1,4 @@
-#include "dds_fixture.hpp"
+#include "dds/dds_fixture.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -96,7 +96,7 @@ TEST_CASE("By the pose's profile a standby takes over from a fusion that hangs, 
   write_as(strong, 1);
   write_as(standby, 2);
   // From here on the strong one writes no more, while its process goes on.
-  const auto give_up = std::chrono::steady_clock::now() + patience;
+  const auto give_up = std::chrono::steady_clock::now() + test_timeout;
   std::uint64_t number = 2;
   while (!hear(std::chrono::milliseconds(10)) && std::chrono::steady_clock::now() < give_up) {
     write_as(standby, ++number);

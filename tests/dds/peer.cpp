@@ -3,7 +3,7 @@
 //
 //   test_dds_peer DOMAIN loopback|lan ADDRESS
 
-#include <sonopose/dds/topics.hpp>
+#include <sonopose/dds/topics/topics.hpp>
 
 #include <chrono>
 #include <cstdio>

@@ -1,7 +1,7 @@
 /// The table of docs/qos.md is what qos/sonopose.xml says.
 
-#include "dds_fixture.hpp"
-#include <sonopose/dds/qos_match.hpp>
+#include "dds/dds_fixture.hpp"
+#include <sonopose/dds/qos/match.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -1,5 +1,5 @@
-#include "dds_fixture.hpp"
-#include <sonopose/dds/qos_match.hpp>
+#include "dds/dds_fixture.hpp"
+#include <sonopose/dds/qos/match.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -1,5 +1,5 @@
-#include "dds_fixture.hpp"
-#include <sonopose/dds/conversions.hpp>
+#include "dds/dds_fixture.hpp"
+#include <sonopose/dds/topics/conversions.hpp>
 
 #include <catch2/catch.hpp>
 

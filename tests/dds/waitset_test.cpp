@@ -1,4 +1,4 @@
-#include "dds_fixture.hpp"
+#include "dds/dds_fixture.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -30,7 +30,7 @@ TEST_CASE("A wait set wakes for the condition that is true, and says so") {
   }
   SECTION("data") {
     writer.write(command(7, 1));
-    CHECK(waitset.wait(patience) == 1);
+    CHECK(waitset.wait(test_timeout) == 1);
     CHECK(data.trigger_value());
     CHECK_FALSE(stop.trigger_value());
     CHECK(reader.read().size() == 1);
@@ -41,7 +41,7 @@ TEST_CASE("A wait set wakes for the condition that is true, and says so") {
   }
   SECTION("another thread") {
     std::thread other([&] { stop.trigger_value(true); });
-    CHECK(waitset.wait(patience) == 1);
+    CHECK(waitset.wait(test_timeout) == 1);
     CHECK(stop.trigger_value());
     other.join();
     stop.trigger_value(false);
@@ -61,7 +61,7 @@ TEST_CASE("A wait set wakes for the condition that is true, and says so") {
     reader.subscription_matched_status();
     CHECK(waitset.wait(Duration::zero()) == 0);
     writer.close();
-    CHECK(waitset.wait(patience) >= 1);
+    CHECK(waitset.wait(test_timeout) >= 1);
     CHECK(status.trigger_value());
     CHECK(reader.status_changes().test(StatusMask::subscription_matched()));
     CHECK(reader.subscription_matched_status().current_count == 0);

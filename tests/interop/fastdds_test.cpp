@@ -116,7 +116,7 @@ TEST_CASE("Our reliable writers reach Fast DDS readers of sensor data too") {
   const Filled<ros2::Imu> filled;
   const auto heard = listener(bus, "rt/sent", "imu", 1, {"--bits", "--best-effort"});
   // What comes before it has found us is not sent again.
-  const auto give_up = std::chrono::steady_clock::now() + patience;
+  const auto give_up = std::chrono::steady_clock::now() + timeout;
   while (!heard->wait_for_lines(Stream::output, 1, std::chrono::milliseconds(10))) {
     REQUIRE(std::chrono::steady_clock::now() < give_up);
     writer.write(filled.message);

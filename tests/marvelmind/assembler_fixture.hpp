@@ -2,7 +2,7 @@
 /// \file
 /// An assembler with its events collected, and packets of beacon 7 to feed it.
 
-#include <sonopose/marvelmind/assembler.hpp>
+#include "marvelmind/assembler.hpp"
 
 #include <cstdint>
 #include <vector>

@@ -2,7 +2,7 @@
 /// \file
 /// Frames made without the code under test: bytes from the format's table, check sum bit by bit.
 
-#include <sonopose/marvelmind/decoder.hpp>
+#include "marvelmind/decoder.hpp"
 
 #include <cstdint>
 #include <initializer_list>

@@ -1,6 +1,6 @@
 // Packets → samples: units, flags, the wait for quality, what is kept back.
 
-#include "assembler_fixture.hpp"
+#include "marvelmind/assembler_fixture.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -89,8 +89,8 @@ TEST_CASE("A position's flags and angle bits reach the samples") {
   f.on(position, 68);
   f.finish();
   const auto fix = f.all<UltrasonicFix>().at(0);
-  CHECK(fix.flags == (fix_flag_user_button_1 | fix_flag_user_button_2 | fix_flag_other_hedge |
-                      fix_flag_out_of_geofence | fix_flag_pair_centre));
+  CHECK(fix.flags == (ultrasonic_flag_user_button_1 | ultrasonic_flag_user_button_2 | ultrasonic_flag_other_hedge |
+                      ultrasonic_flag_out_of_geofence | ultrasonic_flag_pair_centre));
   CHECK_FALSE(fix.measured_delay_s);
   CHECK_FALSE(f.all<PairHeading>().at(0).valid);
 }
@@ -107,7 +107,7 @@ TEST_CASE("Positions of old firmware are stamped in 1/64 s") {
   const auto fixes = f.all<UltrasonicFix>();
   REQUIRE(fixes.size() == 2);
   CHECK(fixes[1].emission_time_ns - fixes[0].emission_time_ns == 125 * ms);
-  CHECK(fixes[0].flags == fix_flag_second_resolution);
+  CHECK(fixes[0].flags == ultrasonic_flag_second_resolution);
 }
 
 TEST_CASE("Nothing is published for a position that is not available") {

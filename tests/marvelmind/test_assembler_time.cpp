@@ -1,6 +1,6 @@
 // Packets → samples: several kinds of packet at once, clocks, several beacons.
 
-#include "assembler_fixture.hpp"
+#include "marvelmind/assembler_fixture.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,7 +1,7 @@
 // The clock: what a beacon's quartz, a busy line and a restart may do, and what the mapped times must hold
 // to.
 
-#include <sonopose/marvelmind/beacon_clock.hpp>
+#include "marvelmind/beacon_clock.hpp"
 
 #include <catch2/catch.hpp>
 

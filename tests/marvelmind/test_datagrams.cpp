@@ -1,7 +1,7 @@
 // The UDP variant: address instead of 0xFF, no check sum promised, NMEA in between.
 
-#include "frames.hpp"
-#include <sonopose/marvelmind/encoder.hpp>
+#include "marvelmind/frames.hpp"
+#include "marvelmind/encoder.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,7 +1,7 @@
 // The byte stream: pieces of any size, damage of any kind, and no good frame lost to it.
 
-#include "frames.hpp"
-#include <sonopose/marvelmind/decoder.hpp>
+#include "marvelmind/frames.hpp"
+#include "marvelmind/decoder.hpp"
 
 #include <catch2/catch.hpp>
 

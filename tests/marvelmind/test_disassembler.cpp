@@ -1,10 +1,10 @@
 // Samples → packets → bytes → packets → samples: what comes back differs by the wire's steps alone.
 
-#include "frames.hpp"
-#include <sonopose/marvelmind/assembler.hpp>
-#include <sonopose/marvelmind/conversions.hpp>
-#include <sonopose/marvelmind/disassembler.hpp>
-#include <sonopose/marvelmind/encoder.hpp>
+#include "marvelmind/frames.hpp"
+#include "marvelmind/assembler.hpp"
+#include "marvelmind/conversions.hpp"
+#include "marvelmind/disassembler.hpp"
+#include "marvelmind/encoder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -45,7 +45,7 @@ std::vector<Event> some_events() {
     fix.position_world_m = vector(50);
     fix.quality_percent = std::round(50 + 50 * any(random));
     fix.measured_delay_s = 0.068;
-    fix.flags = i % 2 == 0 ? fix_flag_pair_centre | fix_flag_user_button_2 : fix_flag_out_of_geofence;
+    fix.flags = i % 2 == 0 ? ultrasonic_flag_pair_centre | ultrasonic_flag_user_button_2 : ultrasonic_flag_out_of_geofence;
     PairHeading heading;
     heading.address = 7;
     heading.emission_time_ns = fix.emission_time_ns;

@@ -1,8 +1,8 @@
 // Every packet of the format's table, its bytes written out by hand.
 
-#include "frames.hpp"
-#include <sonopose/marvelmind/crc16.hpp>
-#include <sonopose/marvelmind/encoder.hpp>
+#include "marvelmind/frames.hpp"
+#include "marvelmind/crc16.hpp"
+#include "marvelmind/encoder.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,7 +1,7 @@
 // Whatever a packet holds, its bytes hold too: random packets of every kind, through the wire and back.
 
-#include "frames.hpp"
-#include <sonopose/marvelmind/encoder.hpp>
+#include "marvelmind/frames.hpp"
+#include "marvelmind/encoder.hpp"
 
 #include <catch2/catch.hpp>
 

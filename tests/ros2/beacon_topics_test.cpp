@@ -1,4 +1,4 @@
-#include <sonopose/ros2/beacon_topics.hpp>
+#include <sonopose/ros2/messages/beacon_topics.hpp>
 
 #include <catch2/catch.hpp>
 

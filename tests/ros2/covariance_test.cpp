@@ -1,5 +1,5 @@
-#include <sonopose/math/rotation.hpp>
-#include <sonopose/ros2/covariance.hpp>
+#include <sonopose/geometry/rotation.hpp>
+#include <sonopose/ros2/messages/covariance.hpp>
 
 #include <Eigen/Cholesky>
 #include <catch2/catch.hpp>
@@ -38,9 +38,9 @@ Covariance6 spread_of(const FusedPose& pose, const Noise& noise, const Error& er
     FusedPose wrong = pose;
     wrong.position_world_m += vector(pose.position_std_m);
     wrong.velocity_world_mps += vector(pose.velocity_std_mps);
-    const double tilt_std_rad = noise.tilt_std_deg * math::radians_per_degree;
+    const double tilt_std_rad = noise.tilt_std_deg * geometry::radians_per_degree;
     const Vector3d turn = vector({tilt_std_rad, tilt_std_rad, pose.yaw_std_rad});
-    wrong.q_body_to_world = math::rotation_by(turn) * pose.q_body_to_world;
+    wrong.q_body_to_world = geometry::rotation_by(turn) * pose.q_body_to_world;
     wrong.angular_velocity_body_radps += vector(Vector3d::Constant(noise.gyro_std_radps));
     const Eigen::Matrix<double, 6, 1> error = error_of(wrong, turn);
     sum += error * error.transpose();

@@ -3,8 +3,8 @@
 
 #include "support/process.hpp"
 #include "support/test_domain.hpp"
-#include <sonopose/dds/topics.hpp>
-#include <sonopose/dds/waitset.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/dds/binding/waitset.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -75,7 +75,7 @@ std::set<std::size_t> met(dds::Network network, const std::vector<std::string>& 
   dds::WaitSet waitset;
   waitset += condition;
   std::set<std::size_t> found;
-  const auto give_up = std::chrono::steady_clock::now() + test::patience;
+  const auto give_up = std::chrono::steady_clock::now() + test::timeout;
   while (found.size() < others.size() && std::chrono::steady_clock::now() < give_up) {
     waitset.wait(give_up - std::chrono::steady_clock::now());
     reader.take_each([&](const Command& command, const dds::SampleInfo&) { found.insert(command.address); });

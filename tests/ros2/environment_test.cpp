@@ -1,4 +1,4 @@
-#include <sonopose/ros2/environment.hpp>
+#include <sonopose/ros2/messages/environment.hpp>
 
 #include <catch2/catch.hpp>
 

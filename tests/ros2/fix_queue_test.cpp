@@ -1,4 +1,4 @@
-#include <sonopose/ros2/fix_queue.hpp>
+#include <sonopose/ros2/messages/fix_queue.hpp>
 
 #include <catch2/catch.hpp>
 

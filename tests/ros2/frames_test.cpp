@@ -1,4 +1,4 @@
-#include <sonopose/ros2/frames.hpp>
+#include <sonopose/ros2/messages/frames.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -1,7 +1,7 @@
-#include <sonopose/ros2/diagnostics.hpp>
-#include <sonopose/ros2/input.hpp>
-#include <sonopose/ros2/messages.hpp>
-#include <sonopose/ros2/time.hpp>
+#include <sonopose/ros2/messages/diagnostics.hpp>
+#include <sonopose/ros2/messages/input.hpp>
+#include <sonopose/ros2/messages/messages.hpp>
+#include <sonopose/ros2/messages/time.hpp>
 
 #include <catch2/catch.hpp>
 

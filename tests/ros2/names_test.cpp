@@ -1,4 +1,4 @@
-#include <sonopose/ros2/names.hpp>
+#include <sonopose/ros2/messages/names.hpp>
 
 #include <catch2/catch.hpp>
 

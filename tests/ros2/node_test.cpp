@@ -3,7 +3,7 @@
 #include "support/process.hpp"
 #include "support/ros2_graph.hpp"
 #include "support/test_domain.hpp"
-#include <sonopose/ros2/type_hash.hpp>
+#include <sonopose/ros2/messages/type_hash.hpp>
 
 #include <catch2/catch.hpp>
 

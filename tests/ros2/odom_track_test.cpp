@@ -1,4 +1,4 @@
-#include <sonopose/ros2/odom_track.hpp>
+#include <sonopose/ros2/messages/odom_track.hpp>
 
 #include <catch2/catch.hpp>
 

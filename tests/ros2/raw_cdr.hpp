@@ -3,7 +3,7 @@
 /// A topic whose samples are looked at as the bytes that go over the wire.
 
 #include "support/test_domain.hpp"
-#include <sonopose/dds/participant.hpp>
+#include <sonopose/dds/binding/participant.hpp>
 
 #include <dds/dds.h>
 #include <dds/ddsi/ddsi_serdata.h>

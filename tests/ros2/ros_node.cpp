@@ -3,7 +3,7 @@
 //
 //   test_ros2_node DOMAIN humble|jazzy
 
-#include <sonopose/ros2/node.hpp>
+#include <sonopose/ros2/messages/node.hpp>
 
 #include <csignal>
 #include <cstdio>

@@ -1,4 +1,4 @@
-#include <sonopose/ros2/time.hpp>
+#include <sonopose/ros2/messages/time.hpp>
 
 #include <catch2/catch.hpp>
 

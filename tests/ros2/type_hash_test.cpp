@@ -1,5 +1,5 @@
-#include <sonopose/ros2/idl_types.hpp>
-#include <sonopose/ros2/type_hash.hpp>
+#include <sonopose/ros2/messages/idl_types.hpp>
+#include <sonopose/ros2/messages/type_hash.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -12,7 +12,7 @@ namespace {
 
 template <class T>
 std::string hash_of() {
-  return type_hash(sonopose::dds::TopicTraits<T>::descriptor().m_typename);
+  return type_hash(sonopose::ros2::TopicTraits<T>::descriptor().m_typename);
 }
 
 }  // namespace

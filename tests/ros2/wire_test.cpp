@@ -2,8 +2,8 @@
 
 #include "support/process.hpp"
 #include "support/test_domain.hpp"
-#include <sonopose/dds/participant.hpp>
-#include <sonopose/ros2/type_hash.hpp>
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/ros2/messages/type_hash.hpp>
 
 #include <catch2/catch.hpp>
 

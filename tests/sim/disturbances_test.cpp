@@ -1,4 +1,4 @@
-#include <sonopose/sim/disturbances.hpp>
+#include "sim/disturbances.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,6 +1,6 @@
 /// A bad line: lost, doubled and late packets, as they show at the bridge.
 
-#include <sonopose/sim/simulator.hpp>
+#include "sim/simulator.hpp"
 
 #include <catch2/catch.hpp>
 

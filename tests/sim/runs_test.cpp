@@ -1,7 +1,7 @@
 /// What goes wrong in a scenario shows in its runs, and nothing else does.
 
-#include <sonopose/math/rotation.hpp>
-#include <sonopose/sim/simulator.hpp>
+#include <sonopose/geometry/rotation.hpp>
+#include "sim/simulator.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -147,8 +147,8 @@ SCENARIO("in an outlier burst the fixes lie on a parallel track") {
   THEN("the headings are right throughout") {
     for (const PairHeading& heading : of_kind<PairHeading>(recording)) {
       const Motion motion = find_scenario("walk").motion(seconds_between(start_ns, heading.emission_time_ns));
-      const double yaw = math::yaw_of(motion.q_body_to_world);
-      REQUIRE(std::abs(math::wrap_angle(heading.heading_world_rad - yaw)) < 0.08);
+      const double yaw = geometry::yaw_of(motion.q_body_to_world);
+      REQUIRE(std::abs(geometry::wrap_angle(heading.heading_world_rad - yaw)) < 0.08);
     }
   }
 }
@@ -207,7 +207,7 @@ SCENARIO("without a heading each seed starts in a direction of its own") {
     std::map<int, int> count_by_eighth;
     for (std::uint64_t seed = 1; seed <= 800; ++seed) {
       const double yaw =
-          math::yaw_of(Simulator(scenario, {.seed = seed}).motion_at(start_ns).q_body_to_world);
+          geometry::yaw_of(Simulator(scenario, {.seed = seed}).motion_at(start_ns).q_body_to_world);
       ++count_by_eighth[static_cast<int>(std::floor(yaw / (M_PI / 4)))];
     }
     THEN("the directions spread evenly over the circle") {
@@ -223,7 +223,7 @@ SCENARIO("without a heading each seed starts in a direction of its own") {
       // The walk looks where it goes, in whatever direction it started, and the fixes are there with it.
       const TruthSample& last = recording.truth.back();
       const double course = std::atan2(last.velocity_world_mps.y(), last.velocity_world_mps.x());
-      CHECK(std::abs(math::wrap_angle(course - math::yaw_of(last.q_body_to_world))) < 1e-9);
+      CHECK(std::abs(geometry::wrap_angle(course - geometry::yaw_of(last.q_body_to_world))) < 1e-9);
       const auto fix = of_kind<UltrasonicFix>(recording).back();
       const Motion motion = Simulator(scenario, run).motion_at(fix.emission_time_ns);
       CHECK((motion.position_world_m - fix.position_world_m).norm() < 0.14);
@@ -250,7 +250,7 @@ SCENARIO("the gyro's bias grows after the calibration") {
       growth += (late - early) / seeds;
     }
     THEN("it has grown by about 1 deg/s") {
-      CHECK(growth.norm() == Approx(1.0 * math::radians_per_degree).epsilon(0.1));
+      CHECK(growth.norm() == Approx(1.0 * geometry::radians_per_degree).epsilon(0.1));
     }
   }
 }

@@ -1,7 +1,7 @@
 /// Each scenario's motion is what its name says.
 
-#include <sonopose/math/rotation.hpp>
-#include <sonopose/sim/simulator.hpp>
+#include <sonopose/geometry/rotation.hpp>
+#include "sim/simulator.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -140,8 +140,8 @@ SCENARIO("the kart drives at 6 m/s through curves both ways") {
   }
   CHECK(reached.forward_mps2 > 1.0);
   CHECK(reached.braking_mps2 > 1.0);
-  CHECK(reached.tilt_rad > 1.0 * math::radians_per_degree);
-  CHECK(reached.tilt_rad < 2.5 * math::radians_per_degree);
+  CHECK(reached.tilt_rad > 1.0 * geometry::radians_per_degree);
+  CHECK(reached.tilt_rad < 2.5 * geometry::radians_per_degree);
 }
 
 SCENARIO("the spin turns on the spot, and its IMU feels what the tracked point does not") {
@@ -198,8 +198,8 @@ SCENARIO("the drone flies by its thrust alone") {
     THEN("it reaches about 2 m/s, leans, climbs and sinks by more than a metre, and turns slowly") {
       const Extremes reached = extremes_of(drone);
       CHECK(reached.speed_mps == Approx(2.0).margin(0.2));
-      CHECK(reached.tilt_rad > 8.0 * math::radians_per_degree);
-      CHECK(reached.tilt_rad < 20.0 * math::radians_per_degree);
+      CHECK(reached.tilt_rad > 8.0 * geometry::radians_per_degree);
+      CHECK(reached.tilt_rad < 20.0 * geometry::radians_per_degree);
       CHECK(reached.highest_m - reached.lowest_m > 1.5);
       CHECK(reached.lowest_m > 0.0);
       CHECK(reached.left_turn_radps > 0.1);
@@ -240,8 +240,8 @@ SCENARIO("a turned world feels the same") {
       const ImuSample after = ideal_imu_sample(other, {0.06, 0.0, 0.01});
       CHECK((before.specific_force_body_mps2 - after.specific_force_body_mps2).norm() < 1e-12);
       CHECK(before.angular_velocity_body_radps == after.angular_velocity_body_radps);
-      const double yaw_change = math::yaw_of(other.q_body_to_world) - math::yaw_of(motion.q_body_to_world);
-      CHECK(std::abs(math::wrap_angle(yaw_change - 2.0)) < 1e-12);
+      const double yaw_change = geometry::yaw_of(other.q_body_to_world) - geometry::yaw_of(motion.q_body_to_world);
+      CHECK(std::abs(geometry::wrap_angle(yaw_change - 2.0)) < 1e-12);
       const Vector3d arm = motion.position_world_m - pivot;
       const Vector3d turned_arm = other.position_world_m - pivot;
       CHECK(turned_arm.z() == Approx(arm.z()));

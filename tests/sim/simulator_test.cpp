@@ -1,5 +1,5 @@
-#include <sonopose/math/rotation.hpp>
-#include <sonopose/sim/simulator.hpp>
+#include <sonopose/geometry/rotation.hpp>
+#include "sim/simulator.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -88,7 +88,7 @@ SCENARIO("a fix tells where the beacon was, and comes late") {
         const Motion then = circle.motion(seconds_between(start_ns, heading->emission_time_ns));
         const double body_yaw = heading->heading_world_rad - 1.5;
         CHECK(heading->valid);
-        CHECK(std::abs(math::wrap_angle(body_yaw - math::yaw_of(then.q_body_to_world))) < 1e-9);
+        CHECK(std::abs(geometry::wrap_angle(body_yaw - geometry::yaw_of(then.q_body_to_world))) < 1e-9);
         CHECK(heading->emission_time_ns == last_emission_ns);
       }
     }

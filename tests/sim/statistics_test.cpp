@@ -1,7 +1,7 @@
 /// What the simulated sensors add to the truth has the size that the settings say.
 
-#include <sonopose/math/rotation.hpp>
-#include <sonopose/sim/simulator.hpp>
+#include <sonopose/geometry/rotation.hpp>
+#include "sim/simulator.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -95,7 +95,7 @@ SCENARIO("noise has the size that the settings say") {
         quality.add(*fix->quality_percent);
       } else {
         heading.add(std::get<PairHeading>(step->event).heading_world_rad -
-                    math::yaw_of(truth.q_body_to_world));
+                    geometry::yaw_of(truth.q_body_to_world));
       }
     }
     THEN("each spread is the setting's, and each mean is the truth") {

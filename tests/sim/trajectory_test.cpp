@@ -1,5 +1,5 @@
-#include <sonopose/math/rotation.hpp>
-#include <sonopose/sim/scenario.hpp>
+#include <sonopose/geometry/rotation.hpp>
+#include "sim/scenario.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -16,7 +16,7 @@ namespace {
 /// Half the rotation between the attitudes before and after, per step: the body rate by central difference.
 Vector3d rate_between(const Quaterniond& before, const Quaterniond& after, double span_s) {
   const Eigen::AngleAxisd turn(before.conjugate() * after);
-  const double angle = math::wrap_angle(turn.angle());
+  const double angle = geometry::wrap_angle(turn.angle());
   return angle / span_s * turn.axis();
 }
 
@@ -110,7 +110,7 @@ SCENARIO("the walk is one") {
       most_mps = std::max(most_mps, v.norm());
       const double direction = std::atan2(v.y(), v.x());
       yaw_error_rad = std::max(yaw_error_rad,
-                               std::abs(math::wrap_angle(math::yaw_of(motion.q_body_to_world) - direction)));
+                               std::abs(geometry::wrap_angle(geometry::yaw_of(motion.q_body_to_world) - direction)));
       largest_turn_radps = std::max(largest_turn_radps, std::abs(motion.angular_velocity_body_radps.z()));
     }
     THEN("it goes at about 1 m/s, turns, and looks where it goes") {

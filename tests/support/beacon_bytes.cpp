@@ -1,8 +1,8 @@
-#include "beacon_bytes.hpp"
+#include "support/beacon_bytes.hpp"
 
-#include <sonopose/marvelmind/assembler.hpp>
-#include <sonopose/marvelmind/decoder.hpp>
-#include <sonopose/marvelmind/encoder.hpp>
+#include "marvelmind/assembler.hpp"
+#include "marvelmind/decoder.hpp"
+#include "marvelmind/encoder.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -2,7 +2,7 @@
 /// \file
 /// Bytes as beacons send them, with the times at which they send them.
 
-#include <sonopose/core/samples.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <cstdint>
 #include <filesystem>

@@ -3,7 +3,7 @@
 /// What the engine gives, as the bits of its numbers: for "equal" in its strictest sense (0 is not -0, and a
 /// NaN is itself). The times at which a pose passed through the processes are no part of it.
 
-#include <sonopose/core/pose.hpp>
+#include <sonopose/samples/pose.hpp>
 
 #include <bit>
 #include <cstdint>
@@ -42,12 +42,12 @@ inline Bits bits_of(const FusedPose& pose) {
 
 inline Bits bits_of(const FixReport& report) {
   Bits bits{report.address, report.sequence, static_cast<std::uint64_t>(report.emission_time_ns),
-            static_cast<std::uint64_t>(report.applied_time_ns), report.verdict};
+            static_cast<std::uint64_t>(report.applied_time_ns), report.flags};
   for (const Vector3d& vector : {report.position_world_m, report.shifted_position_world_m,
                                  report.jump_world_m, report.velocity_change_world_mps}) {
     detail::append(bits, vector);
   }
-  for (const double value : {report.residual_m, report.weight, report.trust, report.yaw_change_rad}) {
+  for (const double value : {report.innovation_m, report.weight, report.trust, report.yaw_change_rad}) {
     detail::append(bits, value);
   }
   return bits;

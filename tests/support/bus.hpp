@@ -2,11 +2,11 @@
 /// \file
 /// The bus of one test: a domain of its own, the real programs on it, and the test's own consumers.
 
-#include "process.hpp"
-#include "test_domain.hpp"
-#include <sonopose/dds/conversions.hpp>
-#include <sonopose/dds/topics.hpp>
-#include <sonopose/dds/waitset.hpp>
+#include "support/process.hpp"
+#include "support/test_domain.hpp"
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/dds/binding/waitset.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -79,7 +79,7 @@ private:
 /// Waits on an entity's statuses until `done()`; returns what `done()` says at the end.
 template <class Done>
 bool wait_for_status(const dds::Entity& entity, dds::StatusMask statuses, const Done& done,
-                     std::chrono::milliseconds timeout = patience) {
+                     std::chrono::milliseconds timeout = timeout) {
   dds::StatusCondition condition(entity);
   condition.enabled_statuses(statuses);
   dds::WaitSet waitset;
@@ -110,7 +110,7 @@ public:
 
   /// Takes samples until `done()`.
   template <class Done>
-  bool wait_until(const Done& done, std::chrono::milliseconds timeout = patience) {
+  bool wait_until(const Done& done, std::chrono::milliseconds timeout = timeout) {
     return wait_for_status(
         reader_, dds::StatusMask::data_available(),
         [&] {
@@ -121,7 +121,7 @@ public:
   }
 
   /// Takes until there are `count` samples in all.
-  bool wait_for_count(std::size_t count, std::chrono::milliseconds timeout = patience) {
+  bool wait_for_count(std::size_t count, std::chrono::milliseconds timeout = timeout) {
     return wait_until([&] { return samples.size() >= count; }, timeout);
   }
 

@@ -3,8 +3,8 @@
 /// Drives an Engine through a known motion: a perfect or plainly disturbed IMU, fixes at their receipt, and
 /// the truth beside every pose.
 
-#include <sonopose/fusion/engine.hpp>
-#include <sonopose/math/rotation.hpp>
+#include <sonopose/estimation/documented/engine.hpp>
+#include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -113,7 +113,7 @@ inline ImuSample imu_on(const Truth& truth, TimeNs time_ns) {
   imu.sensor_time_ns = time_ns;
   imu.angular_velocity_body_radps.z() = truth.yaw_rate_radps;
   imu.specific_force_body_mps2 =
-      math::rotation_about_z(-truth.yaw_rad) * (truth.acceleration_world_mps2 + Vector3d(0, 0, gravity_mps2));
+      geometry::rotation_about_z(-truth.yaw_rad) * (truth.acceleration_world_mps2 + Vector3d(0, 0, gravity_mps2));
   return imu;
 }
 
@@ -131,10 +131,10 @@ struct Moment {
 
 class EngineDriver {
 public:
-  EngineDriver(const fusion::Settings& settings, Motion motion, Sensors sensors = {})
+  EngineDriver(const settings::Settings& settings, Motion motion, Sensors sensors = {})
       : engine{settings}, sensors_{std::move(sensors)}, motion_{std::move(motion)} {}
 
-  fusion::Engine engine;
+  estimation::documented::Engine engine;
   bool fixes_on = true;  ///< false: the ultrasound is silent from now on
   bool imu_on_air = true;
   std::function<void(UltrasonicFix&, double time_s)> alter_fix;  ///< called with the emission's time
@@ -193,7 +193,7 @@ private:
     under_way_.push_back(fix);
     if (sensors_.headings)
       headings_.push_back(
-          {7, ++sequence_, fix.emission_time_ns, fix.received_time_ns, math::wrap_angle(heading_rad), true});
+          {7, ++sequence_, fix.emission_time_ns, fix.received_time_ns, geometry::wrap_angle(heading_rad), true});
   }
 
   void receive() {
@@ -227,9 +227,9 @@ inline double worst_error_m(const std::vector<Moment>& moments, double from_s) {
 }
 
 /// A body that has gone at this velocity for the last second, up to `now_ns`, by an IMU at 100 Hz.
-inline fusion::Kinematics moving_body(const Vector3d& velocity_world_mps, TimeNs now_ns = epoch_ns,
+inline estimation::documented::Kinematics moving_body(const Vector3d& velocity_world_mps, TimeNs now_ns = epoch_ns,
                                       double yaw_rad = 0.0) {
-  fusion::Kinematics body;
+  estimation::documented::Kinematics body;
   body.time_ns = now_ns;
   body.velocity_world_mps = velocity_world_mps;
   for (int i = 0; i <= 100; ++i) {

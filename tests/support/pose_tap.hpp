@@ -2,8 +2,8 @@
 /// \file
 /// A live consumer of poses that notes, for each, when it came and from which writer.
 
-#include "bus.hpp"
-#include <sonopose/nodes/host_clock.hpp>
+#include "support/bus.hpp"
+#include "process/host_clock.hpp"
 
 #include <algorithm>
 #include <condition_variable>
@@ -59,7 +59,7 @@ public:
   /// when time was up.
   template <class Predicate>
   std::optional<TappedPose> wait_for(const Predicate& predicate, std::size_t from,
-                                     std::chrono::milliseconds timeout = patience) const {
+                                     std::chrono::milliseconds timeout = timeout) const {
     std::unique_lock lock(listener_.mutex);
     std::optional<TappedPose> found;
     listener_.came.wait_for(lock, timeout, [&] {
@@ -75,7 +75,7 @@ public:
   [[nodiscard]] std::vector<TappedPose> wait_for_count(std::size_t first, std::size_t count) const {
     {
       std::unique_lock lock(listener_.mutex);
-      listener_.came.wait_for(lock, patience, [&] { return listener_.poses.size() >= first + count; });
+      listener_.came.wait_for(lock, timeout, [&] { return listener_.poses.size() >= first + count; });
     }
     return since(first);
   }
@@ -88,14 +88,14 @@ public:
   /// Waits until a writer is no longer alive, after this time: when that was. Empty when time was up.
   std::optional<TimeNs> wait_for_loss(TimeNs after_ns) const {
     std::unique_lock lock(listener_.mutex);
-    const bool lost = listener_.came.wait_for(lock, patience, [&] { return listener_.lost_ns >= after_ns; });
+    const bool lost = listener_.came.wait_for(lock, timeout, [&] { return listener_.lost_ns >= after_ns; });
     return lost ? std::optional(listener_.lost_ns) : std::nullopt;
   }
 
 private:
   struct Listener final : dds::DataReaderListener<sonopose_FusedPose> {
     void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
-      const TimeNs received_ns = nodes::steady_now_ns();
+      const TimeNs received_ns = process::steady_now_ns();
       const std::lock_guard lock(mutex);
       reader.try_take_each([&](const sonopose_FusedPose& pose, const dds::SampleInfo& info) {
         poses.push_back({dds::from_idl(pose), info.publication_handle().value, received_ns});
@@ -107,7 +107,7 @@ private:
                                const dds::LivelinessChangedStatus& status) noexcept override {
       if (status.not_alive_count_change <= 0) return;
       const std::lock_guard lock(mutex);
-      lost_ns = nodes::steady_now_ns();
+      lost_ns = process::steady_now_ns();
       came.notify_all();
     }
 

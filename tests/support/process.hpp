@@ -17,7 +17,7 @@
 namespace sonopose::test {
 
 /// An upper bound only: every wait ends with its event.
-inline constexpr std::chrono::milliseconds patience{30'000};
+inline constexpr std::chrono::milliseconds timeout{30'000};
 
 /// Variables that the program gets besides the test's own; an empty value takes one away.
 using Environment = std::map<std::string, std::string>;
@@ -38,13 +38,13 @@ public:
 
   /// Waits until a line (ended by a newline) of `stream` contains `text`, among those that have come already
   /// too. False where the stream ended, or time was up, without one.
-  bool wait_for_line(Stream stream, std::string_view text, std::chrono::milliseconds timeout = patience);
+  bool wait_for_line(Stream stream, std::string_view text, std::chrono::milliseconds timeout = timeout);
 
   /// Waits until `stream` has this many lines.
-  bool wait_for_lines(Stream stream, std::size_t count, std::chrono::milliseconds timeout = patience);
+  bool wait_for_lines(Stream stream, std::size_t count, std::chrono::milliseconds timeout = timeout);
 
   /// Waits for its end: the exit code, or minus the signal that killed it. Empty when time was up.
-  std::optional<int> wait_for_exit(std::chrono::milliseconds timeout = patience);
+  std::optional<int> wait_for_exit(std::chrono::milliseconds timeout = timeout);
 
   /// Sends a signal, as kill(2).
   void send(int signal) const;

@@ -1,4 +1,4 @@
-#include "pseudo_terminal.hpp"
+#include "support/pseudo_terminal.hpp"
 
 #include <array>
 #include <cerrno>

@@ -2,10 +2,10 @@
 /// \file
 /// The other side of the relay: a ROS 2 process's readers and writers, as rclcpp makes them.
 
-#include "bus.hpp"
-#include <sonopose/ros2/messages.hpp>
-#include <sonopose/ros2/names.hpp>
-#include <sonopose/ros2/time.hpp>
+#include "support/bus.hpp"
+#include <sonopose/ros2/messages/messages.hpp>
+#include <sonopose/ros2/messages/names.hpp>
+#include <sonopose/ros2/messages/time.hpp>
 
 #include <string>
 
@@ -40,7 +40,7 @@ public:
 
   /// Waits until `look(const T&)` has said true of one.
   template <class Look>
-  bool wait_for(const Look& look, std::chrono::milliseconds timeout = patience) {
+  bool wait_for(const Look& look, std::chrono::milliseconds timeout = timeout) {
     bool found = false;
     return wait_for_status(
         reader_, dds::StatusMask::data_available(),
@@ -54,7 +54,7 @@ public:
 
   /// Waits for `count` messages and calls `look(const T&)` of each.
   template <class Look>
-  bool wait_for_count(std::size_t count, const Look& look, std::chrono::milliseconds timeout = patience) {
+  bool wait_for_count(std::size_t count, const Look& look, std::chrono::milliseconds timeout = timeout) {
     return wait_for(
         [&](const T& message) {
           look(message);

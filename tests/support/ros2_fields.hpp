@@ -3,7 +3,7 @@
 /// ROS 2's messages field by field, in the order of the definitions (.msg) that ROS 2 publishes, written down
 /// by hand: what idlc or anybody else makes of them is compared with this.
 
-#include <sonopose/ros2/idl_types.hpp>
+#include <sonopose/ros2/messages/idl_types.hpp>
 
 #include <bit>
 #include <cstdint>
@@ -176,7 +176,7 @@ public:
   Filled& operator=(const Filled&) = delete;
   Filled(Filled&&) = delete;
   Filled& operator=(Filled&&) = delete;
-  ~Filled() { dds_sample_free(&message, &dds::TopicTraits<Message>::descriptor(), DDS_FREE_CONTENTS); }
+  ~Filled() { dds_sample_free(&message, &ros2::TopicTraits<Message>::descriptor(), DDS_FREE_CONTENTS); }
 
   Message message{};
 };

@@ -3,10 +3,10 @@
 /// What the processes of ROS 2 learn of each other's nodes: `ros_discovery_info`, the type of which has two
 /// layouts, and the endpoints that it names.
 
-#include "process.hpp"
-#include <sonopose/dds/discovery.hpp>
-#include <sonopose/dds/waitset.hpp>
-#include <sonopose/ros2/node.hpp>
+#include "support/process.hpp"
+#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/ros2/messages/node.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -78,7 +78,7 @@ public:
     condition.enabled_statuses(dds::StatusMask::data_available() | dds::StatusMask::subscription_matched());
     dds::WaitSet waitset;
     waitset += condition;
-    const auto give_up = std::chrono::steady_clock::now() + patience;
+    const auto give_up = std::chrono::steady_clock::now() + timeout;
     const auto finished = [&] {
       reader_.take_each([&](const Info& info, const dds::SampleInfo&) { messages.push_back(told_by(info)); });
       return done();

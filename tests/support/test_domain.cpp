@@ -1,4 +1,4 @@
-#include "test_domain.hpp"
+#include "support/test_domain.hpp"
 
 #include <fcntl.h>
 #include <filesystem>

@@ -1,6 +1,6 @@
 /// sonopose-attitude: filters over logs as a program.
 
-#include "io/temporary_folder.hpp"
+#include "support/temporary_folder.hpp"
 #include "support/process.hpp"
 
 #include <catch2/catch.hpp>

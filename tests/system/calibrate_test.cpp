@@ -1,9 +1,9 @@
 /// sonopose-calibrate as a program: what stands where, and what is left alone when it fails.
 
 #include "calibration/simulated_sensor.hpp"
-#include "io/temporary_folder.hpp"
+#include "support/temporary_folder.hpp"
 #include "support/process.hpp"
-#include <sonopose/io/log_writer.hpp>
+#include "recording/log_writer.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -24,7 +24,7 @@ Result calibrate(const std::vector<std::string>& arguments) {
 std::string write_log(const std::filesystem::path& folder, const std::vector<Vector3d>& up_body) {
   SensorErrors errors;
   errors.accel_offset_mps2 = {0.2, -0.1, 0.3};
-  io::SensorLogWriter writer(folder);
+  recording::SensorLogWriter writer(folder);
   for (const ImuSample& sample : SimulatedSensor(errors, 1).hold_in_turn(up_body)) writer.write(sample);
   writer.flush();
   return folder.string();

@@ -1,8 +1,8 @@
-#include "car_run.hpp"
+#include "system/car_run.hpp"
 
 #include "support/beacon_bytes.hpp"
 #include "support/pseudo_terminal.hpp"
-#include <sonopose/math/rotation.hpp>
+#include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -85,7 +85,7 @@ RunDistance distance_between(const std::vector<FusedPose>& run, const std::vecto
   for (std::size_t k = 0; k < std::min(run.size(), other.size()); ++k) {
     position.add((run[k].position_world_m - other[k].position_world_m).norm());
     velocity.add((run[k].velocity_world_mps - other[k].velocity_world_mps).norm());
-    yaw.add(math::wrap_angle(math::yaw_of(run[k].q_body_to_world) - math::yaw_of(other[k].q_body_to_world)));
+    yaw.add(geometry::wrap_angle(geometry::yaw_of(run[k].q_body_to_world) - geometry::yaw_of(other[k].q_body_to_world)));
   }
   return {position.distance(), velocity.distance(), yaw.distance()};
 }

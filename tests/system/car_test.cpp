@@ -1,6 +1,6 @@
 /// The real recording: 112 s of a car with a pair of beacons, through the real programs.
 
-#include "car_run.hpp"
+#include "system/car_run.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -71,7 +71,7 @@ double distance_to_fixes_m(const CarRun& run) {
   double squares = 0;
   double count = 0;
   for (const FixReport& report : run.reports) {
-    if (!is_driving(report.applied_time_ns) || (report.verdict & verdict_used) == 0U) continue;
+    if (!is_driving(report.applied_time_ns) || (report.flags & fix_used) == 0U) continue;
     const auto after =
         std::upper_bound(run.poses.begin(), run.poses.end(), report.applied_time_ns,
                          [](TimeNs time, const FusedPose& pose) { return time < pose.time_ns; });

@@ -123,7 +123,7 @@ SCENARIO("a consumer hears of a fusion that died within a lease") {
   for (int i = 0; i < 5; ++i) {
     const auto fusion = bus.fusion();
     REQUIRE(tap.wait_for_count(tap.count(), 20).size() >= 20);
-    const TimeNs killed_ns = nodes::steady_now_ns();
+    const TimeNs killed_ns = process::steady_now_ns();
     fusion->send(SIGKILL);
     const auto lost_ns = tap.wait_for_loss(killed_ns);
     REQUIRE(lost_ns);

@@ -1,6 +1,6 @@
 /// Ctrl-C and SIGTERM end every program, whatever it is doing, within a second and with exit code 0.
 
-#include "io/temporary_folder.hpp"
+#include "support/temporary_folder.hpp"
 #include "support/bus.hpp"
 
 #include <csignal>

@@ -1,7 +1,7 @@
 /// sonopose-evaluate and sonopose-tune as programs: whose settings hold, on which runs, and what cannot be
 /// told.
 
-#include "io/temporary_folder.hpp"
+#include "support/temporary_folder.hpp"
 #include "support/process.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,11 +1,11 @@
 /// A log played as fast as the programs take it: nothing is lost, and live equals replay.
 
-#include "io/temporary_folder.hpp"
-#include "replay_rows.hpp"
+#include "support/temporary_folder.hpp"
+#include "system/replay_rows.hpp"
 #include "support/bits.hpp"
 #include "support/bus.hpp"
-#include <sonopose/fusion/engine.hpp>
-#include <sonopose/io/log_folder.hpp>
+#include <sonopose/estimation/documented/engine.hpp>
+#include "recording/log_folder.hpp"
 
 #include <algorithm>
 #include <csignal>
@@ -31,8 +31,8 @@ struct Replay {
 
 Replay replay(const std::filesystem::path& folder) {
   Replay replay;
-  fusion::Engine engine{fusion::Settings{}};
-  for (const Event& event : io::read_sensor_log(folder).events) {
+  estimation::documented::Engine engine{settings::Settings{}};
+  for (const Event& event : recording::read_sensor_log(folder).events) {
     if (const auto* imu = std::get_if<ImuSample>(&event)) {
       const auto pose = engine.on(*imu);
       REQUIRE(pose);

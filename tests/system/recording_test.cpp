@@ -1,8 +1,8 @@
 /// What the bridge keeps: recordings of what it publishes, and captures of the raw bytes.
 
-#include "io/temporary_folder.hpp"
+#include "support/temporary_folder.hpp"
 #include "support/bus.hpp"
-#include <sonopose/io/log_folder.hpp>
+#include "recording/log_folder.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace topics = dds::topics;
 
 namespace {
 
-/// Everything that a bridge publishes of the hub's three streams.
+/// Everything that a bridge publishes of the native's three streams.
 struct Streams {
   explicit Streams(const Bus& bus)
       : imu(bus, topics::imu), fixes(bus, topics::fix), headings(bus, topics::heading) {}
@@ -76,7 +76,7 @@ SCENARIO("a recording of a live run reads back as what was published") {
     const auto bridge = bus.bridge({"--rate", "2", "--duration", "4", "--record", (folder / "log").string()});
     REQUIRE(bridge->wait_for_exit() == 0);
     WHEN("the recording is read") {
-      const auto log = io::read_sensor_log(folder / "log");
+      const auto log = recording::read_sensor_log(folder / "log");
       THEN("it has every event of the run, and those that arrived are the same, number by number") {
         CHECK(of_kind<ImuSample>(log.events).size() == 400);
         CHECK(log.truth.size() == 400);
@@ -105,8 +105,8 @@ SCENARIO("a capture of the simulated beacon, played as a stream, gives its sampl
       REQUIRE(bus.bridge({"--source", "stream", "--input", bytes, "--rate", "0", "--record",
                           (folder / "received").string()})
                   ->wait_for_exit() == 0);
-      const auto sent = io::read_sensor_log(folder / "sent").events;
-      const auto received = io::read_sensor_log(folder / "received").events;
+      const auto sent = recording::read_sensor_log(folder / "sent").events;
+      const auto received = recording::read_sensor_log(folder / "received").events;
       THEN("IMU samples are the same to half a step of 1 mg and 0.0175 deg/s, stamps to 1 ms") {
         const auto before = of_kind<ImuSample>(sent);
         const auto after = of_kind<ImuSample>(received);

@@ -1,6 +1,6 @@
 /// What cannot be used is refused at the start, in words that lead to the mistake.
 
-#include "io/temporary_folder.hpp"
+#include "support/temporary_folder.hpp"
 #include "support/bus.hpp"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 /// \file
 /// What sonopose-replay wrote into pose.csv, as bits to compare with poses.
 
-#include "io/temporary_folder.hpp"
+#include "support/temporary_folder.hpp"
 #include "support/bits.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,10 +1,10 @@
 /// sonopose-replay as a program: what it prints, writes and refuses.
 
-#include "io/temporary_folder.hpp"
-#include "replay_rows.hpp"
+#include "support/temporary_folder.hpp"
+#include "system/replay_rows.hpp"
 #include "support/process.hpp"
-#include <sonopose/io/log_writer.hpp>
-#include <sonopose/sim/simulator.hpp>
+#include "recording/log_writer.hpp"
+#include "sim/simulator.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -26,7 +26,7 @@ class Recording {
 public:
   explicit Recording(bool with_truth = true) {
     sim::Simulator simulator(sim::find_scenario("outlier_bursts"), {.duration_s = 12.0});
-    io::SensorLogWriter writer(log());
+    recording::SensorLogWriter writer(log());
     while (const auto step = simulator.next()) {
       writer.write(step->event);
       if (with_truth && step->truth) writer.write(*step->truth);
@@ -234,7 +234,7 @@ SCENARIO("rows that no sensor can have given are counted and harm nothing") {
   const json report = report_of({recording.log()});
   CHECK(report["samples_invalid"] == 3);
   CHECK(report["imu_samples"] == 1200);
-  CHECK(report["verdicts"]["invalid"] == 1);
+  CHECK(report["fix_flags"]["invalid"] == 1);
   CHECK(report["position_max_m"].is_number());
 }
 

@@ -1,6 +1,6 @@
 /// The serial path: bytes of a simulated beacon through a pseudo-terminal, with the plug pulled meanwhile.
 
-#include "io/temporary_folder.hpp"
+#include "support/temporary_folder.hpp"
 #include "support/beacon_bytes.hpp"
 #include "support/bus.hpp"
 #include "support/pseudo_terminal.hpp"

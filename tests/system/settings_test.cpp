@@ -1,10 +1,10 @@
 /// Settings of a running fusion: sonopose-settings, and what consumers see of it.
 
-#include "io/temporary_folder.hpp"
+#include "support/temporary_folder.hpp"
 #include "support/bits.hpp"
 #include "support/bus.hpp"
-#include <sonopose/fusion/engine.hpp>
-#include <sonopose/io/log_folder.hpp>
+#include <sonopose/estimation/documented/engine.hpp>
+#include "recording/log_folder.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -74,7 +74,7 @@ SCENARIO("settings are changed while the fusion runs, and who comes late sees wh
         REQUIRE(live.settings.wait_for(has(8, "trust.n_base", "9")));
         CHECK(value_in(as_told_late(bus, 7), "trust.sigma_m") == "0.25");
         CHECK(value_in(as_told_late(bus, 8), "trust.sigma_m") == "0.8");
-        CHECK(as_told_late(bus, 7).values.size() == fusion::setting_table().size());
+        CHECK(as_told_late(bus, 7).values.size() == settings::setting_table().size());
         const Result get = bus.settings({"get", "trust.sigma_m", "--json"});
         REQUIRE(get.code == 0);
         const auto list = nlohmann::json::parse(get.output);
@@ -97,7 +97,7 @@ SCENARIO("settings are changed while the fusion runs, and who comes late sees wh
         REQUIRE(bus.settings({"set", "trust.n_min=3", "--beacon", "7"}).code == 0);
         REQUIRE(live.settings.wait_for(has(7, "trust.n_min", "3")));
         CHECK(value_in(as_told_late(bus, 7), "trust.n_base") ==
-              std::to_string(fusion::TrustSettings{}.n_base));
+              std::to_string(estimation::documented::TrustSettings{}.n_base));
       }
     }
     WHEN("what a preset replaces is set") {
@@ -198,16 +198,16 @@ SCENARIO("a change at an event is as exact as the replay: the same poses to the 
                         (folder / "log").string()})
                 ->wait_for_exit() == 0);
     constexpr std::uint64_t from = 1000;
-    fusion::Settings other;
-    fusion::set(other, "fusion.imu_weight", std::string("high"));
-    fusion::set(other, "trust.sigma_m", 0.02);
-    fusion::Engine engine{fusion::Settings{}};
-    fusion::Engine unchanged{fusion::Settings{}};
+    settings::Settings other;
+    settings::set(other, "fusion.imu_weight", std::string("high"));
+    settings::set(other, "trust.sigma_m", 0.02);
+    estimation::documented::Engine engine{settings::Settings{}};
+    estimation::documented::Engine unchanged{settings::Settings{}};
     std::vector<FusedPose> expected;
     std::size_t differing = 0;
-    for (const Event& event : io::read_sensor_log(folder / "log").events) {
+    for (const Event& event : recording::read_sensor_log(folder / "log").events) {
       if (sequence_of(event) == from) engine.configure(other);
-      const auto feed = [&event](fusion::Engine& fed) -> std::optional<FusedPose> {
+      const auto feed = [&event](estimation::documented::Engine& fed) -> std::optional<FusedPose> {
         if (const auto* imu = std::get_if<ImuSample>(&event)) return fed.on(*imu);
         if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
           fed.on(*fix);

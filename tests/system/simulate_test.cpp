@@ -1,9 +1,9 @@
 /// sonopose-simulate: runs of the simulator as log folders.
 
-#include "io/temporary_folder.hpp"
+#include "support/temporary_folder.hpp"
 #include "support/process.hpp"
-#include <sonopose/io/log_folder.hpp>
-#include <sonopose/sim/simulator.hpp>
+#include "recording/log_folder.hpp"
+#include "sim/simulator.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -49,7 +49,7 @@ SCENARIO("a simulated run is written as a log with its truth") {
     REQUIRE(result.code == 0);
     THEN("it reads back as what the simulator gives, late and doubled packets in their places") {
       const auto expected = sim::record(sim::find_scenario("packet_loss"), {.seed = 5, .duration_s = 12.0});
-      const io::SensorLog log = io::read_sensor_log(out);
+      const recording::SensorLog log = recording::read_sensor_log(out);
       REQUIRE(log.events.size() == expected.events.size());
       for (std::size_t i = 0; i < log.events.size(); ++i) {
         REQUIRE(log.events[i].index() == expected.events[i].index());
@@ -75,7 +75,7 @@ SCENARIO("a simulated run is written as a log with its truth") {
   GIVEN("no duration") {
     REQUIRE(simulate({"outages", "--out", (folder / "log").string()}).code == 0);
     THEN("it is the scenario's own") {
-      CHECK(io::read_sensor_log(folder / "log").truth.size() == 7500);
+      CHECK(recording::read_sensor_log(folder / "log").truth.size() == 7500);
     }
   }
   GIVEN("--list") {

@@ -48,7 +48,7 @@ public:
     Arguments arguments{"--standby-strength", strength};
     arguments.insert(arguments.end(), further.begin(), further.end());
     fusion.process = bus.fusion(arguments);
-    const auto give_up = std::chrono::steady_clock::now() + patience;
+    const auto give_up = std::chrono::steady_clock::now() + timeout;
     while (fusion.writers.size() < 2 && std::chrono::steady_clock::now() < give_up) {
       fusion.writers = tap.writers();
       for (const auto handle : before) fusion.writers.erase(handle);
@@ -78,7 +78,7 @@ std::vector<double> takeovers_ms(Pair& pair, Fusion& strong, const Fusion& weak,
   for (int i = 0; i < kills; ++i) {
     pair.wait_until_served_by(strong);
     const std::size_t before = pair.tap.count();
-    const TimeNs out_ns = nodes::steady_now_ns();
+    const TimeNs out_ns = process::steady_now_ns();
     const auto bring_back = take_out();
     const auto first = pair.tap.wait_for_writer(weak.writers, before);
     REQUIRE(first);

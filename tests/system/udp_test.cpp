@@ -1,6 +1,6 @@
 /// The UDP path: the datagrams of a simulated beacon.
 
-#include "io/temporary_folder.hpp"
+#include "support/temporary_folder.hpp"
 #include "support/beacon_bytes.hpp"
 #include "support/bus.hpp"
 

@@ -11,7 +11,7 @@
 #include <sonopose/attitude/low_pass.hpp>
 #include <sonopose/attitude/magnetic.hpp>
 #include <sonopose/attitude/rest.hpp>
-#include <sonopose/core/setting.hpp>
+#include <sonopose/settings/declaration.hpp>
 
 namespace sonopose::attitude {
 
@@ -22,16 +22,16 @@ struct AdaptiveSettings {
   static constexpr std::string_view group = "attitude.adaptive";
   static constexpr auto declarations() {
     using G = AdaptiveSettings;
-    using setting::own_setting;
-    using setting::real;
-    return setting::rows(
+    using settings::own_setting;
+    using settings::real;
+    return settings::rows(
         real(own_setting, "accel_time_s", &G::accel_time_s, 3.0, {0.05, 1000.0}, "s",
              "Time constant of the specific force's low-pass: longer is misled less by acceleration and "
              "corrects the gyroscope later."),
         real(own_setting, "heading_time_s", &G::heading_time_s, 9.0, {0.05, 1000.0}, "s",
              "Time constant with which heading follows the magnetometer's."));
   }
-  constexpr AdaptiveSettings() { setting::set_defaults(*this); }
+  constexpr AdaptiveSettings() { settings::set_defaults(*this); }
 };
 
 template <class Number>

@@ -40,7 +40,7 @@ public:
   void update_external_heading(const Settings& settings, const Measurement<Scalar>& measurement,
                                Scalar heading_rad);
 
-  /// The same with the body's ZYX yaw in a convention: what `math::yaw_of(orientation_in(convention, …))`
+  /// The same with the body's ZYX yaw in a convention: what `geometry::yaw_of(orientation_in(convention, …))`
   /// tells once it has settled.
   void update_external_heading(const Settings& settings, const Measurement<Scalar>& measurement,
                                Scalar heading_rad, Convention convention) {

@@ -2,7 +2,7 @@
 /// \file
 /// Settings of the AHRS (ahrs.hpp).
 
-#include <sonopose/core/setting.hpp>
+#include <sonopose/settings/declaration.hpp>
 
 #include <array>
 #include <string_view>
@@ -33,9 +33,9 @@ struct AhrsSettings {
   static constexpr std::string_view group = "attitude.ahrs";
   static constexpr auto declarations() {
     using G = AhrsSettings;
-    using setting::own_setting;
-    using setting::real;
-    return setting::rows(
+    using settings::own_setting;
+    using settings::real;
+    return settings::rows(
         real(own_setting, "gain", &G::gain, 0.5, {0.0, 10.0}, "1/s",
              "Speed at which tilt and heading follow the accelerometer and the magnetometer; 0 is the "
              "gyroscope alone."),
@@ -48,10 +48,10 @@ struct AhrsSettings {
              "never ignores it."),
         real(own_setting, "rejection_timeout_s", &G::rejection_timeout_s, 5.0, {0.0, 3600.0}, "s",
              "How long a sensor may be ignored; 0 never ignores any."),
-        setting::choice(own_setting, "rejection", &G::rejection, RejectionForm::recovery,
+        settings::choice(own_setting, "rejection", &G::rejection, RejectionForm::recovery,
                         "After that time: recovery uses the sensor until it agrees, seed restarts the "
                         "initialisation or sets the heading."),
-        setting::flag(own_setting, "gyro_offset", &G::gyro_offset, true,
+        settings::flag(own_setting, "gyro_offset", &G::gyro_offset, true,
                       "The gyroscope's offset is learned while the body stands still."),
         real(own_setting, "gyro_offset_limit_dps", &G::gyro_offset_limit_dps, 3.0, {0.0, 100.0}, "deg/s",
              "The body stands still while no rate exceeds this, the offset so far taken off."),
@@ -63,7 +63,7 @@ struct AhrsSettings {
              "Range of the gyroscope; a rate beyond 98 % of it, where the sensor may clip, starts the "
              "initialisation again; 0 for a range that is never reached."));
   }
-  constexpr AhrsSettings() { setting::set_defaults(*this); }
+  constexpr AhrsSettings() { settings::set_defaults(*this); }
 };
 
 }  // namespace sonopose::attitude

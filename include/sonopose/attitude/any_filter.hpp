@@ -10,7 +10,7 @@
 #include <sonopose/attitude/gyro.hpp>
 #include <sonopose/attitude/mahony.hpp>
 #include <sonopose/attitude/tracker.hpp>
-#include <sonopose/core/setting.hpp>
+#include <sonopose/settings/declaration.hpp>
 
 #include <array>
 #include <cstdint>
@@ -32,19 +32,19 @@ struct SelectionSettings {
   static constexpr std::string_view group = "attitude";
   static constexpr auto declarations() {
     using G = SelectionSettings;
-    using setting::own_setting;
-    return setting::rows(
-        setting::choice(own_setting, "filter", &G::filter, FilterKind::adaptive,
+    using settings::own_setting;
+    return settings::rows(
+        settings::choice(own_setting, "filter", &G::filter, FilterKind::adaptive,
                         "Which filter tells the attitude; items 29 and 30 are mahony's."),
-        setting::flag(own_setting, "magnetometer", &G::magnetometer, false,
+        settings::flag(own_setting, "magnetometer", &G::magnetometer, false,
                       "Heading from the magnetometer, where samples have one; not beside paired beacons, "
                       "whose heading is better."),
-        setting::real(
+        settings::real(
             own_setting, "north_deg", &G::north_deg, 90.0, {-360.0, 360.0}, "deg",
             "Direction of magnetic north in the world, counter-clockwise from +X: 90 where X is east, "
             "0 where X is north."));
   }
-  constexpr SelectionSettings() { setting::set_defaults(*this); }
+  constexpr SelectionSettings() { settings::set_defaults(*this); }
 };
 
 /// Which filter, and the settings of each.

@@ -6,7 +6,7 @@
 
 #include <sonopose/attitude/filter.hpp>
 #include <sonopose/attitude/low_pass.hpp>
-#include <sonopose/core/setting.hpp>
+#include <sonopose/settings/declaration.hpp>
 
 namespace sonopose::attitude {
 
@@ -24,9 +24,9 @@ struct BiasSettings {
   static constexpr std::string_view group = "attitude.bias";
   static constexpr auto declarations() {
     using G = BiasSettings;
-    using setting::own_setting;
-    using setting::real;
-    return setting::rows(
+    using settings::own_setting;
+    using settings::real;
+    return settings::rows(
         real(own_setting, "initial_dps", &G::initial_dps, 0.5, {0.0, 100.0}, "deg/s",
              "Standard deviation of the gyroscope's offset at the start, and the most it ever has."),
         real(own_setting, "limit_dps", &G::limit_dps, 2.0, {0.0, 100.0}, "deg/s",
@@ -42,7 +42,7 @@ struct BiasSettings {
              "held "
              "to zero."));
   }
-  constexpr BiasSettings() { setting::set_defaults(*this); }
+  constexpr BiasSettings() { settings::set_defaults(*this); }
 };
 
 template <class Scalar>

@@ -12,12 +12,12 @@ namespace sonopose::attitude {
 /// ZYX yaw of the body in the convention (rad), whatever its tilt. `specific_force_body` points up, and both
 /// vectors may have any length. Nothing where one of them is zero, both are parallel or body X is vertical.
 template <class Scalar>
-std::optional<Scalar> compass_heading(Convention convention, const math::Vector3<Scalar>& specific_force_body,
-                                      const math::Vector3<Scalar>& magnetic_field_body) {
+std::optional<Scalar> compass_heading(Convention convention, const geometry::Vector3<Scalar>& specific_force_body,
+                                      const geometry::Vector3<Scalar>& magnetic_field_body) {
   constexpr Scalar tiny = std::numeric_limits<Scalar>::epsilon();
-  const math::Vector3<Scalar> up_body = specific_force_body.stableNormalized();
-  const math::Vector3<Scalar> west_body = up_body.cross(magnetic_field_body.stableNormalized());
-  const math::Vector3<Scalar> north_body = west_body.cross(up_body);
+  const geometry::Vector3<Scalar> up_body = specific_force_body.stableNormalized();
+  const geometry::Vector3<Scalar> west_body = up_body.cross(magnetic_field_body.stableNormalized());
+  const geometry::Vector3<Scalar> north_body = west_body.cross(up_body);
   // Body X seen from above: its parts to the north and to the west.
   const Scalar north = north_body.x();
   const Scalar west = west_body.x();

@@ -3,7 +3,7 @@
 /// The three usual ways to lay axes on the Earth. The project's world is Z up with magnetic north wherever
 /// `north_world` says; here what is told in it is told in one of them.
 
-#include <sonopose/math/rotation.hpp>
+#include <sonopose/geometry/rotation.hpp>
 
 #include <cmath>
 #include <numbers>
@@ -22,25 +22,25 @@ using Direction2 = Eigen::Matrix<Scalar, 2, 1>;
 /// Turns vectors of the world into vectors of the convention. `north_world`: unit vector in the world's XY
 /// plane.
 template <class Scalar>
-math::Quaternion<Scalar> world_to_convention(Convention convention, const Direction2<Scalar>& north_world) {
+geometry::Quaternion<Scalar> world_to_convention(Convention convention, const Direction2<Scalar>& north_world) {
   if (convention == Convention::enu)
-    return math::rotation_about_z(std::atan2(north_world.x(), north_world.y()));
-  const auto q_world_to_nwu = math::rotation_about_z(-std::atan2(north_world.y(), north_world.x()));
+    return geometry::rotation_about_z(std::atan2(north_world.x(), north_world.y()));
+  const auto q_world_to_nwu = geometry::rotation_about_z(-std::atan2(north_world.y(), north_world.x()));
   if (convention == Convention::nwu) return q_world_to_nwu;
-  return math::Quaternion<Scalar>(0, 1, 0, 0) * q_world_to_nwu;
+  return geometry::Quaternion<Scalar>(0, 1, 0, 0) * q_world_to_nwu;
 }
 
 /// The orientation of the body in the convention: turns body vectors into vectors of the convention.
 template <class Scalar>
-math::Quaternion<Scalar> orientation_in(Convention convention, const Direction2<Scalar>& north_world,
-                                        const math::Quaternion<Scalar>& q_body_to_world) {
+geometry::Quaternion<Scalar> orientation_in(Convention convention, const Direction2<Scalar>& north_world,
+                                        const geometry::Quaternion<Scalar>& q_body_to_world) {
   return world_to_convention(convention, north_world) * q_body_to_world;
 }
 
 /// A vector of the world in the convention.
 template <class Scalar>
-math::Vector3<Scalar> vector_in(Convention convention, const Direction2<Scalar>& north_world,
-                                const math::Vector3<Scalar>& vector_world) {
+geometry::Vector3<Scalar> vector_in(Convention convention, const Direction2<Scalar>& north_world,
+                                const geometry::Vector3<Scalar>& vector_world) {
   return world_to_convention(convention, north_world) * vector_world;
 }
 
@@ -51,8 +51,8 @@ template <class Scalar>
 Scalar yaw_in_world(Convention convention, const Direction2<Scalar>& north_world, Scalar yaw_rad) {
   const Scalar north_rad = std::atan2(north_world.y(), north_world.x());
   if (convention == Convention::enu)
-    return math::wrap_angle(north_rad - std::numbers::pi_v<Scalar> / 2 + yaw_rad);
-  return math::wrap_angle(convention == Convention::nwu ? north_rad + yaw_rad : north_rad - yaw_rad);
+    return geometry::wrap_angle(north_rad - std::numbers::pi_v<Scalar> / 2 + yaw_rad);
+  return geometry::wrap_angle(convention == Convention::nwu ? north_rad + yaw_rad : north_rad - yaw_rad);
 }
 
 }  // namespace sonopose::attitude

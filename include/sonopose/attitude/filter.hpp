@@ -4,7 +4,7 @@
 /// filters of this room are one, so that each can stand in the place of any other, chosen at compile time by
 /// a template argument or at run time (any_filter.hpp).
 
-#include <sonopose/math/rotation.hpp>
+#include <sonopose/geometry/rotation.hpp>
 
 #include <cmath>
 #include <concepts>
@@ -13,8 +13,8 @@
 
 namespace sonopose::attitude {
 
-using math::Quaternion;
-using math::Vector3;
+using geometry::Quaternion;
+using geometry::Vector3;
 
 /// One step of a filter. Its numbers must be finite.
 template <class Scalar>

@@ -3,7 +3,7 @@
 /// The AHRS document's gyroscope offset correction: while the body has stood still for long enough, what the
 /// gyroscope still reads is low-pass filtered into its offset.
 
-#include <sonopose/math/rotation.hpp>
+#include <sonopose/geometry/rotation.hpp>
 
 namespace sonopose::attitude {
 
@@ -16,11 +16,11 @@ struct GyroOffsetLimits {
 
 template <class Scalar>
 struct GyroOffset {
-  math::Vector3<Scalar> offset_body_radps = math::Vector3<Scalar>::Zero();
+  geometry::Vector3<Scalar> offset_body_radps = geometry::Vector3<Scalar>::Zero();
   Scalar still_s = 0;  ///< so long it has stood still, up to the limit
 
   /// Learns from one rate (rad/s, body, as measured) that stands for `dt_s`.
-  void learn(const GyroOffsetLimits<Scalar>& limits, const math::Vector3<Scalar>& angular_velocity_body_radps,
+  void learn(const GyroOffsetLimits<Scalar>& limits, const geometry::Vector3<Scalar>& angular_velocity_body_radps,
              Scalar dt_s);
 
   bool operator==(const GyroOffset&) const = default;

@@ -18,7 +18,7 @@ public:
   }
 
   void turn_in_world(const Vector3<Scalar>& rotation_world_rad) {
-    q_body_to_world_ = (math::rotation_by(rotation_world_rad) * q_body_to_world_).normalized();
+    q_body_to_world_ = (geometry::rotation_by(rotation_world_rad) * q_body_to_world_).normalized();
   }
 
   [[nodiscard]] const Quaternion<Scalar>& orientation() const { return q_body_to_world_; }
@@ -40,7 +40,7 @@ protected:
   /// q ← q ⊗ exp(ω·dt), ω in the body's axes. The document of the strapdown writes the increment on the left;
   /// body rates and a body-to-world quaternion demand the right.
   void turn_in_body(const Vector3<Scalar>& rotation_body_rad) {
-    q_body_to_world_ = (q_body_to_world_ * math::rotation_by(rotation_body_rad)).normalized();
+    q_body_to_world_ = (q_body_to_world_ * geometry::rotation_by(rotation_body_rad)).normalized();
   }
 
   Quaternion<Scalar> q_body_to_world_ = Quaternion<Scalar>::Identity();

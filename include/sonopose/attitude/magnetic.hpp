@@ -4,7 +4,7 @@
 /// is not asked for north.
 
 #include <sonopose/attitude/filter.hpp>
-#include <sonopose/core/setting.hpp>
+#include <sonopose/settings/declaration.hpp>
 
 namespace sonopose::attitude {
 
@@ -23,9 +23,9 @@ struct MagneticSettings {
   static constexpr std::string_view group = "attitude.magnetic";
   static constexpr auto declarations() {
     using G = MagneticSettings;
-    using setting::own_setting;
-    using setting::real;
-    return setting::rows(
+    using settings::own_setting;
+    using settings::real;
+    return settings::rows(
         real(own_setting, "norm_tolerance", &G::norm_tolerance, 0.1, {0.0, 1.0}, "",
              "A field is disturbed whose norm differs from the reference by more than this share."),
         real(own_setting, "dip_tolerance_deg", &G::dip_tolerance_deg, 10.0, {0.0, 90.0}, "deg",
@@ -49,7 +49,7 @@ struct MagneticSettings {
         real(own_setting, "smoothing_s", &G::smoothing_s, 0.05, {0.0, 10.0}, "s",
              "Time constant of the mean of norm and dip."));
   }
-  constexpr MagneticSettings() { setting::set_defaults(*this); }
+  constexpr MagneticSettings() { settings::set_defaults(*this); }
 };
 
 /// A field by its level and its vertical part, which a turn about the vertical leaves as they are.

@@ -5,7 +5,7 @@
 /// estimated north towards the measured field.
 
 #include <sonopose/attitude/integrated_attitude.hpp>
-#include <sonopose/core/setting.hpp>
+#include <sonopose/settings/declaration.hpp>
 
 #include <array>
 #include <cstdint>
@@ -33,9 +33,9 @@ struct MahonySettings {
   static constexpr std::string_view group = "attitude.mahony";
   static constexpr auto declarations() {
     using G = MahonySettings;
-    using setting::own_setting;
-    using setting::real;
-    return setting::rows(
+    using settings::own_setting;
+    using settings::real;
+    return settings::rows(
         real(
             29, "kp", &G::kp, 0.01, {0.0, 10.0}, "1/s",
             "Speed at which tilt is corrected towards the measured gravity; higher reacts faster and is more "
@@ -46,14 +46,14 @@ struct MahonySettings {
         real(own_setting, "ki_gate_mps2", &G::ki_gate_mps2, 0.5, {0.0, 1000.0}, "m/s^2",
              "The offset is learned only while the specific force differs from gravity by less than this: in "
              "a long turn the tilt correction is wrong all the time in one direction."),
-        setting::choice(own_setting, "magnetic_error", &G::magnetic_error, MagneticError::heading,
+        settings::choice(own_setting, "magnetic_error", &G::magnetic_error, MagneticError::heading,
                         "What the magnetometer corrects: heading alone, or, as the filter was first written, "
                         "the full error of all three axes with the gain kp."),
         real(own_setting, "heading_kp", &G::heading_kp, 0.05, {0.0, 10.0}, "1/s",
              "Speed at which heading is corrected towards the magnetometer's, where it corrects heading "
              "alone."));
   }
-  constexpr MahonySettings() { setting::set_defaults(*this); }
+  constexpr MahonySettings() { settings::set_defaults(*this); }
 };
 
 /// Its offset of the gyroscope is the integral, with its sign turned.

@@ -4,7 +4,7 @@
 /// time. Then the mean rate is the gyroscope's offset, the best estimate of it that there is.
 
 #include <sonopose/attitude/filter.hpp>
-#include <sonopose/core/setting.hpp>
+#include <sonopose/settings/declaration.hpp>
 
 namespace sonopose::attitude {
 
@@ -17,9 +17,9 @@ struct RestSettings {
   static constexpr std::string_view group = "attitude.rest";
   static constexpr auto declarations() {
     using G = RestSettings;
-    using setting::own_setting;
-    using setting::real;
-    return setting::rows(real(own_setting, "rate_limit_dps", &G::rate_limit_dps, 2.0, {0.0, 100.0}, "deg/s",
+    using settings::own_setting;
+    using settings::real;
+    return settings::rows(real(own_setting, "rate_limit_dps", &G::rate_limit_dps, 2.0, {0.0, 100.0}, "deg/s",
                               "At rest the angular rate stays within this of its mean."),
                          real(own_setting, "force_limit_mps2", &G::force_limit_mps2, 0.5, {0.0, 10.0},
                               "m/s^2", "At rest the specific force stays within this of its mean."),
@@ -28,7 +28,7 @@ struct RestSettings {
                          real(own_setting, "smoothing_s", &G::smoothing_s, 0.5, {0.01, 10.0}, "s",
                               "Time constant of these means."));
   }
-  constexpr RestSettings() { setting::set_defaults(*this); }
+  constexpr RestSettings() { settings::set_defaults(*this); }
 };
 
 template <class Scalar>

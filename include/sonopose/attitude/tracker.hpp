@@ -3,7 +3,7 @@
 /// A filter fed with samples: the time step comes from their own time stamps, the first one sets the start.
 
 #include <sonopose/attitude/filter.hpp>
-#include <sonopose/core/samples.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <cmath>
 #include <utility>
@@ -18,7 +18,7 @@ struct FieldUse {
   Measurement<double> measurement_of(const ImuSample& imu, double dt_s) const {
     Measurement<double> measurement{dt_s, imu.angular_velocity_body_radps, imu.specific_force_body_mps2};
     if (use_magnetometer && imu.magnetic_field_body_t) {
-      const double north_rad = north_deg * math::radians_per_degree;
+      const double north_rad = north_deg * geometry::radians_per_degree;
       measurement.magnetic_field_body_t = *imu.magnetic_field_body_t;
       measurement.north_world = {std::cos(north_rad), std::sin(north_rad)};
     }

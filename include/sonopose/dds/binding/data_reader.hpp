@@ -1,0 +1,185 @@
+#pragma once
+/// \file
+/// Reads samples of one type from a topic.
+
+#include <sonopose/dds/binding/entity.hpp>
+#include <sonopose/dds/binding/error.hpp>
+#include <sonopose/dds/binding/listener.hpp>
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/binding/sample.hpp>
+#include <sonopose/dds/binding/topic.hpp>
+
+#include <dds/dds.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace sonopose::dds {
+
+/// Who stands behind a matched writer.
+struct PublicationData {
+  std::string topic_name;
+  std::string type_name;
+  dds_guid_t key{};              ///< of the writer
+  dds_guid_t participant_key{};  ///< of the participant that it belongs to
+  std::vector<std::uint8_t> user_data;
+};
+
+namespace detail {
+std::vector<InstanceHandle> matched_publications(dds_entity_t reader);
+PublicationData matched_publication_data(dds_entity_t reader, InstanceHandle publication);
+}  // namespace detail
+
+/// Every member but the `try_…` ones throws `Error`.
+template <class T>
+class DataReader : public Entity {
+public:
+  DataReader() noexcept = default;
+
+  /// `listener` must outlive the reader; it hears of the statuses in `mask`.
+  DataReader(const DomainParticipant& participant, const Topic<T>& topic, const Qos& qos = {},
+             DataReaderListener<T>* listener = nullptr, StatusMask mask = StatusMask::all())
+      : Entity(check("dds_create_reader", topic.name(),
+                     dds_create_reader(participant.handle(), topic.handle(), qos.get(),
+                                       detail::c_listener(listener, mask).get()))) {}
+
+  /// A view of a reader that somebody else owns.
+  static DataReader borrow(dds_entity_t handle) noexcept { return DataReader(handle, Ownership::borrowed); }
+
+  /// Takes up to `max_samples` on loan, out of the reader.
+  LoanedSamples<T> take(std::size_t max_samples = 256, DataState state = DataState::any()) {
+    return loan("dds_take_mask", dds_take_mask, max_samples, state);
+  }
+
+  /// Reads up to `max_samples` on loan and leaves them in the reader, marked as read.
+  LoanedSamples<T> read(std::size_t max_samples = 256, DataState state = DataState::any()) {
+    return loan("dds_read_mask", dds_read_mask, max_samples, state);
+  }
+
+  /// For the hot path: takes all that is there, oldest first within an instance, and calls
+  /// `on_data(const T&, const SampleInfo&)` for each sample with data. After the first call it allocates
+  /// nothing. Returns how many there were, or a negative return code.
+  template <class OnData>
+  ReturnCode try_take_each(OnData&& on_data) {
+    return try_take_each(on_data, [](const T&, const SampleInfo&) {});
+  }
+
+  /// As above; `on_state(const T& key, const SampleInfo&)` hears of instances that were disposed of or lost
+  /// their writers. Only the key fields of `key` are set.
+  template <class OnData, class OnState>
+  ReturnCode try_take_each(OnData&& on_data, OnState&& on_state) {
+    constexpr std::int32_t batch = 32;
+    ReturnCode total = 0;
+    ReturnCode taken = batch;
+    while (taken == batch) {
+      std::array<void*, batch> samples{};
+      std::array<dds_sample_info_t, batch> infos;  // NOLINT(*-member-init): dds_take fills in what is used
+      taken = dds_take(handle(), samples.data(), infos.data(), batch, batch);
+      if (taken <= 0) return taken < 0 ? taken : total;
+      const Loan loan(handle(), samples.data(), taken);
+      for (std::size_t i = 0; i < static_cast<std::size_t>(taken); ++i) {
+        const T& data = *static_cast<const T*>(samples[i]);
+        const SampleInfo info(infos[i]);
+        if (info.valid()) {
+          on_data(data, info);
+        } else {
+          on_state(data, info);
+        }
+      }
+      total += taken;
+    }
+    return total;
+  }
+
+  /// As `try_take_each`, with exceptions for errors.
+  template <class... Visitors>
+  std::size_t take_each(Visitors&&... visitors) {
+    return static_cast<std::size_t>(check("dds_take", try_take_each(visitors...)));
+  }
+
+  /// Fills in the key fields of `key` with those of an instance. No exception: negative where it is not
+  /// known.
+  ReturnCode try_key_value(T& key, InstanceHandle instance) const noexcept {
+    return dds_instance_get_key(handle(), instance.value, &key);
+  }
+
+  std::vector<InstanceHandle> matched_publications() const { return detail::matched_publications(handle()); }
+
+  PublicationData matched_publication_data(InstanceHandle publication) const {
+    return detail::matched_publication_data(handle(), publication);
+  }
+
+  /// Waits until the transient-local samples from before this reader have come; false after `timeout`.
+  bool wait_for_historical_data(Duration timeout) {
+    const ReturnCode code = dds_reader_wait_for_historical_data(handle(), timeout.count());
+    if (code == DDS_RETCODE_TIMEOUT) return false;
+    check("dds_reader_wait_for_historical_data", code);
+    return true;
+  }
+
+  SubscriptionMatchedStatus subscription_matched_status() {
+    return status<SubscriptionMatchedStatus>("dds_get_subscription_matched_status",
+                                             dds_get_subscription_matched_status);
+  }
+  RequestedDeadlineMissedStatus requested_deadline_missed_status() {
+    return status<RequestedDeadlineMissedStatus>("dds_get_requested_deadline_missed_status",
+                                                 dds_get_requested_deadline_missed_status);
+  }
+  RequestedIncompatibleQosStatus requested_incompatible_qos_status() {
+    return status<RequestedIncompatibleQosStatus>("dds_get_requested_incompatible_qos_status",
+                                                  dds_get_requested_incompatible_qos_status);
+  }
+  LivelinessChangedStatus liveliness_changed_status() {
+    return status<LivelinessChangedStatus>("dds_get_liveliness_changed_status",
+                                           dds_get_liveliness_changed_status);
+  }
+  SampleLostStatus sample_lost_status() {
+    return status<SampleLostStatus>("dds_get_sample_lost_status", dds_get_sample_lost_status);
+  }
+  SampleRejectedStatus sample_rejected_status() {
+    return status<SampleRejectedStatus>("dds_get_sample_rejected_status", dds_get_sample_rejected_status);
+  }
+
+private:
+  using Entity::Entity;
+
+  /// Gives a batch back whatever the visitor does.
+  class Loan {
+  public:
+    Loan(dds_entity_t reader, void** samples, ReturnCode count)
+        : reader_(reader), samples_(samples), count_(count) {}
+    Loan(const Loan&) = delete;
+    Loan& operator=(const Loan&) = delete;
+    Loan(Loan&&) = delete;
+    Loan& operator=(Loan&&) = delete;
+    ~Loan() { dds_return_loan(reader_, samples_, count_); }
+
+  private:
+    dds_entity_t reader_;
+    void** samples_;
+    ReturnCode count_;
+  };
+
+  template <class Call>
+  LoanedSamples<T> loan(const char* name, Call call, std::size_t max_samples, DataState state) {
+    std::vector<void*> data(max_samples, nullptr);
+    std::vector<dds_sample_info_t> infos(max_samples);
+    const ReturnCode count = check(name, call(handle(), data.data(), infos.data(), max_samples,
+                                              static_cast<std::uint32_t>(max_samples), state.mask));
+    data.resize(static_cast<std::size_t>(count));
+    infos.resize(static_cast<std::size_t>(count));
+    return LoanedSamples<T>(handle(), std::move(data), std::move(infos));
+  }
+
+  template <class Status, class Call>
+  Status status(const char* name, Call call) {
+    Status status{};
+    check(name, call(handle(), &status));
+    return status;
+  }
+};
+
+}  // namespace sonopose::dds

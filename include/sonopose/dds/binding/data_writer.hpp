@@ -1,0 +1,145 @@
+#pragma once
+/// \file
+/// Writes samples of one type to a topic.
+
+#include <sonopose/dds/binding/entity.hpp>
+#include <sonopose/dds/binding/error.hpp>
+#include <sonopose/dds/binding/listener.hpp>
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/binding/topic.hpp>
+
+#include <dds/dds.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace sonopose::dds {
+
+/// Who stands behind a matched reader.
+struct SubscriptionData {
+  dds_guid_t participant_key{};  ///< of the participant that it belongs to
+  std::vector<std::uint8_t> user_data;
+};
+
+namespace detail {
+std::vector<InstanceHandle> matched_subscriptions(dds_entity_t writer);
+SubscriptionData matched_subscription_data(dds_entity_t writer, InstanceHandle subscription);
+}  // namespace detail
+
+/// Every member but the `try_…` ones throws `Error`.
+template <class T>
+class DataWriter : public Entity {
+public:
+  DataWriter() noexcept = default;
+
+  /// `listener` must outlive the writer; it hears of the statuses in `mask`.
+  DataWriter(const DomainParticipant& participant, const Topic<T>& topic, const Qos& qos = {},
+             DataWriterListener<T>* listener = nullptr, StatusMask mask = StatusMask::all())
+      : Entity(check("dds_create_writer", topic.name(),
+                     dds_create_writer(participant.handle(), topic.handle(), qos.get(),
+                                       detail::c_listener(listener, mask).get()))) {}
+
+  /// A view of a writer that somebody else owns.
+  static DataWriter borrow(dds_entity_t handle) noexcept { return DataWriter(handle, Ownership::borrowed); }
+
+  void write(const T& sample) { check("dds_write", try_write(sample)); }
+
+  /// Writes with a source time stamp of its own, ns since the Unix epoch.
+  void write(const T& sample, std::int64_t source_timestamp_ns) {
+    check("dds_write_ts", dds_write_ts(handle(), &sample, source_timestamp_ns));
+  }
+
+  /// For the hot path: no exception. Where `is_timeout`: there was no room for max_blocking_time and the
+  /// sample was not written.
+  ReturnCode try_write(const T& sample) noexcept { return dds_write(handle(), &sample); }
+
+  /// Sends what waits where the domain's writes are batched (DomainOptions::batch_writes).
+  void flush() noexcept { dds_write_flush(handle()); }
+
+  /// For a stream that must not lose anything: while there is no room, tries again until `give_up()` says
+  /// true. Returns whether the sample was written.
+  template <class GiveUp>
+  bool write_unless(const T& sample, GiveUp&& give_up) {
+    ReturnCode code = try_write(sample);
+    while (is_timeout(code) && !give_up()) code = try_write(sample);
+    if (is_timeout(code)) return false;
+    check("dds_write", code);
+    return true;
+  }
+
+  /// Tells the readers that the instance is no more. Only the key fields of `key` count.
+  void dispose_instance(const T& key) { check("dds_dispose", dds_dispose(handle(), &key)); }
+
+  /// Tells the readers that this writer writes the instance no more: its deadline ends, a weaker exclusive
+  /// writer takes over at once. Do this on a clean exit. Only the key fields of `key` count.
+  void unregister_instance(const T& key) {
+    check("dds_unregister_instance", dds_unregister_instance(handle(), &key));
+  }
+
+  /// The same without an exception, for destructors.
+  ReturnCode try_unregister_instance(const T& key) noexcept {
+    return dds_unregister_instance(handle(), &key);
+  }
+
+  /// The handle of an instance that this writer has written; nil for another.
+  InstanceHandle lookup_instance(const T& key) const { return {dds_lookup_instance(handle(), &key)}; }
+
+  /// Shows life where liveliness is manual. Once its lease has run out, only a write revives the writer
+  /// (Cyclone DDS 0.10).
+  void assert_liveliness() { check("dds_assert_liveliness", dds_assert_liveliness(handle())); }
+
+  /// The same without an exception, for threads that must go on.
+  ReturnCode try_assert_liveliness() noexcept { return dds_assert_liveliness(handle()); }
+
+  /// Returns whether all readers have all samples within `timeout`.
+  bool wait_for_acknowledgments(Duration timeout) {
+    const ReturnCode code = dds_wait_for_acks(handle(), timeout.count());
+    if (code == DDS_RETCODE_TIMEOUT) return false;
+    check("dds_wait_for_acks", code);
+    return true;
+  }
+
+  /// Changes the strength with which the writer claims its instances.
+  void ownership_strength(std::int32_t strength) { qos(Qos() << policy::OwnershipStrength{strength}); }
+  using Entity::qos;
+
+  std::vector<InstanceHandle> matched_subscriptions() const {
+    return detail::matched_subscriptions(handle());
+  }
+
+  SubscriptionData matched_subscription_data(InstanceHandle subscription) const {
+    return detail::matched_subscription_data(handle(), subscription);
+  }
+
+  PublicationMatchedStatus publication_matched_status() {
+    PublicationMatchedStatus status{};
+    check("dds_get_publication_matched_status", dds_get_publication_matched_status(handle(), &status));
+    return status;
+  }
+
+  /// Cyclone DDS 0.10 leaves its `last_instance_handle` nil.
+  OfferedDeadlineMissedStatus offered_deadline_missed_status() {
+    OfferedDeadlineMissedStatus status{};
+    check("dds_get_offered_deadline_missed_status",
+          dds_get_offered_deadline_missed_status(handle(), &status));
+    return status;
+  }
+
+  OfferedIncompatibleQosStatus offered_incompatible_qos_status() {
+    OfferedIncompatibleQosStatus status{};
+    check("dds_get_offered_incompatible_qos_status",
+          dds_get_offered_incompatible_qos_status(handle(), &status));
+    return status;
+  }
+
+  LivelinessLostStatus liveliness_lost_status() {
+    LivelinessLostStatus status{};
+    check("dds_get_liveliness_lost_status", dds_get_liveliness_lost_status(handle(), &status));
+    return status;
+  }
+
+private:
+  using Entity::Entity;
+};
+
+}  // namespace sonopose::dds

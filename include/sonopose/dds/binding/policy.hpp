@@ -1,0 +1,126 @@
+#pragma once
+/// \file
+/// QoS policies as plain values. `apply` writes one into a C QoS object and throws std::invalid_argument for
+/// a value that no entity could have; `from` reads it back, empty where the object leaves the policy open.
+
+#include <sonopose/dds/binding/types.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::dds::policy {
+
+enum class ReliabilityKind : std::uint8_t { best_effort, reliable };
+enum class HistoryKind : std::uint8_t { keep_last, keep_all };
+enum class DurabilityKind : std::uint8_t { volatile_data, transient_local };
+enum class LivelinessKind : std::uint8_t { automatic, manual_by_participant, manual_by_topic };
+enum class OwnershipKind : std::uint8_t { shared, exclusive };
+
+/// "No limit" in `ResourceLimits`.
+inline constexpr std::int32_t length_unlimited = DDS_LENGTH_UNLIMITED;
+
+/// The longest time between two samples of an instance. Positive: Cyclone DDS 0.10 crashes at zero.
+struct Deadline {
+  Duration period = infinite;
+  void apply(dds_qos_t* qos) const;
+  static std::optional<Deadline> from(const dds_qos_t* qos);
+};
+
+/// How long a sample may be held back in order to send it together with others.
+struct LatencyBudget {
+  Duration duration{0};
+  void apply(dds_qos_t* qos) const;
+  static std::optional<LatencyBudget> from(const dds_qos_t* qos);
+};
+
+/// How long after its source time stamp a sample is of use. Positive.
+struct Lifespan {
+  Duration duration = infinite;
+  void apply(dds_qos_t* qos) const;
+  static std::optional<Lifespan> from(const dds_qos_t* qos);
+};
+
+/// Whether lost samples are sent again, and how long a write may wait for room.
+struct Reliability {
+  ReliabilityKind kind = ReliabilityKind::best_effort;
+  Duration max_blocking_time = std::chrono::milliseconds(100);
+  void apply(dds_qos_t* qos) const;
+  static std::optional<Reliability> from(const dds_qos_t* qos);
+  static Reliability best_effort() { return {}; }
+  static Reliability reliable(Duration max_blocking_time = std::chrono::milliseconds(100)) {
+    return {ReliabilityKind::reliable, max_blocking_time};
+  }
+};
+
+/// How many samples of an instance are kept until they are sent or taken. The depth is positive.
+struct History {
+  HistoryKind kind = HistoryKind::keep_last;
+  std::int32_t depth = 1;
+  void apply(dds_qos_t* qos) const;
+  static std::optional<History> from(const dds_qos_t* qos);
+  static History keep_last(std::int32_t depth) { return {HistoryKind::keep_last, depth}; }
+  static History keep_all() { return {HistoryKind::keep_all, 1}; }
+};
+
+/// Whether a late reader gets what was written before it came.
+struct Durability {
+  DurabilityKind kind = DurabilityKind::volatile_data;
+  void apply(dds_qos_t* qos) const;
+  static std::optional<Durability> from(const dds_qos_t* qos);
+};
+
+/// How a writer shows that it lives, and after how long a silence it counts as dead. The lease is positive.
+struct Liveliness {
+  LivelinessKind kind = LivelinessKind::automatic;
+  Duration lease_duration = infinite;
+  void apply(dds_qos_t* qos) const;
+  static std::optional<Liveliness> from(const dds_qos_t* qos);
+};
+
+/// Whether one writer of several owns an instance. Exclusive and shared never match.
+struct Ownership {
+  OwnershipKind kind = OwnershipKind::shared;
+  void apply(dds_qos_t* qos) const;
+  static std::optional<Ownership> from(const dds_qos_t* qos);
+};
+
+/// Who owns the instance: the writer of the highest strength. May change while the writer lives.
+struct OwnershipStrength {
+  std::int32_t value = 0;
+  void apply(dds_qos_t* qos) const;
+  static std::optional<OwnershipStrength> from(const dds_qos_t* qos);
+};
+
+/// Bounds of what an entity may hold; each positive or `length_unlimited`.
+struct ResourceLimits {
+  std::int32_t max_samples = length_unlimited;
+  std::int32_t max_instances = length_unlimited;
+  std::int32_t max_samples_per_instance = length_unlimited;
+  void apply(dds_qos_t* qos) const;
+  static std::optional<ResourceLimits> from(const dds_qos_t* qos);
+};
+
+/// A hint to the transport.
+struct TransportPriority {
+  std::int32_t value = 0;
+  void apply(dds_qos_t* qos) const;
+  static std::optional<TransportPriority> from(const dds_qos_t* qos);
+};
+
+/// Reader and writer meet only where they share a partition; none is the partition "".
+struct Partition {
+  std::vector<std::string> names;
+  void apply(dds_qos_t* qos) const;
+  static std::optional<Partition> from(const dds_qos_t* qos);
+};
+
+/// Bytes that discovery carries to everybody who matches.
+struct UserData {
+  std::vector<std::uint8_t> value;
+  void apply(dds_qos_t* qos) const;
+  static std::optional<UserData> from(const dds_qos_t* qos);
+};
+
+}  // namespace sonopose::dds::policy

@@ -1,0 +1,92 @@
+#pragma once
+/// \file
+/// The wiring diagram: every native topic with its type and the QoS profiles that its ends use.
+
+#include <sonopose/dds/binding/data_reader.hpp>
+#include <sonopose/dds/binding/data_writer.hpp>
+#include <sonopose/dds/topics/idl_types.hpp>
+#include <sonopose/dds/qos/provider.hpp>
+
+#include <tuple>
+#include <type_traits>
+
+namespace sonopose::dds {
+
+/// One row: a topic's name, type and profiles (of `qos/sonopose.xml`).
+template <class T>
+struct TopicEntry {
+  using Type = T;
+  const char* name;
+  const char* profile;           ///< live
+  const char* lossless_profile;  ///< for playing a log as fast as it can be; the live one where it suffices
+};
+
+namespace topics {
+// clang-format off
+/// bridge → fusion, recorder
+inline constexpr TopicEntry<sonopose_ImuSample> imu{"sonopose/imu", "sonopose::Imu", "sonopose::LosslessImu"};
+inline constexpr TopicEntry<sonopose_UltrasonicFix> fix{"sonopose/fix", "sonopose::Fix", "sonopose::LosslessFix"};
+inline constexpr TopicEntry<sonopose_PairHeading> heading{"sonopose/heading", "sonopose::Heading", "sonopose::LosslessHeading"};
+/// fusion → consumers
+inline constexpr TopicEntry<sonopose_FusedPose> pose{"sonopose/pose", "sonopose::Pose", "sonopose::LosslessPose"};
+inline constexpr TopicEntry<sonopose_FixReport> report{"sonopose/report", "sonopose::Report", "sonopose::LosslessReport"};
+/// bridge, fusion → monitor
+inline constexpr TopicEntry<sonopose_BeaconStatus> beacon_status{"sonopose/beacon_status", "sonopose::Status", "sonopose::Status"};
+inline constexpr TopicEntry<sonopose_FusionStatus> fusion_status{"sonopose/fusion_status", "sonopose::Status", "sonopose::Status"};
+/// simulator → monitor, scoring
+inline constexpr TopicEntry<sonopose_TruthSample> truth{"sonopose/truth", "sonopose::Truth", "sonopose::Truth"};
+/// anybody → fusion
+inline constexpr TopicEntry<sonopose_ResetCommand> reset{"sonopose/reset", "sonopose::Command", "sonopose::Command"};
+inline constexpr TopicEntry<sonopose_SettingsRequest> settings_request{"sonopose/settings_request", "sonopose::SettingsRequest", "sonopose::SettingsRequest"};
+/// fusion → who asked
+inline constexpr TopicEntry<sonopose_SettingsReply> settings_reply{"sonopose/settings_reply", "sonopose::SettingsReply", "sonopose::SettingsReply"};
+/// fusion → anybody
+inline constexpr TopicEntry<sonopose_EffectiveSettings> settings{"sonopose/settings", "sonopose::Settings", "sonopose::Settings"};
+// clang-format on
+
+/// Every row.
+inline constexpr std::tuple all{
+    imu,   fix,   heading,          pose,           report,  beacon_status, fusion_status,
+    truth, reset, settings_request, settings_reply, settings};
+}  // namespace topics
+
+enum class Delivery : bool { live, lossless };
+
+template <class T>
+const char* profile_of(const TopicEntry<T>& entry, Delivery delivery) {
+  return delivery == Delivery::lossless ? entry.lossless_profile : entry.profile;
+}
+
+/// Puts an end into the participant's part of the domain, where it has one.
+inline void join_partition(Qos& qos, const DomainParticipant& participant) {
+  if (!participant.partition().empty()) qos << policy::Partition{{participant.partition()}};
+}
+
+/// A writer for one row of the diagram. `listener` must outlive it. `changes` stand above the profile.
+template <class T>
+DataWriter<T> make_writer(const DomainParticipant& participant, const QosProvider& qos,
+                          const TopicEntry<T>& entry,
+                          std::type_identity_t<DataWriterListener<T>>* listener = nullptr,
+                          Delivery delivery = Delivery::live, const Qos& changes = {}) {
+  const char* profile = profile_of(entry, delivery);
+  const Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
+  Qos writer_qos = qos.datawriter_qos(profile);
+  writer_qos.merge(changes);
+  join_partition(writer_qos, participant);
+  return DataWriter<T>(participant, topic, writer_qos, listener);
+}
+
+/// A reader for one row of the diagram. `listener` must outlive it.
+template <class T>
+DataReader<T> make_reader(const DomainParticipant& participant, const QosProvider& qos,
+                          const TopicEntry<T>& entry,
+                          std::type_identity_t<DataReaderListener<T>>* listener = nullptr,
+                          Delivery delivery = Delivery::live) {
+  const char* profile = profile_of(entry, delivery);
+  const Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
+  Qos reader_qos = qos.datareader_qos(profile);
+  join_partition(reader_qos, participant);
+  return DataReader<T>(participant, topic, reader_qos, listener);
+}
+
+}  // namespace sonopose::dds

@@ -1,0 +1,70 @@
+#pragma once
+/// \file
+/// How sure the pose is: standard deviations carried along with the corrections that are really made. They
+/// follow the fixes' weights and grow without fixes; nothing in the engine depends on them.
+
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/settings/declaration.hpp>
+
+#include <numbers>
+
+namespace sonopose::estimation::documented {
+
+struct UncertaintySettings {
+  double fix_std_m{};
+  double heading_std_deg{};
+  double accel_std_mps2{};
+  double yaw_drift_std_degps{};
+
+  static constexpr std::string_view group = "uncertainty";
+  static constexpr auto declarations() {
+    using G = UncertaintySettings;
+    using settings::own_setting;
+    using settings::real;
+    return settings::rows(
+        real(own_setting, "fix_std_m", &G::fix_std_m, 0.02, {1e-4, 10.0}, "m",
+             "Standard deviation of a fix of full weight, per axis."),
+        real(own_setting, "heading_std_deg", &G::heading_std_deg, 1.0, {0.01, 180.0}, "deg",
+             "Standard deviation of a paired heading."),
+        real(
+            own_setting, "accel_std_mps2", &G::accel_std_mps2, 0.2, {1e-3, 100.0}, "m/s^2",
+            "Error of the world acceleration, tilt error included: the rate at which velocity grows unsure."),
+        real(own_setting, "yaw_drift_std_degps", &G::yaw_drift_std_degps, 0.1, {1e-4, 100.0}, "deg/s",
+             "Rate at which yaw grows unsure without a heading."));
+  }
+  constexpr UncertaintySettings() { settings::set_defaults(*this); }
+};
+
+/// Standard deviations, per world axis.
+struct UncertaintyState {
+  double position_std_m = unknown_m;
+  double velocity_std_mps = unknown_mps;
+  double yaw_std_rad = unknown_yaw_rad;
+
+  /// "No idea", as numbers that a consumer can still use in a covariance.
+  static constexpr double unknown_m = 1e3;
+  static constexpr double unknown_mps = 1e2;
+  static constexpr double unknown_yaw_rad =
+      std::numbers::pi / std::numbers::sqrt3;  // uniform over the circle
+
+  bool operator==(const UncertaintyState&) const = default;
+};
+
+namespace uncertainty {
+
+/// One IMU step without news: velocity by the acceleration's error, position by the velocity's.
+void grow(const UncertaintySettings& settings, UncertaintyState& state, double dt_s);
+
+/// A fix of weight w whose share `position_share` of the discrepancy and `velocity_share` of the velocity
+/// difference (measured over `interval_s`; 0: none) are applied until the next one.
+void correct(const UncertaintySettings& settings, UncertaintyState& state, double weight,
+             double position_share, double velocity_share, double interval_s);
+
+/// One IMU step of the pull to a heading, which takes away this share of the difference.
+void pull_yaw(const UncertaintySettings& settings, UncertaintyState& state, double share);
+
+/// The first fix of a run sets the position.
+void reset_position(const UncertaintySettings& settings, UncertaintyState& state);
+
+}  // namespace uncertainty
+}  // namespace sonopose::estimation::documented

@@ -1,0 +1,159 @@
+#include "transport/byte_file.hpp"
+#include "transport/serial_port.hpp"
+#include "transport/udp_listener.hpp"
+#include "marvelmind/assembler.hpp"
+#include "marvelmind/decoder.hpp"
+#include "bridge/byte_sources.hpp"
+#include "process/host_clock.hpp"
+#include "bridge/pacer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+
+namespace sonopose::bridge {
+namespace {
+
+using transport::ReadStatus;
+using marvelmind::Assembler;
+
+/// Longer than any frame or datagram.
+using Buffer = std::array<std::uint8_t, 4096>;
+
+/// Tells the sink what assembler and decoder know of each beacon.
+void report(const Assembler& assembler, const marvelmind::DecoderCounters& line, SampleSink& sink) {
+  for (const BeaconAddress address : assembler.addresses()) {
+    BeaconStatus status = assembler.beacon(address)->status();
+    status.frames = line.frames;
+    status.crc_errors = line.crc_errors;
+    status.bytes_lost = line.bytes_lost;
+    status.unknown_frames = line.unknown_frames + line.malformed_frames;
+    sink.on(status);
+  }
+}
+
+/// A line that brings bytes as they come: `Decoder` finds the packets, the assembler makes samples of them by
+/// the times of their arrival.
+template <class Decoder>
+class LiveSource final : public Source {
+public:
+  LiveSource(std::unique_ptr<transport::ByteSource> bytes, const std::optional<std::filesystem::path>& capture)
+      : bytes_(std::move(bytes)) {
+    if (capture) capture_.emplace(*capture);
+  }
+
+  void run(SampleSink& sink, const process::StopSignal& stop) override {
+    const auto publish = [&sink](const Event& event) { sink.on(event); };
+    Buffer buffer;
+    TimeNs told_ns = process::steady_now_ns();
+    while (!stop.requested()) {
+      const transport::ReadResult read = bytes_->read(buffer, timeout());
+      if (read.status == ReadStatus::data) {
+        const auto got = std::span(buffer).first(read.size);
+        decoder_.feed(got, [&](const marvelmind::Packet& packet) {
+          assembler_.on(packet, read.arrival_time_ns, publish);
+        });
+        if (capture_) capture_->append(got);
+      } else if (read.status == ReadStatus::end || read.status == ReadStatus::stopped) {
+        return;
+      } else {
+        tell_of(read.status);
+      }
+      assembler_.flush(process::now_ns(), publish);
+      if (process::steady_now_ns() - told_ns < tell_period_ns) continue;
+      told_ns = process::steady_now_ns();
+      report(assembler_, decoder_.counters(), sink);
+      sink.tick();
+    }
+  }
+
+private:
+  static constexpr TimeNs tell_period_ns = 200'000'000;
+
+  /// Until something has waited long enough, or it is time to look up.
+  [[nodiscard]] std::chrono::milliseconds timeout() const {
+    constexpr std::int64_t longest_ms = 100;
+    const auto deadline_ns = assembler_.next_deadline_ns();
+    if (!deadline_ns) return std::chrono::milliseconds(longest_ms);
+    constexpr TimeNs ms = 1'000'000;
+    return std::chrono::milliseconds(
+        std::clamp<std::int64_t>((*deadline_ns - process::now_ns()) / ms + 1, 1, longest_ms));
+  }
+
+  void tell_of(ReadStatus status) const {
+    if (status == ReadStatus::connected) fmt::print(stderr, "sonopose-bridge: reading {}\n", bytes_->name());
+    if (status == ReadStatus::disconnected) {
+      fmt::print(stderr, "sonopose-bridge: waiting for {} ({})\n", bytes_->name(), bytes_->last_error());
+    }
+  }
+
+  std::unique_ptr<transport::ByteSource> bytes_;
+  std::optional<transport::CaptureFile> capture_;
+  Decoder decoder_;
+  Assembler assembler_{marvelmind::TimeMapping::fitted};
+};
+
+/// A file of bytes, timed by the beacons' own clock.
+class StreamSource final : public Source {
+public:
+  explicit StreamSource(const StreamOptions& options) : file_(options.file), pacer_(options.rate) {}
+
+  [[nodiscard]] bool is_recording() const override { return true; }
+
+  void run(SampleSink& sink, const process::StopSignal& stop) override {
+    const TimeNs origin_ns = process::now_ns();
+    bool stopped = false;
+    // A sample is published when its packet was sent, not when the file gave it up.
+    const auto play = [&](const marvelmind::Packet& packet) {
+      if (stopped) return;
+      const TimeNs arrival_ns = assembler_.replay_arrival_ns(packet, origin_ns);
+      stopped = !pacer_.wait_for(arrival_ns, sink, stop);
+      if (!stopped) assembler_.on(packet, arrival_ns, [&sink](const Event& event) { sink.on(event); });
+      report_sometimes(sink);
+    };
+    Buffer buffer;
+    while (!stopped && !stop.requested()) {
+      const transport::ReadResult read = file_.read(buffer, std::chrono::milliseconds(0));
+      if (read.status != ReadStatus::data) break;
+      decoder_.feed(std::span(buffer).first(read.size), play);
+    }
+    decoder_.finish(play);
+    if (!stopped) assembler_.finish([&sink](const Event& event) { sink.on(event); });
+    report(assembler_, decoder_.counters(), sink);
+  }
+
+private:
+  void report_sometimes(SampleSink& sink) {
+    constexpr std::uint64_t packets = 64;
+    if (++played_ % packets == 0) report(assembler_, decoder_.counters(), sink);
+  }
+
+  transport::ByteFile file_;
+  Pacer pacer_;
+  marvelmind::Decoder decoder_;
+  Assembler assembler_{marvelmind::TimeMapping::fixed};
+  std::uint64_t played_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Source> make_stream_source(const StreamOptions& options) {
+  return std::make_unique<StreamSource>(options);
+}
+
+std::unique_ptr<Source> make_serial_source(const SerialOptions& options,
+                                           const std::optional<std::filesystem::path>& capture) {
+  return std::make_unique<LiveSource<marvelmind::Decoder>>(
+      std::make_unique<transport::SerialPort>(options.device, options.baud), capture);
+}
+
+std::unique_ptr<Source> make_udp_source(const std::string& listen,
+                                        const std::optional<std::filesystem::path>& capture) {
+  return std::make_unique<LiveSource<marvelmind::DatagramDecoder>>(
+      std::make_unique<transport::UdpListener>(transport::parse_endpoint(listen)), capture);
+}
+
+}  // namespace sonopose::bridge

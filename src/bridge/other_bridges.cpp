@@ -1,0 +1,35 @@
+#include "bridge/other_bridges.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+namespace sonopose::bridge {
+
+OtherBridges::OtherBridges(const dds::DomainParticipant& participant, const dds::QosProvider& qos)
+    : reader_(dds::make_reader(participant, qos, dds::topics::beacon_status)) {}
+
+void OtherBridges::note(BeaconAddress address, dds::InstanceHandle writer) {
+  if (!writers_[address].insert(writer.value).second) return;
+  fmt::print(
+      stderr,
+      "sonopose-bridge: another bridge publishes beacon {} too: its poses will be wrong until one of them is "
+      "stopped\n",
+      address);
+}
+
+void OtherBridges::forget_gone() {
+  // A bridge that has gone is no longer among the matched writers.
+  std::set<std::uint64_t> living;
+  for (const auto handle : reader_.matched_publications()) living.insert(handle.value);
+  for (auto& entry : writers_) {
+    std::erase_if(entry.second, [&living](std::uint64_t handle) { return !living.contains(handle); });
+  }
+}
+
+std::uint32_t OtherBridges::count(BeaconAddress address) const {
+  const auto found = writers_.find(address);
+  return found == writers_.end() ? 0 : static_cast<std::uint32_t>(found->second.size());
+}
+
+}  // namespace sonopose::bridge

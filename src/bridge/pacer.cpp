@@ -1,0 +1,42 @@
+#include "process/host_clock.hpp"
+#include "bridge/pacer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace sonopose::bridge {
+
+Pacer::Pacer(double rate) : rate_(rate) {
+  if (!std::isfinite(rate) || rate < 0.0) {
+    throw std::invalid_argument("rate = " + std::to_string(rate) +
+                                ": allowed are 0 (as fast as it can be) and more");
+  }
+}
+
+bool Pacer::wait_for(TimeNs time_ns, SampleSink& sink, const process::StopSignal& stop) {
+  constexpr TimeNs tick_period_ns = 100'000'000;
+  TimeNs now = process::steady_now_ns();
+  if (!begun_) {
+    begun_ = true;
+    first_ns_ = time_ns;
+    began_ns_ = now;
+    ticked_ns_ = now;
+  }
+  const TimeNs due_ns =
+      rate_ == 0.0 ? now : began_ns_ + static_cast<TimeNs>(static_cast<double>(time_ns - first_ns_) / rate_);
+  while (true) {
+    if (now - ticked_ns_ >= tick_period_ns) {
+      sink.tick();
+      ticked_ns_ = now;
+      if (stop.requested()) return false;
+    }
+    if (now >= due_ns) return true;
+    sink.flush();
+    if (stop.wait_until(std::min(due_ns, ticked_ns_ + tick_period_ns))) return false;
+    now = process::steady_now_ns();
+  }
+}
+
+}  // namespace sonopose::bridge

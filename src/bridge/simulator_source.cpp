@@ -1,0 +1,159 @@
+#include "bridge/shifted.hpp"
+#include "transport/byte_file.hpp"
+#include "marvelmind/disassembler.hpp"
+#include "marvelmind/encoder.hpp"
+#include "process/host_clock.hpp"
+#include "bridge/recorded_sources.hpp"
+#include "sim/scenario.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <compare>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+namespace sonopose::bridge {
+namespace {
+
+/// Keeps the bytes that a real beacon would have sent.
+class BeaconCapture {
+public:
+  BeaconCapture(const std::filesystem::path& file, TimeNs wake_up_ns)
+      : file_(file), disassembler_({.beacon_zero_ns = wake_up_ns}) {}
+
+  void on(const Event& event) {
+    disassembler_.on(event, [this](const marvelmind::Packet& packet) {
+      file_.append(marvelmind::encode(packet).bytes());
+    });
+  }
+
+private:
+  transport::CaptureFile file_;
+  marvelmind::Disassembler disassembler_;
+};
+
+const SimulatorOptions& checked(const SimulatorOptions& options) {
+  constexpr std::uint32_t highest = all_beacons - 1;
+  if (options.beacons < 1 || options.beacons > max_simulated_beacons) {
+    throw std::invalid_argument(
+        fmt::format("beacons = {}: allowed are 1 to {}", options.beacons, max_simulated_beacons));
+  }
+  const std::uint32_t last = options.address + options.beacons - 1;
+  if (last > highest) {
+    throw std::invalid_argument(fmt::format(
+        "{} beacons from address {} on: the last one would have address {}, above the highest, {}",
+        options.beacons, options.address, last, highest));
+  }
+  if (options.capture && options.beacons > 1) {
+    throw std::invalid_argument(
+        fmt::format("a capture holds the bytes of one beacon's line: {} cannot keep those of {} beacons",
+                    options.capture->string(), options.beacons));
+  }
+  return options;
+}
+
+sim::SensorSettings sensors_of(const SimulatorOptions& options) {
+  sim::SensorSettings sensors = sim::find_scenario(options.scenario).sensors;
+  if (options.imu_rate_hz) sensors.imu_rate_hz = *options.imu_rate_hz;
+  return sensors;
+}
+
+/// One of the beacons and what it brings next.
+struct SimulatedBeacon {
+  SimulatedBeacon(const sim::Scenario& scenario, const sim::SensorSettings& sensors, const sim::Run& run)
+      : simulator(scenario, sensors, run), next(simulator.next()) {}
+
+  sim::Simulator simulator;
+  std::optional<sim::Step> next;
+};
+
+/// Several beacons as one stream of steps, in the order in which they become available.
+class MergedBeacons {
+public:
+  MergedBeacons(const SimulatorOptions& options, TimeNs start_ns) {
+    const sim::SensorSettings sensors = sensors_of(options);
+    const sim::Scenario& scenario = sim::find_scenario(options.scenario);
+    const double endless_s = std::numeric_limits<double>::infinity();
+    beacons_.reserve(options.beacons);
+    for (std::uint32_t i = 0; i < options.beacons; ++i) {
+      // Spread over one period: samples come one by one and not in bursts.
+      const double phase_s = i / (options.beacons * sensors.imu_rate_hz);
+      beacons_.emplace_back(scenario, sensors,
+                            sim::Run{.seed = options.seed + i,
+                                     .start_time_ns = start_ns + to_ns(phase_s),
+                                     .address = static_cast<BeaconAddress>(options.address + i),
+                                     .duration_s = options.duration_s > 0 ? options.duration_s : endless_s});
+      push(i);
+    }
+  }
+
+  /// The step that comes next; null at the end. Valid until `pop`.
+  [[nodiscard]] const sim::Step* front() const {
+    return waiting_.empty() ? nullptr : &*beacons_[waiting_.front().beacon].next;
+  }
+
+  void pop() {
+    std::pop_heap(waiting_.begin(), waiting_.end(), std::greater<>());
+    const std::size_t index = waiting_.back().beacon;
+    waiting_.pop_back();
+    beacons_[index].next = beacons_[index].simulator.next();
+    push(index);
+  }
+
+private:
+  struct Waiting {
+    TimeNs available_ns;
+    std::size_t beacon;
+    auto operator<=>(const Waiting&) const = default;
+  };
+
+  void push(std::size_t index) {
+    if (!beacons_[index].next) return;
+    waiting_.push_back({available_at_ns(beacons_[index].next->event), index});
+    std::push_heap(waiting_.begin(), waiting_.end(), std::greater<>());
+  }
+
+  std::vector<SimulatedBeacon> beacons_;
+  std::vector<Waiting> waiting_;  ///< a heap, the earliest in front; none of a beacon at its end
+};
+
+class SimulatorSource final : public Source {
+public:
+  explicit SimulatorSource(const SimulatorOptions& options)
+      : pacer_(options.rate), beacons_(options, simulated_start_ns) {
+    // A beacon wakes up before it measures: its first stamp is not negative.
+    constexpr TimeNs awake_before_ns = 1'000'000'000;
+    if (options.capture) capture_.emplace(*options.capture, simulated_start_ns - awake_before_ns);
+  }
+
+  void run(SampleSink& sink, const process::StopSignal& stop) override {
+    // From now on, however long it took to make the beacons and to join the bus: in real time a sample is
+    // then brought at its own stamp.
+    const TimeNs shift_ns = process::now_ns() - simulated_start_ns;
+    for (const sim::Step* step = beacons_.front(); step != nullptr; step = beacons_.front()) {
+      if (!pacer_.wait_for(available_at_ns(step->event), sink, stop)) return;
+      if (step->truth) sink.on(shifted(*step->truth, shift_ns));
+      sink.on(shifted(step->event, shift_ns));
+      if (capture_) capture_->on(step->event);
+      beacons_.pop();
+    }
+  }
+
+private:
+  static constexpr TimeNs simulated_start_ns = sim::Run{}.start_time_ns;
+
+  Pacer pacer_;
+  MergedBeacons beacons_;
+  std::optional<BeaconCapture> capture_;
+};
+
+}  // namespace
+
+std::unique_ptr<Source> make_simulator_source(const SimulatorOptions& options) {
+  return std::make_unique<SimulatorSource>(checked(options));
+}
+
+}  // namespace sonopose::bridge

@@ -1,0 +1,71 @@
+#include "calibration/fit/least_squares.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace sonopose::calibration::detail {
+namespace {
+
+/// What the derivatives at the minimum say of the parameters' errors.
+void judge(const Eigen::MatrixXd& jacobian, double least_variance, Solution& solution) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(jacobian.transpose() * jacobian);
+  const Eigen::VectorXd& squares = eigen.eigenvalues();  // in rising order
+  const double infinity = std::numeric_limits<double>::infinity();
+  solution.condition = squares[0] > 0.0 ? std::sqrt(squares[squares.size() - 1] / squares[0]) : infinity;
+  solution.weakest = eigen.eigenvectors().col(0);
+  const Eigen::Index freedom = jacobian.rows() - jacobian.cols();
+  const double scatter = freedom > 0 ? solution.residuals.squaredNorm() / static_cast<double>(freedom) : 0.0;
+  const double variance = std::max(scatter, least_variance);
+  solution.covariance = variance * (eigen.eigenvectors() * squares.cwiseInverse().asDiagonal() *
+                                    eigen.eigenvectors().transpose());
+}
+
+}  // namespace
+
+Solution minimise(const Model& model, Eigen::VectorXd start, double least_variance) {
+  constexpr int most_steps = 200;
+  constexpr double small = 1e-13;
+  constexpr double hopeless_damping = 1e12;
+  Solution solution{.parameters = std::move(start)};
+  Linearisation here = model(solution.parameters);
+  double damping = 1e-3;
+  for (int step = 0; step < most_steps && damping < hopeless_damping; ++step) {
+    Eigen::MatrixXd normal = here.jacobian.transpose() * here.jacobian;
+    const double least = 1e-12 * normal.diagonal().maxCoeff() + std::numeric_limits<double>::min();
+    normal.diagonal() += damping * normal.diagonal().cwiseMax(least);
+    const Eigen::VectorXd change = normal.ldlt().solve(-here.jacobian.transpose() * here.residuals);
+    Linearisation there = model(solution.parameters + change);
+    // Written so that a NaN is no improvement.
+    if (there.residuals.squaredNorm() <= here.residuals.squaredNorm()) {
+      solution.parameters += change;
+      here = std::move(there);
+      damping *= 0.1;
+    } else {
+      damping *= 10.0;
+    }
+    if (change.norm() <= small * (1.0 + solution.parameters.norm())) break;
+  }
+  solution.residuals = std::move(here.residuals);
+  judge(here.jacobian, least_variance, solution);
+  return solution;
+}
+
+Model differentiated(std::function<Eigen::VectorXd(const Eigen::VectorXd&)> residuals, double step) {
+  return [residuals = std::move(residuals), step](const Eigen::VectorXd& parameters) {
+    Linearisation found{.residuals = residuals(parameters), .jacobian = {}};
+    found.jacobian.resize(found.residuals.size(), parameters.size());
+    for (Eigen::Index i = 0; i < parameters.size(); ++i) {
+      const Eigen::VectorXd unit = Eigen::VectorXd::Unit(parameters.size(), i);
+      found.jacobian.col(i) =
+          (residuals(parameters + step * unit) - residuals(parameters - step * unit)) / (2.0 * step);
+    }
+    return found;
+  };
+}
+
+}  // namespace sonopose::calibration::detail

@@ -1,0 +1,36 @@
+#pragma once
+/// \file
+/// Hard and soft iron from a recording in which the sensor was turned through all directions: the readings of
+/// a field of constant strength lie on an ellipsoid, which the calibration makes a sphere about zero.
+
+#include "calibration/fit/error.hpp"
+#include <sonopose/calibration/model/magnetometer.hpp>
+#include <sonopose/samples/samples.hpp>
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+namespace sonopose::calibration {
+
+struct MagnetometerFit {
+  MagnetometerSettings settings;
+  MagnetometerSettings standard_errors;  ///< of each setting
+  std::size_t samples = 0;               ///< that have a field
+  std::size_t used = 0;                  ///< of them in the fit: no direction counts more than another
+  std::size_t outliers = 0;              ///< left out of the fit: glitches, and where the field was disturbed
+  double coverage = 0;                   ///< share of the sphere's directions that were seen, 0…1
+  double field_ut = 0;                   ///< strength that the corrected field has
+  Vector3d centre_ut = Vector3d::Zero();
+  Vector3d semi_axes_ut = Vector3d::Zero();  ///< of the ellipsoid, the longest first
+  double rms_before_ut = 0;                  ///< of |field| − its own mean, over the used samples
+  double rms_after_ut = 0;                   ///< of |corrected field| − field_ut
+};
+
+/// Minimises the readings' distances from the ellipsoid |S·m − h| = F, S symmetric and positive. F is
+/// `field_ut` or, without it, the one that keeps the ellipsoid's volume (det S = 1): the strength of the raw
+/// readings about their centre. Throws CalibrationError for too few samples, directions that do not determine
+/// the ellipsoid (as all in one plane), readings that lie on none, and values that no setting may have.
+MagnetometerFit fit_magnetometer(std::span<const ImuSample> imu, std::optional<double> field_ut = {});
+
+}  // namespace sonopose::calibration

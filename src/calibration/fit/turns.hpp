@@ -1,0 +1,28 @@
+#pragma once
+/// \file
+/// The turns of a sensor from one still period to the next, and what the rates tell of them. Private to this
+/// folder.
+
+#include <sonopose/calibration/model/inertial.hpp>
+#include "calibration/fit/still.hpp"
+
+#include <span>
+#include <vector>
+
+namespace sonopose::calibration::detail {
+
+/// The samples between two periods, and where gravity stood before and after (unit vectors, body).
+struct Turn {
+  std::span<const ImuSample> imu;
+  Vector3d up_before;
+  Vector3d up_after;
+};
+
+/// The turns by more than 17° within 30 s, without a gap in the stamps and with finite rates alone.
+std::vector<Turn> turns_between(std::span<const ImuSample> imu, std::span<const StillInterval> intervals,
+                                const AccelerometerSettings& accelerometer);
+
+/// Gravity's direction after the turn as the rates tell it, minus as it was measured: three per turn.
+Eigen::VectorXd residuals_of(const std::vector<Turn>& turns, const GyroscopeSettings& settings);
+
+}  // namespace sonopose::calibration::detail

@@ -1,0 +1,67 @@
+#pragma once
+/// \file
+/// One beacon's settings: those for all beacons, and above them its own.
+
+#include <sonopose/samples/live_settings.hpp>
+#include <sonopose/settings/settings.hpp>
+
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sonopose::config {
+
+/// Values by key, each known to be allowed.
+using Assignments = std::map<std::string, settings::SettingValue, std::less<>>;
+
+/// Reads what somebody has typed. Throws settings::SettingError, which names every key that cannot be set with
+/// its value and what is allowed, and every key that is named twice.
+Assignments parsed(const std::vector<SettingAssignment>& texts);
+
+/// Every setting as text that reads back to the same bits, in the order of the table.
+std::vector<SettingAssignment> texts_of(const settings::Settings& settings);
+
+/// Whether this is one of items 2, 3 and 4, which a preset (item 1) replaces.
+bool is_preset_key(std::string_view key);
+
+/// Warnings, in plain words, for those of the `given` keys that the preset in `settings` replaces; `where`
+/// stands before each key.
+std::vector<std::string> preset_warnings(const settings::Settings& settings, const Assignments& given,
+                                         std::string_view where = "");
+
+/// Warnings, in plain words, for settings that contradict each other, where one of them is a `given` key.
+std::vector<std::string> contradictions(const settings::Settings& settings, const Assignments& given,
+                                        std::string_view where = "");
+
+/// Warnings, in plain words, for those of the `given` keys that differ from their default and belong to an
+/// attitude filter which is not chosen, or to a magnetometer which is not used.
+std::vector<std::string> idle_filter_warnings(const settings::Settings& settings, const Assignments& given,
+                                              std::string_view where = "");
+
+/// All of these: what is allowed but surely not meant.
+std::vector<std::string> warnings_for(const settings::Settings& settings, const Assignments& given,
+                                      std::string_view where = "");
+
+/// What an engine is given, and which of it is the beacon's own.
+class BeaconSettings {
+public:
+  BeaconSettings() = default;
+  explicit BeaconSettings(const settings::Settings& for_all) : settings_(for_all) {}
+
+  /// A change for all beacons: leaves alone what is the beacon's own.
+  void assign_for_all(const Assignments& assignments);
+
+  /// A change for this beacon: from now on these keys are its own.
+  void assign_own(const Assignments& assignments);
+
+  [[nodiscard]] const settings::Settings& settings() const { return settings_; }
+
+private:
+  settings::Settings settings_;
+  std::set<std::string, std::less<>> own_;
+};
+
+}  // namespace sonopose::config

@@ -1,0 +1,106 @@
+#include <sonopose/dds/binding/data_reader.hpp>
+#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/binding/error.hpp>
+
+#include <charconv>
+#include <string_view>
+#include <utility>
+
+namespace sonopose::dds {
+namespace {
+
+/// Cyclone DDS's names for what it tells of a participant's process.
+constexpr const char* process_name_property = "__ProcessName";
+constexpr const char* process_id_property = "__Pid";
+constexpr const char* host_name_property = "__Hostname";
+constexpr const char* addresses_property = "__NetworkAddresses";
+
+std::string property(const dds_qos_t* qos, const char* name) {
+  char* value = nullptr;
+  if (qos == nullptr || !dds_qget_prop(qos, name, &value)) return {};
+  std::string text(value);
+  dds_free(value);
+  return text;
+}
+
+FoundParticipant found(const dds_builtintopic_participant_t& sample) {
+  FoundParticipant participant{.key = text_of(sample.key),
+                               .process_name = property(sample.qos, process_name_property),
+                               .host_name = property(sample.qos, host_name_property),
+                               .process_id = std::nullopt,
+                               .addresses = property(sample.qos, addresses_property),
+                               .user_data = {}};
+  if (auto user_data = policy::UserData::from(sample.qos))
+    participant.user_data = std::move(user_data->value);
+  const std::string id = property(sample.qos, process_id_property);
+  std::uint32_t number = 0;
+  if (std::from_chars(id.data(), id.data() + id.size(), number).ec == std::errc()) {
+    participant.process_id = number;
+  }
+  return participant;
+}
+
+FoundEndpoint found(const dds_builtintopic_endpoint_t& sample) {
+  FoundEndpoint endpoint{.key = text_of(sample.key),
+                         .participant_key = text_of(sample.participant_key),
+                         .topic_name = sample.topic_name,
+                         .type_name = sample.type_name,
+                         .qos = {}};
+  if (sample.qos != nullptr) check("dds_copy_qos", dds_copy_qos(endpoint.qos.get(), sample.qos));
+  return endpoint;
+}
+
+/// What stands in the reader of a built-in topic whose samples are `Sample`, of those that are still there.
+template <class Sample>
+auto all_in(dds_entity_t handle) {
+  constexpr std::size_t most = 10'000;
+  constexpr DataState alive{DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE};
+  std::vector<decltype(found(std::declval<const Sample&>()))> result;
+  auto reader = DataReader<Sample>::borrow(handle);
+  for (const auto sample : reader.read(most, alive)) {
+    if (sample.info().valid()) result.push_back(found(sample.data()));
+  }
+  return result;
+}
+
+}  // namespace
+
+Discovery::BuiltinReader::BuiltinReader(const DomainParticipant& participant, dds_entity_t topic)
+    : Entity(check("dds_create_reader", "a built-in topic",
+                   dds_create_reader(participant.handle(), topic, nullptr, nullptr))) {}
+
+Discovery::Discovery(const DomainParticipant& participant)
+    : participant_(participant.handle()),
+      participants_(participant, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT),
+      writers_(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION),
+      readers_(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION) {}
+
+std::vector<FoundParticipant> Discovery::participants() const {
+  return all_in<dds_builtintopic_participant_t>(participants_.handle());
+}
+
+std::vector<FoundEndpoint> Discovery::writers() const {
+  return all_in<dds_builtintopic_endpoint_t>(writers_.handle());
+}
+
+std::vector<FoundEndpoint> Discovery::readers() const {
+  return all_in<dds_builtintopic_endpoint_t>(readers_.handle());
+}
+
+std::string Discovery::own_key() const {
+  dds_guid_t guid{};
+  check("dds_get_guid", dds_get_guid(participant_, &guid));
+  return text_of(guid);
+}
+
+std::string text_of(const dds_guid_t& guid) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string text;
+  for (const std::uint8_t byte : guid.v) {
+    text += digits[byte >> 4U];
+    text += digits[byte & 15U];
+  }
+  return text;
+}
+
+}  // namespace sonopose::dds

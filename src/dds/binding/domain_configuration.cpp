@@ -1,0 +1,152 @@
+// The text that Cyclone DDS is configured with.
+
+#include <sonopose/dds/binding/domain.hpp>
+
+#include <pugixml.hpp>
+
+#include <algorithm>
+#include <cstring>
+#include <ifaddrs.h>
+#include <initializer_list>
+#include <net/if.h>
+#include <sstream>
+#include <stdexcept>
+#include <strings.h>
+
+namespace sonopose::dds {
+namespace {
+
+bool same(const char* a, const char* b) {
+  return strcasecmp(a, b) == 0;
+}  // as Cyclone DDS compares names
+
+bool applies(const pugi::xml_node& domain, std::uint32_t domain_id) {
+  for (const pugi::xml_attribute attribute : domain.attributes()) {
+    if (same(attribute.name(), "id")) {
+      return same(attribute.value(), "any") || attribute.value() == std::to_string(domain_id);
+    }
+  }
+  return true;
+}
+
+std::string attribute_of(const pugi::xml_node& node, std::initializer_list<const char*> names) {
+  for (const pugi::xml_attribute attribute : node.attributes()) {
+    for (const char* const name : names) {
+      if (same(attribute.name(), name)) return attribute.value();
+    }
+  }
+  return {};
+}
+
+void look_for_lists(const pugi::xml_node& parent, std::uint32_t domain_id, UserNetwork& found) {
+  for (const pugi::xml_node node : parent.children()) {
+    if (same(node.name(), "Domain") && !applies(node, domain_id)) continue;
+    if (same(node.name(), "NetworkInterface")) {
+      found.interfaces.push_back(attribute_of(node, {"name", "address"}));
+    }
+    if (same(node.name(), "NetworkInterfaceAddress")) found.interfaces.emplace_back(node.child_value());
+    if (same(node.name(), "AllowMulticast")) {
+      found.without_multicast = same(node.child_value(), "false");
+    }
+    if (same(node.name(), "Peers")) found.peers = true;
+    look_for_lists(node, domain_id, found);
+  }
+}
+
+/// Participants of one machine find each other by trying the ports of all indices: 7410 + 250 · id + 2 ·
+/// index. Index 119 is the last one before the ports of the next domain; in domain 232 the ports end before.
+std::uint32_t max_participant_index(std::uint32_t domain_id) {
+  const std::uint32_t first_port = 7410 + 250 * domain_id;
+  return std::min<std::uint32_t>(119, (65535 - 1 - first_port) / 2);
+}
+
+std::string fragment(const std::string& content) {
+  return "<CycloneDDS><Domain>" + content + "</Domain></CycloneDDS>";
+}
+
+/// Whether this machine has an interface besides loopback. Cyclone DDS refuses to be told of loopback twice.
+bool has_other_interface() {
+  ifaddrs* first = nullptr;
+  if (getifaddrs(&first) != 0) return false;
+  bool found = false;
+  for (const ifaddrs* each = first; each != nullptr; each = each->ifa_next) {
+    const bool usable = (each->ifa_flags & IFF_UP) != 0 && (each->ifa_flags & IFF_LOOPBACK) == 0;
+    found = found || (usable && each->ifa_addr != nullptr && each->ifa_addr->sa_family == AF_INET);
+  }
+  freeifaddrs(first);
+  return found;
+}
+
+std::string general(Network network) {
+  const bool multicast = network == Network::ros_subnet && has_other_interface();
+  std::string interfaces = multicast
+                               ? R"(<NetworkInterface name="lo" multicast="true"/>)"  // else none anywhere
+                               : R"(<NetworkInterface name="lo"/>)";
+  if (network != Network::loopback && has_other_interface()) {
+    interfaces += R"(<NetworkInterface autodetermine="true"/>)";
+  }
+  return "<Interfaces>" + interfaces + "</Interfaces>" +
+         (multicast ? "" : "<AllowMulticast>false</AllowMulticast>");
+}
+
+std::string peers(const DomainOptions& options, const UserNetwork& user) {
+  std::string list = user.peers ? "" : R"(<Peer address="127.0.0.1"/>)";
+  for (const std::string& peer : options.peers) {
+    if (peer.empty() || peer.find_first_of("<>&\"' \t") != std::string::npos) {
+      throw std::invalid_argument("peer '" + peer + "': is no address or name of a machine");
+    }
+    list += "<Peer address=\"" + peer + "\"/>";
+  }
+  return list.empty() ? list : "<Peers>" + list + "</Peers>";
+}
+
+std::string defaults(std::uint32_t domain_id, const DomainOptions& options, const UserNetwork& user) {
+  // With interfaces of the user's own, Cyclone DDS decides about multicast as usual.
+  const bool ours = options.network != Network::lan && user.interfaces.empty();
+  const std::string discovery = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
+                                std::to_string(max_participant_index(domain_id)) +
+                                "</MaxAutoParticipantIndex>" + peers(options, user);
+  // How long each writer that goes waits for readers that do not answer. Cyclone DDS's own 1 s, one writer
+  // after the other, would keep a process that was told to end for seconds.
+  std::string internal = "<WriterLingerDuration>100 ms</WriterLingerDuration>";
+  if (options.batch_writes) internal += "<WriteBatch>true</WriteBatch>";
+  // Cyclone DDS holds a writer up when readers have not acknowledged so much, whatever its history keeps.
+  if (!options.wait_for_readers) {
+    internal +=
+        "<Watermarks><WhcHigh>1 GB</WhcHigh><WhcHighInit>1 GB</WhcHighInit>"
+        "<WhcAdaptive>false</WhcAdaptive></Watermarks>";
+  }
+  return fragment("<General>" + (ours ? general(options.network) : "") + "</General><Discovery>" + discovery +
+                  "</Discovery><Internal>" + internal + "</Internal>");
+}
+
+}  // namespace
+
+UserNetwork network_named_by(const std::string& uri, std::uint32_t domain_id) {
+  UserNetwork found;
+  pugi::xml_document fragments;
+  fragments.load_string(uri.c_str(), pugi::parse_default | pugi::parse_fragment);
+  look_for_lists(fragments, domain_id, found);
+  for (const pugi::xml_node node : fragments.children()) {
+    if (node.type() != pugi::node_pcdata) continue;
+    std::istringstream names(node.value());
+    for (std::string name; std::getline(names, name, ',');) {
+      name.erase(0, name.find_first_not_of(" \t\n"));
+      if (name.rfind("file://", 0) == 0) name.erase(0, std::strlen("file://"));
+      pugi::xml_document file;
+      if (!name.empty() && file.load_file(name.c_str())) look_for_lists(file, domain_id, found);
+    }
+  }
+  return found;
+}
+
+std::string domain_configuration(std::uint32_t domain_id, const DomainOptions& options,
+                                 const std::string& user_uri) {
+  const UserNetwork user = network_named_by(user_uri, domain_id);
+  std::string configuration = defaults(domain_id, options, user);
+  if (!user_uri.empty()) configuration += "," + user_uri;
+  return configuration + "," +
+         fragment("<Internal><MultipleReceiveThreads>false</MultipleReceiveThreads></Internal>");
+}
+
+}  // namespace sonopose::dds

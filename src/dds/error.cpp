@@ -1,8 +1,0 @@
-#include <sonopose/dds/error.hpp>
-
-namespace sonopose::dds {
-
-Error::Error(const std::string& call, ReturnCode code)
-    : std::runtime_error(call + ": " + dds_strretcode(-code)), code_(code) {}
-
-}  // namespace sonopose::dds

@@ -1,0 +1,18 @@
+#pragma once
+// The policies of OMG DDS-XML.
+
+#include "dds/qos/xml_element.hpp"
+#include <sonopose/dds/binding/qos.hpp>
+
+#include <pugixml.hpp>
+
+namespace sonopose::dds::qos_xml {
+
+/// Reads the policies of `<datawriter_qos>`, `<datareader_qos>`, `<topic_qos>` or `<domainparticipant_qos>`
+/// into `qos`, over what it has.
+void read_policies(const Source& source, const pugi::xml_node& element, Qos& qos);
+
+/// Fails where the history is deeper than the resource limits let it be.
+void check_depth(const Source& source, const pugi::xml_node& element, const Qos& qos);
+
+}  // namespace sonopose::dds::qos_xml

@@ -1,0 +1,96 @@
+#pragma once
+// The parts of OMG DDS-XML below a policy: strict, with errors that name file, line and element.
+
+#include <sonopose/dds/binding/types.hpp>
+
+#include <pugixml.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace sonopose::dds::qos_xml {
+
+/// The text that a document was made from, for the line numbers.
+class Source {
+public:
+  Source(std::string name, std::string text) : name_(std::move(name)), text_(std::move(text)) {}
+
+  const std::string& name() const { return name_; }
+  const std::string& text() const { return text_; }
+
+  /// Throws `QosFileError`: `file:line: reason`, for a place in the text.
+  [[noreturn]] void fail_at(std::ptrdiff_t offset, const std::string& reason) const;
+  /// Throws `QosFileError`: `file:line: <element>: reason`.
+  [[noreturn]] void fail(const pugi::xml_node& element, const std::string& reason) const;
+
+  /// Fails for an attribute that is not among the `allowed`, and for one that stands twice.
+  void check_attributes(const pugi::xml_node& element, std::initializer_list<std::string_view> allowed) const;
+
+private:
+  std::string name_;
+  std::string text_;
+};
+
+/// An element whose children are all known, each at most once, with no text between them and no attributes.
+class Parent {
+public:
+  Parent(const Source& source, const pugi::xml_node& element,
+         std::initializer_list<std::string_view> children);
+
+  bool has(const char* name) const { return !element_.child(name).empty(); }
+
+  /// The child; fails where it is missing.
+  pugi::xml_node need(const char* name) const;
+
+private:
+  const Source& source_;
+  pugi::xml_node element_;
+};
+
+/// The text of an element that holds nothing else.
+std::string text_of(const Source& source, const pugi::xml_node& element);
+
+/// Words that may stand where a number is expected.
+using Words = std::map<std::string, std::int64_t>;
+
+/// A whole number of `lowest` … `highest`, or one of the `words`.
+std::int64_t number(const Source& source, const pugi::xml_node& element, std::int64_t lowest,
+                    std::int64_t highest, const Words& words = {});
+
+inline constexpr std::int64_t int32_min = std::numeric_limits<std::int32_t>::min();
+inline constexpr std::int64_t int32_max = std::numeric_limits<std::int32_t>::max();
+
+/// As `number`, up to the highest 32-bit one.
+std::int32_t number32(const Source& source, const pugi::xml_node& element, std::int64_t lowest,
+                      const Words& words = {});
+
+/// `<sec>` and `<nanosec>`; infinite where both that are given say so.
+Duration duration(const Source& source, const pugi::xml_node& element);
+/// As `duration`; fails for zero.
+Duration positive_duration(const Source& source, const pugi::xml_node& element);
+
+/// The bytes of an element's text in base64.
+std::vector<std::uint8_t> base64(const Source& source, const pugi::xml_node& element);
+
+/// The `<kind>` of a policy: one of the names in `kinds`.
+template <class Kind>
+Kind kind_of(const Source& source, const Parent& parent, const std::map<std::string, Kind>& kinds) {
+  const pugi::xml_node element = parent.need("kind");
+  const std::string text = text_of(source, element);
+  const auto found = kinds.find(text);
+  if (found == kinds.end()) {
+    std::string allowed;
+    for (const auto& [name, kind] : kinds) allowed += (allowed.empty() ? "" : ", ") + name;
+    source.fail(element, "'" + text + "' is none of " + allowed);
+  }
+  return found->second;
+}
+
+}  // namespace sonopose::dds::qos_xml

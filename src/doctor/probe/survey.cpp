@@ -1,0 +1,173 @@
+#include "doctor/probe/survey.hpp"
+
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include "process/host_clock.hpp"
+
+#include <algorithm>
+#include <arpa/inet.h>
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <ifaddrs.h>
+#include <memory>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <set>
+#include <stdexcept>
+#include <tuple>
+
+namespace sonopose::doctor::doctor {
+namespace {
+
+constexpr std::uint32_t usual_domains = 20;
+
+/// Every process of this system has something on a topic that is called so.
+bool is_ours(const std::string& topic) {
+  return topic.starts_with("sonopose/");
+}
+
+/// An interface of this machine with an IPv4 address.
+struct Interface {
+  std::string name;
+  std::string address;
+  unsigned flags = 0;
+};
+
+std::vector<Interface> interfaces_of_machine() {
+  ifaddrs* list = nullptr;
+  if (::getifaddrs(&list) != 0) return {};
+  const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> owner(list, ::freeifaddrs);
+  std::vector<Interface> found;
+  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
+    if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != AF_INET) continue;
+    sockaddr_in address{};
+    std::memcpy(&address, entry->ifa_addr, sizeof address);
+    std::array<char, INET_ADDRSTRLEN> text{};
+    if (::inet_ntop(AF_INET, &address.sin_addr, text.data(), text.size()) == nullptr) continue;
+    found.push_back({entry->ifa_name, text.data(), entry->ifa_flags});
+  }
+  return found;
+}
+
+/// Those that the user names, by name or address; one that is not there has no multicast.
+std::vector<InterfaceObservation> named_interfaces(const dds::UserNetwork& user,
+                                            const std::vector<Interface>& of_machine) {
+  std::vector<InterfaceObservation> named;
+  for (const std::string& name : user.interfaces) {
+    if (name.empty()) continue;  // Cyclone DDS chooses one itself
+    InterfaceObservation seen{.name = name};
+    for (const Interface& interface : of_machine) {
+      if (name != interface.name && name != interface.address) continue;
+      seen.loopback = (interface.flags & IFF_LOOPBACK) != 0U;
+      seen.multicast = (interface.flags & IFF_MULTICAST) != 0U && !user.without_multicast;
+    }
+    named.push_back(seen);
+  }
+  return named;
+}
+
+/// Where this process may receive: "lo", what the user names, or what Cyclone DDS has to choose from.
+std::string interfaces_in_use(const BusObservation& bus, const std::vector<Interface>& of_machine) {
+  std::string list;
+  for (const InterfaceObservation& named : bus.interfaces) list += (list.empty() ? "" : ", ") + named.name;
+  if (!list.empty()) return list + ", named by CYCLONEDDS_URI";
+  if (bus.loopback_only) return "lo";
+  int count = 0;
+  for (const Interface& interface : of_machine) {
+    if ((interface.flags & IFF_LOOPBACK) != 0U || (interface.flags & IFF_UP) == 0U) continue;
+    list += (list.empty() ? "" : ", ") + interface.name + " " + interface.address;
+    ++count;
+  }
+  if (count == 0) return "no interface but lo";
+  return count == 1 ? list : "one of " + list + "; CYCLONEDDS_URI can name it";
+}
+
+DomainObservation look_into(const dds::DomainOptions& options, const process::StopSignal& stop) {
+  constexpr TimeNs timeout_ns = 300'000'000;  // on one machine processes find each other within 10 … 50 ms
+  constexpr TimeNs step_ns = 20'000'000;
+  DomainObservation seen{.id = *options.domain_id};
+  const dds::DomainParticipant participant(options);
+  const dds::Discovery discovery(participant);
+  const TimeNs end_ns = process::steady_now_ns() + timeout_ns;
+  while (!seen.beacons && process::steady_now_ns() < end_ns && !stop.wait_until(process::steady_now_ns() + step_ns)) {
+    for (const auto& writer : discovery.writers()) {
+      seen.beacons = seen.beacons || writer.topic_name == dds::topics::imu.name;
+      seen.poses = seen.poses || writer.topic_name == dds::topics::pose.name;
+      seen.ours = seen.ours || is_ours(writer.topic_name);
+    }
+    for (const auto& reader : discovery.readers()) seen.ours = seen.ours || is_ours(reader.topic_name);
+  }
+  return seen;
+}
+
+}  // namespace
+
+Processes processes_in(const std::vector<dds::FoundParticipant>& participants) {
+  Processes processes;
+  for (const auto& found : participants) {
+    processes[found.key] = {found.process_name, found.host_name, found.process_id};
+  }
+  return processes;
+}
+
+ProcessObservation process_of(const Processes& processes, const std::string& key) {
+  const auto found = processes.find(key);
+  return found == processes.end() ? ProcessObservation{} : found->second;
+}
+
+std::vector<NativeTopic> native_topics() {
+  std::vector<NativeTopic> topics;
+  const auto add = [&topics]<class T>(const dds::TopicEntry<T>& entry) {
+    topics.push_back({entry.name, dds::TopicTraits<T>::descriptor().m_typename});
+  };
+  std::apply([&](const auto&... entry) { (add(entry), ...); }, dds::topics::all);
+  return topics;
+}
+
+std::vector<EndpointObservation> others_of(const std::vector<dds::FoundEndpoint>& endpoints,
+                                    const Processes& processes, const std::string& own_key) {
+  std::vector<EndpointObservation> others;
+  for (const auto& endpoint : endpoints) {
+    if (endpoint.participant_key == own_key) continue;
+    others.push_back({endpoint.topic_name, endpoint.type_name, endpoint.qos,
+                      process_of(processes, endpoint.participant_key)});
+  }
+  return others;
+}
+
+BusObservation bus_of(const dds::DomainOptions& options) {
+  BusObservation bus;
+  bus.domain_id = dds::resolve_domain_id(options);
+  const char* const uri = std::getenv("CYCLONEDDS_URI");
+  const dds::UserNetwork user = dds::network_named_by(uri == nullptr ? "" : uri, bus.domain_id);
+  const auto of_machine = interfaces_of_machine();
+  bus.interfaces = named_interfaces(user, of_machine);
+  bus.loopback_only = user.interfaces.empty()
+                          ? options.network == dds::Network::loopback
+                          : std::all_of(bus.interfaces.begin(), bus.interfaces.end(),
+                                        [](const InterfaceObservation& named) { return named.loopback; });
+  bus.interfaces_in_use = interfaces_in_use(bus, of_machine);
+  bus.peers_named = user.peers;
+  return bus;
+}
+
+std::vector<DomainObservation> look_elsewhere(const dds::DomainOptions& here, const process::StopSignal& stop) {
+  std::set<std::uint32_t> ids;
+  for (std::uint32_t id = 0; id <= usual_domains; ++id) ids.insert(id);
+  try {
+    ids.insert(dds::resolve_domain_id({}));
+  } catch (const std::invalid_argument&) {
+    // ROS_DOMAIN_ID names no domain, and was not asked for.
+  }
+  ids.erase(dds::resolve_domain_id(here));
+  std::vector<DomainObservation> found;
+  for (const std::uint32_t id : ids) {
+    if (stop.requested()) break;
+    const DomainObservation seen = look_into({.domain_id = id, .network = here.network}, stop);
+    if (seen.ours) found.push_back(seen);
+  }
+  return found;
+}
+
+}  // namespace sonopose::doctor::doctor

@@ -1,0 +1,78 @@
+#include <sonopose/samples/pose.hpp>
+#include <sonopose/estimation/documented/admission.hpp>
+
+#include <cmath>
+
+namespace sonopose::estimation::documented::admission {
+namespace {
+
+bool within(const Vector3d& value, double limit) {
+  return value.allFinite() && value.cwiseAbs().maxCoeff() <= limit;
+}
+
+/// A measurement of the last moments: not older than the limit, and not from the future by more than a hair
+/// (an IMU sample may still be under way when the fix is here).
+/// Before the first IMU sample the state's time is 0, and nothing is of that time.
+bool is_recent(const AdmissionSettings& settings, TimeNs now_ns, TimeNs measured_ns, TimeNs received_ns) {
+  if (!is_time(measured_ns) || !is_time(received_ns)) return false;
+  constexpr double future_tolerance_s = 0.3;
+  const double age_s = seconds_between(measured_ns, now_ns);
+  const double delay_s = seconds_between(measured_ns, received_ns);
+  return age_s <= settings.max_fix_age_s && age_s >= -future_tolerance_s && delay_s >= 0.0 &&
+         delay_s <= settings.max_fix_age_s;
+}
+
+}  // namespace
+
+bool is_time(TimeNs stamp_ns) {
+  constexpr TimeNs end_of_time_ns = TimeNs{1} << 62;
+  return stamp_ns > 0 && stamp_ns < end_of_time_ns;
+}
+
+bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& imu) {
+  // No accelerometer reads exactly zero on all axes: it says nothing.
+  return is_time(imu.sensor_time_ns) && imu.sensor_time_ns >= now_ns &&
+         !imu.specific_force_body_mps2.isZero(0.0) &&
+         within(imu.angular_velocity_body_radps, settings.max_angular_rate_radps) &&
+         within(imu.specific_force_body_mps2, settings.max_specific_force_mps2);
+}
+
+bool is_sudden(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
+  constexpr double longest_step_s = 2.0;
+  const TimeNs announced_ns = state.announced_ns;
+  state.announced_ns = 0;
+  if (now_ns == 0 || seconds_between(now_ns, imu.sensor_time_ns) <= longest_step_s) return false;
+  const bool confirmed = announced_ns != 0 && imu.sensor_time_ns >= announced_ns &&
+                         seconds_between(announced_ns, imu.sensor_time_ns) <= longest_step_s;
+  if (confirmed) return false;
+  state.announced_ns = imu.sensor_time_ns;
+  return true;
+}
+
+bool time_was_wrong(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
+  constexpr int enough = 50;  // half a second of a beacon's samples
+  const bool backward = imu.sensor_time_ns > 0 && imu.sensor_time_ns < now_ns;
+  state.backward_in_row = backward ? state.backward_in_row + 1 : 0;
+  return state.backward_in_row >= enough;
+}
+
+bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading,
+            TimeNs measured_ns) {
+  return std::isfinite(heading.heading_world_rad) &&
+         is_recent(settings, now_ns, measured_ns, heading.received_time_ns);
+}
+
+std::uint32_t reasons_against(const AdmissionSettings& settings, AdmissionState& state, TimeNs now_ns,
+                              const UltrasonicFix& fix, TimeNs measured_ns) {
+  const bool possible = within(fix.position_world_m, settings.max_position_m) &&
+                        measured_ns > state.last_fix_measured_ns &&
+                        is_recent(settings, now_ns, measured_ns, fix.received_time_ns);
+  if (!possible) return fix_invalid;
+  if (fix.quality_percent && !(*fix.quality_percent >= settings.min_quality_percent)) {
+    return fix_low_quality;
+  }
+  state.last_fix_measured_ns = measured_ns;
+  return 0;
+}
+
+}  // namespace sonopose::estimation::documented::admission

@@ -1,0 +1,38 @@
+#include <sonopose/estimation/documented/delay.hpp>
+
+namespace sonopose::estimation::documented::delay {
+namespace {
+
+/// Zero, which is no time, where there is none before.
+TimeNs before(TimeNs time_ns, double seconds) {
+  return time_ns > to_ns(seconds) ? time_ns - to_ns(seconds) : 0;
+}
+
+}  // namespace
+
+TimeNs measured_at(const DelaySettings& settings, const UltrasonicFix& fix) {
+  const bool own = settings.source == DelaySource::measured && fix.measured_delay_s.has_value();
+  return own ? fix.emission_time_ns : before(fix.received_time_ns, settings.processing_s);
+}
+
+TimeNs measured_at(const DelaySettings& settings, const PairHeading& heading) {
+  const bool own = settings.source == DelaySource::measured;
+  return own ? heading.emission_time_ns : before(heading.received_time_ns, settings.processing_s);
+}
+
+void move_on(const DelaySettings& settings, const Kinematics& body, TimedFix& fix) {
+  fix.shifted_position_world_m = fix.measured_position_world_m;
+  if (!settings.extrapolate || !body.started()) return;
+  // Without a path that reaches back so far, today's velocity is the best guess.
+  fix.shifted_position_world_m +=
+      body.moved(fix.measured_ns, body.time_ns)
+          .value_or(body.velocity_world_mps * seconds_between(fix.measured_ns, body.time_ns));
+}
+
+TimedFix shift(const DelaySettings& settings, const Kinematics& body, const UltrasonicFix& fix) {
+  TimedFix timed{measured_at(settings, fix), fix.position_world_m, fix.position_world_m};
+  move_on(settings, body, timed);
+  return timed;
+}
+
+}  // namespace sonopose::estimation::documented::delay

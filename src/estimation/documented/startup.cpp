@@ -1,0 +1,76 @@
+#include <sonopose/estimation/documented/startup.hpp>
+
+namespace sonopose::estimation::documented::startup {
+
+void begin_window(StartupState& state, TimeNs time_ns) {
+  state.window_began_ns = time_ns;
+  state.window_samples = 0;
+  state.gyro_mean.setZero();
+  state.gyro_squares.setZero();
+  state.accel_mean.setZero();
+  state.accel_squares.setZero();
+  state.window_has_fix = false;
+  state.window_moved = false;
+}
+
+namespace {
+
+/// Welford's running mean and sum of squares.
+void accumulate(Vector3d& mean, Vector3d& squares, const Vector3d& value, int samples) {
+  const Vector3d before = value - mean;
+  mean += before / samples;
+  squares += before.cwiseProduct(value - mean);
+}
+
+bool is_still(const StartupSettings& settings, const StartupState& state) {
+  const auto spread_below = [&state](const Vector3d& squares, double std) {
+    return squares.maxCoeff() <= std * std * state.window_samples;
+  };
+  return !state.window_moved && state.gyro_mean.cwiseAbs().maxCoeff() <= settings.max_gyro_offset_radps &&
+         spread_below(state.gyro_squares, settings.still_gyro_std_radps) &&
+         spread_below(state.accel_squares, settings.still_accel_std_mps2);
+}
+
+}  // namespace
+
+Progress watch(const StartupSettings& settings, StartupState& state, const ImuSample& imu) {
+  if (state.calibrated) return Progress::none;
+  if (state.began_ns == 0) {
+    state.began_ns = imu.sensor_time_ns;
+    begin_window(state, imu.sensor_time_ns);
+  }
+  ++state.window_samples;
+  accumulate(state.gyro_mean, state.gyro_squares, imu.angular_velocity_body_radps, state.window_samples);
+  accumulate(state.accel_mean, state.accel_squares, imu.specific_force_body_mps2, state.window_samples);
+
+  // A window of fewer samples has no spread worth the name, however long it lasted.
+  constexpr int least_samples = 10;
+  const double watched_s = seconds_between(state.window_began_ns, imu.sensor_time_ns);
+  if (watched_s < settings.calibration_s || state.window_samples < least_samples) return Progress::none;
+
+  if (is_still(settings, state)) {
+    state.waiting = false;
+    state.calibrated = true;
+    state.ended_ns = imu.sensor_time_ns;
+    state.gyro_offset_body_radps = state.gyro_mean;
+    return Progress::calibrated;
+  }
+  begin_window(state, imu.sensor_time_ns);
+  if (!state.waiting) return Progress::none;
+  state.waiting = false;
+  return Progress::gave_up;
+}
+
+void watch(const StartupSettings& settings, StartupState& state, const UltrasonicFix& fix) {
+  if (state.calibrated) return;
+  if (!state.window_has_fix) {
+    state.window_has_fix = true;
+    state.window_fix_world_m = fix.position_world_m;
+    return;
+  }
+  if ((fix.position_world_m - state.window_fix_world_m).norm() > settings.still_moved_m) {
+    state.window_moved = true;
+  }
+}
+
+}  // namespace sonopose::estimation::documented::startup

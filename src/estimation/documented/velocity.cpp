@@ -1,0 +1,134 @@
+#include <sonopose/samples/pose.hpp>
+#include <sonopose/estimation/documented/velocity.hpp>
+
+#include <algorithm>
+#include <limits>
+
+namespace sonopose::estimation::documented::velocity {
+namespace {
+
+/// Items 7, 8 and 28.
+std::uint32_t snap_for(const VelocitySettings& settings, const FixVelocity& measured,
+                       const FixAssessment& assessment) {
+  const double ultrasonic_mps = measured.ultrasonic_world_mps.norm();
+  const double inertial_mps = measured.inertial_world_mps.norm();
+  if (ultrasonic_mps < settings.snap_min_speed_mps || measured.bend_m > settings.snap_max_bend_m) return 0;
+  if (!assessment.trusted) return 0;
+  const bool same_direction = measured.ultrasonic_world_mps.dot(measured.inertial_world_mps) > 0.0;
+  if (settings.overshoot_fix && same_direction && inertial_mps > 2.0 * ultrasonic_mps) {
+    return fix_snapped_over;
+  }
+  if (settings.undershoot_fix && ultrasonic_mps > 2.0 * inertial_mps) return fix_snapped_under;
+  return 0;
+}
+
+/// Item 3. The first velocities of a run are averaged, the n-th with a share of 1/n where that is more; item
+/// 3 at zero leaves the velocity alone.
+double blend_of(const VelocitySettings& settings, const VelocityState& state) {
+  if (state.settled() || settings.blend_weight <= 0.0) return settings.blend_weight;
+  return std::max(settings.blend_weight, 1.0 / (state.velocities + 1));
+}
+
+/// Items 26 and 27: one at rest, one half at the threshold, zero from twice the threshold on.
+double accel_gate(const VelocitySettings& settings, double acceleration_mps2) {
+  if (!settings.accel_gate) return 1.0;
+  return std::max(0.0, 1.0 - acceleration_mps2 / (2.0 * settings.accel_gate_threshold_mps2));
+}
+
+/// The earlier fix to measure from: the latest that lies far enough back, else the oldest.
+const PastFix* reference_for(const VelocitySettings& settings, const VelocityState& state,
+                             const TimedFix& fix) {
+  const PastFix* reference = nullptr;
+  for (int i = 0; i < state.count; ++i) {
+    const PastFix& past = state.fixes[static_cast<std::size_t>(i)];
+    const double interval_s = seconds_between(past.measured_ns, fix.measured_ns);
+    if (interval_s > settings.interval_max_s) break;
+    if (interval_s < settings.interval_min_s) continue;
+    reference = &past;
+    if (interval_s >= settings.interval_wanted_s) break;
+  }
+  return reference;
+}
+
+/// How far a fix lies from where the two before it point at constant velocity.
+double bend_of(const VelocityState& state, const TimedFix& fix) {
+  if (state.count < 2) return std::numeric_limits<double>::infinity();
+  const PastFix& last = state.fixes[0];
+  const PastFix& before = state.fixes[1];
+  const double before_s = seconds_between(before.measured_ns, last.measured_ns);
+  const double ahead_s = seconds_between(last.measured_ns, fix.measured_ns);
+  if (before_s <= 0.0) return std::numeric_limits<double>::infinity();
+  const Vector3d expected_world_m =
+      last.position_world_m + (last.position_world_m - before.position_world_m) * (ahead_s / before_s);
+  return (fix.measured_position_world_m - expected_world_m).norm();
+}
+
+std::optional<FixVelocity> measure_from(const PastFix* reference, const Kinematics& body,
+                                        const TimedFix& fix) {
+  if (reference == nullptr) return std::nullopt;
+  const auto moved_world_m = body.moved(reference->measured_ns, fix.measured_ns);
+  if (!moved_world_m) return std::nullopt;
+  const double interval_s = seconds_between(reference->measured_ns, fix.measured_ns);
+  const Vector3d displacement_world_m = fix.measured_position_world_m - reference->position_world_m;
+  FixVelocity measured;
+  measured.ultrasonic_world_mps = displacement_world_m / interval_s;
+  measured.inertial_world_mps = *moved_world_m / interval_s;
+  measured.displacement_world_m = displacement_world_m;
+  measured.interval_s = interval_s;
+  return measured;
+}
+
+void remember(VelocityState& state, const TimedFix& fix) {
+  std::copy_backward(state.fixes.begin(), state.fixes.end() - 1, state.fixes.end());
+  state.fixes[0] = {fix.measured_ns, fix.measured_position_world_m};
+  state.count = std::min(state.count + 1, VelocityState::capacity);
+}
+
+}  // namespace
+
+void restart(VelocityState& state, const TimedFix& fix, bool velocity_known) {
+  state.fixes[0] = {fix.measured_ns, fix.measured_position_world_m};
+  state.count = 1;
+  velocity_known ? state.settle() : state.unsettle();
+}
+
+std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocityState& state,
+                                   const Kinematics& body, const TimedFix& fix, const FixAssessment& assessment) {
+  if (assessment.new_track) {
+    // What led the pose astray from a track that wins was its velocity, more often than not.
+    restart(state, fix, !assessment.accepted_anew && state.settled());
+    return std::nullopt;
+  }
+  if (assessment.outlier && !assessment.forced) return std::nullopt;
+  auto measured = measure_from(reference_for(settings, state, fix), body, fix);
+  if (measured) measured->bend_m = bend_of(state, fix);
+  remember(state, fix);
+  return measured;
+}
+
+VelocityChange correct(const VelocitySettings& settings, VelocityState& state, Kinematics& body,
+                       const FixVelocity& measured, const FixAssessment& assessment) {
+  VelocityChange done;
+  done.flags = snap_for(settings, measured, assessment);
+  if (done.flags != 0) {
+    done.change_world_mps = measured.ultrasonic_world_mps - body.velocity_world_mps;
+  } else {
+    // A forced convergence would never end if the velocity that led astray were not corrected too.
+    const double reliability = std::max(assessment.weight, assessment.weight_floor);
+    done.share =
+        blend_of(settings, state) * reliability * accel_gate(settings, body.acceleration_world_mps2.norm());
+    done.change_world_mps = done.share * (measured.ultrasonic_world_mps - measured.inertial_world_mps);
+  }
+  body.correct_velocity(done.change_world_mps);
+  if (!state.settled()) ++state.velocities;
+  return done;
+}
+
+Vector3d adopt(VelocityState& state, Kinematics& body, const FixVelocity& measured) {
+  state.velocities = 1;
+  const Vector3d change_world_mps = measured.ultrasonic_world_mps - body.velocity_world_mps;
+  body.correct_velocity(change_world_mps);
+  return change_world_mps;
+}
+
+}  // namespace sonopose::estimation::documented::velocity

@@ -1,0 +1,28 @@
+#pragma once
+/// \file
+/// The Allan deviation of a log at rest: as a table and as JSON.
+
+#include "calibration/fit/allan.hpp"
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+namespace sonopose::evaluation {
+
+struct AllanResult {
+  std::filesystem::path log;
+  std::size_t samples = 0;
+  calibration::AllanReport report;
+};
+
+/// Reads imu.csv of the log folder. Throws files::IoError, and CalibrationError that names the file.
+AllanResult analyse_allan(const std::filesystem::path& log);
+
+/// A table, a line per axis; "not seen" where the record does not show a number.
+std::string allan_text(const AllanResult& result);
+
+/// One JSON object with the curves, rows of [tau_s, deviation, relative_error]; null for what is not seen.
+std::string allan_json(const AllanResult& result);
+
+}  // namespace sonopose::evaluation

@@ -1,0 +1,82 @@
+#include "files/csv_writer.hpp"
+#include "recording/log_folder.hpp"
+#include "files/replacement.hpp"
+#include "evaluation/calibration.hpp"
+
+namespace sonopose::evaluation {
+namespace {
+
+namespace fs = std::filesystem;
+using calibration::CalibrationError;
+
+constexpr const char* imu_file = "imu.csv";
+
+CalibrationResult summary_of(const fs::path& log, const std::vector<ImuSample>& imu) {
+  CalibrationResult result;
+  result.log = log;
+  result.samples = imu.size();
+  if (imu.empty()) throw CalibrationError("no samples");
+  result.begin_ns = imu.front().sensor_time_ns;
+  result.duration_s = seconds_between(imu.front().sensor_time_ns, imu.back().sensor_time_ns);
+  return result;
+}
+
+void find_still(const std::vector<ImuSample>& imu, CalibrationResult& result) {
+  result.still = calibration::find_still_intervals(imu);
+  for (const auto& interval : result.still) {
+    result.still_begin_ns.push_back(imu[interval.begin].sensor_time_ns);
+  }
+}
+
+/// What goes wrong in `work` is said with the file's name.
+template <class Work>
+CalibrationResult from_log(const fs::path& log, const Work& work) {
+  const auto imu = read_imu_log(log);
+  try {
+    CalibrationResult result = summary_of(log, imu);
+    work(imu, result);
+    return result;
+  } catch (const CalibrationError& error) {
+    throw CalibrationError((log / imu_file).string() + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+std::vector<ImuSample> read_imu_log(const fs::path& log) {
+  if (!fs::is_directory(log)) throw files::IoError(log.string() + ": is not a folder");
+  return recording::read_imu_csv(log / imu_file, recording::default_log_address);
+}
+
+CalibrationResult calibrate_imu(const fs::path& log) {
+  return from_log(log, [](const std::vector<ImuSample>& imu, CalibrationResult& result) {
+    find_still(imu, result);
+    result.accelerometer = calibration::fit_accelerometer(result.still);
+    result.gyroscope = calibration::fit_gyroscope(imu, result.still, result.accelerometer->settings);
+  });
+}
+
+CalibrationResult calibrate_gyroscope(const fs::path& log) {
+  return from_log(log, [](const std::vector<ImuSample>& imu, CalibrationResult& result) {
+    find_still(imu, result);
+    result.gyroscope = calibration::fit_gyroscope(result.still);
+  });
+}
+
+CalibrationResult calibrate_magnetometer(const fs::path& log, std::optional<double> field_ut) {
+  return from_log(log, [field_ut](const std::vector<ImuSample>& imu, CalibrationResult& result) {
+    result.magnetometer = calibration::fit_magnetometer(imu, field_ut);
+  });
+}
+
+void write_whole(const fs::path& file, const std::string& text) {
+  files::Replacement replacement(file);
+  {
+    files::CsvWriter out(replacement.part(), files::CsvWriter::Existing::replace);
+    out.text(text);
+    out.flush();
+  }
+  replacement.commit();
+}
+
+}  // namespace sonopose::evaluation

@@ -1,0 +1,130 @@
+#include <sonopose/settings/settings.hpp>
+#include <sonopose/geometry/rotation.hpp>
+#include "evaluation/calibration.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <string_view>
+
+namespace sonopose::evaluation {
+namespace {
+
+using calibration::AccelerometerFit;
+using calibration::GyroscopeFit;
+using calibration::MagnetometerFit;
+
+std::string line(std::string_view what, const std::string& says) {
+  return fmt::format("{:<14} {}\n", what, says);
+}
+
+std::string periods(std::size_t count) {
+  return fmt::format("{} period{}", count, count == 1 ? "" : "s");
+}
+
+std::string text_of(const AccelerometerFit& fit, const CalibrationResult& result) {
+  std::string text =
+      line("accelerometer", fmt::format("offset, sensitivity{} from {} orientations",
+                                        fit.with_misalignment ? " and misalignment" : "", fit.orientations));
+  if (!fit.with_misalignment) text += line("", "no misalignment: " + fit.why_without);
+  text += line("", fmt::format("|a| - g: {:.4f} m/s^2 RMS before, {:.4f} after", fit.rms_before_mps2,
+                               fit.rms_after_mps2));
+  return text +
+         line("", fmt::format("worst: {:.4f} m/s^2, held still from {:.1f} s on", fit.worst_after_mps2,
+                              seconds_between(result.begin_ns, result.still_begin_ns[fit.worst_period])));
+}
+
+std::string text_of(const GyroscopeFit& fit) {
+  constexpr double degrees_per_radian = 1.0 / geometry::radians_per_degree;
+  std::string text = line("gyroscope", fmt::format("offset from {} at rest", periods(fit.periods)));
+  if (fit.with_sensitivity) {
+    text += line("", fmt::format("sensitivity and misalignment from {} turns, {} left out", fit.turns,
+                                 fit.turns_left_out));
+    text += line(
+        "", fmt::format("gravity after a turn: {:.2f} deg RMS off before, {:.2f} after",
+                        degrees_per_radian * fit.rms_before_rad, degrees_per_radian * fit.rms_after_rad));
+  } else if (!fit.why_without.empty()) {
+    text += line("", "no sensitivity and misalignment: " + fit.why_without);
+  }
+  return text;
+}
+
+std::string text_of(const MagnetometerFit& fit) {
+  std::string text =
+      line("magnetometer", fmt::format("{} of {} readings, {:.0f} % of the sphere's directions, {} disturbed",
+                                       fit.used, fit.samples, 100.0 * fit.coverage, fit.outliers));
+  text += line("", fmt::format("ellipsoid about ({:.2f}, {:.2f}, {:.2f}) uT, semi-axes {:.2f}, {:.2f} and "
+                               "{:.2f} uT",
+                               fit.centre_ut.x(), fit.centre_ut.y(), fit.centre_ut.z(), fit.semi_axes_ut.x(),
+                               fit.semi_axes_ut.y(), fit.semi_axes_ut.z()));
+  return text + line("", fmt::format("|m|: {:.3f} uT RMS off its mean before, {:.3f} off {:.2f} after",
+                                     fit.rms_before_ut, fit.rms_after_ut, fit.field_ut));
+}
+
+/// A float in TOML needs a point, or it would read as an integer.
+std::string toml_number(double value) {
+  std::string text = settings::to_text(value);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
+/// All settings of a group: one that was left out could be somebody else's.
+template <class Group>
+std::string table_of(const Group& settings, const Group& standard_errors, const std::string& prefix) {
+  std::string text = fmt::format("\n[{}{}]\n", prefix, Group::group);
+  const auto append = [&](const auto& row) {
+    const double error = standard_errors.*(row.field);
+    text += fmt::format("{} = {}", row.name, toml_number(settings.*(row.field)));
+    if (error > 0.0) text += fmt::format("  # +- {:.2g}{}{}", error, row.unit.empty() ? "" : " ", row.unit);
+    text += '\n';
+  };
+  Group::declarations()([&append](const auto&... row) { (append(row), ...); });
+  return text;
+}
+
+/// The text as comments. TOML allows no other control characters in them.
+std::string commented(const std::string& text) {
+  std::string result = "# ";
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    const bool is_last = i + 1 == text.size();
+    if (c == '\n') {
+      result += is_last ? "\n" : "\n# ";
+    } else {
+      result += (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) ? '?' : c;
+    }
+  }
+  return result;
+}
+
+/// A path on one line of UTF-8, in quotes, whatever bytes it is made of.
+std::string name_of(const std::filesystem::path& path) {
+  return nlohmann::json(path.string()).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string calibration_text(const CalibrationResult& result) {
+  std::string text = line("log", fmt::format("{}: {} samples over {:.1f} s", name_of(result.log),
+                                             result.samples, result.duration_s));
+  if (!result.still.empty()) text += line("still", periods(result.still.size()));
+  if (result.accelerometer) text += text_of(*result.accelerometer, result);
+  if (result.gyroscope) text += text_of(*result.gyroscope);
+  if (result.magnetometer) text += text_of(*result.magnetometer);
+  return text;
+}
+
+std::string calibration_toml(const CalibrationResult& result, std::optional<BeaconAddress> beacon) {
+  const std::string prefix = beacon ? fmt::format("beacon.{}.", *beacon) : std::string();
+  std::string text =
+      commented("Written by sonopose-calibrate. For --config of the fusion.\n" + calibration_text(result));
+  const auto append = [&](const auto& fit) {
+    if (fit) text += table_of(fit->settings, fit->standard_errors, prefix);
+  };
+  append(result.accelerometer);
+  append(result.gyroscope);
+  append(result.magnetometer);
+  return text;
+}
+
+}  // namespace sonopose::evaluation

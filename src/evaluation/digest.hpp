@@ -1,0 +1,34 @@
+#pragma once
+/// \file
+/// A number that two runs share only if they made the same bits.
+
+#include <sonopose/samples/pose.hpp>
+#include <sonopose/estimation/documented/state.hpp>
+
+#include <cstdint>
+#include <string>
+
+namespace sonopose::evaluation {
+
+/// Digest of a sequence of values, 64 bits wide: Fowler–Noll–Vo 1a over whole words. Not for security.
+class Digest {
+public:
+  void add(std::uint64_t word);
+  void add(double value);  ///< its bits: 0.0 and −0.0 differ
+
+  /// Time, position, attitude, velocity and status of a pose.
+  void add(const FusedPose& pose);
+
+  /// Every field of an engine's state.
+  void add(const estimation::documented::State& state);
+
+  [[nodiscard]] std::uint64_t value() const { return value_; }
+
+  /// As 16 hexadecimal digits.
+  [[nodiscard]] std::string text() const;
+
+private:
+  std::uint64_t value_ = 0xCBF29CE484222325U;
+};
+
+}  // namespace sonopose::evaluation

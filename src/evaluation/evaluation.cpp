@@ -1,0 +1,187 @@
+#include <sonopose/estimation/documented/engine.hpp>
+#include "recording/log_folder.hpp"
+#include "evaluation/comparison.hpp"
+#include "evaluation/evaluation.hpp"
+#include "sim/simulator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sonopose::evaluation {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+/// Errors of all poses, scored or not, in ascending time.
+struct ErrorTrack {
+  std::vector<TimeNs> times_ns;
+  std::vector<double> errors_m;
+};
+
+/// Seconds from `from_ns` to the end of the last window before `to_ns` that is too bad.
+double settled_after_s(const ErrorTrack& track, TimeNs from_ns, TimeNs to_ns) {
+  const auto first = std::lower_bound(track.times_ns.begin(), track.times_ns.end(), from_ns);
+  auto begin = static_cast<std::size_t>(first - track.times_ns.begin());
+  double squares = 0.0;
+  double settled_s = never;
+  std::size_t end = begin;
+  for (; end < track.times_ns.size() && track.times_ns[end] < to_ns; ++end) {
+    squares += track.errors_m[end] * track.errors_m[end];
+    while (seconds_between(track.times_ns[begin], track.times_ns[end]) > recovery_window_s) {
+      squares -= track.errors_m[begin] * track.errors_m[begin];
+      ++begin;
+    }
+    const double since_s = seconds_between(from_ns, track.times_ns[end]);
+    if (since_s < recovery_window_s) continue;
+    const bool bad = squares > recovered_m * recovered_m * static_cast<double>(end - begin + 1);
+    if (bad) {
+      settled_s = never;
+    } else if (settled_s == never) {
+      settled_s = since_s;
+    }
+  }
+  return settled_s;
+}
+
+/// The pose's way during one outage, from the moment at which it became stale.
+class DriftWatch {
+public:
+  DriftWatch(const sim::Outage& outage, TimeNs start_ns)
+      : begin_ns_(start_ns + to_ns(outage.begin_s)), end_ns_(begin_ns_ + to_ns(outage.duration_s)) {}
+
+  void add(const FusedPose& pose) {
+    if (pose.time_ns < begin_ns_ || pose.time_ns > end_ns_ || (pose.status & status_stale) == 0) return;
+    if (!began_) {
+      began_ = true;
+      from_world_m_ = pose.position_world_m;
+      speed_mps_ = pose.velocity_world_mps.norm();
+    }
+    drift_m_ = std::max(drift_m_, (pose.position_world_m - from_world_m_).norm());
+  }
+
+  [[nodiscard]] double drift_m() const { return drift_m_; }
+  [[nodiscard]] double speed_mps() const { return speed_mps_; }
+
+private:
+  TimeNs begin_ns_;
+  TimeNs end_ns_;
+  bool began_ = false;
+  Vector3d from_world_m_ = Vector3d::Zero();
+  double speed_mps_ = 0.0;
+  double drift_m_ = 0.0;
+};
+
+/// One case being run.
+class CaseRun {
+public:
+  explicit CaseRun(const Case& test_case)
+      : start_ns_(available_at_ns(test_case.events.front())),
+        comparison_(test_case.truth, start_ns_ + to_ns(test_case.score_after_s)),
+        whole_(test_case.truth, start_ns_) {
+    for (const sim::Outage& outage : test_case.outages) drifts_.emplace_back(outage, start_ns_);
+  }
+
+  void add(const FusedPose& pose) {
+    comparison_.add(pose);
+    whole_.add(pose);
+    for (DriftWatch& drift : drifts_) drift.add(pose);
+  }
+
+  void add(const UltrasonicFix& fix) { comparison_.add(fix); }
+
+  void finish(const Case& test_case, const settings::Settings& settings, CaseResult& result) const {
+    result.fused = comparison_.fused();
+    result.last_fix_m = comparison_.last_fix_m();
+    result.extrapolated_m = comparison_.extrapolated_m();
+    const Score whole = whole_.score();
+    const ErrorTrack track{whole.times_ns, whole.errors_m};
+    for (std::size_t i = 0; i < test_case.outages.size(); ++i) {
+      const sim::Outage& outage = test_case.outages[i];
+      const TimeNs end_ns = start_ns_ + to_ns(outage.begin_s + outage.duration_s);
+      const bool last = i + 1 == test_case.outages.size();
+      const TimeNs next_ns =
+          last ? std::numeric_limits<TimeNs>::max() : start_ns_ + to_ns(test_case.outages[i + 1].begin_s);
+      result.outages.push_back({outage.duration_s, settled_after_s(track, end_ns, next_ns),
+                                drifts_[i].drift_m(), allowed_m(drifts_[i], outage, settings.outage)});
+    }
+    for (const sim::Relocation& relocation : test_case.relocations) {
+      result.relocations.push_back(
+          {relocation.by_world_m.norm(),
+           settled_after_s(track, start_ns_ + to_ns(relocation.at_s), std::numeric_limits<TimeNs>::max())});
+    }
+  }
+
+private:
+  /// ∫ v·exp(−rate·t) dt over what is left of the outage when stale mode begins.
+  static double allowed_m(const DriftWatch& drift, const sim::Outage& outage,
+                          const estimation::documented::OutageSettings& settings) {
+    const double stale_s = std::max(0.0, outage.duration_s - settings.stale_after_s);
+    if (settings.velocity_decay_rate_hz <= 0.0) return drift.speed_mps() * stale_s;
+    return drift.speed_mps() * -std::expm1(-settings.velocity_decay_rate_hz * stale_s) /
+           settings.velocity_decay_rate_hz;
+  }
+
+  TimeNs start_ns_;
+  Comparison comparison_;
+  Scorer whole_;
+  std::vector<DriftWatch> drifts_;
+};
+
+}  // namespace
+
+Case simulated_case(const sim::Scenario& scenario, std::uint64_t seed) {
+  sim::Recording recording = sim::record(scenario, {.seed = seed});
+  return {.name = std::string(scenario.name),
+          .events = std::move(recording.events),
+          .truth = std::move(recording.truth),
+          .score_after_s = scenario.score_after_s,
+          .outages = scenario.disturbances.outages,
+          .relocations = scenario.disturbances.relocations};
+}
+
+Case recorded_case(const std::filesystem::path& folder) {
+  recording::SensorLog log = recording::read_sensor_log(folder);
+  if (log.truth.empty() || log.events.empty()) {
+    throw files::IoError(folder.string() + ": has no truth.csv or no samples to compare with it");
+  }
+  Case test_case;
+  test_case.name = folder.filename().string();
+  test_case.events = std::move(log.events);
+  test_case.truth = std::move(log.truth);
+  return test_case;
+}
+
+std::vector<std::filesystem::path> recordings_with_truth(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  if (!fs::is_directory(folder)) throw files::IoError(folder.string() + ": is not a folder");
+  std::vector<fs::path> found;
+  const auto consider = [&found](const fs::path& candidate) {
+    const bool complete = exists(candidate / "imu.csv") && exists(candidate / "ultrasonic.csv") &&
+                          exists(candidate / "truth.csv");
+    if (complete) found.push_back(candidate);
+  };
+  consider(folder);
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_directory()) consider(entry.path());
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+CaseResult evaluate(const Case& test_case, const settings::Settings& settings) {
+  CaseResult result;
+  result.name = test_case.name;
+  estimation::documented::Engine engine(settings);
+  CaseRun run(test_case);
+  for (const Event& event : test_case.events) {
+    if (const auto* fix = std::get_if<UltrasonicFix>(&event)) run.add(*fix);
+    estimation::documented::deliver(
+        engine, event, [&run](const FusedPose& pose) { run.add(pose); }, [](const FixReport&) {});
+  }
+  result.fixes_used = engine.counters().fixes_used;
+  result.fixes_rejected = engine.counters().fixes_rejected;
+  run.finish(test_case, engine.settings(), result);
+  return result;
+}
+
+}  // namespace sonopose::evaluation

@@ -1,0 +1,44 @@
+#pragma once
+/// \file
+/// The fix_flags on a fix (FixFlag) in words.
+
+#include <sonopose/samples/pose.hpp>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace sonopose::evaluation {
+
+struct FixFlagName {
+  FixFlag bit;
+  std::string_view name;
+};
+
+/// In ascending order of the bits.
+inline constexpr std::array<FixFlagName, 10> fix_flag_names{{{fix_used, "used"},
+                                                            {fix_outlier, "outlier"},
+                                                            {fix_low_quality, "low_quality"},
+                                                            {fix_invalid, "invalid"},
+                                                            {fix_stuck_forced, "stuck_forced"},
+                                                            {fix_snapped_over, "snapped_over"},
+                                                            {fix_snapped_under, "snapped_under"},
+                                                            {fix_stale_recovered, "stale_recovered"},
+                                                            {fix_frozen, "frozen"},
+                                                            {fix_first, "first"}}};
+
+/// The names of all bits that are set, joined by `|`; "none" where none is.
+std::string fix_flag_text(std::uint32_t flags);
+
+/// How often each flags was given, in the order of `fix_flag_names`.
+class FixFlagCounts {
+public:
+  void add(std::uint32_t flags);
+  [[nodiscard]] std::uint64_t of(FixFlag bit) const;
+
+private:
+  std::array<std::uint64_t, fix_flag_names.size()> counts_{};
+};
+
+}  // namespace sonopose::evaluation

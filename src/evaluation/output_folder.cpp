@@ -1,0 +1,61 @@
+#include "evaluation/output_folder.hpp"
+#include "evaluation/fix_flag_counts.hpp"
+
+#include <array>
+#include <string_view>
+
+namespace sonopose::evaluation {
+namespace {
+
+constexpr std::array<std::string_view, 12> pose_columns{
+    "timestamp [ns]", "p_x [m]", "p_y [m]",      "p_z [m]",      "q_w []",       "q_x []",
+    "q_y []",         "q_z []",  "v_x [m s^-1]", "v_y [m s^-1]", "v_z [m s^-1]", "status []"};
+constexpr std::array<std::string_view, 22> fix_columns{
+    "timestamp [ns]", "applied [ns]",     "beacon []",     "sequence []",    "x [m]",         "y [m]",
+    "z [m]",          "shifted_x [m]",    "shifted_y [m]", "shifted_z [m]",  "innovation [m]",  "weight []",
+    "trust []",       "jump_x [m]",       "jump_y [m]",    "jump_z [m]",     "dv_x [m s^-1]", "dv_y [m s^-1]",
+    "dv_z [m s^-1]",  "yaw_change [rad]", "flags []",    "flag_bits []"};
+
+const std::filesystem::path& made(const std::filesystem::path& folder) {
+  make_folder(folder);
+  return folder;
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(const std::filesystem::path& folder)
+    : trajectory_(made(folder) / "trajectory.tum"),
+      poses_{folder / "pose.csv"},
+      fixes_{folder / "fixes.csv"} {
+  poses_.rows.header(pose_columns);
+  fixes_.rows.header(fix_columns);
+}
+
+void OutputFolder::write(const FusedPose& pose) {
+  const Quaterniond& q = pose.q_body_to_world;
+  trajectory_.write(pose.time_ns, pose.position_world_m, q);
+  poses_.rows.integer(pose.time_ns).vector(pose.position_world_m);
+  poses_.rows.number(q.w()).number(q.x()).number(q.y()).number(q.z());
+  poses_.rows.vector(pose.velocity_world_mps).integer(pose.status).end_row();
+}
+
+void OutputFolder::write(const FixReport& report) {
+  fixes_.rows.integer(report.emission_time_ns).integer(report.applied_time_ns);
+  fixes_.rows.integer(report.address).integer(static_cast<std::int64_t>(report.sequence));
+  fixes_.rows.vector(report.position_world_m).vector(report.shifted_position_world_m);
+  fixes_.rows.number(report.innovation_m).number(report.weight).number(report.trust);
+  fixes_.rows.vector(report.jump_world_m).vector(report.velocity_change_world_mps);
+  fixes_.rows.number(report.yaw_change_rad)
+      .text(fix_flag_text(report.flags))
+      .integer(report.flags)
+      .end_row();
+}
+
+void OutputFolder::finish() {
+  trajectory_.flush();
+  for (Table* table : {&poses_, &fixes_}) table->rows.flush();
+  trajectory_.commit();
+  for (Table* table : {&poses_, &fixes_}) table->place.commit();
+}
+
+}  // namespace sonopose::evaluation

@@ -1,0 +1,104 @@
+#include "evaluation/report.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+namespace sonopose::evaluation {
+namespace {
+
+double times_real_time(const RunResult& result, const Timing& timing) {
+  const double took_s = timing.reading_s + timing.running_s;
+  return took_s > 0.0 ? result.duration_s / took_s : 0.0;
+}
+
+std::string line(std::string_view what, const std::string& says) {
+  return fmt::format("{:<12} {}\n", what, says);
+}
+
+/// A line with one figure, which the truth may not allow.
+std::string figure(std::string_view what, double value, int decimals, std::string_view unit) {
+  return line(what, std::isnan(value) ? "       - not known"
+                                      : fmt::format("{:8.{}f} {} RMSE", value, decimals, unit));
+}
+
+/// Verdicts that were given at all, other than "used", with their counts.
+std::string special_fix_flags(const FixFlagCounts& fix_flags) {
+  std::string text;
+  for (const FixFlagName& entry : fix_flag_names) {
+    const std::uint64_t count = fix_flags.of(entry.bit);
+    if (entry.bit == fix_used || count == 0) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, entry.name);
+  }
+  return text.empty() ? "" : " (" + text + ")";
+}
+
+std::string scores(const RunResult& result) {
+  if (!result.has_truth) return line("error", "not known: the recording has no truth.csv");
+  if (result.fused.poses == 0)
+    return line("error", "not known: no pose with a known true position was scored");
+  const ErrorSummary& position_m = result.fused.position_m;
+  std::string text =
+      line("position", fmt::format("{:8.4f} m RMSE, {:.4f} m p95, {:.4f} m max, over {} poses",
+                                   position_m.rmse, position_m.p95, position_m.max, result.fused.poses));
+  text += line("no truth", fmt::format("{:8} poses, which are not scored", result.fused.poses_without_truth));
+  text += figure("velocity", result.fused.velocity_rmse_mps, 4, "m/s");
+  text += figure("yaw", result.fused.yaw_rmse_deg, 3, "deg");
+  text += figure("tilt", result.fused.tilt_rmse_deg, 3, "deg");
+  text += figure("last fix", result.last_fix_m.rmse, 4, "m");
+  return text + figure("extrapolated", result.extrapolated_m.rmse, 4, "m");
+}
+
+}  // namespace
+
+std::string report_text(const RunResult& result, const Timing& timing) {
+  const estimation::documented::Counters& counters = result.counters;
+  std::string text = scores(result);
+  text += line("fixes", fmt::format("{:8} used, {} rejected{}", counters.fixes_used, counters.fixes_rejected,
+                                    special_fix_flags(result.fix_flags)));
+  text +=
+      line("samples", fmt::format("{:8} IMU, {} headings, {} IMU gaps, {} invalid, {} IMU stamps went back",
+                                  counters.imu_samples, counters.headings, counters.imu_gaps,
+                                  counters.samples_invalid, result.imu_stamps_back));
+  text += line(
+      "duration",
+      fmt::format("{:8.2f} s, replayed at {:.0f} x real time (reading {:.3f} s, engine {:.3f} s)",
+                  result.duration_s, times_real_time(result, timing), timing.reading_s, timing.running_s));
+  return text + line("state hash", result.state_hash);
+}
+
+std::string report_json(const RunResult& result, const Timing& timing) {
+  // A number that is not known is NaN, which the library writes as null.
+  nlohmann::ordered_json fix_flags = nlohmann::ordered_json::object();
+  for (const FixFlagName& entry : fix_flag_names)
+    fix_flags[std::string(entry.name)] = result.fix_flags.of(entry.bit);
+  const nlohmann::ordered_json object{{"position_rmse_m", result.fused.position_m.rmse},
+                                      {"position_p95_m", result.fused.position_m.p95},
+                                      {"position_max_m", result.fused.position_m.max},
+                                      {"yaw_rmse_deg", result.fused.yaw_rmse_deg},
+                                      {"tilt_rmse_deg", result.fused.tilt_rmse_deg},
+                                      {"velocity_rmse_mps", result.fused.velocity_rmse_mps},
+                                      {"last_fix_rmse_m", result.last_fix_m.rmse},
+                                      {"extrapolated_rmse_m", result.extrapolated_m.rmse},
+                                      {"poses_scored", result.fused.poses},
+                                      {"poses_without_truth", result.fused.poses_without_truth},
+                                      {"fixes_used", result.counters.fixes_used},
+                                      {"fixes_rejected", result.counters.fixes_rejected},
+                                      {"fix_flags", std::move(fix_flags)},
+                                      {"imu_samples", result.counters.imu_samples},
+                                      {"headings", result.counters.headings},
+                                      {"imu_gaps", result.counters.imu_gaps},
+                                      {"samples_invalid", result.counters.samples_invalid},
+                                      {"imu_stamps_back", result.imu_stamps_back},
+                                      {"poses", result.poses},
+                                      {"duration_s", result.duration_s},
+                                      {"reading_s", timing.reading_s},
+                                      {"running_s", timing.running_s},
+                                      {"times_real_time", times_real_time(result, timing)},
+                                      {"last_sequence", result.end.sequence},
+                                      {"state_hash", result.state_hash}};
+  return object.dump(2) + "\n";
+}
+
+}  // namespace sonopose::evaluation

@@ -1,0 +1,82 @@
+#pragma once
+/// \file
+/// How far poses are from the truth: unaligned, because a pose in the beacons' map is only right where it is.
+
+#include <sonopose/samples/pose.hpp>
+#include <sonopose/samples/samples.hpp>
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace sonopose::evaluation {
+
+/// Root of the mean square, 95th percentile and maximum of some errors; NaN where there are none.
+struct ErrorSummary {
+  double rmse;
+  double p95;
+  double max;
+};
+
+/// Summarises errors, in any order.
+ErrorSummary summarise(std::vector<double> errors);
+
+/// How far one orientation is from the true one, by d = q_estimate ⊗ q_truth*.
+struct AttitudeError {
+  double total_rad;        ///< 2·acos |d_w|: the angle of the turn between them
+  double heading_rad;      ///< 2·atan |d_z/d_w|: turn about world Z
+  double inclination_rad;  ///< 2·acos √(d_w² + d_z²): angle between the two verticals
+};
+
+AttitudeError error_of(const Quaterniond& q_estimate, const Quaterniond& q_truth);
+
+/// The truth between its samples. Times may be asked for in any order; near ones in a row are found fast.
+class TruthTrack {
+public:
+  /// `truth` in ascending time; must outlive the track.
+  explicit TruthTrack(std::span<const TruthSample> truth) : truth_(truth) {}
+
+  /// Position and velocity interpolated linearly, attitude along the arc; NaN in what is not known. Empty
+  /// before the first sample, after the last, and where two samples stand farther apart than 0.1 s.
+  std::optional<TruthSample> at(TimeNs time_ns);
+
+private:
+  std::span<const TruthSample> truth_;
+  std::size_t next_ = 0;
+};
+
+/// Errors over one span of time. Each is over the poses for which that part of the truth is known.
+struct Score {
+  std::size_t poses = 0;                ///< with a known true position
+  std::size_t poses_without_truth = 0;  ///< in the span, but at a time without one
+  ErrorSummary position_m;              ///< distance in space
+  double yaw_rmse_deg;                  ///< of AttitudeError::heading_rad
+  double tilt_rmse_deg;                 ///< of AttitudeError::inclination_rad
+  double velocity_rmse_mps;             ///< length of the difference
+  std::vector<double> errors_m;         ///< distance at each of `times_ns`
+  std::vector<TimeNs> times_ns;
+};
+
+/// Collects the errors of poses.
+class Scorer {
+public:
+  /// Poses before `from_ns` are not scored. `truth` must outlive the scorer.
+  Scorer(std::span<const TruthSample> truth, TimeNs from_ns) : track_(truth), from_ns_(from_ns) {}
+
+  void add(const FusedPose& pose);
+
+  [[nodiscard]] Score score() const;
+
+private:
+  TruthTrack track_;
+  TimeNs from_ns_;
+  std::size_t without_truth_ = 0;
+  std::vector<TimeNs> times_ns_;
+  std::vector<double> position_m_;
+  std::vector<double> yaw_rad_;
+  std::vector<double> tilt_rad_;
+  std::vector<double> velocity_mps_;
+};
+
+}  // namespace sonopose::evaluation

@@ -1,0 +1,175 @@
+#include "evaluation/state_reader.hpp"
+#include <sonopose/estimation/documented/state_fields.hpp>
+#include "files/csv_writer.hpp"
+#include "files/error.hpp"
+#include "files/replacement.hpp"
+#include "evaluation/state_file.hpp"
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+namespace sonopose::evaluation {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+constexpr std::string_view format_name = "sonopose engine state";
+constexpr int format_version = 3;
+
+double finite(const char* name, double value) {
+  if (std::isfinite(value)) return value;
+  throw StateFileError(std::string(name) + ": is not finite and cannot be saved");
+}
+
+OrderedJson json_of(const char* name, const Vector3d& value) {
+  return {finite(name, value.x()), finite(name, value.y()), finite(name, value.z())};
+}
+
+/// Puts a state's fields of every kind into an object.
+struct FieldWriter {
+  OrderedJson& object;
+
+  void operator()(const char* name, double value) const { object[name] = finite(name, value); }
+  void operator()(const char* name, bool value) const { object[name] = value; }
+  void operator()(const char* name, int value) const { object[name] = value; }
+  void operator()(const char* name, TimeNs value) const { object[name] = value; }
+  void operator()(const char* name, estimation::documented::InitPhase value) const {
+    object[name] = track_names.at(static_cast<std::size_t>(value));
+  }
+  void operator()(const char* name, const Vector3d& value) const { object[name] = json_of(name, value); }
+  void operator()(const char* name, const estimation::documented::PastFix& fix) const {
+    object[name].push_back(
+        {{"measured_ns", fix.measured_ns}, {"position_world_m", json_of(name, fix.position_world_m)}});
+  }
+  void operator()(const char* name, const Quaterniond& q) const {
+    object[name] = {finite(name, q.w()), finite(name, q.x()), finite(name, q.y()), finite(name, q.z())};
+  }
+  void operator()(const char* name, const Eigen::Matrix3d& value) const {
+    object[name] = OrderedJson::array();
+    for (const Vector3d row : value.rowwise()) object[name].push_back(json_of(name, row));
+  }
+  void operator()(const char* name, attitude::AnyFilter filter) const {
+    OrderedJson& fields = object[name];
+    fields["kind"] = choices_of(filter.kind()).at(static_cast<std::size_t>(filter.kind()));
+    filter.for_each_field(FieldWriter{fields});
+  }
+  void operator()(const char* name, const estimation::documented::InertialHistory& history) const {
+    object[name] = OrderedJson::array();
+    for (std::size_t i = 0; i < history.size(); ++i) {
+      object[name].push_back({{"time_ns", history[i].time_ns},
+                              {"displacement_world_m", json_of(name, history[i].displacement_world_m)},
+                              {"yaw_rad", finite(name, history[i].yaw_rad)}});
+    }
+  }
+};
+
+/// As for_each_field: a new counter that is not listed here does not compile.
+template <class AnyCounters, class Visit>
+void for_each_counter(AnyCounters& counters, const Visit& visit) {
+  auto& [imu_samples, fixes_used, fixes_rejected, headings, samples_invalid, imu_gaps] = counters;
+  visit("imu_samples", imu_samples);
+  visit("fixes_used", fixes_used);
+  visit("fixes_rejected", fixes_rejected);
+  visit("headings", headings);
+  visit("samples_invalid", samples_invalid);
+  visit("imu_gaps", imu_gaps);
+}
+
+void check_format(StateReader& file) {
+  if (const auto format = file.text("format"); format != format_name) {
+    file.fail("format", "is \"" + format + "\" instead of \"" + std::string(format_name) + "\"");
+  }
+  if (const auto version = file.count("version"); version != format_version) {
+    file.fail("version", "is " + std::to_string(version) + ", this program reads version " +
+                             std::to_string(format_version));
+  }
+}
+
+std::string content_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (!in.is_open() || in.bad() || is_directory(file)) {
+    throw files::IoError(file.string() +
+                      ": cannot be read: " + std::strerror(is_directory(file) ? EISDIR : errno));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string state_text(const SavedState& saved) {
+  OrderedJson file;
+  file["format"] = format_name;
+  file["version"] = format_version;
+  file["sequence"] = saved.sequence;
+  file["beacon"] = saved.beacon;
+  file["first_event_ns"] = saved.first_event_ns;
+  file["reset_counter"] = saved.snapshot.reset_counter;
+  for_each_counter(saved.snapshot.counters,
+                   [&file](const char* name, std::uint64_t value) { file["counters"][name] = value; });
+  estimation::documented::for_each_field(saved.snapshot.state, FieldWriter{file["state"]});
+  return file.dump(1) + "\n";
+}
+
+SavedState parse_state(std::string_view text, const std::string& name) {
+  StateReader file = StateReader::parsed(text, name);
+  check_format(file);
+  SavedState saved;
+  saved.sequence = file.count("sequence");
+  const std::uint64_t beacon = file.count("beacon");
+  saved.beacon = static_cast<BeaconAddress>(beacon);
+  if (saved.beacon != beacon) file.fail("beacon", "is " + std::to_string(beacon) + ", which is no address");
+  file.read("first_event_ns", saved.first_event_ns);
+  saved.snapshot.reset_counter = file.count32("reset_counter");
+  StateReader counters = file.object("counters");
+  for_each_counter(saved.snapshot.counters,
+                   [&counters](const char* field, std::uint64_t& value) { value = counters.count(field); });
+  counters.finish();
+  StateReader state = file.object("state");
+  estimation::documented::for_each_field(saved.snapshot.state,
+                         [&state](const char* field, auto& value) { state.read(field, value); });
+  const double trust = saved.snapshot.state.trust.trust;
+  if (!(trust >= 0.0 && trust <= 1.0)) state.fail("trust.trust", "is not between 0 and 1");
+  if (saved.snapshot.state.velocity.count > estimation::documented::VelocityState::capacity) {
+    state.fail("velocity.count", "is more than " + std::to_string(estimation::documented::VelocityState::capacity));
+  }
+  state.finish();
+  file.finish();
+  return saved;
+}
+
+void save_state(const std::filesystem::path& file, const SavedState& saved) {
+  std::string text;
+  try {
+    text = state_text(saved);
+  } catch (const StateFileError& error) {
+    throw StateFileError(file.string() + ": " + error.what());
+  }
+  files::Replacement replacement(file);
+  files::CsvWriter out(replacement.part(), files::CsvWriter::Existing::replace);
+  out.text(text);
+  out.flush();
+  replacement.commit();
+}
+
+SavedState load_state(const std::filesystem::path& file) {
+  return parse_state(content_of(file), file.string());
+}
+
+void check_fits(const SavedState& saved, const recording::SensorLog& log, const std::string& name) {
+  if (log.events.empty()) return;
+  const auto differs = [&name](const std::string& field, auto stored, auto own) {
+    throw StateFileError(name + ": " + field + ": is " + std::to_string(stored) +
+                         ", but the recording's is " + std::to_string(own) + ": it is of another recording");
+  };
+  const Event& first = log.events.front();
+  if (saved.beacon != address_of(first)) differs("beacon", saved.beacon, address_of(first));
+  if (saved.first_event_ns != available_at_ns(first)) {
+    differs("first_event_ns", saved.first_event_ns, available_at_ns(first));
+  }
+}
+
+}  // namespace sonopose::evaluation

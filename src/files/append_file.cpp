@@ -1,0 +1,46 @@
+#include "files/append_file.hpp"
+
+#include "files/error.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace sonopose::files {
+
+namespace {
+
+int open_mode(AppendFile::Existing existing) {
+  switch (existing) {
+    case AppendFile::Existing::refuse:
+      return O_EXCL;
+    case AppendFile::Existing::extend:
+      return O_APPEND;
+    case AppendFile::Existing::replace:
+      return O_TRUNC;
+  }
+  return O_EXCL;
+}
+
+}  // namespace
+
+AppendFile::AppendFile(const std::filesystem::path& path, Existing existing) : name_{path.string()} {
+  descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | open_mode(existing), 0666);
+  if (descriptor_ < 0) throw IoError(name_ + ": cannot be made: " + std::strerror(errno));
+}
+
+AppendFile::~AppendFile() {
+  ::close(descriptor_);
+}
+
+void AppendFile::append(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw IoError(name_ + ": cannot be written: " + std::strerror(errno));
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
+}
+
+}  // namespace sonopose::files

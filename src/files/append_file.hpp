@@ -1,0 +1,32 @@
+#pragma once
+/// \file
+/// A file that grows at its end. Private to this room.
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+
+namespace sonopose::files {
+
+class AppendFile {
+public:
+  enum class Existing { refuse, extend, replace };
+
+  /// Throws IoError with the cause.
+  AppendFile(const std::filesystem::path& path, Existing existing);
+  ~AppendFile();
+  AppendFile(const AppendFile&) = delete;
+  AppendFile& operator=(const AppendFile&) = delete;
+  AppendFile(AppendFile&&) = delete;
+  AppendFile& operator=(AppendFile&&) = delete;
+
+  /// Hands all bytes to the operating system, where they outlive the process. Throws IoError with the cause.
+  void append(std::span<const std::byte> bytes);
+
+private:
+  std::string name_;
+  int descriptor_ = -1;
+};
+
+}  // namespace sonopose::files

@@ -1,0 +1,67 @@
+#pragma once
+/// \file
+/// Rows and cells of one CSV file, with errors that name the place. Private to this room.
+
+#include "files/line_reader.hpp"
+#include <sonopose/samples/samples.hpp>
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace sonopose::files {
+
+/// What a file may hold.
+struct CsvLayout {
+  std::span<const std::string_view> columns;  ///< names with units, as they stand in headers and errors
+  std::size_t least_columns = 0;              ///< the others may be absent
+  bool short_rows = false;                    ///< a row may end before the header does
+};
+
+class CsvReader {
+public:
+  /// Opens the file and reads its header line.
+  CsvReader(const std::filesystem::path& file, const CsvLayout& layout);
+
+  /// Steps to the next row that is not blank; false at the end.
+  bool next_row();
+
+  /// How many rows there are in the file if all are as long as the current one.
+  [[nodiscard]] std::size_t rows_like_this() const { return lines_.lines_like(row_); }
+
+  /// Cells of the current row. A cell beyond the row's end is empty.
+  [[nodiscard]] bool is_empty(std::size_t column) const { return cell(column).empty(); }
+  [[nodiscard]] TimeNs time_ns(std::size_t column) const;  ///< 1 … 2^62 − 1
+  [[nodiscard]] double number(std::size_t column) const;
+  [[nodiscard]] std::optional<double> optional_number(std::size_t column) const;
+  [[nodiscard]] Vector3d vector(std::size_t first_column) const;
+  /// A number that stands in the file in another unit; see units.hpp.
+  [[nodiscard]] double number_in(long double unit, std::size_t column) const;
+
+  /// True if the cells are all filled, false if they are all empty; anything between is an error.
+  [[nodiscard]] bool all_filled(std::size_t first_column, std::size_t count) const;
+
+  /// Throws IoError with file, line, column and its value.
+  [[noreturn]] void fail(std::size_t column, std::string_view what) const;
+
+private:
+  static constexpr std::size_t most_columns = 24;
+
+  [[noreturn]] void fail_line(std::string_view what) const;
+  [[nodiscard]] std::string_view cell(std::size_t column) const { return cells_[column]; }
+  void read_header();
+  /// Number of cells in the line; only the first ones are kept.
+  std::size_t split(std::string_view line);
+
+  std::string name_;
+  CsvLayout layout_;
+  LineReader lines_;
+  std::string_view row_;
+  std::size_t header_columns_ = 0;
+  std::array<std::string_view, most_columns> cells_{};
+};
+
+}  // namespace sonopose::files

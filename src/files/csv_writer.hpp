@@ -1,0 +1,58 @@
+#pragma once
+/// \file
+/// Writes one table of text: numbers that read back to the same bits, and errors that name the file.
+
+#include <sonopose/samples/samples.hpp>
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace sonopose::files {
+
+class AppendFile;
+
+/// Cells are collected in memory and leave it in whole lines. Every member throws IoError where the file
+/// cannot be written, as on a full disk.
+class CsvWriter {
+public:
+  enum class Existing { refuse, replace };
+
+  /// Opens the file; `separator` stands between cells.
+  CsvWriter(const std::filesystem::path& file, Existing existing, char separator = ',');
+  /// Writes what is left; an error then is lost, call flush() before to see it.
+  ~CsvWriter();
+  CsvWriter(const CsvWriter&) = delete;
+  CsvWriter& operator=(const CsvWriter&) = delete;
+  CsvWriter(CsvWriter&&) = delete;
+  CsvWriter& operator=(CsvWriter&&) = delete;
+
+  /// A line with `#` before the first name.
+  void header(std::span<const std::string_view> columns);
+
+  // Cells of a row, from left to right.
+  CsvWriter& integer(std::int64_t value);
+  CsvWriter& number(double value);  ///< with the fewest digits that read back to the same bits
+  CsvWriter& number_in(long double unit, double value);  ///< in another unit than in memory; see units.hpp
+  CsvWriter& known_number(double value);                 ///< empty where it is NaN
+  CsvWriter& vector(const Vector3d& value);              ///< three numbers
+  CsvWriter& seconds(TimeNs time_ns);                    ///< exact, with nine decimals
+  CsvWriter& text(std::string_view value);               ///< as it is
+  CsvWriter& empty();
+  void end_row();
+
+  /// Hands everything to the operating system.
+  void flush();
+
+private:
+  void begin_cell();
+
+  std::unique_ptr<AppendFile> file_;
+  std::string lines_;
+  char separator_;
+  bool in_row_ = false;
+};
+
+}  // namespace sonopose::files

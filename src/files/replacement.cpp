@@ -1,0 +1,31 @@
+#include "files/error.hpp"
+#include "files/replacement.hpp"
+
+#include <system_error>
+
+namespace sonopose::files {
+
+namespace fs = std::filesystem;
+
+Replacement::Replacement(const fs::path& file) : file_{file} {
+  std::error_code none_yet;
+  if (const fs::path target = fs::canonical(file, none_yet); !none_yet) file_ = target;
+  const bool is_special = fs::exists(file_, none_yet) && !fs::is_regular_file(file_, none_yet);
+  pending_ = !is_special;
+  part_ = is_special ? file : fs::path(file_.native() + ".part");
+}
+
+Replacement::~Replacement() {
+  std::error_code ignored;
+  if (pending_) fs::remove(part_, ignored);
+}
+
+void Replacement::commit() {
+  if (!pending_) return;
+  std::error_code error;
+  fs::rename(part_, file_, error);
+  if (error) throw IoError(file_.string() + ": cannot be replaced: " + error.message());
+  pending_ = false;
+}
+
+}  // namespace sonopose::files

@@ -1,0 +1,161 @@
+#include "fusion/beacon_estimators.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace sonopose::fusion {
+
+BeaconEstimators::BeaconEstimators(const config::FusionConfig& config, bool lossless)
+    : lossless_(lossless), others_(config.beacon(all_beacons)) {
+  for (const BeaconAddress address : config.beacons()) timelines_.emplace(address, config.beacon(address));
+}
+
+BeaconEstimators::Beacon::Beacon(SettingsTimeline& settings, bool lossless)
+    : timeline(settings), engine(settings.settings()) {
+  if (lossless) order.emplace<collation::LosslessCollator>();
+}
+
+const collation::CollatorCounters& BeaconEstimators::Beacon::order_counters() const {
+  return std::visit(
+      [](const auto& collator) -> const auto& { return collator.counters(); }, order);
+}
+
+BeaconEstimators::Beacon& BeaconEstimators::beacon_of(BeaconAddress address) {
+  auto& beacon = beacons_[address];
+  if (!beacon) beacon = std::make_unique<Beacon>(timeline_of(address), lossless_);
+  return *beacon;
+}
+
+SettingsTimeline& BeaconEstimators::timeline_of(BeaconAddress address) {
+  return timelines_.try_emplace(address, others_).first->second;
+}
+
+bool BeaconEstimators::Beacon::starts_over(const Event& event) {
+  const std::uint64_t restarts = order_counters().restarts;
+  if (restarts == restarts_seen) return false;
+  restarts_seen = restarts;
+  return available_at_ns(event) < engine.state().body.time_ns;
+}
+
+void BeaconEstimators::reset(BeaconAddress address) {
+  for (auto& [known, beacon] : beacons_) {
+    if (known == address || address == all_beacons) beacon->engine.reset();
+  }
+}
+
+SettingsReply BeaconEstimators::change_settings(const SettingsRequest& request) {
+  constexpr std::size_t remembered = 64;  // as many as can be under way
+  const auto is_repeated = [&request](const SettingsReply& reply) {
+    return request.request_id != 0 && reply.request_id == request.request_id &&
+           reply.address == request.address;
+  };
+  const auto found = std::find_if(replies_.begin(), replies_.end(), is_repeated);
+  if (found != replies_.end()) return *found;
+
+  SettingsReply reply{.address = request.address, .request_id = request.request_id, .reason = {}};
+  try {
+    carry_out(request, reply);
+    reply.accepted = true;
+  } catch (const settings::SettingError& error) {
+    reply.reason = error.what();
+    reply.from_sequence = 0;
+  }
+  if (replies_.size() == remembered) replies_.pop_front();
+  replies_.push_back(reply);
+  return reply;
+}
+
+/// Throws SettingError before anything is changed.
+void BeaconEstimators::carry_out(const SettingsRequest& request, SettingsReply& reply) {
+  if (request.assignments.empty()) throw settings::SettingError("the request names no setting");
+  const config::Assignments assignments = config::parsed(request.assignments);
+  const std::uint64_t from = request.from_sequence;
+  reply.from_sequence = from;
+  settings::Settings after;
+  if (request.address == all_beacons) {
+    for (const auto& [address, timeline] : timelines_) check_room(timeline, address, from);
+    for (auto& [address, timeline] : timelines_) {
+      timeline.add(ahead(address, from), SettingsTimeline::Scope::for_all, assignments);
+    }
+    others_.add(from, SettingsTimeline::Scope::for_all, assignments);
+    after = others_.settings_at(from);
+    reply.details = first_events(from);
+  } else {
+    SettingsTimeline& timeline = timeline_of(request.address);
+    check_room(timeline, request.address, from);
+    timeline.add(ahead(request.address, from), SettingsTimeline::Scope::own, assignments);
+    after = timeline.settings_at(from);
+    if (const auto last = last_sequence(request.address)) reply.from_sequence = std::max(from, *last + 1);
+  }
+  reply.reason = fmt::format("{}", fmt::join(config::warnings_for(after, assignments), "; "));
+}
+
+SettingsInForce BeaconEstimators::settings_for_all() const {
+  constexpr auto end = std::numeric_limits<std::uint64_t>::max();
+  return {all_beacons, others_.last_from_sequence(), settings::resolved(others_.settings_at(end))};
+}
+
+std::optional<std::uint64_t> BeaconEstimators::last_sequence(BeaconAddress address) const {
+  const auto found = beacons_.find(address);
+  return found == beacons_.end() ? std::nullopt : found->second->last_sequence;
+}
+
+std::string BeaconEstimators::first_events(std::uint64_t from_sequence) const {
+  std::vector<std::string> texts;
+  for (const auto& entry : timelines_) {  // in the order of the addresses
+    const auto last = last_sequence(entry.first);
+    if (last) texts.push_back(fmt::format("{}: event {}", entry.first, std::max(from_sequence, *last + 1)));
+  }
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+std::uint64_t BeaconEstimators::ahead(BeaconAddress address, std::uint64_t sequence) const {
+  const auto last = last_sequence(address);
+  return last && sequence <= *last ? 0 : sequence;
+}
+
+void BeaconEstimators::check_room(const SettingsTimeline& timeline, BeaconAddress address,
+                               std::uint64_t from_sequence) const {
+  if (timeline.has_room_for(ahead(address, from_sequence))) return;
+  throw settings::SettingError(fmt::format("beacon {}: {} changes wait for their events already", address,
+                                         SettingsTimeline::capacity));
+}
+
+std::optional<FusionStatus> BeaconEstimators::status(BeaconAddress address) const {
+  const auto found = beacons_.find(address);
+  if (found == beacons_.end()) return std::nullopt;
+  const Beacon& beacon = *found->second;
+  const estimation::documented::Counters& counted = beacon.engine.counters();
+  const collation::CollatorCounters& order = beacon.order_counters();
+  FusionStatus status;
+  status.address = address;
+  status.imu_samples = counted.imu_samples;
+  status.fixes_used = counted.fixes_used;
+  status.fixes_rejected = counted.fixes_rejected;
+  status.headings = counted.headings;
+  status.events_lost = order.lost;
+  status.events_duplicated = order.duplicated;
+  status.samples_invalid = counted.samples_invalid;
+  status.imu_gaps = counted.imu_gaps;
+  status.reset_counter = beacon.engine.reset_counter();
+  return status;
+}
+
+std::optional<collation::LosslessCollator::Gap> BeaconEstimators::gap(BeaconAddress address) const {
+  const auto found = beacons_.find(address);
+  if (found == beacons_.end()) return std::nullopt;
+  const auto* order = std::get_if<collation::LosslessCollator>(&found->second->order);
+  return order == nullptr ? std::nullopt : order->gap();
+}
+
+std::vector<BeaconAddress> BeaconEstimators::addresses() const {
+  std::vector<BeaconAddress> addresses;
+  addresses.reserve(beacons_.size());
+  for (const auto& entry : beacons_) addresses.push_back(entry.first);
+  return addresses;
+}
+
+}  // namespace sonopose::fusion

@@ -1,0 +1,104 @@
+#include "fusion/fusion_node_impl.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <string>
+
+namespace sonopose::fusion {
+
+void FusionNode::Impl::watch() {
+  const TimeNs steady_ns = process::steady_now_ns();
+  output_.watch(steady_ns, working_);
+  silence_changes_.clear();
+  {
+    const std::lock_guard lock(engines_mutex_);
+    imu_silences_.find_changes(steady_ns, silence_changes_);
+  }
+  for (const auto& change : silence_changes_) publish_status(change.address);
+}
+
+void FusionNode::Impl::hand_over() {
+  output_.hand_over();
+  if (!output_.is_standby()) return;
+  constexpr TimeNs longest_ns = 1'000'000'000;  // of a profile with a long lease, or without one
+  const TimeNs until_ns = process::steady_now_ns() + std::min(output_.lease_ns(), longest_ns);
+  for (TimeNs now = process::steady_now_ns(); now < until_ns; now = process::steady_now_ns()) {
+    watch();
+    std::this_thread::sleep_for(std::chrono::nanoseconds(std::min(watch_by_ns(), until_ns) - now));
+  }
+}
+
+void FusionNode::Impl::publish_statuses() {
+  std::vector<BeaconAddress> addresses;
+  {
+    const std::lock_guard lock(engines_mutex_);
+    addresses = engines_.addresses();
+  }
+  for (const BeaconAddress address : addresses) publish_status(address);
+  if (lossless_) log_gaps();
+  log_unwritten();
+  log_incompatible();
+}
+
+void FusionNode::Impl::publish_status(BeaconAddress address) {
+  std::optional<FusionStatus> status;
+  InputCounters inputs;
+  {
+    const std::lock_guard lock(engines_mutex_);
+    status = engines_.status(address);
+    if (!status) return;
+    status->imu_silent = imu_silences_.is_silent(address);
+    inputs = inputs_.counters(address);
+  }
+  status->fusion_id = id_;
+  status->time_ns = process::now_ns();
+  status->role = output_.role(address);
+  status->strength = output_.strength();
+  status->imu_deadlines_missed = inputs.imu_deadlines_missed;
+  status->fix_deadlines_missed = inputs.fix_deadlines_missed;
+  status->heading_deadlines_missed = inputs.heading_deadlines_missed;
+  status->bridge_losses = inputs.bridge_losses;
+  status->pose_deadlines_missed = ends_.offered_deadlines_missed;
+  status->liveliness_lost = ends_.liveliness_lost;
+  status->samples_lost = ends_.samples_lost;
+  status->samples_rejected = ends_.samples_rejected;
+  status->incompatible_qos = ends_.incompatible_qos;
+  status->poses_unwritten = unwritten_ + output_.unwritten();
+  if (status_writer_.try_write(dds::to_idl(*status)) < 0) ++unwritten_;
+}
+
+void FusionNode::Impl::log_unwritten() {
+  const std::uint64_t unwritten = unwritten_ + output_.unwritten();
+  if (unwritten == unwritten_reported_) return;
+  fmt::print(stderr, "sonopose-fusion: {} poses or reports could not be written: a consumer is too slow\n",
+             unwritten - unwritten_reported_);
+  unwritten_reported_ = unwritten;
+}
+
+void FusionNode::Impl::log_incompatible() {
+  const std::uint64_t incompatible = ends_.incompatible_qos;
+  if (incompatible == incompatible_reported_) return;
+  fmt::print(stderr,
+             "sonopose-fusion: {} readers or writers ask for QoS that does not go with its own; "
+             "sonopose-doctor tells which\n",
+             incompatible - incompatible_reported_);
+  incompatible_reported_ = incompatible;
+}
+
+void FusionNode::Impl::log_gaps() {
+  if (waited_for_consumer_.exchange(false)) gaps_.start_over();
+  std::vector<std::string> texts;
+  {
+    const std::lock_guard lock(engines_mutex_);
+    for (const BeaconAddress address : engines_.addresses()) {
+      if (auto text = gaps_.on(address, engines_.gap(address), process::steady_now_ns()))
+        texts.push_back(*std::move(text));
+    }
+  }
+  for (const std::string& text : texts) fmt::print(stderr, "sonopose-fusion: {}\n", text);
+}
+
+}  // namespace sonopose::fusion

@@ -1,0 +1,24 @@
+#include "fusion/gap_detector.hpp"
+
+#include <fmt/format.h>
+
+namespace sonopose::fusion {
+
+std::optional<std::string> GapDetector::on(BeaconAddress address,
+                                        const std::optional<collation::LosslessCollator::Gap>& gap,
+                                        TimeNs now_ns) {
+  if (!gap) {
+    waits_.erase(address);
+    return std::nullopt;
+  }
+  const auto [found, first] = waits_.try_emplace(address, Wait{gap->missing, now_ns, false});
+  Wait& wait = found->second;
+  if (wait.missing != gap->missing) wait = {gap->missing, now_ns, false};
+  if (first || wait.told || now_ns - wait.since_ns < timeout_ns) return std::nullopt;
+  wait.told = true;
+  return fmt::format(
+      "beacon {}: waiting for event {}, {} events held; --lossless is for a bridge with --rate 0", address,
+      gap->missing, gap->held);
+}
+
+}  // namespace sonopose::fusion

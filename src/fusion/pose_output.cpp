@@ -1,0 +1,152 @@
+#include <sonopose/dds/topics/conversions.hpp>
+#include "process/host_clock.hpp"
+#include "process/realtime.hpp"
+#include "fusion/pose_output.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <pthread.h>
+#include <utility>
+
+namespace sonopose::fusion {
+namespace {
+
+using dds::policy::Liveliness;
+using dds::policy::LivelinessKind;
+using dds::policy::OwnershipStrength;
+
+std::optional<Standby> standby_of(const std::optional<StandbyOptions>& options, TimeNs stall_ns) {
+  return options ? std::optional<Standby>(std::in_place, *options, stall_ns) : std::nullopt;
+}
+
+sonopose_FusedPose key_of(BeaconAddress address) {
+  sonopose_FusedPose key{};
+  key.address = address;
+  return key;
+}
+
+}  // namespace
+
+PoseOutput::PoseOutput(const dds::DomainParticipant& participant, const dds::QosProvider& qos,
+                       dds::Delivery delivery, const std::optional<StandbyOptions>& standby,
+                       TimeNs input_deadline_ns, process::EndpointCounters& counters)
+    : standby_(standby_of(standby, input_deadline_ns)), predictor_(input_deadline_ns), listener_(counters) {
+  const auto make = [&](const dds::Qos& changes) {
+    return dds::make_writer(participant, qos, dds::topics::pose, &listener_, delivery, changes);
+  };
+  if (standby) {
+    writer_ = make(dds::Qos() << OwnershipStrength{standby->strength});
+    warming_writer_ = make(dds::Qos() << OwnershipStrength{0});
+  } else {
+    writer_ = make({});
+  }
+  const dds::Qos in_force = writer_.qos();
+  strength_ = in_force.policy<OwnershipStrength>().value_or(OwnershipStrength{}).value;
+  const auto liveliness = in_force.policy<Liveliness>().value_or(Liveliness{});
+  is_manual_ = liveliness.kind == LivelinessKind::manual_by_topic;
+  lease_ns_ = liveliness.lease_duration.count();
+  if (delivery == dds::Delivery::lossless) return;  // a log's time is not the clock's
+  predicting_thread_ = std::jthread([this](const std::stop_token& stop) { serve_predictions(stop); });
+  ::pthread_setname_np(predicting_thread_.native_handle(), process::predicting_thread_name);
+}
+
+PoseOutput::~PoseOutput() = default;
+
+void PoseOutput::set_period(BeaconAddress address, TimeNs period_ns) noexcept {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!predictor_.set_period(address, period_ns)) return;
+    periods_changed_ = true;
+  }
+  wake_.notify_one();
+}
+
+dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(const FusedPose& pose,
+                                                            TimeNs steady_ns) noexcept {
+  Standby::Step step{FusionRole::sole, false};
+  {
+    const std::lock_guard lock(mutex_);
+    predictor_.on_pose(pose, steady_ns);
+    if (standby_) {
+      const TimeNs age_ns = pose.fusion_in_time_ns - pose.imu_bridge_time_ns;
+      step = standby_->on_pose(pose.address, pose.status, age_ns, steady_ns);
+    }
+  }
+  if (step.give_up) take_back(pose.address);
+  return writer_of(step.role);
+}
+
+dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_of(FusionRole role) noexcept {
+  return role == FusionRole::sole || role == FusionRole::serving ? writer_ : warming_writer_;
+}
+
+void PoseOutput::take_back(BeaconAddress address) noexcept {
+  writer_.try_unregister_instance(key_of(address));
+}
+
+void PoseOutput::watch(TimeNs steady_ns, bool busy) noexcept {
+  if (is_manual_ && !busy) {
+    writer_.try_assert_liveliness();
+    if (standby_) warming_writer_.try_assert_liveliness();
+  }
+  if (!standby_) return;
+  stalled_.clear();
+  {
+    const std::lock_guard lock(mutex_);
+    standby_->find_stalled(steady_ns, stalled_);
+  }
+  for (const BeaconAddress address : stalled_) take_back(address);
+}
+
+TimeNs PoseOutput::watch_by_ns(TimeNs steady_ns) const noexcept {
+  constexpr TimeNs longest_ns = 20'000'000;
+  const TimeNs tick_ns = is_manual_ ? std::min(longest_ns, lease_ns_ / 5) : longest_ns;
+  if (!standby_) return steady_ns + tick_ns;
+  const std::lock_guard lock(mutex_);
+  return std::min(steady_ns + tick_ns, std::max(standby_->next_stall_ns(), steady_ns + 1'000'000));
+}
+
+void PoseOutput::hand_over() noexcept {
+  predicting_thread_ = {};
+  const std::lock_guard lock(mutex_);
+  if (standby_) standby_->step_down();
+}
+
+void PoseOutput::unregister(BeaconAddress address) noexcept {
+  writer_.try_unregister_instance(key_of(address));
+  if (standby_) warming_writer_.try_unregister_instance(key_of(address));
+}
+
+FusionRole PoseOutput::role(BeaconAddress address) const noexcept {
+  const std::lock_guard lock(mutex_);
+  return standby_ ? standby_->role(address) : FusionRole::sole;
+}
+
+void PoseOutput::serve_predictions(const std::stop_token& stop) {
+  std::vector<FusedPose> due;
+  while (!stop.stop_requested()) {
+    constexpr TimeNs look_again_ns = 100'000'000;  // where nothing is asked for, or no sample has come since
+    const TimeNs wake_ns = write_predictions(due).value_or(process::steady_now_ns() + look_again_ns);
+    std::unique_lock lock(mutex_);
+    wake_.wait_until(lock, stop, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(wake_ns)),
+                     [this] { return std::exchange(periods_changed_, false); });
+  }
+}
+
+std::optional<TimeNs> PoseOutput::write_predictions(std::vector<FusedPose>& due) {
+  due.clear();
+  std::optional<TimeNs> next_ns;
+  {
+    const std::lock_guard lock(mutex_);
+    next_ns = predictor_.predict(process::steady_now_ns(), [&](const FusedPose& pose) { due.push_back(pose); });
+  }
+  for (FusedPose& pose : due) {
+    const FusionRole as = role(pose.address);
+    if (as == FusionRole::stalled) continue;
+    pose.fusion_out_time_ns = process::now_ns();
+    if (writer_of(as).try_write(dds::to_idl(pose)) < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
+  }
+  return next_ns;
+}
+
+}  // namespace sonopose::fusion

@@ -1,0 +1,90 @@
+#pragma once
+/// \file
+/// Bytes → packets, for the byte stream of a serial line and for UDP datagrams.
+
+#include "marvelmind/packet.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace sonopose::marvelmind {
+
+/// What a decoder has seen since its construction.
+struct DecoderCounters {
+  std::uint64_t frames = 0;          ///< good ones, made into packets
+  std::uint64_t crc_errors = 0;      ///< frames (or what looked like the start of one) with a wrong check sum
+  std::uint64_t bytes_lost = 0;      ///< skipped while looking for a frame
+  std::uint64_t unknown_frames = 0;  ///< good check sum, but a kind that is not known
+  std::uint64_t malformed_frames = 0;  ///< good check sum, but too short for its kind
+  std::uint64_t nmea_datagrams = 0;    ///< `$GP…`, ignored (UDP alone)
+
+  bool operator==(const DecoderCounters&) const = default;
+};
+
+/// Finds the frames in a byte stream that comes in pieces of any size. Nothing is allocated. After garbage it
+/// goes on at the next byte that can start a frame, also inside what a false start has swallowed, so that no
+/// good frame is lost to bad bytes before it. A payload that is longer than its kind needs is accepted.
+class Decoder {
+public:
+  /// Calls `on_packet(const Packet&)` for every packet that `bytes` completes, in order. The packet lives
+  /// until the callback returns.
+  template <typename OnPacket>
+  void feed(std::span<const std::uint8_t> bytes, OnPacket&& on_packet) {
+    while (!bytes.empty()) {
+      bytes = bytes.subspan(fill(bytes));
+      while (const Packet* packet = next_packet()) on_packet(*packet);
+    }
+  }
+
+  /// The stream has ended: gives up waiting for what an unfinished frame lacks, and decodes what stands
+  /// behind its false start. What is left is counted as lost.
+  template <typename OnPacket>
+  void finish(OnPacket&& on_packet) {
+    while (lose_first_byte()) {
+      while (const Packet* packet = next_packet()) on_packet(*packet);
+    }
+  }
+
+  const DecoderCounters& counters() const { return counters_; }
+
+private:
+  std::size_t fill(std::span<const std::uint8_t> bytes);
+  const Packet* next_packet();
+  bool lose_first_byte();
+  std::span<const std::uint8_t> pending() const { return std::span(buffer_).subspan(begin_, end_ - begin_); }
+  void lose(std::size_t count);
+
+  static constexpr std::size_t buffer_size = 4096;
+  static_assert(buffer_size > 2 * max_frame_size);
+
+  std::array<std::uint8_t, buffer_size> buffer_{};
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  Packet packet_;
+  DecoderCounters counters_;
+};
+
+/// Decodes UDP datagrams, one frame each. Byte 0 is the beacon's address instead of the frame start (0xFF
+/// where the packet names its beacon itself) and goes into the packet's empty address slot; no CRC is
+/// promised, so what stands behind the payload is ignored; bit 13 of a position's angle word is reserved and
+/// cleared.
+class DatagramDecoder {
+public:
+  template <typename OnPacket>
+  void feed(std::span<const std::uint8_t> datagram, OnPacket&& on_packet) {
+    if (const Packet* packet = decode(datagram)) on_packet(*packet);
+  }
+
+  /// The packet of one datagram, valid until the next call; null where there is none (see the counters).
+  const Packet* decode(std::span<const std::uint8_t> datagram);
+
+  const DecoderCounters& counters() const { return counters_; }
+
+private:
+  Packet packet_;
+  DecoderCounters counters_;
+};
+
+}  // namespace sonopose::marvelmind

@@ -1,0 +1,130 @@
+#include <sonopose/geometry/rotation.hpp>
+#include "monitor/monitor_report.hpp"
+#include "observation/status_words.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <string>
+
+namespace sonopose::monitor {
+namespace {
+
+nlohmann::json vector_json(const Vector3d& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
+
+nlohmann::json optional_json(const std::optional<double>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
+nlohmann::json legs_json(const observation::BeaconView& view) {
+  nlohmann::json json;
+  for (std::size_t leg = 0; leg < observation::latency_segment_names.size(); ++leg) {
+    json[std::string(observation::latency_segment_names[leg])] = {{"p50_s", view.segments[leg].p50_s}, {"p99_s", view.segments[leg].p99_s}};
+  }
+  return json;
+}
+
+nlohmann::json trace_json(const observation::PoseTrace& trace) {
+  return {{"event_sequence", trace.sequence},
+          {"latency_s", trace.latency_s()},
+          {"sensor_time_ns", trace.sensor_ns},
+          {"bridge_time_ns", trace.bridge_ns},
+          {"fusion_in_time_ns", trace.fusion_in_ns},
+          {"fusion_out_time_ns", trace.fusion_out_ns},
+          {"here_time_ns", trace.here_ns}};
+}
+
+nlohmann::json bridge_json(const BeaconStatus& bridge) {
+  return {{"imu_rate_hz", bridge.imu_rate_hz},
+          {"fix_rate_hz", bridge.fix_rate_hz},
+          {"heading_rate_hz", bridge.heading_rate_hz},
+          {"battery_v", optional_json(bridge.battery_v)},
+          {"rssi_dbm", optional_json(bridge.rssi_dbm)},
+          {"clock_offset_s", bridge.clock_offset_s},
+          {"clock_jitter_s", bridge.clock_jitter_s},
+          {"frames", bridge.frames},
+          {"crc_errors", bridge.crc_errors},
+          {"bytes_lost", bridge.bytes_lost},
+          {"fixes_unavailable", bridge.fixes_unavailable},
+          {"other_bridges", bridge.other_bridges},
+          {"imu_deadlines_missed", bridge.imu_deadlines_missed},
+          {"fix_deadlines_missed", bridge.fix_deadlines_missed},
+          {"heading_deadlines_missed", bridge.heading_deadlines_missed},
+          {"liveliness_lost", bridge.liveliness_lost},
+          {"readers_incompatible", bridge.readers_incompatible},
+          {"samples_unwritten", bridge.samples_unwritten}};
+}
+
+nlohmann::json fusion_json(const FusionStatus& fusion) {
+  constexpr std::array<const char*, 4> roles{"sole", "warming", "serving", "stalled"};
+  return {{"fusion_id", fusion.fusion_id},
+          {"role", roles[static_cast<std::size_t>(fusion.role)]},
+          {"strength", fusion.strength},
+          {"imu_silent", fusion.imu_silent},
+          {"imu_samples", fusion.imu_samples},
+          {"fixes_used", fusion.fixes_used},
+          {"fixes_rejected", fusion.fixes_rejected},
+          {"headings", fusion.headings},
+          {"events_lost", fusion.events_lost},
+          {"events_duplicated", fusion.events_duplicated},
+          {"samples_invalid", fusion.samples_invalid},
+          {"imu_gaps", fusion.imu_gaps},
+          {"imu_deadlines_missed", fusion.imu_deadlines_missed},
+          {"fix_deadlines_missed", fusion.fix_deadlines_missed},
+          {"heading_deadlines_missed", fusion.heading_deadlines_missed},
+          {"bridge_losses", fusion.bridge_losses},
+          {"pose_deadlines_missed", fusion.pose_deadlines_missed},
+          {"liveliness_lost", fusion.liveliness_lost},
+          {"samples_lost", fusion.samples_lost},
+          {"samples_rejected", fusion.samples_rejected},
+          {"incompatible_qos", fusion.incompatible_qos},
+          {"poses_unwritten", fusion.poses_unwritten}};
+}
+
+nlohmann::json beacon_json(const observation::BeaconView& view) {
+  const FusedPose& pose = view.pose;
+  nlohmann::json json{{"address", view.address},
+                      {"poses", view.poses},
+                      {"pose_rate_hz", view.pose_rate_hz},
+                      {"latency_p50_s", view.latency.p50_s},
+                      {"latency_p99_s", view.latency.p99_s},
+                      {"position_m", vector_json(pose.position_world_m)},
+                      {"orientation_wxyz",
+                       {pose.q_body_to_world.w(), pose.q_body_to_world.x(), pose.q_body_to_world.y(),
+                        pose.q_body_to_world.z()}},
+                      {"heading_deg", geometry::yaw_of(pose.q_body_to_world) / geometry::radians_per_degree},
+                      {"velocity_mps", vector_json(pose.velocity_world_mps)},
+                      {"speed_mps", pose.velocity_world_mps.norm()},
+                      {"position_std_m", vector_json(pose.position_std_m)},
+                      {"since_valid_fix_s", pose.since_valid_fix_s},
+                      {"trust", pose.trust},
+                      {"status", pose.status},
+                      {"status_words", observation::status_words(pose.status)},
+                      {"reset_counter", pose.reset_counter},
+                      {"pose_time_ns", pose.time_ns},
+                      {"pose_deadlines_missed", view.deadlines_missed},
+                      {"pose_losses", view.losses},
+                      {"lost", view.lost},
+                      {"predicted", view.predicted},
+                      {"segments", legs_json(view)},
+                      {"worst", view.worst ? trace_json(*view.worst) : nlohmann::json()},
+                      {"position_error_rms_m", optional_json(view.position_error_rms_m)},
+                      {"position_error_max_m", optional_json(view.position_error_max_m)}};
+  if (view.bridge) json["bridge"] = bridge_json(*view.bridge);
+  if (view.fusion) json["fusion"] = fusion_json(*view.fusion);
+  json["fusions"] = nlohmann::json::array();
+  for (const FusionStatus& fusion : view.fusions) json["fusions"].push_back(fusion_json(fusion));
+  return json;
+}
+
+}  // namespace
+
+std::string json_of(const std::vector<observation::BeaconView>& views, TimeNs now_ns) {
+  nlohmann::json json{{"time_ns", now_ns}, {"beacons", nlohmann::json::array()}};
+  for (const observation::BeaconView& view : views) json["beacons"].push_back(beacon_json(view));
+  return json.dump();
+}
+
+}  // namespace sonopose::monitor

@@ -1,0 +1,173 @@
+#include <sonopose/geometry/rotation.hpp>
+#include "monitor/monitor_report.hpp"
+#include "observation/status_words.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <array>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace sonopose::monitor {
+namespace {
+
+
+double heading_deg(const FusedPose& pose) {
+  return geometry::yaw_of(pose.q_body_to_world) / geometry::radians_per_degree;
+}
+
+/// Milliseconds to two places, or a dash where not known.
+std::string ms(double seconds) {
+  return seconds == seconds ? fmt::format("{:.2f}", seconds * 1e3) : "-";
+}
+
+/// "0.03/0.12", of milliseconds.
+std::string ms_pair(const observation::Percentiles& percentiles) {
+  return ms(percentiles.p50_s) + "/" + ms(percentiles.p99_s);
+}
+
+std::string worst_words(const observation::PoseTrace& worst) {
+  const auto legs_s = worst.legs_s();
+  return fmt::format("{} = {} + {} + {} (event {})", ms(worst.latency_s()), ms(legs_s[1]), ms(legs_s[2]),
+                     ms(legs_s[3]), worst.sequence);
+}
+
+std::string_view role_word(FusionRole role) {
+  constexpr std::array<std::string_view, 4> words{"alone", "warming up", "serving", "stalled"};
+  return words[static_cast<std::size_t>(role)];
+}
+
+/// What consumers get of a beacon, in a word or two.
+std::string stream_words(const observation::BeaconView& view) {
+  if (view.lost) return "lost";
+  if (view.poses + view.predicted == 0) return "silent";
+  if (view.fusion && view.fusion->imu_silent) return "IMU silent, " + observation::status_words(view.pose.status);
+  return observation::status_words(view.pose.status);
+}
+
+using Counted = std::pair<std::uint64_t, std::string_view>;
+
+/// "3 IMU deadlines missed, 1 bridge lost"; empty where all counts are 0.
+std::string counted_words(const std::vector<Counted>& counts) {
+  std::vector<std::string> words;
+  for (const auto& [count, what] : counts) {
+    if (count > 0) words.push_back(fmt::format("{} {}", count, what));
+  }
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+std::string bridge_troubles(const BeaconStatus& bridge) {
+  return counted_words({{bridge.imu_deadlines_missed, "IMU deadlines missed"},
+                        {bridge.fix_deadlines_missed, "fix deadlines missed"},
+                        {bridge.heading_deadlines_missed, "heading deadlines missed"},
+                        {bridge.liveliness_lost, "leases lost"},
+                        {bridge.readers_incompatible, "readers incompatible"},
+                        {bridge.samples_unwritten, "samples not written"},
+                        {bridge.other_bridges, "other bridges"}});
+}
+
+std::string fusion_troubles(const FusionStatus& fusion) {
+  return counted_words({{fusion.imu_deadlines_missed, "IMU deadlines missed"},
+                        {fusion.fix_deadlines_missed, "fix deadlines missed"},
+                        {fusion.heading_deadlines_missed, "heading deadlines missed"},
+                        {fusion.bridge_losses, "times the bridge lost"},
+                        {fusion.events_lost, "events lost"},
+                        {fusion.imu_gaps, "IMU gaps"},
+                        {fusion.pose_deadlines_missed, "pose deadlines missed"},
+                        {fusion.liveliness_lost, "leases lost"},
+                        {fusion.samples_lost, "samples lost"},
+                        {fusion.samples_rejected, "samples rejected"},
+                        {fusion.incompatible_qos, "ends incompatible"},
+                        {fusion.poses_unwritten, "poses not written"}});
+}
+
+/// "3 pose deadlines missed …" of one beacon, a line for each process that has something to tell.
+std::string troubles_of(const observation::BeaconView& view) {
+  std::string text;
+  const auto tell = [&](std::string_view who, const std::string& words) {
+    if (!words.empty()) text += fmt::format("{:>6}  {}: {}\n", view.address, who, words);
+  };
+  if (view.bridge) tell("bridge", bridge_troubles(*view.bridge));
+  for (const FusionStatus& fusion : view.fusions) {
+    const std::string who = view.fusions.size() > 1 ? fmt::format("fusion of strength {} ({})",
+                                                                  fusion.strength, role_word(fusion.role))
+                                                    : "fusion";
+    tell(who, fusion_troubles(fusion));
+  }
+  tell("here", counted_words({{view.deadlines_missed, "pose deadlines missed"},
+                              {view.losses, "times the poses lost"}}));
+  return text;
+}
+
+std::string legs_table_of(const std::vector<observation::BeaconView>& views) {
+  std::string text =
+      "beacon  sensor > bridge   > fusion     fusing      > here   p50/p99 ms   worst: bridge to here ms\n";
+  for (const observation::BeaconView& view : views) {
+    if (!view.worst) continue;
+    text += fmt::format("{:>6}  {:>15}  {:>11}  {:>9}  {:>11}                {}\n", view.address,
+                        ms_pair(view.segments[0]), ms_pair(view.segments[1]), ms_pair(view.segments[2]),
+                        ms_pair(view.segments[3]), worst_words(*view.worst));
+  }
+  return text;
+}
+
+std::uint64_t lost_events(const observation::BeaconView& view) {
+  return view.fusion ? view.fusion->events_lost : 0;
+}
+
+}  // namespace
+
+std::string table_of(const std::vector<observation::BeaconView>& views) {
+  std::string text =
+      "beacon  pose/IMU/fix Hz      x       y       z m   heading  m/s    latency p50/p99 ms  lost  status\n";
+  for (const observation::BeaconView& view : views) {
+    const FusedPose& pose = view.pose;
+    text += fmt::format(
+        "{:>6}  {:>5.1f}/{:>5.1f}/{:>4.1f}  {:>7.3f} {:>7.3f} {:>7.3f}  {:>6.1f}°  {:>5.2f}  {:>8}/{:>8}  "
+        "{:>6}  {}\n",
+        view.address, view.pose_rate_hz, view.bridge ? view.bridge->imu_rate_hz : 0.0,
+        view.bridge ? view.bridge->fix_rate_hz : 0.0, pose.position_world_m.x(), pose.position_world_m.y(),
+        pose.position_world_m.z(), heading_deg(pose), pose.velocity_world_mps.norm(), ms(view.latency.p50_s),
+        ms(view.latency.p99_s), lost_events(view), stream_words(view));
+  }
+  text += legs_table_of(views);
+  for (const observation::BeaconView& view : views) text += troubles_of(view);
+  return text;
+}
+
+std::string summary_of(const std::vector<observation::BeaconView>& views) {
+  if (views.empty()) return "no pose was seen\n";
+  std::string text;
+  for (const observation::BeaconView& view : views) {
+    text += fmt::format("beacon {} over {:.1f} s\n", view.address, view.window_s);
+    text += fmt::format("  poses            {} ({:.1f} Hz)\n", view.poses, view.pose_rate_hz);
+    if (view.bridge) {
+      text += fmt::format("  IMU, fix rate    {:.1f} Hz, {:.1f} Hz\n", view.bridge->imu_rate_hz,
+                          view.bridge->fix_rate_hz);
+    }
+    text += fmt::format("  latency          p50 {} ms, p99 {} ms (bridge to here)\n", ms(view.latency.p50_s),
+                        ms(view.latency.p99_s));
+    if (view.worst) {
+      text += fmt::format("  its segments         {} to the fusion, {} in it, {} to here (p50/p99 ms)\n",
+                          ms_pair(view.segments[1]), ms_pair(view.segments[2]), ms_pair(view.segments[3]));
+      text += fmt::format("  the slowest      {} ms\n", worst_words(*view.worst));
+    }
+    if (view.position_error_rms_m) {
+      text +=
+          fmt::format("  position error   {:.1f} cm RMS, {:.1f} cm at most (against the simulator's truth)\n",
+                      *view.position_error_rms_m * 1e2, *view.position_error_max_m * 1e2);
+    }
+    if (view.fusion) {
+      text += fmt::format("  fixes            {} used, {} rejected\n", view.fusion->fixes_used,
+                          view.fusion->fixes_rejected);
+    }
+    text += fmt::format("  lost             {} events, {} pose deadlines missed\n", lost_events(view),
+                        view.deadlines_missed);
+    text += troubles_of(view);
+  }
+  return text;
+}
+
+}  // namespace sonopose::monitor

@@ -1,0 +1,37 @@
+#include "observation/status_words.hpp"
+
+#include <sonopose/samples/pose.hpp>
+
+#include <array>
+#include <string_view>
+#include <utility>
+
+namespace sonopose::observation {
+namespace {
+
+constexpr std::array<std::pair<PoseStatus, std::string_view>, 10> status_names{{
+    {status_initialising, "initialising"},
+    {status_uncalibrated, "uncalibrated"},
+    {status_stale, "stale"},
+    {status_converging, "converging"},
+    {status_heading_unknown, "heading unknown"},
+    {status_frozen_track, "frozen track"},
+    {status_predicted, "predicted"},
+    {status_imu_gap, "IMU gap"},
+    {status_low_trust, "low trust"},
+    {status_rotating_fast, "rotating fast"},
+}};
+
+}  // namespace
+
+std::string status_words(std::uint32_t status) {
+  std::string words;
+  for (const auto& [bit, name] : status_names) {
+    if ((status & bit) == 0U) continue;
+    if (!words.empty()) words += ", ";
+    words += name;
+  }
+  return words.empty() ? "ok" : words;
+}
+
+}  // namespace sonopose::observation

@@ -1,0 +1,44 @@
+#pragma once
+/// \file
+/// Which beacons a process is for.
+
+#include <sonopose/samples/samples.hpp>
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace sonopose::process {
+
+/// Ranges of beacon addresses. A value.
+class AddressSet {
+public:
+  /// Every beacon.
+  AddressSet() = default;
+
+  /// "7", "7-131", "7-131,200": numbers of 0…65534, ranges from low to high. Throws std::invalid_argument,
+  /// naming the part that is none.
+  static AddressSet parse(std::string_view text);
+
+  [[nodiscard]] bool contains(BeaconAddress address) const {
+    if (ranges_.empty()) return true;
+    for (const auto& [first, last] : ranges_) {
+      if (first <= address && address <= last) return true;
+    }
+    return false;
+  }
+
+  /// The first that was named; empty for every beacon.
+  [[nodiscard]] std::optional<BeaconAddress> first() const {
+    return ranges_.empty() ? std::nullopt : std::optional(ranges_.front().first);
+  }
+  /// Whether it is a single beacon, however often it is named.
+  [[nodiscard]] bool only_one() const;
+
+private:
+  std::vector<std::pair<BeaconAddress, BeaconAddress>> ranges_;  ///< none: all
+};
+
+}  // namespace sonopose::process

@@ -1,0 +1,29 @@
+#include "files/csv_reader.hpp"
+#include "recording/log_columns.hpp"
+#include "recording/attitude_log.hpp"
+
+namespace sonopose::recording {
+
+AttitudeLog read_attitude_log(const std::filesystem::path& folder, BeaconAddress address) {
+  AttitudeLog log;
+  log.imu = read_imu_csv(folder / imu_file, address);
+  if (log.imu.empty()) throw files::IoError((folder / imu_file).string() + ": no sample");
+  if (exists(folder / truth_file)) log.truth = read_truth_csv(folder / truth_file, address);
+  if (exists(folder / movement_file)) log.movements = read_movement_csv(folder / movement_file);
+  return log;
+}
+
+std::vector<TimeSpan> read_movement_csv(const std::filesystem::path& file) {
+  files::CsvReader rows(file, {movement_columns, movement_columns.size()});
+  std::vector<TimeSpan> spans;
+  while (rows.next_row()) {
+    TimeSpan& span = spans.emplace_back();
+    span.start_ns = rows.time_ns(0);
+    span.end_ns = rows.time_ns(1);
+    if (span.end_ns < span.start_ns) rows.fail(1, "lies before the start");
+  }
+  if (spans.empty()) throw files::IoError(file.string() + ": no span");
+  return spans;
+}
+
+}  // namespace sonopose::recording

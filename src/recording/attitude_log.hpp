@@ -1,0 +1,39 @@
+#pragma once
+/// \file
+/// Reads a log of an attitude benchmark: IMU and truth as in every sensor-log folder (log_folder.hpp), no
+/// fixes, and the spans in which the body moves.
+///
+/// | File           | Columns |
+/// |----------------|---------|
+/// | `movement.csv` | start, end [ns]; the file may be absent: then all of the log counts |
+
+#include <sonopose/samples/samples.hpp>
+#include "files/error.hpp"
+#include "recording/log_folder.hpp"
+
+#include <filesystem>
+#include <vector>
+
+namespace sonopose::recording {
+
+/// Both ends belong to it.
+struct TimeSpan {
+  TimeNs start_ns = 0;
+  TimeNs end_ns = 0;
+
+  [[nodiscard]] bool holds(TimeNs time_ns) const { return start_ns <= time_ns && time_ns <= end_ns; }
+};
+
+struct AttitudeLog {
+  std::vector<ImuSample> imu;
+  std::vector<TruthSample> truth;   ///< NaN where a value is not known; empty without a file
+  std::vector<TimeSpan> movements;  ///< empty without a file
+};
+
+/// Throws files::IoError that names file, line, column and value; also where imu.csv has no sample.
+AttitudeLog read_attitude_log(const std::filesystem::path& folder,
+                              BeaconAddress address = default_log_address);
+
+std::vector<TimeSpan> read_movement_csv(const std::filesystem::path& file);
+
+}  // namespace sonopose::recording

@@ -1,0 +1,138 @@
+#include "recording/log_columns.hpp"
+#include "files/units.hpp"
+#include "files/csv_writer.hpp"
+#include "files/error.hpp"
+#include "recording/log_writer.hpp"
+
+#include <cmath>
+#include <span>
+#include <string>
+#include <utility>
+
+namespace sonopose::recording {
+
+namespace {
+
+constexpr std::chrono::milliseconds flush_period{200};
+
+std::unique_ptr<files::CsvWriter> new_file(const std::filesystem::path& file) {
+  return std::make_unique<files::CsvWriter>(file, files::CsvWriter::Existing::refuse);
+}
+
+}  // namespace
+
+SensorLogWriter::SensorLogWriter(std::filesystem::path folder)
+    : folder_{std::move(folder)}, last_flush_{std::chrono::steady_clock::now()} {
+  for (const std::string_view name : {imu_file, ultrasonic_file, heading_file, truth_file}) {
+    if (exists(folder_ / name)) {
+      throw files::IoError(folder_.string() + ": already holds a recording (" + std::string(name) +
+                    "), it is not overwritten");
+    }
+  }
+  std::error_code error;
+  create_directories(folder_, error);
+  if (error) throw files::IoError(folder_.string() + ": cannot be made: " + error.message());
+  imu_ = new_file(folder_ / imu_file);
+  ultrasonic_ = new_file(folder_ / ultrasonic_file);
+  heading_ = new_file(folder_ / heading_file);
+  ultrasonic_->header(ultrasonic_columns);
+  heading_->header(heading_columns);
+}
+
+SensorLogWriter::~SensorLogWriter() {
+  try {
+    if (!with_magnetometer_) write_imu_header(false);
+    flush();
+  } catch (const std::exception&) {  // a destructor has nobody to tell
+  }
+}
+
+void SensorLogWriter::write(const ImuSample& sample) {
+  admit(sample.address);
+  if (!with_magnetometer_) write_imu_header(sample.magnetic_field_body_t.has_value());
+  imu_->integer(sample.sensor_time_ns);
+  imu_->vector(sample.angular_velocity_body_radps).vector(sample.specific_force_body_mps2);
+  if (*with_magnetometer_) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (sample.magnetic_field_body_t) {
+        imu_->number_in(files::microtesla, (*sample.magnetic_field_body_t)[axis]);
+      } else {
+        imu_->empty();
+      }
+    }
+  } else if (sample.magnetic_field_body_t) {
+    ++magnetic_fields_dropped_;
+  }
+  imu_->end_row();
+  flush_when_due();
+}
+
+void SensorLogWriter::write(const UltrasonicFix& fix) {
+  admit(fix.address);
+  ultrasonic_->integer(fix.emission_time_ns).integer(fix.received_time_ns).vector(fix.position_world_m);
+  if (fix.quality_percent) {
+    ultrasonic_->number(*fix.quality_percent);
+  } else {
+    ultrasonic_->empty();
+  }
+  ultrasonic_->end_row();
+  flush_when_due();
+}
+
+void SensorLogWriter::write(const PairHeading& heading) {
+  admit(heading.address);
+  heading_->integer(heading.emission_time_ns).integer(heading.received_time_ns);
+  if (heading.valid) {
+    heading_->number_in(files::degree, heading.heading_world_rad);
+  } else {
+    heading_->empty();
+  }
+  heading_->end_row();
+  flush_when_due();
+}
+
+void SensorLogWriter::write(const TruthSample& sample) {
+  admit(sample.address);
+  if (!truth_) {
+    truth_ = new_file(folder_ / truth_file);
+    truth_->header(std::span(truth_columns).first(truth_columns_written));
+  }
+  const Quaterniond& q = sample.q_body_to_world;
+  truth_->integer(sample.time_ns);
+  for (const double x : sample.position_world_m) truth_->known_number(x);
+  for (const double x : {q.w(), q.x(), q.y(), q.z()}) truth_->known_number(x);
+  for (const double v : sample.velocity_world_mps) truth_->known_number(v);
+  truth_->end_row();
+  flush_when_due();
+}
+
+void SensorLogWriter::write(const Event& event) {
+  std::visit([this](const auto& sample) { write(sample); }, event);
+}
+
+void SensorLogWriter::flush() {
+  last_flush_ = std::chrono::steady_clock::now();
+  for (files::CsvWriter* file : {imu_.get(), ultrasonic_.get(), heading_.get(), truth_.get()}) {
+    if (file != nullptr) file->flush();
+  }
+}
+
+void SensorLogWriter::admit(BeaconAddress address) {
+  if (address_.value_or(address) != address) {
+    throw files::IoError(folder_.string() + ": is the recording of beacon " + std::to_string(*address_) +
+                  ", beacon " + std::to_string(address) + " needs a folder of its own");
+  }
+  address_ = address;
+}
+
+void SensorLogWriter::write_imu_header(bool with_magnetometer) {
+  with_magnetometer_ = with_magnetometer;
+  const std::span<const std::string_view> columns{imu_columns};
+  imu_->header(with_magnetometer ? columns : columns.first(imu_columns_without_magnetometer));
+}
+
+void SensorLogWriter::flush_when_due() {
+  if (std::chrono::steady_clock::now() - last_flush_ > flush_period) flush();
+}
+
+}  // namespace sonopose::recording

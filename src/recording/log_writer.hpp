@@ -1,0 +1,69 @@
+#pragma once
+/// \file
+/// Writes a sensor-log folder (see log_folder.hpp) that reads back to the same bits.
+
+#include <sonopose/samples/samples.hpp>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+namespace sonopose::files {
+class CsvWriter;
+}
+
+namespace sonopose::recording {
+
+
+
+/// One beacon's recording. Whole lines go to the files a few times a second, so a killed process loses less
+/// than its last second. Rows stand in the order in which they were given.
+///
+/// Not in the format, and therefore not stored: sequence numbers (the reader numbers anew), the flags of a
+/// fix, a measured delay other than receipt − emission, and the value of a heading that is not valid.
+///
+/// Not for use by several threads at once. Every member throws files::IoError where a file cannot be written.
+class SensorLogWriter {
+public:
+  /// Makes the folder where needed. Refuses one that already holds a recording.
+  explicit SensorLogWriter(std::filesystem::path folder);
+  /// Writes what is left; an error then is lost, call flush() before to see it.
+  ~SensorLogWriter();
+  SensorLogWriter(const SensorLogWriter&) = delete;
+  SensorLogWriter& operator=(const SensorLogWriter&) = delete;
+  SensorLogWriter(SensorLogWriter&&) = delete;
+  SensorLogWriter& operator=(SensorLogWriter&&) = delete;
+
+  /// All samples must come from one beacon, else files::IoError. Whether `imu.csv` has magnetometer columns is
+  /// decided by its first sample. `truth.csv` exists from the first truth on; unknown (NaN) values become
+  /// empty cells.
+  void write(const ImuSample& sample);
+  void write(const UltrasonicFix& fix);
+  void write(const PairHeading& heading);
+  void write(const TruthSample& sample);
+  void write(const Event& event);
+
+  /// Hands everything to the operating system.
+  void flush();
+
+  /// Magnetic fields that had no column, because the first IMU sample had none.
+  [[nodiscard]] std::uint64_t magnetic_fields_dropped() const { return magnetic_fields_dropped_; }
+
+private:
+  void admit(BeaconAddress address);
+  void write_imu_header(bool with_magnetometer);
+  void flush_when_due();
+
+  std::filesystem::path folder_;
+  std::unique_ptr<files::CsvWriter> imu_;
+  std::unique_ptr<files::CsvWriter> ultrasonic_;
+  std::unique_ptr<files::CsvWriter> heading_;
+  std::unique_ptr<files::CsvWriter> truth_;  ///< null until the first truth
+  std::optional<BeaconAddress> address_;
+  std::optional<bool> with_magnetometer_;  ///< empty until the first IMU sample
+  std::uint64_t magnetic_fields_dropped_ = 0;
+  std::chrono::steady_clock::time_point last_flush_;
+};
+
+}  // namespace sonopose::recording

@@ -1,0 +1,78 @@
+#include <sonopose/geometry/rotation.hpp>
+#include <sonopose/ros2/messages/covariance.hpp>
+
+#include <algorithm>
+#include <numbers>
+
+namespace sonopose::ros2 {
+namespace {
+
+/// A pose whose settings make it surer than this is not: it is no more than a number.
+constexpr double least_std = 1e-6;
+
+Covariance3 variances(const Vector3d& std) {
+  const Vector3d bounded = std.cwiseMax(least_std);
+  return bounded.cwiseProduct(bounded).asDiagonal();
+}
+
+/// v × as a matrix.
+Covariance3 cross(const Vector3d& v) {
+  Covariance3 matrix;
+  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return matrix;
+}
+
+/// J Σ Jᵀ, whose rounding errors must not make it lopsided.
+template <class Matrix>
+Matrix through(const Matrix& jacobian, const Matrix& covariance) {
+  const Matrix result = jacobian * covariance * jacobian.transpose();
+  return 0.5 * (result + result.transpose());
+}
+
+Covariance6 blocks(const Covariance3& first, const Covariance3& second) {
+  Covariance6 both = Covariance6::Zero();
+  both.topLeftCorner<3, 3>() = first;
+  both.bottomRightCorner<3, 3>() = second;
+  return both;
+}
+
+}  // namespace
+
+Covariance3 diagonal(double std) {
+  return variances(Vector3d::Constant(std));
+}
+
+Covariance3 orientation_covariance(const FusedPose& pose, const Noise& noise) {
+  const double tilt_std_rad = noise.tilt_std_deg * geometry::radians_per_degree;
+  return variances({tilt_std_rad, tilt_std_rad, pose.yaw_std_rad});
+}
+
+Covariance6 pose_covariance(const FusedPose& pose, const Mount& mount, const Noise& noise) {
+  // p_base = p_imu − R r, and a small turn δθ about the map's axes makes R r to R r + δθ × R r.
+  const Quaterniond q_base_to_map = base_state(pose, mount).q_base_to_map;
+  Covariance6 jacobian = Covariance6::Identity();
+  jacobian.topRightCorner<3, 3>() = cross(q_base_to_map * mount.imu_in_base_m);
+  return through(jacobian, blocks(variances(pose.position_std_m), orientation_covariance(pose, noise)));
+}
+
+Covariance6 twist_covariance(const FusedPose& pose, const Mount& mount, const Noise& noise) {
+  const Covariance3 map_to_base = base_state(pose, mount).q_base_to_map.conjugate().toRotationMatrix();
+  // Rᵀ v: a turn δθ makes it Rᵀ (v − δθ × v), so its error is Rᵀ (v ×) δθ.
+  const Covariance3 turned = map_to_base * cross(pose.velocity_world_mps);
+  const Covariance3 of_velocity = through(map_to_base, variances(pose.velocity_std_mps)) +
+                                  through(turned, orientation_covariance(pose, noise));
+  // v_base = Rᵀ v − ω × r = Rᵀ v + (r ×) ω.
+  Covariance6 jacobian = Covariance6::Identity();
+  jacobian.topRightCorner<3, 3>() = cross(mount.imu_in_base_m);
+  return through(jacobian, blocks(of_velocity, diagonal(noise.gyro_std_radps)));
+}
+
+Covariance3 fix_covariance(double fix_std_m, std::optional<double> weight) {
+  return diagonal(fix_std_m) / std::clamp(weight.value_or(1.0), least_weight, 1.0);
+}
+
+Covariance6 without_orientation(const Covariance3& position) {
+  return blocks(position, diagonal(std::numbers::pi / std::numbers::sqrt3));
+}
+
+}  // namespace sonopose::ros2

@@ -1,0 +1,52 @@
+#include <sonopose/ros2/messages/input.hpp>
+#include <sonopose/ros2/messages/time.hpp>
+
+namespace sonopose::ros2 {
+namespace {
+
+/// When a message was measured.
+std::optional<TimeNs> measured_at(const Header& header, TimeNs received_ns) {
+  if (header.stamp.sec == 0 && header.stamp.nanosec == 0) return received_ns;
+  return from_ros(header.stamp);
+}
+
+std::optional<UltrasonicFix> fix_at(const Header& header, const Point& position, BeaconAddress address,
+                                    TimeNs received_ns) {
+  const auto emission_ns = measured_at(header, received_ns);
+  UltrasonicFix fix;
+  fix.address = address;
+  fix.position_world_m = {position.x, position.y, position.z};
+  if (!emission_ns || !fix.position_world_m.allFinite()) return std::nullopt;
+  fix.emission_time_ns = *emission_ns;
+  fix.received_time_ns = received_ns;
+  return fix;
+}
+
+}  // namespace
+
+std::optional<ImuSample> imu_sample(const Imu& imu, BeaconAddress address, TimeNs received_ns) {
+  const auto sensor_ns = measured_at(imu.header, received_ns);
+  ImuSample sample;
+  sample.address = address;
+  sample.angular_velocity_body_radps = {imu.angular_velocity.x, imu.angular_velocity.y,
+                                        imu.angular_velocity.z};
+  sample.specific_force_body_mps2 = {imu.linear_acceleration.x, imu.linear_acceleration.y,
+                                     imu.linear_acceleration.z};
+  if (!sensor_ns || !sample.angular_velocity_body_radps.allFinite() ||
+      !sample.specific_force_body_mps2.allFinite()) {
+    return std::nullopt;
+  }
+  sample.sensor_time_ns = *sensor_ns;
+  return sample;
+}
+
+std::optional<UltrasonicFix> fix(const PointStamped& point, BeaconAddress address, TimeNs received_ns) {
+  return fix_at(point.header, point.point, address, received_ns);
+}
+
+std::optional<UltrasonicFix> fix(const PoseWithCovarianceStamped& pose, BeaconAddress address,
+                                 TimeNs received_ns) {
+  return fix_at(pose.header, pose.pose.pose.position, address, received_ns);
+}
+
+}  // namespace sonopose::ros2

@@ -1,0 +1,139 @@
+#include <sonopose/ros2/messages/borrow.hpp>
+#include <sonopose/ros2/messages/node.hpp>
+#include <sonopose/ros2/messages/type_hash.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <exception>
+#include <type_traits>
+#include <utility>
+
+namespace sonopose::ros2 {
+namespace {
+
+constexpr const char* discovery_topic = "ros_discovery_info";
+constexpr const char* discovery_profile = "ros2::Discovery";
+
+dds::policy::UserData user_data(const std::string& text) {
+  return {{text.begin(), text.end()}};
+}
+
+template <class Info>
+dds::DataWriter<Info> discovery_writer(const dds::DomainParticipant& participant, const dds::Qos& topic_qos,
+                                       const dds::Qos& writer_qos) {
+  const dds::Topic<Info> topic(participant, discovery_topic, topic_qos);
+  return dds::DataWriter<Info>(participant, topic, writer_qos);
+}
+
+/// The GUID, with zeros behind it where there is room for more.
+template <class Gid>
+Gid gid_of(const dds_guid_t& guid) {
+  Gid gid{};
+  static_assert(sizeof gid.data >= sizeof guid.v);
+  std::memcpy(gid.data, guid.v, sizeof guid.v);
+  return gid;
+}
+
+template <class Gid>
+std::vector<Gid> gids_of(const std::vector<dds_guid_t>& guids) {
+  std::vector<Gid> gids;
+  for (const dds_guid_t& guid : guids) gids.push_back(gid_of<Gid>(guid));
+  return gids;
+}
+
+template <class Info>
+void write(dds::DataWriter<Info>& writer, const dds_guid_t& participant, const NodeName* node,
+           const std::vector<dds_guid_t>& readers, const std::vector<dds_guid_t>& writers) {
+  using Gid = decltype(Info::gid);
+  using Entities = std::remove_pointer_t<decltype(Info::node_entities_info_seq._buffer)>;
+  Info info{};
+  info.gid = gid_of<Gid>(participant);
+  auto reader_gids = gids_of<Gid>(readers);
+  auto writer_gids = gids_of<Gid>(writers);
+  std::vector<Entities> nodes;
+  if (node != nullptr) {
+    Entities& entities = nodes.emplace_back();
+    // NameResolver has checked that they fit; the rest is zeros.
+    node->name_space.copy(entities.node_namespace, sizeof entities.node_namespace - 1);
+    node->name.copy(entities.node_name, sizeof entities.node_name - 1);
+    lend(entities.reader_gid_seq, reader_gids);
+    lend(entities.writer_gid_seq, writer_gids);
+  }
+  lend(info.node_entities_info_seq, nodes);
+  writer.write(info);
+}
+
+}  // namespace
+
+dds::Qos participant_qos(const std::string& enclave) {
+  return dds::Qos() << user_data("enclave=" + enclave + ";");
+}
+
+Node::Node(const dds::DomainParticipant& participant, const dds::QosProvider& qos, NameResolver names,
+           Distro distro)
+    : participant_(participant), qos_(qos), names_(std::move(names)) {
+  const dds::Qos& topic_qos = qos.topic_qos(discovery_profile);
+  const dds::Qos& writer_qos = qos.datawriter_qos(discovery_profile);
+  if (distro == Distro::humble) {
+    discovery_ = discovery_writer<HumbleParticipantEntitiesInfo>(participant, topic_qos, writer_qos);
+  } else {
+    discovery_ = discovery_writer<ParticipantEntitiesInfo>(
+        participant, topic_qos, with_type_hash<ParticipantEntitiesInfo>(writer_qos));
+  }
+}
+
+Node::~Node() {
+  try {
+    std::visit([&](auto& writer) { write(writer, dds::guid_of(participant_), nullptr, {}, {}); }, discovery_);
+  } catch (const std::exception&) {
+    // The node's participant goes as a rule right after, which says the same.
+  }
+}
+
+void Node::announce() {
+  if (!std::exchange(changed_, false)) return;
+  std::visit(
+      [&](auto& writer) { write(writer, dds::guid_of(participant_), &names_.node(), readers_, writers_); },
+      discovery_);
+}
+
+void Node::forget(const dds::Entity& endpoint) {
+  const dds_guid_t guid = dds::guid_of(endpoint);
+  const auto is_it = [&](const dds_guid_t& other) {
+    return std::equal(std::begin(guid.v), std::end(guid.v), std::begin(other.v));
+  };
+  const std::size_t count = std::erase_if(readers_, is_it) + std::erase_if(writers_, is_it);
+  changed_ = changed_ || count > 0;
+}
+
+void Node::note(Guids& guids, const dds::Entity& endpoint) {
+  guids.push_back(dds::guid_of(endpoint));
+  changed_ = true;
+}
+
+dds::Qos Node::add_type_hash(dds::Qos qos, const char* type_name, const std::string& before) {
+  qos << user_data(before + "typehash=" + type_hash(type_name) + ";");
+  return qos;
+}
+
+/// As rmw_cyclonedds does: the participant's GUID, with a number of its own instead of the last four bytes.
+std::string Node::next_service_id() {
+  dds_guid_t id = dds::guid_of(participant_);
+  ++service_count_;
+  for (unsigned i = 0; i < 4; ++i) id.v[12 + i] = static_cast<std::uint8_t>(service_count_ >> (24 - 8 * i));
+  std::string text = fmt::format("{:2x}", id.v[0]);
+  for (std::size_t i = 1; i < sizeof id.v; ++i) text += fmt::format(".{:x}", id.v[i]);
+  return "serviceid=" + text + ";";
+}
+
+std::string client_of(const std::vector<std::uint8_t>& user_data, const dds_guid_t& participant) {
+  const std::string text(user_data.begin(), user_data.end());
+  const std::string key = "clientid=";
+  const std::size_t begin = text.find(key);
+  if (begin == std::string::npos) return {std::begin(participant.v), std::end(participant.v)};
+  return text.substr(begin, text.find(';', begin) - begin);
+}
+
+}  // namespace sonopose::ros2

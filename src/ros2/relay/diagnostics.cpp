@@ -1,0 +1,172 @@
+#include <sonopose/geometry/rotation.hpp>
+#include "observation/status_words.hpp"
+#include "ros2/relay/diagnostics.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+namespace sonopose::ros2 {
+namespace {
+
+using ros2::Level;
+
+/// The same limit as the doctor's: a tenth of a Li-Po cell's charge is left.
+constexpr double low_battery_v = 3.5;
+constexpr std::uint32_t doubts = status_initialising | status_uncalibrated | status_stale |
+                                 status_converging | status_heading_unknown | status_frozen_track |
+                                 status_imu_gap | status_low_trust;
+
+/// Collects what is wrong; the worst decides the level.
+class Verdict {
+public:
+  void add(Level level, std::string what) {
+    if (rank(level) > rank(level_)) level_ = level;
+    reasons_.push_back(std::move(what));
+  }
+  void add_risen(std::uint64_t now, std::uint64_t before, std::string_view what) {
+    if (now > before) add(Level::warning, fmt::format("{} {}", now - before, what));
+  }
+
+  [[nodiscard]] Level level() const { return level_; }
+  [[nodiscard]] std::string text(const std::string& when_well) const {
+    return reasons_.empty() ? when_well : fmt::format("{}", fmt::join(reasons_, "; "));
+  }
+
+private:
+  /// Why there is nothing says more than that there is nothing.
+  static int rank(Level level) {
+    if (level == Level::error) return 3;
+    return level == Level::stale ? 2 : static_cast<int>(level);
+  }
+
+  Level level_ = Level::ok;
+  std::vector<std::string> reasons_;
+};
+
+void judge_pose(const observation::BeaconView& view, Verdict& verdict) {
+  if (view.lost || (!view.fusion && view.poses + view.predicted == 0)) {
+    verdict.add(Level::error, "no fusion serves it");
+  } else if (view.poses + view.predicted == 0) {
+    verdict.add(Level::stale, "no pose");
+  } else if ((view.pose.status & doubts) != 0) {
+    verdict.add(Level::warning, observation::status_words(view.pose.status & doubts));
+  }
+  if (view.fusion && view.fusion->imu_silent) verdict.add(Level::error, "IMU silent");
+}
+
+void judge_losses(const observation::BeaconView& view, const observation::BeaconView& before, Verdict& verdict) {
+  // A reader's deadlines go on being missed when the writer is gone.
+  if (!view.lost) verdict.add_risen(view.deadlines_missed, before.deadlines_missed, "pose deadlines missed");
+  verdict.add_risen(view.losses, before.losses, "losses of the fusion");
+  if (view.bridge && before.bridge) {
+    const BeaconStatus& now = *view.bridge;
+    const BeaconStatus& then = *before.bridge;
+    verdict.add_risen(now.imu_deadlines_missed, then.imu_deadlines_missed, "IMU deadlines missed");
+    verdict.add_risen(now.fix_deadlines_missed, then.fix_deadlines_missed, "fix deadlines missed");
+    verdict.add_risen(now.crc_errors, then.crc_errors, "damaged frames");
+    verdict.add_risen(now.samples_unwritten, then.samples_unwritten, "samples not written");
+    verdict.add_risen(now.clock_resets, then.clock_resets, "restarts of the beacon's clock");
+  }
+  if (view.fusion && before.fusion && view.fusion->fusion_id == before.fusion->fusion_id) {
+    verdict.add_risen(view.fusion->events_lost, before.fusion->events_lost, "events lost");
+    verdict.add_risen(view.fusion->samples_invalid, before.fusion->samples_invalid, "samples invalid");
+    verdict.add_risen(view.fusion->imu_gaps, before.fusion->imu_gaps, "IMU gaps");
+  }
+}
+
+/// A bridge tells of its beacons once a second.
+bool bridge_tells(const observation::BeaconView& view, TimeNs now_ns) {
+  constexpr TimeNs silent_ns = 3'000'000'000;
+  return view.bridge && now_ns - view.bridge->time_ns < silent_ns;
+}
+
+void judge_bridge(const observation::BeaconView& view, TimeNs now_ns, Verdict& verdict) {
+  if (!bridge_tells(view, now_ns)) {
+    verdict.add(Level::error, "no bridge tells of it");
+    return;
+  }
+  if (view.bridge->battery_v && *view.bridge->battery_v < low_battery_v) {
+    verdict.add(Level::warning, fmt::format("battery {:.2f} V", *view.bridge->battery_v));
+  }
+  if (view.bridge->other_bridges > 0) verdict.add(Level::warning, "published by several bridges");
+}
+
+/// Key and value of what is known.
+class Values {
+public:
+  explicit Values(std::vector<std::pair<std::string, std::string>>& values) : values_(values) {}
+
+  void add(const char* key, double value, int places) {
+    if (std::isnan(value)) return;
+    values_.emplace_back(key, fmt::format("{:.{}f}", value, places));
+  }
+  void add(const char* key, std::uint64_t count) { values_.emplace_back(key, std::to_string(count)); }
+  void add(const char* key, std::string text) { values_.emplace_back(key, std::move(text)); }
+
+private:
+  std::vector<std::pair<std::string, std::string>>& values_;
+};
+
+void log_pose(const observation::BeaconView& view, Values& values) {
+  values.add("pose_rate_hz", view.pose_rate_hz, 1);
+  values.add("latency_p50_ms", view.latency.p50_s * 1e3, 3);
+  values.add("latency_p99_ms", view.latency.p99_s * 1e3, 3);
+  values.add("pose_deadlines_missed", view.deadlines_missed);
+  values.add("fusion_losses", view.losses);
+  values.add("status", observation::status_words(view.pose.status));
+  values.add("trust", view.pose.trust, 3);
+  values.add("since_valid_fix_s", view.pose.since_valid_fix_s, 3);
+  values.add("position_std_m", view.pose.position_std_m.maxCoeff(), 4);
+  values.add("yaw_std_deg", view.pose.yaw_std_rad / geometry::radians_per_degree, 2);
+  values.add("reset_counter", std::uint64_t{view.pose.reset_counter});
+}
+
+void log_bridge(const BeaconStatus& bridge, Values& values) {
+  values.add("imu_rate_hz", bridge.imu_rate_hz, 1);
+  values.add("fix_rate_hz", bridge.fix_rate_hz, 1);
+  values.add("heading_rate_hz", bridge.heading_rate_hz, 1);
+  values.add("imu_deadlines_missed", bridge.imu_deadlines_missed);
+  values.add("fix_deadlines_missed", bridge.fix_deadlines_missed);
+  values.add("crc_errors", bridge.crc_errors);
+  values.add("bytes_lost", bridge.bytes_lost);
+  values.add("samples_unwritten", bridge.samples_unwritten);
+  if (bridge.battery_v) values.add("battery_v", *bridge.battery_v, 2);
+  if (bridge.rssi_dbm) values.add("rssi_dbm", *bridge.rssi_dbm, 0);
+  values.add("clock_offset_s", bridge.clock_offset_s, 6);
+  values.add("clock_jitter_s", bridge.clock_jitter_s, 6);
+  values.add("clock_resets", bridge.clock_resets);
+}
+
+void log_fusion(const FusionStatus& fusion, Values& values) {
+  values.add("fixes_used", fusion.fixes_used);
+  values.add("fixes_rejected", fusion.fixes_rejected);
+  values.add("events_lost", fusion.events_lost);
+  values.add("samples_invalid", fusion.samples_invalid);
+  values.add("imu_gaps", fusion.imu_gaps);
+  values.add("bridge_losses", fusion.bridge_losses);
+}
+
+}  // namespace
+
+ros2::Diagnostic diagnostic_of(const std::string& node, const observation::BeaconView& view, const observation::BeaconView& before,
+                               TimeNs now_ns) {
+  Verdict verdict;
+  judge_pose(view, verdict);
+  judge_losses(view, before, verdict);
+  judge_bridge(view, now_ns, verdict);
+
+  ros2::Diagnostic diagnostic;
+  diagnostic.level = verdict.level();
+  diagnostic.name = fmt::format("{}: beacon {}", node, view.address);
+  diagnostic.hardware_id = std::to_string(view.address);
+  diagnostic.message = verdict.text(fmt::format("poses at {:.1f} Hz", view.pose_rate_hz));
+  Values values(diagnostic.values);
+  log_pose(view, values);
+  if (bridge_tells(view, now_ns)) log_bridge(*view.bridge, values);
+  if (view.fusion) log_fusion(*view.fusion, values);
+  return diagnostic;
+}
+
+}  // namespace sonopose::ros2

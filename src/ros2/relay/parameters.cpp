@@ -1,0 +1,81 @@
+#include "ros2/relay/parameters.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+
+namespace sonopose::ros2 {
+namespace {
+
+constexpr std::string_view beacon_prefix = "beacon_";
+
+bool is_setting(const std::string& key) {
+  const auto& table = settings::setting_table();
+  return std::any_of(table.begin(), table.end(), [&](const auto& info) { return info.key == key; });
+}
+
+/// No more than so many levels; 0: any number.
+bool within(std::string_view name, std::uint64_t depth) {
+  return depth == 0 || static_cast<std::uint64_t>(std::count(name.begin(), name.end(), '.')) < depth;
+}
+
+bool is_asked_for(const std::string& name, const std::vector<std::string>& prefixes, std::uint64_t depth) {
+  if (prefixes.empty()) return within(name, depth);
+  return std::any_of(prefixes.begin(), prefixes.end(), [&](const std::string& prefix) {
+    if (name == prefix) return true;
+    return name.starts_with(prefix + ".") && within(std::string_view(name).substr(prefix.size() + 1), depth);
+  });
+}
+
+}  // namespace
+
+std::optional<SettingName> setting_named(const std::string& parameter) {
+  SettingName setting{.address = all_beacons, .key = parameter};
+  if (parameter.starts_with(beacon_prefix)) {
+    const char* const begin = parameter.data() + beacon_prefix.size();
+    const char* const end = parameter.data() + parameter.size();
+    const auto [dot, error] = std::from_chars(begin, end, setting.address);
+    if (error != std::errc() || dot == end || *dot != '.') return std::nullopt;
+    setting.key = std::string(dot + 1, end);
+    if (setting.address == all_beacons || parameter_name(setting) != parameter) return std::nullopt;
+  }
+  if (!is_setting(setting.key)) return std::nullopt;
+  return setting;
+}
+
+std::string parameter_name(const SettingName& setting) {
+  if (setting.address == all_beacons) return setting.key;
+  return std::string(beacon_prefix) + std::to_string(setting.address) + "." + setting.key;
+}
+
+ParameterList list_parameters(const SettingsByBeacon& in_force, const std::vector<std::string>& prefixes,
+                              std::uint64_t depth) {
+  ParameterList list;
+  for (const auto& [address, settings] : in_force) {
+    for (const auto& [key, value] : settings.values) {
+      const std::string name = parameter_name({address, key});
+      if (!is_asked_for(name, prefixes, depth)) continue;
+      list.names.push_back(name);
+      const std::string prefix = name.substr(0, name.rfind('.'));
+      if (std::find(list.prefixes.begin(), list.prefixes.end(), prefix) == list.prefixes.end()) {
+        list.prefixes.push_back(prefix);
+      }
+    }
+  }
+  return list;
+}
+
+std::optional<settings::SettingValue> parameter_value(const SettingsByBeacon& in_force,
+                                                    const std::string& parameter) {
+  const auto setting = setting_named(parameter);
+  if (!setting) return std::nullopt;
+  const auto beacon = in_force.find(setting->address);
+  if (beacon == in_force.end()) return std::nullopt;
+  const auto& values = beacon->second.values;
+  const auto found = std::find_if(values.begin(), values.end(),
+                                  [&](const SettingAssignment& each) { return each.key == setting->key; });
+  if (found == values.end()) return std::nullopt;
+  return settings::parse_value(found->key, found->value);
+}
+
+}  // namespace sonopose::ros2

@@ -1,0 +1,160 @@
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/dds/binding/waitset.hpp>
+#include "process/host_clock.hpp"
+#include "settings_client/settings_client.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <map>
+#include <set>
+#include <unistd.h>
+#include <utility>
+
+namespace sonopose::settings_client {
+namespace {
+
+namespace topics = dds::topics;
+
+/// Unlike any other sender's, and never 0.
+std::uint64_t new_request_id() {
+  return static_cast<std::uint64_t>(process::now_ns()) ^ (static_cast<std::uint64_t>(::getpid()) << 40U);
+}
+
+TimeNs deadline_after(double timeout_s) {
+  return process::steady_now_ns() + to_ns(timeout_s);
+}
+
+/// Takes samples as they come and calls `on_sample(const T&, const SampleInfo&)` for each, until `done()` or
+/// the deadline; returns what `done()` says then. `done` is asked again every few milliseconds.
+template <class T, class OnSample, class Done>
+bool take_until(dds::DataReader<T>& reader, TimeNs deadline_ns, const OnSample& on_sample, const Done& done) {
+  const dds::ReadCondition has_data(reader);
+  dds::WaitSet waitset;
+  waitset += has_data;
+  while (true) {
+    reader.take_each(on_sample);
+    if (done()) return true;
+    if (process::steady_now_ns() >= deadline_ns) return false;
+    waitset.wait(std::chrono::milliseconds(20));
+  }
+}
+
+/// The samples of before that a new reader is sent come in one go: after so long without another, it has
+/// them.
+class Settled {
+public:
+  void heard() { last_ns_ = process::steady_now_ns(); }
+  [[nodiscard]] bool operator()() const {
+    constexpr TimeNs quiet_ns = 300'000'000;
+    return last_ns_ != 0 && process::steady_now_ns() - last_ns_ > quiet_ns;
+  }
+
+private:
+  TimeNs last_ns_ = 0;
+};
+
+/// How often each engine has been reset, as each fusion on the bus says.
+using ResetCounters = std::map<std::pair<BeaconAddress, std::uint64_t>, std::uint32_t>;
+
+}  // namespace
+
+SettingsClient::SettingsClient(const dds::DomainOptions& domain,
+                               const std::optional<std::filesystem::path>& qos_file)
+    : qos_(qos_file), participant_(domain) {}
+
+std::vector<EffectiveSettings> SettingsClient::in_force(BeaconAddress address, double timeout_s) {
+  auto reader = dds::make_reader(participant_, qos_, topics::settings);
+  std::map<BeaconAddress, EffectiveSettings> found;
+  Settled settled;
+  take_until(
+      reader, deadline_after(timeout_s),
+      [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
+        settled.heard();
+        found[sample.address] = dds::from_idl(sample);
+      },
+      [&] { return settled() || (address != all_beacons && found.contains(address)); });
+  std::vector<EffectiveSettings> settings;
+  const auto move_out = [&](BeaconAddress wanted) {
+    if (auto entry = found.extract(wanted)) settings.push_back(std::move(entry.mapped()));
+  };
+  move_out(address);  // all_beacons first
+  if (settings.empty() && address != all_beacons) move_out(all_beacons);
+  if (address != all_beacons) return settings;
+  for (auto& entry : found) settings.push_back(std::move(entry.second));
+  return settings;
+}
+
+std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, double timeout_s) {
+  constexpr TimeNs timeout_ns = 250'000'000;
+  request.request_id = new_request_id();
+  auto reader = dds::make_reader(participant_, qos_, topics::settings_reply);
+  auto writer = dds::make_writer(participant_, qos_, topics::settings_request);
+  std::optional<SettingsReply> answer;
+  TimeNs next_send_ns = 0;
+  take_until(
+      reader, deadline_after(timeout_s),
+      [&](const sonopose_SettingsReply& reply, const dds::SampleInfo&) {
+        const bool ours = reply.address == request.address && reply.request_id == request.request_id;
+        if (ours && !answer) answer = dds::from_idl(reply);
+      },
+      [&] {
+        // The fusion may know of our reader later than we of its: the same request again is answered again.
+        const bool heard = writer.publication_matched_status().current_count > 0;
+        if (!answer && heard && process::steady_now_ns() >= next_send_ns) {
+          writer.write(dds::to_idl(request).sample());
+          next_send_ns = process::steady_now_ns() + timeout_ns;
+        }
+        return answer.has_value();
+      });
+  return answer;
+}
+
+void SettingsClient::watch(BeaconAddress address,
+                           const std::function<void(const EffectiveSettings&)>& on_settings,
+                           double duration_s, const process::StopSignal& stop) {
+  auto reader = dds::make_reader(participant_, qos_, topics::settings);
+  take_until(
+      reader, duration_s > 0 ? deadline_after(duration_s) : std::numeric_limits<TimeNs>::max(),
+      [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
+        if (address == all_beacons || sample.address == address) on_settings(dds::from_idl(sample));
+      },
+      [&] { return stop.requested(); });
+}
+
+std::vector<BeaconAddress> SettingsClient::reset(BeaconAddress address, double timeout_s) {
+  const TimeNs deadline_ns = deadline_after(timeout_s);
+  auto reader = dds::make_reader(participant_, qos_, topics::fusion_status);
+  auto writer = dds::make_writer(participant_, qos_, topics::reset);
+  ResetCounters before;
+  std::set<BeaconAddress> done;
+  Settled settled;
+  bool sent = false;
+  const auto on_status = [&](const sonopose_FusionStatus& status, const dds::SampleInfo& info) {
+    if (address != all_beacons && status.address != address) return;
+    const auto [known, first] =
+        before.try_emplace({status.address, info.publication_handle().value}, status.reset_counter);
+    if (!sent) {
+      known->second = status.reset_counter;
+      if (first) settled.heard();
+    } else if (status.reset_counter > known->second) {
+      done.insert(status.address);
+    }
+  };
+  const bool ready = take_until(reader, deadline_ns, on_status, [&] {
+    return settled() && writer.publication_matched_status().current_count > 0;
+  });
+  if (!ready) return {};
+  std::set<BeaconAddress> wanted;
+  for (const auto& entry : before) wanted.insert(entry.first.first);
+  sent = true;
+  writer.write({.address = address, .request_id = new_request_id()});
+  if (!take_until(reader, deadline_ns, on_status,
+                  [&] { return std::includes(done.begin(), done.end(), wanted.begin(), wanted.end()); })) {
+    return {};
+  }
+  return {wanted.begin(), wanted.end()};
+}
+
+}  // namespace sonopose::settings_client

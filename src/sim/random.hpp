@@ -1,0 +1,46 @@
+#pragma once
+/// \file
+/// Random numbers that are the same wherever the program is built: the standard fixes the generator's bits
+/// but not those of its distributions, so these are our own.
+
+#include <sonopose/samples/samples.hpp>
+
+#include <cstdint>
+#include <random>
+
+namespace sonopose::sim {
+
+/// All numbers from `least` to `most`; a plain number is the range that holds it alone.
+struct Range {
+  double least = 0;
+  double most = 0;
+
+  constexpr Range() = default;
+  constexpr Range(double value) : least{value}, most{value} {}  // NOLINT(google-explicit-constructor)
+  constexpr Range(double least_in, double most_in) : least{least_in}, most{most_in} {}
+};
+
+/// One independent stream of random numbers. The same seed and stream give the same numbers.
+class Random {
+public:
+  explicit Random(std::uint64_t seed, std::uint64_t stream = 0);
+
+  /// Uniform in [0, 1), with all 53 bits of a double.
+  double uniform();
+
+  /// Uniform in the range; exactly its value where it holds but one.
+  double uniform_in(const Range& range);
+
+  /// Gaussian with mean 0 and standard deviation 1 (Box-Muller).
+  double normal();
+
+  /// Three independent Gaussians.
+  Vector3d normal_vector();
+
+private:
+  std::mt19937_64 generator_;
+  double spare_ = 0;
+  bool has_spare_ = false;
+};
+
+}  // namespace sonopose::sim

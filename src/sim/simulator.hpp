@@ -1,0 +1,91 @@
+#pragma once
+/// \file
+/// One simulated beacon: the events that a bridge would get from it, in the order in which it would get them,
+/// and the truth behind them. Computation alone: the caller decides how fast the time goes.
+
+#include <sonopose/samples/samples.hpp>
+#include "sim/scenario.hpp"
+
+#include <deque>
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace sonopose::sim {
+
+/// Which run of a scenario. The same values give the same bits.
+struct Run {
+  std::uint64_t seed = 1;
+  TimeNs start_time_ns = 1'700'000'000'000'000'000;  ///< stamp of the first IMU sample
+  BeaconAddress address = 7;  ///< also a part of the seed: two beacons have their own noise
+  double duration_s = std::numeric_limits<double>::infinity();  ///< the last IMU sample comes before this
+};
+
+/// One event, as it becomes available.
+struct Step {
+  Event event;
+  /// With each IMU sample that nothing overtook, once: the state of the tracked point at its time.
+  std::optional<TruthSample> truth;
+};
+
+/// Yields a beacon's IMU samples at their own time, and fixes and headings at their receipt; at equal times
+/// IMU, fix, heading. Event sequence numbers run from 1 in order of arrival: what was lost on the way has
+/// none, and a copy has its own. A late IMU sample comes right behind the sample that was measured when it
+/// arrives. A fix that is received after the last IMU sample's time does not come.
+class Simulator {
+public:
+  /// The scenario's motion and disturbances, seen by its own sensors or by these. Throws
+  /// std::invalid_argument where the settings make no sense.
+  Simulator(const Scenario& scenario, const Run& run);
+  Simulator(const Scenario& scenario, const SensorSettings& sensors, const Run& run);
+
+  /// The next event, or nothing after the run's duration.
+  std::optional<Step> next();
+
+  /// The true state in this run, turns and relocations included.
+  [[nodiscard]] Motion motion_at(TimeNs time_ns) const;
+
+private:
+  /// An IMU sample on its way.
+  struct LateImu {
+    TimeNs arrival_ns = 0;
+    ImuSample sample;
+  };
+
+  [[nodiscard]] TimeNs time_of_sample(std::uint64_t index, double rate_hz, double phase) const;
+  [[nodiscard]] double since_start_s(TimeNs time_ns) const;
+  Step arrived(Event event);
+  void take_imu_sample(TimeNs time_ns);
+  void deliver(const ImuSample& sample, int copies);
+  void emit_until(TimeNs time_ns);
+  void emit_one();
+  void receive(Event event);
+
+  Scenario scenario_;
+  SensorSettings sensors_;
+  Run run_;
+  ImuModel imu_;
+  UltrasonicModel ultrasonic_;
+  PacketChannel imu_packets_;
+  PacketChannel position_packets_;
+  Random poor_fixes_;
+  double fix_phase_;
+  double start_yaw_rad_;
+  std::uint64_t imu_count_ = 0;
+  std::uint64_t emission_count_ = 0;
+  std::uint64_t sequence_ = 0;
+  std::vector<LateImu> late_imu_;
+  std::deque<Step> arrived_imu_;  ///< arrived, not yet asked for
+  std::deque<Event> under_way_;   ///< emitted, not yet received; in order of receipt
+};
+
+/// A whole run.
+struct Recording {
+  std::vector<Event> events;       ///< in order of arrival
+  std::vector<TruthSample> truth;  ///< in order of time, one for each IMU sample that nothing overtook
+};
+
+/// Runs a scenario with its own sensors to the end of the run or, where the run has none, of the scenario.
+Recording record(const Scenario& scenario, const Run& run);
+
+}  // namespace sonopose::sim

@@ -1,0 +1,43 @@
+#pragma once
+/// \file
+/// Motions that are known exactly at any time.
+
+#include <sonopose/samples/samples.hpp>
+#include "sim/jet.hpp"
+
+namespace sonopose::sim {
+
+/// The whole state of a rigid body at one instant. The position is the tracked point's: the beacon, or the
+/// centre of the pair.
+struct Motion {
+  Vector3d position_world_m = Vector3d::Zero();
+  Vector3d velocity_world_mps = Vector3d::Zero();
+  Vector3d acceleration_world_mps2 = Vector3d::Zero();
+  Quaterniond q_body_to_world = Quaterniond::Identity();
+  Vector3d angular_velocity_body_radps = Vector3d::Zero();
+  Vector3d angular_acceleration_body_radps2 = Vector3d::Zero();
+};
+
+/// Where the tracked point is and how the body is turned: yaw about world Z, then pitch about the new Y, then
+/// roll about the new X (ZYX Euler angles), in metres and radians.
+struct Path {
+  Jet x;
+  Jet y;
+  Jet z;
+  Jet yaw;
+  Jet pitch;
+  Jet roll;
+};
+
+/// The body's state on a path: the Euler angles' rates turned into body rates and their derivative.
+Motion motion_on(const Path& path);
+
+/// Distance, in units of `per_second` × s, of something that rests until `start_s`, then takes `ramp_s` to
+/// come smoothly to its speed, and keeps it.
+Jet smooth_departure(double time_s, double start_s, double ramp_s, double per_second);
+
+/// The motion as it is when the whole world is turned by `yaw_rad` about the vertical through
+/// `pivot_world_m`: the IMU feels no difference.
+Motion turned(const Motion& motion, const Vector3d& pivot_world_m, double yaw_rad);
+
+}  // namespace sonopose::sim

@@ -1,0 +1,34 @@
+#include "files/append_file.hpp"
+#include "transport/byte_file.hpp"
+#include "files/error.hpp"
+
+#include <cerrno>
+#include <cstring>
+
+namespace sonopose::transport {
+
+ByteFile::ByteFile(const std::filesystem::path& path)
+    : name_{path.string()}, file_{std::fopen(name_.c_str(), "rbe")} {
+  if (!file_) throw files::IoError(name_ + ": cannot be opened: " + std::strerror(errno));
+  // A folder opens, and fails at the first read only.
+  if (std::filesystem::is_directory(path)) throw files::IoError(name_ + ": is a folder and no file");
+}
+
+ReadResult ByteFile::read(std::span<std::uint8_t> buffer, std::chrono::milliseconds /*timeout*/) {
+  if (stopped_) return {ReadStatus::stopped};
+  const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), file_.get());
+  if (std::ferror(file_.get()) != 0) throw files::IoError(name_ + ": cannot be read: " + std::strerror(errno));
+  if (count == 0) return {ReadStatus::end};
+  return {ReadStatus::data, count, host_time_ns()};
+}
+
+CaptureFile::CaptureFile(const std::filesystem::path& path)
+    : file_{std::make_unique<files::AppendFile>(path, files::AppendFile::Existing::extend)} {}
+
+CaptureFile::~CaptureFile() = default;
+
+void CaptureFile::append(std::span<const std::uint8_t> bytes) {
+  file_->append(std::as_bytes(bytes));
+}
+
+}  // namespace sonopose::transport

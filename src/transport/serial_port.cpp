@@ -1,0 +1,141 @@
+#include "transport/serial_line.hpp"
+#include "transport/stoppable_loop.hpp"
+#include "files/error.hpp"
+#include "transport/serial_port.hpp"
+
+#include <asio/buffer.hpp>
+#include <asio/serial_port.hpp>
+#include <asio/steady_timer.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+namespace sonopose::transport {
+
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds retry_period{100};
+
+std::chrono::milliseconds until(steady_clock::time_point time) {
+  return std::max(std::chrono::milliseconds{0},
+                  std::chrono::ceil<std::chrono::milliseconds>(time - steady_clock::now()));
+}
+
+}  // namespace
+
+class SerialPort::Line {
+public:
+  Line(std::string device, unsigned baud) : device_{std::move(device)}, baud_{baud}, port_{loop_.context()} {
+    if (baud_ == 0) throw files::IoError(device_ + ": a baud rate of 0 closes the line");
+    std::error_code ignored;
+    const auto kind = std::filesystem::status(device_, ignored).type();
+    using Kind = std::filesystem::file_type;
+    if (kind == Kind::regular || kind == Kind::directory) throw files::IoError(device_ + ": is no serial device");
+  }
+
+  ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {
+    if (loop_.stopped()) return {ReadStatus::stopped};
+    return port_.is_open() ? read_open(buffer, timeout) : wait_for_device(timeout);
+  }
+
+  void stop() { loop_.stop(); }
+  [[nodiscard]] std::string name() const { return device_ + " at " + std::to_string(baud_) + " baud"; }
+  [[nodiscard]] const std::string& last_error() const { return last_error_; }
+
+private:
+  ReadResult read_open(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {
+    TimeNs arrival_time_ns = 0;
+    const auto start = [&](auto finish) {
+      port_.async_read_some(asio::buffer(buffer.data(), buffer.size()),
+                            [&arrival_time_ns, finish](const asio::error_code& error, std::size_t size) {
+                              arrival_time_ns = host_time_ns();
+                              finish(error, size);
+                            });
+    };
+    const Completion done = complete_within(loop_, timeout, start, [this] { port_.cancel(); });
+    if (!done.error) return {ReadStatus::data, done.size, arrival_time_ns};
+    if (loop_.stopped()) return {ReadStatus::stopped};
+    if (done.error == asio::error::operation_aborted) return {ReadStatus::timeout};
+    close(done.error == asio::error::eof ? "the device hung up" : done.error.message());
+    absence_reported_ = true;
+    return {ReadStatus::disconnected};
+  }
+
+  ReadResult wait_for_device(std::chrono::milliseconds timeout) {
+    const auto deadline = steady_clock::now() + timeout;
+    for (;;) {
+      if (steady_clock::now() >= next_attempt_) {
+        if (open()) return {ReadStatus::connected};
+        if (!std::exchange(absence_reported_, true)) return {ReadStatus::disconnected};
+      }
+      sleep(until(std::min(deadline, next_attempt_)));
+      if (loop_.stopped()) return {ReadStatus::stopped};
+      if (steady_clock::now() >= deadline) return {ReadStatus::timeout};
+    }
+  }
+
+  bool open() {
+    asio::error_code error;
+    port_.open(device_, error);
+    if (error) {
+      close(error.message());
+      return false;
+    }
+    const std::string cause = configure_serial_line(port_.native_handle(), baud_);
+    if (!cause.empty()) {
+      close(cause);
+      return false;
+    }
+    last_error_.clear();
+    absence_reported_ = false;
+    return true;
+  }
+
+  void close(const std::string& cause) {
+    asio::error_code ignored;
+    port_.close(ignored);
+    last_error_ = cause;
+    next_attempt_ = steady_clock::now() + retry_period;
+  }
+
+  void sleep(std::chrono::milliseconds duration) {
+    asio::steady_timer timer{loop_.context(), duration};
+    complete_within(
+        loop_, duration + retry_period, [&timer](auto finish) { timer.async_wait(finish); },
+        [&timer] { timer.cancel(); });
+  }
+
+  std::string device_;
+  unsigned baud_;
+  StoppableLoop loop_;
+  asio::serial_port port_;
+  std::string last_error_ = "not opened yet";
+  bool absence_reported_ = false;
+  steady_clock::time_point next_attempt_;
+};
+
+SerialPort::SerialPort(std::string device, unsigned baud)
+    : line_{std::make_unique<Line>(std::move(device), baud)} {}
+
+SerialPort::~SerialPort() = default;
+
+ReadResult SerialPort::read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {
+  return line_->read(buffer, timeout);
+}
+
+void SerialPort::stop() {
+  line_->stop();
+}
+
+std::string SerialPort::name() const {
+  return line_->name();
+}
+
+std::string SerialPort::last_error() const {
+  return line_->last_error();
+}
+
+}  // namespace sonopose::transport

@@ -1,0 +1,44 @@
+#pragma once
+/// \file
+/// Beacon frames that a modem or the vendor's dashboard sends by UDP.
+
+#include "transport/byte_source.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace sonopose::transport {
+
+struct Endpoint {
+  std::string address;  ///< IPv4 or IPv6, in numbers
+  std::uint16_t port = 0;
+
+  bool operator==(const Endpoint&) const = default;
+};
+
+/// Reads "ADDR:PORT", as 0.0.0.0:49100 or [::]:49100. Throws std::invalid_argument that says what is wrong.
+Endpoint parse_endpoint(std::string_view text);
+
+/// One datagram per read(). A datagram that is longer than the buffer loses its end: 2048 bytes hold any
+/// frame.
+class UdpListener : public ByteSource {
+public:
+  /// Port 0 lets the system choose. Throws files::IoError where the address cannot be listened at.
+  explicit UdpListener(const Endpoint& endpoint);
+  ~UdpListener() override;
+
+  ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) override;
+  void stop() override;
+  [[nodiscard]] std::string name() const override;
+
+  /// Where it listens, with the port that the system chose.
+  [[nodiscard]] Endpoint endpoint() const;
+
+private:
+  class Socket;
+  std::unique_ptr<Socket> socket_;
+};
+
+}  // namespace sonopose::transport

@@ -1,0 +1,63 @@
+#include "support/temporary_folder.hpp"
+#include "files/error.hpp"
+#include "recording/log_folder.hpp"
+#include "bridge/beacon_recorder.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace sonopose;
+using namespace sonopose::bridge;
+using sonopose::test::TemporaryFolder;
+using sonopose::test::write_text;
+
+namespace {
+
+ImuSample imu_of(BeaconAddress address, TimeNs time_ns) {
+  ImuSample imu;
+  imu.address = address;
+  imu.sensor_time_ns = time_ns;
+  imu.angular_velocity_body_radps = {0.1, 0.2, 0.3};
+  imu.specific_force_body_mps2 = {0.0, 0.0, 9.81};
+  return imu;
+}
+
+std::vector<Event> numbered(std::vector<Event> events) {
+  std::uint64_t number = 0;
+  for (Event& event : events) std::visit([&number](auto& sample) { sample.sequence = ++number; }, event);
+  return events;
+}
+
+}  // namespace
+
+SCENARIO("each beacon has a log of its own: the first the folder itself, further ones one inside") {
+  GIVEN("a recorder that has been given samples of beacons 12 and 7, mixed") {
+    const TemporaryFolder folder;
+    {
+      BeaconRecorder recorder(folder / "log");
+      recorder.write(imu_of(12, 1000));
+      recorder.write(imu_of(7, 1500));
+      recorder.write(imu_of(12, 2000));
+      recorder.write(TruthSample{.address = 7, .time_ns = 1500});
+    }
+    THEN("the folder reads back as the samples of 12") {
+      CHECK(recording::read_sensor_log(folder / "log", 12).events == numbered({imu_of(12, 1000), imu_of(12, 2000)}));
+      CHECK(recording::read_sensor_log(folder / "log", 12).truth.empty());
+    }
+    THEN("the one inside reads back as the samples of 7, with its truth") {
+      const auto log = recording::read_sensor_log(folder.path() / "log" / "beacon_7", 7);
+      CHECK(log.events == numbered({imu_of(7, 1500)}));
+      CHECK(log.truth.size() == 1);
+    }
+  }
+}
+
+SCENARIO("a recording is never overwritten") {
+  GIVEN("a folder with a recording") {
+    const TemporaryFolder folder;
+    write_text(folder / "imu.csv", "precious\n");
+    THEN("a recorder refuses it at once") {
+      CHECK_THROWS_AS(BeaconRecorder(folder.path()), files::IoError);
+      CHECK(sonopose::test::read_text(folder / "imu.csv") == "precious\n");
+    }
+  }
+}

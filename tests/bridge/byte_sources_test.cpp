@@ -1,0 +1,219 @@
+#include "bridge/collecting_sink.hpp"
+#include "support/temporary_folder.hpp"
+#include "files/error.hpp"
+#include "marvelmind/encoder.hpp"
+#include "bridge/byte_sources.hpp"
+#include "process/host_clock.hpp"
+#include "bridge/recorded_sources.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <fstream>
+#include <stdexcept>
+
+using namespace sonopose;
+using namespace sonopose::bridge;
+using namespace sonopose::process;
+using namespace sonopose::marvelmind;
+using sonopose::test::CollectingSink;
+using sonopose::test::TemporaryFolder;
+
+namespace {
+
+constexpr TimeNs ms = 1'000'000;
+
+/// A file of what a beacon sends.
+class BeaconFile {
+public:
+  explicit BeaconFile(std::filesystem::path path) : path_(std::move(path)) {}
+
+  BeaconFile& operator<<(const Packet& packet) {
+    const Frame frame = encode(packet);
+    return append(frame.bytes());
+  }
+  BeaconFile& append(std::span<const std::uint8_t> bytes) {
+    std::ofstream(path_, std::ios::binary | std::ios::app)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    return *this;
+  }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+private:
+  std::filesystem::path path_;
+};
+
+Stamp uptime(std::int64_t time_ms) {
+  return {TimeBase::uptime_ms, time_ms};
+}
+
+/// At rest, level: +1 g, and 100 steps of 0.0175 deg/s about z.
+RawImu imu_at(std::int64_t time_ms) {
+  RawImu imu;
+  imu.address = 5;
+  imu.time = uptime(time_ms);
+  imu.accel = {0, 0, 1000};
+  imu.gyro = {0, 0, 100};
+  imu.flags = imu_compass_not_available;
+  return imu;
+}
+
+/// At (1.234, −2.5, 0.75) m, its pair's axis to the left, sent 60 ms after the emission.
+Position position_at(std::int64_t time_ms) {
+  Position position;
+  position.address = 5;
+  position.time = uptime(time_ms);
+  position.flags = position_time_in_ms;
+  position.xyz_mm = {1234, -2500, 750};
+  position.angle.word = 900;
+  position.time_passed_ms = 60;
+  return position;
+}
+
+CollectingSink& played(CollectingSink& sink, const BeaconFile& file, double rate = 0.0) {
+  const StopSignal stop;
+  make_stream_source({file.path(), rate})->run(sink, stop);
+  return sink;
+}
+
+}  // namespace
+
+SCENARIO("a file of a beacon's bytes is played as samples") {
+  const TemporaryFolder folder;
+  BeaconFile file(folder / "bytes.bin");
+  CollectingSink sink;
+  GIVEN("IMU samples, a position with its quality, and what the beacon says of itself") {
+    file << imu_at(10'000) << Telemetry{.battery_mv = 3900, .rssi_dbm = -40, .address = 5} << imu_at(10'010)
+         << position_at(9'950) << Quality{.address = 5, .quality_percent = 87} << imu_at(10'020);
+    const TimeNs before_ns = now_ns();
+    played(sink, file);
+    const TimeNs after_ns = now_ns();
+    const auto imu = sink.of_kind<ImuSample>();
+    const auto fixes = sink.of_kind<UltrasonicFix>();
+    const auto headings = sink.of_kind<PairHeading>();
+    REQUIRE(imu.size() == 3);
+    REQUIRE(fixes.size() == 1);
+    REQUIRE(headings.size() == 1);
+    THEN("values are in SI units") {
+      CHECK(imu[0].address == 5);
+      CHECK(imu[0].specific_force_body_mps2.z() == Approx(9.81).epsilon(0.001));
+      CHECK(imu[0].angular_velocity_body_radps.z() == Approx(1.75 * M_PI / 180));
+      CHECK_FALSE(imu[0].magnetic_field_body_t);
+      CHECK(fixes[0].position_world_m.isApprox(Vector3d(1.234, -2.5, 0.75)));
+      CHECK(fixes[0].quality_percent == 87.0);
+      CHECK(fixes[0].measured_delay_s == Approx(0.060));
+      CHECK(headings[0].valid);
+      CHECK(headings[0].heading_world_rad == Approx(M_PI / 2));
+    }
+    THEN("the first packet came now, and the beacon's clock tells the rest") {
+      const TimeNs first_ns = imu[0].sensor_time_ns;
+      CHECK(first_ns >= before_ns - 100 * ms);
+      CHECK(first_ns <= after_ns);
+      CHECK(imu[1].sensor_time_ns - first_ns == 10 * ms);
+      CHECK(imu[2].sensor_time_ns - first_ns == 20 * ms);
+      CHECK(fixes[0].emission_time_ns - first_ns == -50 * ms);
+      CHECK(fixes[0].received_time_ns - fixes[0].emission_time_ns >= 60 * ms);
+      CHECK(headings[0].emission_time_ns == fixes[0].emission_time_ns);
+    }
+    THEN("the status has the beacon's own words and the line's counters") {
+      REQUIRE(!sink.statuses.empty());
+      const BeaconStatus& status = sink.statuses.back();
+      CHECK(status.address == 5);
+      CHECK(status.battery_v == Approx(3.9));
+      CHECK(status.rssi_dbm == -40.0);
+      CHECK(status.frames == 6);
+      CHECK(status.crc_errors == 0);
+      CHECK(status.bytes_lost == 0);
+    }
+  }
+  GIVEN("garbage between frames, a broken frame and a position that is not available") {
+    const std::vector<std::uint8_t> garbage{0x00, 0x12, 0x34};
+    const auto whole = encode(imu_at(10'010));
+    std::vector<std::uint8_t> flipped(whole.bytes().begin(), whole.bytes().end());
+    flipped[8] ^= 0x01;
+    Position unavailable = position_at(9'950);
+    unavailable.flags |= position_not_available;
+    file << imu_at(10'000);
+    file.append(garbage).append(flipped) << unavailable << imu_at(10'020);
+    played(sink, file);
+    THEN("the good samples come, and the rest is counted") {
+      CHECK(sink.of_kind<ImuSample>().size() == 2);
+      CHECK(sink.of_kind<UltrasonicFix>().empty());
+      const BeaconStatus& status = sink.statuses.back();
+      CHECK(status.frames == 3);
+      CHECK(status.crc_errors == 1);
+      CHECK(status.bytes_lost >= garbage.size());
+      CHECK(status.fixes_unavailable == 1);
+    }
+  }
+  GIVEN("21 samples that share a millisecond") {
+    for (int i = 0; i < 21; ++i) file << imu_at(10'000);
+    played(sink, file);
+    THEN("none is taken for a repetition") {
+      CHECK(sink.of_kind<ImuSample>().size() == 21);
+    }
+  }
+  GIVEN("a file that ends within a frame") {
+    file << imu_at(10'000);
+    file.append(encode(imu_at(10'010)).bytes().first(20));
+    THEN("the whole frames come and the play ends") {
+      CHECK(played(sink, file).of_kind<ImuSample>().size() == 1);
+    }
+  }
+  GIVEN("two samples 100 ms apart, in real time") {
+    file << imu_at(10'000) << imu_at(10'100);
+    const TimeNs began_ns = steady_now_ns();
+    THEN("they take 100 ms") {
+      CHECK(played(sink, file, 1.0).of_kind<ImuSample>().size() == 2);
+      CHECK(steady_now_ns() - began_ns >= 99 * ms);
+    }
+  }
+}
+
+SCENARIO("a stream is a recording, and ends when it is told to") {
+  const TemporaryFolder folder;
+  BeaconFile file(folder / "bytes.bin");
+  file << imu_at(10'000) << imu_at(3'600'000);
+  CollectingSink sink;
+  StopSignal stop;
+  const auto source = make_stream_source({file.path(), 1.0});
+  CHECK(source->is_recording());
+  sink.stop = &stop;
+  sink.stop_after = 1;
+  source->run(sink, stop);  // the next sample is due in an hour
+  CHECK(sink.events.size() == 1);
+}
+
+SCENARIO("what the simulator captured is played as what it sent") {
+  GIVEN("a second of the simulator, with its bytes") {
+    const TemporaryFolder folder;
+    const StopSignal stop;
+    CollectingSink sent;
+    CollectingSink received;
+    SimulatorOptions simulator;
+    simulator.duration_s = 1.0;
+    simulator.rate = 0.0;
+    simulator.capture = folder / "bytes.bin";
+    make_simulator_source(simulator)->run(sent, stop);
+    make_stream_source({folder / "bytes.bin", 0.0})->run(received, stop);
+    THEN("the samples are the same up to the wire's steps, in the same order") {
+      REQUIRE(received.events.size() == sent.events.size());
+      REQUIRE(sent.events.size() > 100);
+      for (std::size_t i = 0; i < sent.events.size(); ++i) {
+        REQUIRE(received.events[i].index() == sent.events[i].index());
+        if (const auto* before = std::get_if<ImuSample>(&sent.events[i])) {
+          const auto& after = std::get<ImuSample>(received.events[i]);
+          const Vector3d moved = after.specific_force_body_mps2 - before->specific_force_body_mps2;
+          REQUIRE(moved.cwiseAbs().maxCoeff() <= 0.5 * 9.81e-3);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("byte sources refuse what they cannot use, by name") {
+  const TemporaryFolder folder;
+  CHECK_THROWS_WITH(make_stream_source({folder / "none.bin"}), Catch::Contains("none.bin"));
+  CHECK_THROWS_AS(make_stream_source({folder.path()}), files::IoError);
+  CHECK_THROWS_AS(make_udp_source("nonsense", std::nullopt), std::invalid_argument);
+  CHECK_THROWS_AS(make_serial_source({.device = folder.path().string()}, std::nullopt), files::IoError);
+}

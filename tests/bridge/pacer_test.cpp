@@ -1,0 +1,100 @@
+#include "bridge/collecting_sink.hpp"
+#include "process/host_clock.hpp"
+#include "bridge/pacer.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <limits>
+#include <stdexcept>
+#include <thread>
+
+using namespace sonopose;
+using namespace sonopose::bridge;
+using namespace sonopose::process;
+using sonopose::test::CollectingSink;
+
+namespace {
+
+constexpr TimeNs begin_ns = 1'700'000'000'000'000'000;
+constexpr TimeNs ms = 1'000'000;
+constexpr TimeNs hour = 3'600'000 * ms;
+
+}  // namespace
+
+SCENARIO("a pacer lets recorded time pass at its rate") {
+  CollectingSink sink;
+  const StopSignal stop;
+  GIVEN("real time") {
+    Pacer pacer(1.0);
+    REQUIRE(pacer.wait_for(begin_ns, sink, stop));
+    const TimeNs began_ns = steady_now_ns();
+    THEN("150 ms of the recording take 150 ms, counted from the first moment, however it is divided") {
+      for (TimeNs passed_ns = 0; passed_ns <= 150 * ms; passed_ns += 50 * ms) {
+        REQUIRE(pacer.wait_for(begin_ns + passed_ns, sink, stop));
+      }
+      CHECK(steady_now_ns() - began_ns >= 149 * ms);
+    }
+    THEN("what lies in the past is due at once") {
+      REQUIRE(pacer.wait_for(begin_ns - hour, sink, stop));
+      CHECK(steady_now_ns() - began_ns < hour);
+    }
+    THEN("the sink is ticked several times a second while nothing is due") {
+      REQUIRE(pacer.wait_for(begin_ns + 450 * ms, sink, stop));
+      CHECK(sink.ticks >= 2);
+    }
+  }
+  GIVEN("a thousand times real time") {
+    Pacer pacer(1000.0);
+    const TimeNs began_ns = steady_now_ns();
+    THEN("a minute of the recording takes 60 ms") {
+      REQUIRE(pacer.wait_for(begin_ns, sink, stop));
+      REQUIRE(pacer.wait_for(begin_ns + hour / 60, sink, stop));
+      CHECK(steady_now_ns() - began_ns >= 60 * ms);
+      CHECK(steady_now_ns() - began_ns < hour / 60);
+    }
+  }
+  GIVEN("rate 0") {
+    Pacer pacer(0.0);
+    const TimeNs began_ns = steady_now_ns();
+    THEN("an hour of the recording is due at once") {
+      REQUIRE(pacer.wait_for(begin_ns, sink, stop));
+      REQUIRE(pacer.wait_for(begin_ns + hour, sink, stop));
+      CHECK(steady_now_ns() - began_ns < hour);
+    }
+    THEN("the sink is ticked several times a second all the same") {
+      TimeNs time_ns = begin_ns;
+      while (sink.ticks < 3) REQUIRE(pacer.wait_for(++time_ns, sink, stop));
+      CHECK(steady_now_ns() - began_ns >= 300 * ms);
+    }
+  }
+}
+
+SCENARIO("a pacer ends its wait when the stop comes") {
+  CollectingSink sink;
+  StopSignal stop;
+  GIVEN("a sample that is due in an hour") {
+    Pacer pacer(1.0);
+    REQUIRE(pacer.wait_for(begin_ns, sink, stop));
+    WHEN("another thread asks for the end") {
+      const std::jthread other([&stop] { stop.request(); });
+      THEN("the wait says so") {
+        CHECK_FALSE(pacer.wait_for(begin_ns + hour, sink, stop));
+      }
+    }
+  }
+  GIVEN("rate 0, where nothing is ever waited for") {
+    Pacer pacer(0.0);
+    REQUIRE(pacer.wait_for(begin_ns, sink, stop));
+    stop.request();
+    THEN("it is noticed within a quarter of a second") {
+      const TimeNs began_ns = steady_now_ns();
+      while (pacer.wait_for(begin_ns, sink, stop)) REQUIRE(steady_now_ns() - began_ns < 250 * ms);
+    }
+  }
+}
+
+TEST_CASE("a rate that is no rate is refused with its value") {
+  CHECK_THROWS_WITH(Pacer(-1.0), Catch::Contains("-1"));
+  CHECK_THROWS_AS(Pacer(std::numeric_limits<double>::quiet_NaN()), std::invalid_argument);
+  CHECK_THROWS_AS(Pacer(std::numeric_limits<double>::infinity()), std::invalid_argument);
+}

@@ -1,0 +1,190 @@
+/// The order of three streams, restored.
+
+#include <sonopose/collation/collator.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <map>
+#include <vector>
+
+using namespace sonopose;
+using namespace sonopose::collation;
+
+namespace {
+
+constexpr TimeNs ms = 1'000'000;
+
+/// A collator with what it has delivered; one event a millisecond.
+struct Line {
+  Collator collator{5 * ms};
+  std::vector<std::uint64_t> delivered;
+  TimeNs now_ns = 1000 * ms;
+
+  void push(const Event& event) {
+    collator.push(event, now_ns, [this](const Event& out) { delivered.push_back(sequence_of(out)); });
+    now_ns += ms;
+  }
+  void push(std::uint64_t sequence) {
+    ImuSample imu;
+    imu.sequence = sequence;
+    push(Event(imu));
+  }
+  void push_all(std::initializer_list<std::uint64_t> sequences) {
+    for (const auto sequence : sequences) push(sequence);
+  }
+};
+
+using Numbers = std::vector<std::uint64_t>;
+
+}  // namespace
+
+TEST_CASE("events in order pass at once, whatever number they begin with") {
+  Line line;
+  for (std::uint64_t n = 41; n < 50; ++n) {
+    line.push(n);
+    REQUIRE(line.delivered.back() == n);
+  }
+  CHECK(line.collator.counters().lost == 0);
+  CHECK(line.collator.counters().duplicated == 0);
+}
+
+TEST_CASE("a gap that fills in time holds nothing up for good and loses nothing") {
+  Line line;
+  line.push_all({1, 2, 4, 5});
+  CHECK(line.delivered == Numbers{1, 2});
+  line.push(3);
+  CHECK(line.delivered == Numbers{1, 2, 3, 4, 5});
+  CHECK(line.collator.counters().lost == 0);
+}
+
+TEST_CASE("a gap is waited for as long as declared, then counted as lost") {
+  Line line;
+  line.push_all({1, 2, 4, 5, 6, 7, 8});  // 4 came at 3 ms: 5 ms of timeout are not over yet
+  CHECK(line.delivered == Numbers{1, 2});
+  line.push_all({9, 10});
+  CHECK(line.delivered == Numbers{1, 2, 4, 5, 6, 7, 8, 9, 10});
+  CHECK(line.collator.counters().lost == 1);
+  WHEN("it comes after all") {
+    line.push(3);
+    THEN("it is too late") {
+      CHECK(line.delivered.size() == 9);
+      CHECK(line.collator.counters().duplicated == 1);
+    }
+  }
+}
+
+TEST_CASE("two gaps at once are given up each in its own time") {
+  Line line;
+  line.push_all({1, 3, 5});
+  line.now_ns += 10 * ms;
+  line.push(6);
+  CHECK(line.delivered == Numbers{1, 3, 5, 6});
+  CHECK(line.collator.counters().lost == 2);
+}
+
+TEST_CASE("three streams that overtake each other come out in the bridge's order") {
+  Line line;
+  const auto imu = [](std::uint64_t n) {
+    ImuSample e;
+    e.sequence = n;
+    return Event(e);
+  };
+  const auto fix = [](std::uint64_t n) {
+    UltrasonicFix e;
+    e.sequence = n;
+    return Event(e);
+  };
+  const auto heading = [](std::uint64_t n) {
+    PairHeading e;
+    e.sequence = n;
+    return Event(e);
+  };
+  for (const Event& event :
+       {imu(1), imu(2), imu(5), heading(4), imu(6), fix(3), imu(7), imu(10), heading(9), fix(8)}) {
+    line.push(event);
+  }
+  CHECK(line.delivered == Numbers{1, 2, 3, 4, 5, 6, 7, 8, 9, 10});
+  CHECK(line.collator.counters().lost == 0);
+  CHECK(line.collator.counters().duplicated == 0);
+}
+
+TEST_CASE("what comes twice is delivered once") {
+  Line line;
+  line.push_all({1, 2, 2, 3, 1, 5, 5, 4});
+  CHECK(line.delivered == Numbers{1, 2, 3, 4, 5});
+  CHECK(line.collator.counters().duplicated == 3);
+}
+
+TEST_CASE("a bridge that begins to count anew is followed after a few events") {
+  Line line;
+  for (std::uint64_t n = 1000; n < 1050; ++n) line.push(n);
+  for (std::uint64_t n = 1; n <= 20; ++n) line.push(n);
+  CHECK(line.delivered.back() == 20);
+  CHECK(line.delivered.size() >= 50 + 16);
+  CHECK(line.collator.counters().restarts == 1);
+  CHECK(line.collator.counters().lost == 0);
+}
+
+TEST_CASE("a stream that lags behind another by more than the timeout is late, and no restart") {
+  // Every tenth event comes at once, the others 8 ms later: an overloaded receiver's two sockets.
+  std::multimap<TimeNs, std::uint64_t> arrivals;
+  for (std::uint64_t n = 1; n <= 1000; ++n) {
+    arrivals.emplace((static_cast<TimeNs>(n) + (n % 10 == 0 ? 0 : 8)) * ms, n);
+  }
+  Line line;
+  for (const auto& [arrival_ns, n] : arrivals) {
+    line.now_ns = arrival_ns;
+    line.push(n);
+  }
+  CHECK(std::is_sorted(line.delivered.begin(), line.delivered.end()));
+  CHECK(line.collator.counters().restarts == 0);
+  CHECK(line.collator.counters().lost + line.delivered.size() <= 1000);
+}
+
+TEST_CASE("a restart does not swallow what was still waiting") {
+  Line line;
+  line.push_all({1000, 1001, 1003});
+  line.push_all({1, 2, 3, 4, 5});
+  CHECK(line.delivered == Numbers{1000, 1001, 1003, 4, 5});
+}
+
+TEST_CASE("a gap too wide to be filled is not waited for") {
+  Line line;
+  line.push_all({1, 2, 1'000'000, 1'000'001});
+  CHECK(line.delivered == Numbers{1, 2, 1'000'000, 1'000'001});
+  CHECK(line.collator.counters().lost == 1'000'000 - 3);
+}
+
+TEST_CASE("more waiting events than places give the gap up early, in order") {
+  Line line;
+  line.collator = Collator(TimeNs{3600} * 1000 * ms);
+  line.push(1);
+  for (std::uint64_t n = 3; n < 3 + 2 * Collator::capacity; ++n) line.push(n);
+  CHECK(line.delivered.front() == 1);
+  CHECK(line.delivered.back() == 2 + 2 * Collator::capacity);
+  CHECK(line.delivered.size() == 1 + 2 * Collator::capacity);
+  CHECK(std::is_sorted(line.delivered.begin(), line.delivered.end()));
+  CHECK(line.collator.counters().lost == 1);
+}
+
+TEST_CASE("of two bridges in turn the first goes on being served, in order and completely") {
+  Line line;
+  for (std::uint64_t n = 0; n < 200; ++n) {
+    line.push(5000 + n);
+    line.push(1 + n);
+  }
+  CHECK(line.delivered.size() == 200);
+  CHECK(line.delivered.front() == 5000);
+  CHECK(line.delivered.back() == 5199);
+  CHECK(line.collator.counters().restarts == 0);
+  CHECK(line.collator.counters().duplicated == 200);
+}
+
+TEST_CASE("a number from nowhere does not shut the line for good") {
+  Line line;
+  for (std::uint64_t n = 1; n <= 10; ++n) line.push(n);
+  line.push(UINT64_MAX);
+  for (std::uint64_t n = 11; n <= 40; ++n) line.push(n);
+  CHECK(line.delivered.back() == 40);
+}

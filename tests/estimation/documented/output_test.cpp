@@ -1,0 +1,83 @@
+/// Poses between IMU samples.
+
+#include <sonopose/estimation/documented/output.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+using namespace sonopose;
+using namespace sonopose::estimation::documented;
+using namespace sonopose::settings;
+
+namespace {
+
+constexpr TimeNs ms_ns = 1'000'000;
+
+/// On a circle of radius 2 m about the origin at 1 rad/s, counter-clockwise, nose along the way.
+FusedPose on_circle(double angle_rad) {
+  FusedPose pose;
+  pose.address = 7;
+  pose.sequence = 12;
+  pose.time_ns = 1'700'000'000'000'000'000 + to_ns(angle_rad);
+  pose.position_world_m = 2.0 * Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0);
+  pose.velocity_world_mps = 2.0 * Vector3d(-std::sin(angle_rad), std::cos(angle_rad), 0.0);
+  pose.acceleration_world_mps2 = -pose.position_world_m;
+  pose.angular_velocity_body_radps = Vector3d(0.0, 0.0, 1.0);
+  pose.q_body_to_world = geometry::rotation_about_z(angle_rad + geometry::radians_per_degree * 90.0);
+  return pose;
+}
+
+}  // namespace
+
+SCENARIO("a pose between samples lies where the motion leads") {
+  GIVEN("a body on a circle") {
+    const FusedPose at_sample = on_circle(0.3);
+    WHEN("it is asked for 8 ms after a sample") {
+      const FusedPose between = output::predicted(at_sample, 8 * ms_ns);
+      const FusedPose truth = on_circle(0.308);
+      THEN("it is where the body is by then, but for what the change of acceleration does") {
+        // |jerk| is 2 m/s^3: over 8 ms that is jerk·t³/6 = 0.17 um and jerk·t²/2 = 64 um/s.
+        CHECK((between.position_world_m - truth.position_world_m).norm() < 0.2e-6);
+        CHECK((between.velocity_world_mps - truth.velocity_world_mps).norm() < 70e-6);
+        CHECK(between.q_body_to_world.angularDistance(truth.q_body_to_world) < 1e-9);
+        CHECK(between.time_ns == at_sample.time_ns + 8 * ms_ns);
+      }
+      THEN("it says that it is predicted, and from which sample") {
+        CHECK(between.status == (at_sample.status | status_predicted));
+        CHECK(between.sequence == at_sample.sequence);
+        CHECK(between.imu_sensor_time_ns == at_sample.imu_sensor_time_ns);
+      }
+    }
+  }
+}
+
+SCENARIO("where the engine ignores acceleration, so does what is predicted") {
+  for (const auto status : {status_stale, status_initialising, status_rotating_fast}) {
+    FusedPose at_sample = on_circle(0.0);
+    at_sample.status = status;
+    const FusedPose later = output::predicted(at_sample, 50 * ms_ns);
+    CHECK(later.velocity_world_mps == at_sample.velocity_world_mps);
+    CHECK(later.position_world_m.y() == Approx(0.1));
+    CHECK(later.position_world_m.x() == 2.0);
+  }
+}
+
+SCENARIO("what is predicted is less sure than what was measured") {
+  FusedPose at_sample = on_circle(0.0);
+  at_sample.position_std_m = Vector3d(0.03, 0.03, 0.03);
+  at_sample.velocity_std_mps = Vector3d(0.4, 0.0, 0.4);
+  at_sample.since_valid_fix_s = 0.05;
+  const FusedPose later = output::predicted(at_sample, 100 * ms_ns);
+  CHECK(later.position_std_m.x() == Approx(0.05));  // 3 cm and 4 cm, independent
+  CHECK(later.position_std_m.y() == 0.03);
+  CHECK(later.since_valid_fix_s == Approx(0.15));
+}
+
+TEST_CASE("a rate gives its period, and none gives none") {
+  OutputSettings settings;
+  CHECK(output::period_ns(settings) == 0);
+  settings.rate_hz = 1000;
+  CHECK(output::period_ns(settings) == ms_ns);
+}

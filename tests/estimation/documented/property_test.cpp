@@ -1,0 +1,261 @@
+/// Whatever the settings and the samples are: the state stays finite, and a body at rest is not set in
+/// motion.
+
+#include <sonopose/estimation/documented/engine.hpp>
+#include <sonopose/estimation/documented/state_fields.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+
+using namespace sonopose;
+using namespace sonopose::estimation::documented;
+using namespace sonopose::settings;
+
+namespace {
+
+constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
+
+/// Random numbers of one case, the same in every run of the test.
+class Dice {
+public:
+  explicit Dice(unsigned seed) : generator_(seed) {}
+  double between(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(generator_);
+  }
+  bool chance(double share) { return between(0.0, 1.0) < share; }
+  int below(int count) { return std::uniform_int_distribution<int>(0, count - 1)(generator_); }
+  double normal(double std) { return std::normal_distribution<double>(0.0, std)(generator_); }
+  Vector3d normals(double std) {
+    const double x = normal(std);
+    const double y = normal(std);
+    return {x, y, normal(std)};
+  }
+
+private:
+  std::mt19937 generator_;
+};
+
+double number_of(const SettingValue& value) {
+  if (const auto* whole = std::get_if<int>(&value)) return *whole;
+  return std::get<double>(value);
+}
+
+/// Each setting at a random place of its range, evenly on a logarithmic scale where that spans decades.
+Settings random_settings(Dice& dice) {
+  Settings settings;
+  for (const SettingInfo& row : setting_table()) {
+    if (row.group == OutputSettings::group) continue;  // it is not the engine's
+    if (!row.choices.empty()) {
+      set(settings, row.key,
+          std::string(
+              row.choices[static_cast<std::size_t>(dice.below(static_cast<int>(row.choices.size())))]));
+    } else if (std::holds_alternative<bool>(row.initial)) {
+      set(settings, row.key, dice.chance(0.5));
+    } else {
+      const double low = number_of(row.minimum);
+      const double high = number_of(row.maximum);
+      const double floor = std::max(low, 1e-4 * high);
+      const bool at_end = dice.chance(0.1);
+      double value =
+          low > 0.0 || dice.chance(0.8) ? floor * std::pow(high / floor, dice.between(0.0, 1.0)) : low;
+      if (low < 0.0) value = dice.between(low, high);
+      if (at_end) value = dice.chance(0.5) ? low : high;
+      value = std::clamp(value, low, high);
+      if (std::holds_alternative<int>(row.initial)) {
+        set(settings, row.key, static_cast<int>(std::lround(value)));
+      } else {
+        set(settings, row.key, value);
+      }
+    }
+  }
+  return settings;
+}
+
+/// Is every number of the state finite?
+struct Finite {
+  bool& all;
+  void operator()(const char*, double value) const { all = all && std::isfinite(value); }
+  void operator()(const char*, const Vector3d& value) const { all = all && value.allFinite(); }
+  void operator()(const char*, const PastFix& fix) const { all = all && fix.position_world_m.allFinite(); }
+  void operator()(const char*, const attitude::AnyFilter& filter) const {
+    all = all && std::abs(filter.orientation().norm() - 1.0) < 1e-9 &&
+          filter.gyro_bias_body_radps().allFinite();
+  }
+  void operator()(const char*, const InertialHistory& history) const {
+    for (std::size_t i = 0; i < history.size(); ++i) {
+      all = all && history[i].displacement_world_m.allFinite() && std::isfinite(history[i].yaw_rad);
+    }
+  }
+  template <class Value>
+  void operator()(const char*, const Value&) const {}
+};
+
+bool is_finite(const State& state) {
+  bool all = true;
+  for_each_field(state, Finite{all});
+  return all;
+}
+
+bool is_finite(const FusedPose& pose) {
+  return pose.position_world_m.allFinite() && pose.velocity_world_mps.allFinite() &&
+         std::abs(pose.q_body_to_world.norm() - 1.0) < 1e-9 && pose.position_std_m.allFinite() &&
+         pose.velocity_std_mps.allFinite() && std::isfinite(pose.yaw_std_rad) && std::isfinite(pose.trust);
+}
+
+/// What no sensor should ever send, and some does.
+double absurd(Dice& dice) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  const std::array values{std::numeric_limits<double>::quiet_NaN(), inf, -inf, 1e6, -1e6, 1e4, 1e300, 0.0};
+  return values[static_cast<std::size_t>(dice.below(static_cast<int>(values.size())))];
+}
+
+/// A stream of samples in which anything may happen, in any order.
+class Chaos {
+public:
+  explicit Chaos(Dice& dice)
+      : dice_(dice),
+        period_s_(std::array{0.001, 0.005, 0.01, 0.04}[static_cast<std::size_t>(dice.below(4))]) {}
+
+  Event next() {
+    const int kind = dice_.below(10);
+    if (kind < 7) return imu();
+    if (kind < 9) return fix();
+    PairHeading heading;
+    heading.emission_time_ns = stamp(-0.07);
+    heading.received_time_ns = stamp(0.0);
+    heading.heading_world_rad = dice_.chance(0.2) ? absurd(dice_) : dice_.between(-10.0, 10.0);
+    heading.valid = dice_.chance(0.8);
+    return heading;
+  }
+
+private:
+  TimeNs stamp(double offset_s) const { return now_ns_ + to_ns(offset_s); }
+
+  double time_step_s() {
+    if (dice_.chance(0.03)) return 0.0;                     // the same stamp again
+    if (dice_.chance(0.03)) return -dice_.between(0, 0.1);  // back in time
+    if (dice_.chance(0.01)) return std::array{0.5, 5.0, 300.0}[static_cast<std::size_t>(dice_.below(3))];
+    return period_s_;
+  }
+
+  ImuSample imu() {
+    now_ns_ += to_ns(time_step_s());
+    ImuSample imu;
+    imu.sensor_time_ns = now_ns_;
+    imu.angular_velocity_body_radps = dice_.normals(dice_.chance(0.05) ? 20.0 : 1.0);
+    imu.specific_force_body_mps2 = Vector3d(0, 0, standard_gravity_mps2) + dice_.normals(3.0);
+    if (dice_.chance(0.03)) imu.specific_force_body_mps2.setZero();
+    if (dice_.chance(0.03)) imu.specific_force_body_mps2[dice_.below(3)] = absurd(dice_);
+    if (dice_.chance(0.03)) imu.angular_velocity_body_radps[dice_.below(3)] = absurd(dice_);
+    return imu;
+  }
+
+  UltrasonicFix fix() {
+    UltrasonicFix fix;
+    const double delay_s = dice_.chance(0.05) ? dice_.between(-2.0, 2.0) : dice_.between(0.0, 0.2);
+    fix.received_time_ns = stamp(dice_.chance(0.05) ? dice_.between(-2.0, 2.0) : 0.0);
+    fix.emission_time_ns = fix.received_time_ns - to_ns(delay_s);
+    fix.measured_delay_s = delay_s;
+    fix.position_world_m = dice_.normals(dice_.chance(0.1) ? 100.0 : 1.0);
+    if (dice_.chance(0.05)) fix.position_world_m[dice_.below(3)] = absurd(dice_);
+    if (dice_.chance(0.7))
+      fix.quality_percent = dice_.chance(0.05) ? absurd(dice_) : dice_.between(0.0, 100.0);
+    if (dice_.chance(0.2)) fix.measured_delay_s.reset();
+    return fix;
+  }
+
+  Dice& dice_;
+  double period_s_;
+  TimeNs now_ns_ = start_ns;
+};
+
+}  // namespace
+
+TEST_CASE("no settings and no samples in any order make the state other than finite") {
+  constexpr unsigned cases = 10'000;
+  constexpr int events = 250;
+  std::uint64_t poses = 0;
+  for (unsigned seed = 1; seed <= cases; ++seed) {
+    Dice dice(seed);
+    Engine engine(random_settings(dice));
+    Chaos chaos(dice);
+    bool poses_finite = true;
+    for (int i = 0; i < events; ++i) {
+      deliver(
+          engine, chaos.next(),
+          [&](const FusedPose& pose) {
+            ++poses;
+            poses_finite = poses_finite && is_finite(pose);
+          },
+          [](const FixReport&) {});
+    }
+    if (!poses_finite || !is_finite(engine.state())) FAIL("case " << seed << ": a number is not finite");
+  }
+  CHECK(poses > cases * 85);  // most of the samples were taken, however strange their calibration
+}
+
+TEST_CASE("no settings set a body at rest in motion without end, or turn it away") {
+  // An error of the accelerometer of 0.05 m/s² that nothing corrects makes 1 m/s in 20 s.
+  constexpr unsigned cases = 10'000;
+  constexpr int samples = 400;
+  for (unsigned seed = 1; seed <= cases; ++seed) {
+    Dice dice(seed);
+    Settings settings = random_settings(dice);
+    settings.calibration = {};  // with another one the body would not be at rest
+    // A filter that levels at once, told of corrections, closes a loop that nothing damps (docs/attitude.md).
+    const auto filter = settings.attitude.selection.filter;
+    if (filter == attitude::FilterKind::mahony || filter == attitude::FilterKind::complementary) {
+      settings.alignment.aiding_s = 0.0;
+    }
+    Engine engine(settings);
+    const double period_s = std::array{0.001, 0.01, 0.01, 0.04}[static_cast<std::size_t>(dice.below(4))];
+    const double mount_rad = engine.settings().heading.mount_offset_deg * geometry::radians_per_degree;
+    const bool with_heading = dice.chance(0.7);
+    const Vector3d accel_offset = dice.normals(0.03);
+    double fastest_mps = 0.0;
+    double most_turned_rad = 0.0;
+    double next_fix_s = 0.1;
+    for (int i = 0; i < samples; ++i) {
+      const double time_s = period_s * i;
+      const TimeNs now_ns = start_ns + to_ns(time_s);
+      ImuSample imu;
+      imu.sensor_time_ns = now_ns;
+      imu.angular_velocity_body_radps = dice.normals(0.002);
+      imu.specific_force_body_mps2 =
+          Vector3d(0, 0, standard_gravity_mps2) + accel_offset + dice.normals(0.02);
+      if (dice.chance(0.02)) continue;  // lost
+      if (const auto pose = engine.on(imu)) {
+        fastest_mps = std::max(fastest_mps, pose->velocity_world_mps.norm());
+        most_turned_rad = std::max(most_turned_rad, std::abs(geometry::yaw_of(pose->q_body_to_world)));
+      }
+      if (time_s < next_fix_s) continue;
+      next_fix_s += 0.08;
+      if (dice.chance(0.05)) continue;
+      UltrasonicFix fix;
+      fix.emission_time_ns = now_ns - to_ns(dice.chance(0.05) ? 0.2 : 0.07);
+      fix.received_time_ns = now_ns;
+      fix.measured_delay_s = seconds_between(fix.emission_time_ns, now_ns);
+      fix.position_world_m = Vector3d(1, 2, 0.5) + dice.normals(0.02);
+      fix.quality_percent = 90.0;
+      engine.on(fix);
+      if (!with_heading) continue;
+      PairHeading heading;
+      heading.emission_time_ns = fix.emission_time_ns;
+      heading.received_time_ns = now_ns;
+      heading.heading_world_rad = geometry::wrap_angle(mount_rad + dice.normal(0.015));
+      heading.valid = true;
+      engine.on(heading);
+    }
+    INFO("case " << seed);
+    REQUIRE(fastest_mps < 10.0);
+    // A heading that expires before the next one comes leaves yaw to the fixes in between.
+    const bool held = with_heading && engine.settings().heading.expires_s > 0.5;
+    if (held) REQUIRE(most_turned_rad < 1.5);
+  }
+}

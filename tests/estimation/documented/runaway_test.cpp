@@ -1,0 +1,80 @@
+/// Items 23 and 24.
+
+#include <catch2/catch.hpp>
+
+#include <support/engine_driver.hpp>
+
+using namespace sonopose;
+using namespace sonopose::estimation::documented;
+using namespace sonopose::settings;
+
+namespace {
+
+RunawaySettings plain() {
+  RunawaySettings settings;
+  settings.position_error_m = 2.0;
+  settings.velocity_damp_max_hz = 8.0;
+  return settings;
+}
+
+/// Rate (1/s) at which the speed falls `distance_m` from the last fix.
+double damping_hz(double distance_m, const Vector3d& velocity_world_mps) {
+  const RunawayState state{true, {1, 1, 1}};
+  Kinematics body;
+  body.position_world_m = Vector3d(1, 1, 1) + distance_m * Vector3d::UnitX();
+  body.velocity_world_mps = velocity_world_mps;
+  runaway::damp(plain(), state, body, 0.01);
+  return -std::log(body.velocity_world_mps.norm() / velocity_world_mps.norm()) / 0.01;
+}
+
+}  // namespace
+
+TEST_CASE("items 23 and 24: damping rises linearly from the threshold to its most at twice that") {
+  const Vector3d away(3, 0, 0);
+  CHECK(damping_hz(1.0, away) == 0.0);
+  CHECK(damping_hz(2.0, away) == 0.0);
+  CHECK(damping_hz(2.5, away) == Approx(2.0));
+  CHECK(damping_hz(3.0, away) == Approx(4.0));
+  CHECK(damping_hz(4.0, away) == Approx(8.0));
+  CHECK(damping_hz(40.0, away) == Approx(8.0));
+}
+
+TEST_CASE("item 23: a velocity that does not lead away is left alone") {
+  CHECK(damping_hz(5.0, {-3, 0, 0}) == 0.0);
+  CHECK(damping_hz(5.0, {0, 3, 0}) == 0.0);
+  CHECK(damping_hz(5.0, {0.1, 3, 0}) > 0.0);
+}
+
+TEST_CASE("item 23: before any fix there is nothing to run away from") {
+  Kinematics body;
+  body.position_world_m = {100, 0, 0};
+  body.velocity_world_mps = {3, 0, 0};
+  runaway::damp(plain(), RunawayState{}, body, 0.01);
+  CHECK(body.velocity_world_mps == Vector3d(3, 0, 0));
+}
+
+TEST_CASE("item 23 by default exceeds the lag of honest motion: it does not slow a kart") {
+  Settings off;
+  off.runaway.velocity_damp_max_hz = 0.0;
+  test::EngineDriver with(Settings{}, test::departure(6.0, 0.125));
+  test::EngineDriver without(off, test::departure(6.0, 0.125));
+  with.run(15.0);
+  without.run(15.0);
+  CHECK(with.moments.back().pose.position_world_m == without.moments.back().pose.position_world_m);
+}
+
+TEST_CASE("items 23 and 24, in the engine: a gross accelerometer error is kept in reach of the fixes") {
+  const auto farthest_m = [](double max_hz) {
+    Settings settings;
+    settings.runaway.velocity_damp_max_hz = max_hz;
+    settings.outage.stale_after_s = 60.0;  // it alone must hold
+    test::EngineDriver driver(settings, test::at_rest());
+    driver.run(3.0);
+    driver.fixes_on = false;
+    driver.alter_imu = [](ImuSample& imu, double) { imu.specific_force_body_mps2.x() += 2.0; };
+    driver.run(10.0);
+    return test::worst_error_m(driver.moments, 3.0);
+  };
+  CHECK(farthest_m(10.0) < 10.0);
+  CHECK(farthest_m(0.0) > 50.0);
+}

@@ -1,0 +1,100 @@
+/// The standard deviations that come with a pose: no decoration, they must fit the errors.
+
+#include <catch2/catch.hpp>
+
+#include <support/engine_driver.hpp>
+
+using namespace sonopose;
+using namespace sonopose::estimation::documented;
+using namespace sonopose::settings;
+
+TEST_CASE("without news everything grows, the position ever faster") {
+  const UncertaintySettings settings;
+  UncertaintyState state{0.02, 0.0, 0.01};
+  for (int i = 0; i < 100; ++i) uncertainty::grow(settings, state, 0.01);
+  CHECK(state.velocity_std_mps == Approx(settings.accel_std_mps2));
+  CHECK(state.position_std_m == Approx(0.02 + 0.5 * settings.accel_std_mps2).epsilon(0.02));
+  CHECK(state.yaw_std_rad == Approx(0.01 + settings.yaw_drift_std_degps * geometry::radians_per_degree));
+}
+
+TEST_CASE("nothing grows beyond what stands for no idea") {
+  UncertaintyState state;
+  for (int i = 0; i < 1000; ++i) uncertainty::grow(UncertaintySettings{}, state, 10.0);
+  CHECK(state.position_std_m == UncertaintyState::unknown_m);
+  CHECK(state.velocity_std_mps == UncertaintyState::unknown_mps);
+  CHECK(state.yaw_std_rad == Approx(M_PI / std::sqrt(3.0)));
+}
+
+TEST_CASE("a fix shrinks it, one of little weight by little, one of none not at all") {
+  const UncertaintySettings settings;
+  const auto after = [&settings](double weight) {
+    UncertaintyState state{1.0, 1.0, 0.1};
+    uncertainty::correct(settings, state, weight, 0.5 * weight, 0.3 * weight, 0.08);
+    return state;
+  };
+  CHECK(after(1.0).position_std_m == Approx(0.5).epsilon(0.01));
+  CHECK(after(0.1).position_std_m == Approx(0.95).epsilon(0.01));
+  CHECK(after(0.0) == UncertaintyState{1.0, 1.0, 0.1});
+  CHECK(after(1.0).velocity_std_mps < 1.0);
+  CHECK(after(1.0).yaw_std_rad == 0.1);
+}
+
+TEST_CASE("a fix that gives no velocity leaves the velocity as unsure as it was") {
+  UncertaintyState state{1.0, 1.0, 0.1};
+  uncertainty::correct(UncertaintySettings{}, state, 1.0, 0.5, 0.3, 0.0);
+  CHECK(state.velocity_std_mps == 1.0);
+}
+
+TEST_CASE("the pull to a heading brings yaw down to the heading's own noise and not below") {
+  const UncertaintySettings settings;
+  UncertaintyState state{1.0, 1.0, 1.0};
+  for (int i = 0; i < 1000; ++i) uncertainty::pull_yaw(settings, state, 0.02);
+  CHECK(state.yaw_std_rad == Approx(settings.heading_std_deg * geometry::radians_per_degree));
+}
+
+TEST_CASE("in the engine it says no idea before the first fix, and centimetres soon after it") {
+  test::Sensors sensors;
+  sensors.noise_m = 0.02;
+  sensors.headings = true;
+  test::EngineDriver driver(Settings{}, test::departure(2.0, 0.1), sensors);
+  driver.fixes_on = false;
+  const auto blind = driver.run(0.5);
+  CHECK(blind.pose.position_std_m.x() >= 100.0);
+  CHECK(blind.pose.yaw_std_rad > 1.0);
+  driver.fixes_on = true;
+  const auto seeing = driver.run(2.0);
+  CHECK(seeing.pose.position_std_m.x() < 0.1);
+  CHECK(seeing.pose.velocity_std_mps.x() < 1.0);
+  CHECK(seeing.pose.yaw_std_rad < 0.1);
+}
+
+TEST_CASE("in the engine the position's standard deviation fits the errors that are made") {
+  test::Sensors sensors;
+  sensors.noise_m = 0.02;
+  sensors.headings = true;
+  test::EngineDriver driver(Settings{}, test::departure(2.0, 0.1), sensors);
+  driver.run(60.0);
+  double squares = 0.0;
+  double variances = 0.0;
+  for (const auto& moment : driver.moments) {
+    if (moment.time_s < 10.0) continue;
+    squares += (moment.pose.position_world_m - moment.truth.position_world_m).squaredNorm();
+    variances += moment.pose.position_std_m.squaredNorm();
+  }
+  const double ratio = std::sqrt(squares / variances);
+  CHECK(ratio > 0.2);
+  CHECK(ratio < 1.5);
+}
+
+TEST_CASE("in the engine it grows while the ultrasound is silent, at least as fast as the error") {
+  test::Sensors sensors;
+  sensors.noise_m = 0.02;
+  test::EngineDriver driver(Settings{}, test::departure(2.0, 0.1), sensors);
+  driver.run(10.0);
+  driver.fixes_on = false;
+  driver.run(0.1);
+  const double before_m = driver.moments.back().pose.position_std_m.x();
+  const auto after = driver.run(0.8);
+  CHECK(after.pose.position_std_m.x() > before_m + 0.05);
+  CHECK(after.position_error_m() < 3.0 * std::sqrt(3.0) * after.pose.position_std_m.x());
+}

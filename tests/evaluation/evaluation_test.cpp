@@ -1,0 +1,129 @@
+/// What the fusion must reach on the simulator's scenarios with the shipped defaults, and that the evaluation
+/// measures what it says.
+
+#include "recording/log_folder.hpp"
+#include "evaluation/evaluation.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <iostream>
+#include <map>
+
+using namespace sonopose;
+using evaluation::CaseResult;
+
+namespace {
+
+std::vector<CaseResult> runs_of(const std::string& scenario, std::uint64_t seeds = 5) {
+  std::vector<CaseResult> runs;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    runs.push_back(evaluation::evaluate(evaluation::simulated_case(sim::find_scenario(scenario), seed), {}));
+  }
+  return runs;
+}
+
+/// A body that stands still, and a pose that is off by as much as its fixes are.
+evaluation::Case standing(double fix_offset_m) {
+  evaluation::Case standing = evaluation::simulated_case(sim::find_scenario("rest"), 1);
+  for (Event& event : standing.events) {
+    if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->position_world_m.x() += fix_offset_m;
+  }
+  return standing;
+}
+
+}  // namespace
+
+TEST_CASE("with the shipped defaults the pose is as near to the truth as is promised") {
+  const std::map<std::string, double> bars_m{
+      {"rest", 0.025},  {"walk", 0.025},          {"forklift", 0.025},
+      {"drone", 0.025}, {"low_quality", 0.035},   {"no_heading", 0.035},
+      {"kart", 0.04},   {"outlier_bursts", 0.06}, {"spin", 0.06}};
+  for (const auto& [scenario, bar_m] : bars_m) {
+    const auto summary = evaluation::summarise(runs_of(scenario));
+    INFO(scenario << ": " << summary.position_rmse_m << " m, median of " << summary.runs);
+    CHECK(summary.position_rmse_m < bar_m);
+    CHECK(summary.position_rmse_m < summary.extrapolated_rmse_m);
+    CHECK(summary.position_rmse_m < summary.last_fix_rmse_m);
+  }
+}
+
+TEST_CASE(
+    "after an outage the pose is back within 3 s, and in it goes no farther than the stale rule allows") {
+  const settings::Settings settings;
+  for (const CaseResult& run : runs_of("outages")) {
+    REQUIRE(run.outages.size() == 3);
+    for (const evaluation::OutageResult& outage : run.outages) {
+      INFO("an outage of " << outage.duration_s << " s");
+      CHECK(outage.recovery_s < 3.0);
+      // What is left of the drift offset is spent meanwhile: a few centimetres on top.
+      CHECK(outage.drift_m < outage.drift_allowed_m + 0.1);
+      CHECK(outage.drift_allowed_m < 2.0 / settings.outage.velocity_decay_rate_hz);
+    }
+  }
+}
+
+TEST_CASE("a relocation is followed within item 19's fixes and the decay") {
+  const settings::Settings settings;
+  for (const CaseResult& run : runs_of("relocation")) {
+    REQUIRE(run.relocations.size() == 1);
+    constexpr double slowest_fixes_hz = 8.0;
+    const double decay_s = 3.0 / settings.drift.decay_rate_hz;
+    CHECK(run.relocations[0].distance_m == Approx(2.5));
+    CHECK(run.relocations[0].settled_s < settings.trust.n_max / slowest_fixes_hz + decay_s);
+  }
+}
+
+TEST_CASE("recorded flights: below 4 cm") {
+  const std::filesystem::path folder = std::filesystem::path(SONOPOSE_RECORDINGS) / "beacons";
+  if (!exists(folder)) {
+    std::cout << "skipped: no recordings\n";
+    return;
+  }
+  const auto recordings = evaluation::recordings_with_truth(folder);
+  CHECK(recordings.size() >= 2);
+  for (const auto& recording : recordings) {
+    const CaseResult result = evaluation::evaluate(evaluation::recorded_case(recording), {});
+    INFO(result.name);
+    CHECK(result.fused.position_m.rmse < 0.04);
+    CHECK(result.fused.position_m.rmse < 0.5 * result.last_fix_m.rmse);
+  }
+}
+
+TEST_CASE("fixes that all lie 10 cm aside are an error of 10 cm, in the pose and in the last fix") {
+  const CaseResult right = evaluation::evaluate(standing(0.0), {});
+  const CaseResult aside = evaluation::evaluate(standing(0.1), {});
+  CHECK(aside.fused.position_m.rmse == Approx(std::hypot(0.1, right.fused.position_m.rmse)).margin(0.005));
+  CHECK(aside.last_fix_m.rmse == Approx(std::hypot(0.1, right.last_fix_m.rmse)).margin(0.005));
+}
+
+TEST_CASE("the last fix lags by its delay and half an interval, the extrapolated one does not") {
+  // At 6 m/s on the circle, with 68 ms of delay and some 50 ms more until the next fix.
+  const CaseResult run = runs_of("circle", 1).front();
+  CHECK(run.last_fix_m.rmse > 6.0 * 0.08);
+  CHECK(run.last_fix_m.rmse < 6.0 * 0.18);
+  CHECK(run.extrapolated_m.rmse < 0.3 * run.last_fix_m.rmse);
+}
+
+TEST_CASE("runs are summarised by their median and their worst; one without a number is the worst") {
+  std::vector<CaseResult> runs(3);
+  const std::array errors_m{0.05, std::nan(""), 0.02};
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    runs[i].name = "case";
+    runs[i].fused.position_m.rmse = errors_m[i];
+  }
+  const auto summary = evaluation::summarise(runs);
+  CHECK(summary.position_rmse_m == 0.05);
+  CHECK(std::isinf(summary.worst_rmse_m));
+  CHECK_FALSE(summary.slowest_recovery_s.has_value());
+  runs[0].outages = {{2.0, 1.5, 0.4, 0.8}, {4.0, 0.7, 0.9, 0.8}};
+  CHECK(evaluation::summarise(runs).slowest_recovery_s == 1.5);
+  CHECK(*evaluation::summarise(runs).worst_drift_share == Approx(0.9 / 0.8));
+  CHECK_THAT(evaluation::table_of({summary}), Catch::Matchers::Contains("5.00"));
+  CHECK_THAT(evaluation::json_of({summary}), Catch::Matchers::Contains("\"position_rmse_m\": 0.05"));
+}
+
+TEST_CASE("a folder without recordings, or without truth, is refused by name") {
+  CHECK_THROWS_WITH(evaluation::recordings_with_truth("/nowhere/at/all"),
+                    Catch::Matchers::Contains("/nowhere/at/all"));
+}

@@ -1,0 +1,20 @@
+#include "evaluation/fix_flag_counts.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace sonopose;
+
+TEST_CASE("fix_flags are told in words, in the order of their bits") {
+  CHECK(evaluation::fix_flag_text(0) == "none");
+  CHECK(evaluation::fix_flag_text(fix_first | fix_used) == "used|first");
+  CHECK(evaluation::fix_flag_text(fix_low_quality) == "low_quality");
+}
+
+TEST_CASE("each bit of a flags is counted for itself") {
+  evaluation::FixFlagCounts counts;
+  counts.add(fix_used);
+  counts.add(fix_used | fix_frozen);
+  CHECK(counts.of(fix_used) == 2);
+  CHECK(counts.of(fix_frozen) == 1);
+  CHECK(counts.of(fix_first) == 0);
+}

@@ -1,0 +1,61 @@
+#include "evaluation/sample_log.hpp"
+#include "evaluation/report.hpp"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+using nlohmann::json;
+
+TEST_CASE("the JSON report holds the run's figures") {
+  const auto result = evaluation::run(sample_log(), {.after_s = 6.0});
+  const json report = json::parse(evaluation::report_json(result, {0.5, 1.5}));
+  CHECK(report["position_rmse_m"] == result.fused.position_m.rmse);
+  CHECK(report["position_p95_m"] == result.fused.position_m.p95);
+  CHECK(report["position_max_m"] == result.fused.position_m.max);
+  CHECK(report["yaw_rmse_deg"] == result.fused.yaw_rmse_deg);
+  CHECK(report["tilt_rmse_deg"] == result.fused.tilt_rmse_deg);
+  CHECK(report["velocity_rmse_mps"] == result.fused.velocity_rmse_mps);
+  CHECK(report["last_fix_rmse_m"] == result.last_fix_m.rmse);
+  CHECK(report["extrapolated_rmse_m"] == result.extrapolated_m.rmse);
+  CHECK(report["fixes_used"] == result.counters.fixes_used);
+  CHECK(report["fixes_rejected"] == 0);
+  CHECK(report["imu_samples"] == 2000);
+  CHECK(report["poses_without_truth"] == 0);
+  CHECK(report["imu_stamps_back"] == 0);
+  CHECK(report["state_hash"] == result.state_hash);
+  CHECK(report["fix_flags"]["first"] == 1);
+  CHECK(report["times_real_time"] == Approx(result.duration_s / 2.0));
+}
+
+TEST_CASE("what the truth does not tell is null, and said in words") {
+  recording::SensorLog log = sample_log("walk", 2.0);
+  log.truth.clear();
+  const auto result = evaluation::run(log, {});
+  const json report = json::parse(evaluation::report_json(result, {}));
+  for (const char* field : {"position_rmse_m", "position_p95_m", "position_max_m", "yaw_rmse_deg",
+                            "tilt_rmse_deg", "velocity_rmse_mps", "last_fix_rmse_m", "extrapolated_rmse_m"}) {
+    CAPTURE(field);
+    REQUIRE(report.contains(field));
+    CHECK(report[field].is_null());
+  }
+  CHECK_THAT(evaluation::report_text(result, {}), Contains("no truth.csv") && !Contains("nan"));
+}
+
+TEST_CASE("the lines for people hold scores with units, counts and the hash") {
+  const auto result = evaluation::run(sample_log("outlier_bursts"), {.after_s = 6.0});
+  const std::string text = evaluation::report_text(result, {0.01, 0.03});
+  CHECK_THAT(text,
+             Contains("m RMSE") && Contains("m/s RMSE") && Contains("deg RMSE") && Contains("last fix"));
+  CHECK_THAT(text, Contains("outlier") && Contains("1 first"));
+  CHECK_THAT(text, Contains("x real time") && Contains(result.state_hash));
+}
+
+TEST_CASE("a truth without velocity leaves that one figure open") {
+  recording::SensorLog log = sample_log("walk", 2.0);
+  for (TruthSample& truth : log.truth) truth.velocity_world_mps.setConstant(std::nan(""));
+  const std::string text = evaluation::report_text(evaluation::run(log, {}), {});
+  CHECK_THAT(text, Contains("not known") && Contains("m RMSE") && !Contains("nan"));
+}

@@ -1,0 +1,148 @@
+#include "support/temporary_folder.hpp"
+#include "evaluation/sample_log.hpp"
+#include "files/error.hpp"
+#include "evaluation/state_file.hpp"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <limits>
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+using nlohmann::json;
+
+namespace {
+
+/// A state in which every group has been at work.
+evaluation::SavedState busy_state() {
+  return evaluation::run(sample_log("outlier_bursts"), {.until_s = 13.0}).end;
+}
+
+/// What reading the state says after `change` was made to the file.
+template <class Change>
+std::string complaint_after(const Change& change) {
+  json file = json::parse(evaluation::state_text(busy_state()));
+  change(file);
+  try {
+    evaluation::parse_state(file.dump(), "s.json");
+  } catch (const evaluation::StateFileError& error) {
+    return error.what();
+  }
+  return "no complaint";
+}
+
+}  // namespace
+
+TEST_CASE("a state comes back from its file to the last bit") {
+  const TemporaryFolder folder;
+  const evaluation::SavedState saved = busy_state();
+  evaluation::save_state(folder / "state.json", saved);
+  CHECK(evaluation::load_state(folder / "state.json") == saved);
+  evaluation::save_state(folder / "state.json", {});  // replaces it
+  CHECK(evaluation::load_state(folder / "state.json") == evaluation::SavedState{});
+}
+
+TEST_CASE("a run that goes on from a file ends like the whole run") {
+  const TemporaryFolder folder;
+  const recording::SensorLog log = sample_log("outages");
+  const auto whole = evaluation::run(log, {});
+  evaluation::save_state(folder / "state.json", evaluation::run(log, {.until_s = 7.7}).end);
+  const auto rest = evaluation::run(log, {.start = evaluation::load_state(folder / "state.json")});
+  CHECK(rest.end == whole.end);
+}
+
+TEST_CASE("a state fits the recording that it was left in, and no other") {
+  const recording::SensorLog log = sample_log("walk", 2.0);
+  const evaluation::SavedState saved = evaluation::run(log, {.until_s = 1.0}).end;
+  CHECK_NOTHROW(evaluation::check_fits(saved, log, "s.json"));
+  recording::SensorLog another = log;
+  std::visit([](auto& sample) { sample.address = 9; }, another.events.front());
+  CHECK_THROWS_WITH(evaluation::check_fits(saved, another, "s.json"),
+                    Contains("s.json: beacon: is " + std::to_string(saved.beacon)) && Contains("is 9"));
+  another = log;
+  std::get<ImuSample>(another.events.front()).sensor_time_ns = 5;
+  CHECK_THROWS_WITH(
+      evaluation::check_fits(saved, another, "s.json"),
+      Contains("s.json: first_event_ns: is " + std::to_string(saved.first_event_ns)) && Contains("is 5"));
+}
+
+TEST_CASE("numbers that are hard to write come back as they were") {
+  evaluation::SavedState saved;
+  saved.snapshot.state.body.position_world_m = {-0.0, 5e-324, -1.7976931348623157e308};
+  saved.snapshot.state.body.velocity_world_mps = {0.1, 1.0 / 3.0, 1e22};
+  saved.snapshot.state.body.time_ns = std::numeric_limits<TimeNs>::min();
+  saved.snapshot.counters.imu_samples = std::numeric_limits<std::uint64_t>::max();
+  const auto read = evaluation::parse_state(evaluation::state_text(saved), "s");
+  CHECK(read == saved);
+  CHECK(std::signbit(read.snapshot.state.body.position_world_m.x()));
+}
+
+TEST_CASE("a number that is not finite is not saved") {
+  evaluation::SavedState saved;
+  saved.snapshot.state.drift.weight = std::numeric_limits<double>::infinity();
+  CHECK_THROWS_WITH(evaluation::state_text(saved), Contains("drift.weight") && Contains("not finite"));
+}
+
+TEST_CASE("a file that is no saved state is refused with file and field") {
+  CHECK(complaint_after([](json&) {}) == "no complaint");
+  CHECK_THAT(complaint_after([](json& file) { file["format"] = "something"; }),
+             Contains("s.json: format: is \"something\""));
+  CHECK_THAT(complaint_after([](json& file) { file["version"] = 99; }),
+             Contains("s.json: version: is 99, this program reads version"));
+  CHECK_THAT(complaint_after([](json& file) { file.erase("sequence"); }), Contains("sequence: is missing"));
+  CHECK_THAT(complaint_after([](json& file) { file["colour"] = 1; }),
+             Contains("s.json: colour: is not known"));
+  CHECK_THAT(complaint_after([](json& file) { file["counters"]["x"] = 1; }),
+             Contains("s.json: counters: x: is not known"));
+  CHECK_THAT(complaint_after([](json& file) { file["counters"] = 3; }),
+             Contains("is 3 instead of an object"));
+  CHECK_THROWS_WITH(evaluation::parse_state("{\"format\": ", "s.json"), Contains("s.json: is no JSON"));
+  CHECK_THROWS_WITH(evaluation::parse_state("[]", "s.json"), Contains("instead of an object"));
+  CHECK_THROWS_AS(evaluation::load_state("/nowhere/s.json"), files::IoError);
+  CHECK_THROWS_WITH(evaluation::load_state("/"), Contains("Is a directory"));
+}
+
+TEST_CASE("a field that is missing, unknown, of the wrong kind or impossible is named") {
+  const auto state = [](const char* field, const json& value) {
+    return complaint_after([&](json& file) { file["state"][field] = value; });
+  };
+  CHECK_THAT(complaint_after([](json& file) { file["state"].erase("trust.trust"); }),
+             Contains("s.json: state: trust.trust: is missing"));
+  CHECK_THAT(state("trust.unheard_of", 1.0), Contains("trust.unheard_of: is not known"));
+  CHECK_THAT(state("trust.trust", "much"), Contains("trust.trust: is \"much\" instead of a number"));
+  CHECK_THAT(state("trust.trust", 1.5), Contains("trust.trust: is not between 0 and 1"));
+  CHECK_THAT(state("trust.trust", -0.1), Contains("trust.trust: is not between 0 and 1"));
+  CHECK_THAT(complaint_after([](json& file) { file["beacon"] = 70'000; }),
+             Contains("s.json: beacon: is 70000, which is no address"));
+  CHECK_THAT(state("trust.forced", 1), Contains("trust.forced: is 1 instead of true or false"));
+  CHECK_THAT(state("trust.rebuild_n", -1), Contains("trust.rebuild_n: is -1 instead of a count"));
+  CHECK_THAT(state("trust.rebuild_n", 5'000'000'000), Contains("instead of a count below 2^31"));
+  CHECK_THAT(state("body.time_ns", 1.5), Contains("body.time_ns: is 1.5 instead of a time"));
+  CHECK_THAT(state("body.time_ns", 18'000'000'000'000'000'000U), Contains("body.time_ns"));
+  CHECK_THAT(state("body.position_world_m", {1, 2}),
+             Contains("body.position_world_m: is [1,2] instead of three"));
+  CHECK_THAT(state("outage.track", "lost"), Contains("outage.track") && Contains("none, position or held"));
+  CHECK_THAT(state("velocity.count", 9), Contains("velocity.count: is more than 8"));
+  CHECK_THAT(state("velocity.fixes", json::array()), Contains("velocity.fixes: has only 0"));
+  CHECK_THAT(complaint_after([](json& file) {
+               file["state"]["velocity.fixes"].push_back(file["state"]["velocity.fixes"][0]);
+             }),
+             Contains("velocity.fixes: has 9 elements instead of 8"));
+  CHECK_THAT(complaint_after([](json& file) { file["state"]["filter"]["force_age_s"] = -1e-9; }),
+             Contains("filter: force_age_s") && Contains("negative"));
+  CHECK_THAT(complaint_after([](json& file) { file["state"]["filter"]["bias.span_s"] = 1e308; }),
+             Contains("filter: bias.span_s") && Contains("1e9"));
+  CHECK_THAT(complaint_after([](json& file) { file["state"]["filter"]["kind"] = "kalman"; }),
+             Contains("filter: kind") && Contains("kalman"));
+  CHECK_THAT(complaint_after([](json& file) {
+               file["state"]["filter"]["q_body_to_world"] = {1, 1, 0, 0};
+             }),
+             Contains("filter: q_body_to_world") && Contains("a unit quaternion"));
+  CHECK_THAT(complaint_after([](json& file) {
+               auto& points = file["state"]["body.history"];
+               std::swap(points.front(), points.back());
+             }),
+             Contains("body.history: has times that go backward"));
+}

@@ -1,0 +1,64 @@
+#include "support/temporary_folder.hpp"
+#include "files/error.hpp"
+#include "files/replacement.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <memory>
+
+using sonopose::files::Replacement;
+using sonopose::test::read_text;
+using sonopose::test::TemporaryFolder;
+using sonopose::test::write_text;
+namespace fs = std::filesystem;
+
+SCENARIO("a file keeps its content until its replacement is whole") {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "result.csv";
+  write_text(file, "old");
+  GIVEN("a replacement that is being written") {
+    auto replacement = std::make_unique<Replacement>(file);
+    write_text(replacement->part(), "new");
+    CHECK(replacement->part() == folder / "result.csv.part");
+    CHECK(read_text(file) == "old");
+    WHEN("it is committed") {
+      replacement->commit();
+      THEN("it stands in the file's place, and nothing is left over") {
+        CHECK(read_text(file) == "new");
+        CHECK_FALSE(exists(folder / "result.csv.part"));
+        replacement.reset();
+        CHECK(read_text(file) == "new");
+      }
+    }
+    WHEN("it is given up") {
+      replacement.reset();
+      THEN("the file is as before, and nothing is left over") {
+        CHECK(read_text(file) == "old");
+        CHECK_FALSE(exists(folder / "result.csv.part"));
+      }
+    }
+    WHEN("what was written is gone") {
+      fs::remove(replacement->part());
+      THEN("that is said, and the file is as before") {
+        CHECK_THROWS_WITH(replacement->commit(), Catch::Contains("result.csv: cannot be replaced"));
+        CHECK(read_text(file) == "old");
+      }
+    }
+  }
+}
+
+SCENARIO("a link stays a link, and what is no regular file is written to directly") {
+  const TemporaryFolder folder;
+  write_text(folder / "real.csv", "old");
+  fs::create_symlink("real.csv", folder / "link.csv");
+  Replacement linked(folder / "link.csv");
+  write_text(linked.part(), "new");
+  linked.commit();
+  CHECK(fs::is_symlink(folder / "link.csv"));
+  CHECK(read_text(folder / "real.csv") == "new");
+
+  Replacement device("/dev/null");
+  CHECK(device.part() == "/dev/null");
+  device.commit();
+  CHECK(fs::is_character_file("/dev/null"));
+}

@@ -1,0 +1,149 @@
+#include "fusion/estimators_feeder.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <utility>
+
+using namespace sonopose;
+using namespace sonopose::fusion;
+using namespace sonopose::fusion::test;
+
+namespace {
+
+constexpr TimeNs ms = 1'000'000;
+
+}  // namespace
+
+SCENARIO("each beacon has an engine of its own") {
+  const bool lossless = GENERATE(false, true);
+  GIVEN("two beacons whose events come mixed") {
+    const auto seven = walk(7, 5.0);
+    const auto eight = walk(8, 5.0);
+    Feeder feeder(lossless);
+    for (std::size_t i = 0; i < std::max(seven.size(), eight.size()); ++i) {
+      if (i < seven.size()) feeder.push(seven[i]);
+      if (i < eight.size()) feeder.push(eight[i]);
+    }
+    THEN("each one's poses are those of a bare engine that hears it alone, to the last bit") {
+      CHECK(feeder.poses_of(7).size() == 500);
+      CHECK(same(feeder.poses_of(7), poses_of_engine(seven)));
+      CHECK(same(feeder.poses_of(8), poses_of_engine(eight)));
+      CHECK_FALSE(same(feeder.poses_of(7), feeder.poses_of(8)));
+    }
+    THEN("each one's status counts its own") {
+      auto addresses = feeder.engines.addresses();
+      std::sort(addresses.begin(), addresses.end());
+      CHECK(addresses == std::vector<BeaconAddress>{7, 8});
+      const auto status = feeder.engines.status(8);
+      REQUIRE(status);
+      CHECK(status->address == 8);
+      CHECK(status->imu_samples == 500);
+      CHECK(status->fixes_used + status->fixes_rejected + status->headings + 500 == eight.size());
+      CHECK(status->events_lost == 0);
+      CHECK_FALSE(feeder.engines.status(9));
+    }
+    THEN("every fix has its report") {
+      const auto is_fix = [](const Event& event) { return std::holds_alternative<UltrasonicFix>(event); };
+      const auto fixes = std::count_if(seven.begin(), seven.end(), is_fix) +
+                         std::count_if(eight.begin(), eight.end(), is_fix);
+      CHECK(feeder.reports.size() == static_cast<std::size_t>(fixes));
+    }
+    WHEN("one is reset") {
+      feeder.engines.reset(7);
+      THEN("its counter rises and the other's does not") {
+        CHECK(feeder.engines.status(7)->reset_counter == 1);
+        CHECK(feeder.engines.status(8)->reset_counter == 0);
+      }
+    }
+    WHEN("all are reset") {
+      feeder.engines.reset(all_beacons);
+      THEN("both counters rise") {
+        CHECK(feeder.engines.status(7)->reset_counter == 1);
+        CHECK(feeder.engines.status(8)->reset_counter == 1);
+      }
+    }
+  }
+  GIVEN("a setting that differs for one beacon: its pair stands across") {
+    config::FusionConfig config;
+    config.assign("beacon.8.heading.mount_offset_deg=90");
+    Feeder feeder(lossless, config);
+    feeder.push_all(walk(7, 5.0));
+    feeder.push_all(walk(8, 5.0));
+    THEN("that one alone is turned by it") {
+      CHECK(same(feeder.poses_of(7), poses_of_engine(walk(7, 5.0))));
+      CHECK_FALSE(same(feeder.poses_of(8), poses_of_engine(walk(8, 5.0))));
+    }
+  }
+}
+
+SCENARIO("events that come out of order are put in order") {
+  const auto events = walk(7, 5.0);
+  GIVEN("neighbours that are swapped here and there, as three topics do") {
+    Feeder feeder(false);
+    auto mixed = events;
+    for (std::size_t i = 10; i + 1 < mixed.size(); i += 7) std::swap(mixed[i], mixed[i + 1]);
+    TimeNs arrival_ns = begin_ns;
+    for (const Event& event : mixed) feeder.push(event, arrival_ns += ms / 10);
+    THEN("the poses are those of the right order") {
+      CHECK(same(feeder.poses_of(7), poses_of_engine(events)));
+      CHECK(feeder.engines.status(7)->events_lost == 0);
+    }
+  }
+  GIVEN("an event that never comes") {
+    Feeder feeder(false);
+    auto missing = events;
+    const auto lost = std::find_if(missing.begin() + 200, missing.end(), [](const Event& event) {
+      return std::holds_alternative<PairHeading>(event);
+    });
+    missing.erase(lost);
+    feeder.push_all(missing);
+    THEN("live, it is given up after a while and counted; every IMU sample has its pose") {
+      CHECK(feeder.poses.size() == 500);
+      CHECK(feeder.engines.status(7)->events_lost == 1);
+    }
+  }
+  GIVEN("the same where nothing may be lost") {
+    Feeder feeder(true);
+    auto late = events;
+    const Event straggler = late[200];
+    late.erase(late.begin() + 200);
+    feeder.push_all(late);
+    const std::size_t before = feeder.poses.size();
+    THEN("all wait for it, however long, and then come at once") {
+      CHECK(before < 250);
+      feeder.push(straggler);
+      CHECK(same(feeder.poses, poses_of_engine(events)));
+      CHECK(feeder.engines.status(7)->events_lost == 0);
+    }
+  }
+}
+
+SCENARIO("a bridge that begins anew") {
+  const bool lossless = GENERATE(false, true);
+  GIVEN("an engine that has followed a beacon") {
+    Feeder feeder(lossless);
+    feeder.push_all(walk(7, 5.0));
+    WHEN("the same recording is played again: its times are older") {
+      feeder.poses.clear();
+      TimeNs arrival_ns = begin_ns + 10'000 * ms;
+      for (const Event& event : walk(7, 5.0)) feeder.push(event, arrival_ns += ms);
+      THEN("the engine begins anew too, and says so") {
+        CHECK(feeder.engines.status(7)->reset_counter == 1);
+        REQUIRE(feeder.poses.size() >= 495);  // live, the first numbers pass before the restart is certain
+        CHECK(feeder.poses.back().reset_counter == 1);
+        CHECK((feeder.poses.back().position_world_m - poses_of_engine(walk(7, 5.0)).back().position_world_m)
+                  .norm() < 0.05);
+      }
+    }
+    WHEN("the bridge was started again: its numbers are older, its times are not") {
+      feeder.poses.clear();
+      feeder.push_all(walk(7, 5.0, begin_ns + 5'000 * ms));
+      THEN("the engine goes on with what it knows") {
+        CHECK(feeder.engines.status(7)->reset_counter == 0);
+        CHECK(feeder.poses.size() >= 495);
+        CHECK((feeder.poses.front().status & status_initialising) == 0U);
+      }
+    }
+  }
+}

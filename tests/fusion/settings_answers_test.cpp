@@ -1,0 +1,78 @@
+/// What is said to requests for other settings: warnings, and from when they hold.
+
+#include "fusion/estimators_feeder.hpp"
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+using namespace sonopose;
+using namespace sonopose::fusion;
+using namespace sonopose::fusion::test;
+using Catch::Contains;
+
+SCENARIO("what holds for any beacon without values of its own can be asked for") {
+  config::FusionConfig config;
+  config.assign("trust.n_min=3");
+  config.assign("fusion.imu_weight=low");
+  Feeder feeder(false, config);
+  CHECK(feeder.engines.settings_for_all().address == all_beacons);
+  CHECK(feeder.engines.settings_for_all().from_sequence == 0);
+  CHECK(feeder.engines.settings_for_all().settings.trust.n_min == 3);
+  CHECK(feeder.engines.settings_for_all().settings.drift.jump_alpha ==
+        estimation::documented::balance_of(estimation::documented::ImuWeight::low).jump_alpha);
+  feeder.engines.change_settings(request(7, {{"trust.n_base", "5"}}));
+  CHECK(feeder.engines.settings_for_all().settings.trust.n_base == estimation::documented::TrustSettings{}.n_base);
+  feeder.engines.change_settings(request(all_beacons, {{"trust.n_base", "9"}}, 500));
+  feeder.engines.change_settings(request(all_beacons, {{"trust.sigma_m", "0.5"}}));
+  CHECK(feeder.engines.settings_for_all().settings.trust.n_base == 9);
+  CHECK(feeder.engines.settings_for_all().settings.trust.sigma_m == 0.5);
+  CHECK(feeder.engines.settings_for_all().from_sequence == 500);
+}
+
+SCENARIO("item 1: what a preset replaces is accepted with a warning") {
+  Feeder feeder(false);
+  const BeaconAddress address = GENERATE(BeaconAddress{7}, all_beacons);
+  const auto reply = feeder.engines.change_settings(request(address, {{"drift.jump_alpha", "0.9"}}));
+  CHECK(reply.accepted);
+  CHECK_THAT(reply.reason, Contains("drift.jump_alpha") && Contains("medium") && Contains("user"));
+  const auto user = feeder.engines.change_settings(request(
+      address,
+      {{"fusion.imu_weight", "user"}, {"drift.jump_alpha", "0.9"}, {"velocity.blend_weight", "0.05"}}));
+  CHECK(user.accepted);
+  CHECK(user.reason.empty());
+  feeder.push_all(walk(7, 1.0));
+  CHECK(feeder.changes.back().settings.drift.jump_alpha == 0.9);
+}
+
+SCENARIO("what contradicts what holds already is accepted with a warning") {
+  Feeder feeder(false);
+  const BeaconAddress address = GENERATE(BeaconAddress{7}, all_beacons);
+  const auto ask = [&](SettingAssignment assignment) {
+    return feeder.engines.change_settings(request(address, {std::move(assignment)}));
+  };
+  CHECK(ask({"trust.n_max", "50"}).reason.empty());
+  const auto reply = ask({"trust.stuck_n", "60"});
+  CHECK(reply.accepted);
+  CHECK_THAT(reply.reason, Contains("trust.stuck_n = 60") && Contains("trust.n_max = 50"));
+  CHECK(ask({"trust.sigma_m", "0.5"}).reason.empty());  // told once, of the request that brought it about
+}
+
+SCENARIO("the answer to a request for all beacons names each one's event") {
+  config::FusionConfig config;
+  config.assign("beacon.8.trust.n_base=5");  // known, but not heard
+  Feeder feeder(false, config);
+  const auto ask = [&](std::uint64_t from) {
+    return feeder.engines.change_settings(request(all_beacons, {{"trust.sigma_m", "0.5"}}, from)).details;
+  };
+  CHECK(ask(0).empty());
+  const auto nine = walk(9, 1.0);
+  const auto seven = walk(7, 2.0);
+  feeder.push_all(nine);
+  feeder.push_all(seven);
+  const std::uint64_t seven_next = seven.size() + 1;
+  const std::uint64_t nine_next = nine.size() + 1;
+  CHECK(ask(0) == fmt::format("7: event {}, 9: event {}", seven_next, nine_next));
+  CHECK(ask(nine_next + 5) == fmt::format("7: event {}, 9: event {}", seven_next, nine_next + 5));
+  CHECK(ask(5000) == "7: event 5000, 9: event 5000");
+  CHECK(feeder.engines.change_settings(request(7, {{"trust.sigma_m", "0.5"}})).details.empty());
+}

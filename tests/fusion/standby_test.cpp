@@ -1,0 +1,145 @@
+#include "fusion/standby.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+
+using namespace sonopose;
+using namespace sonopose::fusion;
+
+namespace {
+
+constexpr TimeNs ms = 1'000'000;
+constexpr TimeNs stall_ns = 100 * ms;
+
+/// Poses of beacon 7 every 10 ms.
+struct Feed {
+  Standby standby{{.strength = 100, .warm_up_s = 1.0}, stall_ns};
+  TimeNs now_ns = 1'000'000'000'000;
+  TimeNs age_ns = -3'000 * ms;  // the bridge's clock goes ahead
+
+  /// The last of `count` poses' steps.
+  Standby::Step poses(int count, std::uint32_t status = 0) {
+    Standby::Step step;
+    for (int i = 0; i < count; ++i) {
+      now_ns += 10 * ms;
+      step = standby.on_pose(7, status, age_ns, now_ns);
+    }
+    return step;
+  }
+
+  std::vector<BeaconAddress> stalled() {
+    std::vector<BeaconAddress> found;
+    standby.find_stalled(now_ns, found);
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+};
+
+}  // namespace
+
+SCENARIO("a beacon is claimed when its pose has been good for the warm-up") {
+  Feed feed;
+  CHECK(feed.standby.role(7) == FusionRole::warming);
+  WHEN("it is good from the start") {
+    CHECK(feed.poses(100).role == FusionRole::warming);  // 0.99 s
+    THEN("it is claimed a warm-up later, and nothing is to be given up") {
+      const auto step = feed.poses(1);
+      CHECK(step.role == FusionRole::serving);
+      CHECK_FALSE(step.give_up);
+    }
+  }
+  WHEN("it is bad for half a second first, and once in between") {
+    feed.poses(50, status_initialising);
+    feed.poses(90);
+    feed.poses(1, status_converging);
+    THEN("the warm-up counts from the last bad one on") {
+      CHECK(feed.poses(100).role == FusionRole::warming);
+      CHECK(feed.poses(1).role == FusionRole::serving);
+    }
+  }
+  WHEN("it never gets good") {
+    THEN("it is claimed after six warm-ups all the same: the others see no better") {
+      CHECK(feed.poses(600, status_initialising).role == FusionRole::warming);
+      CHECK(feed.poses(2, status_initialising).role == FusionRole::serving);
+    }
+  }
+  WHEN("its samples lag behind when it is warm") {
+    feed.poses(100);
+    feed.age_ns += stall_ns / 2;
+    THEN("it is claimed as soon as they have caught up") {
+      CHECK(feed.poses(50).role == FusionRole::warming);
+      feed.age_ns -= stall_ns / 2;
+      CHECK(feed.poses(1).role == FusionRole::serving);
+    }
+  }
+  WHEN("it turns bad after it was claimed") {
+    feed.poses(101);
+    THEN("it stays claimed") {
+      CHECK(feed.poses(50, status_converging | status_stale).role == FusionRole::serving);
+    }
+  }
+}
+
+SCENARIO("a beacon that has no poses any more is given up, and it alone") {
+  Feed feed;
+  for (int i = 0; i < 101; ++i) {
+    feed.poses(1);
+    feed.standby.on_pose(8, 0, 0, feed.now_ns);
+  }
+  CHECK(feed.standby.next_stall_ns() == feed.now_ns + stall_ns + 1);
+  GIVEN("a silence of beacon 7") {
+    feed.standby.on_pose(8, 0, 0, feed.now_ns + stall_ns / 2);
+    feed.now_ns += stall_ns + 1;
+    THEN("it is named, twice for what was on its way, and then no more") {
+      CHECK(feed.stalled() == std::vector<BeaconAddress>{7});
+      CHECK(feed.stalled() == std::vector<BeaconAddress>{7});
+      CHECK(feed.stalled().empty());
+      CHECK(feed.standby.role(7) == FusionRole::stalled);
+      CHECK(feed.standby.role(8) == FusionRole::serving);
+    }
+    WHEN("poses come again, as fresh as ever") {
+      feed.stalled();
+      const auto step = feed.poses(1, status_imu_gap);
+      THEN("it is claimed with the first good one") {
+        CHECK(step.role == FusionRole::warming);
+        CHECK_FALSE(step.give_up);  // it is given up already
+        CHECK(feed.poses(1).role == FusionRole::serving);
+        CHECK(feed.stalled().empty());
+      }
+    }
+    WHEN("poses come again, of samples that are older than they used to be") {
+      feed.stalled();
+      feed.age_ns += stall_ns;
+      feed.poses(1);
+      feed.age_ns -= stall_ns;
+      THEN("the process was held up, and warms up anew") {
+        CHECK(feed.poses(99).role == FusionRole::warming);
+        CHECK(feed.poses(1).role == FusionRole::serving);
+      }
+    }
+  }
+  GIVEN("a process that was stopped as a whole, so that poses come before the silence was noticed") {
+    feed.now_ns += 5 * stall_ns;
+    feed.age_ns += 5 * stall_ns;
+    const auto step = feed.poses(1);
+    feed.age_ns -= 5 * stall_ns;
+    THEN("the claim is taken back before that pose is written, and once more for one on its way") {
+      CHECK(step.role == FusionRole::warming);
+      CHECK(step.give_up);
+      CHECK_FALSE(feed.poses(1).give_up);
+      CHECK(feed.stalled() == std::vector<BeaconAddress>{7, 8});
+      CHECK(feed.poses(50).role == FusionRole::warming);
+    }
+  }
+}
+
+SCENARIO("a process that steps down takes every claim back, with the beacon's next pose") {
+  Feed feed;
+  feed.poses(101);
+  feed.standby.step_down();
+  const auto step = feed.poses(1);
+  CHECK(step.role == FusionRole::warming);
+  CHECK(step.give_up);
+  CHECK(feed.poses(1000).role == FusionRole::warming);
+}

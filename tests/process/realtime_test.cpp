@@ -1,0 +1,160 @@
+#include "process/realtime.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
+#include <map>
+#include <stdexcept>
+#include <unistd.h>
+
+using namespace sonopose::process;
+using Catch::Contains;
+
+namespace {
+
+/// A machine whose answers the test chooses; it remembers what it was asked.
+struct Machine {
+  std::vector<NamedThread> threads{{100, "sonopose-fusion"}, {103, "gc"}, {105, "tev"}, {106, "recv"}};
+  int fifo_error = 0;
+  int memory_error = 0;
+  int device_error = 0;
+  bool unlimited = true;
+  std::map<int, int> priorities;  ///< by thread
+  std::vector<bool> locks;        ///< one for each mlockall: whether of later memory too
+  int awake_file = -1;
+
+  RealtimeCalls calls() {
+    RealtimeCalls calls;
+    calls.threads = [this] { return threads; };
+    calls.set_fifo = [this](int thread, int priority) {
+      if (fifo_error == 0) priorities[thread] = priority;
+      return fifo_error;
+    };
+    calls.lock_memory = [this](bool future_too) {
+      locks.push_back(future_too);
+      return memory_error;
+    };
+    calls.may_lock_everything = [this] { return unlimited; };
+    calls.hold_awake = [this](const char* /*device*/, int& file) {
+      if (device_error == 0) file = awake_file = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+      return device_error;
+    };
+    return calls;
+  }
+};
+
+bool is_open(int file) {
+  return ::fcntl(file, F_GETFD) >= 0;
+}
+
+/// The only line that contains `text`.
+std::string line_with(const std::vector<std::string>& lines, const std::string& text) {
+  const auto has = [&text](const std::string& line) { return line.find(text) != std::string::npos; };
+  REQUIRE(std::count_if(lines.begin(), lines.end(), has) == 1);
+  return *std::find_if(lines.begin(), lines.end(), has);
+}
+
+}  // namespace
+
+SCENARIO("real time where everything is allowed") {
+  GIVEN("a machine that refuses nothing") {
+    Machine machine;
+    const Realtime realtime = apply_realtime(42, machine.calls());
+    THEN("the threads on the way of a pose have the priority, and no others") {
+      const int calling_thread = 0;
+      CHECK(machine.priorities == std::map<int, int>{{calling_thread, 42}, {105, 42}, {106, 42}});
+    }
+    THEN("what holds is said, and nothing is missing") {
+      CHECK(realtime.refused().empty());
+      CHECK_THAT(line_with(realtime.applied(), "recv"), Contains("SCHED_FIFO") && Contains("42"));
+      line_with(realtime.applied(), "tev");
+      line_with(realtime.applied(), "main thread");
+      line_with(realtime.applied(), "memory");
+      line_with(realtime.applied(), "cpu_dma_latency");
+    }
+    THEN("memory of later on is locked too") {
+      CHECK(machine.locks == std::vector<bool>{true});
+    }
+  }
+  GIVEN("the object that keeps it") {
+    Machine machine;
+    int file = -1;
+    {
+      Realtime first = apply_realtime(50, machine.calls());
+      file = machine.awake_file;
+      const Realtime moved = std::move(first);
+      THEN("the cores stay awake as long as it lives, wherever it is moved") {
+        CHECK(is_open(file));
+      }
+    }
+    CHECK_FALSE(is_open(file));
+  }
+}
+
+SCENARIO("real time where something is refused") {
+  Machine machine;
+  WHEN("priorities are refused") {
+    machine.fifo_error = EPERM;
+    const Realtime realtime = apply_realtime(60, machine.calls());
+    THEN("call, cause and remedy are said, and the rest holds") {
+      const std::string said = line_with(realtime.refused(), "thread recv");
+      CHECK_THAT(said, Contains("sched_setscheduler") && Contains("60"));
+      CHECK_THAT(said, Contains("Operation not permitted"));
+      CHECK_THAT(said, Contains("CAP_SYS_NICE") && Contains("rtprio 60"));
+      line_with(realtime.applied(), "memory");
+      line_with(realtime.applied(), "cpu_dma_latency");
+    }
+  }
+  WHEN("memory cannot be locked") {
+    machine.memory_error = ENOMEM;
+    const Realtime realtime = apply_realtime(50, machine.calls());
+    THEN("call, cause and remedy are said, and the rest holds") {
+      CHECK_THAT(line_with(realtime.refused(), "mlockall"),
+                 Contains("Cannot allocate memory") && Contains("CAP_IPC_LOCK") && Contains("memlock"));
+      CHECK(machine.priorities.size() == 3);
+    }
+  }
+  WHEN("there is a limit to locked memory") {
+    machine.unlimited = false;
+    const Realtime realtime = apply_realtime(50, machine.calls());
+    THEN("memory of later on is left free, so that the process cannot run out of it, and that is said") {
+      CHECK(machine.locks == std::vector<bool>{false});
+      CHECK_THAT(line_with(realtime.refused(), "later on"),
+                 Contains("RLIMIT_MEMLOCK") && Contains("memlock"));
+    }
+  }
+  WHEN("the device of the cores' sleep is not ours") {
+    machine.device_error = EACCES;
+    const Realtime realtime = apply_realtime(50, machine.calls());
+    THEN("device, cause and remedy are said") {
+      CHECK_THAT(line_with(realtime.refused(), "/dev/cpu_dma_latency"),
+                 Contains("Permission denied") && Contains("udev"));
+    }
+  }
+  WHEN("the node was not made yet") {
+    machine.threads = {{100, "sonopose-fusion"}};
+    const Realtime realtime = apply_realtime(50, machine.calls());
+    THEN("the threads that are not there are named") {
+      CHECK_THAT(line_with(realtime.refused(), "recv"), Contains("after the node was made"));
+      line_with(realtime.refused(), "tev");
+    }
+  }
+  WHEN("the priority is none") {
+    THEN("it is refused with the limits before anything is changed") {
+      for (const int priority : {0, 100}) {
+        CHECK_THROWS_WITH(apply_realtime(priority, machine.calls()),
+                          Contains(std::to_string(priority)) && Contains("1 to 99"));
+      }
+      CHECK(machine.priorities.empty());
+      CHECK(machine.locks.empty());
+    }
+  }
+}
+
+TEST_CASE("Linux names the threads of this process") {
+  const auto threads = linux_calls().threads();
+  CHECK(std::any_of(threads.begin(), threads.end(),
+                    [](const NamedThread& thread) { return thread.id == ::getpid(); }));
+}

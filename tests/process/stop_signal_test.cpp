@@ -1,0 +1,91 @@
+#include "process/host_clock.hpp"
+#include "process/stop_signal.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <csignal>
+#include <thread>
+
+using namespace sonopose;
+using namespace sonopose::process;
+
+namespace {
+
+constexpr TimeNs ms = 1'000'000;
+constexpr TimeNs minute = 60'000 * ms;
+
+/// Puts the handling of signals back as it was.
+class KeptHandlers {
+public:
+  KeptHandlers() {
+    ::sigaction(SIGINT, nullptr, &interrupt_);
+    ::sigaction(SIGTERM, nullptr, &terminate_);
+  }
+  KeptHandlers(const KeptHandlers&) = delete;
+  KeptHandlers& operator=(const KeptHandlers&) = delete;
+  ~KeptHandlers() {
+    ::sigaction(SIGINT, &interrupt_, nullptr);
+    ::sigaction(SIGTERM, &terminate_, nullptr);
+  }
+
+private:
+  struct sigaction interrupt_ {};
+  struct sigaction terminate_ {};
+};
+
+}  // namespace
+
+SCENARIO("a stop is waited for") {
+  GIVEN("a stop that nobody has asked for") {
+    StopSignal stop;
+    CHECK_FALSE(stop.requested());
+    THEN("a wait lasts until its deadline") {
+      const TimeNs deadline_ns = steady_now_ns() + 30 * ms;
+      CHECK_FALSE(stop.wait_until(deadline_ns));
+      CHECK(steady_now_ns() >= deadline_ns);
+    }
+    THEN("a wait is not rounded up to milliseconds: of many, the best ends well within one") {
+      TimeNs least_late_ns = minute;
+      for (int i = 0; i < 100; ++i) {
+        const TimeNs deadline_ns = steady_now_ns() + 300'000;
+        CHECK_FALSE(stop.wait_until(deadline_ns));
+        least_late_ns = std::min(least_late_ns, steady_now_ns() - deadline_ns);
+      }
+      CHECK(least_late_ns >= 0);
+      CHECK(least_late_ns < ms / 2);
+    }
+    THEN("a deadline in the past is no wait") {
+      CHECK_FALSE(stop.wait_until(steady_now_ns() - minute));
+    }
+    WHEN("another thread asks for it during a wait") {
+      const TimeNs deadline_ns = steady_now_ns() + minute;
+      const std::jthread other([&stop] { stop.request(); });
+      THEN("the wait ends, and everybody who asks sees it from then on") {
+        CHECK(stop.wait_until(deadline_ns));
+        CHECK(steady_now_ns() < deadline_ns);
+        CHECK(stop.requested());
+        CHECK(stop.wait_until(deadline_ns));
+        CHECK(stop.wait_until(steady_now_ns() - minute));
+      }
+    }
+  }
+}
+
+SCENARIO("Ctrl-C and SIGTERM set the stop that listens") {
+  const KeptHandlers kept;
+  for (const int signal : {SIGINT, SIGTERM}) {
+    StopSignal listening;
+    const StopSignal other;
+    listening.listen_to_signals();
+    REQUIRE(::raise(signal) == 0);
+    CHECK(listening.wait_until(steady_now_ns() + minute));
+    CHECK_FALSE(other.requested());
+  }
+  GIVEN("a stop that listened and is gone") {
+    { StopSignal().listen_to_signals(); }
+    THEN("a signal meets nothing, and the process lives") {
+      CHECK(::raise(SIGINT) == 0);
+    }
+  }
+}

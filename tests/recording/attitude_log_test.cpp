@@ -1,0 +1,73 @@
+/// Logs of an attitude benchmark.
+
+#include "support/temporary_folder.hpp"
+#include "recording/attitude_log.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+
+using namespace sonopose;
+using namespace sonopose::recording;
+using Catch::Contains;
+using sonopose::test::TemporaryFolder;
+using sonopose::test::write_text;
+
+namespace {
+
+const std::string imu_text =
+    "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z,m_x,m_y,m_z\n5,0,0,0,0,0,9.8,20,0,-40\n";
+
+std::string complaint_about(const TemporaryFolder& log) {
+  try {
+    read_attitude_log(log.path());
+  } catch (const files::IoError& error) {
+    return error.what();
+  }
+  return "no complaint";
+}
+
+}  // namespace
+
+SCENARIO("an attitude log is read, with and without what may be absent") {
+  const TemporaryFolder folder;
+  write_text(folder / "imu.csv", imu_text);
+  GIVEN("the IMU alone") {
+    const AttitudeLog log = read_attitude_log(folder.path());
+    CHECK(log.imu.size() == 1);
+    CHECK(log.imu[0].magnetic_field_body_t->isApprox(Vector3d(20e-6, 0, -40e-6)));
+    CHECK(log.truth.empty());
+    CHECK(log.movements.empty());
+  }
+  GIVEN("truth without a position, and two movements") {
+    write_text(folder / "truth.csv", "#timestamp,p_x,p_y,p_z,q_w,q_x,q_y,q_z\n5,,,,0,1,0,0\n6,,,,,,,\n");
+    write_text(folder / "movement.csv", "#start [ns],end [ns]\n5,9\n20,20\n");
+    const AttitudeLog log = read_attitude_log(folder.path());
+    REQUIRE(log.truth.size() == 2);
+    CHECK(log.truth[0].q_body_to_world.x() == 1.0);
+    REQUIRE(log.movements.size() == 2);
+    CHECK(log.movements[0].holds(5));
+    CHECK(log.movements[0].holds(9));
+    CHECK_FALSE(log.movements[0].holds(10));
+    CHECK(log.movements[1].holds(20));
+  }
+}
+
+SCENARIO("an attitude log that is wrong is refused by name") {
+  const TemporaryFolder folder;
+  GIVEN("no sample") {
+    write_text(folder / "imu.csv", imu_text.substr(0, imu_text.find('\n') + 1));
+    CHECK_THAT(complaint_about(folder), Contains("imu.csv") && Contains("no sample"));
+  }
+  GIVEN("movements without one") {
+    write_text(folder / "imu.csv", imu_text);
+    write_text(folder / "movement.csv", "#start [ns],end [ns]\n");
+    CHECK_THAT(complaint_about(folder), Contains("movement.csv") && Contains("no span"));
+  }
+  GIVEN("a movement that ends before it starts") {
+    write_text(folder / "imu.csv", imu_text);
+    write_text(folder / "movement.csv", "#start [ns],end [ns]\n5,9\n20,19\n");
+    CHECK_THAT(complaint_about(folder),
+               Contains("movement.csv:3") && Contains("19") && Contains("before the start"));
+  }
+}

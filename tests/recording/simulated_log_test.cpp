@@ -1,0 +1,45 @@
+/// A log holds a simulated run whole: late and doubled packets come back in the order in which they came.
+
+#include "support/temporary_folder.hpp"
+#include "recording/log_folder.hpp"
+#include "recording/log_writer.hpp"
+#include "sim/simulator.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+
+using namespace sonopose;
+using sonopose::test::TemporaryFolder;
+
+namespace {
+
+/// As a log can hold it: it has no flags.
+Event as_logged(Event event) {
+  if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->flags = 0;
+  return event;
+}
+
+}  // namespace
+
+SCENARIO("every scenario's log reads back to the events in their order of arrival") {
+  for (const sim::Scenario& scenario : sim::scenarios()) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      GIVEN("the scenario " + std::string(scenario.name) + " with seed " + std::to_string(seed)) {
+        const TemporaryFolder folder;
+        const sim::Recording recording = sim::record(scenario, {.seed = seed});
+        {
+          recording::SensorLogWriter log(folder / "log");
+          for (const Event& event : recording.events) log.write(event);
+          for (const TruthSample& truth : recording.truth) log.write(truth);
+        }
+        const recording::SensorLog log = recording::read_sensor_log(folder / "log");
+        REQUIRE(log.events.size() == recording.events.size());
+        for (std::size_t i = 0; i < log.events.size(); ++i) {
+          REQUIRE(log.events[i] == as_logged(recording.events[i]));
+        }
+        CHECK(log.truth.size() == recording.truth.size());
+      }
+    }
+  }
+}

@@ -1,0 +1,300 @@
+/// The parameter services, asked as a client on rmw_cyclonedds asks, in front of a real fusion.
+
+#include "support/test_domain.hpp"
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/dds/binding/waitset.hpp>
+#include "fusion/fusion_node.hpp"
+#include "process/host_clock.hpp"
+#include "ros2/relay/parameter_server.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+using namespace sonopose;
+using Texts = std::vector<std::string>;
+
+constexpr std::chrono::seconds timeout{20};
+
+/// Asks `done()` again and again.
+template <class Done>
+bool wait_until(const Done& done) {
+  const auto give_up = std::chrono::steady_clock::now() + timeout;
+  while (!done()) {
+    if (std::chrono::steady_clock::now() > give_up) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return true;
+}
+
+/// A fusion that has heard of beacon 7, and the node /sonopose with its services.
+class System {
+public:
+  System()
+      : environment_(::unsetenv("CYCLONEDDS_URI")),
+        fusion_(fusion_options()),
+        participant_(dds::make_participant(options())),
+        imu_(dds::make_writer(participant_, qos_, dds::topics::imu)),
+        node_(participant_, qos_, ros2::NameResolver({}), ros2::Distro::jazzy),
+        server_(node_, participant_, options(), {}) {
+    node_.announce();
+    REQUIRE(wait_until([&] { return imu_.publication_matched_status().current_count > 0; }));
+    ImuSample sample;
+    sample.address = 7;
+    sample.sensor_time_ns = process::now_ns();
+    sample.sequence = 1;
+    imu_.write(dds::to_idl(sample));
+  }
+  ~System() { stop_.request(); }
+  dds::DomainOptions options() const { return {.domain_id = domain_.id()}; }
+
+private:
+  fusion::FusionOptions fusion_options() const {
+    fusion::FusionOptions result;
+    result.domain = options();
+    return result;
+  }
+
+  int environment_;  // first: whoever runs this may have a network of their own
+  test::TestDomain domain_;
+  fusion::FusionNode fusion_;
+  dds::QosProvider qos_;
+  dds::DomainParticipant participant_;
+  dds::DataWriter<sonopose_ImuSample> imu_;
+  ros2::Node node_;
+  ros2::Ros2ParameterServer server_;
+  process::StopSignal stop_;
+  std::jthread fusing_{[this] { fusion_.run(stop_); }};
+  std::jthread serving_{[this] {
+    while (!stop_.wait_until(process::steady_now_ns() + 2'000'000)) server_.serve();
+  }};
+};
+
+/// A client as rmw_cyclonedds makes it.
+template <class S>
+class Client {
+public:
+  Client(const System& system, const std::string& service)
+      : participant_(dds::make_participant(system.options())),
+        requests_(participant_, {participant_, "rq/sonopose/" + service + "Request"}, qos()),
+        replies_(participant_, {participant_, "rr/sonopose/" + service + "Reply"}, qos()) {}
+
+  /// Calls `look(const Response&)` of the reply; other clients' replies are not for us.
+  template <class Look>
+  void call(typename S::Request request, const Look& look) {
+    REQUIRE(wait_until([&] {
+      return requests_.publication_matched_status().current_count > 0 &&
+             replies_.subscription_matched_status().current_count > 0;
+    }));
+    request.header = {.client = 4711, .sequence_number = ++number_};
+    requests_.write(request);
+    bool answered = false;
+    REQUIRE(wait_until([&] {
+      replies_.take_each([&](const typename S::Response& response, const dds::SampleInfo&) {
+        if (response.header.client != 4711 || response.header.sequence_number != number_) return;
+        answered = true;
+        look(response);
+      });
+      return answered;
+    }));
+  }
+
+private:
+  static dds::Qos qos() {
+    const std::string id = "clientid= 1.10.2;";
+    return dds::Qos() << dds::policy::Reliability::reliable() << dds::policy::History::keep_last(10)
+                      << dds::policy::UserData{{id.begin(), id.end()}};
+  }
+
+  dds::DomainParticipant participant_;
+  dds::DataWriter<typename S::Request> requests_;
+  dds::DataReader<typename S::Response> replies_;
+  std::int64_t number_ = 0;
+};
+
+/// idlc's strings are not const; nobody writes to them.
+char* lent(const char* value) {
+  return const_cast<char*>(value);  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+}
+
+/// A view of names as idlc's sequence; `names` must outlive it.
+struct Names {
+  explicit Names(const Texts& names) {
+    for (const auto& name : names) pointers.push_back(lent(name.c_str()));
+  }
+  template <class Sequence>
+  void lend(Sequence& sequence) {
+    const auto length = static_cast<std::uint32_t>(pointers.size());
+    sequence = {length, length, pointers.data(), false};
+  }
+  std::vector<char*> pointers;
+};
+
+/// What `ros2 param get` would print first: type and value, in one text each.
+Texts values_of(Client<ros2::GetParameters>& client, const Texts& names) {
+  Names lent(names);
+  ros2::GetParameters::Request request{};
+  lent.lend(request.names);
+  Texts values;
+  client.call(request, [&](const ros2::GetParameters::Response& response) {
+    for (std::uint32_t i = 0; i < response.values._length; ++i) {
+      const ros2::ParameterValue& value = response.values._buffer[i];
+      const Texts known{
+          "not set", value.bool_value ? "true" : "false", "integer " + std::to_string(value.integer_value),
+          "double " + std::to_string(value.double_value), std::string("string ") + value.string_value};
+      values.push_back(known.at(value.type));
+    }
+  });
+  return values;
+}
+
+ros2::Parameter parameter(const char* name, std::uint8_t type, double number, const char* word = "") {
+  ros2::Parameter result{};
+  result.name = lent(name);
+  result.value.type = type;
+  result.value.integer_value = static_cast<std::int64_t>(number);
+  result.value.double_value = number;
+  result.value.string_value = lent(word);
+  return result;
+}
+
+/// Why not, for each; empty where it was set.
+Texts faults_of(Client<ros2::SetParameters>& client, std::vector<ros2::Parameter> parameters) {
+  ros2::SetParameters::Request request{};
+  const auto length = static_cast<std::uint32_t>(parameters.size());
+  request.parameters = {length, length, parameters.data(), false};
+  Texts faults;
+  client.call(request, [&](const ros2::SetParameters::Response& response) {
+    for (std::uint32_t i = 0; i < response.results._length; ++i) {
+      const auto& result = response.results._buffer[i];
+      CHECK(result.successful == std::string(result.reason).empty());
+      faults.emplace_back(result.reason);
+    }
+  });
+  return faults;
+}
+
+}  // namespace
+
+TEST_CASE("A client lists the settings of all beacons and of those that were heard, and reads them") {
+  const System system;
+  Client<ros2::ListParameters> list(system, "list_parameters");
+  std::set<std::string> names;
+  REQUIRE(wait_until([&] {
+    list.call({}, [&](const auto& response) {
+      names = {response.result.names._buffer, response.result.names._buffer + response.result.names._length};
+    });
+    return names.contains("beacon_7.trust.n_min");
+  }));
+  CHECK(names.size() == 2 * settings::setting_table().size());
+
+  Client<ros2::GetParameters> get(system, "get_parameters");
+  const settings::Settings defaults;
+  CHECK(values_of(get,
+                  {"trust.n_min", "trust.sigma_m", "no.such", "fusion.imu_weight", "beacon_9.trust.n_min"}) ==
+        Texts{"integer " + std::to_string(defaults.trust.n_min),
+              "double " + std::to_string(defaults.trust.sigma_m), "not set", "string medium", "not set"});
+}
+
+TEST_CASE("A client learns what a setting is for, its type and its range") {
+  const System system;
+  const Texts asked{"trust.n_min", "no.such"};
+  Names names(asked);
+  Client<ros2::DescribeParameters> describe(system, "describe_parameters");
+  ros2::DescribeParameters::Request request{};
+  names.lend(request.names);
+  describe.call(request, [](const auto& response) {
+    REQUIRE(response.descriptors._length == 2);
+    const auto& descriptor = response.descriptors._buffer[0];
+    const auto& info = settings::setting_info("trust.n_min");
+    CHECK(descriptor.name == std::string("trust.n_min"));
+    CHECK(descriptor.type == 2);
+    CHECK(std::string(descriptor.description).starts_with(info.sentence));
+    REQUIRE(descriptor.integer_range._length == 1);
+    CHECK(descriptor.integer_range._buffer[0].to_value == std::get<int>(info.maximum));
+    CHECK(response.descriptors._buffer[1].type == 0);
+  });
+
+  Client<ros2::GetParameterTypes> types(system, "get_parameter_types");
+  ros2::GetParameterTypes::Request types_request{};
+  names.lend(types_request.names);
+  REQUIRE(wait_until([&] {
+    std::vector<int> found;
+    types.call(types_request, [&](const auto& response) {
+      found = {response.types._buffer, response.types._buffer + response.types._length};
+    });
+    return found == std::vector<int>{2, 0};
+  }));
+}
+
+TEST_CASE("A client sets settings one by one; what cannot be is refused with the reason") {
+  const System system;
+  const settings::Settings defaults;
+  Client<ros2::SetParameters> set(system, "set_parameters");
+  const Texts faults =
+      faults_of(set, {parameter("trust.n_min", 2, 4), parameter("beacon_7.trust.sigma_m", 3, 0.25),
+                      parameter("trust.n_min", 2, -1), parameter("no.such", 2, 1),
+                      parameter("trust.n_min", 9, 0), parameter("fusion.imu_weight", 4, 0, "high")});
+  REQUIRE(faults.size() == 6);
+  CHECK(faults[0].empty());
+  CHECK(faults[1].empty());
+  CHECK_THAT(faults[2], Catch::Contains("trust.n_min"));
+  CHECK_THAT(faults[3], Catch::Contains("no.such"));
+  CHECK_THAT(faults[4], Catch::Contains("an integer, a double or a string"));
+  CHECK(faults[5].empty());
+  Client<ros2::GetParameters> get(system, "get_parameters");
+  const Texts asked{"trust.n_min", "fusion.imu_weight", "trust.sigma_m"};
+  CHECK(wait_until([&] {
+    return values_of(get, asked) ==
+           Texts{"integer 4", "string high", "double " + std::to_string(defaults.trust.sigma_m)};
+  }));
+}
+
+TEST_CASE("A client sets several settings at one stroke, or none") {
+  const System system;
+  Client<ros2::SetParametersAtomically> set(system, "set_parameters_atomically");
+  Client<ros2::GetParameters> get(system, "get_parameters");
+  std::vector<ros2::Parameter> both{parameter("trust.n_min", 2, 5), parameter("trust.n_min", 2, -1)};
+  ros2::SetParametersAtomically::Request request{};
+  request.parameters = {2, 2, both.data(), false};
+  set.call(request, [](const auto& response) { CHECK_FALSE(response.result.successful); });
+  both[1] = parameter("beacon_7.trust.n_min", 2, 5);
+  set.call(request, [](const auto& response) {
+    CHECK_THAT(response.result.reason, Catch::Contains("several beacons"));
+  });
+  CHECK(wait_until([&] { return values_of(get, {"trust.n_min"}) != Texts{"not set"}; }));
+  const int before = settings::Settings{}.trust.n_min;
+  CHECK(values_of(get, {"trust.n_min"}) == Texts{"integer " + std::to_string(before)});
+  both[1] = parameter("trust.sigma_m", 3, 0.75);
+  set.call(request, [](const auto& response) { CHECK(response.result.successful); });
+  CHECK(wait_until([&] {
+    return values_of(get, {"trust.n_min", "trust.sigma_m"}) == Texts{"integer 5", "double 0.750000"};
+  }));
+}
+
+TEST_CASE("A client resets the fusion, and learns which beacons were reset") {
+  const System system;
+  Client<ros2::Trigger> reset(system, "reset");
+  reset.call({}, [](const auto& response) {
+    CHECK(response.success);
+    CHECK(response.message == std::string("reset 7"));
+  });
+}
+
+TEST_CASE("A client that does not listen holds no other one up") {
+  const System system;
+  const auto deaf = dds::make_participant(system.options());
+  dds::DataWriter<ros2::ListParameters::Request> writer(deaf, {deaf, "rq/sonopose/list_parametersRequest"},
+                                                        dds::Qos() << dds::policy::Reliability::reliable());
+  REQUIRE(wait_until([&] { return writer.publication_matched_status().current_count > 0; }));
+  writer.write({});
+  Client<ros2::ListParameters> list(system, "list_parameters");
+  list.call({}, [](const auto&) {});
+}

@@ -1,0 +1,66 @@
+#include "ros2/relay/parameters.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+#include <vector>
+
+using namespace sonopose;
+using namespace sonopose::ros2;
+
+namespace {
+
+using Texts = std::vector<std::string>;
+
+/// Two settings for all beacons, and for beacon 7.
+SettingsByBeacon some_in_force() {
+  const std::vector<SettingAssignment> values{{"drift.jump_alpha", "0.5"}, {"trust.n_min", "3"}};
+  SettingsByBeacon in_force;
+  for (const BeaconAddress address : {BeaconAddress{7}, all_beacons}) {
+    in_force[address] = {.address = address, .values = values};
+  }
+  return in_force;
+}
+
+}  // namespace
+
+TEST_CASE("A parameter names a setting of all beacons or of one") {
+  CHECK(setting_named("drift.jump_alpha") == SettingName{all_beacons, "drift.jump_alpha"});
+  CHECK(setting_named("beacon_7.drift.jump_alpha") == SettingName{7, "drift.jump_alpha"});
+  CHECK(setting_named("beacon_0.attitude.mahony.kp") == SettingName{0, "attitude.mahony.kp"});
+  for (const char* const name : {"", "drift", "drift.jump", "beacon_7", "beacon_7.", "beacon_.trust.n_min",
+                                 "beacon_07.trust.n_min", "beacon_-1.trust.n_min", "beacon_65535.trust.n_min",
+                                 "beacon_70000.trust.n_min", "beacon_7.beacon_7.trust.n_min"}) {
+    CAPTURE(name);
+    CHECK(setting_named(name) == std::nullopt);
+  }
+  for (const char* const name : {"trust.n_min", "beacon_7.trust.n_min"}) {
+    CHECK(parameter_name(setting_named(name).value()) == name);
+  }
+}
+
+TEST_CASE("Parameters are listed as rclcpp lists them") {
+  const auto in_force = some_in_force();
+  const ParameterList all = list_parameters(in_force, {}, 0);
+  CHECK(all.names ==
+        Texts{"beacon_7.drift.jump_alpha", "beacon_7.trust.n_min", "drift.jump_alpha", "trust.n_min"});
+  CHECK(all.prefixes == Texts{"beacon_7.drift", "beacon_7.trust", "drift", "trust"});
+  CHECK(list_parameters(in_force, {}, 2).names == Texts{"drift.jump_alpha", "trust.n_min"});
+  CHECK(list_parameters(in_force, {}, 1).names.empty());
+  CHECK(list_parameters(in_force, {"beacon_7"}, 0).names ==
+        Texts{"beacon_7.drift.jump_alpha", "beacon_7.trust.n_min"});
+  CHECK(list_parameters(in_force, {"beacon_7"}, 1).names.empty());
+  CHECK(list_parameters(in_force, {"trust", "drift.jump_alpha"}, 1).names ==
+        Texts{"drift.jump_alpha", "trust.n_min"});
+  CHECK(list_parameters(in_force, {"tru"}, 0).names.empty());
+  CHECK(list_parameters({}, {}, 0).names.empty());
+}
+
+TEST_CASE("A parameter has the value in force, in the kind of its setting") {
+  const auto in_force = some_in_force();
+  CHECK(parameter_value(in_force, "drift.jump_alpha") == settings::SettingValue(0.5));
+  CHECK(parameter_value(in_force, "beacon_7.trust.n_min") == settings::SettingValue(3));
+  CHECK(parameter_value(in_force, "beacon_8.trust.n_min") == std::nullopt);
+  CHECK(parameter_value(in_force, "trust.n_max") == std::nullopt);
+  CHECK(parameter_value(in_force, "no.such") == std::nullopt);
+}

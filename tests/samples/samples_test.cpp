@@ -1,0 +1,51 @@
+/// The native's small helpers: whole nanoseconds and what is common to the three kinds of event.
+
+#include <sonopose/samples/samples.hpp>
+
+#include <catch2/catch.hpp>
+
+using namespace sonopose;
+
+TEST_CASE("seconds become the nearest nanosecond and come back") {
+  CHECK(to_ns(1.5) == 1'500'000'000);
+  CHECK(to_ns(0.0) == 0);
+  CHECK(to_ns(0.6e-9) == 1);
+  CHECK(to_ns(-0.6e-9) == -1);
+  CHECK(to_ns(0.068) == 68'000'000);
+  CHECK(to_ns(-0.068) == -68'000'000);
+  CHECK(seconds_between(1'000'000'000, 3'500'000'000) == 2.5);
+  CHECK(seconds_between(3'500'000'000, 1'000'000'000) == -2.5);
+}
+
+TEST_CASE("differences keep their nanoseconds at today's epoch") {
+  const TimeNs now_ns = 1'760'000'000'123'456'789;
+  CHECK(seconds_between(now_ns, now_ns + 1) == 1e-9);
+}
+
+TEST_CASE("an event tells its beacon, its number and from when on it may be used") {
+  ImuSample imu;
+  imu.address = 3;
+  imu.sequence = 11;
+  imu.sensor_time_ns = 500;
+  imu.bridge_time_ns = 900;  // for latency alone
+  UltrasonicFix fix;
+  fix.address = 4;
+  fix.sequence = 12;
+  fix.emission_time_ns = 500;
+  fix.received_time_ns = 700;
+  PairHeading heading;
+  heading.address = 5;
+  heading.sequence = 13;
+  heading.emission_time_ns = 500;
+  heading.received_time_ns = 701;
+
+  CHECK(address_of(imu) == 3);
+  CHECK(address_of(fix) == 4);
+  CHECK(address_of(heading) == 5);
+  CHECK(sequence_of(imu) == 11);
+  CHECK(sequence_of(fix) == 12);
+  CHECK(sequence_of(heading) == 13);
+  CHECK(available_at_ns(imu) == 500);
+  CHECK(available_at_ns(fix) == 700);
+  CHECK(available_at_ns(heading) == 701);
+}

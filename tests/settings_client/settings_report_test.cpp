@@ -1,0 +1,175 @@
+/// What sonopose-settings prints.
+
+#include "config/fusion_config.hpp"
+#include "settings_client/settings_report.hpp"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <unistd.h>
+
+using namespace sonopose;
+using namespace sonopose::settings_client;
+using Catch::Contains;
+
+namespace {
+
+EffectiveSettings some() {
+  return {7,
+          1234,
+          12,
+          {{"fusion.imu_weight", "medium"},
+           {"drift.jump_alpha", "0.30000000000000004"},
+           {"drift.decay_rate_hz", "1e-05"},
+           {"trust.enabled", "true"},
+           {"trust.n_base", "3"}}};
+}
+
+std::vector<std::string> keys_of(const EffectiveSettings& settings) {
+  std::vector<std::string> keys;
+  for (const auto& entry : settings.values) keys.push_back(entry.key);
+  return keys;
+}
+
+config::FusionConfig loaded(const std::string& text) {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("sonopose_report_" + std::to_string(::getpid()) + ".toml");
+  std::ofstream(file) << text;
+  auto config = config::FusionConfig::load(file);
+  std::filesystem::remove(file);
+  return config;
+}
+
+}  // namespace
+
+TEST_CASE("KEY=VALUE is read whatever the value is; what is not of that form is named") {
+  CHECK(read_assignment("drift.jump_alpha=0.5") == SettingAssignment{"drift.jump_alpha", "0.5"});
+  CHECK(read_assignment("a=b=c") == SettingAssignment{"a", "b=c"});
+  CHECK(read_assignment("a=") == SettingAssignment{"a", ""});
+  CHECK_THROWS_WITH(read_assignment("drift"), Contains("drift") && Contains("KEY=VALUE"));
+  CHECK_THROWS_WITH(read_assignment("=5"), Contains("KEY=VALUE"));
+}
+
+TEST_CASE("keys and whole groups can be chosen") {
+  CHECK(keys_of(chosen(some(), {})).size() == 5);
+  CHECK(keys_of(chosen(some(), {"trust"})) == std::vector<std::string>{"trust.enabled", "trust.n_base"});
+  CHECK(keys_of(chosen(some(), {"trust.n_base", "drift.jump_alpha"})) ==
+        std::vector<std::string>{"drift.jump_alpha", "trust.n_base"});
+  CHECK_THROWS_WITH(chosen(some(), {"trust", "trus"}), Contains("'trus'"));
+  CHECK_THROWS_AS(chosen(some(), {"trust.n"}), std::invalid_argument);
+}
+
+TEST_CASE("what is printed as TOML can be given to a fusion, which then has the same settings") {
+  settings::Settings settings;
+  settings.preset.imu_weight = estimation::documented::ImuWeight::user;
+  settings.drift.jump_alpha = 0.1 + 0.2;
+  settings.trust.enabled = false;
+  const EffectiveSettings beacon{7, 0, 1, config::texts_of(settings)};
+  EffectiveSettings other{8, 0, 1, {{"trust.n_base", "11"}}};
+  const auto config = loaded(toml_of({beacon, other}));
+  for (const auto& row : settings::setting_table()) {
+    INFO(row.key);
+    CHECK(settings::get(config.for_beacon(7), row.key) == settings::get(settings, row.key));
+  }
+  CHECK(config.for_beacon(8).trust.n_base == 11);
+}
+
+TEST_CASE("what holds for any beacon stands at the top level, for the beacons of the file too") {
+  settings::Settings for_all;
+  for_all.trust.n_base = 9;
+  const EffectiveSettings seven{7, 0, 1, {{"trust.n_base", "11"}}};
+  const auto config = loaded(toml_of({{all_beacons, 0, 0, config::texts_of(for_all)}, seven}));
+  CHECK(config.for_beacon(8).trust.n_base == 9);
+  CHECK(config.for_beacon(7).trust.n_base == 11);
+}
+
+TEST_CASE("items 2, 3 and 4 under a preset are a remark, so that loading the file warns of nothing") {
+  settings::Settings low;
+  low.preset.imu_weight = estimation::documented::ImuWeight::low;
+  const auto texts = config::texts_of(settings::resolved(low));
+  const std::vector<EffectiveSettings> settings{{all_beacons, 0, 0, texts}, {7, 0, 1, texts}};
+  const auto config = loaded(toml_of(settings));
+  CHECK(config.warnings().empty());
+  for (const auto& row : settings::setting_table()) {
+    INFO(row.key);
+    CHECK(settings::get(settings::resolved(config.for_beacon(7)), row.key) ==
+          settings::get(settings::resolved(low), row.key));
+  }
+  CHECK_THAT(toml_of(settings), Contains("\n# drift.jump_alpha = "));
+  CHECK_THAT(toml_of(settings, {"drift"}),
+             Contains("\n# drift.jump_alpha = "));  // known from what is not shown
+  low.preset.imu_weight = estimation::documented::ImuWeight::user;
+  CHECK_THAT(toml_of({{7, 0, 1, config::texts_of(low)}}), Contains("\ndrift.jump_alpha = "));
+}
+
+TEST_CASE("names are checked against the table, without any settings there") {
+  CHECK_NOTHROW(check_names({}));
+  CHECK_NOTHROW(check_names({"trust", "drift.jump_alpha", "attitude", "attitude.mahony"}));
+  CHECK_THROWS_WITH(check_names({"trust", "trust.sigma"}),
+                    Contains("'trust.sigma'") && Contains("'trust.sigma_m'"));
+  CHECK_THROWS_WITH(check_names({"trus"}), Contains("'trus'"));
+  CHECK_THROWS_AS(check_names({""}), settings::SettingError);
+}
+
+TEST_CASE("as JSON, numbers are numbers") {
+  const auto list = nlohmann::json::parse(json_of({some()}));
+  REQUIRE(list.size() == 1);
+  CHECK(list[0]["beacon"] == 7);
+  CHECK(list[0]["from_event"] == 12);
+  CHECK(list[0]["time_ns"] == 1234);
+  const auto& values = list[0]["settings"];
+  CHECK(values["fusion.imu_weight"] == "medium");
+  CHECK(values["drift.jump_alpha"] == 0.1 + 0.2);
+  CHECK(values["trust.enabled"] == true);
+  CHECK(values["trust.n_base"] == 3);
+}
+
+TEST_CASE("a watch tells what changed, beacon by beacon") {
+  SettingsObserver lines(false);
+  SettingsObserver objects(true);
+  for (auto* watch : {&lines, &objects}) {
+    CHECK_FALSE(watch->knows(7));
+    CHECK(watch->on(some()).empty());
+    CHECK(watch->knows(7));
+    CHECK(watch->on(some()).empty());
+    EffectiveSettings other = some();
+    other.address = 8;
+    other.values[4].value = "5";
+    CHECK(watch->on(other).empty());
+  }
+  EffectiveSettings changed = some();
+  changed.from_sequence = 99;
+  changed.values[0].value = "high";
+  changed.values[4].value = "5";
+  CHECK(lines.on(changed) ==
+        "beacon.7.fusion.imu_weight = \"high\"  # was \"medium\", from event 99\n"
+        "beacon.7.trust.n_base = 5  # was 3, from event 99\n");
+  const auto object = nlohmann::json::parse(objects.on(changed));
+  CHECK(object["beacon"] == 7);
+  CHECK(object["from_event"] == 99);
+  CHECK(object["changed"] == nlohmann::json{{"fusion.imu_weight", "high"}, {"trust.n_base", 5}});
+  CHECK(lines.on(changed).empty());
+}
+
+TEST_CASE("what changes for all beacons is told as that") {
+  SettingsObserver lines(false);
+  SettingsObserver objects(true);
+  const EffectiveSettings before{all_beacons, 0, 0, {{"trust.n_base", "3"}}};
+  const EffectiveSettings after{all_beacons, 0, 0, {{"trust.n_base", "5"}}};
+  lines.on(before);
+  objects.on(before);
+  CHECK(lines.on(after) == "trust.n_base = 5  # was 3\n");
+  CHECK(nlohmann::json::parse(objects.on(after))["beacon"] == "all");
+}
+
+TEST_CASE("an answer says from when on it holds") {
+  CHECK_THAT(when_of({7, 1, true, "", 12}), Contains("event 12") && Contains("beacon 7"));
+  CHECK_THAT(when_of({7, 1, true, "", 0}), Contains("first event of beacon 7"));
+  CHECK_THAT(when_of({all_beacons, 1, true, "", 12}), Contains("each") && Contains("event 12"));
+  CHECK_THAT(when_of({all_beacons, 1, true, "", 0}), Contains("each") && Contains("next event"));
+  CHECK_THAT(when_of({all_beacons, 1, true, "", 0, "7: event 812, 9: event 501"}),
+             Contains("7: event 812, 9: event 501"));
+}

@@ -1,0 +1,236 @@
+/// The serial line on pseudo-terminals, which the kernel treats as it treats the real ones.
+
+#include "support/temporary_folder.hpp"
+#include "files/error.hpp"
+#include "transport/serial_port.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <fcntl.h>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <poll.h>
+#include <string>
+#include <thread>
+#include <unistd.h>
+#include <utility>
+
+using namespace sonopose;
+using namespace sonopose::transport;
+using namespace sonopose::files;
+using namespace std::chrono_literals;
+using Catch::Contains;
+using sonopose::test::TemporaryFolder;
+using sonopose::test::write_text;
+
+namespace {
+
+/// The beacon's end of a line. Its destruction is the unplugging.
+class Beacon {
+public:
+  Beacon() : descriptor_{::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)} {
+    REQUIRE(descriptor_ >= 0);
+    REQUIRE(::grantpt(descriptor_) == 0);
+    REQUIRE(::unlockpt(descriptor_) == 0);
+    std::array<char, 128> name{};
+    REQUIRE(::ptsname_r(descriptor_, name.data(), name.size()) == 0);
+    device_ = name.data();
+  }
+  ~Beacon() { ::close(descriptor_); }
+  Beacon(const Beacon&) = delete;
+  Beacon& operator=(const Beacon&) = delete;
+  Beacon(Beacon&&) = delete;
+  Beacon& operator=(Beacon&&) = delete;
+
+  [[nodiscard]] const std::string& device() const { return device_; }
+  void send(const std::string& bytes) const {
+    REQUIRE(::write(descriptor_, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()));
+  }
+  /// True if the host's end has sent anything back, as a line in echo mode does.
+  [[nodiscard]] bool got_an_echo() const {
+    pollfd poll{descriptor_, POLLIN, 0};
+    return ::poll(&poll, 1, 50) > 0 && (poll.revents & POLLIN) != 0;
+  }
+
+private:
+  int descriptor_;
+  std::string device_;
+};
+
+/// The line's end with its buffer, and waits for what is expected instead of for a time.
+struct Host {
+  SerialPort port;
+  std::array<std::uint8_t, 4096> buffer{};
+
+  /// Reads until something else than a timeout happens.
+  ReadResult next() {
+    for (int i = 0; i < 100; ++i) {
+      const ReadResult result = port.read(buffer, 100ms);
+      if (result.status != ReadStatus::timeout) return result;
+    }
+    return {};
+  }
+  /// Reads until this many bytes are there.
+  std::string bytes(std::size_t count) {
+    std::string text;
+    while (text.size() < count) {
+      const ReadResult result = next();
+      if (result.status != ReadStatus::data) break;
+      text.append(buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(result.size));
+    }
+    return text;
+  }
+};
+
+}  // namespace
+
+SCENARIO("bytes come through a serial line as they are") {
+  GIVEN("a line at 500000 baud") {
+    const Beacon beacon;
+    Host host{.port = {beacon.device(), 500'000}};
+    CHECK(host.port.name() == beacon.device() + " at 500000 baud");
+    REQUIRE(host.next().status == ReadStatus::connected);
+    CHECK(host.port.last_error().empty());
+    WHEN("every byte value is sent, those included that a terminal would act on") {
+      std::string all(256, '\0');
+      for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<char>(i);
+      const TimeNs before_ns = host_time_ns();
+      beacon.send(all);
+      THEN("they arrive unchanged, with a time, and nothing is echoed") {
+        CHECK(host.bytes(256) == all);
+        beacon.send("x");
+        const ReadResult result = host.next();
+        CHECK(result.size == 1);
+        CHECK(result.arrival_time_ns >= before_ns);
+        CHECK(result.arrival_time_ns <= host_time_ns());
+        CHECK_FALSE(beacon.got_an_echo());
+      }
+    }
+    WHEN("nothing is sent") {
+      const auto before = std::chrono::steady_clock::now();
+      CHECK(host.port.read(host.buffer, 40ms).status == ReadStatus::timeout);
+      const auto waited = std::chrono::steady_clock::now() - before;
+      THEN("a read waits for its timeout, and the next still reads") {
+        CHECK(waited >= 40ms);
+        beacon.send("ok");
+        CHECK(host.bytes(2) == "ok");
+      }
+    }
+  }
+  GIVEN("a baud rate that no standard knows") {
+    const Beacon beacon;
+    Host host{.port = {beacon.device(), 123'456}};
+    REQUIRE(host.next().status == ReadStatus::connected);
+    beacon.send("odd");
+    CHECK(host.bytes(3) == "odd");
+  }
+}
+
+SCENARIO("an unplugged device is waited for and opened again") {
+  GIVEN("a device behind a link, as udev makes them") {
+    const TemporaryFolder dev;
+    const auto link = dev / "beacon";
+    auto beacon = std::make_unique<Beacon>();
+    std::filesystem::create_symlink(beacon->device(), link);
+    Host host{.port = {link.string(), 115'200}};
+    REQUIRE(host.next().status == ReadStatus::connected);
+    beacon->send("before");
+    REQUIRE(host.bytes(6) == "before");
+    WHEN("it is unplugged") {
+      beacon.reset();
+      std::filesystem::remove(link);
+      THEN("that is told once, with a cause, and the port waits") {
+        CHECK(host.next().status == ReadStatus::disconnected);
+        CHECK_FALSE(host.port.last_error().empty());
+        CHECK(host.port.read(host.buffer, 350ms).status == ReadStatus::timeout);
+        CHECK_THAT(host.port.last_error(), Contains("No such file"));
+        AND_WHEN("another device comes back under the same link") {
+          const Beacon other;
+          const Beacon again;
+          std::filesystem::create_symlink(again.device(), link);
+          THEN("it is opened and read") {
+            CHECK(host.next().status == ReadStatus::connected);
+            again.send("after");
+            CHECK(host.bytes(5) == "after");
+            CHECK(host.port.last_error().empty());
+          }
+        }
+      }
+    }
+  }
+  GIVEN("a device that is not there at the start") {
+    const TemporaryFolder dev;
+    const auto link = dev / "beacon";
+    Host host{.port = {link.string(), 115'200}};
+    THEN("that is told once, and it is opened when it comes") {
+      CHECK(host.next().status == ReadStatus::disconnected);
+      CHECK(host.port.read(host.buffer, 250ms).status == ReadStatus::timeout);
+      const Beacon beacon;
+      std::filesystem::create_symlink(beacon.device(), link);
+      CHECK(host.next().status == ReadStatus::connected);
+    }
+  }
+}
+
+SCENARIO("a line belongs to one reader") {
+  if (::geteuid() == 0) {
+    std::cout << "skipped: the kernel lets the superuser open any line\n";
+    return;
+  }
+  const Beacon beacon;
+  Host first{.port = {beacon.device(), 115'200}};
+  REQUIRE(first.next().status == ReadStatus::connected);
+  Host second{.port = {beacon.device(), 115'200}};
+  CHECK(second.next().status == ReadStatus::disconnected);
+  CHECK_THAT(second.port.last_error(), Contains("busy"));
+}
+
+SCENARIO("what can never be a serial line is refused at once") {
+  const TemporaryFolder folder;
+  write_text(folder / "file", "");
+  CHECK_THROWS_WITH(SerialPort((folder / "file").string(), 115'200), Contains("file: is no serial device"));
+  CHECK_THROWS_WITH(SerialPort(folder.path().string(), 115'200), Contains("is no serial device"));
+  CHECK_THROWS_WITH(SerialPort("/dev/ttyACM0", 0), Contains("baud rate of 0"));
+  GIVEN("a device that is no terminal") {
+    Host host{.port = {"/dev/null", 115'200}};
+    CHECK(host.next().status == ReadStatus::disconnected);
+    CHECK_THAT(host.port.last_error(), Contains("ioctl"));
+  }
+}
+
+SCENARIO("a serial port stops within well under a second") {
+  const auto milliseconds_to_stop = [](SerialPort& port) {
+    std::array<std::uint8_t, 16> buffer{};
+    std::chrono::steady_clock::time_point stopped_at;
+    std::thread stopper([&] {
+      std::this_thread::sleep_for(50ms);
+      stopped_at = std::chrono::steady_clock::now();
+      port.stop();
+    });
+    ReadStatus status = ReadStatus::timeout;
+    while (status != ReadStatus::stopped) status = port.read(buffer, 60s).status;
+    const auto ended_at = std::chrono::steady_clock::now();
+    stopper.join();
+    return std::chrono::duration<double, std::milli>(ended_at - stopped_at).count();
+  };
+  GIVEN("a silent device") {
+    const Beacon beacon;
+    SerialPort port(beacon.device(), 115'200);
+    CHECK(milliseconds_to_stop(port) < 500.0);
+  }
+  GIVEN("a device that is not there") {
+    SerialPort port("/dev/sonopose-no-such-device", 115'200);
+    CHECK(milliseconds_to_stop(port) < 500.0);
+  }
+  GIVEN("a stop before the first read") {
+    const Beacon beacon;
+    SerialPort port(beacon.device(), 115'200);
+    port.stop();
+    std::array<std::uint8_t, 16> buffer{};
+    CHECK(port.read(buffer, 60s).status == ReadStatus::stopped);
+  }
+}
