@@ -1,5 +1,6 @@
-// Prints the RIHS01 hashes of ROS 2's types (REP-2011) as rows of a C++ table, from the IDL files that it is
-// given: the SHA-256 of each type's description in JSON, in the very form in which rosidl writes it.
+// Prints the descriptions of ROS 2's types (REP-2011) that the RIHS01 hashes are made of, from the given IDL
+// files: one line per type, its name on the wire and its description in JSON, in the exact form in which
+// rosidl writes it. hashes.cmake turns the lines into a table of hashes.
 //
 //   type_hashes FILE.idl ...
 //
@@ -7,13 +8,11 @@
 
 #include "idl_fields.h"
 
-#include <array>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <openssl/evp.h>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -109,19 +108,6 @@ std::string whole_description(const std::string& name, const Types& types) {
          referenced + "]}";
 }
 
-std::string sha256(const std::string& text) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned size = 0;
-  if (EVP_Digest(text.data(), text.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1) {
-    throw std::runtime_error("SHA-256 failed");
-  }
-  std::string hex;
-  for (unsigned i = 0; i < size; ++i) {
-    for (const unsigned digit : {digest[i] / 16U, digest[i] % 16U}) hex += "0123456789abcdef"[digit];
-  }
-  return hex;
-}
-
 struct Reading {
   Types types;
   std::exception_ptr error;  ///< must not pass through the parser
@@ -147,8 +133,7 @@ int main(int argc, char** argv) try {
   if (reading.error) std::rethrow_exception(reading.error);
   if (reading.types.empty()) throw std::runtime_error("no type in what is given");
   for (const auto& [name, type] : reading.types) {
-    std::printf("{\"%s\", \"%s\"},\n", type.wire_name.c_str(),
-                sha256(whole_description(name, reading.types)).c_str());
+    std::printf("%s %s\n", type.wire_name.c_str(), whole_description(name, reading.types).c_str());
   }
   return 0;
 } catch (const std::exception& error) {
