@@ -2,7 +2,7 @@
 #
 #   cmake -DDESCRIPTIONS=FILE -DTABLE=FILE -P hashes.cmake
 #
-# DESCRIPTIONS is the output of type_hashes/main.cpp: one line per type, its wire name, a space, its description in JSON.
+# DESCRIPTIONS is the output of type_hashes/main.cpp: one line per type: wire name, space, description in JSON.
 file(STRINGS ${DESCRIPTIONS} lines)
 set(table "")
 foreach(line IN LISTS lines)

@@ -79,15 +79,15 @@ void add_field(Types& types, const idl_field& field) {
   const std::string nested = *field.nested == '\0' ? "" : ros_name(field.nested);
   if (nested == middleware_header) return;
   if (!nested.empty()) owner.used.insert(nested);
-  owner.fields += (owner.fields.empty() ? "" : ", ") + ("{\"name\": " + quoted(field.name)) +
-                  ", \"type\": {\"type_id\": " + std::to_string(field.type_id) +
-                  ", \"capacity\": " + std::to_string(field.capacity) +
-                  ", \"string_capacity\": " + std::to_string(field.string_capacity) +
-                  ", \"nested_type_name\": " + quoted(nested) + "}}";
+  if (!owner.fields.empty()) owner.fields += ", ";
+  owner.fields += R"({"name": )" + quoted(field.name) + R"(, "type": {"type_id": )" +
+                  std::to_string(field.type_id) + R"(, "capacity": )" + std::to_string(field.capacity) +
+                  R"(, "string_capacity": )" + std::to_string(field.string_capacity) +
+                  R"(, "nested_type_name": )" + quoted(nested) + "}}";
 }
 
 std::string description(const std::string& name, const Types& types) {
-  return "{\"type_name\": " + quoted(name) + ", \"fields\": [" + types.at(name).fields + "]}";
+  return R"({"type_name": )" + quoted(name) + R"(, "fields": [)" + types.at(name).fields + "]}";
 }
 
 /// What the type uses, and what that uses.
@@ -104,7 +104,7 @@ std::string whole_description(const std::string& name, const Types& types) {
   for (const std::string& other : used) {
     referenced += (referenced.empty() ? "" : ", ") + description(other, types);
   }
-  return "{\"type_description\": " + description(name, types) + ", \"referenced_type_descriptions\": [" +
+  return R"({"type_description": )" + description(name, types) + R"(, "referenced_type_descriptions": [)" +
          referenced + "]}";
 }
 
