@@ -45,8 +45,8 @@ int refuse_verb(const std::string& verb) {
   if (is_known(verb)) {
     return refuse(fmt::format("sonopose-{} is neither beside this program nor on PATH", verb));
   }
-  std::vector<std::string> names;
-  for (const Verb& each : verbs) names.emplace_back(each.name);
+  std::vector<std::string> names(verbs.size());
+  std::transform(verbs.begin(), verbs.end(), names.begin(), [](const Verb& each) { return each.name; });
   return refuse(fmt::format("{}: unknown verb{}", verb, suggestion(verb, names)));
 }
 
