@@ -74,7 +74,7 @@ replay::AttitudeResult run_log(const Path& folder, const Options& options, const
   }
   std::optional<replay::TrajectoryFile> trajectory;
   if (options.out) trajectory.emplace(*options.out / (name_of(folder) + ".tum"));
-  const auto result =
+  auto result =
       replay::run_attitude(name_of(folder), log, settings, [&](TimeNs time_ns, const Quaterniond& q) {
         if (trajectory) trajectory->write(time_ns, Vector3d::Zero(), q);
       });

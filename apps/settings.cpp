@@ -102,6 +102,7 @@ CLI::App* add_command(CLI::App& app, Options& options, const char* name, const c
 
 }  // namespace
 
+// Only two commands of the same name would throw. NOLINTNEXTLINE(bugprone-exception-escape)
 int main(int argc, char** argv) {
   Options options;
   apps::Program app("settings");
