@@ -25,6 +25,7 @@ int evaluate(const CLI::App& app, const Options& options) {
   std::vector<replay::Summary> summaries;
   apps::for_each_case(options.cases, [&](const std::vector<replay::Case>& runs) {
     std::vector<replay::CaseResult> results;
+    results.reserve(runs.size());
     for (const replay::Case& run : runs) results.push_back(replay::evaluate(run, settings));
     summaries.push_back(replay::summarise(results));
   });
