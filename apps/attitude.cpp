@@ -32,18 +32,19 @@ struct Options {
 void add_options(CLI::App& app, Options& options) {
   std::vector<std::string> filters;
   for (const std::string_view name : choices_of(attitude::FilterKind{})) filters.emplace_back(name);
-  app.add_option("LOG", options.logs, "Log folders with imu.csv, and truth.csv and movement.csv to score by")
+  app.add_option("LOG", options.logs, "Log folders with imu.csv; the score uses truth.csv and movement.csv")
       ->required()
       ->type_name("DIR");
-  app.add_option("--filter", options.filter, "Which filter, whatever the settings say")
+  app.add_option("--filter", options.filter, "Attitude filter; overrides the settings")
       ->check(CLI::IsMember(filters));
   app.add_option("--magnetometer", options.magnetometer,
-                 "Heading from the magnetometer or not, whatever the settings say")
+                 "Use the magnetometer for the heading; overrides the settings")
       ->check(CLI::IsMember({"on", "off"}));
   apps::add_config_options(app, options.config);
   apps::add_beacon_option(app, options.beacon);
-  app.add_option("--out", options.out, "Write LOG.tum of each log here, at the position 0")->type_name("DIR");
-  app.add_flag("--json", options.json, "One JSON object instead of the table");
+  app.add_option("--out", options.out, "Write LOG.tum for each log to this folder, with position 0")
+      ->type_name("DIR");
+  app.add_flag("--json", options.json, "Print one JSON object instead of the table");
 }
 
 /// What a log is called: the last part of its path, without a slash behind it.
@@ -58,7 +59,7 @@ void check_names(const std::vector<Path>& logs) {
   for (const Path& log : logs) {
     if (!names.insert(name_of(log)).second) {
       throw std::runtime_error(
-          fmt::format("--out: two logs are called {}; their trajectories need two folders", name_of(log)));
+          fmt::format("--out: two logs have the name {}; write them to different folders", name_of(log)));
     }
   }
 }
@@ -69,11 +70,11 @@ evaluation::AttitudeResult run_log(const Path& folder, const Options& options, c
     return imu.magnetic_field_body_t.has_value();
   });
   if (settings.attitude.selection.magnetometer && !has_field) {
-    throw files::IoError((folder / "imu.csv").string() + ": no magnetometer, which is asked for");
+    throw files::IoError((folder / "imu.csv").string() + ": no magnetometer data, but the magnetometer is on");
   }
   std::optional<evaluation::TrajectoryFile> trajectory;
   if (options.out) trajectory.emplace(*options.out / (name_of(folder) + ".tum"));
-  const auto result =
+  auto result =
       evaluation::run_attitude(name_of(folder), log, settings, [&](TimeNs time_ns, const Quaterniond& q) {
         if (trajectory) trajectory->write(time_ns, Vector3d::Zero(), q);
       });
@@ -102,16 +103,16 @@ int run_logs(const CLI::App& app, const Options& options) {
     evaluation::make_folder(*options.out);
   }
   std::vector<evaluation::AttitudeResult> results;
-  const auto tell = [&] {
+  const auto print_results = [&] {
     fmt::print("{}", options.json ? evaluation::attitude_json(results) : evaluation::attitude_text(results));
   };
   try {
     for (const Path& log : options.logs) results.push_back(run_log(log, options, settings));
   } catch (...) {
-    if (!results.empty()) tell();  // what the logs before gave
+    if (!results.empty()) print_results();  // those of the earlier logs
     throw;
   }
-  tell();
+  print_results();
   return 0;
 }
 
@@ -119,8 +120,7 @@ int run_logs(const CLI::App& app, const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Runs an attitude filter over logs and scores it where the truth is known.",
-               "sonopose-attitude");
+  apps::Program app("attitude");
   add_options(app, options);
   return sonopose::apps::run(app, argc, argv, [&] { return run_logs(app, options); });
 }

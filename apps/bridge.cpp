@@ -40,12 +40,11 @@ int serve(const CLI::App& app, const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Publishes the samples of Marvelmind beacons, of a recording, or of the built-in simulator.",
-               "sonopose-bridge");
+  apps::Program app("bridge");
   apps::add_bus_options(app, options.bus);
   apps::add_realtime_option(app, options.realtime_priority);
   apps::add_source_options(app, options.source);
-  app.add_option("--record", options.record, "Write what is published as a sensor-log folder")
+  app.add_option("--record", options.record, "Write the published samples to a new sensor-log folder")
       ->type_name("DIR");
   return apps::run(app, argc, argv, [&] { return serve(app, options); });
 }

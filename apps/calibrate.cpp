@@ -27,20 +27,19 @@ struct Options {
 
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& what, Options& options) {
   CLI::App* const command = app.add_subcommand(name, what);
-  command->add_option("LOG", options.log, "The sensor-log folder, of which only imu.csv is read")
+  command->add_option("LOG", options.log, "Sensor-log folder; only imu.csv is read")
       ->required()
       ->type_name("DIR");
-  command->add_flag("--json", options.json, "One JSON object instead of the lines");
+  command->add_flag("--json", options.json, "Print one JSON object instead of text");
   return command;
 }
 
 void add_output(CLI::App& command, Options& options) {
   command
       .add_option("--out", options.out,
-                  "Write the TOML tables here, in the place of what the file was, and only the report to the "
-                  "standard output")
+                  "Write the TOML tables to this file, replace it if it exists, and print only the report")
       ->type_name("FILE");
-  command.add_option("--beacon", options.beacon, "Make them this beacon's own settings")
+  command.add_option("--beacon", options.beacon, "Write the settings for this beacon only")
       ->check(CLI::Range(0, all_beacons - 1));
 }
 
@@ -67,31 +66,29 @@ int analyse(const Options& options) {
 
 }  // namespace
 
+// Only two commands of the same name would throw. NOLINTNEXTLINE(bugprone-exception-escape)
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app(
-      "Finds what a beacon's sensors do wrong from a recording of them, and writes it as settings of the "
-      "fusion. Recordings hold what the sensors tell, whatever the fusion's settings were.",
-      "sonopose-calibrate");
+  apps::Program app("calibrate", "Recordings contain raw readings, so the fusion's settings do not matter.");
   app.require_subcommand(1);
-  CLI::App* const imu =
-      add_command(app, "imu",
-                  "Accelerometer and gyroscope: the sensor held still for 2 s in each of 12 or more "
-                  "orientations (at least nine for all, six for offset and sensitivity), with turns of more "
-                  "than 17 degrees between",
-                  options);
+  CLI::App* const imu = add_command(
+      app, "imu",
+      "Accelerometer and gyroscope: hold the sensor still for 2 s in each of 12 or more "
+      "orientations (at least nine for all errors, six for offset and sensitivity), and turn it by "
+      "more than 17 degrees in between",
+      options);
   CLI::App* const gyroscope =
-      add_command(app, "gyroscope", "The gyroscope's offset alone: the sensor at rest", options);
+      add_command(app, "gyroscope", "Offset of the gyroscope: keep the sensor at rest", options);
   CLI::App* const magnetometer = add_command(
-      app, "magnetometer", "Hard and soft iron: the sensor turned slowly through all directions", options);
+      app, "magnetometer", "Hard and soft iron: turn the sensor slowly through all directions", options);
   CLI::App* const allan =
-      add_command(app, "allan", "Noise: the sensor at rest for hours, its Allan deviation", options);
+      add_command(app, "allan", "Noise as Allan deviation: keep the sensor at rest for hours", options);
   for (CLI::App* const command : {imu, gyroscope, magnetometer}) add_output(*command, options);
   magnetometer
       ->add_option("--field-ut", options.field_ut,
-                   "Strength of the field there (default: that of the readings about their centre)")
+                   "Strength of the local magnetic field in microtesla (default: from the readings)")
       ->check(CLI::Range(1.0, 1000.0));
-  allan->add_option("--plot", options.picture, "Draw the curves: a file .svg or .png (needs gnuplot)")
+  allan->add_option("--plot", options.picture, "Draw the curves to a .svg or .png file (needs gnuplot)")
       ->type_name("FILE");
   return apps::run(app, argc, argv, [&] {
     if (*allan) return analyse(options);

@@ -10,13 +10,10 @@ int main(int argc, char** argv) {
   sonopose::apps::BusOptions bus;
   sonopose::doctor::DoctorOptions options;
   bool json = false;
-  CLI::App app(
-      "Looks at the running system for some seconds and says what is wrong and what to do. Ends with 0 where "
-      "nothing is wrong, with 1 where something is.",
-      "sonopose-doctor");
+  sonopose::apps::Program app("doctor", "The exit code is 0 if nothing is wrong, 1 otherwise.");
   add_bus_options(app, bus);
-  app.add_flag("--json", json, "One JSON object instead of text");
-  app.add_option("--duration", options.duration_s, "How many seconds to look")
+  app.add_flag("--json", json, "Print one JSON object instead of text");
+  app.add_option("--duration", options.duration_s, "Seconds to observe the system")
       ->check(sonopose::apps::number_between(0.5, 3600.0))
       ->capture_default_str();
   return sonopose::apps::run(app, argc, argv, [&] {

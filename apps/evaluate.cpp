@@ -25,6 +25,7 @@ int evaluate(const CLI::App& app, const Options& options) {
   std::vector<evaluation::Summary> summaries;
   apps::for_each_case(options.cases, [&](const std::vector<evaluation::Case>& runs) {
     std::vector<evaluation::CaseResult> results;
+    results.reserve(runs.size());
     for (const evaluation::Case& run : runs) results.push_back(evaluation::evaluate(run, settings));
     summaries.push_back(evaluation::summarise(results));
   });
@@ -36,14 +37,12 @@ int evaluate(const CLI::App& app, const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app(
-      "Scores the fused pose on the simulator's scenarios and on recordings with truth, beside the latest "
-      "fix "
-      "and the latest fix carried on at its velocity.",
-      "sonopose-evaluate");
+  apps::Program app(
+      "evaluate",
+      "For comparison it also scores the latest fix, and the latest fix extrapolated at its velocity.");
   apps::add_case_options(app, options.cases);
   apps::add_config_options(app, options.config);
   apps::add_beacon_option(app, options.beacon);
-  app.add_flag("--json", options.json, "A JSON array instead of the table");
+  app.add_flag("--json", options.json, "Print a JSON array instead of the table");
   return apps::run(app, argc, argv, [&] { return evaluate(app, options); });
 }

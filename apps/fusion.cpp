@@ -29,23 +29,23 @@ struct Options {
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--addresses", options.addresses,
-                 "Serve these beacons alone: 7, 7-131 or 7-131,200 (default: all)")
+                 "Serve only these beacons: 7, 7-131 or 7-131,200 (default: all)")
       ->type_name("LIST");
-  auto* strength =
-      app.add_option("--standby-strength", options.standby_strength,
-                     "Share the beacons with other fusions: each is served by the strongest that has it");
+  auto* strength = app.add_option(
+      "--standby-strength", options.standby_strength,
+      "Share the beacons with other fusions: the strongest one that receives a beacon serves it");
   strength->check(CLI::Range(1, std::numeric_limits<std::int32_t>::max()))->type_name("N");
   app.add_option("--warm-up", options.warm_up_s,
-                 "With --standby-strength: seconds of good poses before a beacon is claimed")
+                 "With --standby-strength: seconds of good poses before this fusion claims a beacon")
       ->check(sonopose::apps::number_between(0.0, 600.0))
       ->needs(strength)
       ->capture_default_str();
   app.add_flag("--lossless", options.lossless,
-               "Keep every event and pose and wait for slow consumers: for a log played at --rate 0")
+               "Keep every event and pose and wait for slow consumers; use it for a log played at --rate 0")
       ->excludes(strength);
-  app.add_flag("--print-config", options.print_config, "Print the settings as commented TOML and end");
+  app.add_flag("--print-config", options.print_config, "Print the settings as commented TOML and exit");
   app.add_flag("--print-settings-page", options.print_settings_page,
-               "Print the table of all settings as a page of the docs and end");
+               "Print the table of all settings as a page of the docs and exit");
 }
 
 sonopose::fusion::FusionOptions node_options(const Options& options,
@@ -84,10 +84,10 @@ int serve(const CLI::App& app, const Options& options) {
 
 }  // namespace
 
+// Only an option that names itself as its condition would throw. NOLINTNEXTLINE(bugprone-exception-escape)
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Fuses IMU samples and ultrasonic fixes into a pose for every beacon on the bus.",
-               "sonopose-fusion");
+  sonopose::apps::Program app("fusion");
   add_bus_options(app, options.bus);
   sonopose::apps::add_realtime_option(app, options.realtime_priority);
   sonopose::apps::add_config_options(app, options.config);

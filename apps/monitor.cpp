@@ -8,12 +8,10 @@
 int main(int argc, char** argv) {
   sonopose::apps::BusOptions bus;
   sonopose::monitor::MonitorOptions options;
-  CLI::App app(
-      "Shows every beacon's rates, pose, status and latency, once a second, and a summary at the end.",
-      "sonopose-monitor");
+  sonopose::apps::Program app("monitor", "It prints a summary at the end.");
   add_bus_options(app, bus);
-  app.add_flag("--json", options.json, "One JSON object a second instead of the table");
-  app.add_option("--duration", options.duration_s, "End after this many seconds; 0: without end")
+  app.add_flag("--json", options.json, "Print one JSON object per second instead of the table");
+  app.add_option("--duration", options.duration_s, "Exit after this many seconds; 0: run until stopped")
       ->check(sonopose::apps::number_between(0.0))
       ->capture_default_str();
   return sonopose::apps::run(app, argc, argv, [&] {

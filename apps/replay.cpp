@@ -36,35 +36,39 @@ struct Options {
 
 void add_options(CLI::App& app, Options& options) {
   const CLI::Validator seconds = CLI::Range(0.0, 1e9).description("[0 - 1e9]");
-  app.add_option("LOG", options.log, "The sensor-log folder")->required()->type_name("DIR");
+  app.add_option("LOG", options.log, "Sensor-log folder")->required()->type_name("DIR");
   apps::add_config_options(app, options.config);
   apps::add_beacon_option(app, options.beacon);
-  app.add_option("--out", options.out,
-                 "Write trajectory.tum, pose.csv and fixes.csv here, replacing those of a run before")
+  app.add_option(
+         "--out", options.out,
+         "Write trajectory.tum, pose.csv and fixes.csv to this folder; replaces those of an earlier run")
       ->type_name("DIR");
-  app.add_option("--after", options.run.after_s, "Score poses from so many seconds after the first event on")
+  app.add_option("--after", options.run.after_s,
+                 "Score the poses from this many seconds after the first event")
       ->check(seconds)
       ->capture_default_str();
-  app.add_option("--until", options.run.until_s, "End so many seconds after the first event")->check(seconds);
-  app.add_flag("--json", options.json, "One JSON object instead of the lines");
+  app.add_option("--until", options.run.until_s, "Stop this many seconds after the first event")
+      ->check(seconds);
+  app.add_flag("--json", options.json, "Print one JSON object instead of text");
   app.add_option("--plot", options.picture,
-                 "Draw path, error, speed and fix_flags: a file .svg or .png (needs gnuplot)")
+                 "Draw path, error, speed and fix flags to a .svg or .png file (needs gnuplot)")
       ->type_name("FILE");
   auto* const engine = apps::add_choice<evaluation::EngineKind>(
       app, "--engine", options.run.engine,
       {{"fusion", evaluation::EngineKind::fusion}, {"strapdown", evaluation::EngineKind::strapdown}},
-      "strapdown: the IMU alone, integrated from the truth");
-  app.add_option("--init", "Where strapdown starts: at the log's first complete truth")
+      "fusion: all sensors; strapdown: only the IMU, integrated from the truth");
+  app.add_option("--init", "Start of strapdown: the first complete truth of the log")
       ->check(CLI::IsMember({"truth"}))
       ->needs(engine);
   apps::add_choice<estimation::StrapdownRule>(
       app, "--integration", options.run.strapdown_rule,
       {{"previous", estimation::StrapdownRule::previous}, {"mean", estimation::StrapdownRule::mean}},
-      "Held over a step of strapdown: the previous sample, as its document says, or the mean of both")
+      "What strapdown integrates over a step: the previous sample, or the mean of both samples")
       ->needs(engine);
-  app.add_option("--save-state", options.save_state, "Write the engine's state at the end, a JSON file")
+  app.add_option("--save-state", options.save_state, "Write the final state of the engine to a JSON file")
       ->type_name("FILE");
-  app.add_option("--load-state", options.load_state, "Go on from such a state, with the events behind it")
+  app.add_option("--load-state", options.load_state,
+                 "Continue from a saved state with the events that follow it")
       ->type_name("FILE");
 }
 
@@ -75,7 +79,7 @@ double seconds_since(Clock::time_point begin) {
 int replay_log(const CLI::App& app, const Options& options) {
   evaluation::RunOptions run = options.run;
   if (run.engine == evaluation::EngineKind::strapdown && (options.save_state || options.load_state)) {
-    throw CLI::ValidationError("--save-state and --load-state", "go with --engine fusion");
+    throw CLI::ValidationError("--save-state and --load-state", "only work with --engine fusion");
   }
   run.settings = apps::configuration(app, options.config).for_beacon(options.beacon);
   if (options.load_state) run.start = evaluation::load_state(*options.load_state);
@@ -90,11 +94,11 @@ int replay_log(const CLI::App& app, const Options& options) {
   if (options.out) out.emplace(*options.out);
   if (options.picture) picture.emplace(*options.picture, options.log.string(), log);
   const auto running = Clock::now();
-  const auto tell = [&](const auto& sample) {
+  const auto write = [&](const auto& sample) {
     if (out) out->write(sample);
     if (picture) picture->add(sample);
   };
-  const evaluation::RunResult result = evaluation::run(log, run, {tell, tell});
+  const evaluation::RunResult result = evaluation::run(log, run, {write, write});
   if (out) out->finish();
   timing.running_s = seconds_since(running);
   if (options.save_state) evaluation::save_state(*options.save_state, result.end);
@@ -107,8 +111,7 @@ int replay_log(const CLI::App& app, const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Runs the fusion over a recording, as fast as it can, and scores it where the truth is known.",
-               "sonopose-replay");
+  apps::Program app("replay");
   add_options(app, options);
   return sonopose::apps::run(app, argc, argv, [&] { return replay_log(app, options); });
 }

@@ -1,5 +1,5 @@
-// sonopose-ros2: a ROS 2 node, without rclcpp: hands poses and samples on as ROS 2's messages, and takes
-// those of ROS 2 drivers in.
+// sonopose-ros2: a ROS 2 node without rclcpp: publishes poses and samples as ROS 2 messages, and takes in the
+// samples of ROS 2 drivers.
 
 #include "support/app.hpp"
 #include "support/ros2_options.hpp"
@@ -39,8 +39,7 @@ int serve(const CLI::App& app, const apps::BusOptions& bus, const apps::Ros2Opti
 int main(int argc, char** argv) {
   apps::BusOptions bus;
   apps::Ros2Options ros2;
-  CLI::App app("Speaks to ROS 2: poses and samples as standard messages, and drivers' samples in.",
-               "sonopose-ros2");
+  apps::Program app("ros2");
   apps::add_bus_options(app, bus);
   apps::add_ros2_options(app, ros2);
   return apps::run(app, argc, argv, [&] { return serve(app, bus, ros2); });

@@ -1,4 +1,4 @@
-// sonopose-settings: asks a running fusion which settings hold, and tells it to use others.
+// sonopose-settings: asks a running fusion for its settings, and changes them.
 
 #include "support/app.hpp"
 #include "settings_client/settings_client.hpp"
@@ -34,12 +34,12 @@ struct Options {
 int get(const Options& options) {
   settings_client::check_names(options.words);
   auto found = options.client().in_force(options.address, options.timeout_s);
-  if (found.empty()) fail(options, "no settings came");
+  if (found.empty()) fail(options, "no settings arrived");
   if (options.address != all_beacons && found.front().address == all_beacons) {
-    throw std::runtime_error(
-        fmt::format("beacon {} has not been heard; without --beacon, get prints what holds "
-                    "for any beacon that has no values of its own",
-                    options.address));
+    throw std::runtime_error(fmt::format(
+        "the fusion has received nothing from beacon {}; without --beacon, get prints the settings "
+        "of all beacons that have no values of their own",
+        options.address));
   }
   if (options.json) {
     for (auto& settings : found) settings = settings_client::chosen(std::move(settings), options.words);
@@ -69,7 +69,7 @@ int watch(const Options& options) {
     if (!changes.knows(settings.address)) {
       const bool all = settings.address == all_beacons;
       fmt::print(stderr, "watching {}\n",
-                 all ? "what is for all" : fmt::format("beacon {}", settings.address));
+                 all ? "the settings for all beacons" : fmt::format("beacon {}", settings.address));
     }
     fmt::print("{}", changes.on(settings));
     std::fflush(stdout);
@@ -88,13 +88,13 @@ int reset(const Options& options) {
 std::string address_text(const std::string& text) {
   if (text == "all") return std::to_string(all_beacons);
   if (CLI::Range(0, all_beacons - 1)(text).empty()) return text;
-  throw CLI::ValidationError(fmt::format("{}: not all or 0 … {}", text, all_beacons - 1));
+  throw CLI::ValidationError(fmt::format("{}: must be all or 0 … {}", text, all_beacons - 1));
 }
 
 CLI::App* add_command(CLI::App& app, Options& options, const char* name, const char* description) {
   auto* command = app.add_subcommand(name, description);
-  command->fallthrough();  // the program's options may stand behind it
-  command->add_option("--beacon", options.address, "One beacon's address; without it, all")
+  command->fallthrough();  // the program's options may follow it
+  command->add_option("--beacon", options.address, "Address of one beacon (default: all)")
       ->transform(address_text)
       ->option_text("ADDRESS|all");
   return command;
@@ -102,29 +102,31 @@ CLI::App* add_command(CLI::App& app, Options& options, const char* name, const c
 
 }  // namespace
 
+// Only two commands of the same name would throw. NOLINTNEXTLINE(bugprone-exception-escape)
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Shows and changes the settings of a running sonopose-fusion.", "sonopose-settings");
+  apps::Program app("settings");
   add_bus_options(app, options.bus);
-  app.add_option("--timeout", options.timeout_s, "Seconds to wait for a fusion (get, set, reset)")
+  app.add_option("--timeout", options.timeout_s, "Seconds to wait for an answer (get, set, reset)")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.require_subcommand(1);
 
-  auto* getting = add_command(app, options, "get", "Print the settings that hold");
-  getting->add_option("KEY", options.words, "Keys (drift.jump_alpha) or groups (drift); without any, all");
-  getting->add_flag("--json", options.json, "A JSON array with an object per beacon, instead of TOML");
+  auto* getting = add_command(app, options, "get", "Print the settings in use");
+  getting->add_option("KEY", options.words, "Keys (drift.jump_alpha) or groups (drift) (default: all)");
+  getting->add_flag("--json", options.json, "Print a JSON array with one object per beacon instead of TOML");
 
-  auto* setting = add_command(app, options, "set", "Change settings: all that are named, or none");
-  setting->add_option("KEY=VALUE", options.words, "What shall hold")->required();
-  setting->add_option("--from-event", options.from_event, "Number of the first event; else the next one");
+  auto* setting = add_command(app, options, "set", "Change settings: all of the given ones, or none");
+  setting->add_option("KEY=VALUE", options.words, "New values")->required();
+  setting->add_option("--from-event", options.from_event,
+                      "Number of the first event that uses them (default: the next one)");
 
-  auto* watching = add_command(app, options, "watch", "Print each change when it takes hold");
-  watching->add_flag("--json", options.json, "One JSON object per change");
-  watching->add_option("--duration", options.duration_s, "End after this many seconds; 0: without end")
+  auto* watching = add_command(app, options, "watch", "Print each change when it takes effect");
+  watching->add_flag("--json", options.json, "Print one JSON object per change");
+  watching->add_option("--duration", options.duration_s, "Exit after this many seconds; 0: run until stopped")
       ->check(CLI::NonNegativeNumber);
 
-  add_command(app, options, "reset", "Let engines begin anew, and wait until they have");
+  add_command(app, options, "reset", "Restart the engines and wait until they have restarted");
 
   return apps::run(app, argc, argv, [&] {
     if (getting->parsed()) return get(options);

@@ -26,14 +26,14 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("SCENARIO", options.scenario, "What the simulated beacon does; --list shows them all")
-      ->type_name("");
-  app.add_option("--out", options.folder, "The sensor-log folder to write; a recording is never overwritten")
+  app.add_option("SCENARIO", options.scenario, "Scenario to simulate; --list shows all")->type_name("");
+  app.add_option("--out", options.folder, "New sensor-log folder; an existing recording is never overwritten")
       ->type_name("DIR");
-  app.add_option("--seed", options.seed, "The same seed gives the same bytes")->capture_default_str();
+  app.add_option("--seed", options.seed, "Seed of the noise; the same seed gives the same bytes")
+      ->capture_default_str();
   app.add_option("--duration", options.duration_s, "Length in seconds (default: the scenario's)")
       ->check(CLI::Range(0.01, 1e5).description("[0.01 - 1e5]"));
-  app.add_flag("--list", options.list, "Show the scenarios and end");
+  app.add_flag("--list", options.list, "List the scenarios and exit");
 }
 
 int list() {
@@ -69,8 +69,7 @@ int write(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Writes a run of the built-in simulator, with its truth, as a sensor-log folder.",
-               "sonopose-simulate");
+  apps::Program app("simulate");
   add_options(app, options);
   return apps::run(app, argc, argv, [&options] { return options.list ? list() : write(options); });
 }

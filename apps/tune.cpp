@@ -31,15 +31,14 @@ void add_options(CLI::App& app, Options& options) {
   apps::add_config_options(app, options.config);
   apps::add_beacon_option(app, options.beacon);
   app.add_option("--vary", options.vary,
-                 "A setting to search: GROUP.KEY or GROUP.KEY=LOW..HIGH; may be repeated")
+                 "Setting to search: GROUP.KEY or GROUP.KEY=LOW..HIGH; may be repeated")
       ->required()
       ->type_name("KEY=LOW..HIGH")
       ->allow_extra_args(false);
-  app.add_option("--rounds", options.rounds, "Settings to try")
+  app.add_option("--rounds", options.rounds, "Number of random settings to try")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  app.add_option("--search-seed", options.search_seed, "Another one searches elsewhere")
-      ->capture_default_str();
+  app.add_option("--search-seed", options.search_seed, "Seed of the search")->capture_default_str();
 }
 
 int tune(const CLI::App& app, const Options& options) {
@@ -72,12 +71,8 @@ int tune(const CLI::App& app, const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app(
-      "Searches at random for settings with a smaller error on the simulator's scenarios and on recordings "
-      "with "
-      "truth; prints them as a TOML file. Items 2, 3 and 4 can be searched with --set "
-      "fusion.imu_weight=user.",
-      "sonopose-tune");
+  apps::Program app(
+      "tune", "It prints them as a TOML file. To search items 2, 3 and 4, add --set fusion.imu_weight=user.");
   add_options(app, options);
   return apps::run(app, argc, argv, [&] { return tune(app, options); });
 }

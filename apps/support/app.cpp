@@ -15,17 +15,16 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
       ->group("Bus");
   add_choice<dds::Network>(app, "--network", options.domain.network,
                            {{"loopback", dds::Network::loopback}, {"lan", dds::Network::lan}},
-                           "loopback: this machine alone; lan: the interface that Cyclone DDS chooses "
-                           "(a CYCLONEDDS_URI of your own wins over both)")
+                           "loopback: only this machine; lan: the interface that Cyclone DDS chooses "
+                           "(CYCLONEDDS_URI overrides both)")
       ->group("Bus");
   app.add_option(
          "--partition", options.domain.partition,
-         "Part of the domain that is read and written; who reads may name several: hall-* (default: what "
-         "is in none)")
+         "DDS partition to read and write; a reader may use a pattern: hall-* (default: no partition)")
       ->type_name("NAME")
       ->group("Bus");
   app.add_option("--qos", options.qos_file,
-                 "QoS policies laid over the project's own (default: SONOPOSE_QOS, else none)")
+                 "File of QoS policies that override the project's (default: SONOPOSE_QOS, else none)")
       ->type_name("FILE")
       ->group("Bus");
 }
@@ -35,7 +34,7 @@ void check_publisher(const BusOptions& options) {
   if (partition.find_first_of("*?[") == std::string::npos) return;
   throw std::invalid_argument(
       "--partition " + partition +
-      ": a program that publishes is in one part; patterns (* ? [) are for who reads");
+      ": a program that publishes needs a single partition; only readers can use patterns (* ? [)");
 }
 
 }  // namespace sonopose::apps

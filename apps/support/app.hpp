@@ -15,8 +15,8 @@ struct BusOptions {
   std::optional<std::filesystem::path> qos_file;
 };
 
-/// Throws std::invalid_argument where a program that publishes is told to be in several parts: a writer whose
-/// partition is a pattern is heard by nobody who asks for one.
+/// Throws std::invalid_argument if the partition of a program that publishes is a pattern: no reader that
+/// asks for a partition of a plain name would match it.
 void check_publisher(const BusOptions& options);
 
 /// Adds --domain, --network, --partition and --qos.

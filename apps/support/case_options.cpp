@@ -3,15 +3,15 @@
 namespace sonopose::apps {
 
 void add_case_options(CLI::App& app, CaseOptions& options) {
-  app.add_option("SCENARIO", options.scenarios, "Which scenarios (default: all)")->type_name("");
-  app.add_option("--seeds", options.seeds, "Runs of each scenario")
+  app.add_option("SCENARIO", options.scenarios, "Scenarios to score (default: all)")->type_name("");
+  app.add_option("--seeds", options.seeds, "Number of runs of each scenario")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--first-seed", options.first_seed,
-                 "The first run's seed; another one gives runs not seen yet")
+  app.add_option("--first-seed", options.first_seed, "Seed of the first run; another seed gives other runs")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
       ->capture_default_str();
-  app.add_option("--recordings", options.recordings, "Also every sensor-log folder with truth in this one")
+  app.add_option("--recordings", options.recordings,
+                 "Also score every sensor-log folder with truth in this folder")
       ->type_name("DIR")
       ->envname("SONOPOSE_RECORDINGS");
 }

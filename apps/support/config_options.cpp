@@ -7,7 +7,7 @@
 namespace sonopose::apps {
 
 void add_config_options(CLI::App& app, ConfigOptions& options) {
-  app.add_option("--config", options.file, "Settings, a TOML file")->type_name("FILE");
+  app.add_option("--config", options.file, "TOML file with settings")->type_name("FILE");
   app.add_option("--set", options.assignments,
                  "One setting: GROUP.KEY=VALUE, or beacon.7.GROUP.KEY=VALUE for one beacon; may be repeated")
       ->type_name("KEY=VALUE")
@@ -16,7 +16,7 @@ void add_config_options(CLI::App& app, ConfigOptions& options) {
 }
 
 void add_beacon_option(CLI::App& app, BeaconAddress& beacon) {
-  app.add_option("--beacon", beacon, "Beacon whose own settings hold: a log does not name its beacon")
+  app.add_option("--beacon", beacon, "Beacon whose own settings apply; a log does not name its beacon")
       ->check(CLI::Range(0, 65534))
       ->capture_default_str();
 }

@@ -22,7 +22,7 @@ struct ConfigOptions {
 /// Adds --config and --set.
 void add_config_options(CLI::App& app, ConfigOptions& options);
 
-/// Adds --beacon: whose own settings hold where events name no beacon.
+/// Adds --beacon: whose own settings apply where events name no beacon.
 void add_beacon_option(CLI::App& app, BeaconAddress& beacon);
 
 /// Reads them, --set above --config; warnings go to stderr. Throws config::ConfigError.

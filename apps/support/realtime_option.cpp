@@ -9,8 +9,8 @@ namespace sonopose::apps {
 void add_realtime_option(CLI::App& app, int& priority) {
   app.add_flag(
          "--realtime{50}", priority,
-         "Real-time priority (--realtime=PRIORITY: another one than 50), memory locked, cores kept awake; "
-         "what is refused is said and done without")
+         "Use real-time priority 50 (or --realtime=PRIORITY), lock the memory and keep the cores awake; "
+         "reports and skips what the system refuses")
       ->check(CLI::Range(1, 99))
       ->group("Bus");
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What the programs on the way of a pose have in common: --realtime.
+// What the programs between a sample and its pose have in common: --realtime.
 
 #include "process/realtime.hpp"
 
@@ -10,8 +10,8 @@ namespace sonopose::apps {
 /// Adds --realtime[=PRIORITY]; `priority` stays 0 without it.
 void add_realtime_option(CLI::App& app, int& priority);
 
-/// Applies it where it was asked for and says on standard error what holds and what does not. To be called
-/// when the node was made; what it gives is to be kept until the end.
+/// Applies it where it was asked for and reports on standard error what was applied and what was refused.
+/// Call it after the node is made, and keep the result until the end.
 [[nodiscard]] process::Realtime realtime(const CLI::App& app, int priority);
 
 }  // namespace sonopose::apps

@@ -37,7 +37,7 @@ void check_topics(const ros2::Ros2RelayOptions& relay) {
   by_option("--beacon-namespace '" + pattern + "'", [&] {
     if (!ros2::tells_topics_apart(pattern) && !relay.addresses.only_one()) {
       throw std::invalid_argument(
-          "without {address} all beacons would be in the same topics; that goes with a single beacon, as in "
+          "without {address} all beacons would share the same topics; it needs a single beacon, as in "
           "--addresses 7");
     }
     ros2::check_beacon_namespace(relay.names, pattern);
@@ -58,7 +58,7 @@ ros2::Distro distro_by(const Ros2Options& options, const ros2::Variables& enviro
   if (options.distro) return *options.distro;
   const ros2::FoundDistro found = ros2::distro_of(environment);
   if (!found.warning.empty()) {
-    fmt::print(stderr, "sonopose-ros2: warning: {}; --ros-distro says otherwise\n", found.warning);
+    fmt::print(stderr, "sonopose-ros2: warning: {}; use --ros-distro to choose another\n", found.warning);
   }
   return found.distro;
 }

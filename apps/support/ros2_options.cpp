@@ -12,16 +12,17 @@ void add_node_options(CLI::App& app, Ros2Options& options) {
   app.add_option("--namespace", options.node.name_space, "Namespace of the node")
       ->capture_default_str()
       ->group(group);
-  app.add_option("-r,--remap", options.remap, "Other names, as ROS 2 has it: /hedge_7/odom:=/odom (several)")
+  app.add_option("-r,--remap", options.remap,
+                 "Remap a name, as in ROS 2: /hedge_7/odom:=/odom; may be repeated")
       ->type_name("FROM:=TO")
       ->group(group);
-  app.add_option("--enclave", options.enclave, "Security enclave to tell of")
+  app.add_option("--enclave", options.enclave, "Security enclave to announce")
       ->capture_default_str()
       ->group(group);
   app.add_option_function<std::string>(
          "--ros-distro", [&options](const std::string& name) { options.distro = ros2::distro_named(name); },
-         "How the node tells of itself: humble, or jazzy for Iron and later; the other distributions' names "
-         "work too (default: as ROS_DISTRO says, else jazzy)")
+         "ROS 2 distribution to be compatible with: humble, or jazzy for Iron and later; the names of other "
+         "distributions work too (default: ROS_DISTRO, else jazzy)")
       ->check(one_of(ros2::distro_names()))
       ->option_text("humble|jazzy")
       ->group(group);
@@ -32,11 +33,12 @@ void add_frame_options(CLI::App& app, Ros2Options& options) {
   const auto frame = [&](const char* name, std::string& value, const char* what) {
     app.add_option(name, value, what)->capture_default_str()->type_name("FRAME")->group(group);
   };
-  frame("--map-frame", options.output.frames.map, "The beacons' world; {address} stands for the beacon's");
-  frame("--odom-frame", options.output.frames.odom, "Another source's odometry");
-  frame("--base-frame", options.output.frames.base, "The robot");
-  frame("--imu-frame", options.output.frames.imu, "The IMU's axes");
-  app.add_option("--mount", options.mount, "Where the IMU sits on the robot: x y z (m) roll pitch yaw (deg)")
+  frame("--map-frame", options.output.frames.map,
+        "Frame of the beacons' world; {address} is replaced by the beacon's address");
+  frame("--odom-frame", options.output.frames.odom, "Frame of another source's odometry");
+  frame("--base-frame", options.output.frames.base, "Frame of the robot");
+  frame("--imu-frame", options.output.frames.imu, "Frame of the IMU");
+  app.add_option("--mount", options.mount, "Pose of the IMU on the robot: x y z (m) roll pitch yaw (deg)")
       ->type_name("N")
       ->group(group);
   add_choice<ros2::TfMode>(
@@ -44,24 +46,25 @@ void add_frame_options(CLI::App& app, Ros2Options& options) {
       {{"map_base", ros2::TfMode::map_base},
        {"map_odom", ros2::TfMode::map_odom},
        {"off", ros2::TfMode::off}},
-      "Transforms: map to base; or map to odom, where /tf has odom to base from another source; or none")
+      "Transform to publish: map to base; map to odom, if another source publishes odom to base; or none")
       ->group(group);
 }
 
 void add_message_options(CLI::App& app, Ros2Options& options) {
   const char* const group = "Messages";
-  app.add_option("--addresses", options.addresses, "Relay these beacons alone: 7, 7-131 or 7-131,200")
+  app.add_option("--addresses", options.addresses,
+                 "Relay only these beacons: 7, 7-131 or 7-131,200 (default: all)")
       ->type_name("LIST")
       ->group(group);
   app.add_option("--beacon-namespace", options.output.beacon_namespace,
-                 "Where a beacon's topics are; '' with a single beacon: right in the node's namespace")
+                 "Namespace of a beacon's topics; '' (for a single beacon): the node's namespace")
       ->capture_default_str()
       ->group(group);
   add_choice<ros2::FixMessage>(app, "--fix-message", options.output.fix,
                                 {{"pose", ros2::FixMessage::pose}, {"point", ros2::FixMessage::point}},
-                                "Fixes as PoseWithCovarianceStamped or as PointStamped")
+                                "Publish fixes as PoseWithCovarianceStamped or as PointStamped")
       ->group(group);
-  app.add_option("--path", options.output.path_s, "Publish the way of the last S seconds")
+  app.add_option("--path", options.output.path_s, "Publish the path of the last S seconds")
       ->check(number_between(0.0, 3600.0))
       ->type_name("S")
       ->group(group);
@@ -71,30 +74,36 @@ void add_message_options(CLI::App& app, Ros2Options& options) {
         ->capture_default_str()
         ->group(group);
   };
-  deviation("--gyro-std", options.output.noise.gyro_std_radps, 1e3, "Standard deviation of the gyro, rad/s");
-  deviation("--accel-std", options.output.noise.accel_std_mps2, 1e3, "Of the accelerometer, m/s^2");
-  deviation("--magnetic-std", options.output.noise.magnetic_std_t, 1e3, "Of the magnetometer, T");
-  deviation("--tilt-std", options.output.noise.tilt_std_deg, 180, "Of roll and pitch, deg");
+  deviation("--gyro-std", options.output.noise.gyro_std_radps, 1e3,
+            "Standard deviation of the gyroscope, rad/s");
+  deviation("--accel-std", options.output.noise.accel_std_mps2, 1e3,
+            "Standard deviation of the accelerometer, m/s^2");
+  deviation("--magnetic-std", options.output.noise.magnetic_std_t, 1e3,
+            "Standard deviation of the magnetometer, T");
+  deviation("--tilt-std", options.output.noise.tilt_std_deg, 180,
+            "Standard deviation of roll and pitch, deg");
 }
 
 void add_input_options(CLI::App& app, Ros2Options& options) {
   const char* const group = "From ROS 2";
-  app.add_option("--imu-in", options.imu_in, "Take a driver's sensor_msgs/Imu in as a beacon's: /imu/data=7")
+  app.add_option("--imu-in", options.imu_in,
+                 "Use a driver's sensor_msgs/Imu as the samples of a beacon: /imu/data=7")
       ->type_name("TOPIC=ADDRESS")
       ->group(group);
   app.add_option("--fix-in", options.fix_in,
-                 "Take positions in, PointStamped or PoseWithCovarianceStamped: /tag/pose=7")
+                 "Use PointStamped or PoseWithCovarianceStamped as the fixes of a beacon: /tag/pose=7")
       ->type_name("TOPIC=ADDRESS")
       ->group(group);
 }
 
-/// The bus of the other programs is loopback; this one is where ROS 2's nodes are.
+/// The other programs use loopback by default; this one uses the network of the ROS 2 nodes.
 void describe_network(CLI::App& app) {
   app.get_option("--network")
-      ->option_text("loopback|lan (default: as far as ROS 2's variables say)")
+      ->option_text("loopback|lan (default: from the environment variables of ROS 2)")
       ->description(
-          "loopback: this machine alone; lan: the interface that Cyclone DDS chooses, and then no bridge or "
-          "fusion on loopback is heard (a CYCLONEDDS_URI of your own wins over both)");
+          "loopback: only this machine; lan: the interface that Cyclone DDS chooses, without any bridge or "
+          "fusion "
+          "on loopback (CYCLONEDDS_URI overrides both)");
 }
 
 }  // namespace

@@ -1,16 +1,70 @@
 #include "run.hpp"
 
+#include "nearest.hpp"
+#include "verbs.hpp"
+
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace sonopose::apps {
 namespace {
+
+std::string description_of(std::string_view verb) {
+  const auto* const found =
+      std::find_if(verbs.begin(), verbs.end(), [&](const Verb& each) { return each.name == verb; });
+  if (found == verbs.end()) throw std::logic_error(fmt::format("{}: not in verbs.hpp", verb));
+  return std::string(found->description);
+}
+
+/// The command that was given, or the program itself.
+const CLI::App& command_of(const CLI::App& app) {
+  const auto given = app.get_subcommands();
+  return given.empty() ? app : *given.front();
+}
+
+/// Every option that may stand on this command line, as "--name" or "-n".
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* each : {&app, &command_of(app)}) {
+    for (const CLI::Option* option : each->get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+      for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+    }
+  }
+  return names;
+}
+
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  return names;
+}
+
+/// What is wrong with the command line. An argument that nothing takes comes first: others often follow from
+/// it.
+std::string mistake_in(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<std::string> unknown = app.remaining(true);
+  const auto option = std::find_if(unknown.begin(), unknown.end(),
+                                   [](const std::string& word) { return word.starts_with('-'); });
+  if (option != unknown.end()) {
+    const std::string name = option->substr(0, option->find('='));
+    return fmt::format("{}: unknown option{}", name, suggestion(name, option_names(app)));
+  }
+  if (unknown.empty()) return error.what();
+  const std::vector<std::string> commands = command_names(app);
+  if (commands.empty() || !app.get_subcommands().empty()) {
+    return fmt::format("{}: unexpected argument", unknown.front());
+  }
+  return fmt::format("{}: unknown command{}", unknown.front(), suggestion(unknown.front(), commands));
+}
 
 /// A pipe that was closed and a full disk show when the last lines leave the buffer, if not before.
 void check_output() {
@@ -22,6 +76,12 @@ void check_output() {
 }
 
 }  // namespace
+
+Program::Program(std::string_view verb, const std::string& details)
+    : CLI::App(description_of(verb) + (details.empty() ? "" : "\n" + details),
+               fmt::format("sonopose-{}", verb)) {
+  set_version_flag("--version", get_name() + " " SONOPOSE_VERSION, "Print the version and exit");
+}
 
 CLI::Validator number_between(double least, double most) {
   const bool open = most == std::numeric_limits<double>::max();
@@ -37,8 +97,12 @@ CLI::Validator number_between(double least, double most) {
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
   try {
     app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {  // --help, --version
+    return app.exit(asked);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error);
+    fmt::print(stderr, "{0}: {1}\nRun {0} --help for more information.\n", app.get_name(),
+               mistake_in(app, error));
+    return error.get_exit_code();
   }
   try {
     const int code = body();

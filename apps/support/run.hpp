@@ -5,15 +5,24 @@
 
 #include <functional>
 #include <limits>
+#include <string>
+#include <string_view>
 
 namespace sonopose::apps {
+
+/// The command line of the program sonopose-VERB: name, description (verbs.hpp) and --version.
+class Program : public CLI::App {
+public:
+  /// `details` follow the description in --help.
+  explicit Program(std::string_view verb, const std::string& details = {});
+};
 
 /// A number between the two; unlike CLI::Range it refuses what is no number, such as nan.
 CLI::Validator number_between(double least, double most = std::numeric_limits<double>::max());
 
 /// Parses the command line and runs `body`. Returns the exit code: 0 for success, help and a stop by signal;
-/// the command line's own errors as CLI11 numbers them; 1 for any exception and for an
-/// output that cannot be written; the reason goes to stderr.
+/// the command line's own errors as CLI11 numbers them; 1 for any exception and for an output that cannot be
+/// written. The reason goes to stderr; for an unknown option or command it names the nearest known one.
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
 
 }  // namespace sonopose::apps

@@ -13,24 +13,25 @@ const std::string& required_input(const SourceOptions& options) {
 }  // namespace
 
 void add_source_options(CLI::App& app, SourceOptions& options) {
-  app.add_option("--source", options.source, "Where samples come from: sim, log, stream, serial or udp")
+  app.add_option("--source", options.source, "Source of the samples: sim, log, stream, serial or udp")
       ->check(CLI::IsMember({"sim", "log", "stream", "serial", "udp"}))
       ->capture_default_str();
-  app.add_option("--input", options.input, "The sensor-log folder (log) or file of raw beacon bytes (stream)")
+  app.add_option("--input", options.input, "Sensor-log folder (log) or file of raw beacon bytes (stream)")
       ->type_name("PATH");
   app.add_option("--rate", options.rate,
-                 "Speed of sim, log and stream: 1 is real time, 0 as fast as readers take it")
+                 "Speed of sim, log and stream: 1 is real time, 0 is as fast as the readers accept")
       ->check(CLI::Range(0.0, 1e6).description("[0 - 1e6]"))
       ->capture_default_str();
-  app.add_flag("--restamp", options.restamp, "Shift a log's stamps so that it begins now");
+  app.add_flag("--restamp", options.restamp, "Shift the time stamps of a log so that it starts now");
   app.add_option("--address", options.address, "Beacon address of sim and log")
       ->check(CLI::Range(0, 65534))
       ->capture_default_str();
   app.add_option("--beacons", options.sim.beacons,
-                 "How many beacons sim brings, each with the next address and seed")
+                 "Number of beacons of sim, each with the next address and seed")
       ->check(CLI::Range(1U, bridge::max_simulated_beacons))
       ->capture_default_str();
-  app.add_option("--device", options.serial.device, "Serial device; waited for while it is absent")
+  app.add_option("--device", options.serial.device,
+                 "Serial device; the bridge waits for it while it is absent")
       ->capture_default_str();
   app.add_option("--baud", options.serial.baud, "Baud rate; USB devices ignore it")
       ->check(CLI::Range(1200U, 4'000'000U))
@@ -38,24 +39,25 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
   app.add_option("--listen", options.listen, "UDP address and port to listen on")
       ->type_name("ADDR:PORT")
       ->capture_default_str();
-  app.add_option("--capture", options.capture, "Keep the raw bytes of the beacon in this file")
+  app.add_option("--capture", options.capture, "Write the raw bytes of the beacon to this file")
       ->type_name("FILE");
-  app.add_option("--scenario", options.sim.scenario, "What the simulated beacon does")->capture_default_str();
+  app.add_option("--scenario", options.sim.scenario, "Scenario of sim")->capture_default_str();
   app.add_option("--imu-rate", options.sim.imu_rate_hz,
                  "IMU rate of the simulator in Hz (default: the scenario's)")
       ->check(CLI::Range(1.0, 1000.0).description("[1 - 1000]"));
   app.add_option("--seed", options.sim.seed, "Seed of the simulator's noise")->capture_default_str();
-  app.add_option("--duration", options.sim.duration_s, "Length of the simulation in seconds; 0: without end")
+  app.add_option("--duration", options.sim.duration_s,
+                 "Length of the simulation in seconds; 0: run until stopped")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
 }
 
 std::unique_ptr<bridge::Source> make_source(const SourceOptions& options) {
   if (options.sim.beacons > 1 && options.source != "sim") {
-    throw std::invalid_argument("--beacons goes with --source sim, not with " + options.source);
+    throw std::invalid_argument("--beacons only works with --source sim, not with " + options.source);
   }
   if (options.capture && (options.source == "log" || options.source == "stream")) {
-    throw std::invalid_argument("--capture goes with --source sim, serial or udp, not with " +
+    throw std::invalid_argument("--capture only works with --source sim, serial or udp, not with " +
                                 options.source);
   }
   if (options.source == "log") {

@@ -1,5 +1,6 @@
-// Prints the RIHS01 hashes of ROS 2's types (REP-2011) as rows of a C++ table, from the IDL files that it is
-// given: the SHA-256 of each type's description in JSON, in the very form in which rosidl writes it.
+// Prints the descriptions of ROS 2's types (REP-2011) that the RIHS01 hashes are made of, from the given IDL
+// files: one line per type, its name on the wire and its description in JSON, in the exact form in which
+// rosidl writes it. hashes.cmake turns the lines into a table of hashes.
 //
 //   type_hashes FILE.idl ...
 //
@@ -7,13 +8,11 @@
 
 #include "idl_fields.h"
 
-#include <array>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <openssl/evp.h>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -80,15 +79,15 @@ void add_field(Types& types, const idl_field& field) {
   const std::string nested = *field.nested == '\0' ? "" : ros_name(field.nested);
   if (nested == middleware_header) return;
   if (!nested.empty()) owner.used.insert(nested);
-  owner.fields += (owner.fields.empty() ? "" : ", ") + ("{\"name\": " + quoted(field.name)) +
-                  ", \"type\": {\"type_id\": " + std::to_string(field.type_id) +
-                  ", \"capacity\": " + std::to_string(field.capacity) +
-                  ", \"string_capacity\": " + std::to_string(field.string_capacity) +
-                  ", \"nested_type_name\": " + quoted(nested) + "}}";
+  if (!owner.fields.empty()) owner.fields += ", ";
+  owner.fields += R"({"name": )" + quoted(field.name) + R"(, "type": {"type_id": )" +
+                  std::to_string(field.type_id) + R"(, "capacity": )" + std::to_string(field.capacity) +
+                  R"(, "string_capacity": )" + std::to_string(field.string_capacity) +
+                  R"(, "nested_type_name": )" + quoted(nested) + "}}";
 }
 
 std::string description(const std::string& name, const Types& types) {
-  return "{\"type_name\": " + quoted(name) + ", \"fields\": [" + types.at(name).fields + "]}";
+  return R"({"type_name": )" + quoted(name) + R"(, "fields": [)" + types.at(name).fields + "]}";
 }
 
 /// What the type uses, and what that uses.
@@ -105,21 +104,8 @@ std::string whole_description(const std::string& name, const Types& types) {
   for (const std::string& other : used) {
     referenced += (referenced.empty() ? "" : ", ") + description(other, types);
   }
-  return "{\"type_description\": " + description(name, types) + ", \"referenced_type_descriptions\": [" +
+  return R"({"type_description": )" + description(name, types) + R"(, "referenced_type_descriptions": [)" +
          referenced + "]}";
-}
-
-std::string sha256(const std::string& text) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned size = 0;
-  if (EVP_Digest(text.data(), text.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1) {
-    throw std::runtime_error("SHA-256 failed");
-  }
-  std::string hex;
-  for (unsigned i = 0; i < size; ++i) {
-    for (const unsigned digit : {digest[i] / 16U, digest[i] % 16U}) hex += "0123456789abcdef"[digit];
-  }
-  return hex;
 }
 
 struct Reading {
@@ -147,8 +133,7 @@ int main(int argc, char** argv) try {
   if (reading.error) std::rethrow_exception(reading.error);
   if (reading.types.empty()) throw std::runtime_error("no type in what is given");
   for (const auto& [name, type] : reading.types) {
-    std::printf("{\"%s\", \"%s\"},\n", type.wire_name.c_str(),
-                sha256(whole_description(name, reading.types)).c_str());
+    std::printf("%s %s\n", type.wire_name.c_str(), whole_description(name, reading.types).c_str());
   }
   return 0;
 } catch (const std::exception& error) {

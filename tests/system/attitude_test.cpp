@@ -82,7 +82,7 @@ SCENARIO("what sonopose-attitude cannot do, it says") {
   CHECK_THAT(refusal({log, "--magnetometer", "on"}), Contains("imu.csv") && Contains("no magnetometer"));
   CHECK_THAT(refusal({log, "--filter", "kalman"}), Contains("kalman") && Contains("mahony"));
   CHECK_THAT(refusal({(folder / "nowhere").string()}), Contains("nowhere/imu.csv"));
-  CHECK_THAT(refusal({log, log, "--out", (folder / "out").string()}), Contains("two logs are called walk"));
+  CHECK_THAT(refusal({log, log, "--out", (folder / "out").string()}), Contains("two logs have the name walk"));
   CHECK_THAT(refusal({log, "--set", "attitude.ahrs.gain=11"}),
              Contains("attitude.ahrs.gain") && Contains("0 … 10"));
 }

@@ -93,8 +93,8 @@ TEST_CASE("An option of a few words takes these alone, and lists them") {
 TEST_CASE("The relay's help says where it looks for others, and what it takes") {
   const Result help = run(SONOPOSE_TEST_ROS2, {"--help"}, neutral);
   CHECK(help.code == 0);
-  CHECK_THAT(help.output, Contains("loopback|lan (default: as far as ROS 2's variables say)"));
-  CHECK_THAT(help.output, Contains("no bridge or fusion on loopback is heard"));
+  CHECK_THAT(help.output, Contains("loopback|lan (default: from the environment variables of ROS 2)"));
+  CHECK_THAT(help.output, Contains("without any bridge or fusion on loopback"));
   CHECK_THAT(help.output, Contains("map_base|map_odom|off (default: map_base)"));
   CHECK_THAT(help.output, Contains("pose|point (default: pose)"));
   CHECK_THAT(run(SONOPOSE_TEST_MONITOR, {"--help"}, neutral).output,

@@ -1,0 +1,89 @@
+// sonopose: the front door; `sonopose VERB ARGUMENTS…` becomes the program sonopose-VERB.
+
+#include "support/nearest.hpp"
+#include "support/verbs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+namespace {
+
+using namespace sonopose::apps;
+
+constexpr int failed = 1;
+
+int list_verbs() {
+  fmt::print(
+      "Fuses an IMU and ultrasonic beacons into a pose, on DDS.\n"
+      "Usage: sonopose VERB [ARGUMENTS...]\n\nVerbs:\n");
+  for (const Verb& verb : verbs) fmt::print("  {:<11}{}\n", verb.name, verb.description);
+  fmt::print(
+      "\nOptions:\n"
+      "  -h,--help  Print this list and exit; sonopose help VERB shows the options of a verb\n"
+      "  --version  Print the version and exit\n");
+  return std::fflush(stdout) == 0 ? 0 : failed;
+}
+
+int refuse(const std::string& what) {
+  fmt::print(stderr, "sonopose: {}\nRun sonopose --help for all verbs.\n", what);
+  return failed;
+}
+
+bool is_known(const std::string& verb) {
+  return std::any_of(verbs.begin(), verbs.end(), [&](const Verb& each) { return each.name == verb; });
+}
+
+int refuse_verb(const std::string& verb) {
+  if (is_known(verb)) {
+    return refuse(fmt::format("sonopose-{} is neither beside this program nor on PATH", verb));
+  }
+  std::vector<std::string> names(verbs.size());
+  std::transform(verbs.begin(), verbs.end(), names.begin(), [](const Verb& each) { return each.name; });
+  return refuse(fmt::format("{}: unknown verb{}", verb, suggestion(verb, names)));
+}
+
+/// Becomes the program of the verb: the one beside this program, else the one on PATH. Returns only on
+/// failure.
+int become(const std::string& verb, const std::vector<std::string>& arguments) {
+  if (verb.empty() || verb.find('/') != std::string::npos) return refuse_verb(verb);
+  const std::string program = "sonopose-" + verb;
+  std::error_code no_proc;  // then PATH alone is searched
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", no_proc);
+  const std::string beside = (self.parent_path() / program).string();
+
+  std::vector<const char*> words{program.c_str()};
+  for (const std::string& argument : arguments) words.push_back(argument.c_str());
+  words.push_back(nullptr);
+  auto* const argv = const_cast<char* const*>(words.data());  // execv(3) does not change them
+  if (!no_proc) ::execv(beside.c_str(), argv);
+  if (no_proc || errno == ENOENT) ::execvp(program.c_str(), argv);
+  if (errno == ENOENT) return refuse_verb(verb);
+  return refuse(fmt::format("{} cannot be started: {}", program, std::strerror(errno)));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  if (words.empty()) return list_verbs();
+  const std::string first = words.front();
+  words.erase(words.begin());
+  if (first == "--version") {
+    fmt::print("sonopose {}\n", SONOPOSE_VERSION);
+    return std::fflush(stdout) == 0 ? 0 : failed;
+  }
+  if (first == "help" && !words.empty()) return become(words.front(), {"--help"});
+  if (first == "help" || first == "--help" || first == "-h") return list_verbs();
+  if (first.starts_with('-')) {
+    return refuse(fmt::format("{}: unknown option{}", first, suggestion(first, {"--help", "--version"})));
+  }
+  return become(first, words);
+}

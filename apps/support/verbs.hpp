@@ -1,0 +1,33 @@
+#pragma once
+// Every program, with the one sentence that its own --help and the front door's list show.
+
+#include <array>
+#include <string_view>
+
+namespace sonopose::apps {
+
+/// `sonopose VERB` runs the program `sonopose-VERB`.
+struct Verb {
+  std::string_view name;
+  std::string_view description;
+};
+
+inline constexpr std::array verbs{
+    Verb{"bridge",
+         "Publishes the samples of Marvelmind beacons, of a recording or of the built-in simulator."},
+    Verb{"fusion", "Fuses IMU samples and ultrasonic fixes into a pose for every beacon on the bus."},
+    Verb{"monitor", "Shows the rates, pose, status and latency of every beacon once a second."},
+    Verb{"ros2", "Publishes poses and samples as ROS 2 messages, and takes in the samples of ROS 2 drivers."},
+    Verb{"doctor", "Checks the running system and says what is wrong and what to do about it."},
+    Verb{"settings", "Shows and changes the settings of a running sonopose-fusion."},
+    Verb{"simulate", "Writes a run of the built-in simulator, with its truth, as a sensor-log folder."},
+    Verb{"replay",
+         "Runs the fusion over a recording, without a bus, and scores it where the truth is known."},
+    Verb{"evaluate", "Scores the fused pose on the simulator's scenarios and on recordings with truth."},
+    Verb{"tune", "Searches for settings with a smaller error on scenarios and on recordings with truth."},
+    Verb{"attitude", "Runs an attitude filter over recordings and scores it where the truth is known."},
+    Verb{"calibrate",
+         "Computes the errors of a beacon's sensors from a recording, as settings of the fusion."},
+};
+
+}  // namespace sonopose::apps

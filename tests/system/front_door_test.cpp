@@ -1,0 +1,156 @@
+/// The front door, and what every program answers: --help, --version, a misspelt word.
+
+#include "io/temporary_folder.hpp"
+#include "support/process.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+using namespace sonopose::test;
+using Catch::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string version_line = " " SONOPOSE_TEST_VERSION "\n";
+const fs::path front_door = SONOPOSE_TEST_SONOPOSE;
+const std::string prefix = "sonopose-";
+
+/// The programs that are built, but for the front door: sonopose-bridge …
+std::vector<std::string> programs() {
+  std::vector<std::string> names;
+  std::istringstream list(SONOPOSE_TEST_PROGRAMS);
+  for (std::string name; std::getline(list, name, ',');) {
+    if (name.starts_with(prefix)) names.push_back(name);
+  }
+  return names;
+}
+
+fs::path beside_front_door(const std::string& program) {
+  return front_door.parent_path() / program;
+}
+
+/// Runs a program that must refuse its command line; returns the reason.
+std::string refusal(const fs::path& program, const std::vector<std::string>& arguments) {
+  const Result result = run(program, arguments);
+  CAPTURE(program, arguments, result.error);
+  CHECK(result.code.value_or(0) > 0);
+  CHECK(result.output.empty());
+  return result.error;
+}
+
+/// The front door alone in a folder, with a verb of somebody else's on PATH.
+struct FrontDoorAlone {
+  TemporaryFolder folder;
+  fs::path program = folder / "sonopose";
+  Environment environment{{"PATH", (folder / "path").string() + ":" + std::getenv("PATH")}};
+
+  FrontDoorAlone() {
+    fs::copy_file(front_door, program);
+    fs::create_directory(folder / "path");
+    const fs::path verb = folder / "path" / "sonopose-greet";
+    write_text(verb, "#!/bin/sh\necho \"hello $*\"\nexit 7\n");
+    fs::permissions(verb, fs::perms::owner_all);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("The front door lists every program with the sentence of its own help") {
+  const Result list = run(front_door, {"--help"});
+  CHECK(list.code == 0);
+  CHECK(run(front_door, {}).output == list.output);
+  CHECK(run(front_door, {"help"}).output == list.output);
+  REQUIRE(programs().size() >= 12);
+  for (const std::string& program : programs()) {
+    const std::string help = run(beside_front_door(program), {"--help"}).output;
+    const std::string sentence = help.substr(0, help.find('\n'));
+    CAPTURE(program, sentence);
+    CHECK(sentence.ends_with('.'));
+    CHECK_THAT(list.output,
+               Contains("  " + program.substr(prefix.size()) + " ") && Contains(" " + sentence + "\n"));
+  }
+}
+
+TEST_CASE("Every program prints its name and version") {
+  const Result front = run(front_door, {"--version"});
+  CHECK(front.code == 0);
+  CHECK(front.output == "sonopose" + version_line);
+  for (const std::string& program : programs()) {
+    const Result result = run(beside_front_door(program), {"--version"});
+    CAPTURE(program, result.error);
+    CHECK(result.code == 0);
+    CHECK(result.output == program + version_line);
+  }
+}
+
+SCENARIO("A verb runs its program") {
+  WHEN("the program is beside the front door") {
+    THEN("it gets the arguments, and its exit code is the front door's") {
+      const Result through = run(front_door, {"simulate", "--list"});
+      CHECK(through.code == 0);
+      CHECK(through.output == run(beside_front_door("sonopose-simulate"), {"--list"}).output);
+      CHECK(run(front_door, {"simulate", "swim"}).code == 1);
+    }
+    THEN("help VERB is its --help") {
+      CHECK(run(front_door, {"help", "replay"}).output ==
+            run(beside_front_door("sonopose-replay"), {"--help"}).output);
+    }
+  }
+  WHEN("the program is only on PATH") {
+    const FrontDoorAlone alone;
+    THEN("it runs from there") {
+      const Result result = run(alone.program, {"greet", "a b", "--c"}, alone.environment);
+      CHECK(result.output == "hello a b --c\n");
+      CHECK(result.code == 7);
+    }
+  }
+  WHEN("the program of a known verb is missing") {
+    const FrontDoorAlone alone;
+    THEN("the front door says which one") {
+      const Result result = run(alone.program, {"tune"}, alone.environment);
+      CHECK(result.code.value_or(0) > 0);
+      CHECK_THAT(result.error, Contains("sonopose-tune") && Contains("PATH"));
+    }
+  }
+}
+
+TEST_CASE("A misspelt verb is refused with the nearest one") {
+  CHECK_THAT(refusal(front_door, {"fussion"}), Contains("fussion: unknown verb; did you mean fusion?"));
+  CHECK_THAT(refusal(front_door, {"cal"}), Contains("did you mean calibrate?"));
+  CHECK_THAT(refusal(front_door, {"help", "mointor"}), Contains("did you mean monitor?"));
+  CHECK_THAT(refusal(front_door, {"--verison"}), Contains("unknown option; did you mean --version?"));
+  CHECK_THAT(refusal(front_door, {"../bridge"}), Contains("../bridge: unknown verb"));
+  CHECK_THAT(refusal(front_door, {"xyzzy"}), Contains("xyzzy: unknown verb\n"));
+}
+
+TEST_CASE("A misspelt option is refused with the nearest one") {
+  const auto bridge = beside_front_door("sonopose-bridge");
+  CHECK_THAT(refusal(bridge, {"--sorce", "sim"}),
+             Contains("sonopose-bridge: --sorce: unknown option; did you mean --source?"));
+  CHECK_THAT(refusal(bridge, {"--sorce=sim"}), Contains("--sorce: unknown option; did you mean --source?"));
+  CHECK_THAT(refusal(bridge, {"--xyzzy"}), Contains("--xyzzy: unknown option\n"));
+  CHECK_THAT(refusal(bridge, {"sim"}), Contains("sim: unexpected argument"));
+  // An argument is missing as well, but only because of the misspelt one.
+  CHECK_THAT(refusal(beside_front_door("sonopose-tune"), {"--vray", "drift.jump_alpha"}),
+             Contains("--vray: unknown option; did you mean --vary?"));
+}
+
+TEST_CASE("A misspelt command or option of a command is refused with the nearest one") {
+  const auto settings = beside_front_door("sonopose-settings");
+  CHECK_THAT(refusal(settings, {"rest"}), Contains("rest: unknown command; did you mean reset?"));
+  CHECK_THAT(refusal(settings, {"watch", "--jsn"}), Contains("--jsn: unknown option; did you mean --json?"));
+  CHECK_THAT(refusal(settings, {"get", "--timout", "1"}), Contains("did you mean --timeout?"));
+}
+
+TEST_CASE("Every program refuses an unknown option") {
+  for (const std::string& program : programs()) {
+    CHECK_THAT(refusal(beside_front_door(program), {"--hlep"}),
+               Contains(program + ": --hlep: unknown option; did you mean --help?"));
+  }
+}
