@@ -1,10 +1,10 @@
-// sonopose-attitude: an attitude filter over logs, and its score where the truth is known.
+// sonopose-attitude: runs an attitude filter over logs and scores it against the truth.
 
-#include "support/config_options.hpp"
-#include "support/run.hpp"
-#include "recording/attitude_log.hpp"
 #include "evaluation/attitude_run.hpp"
 #include "evaluation/trajectory_file.hpp"
+#include "recording/attitude_log.hpp"
+#include "support/config_options.hpp"
+#include "support/run.hpp"
 
 #include <fmt/format.h>
 
@@ -47,13 +47,13 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--json", options.json, "Print one JSON object instead of the table");
 }
 
-/// What a log is called: the last part of its path, without a slash behind it.
+/// Name of a log: the last component of its path, without a trailing slash.
 std::string name_of(const Path& log) {
   const Path whole = std::filesystem::weakly_canonical(log);
   return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
 }
 
-/// Two logs of one name would write one file.
+/// Two logs with the same name would write the same file.
 void check_names(const std::vector<Path>& logs) {
   std::set<std::string> names;
   for (const Path& log : logs) {
@@ -64,13 +64,15 @@ void check_names(const std::vector<Path>& logs) {
   }
 }
 
-evaluation::AttitudeResult run_log(const Path& folder, const Options& options, const settings::Settings& settings) {
+evaluation::AttitudeResult run_log(const Path& folder, const Options& options,
+                                   const settings::Settings& settings) {
   const recording::AttitudeLog log = recording::read_attitude_log(folder, options.beacon);
   const bool has_field = std::any_of(log.imu.begin(), log.imu.end(), [](const ImuSample& imu) {
     return imu.magnetic_field_body_t.has_value();
   });
   if (settings.attitude.selection.magnetometer && !has_field) {
-    throw files::IoError((folder / "imu.csv").string() + ": no magnetometer data, but the magnetometer is on");
+    throw files::IoError((folder / "imu.csv").string() +
+                         ": no magnetometer data, but the magnetometer is on");
   }
   std::optional<evaluation::TrajectoryFile> trajectory;
   if (options.out) trajectory.emplace(*options.out / (name_of(folder) + ".tum"));
@@ -83,7 +85,7 @@ evaluation::AttitudeResult run_log(const Path& folder, const Options& options, c
   return result;
 }
 
-/// The settings, above them the two options.
+/// The settings, overridden by --filter and --magnetometer.
 settings::Settings settings_of(const CLI::App& app, const Options& options) {
   apps::ConfigOptions config = options.config;
   const std::string own = fmt::format("beacon.{}.", options.beacon);
@@ -109,7 +111,7 @@ int run_logs(const CLI::App& app, const Options& options) {
   try {
     for (const Path& log : options.logs) results.push_back(run_log(log, options, settings));
   } catch (...) {
-    if (!results.empty()) print_results();  // those of the earlier logs
+    if (!results.empty()) print_results();  // results of the earlier logs
     throw;
   }
   print_results();

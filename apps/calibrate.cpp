@@ -1,9 +1,9 @@
-// sonopose-calibrate: what a sensor does wrong, from a recording of it.
+// sonopose-calibrate: estimates sensor errors from a recording.
 
-#include "support/run.hpp"
 #include "evaluation/allan.hpp"
-#include "plots/allan_plot.hpp"
 #include "evaluation/calibration.hpp"
+#include "plots/allan_plot.hpp"
+#include "support/run.hpp"
 
 #include <fmt/format.h>
 
@@ -21,7 +21,7 @@ struct Options {
   std::optional<Path> out;
   std::optional<BeaconAddress> beacon;
   std::optional<double> field_ut;
-  std::optional<Path> picture;
+  std::optional<Path> plot;
   bool json = false;
 };
 
@@ -43,8 +43,8 @@ void add_output(CLI::App& command, Options& options) {
       ->check(CLI::Range(0, all_beacons - 1));
 }
 
-/// Without a file the tables go to the standard output, the report as comments above them.
-int tell(const Options& options, const evaluation::CalibrationResult& result) {
+/// Without --out the tables go to standard output, with the report as comments above them.
+int print_result(const Options& options, const evaluation::CalibrationResult& result) {
   const std::string toml = evaluation::calibration_toml(result, options.beacon);
   if (options.out) evaluation::write_whole(*options.out, toml);
   if (options.json) {
@@ -56,17 +56,17 @@ int tell(const Options& options, const evaluation::CalibrationResult& result) {
 }
 
 int analyse(const Options& options) {
-  std::optional<plots::AllanPlot> picture;
-  if (options.picture) picture.emplace(*options.picture);
+  std::optional<plots::AllanPlot> plot;
+  if (options.plot) plot.emplace(*options.plot);
   const evaluation::AllanResult result = evaluation::analyse_allan(options.log);
-  if (picture) picture->draw(result);
+  if (plot) plot->draw(result);
   fmt::print("{}", options.json ? evaluation::allan_json(result) : evaluation::allan_text(result));
   return 0;
 }
 
 }  // namespace
 
-// Only two commands of the same name would throw. NOLINTNEXTLINE(bugprone-exception-escape)
+// Only two commands with the same name would throw. NOLINTNEXTLINE(bugprone-exception-escape)
 int main(int argc, char** argv) {
   Options options;
   apps::Program app("calibrate", "Recordings contain raw readings, so the fusion's settings do not matter.");
@@ -88,12 +88,12 @@ int main(int argc, char** argv) {
       ->add_option("--field-ut", options.field_ut,
                    "Strength of the local magnetic field in microtesla (default: from the readings)")
       ->check(CLI::Range(1.0, 1000.0));
-  allan->add_option("--plot", options.picture, "Draw the curves to a .svg or .png file (needs gnuplot)")
+  allan->add_option("--plot", options.plot, "Draw the curves to a .svg or .png file (needs gnuplot)")
       ->type_name("FILE");
   return apps::run(app, argc, argv, [&] {
     if (*allan) return analyse(options);
-    if (*imu) return tell(options, evaluation::calibrate_imu(options.log));
-    if (*gyroscope) return tell(options, evaluation::calibrate_gyroscope(options.log));
-    return tell(options, evaluation::calibrate_magnetometer(options.log, options.field_ut));
+    if (*imu) return print_result(options, evaluation::calibrate_imu(options.log));
+    if (*gyroscope) return print_result(options, evaluation::calibrate_gyroscope(options.log));
+    return print_result(options, evaluation::calibrate_magnetometer(options.log, options.field_ut));
   });
 }

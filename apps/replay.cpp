@@ -1,14 +1,14 @@
-// sonopose-replay: the fusion's engine over a sensor-log folder, without bus and without clock.
+// sonopose-replay: runs the fusion engine over a sensor-log folder, without DDS and without a clock.
 
-#include "support/choice.hpp"
-#include "support/config_options.hpp"
-#include "support/run.hpp"
-#include "recording/log_folder.hpp"
 #include "evaluation/output_folder.hpp"
-#include "plots/picture.hpp"
 #include "evaluation/report.hpp"
 #include "evaluation/run.hpp"
 #include "evaluation/state_file.hpp"
+#include "plots/plot.hpp"
+#include "recording/log_folder.hpp"
+#include "support/choice.hpp"
+#include "support/config_options.hpp"
+#include "support/run.hpp"
 
 #include <fmt/format.h>
 
@@ -27,7 +27,7 @@ struct Options {
   apps::ConfigOptions config;
   BeaconAddress beacon = recording::default_log_address;
   std::optional<Path> out;
-  std::optional<Path> picture;
+  std::optional<Path> plot;
   std::optional<Path> save_state;
   std::optional<Path> load_state;
   evaluation::RunOptions run;
@@ -50,7 +50,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--until", options.run.until_s, "Stop this many seconds after the first event")
       ->check(seconds);
   app.add_flag("--json", options.json, "Print one JSON object instead of text");
-  app.add_option("--plot", options.picture,
+  app.add_option("--plot", options.plot,
                  "Draw path, error, speed and fix flags to a .svg or .png file (needs gnuplot)")
       ->type_name("FILE");
   auto* const engine = apps::add_choice<evaluation::EngineKind>(
@@ -90,20 +90,21 @@ int replay_log(const CLI::App& app, const Options& options) {
   timing.reading_s = seconds_since(reading);
   if (run.start) evaluation::check_fits(*run.start, log, options.load_state->string());
   std::optional<evaluation::OutputFolder> out;
-  std::optional<plots::Picture> picture;
+  std::optional<plots::Plot> plot;
   if (options.out) out.emplace(*options.out);
-  if (options.picture) picture.emplace(*options.picture, options.log.string(), log);
+  if (options.plot) plot.emplace(*options.plot, options.log.string(), log);
   const auto running = Clock::now();
   const auto write = [&](const auto& sample) {
     if (out) out->write(sample);
-    if (picture) picture->add(sample);
+    if (plot) plot->add(sample);
   };
   const evaluation::RunResult result = evaluation::run(log, run, {write, write});
   if (out) out->finish();
   timing.running_s = seconds_since(running);
   if (options.save_state) evaluation::save_state(*options.save_state, result.end);
-  if (picture) picture->draw();
-  fmt::print("{}", options.json ? evaluation::report_json(result, timing) : evaluation::report_text(result, timing));
+  if (plot) plot->draw();
+  fmt::print(
+      "{}", options.json ? evaluation::report_json(result, timing) : evaluation::report_text(result, timing));
   return 0;
 }
 

@@ -1,6 +1,7 @@
-#include <sonopose/geometry/rotation.hpp>
 #include "evaluation/allan.hpp"
+
 #include "evaluation/calibration.hpp"
+#include <sonopose/geometry/rotation.hpp>
 
 #include <fmt/format.h>
 

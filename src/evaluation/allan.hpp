@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The Allan deviation of a log at rest: as a table and as JSON.
+/// The Allan deviation of a recording at rest, as a table and as JSON.
 
 #include "calibration/fit/allan.hpp"
 
@@ -16,13 +16,14 @@ struct AllanResult {
   calibration::AllanReport report;
 };
 
-/// Reads imu.csv of the log folder. Throws files::IoError, and CalibrationError that names the file.
+/// Reads imu.csv of the log folder. Throws files::IoError, and a CalibrationError that names the file.
 AllanResult analyse_allan(const std::filesystem::path& log);
 
-/// A table, a line per axis; "not seen" where the record does not show a number.
+/// A table with one line per axis; "not seen" where the record is too short to show a value.
 std::string allan_text(const AllanResult& result);
 
-/// One JSON object with the curves, rows of [tau_s, deviation, relative_error]; null for what is not seen.
+/// One JSON object with the curves, rows of [tau_s, deviation, relative_error]; null for values that the
+/// record does not show.
 std::string allan_json(const AllanResult& result);
 
 }  // namespace sonopose::evaluation

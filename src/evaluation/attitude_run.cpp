@@ -44,7 +44,7 @@ nlohmann::ordered_json json_of(const AttitudeResult& result) {
 
 AttitudeResult run_attitude(const std::string& name, const recording::AttitudeLog& log,
                             const settings::Settings& settings,
-                            const std::function<void(TimeNs, const Quaterniond&)>& tell) {
+                            const std::function<void(TimeNs, const Quaterniond&)>& on_orientation) {
   attitude::Tracker<attitude::AnyFilter> tracker(settings.attitude, field_use(settings.attitude.selection));
   const calibration::Calibration calibration(settings.calibration);
   TruthTrack truth(log.truth);
@@ -59,7 +59,7 @@ AttitudeResult run_attitude(const std::string& name, const recording::AttitudeLo
       continue;
     }
     const Quaterniond q_body_to_world = tracker.filter().orientation();
-    if (tell) tell(imu.sensor_time_ns, q_body_to_world);
+    if (on_orientation) on_orientation(imu.sensor_time_ns, q_body_to_world);
     if (!is_scored(log, imu.sensor_time_ns)) continue;
     const auto known = truth.at(imu.sensor_time_ns);
     if (!known || !known->q_body_to_world.coeffs().allFinite()) continue;
@@ -88,7 +88,7 @@ AttitudeResult mean_of(const std::vector<AttitudeResult>& results) {
     mean.heading_rmse_deg += result.heading_rmse_deg;
     mean.inclination_rmse_deg += result.inclination_rmse_deg;
   }
-  const auto count = static_cast<double>(mean.scored);  // none: 0/0 is NaN, not known
+  const auto count = static_cast<double>(mean.scored);  // no log scored: 0/0 is NaN, unknown
   mean.total_rmse_deg /= count;
   mean.heading_rmse_deg /= count;
   mean.inclination_rmse_deg /= count;

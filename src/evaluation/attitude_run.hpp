@@ -1,10 +1,10 @@
 #pragma once
 /// \file
-/// An attitude filter over a log, and its score as attitude benchmarks give it.
+/// Runs an attitude filter over a log and scores it like the public attitude benchmarks.
 
-#include <sonopose/settings/settings.hpp>
-#include "recording/attitude_log.hpp"
 #include "evaluation/score.hpp"
+#include "recording/attitude_log.hpp"
+#include <sonopose/settings/settings.hpp>
 
 #include <cstddef>
 #include <functional>
@@ -13,27 +13,26 @@
 
 namespace sonopose::evaluation {
 
-/// One filter over one log.
+/// Score of one filter on one log.
 struct AttitudeResult {
   std::string name;
-  std::size_t samples = 0;          ///< given to the filter
-  std::size_t rejected = 0;         ///< of them no measurements
-  std::size_t scored = 0;           ///< in the movements, with a known truth; 0: the errors are NaN
-  double total_rmse_deg = 0;        ///< 2·acos |d_w| of d = q_estimate ⊗ q_truth*
-  double heading_rmse_deg = 0;      ///< 2·atan |d_z/d_w|
+  std::size_t samples = 0;      ///< samples given to the filter
+  std::size_t rejected = 0;     ///< samples that the filter refused
+  std::size_t scored = 0;       ///< samples within a movement and with a known truth; 0: the errors are NaN
+  double total_rmse_deg = 0;    ///< 2·acos |d_w| of d = q_estimate ⊗ q_truth*
+  double heading_rmse_deg = 0;  ///< 2·atan |d_z/d_w|
   double inclination_rmse_deg = 0;  ///< 2·acos √(d_w² + d_z²)
 };
 
-/// Runs the filter that `settings` name over the calibrated samples, from the first to the last; `tell` gets
-/// each orientation.
+/// Runs the filter selected by `settings` over all calibrated samples and calls `on_orientation` after each.
 AttitudeResult run_attitude(const std::string& name, const recording::AttitudeLog& log,
                             const settings::Settings& settings,
-                            const std::function<void(TimeNs, const Quaterniond&)>& tell = {});
+                            const std::function<void(TimeNs, const Quaterniond&)>& on_orientation = {});
 
-/// The unweighted mean of each error over those results that have been scored; its `scored` counts logs.
+/// Unweighted mean of each error over the results that were scored; its `scored` is the number of logs.
 AttitudeResult mean_of(const std::vector<AttitudeResult>& results);
 
-/// A table with a row for each log and, of several, their mean.
+/// A table with one row per log and, for several logs, their mean.
 std::string attitude_text(const std::vector<AttitudeResult>& results);
 
 /// The same as a JSON object.

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// What there is without a fusion, to compare it with: the latest fix, and the latest fix carried on at the
-/// velocity between the last two.
+/// Position estimates without fusion, for comparison: the latest fix, and the latest fix extrapolated with
+/// the velocity between the last two fixes.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -11,14 +11,14 @@ namespace sonopose::evaluation {
 
 class Baseline {
 public:
-  /// Takes note of a fix; one that was measured before the latest is left out.
+  /// Adds a fix. Ignores one that was measured before the latest.
   void on(const UltrasonicFix& fix);
 
-  /// The latest fix, as a program without an IMU would show it; empty before the first.
+  /// The latest fix, as a program without an IMU would show it; empty before the first fix.
   [[nodiscard]] std::optional<Vector3d> last_fix() const;
 
-  /// The latest fix moved on to `time_ns` by the velocity between the last two; that fix itself where they
-  /// are more than half a second apart.
+  /// The latest fix extrapolated to `time_ns` with the velocity between the last two fixes. Without
+  /// extrapolation if they are more than half a second apart.
   [[nodiscard]] std::optional<Vector3d> extrapolated(TimeNs time_ns) const;
 
 private:

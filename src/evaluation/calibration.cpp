@@ -1,7 +1,8 @@
-#include "files/csv_writer.hpp"
-#include "recording/log_folder.hpp"
-#include "files/replacement.hpp"
 #include "evaluation/calibration.hpp"
+
+#include "files/csv_writer.hpp"
+#include "files/replacement.hpp"
+#include "recording/log_folder.hpp"
 
 namespace sonopose::evaluation {
 namespace {
@@ -28,7 +29,7 @@ void find_still(const std::vector<ImuSample>& imu, CalibrationResult& result) {
   }
 }
 
-/// What goes wrong in `work` is said with the file's name.
+/// Adds the file name to a CalibrationError of `work`.
 template <class Work>
 CalibrationResult from_log(const fs::path& log, const Work& work) {
   const auto imu = read_imu_log(log);

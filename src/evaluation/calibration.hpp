@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Calibrations from a sensor log: found, told in words and as JSON, and written as the TOML tables that the
+/// Calibrates sensors from a log. Results are available as text, as JSON, and as the TOML tables that the
 /// fusion reads.
 
 #include "calibration/fit/inertial_fit.hpp"
@@ -15,45 +15,45 @@
 
 namespace sonopose::evaluation {
 
-/// What was found in one log; the sensors that were not asked for are empty.
+/// Result for one log; empty for the sensors that were not requested.
 struct CalibrationResult {
   std::filesystem::path log;
   std::size_t samples = 0;
   double duration_s = 0;
   TimeNs begin_ns = 0;
   std::vector<calibration::StillInterval> still;
-  std::vector<TimeNs> still_begin_ns;  ///< when each of the periods begins
+  std::vector<TimeNs> still_begin_ns;  ///< begin of each period
   std::optional<calibration::AccelerometerFit> accelerometer;
   std::optional<calibration::GyroscopeFit> gyroscope;
   std::optional<calibration::MagnetometerFit> magnetometer;
 };
 
-/// The IMU samples of a log folder, of which only imu.csv is read. Throws files::IoError.
+/// The IMU samples of a log folder. Only imu.csv is read. Throws files::IoError.
 std::vector<ImuSample> read_imu_log(const std::filesystem::path& log);
 
-// Each reads the log; each throws files::IoError, and CalibrationError that names the file.
+// Each function reads the log and throws files::IoError, and a CalibrationError that names the file.
 
-/// Accelerometer and gyroscope, from orientations in which the sensor was held still.
+/// Accelerometer and gyroscope, from orientations in which the sensor was still.
 CalibrationResult calibrate_imu(const std::filesystem::path& log);
 
-/// The gyroscope's offset alone, from rest.
+/// Gyroscope offset only, from rest.
 CalibrationResult calibrate_gyroscope(const std::filesystem::path& log);
 
-/// `field_ut`: the strength that the corrected field is to have; empty: that of the raw readings about their
+/// `field_ut`: strength of the corrected field; if empty, the mean strength of the raw readings about their
 /// centre.
 CalibrationResult calibrate_magnetometer(const std::filesystem::path& log, std::optional<double> field_ut);
 
-/// The result for a person, a line per fact.
+/// The result as readable lines.
 std::string calibration_text(const CalibrationResult& result);
 
-/// The same as one JSON object, with every setting and its standard error.
+/// The result as one JSON object, with every setting and its standard error.
 std::string calibration_json(const CalibrationResult& result);
 
-/// The settings as TOML tables that read back to the same bits, with the text as comments above. With a
-/// beacon, they are that beacon's own.
+/// The settings as TOML tables that read back to the same bits, preceded by the text as comments. With a
+/// beacon, the tables apply to that beacon only.
 std::string calibration_toml(const CalibrationResult& result, std::optional<BeaconAddress> beacon);
 
-/// Puts `text` in the file's place as a whole. Throws files::IoError; the file then stays as it was.
+/// Replaces the file with `text` atomically. Throws files::IoError; the file is then unchanged.
 void write_whole(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace sonopose::evaluation

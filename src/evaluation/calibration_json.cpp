@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Names that are no UTF-8 lose the bytes that are none.
+/// Paths may contain invalid UTF-8; replace the invalid bytes.
 std::string dumped(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -1,6 +1,6 @@
-#include <sonopose/settings/settings.hpp>
-#include <sonopose/geometry/rotation.hpp>
 #include "evaluation/calibration.hpp"
+#include <sonopose/geometry/rotation.hpp>
+#include <sonopose/settings/settings.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -14,8 +14,8 @@ using calibration::AccelerometerFit;
 using calibration::GyroscopeFit;
 using calibration::MagnetometerFit;
 
-std::string line(std::string_view what, const std::string& says) {
-  return fmt::format("{:<14} {}\n", what, says);
+std::string line(std::string_view what, const std::string& text) {
+  return fmt::format("{:<14} {}\n", what, text);
 }
 
 std::string periods(std::size_t count) {
@@ -61,14 +61,14 @@ std::string text_of(const MagnetometerFit& fit) {
                                      fit.rms_before_ut, fit.rms_after_ut, fit.field_ut));
 }
 
-/// A float in TOML needs a point, or it would read as an integer.
+/// A TOML float needs a decimal point or exponent; otherwise it is read as an integer.
 std::string toml_number(double value) {
   std::string text = settings::to_text(value);
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
   return text;
 }
 
-/// All settings of a group: one that was left out could be somebody else's.
+/// Writes all settings of a group, so that no other configuration file can supply a missing one.
 template <class Group>
 std::string table_of(const Group& settings, const Group& standard_errors, const std::string& prefix) {
   std::string text = fmt::format("\n[{}{}]\n", prefix, Group::group);
@@ -82,7 +82,7 @@ std::string table_of(const Group& settings, const Group& standard_errors, const 
   return text;
 }
 
-/// The text as comments. TOML allows no other control characters in them.
+/// The text as comments. TOML allows no control characters in comments.
 std::string commented(const std::string& text) {
   std::string result = "# ";
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -97,7 +97,7 @@ std::string commented(const std::string& text) {
   return result;
 }
 
-/// A path on one line of UTF-8, in quotes, whatever bytes it is made of.
+/// A quoted path on one line of valid UTF-8, whatever bytes it contains.
 std::string name_of(const std::filesystem::path& path) {
   return nlohmann::json(path.string()).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A run's errors beside those of what there is without a fusion, at the same moments.
+/// Errors of a run next to those of the fixes alone, at the same times.
 
 #include "evaluation/baseline.hpp"
 #include "evaluation/score.hpp"
@@ -10,10 +10,10 @@
 
 namespace sonopose::evaluation {
 
-/// Takes events' fixes and the poses between them, in the order of arrival.
+/// Takes fixes and poses in the order of arrival.
 class Comparison {
 public:
-  /// Poses before `from_ns` are not scored. `truth`, in ascending time, must outlive this.
+  /// Poses before `from_ns` are not scored. `truth`, in ascending time, must outlive this object.
   Comparison(std::span<const TruthSample> truth, TimeNs from_ns)
       : scorer_(truth, from_ns), truth_(truth), from_ns_(from_ns) {}
 

@@ -1,5 +1,6 @@
-#include <sonopose/estimation/documented/state_fields.hpp>
 #include "evaluation/digest.hpp"
+
+#include <sonopose/estimation/documented/state_fields.hpp>
 
 #include <fmt/format.h>
 
@@ -8,7 +9,7 @@
 namespace sonopose::evaluation {
 namespace {
 
-/// Takes a state's fields of every kind.
+/// Visitor that adds each field of a state to the digest.
 struct FieldDigest {
   Digest& digest;
 
@@ -49,7 +50,7 @@ struct FieldDigest {
 
 void Digest::add(std::uint64_t word) {
   value_ = (value_ ^ word) * 0x100000001B3U;
-  value_ ^= value_ >> 32U;  // a product alone never carries a word's high bits down
+  value_ ^= value_ >> 32U;  // a product alone never propagates high bits to low ones
 }
 
 void Digest::add(double value) {

@@ -1,25 +1,25 @@
 #pragma once
 /// \file
-/// A number that two runs share only if they made the same bits.
+/// A hash that is equal for two runs only if their results are bit-identical.
 
-#include <sonopose/samples/pose.hpp>
 #include <sonopose/estimation/documented/state.hpp>
+#include <sonopose/samples/pose.hpp>
 
 #include <cstdint>
 #include <string>
 
 namespace sonopose::evaluation {
 
-/// Digest of a sequence of values, 64 bits wide: Fowler–Noll–Vo 1a over whole words. Not for security.
+/// 64-bit hash of a sequence of values: Fowler–Noll–Vo 1a over whole words. Not cryptographic.
 class Digest {
 public:
   void add(std::uint64_t word);
-  void add(double value);  ///< its bits: 0.0 and −0.0 differ
+  void add(double value);  ///< by its bits: 0.0 and −0.0 differ
 
-  /// Time, position, attitude, velocity and status of a pose.
+  /// Adds time, position, attitude, velocity and status of a pose.
   void add(const FusedPose& pose);
 
-  /// Every field of an engine's state.
+  /// Adds every field of an engine's state.
   void add(const estimation::documented::State& state);
 
   [[nodiscard]] std::uint64_t value() const { return value_; }

@@ -1,8 +1,12 @@
-#include <sonopose/estimation/documented/engine.hpp>
-#include "recording/log_folder.hpp"
-#include "evaluation/comparison.hpp"
 #include "evaluation/evaluation.hpp"
+
+#include "evaluation/comparison.hpp"
+#include "recording/log_folder.hpp"
 #include "sim/simulator.hpp"
+#include <sonopose/estimation/documented/engine.hpp>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +22,7 @@ struct ErrorTrack {
   std::vector<double> errors_m;
 };
 
-/// Seconds from `from_ns` to the end of the last window before `to_ns` that is too bad.
+/// Seconds from `from_ns` to the end of the last window before `to_ns` whose error is too large.
 double settled_after_s(const ErrorTrack& track, TimeNs from_ns, TimeNs to_ns) {
   const auto first = std::lower_bound(track.times_ns.begin(), track.times_ns.end(), from_ns);
   auto begin = static_cast<std::size_t>(first - track.times_ns.begin());
@@ -43,10 +47,10 @@ double settled_after_s(const ErrorTrack& track, TimeNs from_ns, TimeNs to_ns) {
   return settled_s;
 }
 
-/// The pose's way during one outage, from the moment at which it became stale.
-class DriftWatch {
+/// Measures the displacement of the pose during one outage, from the time at which it became stale.
+class DriftMonitor {
 public:
-  DriftWatch(const sim::Outage& outage, TimeNs start_ns)
+  DriftMonitor(const sim::Outage& outage, TimeNs start_ns)
       : begin_ns_(start_ns + to_ns(outage.begin_s)), end_ns_(begin_ns_ + to_ns(outage.duration_s)) {}
 
   void add(const FusedPose& pose) {
@@ -71,7 +75,7 @@ private:
   double drift_m_ = 0.0;
 };
 
-/// One case being run.
+/// Collects the poses and fixes of one case.
 class CaseRun {
 public:
   explicit CaseRun(const Case& test_case)
@@ -84,7 +88,7 @@ public:
   void add(const FusedPose& pose) {
     comparison_.add(pose);
     whole_.add(pose);
-    for (DriftWatch& drift : drifts_) drift.add(pose);
+    for (DriftMonitor& drift : drifts_) drift.add(pose);
   }
 
   void add(const UltrasonicFix& fix) { comparison_.add(fix); }
@@ -112,8 +116,8 @@ public:
   }
 
 private:
-  /// ∫ v·exp(−rate·t) dt over what is left of the outage when stale mode begins.
-  static double allowed_m(const DriftWatch& drift, const sim::Outage& outage,
+  /// ∫ v·exp(−rate·t) dt over the part of the outage in stale mode.
+  static double allowed_m(const DriftMonitor& drift, const sim::Outage& outage,
                           const estimation::documented::OutageSettings& settings) {
     const double stale_s = std::max(0.0, outage.duration_s - settings.stale_after_s);
     if (settings.velocity_decay_rate_hz <= 0.0) return drift.speed_mps() * stale_s;
@@ -124,8 +128,33 @@ private:
   TimeNs start_ns_;
   Comparison comparison_;
   Scorer whole_;
-  std::vector<DriftWatch> drifts_;
+  std::vector<DriftMonitor> drifts_;
 };
+
+/// The middle value; the upper of the two for an even count. NaN counts as infinity.
+double median(std::vector<double> values) {
+  for (double& value : values) {
+    if (std::isnan(value)) value = std::numeric_limits<double>::infinity();
+  }
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+template <class Value>
+std::vector<double> each(const std::vector<CaseResult>& runs, const Value& value) {
+  std::vector<double> values;
+  for (const CaseResult& run : runs) values.push_back(value(run));
+  return values;
+}
+
+void raise(std::optional<double>& most, double value) {
+  most = std::max(most.value_or(value), value);
+}
+
+std::string seconds_or_none(const std::optional<double>& seconds) {
+  return seconds ? fmt::format("{:.2f}", *seconds) : "";
+}
 
 }  // namespace
 
@@ -182,6 +211,86 @@ CaseResult evaluate(const Case& test_case, const settings::Settings& settings) {
   result.fixes_rejected = engine.counters().fixes_rejected;
   run.finish(test_case, engine.settings(), result);
   return result;
+}
+
+Summary summarise(const std::vector<CaseResult>& runs) {
+  Summary summary;
+  summary.name = runs.front().name;
+  summary.runs = runs.size();
+  const auto position = [](const CaseResult& run) {
+    return std::isnan(run.fused.position_m.rmse) ? std::numeric_limits<double>::infinity()
+                                                 : run.fused.position_m.rmse;
+  };
+  const std::vector<double> errors_m = each(runs, position);
+  summary.position_rmse_m = median(errors_m);
+  summary.worst_rmse_m = *std::max_element(errors_m.begin(), errors_m.end());
+  summary.position_p95_m = median(each(runs, [](const CaseResult& run) { return run.fused.position_m.p95; }));
+  summary.yaw_rmse_deg = median(each(runs, [](const CaseResult& run) { return run.fused.yaw_rmse_deg; }));
+  summary.tilt_rmse_deg = median(each(runs, [](const CaseResult& run) { return run.fused.tilt_rmse_deg; }));
+  summary.velocity_rmse_mps =
+      median(each(runs, [](const CaseResult& run) { return run.fused.velocity_rmse_mps; }));
+  summary.last_fix_rmse_m = median(each(runs, [](const CaseResult& run) { return run.last_fix_m.rmse; }));
+  summary.extrapolated_rmse_m =
+      median(each(runs, [](const CaseResult& run) { return run.extrapolated_m.rmse; }));
+  for (const CaseResult& run : runs) {
+    for (const OutageResult& outage : run.outages) {
+      raise(summary.slowest_recovery_s, outage.recovery_s);
+      if (outage.drift_allowed_m > 0.0) {
+        raise(summary.worst_drift_share, outage.drift_m / outage.drift_allowed_m);
+      }
+    }
+    for (const RelocationResult& relocation : run.relocations) {
+      raise(summary.slowest_recovery_s, relocation.settled_s);
+    }
+  }
+  return summary;
+}
+
+double cost_of(const std::vector<std::vector<Case>>& cases, const settings::Settings& settings) {
+  double logarithms = 0.0;
+  for (const std::vector<Case>& runs : cases) {
+    std::vector<CaseResult> results;
+    for (const Case& run : runs) results.push_back(evaluate(run, settings));
+    const Summary summary = summarise(results);
+    logarithms += 0.5 * std::log(summary.position_rmse_m * summary.worst_rmse_m);
+  }
+  return std::exp(logarithms / static_cast<double>(cases.size()));
+}
+
+std::string table_of(const std::vector<Summary>& summaries) {
+  std::string text = fmt::format(
+      "{:<15} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n"
+      "{:<15} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n",
+      "case", "runs", "pose", "worst", "p95", "last fix", "extrap.", "velocity", "yaw", "tilt", "recovery",
+      "", "", "cm", "cm", "cm", "cm", "cm", "m/s", "deg", "deg", "s");
+  for (const Summary& row : summaries) {
+    text += fmt::format(
+        "{:<15} {:>4} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.1f} {:>8.1f} {:>8.3f} {:>8.2f} {:>9.2f} {:>9}\n",
+        row.name, row.runs, 100 * row.position_rmse_m, 100 * row.worst_rmse_m, 100 * row.position_p95_m,
+        100 * row.last_fix_rmse_m, 100 * row.extrapolated_rmse_m, row.velocity_rmse_mps, row.yaw_rmse_deg,
+        row.tilt_rmse_deg, seconds_or_none(row.slowest_recovery_s));
+  }
+  return text;
+}
+
+std::string json_of(const std::vector<Summary>& summaries) {
+  auto rows = nlohmann::ordered_json::array();
+  for (const Summary& row : summaries) {
+    nlohmann::ordered_json object{{"case", row.name},
+                                  {"runs", row.runs},
+                                  {"position_rmse_m", row.position_rmse_m},
+                                  {"position_rmse_worst_m", row.worst_rmse_m},
+                                  {"position_p95_m", row.position_p95_m},
+                                  {"last_fix_rmse_m", row.last_fix_rmse_m},
+                                  {"extrapolated_rmse_m", row.extrapolated_rmse_m},
+                                  {"velocity_rmse_mps", row.velocity_rmse_mps},
+                                  {"yaw_rmse_deg", row.yaw_rmse_deg},
+                                  {"tilt_rmse_deg", row.tilt_rmse_deg}};
+    if (row.slowest_recovery_s) object["slowest_recovery_s"] = *row.slowest_recovery_s;
+    if (row.worst_drift_share) object["worst_drift_share"] = *row.worst_drift_share;
+    rows.push_back(std::move(object));
+  }
+  return rows.dump(2) + "\n";
 }
 
 }  // namespace sonopose::evaluation

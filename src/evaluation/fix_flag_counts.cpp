@@ -20,7 +20,7 @@ void FixFlagCounts::add(std::uint32_t flags) {
 }
 
 std::uint64_t FixFlagCounts::of(FixFlag bit) const {
-  static_assert(fix_flag_names.back().bit == 1U << (fix_flag_names.size() - 1));  // bit k stands at place k
+  static_assert(fix_flag_names.back().bit == 1U << (fix_flag_names.size() - 1));  // bit k has index k
   return counts_[static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(bit)))];
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The fix_flags on a fix (FixFlag) in words.
+/// Names and counts of fix flags (FixFlag).
 
 #include <sonopose/samples/pose.hpp>
 
@@ -16,22 +16,22 @@ struct FixFlagName {
   std::string_view name;
 };
 
-/// In ascending order of the bits.
+/// In ascending order of bits.
 inline constexpr std::array<FixFlagName, 10> fix_flag_names{{{fix_used, "used"},
-                                                            {fix_outlier, "outlier"},
-                                                            {fix_low_quality, "low_quality"},
-                                                            {fix_invalid, "invalid"},
-                                                            {fix_stuck_forced, "stuck_forced"},
-                                                            {fix_snapped_over, "snapped_over"},
-                                                            {fix_snapped_under, "snapped_under"},
-                                                            {fix_stale_recovered, "stale_recovered"},
-                                                            {fix_frozen, "frozen"},
-                                                            {fix_first, "first"}}};
+                                                             {fix_outlier, "outlier"},
+                                                             {fix_low_quality, "low_quality"},
+                                                             {fix_invalid, "invalid"},
+                                                             {fix_stuck_forced, "stuck_forced"},
+                                                             {fix_snapped_over, "snapped_over"},
+                                                             {fix_snapped_under, "snapped_under"},
+                                                             {fix_stale_recovered, "stale_recovered"},
+                                                             {fix_frozen, "frozen"},
+                                                             {fix_first, "first"}}};
 
-/// The names of all bits that are set, joined by `|`; "none" where none is.
+/// The names of all set bits, joined by `|`; "none" if no bit is set.
 std::string fix_flag_text(std::uint32_t flags);
 
-/// How often each flags was given, in the order of `fix_flag_names`.
+/// Counts how often each flag was set.
 class FixFlagCounts {
 public:
   void add(std::uint32_t flags);

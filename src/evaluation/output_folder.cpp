@@ -1,4 +1,5 @@
 #include "evaluation/output_folder.hpp"
+
 #include "evaluation/fix_flag_counts.hpp"
 
 #include <array>
@@ -11,12 +12,13 @@ constexpr std::array<std::string_view, 12> pose_columns{
     "timestamp [ns]", "p_x [m]", "p_y [m]",      "p_z [m]",      "q_w []",       "q_x []",
     "q_y []",         "q_z []",  "v_x [m s^-1]", "v_y [m s^-1]", "v_z [m s^-1]", "status []"};
 constexpr std::array<std::string_view, 22> fix_columns{
-    "timestamp [ns]", "applied [ns]",     "beacon []",     "sequence []",    "x [m]",         "y [m]",
-    "z [m]",          "shifted_x [m]",    "shifted_y [m]", "shifted_z [m]",  "innovation [m]",  "weight []",
-    "trust []",       "jump_x [m]",       "jump_y [m]",    "jump_z [m]",     "dv_x [m s^-1]", "dv_y [m s^-1]",
-    "dv_z [m s^-1]",  "yaw_change [rad]", "flags []",    "flag_bits []"};
+    "timestamp [ns]", "applied [ns]",    "beacon []",     "sequence []",   "x [m]",
+    "y [m]",          "z [m]",           "shifted_x [m]", "shifted_y [m]", "shifted_z [m]",
+    "innovation [m]", "weight []",       "trust []",      "jump_x [m]",    "jump_y [m]",
+    "jump_z [m]",     "dv_x [m s^-1]",   "dv_y [m s^-1]", "dv_z [m s^-1]", "yaw_change [rad]",
+    "fix_flags []",   "fix_flag_bits []"};
 
-const std::filesystem::path& made(const std::filesystem::path& folder) {
+const std::filesystem::path& created(const std::filesystem::path& folder) {
   make_folder(folder);
   return folder;
 }
@@ -24,7 +26,7 @@ const std::filesystem::path& made(const std::filesystem::path& folder) {
 }  // namespace
 
 OutputFolder::OutputFolder(const std::filesystem::path& folder)
-    : trajectory_(made(folder) / "trajectory.tum"),
+    : trajectory_(created(folder) / "trajectory.tum"),
       poses_{folder / "pose.csv"},
       fixes_{folder / "fixes.csv"} {
   poses_.rows.header(pose_columns);
@@ -45,10 +47,7 @@ void OutputFolder::write(const FixReport& report) {
   fixes_.rows.vector(report.position_world_m).vector(report.shifted_position_world_m);
   fixes_.rows.number(report.innovation_m).number(report.weight).number(report.trust);
   fixes_.rows.vector(report.jump_world_m).vector(report.velocity_change_world_mps);
-  fixes_.rows.number(report.yaw_change_rad)
-      .text(fix_flag_text(report.flags))
-      .integer(report.flags)
-      .end_row();
+  fixes_.rows.number(report.yaw_change_rad).text(fix_flag_text(report.flags)).integer(report.flags).end_row();
 }
 
 void OutputFolder::finish() {

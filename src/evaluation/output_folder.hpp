@@ -1,17 +1,17 @@
 #pragma once
 /// \file
-/// What a run leaves on disk, written as it comes, each file with `.part` behind its name until the end:
+/// Output files of a run. Each is written incrementally as FILE.part and renamed at the end:
 ///
 /// | File             | Columns |
 /// |------------------|---------|
-/// | `trajectory.tum` | `t x y z qx qy qz qw`: s, m; spaces between, as evo and others read it |
+/// | `trajectory.tum` | `t x y z qx qy qz qw`: s, m; separated by spaces, as evo and others read it |
 /// | `pose.csv`       | time, position, attitude, velocity, status (bits of PoseStatus) |
-/// | `fixes.csv`      | every field of FixReport, fix_flags in words |
+/// | `fixes.csv`      | every field of FixReport, the flags also as names |
 
-#include <sonopose/samples/pose.hpp>
+#include "evaluation/trajectory_file.hpp"
 #include "files/csv_writer.hpp"
 #include "files/replacement.hpp"
-#include "evaluation/trajectory_file.hpp"
+#include <sonopose/samples/pose.hpp>
 
 #include <filesystem>
 
@@ -19,14 +19,14 @@ namespace sonopose::evaluation {
 
 class OutputFolder {
 public:
-  /// Makes the folder where needed. Throws files::IoError.
+  /// Creates the folder if necessary. Throws files::IoError.
   explicit OutputFolder(const std::filesystem::path& folder);
 
-  /// Throw files::IoError, as on a full disk.
+  /// Both throw files::IoError, for instance on a full disk.
   void write(const FusedPose& pose);
   void write(const FixReport& report);
 
-  /// Replaces the files of a run before; without this call they stay. Throws files::IoError.
+  /// Replaces the files of an earlier run. Without this call they remain. Throws files::IoError.
   void finish();
 
 private:

@@ -13,17 +13,17 @@ double times_real_time(const RunResult& result, const Timing& timing) {
   return took_s > 0.0 ? result.duration_s / took_s : 0.0;
 }
 
-std::string line(std::string_view what, const std::string& says) {
-  return fmt::format("{:<12} {}\n", what, says);
+std::string line(std::string_view what, const std::string& text) {
+  return fmt::format("{:<12} {}\n", what, text);
 }
 
-/// A line with one figure, which the truth may not allow.
+/// A line with one value; NaN means that the truth does not contain it.
 std::string figure(std::string_view what, double value, int decimals, std::string_view unit) {
   return line(what, std::isnan(value) ? "       - not known"
                                       : fmt::format("{:8.{}f} {} RMSE", value, decimals, unit));
 }
 
-/// Verdicts that were given at all, other than "used", with their counts.
+/// Counts of the flags that occurred, except "used".
 std::string special_fix_flags(const FixFlagCounts& fix_flags) {
   std::string text;
   for (const FixFlagName& entry : fix_flag_names) {
@@ -69,7 +69,7 @@ std::string report_text(const RunResult& result, const Timing& timing) {
 }
 
 std::string report_json(const RunResult& result, const Timing& timing) {
-  // A number that is not known is NaN, which the library writes as null.
+  // The JSON library writes NaN (unknown) as null.
   nlohmann::ordered_json fix_flags = nlohmann::ordered_json::object();
   for (const FixFlagName& entry : fix_flag_names)
     fix_flags[std::string(entry.name)] = result.fix_flags.of(entry.bit);

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What a run has shown, for people and for programs.
+/// Reports the result of a run as text and as JSON.
 
 #include "evaluation/run.hpp"
 
@@ -8,7 +8,7 @@
 
 namespace sonopose::evaluation {
 
-/// How long a run took by the host's clock, as the program measured it.
+/// Duration of a run, measured by the program with the host's clock.
 struct Timing {
   double reading_s = 0;
   double running_s = 0;
@@ -17,7 +17,7 @@ struct Timing {
 /// A few aligned lines with units.
 std::string report_text(const RunResult& result, const Timing& timing);
 
-/// One JSON object; null where there is no truth to compare with.
+/// One JSON object; null for values that need a truth where there is none.
 std::string report_json(const RunResult& result, const Timing& timing);
 
 }  // namespace sonopose::evaluation

@@ -1,8 +1,9 @@
-#include <sonopose/estimation/documented/admission.hpp>
-#include <sonopose/estimation/documented/engine.hpp>
+#include "evaluation/run.hpp"
+
 #include "evaluation/comparison.hpp"
 #include "evaluation/digest.hpp"
-#include "evaluation/run.hpp"
+#include <sonopose/estimation/documented/admission.hpp>
+#include <sonopose/estimation/documented/engine.hpp>
 
 #include <algorithm>
 #include <limits>
@@ -11,7 +12,7 @@
 namespace sonopose::evaluation {
 namespace {
 
-/// Where everything goes that an engine gives.
+/// Collects the output of an engine.
 class Results {
 public:
   Results(const recording::SensorLog& log, const RunOptions& options, const Observer& observer)
@@ -85,7 +86,7 @@ private:
   Results& results_;
 };
 
-/// The IMU alone. Fixes and headings pass by.
+/// IMU only. Ignores fixes and headings.
 class StrapdownRun {
 public:
   StrapdownRun(const TruthSample& start, const RunOptions& options, Results& results)
@@ -133,9 +134,10 @@ private:
   TimeNs last_imu_ns_ = 0;
 };
 
-/// Gives `engine` the recording's events from the start to the end that the options name.
+/// Feeds the engine with the recording's events between the start and the end given by the options.
 template <class Engine>
-RunResult run_through(const recording::SensorLog& log, const RunOptions& options, Results& results, Engine& engine) {
+RunResult run_through(const recording::SensorLog& log, const RunOptions& options, Results& results,
+                      Engine& engine) {
   RunResult& result = results.result();
   const TimeNs begin_ns = available_at_ns(log.events.front());
   std::uint64_t last_sequence = options.start ? options.start->sequence : 0;
@@ -148,7 +150,7 @@ RunResult run_through(const recording::SensorLog& log, const RunOptions& options
   TimeNs last_imu_ns = 0;
   for (std::size_t i = 0; i < log.events.size(); ++i) {
     const Event& event = log.events[i];
-    // One event alone may just carry a wrong stamp.
+    // A single late event may have a wrong time stamp.
     if (is_over(event) && (i + 1 == log.events.size() || is_over(log.events[i + 1]))) break;
     const TimeNs now_ns = available_at_ns(event);
     if (const auto* fix = std::get_if<UltrasonicFix>(&event)) results.add(*fix);
@@ -185,9 +187,9 @@ std::optional<TruthSample> first_complete_truth(const recording::SensorLog& log)
 RunResult run(const recording::SensorLog& log, const RunOptions& options, const Observer& observer) {
   if (log.events.empty()) throw std::invalid_argument("the recording has no samples");
   if (options.start && options.start->sequence > log.events.size()) {
-    throw std::invalid_argument("the saved state was left after event " +
-                                std::to_string(options.start->sequence) + ", but the recording has only " +
-                                std::to_string(log.events.size()) + " events: it is of another recording");
+    throw std::invalid_argument("the saved state follows event " + std::to_string(options.start->sequence) +
+                                ", but the recording has only " + std::to_string(log.events.size()) +
+                                " events: the state belongs to another recording");
   }
   Results results(log, options, observer);
   if (options.engine == EngineKind::fusion) {
@@ -198,8 +200,7 @@ RunResult run(const recording::SensorLog& log, const RunOptions& options, const 
   if (!start) {
     throw std::invalid_argument(
         "the strapdown engine starts from the truth, and the recording has no truth.csv with a row that "
-        "holds "
-        "position, attitude and velocity");
+        "contains position, attitude and velocity");
   }
   StrapdownRun engine(*start, options, results);
   return run_through(log, options, results, engine);

@@ -1,5 +1,6 @@
-#include <sonopose/geometry/rotation.hpp>
 #include "evaluation/score.hpp"
+
+#include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
 #include <cmath>

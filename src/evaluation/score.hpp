@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// How far poses are from the truth: unaligned, because a pose in the beacons' map is only right where it is.
+/// Errors of poses against the truth. Not aligned, because poses must be correct in the beacons' map.
 
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -12,7 +12,7 @@
 
 namespace sonopose::evaluation {
 
-/// Root of the mean square, 95th percentile and maximum of some errors; NaN where there are none.
+/// Root mean square, 95th percentile and maximum of errors; NaN if there are none.
 struct ErrorSummary {
   double rmse;
   double p95;
@@ -22,23 +22,23 @@ struct ErrorSummary {
 /// Summarises errors, in any order.
 ErrorSummary summarise(std::vector<double> errors);
 
-/// How far one orientation is from the true one, by d = q_estimate ⊗ q_truth*.
+/// Error of one orientation, d = q_estimate ⊗ q_truth*.
 struct AttitudeError {
-  double total_rad;        ///< 2·acos |d_w|: the angle of the turn between them
-  double heading_rad;      ///< 2·atan |d_z/d_w|: turn about world Z
-  double inclination_rad;  ///< 2·acos √(d_w² + d_z²): angle between the two verticals
+  double total_rad;        ///< 2·acos |d_w|: rotation angle of d
+  double heading_rad;      ///< 2·atan |d_z/d_w|: rotation about world Z
+  double inclination_rad;  ///< 2·acos √(d_w² + d_z²): angle between the verticals
 };
 
 AttitudeError error_of(const Quaterniond& q_estimate, const Quaterniond& q_truth);
 
-/// The truth between its samples. Times may be asked for in any order; near ones in a row are found fast.
+/// Interpolates the truth. Any order of times is allowed; consecutive nearby times are fast.
 class TruthTrack {
 public:
   /// `truth` in ascending time; must outlive the track.
   explicit TruthTrack(std::span<const TruthSample> truth) : truth_(truth) {}
 
-  /// Position and velocity interpolated linearly, attitude along the arc; NaN in what is not known. Empty
-  /// before the first sample, after the last, and where two samples stand farther apart than 0.1 s.
+  /// Position and velocity interpolated linearly, attitude by slerp; NaN for unknown values. Empty before the
+  /// first sample, after the last, and in gaps longer than 0.1 s.
   std::optional<TruthSample> at(TimeNs time_ns);
 
 private:
@@ -46,11 +46,11 @@ private:
   std::size_t next_ = 0;
 };
 
-/// Errors over one span of time. Each is over the poses for which that part of the truth is known.
+/// Errors over one time span. Each includes the poses for which that part of the truth is known.
 struct Score {
   std::size_t poses = 0;                ///< with a known true position
-  std::size_t poses_without_truth = 0;  ///< in the span, but at a time without one
-  ErrorSummary position_m;              ///< distance in space
+  std::size_t poses_without_truth = 0;  ///< in the span, but without a known true position
+  ErrorSummary position_m;              ///< 3D distance
   double yaw_rmse_deg;                  ///< of AttitudeError::heading_rad
   double tilt_rmse_deg;                 ///< of AttitudeError::inclination_rad
   double velocity_rmse_mps;             ///< length of the difference

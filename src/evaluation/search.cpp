@@ -1,4 +1,5 @@
 #include "evaluation/search.hpp"
+
 #include "sim/random.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +19,7 @@ bool is_logarithmic(const Variable& variable) {
   return variable.low > 0.0 && variable.high > 10.0 * variable.low;
 }
 
-/// A variable's value at a place between 0 and 1 of its range.
+/// Sets the variable to the value at `place`, 0 to 1, of its range.
 void set_at(settings::Settings& settings, const Variable& variable, double place) {
   const double ratio = variable.high / variable.low;
   const double value = is_logarithmic(variable) ? variable.low * std::pow(ratio, place)
@@ -40,7 +41,7 @@ double place_of(const settings::Settings& settings, const Variable& variable) {
   return variable.high > variable.low ? (value - variable.low) / (variable.high - variable.low) : 0.0;
 }
 
-/// Values outside their bounds are moved to the nearer bound, others stay as they are to the last bit.
+/// Clamps values to their bounds. Values within the bounds keep every bit.
 settings::Settings within(settings::Settings settings, const std::vector<Variable>& variables) {
   for (const Variable& variable : variables) {
     const double value = number_of(settings::get(settings, variable.key));

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A random search for better settings: simple, and it finds what a person would not try.
+/// A random search for better settings.
 
 #include <sonopose/settings/settings.hpp>
 
@@ -12,15 +12,15 @@
 
 namespace sonopose::evaluation {
 
-/// A setting that the search may change, and how far.
+/// A setting that the search may change, and its bounds.
 struct Variable {
   std::string key;
   double low = 0;
   double high = 0;
 };
 
-/// Reads `group.key=LOW..HIGH`, or `group.key` for the setting's whole range. Throws settings::SettingError
-/// where the key is unknown or no number, or the bounds are not within its range.
+/// Parses `group.key=LOW..HIGH`, or `group.key` for the setting's whole range. Throws settings::SettingError
+/// if the key is unknown or not numeric, or if the bounds are outside its range.
 Variable variable_of(std::string_view text);
 
 struct Found {
@@ -28,10 +28,10 @@ struct Found {
   double cost = 0;
 };
 
-/// Begins at `start`, moved into the bounds where it lies outside them, changes a few of the variables at
-/// random and keeps what costs less; the steps become smaller from round to round. Ranges of more than a
-/// decade are searched on a logarithmic scale. The same seed gives the same search. `on_better(round, found)`
-/// hears of each improvement.
+/// Starts at `start`, clamped to the bounds, changes a few random variables in each round and keeps changes
+/// that reduce the cost. The steps shrink from round to round. Ranges of more than a decade are searched on a
+/// logarithmic scale. The same seed gives the same search. Calls `on_better(round, found)` for each
+/// improvement.
 Found search(const settings::Settings& start, const std::vector<Variable>& variables,
              const std::function<double(const settings::Settings&)>& cost, int rounds, std::uint64_t seed,
              const std::function<void(int, const Found&)>& on_better);

@@ -1,9 +1,10 @@
+#include "evaluation/state_file.hpp"
+
 #include "evaluation/state_reader.hpp"
-#include <sonopose/estimation/documented/state_fields.hpp>
 #include "files/csv_writer.hpp"
 #include "files/error.hpp"
 #include "files/replacement.hpp"
-#include "evaluation/state_file.hpp"
+#include <sonopose/estimation/documented/state_fields.hpp>
 
 #include <cerrno>
 #include <cmath>
@@ -28,7 +29,7 @@ OrderedJson json_of(const char* name, const Vector3d& value) {
   return {finite(name, value.x()), finite(name, value.y()), finite(name, value.z())};
 }
 
-/// Puts a state's fields of every kind into an object.
+/// Visitor that writes each field of a state to a JSON object.
 struct FieldWriter {
   OrderedJson& object;
 
@@ -66,7 +67,7 @@ struct FieldWriter {
   }
 };
 
-/// As for_each_field: a new counter that is not listed here does not compile.
+/// Like for_each_field: a new counter that is not listed here does not compile.
 template <class AnyCounters, class Visit>
 void for_each_counter(AnyCounters& counters, const Visit& visit) {
   auto& [imu_samples, fixes_used, fixes_rejected, headings, samples_invalid, imu_gaps] = counters;
@@ -93,7 +94,7 @@ std::string content_of(const std::filesystem::path& file) {
   std::string text{std::istreambuf_iterator<char>(in), {}};
   if (!in.is_open() || in.bad() || is_directory(file)) {
     throw files::IoError(file.string() +
-                      ": cannot be read: " + std::strerror(is_directory(file) ? EISDIR : errno));
+                         ": cannot be read: " + std::strerror(is_directory(file) ? EISDIR : errno));
   }
   return text;
 }
@@ -121,7 +122,8 @@ SavedState parse_state(std::string_view text, const std::string& name) {
   saved.sequence = file.count("sequence");
   const std::uint64_t beacon = file.count("beacon");
   saved.beacon = static_cast<BeaconAddress>(beacon);
-  if (saved.beacon != beacon) file.fail("beacon", "is " + std::to_string(beacon) + ", which is no address");
+  if (saved.beacon != beacon)
+    file.fail("beacon", "is " + std::to_string(beacon) + ", which is not an address");
   file.read("first_event_ns", saved.first_event_ns);
   saved.snapshot.reset_counter = file.count32("reset_counter");
   StateReader counters = file.object("counters");
@@ -129,12 +131,13 @@ SavedState parse_state(std::string_view text, const std::string& name) {
                    [&counters](const char* field, std::uint64_t& value) { value = counters.count(field); });
   counters.finish();
   StateReader state = file.object("state");
-  estimation::documented::for_each_field(saved.snapshot.state,
-                         [&state](const char* field, auto& value) { state.read(field, value); });
+  estimation::documented::for_each_field(
+      saved.snapshot.state, [&state](const char* field, auto& value) { state.read(field, value); });
   const double trust = saved.snapshot.state.trust.trust;
   if (!(trust >= 0.0 && trust <= 1.0)) state.fail("trust.trust", "is not between 0 and 1");
   if (saved.snapshot.state.velocity.count > estimation::documented::VelocityState::capacity) {
-    state.fail("velocity.count", "is more than " + std::to_string(estimation::documented::VelocityState::capacity));
+    state.fail("velocity.count",
+               "is more than " + std::to_string(estimation::documented::VelocityState::capacity));
   }
   state.finish();
   file.finish();
@@ -163,7 +166,8 @@ void check_fits(const SavedState& saved, const recording::SensorLog& log, const 
   if (log.events.empty()) return;
   const auto differs = [&name](const std::string& field, auto stored, auto own) {
     throw StateFileError(name + ": " + field + ": is " + std::to_string(stored) +
-                         ", but the recording's is " + std::to_string(own) + ": it is of another recording");
+                         ", but the recording's is " + std::to_string(own) +
+                         ": the state belongs to another recording");
   };
   const Event& first = log.events.front();
   if (saved.beacon != address_of(first)) differs("beacon", saved.beacon, address_of(first));

@@ -1,7 +1,6 @@
 #pragma once
 /// \file
-/// An engine's state as a JSON file: every field by name, doubles to the last bit. Settings are no part of
-/// it.
+/// An engine's state as a JSON file: every field by name, doubles without loss. Settings are not included.
 
 #include "evaluation/run.hpp"
 
@@ -18,20 +17,19 @@ public:
   using std::runtime_error::runtime_error;
 };
 
-/// The file's text. Throws StateFileError for a number that is not finite.
+/// The content of the file. Throws StateFileError for a number that is not finite.
 std::string state_text(const SavedState& saved);
 
-/// Reads such a text; `name` stands before each error. Throws StateFileError for what is no JSON, another
-/// format or version, a field that is missing, unknown, of the wrong kind or impossible.
+/// Parses such content; `name` is the prefix of every error message. Throws StateFileError for invalid JSON,
+/// another format or version, or a field that is missing, unknown, of the wrong type or out of range.
 SavedState parse_state(std::string_view text, const std::string& name);
 
-/// The same with a file, which is replaced once the new one is whole. Throw files::IoError where it cannot be
-/// written or read.
+/// Save to a file, which is replaced atomically, and load from one. Both also throw files::IoError.
 void save_state(const std::filesystem::path& file, const SavedState& saved);
 SavedState load_state(const std::filesystem::path& file);
 
-/// Throws StateFileError where `saved`, read from `name`, was not left by a run over `log`: another beacon's,
-/// or with another first event.
+/// Throws StateFileError if `saved`, read from `name`, does not belong to `log`: it has another beacon or
+/// another first event.
 void check_fits(const SavedState& saved, const recording::SensorLog& log, const std::string& name);
 
 }  // namespace sonopose::evaluation

@@ -17,8 +17,8 @@ std::string kind_error(const json& value, std::string_view wanted) {
   return "is " + shown + " instead of " + std::string(wanted);
 }
 
-/// Could a filter's field be this? No real run leaves a larger number, and from larger ones come infinite
-/// ones.
+/// Why a filter's field is implausible, or empty. No real run produces larger numbers, and they would
+/// overflow later.
 template <class Field>
 std::string_view fault_of(std::string_view name, const Field& field) {
   constexpr double most = 1e9;
@@ -42,13 +42,13 @@ StateReader StateReader::parsed(std::string_view text, const std::string& name) 
   try {
     return {json::parse(text), name};
   } catch (const json::exception& error) {
-    throw StateFileError(name + ": is no JSON: " + error.what());
+    throw StateFileError(name + ": is not JSON: " + error.what());
   }
 }
 
 std::string StateReader::text(const char* name) {
   const json value = take(name);
-  if (!value.is_string()) fail(name, kind_error(value, "a text"));
+  if (!value.is_string()) fail(name, kind_error(value, "a string"));
   return value.get<std::string>();
 }
 

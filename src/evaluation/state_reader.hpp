@@ -1,9 +1,9 @@
 #pragma once
 /// \file
-/// Reads a JSON object strictly: each field once, of the right kind, and none besides. Private to this room.
+/// Reads a JSON object strictly: every field exactly once and of the correct type, and no unknown field.
 
-#include <sonopose/estimation/documented/state.hpp>
 #include "evaluation/state_file.hpp"
+#include <sonopose/estimation/documented/state.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -18,10 +18,10 @@ namespace sonopose::evaluation {
 /// estimation::documented::InitPhase in words, in its order.
 inline constexpr std::array<std::string_view, 3> track_names{"none", "position", "held"};
 
-/// Every member throws StateFileError that names file and field.
+/// Every member function throws a StateFileError that names the file and the field.
 class StateReader {
 public:
-  /// `place` is the file, and the path of fields to this object.
+  /// `place` is the file and the path of fields to this object.
   StateReader(nlohmann::json object, std::string place);
   static StateReader parsed(std::string_view text, const std::string& name);
 
@@ -40,10 +40,10 @@ public:
   void read(const char* name, Eigen::Matrix3d& value);
   void read(const char* name, attitude::AnyFilter& filter);
   void read(const char* name, estimation::documented::InertialHistory& history);
-  /// The next one of an array, call by call.
+  /// Each call reads the next element of the array.
   void read(const char* name, estimation::documented::PastFix& fix);
 
-  /// Ends the reading: whatever is left is unknown.
+  /// Throws if an unread field is left.
   void finish() const;
 
   [[noreturn]] void fail(const std::string& name, const std::string& what) const;
@@ -56,7 +56,8 @@ private:
 
   nlohmann::json object_;
   std::string place_;
-  std::map<std::string, std::size_t, std::less<>> next_element_;  ///< of arrays that are read one by one
+  std::map<std::string, std::size_t, std::less<>>
+      next_element_;  ///< of arrays that are read element by element
 };
 
 }  // namespace sonopose::evaluation

@@ -1,5 +1,6 @@
-#include "files/error.hpp"
 #include "evaluation/trajectory_file.hpp"
+
+#include "files/error.hpp"
 
 #include <array>
 #include <string_view>
@@ -27,7 +28,7 @@ void TrajectoryFile::write(TimeNs time_ns, const Vector3d& position_world_m,
 void make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   create_directories(folder, error);
-  if (error) throw files::IoError(folder.string() + ": cannot be made: " + error.message());
+  if (error) throw files::IoError(folder.string() + ": cannot be created: " + error.message());
 }
 
 }  // namespace sonopose::evaluation

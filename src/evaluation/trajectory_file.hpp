@@ -2,9 +2,9 @@
 /// \file
 /// A trajectory in TUM format, `t x y z qx qy qz qw` with times in seconds, as evo reads it.
 
-#include <sonopose/samples/samples.hpp>
 #include "files/csv_writer.hpp"
 #include "files/replacement.hpp"
+#include <sonopose/samples/samples.hpp>
 
 #include <filesystem>
 
@@ -17,10 +17,10 @@ public:
 
   void write(TimeNs time_ns, const Vector3d& position_world_m, const Quaterniond& q_body_to_world);
 
-  /// Hands everything to the operating system.
+  /// Writes everything to the operating system.
   void flush() { rows_.flush(); }
 
-  /// Takes the place of a file of a run before; without this call that one stays.
+  /// Replaces the file of an earlier run. Without this call that file remains.
   void commit() { place_.commit(); }
 
 private:
@@ -28,7 +28,7 @@ private:
   files::CsvWriter rows_;
 };
 
-/// Makes the folder, and those above it, where they are not there. Throws files::IoError.
+/// Creates the folder and its parents if necessary. Throws files::IoError.
 void make_folder(const std::filesystem::path& folder);
 
 }  // namespace sonopose::evaluation

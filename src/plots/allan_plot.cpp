@@ -1,5 +1,6 @@
-#include "plots/gnuplot.hpp"
 #include "plots/allan_plot.hpp"
+
+#include "plots/gnuplot.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +14,7 @@ namespace {
 
 using calibration::AllanNumbers;
 
-// Colours that are told apart by everybody (Okabe and Ito).
+// Colours that colour-blind readers can distinguish (Okabe and Ito).
 constexpr std::array<std::string_view, 3> axis_colours{"#0072B2", "#D55E00", "#009E73"};
 constexpr std::array<std::string_view, 3> names{"x", "y", "z"};
 
@@ -22,18 +23,18 @@ void append_curves(std::string& script, const evaluation::AllanResult& result) {
   for (std::size_t axis = 0; axis < result.report.curves.size(); ++axis) {
     fmt::format_to(out, "$curve{} << END\n", axis);
     for (const calibration::AllanPoint& point : result.report.curves[axis]) {
-      // On a logarithmic scale there is no place for a deviation of zero.
+      // A logarithmic scale cannot show a deviation of zero.
       if (!(point.deviation > 0.0)) continue;
       fmt::format_to(out, "{:.6g} {:.6g} {:.6g} {:.6g}\n", point.tau_s, point.deviation,
                      point.deviation * (1.0 - point.relative_error),
                      point.deviation * (1.0 + point.relative_error));
     }
-    // gnuplot draws no empty block.
+    // gnuplot refuses an empty data block.
     fmt::format_to(out, "nan nan nan nan\nEND\n");
   }
 }
 
-/// The curve with a band of its own error, the line of the white noise, and the floor.
+/// The curve with its error band, the line of white noise, and the bias instability.
 void append_axis(std::string& script, std::size_t axis, const AllanNumbers& numbers) {
   auto out = std::back_inserter(script);
   const std::string_view colour = axis_colours[axis % 3];
@@ -53,8 +54,8 @@ void append_axis(std::string& script, std::size_t axis, const AllanNumbers& numb
   }
 }
 
-void append_panel(std::string& script, const evaluation::AllanResult& result, std::size_t first, std::string_view title,
-                  std::string_view unit) {
+void append_panel(std::string& script, const evaluation::AllanResult& result, std::size_t first,
+                  std::string_view title, std::string_view unit) {
   script += fmt::format("set title {}\nset ylabel {}\nplot ", plot_text(title), plot_text(unit));
   for (std::size_t axis = first; axis < first + 3; ++axis) {
     if (axis > first) script += ", \\\n  ";
@@ -85,11 +86,11 @@ std::string script_of(const evaluation::AllanResult& result, const std::filesyst
 }  // namespace
 
 AllanPlot::AllanPlot(std::filesystem::path file) : file_(std::move(file)), replacement_(file_) {
-  check_picture(file_, replacement_);
+  check_plot_file(file_, replacement_);
 }
 
 void AllanPlot::draw(const evaluation::AllanResult& result) {
-  draw_picture(file_, replacement_, script_of(result, replacement_.part(), file_.extension()));
+  draw_plot(file_, replacement_, script_of(result, replacement_.part(), file_.extension()));
 }
 
 }  // namespace sonopose::plots

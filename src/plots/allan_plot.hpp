@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The Allan deviation as a plot.
+/// Plot of the Allan deviation.
 
 #include "evaluation/allan.hpp"
 #include "files/replacement.hpp"
@@ -9,14 +9,14 @@
 
 namespace sonopose::plots {
 
-/// The curves of both sensors with the line of the noise density and the floor. Drawn by gnuplot.
+/// Draws the curves of both sensors with the noise density and the bias instability, using gnuplot.
 class AllanPlot {
 public:
-  /// `file` ends in .svg or .png. Throws PictureError (picture.hpp) for another ending and where gnuplot is
-  /// not installed, files::IoError where the file cannot be written.
+  /// `file` has the extension .svg or .png. Throws PlotError (plot.hpp) for another extension and if gnuplot
+  /// is not installed, files::IoError if the file cannot be written.
   explicit AllanPlot(std::filesystem::path file);
 
-  /// Replaces the file. Throws PictureError where gnuplot fails; the file then stays as it was.
+  /// Replaces the file. Throws PlotError if gnuplot fails; the file is then unchanged.
   void draw(const evaluation::AllanResult& result);
 
 private:

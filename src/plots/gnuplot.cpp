@@ -1,7 +1,7 @@
 #include "plots/gnuplot.hpp"
 
 #include "files/csv_writer.hpp"
-#include "plots/picture.hpp"
+#include "plots/plot.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -25,18 +25,18 @@ bool gnuplot_is_installed() {
   return false;
 }
 
-/// Something that the shell takes as one word, whatever stands in it.
+/// Quotes text as one word for the shell.
 std::string shell_word(const std::string& text) {
   std::string word = "'";
   for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return word + "'";
 }
 
-/// A folder for the commands and for what gnuplot says to them; gone with this object.
+/// A temporary folder for the commands and gnuplot's messages; the destructor removes it.
 class WorkFolder {
 public:
   WorkFolder() : name_{(fs::temp_directory_path() / "sonopose-plot-XXXXXX").string()} {
-    if (::mkdtemp(name_.data()) == nullptr) throw PictureError(name_ + ": cannot be made");
+    if (::mkdtemp(name_.data()) == nullptr) throw PlotError(name_ + ": cannot be created");
   }
   ~WorkFolder() {
     std::error_code ignored;
@@ -67,22 +67,22 @@ std::string content_of(const fs::path& file) {
 
 }  // namespace
 
-void check_picture(const fs::path& file, const files::Replacement& replacement) {
+void check_plot_file(const fs::path& file, const files::Replacement& replacement) {
   if (file.extension() != ".svg" && file.extension() != ".png") {
-    throw PictureError(file.string() + ": a picture ends in .svg or .png");
+    throw PlotError(file.string() + ": a plot ends in .svg or .png");
   }
   if (std::any_of(file.native().begin(), file.native().end(),
                   [](char c) { return c == '\n' || c == '\r'; })) {
-    throw PictureError(file.string() + ": a picture's name must not hold a line break");
+    throw PlotError(file.string() + ": the name of a plot must not contain a line break");
   }
   if (!gnuplot_is_installed()) {
-    throw PictureError("a picture needs gnuplot, which is not installed (Debian package gnuplot-nox)");
+    throw PlotError("plots need gnuplot, which is not installed (Debian package gnuplot-nox)");
   }
   files::CsvWriter(replacement.part(), files::CsvWriter::Existing::replace)
-      .flush();  // what cannot be written is known now
+      .flush();  // fail now if the file cannot be written
 }
 
-void draw_picture(const fs::path& file, files::Replacement& replacement, const std::string& script) {
+void draw_plot(const fs::path& file, files::Replacement& replacement, const std::string& script) {
   const WorkFolder folder;
   write(folder.script(), script);
   const std::string command =
@@ -90,7 +90,7 @@ void draw_picture(const fs::path& file, files::Replacement& replacement, const s
   const int status = std::system(command.c_str());
   std::error_code ignored;
   if (status != 0 || fs::file_size(replacement.part(), ignored) == 0) {
-    throw PictureError(file.string() + ": gnuplot could not draw it: " + content_of(folder.messages()));
+    throw PlotError(file.string() + ": gnuplot could not draw it: " + content_of(folder.messages()));
   }
   replacement.commit();
 }

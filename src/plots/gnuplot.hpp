@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Pictures drawn by gnuplot, whole or not at all. Private to this room.
+/// Runs gnuplot and replaces the output file only if it succeeds.
 
 #include "files/replacement.hpp"
 
@@ -10,15 +10,15 @@
 
 namespace sonopose::plots {
 
-/// Throws PictureError for an ending other than .svg and .png, a line break in the name, and where gnuplot is
-/// not installed; files::IoError where `replacement` cannot be written.
-void check_picture(const std::filesystem::path& file, const files::Replacement& replacement);
+/// Throws PlotError for an extension other than .svg and .png, a line break in the name, and if gnuplot is
+/// not installed; files::IoError if `replacement` cannot be written.
+void check_plot_file(const std::filesystem::path& file, const files::Replacement& replacement);
 
-/// Runs the commands, which must draw into `replacement.part()`, and puts the picture in the file's place.
-/// Throws PictureError where gnuplot fails; the file then stays as it was.
-void draw_picture(const std::filesystem::path& file, files::Replacement& replacement, const std::string& script);
+/// Runs the commands, which must draw to `replacement.part()`, and replaces the file. Throws PlotError if
+/// gnuplot fails; the file is then unchanged.
+void draw_plot(const std::filesystem::path& file, files::Replacement& replacement, const std::string& script);
 
-/// Text as gnuplot takes it literally, on one line.
+/// Quotes text for gnuplot so that it is taken literally, on one line.
 std::string plot_text(std::string_view text);
 
 }  // namespace sonopose::plots

@@ -13,8 +13,8 @@ namespace {
 
 using statistics::quantile;
 
-/// The axis of errors in cm. Its top shows what matters in detail: a jump may leave the picture. Where rare
-/// errors dwarf the usual ones, as in outages, the axis is logarithmic.
+/// The axis of errors in cm. Its maximum suits the usual errors, so rare jumps may be cut off. If rare errors
+/// are far larger than the usual ones, as in outages, the axis is logarithmic.
 std::string error_axis(const std::vector<double>& errors_m, double top_m) {
   constexpr double least_top_cm = 5.0;
   constexpr double dwarfed = 12.0;
@@ -27,7 +27,7 @@ std::string error_axis(const std::vector<double>& errors_m, double top_m) {
 
 }  // namespace
 
-std::string axis_of_errors(const PictureData& data) {
+std::string axis_of_errors(const PlotData& data) {
   std::vector<double> errors_m;
   std::vector<double> last_fix_errors_m;
   for (const auto& moment : data.moments) {
@@ -39,15 +39,15 @@ std::string axis_of_errors(const PictureData& data) {
   return error_axis(errors_m, std::max(1.5 * fused_m, std::min(1.2 * last_fix_m, 5.0 * fused_m)));
 }
 
-std::string axis_of_residuals(const PictureData& data) {
-  std::vector<double> residuals_m;
+std::string axis_of_innovations(const PlotData& data) {
+  std::vector<double> innovations_m;
   for (const auto& fix : data.fixes) {
-    if ((fix.flags & fix_used) != 0) residuals_m.push_back(fix.innovation_m);
+    if ((fix.flags & fix_used) != 0) innovations_m.push_back(fix.innovation_m);
   }
-  return error_axis(residuals_m, 1.5 * quantile(residuals_m, 0.99));
+  return error_axis(innovations_m, 1.5 * quantile(innovations_m, 0.99));
 }
 
-double top_of_speeds_mps(const PictureData& data) {
+double top_of_speeds_mps(const PlotData& data) {
   constexpr double least_mps = 0.1;
   std::vector<double> speeds_mps;
   for (const auto& moment : data.moments) {
@@ -56,7 +56,7 @@ double top_of_speeds_mps(const PictureData& data) {
   return std::max(least_mps, 1.05 * quantile(std::move(speeds_mps), 1.0));
 }
 
-Box path_box(const PictureData& data) {
+Box path_box(const PlotData& data) {
   Box box;
   for (const auto& moment : data.moments) {
     if (bit(moment.status, status_initialising) == 0) box.include(moment.position_world_m);
@@ -65,7 +65,7 @@ Box path_box(const PictureData& data) {
   for (const auto& fix : data.fixes) {
     if (class_of(fix.flags) == 0) box.include(fix.position_world_m);
   }
-  box.fit(path_panel.width() * picture_width, path_panel.height() * picture_height);
+  box.fit(path_panel.width() * plot_width, path_panel.height() * plot_height);
   return box;
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// Where the panels of a picture stand, and which part of the map it shows. Private to this room.
+/// Layout of the panels of a plot, and the ranges of their axes.
 
-#include "plots/picture.hpp"
+#include "plots/plot.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -10,10 +10,10 @@
 
 namespace sonopose::plots {
 
-inline constexpr double picture_width = 1600;
-inline constexpr double picture_height = 1000;
+inline constexpr double plot_width = 1600;
+inline constexpr double plot_height = 1000;
 
-/// A panel's edges as shares of the picture, from the lower left.
+/// Edges of a panel as fractions of the plot, from the lower left.
 struct Panel {
   double left;
   double right;
@@ -29,7 +29,7 @@ inline constexpr Panel error_panel{0.58, 0.985, 0.69, 0.9};
 inline constexpr Panel speed_panel{0.58, 0.985, 0.425, 0.635};
 inline constexpr Panel fix_flag_panel{0.58, 0.985, 0.075, 0.37};
 
-/// What a part of the map spans.
+/// A rectangle of the map, m.
 struct Box {
   Eigen::Array2d low = Eigen::Array2d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Array2d high = -low;
@@ -40,7 +40,7 @@ struct Box {
     high = high.max(point.head<2>().array());
   }
 
-  /// Widens it, by a margin and then to the shape `width` by `height`, about its centre.
+  /// Adds a margin, then extends it about its centre to the aspect ratio `width` : `height`.
   void fit(double width, double height) {
     constexpr double least_m = 0.1;
     constexpr double margin = 1.08;
@@ -54,21 +54,21 @@ struct Box {
   }
 };
 
-/// 0: used, 1: used with less weight as an outlier, 2: rejected.
+/// 0: used, 1: used with a reduced weight (outlier), 2: rejected.
 int class_of(std::uint32_t flags);
 
-/// 1 where the status is set, else 0.
+/// 1 if the status bit is set, else 0.
 inline int bit(std::uint32_t status, PoseStatus wanted) {
   return (status & wanted) != 0 ? 1 : 0;
 }
 
-/// Both axes' ranges, so that the path and the good fixes fill the panel and a metre is as long on both.
-Box path_box(const PictureData& data);
+/// Ranges of both axes with equal scales, so that the path and the good fixes fill the panel.
+Box path_box(const PlotData& data);
 
-/// Commands for the axis of the position errors, and of the fixes' innovations.
-std::string axis_of_errors(const PictureData& data);
-std::string axis_of_residuals(const PictureData& data);
+/// gnuplot commands for the axis of the position errors, and of the innovations.
+std::string axis_of_errors(const PlotData& data);
+std::string axis_of_innovations(const PlotData& data);
 
-double top_of_speeds_mps(const PictureData& data);
+double top_of_speeds_mps(const PlotData& data);
 
 }  // namespace sonopose::plots

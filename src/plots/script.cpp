@@ -1,6 +1,6 @@
 #include "plots/gnuplot.hpp"
 #include "plots/layout.hpp"
-#include "plots/picture.hpp"
+#include "plots/plot.hpp"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 namespace sonopose::plots {
 namespace {
 
-// Colours that are told apart by everybody (Okabe and Ito), and faint ones behind them.
+// Colours that colour-blind readers can distinguish (Okabe and Ito), and faint ones for the background.
 constexpr std::string_view fused_colour = "#0072B2";
 constexpr std::string_view truth_colour = "#000000";
 constexpr std::string_view used_colour = "#009E73";
@@ -22,33 +22,33 @@ constexpr std::string_view faint_colour = "#B0B0B0";
 constexpr std::string_view stale_colour = "#F3CFC0";
 constexpr std::string_view converging_colour = "#FFF2B8";
 
-/// A row of marks below weight and trust; the fix_flags that it shows.
+/// A row of marks below weight and trust, and the flags that it shows.
 struct FlagRow {
   std::string_view label;
   std::uint32_t fix_flags;
   std::string_view colour;
 };
 
-constexpr std::array<FlagRow, 7> flag_rows{
-    {{"outlier", fix_outlier, outlier_colour},
-     {"low quality", fix_low_quality, rejected_colour},
-     {"invalid", fix_invalid, rejected_colour},
-     {"frozen", fix_frozen, rejected_colour},
-     {"snapped", fix_snapped_over | fix_snapped_under, "#CC79A7"},
-     {"forced", fix_stuck_forced, "#CC79A7"},
-     {"start", fix_first | fix_stale_recovered, fused_colour}}};
+constexpr std::array<FlagRow, 7> flag_rows{{{"outlier", fix_outlier, outlier_colour},
+                                            {"low quality", fix_low_quality, rejected_colour},
+                                            {"invalid", fix_invalid, rejected_colour},
+                                            {"frozen", fix_frozen, rejected_colour},
+                                            {"snapped", fix_snapped_over | fix_snapped_under, "#CC79A7"},
+                                            {"forced", fix_stuck_forced, "#CC79A7"},
+                                            {"start", fix_first | fix_stale_recovered, fused_colour}}};
 
-void append_data(std::string& script, const PictureData& data) {
+void append_data(std::string& script, const PlotData& data) {
   auto out = std::back_inserter(script);
   fmt::format_to(out, "$poses << END\n");
   for (const auto& moment : data.moments) {
-    const bool placed = bit(moment.status, status_initialising) == 0;  // before the first fix it lies at zero
-    const double nowhere = PictureData::unknown;
+    const bool placed =
+        bit(moment.status, status_initialising) == 0;  // the position is zero before the first fix
+    constexpr double unknown = PlotData::unknown;
     fmt::format_to(out, "{:.4f} {:.5g} {:.5g} {:.5g} {:.5g} {:.5g} {:.5g} {:.5g} {:.5g} {:.4g}\n",
-                   moment.time_s, placed ? moment.position_world_m.x() : nowhere,
-                   placed ? moment.position_world_m.y() : nowhere, moment.true_position_world_m.x(),
+                   moment.time_s, placed ? moment.position_world_m.x() : unknown,
+                   placed ? moment.position_world_m.y() : unknown, moment.true_position_world_m.x(),
                    moment.true_position_world_m.y(), moment.speed_mps, moment.true_speed_mps,
-                   100.0 * (placed ? moment.error_m : nowhere), 100.0 * moment.last_fix_error_m,
+                   100.0 * (placed ? moment.error_m : unknown), 100.0 * moment.last_fix_error_m,
                    moment.trust);
   }
   fmt::format_to(out, "END\n$fixes << END\n");
@@ -60,8 +60,8 @@ void append_data(std::string& script, const PictureData& data) {
   fmt::format_to(out, "END\n");
 }
 
-/// Only where it changes: an hour of it in the picture would be large.
-void append_status(std::string& script, const PictureData& data) {
+/// Writes only changes, to keep the plot of an hour small.
+void append_status(std::string& script, const PlotData& data) {
   auto out = std::back_inserter(script);
   fmt::format_to(out, "$status << END\n");
   int before = -1;
@@ -77,7 +77,7 @@ void append_status(std::string& script, const PictureData& data) {
   fmt::format_to(out, "END\n");
 }
 
-/// Fixes of one class as points; `column` is drawn over time, or the path's y over its x.
+/// Plot element for the fixes of one class; `columns` is x:y.
 std::string fix_points(std::string_view columns, int kind, std::string_view title) {
   constexpr std::array<std::string_view, 3> colours{used_colour, outlier_colour, rejected_colour};
   constexpr std::array<int, 3> shapes{7, 9, 2};  // disc, triangle, cross
@@ -98,7 +98,7 @@ std::string fixes_by_kind(std::string_view x, std::string_view y, int kinds) {
   return text;
 }
 
-/// The spans of status, behind everything else: each from its own moment to the next.
+/// Shaded time spans of the status, in the background.
 std::string shades(bool with_titles) {
   const auto shade = [with_titles](int column, std::string_view colour, std::string_view title) {
     return fmt::format("$status using 1:{} axes x1y2 with fillsteps fs solid 1 noborder lc rgb '{}' {}",
@@ -108,7 +108,7 @@ std::string shades(bool with_titles) {
          ", \\\n  ";
 }
 
-/// Margins of a panel, and its vertical label at one distance whatever the tics' labels are.
+/// Margins of a panel, and its vertical label at a fixed distance, independent of the tic labels.
 void append_frame(std::string& script, const Panel& panel, std::string_view label) {
   constexpr double label_distance = 0.056;
   fmt::format_to(
@@ -119,7 +119,7 @@ void append_frame(std::string& script, const Panel& panel, std::string_view labe
       0.5 * (panel.bottom + panel.top));
 }
 
-void append_path(std::string& script, const PictureData& data) {
+void append_path(std::string& script, const PlotData& data) {
   const Box box = path_box(data);
   append_frame(script, path_panel, "y [m]");
   const std::string truth = fmt::format(
@@ -133,10 +133,10 @@ void append_path(std::string& script, const PictureData& data) {
       data.has_truth ? truth : std::string(), fused_colour);
 }
 
-void append_errors(std::string& script, const PictureData& data) {
+void append_errors(std::string& script, const PlotData& data) {
   const bool errors = data.has_truth;
   append_frame(script, error_panel, errors ? "position error [cm]" : "innovation of fixes [cm]");
-  script += (errors ? axis_of_errors(data) : axis_of_residuals(data)) + "plot " + shades(true);
+  script += (errors ? axis_of_errors(data) : axis_of_innovations(data)) + "plot " + shades(true);
   if (!errors) {
     script += fixes_by_kind("1", "$4", 2) + "\n";
     return;
@@ -147,7 +147,7 @@ void append_errors(std::string& script, const PictureData& data) {
                  faint_colour, fused_colour);
 }
 
-void append_speed(std::string& script, const PictureData& data) {
+void append_speed(std::string& script, const PlotData& data) {
   append_frame(script, speed_panel, "speed [m/s]");
   fmt::format_to(std::back_inserter(script), "unset logscale y\nset yrange [0:{:.4g}]\nplot {}",
                  top_of_speeds_mps(data), shades(false));
@@ -163,23 +163,23 @@ void append_speed(std::string& script, const PictureData& data) {
                  fused_colour);
 }
 
-/// Weight and trust, and below them a row of marks for each flags that was given.
-void append_fix_flags(std::string& script, const PictureData& data) {
+/// Weight and trust, and below them a row of marks for each flag that occurred.
+void append_fix_flags(std::string& script, const PlotData& data) {
   constexpr double row_height = 0.2;
   std::string tics = "'0' 0, '0.5' 0.5, '1' 1";
   std::string marks;
   double y = 0.0;
   for (const FlagRow& row : flag_rows) {
-    const bool given = std::any_of(data.fixes.begin(), data.fixes.end(),
-                                   [&row](const auto& fix) { return (fix.flags & row.fix_flags) != 0; });
-    if (!given) continue;
+    const bool occurred = std::any_of(data.fixes.begin(), data.fixes.end(),
+                                      [&row](const auto& fix) { return (fix.flags & row.fix_flags) != 0; });
+    if (!occurred) continue;
     y -= row_height;
     tics += fmt::format(", {} {:.1f}", plot_text(row.label), y);
     marks += fmt::format(
         ", \\\n  $fixes using 1:((int($8)&{})?{:.1f}:NaN) with points pt 2 ps 0.7 lc rgb '{}' notitle",
         row.fix_flags, y, row.colour);
   }
-  append_frame(script, fix_flag_panel, "flags                weight, trust");
+  append_frame(script, fix_flag_panel, "fix flags           weight, trust");
   fmt::format_to(
       std::back_inserter(script),
       "set ytics ({})\nset yrange [{:.1f}:1.05]\nset xlabel 'time [s]'\nset format x '%g'\nplot {}", tics,
@@ -193,7 +193,7 @@ void append_fix_flags(std::string& script, const PictureData& data) {
 
 }  // namespace
 
-std::string gnuplot_script(const PictureData& data, const std::filesystem::path& file,
+std::string gnuplot_script(const PlotData& data, const std::filesystem::path& file,
                            const std::filesystem::path& ending) {
   const bool png = ending == ".png";
   const double end_s = data.moments.empty() ? 1.0 : data.moments.back().time_s;
@@ -207,8 +207,7 @@ std::string gnuplot_script(const PictureData& data, const std::filesystem::path&
       "set output {}\nset datafile missing 'nan'\nset multiplot title {} font 'sans,14' noenhanced\n"
       "set grid xtics ytics lt 1 lw 0.7 lc rgb '#E4E4E4'\nset tics nomirror\nset border 3 lc rgb '#444444'\n"
       "set key at graph 0, graph 1.0 left bottom Left reverse horizontal samplen 1.6 width 0.5\n",
-      png ? "pngcairo" : "svg", picture_width, picture_height, plot_text(file.string()),
-      plot_text(data.title));
+      png ? "pngcairo" : "svg", plot_width, plot_height, plot_text(file.string()), plot_text(data.title));
   append_path(script, data);
   fmt::format_to(std::back_inserter(script),
                  "set xrange [{:.4f}:{:.4f}]\n"

@@ -1,4 +1,4 @@
-/// A filter over an attitude log: scores of made-up errors, and what the filters reach on real recordings.
+/// Filters over attitude logs: scores of known errors, and the accuracy on real recordings.
 
 #include "evaluation/attitude_run.hpp"
 
@@ -17,7 +17,7 @@ namespace {
 
 constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
 
-/// A body at rest for 10 s, whose truth is turned by `off` against what its sensors say.
+/// A body at rest for 10 s whose truth is rotated by `off` relative to its sensors.
 recording::AttitudeLog standing(const Quaterniond& off) {
   recording::AttitudeLog log;
   for (int i = 0; i <= 1000; ++i) {
@@ -37,8 +37,10 @@ constexpr double degree = geometry::radians_per_degree;
 
 }  // namespace
 
-TEST_CASE("a heading error is a heading error, a lean is an inclination error, both are in the total") {
-  const auto scored = [](const Quaterniond& off) { return evaluation::run_attitude("log", standing(off), {}); };
+TEST_CASE("heading and inclination errors are separated, and both are part of the total error") {
+  const auto scored = [](const Quaterniond& off) {
+    return evaluation::run_attitude("log", standing(off), {});
+  };
   const AttitudeResult turned = scored(geometry::rotation_about_z(30 * degree));
   CHECK(turned.scored == 1001);
   CHECK(turned.heading_rmse_deg == Approx(30.0));
@@ -50,7 +52,7 @@ TEST_CASE("a heading error is a heading error, a lean is an inclination error, b
   CHECK(leaning.total_rmse_deg == Approx(20.0));
 }
 
-TEST_CASE("only movements with a known truth are scored, and a broken sample is counted") {
+TEST_CASE("only movements with a known truth are scored, and an invalid sample is counted") {
   recording::AttitudeLog log = standing(geometry::rotation_about_z(1.0));
   log.movements = {{start_ns + 2'000'000'000, start_ns + 3'000'000'000}};
   log.truth.resize(251);  // up to 2.5 s
@@ -63,7 +65,7 @@ TEST_CASE("only movements with a known truth are scored, and a broken sample is 
   CHECK(result.heading_rmse_deg == Approx(1.0 / degree));
 }
 
-TEST_CASE("an orientation that is none has no error of zero") {
+TEST_CASE("an invalid orientation does not have zero error") {
   const double nan = std::nan("");
   const auto error = evaluation::error_of({nan, nan, nan, nan}, Quaterniond::Identity());
   CHECK(std::isnan(error.total_rad));
@@ -71,7 +73,7 @@ TEST_CASE("an orientation that is none has no error of zero") {
   CHECK(std::isnan(error.inclination_rad));
 }
 
-TEST_CASE("without any truth the errors are not known, and the mean leaves that log out") {
+TEST_CASE("without truth the errors are unknown, and the mean excludes that log") {
   recording::AttitudeLog log = standing(geometry::rotation_about_z(10 * degree));
   const AttitudeResult known = evaluation::run_attitude("known", log, {});
   log.truth.clear();
@@ -89,7 +91,7 @@ TEST_CASE("without any truth the errors are not known, and the mean leaves that 
 
 namespace {
 
-/// The ten recorded trials; empty where they are not.
+/// The ten recorded trials; empty if they are missing.
 const std::vector<recording::AttitudeLog>& trials() {
   static const std::vector<recording::AttitudeLog> logs = [] {
     std::vector<recording::AttitudeLog> read;
@@ -107,13 +109,14 @@ const std::vector<recording::AttitudeLog>& trials() {
 AttitudeResult mean_over_trials(settings::Settings settings, bool magnetometer) {
   settings.attitude.selection.magnetometer = magnetometer;
   std::vector<AttitudeResult> results;
-  for (const recording::AttitudeLog& log : trials()) results.push_back(evaluation::run_attitude("", log, settings));
+  for (const recording::AttitudeLog& log : trials())
+    results.push_back(evaluation::run_attitude("", log, settings));
   return evaluation::mean_of(results);
 }
 
 }  // namespace
 
-TEST_CASE("recorded trials: the classic Mahony filter scores as the benchmark says") {
+TEST_CASE("recorded trials: the classic Mahony filter reproduces the benchmark's score") {
   if (trials().empty()) return;
   REQUIRE(trials().size() == 10);
   settings::Settings settings;
@@ -126,7 +129,7 @@ TEST_CASE("recorded trials: the classic Mahony filter scores as the benchmark sa
   CHECK(mean_over_trials(settings, false).inclination_rmse_deg == Approx(3.12).margin(0.1));
 }
 
-TEST_CASE("recorded trials: the AHRS is no worse than its library") {
+TEST_CASE("recorded trials: the AHRS is as accurate as its reference library") {
   if (trials().empty()) return;
   settings::Settings settings;
   settings.attitude.selection.filter = attitude::FilterKind::ahrs;
@@ -134,7 +137,7 @@ TEST_CASE("recorded trials: the AHRS is no worse than its library") {
   CHECK(mean_over_trials(settings, false).inclination_rmse_deg < 3.82);
 }
 
-TEST_CASE("recorded trials: the default is as good as the best public filter") {
+TEST_CASE("recorded trials: the default filter is as accurate as the best public filter") {
   if (trials().empty()) return;
   CHECK(mean_over_trials({}, false).inclination_rmse_deg < 0.8);
   const AttitudeResult with_field = mean_over_trials({}, true);

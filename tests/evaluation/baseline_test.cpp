@@ -15,7 +15,7 @@ UltrasonicFix fix_at(double time_s, double x_m) {
 
 }  // namespace
 
-TEST_CASE("the last fix stays where it is; the extrapolated one goes on at its velocity") {
+TEST_CASE("the last fix stays constant, the extrapolated fix moves with its velocity") {
   evaluation::Baseline baseline;
   CHECK_FALSE(baseline.last_fix());
   CHECK_FALSE(baseline.extrapolated(to_ns(1.0)));
@@ -24,11 +24,11 @@ TEST_CASE("the last fix stays where it is; the extrapolated one goes on at its v
   baseline.on(fix_at(1.1, 4.2));
   CHECK(baseline.last_fix()->x() == 4.2);
   CHECK(baseline.extrapolated(to_ns(1.15))->x() == Approx(4.3));
-  baseline.on(fix_at(1.05, 9.0));  // came too late to be the last
+  baseline.on(fix_at(1.05, 9.0));  // measured before the latest fix
   CHECK(baseline.last_fix()->x() == 4.2);
 }
 
-TEST_CASE("two fixes with a long pause between them have no velocity worth going on at") {
+TEST_CASE("fixes with a long gap between them are not extrapolated") {
   evaluation::Baseline baseline;
   baseline.on(fix_at(1.0, 4.0));
   baseline.on(fix_at(3.0, 9.0));

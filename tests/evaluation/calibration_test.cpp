@@ -1,11 +1,13 @@
-#include "calibration/simulated_sensor.hpp"
-#include "support/temporary_folder.hpp"
-#include "calibration/fit/error.hpp"
-#include "files/error.hpp"
-#include "recording/log_writer.hpp"
-#include "evaluation/allan.hpp"
 #include "evaluation/calibration.hpp"
-#include "plots/picture.hpp"
+
+#include "calibration/fit/error.hpp"
+#include "calibration/simulated_sensor.hpp"
+#include "evaluation/allan.hpp"
+#include "files/error.hpp"
+#include "plots/allan_plot.hpp"
+#include "plots/plot.hpp"
+#include "recording/log_writer.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -29,7 +31,7 @@ void write_log(const std::filesystem::path& folder, const std::vector<ImuSample>
   writer.flush();
 }
 
-/// Held still in 14 orientations; the field turns on through all directions, a reading per sample.
+/// Still in 14 orientations; the field has a random direction in each sample.
 std::vector<ImuSample> whole_recording() {
   SensorErrors errors;
   errors.accel_gain(0, 0) = 1.02;
@@ -45,7 +47,7 @@ std::vector<ImuSample> whole_recording() {
   return imu;
 }
 
-/// Whether a table has each setting of the group, and nothing else, with the very same value.
+/// Checks that a table has exactly the settings of the group, with exactly the same values.
 template <class Group>
 void check_table(const toml::table* table, const Group& settings) {
   REQUIRE(table != nullptr);
@@ -63,7 +65,7 @@ void check_table(const toml::table* table, const Group& settings) {
 
 }  // namespace
 
-TEST_CASE("GIVEN a recording THEN the TOML tables hold every setting to the last bit") {
+TEST_CASE("the TOML tables contain every setting without loss") {
   const TemporaryFolder folder;
   write_log(folder / "log", whole_recording());
   const auto imu = evaluation::calibrate_imu(folder / "log");
@@ -75,8 +77,9 @@ TEST_CASE("GIVEN a recording THEN the TOML tables hold every setting to the last
   CHECK(imu.gyroscope->settings.offset_z_radps == Approx(-0.03).margin(0.0005));
   CHECK(field.magnetometer->settings.hard_iron_z_ut == Approx(30.0).margin(0.3));
 
-  SECTION("for all beacons, both files one behind the other") {
-    const auto tree = toml::parse(evaluation::calibration_toml(imu, {}) + evaluation::calibration_toml(field, {}));
+  SECTION("for all beacons, with both files concatenated") {
+    const auto tree =
+        toml::parse(evaluation::calibration_toml(imu, {}) + evaluation::calibration_toml(field, {}));
     const auto tables = tree["calibration"];
     check_table(tables["accelerometer"].as_table(), imu.accelerometer->settings);
     check_table(tables["gyroscope"].as_table(), imu.gyroscope->settings);
@@ -89,12 +92,12 @@ TEST_CASE("GIVEN a recording THEN the TOML tables hold every setting to the last
     check_table(tables["accelerometer"].as_table(), imu.accelerometer->settings);
     CHECK(tree.size() == 1);
   }
-  SECTION("and the comments tell where it comes from") {
+  SECTION("the comments state the source") {
     const std::string text = evaluation::calibration_toml(imu, {});
     CHECK_THAT(text, Contains((folder / "log").string()) && Contains("4100 samples") &&
                          Contains("14 orientations") && Contains("RMS before"));
   }
-  SECTION("and the JSON object has the same") {
+  SECTION("the JSON object has the same values") {
     const json object = json::parse(evaluation::calibration_json(imu));
     CHECK(object["accelerometer"]["settings"]["offset_z_mps2"] == imu.accelerometer->settings.offset_z_mps2);
     CHECK(object["accelerometer"]["standard_errors"]["offset_z_mps2"].get<double>() > 0.0);
@@ -104,7 +107,7 @@ TEST_CASE("GIVEN a recording THEN the TOML tables hold every setting to the last
   }
 }
 
-TEST_CASE("a folder's name with a line break or no UTF-8 harms neither the TOML nor the JSON") {
+TEST_CASE("a folder name with a line break or invalid UTF-8 keeps the TOML and the JSON valid") {
   const TemporaryFolder folder;
   const auto log = folder / "a\nb = 1\xff";
   write_log(log, whole_recording());
@@ -115,7 +118,7 @@ TEST_CASE("a folder's name with a line break or no UTF-8 harms neither the TOML 
   CHECK_NOTHROW(toml::parse(toml));
 }
 
-TEST_CASE("what cannot be calibrated is an error that names the file") {
+TEST_CASE("a failed calibration names the file") {
   const TemporaryFolder folder;
   write_log(folder / "short", SimulatedSensor(SensorErrors{}, 3).hold_in_turn({{0, 0, 1}, {1, 0, 0}}));
   CHECK_THROWS_WITH(evaluation::calibrate_imu(folder / "short"),
@@ -132,7 +135,7 @@ TEST_CASE("what cannot be calibrated is an error that names the file") {
   CHECK_THROWS_AS(evaluation::calibrate_gyroscope(folder / "bad"), calibration::CalibrationError);
 }
 
-TEST_CASE("a file is replaced as a whole, or stays") {
+TEST_CASE("a file is replaced atomically or not at all") {
   const TemporaryFolder folder;
   write_text(folder / "a.toml", "something much longer than what comes");
   evaluation::write_whole(folder / "a.toml", "short\n");
@@ -140,14 +143,15 @@ TEST_CASE("a file is replaced as a whole, or stays") {
   CHECK_THROWS_AS(evaluation::write_whole(folder / "none/a.toml", "x"), files::IoError);
 }
 
-TEST_CASE("GIVEN a minute at rest THEN the noise is told in words, as JSON and as a picture") {
+TEST_CASE("the Allan deviation of a minute at rest is printed as text and JSON and plotted") {
   const TemporaryFolder folder;
   SimulatedSensor sensor(SensorErrors{}, 4);
   sensor.hold(Quaterniond::Identity(), 60.0);
   write_log(folder / "log", sensor.samples());
   const auto result = evaluation::analyse_allan(folder / "log");
-  CHECK_THAT(evaluation::allan_text(result), Contains("6000 samples, 0.01 s apart") && Contains("gyroscope x") &&
-                                             Contains("accelerometer z") && Contains("not seen"));
+  CHECK_THAT(evaluation::allan_text(result), Contains("6000 samples, 0.01 s apart") &&
+                                                 Contains("gyroscope x") && Contains("accelerometer z") &&
+                                                 Contains("not seen"));
   const json object = json::parse(evaluation::allan_json(result));
   REQUIRE(object["axes"].size() == 6);
   // 0.002 rad/s per sample at 100 Hz.
@@ -155,12 +159,12 @@ TEST_CASE("GIVEN a minute at rest THEN the noise is told in words, as JSON and a
   CHECK(object["axes"][0]["rate_random_walk"].is_null());
   CHECK(object["axes"][5]["curve"][0][0].get<double>() == Approx(0.01));
 
-  CHECK_THROWS_AS(evaluation::AllanPicture(folder / "a.pdf"), plots::PictureError);
+  CHECK_THROWS_AS(plots::AllanPlot(folder / "a.pdf"), plots::PlotError);
   if (std::system("gnuplot --version > /dev/null 2>&1") != 0) {
     std::cout << "skipped: no gnuplot\n";
     return;
   }
-  evaluation::AllanPicture picture(folder / "a.svg");
-  picture.draw(result);
+  plots::AllanPlot plot(folder / "a.svg");
+  plot.draw(result);
   CHECK_THAT(read_text(folder / "a.svg"), Contains("Allan deviation of") && Contains("</svg>"));
 }

@@ -21,7 +21,7 @@ std::uint64_t digest_of(const estimation::documented::State& state) {
 
 }  // namespace
 
-TEST_CASE("the smallest change of a pose changes its digest; the way it took through the bus does not") {
+TEST_CASE("the smallest change of a pose changes its digest; its latency stamps do not") {
   FusedPose pose;
   pose.position_world_m = {1, 2, 3};
   FusedPose other = pose;
@@ -36,7 +36,7 @@ TEST_CASE("the smallest change of a pose changes its digest; the way it took thr
   CHECK(digest_of(pose) == digest_of(other));
 }
 
-TEST_CASE("a change in any group of the state changes its digest") {
+TEST_CASE("a change in any group of the state changes the digest") {
   const estimation::documented::State plain;
   CHECK(digest_of(plain) == digest_of(estimation::documented::State{}));
   estimation::documented::State state = plain;
@@ -53,7 +53,7 @@ TEST_CASE("a change in any group of the state changes its digest") {
   CHECK(digest_of(state) != digest_of(plain));
 }
 
-TEST_CASE("the order of what is digested counts, and the text has all its 16 digits") {
+TEST_CASE("the digest depends on the order of values, and its text has 16 digits") {
   Digest one;
   one.add(1.0);
   one.add(2.0);

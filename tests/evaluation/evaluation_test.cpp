@@ -1,8 +1,9 @@
-/// What the fusion must reach on the simulator's scenarios with the shipped defaults, and that the evaluation
-/// measures what it says.
+/// Accuracy of the fusion on the simulator's scenarios with the default settings, and correctness of the
+/// evaluation itself.
+
+#include "evaluation/evaluation.hpp"
 
 #include "recording/log_folder.hpp"
-#include "evaluation/evaluation.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -23,7 +24,7 @@ std::vector<CaseResult> runs_of(const std::string& scenario, std::uint64_t seeds
   return runs;
 }
 
-/// A body that stands still, and a pose that is off by as much as its fixes are.
+/// A body at rest with an offset of all fixes along X.
 evaluation::Case standing(double fix_offset_m) {
   evaluation::Case standing = evaluation::simulated_case(sim::find_scenario("rest"), 1);
   for (Event& event : standing.events) {
@@ -34,36 +35,36 @@ evaluation::Case standing(double fix_offset_m) {
 
 }  // namespace
 
-TEST_CASE("with the shipped defaults the pose is as near to the truth as is promised") {
-  const std::map<std::string, double> bars_m{
+TEST_CASE("with the default settings the position error stays within the documented limits") {
+  const std::map<std::string, double> limits_m{
       {"rest", 0.025},  {"walk", 0.025},          {"forklift", 0.025},
       {"drone", 0.025}, {"low_quality", 0.035},   {"no_heading", 0.035},
       {"kart", 0.04},   {"outlier_bursts", 0.06}, {"spin", 0.06}};
-  for (const auto& [scenario, bar_m] : bars_m) {
+  for (const auto& [scenario, limit_m] : limits_m) {
     const auto summary = evaluation::summarise(runs_of(scenario));
     INFO(scenario << ": " << summary.position_rmse_m << " m, median of " << summary.runs);
-    CHECK(summary.position_rmse_m < bar_m);
+    CHECK(summary.position_rmse_m < limit_m);
     CHECK(summary.position_rmse_m < summary.extrapolated_rmse_m);
     CHECK(summary.position_rmse_m < summary.last_fix_rmse_m);
   }
 }
 
 TEST_CASE(
-    "after an outage the pose is back within 3 s, and in it goes no farther than the stale rule allows") {
+    "after an outage the pose recovers within 3 s, and it drifts no farther than the stale rule allows") {
   const settings::Settings settings;
   for (const CaseResult& run : runs_of("outages")) {
     REQUIRE(run.outages.size() == 3);
     for (const evaluation::OutageResult& outage : run.outages) {
       INFO("an outage of " << outage.duration_s << " s");
       CHECK(outage.recovery_s < 3.0);
-      // What is left of the drift offset is spent meanwhile: a few centimetres on top.
+      // The remaining drift offset is applied meanwhile: a few additional centimetres.
       CHECK(outage.drift_m < outage.drift_allowed_m + 0.1);
       CHECK(outage.drift_allowed_m < 2.0 / settings.outage.velocity_decay_rate_hz);
     }
   }
 }
 
-TEST_CASE("a relocation is followed within item 19's fixes and the decay") {
+TEST_CASE("the pose follows a relocation within the fixes of item 19 and the decay") {
   const settings::Settings settings;
   for (const CaseResult& run : runs_of("relocation")) {
     REQUIRE(run.relocations.size() == 1);
@@ -74,7 +75,7 @@ TEST_CASE("a relocation is followed within item 19's fixes and the decay") {
   }
 }
 
-TEST_CASE("recorded flights: below 4 cm") {
+TEST_CASE("recorded flights: the position error is below 4 cm") {
   const std::filesystem::path folder = std::filesystem::path(SONOPOSE_RECORDINGS) / "beacons";
   if (!exists(folder)) {
     std::cout << "skipped: no recordings\n";
@@ -90,14 +91,14 @@ TEST_CASE("recorded flights: below 4 cm") {
   }
 }
 
-TEST_CASE("fixes that all lie 10 cm aside are an error of 10 cm, in the pose and in the last fix") {
+TEST_CASE("an offset of 10 cm of all fixes gives an error of 10 cm, in the pose and in the last fix") {
   const CaseResult right = evaluation::evaluate(standing(0.0), {});
   const CaseResult aside = evaluation::evaluate(standing(0.1), {});
   CHECK(aside.fused.position_m.rmse == Approx(std::hypot(0.1, right.fused.position_m.rmse)).margin(0.005));
   CHECK(aside.last_fix_m.rmse == Approx(std::hypot(0.1, right.last_fix_m.rmse)).margin(0.005));
 }
 
-TEST_CASE("the last fix lags by its delay and half an interval, the extrapolated one does not") {
+TEST_CASE("the last fix lags by its delay and half an interval, the extrapolated fix does not") {
   // At 6 m/s on the circle, with 68 ms of delay and some 50 ms more until the next fix.
   const CaseResult run = runs_of("circle", 1).front();
   CHECK(run.last_fix_m.rmse > 6.0 * 0.08);
@@ -105,7 +106,7 @@ TEST_CASE("the last fix lags by its delay and half an interval, the extrapolated
   CHECK(run.extrapolated_m.rmse < 0.3 * run.last_fix_m.rmse);
 }
 
-TEST_CASE("runs are summarised by their median and their worst; one without a number is the worst") {
+TEST_CASE("runs are summarised by their median and worst error; NaN counts as the worst") {
   std::vector<CaseResult> runs(3);
   const std::array errors_m{0.05, std::nan(""), 0.02};
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -123,7 +124,7 @@ TEST_CASE("runs are summarised by their median and their worst; one without a nu
   CHECK_THAT(evaluation::json_of({summary}), Catch::Matchers::Contains("\"position_rmse_m\": 0.05"));
 }
 
-TEST_CASE("a folder without recordings, or without truth, is refused by name") {
+TEST_CASE("a missing folder is refused by name") {
   CHECK_THROWS_WITH(evaluation::recordings_with_truth("/nowhere/at/all"),
                     Catch::Matchers::Contains("/nowhere/at/all"));
 }

@@ -4,13 +4,13 @@
 
 using namespace sonopose;
 
-TEST_CASE("fix_flags are told in words, in the order of their bits") {
+TEST_CASE("fix flags are named in the order of their bits") {
   CHECK(evaluation::fix_flag_text(0) == "none");
   CHECK(evaluation::fix_flag_text(fix_first | fix_used) == "used|first");
   CHECK(evaluation::fix_flag_text(fix_low_quality) == "low_quality");
 }
 
-TEST_CASE("each bit of a flags is counted for itself") {
+TEST_CASE("each fix flag is counted separately") {
   evaluation::FixFlagCounts counts;
   counts.add(fix_used);
   counts.add(fix_used | fix_frozen);

@@ -1,6 +1,7 @@
-#include "support/temporary_folder.hpp"
-#include "files/error.hpp"
 #include "evaluation/output_folder.hpp"
+
+#include "files/error.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -40,7 +41,7 @@ FixReport sample_report() {
 
 }  // namespace
 
-TEST_CASE("a pose stands in both files with every digit that it has") {
+TEST_CASE("both files contain a pose without loss of precision") {
   const TemporaryFolder folder;
   {
     OutputFolder out(folder / "a");
@@ -57,7 +58,7 @@ TEST_CASE("a pose stands in both files with every digit that it has") {
         "1700000000005000001,1.5,-0.1,0.3333333333333333,0.5,0.5,-0.5,0.5,0,1e-09,-2,20\n");
 }
 
-TEST_CASE("a report stands in its file with every field, its flags in words") {
+TEST_CASE("fixes.csv contains every field of a report, and the flags by name") {
   const TemporaryFolder folder;
   {
     OutputFolder out(folder.path());
@@ -71,7 +72,7 @@ TEST_CASE("a report stands in its file with every field, its flags in words") {
   CHECK(std::count(header.begin(), header.end(), ',') == std::count(row.begin(), row.end(), ','));
 }
 
-TEST_CASE("the files of an earlier run are replaced, others stay") {
+TEST_CASE("the files of an earlier run are replaced, other files remain") {
   const TemporaryFolder folder;
   write_text(folder / "notes.txt", "mine");
   for (int run = 0; run < 2; ++run) {
@@ -84,7 +85,7 @@ TEST_CASE("the files of an earlier run are replaced, others stay") {
   CHECK(read_text(folder / "notes.txt") == "mine");
 }
 
-TEST_CASE("a run that does not come to its end leaves the files of the run before") {
+TEST_CASE("an incomplete run keeps the files of the previous run") {
   const TemporaryFolder folder;
   for (const char* name : {"trajectory.tum", "pose.csv", "fixes.csv"}) write_text(folder / name, "before");
   OutputFolder(folder.path()).write(sample_pose());
@@ -94,7 +95,7 @@ TEST_CASE("a run that does not come to its end leaves the files of the run befor
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 3);
 }
 
-TEST_CASE("a full disk and a folder that cannot be made are named") {
+TEST_CASE("a full disk and a folder that cannot be created are named") {
   const TemporaryFolder folder;
   std::filesystem::create_symlink("/dev/full", folder / "pose.csv");
   OutputFolder out(folder.path());

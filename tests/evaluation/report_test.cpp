@@ -1,5 +1,6 @@
-#include "evaluation/sample_log.hpp"
 #include "evaluation/report.hpp"
+
+#include "evaluation/sample_log.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -9,7 +10,7 @@ using namespace sonopose::test;
 using Catch::Contains;
 using nlohmann::json;
 
-TEST_CASE("the JSON report holds the run's figures") {
+TEST_CASE("the JSON report contains the figures of the run") {
   const auto result = evaluation::run(sample_log(), {.after_s = 6.0});
   const json report = json::parse(evaluation::report_json(result, {0.5, 1.5}));
   CHECK(report["position_rmse_m"] == result.fused.position_m.rmse);
@@ -30,7 +31,7 @@ TEST_CASE("the JSON report holds the run's figures") {
   CHECK(report["times_real_time"] == Approx(result.duration_s / 2.0));
 }
 
-TEST_CASE("what the truth does not tell is null, and said in words") {
+TEST_CASE("values without a truth are null in JSON and explained in the text") {
   recording::SensorLog log = sample_log("walk", 2.0);
   log.truth.clear();
   const auto result = evaluation::run(log, {});
@@ -44,7 +45,7 @@ TEST_CASE("what the truth does not tell is null, and said in words") {
   CHECK_THAT(evaluation::report_text(result, {}), Contains("no truth.csv") && !Contains("nan"));
 }
 
-TEST_CASE("the lines for people hold scores with units, counts and the hash") {
+TEST_CASE("the text report contains scores with units, counts and the hash") {
   const auto result = evaluation::run(sample_log("outlier_bursts"), {.after_s = 6.0});
   const std::string text = evaluation::report_text(result, {0.01, 0.03});
   CHECK_THAT(text,
@@ -53,7 +54,7 @@ TEST_CASE("the lines for people hold scores with units, counts and the hash") {
   CHECK_THAT(text, Contains("x real time") && Contains(result.state_hash));
 }
 
-TEST_CASE("a truth without velocity leaves that one figure open") {
+TEST_CASE("without a true velocity only that figure is unknown") {
   recording::SensorLog log = sample_log("walk", 2.0);
   for (TruthSample& truth : log.truth) truth.velocity_world_mps.setConstant(std::nan(""));
   const std::string text = evaluation::report_text(evaluation::run(log, {}), {});

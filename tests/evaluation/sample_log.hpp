@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Recordings for the tests of this room, from the simulator.
+/// Simulated recordings for the tests.
 
 #include "recording/log_folder.hpp"
 #include "sim/simulator.hpp"

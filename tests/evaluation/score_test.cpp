@@ -1,5 +1,6 @@
-#include <sonopose/geometry/rotation.hpp>
 #include "evaluation/score.hpp"
+
+#include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -39,7 +40,7 @@ TEST_CASE("errors are summarised by root mean square, 95th percentile and maximu
   CHECK(std::isnan(evaluation::summarise({}).rmse));
 }
 
-TEST_CASE("the position error is the distance to the truth between its samples, unaligned") {
+TEST_CASE("the position error is the distance to the interpolated truth, not aligned") {
   const std::vector<TruthSample> truth{truth_at(1.0, {0, 0, 0}), truth_at(1.1, {1, 0, 0})};
   Scorer scorer(truth, 0);
   scorer.add(pose_at(0.9, {7, 7, 7}));         // no truth yet
@@ -53,7 +54,7 @@ TEST_CASE("the position error is the distance to the truth between its samples, 
   CHECK(score.position_m.max == Approx(1.2));
 }
 
-TEST_CASE("a pose whose time is far off costs no other pose its score") {
+TEST_CASE("a pose with a wrong time does not affect the score of other poses") {
   const std::vector<TruthSample> truth{truth_at(1.0, {0, 0, 0}), truth_at(1.1, {1, 0, 0}),
                                        truth_at(1.2, {2, 0, 0})};
   Scorer scorer(truth, 0);
@@ -65,7 +66,7 @@ TEST_CASE("a pose whose time is far off costs no other pose its score") {
   CHECK(scorer.score().position_m.max == Approx(0.5));
 }
 
-TEST_CASE("what lies before the scored span, in a hole of the truth, or is not known does not count") {
+TEST_CASE("poses before the scored span, in a gap of the truth, or without a truth are not scored") {
   auto unknown = truth_at(1.0, Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
   unknown.velocity_world_mps = {1, 0, 0};
   const std::vector<TruthSample> truth{truth_at(0.5, {0, 0, 0}), unknown, truth_at(1.5, {0, 0, 0})};
@@ -80,7 +81,7 @@ TEST_CASE("what lies before the scored span, in a hole of the truth, or is not k
   CHECK(score.velocity_rmse_mps == Approx(1.0));  // known at that sample all the same
 }
 
-TEST_CASE("the attitude error falls apart into a turn about the vertical and a tilt of the vertical") {
+TEST_CASE("the attitude error separates into heading and inclination") {
   auto truth = truth_at(1.0, Vector3d::Zero());
   truth.q_body_to_world = geometry::rotation_about_z(1.0);
   const std::vector<TruthSample> track{truth};

@@ -7,28 +7,31 @@
 using namespace sonopose;
 using Catch::Matchers::Contains;
 
-TEST_CASE("the search finds the valley of a cost that depends on two settings") {
+TEST_CASE("the search finds the minimum of a cost that depends on two settings") {
   const std::vector<evaluation::Variable> variables{evaluation::variable_of("trust.sigma_m=0.05..0.5"),
-                                                evaluation::variable_of("trust.n_max=10..60")};
+                                                    evaluation::variable_of("trust.n_max=10..60")};
   const auto cost = [](const settings::Settings& settings) {
     return std::abs(std::log(settings.trust.sigma_m / 0.3)) + 0.01 * std::abs(settings.trust.n_max - 22);
   };
   const settings::Settings start;
   double last = cost(start);
-  const auto found = evaluation::search(start, variables, cost, 2000, 1, [&](int, const evaluation::Found& better) {
-    CHECK(better.cost < last);  // only improvements are told
-    last = better.cost;
-  });
+  const auto found =
+      evaluation::search(start, variables, cost, 2000, 1, [&](int, const evaluation::Found& better) {
+        CHECK(better.cost < last);  // only improvements are reported
+        last = better.cost;
+      });
   CHECK(found.settings.trust.sigma_m == Approx(0.3).epsilon(0.02));
   CHECK(std::abs(found.settings.trust.n_max - 22) <= 1);
   CHECK(found.cost == last);
-  CHECK(found.settings.drift.decay_rate_hz == start.drift.decay_rate_hz);  // not asked for
+  CHECK(found.settings.drift.decay_rate_hz == start.drift.decay_rate_hz);  // not searched
 }
 
-TEST_CASE("the same seed searches alike, and a search that finds nothing returns its start") {
+TEST_CASE("the same seed gives the same search, and a search without improvement returns its start") {
   const std::vector<evaluation::Variable> variables{evaluation::variable_of("trust.sigma_m")};
   const auto nothing = [](int, const evaluation::Found&) {};
-  const auto cost = [](const settings::Settings& settings) { return std::sin(40.0 * settings.trust.sigma_m); };
+  const auto cost = [](const settings::Settings& settings) {
+    return std::sin(40.0 * settings.trust.sigma_m);
+  };
   const auto once = evaluation::search({}, variables, cost, 50, 3, nothing);
   CHECK(evaluation::search({}, variables, cost, 50, 3, nothing).settings.trust.sigma_m ==
         once.settings.trust.sigma_m);
@@ -37,9 +40,9 @@ TEST_CASE("the same seed searches alike, and a search that finds nothing returns
   CHECK(flat.settings.trust.sigma_m == settings::Settings{}.trust.sigma_m);
 }
 
-TEST_CASE("a start outside the bounds is moved to the nearer one before anything is tried") {
+TEST_CASE("a start outside the bounds is clamped before the search begins") {
   const std::vector<evaluation::Variable> variables{evaluation::variable_of("trust.sigma_m=0.2..0.4"),
-                                                evaluation::variable_of("trust.n_max=2..5")};
+                                                    evaluation::variable_of("trust.n_max=2..5")};
   settings::Settings start;
   start.trust.sigma_m = 0.1;
   start.trust.n_max = 40;
@@ -48,14 +51,14 @@ TEST_CASE("a start outside the bounds is moved to the nearer one before anything
     CHECK(settings.trust.sigma_m <= 0.4);
     CHECK(settings.trust.n_max >= 2);
     CHECK(settings.trust.n_max <= 5);
-    return settings.trust.sigma_m - settings.trust.n_max;  // least at the two bounds
+    return settings.trust.sigma_m - settings.trust.n_max;  // minimum at the two bounds
   };
   const auto found = evaluation::search(start, variables, cost, 20, 1, [](int, const evaluation::Found&) {});
   CHECK(found.settings.trust.sigma_m == 0.2);
   CHECK(found.settings.trust.n_max == 5);
 }
 
-TEST_CASE("what cannot be searched is refused with key, value and range") {
+TEST_CASE("invalid search variables are refused with key, value and range") {
   CHECK_THROWS_WITH(evaluation::variable_of("trust.enabled"), Contains("trust.enabled"));
   CHECK_THROWS_WITH(evaluation::variable_of("trust.sigmam"), Contains("trust.sigma_m"));
   CHECK_THROWS_WITH(evaluation::variable_of("trust.sigma_m=0.1"), Contains("LOW..HIGH"));

@@ -1,7 +1,8 @@
-#include "support/temporary_folder.hpp"
+#include "evaluation/state_file.hpp"
+
 #include "evaluation/sample_log.hpp"
 #include "files/error.hpp"
-#include "evaluation/state_file.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -15,12 +16,12 @@ using nlohmann::json;
 
 namespace {
 
-/// A state in which every group has been at work.
+/// A state in which every group has changed.
 evaluation::SavedState busy_state() {
   return evaluation::run(sample_log("outlier_bursts"), {.until_s = 13.0}).end;
 }
 
-/// What reading the state says after `change` was made to the file.
+/// The error of reading the state after `change` to the file.
 template <class Change>
 std::string complaint_after(const Change& change) {
   json file = json::parse(evaluation::state_text(busy_state()));
@@ -35,7 +36,7 @@ std::string complaint_after(const Change& change) {
 
 }  // namespace
 
-TEST_CASE("a state comes back from its file to the last bit") {
+TEST_CASE("a state is restored from its file without loss") {
   const TemporaryFolder folder;
   const evaluation::SavedState saved = busy_state();
   evaluation::save_state(folder / "state.json", saved);
@@ -44,7 +45,7 @@ TEST_CASE("a state comes back from its file to the last bit") {
   CHECK(evaluation::load_state(folder / "state.json") == evaluation::SavedState{});
 }
 
-TEST_CASE("a run that goes on from a file ends like the whole run") {
+TEST_CASE("a run that continues from a file ends like the whole run") {
   const TemporaryFolder folder;
   const recording::SensorLog log = sample_log("outages");
   const auto whole = evaluation::run(log, {});
@@ -53,7 +54,7 @@ TEST_CASE("a run that goes on from a file ends like the whole run") {
   CHECK(rest.end == whole.end);
 }
 
-TEST_CASE("a state fits the recording that it was left in, and no other") {
+TEST_CASE("a state fits only the recording that it belongs to") {
   const recording::SensorLog log = sample_log("walk", 2.0);
   const evaluation::SavedState saved = evaluation::run(log, {.until_s = 1.0}).end;
   CHECK_NOTHROW(evaluation::check_fits(saved, log, "s.json"));
@@ -68,7 +69,7 @@ TEST_CASE("a state fits the recording that it was left in, and no other") {
       Contains("s.json: first_event_ns: is " + std::to_string(saved.first_event_ns)) && Contains("is 5"));
 }
 
-TEST_CASE("numbers that are hard to write come back as they were") {
+TEST_CASE("extreme numbers are restored without loss") {
   evaluation::SavedState saved;
   saved.snapshot.state.body.position_world_m = {-0.0, 5e-324, -1.7976931348623157e308};
   saved.snapshot.state.body.velocity_world_mps = {0.1, 1.0 / 3.0, 1e22};
@@ -79,13 +80,13 @@ TEST_CASE("numbers that are hard to write come back as they were") {
   CHECK(std::signbit(read.snapshot.state.body.position_world_m.x()));
 }
 
-TEST_CASE("a number that is not finite is not saved") {
+TEST_CASE("a state with a number that is not finite is not saved") {
   evaluation::SavedState saved;
   saved.snapshot.state.drift.weight = std::numeric_limits<double>::infinity();
   CHECK_THROWS_WITH(evaluation::state_text(saved), Contains("drift.weight") && Contains("not finite"));
 }
 
-TEST_CASE("a file that is no saved state is refused with file and field") {
+TEST_CASE("a file that is not a saved state is refused with file and field") {
   CHECK(complaint_after([](json&) {}) == "no complaint");
   CHECK_THAT(complaint_after([](json& file) { file["format"] = "something"; }),
              Contains("s.json: format: is \"something\""));
@@ -104,7 +105,7 @@ TEST_CASE("a file that is no saved state is refused with file and field") {
   CHECK_THROWS_WITH(evaluation::load_state("/"), Contains("Is a directory"));
 }
 
-TEST_CASE("a field that is missing, unknown, of the wrong kind or impossible is named") {
+TEST_CASE("a field that is missing, unknown, of the wrong type or impossible is named") {
   const auto state = [](const char* field, const json& value) {
     return complaint_after([&](json& file) { file["state"][field] = value; });
   };

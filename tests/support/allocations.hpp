@@ -1,12 +1,12 @@
 #pragma once
 /// \file
-/// Counts what the test's program allocates with `new`, and so what all containers do.
+/// Counts the allocations of the test program with `new`, which includes all containers.
 
 #include <cstddef>
 
 namespace sonopose::test {
 
-/// Since the program's start.
+/// Number of allocations since the start of the program.
 std::size_t allocations();
 
 }  // namespace sonopose::test

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Bytes as beacons send them, with the times at which they send them.
+/// Bytes of beacons, with their transmission times.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -16,21 +16,19 @@ using Bytes = std::vector<std::uint8_t>;
 
 Bytes read_bytes(const std::filesystem::path& file);
 
-/// One frame, and when its beacon sends it, counted from the first one.
+/// One frame and its transmission time, relative to the first frame.
 struct TimedFrame {
   TimeNs sent_after_ns = 0;
   Bytes bytes;
 };
 
-/// The frames in `bytes`, which must consist of whole good frames alone; throws std::invalid_argument where
-/// they do not.
+/// The frames in `bytes`. Throws std::invalid_argument if `bytes` contains anything but whole valid frames.
 std::vector<TimedFrame> timed_frames(std::span<const std::uint8_t> bytes);
 
-/// Each frame as the UDP datagram with the same content.
+/// Each frame as a UDP datagram with the same content.
 std::vector<TimedFrame> timed_datagrams(std::span<const std::uint8_t> bytes);
 
-/// Hands the frames to `send` at their times, from now on. What is due is sent; a sender that was held up
-/// catches up.
+/// Passes the frames to `send` at their times, starting now. A delayed sender catches up.
 void send_in_time(std::span<const TimedFrame> frames,
                   const std::function<void(std::span<const std::uint8_t>)>& send);
 

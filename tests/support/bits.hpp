@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// What the engine gives, as the bits of its numbers: for "equal" in its strictest sense (0 is not -0, and a
-/// NaN is itself). The times at which a pose passed through the processes are no part of it.
+/// Output of the engine as bits, for strict equality (0 differs from -0, and a NaN equals itself). Latency
+/// stamps are excluded.
 
 #include <sonopose/samples/pose.hpp>
 

@@ -1,12 +1,12 @@
 #pragma once
 /// \file
-/// The bus of one test: a domain of its own, the real programs on it, and the test's own consumers.
+/// The bus of one test: a private domain, the real programs on it, and the consumers of the test.
 
 #include "support/process.hpp"
 #include "support/test_domain.hpp"
+#include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
-#include <sonopose/dds/binding/waitset.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -23,7 +23,7 @@ namespace sonopose::test {
 using Stream = Process::Stream;
 using Arguments = std::vector<std::string>;
 
-/// What no test may take over from the person who runs it.
+/// Clears variables that would change the behaviour of the programs under test.
 inline const Environment neutral{
     {"CYCLONEDDS_URI", ""}, {"SONOPOSE_QOS", ""}, {"ROS_DOMAIN_ID", ""}, {"ROS_DISTRO", ""}};
 
@@ -41,25 +41,25 @@ public:
   std::unique_ptr<Process> monitor(const Arguments& arguments) const {
     return start(SONOPOSE_TEST_MONITOR, arguments);
   }
-  /// Runs to its end.
+  /// Runs until it exits.
   Result settings(Arguments arguments) const {
     arguments.insert(arguments.end(), {"--domain", std::to_string(domain_.id())});
     return run(SONOPOSE_TEST_SETTINGS, arguments);
   }
-  /// Until it is told to end.
+  /// Runs until it is signalled.
   std::unique_ptr<Process> settings_watch(const Arguments& arguments = {}) const {
     Arguments all{"watch"};
     all.insert(all.end(), arguments.begin(), arguments.end());
     return start(SONOPOSE_TEST_SETTINGS, all);
   }
-  /// Returns when it serves.
+  /// Returns when it is serving.
   std::unique_ptr<Process> fusion(const Arguments& arguments = {}) const {
     auto fusion = start(SONOPOSE_TEST_FUSION, arguments);
     REQUIRE(fusion->wait_for_line(Stream::error, "serving"));
     return fusion;
   }
 
-  /// Returns when it relays.
+  /// Returns when it is relaying.
   std::unique_ptr<Process> ros2(Arguments arguments = {}) const {
     arguments.insert(arguments.end(), {"--network", "loopback"});
     auto relay = start(SONOPOSE_TEST_ROS2, arguments);
@@ -76,7 +76,7 @@ private:
   TestDomain domain_;
 };
 
-/// Waits on an entity's statuses until `done()`; returns what `done()` says at the end.
+/// Waits on an entity's statuses until `done()`; returns the last result of `done()`.
 template <class Done>
 bool wait_for_status(const dds::Entity& entity, dds::StatusMask statuses, const Done& done,
                      std::chrono::milliseconds timeout = timeout) {
@@ -92,7 +92,7 @@ bool wait_for_status(const dds::Entity& entity, dds::StatusMask statuses, const 
   return true;
 }
 
-/// A consumer of one topic that keeps everything. It has a participant of its own, as a program would.
+/// A consumer of one topic that keeps all samples. It has its own participant, like a separate program.
 template <class T>
 class Consumer {
 public:
@@ -102,7 +102,7 @@ public:
       : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
         reader_(dds::make_reader(participant_, dds::QosProvider(), entry, nullptr, delivery)) {}
 
-  /// Waits until it has matched this many writers (at least).
+  /// Waits until it has matched at least `count` writers.
   bool wait_for_writers(std::uint32_t count = 1) {
     return wait_for_status(reader_, dds::StatusMask::subscription_matched(),
                            [&] { return reader_.subscription_matched_status().current_count >= count; });
@@ -120,15 +120,15 @@ public:
         timeout);
   }
 
-  /// Takes until there are `count` samples in all.
+  /// Takes samples until there are `count` in total.
   bool wait_for_count(std::size_t count, std::chrono::milliseconds timeout = timeout) {
     return wait_until([&] { return samples.size() >= count; }, timeout);
   }
 
-  /// Takes until there are `count` more.
+  /// Takes samples until there are `count` more.
   bool wait_for_more(std::size_t count) { return wait_for_count(samples.size() + count); }
 
-  /// Takes until a sample fulfils `predicate`, of those that came already `from` this one on too.
+  /// Takes samples until one fulfils `predicate`, including those already taken from index `from` on.
   template <class Predicate>
   bool wait_for(const Predicate& predicate, std::size_t from = 0) {
     return wait_until([&] {
@@ -139,7 +139,7 @@ public:
     });
   }
 
-  /// Takes what is there.
+  /// Takes all available samples.
   void take() {
     reader_.take_each([&](const T& sample, const dds::SampleInfo&) {
       samples.push_back(dds::from_idl(sample));

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Drives an Engine through a known motion: a perfect or plainly disturbed IMU, fixes at their receipt, and
-/// the truth beside every pose.
+/// Drives an Engine through a known motion: an ideal or simply disturbed IMU, fixes at their receipt, and the
+/// truth for every pose.
 
 #include <sonopose/estimation/documented/engine.hpp>
 #include <sonopose/geometry/rotation.hpp>
@@ -18,7 +18,7 @@
 
 namespace sonopose::test {
 
-/// The engine's constant: the tests take no side on its value.
+/// The engine's constant; the tests do not depend on its value.
 inline constexpr double gravity_mps2 = standard_gravity_mps2;
 inline constexpr TimeNs epoch_ns = 1'700'000'000'000'000'000;
 
@@ -42,7 +42,7 @@ inline Motion at_rest(const Vector3d& position_world_m = Vector3d::Zero()) {
   };
 }
 
-/// Never at rest: constant velocity along world X from before the start.
+/// Constant velocity along world X, also before the start.
 inline Motion constant_velocity(double speed_mps) {
   return [speed_mps](double time_s) {
     Truth truth;
@@ -52,26 +52,26 @@ inline Motion constant_velocity(double speed_mps) {
   };
 }
 
-/// Along a straight line or (curvature ≠ 0) a circle, facing forward: rests until `start_s`, comes smoothly
-/// to its speed within `ramp_s`, and keeps it.
+/// Along a straight line or (curvature ≠ 0) a circle, facing forward: rests until `start_s`, accelerates
+/// smoothly within `ramp_s`, then keeps its speed.
 inline Motion departure(double speed_mps, double curvature_per_m = 0.0, double start_s = 2.0,
                         double ramp_s = 1.0) {
   return [=](double time_s) {
     const double tau_s = std::clamp(time_s - start_s, 0.0, ramp_s);
     const double omega = std::numbers::pi / ramp_s;
     const double after_s = std::max(0.0, time_s - start_s - ramp_s);
-    const double way_m = 0.5 * speed_mps * (tau_s - std::sin(omega * tau_s) / omega) + speed_mps * after_s;
+    const double path_m = 0.5 * speed_mps * (tau_s - std::sin(omega * tau_s) / omega) + speed_mps * after_s;
     const double v = 0.5 * speed_mps * (1.0 - std::cos(omega * tau_s));
     const double a = 0.5 * speed_mps * omega * std::sin(omega * tau_s);
     Truth truth;
-    truth.yaw_rad = curvature_per_m * way_m;
+    truth.yaw_rad = curvature_per_m * path_m;
     truth.yaw_rate_radps = curvature_per_m * v;
     const Vector3d ahead(std::cos(truth.yaw_rad), std::sin(truth.yaw_rad), 0.0);
     const Vector3d left(-ahead.y(), ahead.x(), 0.0);
     truth.velocity_world_mps = v * ahead;
     truth.acceleration_world_mps2 = a * ahead + v * v * curvature_per_m * left;
     if (curvature_per_m == 0.0) {
-      truth.position_world_m = way_m * ahead;
+      truth.position_world_m = path_m * ahead;
     } else {
       truth.position_world_m =
           Vector3d(std::sin(truth.yaw_rad), 1.0 - std::cos(truth.yaw_rad), 0.0) / curvature_per_m;
@@ -80,7 +80,7 @@ inline Motion departure(double speed_mps, double curvature_per_m = 0.0, double s
   };
 }
 
-/// A lying eight of 4 m × 2 m at 1 m/s or so, facing forward, under way from before the start.
+/// A horizontal figure eight of 4 m × 2 m at about 1 m/s, facing forward, moving before the start.
 inline Motion eight(double turn_rate_radps = 0.5) {
   return [w = turn_rate_radps](double time_s) {
     const double u = w * time_s;
@@ -112,12 +112,12 @@ inline ImuSample imu_on(const Truth& truth, TimeNs time_ns) {
   imu.address = 7;
   imu.sensor_time_ns = time_ns;
   imu.angular_velocity_body_radps.z() = truth.yaw_rate_radps;
-  imu.specific_force_body_mps2 =
-      geometry::rotation_about_z(-truth.yaw_rad) * (truth.acceleration_world_mps2 + Vector3d(0, 0, gravity_mps2));
+  imu.specific_force_body_mps2 = geometry::rotation_about_z(-truth.yaw_rad) *
+                                 (truth.acceleration_world_mps2 + Vector3d(0, 0, gravity_mps2));
   return imu;
 }
 
-/// What happened at one IMU sample.
+/// Pose and truth at one IMU sample.
 struct Moment {
   double time_s = 0;
   FusedPose pose;
@@ -135,14 +135,14 @@ public:
       : engine{settings}, sensors_{std::move(sensors)}, motion_{std::move(motion)} {}
 
   estimation::documented::Engine engine;
-  bool fixes_on = true;  ///< false: the ultrasound is silent from now on
+  bool fixes_on = true;  ///< false: no fixes from now on
   bool imu_on_air = true;
-  std::function<void(UltrasonicFix&, double time_s)> alter_fix;  ///< called with the emission's time
+  std::function<void(UltrasonicFix&, double time_s)> alter_fix;  ///< called with the emission time
   std::function<void(ImuSample&, double time_s)> alter_imu;
   std::vector<Moment> moments;  ///< of every pose so far
   std::vector<FixReport> reports;
 
-  /// Goes on for this long. Returns the latest moment.
+  /// Runs for this long. Returns the latest moment.
   Moment run(double seconds) {
     const auto steps = static_cast<int>(std::lround(seconds * sensors_.imu_rate_hz));
     for (int i = 0; i < steps; ++i) step();
@@ -157,7 +157,7 @@ private:
   void step() {
     const double now_s = time_s();
     while (fix_time_s() <= now_s) emit();
-    while (!under_way_.empty() && under_way_.front().received_time_ns <= stamp(now_s)) receive();
+    while (!in_flight_.empty() && in_flight_.front().received_time_ns <= stamp(now_s)) receive();
     if (imu_on_air) {
       const Truth truth = motion_(now_s);
       ImuSample imu = imu_on(truth, stamp(now_s));
@@ -170,7 +170,7 @@ private:
     ++samples_;
   }
 
-  /// Emissions fall between the IMU samples, as they do in life.
+  /// Emissions fall between the IMU samples, as on real hardware.
   [[nodiscard]] double fix_time_s() const {
     return (static_cast<double>(emissions_) + 0.37) / sensors_.fix_rate_hz;
   }
@@ -190,15 +190,15 @@ private:
     if (alter_fix) alter_fix(fix, time_s);
     const double heading_rad = truth.yaw_rad + sensors_.heading_noise_rad * normal_(random_);
     if (!fixes_on) return;
-    under_way_.push_back(fix);
+    in_flight_.push_back(fix);
     if (sensors_.headings)
-      headings_.push_back(
-          {7, ++sequence_, fix.emission_time_ns, fix.received_time_ns, geometry::wrap_angle(heading_rad), true});
+      headings_.push_back({7, ++sequence_, fix.emission_time_ns, fix.received_time_ns,
+                           geometry::wrap_angle(heading_rad), true});
   }
 
   void receive() {
-    reports.push_back(engine.on(under_way_.front()));
-    under_way_.pop_front();
+    reports.push_back(engine.on(in_flight_.front()));
+    in_flight_.pop_front();
     if (headings_.empty()) return;
     engine.on(headings_.front());
     headings_.pop_front();
@@ -211,13 +211,13 @@ private:
   std::uint64_t samples_ = 0;
   std::uint64_t emissions_ = 0;
   std::uint64_t sequence_ = 0;
-  std::deque<UltrasonicFix> under_way_;
+  std::deque<UltrasonicFix> in_flight_;
   std::deque<PairHeading> headings_;
   std::mt19937 random_{20240501};  // NOLINT(bugprone-random-generator-seed): the same run every time
   std::normal_distribution<double> normal_;
 };
 
-/// Greatest distance from the truth over the moments from `from_s` on.
+/// Largest position error of the moments from `from_s` on.
 inline double worst_error_m(const std::vector<Moment>& moments, double from_s) {
   double worst_m = 0.0;
   for (const Moment& moment : moments) {
@@ -226,9 +226,9 @@ inline double worst_error_m(const std::vector<Moment>& moments, double from_s) {
   return worst_m;
 }
 
-/// A body that has gone at this velocity for the last second, up to `now_ns`, by an IMU at 100 Hz.
-inline estimation::documented::Kinematics moving_body(const Vector3d& velocity_world_mps, TimeNs now_ns = epoch_ns,
-                                      double yaw_rad = 0.0) {
+/// A body that has moved at this velocity during the second before `now_ns`, with an IMU at 100 Hz.
+inline estimation::documented::Kinematics moving_body(const Vector3d& velocity_world_mps,
+                                                      TimeNs now_ns = epoch_ns, double yaw_rad = 0.0) {
   estimation::documented::Kinematics body;
   body.time_ns = now_ns;
   body.velocity_world_mps = velocity_world_mps;

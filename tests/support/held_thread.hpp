@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Holds one thread of another process, as if it hung, while the process's other threads go on.
+/// Stops one thread of another process, as if it hung, while its other threads continue.
 
 #include <cstddef>
 #include <filesystem>
@@ -12,8 +12,8 @@
 
 namespace sonopose::test {
 
-/// Holds the thread of this name from its construction to its destruction. Throws std::runtime_error where
-/// there is no such thread, or where threads of other processes may not be traced.
+/// Stops the thread of this name from construction to destruction. Throws std::runtime_error if there is no
+/// such thread, or if threads of other processes may not be traced.
 class HeldThread {
 public:
   HeldThread(int pid, const std::string& name) : thread_(thread_of(pid, name)) {

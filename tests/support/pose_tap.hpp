@@ -1,9 +1,9 @@
 #pragma once
 /// \file
-/// A live consumer of poses that notes, for each, when it came and from which writer.
+/// A live consumer of poses that records the arrival time and the writer of each.
 
-#include "support/bus.hpp"
 #include "process/host_clock.hpp"
+#include "support/bus.hpp"
 
 #include <algorithm>
 #include <condition_variable>
@@ -25,14 +25,14 @@ public:
       : participant_(dds::make_participant({.domain_id = bus.domain_id(), .partition = partition})),
         reader_(dds::make_reader(participant_, dds::QosProvider(), dds::topics::pose, &listener_)) {}
 
-  /// The writers that it has matched now.
+  /// The currently matched writers.
   [[nodiscard]] std::set<std::uint64_t> writers() const {
     std::set<std::uint64_t> handles;
     for (const auto handle : reader_.matched_publications()) handles.insert(handle.value);
     return handles;
   }
 
-  /// The strength with which this writer writes.
+  /// Ownership strength of this writer.
   [[nodiscard]] std::int32_t strength_of(std::uint64_t writer) const {
     dds_builtintopic_endpoint_t* data = dds_get_matched_publication_data(reader_.handle(), writer);
     REQUIRE(data != nullptr);
@@ -42,21 +42,21 @@ public:
     return strength;
   }
 
-  /// How many poses have come.
+  /// Number of received poses.
   [[nodiscard]] std::size_t count() const {
     const std::lock_guard lock(listener_.mutex);
     return listener_.poses.size();
   }
 
-  /// What came from the pose of this number on.
+  /// Poses from index `first` on.
   [[nodiscard]] std::vector<TappedPose> since(std::size_t first) const {
     const std::lock_guard lock(listener_.mutex);
     const auto begin = listener_.poses.begin() + static_cast<std::ptrdiff_t>(first);
     return {begin, listener_.poses.end()};
   }
 
-  /// Waits for a pose that fulfils `predicate`, of those that came already `from` this number on too. Empty
-  /// when time was up.
+  /// Waits for a pose that fulfils `predicate`, including those already received from index `from` on. Empty
+  /// after the timeout.
   template <class Predicate>
   std::optional<TappedPose> wait_for(const Predicate& predicate, std::size_t from,
                                      std::chrono::milliseconds timeout = timeout) const {
@@ -71,7 +71,7 @@ public:
     return found;
   }
 
-  /// Waits until `count` have come from this number on, and returns them.
+  /// Waits for `count` poses from index `first` on, and returns them.
   [[nodiscard]] std::vector<TappedPose> wait_for_count(std::size_t first, std::size_t count) const {
     {
       std::unique_lock lock(listener_.mutex);
@@ -85,7 +85,7 @@ public:
     return wait_for([&](const TappedPose& tapped) { return writers.contains(tapped.writer); }, from);
   }
 
-  /// Waits until a writer is no longer alive, after this time: when that was. Empty when time was up.
+  /// Waits until a writer loses its liveliness after `after_ns`; returns that time. Empty after the timeout.
   std::optional<TimeNs> wait_for_loss(TimeNs after_ns) const {
     std::unique_lock lock(listener_.mutex);
     const bool lost = listener_.came.wait_for(lock, timeout, [&] { return listener_.lost_ns >= after_ns; });

@@ -1,2 +1,2 @@
 /// \file
-/// Nothing but what is precompiled for all tests: CMake precompiles for targets that compile something.
+/// Exists only to hold the precompiled header of all tests: CMake needs a target with a source file.

@@ -10,7 +10,7 @@
 #include <system_error>
 #include <unistd.h>
 
-// The header of glibc 2.36 does not say by itself that it is C.
+// The header of glibc 2.36 lacks extern "C".
 extern "C" {
 #include <sys/pidfd.h>
 }
@@ -22,7 +22,7 @@ namespace {
   throw std::system_error(errno, std::generic_category(), call);
 }
 
-/// A pipe's two ends: for reading, for writing.
+/// The read end and the write end of a pipe.
 std::array<int, 2> make_pipe() {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) fail("pipe2");
@@ -44,7 +44,7 @@ std::vector<std::string> merged(const Environment& changes) {
   return entries;
 }
 
-/// What execve takes. The texts must outlive it.
+/// Argument array for execve. The strings must outlive it.
 std::vector<char*> pointers(std::vector<std::string>& texts) {
   std::vector<char*> pointers;
   pointers.reserve(texts.size() + 1);
@@ -53,10 +53,10 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
   return pointers;
 }
 
-/// In the child: only what is allowed between fork and exec of a process with threads.
+/// In the child: only async-signal-safe calls between fork and exec.
 [[noreturn]] void become(const char* program, char* const* arguments, char* const* environment, int output,
                          int error) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that is killed takes its programs along
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a killed test also kills its programs
   ::dup2(output, STDOUT_FILENO);
   ::dup2(error, STDERR_FILENO);
   ::close_range(STDERR_FILENO + 1, ~0U, 0);
@@ -111,7 +111,7 @@ void Process::take_in(Pipe& pipe) {
   const std::lock_guard lock(mutex_);
   if (got <= 0) {
     ::close(pipe.file);
-    pipe.file = -1;  // poll passes over it
+    pipe.file = -1;  // poll ignores it
     pipe.ended = true;
     if (!pipe.unfinished.empty()) pipe.lines.push_back(std::move(pipe.unfinished));
   }

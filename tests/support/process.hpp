@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A program that runs beside the test: started, listened to, signalled, waited for, and never left behind.
+/// A child process of the test: start, read output, signal, wait. The destructor always ends it.
 
 #include <chrono>
 #include <condition_variable>
@@ -16,49 +16,49 @@
 
 namespace sonopose::test {
 
-/// An upper bound only: every wait ends with its event.
+/// Upper bound; every wait ends with its event.
 inline constexpr std::chrono::milliseconds timeout{30'000};
 
-/// Variables that the program gets besides the test's own; an empty value takes one away.
+/// Variables added to the environment of the test; an empty value removes one.
 using Environment = std::map<std::string, std::string>;
 
 class Process {
 public:
   enum class Stream : std::uint8_t { output, error };
 
-  /// Throws std::system_error where it cannot be started.
+  /// Throws std::system_error if it cannot be started.
   Process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
           const Environment& environment = {});
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
   Process(Process&&) = delete;
   Process& operator=(Process&&) = delete;
-  /// Kills it where it still runs, and reaps it.
+  /// Kills the process if it still runs, and reaps it.
   ~Process();
 
-  /// Waits until a line (ended by a newline) of `stream` contains `text`, among those that have come already
-  /// too. False where the stream ended, or time was up, without one.
+  /// Waits until a complete line of `stream` contains `text`, including earlier lines. False if the stream
+  /// ends or the timeout expires first.
   bool wait_for_line(Stream stream, std::string_view text, std::chrono::milliseconds timeout = timeout);
 
   /// Waits until `stream` has this many lines.
   bool wait_for_lines(Stream stream, std::size_t count, std::chrono::milliseconds timeout = timeout);
 
-  /// Waits for its end: the exit code, or minus the signal that killed it. Empty when time was up.
+  /// Waits for the exit: the exit code, or minus the signal that killed it. Empty after the timeout.
   std::optional<int> wait_for_exit(std::chrono::milliseconds timeout = timeout);
 
   /// Sends a signal, as kill(2).
   void send(int signal) const;
 
-  /// Sends a signal and waits for the end: how long that took.
+  /// Sends a signal and waits for the exit; measures the duration.
   struct Ending {
     std::optional<int> code;
     std::chrono::milliseconds took;
   };
   Ending end_by(int signal);
 
-  /// The whole lines that have come.
+  /// The complete lines received so far.
   [[nodiscard]] std::vector<std::string> lines(Stream stream) const;
-  /// The same as one text.
+  /// The same lines as one string.
   [[nodiscard]] std::string text(Stream stream) const;
 
   [[nodiscard]] int pid() const { return pid_; }
@@ -86,7 +86,7 @@ private:
   std::thread listener_;
 };
 
-/// Runs a program to its end.
+/// Runs a program until it exits.
 struct Result {
   std::optional<int> code;
   std::string output;

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A serial line without hardware, which the kernel treats as it treats the real ones.
+/// A pseudo-terminal as a serial line without hardware.
 
 #include <cstdint>
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace sonopose::test {
 
-/// The beacon's end of a line. Its destruction is the unplugging.
+/// The beacon's side of the line. Destruction unplugs it.
 class PseudoTerminal {
 public:
   /// Throws std::system_error.
@@ -19,10 +19,10 @@ public:
   PseudoTerminal& operator=(PseudoTerminal&&) = delete;
   ~PseudoTerminal();
 
-  /// The host's end, as a device name.
+  /// Device name of the host's side.
   [[nodiscard]] const std::string& device() const { return device_; }
 
-  /// Writes all of it, waiting for room. Throws std::system_error.
+  /// Writes all bytes; blocks while the buffer is full. Throws std::system_error.
   void send(std::span<const std::uint8_t> bytes) const;
 
 private:

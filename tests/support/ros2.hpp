@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The other side of the relay: a ROS 2 process's readers and writers, as rclcpp makes them.
+/// Readers and writers of a ROS 2 process, as created by rclcpp.
 
 #include "support/bus.hpp"
 #include <sonopose/ros2/messages/messages.hpp>
@@ -11,8 +11,8 @@
 
 namespace sonopose::test {
 
-/// Best effort, keep-last 5, as sensors' subscriptions are; reliable as the default, though with more room
-/// than its ten, for a test that is held up; or as for what stays.
+/// Best effort, keep-last 5, like sensor-data subscriptions; reliable like the default, but with a deeper
+/// history for a delayed test; or transient local.
 enum class Subscription : std::uint8_t { standard, sensor_data, latched };
 
 inline dds::Qos qos_of(Subscription kind) {
@@ -30,7 +30,7 @@ inline dds::Qos qos_of(Subscription kind) {
   return qos;
 }
 
-/// A process's subscription, with a participant of its own. Its calls see one message after the other.
+/// A subscription with its own participant. Its calls process one message after the other.
 template <class T>
 class RosReader {
 public:
@@ -38,32 +38,32 @@ public:
       : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
         reader_(participant_, dds::Topic<T>(participant_, ros2::name_in_dds(topic)), qos_of(kind)) {}
 
-  /// Waits until `look(const T&)` has said true of one.
+  /// Waits until `inspect(const T&)` returns true for a message.
   template <class Look>
-  bool wait_for(const Look& look, std::chrono::milliseconds timeout = timeout) {
+  bool wait_for(const Look& inspect, std::chrono::milliseconds timeout = timeout) {
     bool found = false;
     return wait_for_status(
         reader_, dds::StatusMask::data_available(),
         [&] {
           reader_.take_each(
-              [&](const T& message, const dds::SampleInfo&) { found = look(message) || found; });
+              [&](const T& message, const dds::SampleInfo&) { found = inspect(message) || found; });
           return found;
         },
         timeout);
   }
 
-  /// Waits for `count` messages and calls `look(const T&)` of each.
+  /// Waits for `count` messages and calls `inspect(const T&)` for each.
   template <class Look>
-  bool wait_for_count(std::size_t count, const Look& look, std::chrono::milliseconds timeout = timeout) {
+  bool wait_for_count(std::size_t count, const Look& inspect, std::chrono::milliseconds timeout = timeout) {
     return wait_for(
         [&](const T& message) {
-          look(message);
+          inspect(message);
           return ++seen_ >= count;
         },
         timeout);
   }
 
-  /// Whether anybody writes the topic.
+  /// Whether the topic has a writer.
   bool wait_for_writer() {
     return wait_for_status(reader_, dds::StatusMask::subscription_matched(),
                            [&] { return reader_.subscription_matched_status().current_count > 0; });
@@ -75,7 +75,7 @@ private:
   std::size_t seen_ = 0;
 };
 
-/// A driver's publisher. Drivers offer no deadline and shared ownership: the defaults of DDS.
+/// Publisher of a driver. Drivers offer no deadline and shared ownership, the DDS defaults.
 template <class T>
 class RosWriter {
 public:

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// ROS 2's messages field by field, in the order of the definitions (.msg) that ROS 2 publishes, written down
-/// by hand: what idlc or anybody else makes of them is compared with this.
+/// ROS 2 messages field by field, in the order of the .msg definitions, written by hand as a reference for
+/// generated types.
 
 #include <sonopose/ros2/messages/idl_types.hpp>
 
@@ -15,11 +15,11 @@
 
 namespace sonopose::test {
 
-/// What goes through fields derives from this, so that the messages below are found, and has `number(x)`,
-/// `text(characters)` and `length(sequence)`.
+/// Base of field visitors, so that argument-dependent lookup finds the messages below. A visitor has
+/// `number(x)`, `text(characters)` and `length(sequence)`.
 class FieldVisitor {};
 
-/// Shows fields to a visitor, one after the other; those that are made of others are gone through.
+/// Passes fields to a visitor one after the other; visits compound fields recursively.
 template <class Visitor, class... Field>
 void visit_all(Visitor& visitor, Field&... fields);
 
@@ -82,25 +82,26 @@ template <class V> void visit(V& v, rmw_dds_common_humble_msg_dds__NodeEntitiesI
 template <class V> void visit(V& v, ros2::HumbleParticipantEntitiesInfo& m) { visit_all(v, m.gid, m.node_entities_info_seq); }
 // clang-format on
 
-/// Gives every field a value of its own, awkward ones among them. Texts and sequences come from dds_alloc.
+/// Gives every field a distinct value, including special ones. Strings and sequences are allocated with
+/// dds_alloc.
 class Filler : public FieldVisitor {
 public:
-  /// `lengths`: of the sequences, in the order in which they come, over and over again.
+  /// `lengths`: of the sequences, in order, repeated cyclically.
   explicit Filler(std::vector<std::uint32_t> lengths = {2, 0, 1, 3}) : lengths_(std::move(lengths)) {}
 
   template <class Number>
   void number(Number& value) {
     static constexpr std::uint64_t awkward[]{
-        0x7ff8dead0000beefULL, 0xfff8000000000123ULL,  // not numbers, with something to say
-        0x8000000000000000ULL, 0x0000000000000001ULL,  // -0, the least there is
-        0xfff0000000000000ULL, 0x7fefffffffffffffULL,  // -infinity, the most there is
+        0x7ff8dead0000beefULL, 0xfff8000000000123ULL,  // NaNs with a payload
+        0x8000000000000000ULL, 0x0000000000000001ULL,  // -0, the smallest subnormal
+        0xfff0000000000000ULL, 0x7fefffffffffffffULL,  // -infinity, the largest finite
     };
     ++count_;
     if constexpr (std::is_same_v<Number, double>) {
       const std::uint64_t ordinary = 0x3ff0000000000000ULL + 0x0102030405ULL * count_;
       value = std::bit_cast<double>(count_ % 3 == 0 ? awkward[count_ / 3 % 6] : ordinary);
     } else {
-      value = static_cast<Number>(0x81828384U + 0x01010101U * count_);  // signed ones are below zero
+      value = static_cast<Number>(0x81828384U + 0x01010101U * count_);  // signed values are negative
     }
   }
 
@@ -121,7 +122,7 @@ public:
   }
 
 private:
-  /// Of all lengths modulo 8, so that every padding comes; without quotation marks and line ends.
+  /// Of all lengths modulo 8, so that every padding occurs; without quotation marks and line breaks.
   std::string next_text() {
     static const std::string texts[]{"map",   "",         "a", std::string(1000, 'x'), "hedge_7/imu_link",
                                      "Räume", "two words"};
@@ -134,8 +135,8 @@ private:
   std::uint32_t count_ = 0;
 };
 
-/// All fields in one line, in the message's order: doubles as the 16 hexadecimal digits of their bits, whole
-/// numbers as such, texts in quotation marks, a sequence begun by its [length].
+/// All fields on one line, in message order: doubles as the 16 hexadecimal digits of their bits, integers in
+/// decimal, strings in quotation marks, each sequence preceded by its [length].
 class Describer : public FieldVisitor {
 public:
   template <class Number>
@@ -161,13 +162,13 @@ private:
 
 /// The line of a message.
 template <class Message>
-std::string described(Message message) {  // shallow: nobody changes what it points to
+std::string described(Message message) {  // shallow copy: the visitor does not change pointees
   Describer describer;
   visit(describer, message);
   return describer.line();
 }
 
-/// A message in which no two fields are equal; its texts and sequences are given back at the end.
+/// A message with distinct fields; its strings and sequences are freed by the destructor.
 template <class Message>
 class Filled {
 public:

@@ -1,7 +1,6 @@
 #pragma once
 /// \file
-/// What the processes of ROS 2 learn of each other's nodes: `ros_discovery_info`, the type of which has two
-/// layouts, and the endpoints that it names.
+/// The ROS 2 graph: `ros_discovery_info`, whose type has two layouts, and the endpoints that it lists.
 
 #include "support/process.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
@@ -32,7 +31,7 @@ struct Told {
   std::vector<Entities> nodes;
 };
 
-/// The GUID as Discovery writes it. What stands behind it must be zeros.
+/// The GUID in DDS discovery format. The remaining bytes must be zero.
 template <class Gid>
 std::string key_of(const Gid& gid) {
   dds_guid_t guid{};
@@ -61,7 +60,7 @@ Told told_by(const Info& info) {
   return told;
 }
 
-/// A process that watches the graph, as every ROS 2 process does.
+/// Observes the graph, like every ROS 2 process.
 template <class Info>
 class Watcher {
 public:
@@ -71,7 +70,7 @@ public:
                 dds::Qos() << dds::policy::Reliability::reliable() << dds::policy::History::keep_all()
                            << dds::policy::Durability{dds::policy::DurabilityKind::transient_local}) {}
 
-  /// Takes until `done()`, which is asked now and then too: what the discovery finds wakes nobody.
+  /// Takes until `done()`, which is also polled because discovery does not trigger the wait set.
   template <class Done>
   bool wait_until(const Done& done) {
     dds::StatusCondition condition(reader_);

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A folder that is gone after the test.
+/// A folder that is removed after the test.
 
 #include <cstdlib>
 #include <filesystem>

@@ -25,7 +25,7 @@ TestDomain::TestDomain() {
 }
 
 TestDomain::~TestDomain() {
-  ::close(lock_file_);  // which gives the lock back
+  ::close(lock_file_);  // releases the lock
 }
 
 }  // namespace sonopose::test

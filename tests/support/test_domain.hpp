@@ -1,18 +1,17 @@
 #pragma once
 /// \file
-/// A DDS domain for one test process alone.
+/// A DDS domain for one test process.
 
 #include <cstdint>
 
 namespace sonopose::test {
 
-/// Takes one of the domains 1 … 100 for as long as it lives: a lock on a file per domain in the temporary
-/// folder, so that no two tests of this machine share one. (The ports of these domains lie below those that
-/// the kernel gives to anybody; domain 0 belongs to people; the tests of the DDS layer use those from 101
-/// on.)
+/// Reserves one of the domains 1 … 100 during its lifetime, with a lock file per domain in the temporary
+/// folder, so that no two tests of this machine share one. The ports of these domains are below the ephemeral
+/// ports; domain 0 is for users; the tests of the DDS layer use domains from 101 on.
 class TestDomain {
 public:
-  /// Throws std::runtime_error where all are taken.
+  /// Throws std::runtime_error if all are in use.
   TestDomain();
   TestDomain(const TestDomain&) = delete;
   TestDomain& operator=(const TestDomain&) = delete;

@@ -1,7 +1,7 @@
-/// sonopose-attitude: filters over logs as a program.
+/// The program sonopose-attitude.
 
-#include "support/temporary_folder.hpp"
 #include "support/process.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -43,7 +43,7 @@ double inclination_of(const std::vector<std::string>& arguments) {
 
 }  // namespace
 
-SCENARIO("each filter runs over a log, is scored and writes its trajectory") {
+SCENARIO("each filter processes a log, is scored and writes its trajectory") {
   const TemporaryFolder folder;
   const std::string log = walk_in(folder);
   for (const char* const filter : {"adaptive", "mahony", "complementary", "ahrs", "gyro"}) {
@@ -54,7 +54,7 @@ SCENARIO("each filter runs over a log, is scored and writes its trajectory") {
         inclination_of({log, "--set", "attitude.filter=mahony", "--json"}));
   CHECK(inclination_of({log, "--filter", "mahony", "--set", "attitude.mahony.kp=2", "--json"}) !=
         inclination_of({log, "--filter", "mahony", "--json"}));
-  WHEN("the trajectory is wanted") {
+  WHEN("the trajectory is requested") {
     const std::string out = (folder / "out").string();
     const Result result = run(SONOPOSE_TEST_ATTITUDE, {log, "--out", out});
     REQUIRE(result.code == 0);
@@ -76,13 +76,14 @@ SCENARIO("each filter runs over a log, is scored and writes its trajectory") {
   }
 }
 
-SCENARIO("what sonopose-attitude cannot do, it says") {
+SCENARIO("sonopose-attitude refuses invalid requests") {
   const TemporaryFolder folder;
   const std::string log = walk_in(folder);
   CHECK_THAT(refusal({log, "--magnetometer", "on"}), Contains("imu.csv") && Contains("no magnetometer"));
   CHECK_THAT(refusal({log, "--filter", "kalman"}), Contains("kalman") && Contains("mahony"));
   CHECK_THAT(refusal({(folder / "nowhere").string()}), Contains("nowhere/imu.csv"));
-  CHECK_THAT(refusal({log, log, "--out", (folder / "out").string()}), Contains("two logs have the name walk"));
+  CHECK_THAT(refusal({log, log, "--out", (folder / "out").string()}),
+             Contains("two logs have the name walk"));
   CHECK_THAT(refusal({log, "--set", "attitude.ahrs.gain=11"}),
              Contains("attitude.ahrs.gain") && Contains("0 … 10"));
 }

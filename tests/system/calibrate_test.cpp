@@ -1,9 +1,9 @@
-/// sonopose-calibrate as a program: what stands where, and what is left alone when it fails.
+/// The program sonopose-calibrate: its outputs, and its behaviour on errors.
 
 #include "calibration/simulated_sensor.hpp"
-#include "support/temporary_folder.hpp"
-#include "support/process.hpp"
 #include "recording/log_writer.hpp"
+#include "support/process.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -32,7 +32,7 @@ std::string write_log(const std::filesystem::path& folder, const std::vector<Vec
 
 }  // namespace
 
-SCENARIO("the tables go to the standard output, or to a file and the report to the standard output") {
+SCENARIO("the tables go to standard output, or to a file with the report on standard output") {
   const TemporaryFolder folder;
   const std::string log = write_log(folder / "log", sides_and_corners_of_a_cube());
   const auto out = folder / "calibration.toml";
@@ -50,7 +50,7 @@ SCENARIO("the tables go to the standard output, or to a file and the report to t
   CHECK_THAT(read_text(out), Contains("\n[beacon.7.calibration.accelerometer]\n"));
 }
 
-SCENARIO("what it writes is a configuration that other programs take without a word") {
+SCENARIO("other programs accept the written configuration without a warning") {
   const TemporaryFolder folder;
   const std::string log = write_log(folder / "log", sides_and_corners_of_a_cube());
   const std::string out = (folder / "calibration.toml").string();
@@ -62,7 +62,7 @@ SCENARIO("what it writes is a configuration that other programs take without a w
   }
 }
 
-SCENARIO("WHEN it fails THEN it says why, and a file from before stays") {
+SCENARIO("a failure states the reason and keeps an existing file") {
   const TemporaryFolder folder;
   const std::string log = write_log(folder / "log", {{0, 0, 1}, {1, 0, 0}});
   const auto out = folder / "calibration.toml";
@@ -77,7 +77,7 @@ SCENARIO("WHEN it fails THEN it says why, and a file from before stays") {
   CHECK(calibrate({"allan", log}).code == 1);
 }
 
-SCENARIO("a command line that makes no sense is refused before anything is read") {
+SCENARIO("an invalid command line is refused before any file is read") {
   CHECK(calibrate({}).code != 0);
   CHECK(calibrate({"imu"}).code != 0);
   CHECK(calibrate({"imu", "log", "--beacon", "65535"}).code != 0);

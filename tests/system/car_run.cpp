@@ -13,11 +13,11 @@ namespace {
 
 namespace topics = dds::topics;
 
-/// What listens to a run, and is there before it begins.
+/// The consumers of a run, created before it starts.
 struct Listeners {
   explicit Listeners(const Bus& bus) : poses(bus, topics::pose), reports(bus, topics::report) {}
 
-  /// Waits for everything that the car gives.
+  /// Waits for all samples of the recording.
   CarRun finish() {
     const bool all_poses = poses.wait_for_count(car_imu_samples);
     const bool all_reports = reports.wait_for_count(car_fixes);
@@ -85,7 +85,8 @@ RunDistance distance_between(const std::vector<FusedPose>& run, const std::vecto
   for (std::size_t k = 0; k < std::min(run.size(), other.size()); ++k) {
     position.add((run[k].position_world_m - other[k].position_world_m).norm());
     velocity.add((run[k].velocity_world_mps - other[k].velocity_world_mps).norm());
-    yaw.add(geometry::wrap_angle(geometry::yaw_of(run[k].q_body_to_world) - geometry::yaw_of(other[k].q_body_to_world)));
+    yaw.add(geometry::wrap_angle(geometry::yaw_of(run[k].q_body_to_world) -
+                                 geometry::yaw_of(other[k].q_body_to_world)));
   }
   return {position.distance(), velocity.distance(), yaw.distance()};
 }

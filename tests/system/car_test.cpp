@@ -66,7 +66,7 @@ SpeedCheck compare_with_wheels(const std::vector<FusedPose>& poses) {
   return {std::sqrt(squares / count), fastest_mps};
 }
 
-/// RMS distance between each usable fix, moved on to the engine's time, and the pose before it was applied.
+/// RMS distance between each usable fix, moved to the engine's time, and the pose before its correction.
 double distance_to_fixes_m(const CarRun& run) {
   double squares = 0;
   double count = 0;
@@ -78,17 +78,17 @@ double distance_to_fixes_m(const CarRun& run) {
     squares += (std::prev(after)->position_world_m - report.shifted_position_world_m).squaredNorm();
     ++count;
   }
-  REQUIRE(count > 0.8 * 49 * 10);  // ten fixes a second, few of them refused
+  REQUIRE(count > 0.8 * 49 * 10);  // ten fixes per second, few of them rejected
   return std::sqrt(squares / count);
 }
 
-/// What the wire's steps may do to a pose. A stamp is cut to 1 ms: 1.5 mm at the car's 1.5 m/s. A fix has
-/// steps of 1 mm. A heading has steps of 0.1°: its half is 0.9 mrad, which turns the car's velocity by
-/// 1.4 mm/s, and the gyro's of 0.0175 deg/s weighs less. An acceleration has steps of 1 mg: half of one over
-/// the half second between corrections is 2.5 mm/s and 0.6 mm. A millisecond more or less can also choose
-/// another earlier fix to measure the velocity from. Altogether some 4 mm, 4 mm/s and 1 mrad; single poses,
-/// as in a turn or where a fix falls on the other side of an IMU sample, five times that.
-/// In real time a busy machine delays the bytes besides: so that `times` as much is allowed.
+/// Effect of the resolution of the protocol on a pose. Stamps are truncated to 1 ms: 1.5 mm at the car's
+/// 1.5 m/s. Fixes have steps of 1 mm. Headings have steps of 0.1°: half a step is 0.9 mrad, which turns the
+/// car's velocity by 1.4 mm/s; the gyro's 0.0175 deg/s contributes less. Accelerations have steps of 1 mg:
+/// half a step over the half second between corrections is 2.5 mm/s and 0.6 mm. One millisecond can also
+/// change which earlier fix the velocity is measured from. Together about 4 mm, 4 mm/s and 1 mrad; single
+/// poses, in turns or where a fix moves to the other side of an IMU sample, five times that. In real time a
+/// busy machine also delays the bytes, so `times` as much is allowed.
 void check_wire_steps(const RunDistance& distance, double times = 1.0) {
   CHECK(distance.position_m.rms <= times * 0.005);
   CHECK(distance.position_m.max <= times * 0.025);
@@ -106,26 +106,26 @@ void print(const char* what, const RunDistance& distance) {
 
 }  // namespace
 
-SCENARIO("the car's log through bridge and fusion agrees with its wheels") {
+SCENARIO("the fused pose of the recorded car agrees with its wheel speed") {
   if (!car_is_here()) return;
-  GIVEN("the recording, played as fast as the programs take it") {
+  GIVEN("the recording, played as fast as possible") {
     const CarRun run = play_car("log");
     REQUIRE(run.poses.size() == car_imu_samples);
-    THEN("the fused speed follows the wheels between 45 s and 94 s") {
+    THEN("the fused speed follows the wheel speed between 45 s and 94 s") {
       const SpeedCheck speed = compare_with_wheels(run.poses);
       std::cout << "speed against the wheels: " << speed.difference_rms_mps << " m/s RMS, fastest "
                 << speed.fastest_mps << " m/s\n";
       CHECK(speed.difference_rms_mps <= 0.25);
       CHECK(speed.fastest_mps <= 2.5);
     }
-    THEN("the pose stays with the delay-shifted fixes") {
+    THEN("the pose stays near the delay-compensated fixes") {
       const double distance_m = distance_to_fixes_m(run);
       std::cout << "pose against the shifted fixes: " << distance_m << " m RMS\n";
       CHECK(distance_m <= 0.10);
     }
-    THEN("after the fixes have frozen it stays finite and bounded and says what has happened") {
+    THEN("after the fixes freeze, the pose stays finite and bounded, and the status reports it") {
       const Vector3d spot_world_m = run.reports.back().position_world_m;
-      TimeNs told_ns = 0;  // since when without a break
+      TimeNs reported_ns = 0;  // since when without interruption
       double farthest_m = 0;
       for (const FusedPose& pose : run.poses) {
         REQUIRE(pose.position_world_m.allFinite());
@@ -133,24 +133,24 @@ SCENARIO("the car's log through bridge and fusion agrees with its wheels") {
         REQUIRE(pose.q_body_to_world.coeffs().allFinite());
         if (pose.time_ns < freezes_ns) continue;
         const bool tells = (pose.status & status_frozen_track) != 0U;
-        if (!tells) told_ns = 0;
-        if (tells && told_ns == 0) told_ns = pose.time_ns;
+        if (!tells) reported_ns = 0;
+        if (tells && reported_ns == 0) reported_ns = pose.time_ns;
         farthest_m = std::max(farthest_m, (pose.position_world_m - spot_world_m).norm());
       }
       std::cout << "farthest from the frozen spot: " << farthest_m << " m\n";
-      REQUIRE(told_ns != 0);
-      CHECK(seconds_between(freezes_ns, told_ns) < 3.0);  // the car stands almost still as they freeze
+      REQUIRE(reported_ns != 0);
+      CHECK(seconds_between(freezes_ns, reported_ns) < 3.0);  // the car is almost still when they freeze
       CHECK(farthest_m <= 5.0);
     }
   }
 }
 
-SCENARIO("the car's bytes give the poses of its log, up to the wire's steps") {
+SCENARIO("the car's raw bytes give the poses of its log, up to the resolution of the protocol") {
   if (!car_is_here()) return;
-  GIVEN("both, played as fast as the programs take them") {
+  GIVEN("the log and the raw bytes, played as fast as possible") {
     const CarRun log = play_car("log");
     const CarRun stream = play_car("stream");
-    THEN("pose by pose they are the same up to the wire's steps") {
+    THEN("the poses are equal up to the resolution of the protocol") {
       REQUIRE(log.poses.size() == car_imu_samples);
       REQUIRE(stream.poses.size() == car_imu_samples);
       const RunDistance distance = distance_between(stream.poses, log.poses);
@@ -160,18 +160,18 @@ SCENARIO("the car's bytes give the poses of its log, up to the wire's steps") {
   }
 }
 
-SCENARIO("the car's bytes over a serial line, in real time, give the poses of its log") {
+SCENARIO("the car's raw bytes over a serial line, in real time, give the poses of its log") {
   if (!car_is_here()) return;
-  GIVEN("a pseudo-terminal that carries the recorded bytes at the beacon's own pace") {
+  GIVEN("a pseudo-terminal that carries the recorded bytes at the original rate") {
     const CarRun log = play_car("log");
     const CarRun live = play_car_over_serial_line();
-    THEN("pose by pose they are the same up to the wire's steps, in spite of the jitter of the arrivals") {
+    THEN("the poses are equal up to the resolution of the protocol, despite the arrival jitter") {
       REQUIRE(log.poses.size() == car_imu_samples);
       REQUIRE(live.poses.size() == car_imu_samples);
       const RunDistance distance = distance_between(live.poses, log.poses);
       print("serial line against log", distance);
-      // The beacon's clock is fitted to the quickest arrivals, so that a late one moves little; on a machine
-      // that runs other tests beside this one many are late.
+      // The beacon's clock is fitted to the fastest arrivals, so a late one has little effect; with other
+      // tests running, many are late.
       check_wire_steps(distance, 3.0);
     }
   }

@@ -43,7 +43,7 @@ double farthest_from_truth_m(const std::vector<FusedPose>& poses, const std::vec
   return farthest_m;
 }
 
-/// Measured, published, taken, written, received: in this order.
+/// Checks the order of the stamps: measured, published, taken, written, received.
 void check_way(const std::vector<FusedPose>& poses, const std::vector<TimeNs>& received_ns) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const FusedPose& pose = poses[i];
@@ -57,20 +57,20 @@ void check_way(const std::vector<FusedPose>& poses, const std::vector<TimeNs>& r
 
 }  // namespace
 
-SCENARIO("the simulator's beacon comes out of the fusion as a pose at every IMU sample") {
-  GIVEN("fusion and consumers, and then a bridge on the simulator: 100 Hz, a walk that begins after 3 s") {
+SCENARIO("the fusion publishes a pose for every IMU sample of the simulated beacon") {
+  GIVEN("fusion, consumers and a bridge with the simulator: 100 Hz, a walk that starts after 3 s") {
     const Bus bus;
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
     Consumer<sonopose_TruthSample> truth(bus, topics::truth);
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({});
-    WHEN("it has walked for four seconds") {
+    WHEN("the beacon has walked for four seconds") {
       REQUIRE(poses.wait_for_count(700));
       const auto& received_ns = poses.received_ns;
       const std::uint64_t last = poses.samples.back().sequence;
       REQUIRE(imu.wait_for([last](const ImuSample& sample) { return sample.sequence >= last; }));
-      // The bridge waits for nobody: fusion and this test have met it at different samples.
+      // The bridge does not wait for readers: fusion and test may match it at different samples.
       const std::uint64_t first = std::max(poses.samples.front().sequence, imu.samples.front().sequence);
       REQUIRE(truth.wait_for(
           [&](const TruthSample& sample) { return sample.time_ns >= poses.samples.back().time_ns; }));
@@ -91,17 +91,17 @@ SCENARIO("the simulator's beacon comes out of the fusion as a pose at every IMU 
   }
 }
 
-SCENARIO("the monitor shows the chain as JSON, one object a second") {
-  GIVEN("bridge and fusion at work") {
+SCENARIO("the monitor prints JSON, one object per second") {
+  GIVEN("a running bridge and fusion") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({"--address", "12"});
     REQUIRE(poses.wait_for(is_ready));
-    WHEN("it watches for three and a half seconds") {
+    WHEN("it runs for three and a half seconds") {
       const auto monitor = bus.monitor({"--json", "--duration", "3.5"});
       REQUIRE(monitor->wait_for_exit() == 0);
-      THEN("it has told three times of a beacon that is followed at the IMU's rate") {
+      THEN("it has reported a beacon at the IMU rate three times") {
         const auto lines = monitor->lines(Stream::output);
         REQUIRE(lines.size() == 3);
         const auto report = nlohmann::json::parse(lines.back());
@@ -121,18 +121,18 @@ SCENARIO("the monitor shows the chain as JSON, one object a second") {
   }
 }
 
-SCENARIO("the monitor's table and summary are for people") {
-  GIVEN("bridge and fusion at work") {
+SCENARIO("the monitor prints a table and a summary") {
+  GIVEN("a running bridge and fusion") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({});
     REQUIRE(poses.wait_for(is_ready));
-    WHEN("it watches for a while and is stopped by Ctrl-C") {
+    WHEN("it runs for a while and is stopped by Ctrl-C") {
       const auto monitor = bus.monitor({});
       REQUIRE(monitor->wait_for_line(Stream::output, "     7  "));
       CHECK(monitor->end_by(SIGINT).code == 0);
-      THEN("there was a table, without a terminal's commands, and then a summary") {
+      THEN("it has printed a table without terminal control codes, and then a summary") {
         const std::string text = monitor->text(Stream::output);
         CHECK_THAT(text, Catch::StartsWith("beacon  pose/IMU/fix Hz"));
         CHECK_THAT(text, !Catch::Contains("\x1b"));
@@ -143,14 +143,14 @@ SCENARIO("the monitor's table and summary are for people") {
   }
 }
 
-SCENARIO("programs find the domain in ROS_DOMAIN_ID") {
-  GIVEN("fusion and bridge that are told of a domain by the environment alone") {
+SCENARIO("programs use the domain of ROS_DOMAIN_ID") {
+  GIVEN("a fusion and a bridge with the domain in the environment only") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const Environment environment{{"ROS_DOMAIN_ID", std::to_string(bus.domain_id())}};
     Process fusion(SONOPOSE_TEST_FUSION, {}, environment);
     Process bridge(SONOPOSE_TEST_BRIDGE, {}, environment);
-    THEN("their poses arrive in it") {
+    THEN("their poses arrive in that domain") {
       CHECK(poses.wait_for_count(10));
     }
   }

@@ -1,4 +1,4 @@
-/// What happens when a promise is broken: it stops what depended on it, and everybody sees it.
+/// Missed deadlines, lost writers, partitions and shares of the beacons.
 
 #include "support/pose_tap.hpp"
 
@@ -22,17 +22,17 @@ constexpr TimeNs imu_deadline_ns = 100'000'000;
 
 }  // namespace
 
-SCENARIO("poses are predicted between the samples of the IMU, and no longer than its deadline") {
-  GIVEN("an IMU of 100 Hz and poses asked for at 500 Hz") {
+SCENARIO("poses are predicted between IMU samples, and only until the IMU's deadline") {
+  GIVEN("an IMU at 100 Hz and an output rate of 500 Hz") {
     const Bus bus;
     PoseTap tap(bus);
     Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::Delivery::live);
     const auto fusion = bus.fusion({"--set", "output.rate_hz=500"});
     const auto bridge = bus.bridge({});
     REQUIRE(tap.wait_for([](const TappedPose& tapped) { return is_predicted(tapped.pose); }, 0));
-    WHEN("it runs") {
+    WHEN("the chain runs") {
       const auto poses = tap.wait_for_count(tap.count(), 600);
-      THEN("several predicted poses come with each sample's, from that sample, a little later") {
+      THEN("several predicted poses follow the pose of each sample") {
         std::size_t predicted = 0;
         for (const TappedPose& tapped : poses) {
           if (!is_predicted(tapped.pose)) continue;
@@ -46,7 +46,7 @@ SCENARIO("poses are predicted between the samples of the IMU, and no longer than
     }
     WHEN("the IMU stops") {
       bridge->send(SIGSTOP);
-      THEN("the status says so, and what was predicted ends with the deadline") {
+      THEN("the status reports it, and prediction ends at the deadline") {
         REQUIRE(
             status.wait_for([](const FusionStatus& told) { return told.imu_silent; }, status.samples.size()));
         const auto all = tap.since(0);
@@ -64,7 +64,7 @@ SCENARIO("poses are predicted between the samples of the IMU, and no longer than
   }
 }
 
-SCENARIO("every missed deadline and every lost bridge is counted where it is seen") {
+SCENARIO("missed deadlines and lost bridges are counted where they are detected") {
   GIVEN("a chain with a monitor") {
     const Bus bus;
     PoseTap tap(bus);
@@ -75,19 +75,19 @@ SCENARIO("every missed deadline and every lost bridge is counted where it is see
     const auto monitor = bus.monitor({"--json"});
     REQUIRE(tap.wait_for_count(0, 50).size() >= 50);
     REQUIRE(monitor->wait_for_lines(Stream::output, 1));
-    WHEN("the bridge stops for longer than its lease, and goes on") {
+    WHEN("the bridge stops for longer than its lease and continues") {
       bridge->send(SIGSTOP);
       REQUIRE(status.wait_for([](const FusionStatus& told) { return told.bridge_losses >= 1; }));
       REQUIRE(monitor->wait_for_line(Stream::error, "beacon 7: no pose for"));
       bridge->send(SIGCONT);
-      THEN("the fusion has counted the IMU's missed deadlines and the bridge's loss") {
+      THEN("the fusion counts the missed deadlines of the IMU and the loss of the bridge") {
         CHECK(status.samples.back().imu_deadlines_missed >= 5);
         CHECK(status.samples.back().imu_silent);
       }
-      THEN("the bridge counts what it did not keep") {
+      THEN("the bridge counts its own missed deadlines") {
         REQUIRE(beacon.wait_for([](const BeaconStatus& told) { return told.imu_deadlines_missed >= 5; }));
       }
-      THEN("the monitor counts the pose stream's, and says when poses come again") {
+      THEN("the monitor counts the missed deadlines of the poses, and reports when poses resume") {
         REQUIRE(monitor->wait_for_line(Stream::error, "beacon 7: poses again, after"));
         REQUIRE(monitor->wait_for_lines(Stream::output, monitor->lines(Stream::output).size() + 1));
         const auto report = nlohmann::json::parse(monitor->lines(Stream::output).back());
@@ -97,7 +97,7 @@ SCENARIO("every missed deadline and every lost bridge is counted where it is see
     }
     WHEN("the fusion is killed") {
       fusion->send(SIGKILL);
-      THEN("the monitor sees the pose stream lost") {
+      THEN("the monitor reports the loss of the pose stream") {
         REQUIRE(monitor->wait_for_line(Stream::error, "beacon 7: no pose for"));
         const std::size_t lines = monitor->lines(Stream::output).size();
         REQUIRE(monitor->wait_for_lines(Stream::output, lines + 2));
@@ -109,7 +109,7 @@ SCENARIO("every missed deadline and every lost bridge is counted where it is see
   }
 }
 
-SCENARIO("a consumer hears of a fusion that died within a lease") {
+SCENARIO("a consumer detects the death of a fusion within a lease") {
   constexpr double lease_ms = 100.0;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   constexpr double slowness = 5.0;
@@ -134,8 +134,8 @@ SCENARIO("a consumer hears of a fusion that died within a lease") {
   CHECK(waits_ms[2] <= slowness * lease_ms);
 }
 
-SCENARIO("parts of a domain do not hear each other, and a pattern hears several") {
-  GIVEN("a chain in each of two parts") {
+SCENARIO("partitions are isolated, and a pattern matches several partitions") {
+  GIVEN("a chain in each of two partitions") {
     const Bus bus;
     const auto east = bus.fusion({"--partition", "hall-east"});
     const auto west = bus.fusion({"--partition", "hall-west"});
@@ -143,7 +143,7 @@ SCENARIO("parts of a domain do not hear each other, and a pattern hears several"
     const auto west_bridge = bus.bridge({"--partition", "hall-west", "--address", "8"});
     const auto both = bus.monitor({"--json", "--partition", "hall-*"});
     const auto one = bus.monitor({"--json", "--partition", "hall-east"});
-    THEN("who asks for one hears one beacon, who asks for both hears both") {
+    THEN("a consumer of one partition receives one beacon, a consumer of both receives both") {
       REQUIRE(both->wait_for_line(Stream::output, "\"address\":8"));
       REQUIRE(both->wait_for_line(Stream::output, "\"address\":7"));
       REQUIRE(one->wait_for_lines(Stream::output, 3));
@@ -155,7 +155,7 @@ SCENARIO("parts of a domain do not hear each other, and a pattern hears several"
   }
 }
 
-SCENARIO("two fusions share the beacons by their addresses") {
+SCENARIO("two fusions share the beacons by address") {
   GIVEN("four beacons, and two fusions with two of them each") {
     const Bus bus;
     const auto low = bus.fusion({"--addresses", "20-21"});

@@ -1,4 +1,4 @@
-/// The doctor at systems that are well, and at such as have one thing wrong.
+/// The doctor on healthy systems, and on systems with one fault.
 
 #include "support/bus.hpp"
 
@@ -13,7 +13,7 @@ namespace topics = dds::topics;
 
 namespace {
 
-/// Runs the doctor to its end.
+/// Runs the doctor until it exits.
 Result doctor(std::uint32_t domain_id, Arguments arguments = {}, const Environment& changes = {}) {
   arguments.insert(arguments.end(), {"--domain", std::to_string(domain_id)});
   Environment environment = neutral;
@@ -28,36 +28,36 @@ bool is_ready(const FusedPose& pose) {
 
 }  // namespace
 
-SCENARIO("of a system that is well the doctor says so") {
-  GIVEN("bridge, fusion and a consumer at work") {
+SCENARIO("the doctor finds no problem in a healthy system") {
+  GIVEN("a running bridge, fusion and consumer") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({});
     REQUIRE(poses.wait_for(is_ready));
-    WHEN("the doctor looks") {
+    WHEN("the doctor runs") {
       const Result result = doctor(bus.domain_id());
-      THEN("nothing is wrong, and the rates are told") {
+      THEN("it reports no problem, and the rates") {
         CAPTURE(result.output, result.error);
         CHECK(result.code == 0);
         CHECK_THAT(result.output, Contains("nothing is wrong") && Contains("beacon 7: IMU "));
         CHECK_THAT(result.output, Contains("domain " + std::to_string(bus.domain_id())));
       }
     }
-    WHEN("programs ask") {
+    WHEN("JSON is requested") {
       const Result result = doctor(bus.domain_id(), {"--json", "--duration", "1"});
-      THEN("it is one object") {
+      THEN("the output is one object") {
         const auto report = nlohmann::json::parse(result.output);
         CHECK(report["wrong"] == false);
         CHECK(report["findings"].size() >= 2);
       }
     }
-    WHEN("a consumer asks for shared ownership") {
+    WHEN("a consumer requests shared ownership") {
       const dds::DomainParticipant participant({.domain_id = bus.domain_id()});
       const dds::Topic<sonopose_FusedPose> topic(participant, topics::pose.name);
       const dds::DataReader<sonopose_FusedPose> shared(participant, topic);
       const Result result = doctor(bus.domain_id(), {"--duration", "1"});
-      THEN("it is named, with the policy and what to do") {
+      THEN("it is named, with the policy and the remedy") {
         CAPTURE(result.output, result.error);
         CHECK(result.code == 1);
         CHECK_THAT(result.output, Contains("test_system (process " + std::to_string(::getpid()) + " on "));
@@ -82,10 +82,10 @@ SCENARIO("of a system that is well the doctor says so") {
     WHEN("the fusion ends") {
       REQUIRE(fusion->end_by(SIGINT).code == 0);
       const Result result = doctor(bus.domain_id(), {"--duration", "0.5"});
-      THEN("that is what is missing, and the beacon is well") {
+      THEN("the doctor reports that it is missing, and that the beacon is healthy") {
         CAPTURE(result.output, result.error);
         CHECK(result.code == 1);
-        // What to do depends on what else runs on this machine.
+        // The remedy depends on other processes of this machine.
         CHECK_THAT(result.output, Contains("no fusion runs in domain " + std::to_string(bus.domain_id())));
         CHECK_THAT(result.output, !Contains("nobody publishes beacons"));
       }
@@ -93,16 +93,16 @@ SCENARIO("of a system that is well the doctor says so") {
   }
 }
 
-SCENARIO("an IMU that is mounted otherwise than the fusion was told is found at rest") {
-  GIVEN("a level beacon at rest, and a fusion that takes the sensor's Y for the vertical") {
+SCENARIO("the doctor detects a rotated IMU at rest") {
+  GIVEN("a level beacon at rest, and a fusion whose settings make the sensor's Y vertical") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto fusion = bus.fusion({"--set", "calibration.axes=+x-z+y"});
     const auto bridge = bus.bridge({"--scenario", "rest"});
     REQUIRE(poses.wait_for_count(1));
-    WHEN("the doctor looks") {
+    WHEN("the doctor runs") {
       const Result result = doctor(bus.domain_id(), {"--duration", "1"});
-      THEN("it says where gravity is, and which setting puts it right") {
+      THEN("it reports the direction of gravity and the setting that corrects it") {
         CAPTURE(result.output, result.error);
         CHECK(result.code == 1);
         CHECK_THAT(result.output, Contains("on -y of the body and not on +z"));
@@ -112,27 +112,27 @@ SCENARIO("an IMU that is mounted otherwise than the fusion was told is found at 
   }
 }
 
-SCENARIO("where nobody is, the doctor says so, and finds a system in another domain") {
+SCENARIO("the doctor reports an empty domain, and finds a system in another domain") {
   const Bus empty;
-  GIVEN("nobody at all") {
-    WHEN("the doctor looks") {
+  GIVEN("an empty domain") {
+    WHEN("the doctor runs") {
       const Result result = doctor(empty.domain_id(), {"--duration", "0.5"});
-      THEN("that is an error") {
+      THEN("it reports an error") {
         CHECK(result.code == 1);
         CHECK_THAT(result.output,
                    Contains("no sonopose process in domain " + std::to_string(empty.domain_id())));
       }
     }
   }
-  GIVEN("a bridge in the domain that ROS_DOMAIN_ID names") {
+  GIVEN("a bridge in the domain of ROS_DOMAIN_ID") {
     const Bus bus;
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
     const auto bridge = bus.bridge({});
     REQUIRE(imu.wait_for_count(1));
-    WHEN("the doctor looks at another one") {
+    WHEN("the doctor checks another domain") {
       const std::string right = std::to_string(bus.domain_id());
       const Result result = doctor(empty.domain_id(), {"--duration", "0.5"}, {{"ROS_DOMAIN_ID", right}});
-      THEN("the right one is named") {
+      THEN("it names the correct domain") {
         CAPTURE(result.output, result.error);
         CHECK(result.code == 1);
         CHECK_THAT(result.output,
@@ -142,7 +142,7 @@ SCENARIO("where nobody is, the doctor says so, and finds a system in another dom
   }
 }
 
-SCENARIO("the doctor refuses a command line that makes no sense") {
+SCENARIO("the doctor refuses an invalid command line") {
   const Bus bus;
   CHECK(doctor(bus.domain_id(), {"--duration", "0"}).code.value_or(0) > 1);
   CHECK(doctor(bus.domain_id(), {"--nonsense"}).code.value_or(0) > 1);

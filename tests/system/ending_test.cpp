@@ -1,7 +1,7 @@
-/// Ctrl-C and SIGTERM end every program, whatever it is doing, within a second and with exit code 0.
+/// SIGINT and SIGTERM end every program in any state, within a second and with exit code 0.
 
-#include "support/temporary_folder.hpp"
 #include "support/bus.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <csignal>
 
@@ -13,13 +13,13 @@ using std::chrono::milliseconds;
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr milliseconds limit{5000};  // a sanitizer's own work at the end counts too
+constexpr milliseconds limit{5000};  // includes the work of a sanitizer at exit
 #else
 constexpr milliseconds limit{1000};
 #endif
 
-/// A writer that is held back by a reader which has stopped still gets some hundred samples a second through,
-/// as Cyclone DDS widens its memory little by little; one that is not gets many thousands.
+/// A writer that is blocked by a stopped reader still writes some hundred samples per second, because Cyclone
+/// DDS grows its buffers slowly; an unblocked one writes many thousands.
 constexpr std::size_t slow_per_s = 1000;
 
 void check_ending(Process& process, int signal) {
@@ -31,7 +31,7 @@ void check_ending(Process& process, int signal) {
 
 }  // namespace
 
-SCENARIO("a chain at work ends when it is told to") {
+SCENARIO("a running chain ends on a signal") {
   for (const int signal : {SIGINT, SIGTERM}) {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
@@ -46,7 +46,7 @@ SCENARIO("a chain at work ends when it is told to") {
   }
 }
 
-SCENARIO("programs that wait end when they are told to") {
+SCENARIO("waiting programs end on a signal") {
   for (const int signal : {SIGINT, SIGTERM}) {
     const Bus bus;
     const TemporaryFolder folder;
@@ -60,14 +60,14 @@ SCENARIO("programs that wait end when they are told to") {
       REQUIRE(bridge->wait_for_line(Stream::error, "publishing"));
       check_ending(*bridge, signal);
     }
-    WHEN("a bridge with a log waits for somebody to listen " + std::to_string(signal)) {
+    WHEN("a bridge with a log waits for a reader " + std::to_string(signal)) {
       const std::string log = (folder / "log").string();
       REQUIRE(bus.bridge({"--rate", "0", "--duration", "1", "--record", log})->wait_for_exit() == 0);
       const auto bridge = bus.bridge({"--source", "log", "--input", log});
       REQUIRE(bridge->wait_for_line(Stream::error, "waiting for somebody to listen"));
       check_ending(*bridge, signal);
     }
-    WHEN("fusion and monitor have nobody to listen to " + std::to_string(signal)) {
+    WHEN("fusion and monitor have no writer " + std::to_string(signal)) {
       const auto fusion = bus.fusion();
       const auto lossless = bus.fusion({"--lossless"});
       const auto monitor = bus.monitor({"--json"});
@@ -79,8 +79,8 @@ SCENARIO("programs that wait end when they are told to") {
   }
 }
 
-SCENARIO("a bridge that plays to a reader which has stopped ends when it is told to") {
-  GIVEN("a long log, a lossless fusion, and a bridge that plays it as fast as it can") {
+SCENARIO("a bridge that is blocked by a stopped reader ends on a signal") {
+  GIVEN("a long log, a lossless fusion, and a bridge that plays the log as fast as possible") {
     const Bus bus;
     const TemporaryFolder folder;
     const std::string log = (folder / "log").string();
@@ -89,14 +89,14 @@ SCENARIO("a bridge that plays to a reader which has stopped ends when it is told
     const auto fusion = bus.fusion({"--lossless"});
     const auto bridge = bus.bridge({"--source", "log", "--input", log, "--rate", "0"});
     REQUIRE(imu.wait_for_count(100));
-    WHEN("the fusion is stopped and the bridge waits for it at most samples") {
+    WHEN("the fusion is stopped and blocks the bridge at most samples") {
       fusion->send(SIGSTOP);
       std::size_t seen = 0;
       do {
         seen = imu.samples.size();
       } while (imu.wait_for_count(seen + slow_per_s, milliseconds(1000)));
-      REQUIRE(seen < 60'000);  // the log was not at its end
-      THEN("the bridge ends at once all the same, and the fusion when it goes on") {
+      REQUIRE(seen < 60'000);  // the log had not ended
+      THEN("the bridge ends at once, and the fusion when it continues") {
         check_ending(*bridge, SIGINT);
         fusion->send(SIGCONT);
         check_ending(*fusion, SIGINT);
@@ -105,8 +105,8 @@ SCENARIO("a bridge that plays to a reader which has stopped ends when it is told
   }
 }
 
-SCENARIO("a fusion that waits for a consumer which has stopped ends when it is told to") {
-  GIVEN("a long log that a lossless fusion fuses for a consumer who does not take") {
+SCENARIO("a fusion that is blocked by a stopped consumer ends on a signal") {
+  GIVEN("a long log, a lossless fusion, and a consumer that does not take samples") {
     const Bus bus;
     const TemporaryFolder folder;
     const std::string log = (folder / "log").string();
@@ -116,13 +116,13 @@ SCENARIO("a fusion that waits for a consumer which has stopped ends when it is t
     Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status);
     const auto monitor = bus.monitor({"--json"});
     const auto fusion = bus.fusion({"--lossless"});
-    // The monitor is a consumer for sure when it has shown a pose.
+    // Once the monitor has printed a pose, it is a matched consumer.
     REQUIRE(bus.bridge({"--source", "log", "--input", short_log, "--rate", "0", "--address", "8"})
                 ->wait_for_exit() == 0);
     REQUIRE(monitor->wait_for_line(Stream::output, "\"address\":8"));
     monitor->send(SIGSTOP);
     const auto bridge = bus.bridge({"--source", "log", "--input", log, "--rate", "0"});
-    WHEN("it waits at most poses") {
+    WHEN("the consumer blocks it at most poses") {
       std::uint64_t before = 0;
       REQUIRE(status.wait_for([&before](const FusionStatus& told) {
         if (told.address != 7) return false;
@@ -131,7 +131,7 @@ SCENARIO("a fusion that waits for a consumer which has stopped ends when it is t
         return slow;
       }));
       REQUIRE(status.samples.back().imu_samples < 60'000);
-      THEN("it ends all the same, and so does the bridge") {
+      THEN("the fusion and the bridge end") {
         check_ending(*fusion, SIGTERM);
         check_ending(*bridge, SIGTERM);
       }

@@ -1,8 +1,7 @@
-/// sonopose-evaluate and sonopose-tune as programs: whose settings hold, on which runs, and what cannot be
-/// told.
+/// The programs sonopose-evaluate and sonopose-tune: effective settings, seeds and errors.
 
-#include "support/temporary_folder.hpp"
 #include "support/process.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -25,14 +24,14 @@ double rmse_of(std::vector<std::string> arguments) {
   return json::parse(result.output).at(0).at("position_rmse_m").get<double>();
 }
 
-/// Runs it with an output that takes nothing.
+/// Runs it with a full output device.
 Result into_full_disk(const std::string& program, const std::string& arguments) {
   return run("/bin/sh", {"-c", "\"$0\" " + arguments + " > /dev/full", program});
 }
 
 }  // namespace
 
-SCENARIO("a beacon's own settings are scored where it is named") {
+SCENARIO("--beacon selects the settings that are scored") {
   const double plain = rmse_of({});
   const double worse = rmse_of({"--set", "trust.sigma_m=5", "--set", "attitude.adaptive.accel_time_s=1"});
   REQUIRE(worse != plain);
@@ -52,7 +51,7 @@ SCENARIO("another first seed gives other runs") {
   CHECK(rmse_of({"--first-seed", "101"}) != first);
 }
 
-SCENARIO("a search prints what holds for the beacon it was made for") {
+SCENARIO("a search prints settings that are effective for the selected beacon") {
   const Result result =
       run(SONOPOSE_TEST_TUNE, {"walk", "--seeds", "1", "--rounds", "1", "--beacon", "9", "--set",
                                "beacon.9.trust.sigma_m=0.3", "--vary", "trust.sigma_m=0.1..0.2"});

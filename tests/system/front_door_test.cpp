@@ -1,4 +1,4 @@
-/// The front door, and what every program answers: --help, --version, a misspelt word.
+/// The front door, and options of every program: --help, --version, suggestions for misspelt words.
 
 #include "io/temporary_folder.hpp"
 #include "support/process.hpp"
@@ -21,7 +21,7 @@ const std::string version_line = " " SONOPOSE_TEST_VERSION "\n";
 const fs::path front_door = SONOPOSE_TEST_SONOPOSE;
 const std::string prefix = "sonopose-";
 
-/// The programs that are built, but for the front door: sonopose-bridge …
+/// All programs except the front door: sonopose-bridge …
 std::vector<std::string> programs() {
   std::vector<std::string> names;
   std::istringstream list(SONOPOSE_TEST_PROGRAMS);
@@ -44,7 +44,7 @@ std::string refusal(const fs::path& program, const std::vector<std::string>& arg
   return result.error;
 }
 
-/// The front door alone in a folder, with a verb of somebody else's on PATH.
+/// The front door alone in a folder, with a foreign verb on PATH.
 struct FrontDoorAlone {
   TemporaryFolder folder;
   fs::path program = folder / "sonopose";
@@ -61,7 +61,7 @@ struct FrontDoorAlone {
 
 }  // namespace
 
-TEST_CASE("The front door lists every program with the sentence of its own help") {
+TEST_CASE("The front door lists every program with the first sentence of its help") {
   const Result list = run(front_door, {"--help"});
   CHECK(list.code == 0);
   CHECK(run(front_door, {}).output == list.output);
@@ -136,7 +136,7 @@ TEST_CASE("A misspelt option is refused with the nearest one") {
   CHECK_THAT(refusal(bridge, {"--sorce=sim"}), Contains("--sorce: unknown option; did you mean --source?"));
   CHECK_THAT(refusal(bridge, {"--xyzzy"}), Contains("--xyzzy: unknown option\n"));
   CHECK_THAT(refusal(bridge, {"sim"}), Contains("sim: unexpected argument"));
-  // An argument is missing as well, but only because of the misspelt one.
+  // An argument is missing too, but only because of the misspelt option.
   CHECK_THAT(refusal(beside_front_door("sonopose-tune"), {"--vray", "drift.jump_alpha"}),
              Contains("--vray: unknown option; did you mean --vary?"));
 }

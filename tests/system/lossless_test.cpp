@@ -1,11 +1,11 @@
-/// A log played as fast as the programs take it: nothing is lost, and live equals replay.
+/// A log played as fast as possible: nothing is lost, and live equals replay.
 
-#include "support/temporary_folder.hpp"
-#include "system/replay_rows.hpp"
+#include "recording/log_folder.hpp"
 #include "support/bits.hpp"
 #include "support/bus.hpp"
+#include "support/temporary_folder.hpp"
+#include "system/replay_rows.hpp"
 #include <sonopose/estimation/documented/engine.hpp>
-#include "recording/log_folder.hpp"
 
 #include <algorithm>
 #include <csignal>
@@ -23,7 +23,7 @@ void record_simulation(const Bus& bus, const std::filesystem::path& folder) {
   REQUIRE(bridge->wait_for_exit() == 0);
 }
 
-/// What an engine in this process makes of the log.
+/// Poses and reports of an engine in this process.
 struct Replay {
   std::vector<FusedPose> poses;
   std::vector<FixReport> reports;
@@ -46,7 +46,7 @@ Replay replay(const std::filesystem::path& folder) {
   return replay;
 }
 
-/// How many are not the same to the last bit, the k-th against the k-th.
+/// Number of poses that are not bit-identical, the k-th against the k-th.
 template <class Sample>
 std::size_t differences(const std::vector<Sample>& a, const std::vector<Sample>& b) {
   std::size_t count = 0;
@@ -56,7 +56,7 @@ std::size_t differences(const std::vector<Sample>& a, const std::vector<Sample>&
   return count;
 }
 
-/// The same by the program, through its files.
+/// Poses of sonopose-replay, from its files.
 std::vector<Bits> replayed_rows(const std::filesystem::path& log, const std::filesystem::path& out) {
   REQUIRE(run(SONOPOSE_TEST_REPLAY, {log.string(), "--out", out.string()}).code == 0);
   return pose_rows(out / "pose.csv");
@@ -64,26 +64,26 @@ std::vector<Bits> replayed_rows(const std::filesystem::path& log, const std::fil
 
 }  // namespace
 
-SCENARIO("a log played as fast as it can be gives each pose once, the same as a replay without DDS") {
-  GIVEN("a log of 20 s, a lossless fusion, and consumers that keep all") {
+SCENARIO("a log played as fast as possible gives every pose once, identical to a replay without DDS") {
+  GIVEN("a log of 20 s, a lossless fusion, and consumers that keep all samples") {
     const Bus bus;
     const TemporaryFolder folder;
     record_simulation(bus, folder / "log");
     const Replay expected = replay(folder / "log");
     REQUIRE(expected.poses.size() == 2000);
-    REQUIRE(expected.reports.size() > 150);  // 8 Hz at least
+    REQUIRE(expected.reports.size() > 150);  // at least 8 Hz
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     Consumer<sonopose_FixReport> reports(bus, topics::report);
     const auto fusion = bus.fusion({"--lossless"});
     REQUIRE(poses.wait_for_writers());
     REQUIRE(reports.wait_for_writers());
     const Arguments play{"--source", "log", "--input", (folder / "log").string(), "--rate", "0"};
-    WHEN("the bridge plays it") {
+    WHEN("the bridge plays the log") {
       REQUIRE(bus.bridge(play)->wait_for_exit() == 0);
-      THEN("poses and reports are those of the replay to the last bit, in order, each once") {
+      THEN("poses and reports are bit-identical to those of the replay, in order, each once") {
         REQUIRE(poses.wait_for_count(expected.poses.size()));
         REQUIRE(reports.wait_for_count(expected.reports.size()));
-        CHECK(fusion->end_by(SIGTERM).code == 0);  // nothing can come behind them any more
+        CHECK(fusion->end_by(SIGTERM).code == 0);  // no more poses can follow
         poses.take();
         reports.take();
         CHECK(poses.samples.size() == expected.poses.size());
@@ -95,15 +95,15 @@ SCENARIO("a log played as fast as it can be gives each pose once, the same as a 
         CHECK((live == replayed_rows(folder / "log", folder / "out")));
       }
     }
-    WHEN("the bridge plays it twice") {
+    WHEN("the bridge plays the log twice") {
       REQUIRE(bus.bridge(play)->wait_for_exit() == 0);
       REQUIRE(poses.wait_for_count(expected.poses.size()));
       REQUIRE(bus.bridge(play)->wait_for_exit() == 0);
-      THEN("the second time begins anew: the same poses again") {
+      THEN("the second pass starts over and gives the same poses") {
         REQUIRE(poses.wait_for_count(2 * expected.poses.size()));
         std::vector<FusedPose> second(poses.samples.begin() + 2000, poses.samples.end());
         for (FusedPose& pose : second) {
-          REQUIRE(pose.reset_counter == 1);  // which tells a consumer of the jump back
+          REQUIRE(pose.reset_counter == 1);  // signals the jump back to consumers
           pose.reset_counter = 0;
         }
         CHECK(differences(second, expected.poses) == 0);
@@ -112,7 +112,7 @@ SCENARIO("a log played as fast as it can be gives each pose once, the same as a 
   }
 }
 
-SCENARIO("a lossless fusion that came too late for the first events says what it waits for") {
+SCENARIO("a lossless fusion that missed the first events reports what it waits for") {
   const Bus bus;
   const auto bridge = bus.bridge({"--source", "sim"});
   Consumer<sonopose_ImuSample> imu(bus, topics::imu, dds::Delivery::live);

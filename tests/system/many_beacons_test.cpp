@@ -1,4 +1,4 @@
-/// One bridge, several beacons: each is followed as if it were alone.
+/// One bridge with several beacons: each is tracked independently.
 
 #include "support/bus.hpp"
 
@@ -22,12 +22,12 @@ Tracks tracks_of(const std::vector<FusedPose>& poses) {
 }  // namespace
 
 SCENARIO("a bridge with five beacons") {
-  GIVEN("five simulated beacons from address 20 on, at 100 Hz each") {
+  GIVEN("five simulated beacons with addresses from 20, at 100 Hz each") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, dds::topics::pose);
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({"--beacons", "5", "--address", "20"});
-    WHEN("all of them have run for two seconds") {
+    WHEN("they have run for two seconds") {
       REQUIRE(poses.wait_until([&] {
         const Tracks tracks = tracks_of(poses.samples);
         return tracks.size() == 5 && std::all_of(tracks.begin(), tracks.end(), [](const auto& track) {
@@ -35,7 +35,7 @@ SCENARIO("a bridge with five beacons") {
                });
       }));
       const Tracks tracks = tracks_of(poses.samples);
-      THEN("there is a pose of each at every IMU sample, a period apart") {
+      THEN("each has a pose at every IMU sample, one period apart") {
         BeaconAddress address = 20;
         for (const auto& [tracked, track] : tracks) {
           CHECK(tracked == address++);

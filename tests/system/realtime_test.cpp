@@ -1,4 +1,4 @@
-/// --realtime: what is applied and what is refused is said, and the programs serve in any case.
+/// --realtime: programs report what is applied and what is refused, and run in both cases.
 
 #include "support/bus.hpp"
 
@@ -13,7 +13,7 @@ using Catch::Contains;
 
 namespace {
 
-/// The scheduling policy of a process's thread of this name; −1 where it has none.
+/// Scheduling policy of a process's thread by name; −1 if there is no such thread.
 int policy_of_thread(int pid, const std::string& name) {
   for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
     std::ifstream comm(task.path() / "comm");
@@ -30,12 +30,12 @@ bool is_about_recv(const std::string& line) {
 
 }  // namespace
 
-SCENARIO("a fusion that is asked for real time") {
+SCENARIO("a fusion with and without --realtime") {
   const Bus bus;
   GIVEN("--realtime") {
     const auto fusion = bus.fusion({"--realtime=31"});
     const auto lines = fusion->lines(Stream::error);
-    THEN("it says of the receive thread what holds, and that is so") {
+    THEN("it reports the scheduling of the receive thread correctly") {
       const auto said = std::find_if(lines.begin(), lines.end(), is_about_recv);
       REQUIRE(said != lines.end());
       CHECK_THAT(*said, Contains("sonopose-fusion: realtime: ") && Contains("31"));
@@ -43,23 +43,23 @@ SCENARIO("a fusion that is asked for real time") {
       if (refused) CHECK_THAT(*said, Contains("sched_setscheduler") && Contains("remedy"));
       CHECK(policy_of_thread(fusion->pid(), "recv") == (refused ? SCHED_OTHER : SCHED_FIFO));
     }
-    THEN("poses come all the same") {
+    THEN("poses are published") {
       const auto bridge = bus.bridge({"--realtime"});
       Consumer poses(bus, dds::topics::pose);
       CHECK(poses.wait_for_count(100));
       CHECK(bridge->wait_for_line(Stream::error, "realtime"));
     }
   }
-  GIVEN("none of it") {
+  GIVEN("no option") {
     const auto fusion = bus.fusion();
-    THEN("nothing is said or done") {
+    THEN("nothing is reported or changed") {
       CHECK_THAT(fusion->text(Stream::error), !Contains("realtime"));
       CHECK(policy_of_thread(fusion->pid(), "recv") == SCHED_OTHER);
     }
   }
 }
 
-SCENARIO("a priority that is none is refused") {
+SCENARIO("an invalid priority is refused") {
   const Result result = run(SONOPOSE_TEST_FUSION, {"--realtime=100"}, neutral);
   CHECK(result.code.value_or(0) > 0);
   CHECK_THAT(result.error, Contains("--realtime") && Contains("100"));

@@ -1,8 +1,8 @@
-/// What the bridge keeps: recordings of what it publishes, and captures of the raw bytes.
+/// Recordings of published samples, and captures of raw bytes.
 
-#include "support/temporary_folder.hpp"
-#include "support/bus.hpp"
 #include "recording/log_folder.hpp"
+#include "support/bus.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,12 +14,12 @@ namespace topics = dds::topics;
 
 namespace {
 
-/// Everything that a bridge publishes of the native's three streams.
+/// Consumers of the three native input streams.
 struct Streams {
   explicit Streams(const Bus& bus)
       : imu(bus, topics::imu), fixes(bus, topics::fix), headings(bus, topics::heading) {}
 
-  /// All that was published, by its number.
+  /// All published events by sequence number.
   std::map<std::uint64_t, Event> events() {
     imu.take();
     fixes.take();
@@ -36,7 +36,7 @@ struct Streams {
   Consumer<sonopose_PairHeading> headings;
 };
 
-/// Without what the format has no column for: the time of publication, and the flags of a fix.
+/// Clears the fields without a column in the format: publication time and fix flags.
 Event as_recorded(Event event) {
   if (auto* imu = std::get_if<ImuSample>(&event)) imu->bridge_time_ns = 0;
   if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->flags = 0;
@@ -52,8 +52,7 @@ std::vector<Sample> of_kind(const std::vector<Event>& events) {
   return found;
 }
 
-/// The greatest distance of `a − b` from its own first value, in ns: what is left when clocks that began at
-/// different moments are laid on each other.
+/// Largest deviation of `a − b` from its first value, ns: the difference of two clocks without their offset.
 template <class Sample, class TimeOf>
 TimeNs time_spread_ns(const std::vector<Sample>& a, const std::vector<Sample>& b, const TimeOf& time_of) {
   TimeNs least = INT64_MAX;
@@ -68,8 +67,8 @@ TimeNs time_spread_ns(const std::vector<Sample>& a, const std::vector<Sample>& b
 
 }  // namespace
 
-SCENARIO("a recording of a live run reads back as what was published") {
-  GIVEN("a bridge that plays four seconds of the simulator at twice real time and records them") {
+SCENARIO("a recording of a live run contains what was published") {
+  GIVEN("a bridge that plays and records four seconds of the simulator at twice real time") {
     const Bus bus;
     const TemporaryFolder folder;
     Streams published(bus);
@@ -77,11 +76,11 @@ SCENARIO("a recording of a live run reads back as what was published") {
     REQUIRE(bridge->wait_for_exit() == 0);
     WHEN("the recording is read") {
       const auto log = recording::read_sensor_log(folder / "log");
-      THEN("it has every event of the run, and those that arrived are the same, number by number") {
+      THEN("it contains every event of the run, and the received events are equal") {
         CHECK(of_kind<ImuSample>(log.events).size() == 400);
         CHECK(log.truth.size() == 400);
         const auto events = published.events();
-        REQUIRE(events.size() > 300);  // all but those from before the match
+        REQUIRE(events.size() > 300);  // all except those before the match
         REQUIRE(events.rbegin()->first == log.events.size());
         for (const auto& [number, event] : events) {
           CAPTURE(number, event.index());
@@ -92,22 +91,22 @@ SCENARIO("a recording of a live run reads back as what was published") {
   }
 }
 
-SCENARIO("a capture of the simulated beacon, played as a stream, gives its samples up to the wire's steps") {
-  GIVEN("ten seconds of the simulator as a recording and as bytes") {
+SCENARIO("a raw capture of the simulated beacon gives its samples up to the resolution of the protocol") {
+  GIVEN("ten seconds of the simulator as a recording and as raw bytes") {
     const Bus bus;
     const TemporaryFolder folder;
     const std::string bytes = (folder / "bytes.bin").string();
     REQUIRE(bus.bridge({"--rate", "0", "--duration", "10", "--record", (folder / "sent").string(),
                         "--capture", bytes})
                 ->wait_for_exit() == 0);
-    WHEN("a bridge plays the bytes and records what it makes of them") {
+    WHEN("a bridge plays the bytes and records the result") {
       Streams listeners(bus);
       REQUIRE(bus.bridge({"--source", "stream", "--input", bytes, "--rate", "0", "--record",
                           (folder / "received").string()})
                   ->wait_for_exit() == 0);
       const auto sent = recording::read_sensor_log(folder / "sent").events;
       const auto received = recording::read_sensor_log(folder / "received").events;
-      THEN("IMU samples are the same to half a step of 1 mg and 0.0175 deg/s, stamps to 1 ms") {
+      THEN("IMU samples agree within half a step of 1 mg and 0.0175 deg/s, stamps within 1 ms") {
         const auto before = of_kind<ImuSample>(sent);
         const auto after = of_kind<ImuSample>(received);
         REQUIRE(after.size() == before.size());
@@ -121,14 +120,14 @@ SCENARIO("a capture of the simulated beacon, played as a stream, gives its sampl
         CHECK(time_spread_ns(after, before, [](const ImuSample& s) { return s.sensor_time_ns; }) <=
               1'000'000);
       }
-      THEN("fixes are the same to half a millimetre and a percent, stamps to 1 ms, headings to 0.05°") {
+      THEN("fixes agree within half a millimetre and a percent, stamps within 1 ms, headings within 0.05°") {
         auto fixes_before = of_kind<UltrasonicFix>(sent);
         const auto fixes = of_kind<UltrasonicFix>(received);
         const auto headings_before = of_kind<PairHeading>(sent);
         const auto headings = of_kind<PairHeading>(received);
         REQUIRE(fixes.size() == fixes_before.size());
         REQUIRE(headings.size() == fixes.size());
-        REQUIRE(fixes.size() >= 78);  // 8 Hz at least
+        REQUIRE(fixes.size() >= 78);  // at least 8 Hz
         for (std::size_t k = 0; k < fixes.size(); ++k) {
           const Vector3d moved = fixes[k].position_world_m - fixes_before[k].position_world_m;
           REQUIRE(moved.cwiseAbs().maxCoeff() <= 0.5e-3 + 1e-9);

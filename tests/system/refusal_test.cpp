@@ -1,7 +1,7 @@
-/// What cannot be used is refused at the start, in words that lead to the mistake.
+/// Invalid input is refused at startup with a message that locates the error.
 
-#include "support/temporary_folder.hpp"
 #include "support/bus.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <algorithm>
 
@@ -11,7 +11,7 @@ using Catch::Contains;
 
 namespace {
 
-/// Runs a program in a domain of its own, where it must refuse to work; gives what it said.
+/// Runs a program in a private domain that must exit with an error; returns its message.
 std::string refusal(const char* program, const Arguments& arguments, const Environment& changes = {}) {
   const TestDomain domain;
   Environment environment = neutral;
@@ -19,12 +19,12 @@ std::string refusal(const char* program, const Arguments& arguments, const Envir
   for (const auto& [name, value] : changes) environment[name] = value;
   const Result result = run(program, arguments, environment);
   CAPTURE(arguments, result.error);
-  REQUIRE(result.code);  // it ended by itself
+  REQUIRE(result.code);  // it exited
   CHECK(*result.code > 0);
   return result.error;
 }
 
-/// A fusion's configuration file with this text.
+/// Writes a configuration file of the fusion.
 std::string refused_config(const std::string& toml) {
   const TemporaryFolder folder;
   write_text(folder / "fusion.toml", toml);
@@ -33,7 +33,7 @@ std::string refused_config(const std::string& toml) {
   return said;
 }
 
-/// The project's QoS file with one text in the place of another.
+/// The project's QoS file with one text replaced.
 std::string refused_qos(const std::string& right, const std::string& wrong) {
   const TemporaryFolder folder;
   std::string xml = read_text(std::filesystem::path(SONOPOSE_SOURCE_DIR) / "qos" / "sonopose.xml");
@@ -48,10 +48,10 @@ std::string refused_qos(const std::string& right, const std::string& wrong) {
 
 }  // namespace
 
-SCENARIO("a fusion refuses a configuration that it cannot use") {
+SCENARIO("a fusion refuses an invalid configuration") {
   WHEN("a key is misspelt") {
     const std::string said = refused_config("[drift]\n\ndecay_rat_hz = 2.0\n");
-    THEN("file, line and key are named, and the key that was surely meant") {
+    THEN("file, line and key are named, and the nearest key") {
       CHECK_THAT(said, Contains("fusion.toml:3:") && Contains("'drift.decay_rat_hz'") &&
                            Contains("'drift.decay_rate_hz'"));
     }
@@ -63,9 +63,9 @@ SCENARIO("a fusion refuses a configuration that it cannot use") {
                            Contains("0 … 50"));
     }
   }
-  WHEN("a value is of the wrong kind") {
+  WHEN("a value has the wrong type") {
     const std::string said = refused_config("[drift]\ndecay_rate_hz = \"fast\"\n");
-    THEN("file, line, key, value and what is allowed are named") {
+    THEN("file, line, key, value and the allowed values are named") {
       CHECK_THAT(said, Contains("fusion.toml:2:") && Contains("drift.decay_rate_hz") && Contains("fast") &&
                            Contains("kind") && Contains("0 … 50"));
     }
@@ -81,7 +81,7 @@ SCENARIO("a fusion refuses a configuration that it cannot use") {
       CHECK_THAT(refused_config("[drift]\ndecay_rate_hz = = 2\n"), Contains("fusion.toml:2:"));
     }
   }
-  WHEN("the file is not there") {
+  WHEN("the file does not exist") {
     THEN("it is named") {
       CHECK_THAT(refusal(SONOPOSE_TEST_FUSION, {"--config", "/no/such.toml"}), Contains("/no/such.toml"));
     }
@@ -94,7 +94,7 @@ SCENARIO("a fusion refuses a configuration that it cannot use") {
   }
 }
 
-SCENARIO("a program refuses a QoS file that it cannot use") {
+SCENARIO("a program refuses an invalid QoS file") {
   WHEN("an element is unknown") {
     THEN("file, line and element are named") {
       CHECK_THAT(refused_qos("<history><kind>KEEP_LAST_HISTORY_QOS</kind><depth>64</depth></history>",
@@ -109,7 +109,7 @@ SCENARIO("a program refuses a QoS file that it cannot use") {
       CHECK_THAT(said, Contains("<period>") || Contains("<deadline>"));
     }
   }
-  WHEN("the file is not there") {
+  WHEN("the file does not exist") {
     THEN("it is named") {
       CHECK_THAT(refusal(SONOPOSE_TEST_MONITOR, {"--qos", "/no/such.xml"}), Contains("/no/such.xml"));
       CHECK_THAT(refusal(SONOPOSE_TEST_FUSION, {}, {{"SONOPOSE_QOS", "/no/such.xml"}}),
@@ -128,16 +128,16 @@ SCENARIO("a program refuses a domain that does not exist") {
   }
 }
 
-SCENARIO("a bridge refuses an input that it cannot use") {
+SCENARIO("a bridge refuses an invalid input") {
   const TemporaryFolder folder;
   const auto refused = [](const Arguments& arguments) { return refusal(SONOPOSE_TEST_BRIDGE, arguments); };
-  WHEN("the log folder is not there, or not named") {
-    THEN("that is said") {
+  WHEN("the log folder does not exist or is not given") {
+    THEN("the error message says so") {
       CHECK_THAT(refused({"--source", "log", "--input", "/no/such/log"}), Contains("/no/such/log"));
       CHECK_THAT(refused({"--source", "log"}), Contains("--input"));
     }
   }
-  WHEN("a cell of a log is no number") {
+  WHEN("a cell of a log is not a number") {
     write_text(folder / "imu.csv", "#t,w,w,w,a,a,a\n1000,0,0,0,0,zero,9.81\n");
     write_text(folder / "ultrasonic.csv", "#t,r,x,y,z,q\n");
     THEN("file, line and value are named") {
@@ -152,27 +152,27 @@ SCENARIO("a bridge refuses an input that it cannot use") {
                  Contains(folder.path().string()));
     }
   }
-  WHEN("--listen is no address, or none of this machine") {
+  WHEN("--listen is not an address of this machine") {
     THEN("it is named") {
       CHECK_THAT(refused({"--source", "udp", "--listen", "nonsense"}), Contains("nonsense"));
       CHECK_THAT(refused({"--source", "udp", "--listen", "127.0.0.1:99999"}), Contains("99999"));
       CHECK_THAT(refused({"--source", "udp", "--listen", "192.0.2.1:5000"}), Contains("192.0.2.1:5000"));
     }
   }
-  WHEN("the device is no serial line") {
+  WHEN("the device is not a serial line") {
     THEN("it is named") {
       CHECK_THAT(refused({"--source", "serial", "--device", folder.path().string()}),
                  Contains(folder.path().string()));
     }
   }
   WHEN("the scenario, the source or the rate does not exist") {
-    THEN("it is named with what exists") {
+    THEN("it is named with the existing ones") {
       CHECK_THAT(refused({"--scenario", "swim"}), Contains("swim") && Contains("walk"));
       CHECK_THAT(refused({"--source", "dream"}), Contains("dream") && Contains("serial"));
       CHECK_THAT(refused({"--rate", "-1"}), Contains("--rate") && Contains("-1"));
     }
   }
-  WHEN("more beacons are to be simulated than there are addresses") {
+  WHEN("more beacons are requested than there are addresses") {
     THEN("number, address and limit are named") {
       CHECK_THAT(refused({"--beacons", "1000", "--address", "65000"}),
                  Contains("1000") && Contains("65000") && Contains("65534"));
@@ -181,9 +181,9 @@ SCENARIO("a bridge refuses an input that it cannot use") {
                  Contains("bytes") && Contains("2 beacons"));
     }
   }
-  WHEN("it shall record into a folder that holds a recording") {
+  WHEN("the --record folder already contains a recording") {
     write_text(folder / "imu.csv", "precious\n");
-    THEN("it refuses, and the recording is as it was") {
+    THEN("it refuses, and the recording is unchanged") {
       CHECK_THAT(refused({"--record", folder.path().string()}),
                  Contains(folder.path().string()) && Contains("not overwritten"));
       CHECK(read_text(folder / "imu.csv") == "precious\n");

@@ -1,9 +1,9 @@
 #pragma once
 /// \file
-/// What sonopose-replay wrote into pose.csv, as bits to compare with poses.
+/// Rows of pose.csv as bits, to compare with poses.
 
-#include "support/temporary_folder.hpp"
 #include "support/bits.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -26,7 +26,7 @@ inline Bits row_bits_of(const FusedPose& pose) {
   return bits;
 }
 
-/// The same of every row of a pose.csv.
+/// The same for every row of a pose.csv.
 inline std::vector<Bits> pose_rows(const std::filesystem::path& file) {
   std::istringstream lines(read_text(file));
   std::vector<Bits> rows;

@@ -1,10 +1,10 @@
-/// sonopose-replay as a program: what it prints, writes and refuses.
+/// The program sonopose-replay: output, files and errors.
 
-#include "support/temporary_folder.hpp"
-#include "system/replay_rows.hpp"
-#include "support/process.hpp"
 #include "recording/log_writer.hpp"
 #include "sim/simulator.hpp"
+#include "support/process.hpp"
+#include "support/temporary_folder.hpp"
+#include "system/replay_rows.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -21,7 +21,7 @@ using nlohmann::json;
 
 namespace {
 
-/// A folder with the recording `log`, of 12 s of a scenario.
+/// A folder with the recording `log`: 12 s of a scenario.
 class Recording {
 public:
   explicit Recording(bool with_truth = true) {
@@ -37,7 +37,7 @@ public:
   [[nodiscard]] std::string log() const { return (folder_ / "log").string(); }
   std::filesystem::path operator/(const char* name) const { return folder_ / name; }
 
-  /// Puts a row behind those of a file.
+  /// Appends a row to a file.
   void append(const char* file, const std::string& row) const {
     const auto path = std::filesystem::path(log()) / file;
     write_text(path, read_text(path) + row + "\n");
@@ -59,7 +59,7 @@ json report_of(std::vector<std::string> arguments) {
   return json::parse(result.output);
 }
 
-/// Runs it where it must refuse to work; gives what it said.
+/// Runs it with arguments that it must refuse; returns the message.
 std::string refusal(const std::vector<std::string>& arguments, const Environment& environment = {}) {
   const Result result = replay(arguments, environment);
   CAPTURE(arguments, result.error);
@@ -75,7 +75,7 @@ std::size_t lines_of(const std::filesystem::path& file) {
 
 }  // namespace
 
-SCENARIO("a replay tells what it found and writes its three files") {
+SCENARIO("a replay prints its result and writes three files") {
   const Recording recording;
   const std::string out = (recording / "new/out").string();
   const json report = report_of({recording.log(), "--after", "6", "--out", out});
@@ -96,7 +96,7 @@ SCENARIO("a replay tells what it found and writes its three files") {
     CHECK(report_of({recording.log(), "--out", out})["state_hash"] == report["state_hash"]);
     CHECK(read_text(recording / "new/out/pose.csv") == before);
   }
-  AND_THEN("the lines for people say the same") {
+  AND_THEN("the text output contains the same values") {
     const Result text = replay({recording.log(), "--after", "6"});
     CHECK(text.code == 0);
     CHECK_THAT(text.output, Contains(report["state_hash"].get<std::string>()) && Contains("x real time"));
@@ -117,7 +117,7 @@ SCENARIO("the trajectory is in TUM format") {
   CHECK(std::count(line.begin(), line.end(), ' ') == 7);
 }
 
-SCENARIO("settings come from file and command line, also those of one beacon") {
+SCENARIO("settings come from file and command line, for all beacons or for one") {
   const Recording recording;
   const auto hash = [&recording](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), recording.log());
@@ -129,13 +129,13 @@ SCENARIO("settings come from file and command line, also those of one beacon") {
   write_text(recording / "own.toml", "[beacon.9.attitude.adaptive]\naccel_time_s = 10\n");
   const std::string config = (recording / "own.toml").string();
   CHECK(hash({"--config", config}) == plain);
-  // The address is in the poses of no file and in no hash: only its settings make the difference.
+  // The address is in no file and in no hash: only its settings make a difference.
   CHECK(hash({"--config", config, "--beacon", "9"}) == changed);
   CHECK(hash({"--config", config, "--beacon", "9", "--set", "beacon.9.attitude.adaptive.accel_time_s=20"}) !=
         changed);
 }
 
-SCENARIO("a state that is saved and loaded goes on as if nothing had happened") {
+SCENARIO("a run continues seamlessly from a saved state") {
   const Recording recording;
   const std::string state = (recording / "state.json").string();
   const std::string end = (recording / "end.json").string();
@@ -150,7 +150,7 @@ SCENARIO("a state that is saved and loaded goes on as if nothing had happened") 
   halves.insert(halves.end(), second.begin(), second.end());
   CHECK((halves == pose_rows(recording / "whole/pose.csv")));
   CHECK(read_text(end) == read_text(whole_end));
-  AND_THEN("a damaged state is refused by file and field") {
+  AND_THEN("a damaged state is refused with file and field") {
     std::string text = read_text(state);
     text.replace(text.find("\"trust.trust\""), 13, "\"trust.truth\"");
     write_text(state, text);
@@ -161,7 +161,7 @@ SCENARIO("a state that is saved and loaded goes on as if nothing had happened") 
   }
 }
 
-SCENARIO("pure integration runs from the truth, and only from there") {
+SCENARIO("pure integration starts from the truth") {
   const Recording recording;
   const json previous = report_of({recording.log(), "--engine", "strapdown", "--init", "truth"});
   CHECK(previous["fixes_used"] == 0);
@@ -179,7 +179,7 @@ SCENARIO("pure integration runs from the truth, and only from there") {
   CHECK(fused["fixes_used"].get<int>() > 0);
 }
 
-SCENARIO("what is wrong is named, and the exit code says so") {
+SCENARIO("errors are named, and the exit code is 1") {
   const Recording recording;
   const std::string log = recording.log();
   CHECK_THAT(refusal({(recording / "nowhere").string()}), Contains("nowhere: is not a folder"));
@@ -225,7 +225,7 @@ SCENARIO("what is wrong is named, and the exit code says so") {
   CHECK_FALSE(exists(recording / "out/pose.csv.part"));
 }
 
-SCENARIO("rows that no sensor can have given are counted and harm nothing") {
+SCENARIO("impossible rows are counted and have no other effect") {
   const Recording recording;
   recording.append("imu.csv",
                    "1700000012000000000,nan,0,0,0,0,9.8\n1700000012010000000,0,0,inf,0,0,9.8\n"
@@ -238,7 +238,7 @@ SCENARIO("rows that no sensor can have given are counted and harm nothing") {
   CHECK(report["position_max_m"].is_number());
 }
 
-SCENARIO("one wrong IMU stamp costs that sample alone, and the report says what it did") {
+SCENARIO("one wrong IMU stamp affects only that sample, and the report counts it") {
   const Recording recording;
   const json clean = report_of({recording.log(), "--after", "6"});
   const auto imu = std::filesystem::path(recording.log()) / "imu.csv";
@@ -256,7 +256,7 @@ SCENARIO("one wrong IMU stamp costs that sample alone, and the report says what 
   CHECK(report_of({recording.log(), "--until", "10"})["imu_samples"].get<int>() > 980);
 }
 
-SCENARIO("a replay has nothing to do with the bus") {
+SCENARIO("a replay does not use DDS") {
   const Result libraries = run("/usr/bin/ldd", {SONOPOSE_TEST_REPLAY});
   REQUIRE(libraries.code == 0);
   CHECK_THAT(libraries.output, Contains("libstdc++") && !Contains("ddsc"));

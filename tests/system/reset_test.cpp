@@ -43,7 +43,7 @@ auto ready(BeaconAddress address) {
 
 }  // namespace
 
-SCENARIO("a reset re-initialises one beacon's engine and leaves the others alone") {
+SCENARIO("a reset re-initialises the engine of one beacon only") {
   GIVEN("a fusion that serves beacons 7 and 8") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
@@ -57,7 +57,7 @@ SCENARIO("a reset re-initialises one beacon's engine and leaves the others alone
     WHEN("beacon 7 is reset") {
       const std::size_t since = poses.samples.size();
       commander.reset(7, 1);
-      THEN("its counter rises and it initialises again; beacon 8 goes on") {
+      THEN("its counter increases and it initialises again; beacon 8 continues") {
         REQUIRE(poses.wait_for(reset_to(7, 1), since));
         const auto first = std::find_if(poses.samples.begin(), poses.samples.end(), reset_to(7, 1));
         CHECK((first->status & status_initialising) != 0U);
@@ -71,14 +71,14 @@ SCENARIO("a reset re-initialises one beacon's engine and leaves the others alone
         }
       }
     }
-    WHEN("a request comes twice, and then a new one for all beacons") {
+    WHEN("a request is repeated, then a new one for all beacons follows") {
       commander.reset(7, 1);
       REQUIRE(poses.wait_for(reset_to(7, 1)));
       commander.reset(7, 1);
       commander.reset(all_beacons, 2);
       REQUIRE(poses.wait_for(reset_to(8, 1)));
       const std::size_t since = poses.samples.size();
-      THEN("the repetition counted for nothing, and all were reset") {
+      THEN("the repetition has no effect, and all beacons are reset") {
         REQUIRE(poses.wait_for([](const FusedPose& pose) { return pose.address == 7; }, since));
         const auto last = std::find_if(poses.samples.rbegin(), poses.samples.rend(),
                                        [](const FusedPose& pose) { return pose.address == 7; });

@@ -1,4 +1,4 @@
-/// Processes that die and come back.
+/// Processes that are killed and restarted.
 
 #include "support/bus.hpp"
 
@@ -16,29 +16,29 @@ bool is_ready(const FusedPose& pose) {
 
 }  // namespace
 
-SCENARIO("a bridge that was killed is started again") {
-  GIVEN("a chain at work") {
+SCENARIO("a bridge is killed and restarted") {
+  GIVEN("a running chain") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::Delivery::live);
     const auto fusion = bus.fusion();
     auto bridge = bus.bridge({"--scenario", "rest"});
     REQUIRE(poses.wait_for(is_ready));
-    WHEN("its bridge is killed, and a new one counts its events from 1 again") {
+    WHEN("the bridge is killed, and a new one numbers its events from 1") {
       bridge->send(SIGKILL);
       REQUIRE(bridge->wait_for_exit() == -SIGKILL);
       poses.take();
       const std::size_t before = poses.samples.size();
       const TimeNs last_ns = poses.samples.back().time_ns;
       bridge = bus.bridge({"--scenario", "rest"});
-      THEN("poses come again, from the same fusion, which counts what has happened") {
+      THEN("poses resume from the same fusion, which counts the event") {
         REQUIRE(poses.wait_for_count(before + 200));
         CHECK(poses.samples.back().time_ns > last_ns);
         CHECK(is_ready(poses.samples.back()));
-        CHECK(poses.samples.back().sequence < 1000);  // the new bridge's numbers
+        CHECK(poses.samples.back().sequence < 1000);  // sequence numbers of the new bridge
         REQUIRE(status.wait_for(
             [last_ns](const FusionStatus& told) { return told.time_ns > last_ns + 2'000'000'000; }));
-        // Numbers that were there already, until it was sure that the counting has begun anew.
+        // Samples with known numbers are dropped until the fusion detects the restart.
         CHECK(status.samples.back().events_duplicated >= 1);
         CHECK(status.samples.back().events_duplicated < 10);
         CHECK(fusion->wait_for_exit(std::chrono::milliseconds(0)) == std::nullopt);
@@ -47,21 +47,21 @@ SCENARIO("a bridge that was killed is started again") {
   }
 }
 
-SCENARIO("a fusion that was killed is started again") {
-  GIVEN("a chain at work") {
+SCENARIO("a fusion is killed and restarted") {
+  GIVEN("a running chain") {
     const Bus bus;
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     auto fusion = bus.fusion();
     const auto bridge = bus.bridge({"--scenario", "rest"});
     REQUIRE(poses.wait_for(is_ready));
-    WHEN("it is killed and started again") {
+    WHEN("the fusion is killed and restarted") {
       fusion->send(SIGKILL);
       REQUIRE(fusion->wait_for_exit() == -SIGKILL);
       poses.take();
       const std::size_t before = poses.samples.size();
       fusion = bus.fusion();
-      THEN("it takes the running stream up, initialises anew, and the bridge goes on undisturbed") {
+      THEN("it joins the running stream and initialises again, and the bridge continues undisturbed") {
         REQUIRE(poses.wait_for([](const FusedPose& pose) { return !is_ready(pose); }, before));
         REQUIRE(poses.wait_for(is_ready, before));
         imu.take();

@@ -1,7 +1,7 @@
-/// Fixes as ROS 2 gets them: each once, and as sure as the fusion holds it.
+/// Fixes in ROS 2: each once, with the variance that the fusion assigns to it.
 
-#include "support/ros2.hpp"
 #include "process/host_clock.hpp"
+#include "support/ros2.hpp"
 
 #include <cmath>
 #include <map>
@@ -28,8 +28,8 @@ std::vector<SeenFix> fixes_seen(RosReader<ros2::PoseWithCovarianceStamped>& read
 
 }  // namespace
 
-SCENARIO("a fix is as sure as the fusion holds it, and comes once") {
-  GIVEN("two fusions that stand by for each other, with fixes of 10 cm") {
+SCENARIO("each fix arrives once, with the variance that the fusion assigns to it") {
+  GIVEN("a primary and a standby fusion, with fixes of 10 cm standard deviation") {
     const Bus bus;
     Consumer<sonopose_UltrasonicFix> native(bus, topics::fix);
     Consumer<sonopose_FixReport> reports(bus, topics::report);
@@ -44,7 +44,7 @@ SCENARIO("a fix is as sure as the fusion holds it, and comes once") {
     const auto weak = with_strength("50");
     const auto relay = bus.ros2();
     const auto bridge = bus.bridge({"--scenario", "walk"});
-    THEN("each has a native one's stamp, no stamp twice, and the variance that its weight means") {
+    THEN("each has the stamp of a native fix, no stamp twice, and the variance of its weight") {
       const auto seen = fixes_seen(fix, 40);
       native.take();
       reports.take();
@@ -65,27 +65,27 @@ SCENARIO("a fix is as sure as the fusion holds it, and comes once") {
           }
         }
       }
-      CHECK(weighted > 30);  // the first ones may have come before the settings, or waited in vain
+      CHECK(weighted > 30);  // the first ones may precede the settings or time out
     }
   }
 }
 
-SCENARIO("without a fusion fixes come all the same") {
+SCENARIO("fixes arrive without a fusion") {
   GIVEN("a bridge with two beacons, and a relay for one of them") {
     const Bus bus;
     RosReader<ros2::PoseWithCovarianceStamped> fix(bus, "/hedge_8/fix");
     RosReader<ros2::PoseWithCovarianceStamped> other(bus, "/hedge_7/fix");
     const auto relay = bus.ros2({"--addresses", "8"});
     const auto bridge = bus.bridge({"--beacons", "2"});
-    THEN("they are of full weight, and nothing of the other beacon is there") {
+    THEN("they have full weight, and there is none of the other beacon") {
       for (const SeenFix& one : fixes_seen(fix, 10)) CHECK(one.variance_m2 == Approx(0.02 * 0.02));
       CHECK_FALSE(other.wait_for([](const auto&) { return true; }, std::chrono::milliseconds(1)));
     }
   }
 }
 
-SCENARIO("a beacon with a magnetometer has a topic for it") {
-  GIVEN("a relay, and a beacon that measures the field too") {
+SCENARIO("a beacon with a magnetometer has a magnetic field topic") {
+  GIVEN("a relay, and a beacon with a magnetometer") {
     const Bus bus;
     const auto relay = bus.ros2();
     const auto participant = dds::make_participant({.domain_id = bus.domain_id()});
@@ -95,7 +95,7 @@ SCENARIO("a beacon with a magnetometer has a topic for it") {
     sample.address = 9;
     sample.specific_force_body_mps2 = {0, 0, 9.81};
     sample.magnetic_field_body_t = Vector3d(20e-6, 1e-6, -40e-6);
-    WHEN("its samples come") {
+    WHEN("its samples arrive") {
       ros2::Vector3 seen{};
       bool came = false;
       for (int i = 0; i < 1000 && !came; ++i) {
@@ -105,7 +105,7 @@ SCENARIO("a beacon with a magnetometer has a topic for it") {
         came = field.wait_for_count(
             1, [&](const auto& message) { seen = message.magnetic_field; }, std::chrono::milliseconds(10));
       }
-      THEN("the field is there, in tesla") {
+      THEN("the field is published in tesla") {
         REQUIRE(came);
         CHECK(seen.x == 20e-6);
         CHECK(seen.z == -40e-6);

@@ -1,7 +1,7 @@
 /// ROS 2 drivers feed the fusion through the relay.
 
-#include "support/ros2.hpp"
 #include "process/host_clock.hpp"
+#include "support/ros2.hpp"
 
 #include <atomic>
 #include <csignal>
@@ -15,7 +15,7 @@ namespace topics = dds::topics;
 
 namespace {
 
-/// A robot at rest at (1, 2, 0.5), as drivers tell of it: 100 Hz and 10 Hz, until it is destroyed.
+/// Drivers of a robot at rest at (1, 2, 0.5): 100 Hz and 10 Hz, until destruction.
 class Drivers {
 public:
   explicit Drivers(const Bus& bus)
@@ -53,7 +53,7 @@ private:
 }  // namespace
 
 SCENARIO("any IMU and any positioning system with a ROS 2 driver feed the fusion") {
-  GIVEN("a fusion, a relay that takes both in as beacon 42, and drivers") {
+  GIVEN("a fusion, a relay that forwards both as beacon 42, and drivers") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     Consumer<sonopose_BeaconStatus> status(bus, topics::beacon_status, dds::Delivery::live);
@@ -61,7 +61,7 @@ SCENARIO("any IMU and any positioning system with a ROS 2 driver feed the fusion
     const auto fusion = bus.fusion();
     const auto relay = bus.ros2({"--imu-in", "/imu/data=42", "--fix-in", "/tag/pose=42"});
     auto drivers = std::make_unique<Drivers>(bus);
-    THEN("the robot is where they say, natively and in ROS 2, and the bridge's status tells of them") {
+    THEN("the pose follows the drivers, natively and in ROS 2, and the bridge status reports them") {
       REQUIRE(poses.wait_for([](const FusedPose& pose) {
         return (pose.status & (status_initialising | status_converging)) == 0;
       }));
@@ -75,23 +75,23 @@ SCENARIO("any IMU and any positioning system with a ROS 2 driver feed the fusion
           [](const BeaconStatus& one) { return one.imu_rate_hz > 20 && one.fix_rate_hz > 2; }));
       CHECK(status.samples.back().samples_rejected == 0);
     }
-    WHEN("the drivers end") {
+    WHEN("the drivers stop") {
       REQUIRE(poses.wait_for_count(20));
       drivers.reset();
-      THEN("the relay says which stream is silent, and when it is back") {
+      THEN("the relay reports which stream is silent, and when it resumes") {
         REQUIRE(relay->wait_for_line(Stream::error, "beacon 42: no IMU samples from ROS 2"));
         REQUIRE(relay->wait_for_line(Stream::error, "beacon 42: no fixes from ROS 2"));
         const Drivers again(bus);
         CHECK(relay->wait_for_line(Stream::error, "beacon 42: IMU samples from ROS 2 again"));
       }
-      THEN("it ends when it is told to") {
+      THEN("it ends on a signal") {
         CHECK(relay->end_by(SIGTERM).code == 0);
       }
     }
   }
-  GIVEN("a relay that is to take relay's own output in") {
+  GIVEN("a relay whose input is its own output") {
     const Result result = run(SONOPOSE_TEST_ROS2, {"--imu-in", "/hedge_7/imu/data_raw=7", "--domain", "0"});
-    THEN("it says that this goes round in a circle") {
+    THEN("it reports the loop") {
       CHECK(result.code == 1);
       CHECK(result.error.find("relay's own output") != std::string::npos);
     }

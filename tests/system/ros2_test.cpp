@@ -1,4 +1,4 @@
-/// The relay's messages, as a ROS 2 process gets them, against what is on the native topics.
+/// The relay's messages, as received by a ROS 2 process, against the native topics.
 
 #include "support/ros2.hpp"
 
@@ -12,7 +12,7 @@ namespace topics = dds::topics;
 
 namespace {
 
-/// Finds the native sample of a stamp among those that came, and waits for it.
+/// Finds the native sample with this stamp; waits for it if necessary.
 template <class T, class Time>
 auto native_at(Consumer<T>& consumer, TimeNs time_ns, Time time) {
   const auto* found = static_cast<const typename Consumer<T>::Sample*>(nullptr);
@@ -31,7 +31,7 @@ bool positive_diagonal(const double (&covariance)[size], std::size_t rows) {
   return true;
 }
 
-/// A copy of what the test looks at: a message on loan does not last.
+/// A copy of the fields under test: a loaned message is only valid for a short time.
 struct SeenOdometry {
   TimeNs stamp_ns = 0;
   Vector3d position_m;
@@ -56,8 +56,8 @@ SeenOdometry seen(const ros2::Odometry& message) {
 
 }  // namespace
 
-SCENARIO("a ROS 2 process gets the fused pose as Odometry, bit for bit") {
-  GIVEN("a chain at work, a relay, and a subscription of the usual kind and one of sensor data") {
+SCENARIO("a ROS 2 process receives the fused pose as Odometry, bit for bit") {
+  GIVEN("a running chain, a relay, a default subscription and a sensor-data subscription") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     RosReader<ros2::Odometry> standard(bus, "/hedge_7/odom");
@@ -65,7 +65,7 @@ SCENARIO("a ROS 2 process gets the fused pose as Odometry, bit for bit") {
     const auto fusion = bus.fusion();
     const auto relay = bus.ros2();
     const auto bridge = bus.bridge({"--scenario", "walk"});
-    THEN("it is the native pose of the same moment, the velocity in the robot's own axes") {
+    THEN("it is the native pose of the same time, with the velocity in body axes") {
       std::vector<SeenOdometry> odometry;
       REQUIRE(standard.wait_for_count(200, [&](const auto& message) { odometry.push_back(seen(message)); }));
       const FusedPose pose = native_at(poses, odometry.back().stamp_ns, &FusedPose::time_ns);
@@ -79,14 +79,14 @@ SCENARIO("a ROS 2 process gets the fused pose as Odometry, bit for bit") {
         CHECK(odometry[i].variances_positive);
       }
     }
-    THEN("the subscription of sensor data gets it too") {
+    THEN("the sensor-data subscription receives it too") {
       CHECK(sensor_data.wait_for_count(20, [](const auto&) {}));
     }
   }
 }
 
-SCENARIO("a ROS 2 process gets the IMU, raw and with its orientation, and the fixes") {
-  GIVEN("a chain at work and a relay") {
+SCENARIO("a ROS 2 process receives the IMU, raw and with orientation, and the fixes") {
+  GIVEN("a running chain and a relay") {
     const Bus bus;
     Consumer<sonopose_ImuSample> samples(bus, topics::imu);
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
@@ -97,7 +97,7 @@ SCENARIO("a ROS 2 process gets the IMU, raw and with its orientation, and the fi
     const auto fusion = bus.fusion();
     const auto relay = bus.ros2();
     const auto bridge = bus.bridge({"--scenario", "walk"});
-    THEN("the raw one is the native sample, and says that it has no orientation") {
+    THEN("the raw IMU message equals the native sample and has no orientation") {
       ros2::Imu message{};
       REQUIRE(raw.wait_for_count(50, [&](const auto& imu) { message = imu; }));
       const ImuSample sample = native_at(samples, stamp_of(message.header), &ImuSample::sensor_time_ns);
@@ -106,7 +106,7 @@ SCENARIO("a ROS 2 process gets the IMU, raw and with its orientation, and the fi
       CHECK(message.angular_velocity.y == sample.angular_velocity_body_radps.y());
       CHECK(message.orientation_covariance[0] == -1);
     }
-    THEN("the other one has the fused orientation of the same sample") {
+    THEN("the other message has the fused orientation of the same sample") {
       ros2::Imu message{};
       REQUIRE(fused.wait_for_count(50, [&](const auto& imu) { message = imu; }));
       const FusedPose pose = native_at(poses, stamp_of(message.header), &FusedPose::imu_sensor_time_ns);
@@ -116,7 +116,7 @@ SCENARIO("a ROS 2 process gets the IMU, raw and with its orientation, and the fi
       CHECK(message.linear_acceleration.z == sample.specific_force_body_mps2.z());
       CHECK(positive_diagonal(message.orientation_covariance, 3));
     }
-    THEN("a fix is where the hardware said, when the sound left, and as sure as the fusion holds it") {
+    THEN("a fix has the measured position, the emission time, and the variance of its weight") {
       ros2::PoseWithCovarianceStamped message{};
       REQUIRE(fix.wait_for_count(5, [&](const auto& one) { message = one; }));
       const UltrasonicFix native =
@@ -128,8 +128,8 @@ SCENARIO("a ROS 2 process gets the IMU, raw and with its orientation, and the fi
   }
 }
 
-SCENARIO("ROS 2's dashboards are told how each beacon is") {
-  GIVEN("a relay that hears nobody") {
+SCENARIO("ROS 2 diagnostics report the state of each beacon") {
+  GIVEN("a relay without a beacon") {
     const Bus bus;
     RosReader<ros2::DiagnosticArray> diagnostics(bus, "/diagnostics");
     const auto relay = bus.ros2();
@@ -139,14 +139,14 @@ SCENARIO("ROS 2's dashboards are told how each beacon is") {
       }
       return -1;
     };
-    THEN("it says so") {
+    THEN("it reports that") {
       CHECK(diagnostics.wait_for(
           [&](const auto& message) { return level_of(message, "sonopose: relay") == 3; }));
     }
-    WHEN("a chain comes, and later its bridge is killed") {
+    WHEN("a chain starts, and later its bridge is killed") {
       const auto fusion = bus.fusion();
       const auto bridge = bus.bridge({});
-      THEN("the beacon is OK first and an error then") {
+      THEN("the beacon is OK, then an error") {
         REQUIRE(diagnostics.wait_for(
             [&](const auto& message) { return level_of(message, "sonopose: beacon 7") == 0; }));
         bridge->send(SIGKILL);
@@ -157,7 +157,7 @@ SCENARIO("ROS 2's dashboards are told how each beacon is") {
   }
 }
 
-SCENARIO("names, frames and messages are the user's") {
+SCENARIO("names, frames and message types are configurable") {
   GIVEN("a relay in a namespace, with a beacon's topics renamed, and fixes as points") {
     const Bus bus;
     RosReader<ros2::Odometry> odom(bus, "/robot/odometry");
@@ -169,7 +169,7 @@ SCENARIO("names, frames and messages are the user's") {
                   "tag7/odom:=odometry", "--fix-message", "point", "--path", "10", "--map-frame", "hall"});
     CHECK(relay->wait_for_line(Stream::error, "relaying as /robot/sonopose"));
     const auto bridge = bus.bridge({});
-    THEN("they are there, under these names") {
+    THEN("the topics exist under these names") {
       std::string frame;
       CHECK(odom.wait_for_count(5, [&](const auto& message) { frame = message.header.frame_id; }));
       CHECK(frame == "hall");

@@ -1,9 +1,9 @@
-/// The serial path: bytes of a simulated beacon through a pseudo-terminal, with the plug pulled meanwhile.
+/// The serial path: bytes of a simulated beacon through a pseudo-terminal, with a disconnection.
 
-#include "support/temporary_folder.hpp"
 #include "support/beacon_bytes.hpp"
 #include "support/bus.hpp"
 #include "support/pseudo_terminal.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <algorithm>
 #include <csignal>
@@ -16,10 +16,10 @@ namespace topics = dds::topics;
 
 namespace {
 
-/// Where the simulator's scenario "rest" stands.
+/// Position of the simulator's scenario "rest".
 const Vector3d resting_place_world_m{1.0, 2.0, 0.5};
 
-/// The bytes of a beacon that rests for six seconds.
+/// The bytes of a beacon at rest for six seconds.
 std::vector<TimedFrame> resting_beacon(const Bus& bus, const std::filesystem::path& folder) {
   const std::string file = (folder / "bytes.bin").string();
   REQUIRE(bus.bridge({"--scenario", "rest", "--rate", "0", "--duration", "6", "--capture", file})
@@ -40,7 +40,7 @@ std::span<const TimedFrame> between(const std::vector<TimedFrame>& frames, doubl
   return {at(from_s), at(until_s)};
 }
 
-/// Sends as a beacon does whose clock goes on where it is: the first frame at once.
+/// Sends like a beacon whose clock continues: the first frame at once.
 void send(std::span<const TimedFrame> frames, const PseudoTerminal& line) {
   std::vector<TimedFrame> from_now(frames.begin(), frames.end());
   const TimeNs first_ns = from_now.front().sent_after_ns;
@@ -56,8 +56,8 @@ Bytes bytes_of(std::span<const TimedFrame> frames) {
 
 }  // namespace
 
-SCENARIO("a beacon on a serial line gives poses, is unplugged, plugged in again, and gives poses again") {
-  GIVEN("a fusion, a bridge on a device that is not there yet, and a beacon") {
+SCENARIO("a beacon on a serial line is unplugged and plugged in again, and poses resume") {
+  GIVEN("a fusion, a bridge on a device that does not exist yet, and a beacon") {
     const Bus bus;
     const TemporaryFolder folder;
     const auto frames = resting_beacon(bus, folder.path());
@@ -70,29 +70,29 @@ SCENARIO("a beacon on a serial line gives poses, is unplugged, plugged in again,
     const auto bridge =
         bus.bridge({"--source", "serial", "--device", device.string(), "--capture", capture.string()});
     REQUIRE(bridge->wait_for_line(Stream::error, "waiting for " + device.string()));
-    WHEN("it is plugged in and sends") {
+    WHEN("the beacon is plugged in and sends") {
       std::optional<PseudoTerminal> line(std::in_place);
       std::filesystem::create_symlink(line->device(), device);
       REQUIRE(bridge->wait_for_line(Stream::error, "reading " + device.string()));
       const auto first = between(frames, 0.0, 3.0);
       send(first, *line);
-      THEN("poses arrive, at the place where it rests") {
+      THEN("poses arrive, at the position of the beacon") {
         REQUIRE(poses.wait_for(is_right));
         REQUIRE(status.wait_for([&first](const BeaconStatus& now) { return now.frames == first.size(); }));
-        AND_WHEN("it is unplugged, comes back under another number, and sends on") {
-          const std::size_t told = bridge->lines(Stream::error).size();
+        AND_WHEN("it is unplugged, reappears under another device name, and continues") {
+          const std::size_t logged = bridge->lines(Stream::error).size();
           line.reset();
           std::filesystem::remove(device);
-          REQUIRE(bridge->wait_for_lines(Stream::error, told + 1));
+          REQUIRE(bridge->wait_for_lines(Stream::error, logged + 1));
           CHECK_THAT(bridge->lines(Stream::error).back(), Catch::Contains("waiting for"));
           poses.take();
           const std::size_t since = poses.samples.size();
           line.emplace();
           std::filesystem::create_symlink(line->device(), device);
-          REQUIRE(bridge->wait_for_lines(Stream::error, told + 2));
+          REQUIRE(bridge->wait_for_lines(Stream::error, logged + 2));
           CHECK_THAT(bridge->lines(Stream::error).back(), Catch::Contains("reading"));
           send(between(frames, 3.0, 5.0), *line);
-          THEN("poses arrive again, and the capture holds every byte of both times") {
+          THEN("poses arrive again, and the capture contains every byte of both connections") {
             CHECK(poses.wait_for(is_right, since));
             const auto sent = between(frames, 0.0, 5.0);
             REQUIRE(status.wait_for([&sent](const BeaconStatus& now) { return now.frames == sent.size(); }));

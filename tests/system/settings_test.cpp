@@ -1,10 +1,10 @@
-/// Settings of a running fusion: sonopose-settings, and what consumers see of it.
+/// Settings of a running fusion: sonopose-settings, and the effective settings for consumers.
 
-#include "support/temporary_folder.hpp"
+#include "recording/log_folder.hpp"
 #include "support/bits.hpp"
 #include "support/bus.hpp"
+#include "support/temporary_folder.hpp"
 #include <sonopose/estimation/documented/engine.hpp>
-#include "recording/log_folder.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -35,14 +35,14 @@ auto of(BeaconAddress address) {
   return [=](const auto& sample) { return sample.address == address; };
 }
 
-/// What a consumer that comes now is told of this beacon.
-EffectiveSettings as_told_late(const Bus& bus, BeaconAddress address) {
+/// The effective settings that a new consumer receives.
+EffectiveSettings as_late_consumer(const Bus& bus, BeaconAddress address) {
   Consumer<sonopose_EffectiveSettings> late(bus, topics::settings, dds::Delivery::live);
   REQUIRE(late.wait_for(of(address)));
   return *std::find_if(late.samples.begin(), late.samples.end(), of(address));
 }
 
-/// A live fusion with beacons 7 and 8, both heard.
+/// A live fusion that receives beacons 7 and 8.
 struct LiveSystem {
   explicit LiveSystem(const Arguments& fusion_arguments = {}) : fusion(bus.fusion(fusion_arguments)) {
     seven = bus.bridge({"--scenario", "rest", "--address", "7"});
@@ -60,21 +60,21 @@ struct LiveSystem {
 
 }  // namespace
 
-SCENARIO("settings are changed while the fusion runs, and who comes late sees what holds") {
-  GIVEN("beacons 7 and 8, and a value of its own for 8") {
+SCENARIO("settings are changed at run time, and late consumers receive the effective ones") {
+  GIVEN("beacons 7 and 8, and an override for 8") {
     LiveSystem live({"--set", "beacon.8.trust.sigma_m=0.8"});
     const Bus& bus = live.bus;
-    WHEN("all are given other settings") {
+    WHEN("settings of all beacons are changed") {
       const Result set = bus.settings({"set", "trust.sigma_m=0.25", "trust.n_base=9"});
       CAPTURE(set.error);
       REQUIRE(set.code == 0);
       CHECK_THAT(set.output, Contains("accepted"));
-      THEN("both hold them, but for what is 8's own; late consumers are told so") {
+      THEN("both use them, except for the override of 8; late consumers receive this") {
         REQUIRE(live.settings.wait_for(has(7, "trust.n_base", "9")));
         REQUIRE(live.settings.wait_for(has(8, "trust.n_base", "9")));
-        CHECK(value_in(as_told_late(bus, 7), "trust.sigma_m") == "0.25");
-        CHECK(value_in(as_told_late(bus, 8), "trust.sigma_m") == "0.8");
-        CHECK(as_told_late(bus, 7).values.size() == settings::setting_table().size());
+        CHECK(value_in(as_late_consumer(bus, 7), "trust.sigma_m") == "0.25");
+        CHECK(value_in(as_late_consumer(bus, 8), "trust.sigma_m") == "0.8");
+        CHECK(as_late_consumer(bus, 7).values.size() == settings::setting_table().size());
         const Result get = bus.settings({"get", "trust.sigma_m", "--json"});
         REQUIRE(get.code == 0);
         const auto list = nlohmann::json::parse(get.output);
@@ -88,26 +88,26 @@ SCENARIO("settings are changed while the fusion runs, and who comes late sees wh
                        Contains("trust.n_base = 9\n") && !Contains("drift."));
       }
     }
-    WHEN("a request has one value that cannot be") {
+    WHEN("a request contains one invalid value") {
       const Result set = bus.settings({"set", "trust.n_base=9", "drift.jump_alpha=2", "--beacon", "7"});
-      THEN("it is refused with key, value and limits, and nothing was changed") {
+      THEN("it is refused with key, value and limits, and nothing changes") {
         CHECK(set.code == 1);
         CHECK(set.output.empty());
         CHECK_THAT(set.error, Contains("refused") && Contains("drift.jump_alpha = 2") && Contains("0 … 1"));
         REQUIRE(bus.settings({"set", "trust.n_min=3", "--beacon", "7"}).code == 0);
         REQUIRE(live.settings.wait_for(has(7, "trust.n_min", "3")));
-        CHECK(value_in(as_told_late(bus, 7), "trust.n_base") ==
+        CHECK(value_in(as_late_consumer(bus, 7), "trust.n_base") ==
               std::to_string(estimation::documented::TrustSettings{}.n_base));
       }
     }
-    WHEN("what a preset replaces is set") {
+    WHEN("a setting that a preset replaces is set") {
       const Result set = bus.settings({"set", "drift.jump_alpha=0.9"});
       THEN("it is accepted with a warning") {
         CHECK(set.code == 0);
         CHECK_THAT(set.error, Contains("warning") && Contains("drift.jump_alpha") && Contains("user"));
       }
     }
-    WHEN("a key is misspelt for get, or an argument for set is no assignment") {
+    WHEN("a key of get is misspelt, or an argument of set is not an assignment") {
       THEN("it is named") {
         const Result get = bus.settings({"get", "trust.sigma"});
         CHECK(get.code == 1);
@@ -120,11 +120,11 @@ SCENARIO("settings are changed while the fusion runs, and who comes late sees wh
   }
 }
 
-SCENARIO("a fusion that has heard no beacon yet tells what will hold") {
-  GIVEN("a fusion alone, with a value of its own") {
+SCENARIO("a fusion without a beacon reports the settings that it will use") {
+  GIVEN("a fusion alone, started with a changed setting") {
     const Bus bus;
     const auto fusion = bus.fusion({"--set", "trust.n_min=3"});
-    THEN("what it was started with is there, and a beacon is said not to have been heard") {
+    THEN("get prints that setting, and reports that a beacon has not been received") {
       const Result get = bus.settings({"get", "trust"});
       CAPTURE(get.error);
       CHECK(get.code == 0);
@@ -133,9 +133,9 @@ SCENARIO("a fusion that has heard no beacon yet tells what will hold") {
       CHECK(seven.code == 1);
       CHECK_THAT(seven.error, Contains("received nothing from beacon 7"));
     }
-    WHEN("all are given another value") {
+    WHEN("the value is changed for all beacons") {
       REQUIRE(bus.settings({"set", "trust.n_base=9"}).code == 0);
-      THEN("that is there at once") {
+      THEN("get prints it at once") {
         CHECK_THAT(bus.settings({"get", "trust"}).output,
                    Contains("trust.n_min = 3\n") && Contains("trust.n_base = 9\n"));
       }
@@ -143,26 +143,26 @@ SCENARIO("a fusion that has heard no beacon yet tells what will hold") {
   }
 }
 
-SCENARIO("a misspelt key is named at once, whether a fusion runs or not") {
+SCENARIO("a misspelt key is refused at once, with and without a running fusion") {
   const Bus bus;
   const Result get = bus.settings({"get", "trust.sigma", "--timeout", "1000"});
   CHECK(get.code == 1);
   CHECK_THAT(get.error, Contains("'trust.sigma'") && Contains("'trust.sigma_m'"));
 }
 
-SCENARIO("a watch prints what changes, when it does") {
+SCENARIO("watch prints changes as they happen") {
   LiveSystem live;
   const auto lines = live.bus.settings_watch({"--beacon", "7"});
   REQUIRE(lines->wait_for_line(Stream::error, "watching beacon 7"));
   REQUIRE(live.bus.settings({"set", "trust.n_base=9", "--beacon", "8"}).code == 0);
   REQUIRE(live.bus.settings({"set", "fusion.imu_weight=low"}).code == 0);
   REQUIRE(lines->wait_for_line(Stream::output, "beacon.7.fusion.imu_weight = \"low\"  # was \"medium\""));
-  REQUIRE(lines->wait_for_line(Stream::output, "beacon.7.velocity.blend_weight"));  // which the preset sets
+  REQUIRE(lines->wait_for_line(Stream::output, "beacon.7.velocity.blend_weight"));  // set by the preset
   CHECK(lines->end_by(SIGINT).code == 0);
   CHECK_THAT(lines->text(Stream::output), !Contains("beacon.8") && !Contains("trust"));
 }
 
-SCENARIO("a reset by command is waited for") {
+SCENARIO("the reset command waits for its result") {
   LiveSystem live;
   Consumer<sonopose_FusionStatus> statuses(live.bus, topics::fusion_status, dds::Delivery::live);
   const Result reset = live.bus.settings({"reset", "--beacon", "7"});
@@ -177,7 +177,7 @@ SCENARIO("a reset by command is waited for") {
   CHECK_THAT(live.bus.settings({"reset"}).output, Contains("beacon 7") && Contains("beacon 8"));
 }
 
-SCENARIO("without a fusion, that is said") {
+SCENARIO("a missing fusion is reported") {
   const Bus bus;
   for (const Arguments& command :
        {Arguments{"get"}, Arguments{"set", "trust.n_base=9"}, Arguments{"reset"}}) {
@@ -190,8 +190,8 @@ SCENARIO("without a fusion, that is said") {
   }
 }
 
-SCENARIO("a change at an event is as exact as the replay: the same poses to the last bit") {
-  GIVEN("a log, and what an engine makes of it that is given other settings before event 1000") {
+SCENARIO("a change at a given event gives poses that are bit-identical to the replay") {
+  GIVEN("a log, and the poses of an engine whose settings change before event 1000") {
     const Bus bus;
     const TemporaryFolder folder;
     REQUIRE(bus.bridge({"--source", "sim", "--rate", "0", "--duration", "20", "--record",
@@ -224,7 +224,7 @@ SCENARIO("a change at an event is as exact as the replay: the same poses to the 
     }
     REQUIRE(expected.size() == 2000);
     REQUIRE(differing > 1000);
-    WHEN("the programs do the same, asked before the bridge begins") {
+    WHEN("the programs make the same change, requested before the bridge starts") {
       Consumer<sonopose_FusedPose> poses(bus, topics::pose);
       Consumer<sonopose_EffectiveSettings> settings(bus, topics::settings, dds::Delivery::live);
       const auto fusion = bus.fusion({"--lossless"});
@@ -236,7 +236,7 @@ SCENARIO("a change at an event is as exact as the replay: the same poses to the 
       CHECK_THAT(set.output, Contains("event 1000"));
       REQUIRE(bus.bridge({"--source", "log", "--input", (folder / "log").string(), "--rate", "0"})
                   ->wait_for_exit() == 0);
-      THEN("every pose is the same, and what holds is told from that event on") {
+      THEN("every pose is equal, and the new settings are published from that event on") {
         REQUIRE(poses.wait_for_count(expected.size()));
         std::size_t wrong = 0;
         for (std::size_t i = 0; i < expected.size(); ++i) {

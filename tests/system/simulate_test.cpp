@@ -1,9 +1,9 @@
-/// sonopose-simulate: runs of the simulator as log folders.
+/// The program sonopose-simulate.
 
-#include "support/temporary_folder.hpp"
-#include "support/process.hpp"
 #include "recording/log_folder.hpp"
 #include "sim/simulator.hpp"
+#include "support/process.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -20,11 +20,11 @@ Result simulate(const std::vector<std::string>& arguments) {
   return run(SONOPOSE_TEST_SIMULATE, arguments);
 }
 
-/// Runs it where it must refuse to work; gives what it said.
+/// Runs it with arguments that it must refuse; returns the message.
 std::string refusal(const std::vector<std::string>& arguments) {
   const Result result = simulate(arguments);
   CAPTURE(arguments, result.error);
-  REQUIRE(result.code);  // it ended by itself
+  REQUIRE(result.code);  // it exited
   CHECK(*result.code > 0);
   return result.error;
 }
@@ -41,13 +41,13 @@ std::string bytes_of(const std::filesystem::path& folder) {
 
 }  // namespace
 
-SCENARIO("a simulated run is written as a log with its truth") {
+SCENARIO("a simulated run is written as a log with truth") {
   const TemporaryFolder folder;
-  GIVEN("twelve seconds of a bad line with seed 5") {
+  GIVEN("twelve seconds of a line with losses, with seed 5") {
     const std::string out = (folder / "log").string();
     const Result result = simulate({"packet_loss", "--out", out, "--seed", "5", "--duration", "12"});
     REQUIRE(result.code == 0);
-    THEN("it reads back as what the simulator gives, late and doubled packets in their places") {
+    THEN("it equals the output of the simulator, including late and duplicated packets") {
       const auto expected = sim::record(sim::find_scenario("packet_loss"), {.seed = 5, .duration_s = 12.0});
       const recording::SensorLog log = recording::read_sensor_log(out);
       REQUIRE(log.events.size() == expected.events.size());
@@ -58,23 +58,23 @@ SCENARIO("a simulated run is written as a log with its truth") {
       REQUIRE(log.truth.size() == expected.truth.size());
       CHECK(log.truth.back().position_world_m == expected.truth.back().position_world_m);
     }
-    THEN("it says what it wrote") {
+    THEN("it prints what it wrote") {
       CHECK_THAT(result.output, Contains(out) && Contains("packet_loss") && Contains("seed 5") &&
                                     Contains("12 s") && Contains("IMU samples"));
     }
   }
-  GIVEN("the same seed twice, and another one") {
+  GIVEN("the same seed twice, and another seed") {
     REQUIRE(simulate({"kart", "--out", (folder / "a").string(), "--seed", "2"}).code == 0);
     REQUIRE(simulate({"kart", "--out", (folder / "b").string(), "--seed", "2"}).code == 0);
     REQUIRE(simulate({"kart", "--out", (folder / "c").string(), "--seed", "3"}).code == 0);
-    THEN("the same seed gives the same bytes, another one others") {
+    THEN("the same seed gives the same bytes, another seed different ones") {
       CHECK(bytes_of(folder / "a") == bytes_of(folder / "b"));
       CHECK(bytes_of(folder / "a") != bytes_of(folder / "c"));
     }
   }
   GIVEN("no duration") {
     REQUIRE(simulate({"outages", "--out", (folder / "log").string()}).code == 0);
-    THEN("it is the scenario's own") {
+    THEN("the duration is that of the scenario") {
       CHECK(recording::read_sensor_log(folder / "log").truth.size() == 7500);
     }
   }
@@ -88,18 +88,18 @@ SCENARIO("a simulated run is written as a log with its truth") {
   }
 }
 
-SCENARIO("a simulation that cannot be is refused") {
+SCENARIO("invalid requests are refused") {
   const TemporaryFolder folder;
   const std::string out = (folder / "log").string();
   WHEN("the scenario does not exist") {
-    THEN("those that do are named, and no folder is made") {
+    THEN("the existing scenarios are named, and no folder is created") {
       CHECK_THAT(refusal({"swim", "--out", out}),
                  Contains("swim") && Contains("forklift") && Contains("packet_loss"));
       CHECK_FALSE(exists(folder / "log"));
     }
   }
   WHEN("the scenario, the folder or a value is missing") {
-    THEN("that is said") {
+    THEN("the error message says so") {
       CHECK_THAT(refusal({"--out", out}), Contains("SCENARIO"));
       CHECK_THAT(refusal({"walk"}), Contains("--out"));
       CHECK_THAT(refusal({"walk", "--out", out, "--duration", "-1"}),
@@ -107,10 +107,10 @@ SCENARIO("a simulation that cannot be is refused") {
       CHECK_THAT(refusal({"walk", "--out", out, "--seed", "many"}), Contains("--seed") && Contains("many"));
     }
   }
-  WHEN("the folder holds a recording") {
+  WHEN("the folder contains a recording") {
     REQUIRE(simulate({"rest", "--out", out, "--duration", "1"}).code == 0);
     const std::string before = bytes_of(out);
-    THEN("it is refused, and the recording is as it was") {
+    THEN("it is refused, and the recording is unchanged") {
       CHECK_THAT(refusal({"walk", "--out", out}), Contains(out) && Contains("not overwritten"));
       CHECK(bytes_of(out) == before);
     }

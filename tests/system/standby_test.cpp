@@ -1,4 +1,4 @@
-/// Two fusions on the same inputs: one serves, the other one takes over.
+/// Hot standby: two fusions with the same inputs.
 
 #include "support/held_thread.hpp"
 #include "support/pose_tap.hpp"
@@ -27,16 +27,16 @@ constexpr double slowness = 1.0;
 
 using Writers = std::set<std::uint64_t>;
 
-/// A fusion of the pair, with the writers by which the tap knows it.
+/// A fusion of the pair, with its writers as matched by the tap.
 struct Fusion {
   std::unique_ptr<Process> process;
   Writers writers;
-  std::uint64_t claim = 0;  ///< the one of them that has a strength
+  std::uint64_t claim = 0;  ///< the writer with the ownership strength
 
   [[nodiscard]] bool wrote(const TappedPose& tapped) const { return writers.contains(tapped.writer); }
 };
 
-/// The bus with a bridge, a tap, and fusions as they are asked for.
+/// A bus with a bridge, a tap, and fusions on request.
 class Pair {
 public:
   explicit Pair(const Arguments& source = {"--scenario", "rest", "--imu-rate", "200"})
@@ -61,7 +61,7 @@ public:
     return fusion;
   }
 
-  /// Waits until the consumer has a pose that this fusion claims, from now on.
+  /// Waits until the consumer receives a new pose of this fusion.
   void wait_until_served_by(const Fusion& fusion) {
     REQUIRE(tap.wait_for_writer({fusion.claim}, tap.count()));
   }
@@ -71,7 +71,7 @@ public:
   std::unique_ptr<Process> bridge;
 };
 
-/// Takes the strong one out `kills` times, and says how long the consumer then waited for the weak one.
+/// Kills the strong fusion `kills` times and measures how long the consumer waits for the weak one.
 std::vector<double> takeovers_ms(Pair& pair, Fusion& strong, const Fusion& weak,
                                  const std::function<std::function<void()>()>& take_out) {
   std::vector<double> waits_ms;
@@ -95,10 +95,11 @@ void report(const std::string& what, const std::vector<double>& waits_ms) {
       "{}: taken over after {:.1f} / {:.1f} / {:.1f} ms (min/median/max of {}), lease {} ms\n", what,
       waits_ms.front(), median_ms, waits_ms.back(), waits_ms.size(), lease_ms);
   CHECK(median_ms <= slowness * (1.1 * lease_ms + imu_period_ms));
-  CHECK(waits_ms[waits_ms.size() * 9 / 10] <= slowness * 2.0 * lease_ms);  // a busy machine delays some
+  CHECK(waits_ms[waits_ms.size() * 9 / 10] <=
+        slowness * 2.0 * lease_ms);  // a busy machine delays some takeovers
 }
 
-/// The poses up to the first of the weak one are the strong one's alone: one stream.
+/// All poses before the first of the weak fusion are from the strong one.
 void check_one_stream(const std::vector<TappedPose>& poses, const Fusion& weak) {
   std::uint64_t latest = 0;
   for (const TappedPose& tapped : poses) {
@@ -110,7 +111,7 @@ void check_one_stream(const std::vector<TappedPose>& poses, const Fusion& weak) 
 
 }  // namespace
 
-SCENARIO("a fusion that is killed is replaced within its lease") {
+SCENARIO("a killed fusion is replaced within its lease") {
   Pair pair;
   Fusion strong = pair.start("200");
   const Fusion weak = pair.start("100");
@@ -124,7 +125,7 @@ SCENARIO("a fusion that is killed is replaced within its lease") {
   report("kill -9", waits_ms);
 }
 
-SCENARIO("a fusion that is stopped is replaced within its lease, and serves again when it goes on") {
+SCENARIO("a stopped fusion is replaced within its lease, and serves again when it continues") {
   Pair pair;
   Fusion strong = pair.start("200");
   const Fusion weak = pair.start("100");
@@ -135,7 +136,7 @@ SCENARIO("a fusion that is stopped is replaced within its lease, and serves agai
   report("SIGSTOP", waits_ms);
 }
 
-SCENARIO("a fusion whose receiving thread hangs is replaced, though its other threads live") {
+SCENARIO("a fusion whose receive thread hangs is replaced, although its other threads run") {
   Pair pair;
   Fusion strong = pair.start("200");
   const Fusion weak = pair.start("100");
@@ -147,8 +148,8 @@ SCENARIO("a fusion whose receiving thread hangs is replaced, though its other th
   report("a thread that hangs", waits_ms);
 }
 
-SCENARIO("while the stronger one lives nothing comes from the weaker one, and no time goes back") {
-  GIVEN("a pair of which the stronger one serves") {
+SCENARIO("while the stronger fusion is alive, the weaker one delivers nothing and time never goes back") {
+  GIVEN("a pair with the stronger fusion serving") {
     Pair pair;
     const Fusion weak = pair.start("100");
     pair.wait_until_served_by(weak);
@@ -157,7 +158,7 @@ SCENARIO("while the stronger one lives nothing comes from the weaker one, and no
     const std::size_t begin = pair.tap.count();
     WHEN("two seconds pass") {
       const auto poses = pair.tap.wait_for_count(begin, 400);
-      THEN("each pose is of the stronger one, and of a later IMU sample") {
+      THEN("each pose is from the stronger one, and of a later IMU sample") {
         check_one_stream(poses, weak);
         for (std::size_t i = 0; i < poses.size(); ++i) {
           REQUIRE(strong.wrote(poses[i]));
@@ -169,8 +170,8 @@ SCENARIO("while the stronger one lives nothing comes from the weaker one, and no
 }
 
 SCENARIO(
-    "a fusion that comes takes over, and one that ends hands over, without a sample missing and without a "
-    "jump") {
+    "a stronger fusion takes over when it starts and hands over when it ends, without a missing sample or "
+    "a jump") {
   Pair pair({"--scenario", "walk", "--imu-rate", "200"});
   const Fusion weak = pair.start("100");
   pair.wait_until_served_by(weak);
@@ -186,7 +187,7 @@ SCENARIO(
     auto poses = pair.tap.since(begin);
     REQUIRE(weak.wrote(poses.front()));
     REQUIRE(weak.wrote(poses.back()));
-    // From the last pose before the claim on; that a process starts may starve the others for a moment.
+    // From the last pose before the claim; the start of a process may briefly starve the others.
     const auto claimed = std::find_if(poses.begin(), poses.end(),
                                       [&](const TappedPose& pose) { return pose.writer == strong.claim; });
     REQUIRE(claimed != poses.end());
@@ -198,22 +199,22 @@ SCENARIO(
       const FusedPose& before = poses[k - 1].pose;
       const FusedPose& after = poses[k].pose;
       INFO("hand-over " << i << ", event " << before.sequence << " to " << after.sequence);
-      CHECK(std::abs(after.time_ns - before.time_ns) <= 5'001'000);  // the next one, or the same one twice
-      // Walking: 1.3 m/s at most; besides that, what the engines may differ by (late_starter_test).
+      CHECK(std::abs(after.time_ns - before.time_ns) <= 5'001'000);  // the next sample, or the same one twice
+      // Walking: at most 1.3 m/s; plus the difference between the engines (late_starter_test).
       CHECK((after.position_world_m - before.position_world_m).norm() < 0.05 + 0.01);
     }
   }
 }
 
-SCENARIO("of two beacons the stronger one serves the one that it has, and the weaker one the other") {
-  GIVEN("a pair that serves two beacons, of which the stronger one is told to leave one out") {
+SCENARIO("with two beacons, each is served by the strongest fusion that has it") {
+  GIVEN("two beacons, and a pair in which the stronger fusion excludes one of them") {
     Pair pair({"--scenario", "rest", "--imu-rate", "200", "--address", "7"});
     const auto other = pair.bus.bridge({"--scenario", "rest", "--imu-rate", "200", "--address", "8"});
     const Fusion weak = pair.start("100");
     const Fusion strong = pair.start("200", {"--warm-up", "0.2", "--addresses", "7"});
     pair.wait_until_served_by(strong);
     const std::size_t begin = pair.tap.count();
-    THEN("7 comes from the stronger one and 8 from the weaker one") {
+    THEN("poses of 7 come from the stronger fusion and poses of 8 from the weaker one") {
       for (const TappedPose& tapped : pair.tap.wait_for_count(begin, 400)) {
         REQUIRE((tapped.pose.address == 7 ? strong : weak).wrote(tapped));
       }
@@ -221,7 +222,7 @@ SCENARIO("of two beacons the stronger one serves the one that it has, and the we
   }
 }
 
-SCENARIO("a beacon that falls silent is given up, and taken up again when it comes back") {
+SCENARIO("a silent beacon is released, and claimed again when it returns") {
   GIVEN("a fusion that claims two beacons of two bridges") {
     Pair pair({"--scenario", "rest", "--imu-rate", "200", "--address", "7"});
     const auto other = pair.bus.bridge({"--scenario", "rest", "--imu-rate", "200", "--address", "8"});
@@ -238,12 +239,12 @@ SCENARIO("a beacon that falls silent is given up, and taken up again when it com
     WHEN("one of the bridges is stopped") {
       const std::size_t before = pair.tap.count();
       pair.bridge->send(SIGSTOP);
-      THEN("its beacon is told to be silent and given up, the other one is served on") {
+      THEN("its beacon is reported silent and released, and the other one is still served") {
         REQUIRE(wait_for_role(FusionRole::stalled, true));
         REQUIRE(pair.tap.wait_for([](const TappedPose& tapped) { return tapped.pose.address == 8; },
                                   pair.tap.count()));
         CHECK(status.samples.back().strength == 100);
-        WHEN("it goes on") {
+        WHEN("it continues") {
           pair.bridge->send(SIGCONT);
           THEN("it is served again") {
             REQUIRE(pair.tap.wait_for(
@@ -259,9 +260,8 @@ SCENARIO("a beacon that falls silent is given up, and taken up again when it com
   }
 }
 
-SCENARIO(
-    "a beacon that only the stronger one has lost is taken over, though that process lives and is idle") {
-  GIVEN("two fusions, each with a bridge of its own to the same beacon, and a consumer that hears both") {
+SCENARIO("a beacon that only the stronger fusion has lost is taken over while that fusion is alive") {
+  GIVEN("two fusions, each with its own bridge to the same beacon, and a consumer of both") {
     const Bus bus;
     const PoseTap tap(bus, "way-*");
     const auto bridge_in = [&bus](const std::string& partition) {
@@ -280,10 +280,10 @@ SCENARIO(
     const auto served = from_strong();
     REQUIRE(served);
     const auto weak = bus.fusion({"--partition", "way-2", "--standby-strength", "100", "--warm-up", "0.2"});
-    WHEN("the stronger one's bridge falls silent") {
+    WHEN("the bridge of the stronger fusion falls silent") {
       const std::size_t before = tap.count();
       strong_bridge->send(SIGSTOP);
-      THEN("the weaker one serves, and when the bridge is back the stronger one again") {
+      THEN("the weaker one serves, and the stronger one again when the bridge is back") {
         REQUIRE(
             tap.wait_for([&](const TappedPose& tapped) { return tapped.writer != served->writer; }, before));
         strong_bridge->send(SIGCONT);

@@ -1,4 +1,4 @@
-/// Two bridges that publish one address: a mistake that would be hard to find.
+/// Two bridges that publish the same address by mistake.
 
 #include "support/bus.hpp"
 
@@ -8,8 +8,8 @@ using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
-SCENARIO("two bridges on one address are noticed by both and told to all") {
-  GIVEN("a bridge at work") {
+SCENARIO("two bridges with the same address detect and report each other") {
+  GIVEN("a running bridge") {
     const Bus bus;
     Consumer<sonopose_BeaconStatus> status(bus, topics::beacon_status, dds::Delivery::live);
     const auto first = bus.bridge({"--scenario", "rest"});
@@ -17,14 +17,14 @@ SCENARIO("two bridges on one address are noticed by both and told to all") {
     CHECK(status.samples.back().other_bridges == 0);
     WHEN("a second one publishes the same address") {
       const auto second = bus.bridge({"--scenario", "rest"});
-      THEN("both say so, in words and in their status") {
+      THEN("both report it, in their logs and in their status") {
         CHECK(first->wait_for_line(Stream::error, "another bridge publishes beacon 7 too"));
         CHECK(second->wait_for_line(Stream::error, "another bridge publishes beacon 7 too"));
         CHECK(status.wait_for([](const BeaconStatus& told) { return told.other_bridges == 1; }));
         AND_WHEN("one of them ends") {
           CHECK(second->end_by(SIGINT).code == 0);
           const std::size_t since = status.samples.size();
-          THEN("the other's status is clean again") {
+          THEN("the status of the other one is clear again") {
             CHECK(status.wait_for([](const BeaconStatus& told) { return told.other_bridges == 0; }, since));
           }
         }
@@ -35,7 +35,7 @@ SCENARIO("two bridges on one address are noticed by both and told to all") {
       REQUIRE(status.wait_for([](const BeaconStatus& told) { return told.address == 8; }));
       REQUIRE(
           status.wait_for([](const BeaconStatus& told) { return told.address == 8; }, status.samples.size()));
-      THEN("nobody complains") {
+      THEN("nothing is reported") {
         for (const BeaconStatus& told : status.samples) CHECK(told.other_bridges == 0);
         CHECK_THAT(second->text(Stream::error), !Catch::Contains("another bridge"));
       }

@@ -1,8 +1,8 @@
-/// The UDP path: the datagrams of a simulated beacon.
+/// The UDP path: datagrams of a simulated beacon.
 
-#include "support/temporary_folder.hpp"
 #include "support/beacon_bytes.hpp"
 #include "support/bus.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -15,7 +15,7 @@ namespace topics = dds::topics;
 
 namespace {
 
-/// Sends datagrams to a port of this machine that was free a moment ago.
+/// Sends datagrams to a port of this machine that was recently free.
 class Sender {
 public:
   Sender() : file_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -48,8 +48,8 @@ private:
 
 }  // namespace
 
-SCENARIO("a beacon's datagrams give poses") {
-  GIVEN("a fusion, a bridge that listens, and a beacon that rests") {
+SCENARIO("the datagrams of a beacon give poses") {
+  GIVEN("a fusion, a listening bridge, and a beacon at rest") {
     const Bus bus;
     const TemporaryFolder folder;
     const Sender beacon;
@@ -63,9 +63,9 @@ SCENARIO("a beacon's datagrams give poses") {
     REQUIRE(poses.wait_for_writers());
     const auto bridge = bus.bridge({"--source", "udp", "--listen", beacon.endpoint()});
     REQUIRE(bridge->wait_for_line(Stream::error, "publishing from udp"));
-    WHEN("it sends") {
+    WHEN("the beacon sends") {
       send_in_time(datagrams, [&beacon](std::span<const std::uint8_t> bytes) { beacon.send(bytes); });
-      THEN("poses arrive under its address, at the place where it rests") {
+      THEN("poses arrive with its address, at its position") {
         CHECK(poses.wait_for([](const FusedPose& pose) {
           return pose.address == 21 && (pose.status & status_initialising) == 0U &&
                  (pose.position_world_m - Vector3d(1.0, 2.0, 0.5)).norm() < 0.10;

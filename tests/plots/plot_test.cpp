@@ -1,8 +1,9 @@
-#include "support/temporary_folder.hpp"
+#include "plots/plot.hpp"
+
+#include "evaluation/run.hpp"
 #include "evaluation/sample_log.hpp"
 #include "files/error.hpp"
-#include "plots/picture.hpp"
-#include "evaluation/run.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -11,7 +12,7 @@
 
 using namespace sonopose;
 using namespace sonopose::test;
-using plots::Picture;
+using plots::Plot;
 
 namespace {
 
@@ -21,13 +22,13 @@ bool gnuplot_is_here() {
   return false;
 }
 
-void show(const recording::SensorLog& log, Picture& picture) {
+void show(const recording::SensorLog& log, Plot& plot) {
   evaluation::run(log, {},
-              {[&picture](const FusedPose& pose) { picture.add(pose); },
-               [&picture](const FixReport& report) { picture.add(report); }});
+                  {[&plot](const FusedPose& pose) { plot.add(pose); },
+                   [&plot](const FixReport& report) { plot.add(report); }});
 }
 
-/// Sets PATH for as long as it lives.
+/// Sets PATH during its lifetime.
 class Path {
 public:
   explicit Path(const char* value) : before_(std::getenv("PATH")) { ::setenv("PATH", value, 1); }
@@ -43,22 +44,22 @@ private:
 
 }  // namespace
 
-TEST_CASE("a picture is drawn whatever its name and title hold, with truth or without") {
+TEST_CASE("any file name and title can be plotted, with and without truth") {
   if (!gnuplot_is_here()) return;
   const TemporaryFolder folder;
   recording::SensorLog log = sample_log("outlier_bursts");
   const auto svg = folder / "it's a \"path\" $HOME `x` \\n %s.svg";
   const auto png = folder / "b.png";
   {
-    Picture picture(svg, "a 'title' with \"quotes\"", log);
-    show(log, picture);
-    picture.draw();
+    Plot plot(svg, "a 'title' with \"quotes\"", log);
+    show(log, plot);
+    plot.draw();
   }
   log.truth.clear();
   {
-    Picture picture(png, "without truth", log);
-    show(log, picture);
-    picture.draw();
+    Plot plot(png, "without truth", log);
+    show(log, plot);
+    plot.draw();
   }
   const std::string drawn = read_text(svg);
   CHECK(drawn.find("</svg>") != std::string::npos);
@@ -67,18 +68,18 @@ TEST_CASE("a picture is drawn whatever its name and title hold, with truth or wi
   CHECK(read_text(png).starts_with("\x89PNG"));
 }
 
-TEST_CASE("a run without a single pose, and one at a single spot, are drawn too") {
+TEST_CASE("a run without poses and a run at a single point can be plotted") {
   if (!gnuplot_is_here()) return;
   const TemporaryFolder folder;
   const recording::SensorLog log = sample_log("rest", 0.05);  // before the first fix
-  Picture empty(folder / "empty.png", "", log);
+  Plot empty(folder / "empty.png", "", log);
   CHECK_NOTHROW(empty.draw());
-  Picture spot(folder / "spot.png", "", log);
+  Plot spot(folder / "spot.png", "", log);
   show(log, spot);
   CHECK_NOTHROW(spot.draw());
 }
 
-TEST_CASE("a long run is drawn by a bounded number of moments, and its peaks stay") {
+TEST_CASE("a long run is thinned to a bounded number of moments that keep the peaks") {
   if (!gnuplot_is_here()) return;
   const TemporaryFolder folder;
   recording::SensorLog log;
@@ -90,7 +91,7 @@ TEST_CASE("a long run is drawn by a bounded number of moments, and its peaks sta
     log.truth.push_back({.time_ns = time_ns});
   }
   log.truth.insert(log.truth.begin() + 1, {.time_ns = to_ns(0.01) * 777});
-  Picture picture(folder / "long.svg", "", log);
+  Plot plot(folder / "long.svg", "", log);
   for (int k = 0; k < poses; ++k) {
     FusedPose pose;
     pose.time_ns = k == 0 ? 1 : to_ns(0.01) * k;
@@ -98,11 +99,11 @@ TEST_CASE("a long run is drawn by a bounded number of moments, and its peaks sta
       pose.position_world_m.x() = 3.0;
       pose.status = status_stale;
     }
-    picture.add(pose);
+    plot.add(pose);
   }
-  const auto& moments = picture.data().moments;
-  CHECK(moments.size() <= Picture::most_moments);
-  CHECK(moments.size() > Picture::most_moments / 4);
+  const auto& moments = plot.data().moments;
+  CHECK(moments.size() <= Plot::most_moments);
+  CHECK(moments.size() > Plot::most_moments / 4);
   double worst_m = 0.0;
   std::size_t stale = 0;
   for (std::size_t k = 0; k < moments.size(); ++k) {
@@ -115,15 +116,15 @@ TEST_CASE("a long run is drawn by a bounded number of moments, and its peaks sta
   CHECK(moments.back().time_s == Approx(0.01 * (poses - 1)));
 }
 
-TEST_CASE("a picture that cannot be is refused before the run") {
+TEST_CASE("a plot that cannot be drawn is refused before the run") {
   const TemporaryFolder folder;
   const recording::SensorLog log = sample_log("rest", 0.05);
-  CHECK_THROWS_WITH(Picture(folder / "a.pdf", "", log), Catch::Contains("ends in .svg or .png"));
-  CHECK_THROWS_WITH(Picture(folder / "a\nb.svg", "", log), Catch::Contains("line break"));
+  CHECK_THROWS_WITH(Plot(folder / "a.pdf", "", log), Catch::Contains("ends in .svg or .png"));
+  CHECK_THROWS_WITH(Plot(folder / "a\nb.svg", "", log), Catch::Contains("line break"));
   {
     const Path nowhere("/nowhere");
-    CHECK_THROWS_WITH(Picture(folder / "a.svg", "", log), Catch::Contains("gnuplot-nox"));
+    CHECK_THROWS_WITH(Plot(folder / "a.svg", "", log), Catch::Contains("gnuplot-nox"));
   }
   if (!gnuplot_is_here()) return;
-  CHECK_THROWS_AS(Picture(folder / "none/a.svg", "", log), files::IoError);
+  CHECK_THROWS_AS(Plot(folder / "none/a.svg", "", log), files::IoError);
 }

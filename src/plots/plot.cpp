@@ -1,5 +1,6 @@
+#include "plots/plot.hpp"
+
 #include "plots/gnuplot.hpp"
-#include "plots/picture.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,13 +9,13 @@
 namespace sonopose::plots {
 namespace {
 
-/// The greater of two errors, of which either may not be known.
+/// The larger of two errors; either may be NaN (unknown).
 double worse(double a, double b) {
   return std::isnan(a) || b > a ? b : a;
 }
 
-void merge(PictureData::Moment& into, const PictureData::Moment& next) {
-  const PictureData::Moment before = into;
+void merge(PlotData::Moment& into, const PlotData::Moment& next) {
+  const PlotData::Moment before = into;
   into = next;
   into.error_m = worse(before.error_m, next.error_m);
   into.last_fix_error_m = worse(before.last_fix_error_m, next.last_fix_error_m);
@@ -24,18 +25,18 @@ void merge(PictureData::Moment& into, const PictureData::Moment& next) {
 
 }  // namespace
 
-Picture::Picture(std::filesystem::path file, std::string title, const recording::SensorLog& log)
+Plot::Plot(std::filesystem::path file, std::string title, const recording::SensorLog& log)
     : file_(std::move(file)),
       replacement_(file_),
       begin_ns_(log.events.empty() ? 0 : available_at_ns(log.events.front())),
       truth_(log.truth) {
-  check_picture(file_, replacement_);
+  check_plot_file(file_, replacement_);
   data_.title = std::move(title);
   data_.has_truth = !log.truth.empty();
 }
 
-void Picture::add(const FusedPose& pose) {
-  PictureData::Moment moment;
+void Plot::add(const FusedPose& pose) {
+  PlotData::Moment moment;
   moment.time_s = seconds_between(begin_ns_, pose.time_ns);
   moment.position_world_m = pose.position_world_m;
   moment.speed_mps = pose.velocity_world_mps.norm();
@@ -59,7 +60,7 @@ void Picture::add(const FusedPose& pose) {
   poses_in_last_ = 1;
 }
 
-void Picture::add(const FixReport& report) {
+void Plot::add(const FixReport& report) {
   UltrasonicFix fix;
   fix.emission_time_ns = report.emission_time_ns;
   fix.position_world_m = report.position_world_m;
@@ -73,10 +74,10 @@ void Picture::add(const FixReport& report) {
   if ((report.flags & fix_used) != 0) last_used_ = report;
 }
 
-void Picture::halve() {
+void Plot::halve() {
   auto& moments = data_.moments;
   for (std::size_t i = 0; i < moments.size() / 2; ++i) {
-    PictureData::Moment pair = moments[2 * i];
+    PlotData::Moment pair = moments[2 * i];
     merge(pair, moments[2 * i + 1]);
     moments[i] = pair;
   }
@@ -84,17 +85,17 @@ void Picture::halve() {
   poses_per_moment_ *= 2;
 }
 
-double Picture::speed_since_last_used(const FixReport& fix) const {
-  constexpr double least_interval_s = 0.05;  // below, the fixes' noise is all that one would see
+double Plot::speed_since_last_used(const FixReport& fix) const {
+  constexpr double least_interval_s = 0.05;  // shorter intervals show mostly noise
   constexpr double widest_gap_s = 0.5;
-  if (!last_used_ || (fix.flags & fix_used) == 0) return PictureData::unknown;
+  if (!last_used_ || (fix.flags & fix_used) == 0) return PlotData::unknown;
   const double interval_s = seconds_between(last_used_->emission_time_ns, fix.emission_time_ns);
-  if (!(interval_s > least_interval_s && interval_s < widest_gap_s)) return PictureData::unknown;
+  if (!(interval_s > least_interval_s && interval_s < widest_gap_s)) return PlotData::unknown;
   return (fix.position_world_m - last_used_->position_world_m).norm() / interval_s;
 }
 
-void Picture::draw() {
-  draw_picture(file_, replacement_, gnuplot_script(data_, replacement_.part(), file_.extension()));
+void Plot::draw() {
+  draw_plot(file_, replacement_, gnuplot_script(data_, replacement_.part(), file_.extension()));
 }
 
 }  // namespace sonopose::plots

@@ -1,14 +1,14 @@
 #pragma once
 /// \file
-/// A run as a picture to tune by: the path with its fixes, and over time the error (or the fixes' innovations),
-/// the speed, and what was made of each fix. Drawn by gnuplot.
+/// Plot of a run for tuning: the path with its fixes, and over time the error (or the innovations of the
+/// fixes), the speed, and how each fix was used. Drawn by gnuplot.
 
-#include <sonopose/samples/pose.hpp>
-#include <sonopose/samples/samples.hpp>
-#include "recording/log_folder.hpp"
-#include "files/replacement.hpp"
 #include "evaluation/baseline.hpp"
 #include "evaluation/score.hpp"
+#include "files/replacement.hpp"
+#include "recording/log_folder.hpp"
+#include <sonopose/samples/pose.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <cstdint>
 #include <filesystem>
@@ -20,18 +20,18 @@
 
 namespace sonopose::plots {
 
-/// A picture that cannot be drawn; the message says what is missing.
-class PictureError : public std::runtime_error {
+/// A plot that cannot be drawn; the message states the reason.
+class PlotError : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;
 };
 
-/// What is drawn; NaN where not known, times in seconds after the recording's first event.
-struct PictureData {
+/// Data of a plot; NaN for unknown values, times in seconds after the recording's first event.
+struct PlotData {
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-  /// One or several poses in a row: the latest of each value, but the greatest of the errors, the least trust
-  /// and every status that was set.
+  /// One pose, or several consecutive ones: the latest values, but the largest errors, the lowest trust and
+  /// every status bit that was set.
   struct Moment {
     double time_s = 0;
     Vector3d position_world_m = Vector3d::Zero();
@@ -45,11 +45,11 @@ struct PictureData {
   };
 
   struct Fix {
-    double time_s = 0;  ///< when it was applied
+    double time_s = 0;  ///< time at which it was applied
     Vector3d position_world_m = Vector3d::Zero();
     double innovation_m = 0;
     double weight = 0;
-    double speed_mps = unknown;  ///< from the used fix before
+    double speed_mps = unknown;  ///< from the previous used fix
     std::uint32_t flags = 0;
   };
 
@@ -59,21 +59,21 @@ struct PictureData {
   std::vector<Fix> fixes;
 };
 
-/// Collects a run's poses and reports, in a bounded number of moments, and draws them.
-class Picture {
+/// Collects the poses and reports of a run in a bounded number of moments, and draws them.
+class Plot {
 public:
   static constexpr std::size_t most_moments = 16384;
 
-  /// `file` ends in .svg or .png. Throws PictureError for another ending and where gnuplot
-  /// is not installed, files::IoError where the file cannot be written. `log` must outlive the picture.
-  Picture(std::filesystem::path file, std::string title, const recording::SensorLog& log);
+  /// `file` has the extension .svg or .png. Throws PlotError for another extension and if gnuplot is not
+  /// installed, files::IoError if the file cannot be written. `log` must outlive the plot.
+  Plot(std::filesystem::path file, std::string title, const recording::SensorLog& log);
 
   void add(const FusedPose& pose);
   void add(const FixReport& report);
 
-  [[nodiscard]] const PictureData& data() const { return data_; }
+  [[nodiscard]] const PlotData& data() const { return data_; }
 
-  /// Replaces the file. Throws PictureError where gnuplot fails; the file then stays as it was.
+  /// Replaces the file. Throws PlotError if gnuplot fails; the file is then unchanged.
   void draw();
 
 private:
@@ -86,13 +86,14 @@ private:
   evaluation::TruthTrack truth_;
   evaluation::Baseline baseline_;
   std::optional<FixReport> last_used_;
-  PictureData data_;
+  PlotData data_;
   std::size_t poses_per_moment_ = 1;
   std::size_t poses_in_last_ = 0;
 };
 
-/// The commands that draw `data` into `file`, data included. `ending` is .svg or .png and says how.
-std::string gnuplot_script(const PictureData& data, const std::filesystem::path& file,
+/// gnuplot commands, including the data, that draw `data` to `file`. `ending` is .svg or .png and selects the
+/// format.
+std::string gnuplot_script(const PlotData& data, const std::filesystem::path& file,
                            const std::filesystem::path& ending);
 
 }  // namespace sonopose::plots
