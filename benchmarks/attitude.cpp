@@ -1,5 +1,5 @@
-// Every attitude filter's update in ns, next to the plain Mahony's (double, without magnetometer). Short
-// rounds of all filters are interleaved, so that a neighbour's load falls on all; what counts is the ratio.
+// Update time of every attitude filter in ns, and its ratio to the plain Mahony filter (double, without
+// magnetometer). Short rounds of all filters are interleaved, so that other load affects all of them equally.
 
 #include <sonopose/attitude/adaptive.hpp>
 #include <sonopose/attitude/ahrs.hpp>
@@ -26,22 +26,22 @@ namespace {
 using namespace sonopose;
 using attitude::Measurement;
 
-/// Few enough to stay in a core's second cache (300 kB in double).
+/// Fits into the L2 cache (300 kB in double).
 constexpr std::size_t sample_count = 2400;
 
-/// A hand-held body: 4 s of rest, then a turn about all axes by up to 5 rad/s and up to 4 m/s² of
-/// acceleration, which swell and die down so that the end joins the beginning.
+/// A hand-held body: 4 s of rest, then rotation about all axes at up to 5 rad/s and acceleration of up to
+/// 4 m/s². The amplitude rises and falls, so the motion can be repeated.
 struct Motion {
   static constexpr double rest_s = 4.0;
   static constexpr double length_s = 24.0;
 
-  static double swell(double time_s) {
+  static double envelope(double time_s) {
     if (time_s < rest_s) return 0.0;
     const double half = std::sin(std::numbers::pi * (time_s - rest_s) / (length_s - rest_s));
     return half * half;
   }
   static double wave(double time_s, double frequency_hz) {
-    return swell(time_s) * std::sin(2.0 * std::numbers::pi * frequency_hz * time_s);
+    return envelope(time_s) * std::sin(2.0 * std::numbers::pi * frequency_hz * time_s);
   }
   static Quaterniond q_body_to_world(double time_s) {
     return geometry::rotation_of(
@@ -55,7 +55,7 @@ struct Motion {
     return (position_world_m(time_s + h) - 2.0 * position_world_m(time_s) + position_world_m(time_s - h)) /
            (h * h);
   }
-  /// An iron thing is near for two seconds.
+  /// Ferromagnetic disturbance for two seconds.
   static Vector3d field_world_t(double time_s) {
     const Vector3d earth_t(0.0, 20e-6, -45e-6);
     const bool disturbed = time_s > 14.0 && time_s < 16.0;
@@ -63,7 +63,7 @@ struct Motion {
   }
 };
 
-/// What sensors with noise and a gyroscope offset measure of it, at steps of 8 to 12 ms.
+/// Measurements of sensors with noise and a gyroscope offset, at steps of 8 to 12 ms.
 std::vector<Measurement<double>> measure_motion() {
   std::mt19937 random(1);
   std::normal_distribution<double> noise;
@@ -105,7 +105,7 @@ std::vector<Measurement<Scalar>> samples_of(int axes) {
   return samples;
 }
 
-/// One filter and what was measured of it: ns per update of each round.
+/// One filter and its time per update in each round, ns.
 struct Entry {
   std::string_view filter;
   int axes;
@@ -121,7 +121,7 @@ struct Entry {
   }
 };
 
-/// The filter goes on from round to round, as if the motion were repeated.
+/// The filter keeps its state between rounds, as if the motion were repeated.
 template <class Filter>
 Entry entry_of(int axes) {
   using Scalar = typename Filter::Scalar;
@@ -147,7 +147,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// The median of the rounds' own ratios.
+/// Median over the rounds of the ratio.
 double ratio(const Entry& entry, const Entry& reference) {
   std::vector<double> ratios;
   for (std::size_t i = 0; i < entry.rounds_ns.size(); ++i)
@@ -173,13 +173,13 @@ void print_table(const std::vector<Entry>& entries) {
 
 int main(int argc, char** argv) {
   int rounds = 501;
-  CLI::App app("Time of every attitude filter's update next to the plain Mahony's.", "benchmark_attitude");
+  CLI::App app("Update time of every attitude filter, and its ratio to the plain Mahony filter.", "benchmark_attitude");
   app.add_option("--rounds", rounds, "Rounds of each filter, 24 s of samples at 100 Hz in each")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   std::vector<Entry> entries;
-  // Mahony first: it is what the others are compared to.
+  // Mahony first: it is the reference for the others.
   add_each<attitude::BasicMahony>(entries);
   add_each<attitude::BasicComplementary>(entries);
   add_each<attitude::BasicAhrs>(entries);

@@ -23,7 +23,7 @@ dds_entity_t checked(dds_entity_t entity) {
   return entity;
 }
 
-/// The profiles of the real chain, read as it reads them: the two cannot differ.
+/// The same profiles as the real chain.
 const dds::QosProvider& profiles() {
   static const dds::QosProvider provider;
   return provider;

@@ -1,5 +1,5 @@
-// Many beacons through one bridge, fusion and consumer: what comes through, what it costs, and how the cost
-// of a sample depends on the number of beacons. Rounds of all numbers are interleaved.
+// Many beacons through one bridge, fusion and consumer: throughput, CPU cost, and the cost of a sample as a
+// function of the number of beacons. Rounds of all numbers are interleaved.
 
 #include "beacons_round.hpp"
 #include "statistics.hpp"
@@ -33,7 +33,7 @@ double median_of(const Rounds& rounds, const Part& part) {
   return median(values);
 }
 
-/// The median of the rounds' own ratios of the cost per sample; `-` where the other number was not measured.
+/// Median over the rounds of the ratio of the cost per sample; `-` if the reference was not measured.
 std::string cost_ratio(const std::map<std::uint32_t, Rounds>& all, std::uint32_t beacons,
                        std::uint32_t reference) {
   const auto found = all.find(reference);
@@ -52,7 +52,7 @@ double sum(const std::vector<double>& values) {
 }
 
 void print_table(const Options& options, const std::map<std::uint32_t, Rounds>& all) {
-  fmt::print("{} interleaved rounds of {} s, {:.0f} Hz each, {}; medians, lost and missing are sums\n",
+  fmt::print("{} interleaved rounds of {} s, {:.0f} Hz each, {}; medians; lost and missing are sums\n",
              options.rounds, options.round_s, beacon_imu_rate_hz,
              options.share ? "two fusions share the beacons" : "one fusion");
   fmt::print(

@@ -23,7 +23,7 @@ void sleep_s(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-/// One fusion for all, or two with half of the addresses each.
+/// One fusion for all beacons, or two with half of the addresses each.
 std::vector<Child> start_fusions(const BeaconsOptions& options, std::uint32_t beacons) {
   std::vector<std::string> command{SONOPOSE_FUSION, "--domain", std::to_string(options.domain)};
   if (options.realtime) command.emplace_back("--realtime");
@@ -59,7 +59,7 @@ void wait_for_all(PoseStream& poses, std::uint32_t beacons) {
     }
     sleep_s(0.1);
   }
-  sleep_s(1.5);  // until it runs evenly and every status has come once
+  sleep_s(1.5);  // until the rate is steady and every status has arrived once
 }
 
 }  // namespace
@@ -94,7 +94,7 @@ BeaconsRound measure_beacons(const BeaconsOptions& options, std::uint32_t beacon
     round.fusion_per_sample_s += cpu_s / samples;
   }
   round.bridge_share = seconds_between(bridge_before_ns, bridge.cpu_time_ns()) / length_s;
-  sleep_s(1.2);  // for the statuses of the round's last second
+  sleep_s(1.2);  // for the statuses of the last second of the round
   round.lost = static_cast<double>(lost.sum() - lost_before);
   round.poses_hz = samples / length_s;
   round.missing = static_cast<double>(count.missing);

@@ -1,5 +1,5 @@
 #pragma once
-// One bridge with many beacons → one fusion or two → one consumer, which is this process.
+// One bridge with many beacons → one or two fusions → one consumer, which is this process.
 
 #include <cstdint>
 #include <vector>
@@ -15,19 +15,19 @@ struct BeaconsOptions {
   bool realtime = false;  ///< --realtime for bridge and fusion, the same for the consumer
 };
 
-/// What one round gave.
+/// Result of one round.
 struct BeaconsRound {
   double poses_hz = 0;
-  double lost = 0;                    ///< events that the fusion gave up
+  double lost = 0;                    ///< events lost by the fusion
   double missing = 0;                 ///< poses that did not reach the consumer
-  std::vector<double> fusion_shares;  ///< of a core, for each fusion process
-  double fusion_per_sample_s = 0;     ///< of all fusion processes
+  std::vector<double> fusion_shares;  ///< CPU share of each fusion process, in cores
+  double fusion_per_sample_s = 0;     ///< CPU time of all fusion processes
   double bridge_share = 0;
   double p50_s = 0;
   double p99_s = 0;
 };
 
-/// Waits until all beacons have poses and measures. Throws std::runtime_error where they do not come.
+/// Waits until all beacons have poses, then measures. Throws std::runtime_error after a timeout.
 BeaconsRound measure_beacons(const BeaconsOptions& options, std::uint32_t beacons);
 
 }  // namespace sonopose::benchmarks

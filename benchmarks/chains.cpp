@@ -3,7 +3,7 @@
 #include "bare_chain.hpp"
 #include "own_realtime.hpp"
 #include "plain_chain.hpp"
-#include "ros2_ways.hpp"
+#include "ros2_latency.hpp"
 #include <sonopose/dds/topics/topics.hpp>
 #include "process/host_clock.hpp"
 
@@ -22,83 +22,83 @@ namespace {
 constexpr TimeNs timeout_ns = 10'000'000'000;
 constexpr TimeNs warm_up_ns = 500'000'000;
 
-/// The consumer's memory: the way of each pose that came.
-class Ways {
+/// Collects the latency of each received pose.
+class LatencyCollector {
 public:
   void on(const sonopose_FusedPose& pose, TimeNs received_ns) {
     const std::lock_guard lock(mutex_);
-    ways_.push_back({seconds_between(pose.imu_bridge_time, pose.fusion_in_time),
+    latencies_.push_back({seconds_between(pose.imu_bridge_time, pose.fusion_in_time),
                      seconds_between(pose.fusion_in_time, pose.fusion_out_time),
                      seconds_between(pose.fusion_out_time, received_ns)});
   }
-  std::vector<Way> taken() {
+  std::vector<Latency> taken() {
     const std::lock_guard lock(mutex_);
-    return std::exchange(ways_, {});
+    return std::exchange(latencies_, {});
   }
 
 private:
   std::mutex mutex_;
-  std::vector<Way> ways_;
+  std::vector<Latency> latencies_;
 };
 
 class PoseListener final : public dds::DataReaderListener<sonopose_FusedPose> {
 public:
-  explicit PoseListener(Ways& ways) : ways_(ways) {}
+  explicit PoseListener(LatencyCollector& latencies) : latencies_(latencies) {}
   void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
     const TimeNs received_ns = process::now_ns();
     reader.try_take_each(
-        [&](const sonopose_FusedPose& pose, const dds::SampleInfo&) { ways_.on(pose, received_ns); });
+        [&](const sonopose_FusedPose& pose, const dds::SampleInfo&) { latencies_.on(pose, received_ns); });
   }
 
 private:
-  Ways& ways_;
+  LatencyCollector& latencies_;
 };
 
 void sleep_ns(TimeNs duration_ns) {
   std::this_thread::sleep_for(std::chrono::nanoseconds(duration_ns));
 }
 
-/// Waits until poses come, lets the chain run warm, then measures.
-template <class Ways>
-Round measure(const RoundOptions& options, const Child& relay, Ways& ways) {
+/// Waits for the first poses and a warm-up, then measures.
+template <class LatencyCollector>
+Round measure(const RoundOptions& options, const Child& relay, LatencyCollector& latencies) {
   const TimeNs give_up_ns = process::steady_now_ns() + timeout_ns;
-  while (ways.taken().empty() && process::steady_now_ns() < give_up_ns) sleep_ns(20'000'000);
+  while (latencies.taken().empty() && process::steady_now_ns() < give_up_ns) sleep_ns(20'000'000);
   sleep_ns(warm_up_ns);
   const std::int64_t cpu_before_ns = relay.cpu_time_ns();
-  ways.taken();
+  latencies.taken();
   sleep_ns(to_ns(options.length_s));
   Round round;
-  round.ways = ways.taken();
-  if (round.ways.empty()) throw std::runtime_error("no pose came through the chain");
+  round.latencies = latencies.taken();
+  if (round.latencies.empty()) throw std::runtime_error("no pose came through the chain");
   round.relay_cpu_s =
-      seconds_between(cpu_before_ns, relay.cpu_time_ns()) / static_cast<double>(round.ways.size());
+      seconds_between(cpu_before_ns, relay.cpu_time_ns()) / static_cast<double>(round.latencies.size());
   return round;
 }
 
 /// The consumer is a ROS 2 process.
 Round measure_in_ros2(const RoundOptions& options, const Child& relay) {
-  Ros2Ways ways;
+  Ros2LatencyCollector latencies;
   const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
   const dds::QosProvider qos;
-  const auto native = dds::make_reader(participant, qos, dds::topics::pose, &ways);
+  const auto native = dds::make_reader(participant, qos, dds::topics::pose, &latencies);
   const dds::Topic<ros2::Odometry> topic(participant, ros2::name_in_dds("/hedge_7/odom"));
   const dds::DataReader<ros2::Odometry> reader(participant, topic, qos.datareader_qos("ros2::Default"),
-                                               &ways);
-  return measure(options, relay, ways);
+                                               &latencies);
+  return measure(options, relay, latencies);
 }
 
 Round measure_on_bus(const RoundOptions& options, const Child& relay, bool realtime = false) {
-  Ways ways;
-  PoseListener listener(ways);
+  LatencyCollector latencies;
+  PoseListener listener(latencies);
   const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
   const dds::QosProvider qos;
   const auto reader = dds::make_reader(participant, qos, dds::topics::pose, &listener);
   std::optional<OwnRealtime> own;
   if (realtime) own.emplace();
-  return measure(options, relay, ways);
+  return measure(options, relay, latencies);
 }
 
-// In all of them the children are forked before this process has any thread, and each round has new ones.
+// All rounds fork their children before this process has other threads.
 
 Round plain_round(const RoundOptions& options) {
   LoopbackSocket source_out;
@@ -109,13 +109,13 @@ Round plain_round(const RoundOptions& options) {
   relay_out.connect(consumer_in);
   const auto relay = Child::fork_to([&] { run_plain_relay(relay_in, relay_out); });
   const auto source = Child::fork_to([&] { run_plain_source(source_out, options.rate_hz); });
-  Ways ways;
+  LatencyCollector latencies;
   const std::jthread consumer([&](const std::stop_token& stop) {
     take_plain_poses(
         consumer_in, [&stop] { return stop.stop_requested(); },
-        [&ways](const sonopose_FusedPose& pose, TimeNs received_ns) { ways.on(pose, received_ns); });
+        [&latencies](const sonopose_FusedPose& pose, TimeNs received_ns) { latencies.on(pose, received_ns); });
   });
-  return measure(options, relay, ways);
+  return measure(options, relay, latencies);
 }
 
 Round bare_round(const RoundOptions& options) {
@@ -131,7 +131,7 @@ void stay_on(unsigned cpu) {
   if (::sched_setaffinity(0, sizeof set, &set) != 0) throw std::runtime_error("sched_setaffinity failed");
 }
 
-/// One process for each core that runs when nothing else wants to.
+/// One idle-priority process for each core.
 std::vector<Child> keep_awake() {
   std::vector<Child> children;
   for (unsigned cpu = 0; cpu < std::thread::hardware_concurrency(); ++cpu) {
@@ -139,8 +139,8 @@ std::vector<Child> keep_awake() {
       stay_on(cpu);
       const sched_param lowest{};
       if (::sched_setscheduler(0, SCHED_IDLE, &lowest) != 0) throw std::runtime_error("SCHED_IDLE refused");
-      volatile unsigned spent = 0;
-      while (true) spent = spent + 1;
+      volatile unsigned counter = 0;
+      while (true) counter = counter + 1;
     }));
   }
   return children;

@@ -1,6 +1,6 @@
 #pragma once
-// The chains whose latency is compared, each of three processes: source → relay → consumer, the last of which
-// is this one.
+// The chains whose latency is compared, each of three processes: source → relay → consumer. The consumer is
+// this process.
 
 #include "child.hpp"
 
@@ -12,8 +12,8 @@
 
 namespace sonopose::benchmarks {
 
-/// The way of one sample, s: from its publication to the relay, through it, and on to the consumer.
-struct Way {
+/// The latency of one sample, s: from its publication to the relay, through it, and on to the consumer.
+struct Latency {
   double to_relay_s = 0;
   double in_relay_s = 0;
   double to_consumer_s = 0;
@@ -21,13 +21,13 @@ struct Way {
   [[nodiscard]] double all_s() const { return to_relay_s + in_relay_s + to_consumer_s; }
 };
 
-/// What one round of a chain gave.
+/// Result of one round of a chain.
 struct Round {
-  std::vector<Way> ways;
+  std::vector<Latency> latencies;
   double relay_cpu_s = 0;  ///< user and system time of the relay per sample
 };
 
-/// How long a round is, and where.
+/// Parameters of a round.
 struct RoundOptions {
   std::uint32_t domain = 0;
   double rate_hz = 0;
@@ -36,20 +36,20 @@ struct RoundOptions {
 
 struct Chain {
   std::string name;
-  std::function<Round(const RoundOptions&)> run;  ///< throws std::runtime_error where nothing comes through
+  std::function<Round(const RoundOptions&)> run;  ///< throws std::runtime_error if no sample arrives
 };
 
-/// What changes in the real chain.
+/// Variations of the real chain.
 struct Tuning {
   bool realtime = false;  ///< --realtime for bridge and fusion, the same for the consumer
-  bool awake = false;     ///< a process of the lowest priority keeps each core from falling asleep
-  std::optional<unsigned> fusion_cpu;  ///< the core for the fusion alone
-  bool ros2 = false;                   ///< sonopose-ros2 stands before the consumer; the CPU time is its own
+  bool awake = false;     ///< a process of the lowest priority keeps each core awake
+  std::optional<unsigned> fusion_cpu;  ///< the core reserved for the fusion
+  bool ros2 = false;                   ///< with sonopose-ros2 before the consumer; the CPU time is that of sonopose-ros2
 };
 
 /// Plain UDP sockets.
 Chain plain_chain();
-/// Cyclone DDS's C API alone.
+/// Only Cyclone DDS's C API.
 Chain bare_chain();
 /// sonopose-bridge → sonopose-fusion → consumer.
 Chain real_chain(std::string name, const Tuning& tuning = {});

@@ -19,7 +19,7 @@ Child Child::fork_to(const std::function<void()>& body) {
   try {
     body();
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "a child of the benchmark: %s\n", error.what());
+    std::fprintf(stderr, "benchmark child: %s\n", error.what());
   }
   ::_exit(1);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// A process that a benchmark starts, asks for its CPU time, and never leaves behind.
+// A child process of a benchmark, with its CPU time. The destructor always ends it.
 
 #include <cstdint>
 #include <functional>
@@ -11,10 +11,10 @@ namespace sonopose::benchmarks {
 
 class Child {
 public:
-  /// Runs `body` in a copy of this process, which must not have any thread but this one yet.
+  /// Runs `body` in a fork of this process, which must not have other threads yet.
   static Child fork_to(const std::function<void()>& body);
 
-  /// Runs a program, after `prepare` in its process; what it says on standard error is dropped.
+  /// Runs a program after calling `prepare` in the child; discards its standard error.
   static Child execute(
       const std::vector<std::string>& command, const std::function<void()>& prepare = [] {});
 
@@ -22,10 +22,10 @@ public:
   Child& operator=(const Child&) = delete;
   Child(Child&& other) noexcept;
   Child& operator=(Child&&) = delete;
-  /// Kills and reaps it.
+  /// Kills and reaps the process.
   ~Child();
 
-  /// User and system time of all its threads so far, ns. Throws std::system_error where it has ended.
+  /// User and system time of all its threads, ns. Throws std::system_error if it has ended.
   [[nodiscard]] std::int64_t cpu_time_ns() const;
 
 private:

@@ -1,6 +1,6 @@
 // Latency of the chain bridge → fusion → consumer, next to a bare Cyclone DDS chain and to plain UDP sockets
-// with the same payloads. Rounds of all are interleaved, so that a neighbour's load falls on all; what counts
-// are the ratios.
+// with the same payloads. Rounds of all chains are interleaved, so that other load affects all of them equally;
+// the ratios are the result.
 
 #include "chains.hpp"
 #include "latency_report.hpp"
@@ -39,7 +39,7 @@ std::vector<Chain> chains_of(const Options& options) {
   return chains;
 }
 
-/// Each round begins with another chain, so that none always comes first.
+/// Each round starts with a different chain.
 Results rounds_of(const Options& options, double rate_hz, const process::StopSignal& stop) {
   const std::vector<Chain> chains = chains_of(options);
   Results results;
@@ -58,17 +58,17 @@ Results rounds_of(const Options& options, double rate_hz, const process::StopSig
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--domain", options.domain, "DDS domain")->capture_default_str();
   app.add_option("--rates", options.rates_hz, "IMU rates in Hz")->capture_default_str();
-  app.add_option("--rounds", options.rounds, "Rounds of each chain; the bars are judged from 10 on")
+  app.add_option("--rounds", options.rounds, "Rounds of each chain; the limits are evaluated from 10 on")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--round-seconds", options.round_s, "Length of a round")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--variants", options.variants,
-                 "Also the real chain, compared with itself as it is: realtime (with --realtime), awake (no "
-                 "core falls asleep), pinned (the fusion on a core of its own), ros2 (through sonopose-ros2)")
+                 "Variants of the real chain, compared with the default one: realtime (with --realtime), awake "
+                 "(cores never sleep), pinned (the fusion on a reserved core), ros2 (through sonopose-ros2)")
       ->check(CLI::IsMember({"realtime", "awake", "pinned", "ros2"}));
-  app.add_option("--fusion-cpu", options.fusion_cpu, "The core for pinned")->capture_default_str();
+  app.add_option("--fusion-cpu", options.fusion_cpu, "Core for the variant pinned")->capture_default_str();
 }
 
 }  // namespace

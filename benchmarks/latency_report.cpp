@@ -13,13 +13,13 @@ template <class Part>
 double quantile_us(const std::vector<const Round*>& rounds, double share, const Part& part) {
   std::vector<double> values_s;
   for (const Round* round : rounds) {
-    for (const Way& way : round->ways) values_s.push_back(part(way));
+    for (const Latency& latency : round->latencies) values_s.push_back(part(latency));
   }
   return 1e6 * statistics::quantile(std::move(values_s), share);
 }
 
-double all_s(const Way& way) {
-  return way.all_s();
+double all_s(const Latency& latency) {
+  return latency.all_s();
 }
 
 double p50_us(const Round& round) {
@@ -42,9 +42,9 @@ void print_chain(const ChainResult& result) {
   fmt::print("  {:<9} {:>6.0f} {:>6.0f} {:>6.0f} {:>10.1f} {:>11.0f} {:>6.1f} {:>6.0f}\n", result.name,
              quantile_us(rounds, 0.5, all_s), quantile_us(rounds, 0.99, all_s),
              quantile_us(rounds, 0.999, all_s), median(cpu_us),
-             quantile_us(rounds, 0.5, [](const Way& way) { return way.to_relay_s; }),
-             quantile_us(rounds, 0.5, [](const Way& way) { return way.in_relay_s; }),
-             quantile_us(rounds, 0.5, [](const Way& way) { return way.to_consumer_s; }));
+             quantile_us(rounds, 0.5, [](const Latency& latency) { return latency.to_relay_s; }),
+             quantile_us(rounds, 0.5, [](const Latency& latency) { return latency.in_relay_s; }),
+             quantile_us(rounds, 0.5, [](const Latency& latency) { return latency.to_consumer_s; }));
 }
 
 std::vector<double> ratios(const ChainResult& over, const ChainResult& under, double (*value)(const Round&)) {
@@ -65,13 +65,13 @@ void print_ratios(const ChainResult& over, const ChainResult& under) {
   fmt::print("\n");
 }
 
-void judge(const char* what, double bar, const std::vector<double>& found) {
+void print_limit(const char* what, double limit, const std::vector<double>& found) {
   constexpr std::size_t enough = 10;
-  fmt::print("  bar {:.2f}, {} sonopose/bare: ", bar, what);
+  fmt::print("  limit {:.2f}, {} sonopose/bare: ", limit, what);
   if (found.size() < enough) {
-    fmt::print("not judged, {} rounds of {} that it takes\n", found.size(), enough);
+    fmt::print("not evaluated, {} of the required {} rounds\n", found.size(), enough);
   } else {
-    fmt::print("{}\n", median(found) <= bar ? "met" : "missed");
+    fmt::print("{}\n", median(found) <= limit ? "met" : "missed");
   }
 }
 
@@ -81,7 +81,7 @@ void print_report(double rate_hz, double round_s, const Results& results) {
   const ChainResult& bare = results.at(1);
   const ChainResult& ours = results.at(2);
   fmt::print("{:.0f} Hz, {} interleaved rounds of {} s; us\n", rate_hz, ours.rounds.size(), round_s);
-  fmt::print("  chain        p50    p99  p99.9  relay CPU  p50: to relay, in it, to consumer\n");
+  fmt::print("  chain        p50    p99  p99.9  relay CPU  p50: to relay, in relay, to consumer\n");
   for (const ChainResult& result : results) print_chain(result);
   fmt::print("  median ratio (interval of the median by order statistics, {:.0f} %)\n",
              100.0 * median_interval(std::vector<double>(ours.rounds.size())).confidence);
@@ -90,8 +90,8 @@ void print_report(double rate_hz, double round_s, const Results& results) {
   print_ratios(ours, bare);
   print_ratios(ours, results.at(0));
   for (std::size_t i = 3; i < results.size(); ++i) print_ratios(results[i], ours);
-  judge("p50", 1.15, ratios(ours, bare, p50_us));
-  judge("p99", 1.30, ratios(ours, bare, p99_us));
+  print_limit("p50", 1.15, ratios(ours, bare, p50_us));
+  print_limit("p99", 1.30, ratios(ours, bare, p99_us));
   std::fflush(stdout);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the latency benchmark prints.
+// Output of the latency benchmark.
 
 #include "chains.hpp"
 
@@ -12,14 +12,14 @@ namespace sonopose::benchmarks {
 struct ChainResult {
   std::string name;
   std::vector<Round> rounds;
-  Round pending;  ///< of the round that is not over yet for all chains
+  Round pending;  ///< of the round that not all chains have completed
 };
 
-/// Every chain has as many rounds as the others. The first three are: udp, bare, sonopose.
+/// All chains have the same number of rounds. The first three are udp, bare and sonopose.
 using Results = std::vector<ChainResult>;
 
-/// Percentiles pooled over the rounds, ratios as medians of the rounds' own ratios with the interval that
-/// holds their median with 95 %, and whether the bars are met.
+/// Prints percentiles pooled over the rounds, the median of the ratios per round with its 95 % confidence
+/// interval, and whether the limits are met.
 void print_report(double rate_hz, double round_s, const Results& results);
 
 }  // namespace sonopose::benchmarks

@@ -1,5 +1,5 @@
 #pragma once
-// Real time for the benchmark's own process, which is the consumer, for as long as a round lasts.
+// Real-time scheduling of this process, the consumer, during a round.
 
 #include "process/realtime.hpp"
 
@@ -8,7 +8,7 @@
 
 namespace sonopose::benchmarks {
 
-/// To be made when the consumer's threads exist; puts main thread and memory back as they were.
+/// Construct it after the consumer's threads; the destructor restores the main thread and the memory.
 class OwnRealtime {
 public:
   OwnRealtime() : realtime_(process::apply_realtime(50)) {}

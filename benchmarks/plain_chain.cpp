@@ -65,8 +65,8 @@ void take_plain_poses(const LoopbackSocket& in, const std::function<bool()>& end
                       const std::function<void(const sonopose_FusedPose&, TimeNs)>& on_pose) {
   sonopose_FusedPose pose{};
   while (!ended()) {
-    const bool came = ::recv(in.file(), &pose, sizeof pose, 0) == sizeof pose;
-    if (came) on_pose(pose, process::now_ns());
+    const bool received = ::recv(in.file(), &pose, sizeof pose, 0) == sizeof pose;
+    if (received) on_pose(pose, process::now_ns());
   }
 }
 

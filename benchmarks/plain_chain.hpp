@@ -1,6 +1,5 @@
 #pragma once
-// The floor below the floor: source → relay → sink over plain UDP sockets, with the size of the real
-// payloads.
+// The lower bound without DDS: source → relay → sink over plain UDP sockets, with the size of the real payloads.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -11,7 +10,7 @@ struct sonopose_FusedPose;
 
 namespace sonopose::benchmarks {
 
-/// A UDP socket of this machine alone.
+/// A UDP socket on loopback.
 class LoopbackSocket {
 public:
   /// Bound to a free port of 127.0.0.1. Throws std::system_error.
@@ -20,7 +19,7 @@ public:
   LoopbackSocket& operator=(const LoopbackSocket&) = delete;
   ~LoopbackSocket();
 
-  /// From now on sends go to `other`. Throws std::system_error.
+  /// Sets the destination. Throws std::system_error.
   void connect(const LoopbackSocket& other);
 
   [[nodiscard]] int file() const { return file_; }
@@ -32,10 +31,10 @@ private:
 /// Sends IMU samples at `rate_hz` until the process is killed.
 void run_plain_source(const LoopbackSocket& out, double rate_hz);
 
-/// Sends a pose with the stamps of each IMU sample that comes, until the process is killed.
+/// Sends a pose with the stamps of each received IMU sample until the process is killed.
 void run_plain_relay(const LoopbackSocket& in, const LoopbackSocket& out);
 
-/// Hands each pose and its time of receipt to `on_pose` until `ended()`, which is asked ten times a second.
+/// Passes each pose and its time of receipt to `on_pose` until `ended()`, which is polled ten times per second.
 void take_plain_poses(const LoopbackSocket& in, const std::function<bool()>& ended,
                       const std::function<void(const sonopose_FusedPose&, TimeNs)>& on_pose);
 

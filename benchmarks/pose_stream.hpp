@@ -1,5 +1,5 @@
 #pragma once
-// The consumer of many beacons' poses, and what it counts.
+// A consumer of the poses of many beacons, and its counters.
 
 #include <sonopose/dds/topics/topics.hpp>
 #include "process/host_clock.hpp"
@@ -13,13 +13,13 @@
 
 namespace sonopose::benchmarks {
 
-/// What came in a span of time.
+/// Poses of a time span.
 struct PoseCount {
-  std::vector<double> latencies_s;  ///< bridge's publication → here, one for each pose
-  std::uint64_t missing = 0;        ///< poses between which the IMU's time went on by more than a period
+  std::vector<double> latencies_s;  ///< bridge's publication → here, one per pose
+  std::uint64_t missing = 0;        ///< number of IMU periods without a pose
 };
 
-/// Takes poses of any number of beacons whose IMUs have one known rate and lose nothing.
+/// Takes poses of any number of beacons whose IMUs have the same known rate and no losses.
 class PoseStream final : public dds::DataReaderListener<sonopose_FusedPose> {
 public:
   explicit PoseStream(double imu_rate_hz) : imu_rate_hz_(imu_rate_hz), last_ns_(65536) {}
@@ -36,7 +36,7 @@ public:
     return std::exchange(count_, {});
   }
 
-  /// How many beacons had a pose so far.
+  /// Number of beacons with a pose so far.
   std::size_t beacons() {
     const std::lock_guard lock(mutex_);
     return beacons_;
@@ -62,7 +62,7 @@ private:
   std::size_t beacons_ = 0;
 };
 
-/// The events that fusions have given up, after their own count.
+/// The number of lost events that fusions report.
 class LostEvents final : public dds::DataReaderListener<sonopose_FusionStatus> {
 public:
   void on_data_available(dds::DataReader<sonopose_FusionStatus>& reader) noexcept override {

@@ -1,5 +1,5 @@
 #pragma once
-// When a source without a simulator sends.
+// A steady clock for sources without a simulator.
 
 #include <sonopose/idl/sonopose.h>
 #include "process/host_clock.hpp"
@@ -8,13 +8,13 @@
 
 namespace sonopose::benchmarks {
 
-/// Beats at a fixed rate from its making on.
+/// Ticks at a fixed rate from its construction.
 class Pulse {
 public:
   explicit Pulse(double rate_hz)
       : period_ns_(static_cast<TimeNs>(1e9 / rate_hz)), next_ns_(process::steady_now_ns()) {}
 
-  /// Sleeps until the next beat.
+  /// Sleeps until the next tick.
   void wait() {
     const timespec until{static_cast<time_t>(next_ns_ / 1'000'000'000),
                          static_cast<long>(next_ns_ % 1'000'000'000)};
@@ -27,7 +27,7 @@ private:
   TimeNs next_ns_;
 };
 
-/// Stamps and numbers IMU samples and hands each to `send(const sonopose_ImuSample&)`, without end.
+/// Stamps and numbers IMU samples and passes each to `send(const sonopose_ImuSample&)`, forever.
 template <class Send>
 [[noreturn]] void run_source(double rate_hz, const Send& send) {
   sonopose_ImuSample imu{};

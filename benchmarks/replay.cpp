@@ -1,5 +1,4 @@
-// An hour of 100 Hz data as sonopose-replay takes it: reading the folder, and running the engine over what
-// was read.
+// Replay of an hour of 100 Hz data: reading the folder, and running the engine.
 
 #include "recording/log_folder.hpp"
 #include "recording/log_writer.hpp"
@@ -18,7 +17,7 @@ using namespace sonopose;
 
 constexpr double hour_s = 3600.0;
 
-/// A folder with an hour of a walking beacon; gone at the program's end.
+/// A temporary folder with an hour of a walking beacon.
 class HourOfWalking {
 public:
   HourOfWalking() {

@@ -1,4 +1,4 @@
-// Computation alone: the decoder in MB/s, the engine in ns per IMU sample, next to the Mahony update in it.
+// Computation only: the decoder in MB/s, the engine in ns per IMU sample, and the Mahony update for comparison.
 
 #include <sonopose/estimation/documented/engine.hpp>
 #include "marvelmind/decoder.hpp"
@@ -27,7 +27,7 @@ const std::vector<Event>& recorded_events() {
   return events;
 }
 
-/// The same minute, as the beacon's bytes.
+/// The same minute as bytes of the beacon.
 const std::vector<std::uint8_t>& recorded_bytes() {
   static const std::vector<std::uint8_t> bytes = [] {
     std::vector<std::uint8_t> made;
@@ -73,7 +73,7 @@ void engine_per_imu_sample(benchmark::State& state) {
   }
   state.counters["per_sample"] = benchmark::Counter(
       static_cast<double>(samples), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-  // How long a second of an hour's replay takes: one second of 100 Hz data is 100 samples.
+  // One second of 100 Hz data is 100 samples.
   state.counters["times_real_time"] =
       benchmark::Counter(static_cast<double>(samples) / 100.0, benchmark::Counter::kIsRate);
 }

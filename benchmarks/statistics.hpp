@@ -1,5 +1,5 @@
 #pragma once
-// Medians over rounds and how sure they are.
+// Medians over rounds and their confidence.
 
 #include <sonopose/statistics/quantile.hpp>
 
@@ -8,15 +8,15 @@
 
 namespace sonopose::benchmarks {
 
-/// The middle value; the mean of the two middle ones where their number is even. NaN for none.
+/// The middle value; the mean of the two middle ones for an even count. NaN for no values.
 double median(std::vector<double> values);
 
-/// Where the median of what the rounds are drawn from lies. Two order statistics of the rounds, chosen by the
-/// binomial distribution alone: nothing is assumed of how the values are spread.
+/// Confidence interval of the population median: two order statistics, selected by the binomial distribution.
+/// Makes no assumption about the distribution of the values.
 struct MedianInterval {
   double least = 0;
   double most = 0;
-  double confidence = 0;  ///< 0…1; the least that is 0.95 or more, or, of fewer than six rounds, all there is
+  double confidence = 0;  ///< 0…1; the smallest that is at least 0.95; lower for fewer than six rounds
 };
 MedianInterval median_interval(std::vector<double> values);
 

@@ -1,6 +1,6 @@
-// The AHRS with three sensors: their calibration and mounting, the gyroscope's offset, rejection, internal
-// states, flags, and outputs in an Earth convention. Prints once per second of the imu.csv that is its
-// argument, or of a built-in movement.
+// The AHRS with all features: calibration and mounting of the sensors, gyroscope offset, rejection, internal
+// states, flags, and outputs in an Earth convention. The argument is an imu.csv; without it a built-in movement
+// is used. Prints once per second.
 
 #include "movement.hpp"
 #include <sonopose/attitude/ahrs.hpp>
@@ -15,7 +15,7 @@ using namespace sonopose;
 
 constexpr auto convention = attitude::Convention::nwu;
 
-/// Where magnetic north is in the world: along Y, so that the world is east-north-up.
+/// Magnetic north is along world Y, so the world is east-north-up.
 const Eigen::Vector2d north_world(0, 1);
 
 attitude::Measurement<double> measurement_of(const ImuSample& imu, double dt_s) {
@@ -60,8 +60,8 @@ void print_condition(const attitude::Ahrs& ahrs, const attitude::AhrsSettings& s
 int main(int argc, char** argv) try {
   const std::vector<ImuSample> samples = example::samples(argc, argv);
 
-  // What sonopose-calibrate finds of a sensor, and how it is mounted; the movement's sensor has only the
-  // offset that the AHRS learns by itself.
+  // Calibration by sonopose-calibrate, and the mounting. The built-in sensor only has an offset, which the AHRS
+  // learns.
   calibration::Settings sensor;
   sensor.accelerometer.offset_x_mps2 = 0.0;
   sensor.axes.axes = calibration::Axes::as_mounted;
@@ -91,7 +91,7 @@ int main(int argc, char** argv) try {
     next_print_s += 1.0;
   }
   const Vector3d offset_dps = ahrs.gyro_bias_body_radps() / geometry::radians_per_degree;
-  std::printf("gyroscope offset %.2f deg/s in all\n", offset_dps.norm());
+  std::printf("gyroscope offset %.2f deg/s\n", offset_dps.norm());
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;

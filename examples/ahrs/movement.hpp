@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Samples for the examples: those of a log, or a movement that needs none.
+/// Samples for the examples, from a log or from a built-in movement.
 
 #include <sonopose/samples/samples.hpp>
 #include "recording/log_folder.hpp"
@@ -11,11 +11,11 @@
 
 namespace example {
 
-/// 90 s at 100 Hz in a world of X east, Y north, Z up. The body looks north, its gyroscope is 0.5 deg/s off.
+/// 90 s at 100 Hz in a world of X east, Y north, Z up. The body faces north; its gyroscope has an offset of 0.5 deg/s.
 ///    0…60 s  at rest
-///   60…63 s  rolls by 30°, and stays so
-///   65…67 s  is pushed to the north by 1 m/s²
-///   70…78 s  a magnet beside it turns the field by 90°
+///   60…63 s  rolls by 30° and stays there
+///   65…67 s  accelerates north at 1 m/s²
+///   70…78 s  a nearby magnet turns the field by 90°
 inline std::vector<sonopose::ImuSample> built_in_movement() {
   using namespace sonopose;
   const double degree = geometry::radians_per_degree;
@@ -39,7 +39,7 @@ inline std::vector<sonopose::ImuSample> built_in_movement() {
   return samples;
 }
 
-/// The imu.csv that the program was given, else the built-in movement.
+/// Samples of the imu.csv in the first argument, otherwise of the built-in movement.
 inline std::vector<sonopose::ImuSample> samples(int argc, char** argv) {
   if (argc > 1) return sonopose::recording::read_imu_csv(argv[1], sonopose::recording::default_log_address);
   return built_in_movement();

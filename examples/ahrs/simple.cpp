@@ -1,5 +1,5 @@
-// Orientation from gyroscope and accelerometer. Prints roll, pitch and yaw every 5 s of the imu.csv that is
-// its argument, or of a built-in movement.
+// Orientation from gyroscope and accelerometer. The argument is an imu.csv; without it a built-in movement is
+// used. Prints roll, pitch and yaw every 5 s.
 
 #include "movement.hpp"
 #include <sonopose/attitude/ahrs.hpp>

@@ -1,16 +1,16 @@
-// A neighbour of ROS 2 nodes in Fast DDS, on this machine's loopback: listens to a topic, or writes IMU
-// samples to one. The domain is ROS_DOMAIN_ID.
+// A peer of ROS 2 nodes in Fast DDS, on loopback: listens to a topic, or writes IMU samples to one. The domain is
+// ROS_DOMAIN_ID.
 //
 //   fastdds_peer listen rt/hedge_7/odom odometry [COUNT] [--best-effort] [--bits]
 //   fastdds_peer send-imu rt/imu COUNT [BITS ...]
 //
-// `listen` prints each sample as one line and ends after COUNT; `send-imu` goes round the given doubles
-// (hexadecimal bits; 1.0) for the fields of its samples, 100 a second, and prints these lines too.
+// `listen` prints each sample as one line and exits after COUNT. `send-imu` sends 100 samples per second, fills
+// their fields cyclically with the given doubles (hexadecimal bits; default 1.0), and prints the same lines.
 
 #include "diagnostic_msgsPubSubTypes.h"
 #include "message_text.hpp"
 #include "nav_msgsPubSubTypes.h"
-#include "neighbour.hpp"
+#include "peer.hpp"
 #include "sensor_msgsPubSubTypes.h"
 #include "tf2_msgsPubSubTypes.h"
 
@@ -28,15 +28,15 @@ using eprosima::fastrtps::types::ReturnCode_t;
 using Bits = std::vector<std::uint64_t>;
 
 struct ListenOptions {
-  std::uint64_t count = 0;  ///< 0: for ever
+  std::uint64_t count = 0;  ///< 0: forever
   bool best_effort = false;
   bool bits = false;
 };
 
 template <class PubSubType>
 void listen(const std::string& topic, const ListenOptions& options) {
-  Neighbour neighbour(new PubSubType, topic);
-  DataReader* const reader = neighbour.reader(options.best_effort);
+  Peer peer(new PubSubType, topic);
+  DataReader* const reader = peer.reader(options.best_effort);
   std::cerr << "listening to " << topic << std::endl;
   typename PubSubType::type sample;
   SampleInfo info;
@@ -50,7 +50,7 @@ void listen(const std::string& topic, const ListenOptions& options) {
   }
 }
 
-/// Goes round the doubles that it was given.
+/// Cycles through the given doubles.
 class Numbers {
 public:
   explicit Numbers(Bits bits)
@@ -83,8 +83,8 @@ sensor_msgs::msg::dds_::Imu_ make_imu(Numbers& numbers) {
 
 void send_imu(const std::string& topic, std::uint64_t count, Numbers numbers) {
   using namespace std::chrono_literals;
-  Neighbour neighbour(new sensor_msgs::msg::dds_::Imu_PubSubType, topic);
-  DataWriter* const writer = neighbour.writer();
+  Peer peer(new sensor_msgs::msg::dds_::Imu_PubSubType, topic);
+  DataWriter* const writer = peer.writer();
   PublicationMatchedStatus matched;
   while (writer->get_publication_matched_status(matched), matched.current_count == 0) {
     std::this_thread::sleep_for(10ms);
@@ -96,7 +96,7 @@ void send_imu(const std::string& topic, std::uint64_t count, Numbers numbers) {
     std::this_thread::sleep_for(10ms);
   }
   if (writer->wait_for_acknowledgments({10, 0}) != ReturnCode_t::RETCODE_OK) {
-    throw std::runtime_error("the reader has not got everything");
+    throw std::runtime_error("the reader has not acknowledged all samples");
   }
 }
 

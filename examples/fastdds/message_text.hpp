@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// ROS 2's messages, as Fast DDS knows them, as one line of text: all fields in the message's order.
+/// Prints ROS 2 messages of Fast DDS as one line of text, all fields in message order.
 
 #include "diagnostic_msgs.h"
 #include "nav_msgs.h"
@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-/// Doubles stand for people to read, or as the 16 hexadecimal digits of their bits; texts in quotation marks;
-/// a sequence begins with its [length].
+/// Doubles are decimal, or the 16 hexadecimal digits of their bits; strings are in quotation marks; a sequence
+/// begins with its [length].
 class MessageText {
 public:
   explicit MessageText(bool bits) : bits_(bits) {}

@@ -1,4 +1,4 @@
-"""Starts sonopose beside ROS 2: the bridge, the fusion and the relay, which is the node /sonopose.
+"""Starts sonopose for ROS 2: the bridge, the fusion and the relay, which is the node /sonopose.
 
 ros2 launch ./sonopose.launch.py source:=serial device:=/dev/ttyACM0
 """
@@ -15,7 +15,7 @@ def generate_launch_description():
     otherwise = PythonExpression(["'", source, "' != 'serial'"])
 
     def program(name, *arguments, condition=None):
-        # The programs end in good order at SIGINT, which launch sends first.
+        # The programs exit cleanly on SIGINT, which launch sends first.
         return ExecuteProcess(
             cmd=[f"sonopose-{name}", *arguments], name=name, output="screen", condition=condition
         )
@@ -25,7 +25,7 @@ def generate_launch_description():
             DeclareLaunchArgument("source", default_value="sim", description="sim, or serial: a beacon on USB"),
             DeclareLaunchArgument("device", default_value="/dev/ttyACM0", description="The beacon's serial line"),
             DeclareLaunchArgument("tf", default_value="map_base", description="map_base, map_odom or off"),
-            DeclareLaunchArgument("path", default_value="30", description="Seconds of the way on /hedge_7/path"),
+            DeclareLaunchArgument("path", default_value="30", description="Length of /hedge_7/path in seconds"),
             program("fusion"),
             program("ros2", "--tf", LaunchConfiguration("tf"), "--path", LaunchConfiguration("path")),
             program(

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A ROS 2 node that prints where the robot is, and what the diagnostics say of its beacon."""
+"""A ROS 2 node that prints the position of the robot and the diagnostics of its beacon."""
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray

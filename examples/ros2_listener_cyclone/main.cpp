@@ -1,5 +1,5 @@
-// A consumer of ROS 2's nav_msgs/Odometry without ROS: prints where the robot is. Ends after as many poses as
-// its argument says.
+// A consumer of ROS 2's nav_msgs/Odometry without ROS: prints the position of the robot. The argument is the
+// number of poses to print; default unlimited.
 
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
 
   const dds::DomainParticipant participant;
   const dds::Topic<ros2::Odometry> topic(participant, ros2::name_in_dds("/hedge_7/odom"));
-  // As a ROS 2 subscription is by default.
+  // The default QoS of a ROS 2 subscription.
   dds::Qos qos;
   qos << dds::policy::Reliability::reliable() << dds::policy::History::keep_last(10);
   dds::DataReader<ros2::Odometry> reader(participant, topic, qos);

@@ -99,7 +99,7 @@ TEST_CASE("a file that is not a saved state is refused with file and field") {
              Contains("s.json: counters: x: is not known"));
   CHECK_THAT(complaint_after([](json& file) { file["counters"] = 3; }),
              Contains("is 3 instead of an object"));
-  CHECK_THROWS_WITH(evaluation::parse_state("{\"format\": ", "s.json"), Contains("s.json: is no JSON"));
+  CHECK_THROWS_WITH(evaluation::parse_state("{\"format\": ", "s.json"), Contains("s.json: is not JSON"));
   CHECK_THROWS_WITH(evaluation::parse_state("[]", "s.json"), Contains("instead of an object"));
   CHECK_THROWS_AS(evaluation::load_state("/nowhere/s.json"), files::IoError);
   CHECK_THROWS_WITH(evaluation::load_state("/"), Contains("Is a directory"));
@@ -116,7 +116,7 @@ TEST_CASE("a field that is missing, unknown, of the wrong type or impossible is 
   CHECK_THAT(state("trust.trust", 1.5), Contains("trust.trust: is not between 0 and 1"));
   CHECK_THAT(state("trust.trust", -0.1), Contains("trust.trust: is not between 0 and 1"));
   CHECK_THAT(complaint_after([](json& file) { file["beacon"] = 70'000; }),
-             Contains("s.json: beacon: is 70000, which is no address"));
+             Contains("s.json: beacon: is 70000, which is not an address"));
   CHECK_THAT(state("trust.forced", 1), Contains("trust.forced: is 1 instead of true or false"));
   CHECK_THAT(state("trust.rebuild_n", -1), Contains("trust.rebuild_n: is -1 instead of a count"));
   CHECK_THAT(state("trust.rebuild_n", 5'000'000'000), Contains("instead of a count below 2^31"));

@@ -1,4 +1,4 @@
-// A ROS 2 node that prints where the robot is.
+// A ROS 2 node that prints the position of the robot.
 
 #include <memory>
 #include <nav_msgs/msg/odometry.hpp>

@@ -51,9 +51,9 @@ Entity* made(Entity* entity, const char* what) {
 }
 
 /// One topic of one type in the domain of ROS_DOMAIN_ID, with the QoS that ROS 2's nodes have by default.
-class Neighbour {
+class Peer {
 public:
-  Neighbour(TopicDataType* type_of_our_own, const std::string& topic)
+  Peer(TopicDataType* type_of_our_own, const std::string& topic)
       : type_(type_of_our_own),
         participant_(
             made(DomainParticipantFactory::get_instance()->create_participant(domain(), loopback_qos()),
@@ -61,9 +61,9 @@ public:
     type_.register_type(participant_);
     topic_ = made(participant_->create_topic(topic, type_.get_type_name(), TOPIC_QOS_DEFAULT), "topic");
   }
-  Neighbour(const Neighbour&) = delete;
-  Neighbour& operator=(const Neighbour&) = delete;
-  ~Neighbour() {
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+  ~Peer() {
     participant_->delete_contained_entities();
     DomainParticipantFactory::get_instance()->delete_participant(participant_);
   }

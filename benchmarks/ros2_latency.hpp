@@ -1,6 +1,6 @@
 #pragma once
-// The way of poses that come out of the relay as ROS 2's Odometry, which says no more of it than the stamp:
-// the native pose of the same stamp says the rest.
+// Latency of poses that the relay publishes as Odometry. The message has only the stamp of the pose; the native
+// pose with the same stamp provides the rest.
 
 #include "chains.hpp"
 #include <sonopose/dds/topics/topics.hpp>
@@ -14,7 +14,7 @@
 
 namespace sonopose::benchmarks {
 
-class Ros2Ways final : public dds::DataReaderListener<sonopose_FusedPose>,
+class Ros2LatencyCollector final : public dds::DataReaderListener<sonopose_FusedPose>,
                        public dds::DataReaderListener<ros2::Odometry> {
 public:
   void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
@@ -30,20 +30,20 @@ public:
     });
   }
 
-  /// Of those that have come both ways.
-  std::vector<Way> taken() {
+  /// Latencies of the poses that have arrived in both forms.
+  std::vector<Latency> taken() {
     const std::lock_guard lock(mutex_);
-    std::vector<Way> ways;
+    std::vector<Latency> latencies;
     for (const auto& [stamp_ns, received_ns] : received_ns_) {
       const auto pose = poses_.find(stamp_ns);
       if (pose == poses_.end()) continue;
-      ways.push_back({seconds_between(pose->second.imu_bridge_time, pose->second.fusion_in_time),
+      latencies.push_back({seconds_between(pose->second.imu_bridge_time, pose->second.fusion_in_time),
                       seconds_between(pose->second.fusion_in_time, pose->second.fusion_out_time),
                       seconds_between(pose->second.fusion_out_time, received_ns)});
     }
     poses_.clear();
     received_ns_.clear();
-    return ways;
+    return latencies;
   }
 
 private:
