@@ -1,6 +1,6 @@
 /// The front door, and options of every program: --help, --version, suggestions for misspelt words.
 
-#include "io/temporary_folder.hpp"
+#include "support/temporary_folder.hpp"
 #include "support/process.hpp"
 
 #include <catch2/catch.hpp>
