@@ -3,9 +3,9 @@
 #include "bare_chain.hpp"
 #include "own_realtime.hpp"
 #include "plain_chain.hpp"
+#include "process/clocks.hpp"
 #include "ros2_ways.hpp"
 #include <sonopose/dds/topics/topics.hpp>
-#include "process/host_clock.hpp"
 
 #include <fmt/format.h>
 
@@ -45,7 +45,7 @@ class PoseListener final : public dds::DataReaderListener<sonopose_FusedPose> {
 public:
   explicit PoseListener(Ways& ways) : ways_(ways) {}
   void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
-    const TimeNs received_ns = process::now_ns();
+    const TimeNs received_ns = process::host_now();
     reader.try_take_each(
         [&](const sonopose_FusedPose& pose, const dds::SampleInfo&) { ways_.on(pose, received_ns); });
   }
@@ -61,8 +61,8 @@ void sleep_ns(TimeNs duration_ns) {
 /// Waits until poses come, lets the chain run warm, then measures.
 template <class Ways>
 Round measure(const RoundOptions& options, const Child& relay, Ways& ways) {
-  const TimeNs give_up_ns = process::steady_now_ns() + timeout_ns;
-  while (ways.taken().empty() && process::steady_now_ns() < give_up_ns) sleep_ns(20'000'000);
+  const SteadyTime give_up = process::steady_now() + timeout_ns;
+  while (ways.taken().empty() && process::steady_now() < give_up) sleep_ns(20'000'000);
   sleep_ns(warm_up_ns);
   const std::int64_t cpu_before_ns = relay.cpu_time_ns();
   ways.taken();

@@ -1,7 +1,7 @@
 /// The relay's transforms.
 
+#include "process/clocks.hpp"
 #include "support/ros2.hpp"
-#include "process/host_clock.hpp"
 
 #include <atomic>
 #include <set>
@@ -94,7 +94,7 @@ SCENARIO("beside another odometry the relay moves that one's frame") {
       std::atomic<bool> enough = false;
       std::thread driver([&] {
         while (!enough) {
-          auto transform = ros2::transform(base_in_odom, process::now_ns(), odom, base);
+          auto transform = ros2::transform(base_in_odom, process::host_now(), odom, base);
           wheels.write({{1, 1, &transform, false}});
           std::this_thread::sleep_for(std::chrono::milliseconds(20));
         }
