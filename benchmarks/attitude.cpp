@@ -44,8 +44,8 @@ struct Motion {
     return envelope(time_s) * std::sin(2.0 * std::numbers::pi * frequency_hz * time_s);
   }
   static Quaterniond q_body_to_world(double time_s) {
-    return geometry::rotation_of(
-        geometry::EulerAngles<double>{0.8 * wave(time_s, 0.6), 0.6 * wave(time_s, 0.9), 1.2 * wave(time_s, 0.4)});
+    return geometry::rotation_of(geometry::EulerAngles<double>{
+        0.8 * wave(time_s, 0.6), 0.6 * wave(time_s, 0.9), 1.2 * wave(time_s, 0.4)});
   }
   static Vector3d position_world_m(double time_s) {
     return {0.15 * wave(time_s, 0.8), 0.1 * wave(time_s, 0.7), 0.05 * wave(time_s, 1.1)};
@@ -173,7 +173,8 @@ void print_table(const std::vector<Entry>& entries) {
 
 int main(int argc, char** argv) {
   int rounds = 501;
-  CLI::App app("Update time of every attitude filter, and its ratio to the plain Mahony filter.", "benchmark_attitude");
+  CLI::App app("Update time of every attitude filter, and its ratio to the plain Mahony filter.",
+               "benchmark_attitude");
   app.add_option("--rounds", rounds, "Rounds of each filter, 24 s of samples at 100 Hz in each")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

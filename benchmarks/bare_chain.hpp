@@ -1,6 +1,6 @@
 #pragma once
-// The lower bound for DDS: source → relay → sink in Cyclone's C API, with the payloads and the QoS of the real
-// chain.
+// The lower bound for DDS: source → relay → sink in Cyclone's C API, with the payloads and the QoS of the
+// real chain.
 
 #include <cstdint>
 

@@ -2,8 +2,8 @@
 // function of the number of beacons. Rounds of all numbers are interleaved.
 
 #include "beacons_round.hpp"
-#include "statistics.hpp"
 #include "process/stop_signal.hpp"
+#include "statistics.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

@@ -3,9 +3,9 @@
 #include "bare_chain.hpp"
 #include "own_realtime.hpp"
 #include "plain_chain.hpp"
+#include "process/clocks.hpp"
 #include "ros2_latency.hpp"
 #include <sonopose/dds/topics/topics.hpp>
-#include "process/host_clock.hpp"
 
 #include <fmt/format.h>
 
@@ -28,8 +28,8 @@ public:
   void on(const sonopose_FusedPose& pose, TimeNs received_ns) {
     const std::lock_guard lock(mutex_);
     latencies_.push_back({seconds_between(pose.imu_bridge_time, pose.fusion_in_time),
-                     seconds_between(pose.fusion_in_time, pose.fusion_out_time),
-                     seconds_between(pose.fusion_out_time, received_ns)});
+                          seconds_between(pose.fusion_in_time, pose.fusion_out_time),
+                          seconds_between(pose.fusion_out_time, received_ns)});
   }
   std::vector<Latency> taken() {
     const std::lock_guard lock(mutex_);
@@ -45,7 +45,7 @@ class PoseListener final : public dds::DataReaderListener<sonopose_FusedPose> {
 public:
   explicit PoseListener(LatencyCollector& latencies) : latencies_(latencies) {}
   void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
-    const TimeNs received_ns = process::now_ns();
+    const TimeNs received_ns = process::host_now();
     reader.try_take_each(
         [&](const sonopose_FusedPose& pose, const dds::SampleInfo&) { latencies_.on(pose, received_ns); });
   }
@@ -61,8 +61,8 @@ void sleep_ns(TimeNs duration_ns) {
 /// Waits for the first poses and a warm-up, then measures.
 template <class LatencyCollector>
 Round measure(const RoundOptions& options, const Child& relay, LatencyCollector& latencies) {
-  const TimeNs give_up_ns = process::steady_now_ns() + timeout_ns;
-  while (latencies.taken().empty() && process::steady_now_ns() < give_up_ns) sleep_ns(20'000'000);
+  const SteadyTime give_up = process::steady_now() + timeout_ns;
+  while (latencies.taken().empty() && process::steady_now() < give_up) sleep_ns(20'000'000);
   sleep_ns(warm_up_ns);
   const std::int64_t cpu_before_ns = relay.cpu_time_ns();
   latencies.taken();
@@ -113,7 +113,9 @@ Round plain_round(const RoundOptions& options) {
   const std::jthread consumer([&](const std::stop_token& stop) {
     take_plain_poses(
         consumer_in, [&stop] { return stop.stop_requested(); },
-        [&latencies](const sonopose_FusedPose& pose, TimeNs received_ns) { latencies.on(pose, received_ns); });
+        [&latencies](const sonopose_FusedPose& pose, TimeNs received_ns) {
+          latencies.on(pose, received_ns);
+        });
   });
   return measure(options, relay, latencies);
 }

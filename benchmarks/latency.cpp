@@ -1,6 +1,6 @@
 // Latency of the chain bridge → fusion → consumer, next to a bare Cyclone DDS chain and to plain UDP sockets
-// with the same payloads. Rounds of all chains are interleaved, so that other load affects all of them equally;
-// the ratios are the result.
+// with the same payloads. Rounds of all chains are interleaved, so that other load affects all of them
+// equally; the ratios are the result.
 
 #include "chains.hpp"
 #include "latency_report.hpp"
@@ -64,9 +64,10 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--round-seconds", options.round_s, "Length of a round")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--variants", options.variants,
-                 "Variants of the real chain, compared with the default one: realtime (with --realtime), awake "
-                 "(cores never sleep), pinned (the fusion on a reserved core), ros2 (through sonopose-ros2)")
+  app.add_option(
+         "--variants", options.variants,
+         "Variants of the real chain, compared with the default one: realtime (with --realtime), awake "
+         "(cores never sleep), pinned (the fusion on a reserved core), ros2 (through sonopose-ros2)")
       ->check(CLI::IsMember({"realtime", "awake", "pinned", "ros2"}));
   app.add_option("--fusion-cpu", options.fusion_cpu, "Core for the variant pinned")->capture_default_str();
 }

@@ -1,5 +1,6 @@
 #pragma once
-// The lower bound without DDS: source → relay → sink over plain UDP sockets, with the size of the real payloads.
+// The lower bound without DDS: source → relay → sink over plain UDP sockets, with the size of the real
+// payloads.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -34,7 +35,8 @@ void run_plain_source(const LoopbackSocket& out, double rate_hz);
 /// Sends a pose with the stamps of each received IMU sample until the process is killed.
 void run_plain_relay(const LoopbackSocket& in, const LoopbackSocket& out);
 
-/// Passes each pose and its time of receipt to `on_pose` until `ended()`, which is polled ten times per second.
+/// Passes each pose and its time of receipt to `on_pose` until `ended()`, which is polled ten times per
+/// second.
 void take_plain_poses(const LoopbackSocket& in, const std::function<bool()>& ended,
                       const std::function<void(const sonopose_FusedPose&, TimeNs)>& on_pose);
 

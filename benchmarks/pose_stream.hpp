@@ -1,8 +1,8 @@
 #pragma once
 // A consumer of the poses of many beacons, and its counters.
 
+#include "process/clocks.hpp"
 #include <sonopose/dds/topics/topics.hpp>
-#include "process/host_clock.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -25,7 +25,7 @@ public:
   explicit PoseStream(double imu_rate_hz) : imu_rate_hz_(imu_rate_hz), last_ns_(65536) {}
 
   void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
-    const TimeNs received_ns = process::now_ns();
+    const TimeNs received_ns = process::host_now();
     const std::lock_guard lock(mutex_);
     reader.try_take_each(
         [&](const sonopose_FusedPose& pose, const dds::SampleInfo&) { on(pose, received_ns); });

@@ -1,8 +1,8 @@
 #pragma once
 // A steady clock for sources without a simulator.
 
+#include "process/clocks.hpp"
 #include <sonopose/idl/sonopose.h>
-#include "process/host_clock.hpp"
 
 #include <time.h>
 
@@ -12,19 +12,19 @@ namespace sonopose::benchmarks {
 class Pulse {
 public:
   explicit Pulse(double rate_hz)
-      : period_ns_(static_cast<TimeNs>(1e9 / rate_hz)), next_ns_(process::steady_now_ns()) {}
+      : period_ns_(static_cast<TimeNs>(1e9 / rate_hz)), next_(process::steady_now()) {}
 
   /// Sleeps until the next tick.
   void wait() {
-    const timespec until{static_cast<time_t>(next_ns_ / 1'000'000'000),
-                         static_cast<long>(next_ns_ % 1'000'000'000)};
+    const timespec until{static_cast<time_t>(next_.ns / 1'000'000'000),
+                         static_cast<long>(next_.ns % 1'000'000'000)};
     ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
-    next_ns_ += period_ns_;
+    next_ += period_ns_;
   }
 
 private:
   TimeNs period_ns_;
-  TimeNs next_ns_;
+  SteadyTime next_;
 };
 
 /// Stamps and numbers IMU samples and passes each to `send(const sonopose_ImuSample&)`, forever.
@@ -36,7 +36,7 @@ template <class Send>
   while (true) {
     pulse.wait();
     ++imu.event_sequence;
-    imu.sensor_time = imu.bridge_time = process::now_ns();
+    imu.sensor_time = imu.bridge_time = process::host_now();
     send(imu);
   }
 }

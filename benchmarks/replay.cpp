@@ -1,8 +1,8 @@
 // Replay of an hour of 100 Hz data: reading the folder, and running the engine.
 
+#include "evaluation/run.hpp"
 #include "recording/log_folder.hpp"
 #include "recording/log_writer.hpp"
-#include "evaluation/run.hpp"
 #include "sim/simulator.hpp"
 
 #include <benchmark/benchmark.h>

@@ -1,10 +1,10 @@
 #pragma once
-// Latency of poses that the relay publishes as Odometry. The message has only the stamp of the pose; the native
-// pose with the same stamp provides the rest.
+// Latency of poses that the relay publishes as Odometry. The message has only the stamp of the pose; the
+// native pose with the same stamp provides the rest.
 
 #include "chains.hpp"
+#include "process/clocks.hpp"
 #include <sonopose/dds/topics/topics.hpp>
-#include "process/host_clock.hpp"
 #include <sonopose/ros2/messages/names.hpp>
 #include <sonopose/ros2/messages/time.hpp>
 
@@ -15,7 +15,7 @@
 namespace sonopose::benchmarks {
 
 class Ros2LatencyCollector final : public dds::DataReaderListener<sonopose_FusedPose>,
-                       public dds::DataReaderListener<ros2::Odometry> {
+                                   public dds::DataReaderListener<ros2::Odometry> {
 public:
   void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
     const std::lock_guard lock(mutex_);
@@ -23,7 +23,7 @@ public:
         [this](const sonopose_FusedPose& pose, const dds::SampleInfo&) { poses_[pose.time] = pose; });
   }
   void on_data_available(dds::DataReader<ros2::Odometry>& reader) noexcept override {
-    const TimeNs received_ns = process::now_ns();
+    const TimeNs received_ns = process::host_now();
     const std::lock_guard lock(mutex_);
     reader.try_take_each([&](const ros2::Odometry& odometry, const dds::SampleInfo&) {
       received_ns_[ros2::from_ros(odometry.header.stamp).value_or(0)] = received_ns;
@@ -38,8 +38,8 @@ public:
       const auto pose = poses_.find(stamp_ns);
       if (pose == poses_.end()) continue;
       latencies.push_back({seconds_between(pose->second.imu_bridge_time, pose->second.fusion_in_time),
-                      seconds_between(pose->second.fusion_in_time, pose->second.fusion_out_time),
-                      seconds_between(pose->second.fusion_out_time, received_ns)});
+                           seconds_between(pose->second.fusion_in_time, pose->second.fusion_out_time),
+                           seconds_between(pose->second.fusion_out_time, received_ns)});
     }
     poses_.clear();
     received_ns_.clear();

@@ -1,10 +1,11 @@
-// Computation only: the decoder in MB/s, the engine in ns per IMU sample, and the Mahony update for comparison.
+// Computation only: the decoder in MB/s, the engine in ns per IMU sample, and the Mahony update for
+// comparison.
 
-#include <sonopose/estimation/documented/engine.hpp>
 #include "marvelmind/decoder.hpp"
 #include "marvelmind/disassembler.hpp"
 #include "marvelmind/encoder.hpp"
 #include "sim/simulator.hpp"
+#include <sonopose/estimation/documented/engine.hpp>
 
 #include <benchmark/benchmark.h>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #include "bridge/bridge_publisher.hpp"
-#include "process/host_clock.hpp"
+#include "process/clocks.hpp"
 
 #include <fmt/format.h>
 
@@ -16,11 +16,11 @@ void BridgeNode::Publisher::wait_for_readers() {
   };
   constexpr TimeNs look_period_ns = 20'000'000;
   constexpr TimeNs timeout_ns = 3'000'000'000;
-  const TimeNs began_ns = process::steady_now_ns();
+  const SteadyTime began = process::steady_now();
   bool told = false;
   while (!all_matched()) {
-    if (stop_->wait_until(process::steady_now_ns() + look_period_ns)) return;
-    if (!told && process::steady_now_ns() - began_ns > timeout_ns) {
+    if (stop_->wait_until(process::steady_now() + look_period_ns)) return;
+    if (!told && process::steady_now() - began > timeout_ns) {
       fmt::print(stderr, "sonopose-bridge: waiting for somebody to listen (is sonopose-fusion running?)\n");
       told = true;
     }
@@ -48,7 +48,7 @@ void BridgeNode::run(Source& source, const process::StopSignal& stop) {
   publisher_->obey(stop);
   if (source.is_recording()) publisher_->wait_for_readers();
   source.run(*publisher_, stop);
-  publisher_->publish_statuses(process::steady_now_ns());
+  publisher_->publish_statuses(process::steady_now());
   publisher_->flush();
   if (source.is_recording()) publisher_->wait_until_read();
 }

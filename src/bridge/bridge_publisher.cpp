@@ -1,7 +1,7 @@
 #include "bridge/bridge_publisher.hpp"
 
+#include "process/clocks.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
-#include "process/host_clock.hpp"
 
 namespace sonopose::bridge {
 namespace {
@@ -25,7 +25,7 @@ BridgeNode::Publisher::Publisher(const BridgeOptions& options, const process::St
       participant_(domain_options(options)),
       qos_(options.qos_file),
       others_(participant_, qos_),
-      status_last_ns_(process::steady_now_ns()) {
+      status_last_(process::steady_now()) {
   const auto delivery = lossless_ ? dds::Delivery::lossless : dds::Delivery::live;
   imu_writer_ = dds::make_writer(participant_, qos_, topics::imu, &imu_listener_, delivery);
   fix_writer_ = dds::make_writer(participant_, qos_, topics::fix, &fix_listener_, delivery);
@@ -78,12 +78,12 @@ BridgeNode::Publisher::Stream::Stream(const dds::Entity& writer)
 
 void BridgeNode::Publisher::Stream::note() {
   ++samples;
-  deadlines.on_sample(process::steady_now_ns());
+  deadlines.on_sample(process::steady_now());
 }
 
 void BridgeNode::Publisher::publish(ImuSample imu, Beacon& beacon) {
   beacon.imu.note();
-  imu.bridge_time_ns = process::now_ns();
+  imu.bridge_time_ns = process::host_now();
   write(imu_writer_, dds::to_idl(imu));
 }
 

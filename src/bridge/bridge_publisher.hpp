@@ -2,13 +2,13 @@
 // What a bridge publishes: samples, as they come (bridge_publisher.cpp), and what it knows of its beacons,
 // once a second (bridge_publisher_status.cpp). When it begins and ends stands in bridge_node.cpp.
 
-#include "bridge/other_bridges.hpp"
-#include <sonopose/dds/binding/participant.hpp>
-#include <sonopose/dds/topics/topics.hpp>
 #include "bridge/beacon_recorder.hpp"
 #include "bridge/bridge_node.hpp"
 #include "bridge/deadline_count.hpp"
+#include "bridge/other_bridges.hpp"
 #include "process/endpoint_counters.hpp"
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/topics/topics.hpp>
 
 #include <cstdint>
 #include <map>
@@ -28,7 +28,7 @@ public:
   void tick() override;
 
   void obey(const process::StopSignal& stop) { stop_ = &stop; }
-  void publish_statuses(TimeNs now);
+  void publish_statuses(SteadyTime now);
   void wait_for_readers();
   void wait_until_read();
 
@@ -60,7 +60,7 @@ private:
   void publish(ImuSample imu, Beacon& beacon);
   void publish(const UltrasonicFix& fix, Beacon& beacon);
   void publish(const PairHeading& heading, Beacon& beacon);
-  void publish_status(Beacon& beacon, TimeNs now_steady_ns);
+  void publish_status(Beacon& beacon, SteadyTime now);
   void log_unwritten();
   [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
 
@@ -81,8 +81,8 @@ private:
   OtherBridges others_;
   std::optional<BeaconRecorder> recorder_;
   std::map<BeaconAddress, Beacon> beacons_;
-  TimeNs status_due_ns_ = 0;
-  TimeNs status_last_ns_ = 0;
+  SteadyTime status_due_;
+  SteadyTime status_last_;
   std::uint64_t unwritten_ = 0;
   std::uint64_t unwritten_reported_ = 0;
 };

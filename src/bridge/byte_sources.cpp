@@ -1,11 +1,12 @@
+#include "bridge/byte_sources.hpp"
+
+#include "bridge/pacer.hpp"
+#include "marvelmind/assembler.hpp"
+#include "marvelmind/decoder.hpp"
+#include "process/clocks.hpp"
 #include "transport/byte_file.hpp"
 #include "transport/serial_port.hpp"
 #include "transport/udp_listener.hpp"
-#include "marvelmind/assembler.hpp"
-#include "marvelmind/decoder.hpp"
-#include "bridge/byte_sources.hpp"
-#include "process/host_clock.hpp"
-#include "bridge/pacer.hpp"
 
 #include <fmt/format.h>
 
@@ -17,8 +18,8 @@
 namespace sonopose::bridge {
 namespace {
 
-using transport::ReadStatus;
 using marvelmind::Assembler;
+using transport::ReadStatus;
 
 /// Longer than any frame or datagram.
 using Buffer = std::array<std::uint8_t, 4096>;
@@ -40,7 +41,8 @@ void report(const Assembler& assembler, const marvelmind::DecoderCounters& line,
 template <class Decoder>
 class LiveSource final : public Source {
 public:
-  LiveSource(std::unique_ptr<transport::ByteSource> bytes, const std::optional<std::filesystem::path>& capture)
+  LiveSource(std::unique_ptr<transport::ByteSource> bytes,
+             const std::optional<std::filesystem::path>& capture)
       : bytes_(std::move(bytes)) {
     if (capture) capture_.emplace(*capture);
   }
@@ -48,7 +50,7 @@ public:
   void run(SampleSink& sink, const process::StopSignal& stop) override {
     const auto publish = [&sink](const Event& event) { sink.on(event); };
     Buffer buffer;
-    TimeNs told_ns = process::steady_now_ns();
+    SteadyTime reported = process::steady_now();
     while (!stop.requested()) {
       const transport::ReadResult read = bytes_->read(buffer, timeout());
       if (read.status == ReadStatus::data) {
@@ -62,9 +64,9 @@ public:
       } else {
         tell_of(read.status);
       }
-      assembler_.flush(process::now_ns(), publish);
-      if (process::steady_now_ns() - told_ns < tell_period_ns) continue;
-      told_ns = process::steady_now_ns();
+      assembler_.flush(process::host_now(), publish);
+      if (process::steady_now() - reported < tell_period_ns) continue;
+      reported = process::steady_now();
       report(assembler_, decoder_.counters(), sink);
       sink.tick();
     }
@@ -80,7 +82,7 @@ private:
     if (!deadline_ns) return std::chrono::milliseconds(longest_ms);
     constexpr TimeNs ms = 1'000'000;
     return std::chrono::milliseconds(
-        std::clamp<std::int64_t>((*deadline_ns - process::now_ns()) / ms + 1, 1, longest_ms));
+        std::clamp<std::int64_t>((*deadline_ns - process::host_now()) / ms + 1, 1, longest_ms));
   }
 
   void tell_of(ReadStatus status) const {
@@ -104,7 +106,7 @@ public:
   [[nodiscard]] bool is_recording() const override { return true; }
 
   void run(SampleSink& sink, const process::StopSignal& stop) override {
-    const TimeNs origin_ns = process::now_ns();
+    const TimeNs origin_ns = process::host_now();
     bool stopped = false;
     // A sample is published when its packet was sent, not when the file gave it up.
     const auto play = [&](const marvelmind::Packet& packet) {

@@ -14,22 +14,22 @@ class DeadlineCount {
 public:
   explicit DeadlineCount(TimeNs period_ns) : period_ns_(period_ns) {}
 
-  void on_sample(TimeNs now_ns) {
-    missed_ = count(now_ns);
-    latest_ns_ = now_ns;
+  void on_sample(SteadyTime now) {
+    missed_ = count(now);
+    latest_ = now;
     begun_ = true;
   }
 
-  /// Whole periods without a sample, up to `now_ns`.
-  [[nodiscard]] std::uint64_t count(TimeNs now_ns) const {
-    if (!begun_ || now_ns <= latest_ns_) return missed_;
-    return missed_ + static_cast<std::uint64_t>((now_ns - latest_ns_) / period_ns_);
+  /// Whole periods without a sample, up to `now`.
+  [[nodiscard]] std::uint64_t count(SteadyTime now) const {
+    if (!begun_ || now <= latest_) return missed_;
+    return missed_ + static_cast<std::uint64_t>((now - latest_) / period_ns_);
   }
 
 private:
   TimeNs period_ns_;
   bool begun_ = false;
-  TimeNs latest_ns_ = 0;
+  SteadyTime latest_;
   std::uint64_t missed_ = 0;
 };
 

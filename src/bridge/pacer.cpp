@@ -1,5 +1,6 @@
-#include "process/host_clock.hpp"
 #include "bridge/pacer.hpp"
+
+#include "process/clocks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,25 +18,25 @@ Pacer::Pacer(double rate) : rate_(rate) {
 
 bool Pacer::wait_for(TimeNs time_ns, SampleSink& sink, const process::StopSignal& stop) {
   constexpr TimeNs tick_period_ns = 100'000'000;
-  TimeNs now = process::steady_now_ns();
+  SteadyTime now = process::steady_now();
   if (!begun_) {
     begun_ = true;
     first_ns_ = time_ns;
-    began_ns_ = now;
-    ticked_ns_ = now;
+    began_ = now;
+    ticked_ = now;
   }
-  const TimeNs due_ns =
-      rate_ == 0.0 ? now : began_ns_ + static_cast<TimeNs>(static_cast<double>(time_ns - first_ns_) / rate_);
+  const SteadyTime due =
+      rate_ == 0.0 ? now : began_ + static_cast<TimeNs>(static_cast<double>(time_ns - first_ns_) / rate_);
   while (true) {
-    if (now - ticked_ns_ >= tick_period_ns) {
+    if (now - ticked_ >= tick_period_ns) {
       sink.tick();
-      ticked_ns_ = now;
+      ticked_ = now;
       if (stop.requested()) return false;
     }
-    if (now >= due_ns) return true;
+    if (now >= due) return true;
     sink.flush();
-    if (stop.wait_until(std::min(due_ns, ticked_ns_ + tick_period_ns))) return false;
-    now = process::steady_now_ns();
+    if (stop.wait_until(std::min(due, ticked_ + tick_period_ns))) return false;
+    now = process::steady_now();
   }
 }
 

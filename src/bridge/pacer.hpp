@@ -2,9 +2,9 @@
 /// \file
 /// Lets recorded or simulated time pass at a rate of real time.
 
-#include <sonopose/samples/samples.hpp>
 #include "bridge/source.hpp"
 #include "process/stop_signal.hpp"
+#include <sonopose/samples/samples.hpp>
 
 namespace sonopose::bridge {
 
@@ -23,8 +23,8 @@ private:
   double rate_;
   bool begun_ = false;
   TimeNs first_ns_ = 0;
-  TimeNs began_ns_ = 0;
-  TimeNs ticked_ns_ = 0;
+  SteadyTime began_;
+  SteadyTime ticked_;
 };
 
 }  // namespace sonopose::bridge

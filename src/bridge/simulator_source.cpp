@@ -1,10 +1,10 @@
+#include "bridge/recorded_sources.hpp"
 #include "bridge/shifted.hpp"
-#include "transport/byte_file.hpp"
 #include "marvelmind/disassembler.hpp"
 #include "marvelmind/encoder.hpp"
-#include "process/host_clock.hpp"
-#include "bridge/recorded_sources.hpp"
+#include "process/clocks.hpp"
 #include "sim/scenario.hpp"
+#include "transport/byte_file.hpp"
 
 #include <fmt/format.h>
 
@@ -132,7 +132,7 @@ public:
   void run(SampleSink& sink, const process::StopSignal& stop) override {
     // From now on, however long it took to make the beacons and to join the bus: in real time a sample is
     // then brought at its own stamp.
-    const TimeNs shift_ns = process::now_ns() - simulated_start_ns;
+    const TimeNs shift_ns = process::host_now() - simulated_start_ns;
     for (const sim::Step* step = beacons_.front(); step != nullptr; step = beacons_.front()) {
       if (!pacer_.wait_for(available_at_ns(step->event), sink, stop)) return;
       if (step->truth) sink.on(shifted(*step->truth, shift_ns));

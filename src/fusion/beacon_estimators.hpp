@@ -4,13 +4,13 @@
 /// its settings changed where a request says.
 
 #include "config/fusion_config.hpp"
+#include "fusion/settings_timeline.hpp"
+#include <sonopose/collation/collator.hpp>
+#include <sonopose/collation/lossless_collator.hpp>
+#include <sonopose/estimation/documented/engine.hpp>
 #include <sonopose/samples/live_settings.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/status.hpp>
-#include <sonopose/estimation/documented/engine.hpp>
-#include <sonopose/collation/lossless_collator.hpp>
-#include <sonopose/collation/collator.hpp>
-#include "fusion/settings_timeline.hpp"
 
 #include <deque>
 #include <map>
@@ -36,11 +36,11 @@ public:
   /// `lossless`: wait for a missing event without end, rather than for a few milliseconds.
   BeaconEstimators(const config::FusionConfig& config, bool lossless);
 
-  /// Takes an event that arrived at `now_ns` (steady clock) and calls `on_pose(FusedPose&)` and
+  /// Takes an event that arrived at `now` (steady clock) and calls `on_pose(FusedPose&)` and
   /// `on_report(const FixReport&)` for what came of it, and of those that waited for it; before these,
   /// `on_settings(const SettingsInForce&)` at a beacon's first event and where other settings take hold.
   template <class OnPose, class OnReport, class OnSettings>
-  void push(const Event& event, TimeNs now_ns, const OnPose& on_pose, const OnReport& on_report,
+  void push(const Event& event, SteadyTime now, const OnPose& on_pose, const OnReport& on_report,
             const OnSettings& on_settings) {
     const BeaconAddress address = address_of(event);
     Beacon& beacon = beacon_of(address);
@@ -57,7 +57,7 @@ public:
       }
     };
     if (auto* live = std::get_if<collation::Collator>(&beacon.order)) {
-      live->push(event, now_ns, deliver);
+      live->push(event, now, deliver);
     } else {
       std::get<collation::LosslessCollator>(beacon.order).push(event, deliver);
     }
@@ -65,8 +65,8 @@ public:
 
   /// The same for who does not ask which settings hold.
   template <class OnPose, class OnReport>
-  void push(const Event& event, TimeNs now_ns, const OnPose& on_pose, const OnReport& on_report) {
-    push(event, now_ns, on_pose, on_report, [](const SettingsInForce&) {});
+  void push(const Event& event, SteadyTime now, const OnPose& on_pose, const OnReport& on_report) {
+    push(event, now, on_pose, on_report, [](const SettingsInForce&) {});
   }
 
   /// Re-initialises one beacon's engine, or every one's for all_beacons. Settings stay as they are.

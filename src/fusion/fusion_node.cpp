@@ -102,18 +102,18 @@ FusionNode::Impl::~Impl() {
 
 template <class T>
 void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
-  const TimeNs in_ns = process::now_ns();
-  const TimeNs steady_ns = process::steady_now_ns();
+  const TimeNs in_ns = process::host_now();
+  const SteadyTime steady = process::steady_now();
   working_ = true;
   reader.try_take_each([&](const T& sample, const dds::SampleInfo& info) {
     if (stopping_ || !addresses_.contains(sample.address)) return;  // a lossless reader may hold minutes
-    feed(dds::from_idl(sample), info.publication_handle(), in_ns, steady_ns);
+    feed(dds::from_idl(sample), info.publication_handle(), in_ns, steady);
   });
   working_ = false;
 }
 
 void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns,
-                            TimeNs steady_ns) noexcept {
+                            SteadyTime steady) noexcept {
   poses_.clear();
   reports_.clear();
   changes_.clear();
@@ -121,10 +121,10 @@ void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, Time
     const std::lock_guard lock(engines_mutex_);
     if (std::holds_alternative<ImuSample>(event)) {
       inputs_.on_imu(address_of(event), bridge.value);
-      imu_silences_.on_sample(address_of(event), steady_ns);
+      imu_silences_.on_sample(address_of(event), steady);
     }
     engines_.push(
-        event, steady_ns, [&](const FusedPose& pose) { poses_.push_back(pose); },
+        event, steady, [&](const FusedPose& pose) { poses_.push_back(pose); },
         [&](const FixReport& report) { reports_.push_back(report); },
         [&](const SettingsInForce& change) { changes_.push_back(change); });
   }
@@ -133,21 +133,21 @@ void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, Time
   }
   for (FusedPose& pose : poses_) {
     pose.fusion_in_time_ns = in_ns;
-    write(pose, steady_ns);
+    write(pose, steady);
   }
   for (const FixReport& report : reports_) write_to(report_writer_, dds::to_idl(report));
   for (const SettingsInForce& change : changes_) write(change);
 }
 
-void FusionNode::Impl::write(FusedPose& pose, TimeNs steady_ns) noexcept {
-  auto& writer = output_.writer_for(pose, steady_ns);
-  pose.fusion_out_time_ns = process::now_ns();
+void FusionNode::Impl::write(FusedPose& pose, SteadyTime steady) noexcept {
+  auto& writer = output_.writer_for(pose, steady);
+  pose.fusion_out_time_ns = process::host_now();
   write_to(writer, dds::to_idl(pose));
 }
 
 void FusionNode::Impl::write(const SettingsInForce& change) noexcept {
   const EffectiveSettings settings{.address = change.address,
-                                   .time_ns = process::now_ns(),
+                                   .time_ns = process::host_now(),
                                    .from_sequence = change.from_sequence,
                                    .values = config::texts_of(change.settings)};
   write_to(settings_writer_, dds::to_idl(settings).sample());
@@ -230,13 +230,13 @@ FusionNode::~FusionNode() = default;
 
 void FusionNode::run(const process::StopSignal& stop) {
   constexpr TimeNs period_ns = 1'000'000'000;
-  TimeNs status_due_ns = process::steady_now_ns();
+  SteadyTime status_due = process::steady_now();
   do {
     impl_->watch();
-    if (process::steady_now_ns() < status_due_ns) continue;
+    if (process::steady_now() < status_due) continue;
     impl_->publish_statuses();
-    status_due_ns += period_ns;
-  } while (!stop.wait_until(std::min(status_due_ns, impl_->watch_by_ns())));
+    status_due += period_ns;
+  } while (!stop.wait_until(std::min(status_due, impl_->watch_by())));
   impl_->hand_over();
 }
 

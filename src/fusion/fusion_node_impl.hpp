@@ -2,17 +2,17 @@
 // What a fusion process is made of. Its way from events to poses stands in fusion_node.cpp, what it tells of
 // itself in fusion_node_status.cpp.
 
-#include <sonopose/dds/topics/conversions.hpp>
-#include <sonopose/dds/binding/participant.hpp>
-#include <sonopose/dds/topics/topics.hpp>
 #include "fusion/beacon_estimators.hpp"
-#include "process/endpoint_counters.hpp"
 #include "fusion/fusion_node.hpp"
 #include "fusion/gap_detector.hpp"
-#include "process/host_clock.hpp"
 #include "fusion/input_monitor.hpp"
 #include "fusion/pose_output.hpp"
+#include "process/clocks.hpp"
+#include "process/endpoint_counters.hpp"
 #include "process/silence_detector.hpp"
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
 
 #include <atomic>
 #include <cstdint>
@@ -32,7 +32,7 @@ public:
 
   /// Shows life, gives stalled beacons up and tells at once of an IMU that fell silent or came back.
   void watch();
-  [[nodiscard]] TimeNs watch_by_ns() const { return output_.watch_by_ns(process::steady_now_ns()); }
+  [[nodiscard]] SteadyTime watch_by() const { return output_.watch_by(process::steady_now()); }
 
   /// Lets a process that stands by take over, without a pose being missed.
   void hand_over();
@@ -42,8 +42,8 @@ private:
   void take(dds::DataReader<T>& reader) noexcept;
   void take(dds::DataReader<sonopose_ResetCommand>& reader) noexcept;
   void take(dds::DataReader<sonopose_SettingsRequest>& reader) noexcept;
-  void feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, TimeNs steady_ns) noexcept;
-  void write(FusedPose& pose, TimeNs steady_ns) noexcept;
+  void feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, SteadyTime steady) noexcept;
+  void write(FusedPose& pose, SteadyTime steady) noexcept;
   void write(const SettingsInForce& change) noexcept;
   template <class T>
   void write_to(dds::DataWriter<T>& writer, const T& sample) noexcept;

@@ -10,12 +10,12 @@
 namespace sonopose::fusion {
 
 void FusionNode::Impl::watch() {
-  const TimeNs steady_ns = process::steady_now_ns();
-  output_.watch(steady_ns, working_);
+  const SteadyTime now = process::steady_now();
+  output_.watch(now, working_);
   silence_changes_.clear();
   {
     const std::lock_guard lock(engines_mutex_);
-    imu_silences_.find_changes(steady_ns, silence_changes_);
+    imu_silences_.find_changes(now, silence_changes_);
   }
   for (const auto& change : silence_changes_) publish_status(change.address);
 }
@@ -24,10 +24,10 @@ void FusionNode::Impl::hand_over() {
   output_.hand_over();
   if (!output_.is_standby()) return;
   constexpr TimeNs longest_ns = 1'000'000'000;  // of a profile with a long lease, or without one
-  const TimeNs until_ns = process::steady_now_ns() + std::min(output_.lease_ns(), longest_ns);
-  for (TimeNs now = process::steady_now_ns(); now < until_ns; now = process::steady_now_ns()) {
+  const SteadyTime until = process::steady_now() + std::min(output_.lease_ns(), longest_ns);
+  for (SteadyTime now = process::steady_now(); now < until; now = process::steady_now()) {
     watch();
-    std::this_thread::sleep_for(std::chrono::nanoseconds(std::min(watch_by_ns(), until_ns) - now));
+    std::this_thread::sleep_for(std::chrono::nanoseconds(std::min(watch_by(), until) - now));
   }
 }
 
@@ -54,7 +54,7 @@ void FusionNode::Impl::publish_status(BeaconAddress address) {
     inputs = inputs_.counters(address);
   }
   status->fusion_id = id_;
-  status->time_ns = process::now_ns();
+  status->time_ns = process::host_now();
   status->role = output_.role(address);
   status->strength = output_.strength();
   status->imu_deadlines_missed = inputs.imu_deadlines_missed;
@@ -94,7 +94,7 @@ void FusionNode::Impl::log_gaps() {
   {
     const std::lock_guard lock(engines_mutex_);
     for (const BeaconAddress address : engines_.addresses()) {
-      if (auto text = gaps_.on(address, engines_.gap(address), process::steady_now_ns()))
+      if (auto text = gaps_.on(address, engines_.gap(address), process::steady_now()))
         texts.push_back(*std::move(text));
     }
   }

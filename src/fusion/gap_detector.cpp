@@ -5,16 +5,16 @@
 namespace sonopose::fusion {
 
 std::optional<std::string> GapDetector::on(BeaconAddress address,
-                                        const std::optional<collation::LosslessCollator::Gap>& gap,
-                                        TimeNs now_ns) {
+                                           const std::optional<collation::LosslessCollator::Gap>& gap,
+                                           SteadyTime now) {
   if (!gap) {
     waits_.erase(address);
     return std::nullopt;
   }
-  const auto [found, first] = waits_.try_emplace(address, Wait{gap->missing, now_ns, false});
+  const auto [found, first] = waits_.try_emplace(address, Wait{gap->missing, now, false});
   Wait& wait = found->second;
-  if (wait.missing != gap->missing) wait = {gap->missing, now_ns, false};
-  if (first || wait.told || now_ns - wait.since_ns < timeout_ns) return std::nullopt;
+  if (wait.missing != gap->missing) wait = {gap->missing, now, false};
+  if (first || wait.told || now - wait.since < timeout_ns) return std::nullopt;
   wait.told = true;
   return fmt::format(
       "beacon {}: waiting for event {}, {} events held; --lossless is for a bridge with --rate 0", address,

@@ -2,8 +2,8 @@
 /// \file
 /// Notices where a lossless fusion waits in vain.
 
-#include <sonopose/samples/samples.hpp>
 #include <sonopose/collation/lossless_collator.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <cstdint>
 #include <map>
@@ -19,10 +19,10 @@ public:
   /// So long a wait is no slow transport any more.
   static constexpr TimeNs timeout_ns = 5'000'000'000;
 
-  /// What one beacon's events wait for at `now_ns` (steady clock). Returns what to tell the user, once for
+  /// What one beacon's events wait for at `now`. Returns what to tell the user, once for
   /// each event that is waited for.
   std::optional<std::string> on(BeaconAddress address,
-                                const std::optional<collation::LosslessCollator::Gap>& gap, TimeNs now_ns);
+                                const std::optional<collation::LosslessCollator::Gap>& gap, SteadyTime now);
 
   /// Events were not taken for a while because a consumer was waited for: that wait does not count.
   void start_over() { waits_.clear(); }
@@ -30,7 +30,7 @@ public:
 private:
   struct Wait {
     std::uint64_t missing = 0;
-    TimeNs since_ns = 0;
+    SteadyTime since;
     bool told = false;
   };
   std::map<BeaconAddress, Wait> waits_;

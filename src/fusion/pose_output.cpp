@@ -1,7 +1,8 @@
-#include <sonopose/dds/topics/conversions.hpp>
-#include "process/host_clock.hpp"
-#include "process/realtime.hpp"
 #include "fusion/pose_output.hpp"
+
+#include "process/clocks.hpp"
+#include "process/realtime.hpp"
+#include <sonopose/dds/topics/conversions.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -61,15 +62,14 @@ void PoseOutput::set_period(BeaconAddress address, TimeNs period_ns) noexcept {
   wake_.notify_one();
 }
 
-dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(const FusedPose& pose,
-                                                            TimeNs steady_ns) noexcept {
+dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(const FusedPose& pose, SteadyTime now) noexcept {
   Standby::Step step{FusionRole::sole, false};
   {
     const std::lock_guard lock(mutex_);
-    predictor_.on_pose(pose, steady_ns);
+    predictor_.on_pose(pose, now);
     if (standby_) {
       const TimeNs age_ns = pose.fusion_in_time_ns - pose.imu_bridge_time_ns;
-      step = standby_->on_pose(pose.address, pose.status, age_ns, steady_ns);
+      step = standby_->on_pose(pose.address, pose.status, age_ns, now);
     }
   }
   if (step.give_up) take_back(pose.address);
@@ -84,7 +84,7 @@ void PoseOutput::take_back(BeaconAddress address) noexcept {
   writer_.try_unregister_instance(key_of(address));
 }
 
-void PoseOutput::watch(TimeNs steady_ns, bool busy) noexcept {
+void PoseOutput::watch(SteadyTime now, bool busy) noexcept {
   if (is_manual_ && !busy) {
     writer_.try_assert_liveliness();
     if (standby_) warming_writer_.try_assert_liveliness();
@@ -93,17 +93,17 @@ void PoseOutput::watch(TimeNs steady_ns, bool busy) noexcept {
   stalled_.clear();
   {
     const std::lock_guard lock(mutex_);
-    standby_->find_stalled(steady_ns, stalled_);
+    standby_->find_stalled(now, stalled_);
   }
   for (const BeaconAddress address : stalled_) take_back(address);
 }
 
-TimeNs PoseOutput::watch_by_ns(TimeNs steady_ns) const noexcept {
+SteadyTime PoseOutput::watch_by(SteadyTime now) const noexcept {
   constexpr TimeNs longest_ns = 20'000'000;
   const TimeNs tick_ns = is_manual_ ? std::min(longest_ns, lease_ns_ / 5) : longest_ns;
-  if (!standby_) return steady_ns + tick_ns;
+  if (!standby_) return now + tick_ns;
   const std::lock_guard lock(mutex_);
-  return std::min(steady_ns + tick_ns, std::max(standby_->next_stall_ns(), steady_ns + 1'000'000));
+  return std::min(now + tick_ns, std::max(standby_->next_stall(), now + 1'000'000));
 }
 
 void PoseOutput::hand_over() noexcept {
@@ -126,27 +126,27 @@ void PoseOutput::serve_predictions(const std::stop_token& stop) {
   std::vector<FusedPose> due;
   while (!stop.stop_requested()) {
     constexpr TimeNs look_again_ns = 100'000'000;  // where nothing is asked for, or no sample has come since
-    const TimeNs wake_ns = write_predictions(due).value_or(process::steady_now_ns() + look_again_ns);
+    const SteadyTime wake = write_predictions(due).value_or(process::steady_now() + look_again_ns);
     std::unique_lock lock(mutex_);
-    wake_.wait_until(lock, stop, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(wake_ns)),
+    wake_.wait_until(lock, stop, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(wake.ns)),
                      [this] { return std::exchange(periods_changed_, false); });
   }
 }
 
-std::optional<TimeNs> PoseOutput::write_predictions(std::vector<FusedPose>& due) {
+std::optional<SteadyTime> PoseOutput::write_predictions(std::vector<FusedPose>& due) {
   due.clear();
-  std::optional<TimeNs> next_ns;
+  std::optional<SteadyTime> next;
   {
     const std::lock_guard lock(mutex_);
-    next_ns = predictor_.predict(process::steady_now_ns(), [&](const FusedPose& pose) { due.push_back(pose); });
+    next = predictor_.predict(process::steady_now(), [&](const FusedPose& pose) { due.push_back(pose); });
   }
   for (FusedPose& pose : due) {
     const FusionRole as = role(pose.address);
     if (as == FusionRole::stalled) continue;
-    pose.fusion_out_time_ns = process::now_ns();
+    pose.fusion_out_time_ns = process::host_now();
     if (writer_of(as).try_write(dds::to_idl(pose)) < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
   }
-  return next_ns;
+  return next;
 }
 
 }  // namespace sonopose::fusion

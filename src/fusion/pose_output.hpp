@@ -3,11 +3,11 @@
 /// The pose end of a fusion process: its writers, whose strength each pose is written with, the liveliness of
 /// its claim, and the poses predicted between IMU samples.
 
-#include <sonopose/dds/binding/participant.hpp>
-#include <sonopose/dds/topics/topics.hpp>
-#include "process/endpoint_counters.hpp"
 #include "fusion/pose_predictor.hpp"
 #include "fusion/standby.hpp"
+#include "process/endpoint_counters.hpp"
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/topics/topics.hpp>
 
 #include <atomic>
 #include <condition_variable>
@@ -28,7 +28,8 @@ class PoseOutput {
 public:
   /// `input_deadline_ns`: an IMU that is silent for so long is not predicted on, and its beacon is given up.
   PoseOutput(const dds::DomainParticipant& participant, const dds::QosProvider& qos, dds::Delivery delivery,
-             const std::optional<StandbyOptions>& standby, TimeNs input_deadline_ns, process::EndpointCounters& counters);
+             const std::optional<StandbyOptions>& standby, TimeNs input_deadline_ns,
+             process::EndpointCounters& counters);
   PoseOutput(const PoseOutput&) = delete;
   PoseOutput& operator=(const PoseOutput&) = delete;
   ~PoseOutput();
@@ -36,16 +37,16 @@ public:
   /// From this beacon's next pose on it is predicted every `period_ns`; 0: never.
   void set_period(BeaconAddress address, TimeNs period_ns) noexcept;
 
-  /// The writer for the pose of an IMU sample that was taken at `steady_ns`. Takes a claim back where it
+  /// The writer for the pose of an IMU sample that was taken at `now`. Takes a claim back where it
   /// must.
-  dds::DataWriter<sonopose_FusedPose>& writer_for(const FusedPose& pose, TimeNs steady_ns) noexcept;
+  dds::DataWriter<sonopose_FusedPose>& writer_for(const FusedPose& pose, SteadyTime now) noexcept;
 
   /// Shows life where liveliness is manual, unless `busy`, and gives stalled beacons up. To be called several
   /// times within a lease.
-  void watch(TimeNs steady_ns, bool busy) noexcept;
+  void watch(SteadyTime now, bool busy) noexcept;
 
   /// When `watch` must be called the latest.
-  [[nodiscard]] TimeNs watch_by_ns(TimeNs steady_ns) const noexcept;
+  [[nodiscard]] SteadyTime watch_by(SteadyTime now) const noexcept;
 
   /// Ends predicting, and makes every claim be taken back with its beacon's next pose: serve on for
   /// `lease_ns`, and nothing is missed.
@@ -62,7 +63,7 @@ public:
 
 private:
   void serve_predictions(const std::stop_token& stop);
-  std::optional<TimeNs> write_predictions(std::vector<FusedPose>& due);
+  std::optional<SteadyTime> write_predictions(std::vector<FusedPose>& due);
   void take_back(BeaconAddress address) noexcept;
   dds::DataWriter<sonopose_FusedPose>& writer_of(FusionRole role) noexcept;
 

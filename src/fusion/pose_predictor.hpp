@@ -20,35 +20,35 @@ public:
   /// a period after the next sample then.
   bool set_period(BeaconAddress address, TimeNs period_ns);
 
-  /// The pose of an IMU sample that was taken at `now_ns`.
-  void on_pose(const FusedPose& pose, TimeNs now_ns);
+  /// The pose of an IMU sample that was taken at `now`.
+  void on_pose(const FusedPose& pose, SteadyTime now);
 
-  /// Calls `on_due(const FusedPose&)` with every predicted pose that is due at `now_ns`: one for each beacon
+  /// Calls `on_due(const FusedPose&)` with every predicted pose that is due at `now`: one for each beacon
   /// at most, for what was due earlier is past. Returns when the next one is; empty where none ever.
   template <class OnDue>
-  std::optional<TimeNs> predict(TimeNs now_ns, const OnDue& on_due) {
-    std::optional<TimeNs> next_ns;
+  std::optional<SteadyTime> predict(SteadyTime now, const OnDue& on_due) {
+    std::optional<SteadyTime> next;
     for (auto& entry : lanes_) {
       Lane& lane = entry.second;
-      if (lane.period_ns == 0 || lane.due_ns == 0) continue;
-      if (now_ns >= lane.due_ns) {
-        if (const auto pose = predicted(lane, now_ns)) on_due(*pose);
-        lane.due_ns += ((now_ns - lane.due_ns) / lane.period_ns + 1) * lane.period_ns;
+      if (lane.period_ns == 0 || lane.due == SteadyTime{}) continue;
+      if (now >= lane.due) {
+        if (const auto pose = predicted(lane, now)) on_due(*pose);
+        lane.due += ((now - lane.due) / lane.period_ns + 1) * lane.period_ns;
       }
-      if (!next_ns || lane.due_ns < *next_ns) next_ns = lane.due_ns;
+      if (!next || lane.due < *next) next = lane.due;
     }
-    return next_ns;
+    return next;
   }
 
 private:
   struct Lane {
     TimeNs period_ns = 0;
-    TimeNs due_ns = 0;
-    TimeNs taken_ns = 0;  ///< when the latest IMU sample was; 0: none yet
+    SteadyTime due;
+    SteadyTime taken;  ///< when the latest IMU sample was; 0: none yet
     FusedPose pose;
   };
 
-  [[nodiscard]] std::optional<FusedPose> predicted(const Lane& lane, TimeNs now_ns) const;
+  [[nodiscard]] std::optional<FusedPose> predicted(const Lane& lane, SteadyTime now) const;
 
   TimeNs deadline_ns_;
   std::unordered_map<BeaconAddress, Lane> lanes_;

@@ -8,26 +8,26 @@ namespace sonopose::fusion {
 Standby::Standby(const StandbyOptions& options, TimeNs stall_ns)
     : warm_up_ns_(to_ns(options.warm_up_s)), stall_ns_(stall_ns) {}
 
-Standby::Step Standby::on_pose(BeaconAddress address, std::uint32_t status, TimeNs age_ns, TimeNs now_ns) {
+Standby::Step Standby::on_pose(BeaconAddress address, std::uint32_t status, TimeNs age_ns, SteadyTime now) {
   const auto [found, is_new] = lanes_.try_emplace(address);
   Lane& lane = found->second;
   const bool claimed = lane.role == FusionRole::serving;
   lane.age_ns = age_ns;
   lane.least_age_ns = std::min(lane.least_age_ns, age_ns);
-  if (is_new || lane.role == FusionRole::stalled || now_ns - lane.latest_ns > stall_ns_) {
+  if (is_new || lane.role == FusionRole::stalled || now - lane.latest > stall_ns_) {
     if (is_late(lane)) lane.warm = false;
-    begin_warm_up(lane, now_ns);
+    begin_warm_up(lane, now);
   }
-  lane.latest_ns = now_ns;
+  lane.latest = now;
   constexpr std::uint32_t bad = status_initialising | status_converging | status_imu_gap;
   if ((status & bad) != 0U) {
-    lane.good_since_ns = 0;
-  } else if (lane.good_since_ns == 0) {
-    lane.good_since_ns = now_ns;
+    lane.good_since = SteadyTime{};
+  } else if (lane.good_since == SteadyTime{}) {
+    lane.good_since = now;
   }
   if (stepping_down_) {
     lane.role = FusionRole::warming;
-  } else if (lane.role != FusionRole::serving && is_warm(lane, now_ns) && !is_late(lane)) {
+  } else if (lane.role != FusionRole::serving && is_warm(lane, now) && !is_late(lane)) {
     lane.role = FusionRole::serving;
     lane.warm = true;
   }
@@ -41,24 +41,24 @@ bool Standby::is_late(const Lane& lane) const {
   return lane.age_ns - lane.least_age_ns > stall_ns_ / 4;
 }
 
-bool Standby::is_warm(const Lane& lane, TimeNs now_ns) const {
-  const bool good = lane.good_since_ns != 0 && (lane.warm || now_ns - lane.good_since_ns >= warm_up_ns_);
+bool Standby::is_warm(const Lane& lane, SteadyTime now) const {
+  const bool good = lane.good_since != SteadyTime{} && (lane.warm || now - lane.good_since >= warm_up_ns_);
   const auto timeout_ns = static_cast<TimeNs>(most_warm_ups * static_cast<double>(warm_up_ns_));
-  return good || now_ns - lane.warming_since_ns > timeout_ns;
+  return good || now - lane.warming_since > timeout_ns;
 }
 
-void Standby::begin_warm_up(Lane& lane, TimeNs now_ns) const {
+void Standby::begin_warm_up(Lane& lane, SteadyTime now) const {
   lane.role = FusionRole::warming;
-  lane.warming_since_ns = now_ns;
-  lane.good_since_ns = 0;
+  lane.warming_since = now;
+  lane.good_since = SteadyTime{};
 }
 
-void Standby::find_stalled(TimeNs now_ns, std::vector<BeaconAddress>& stalled) {
+void Standby::find_stalled(SteadyTime now, std::vector<BeaconAddress>& stalled) {
   for (auto& [address, lane] : lanes_) {
     if (lane.name_again) {
       lane.name_again = false;
       if (lane.role != FusionRole::serving) stalled.push_back(address);
-    } else if (lane.role != FusionRole::stalled && now_ns - lane.latest_ns > stall_ns_) {
+    } else if (lane.role != FusionRole::stalled && now - lane.latest > stall_ns_) {
       lane.role = FusionRole::stalled;
       lane.name_again = true;
       stalled.push_back(address);
@@ -66,13 +66,13 @@ void Standby::find_stalled(TimeNs now_ns, std::vector<BeaconAddress>& stalled) {
   }
 }
 
-TimeNs Standby::next_stall_ns() const {
-  TimeNs next_ns = std::numeric_limits<TimeNs>::max();
+SteadyTime Standby::next_stall() const {
+  SteadyTime next = SteadyTime::max();
   for (const auto& entry : lanes_) {
     const Lane& lane = entry.second;
-    if (lane.role != FusionRole::stalled) next_ns = std::min(next_ns, lane.latest_ns + stall_ns_ + 1);
+    if (lane.role != FusionRole::stalled) next = std::min(next, lane.latest + stall_ns_ + 1);
   }
-  return next_ns;
+  return next;
 }
 
 FusionRole Standby::role(BeaconAddress address) const {

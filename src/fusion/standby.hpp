@@ -33,18 +33,18 @@ public:
     bool give_up = false;                   ///< take the claim back first
   };
 
-  /// A pose that is about to be written at `now_ns` of the steady clock, whose sample the bridge published
+  /// A pose that is about to be written at `now`, whose sample the bridge published
   /// `age_ns` ago (by clocks that need not agree). After a stall the beacon is claimed again with its first
   /// good pose where the input was silent; where its samples come later than they used to, this process was
   /// held up, has missed some, and warms up anew.
-  Step on_pose(BeaconAddress address, std::uint32_t status, TimeNs age_ns, TimeNs now_ns);
+  Step on_pose(BeaconAddress address, std::uint32_t status, TimeNs age_ns, SteadyTime now);
 
-  /// Adds to `stalled` the beacons whose claim must be taken back at `now_ns`. Each is named again at the
+  /// Adds to `stalled` the beacons whose claim must be taken back at `now`. Each is named again at the
   /// next call, and so is one that on_pose gave up: for a pose that was on its way just then.
-  void find_stalled(TimeNs now_ns, std::vector<BeaconAddress>& stalled);
+  void find_stalled(SteadyTime now, std::vector<BeaconAddress>& stalled);
 
   /// When find_stalled has something to say if no pose comes; the largest time where never.
-  [[nodiscard]] TimeNs next_stall_ns() const;
+  [[nodiscard]] SteadyTime next_stall() const;
 
   /// From now on nothing is claimed: the others shall take over while this process still serves.
   void step_down() { stepping_down_ = true; }
@@ -55,18 +55,18 @@ public:
 private:
   struct Lane {
     FusionRole role = FusionRole::warming;
-    TimeNs latest_ns = 0;         ///< of the last pose
-    TimeNs warming_since_ns = 0;  ///< first pose of this warm-up
-    TimeNs good_since_ns = 0;     ///< first good pose of the present run of them; 0: the last was bad
+    SteadyTime latest;         ///< of the last pose
+    SteadyTime warming_since;  ///< first pose of this warm-up
+    SteadyTime good_since;     ///< first good pose of the present run of them; 0: the last was bad
     TimeNs least_age_ns = std::numeric_limits<TimeNs>::max();
     TimeNs age_ns = 0;  ///< of the last pose's sample
     bool warm = false;  ///< it has been claimed, and missed nothing since
     bool name_again = false;
   };
 
-  [[nodiscard]] bool is_warm(const Lane& lane, TimeNs now_ns) const;
+  [[nodiscard]] bool is_warm(const Lane& lane, SteadyTime now) const;
   [[nodiscard]] bool is_late(const Lane& lane) const;
-  void begin_warm_up(Lane& lane, TimeNs now_ns) const;
+  void begin_warm_up(Lane& lane, SteadyTime now) const;
 
   TimeNs warm_up_ns_;
   TimeNs stall_ns_;

@@ -1,15 +1,15 @@
+#include "monitor/monitor_node.hpp"
+
+#include "monitor/monitor_report.hpp"
+#include "observation/beacon_observers.hpp"
+#include "process/clocks.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/topics.hpp>
-#include "observation/beacon_observers.hpp"
-#include "process/host_clock.hpp"
-#include "monitor/monitor_node.hpp"
-#include "monitor/monitor_report.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdio>
-#include <limits>
 
 namespace sonopose::monitor {
 namespace {
@@ -20,7 +20,8 @@ namespace topics = dds::topics;
 template <class T>
 struct Watched {
   Watched(const dds::DomainParticipant& participant, const dds::QosProvider& qos,
-          const dds::TopicEntry<T>& entry, observation::BeaconObservers& watches, process::EndpointCounters& ends)
+          const dds::TopicEntry<T>& entry, observation::BeaconObservers& watches,
+          process::EndpointCounters& ends)
       : listener(watches, ends), reader(dds::make_reader(participant, qos, entry, &listener)) {}
 
   observation::ObservingListener<T> listener;
@@ -29,7 +30,7 @@ struct Watched {
 
 void print(const MonitorOptions& options, const std::vector<observation::BeaconView>& views) {
   if (options.json) {
-    fmt::print("{}\n", json_of(views, process::now_ns()));
+    fmt::print("{}\n", json_of(views, process::host_now()));
   } else {
     // Home, then clear what is below: the table stays where it is.
     fmt::print("{}{}", options.redraw ? "\x1b[H\x1b[J" : "", table_of(views));
@@ -85,26 +86,26 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
   const Watched fusion_status(participant, qos, topics::fusion_status, watches, ends);
 
   constexpr TimeNs period_ns = 1'000'000'000;
-  TimeNs next_ns = process::steady_now_ns() + period_ns;
-  const TimeNs end_ns = options.duration_s > 0 ? process::steady_now_ns() + to_ns(options.duration_s)
-                                               : std::numeric_limits<TimeNs>::max();
+  SteadyTime next = process::steady_now() + period_ns;
+  const SteadyTime end =
+      options.duration_s > 0 ? process::steady_now() + to_ns(options.duration_s) : SteadyTime::max();
   if (options.redraw) fmt::print("\x1b[2J");
   constexpr TimeNs look_period_ns = 20'000'000;
-  while (next_ns <= end_ns && !stop.wait_until(std::min(next_ns, process::steady_now_ns() + look_period_ns))) {
+  while (next <= end && !stop.wait_until(std::min(next, process::steady_now() + look_period_ns))) {
     log_silences(watches.silence_changes());
     log_ends(ends);
-    if (process::steady_now_ns() < next_ns) continue;
-    const TimeNs now = process::now_ns();
+    if (process::steady_now() < next) continue;
+    const TimeNs now = process::host_now();
     print(options, watches.views([now](observation::BeaconObserver& watch, BeaconAddress address) {
       return watch.look(address, now);
     }));
-    next_ns += period_ns;
+    next += period_ns;
   }
-  stop.wait_until(std::min(end_ns, next_ns));
+  stop.wait_until(std::min(end, next));
 
-  const TimeNs now = process::now_ns();
-  const auto summaries = watches.views(
-      [now](const observation::BeaconObserver& watch, BeaconAddress address) { return watch.summary(address, now); });
+  const TimeNs now = process::host_now();
+  const auto summaries = watches.views([now](const observation::BeaconObserver& watch,
+                                             BeaconAddress address) { return watch.summary(address, now); });
   if (!options.json) fmt::print("\n{}", summary_of(summaries));
   std::uint64_t poses = 0;
   for (const observation::BeaconView& view : summaries) poses += view.poses;

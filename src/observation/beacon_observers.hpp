@@ -2,11 +2,12 @@
 /// \file
 /// What a process has seen of all beacons: the monitor's table, the relay's diagnostics.
 
-#include <sonopose/dds/topics/conversions.hpp>
 #include "observation/beacon_view.hpp"
+#include "process/clocks.hpp"
 #include "process/endpoint_counters.hpp"
-#include "process/host_clock.hpp"
 #include "process/silence_detector.hpp"
+#include <sonopose/dds/binding/sample.hpp>
+#include <sonopose/dds/topics/conversions.hpp>
 
 #include <map>
 #include <mutex>
@@ -31,7 +32,7 @@ public:
     const std::lock_guard lock(mutex_);
     pose_writers_[pose.address] = writer;
     watches_[pose.address].on(pose, received_ns);
-    silences_.on_sample(pose.address, process::steady_now_ns());
+    silences_.on_sample(pose.address, process::steady_now());
   }
 
   void on_deadline_missed(BeaconAddress address, std::uint64_t count) {
@@ -63,7 +64,7 @@ public:
   std::vector<process::SilenceDetector::Change> silence_changes() {
     std::vector<process::SilenceDetector::Change> changes;
     const std::lock_guard lock(mutex_);
-    silences_.find_changes(process::steady_now_ns(), changes);
+    silences_.find_changes(process::steady_now(), changes);
     return changes;
   }
 
@@ -93,7 +94,7 @@ public:
       : process::CountingReaderListener<T>(ends), watches_(watches) {}
 
   void on_data_available(dds::DataReader<T>& reader) noexcept override {
-    const TimeNs received_ns = process::now_ns();
+    const TimeNs received_ns = process::host_now();
     const auto on_data = [&](const T& sample, const dds::SampleInfo& info) {
       const Native native = dds::from_idl(sample);
       on_sample(native);

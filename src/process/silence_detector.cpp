@@ -2,14 +2,14 @@
 
 namespace sonopose::process {
 
-void SilenceDetector::find_changes(TimeNs now_ns, std::vector<Change>& changes) {
+void SilenceDetector::find_changes(SteadyTime now, std::vector<Change>& changes) {
   for (auto& [address, beacon] : beacons_) {
-    const bool silent = now_ns - beacon.latest_ns > deadline_ns_;
+    const bool silent = now - beacon.latest > deadline_ns_;
     if (silent == beacon.silent) continue;
     beacon.silent = silent;
-    if (silent) beacon.silent_since_ns = beacon.latest_ns;
-    const TimeNs until_ns = silent ? now_ns : beacon.latest_ns;
-    changes.push_back({address, silent, seconds_between(beacon.silent_since_ns, until_ns)});
+    if (silent) beacon.silent_since = beacon.latest;
+    const SteadyTime until = silent ? now : beacon.latest;
+    changes.push_back({address, silent, seconds_between(beacon.silent_since, until)});
   }
 }
 

@@ -17,7 +17,7 @@ public:
   /// `deadline_ns`: a beacon without a sample for longer is silent.
   explicit SilenceDetector(TimeNs deadline_ns) : deadline_ns_(deadline_ns) {}
 
-  void on_sample(BeaconAddress address, TimeNs now_ns) { beacons_[address].latest_ns = now_ns; }
+  void on_sample(BeaconAddress address, SteadyTime now) { beacons_[address].latest = now; }
 
   struct Change {
     BeaconAddress address = 0;
@@ -25,15 +25,15 @@ public:
     double lasted_s = 0;  ///< silent: for how long already; heard again: how long the silence was
   };
   /// Adds to `changes` what fell silent or was heard again since the last call.
-  void find_changes(TimeNs now_ns, std::vector<Change>& changes);
+  void find_changes(SteadyTime now, std::vector<Change>& changes);
 
   [[nodiscard]] bool is_silent(BeaconAddress address) const;
 
 private:
   struct Beacon {
-    TimeNs latest_ns = 0;
+    SteadyTime latest;
     bool silent = false;
-    TimeNs silent_since_ns = 0;
+    SteadyTime silent_since;
   };
   TimeNs deadline_ns_;
   std::unordered_map<BeaconAddress, Beacon> beacons_;

@@ -1,5 +1,6 @@
-#include "process/host_clock.hpp"
 #include "process/stop_signal.hpp"
+
+#include "process/clocks.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -68,12 +69,12 @@ bool StopSignal::requested() const noexcept {
   return is_readable(event_fd_, 0);
 }
 
-bool StopSignal::wait_until(TimeNs deadline_ns) const {
-  TimeNs left_ns = deadline_ns - steady_now_ns();
+bool StopSignal::wait_until(SteadyTime deadline) const {
+  TimeNs left_ns = deadline - steady_now();
   if (left_ns <= 0) return requested();
   while (left_ns > 0) {
     if (is_readable(event_fd_, left_ns)) return true;
-    left_ns = deadline_ns - steady_now_ns();  // a signal may have cut the sleep short
+    left_ns = deadline - steady_now();  // a signal may have cut the sleep short
   }
   return false;
 }

@@ -20,9 +20,8 @@ public:
   void request() noexcept;
   [[nodiscard]] bool requested() const noexcept;
 
-  /// Sleeps until `deadline_ns` of the steady clock (steady_now_ns), or until the stop. Returns
-  /// whether the stop came.
-  bool wait_until(TimeNs deadline_ns) const;
+  /// Sleeps until `deadline`, or until the stop. Returns whether the stop came.
+  bool wait_until(SteadyTime deadline) const;
 
 private:
   int event_fd_;

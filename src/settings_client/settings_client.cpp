@@ -1,12 +1,12 @@
+#include "settings_client/settings_client.hpp"
+
+#include "process/clocks.hpp"
+#include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
-#include <sonopose/dds/binding/waitset.hpp>
-#include "process/host_clock.hpp"
-#include "settings_client/settings_client.hpp"
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
 #include <map>
 #include <set>
 #include <unistd.h>
@@ -19,24 +19,25 @@ namespace topics = dds::topics;
 
 /// Unlike any other sender's, and never 0.
 std::uint64_t new_request_id() {
-  return static_cast<std::uint64_t>(process::now_ns()) ^ (static_cast<std::uint64_t>(::getpid()) << 40U);
+  return static_cast<std::uint64_t>(process::host_now()) ^ (static_cast<std::uint64_t>(::getpid()) << 40U);
 }
 
-TimeNs deadline_after(double timeout_s) {
-  return process::steady_now_ns() + to_ns(timeout_s);
+SteadyTime deadline_after(double timeout_s) {
+  return process::steady_now() + to_ns(timeout_s);
 }
 
 /// Takes samples as they come and calls `on_sample(const T&, const SampleInfo&)` for each, until `done()` or
 /// the deadline; returns what `done()` says then. `done` is asked again every few milliseconds.
 template <class T, class OnSample, class Done>
-bool take_until(dds::DataReader<T>& reader, TimeNs deadline_ns, const OnSample& on_sample, const Done& done) {
+bool take_until(dds::DataReader<T>& reader, SteadyTime deadline, const OnSample& on_sample,
+                const Done& done) {
   const dds::ReadCondition has_data(reader);
   dds::WaitSet waitset;
   waitset += has_data;
   while (true) {
     reader.take_each(on_sample);
     if (done()) return true;
-    if (process::steady_now_ns() >= deadline_ns) return false;
+    if (process::steady_now() >= deadline) return false;
     waitset.wait(std::chrono::milliseconds(20));
   }
 }
@@ -45,14 +46,14 @@ bool take_until(dds::DataReader<T>& reader, TimeNs deadline_ns, const OnSample& 
 /// them.
 class Settled {
 public:
-  void heard() { last_ns_ = process::steady_now_ns(); }
+  void heard() { last_ = process::steady_now(); }
   [[nodiscard]] bool operator()() const {
     constexpr TimeNs quiet_ns = 300'000'000;
-    return last_ns_ != 0 && process::steady_now_ns() - last_ns_ > quiet_ns;
+    return last_ != SteadyTime{} && process::steady_now() - last_ > quiet_ns;
   }
 
 private:
-  TimeNs last_ns_ = 0;
+  SteadyTime last_;
 };
 
 /// How often each engine has been reset, as each fusion on the bus says.
@@ -92,7 +93,7 @@ std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, dou
   auto reader = dds::make_reader(participant_, qos_, topics::settings_reply);
   auto writer = dds::make_writer(participant_, qos_, topics::settings_request);
   std::optional<SettingsReply> answer;
-  TimeNs next_send_ns = 0;
+  SteadyTime next_send;
   take_until(
       reader, deadline_after(timeout_s),
       [&](const sonopose_SettingsReply& reply, const dds::SampleInfo&) {
@@ -102,9 +103,9 @@ std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, dou
       [&] {
         // The fusion may know of our reader later than we of its: the same request again is answered again.
         const bool heard = writer.publication_matched_status().current_count > 0;
-        if (!answer && heard && process::steady_now_ns() >= next_send_ns) {
+        if (!answer && heard && process::steady_now() >= next_send) {
           writer.write(dds::to_idl(request).sample());
-          next_send_ns = process::steady_now_ns() + timeout_ns;
+          next_send = process::steady_now() + timeout_ns;
         }
         return answer.has_value();
       });
@@ -116,7 +117,7 @@ void SettingsClient::watch(BeaconAddress address,
                            double duration_s, const process::StopSignal& stop) {
   auto reader = dds::make_reader(participant_, qos_, topics::settings);
   take_until(
-      reader, duration_s > 0 ? deadline_after(duration_s) : std::numeric_limits<TimeNs>::max(),
+      reader, duration_s > 0 ? deadline_after(duration_s) : SteadyTime::max(),
       [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
         if (address == all_beacons || sample.address == address) on_settings(dds::from_idl(sample));
       },
@@ -124,7 +125,7 @@ void SettingsClient::watch(BeaconAddress address,
 }
 
 std::vector<BeaconAddress> SettingsClient::reset(BeaconAddress address, double timeout_s) {
-  const TimeNs deadline_ns = deadline_after(timeout_s);
+  const SteadyTime deadline = deadline_after(timeout_s);
   auto reader = dds::make_reader(participant_, qos_, topics::fusion_status);
   auto writer = dds::make_writer(participant_, qos_, topics::reset);
   ResetCounters before;
@@ -142,7 +143,7 @@ std::vector<BeaconAddress> SettingsClient::reset(BeaconAddress address, double t
       done.insert(status.address);
     }
   };
-  const bool ready = take_until(reader, deadline_ns, on_status, [&] {
+  const bool ready = take_until(reader, deadline, on_status, [&] {
     return settled() && writer.publication_matched_status().current_count > 0;
   });
   if (!ready) return {};
@@ -150,7 +151,7 @@ std::vector<BeaconAddress> SettingsClient::reset(BeaconAddress address, double t
   for (const auto& entry : before) wanted.insert(entry.first.first);
   sent = true;
   writer.write({.address = address, .request_id = new_request_id()});
-  if (!take_until(reader, deadline_ns, on_status,
+  if (!take_until(reader, deadline, on_status,
                   [&] { return std::includes(done.begin(), done.end(), wanted.begin(), wanted.end()); })) {
     return {};
   }

@@ -1,10 +1,11 @@
+#include "bridge/byte_sources.hpp"
+
 #include "bridge/collecting_sink.hpp"
-#include "support/temporary_folder.hpp"
+#include "bridge/recorded_sources.hpp"
 #include "files/error.hpp"
 #include "marvelmind/encoder.hpp"
-#include "bridge/byte_sources.hpp"
-#include "process/host_clock.hpp"
-#include "bridge/recorded_sources.hpp"
+#include "process/clocks.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -84,9 +85,9 @@ SCENARIO("a file of a beacon's bytes is played as samples") {
   GIVEN("IMU samples, a position with its quality, and what the beacon says of itself") {
     file << imu_at(10'000) << Telemetry{.battery_mv = 3900, .rssi_dbm = -40, .address = 5} << imu_at(10'010)
          << position_at(9'950) << Quality{.address = 5, .quality_percent = 87} << imu_at(10'020);
-    const TimeNs before_ns = now_ns();
+    const TimeNs before_ns = host_now();
     played(sink, file);
-    const TimeNs after_ns = now_ns();
+    const TimeNs after_ns = host_now();
     const auto imu = sink.of_kind<ImuSample>();
     const auto fixes = sink.of_kind<UltrasonicFix>();
     const auto headings = sink.of_kind<PairHeading>();
@@ -161,10 +162,10 @@ SCENARIO("a file of a beacon's bytes is played as samples") {
   }
   GIVEN("two samples 100 ms apart, in real time") {
     file << imu_at(10'000) << imu_at(10'100);
-    const TimeNs began_ns = steady_now_ns();
+    const SteadyTime began = steady_now();
     THEN("they take 100 ms") {
       CHECK(played(sink, file, 1.0).of_kind<ImuSample>().size() == 2);
-      CHECK(steady_now_ns() - began_ns >= 99 * ms);
+      CHECK(steady_now() - began >= 99 * ms);
     }
   }
 }

@@ -1,6 +1,7 @@
-#include "bridge/collecting_sink.hpp"
-#include "process/host_clock.hpp"
 #include "bridge/pacer.hpp"
+
+#include "bridge/collecting_sink.hpp"
+#include "process/clocks.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -27,16 +28,16 @@ SCENARIO("a pacer lets recorded time pass at its rate") {
   GIVEN("real time") {
     Pacer pacer(1.0);
     REQUIRE(pacer.wait_for(begin_ns, sink, stop));
-    const TimeNs began_ns = steady_now_ns();
+    const SteadyTime began = steady_now();
     THEN("150 ms of the recording take 150 ms, counted from the first moment, however it is divided") {
       for (TimeNs passed_ns = 0; passed_ns <= 150 * ms; passed_ns += 50 * ms) {
         REQUIRE(pacer.wait_for(begin_ns + passed_ns, sink, stop));
       }
-      CHECK(steady_now_ns() - began_ns >= 149 * ms);
+      CHECK(steady_now() - began >= 149 * ms);
     }
     THEN("what lies in the past is due at once") {
       REQUIRE(pacer.wait_for(begin_ns - hour, sink, stop));
-      CHECK(steady_now_ns() - began_ns < hour);
+      CHECK(steady_now() - began < hour);
     }
     THEN("the sink is ticked several times a second while nothing is due") {
       REQUIRE(pacer.wait_for(begin_ns + 450 * ms, sink, stop));
@@ -45,26 +46,26 @@ SCENARIO("a pacer lets recorded time pass at its rate") {
   }
   GIVEN("a thousand times real time") {
     Pacer pacer(1000.0);
-    const TimeNs began_ns = steady_now_ns();
+    const SteadyTime began = steady_now();
     THEN("a minute of the recording takes 60 ms") {
       REQUIRE(pacer.wait_for(begin_ns, sink, stop));
       REQUIRE(pacer.wait_for(begin_ns + hour / 60, sink, stop));
-      CHECK(steady_now_ns() - began_ns >= 60 * ms);
-      CHECK(steady_now_ns() - began_ns < hour / 60);
+      CHECK(steady_now() - began >= 60 * ms);
+      CHECK(steady_now() - began < hour / 60);
     }
   }
   GIVEN("rate 0") {
     Pacer pacer(0.0);
-    const TimeNs began_ns = steady_now_ns();
+    const SteadyTime began = steady_now();
     THEN("an hour of the recording is due at once") {
       REQUIRE(pacer.wait_for(begin_ns, sink, stop));
       REQUIRE(pacer.wait_for(begin_ns + hour, sink, stop));
-      CHECK(steady_now_ns() - began_ns < hour);
+      CHECK(steady_now() - began < hour);
     }
     THEN("the sink is ticked several times a second all the same") {
       TimeNs time_ns = begin_ns;
       while (sink.ticks < 3) REQUIRE(pacer.wait_for(++time_ns, sink, stop));
-      CHECK(steady_now_ns() - began_ns >= 300 * ms);
+      CHECK(steady_now() - began >= 300 * ms);
     }
   }
 }
@@ -87,8 +88,8 @@ SCENARIO("a pacer ends its wait when the stop comes") {
     REQUIRE(pacer.wait_for(begin_ns, sink, stop));
     stop.request();
     THEN("it is noticed within a quarter of a second") {
-      const TimeNs began_ns = steady_now_ns();
-      while (pacer.wait_for(begin_ns, sink, stop)) REQUIRE(steady_now_ns() - began_ns < 250 * ms);
+      const SteadyTime began = steady_now();
+      while (pacer.wait_for(begin_ns, sink, stop)) REQUIRE(steady_now() - began < 250 * ms);
     }
   }
 }

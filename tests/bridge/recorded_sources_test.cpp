@@ -1,10 +1,11 @@
+#include "bridge/recorded_sources.hpp"
+
 #include "bridge/collecting_sink.hpp"
-#include "support/temporary_folder.hpp"
 #include "files/error.hpp"
+#include "process/clocks.hpp"
 #include "recording/log_folder.hpp"
 #include "recording/log_writer.hpp"
-#include "process/host_clock.hpp"
-#include "bridge/recorded_sources.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -66,9 +67,9 @@ SCENARIO("a log folder as a source") {
     }
   }
   GIVEN("a shift to now") {
-    const TimeNs before_ns = now_ns();
+    const TimeNs before_ns = host_now();
     make_log_source({.folder = folder / "log", .rate = 0.0, .restamp = true})->run(sink, stop);
-    const TimeNs after_ns = now_ns();
+    const TimeNs after_ns = host_now();
     REQUIRE(sink.events.size() == 4);
     const auto imu = sink.of_kind<ImuSample>();
     const auto fix = sink.of_kind<UltrasonicFix>().front();
@@ -87,10 +88,10 @@ SCENARIO("a log folder as a source") {
     }
   }
   GIVEN("real time") {
-    const TimeNs began_ns = steady_now_ns();
+    const SteadyTime began = steady_now();
     make_log_source({.folder = folder / "log", .rate = 1.0})->run(sink, stop);
     THEN("its 100 ms take 100 ms") {
-      CHECK(steady_now_ns() - began_ns >= 99 * ms);
+      CHECK(steady_now() - began >= 99 * ms);
     }
   }
   GIVEN("a folder that is not there") {

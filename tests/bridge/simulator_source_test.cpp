@@ -1,7 +1,7 @@
 #include "bridge/collecting_sink.hpp"
-#include "support/temporary_folder.hpp"
-#include "process/host_clock.hpp"
 #include "bridge/recorded_sources.hpp"
+#include "process/clocks.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -40,9 +40,9 @@ SCENARIO("the simulator as a source") {
   GIVEN("two seconds of it, as fast as they can be") {
     const auto source = make_simulator_source(simulator(2.0));
     CHECK_FALSE(source->is_recording());
-    const TimeNs before_ns = now_ns();
+    const TimeNs before_ns = host_now();
     source->run(sink, stop);
-    const TimeNs after_ns = now_ns();
+    const TimeNs after_ns = host_now();
     THEN("200 IMU samples with their truth and fixes at 8 to 16 Hz with headings come, and it ends") {
       const auto imu = sink.of_kind<ImuSample>();
       CHECK(imu.size() == 200);
@@ -63,13 +63,13 @@ SCENARIO("the simulator as a source") {
     SimulatorOptions options = simulator(0.1);
     options.rate = 1.0;
     const auto source = make_simulator_source(options);
-    stop.wait_until(steady_now_ns() + 20'000'000);
-    const TimeNs begun_ns = now_ns();
+    stop.wait_until(steady_now() + 20'000'000);
+    const TimeNs begun_ns = host_now();
     source->run(sink, stop);
     THEN("no sample is older than the run, and none is brought before its own time") {
       REQUIRE(sink.of_kind<ImuSample>().size() == 10);
       CHECK(sink.of_kind<ImuSample>().front().sensor_time_ns >= begun_ns);
-      CHECK(sink.of_kind<ImuSample>().back().sensor_time_ns <= now_ns());
+      CHECK(sink.of_kind<ImuSample>().back().sensor_time_ns <= host_now());
     }
   }
   GIVEN("one without an end") {

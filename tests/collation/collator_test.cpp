@@ -19,11 +19,11 @@ constexpr TimeNs ms = 1'000'000;
 struct Line {
   Collator collator{5 * ms};
   std::vector<std::uint64_t> delivered;
-  TimeNs now_ns = 1000 * ms;
+  SteadyTime now{1000 * ms};
 
   void push(const Event& event) {
-    collator.push(event, now_ns, [this](const Event& out) { delivered.push_back(sequence_of(out)); });
-    now_ns += ms;
+    collator.push(event, now, [this](const Event& out) { delivered.push_back(sequence_of(out)); });
+    now += ms;
   }
   void push(std::uint64_t sequence) {
     ImuSample imu;
@@ -77,7 +77,7 @@ TEST_CASE("a gap is waited for as long as declared, then counted as lost") {
 TEST_CASE("two gaps at once are given up each in its own time") {
   Line line;
   line.push_all({1, 3, 5});
-  line.now_ns += 10 * ms;
+  line.now += 10 * ms;
   line.push(6);
   CHECK(line.delivered == Numbers{1, 3, 5, 6});
   CHECK(line.collator.counters().lost == 2);
@@ -134,7 +134,7 @@ TEST_CASE("a stream that lags behind another by more than the timeout is late, a
   }
   Line line;
   for (const auto& [arrival_ns, n] : arrivals) {
-    line.now_ns = arrival_ns;
+    line.now = SteadyTime{arrival_ns};
     line.push(n);
   }
   CHECK(std::is_sorted(line.delivered.begin(), line.delivered.end()));

@@ -19,8 +19,8 @@ SCENARIO("a live event allocates nothing, also while a change waits and when it 
     const std::size_t before = sonopose::test::allocations();
     for (std::size_t i = first; i < last; ++i) {
       engines.push(
-          events[i], available_at_ns(events[i]), [&](const FusedPose&) { ++poses; }, [](const FixReport&) {},
-          [&](const SettingsInForce&) { ++changes; });
+          events[i], SteadyTime{available_at_ns(events[i])}, [&](const FusedPose&) { ++poses; },
+          [](const FixReport&) {}, [&](const SettingsInForce&) { ++changes; });
     }
     return sonopose::test::allocations() - before;
   };
@@ -46,7 +46,7 @@ SCENARIO("with no attitude filter does a live event allocate") {
       if (auto* imu = std::get_if<ImuSample>(&event)) imu->magnetic_field_body_t = Vector3d(20e-6, 0, -40e-6);
       const std::size_t before = sonopose::test::allocations();
       engines.push(
-          event, available_at_ns(event), [](const FusedPose&) {}, [](const FixReport&) {},
+          event, SteadyTime{available_at_ns(event)}, [](const FusedPose&) {}, [](const FixReport&) {},
           [](const SettingsInForce&) {});
       return sonopose::test::allocations() - before;
     };

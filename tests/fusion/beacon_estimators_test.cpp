@@ -83,8 +83,8 @@ SCENARIO("events that come out of order are put in order") {
     Feeder feeder(false);
     auto mixed = events;
     for (std::size_t i = 10; i + 1 < mixed.size(); i += 7) std::swap(mixed[i], mixed[i + 1]);
-    TimeNs arrival_ns = begin_ns;
-    for (const Event& event : mixed) feeder.push(event, arrival_ns += ms / 10);
+    SteadyTime arrival{begin_ns};
+    for (const Event& event : mixed) feeder.push(event, arrival += ms / 10);
     THEN("the poses are those of the right order") {
       CHECK(same(feeder.poses_of(7), poses_of_engine(events)));
       CHECK(feeder.engines.status(7)->events_lost == 0);
@@ -126,8 +126,8 @@ SCENARIO("a bridge that begins anew") {
     feeder.push_all(walk(7, 5.0));
     WHEN("the same recording is played again: its times are older") {
       feeder.poses.clear();
-      TimeNs arrival_ns = begin_ns + 10'000 * ms;
-      for (const Event& event : walk(7, 5.0)) feeder.push(event, arrival_ns += ms);
+      SteadyTime arrival{begin_ns + 10'000 * ms};
+      for (const Event& event : walk(7, 5.0)) feeder.push(event, arrival += ms);
       THEN("the engine begins anew too, and says so") {
         CHECK(feeder.engines.status(7)->reset_counter == 1);
         REQUIRE(feeder.poses.size() >= 495);  // live, the first numbers pass before the restart is certain

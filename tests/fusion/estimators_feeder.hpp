@@ -1,9 +1,9 @@
 #pragma once
 // Events of a simulated beacon, and engines that are fed with them and whose output is kept.
 
-#include "support/bits.hpp"
 #include "fusion/beacon_estimators.hpp"
 #include "sim/simulator.hpp"
+#include "support/bits.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -36,10 +36,10 @@ struct Feeder {
   explicit Feeder(bool lossless, config::FusionConfig config = {}) : engines(std::move(config), lossless) {}
 
   /// An event that arrived when it became available.
-  void push(const Event& event) { push(event, available_at_ns(event)); }
-  void push(const Event& event, TimeNs arrival_ns) {
+  void push(const Event& event) { push(event, SteadyTime{available_at_ns(event)}); }
+  void push(const Event& event, SteadyTime arrival) {
     engines.push(
-        event, arrival_ns, [this](const FusedPose& pose) { poses.push_back(pose); },
+        event, arrival, [this](const FusedPose& pose) { poses.push_back(pose); },
         [this](const FixReport& report) { reports.push_back(report); },
         [this](const SettingsInForce& change) { changes.push_back(change); });
   }

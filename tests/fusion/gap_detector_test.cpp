@@ -18,7 +18,7 @@ SCENARIO("a wait for a missing event is told after five seconds, once") {
   GapDetector watch;
   const auto at = [&watch](TimeNs time_s, std::uint64_t missing, std::size_t held,
                            BeaconAddress address = 7) {
-    return watch.on(address, collation::LosslessCollator::Gap{missing, held}, time_s * second_ns);
+    return watch.on(address, collation::LosslessCollator::Gap{missing, held}, SteadyTime{time_s * second_ns});
   };
   GIVEN("events that wait for the first one") {
     CHECK_FALSE(at(100, 1, 80));
@@ -38,7 +38,7 @@ SCENARIO("a wait for a missing event is told after five seconds, once") {
       }
     }
     WHEN("it comes") {
-      CHECK_FALSE(watch.on(7, std::nullopt, 104 * second_ns));
+      CHECK_FALSE(watch.on(7, std::nullopt, SteadyTime{104 * second_ns}));
       THEN("a later wait begins anew") {
         CHECK_FALSE(at(105, 1, 500));
         CHECK(at(110, 1, 500));

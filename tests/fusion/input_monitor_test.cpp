@@ -1,5 +1,6 @@
-#include "bridge/deadline_count.hpp"
 #include "fusion/input_monitor.hpp"
+
+#include "bridge/deadline_count.hpp"
 #include "process/silence_detector.hpp"
 
 #include <catch2/catch.hpp>
@@ -40,11 +41,11 @@ SCENARIO("a silence is told once when it begins and once when it ends") {
   std::vector<SilenceDetector::Change> changes;
   const auto look = [&](TimeNs now_ns) {
     changes.clear();
-    watch.find_changes(now_ns, changes);
+    watch.find_changes(SteadyTime{now_ns}, changes);
     return changes.size();
   };
-  watch.on_sample(7, 1000 * ms);
-  watch.on_sample(8, 1090 * ms);
+  watch.on_sample(7, SteadyTime{1000 * ms});
+  watch.on_sample(8, SteadyTime{1090 * ms});
   CHECK(look(1100 * ms) == 0);
   REQUIRE(look(1101 * ms) == 1);
   CHECK(changes[0].address == 7);
@@ -53,8 +54,8 @@ SCENARIO("a silence is told once when it begins and once when it ends") {
   CHECK(watch.is_silent(7));
   CHECK_FALSE(watch.is_silent(8));
   CHECK(look(1150 * ms) == 0);
-  watch.on_sample(7, 1500 * ms);
-  watch.on_sample(8, 1170 * ms);
+  watch.on_sample(7, SteadyTime{1500 * ms});
+  watch.on_sample(8, SteadyTime{1170 * ms});
   REQUIRE(look(1500 * ms) == 2);
   const auto& seven = changes[0].address == 7 ? changes[0] : changes[1];
   CHECK_FALSE(seven.silent);
@@ -63,13 +64,13 @@ SCENARIO("a silence is told once when it begins and once when it ends") {
 
 SCENARIO("whole periods without a sample are counted") {
   DeadlineCount count(100 * ms);
-  CHECK(count.count(5'000 * ms) == 0);  // nothing has begun
-  count.on_sample(1'000 * ms);
-  count.on_sample(1'090 * ms);
-  CHECK(count.count(1'189 * ms) == 0);
-  CHECK(count.count(1'190 * ms) == 1);
-  CHECK(count.count(1'340 * ms) == 2);
-  count.on_sample(1'340 * ms);
-  CHECK(count.count(1'350 * ms) == 2);
-  CHECK(count.count(1'440 * ms) == 3);
+  CHECK(count.count(SteadyTime{5'000 * ms}) == 0);  // nothing has begun
+  count.on_sample(SteadyTime{1'000 * ms});
+  count.on_sample(SteadyTime{1'090 * ms});
+  CHECK(count.count(SteadyTime{1'189 * ms}) == 0);
+  CHECK(count.count(SteadyTime{1'190 * ms}) == 1);
+  CHECK(count.count(SteadyTime{1'340 * ms}) == 2);
+  count.on_sample(SteadyTime{1'340 * ms});
+  CHECK(count.count(SteadyTime{1'350 * ms}) == 2);
+  CHECK(count.count(SteadyTime{1'440 * ms}) == 3);
 }

@@ -1,8 +1,8 @@
 /// What a fusion that was started late differs by from one that runs since the start, on the same events.
 
 #include "fusion/estimators_feeder.hpp"
-#include <sonopose/geometry/rotation.hpp>
 #include "fusion/standby.hpp"
+#include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -37,7 +37,7 @@ Difference difference_after_warm_up(double late_by_s) {
   Standby standby({}, 100'000'000);
   Difference most;
   for (const FusedPose& pose : late.poses) {
-    if (standby.on_pose(7, pose.status, 0, pose.time_ns).role != FusionRole::serving) continue;
+    if (standby.on_pose(7, pose.status, 0, SteadyTime{pose.time_ns}).role != FusionRole::serving) continue;
     const FusedPose& other = of_early.at(pose.time_ns);
     most.position_m = std::max(most.position_m, (pose.position_world_m - other.position_world_m).norm());
     most.velocity_mps =

@@ -55,7 +55,8 @@ SCENARIO("a change holds exactly from the event that the request names") {
         REQUIRE(feeder.changes.size() == 2);
         CHECK(feeder.changes[0].address == 7);
         CHECK(feeder.changes[0].from_sequence == 1);
-        CHECK(feeder.changes[0].settings.drift.jump_alpha == estimation::documented::DriftSettings{}.jump_alpha);
+        CHECK(feeder.changes[0].settings.drift.jump_alpha ==
+              estimation::documented::DriftSettings{}.jump_alpha);
         CHECK(feeder.changes[1].from_sequence == from);
         CHECK(feeder.changes[1].settings.drift.jump_alpha == 0.9);
       }
@@ -101,7 +102,7 @@ SCENARIO("the event counts in the order of the numbers, not of the arrivals") {
   push_range(feeder, events, 1, from - 3);
   // 698 comes last of these six
   for (const std::uint64_t number : {699U, 700U, 701U, 702U, 703U, 698U}) {
-    feeder.push(events[number - 1], begin_ns);
+    feeder.push(events[number - 1], SteadyTime{begin_ns});
   }
   push_range(feeder, events, 704, to_the_end);
   CHECK(feeder.engines.status(7)->events_lost == 0);

@@ -10,7 +10,7 @@ using namespace sonopose::fusion;
 namespace {
 
 constexpr TimeNs ms = 1'000'000;
-constexpr TimeNs begin_ns = 5'000 * ms;
+constexpr SteadyTime begin{5'000 * ms};
 constexpr TimeNs sensor_ns = 1'700'000'000'000'000'000;
 
 /// A pose at 3 m/s along x, from a sample that was taken `at_ns` after the begin.
@@ -26,8 +26,8 @@ struct Predictions {
   PosePredictor predictor{100 * ms};
   std::vector<FusedPose> poses;
 
-  std::optional<TimeNs> at(TimeNs after_ns) {
-    return predictor.predict(begin_ns + after_ns, [this](const FusedPose& pose) { poses.push_back(pose); });
+  std::optional<SteadyTime> at(TimeNs after_ns) {
+    return predictor.predict(begin + after_ns, [this](const FusedPose& pose) { poses.push_back(pose); });
   }
 };
 
@@ -37,19 +37,19 @@ SCENARIO("poses are due on a clock of their own") {
   Predictions made;
   CHECK_FALSE(made.at(0));  // nothing is asked for
   made.predictor.set_period(7, 4 * ms);
-  made.predictor.on_pose(pose_at(0), begin_ns);
+  made.predictor.on_pose(pose_at(0), begin);
   GIVEN("a pose, and 4 ms asked for") {
     THEN("the next is due 4 ms later, for that moment, and the one after 8 ms later") {
-      CHECK(made.at(1 * ms) == begin_ns + 4 * ms);
+      CHECK(made.at(1 * ms) == begin + 4 * ms);
       CHECK(made.poses.empty());
-      CHECK(made.at(4 * ms) == begin_ns + 8 * ms);
+      CHECK(made.at(4 * ms) == begin + 8 * ms);
       REQUIRE(made.poses.size() == 1);
       CHECK(made.poses[0].time_ns == sensor_ns + 4 * ms);
       CHECK(made.poses[0].position_world_m.x() == Approx(0.012));
       CHECK((made.poses[0].status & status_predicted) != 0U);
     }
     WHEN("another sample comes in between") {
-      made.predictor.on_pose(pose_at(3 * ms), begin_ns + 3 * ms);
+      made.predictor.on_pose(pose_at(3 * ms), begin + 3 * ms);
       made.at(4 * ms);
       THEN("the clock keeps its beat, and the prediction is from the latest") {
         REQUIRE(made.poses.size() == 1);
@@ -58,7 +58,7 @@ SCENARIO("poses are due on a clock of their own") {
       }
     }
     WHEN("nobody looked for 10 ms") {
-      CHECK(made.at(14 * ms) == begin_ns + 16 * ms);
+      CHECK(made.at(14 * ms) == begin + 16 * ms);
       THEN("one pose comes, not three") {
         CHECK(made.poses.size() == 1);
       }
@@ -72,11 +72,11 @@ SCENARIO("poses are due on a clock of their own") {
     }
     WHEN("it is asked for once a second first, and then more often") {
       made.predictor.set_period(7, 1000 * ms);
-      made.predictor.on_pose(pose_at(10 * ms), begin_ns + 10 * ms);
+      made.predictor.on_pose(pose_at(10 * ms), begin + 10 * ms);
       made.predictor.set_period(7, 2 * ms);
-      made.predictor.on_pose(pose_at(20 * ms), begin_ns + 20 * ms);
+      made.predictor.on_pose(pose_at(20 * ms), begin + 20 * ms);
       THEN("the new period holds from the next sample on") {
-        CHECK(made.at(22 * ms) == begin_ns + 24 * ms);
+        CHECK(made.at(22 * ms) == begin + 24 * ms);
         CHECK(made.poses.size() == 1);
       }
     }

@@ -15,22 +15,22 @@ constexpr TimeNs stall_ns = 100 * ms;
 /// Poses of beacon 7 every 10 ms.
 struct Feed {
   Standby standby{{.strength = 100, .warm_up_s = 1.0}, stall_ns};
-  TimeNs now_ns = 1'000'000'000'000;
+  SteadyTime now{1'000'000'000'000};
   TimeNs age_ns = -3'000 * ms;  // the bridge's clock goes ahead
 
   /// The last of `count` poses' steps.
   Standby::Step poses(int count, std::uint32_t status = 0) {
     Standby::Step step;
     for (int i = 0; i < count; ++i) {
-      now_ns += 10 * ms;
-      step = standby.on_pose(7, status, age_ns, now_ns);
+      now += 10 * ms;
+      step = standby.on_pose(7, status, age_ns, now);
     }
     return step;
   }
 
   std::vector<BeaconAddress> stalled() {
     std::vector<BeaconAddress> found;
-    standby.find_stalled(now_ns, found);
+    standby.find_stalled(now, found);
     std::sort(found.begin(), found.end());
     return found;
   }
@@ -85,12 +85,12 @@ SCENARIO("a beacon that has no poses any more is given up, and it alone") {
   Feed feed;
   for (int i = 0; i < 101; ++i) {
     feed.poses(1);
-    feed.standby.on_pose(8, 0, 0, feed.now_ns);
+    feed.standby.on_pose(8, 0, 0, feed.now);
   }
-  CHECK(feed.standby.next_stall_ns() == feed.now_ns + stall_ns + 1);
+  CHECK(feed.standby.next_stall() == feed.now + stall_ns + 1);
   GIVEN("a silence of beacon 7") {
-    feed.standby.on_pose(8, 0, 0, feed.now_ns + stall_ns / 2);
-    feed.now_ns += stall_ns + 1;
+    feed.standby.on_pose(8, 0, 0, feed.now + stall_ns / 2);
+    feed.now += stall_ns + 1;
     THEN("it is named, twice for what was on its way, and then no more") {
       CHECK(feed.stalled() == std::vector<BeaconAddress>{7});
       CHECK(feed.stalled() == std::vector<BeaconAddress>{7});
@@ -120,7 +120,7 @@ SCENARIO("a beacon that has no poses any more is given up, and it alone") {
     }
   }
   GIVEN("a process that was stopped as a whole, so that poses come before the silence was noticed") {
-    feed.now_ns += 5 * stall_ns;
+    feed.now += 5 * stall_ns;
     feed.age_ns += 5 * stall_ns;
     const auto step = feed.poses(1);
     feed.age_ns -= 5 * stall_ns;

@@ -1,5 +1,6 @@
-#include "process/host_clock.hpp"
 #include "process/stop_signal.hpp"
+
+#include "process/clocks.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -41,32 +42,32 @@ SCENARIO("a stop is waited for") {
     StopSignal stop;
     CHECK_FALSE(stop.requested());
     THEN("a wait lasts until its deadline") {
-      const TimeNs deadline_ns = steady_now_ns() + 30 * ms;
-      CHECK_FALSE(stop.wait_until(deadline_ns));
-      CHECK(steady_now_ns() >= deadline_ns);
+      const SteadyTime deadline = steady_now() + 30 * ms;
+      CHECK_FALSE(stop.wait_until(deadline));
+      CHECK(steady_now() >= deadline);
     }
     THEN("a wait is not rounded up to milliseconds: of many, the best ends well within one") {
       TimeNs least_late_ns = minute;
       for (int i = 0; i < 100; ++i) {
-        const TimeNs deadline_ns = steady_now_ns() + 300'000;
-        CHECK_FALSE(stop.wait_until(deadline_ns));
-        least_late_ns = std::min(least_late_ns, steady_now_ns() - deadline_ns);
+        const SteadyTime deadline = steady_now() + 300'000;
+        CHECK_FALSE(stop.wait_until(deadline));
+        least_late_ns = std::min(least_late_ns, steady_now() - deadline);
       }
       CHECK(least_late_ns >= 0);
       CHECK(least_late_ns < ms / 2);
     }
     THEN("a deadline in the past is no wait") {
-      CHECK_FALSE(stop.wait_until(steady_now_ns() - minute));
+      CHECK_FALSE(stop.wait_until(steady_now() - minute));
     }
     WHEN("another thread asks for it during a wait") {
-      const TimeNs deadline_ns = steady_now_ns() + minute;
+      const SteadyTime deadline = steady_now() + minute;
       const std::jthread other([&stop] { stop.request(); });
       THEN("the wait ends, and everybody who asks sees it from then on") {
-        CHECK(stop.wait_until(deadline_ns));
-        CHECK(steady_now_ns() < deadline_ns);
+        CHECK(stop.wait_until(deadline));
+        CHECK(steady_now() < deadline);
         CHECK(stop.requested());
-        CHECK(stop.wait_until(deadline_ns));
-        CHECK(stop.wait_until(steady_now_ns() - minute));
+        CHECK(stop.wait_until(deadline));
+        CHECK(stop.wait_until(steady_now() - minute));
       }
     }
   }
@@ -79,7 +80,7 @@ SCENARIO("Ctrl-C and SIGTERM set the stop that listens") {
     const StopSignal other;
     listening.listen_to_signals();
     REQUIRE(::raise(signal) == 0);
-    CHECK(listening.wait_until(steady_now_ns() + minute));
+    CHECK(listening.wait_until(steady_now() + minute));
     CHECK_FALSE(other.requested());
   }
   GIVEN("a stop that listened and is gone") {

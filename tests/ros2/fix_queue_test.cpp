@@ -45,7 +45,7 @@ using List = std::vector<std::pair<int, double>>;
 SCENARIO("each fix goes out once, as sure as the fusion holds it") {
   GIVEN("a fusion that runs, and a fix") {
     FixQueue queue;
-    CHECK(of(queue.on(fix_number(1), 0, true)) == List{});
+    CHECK(of(queue.on(fix_number(1), SteadyTime{0}, true)) == List{});
     WHEN("the fusion reports on it") {
       THEN("it goes out with its weight") {
         CHECK(of(queue.on(report_on(1, 0.5))) == List{{1, 0.5}});
@@ -59,28 +59,28 @@ SCENARIO("each fix goes out once, as sure as the fusion holds it") {
     }
     WHEN("the fusion says nothing") {
       THEN("it goes out after a tenth of a second, and only once") {
-        CHECK(of(queue.overdue(100 * ms)) == List{});
-        CHECK(of(queue.overdue(101 * ms)) == List{{1, -1}});
+        CHECK(of(queue.overdue(SteadyTime{100 * ms})) == List{});
+        CHECK(of(queue.overdue(SteadyTime{101 * ms})) == List{{1, -1}});
         CHECK(of(queue.on(report_on(1, 0.5))) == List{});
       }
     }
     WHEN("the report on the next one comes first") {
-      CHECK(of(queue.on(fix_number(2), 50 * ms, true)) == List{});
+      CHECK(of(queue.on(fix_number(2), SteadyTime{50 * ms}, true)) == List{});
       THEN("both go out, in their order") {
         CHECK(of(queue.on(report_on(2, 0.9))) == List{{1, -1}, {2, 0.9}});
       }
     }
     WHEN("no fusion runs any more") {
       THEN("nothing waits") {
-        CHECK(of(queue.on(fix_number(2), 50 * ms, false)) == List{{1, -1}, {2, -1}});
+        CHECK(of(queue.on(fix_number(2), SteadyTime{50 * ms}, false)) == List{{1, -1}, {2, -1}});
       }
     }
     WHEN("more come than can wait") {
       for (std::uint64_t i = 2; i <= FixQueue::most_waiting; ++i) {
-        CHECK(of(queue.on(fix_number(i), 0, true)) == List{});
+        CHECK(of(queue.on(fix_number(i), SteadyTime{0}, true)) == List{});
       }
       THEN("the first one makes room") {
-        CHECK(of(queue.on(fix_number(FixQueue::most_waiting + 1), 0, true)) == List{{1, -1}});
+        CHECK(of(queue.on(fix_number(FixQueue::most_waiting + 1), SteadyTime{0}, true)) == List{{1, -1}});
       }
     }
   }
@@ -88,7 +88,7 @@ SCENARIO("each fix goes out once, as sure as the fusion holds it") {
     FixQueue queue;
     CHECK(of(queue.on(report_on(4, 0.25))) == List{{4, 0.25}});
     THEN("the fix itself brings nothing new") {
-      CHECK(of(queue.on(fix_number(4), 0, true)) == List{});
+      CHECK(of(queue.on(fix_number(4), SteadyTime{0}, true)) == List{});
     }
   }
 }

@@ -4,7 +4,20 @@
 
 #include <catch2/catch.hpp>
 
+#include <concepts>
+
 using namespace sonopose;
+
+// A time of one clock is never taken for one of the other.
+static_assert(!std::convertible_to<HostTime, SteadyTime>);
+static_assert(!std::convertible_to<SteadyTime, HostTime>);
+static_assert(!std::equality_comparable_with<HostTime, SteadyTime>);
+template <class A, class B>
+concept Subtractable = requires(A a, B b) {
+  a - b;
+};
+static_assert(Subtractable<SteadyTime, SteadyTime>);
+static_assert(!Subtractable<HostTime, SteadyTime>);
 
 TEST_CASE("seconds become the nearest nanosecond and come back") {
   CHECK(to_ns(1.5) == 1'500'000'000);
@@ -48,4 +61,12 @@ TEST_CASE("an event tells its beacon, its number and from when on it may be used
   CHECK(available_at_ns(imu) == 500);
   CHECK(available_at_ns(fix) == 700);
   CHECK(available_at_ns(heading) == 701);
+}
+
+TEST_CASE("steady times differ by durations") {
+  const SteadyTime begin{1'000'000'000};
+  CHECK(begin + 500 - begin == 500);
+  CHECK(begin - 500 < begin);
+  CHECK(seconds_between(begin, begin + 2'500'000'000) == 2.5);
+  CHECK(SteadyTime::max() > begin);
 }

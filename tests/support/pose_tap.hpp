@@ -2,7 +2,7 @@
 /// \file
 /// A live consumer of poses that records the arrival time and the writer of each.
 
-#include "process/host_clock.hpp"
+#include "process/clocks.hpp"
 #include "support/bus.hpp"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace sonopose::test {
 struct TappedPose {
   FusedPose pose;
   std::uint64_t writer = 0;  ///< publication handle
-  TimeNs received_ns = 0;    ///< steady clock
+  SteadyTime received;
 };
 
 class PoseTap {
@@ -85,20 +85,20 @@ public:
     return wait_for([&](const TappedPose& tapped) { return writers.contains(tapped.writer); }, from);
   }
 
-  /// Waits until a writer loses its liveliness after `after_ns`; returns that time. Empty after the timeout.
-  std::optional<TimeNs> wait_for_loss(TimeNs after_ns) const {
+  /// Waits until a writer loses its liveliness after `after`; returns that time. Empty after the timeout.
+  std::optional<SteadyTime> wait_for_loss(SteadyTime after) const {
     std::unique_lock lock(listener_.mutex);
-    const bool lost = listener_.came.wait_for(lock, timeout, [&] { return listener_.lost_ns >= after_ns; });
-    return lost ? std::optional(listener_.lost_ns) : std::nullopt;
+    const bool lost = listener_.came.wait_for(lock, timeout, [&] { return listener_.lost_at >= after; });
+    return lost ? std::optional(listener_.lost_at) : std::nullopt;
   }
 
 private:
   struct Listener final : dds::DataReaderListener<sonopose_FusedPose> {
     void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
-      const TimeNs received_ns = process::steady_now_ns();
+      const SteadyTime received = process::steady_now();
       const std::lock_guard lock(mutex);
       reader.try_take_each([&](const sonopose_FusedPose& pose, const dds::SampleInfo& info) {
-        poses.push_back({dds::from_idl(pose), info.publication_handle().value, received_ns});
+        poses.push_back({dds::from_idl(pose), info.publication_handle().value, received});
       });
       came.notify_all();
     }
@@ -107,14 +107,14 @@ private:
                                const dds::LivelinessChangedStatus& status) noexcept override {
       if (status.not_alive_count_change <= 0) return;
       const std::lock_guard lock(mutex);
-      lost_ns = process::steady_now_ns();
+      lost_at = process::steady_now();
       came.notify_all();
     }
 
     mutable std::mutex mutex;
     mutable std::condition_variable came;
     std::vector<TappedPose> poses;
-    TimeNs lost_ns = 0;  ///< when a writer was no longer alive
+    SteadyTime lost_at;  ///< when a writer was no longer alive
   };
 
   Listener listener_;

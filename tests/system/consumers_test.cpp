@@ -13,7 +13,7 @@ namespace topics = dds::topics;
 
 namespace {
 
-TimeNs now_ns() {
+TimeNs host_now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
@@ -40,7 +40,7 @@ SCENARIO("a late consumer receives poses, and the last status at once") {
     REQUIRE(first.wait_for_count(50));
     REQUIRE(first_status.wait_for_count(1));
     WHEN("a second consumer starts") {
-      const TimeNs came_ns = now_ns();
+      const TimeNs came_ns = host_now();
       Consumer<sonopose_FusedPose> second(bus, topics::pose);
       Consumer<sonopose_BeaconStatus> beacon(bus, topics::beacon_status);
       Consumer<sonopose_FusionStatus> engine(bus, topics::fusion_status);

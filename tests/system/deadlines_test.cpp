@@ -123,11 +123,11 @@ SCENARIO("a consumer detects the death of a fusion within a lease") {
   for (int i = 0; i < 5; ++i) {
     const auto fusion = bus.fusion();
     REQUIRE(tap.wait_for_count(tap.count(), 20).size() >= 20);
-    const TimeNs killed_ns = process::steady_now_ns();
+    const SteadyTime killed = process::steady_now();
     fusion->send(SIGKILL);
-    const auto lost_ns = tap.wait_for_loss(killed_ns);
-    REQUIRE(lost_ns);
-    waits_ms.push_back(static_cast<double>(*lost_ns - killed_ns) * 1e-6);
+    const auto lost = tap.wait_for_loss(killed);
+    REQUIRE(lost);
+    waits_ms.push_back(static_cast<double>(*lost - killed) * 1e-6);
   }
   std::sort(waits_ms.begin(), waits_ms.end());
   CAPTURE(waits_ms);

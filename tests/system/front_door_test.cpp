@@ -1,7 +1,7 @@
 /// The front door, and options of every program: --help, --version, suggestions for misspelt words.
 
-#include "support/temporary_folder.hpp"
 #include "support/process.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -78,11 +78,11 @@ std::vector<double> takeovers_ms(Pair& pair, Fusion& strong, const Fusion& weak,
   for (int i = 0; i < kills; ++i) {
     pair.wait_until_served_by(strong);
     const std::size_t before = pair.tap.count();
-    const TimeNs out_ns = process::steady_now_ns();
+    const SteadyTime out = process::steady_now();
     const auto bring_back = take_out();
     const auto first = pair.tap.wait_for_writer(weak.writers, before);
     REQUIRE(first);
-    waits_ms.push_back(static_cast<double>(first->received_ns - out_ns) * 1e-6);
+    waits_ms.push_back(static_cast<double>(first->received - out) * 1e-6);
     bring_back();
   }
   std::sort(waits_ms.begin(), waits_ms.end());

@@ -27,25 +27,25 @@ public:
   /// How long a gap is waited for.
   explicit Collator(TimeNs timeout_ns = 5'000'000) : timeout_ns_(timeout_ns) {}
 
-  /// Takes an event that arrived at `now_ns` (any steady clock) and calls `deliver(event)` for each that is
+  /// Takes an event that arrived at `now` (steady clock) and calls `deliver(event)` for each that is
   /// in line now. Without a gap that is the event itself, at once. Gaps are given up only here, when a later
   /// event arrives: no clock of its own is needed.
   template <class Deliver>
-  void push(const Event& event, TimeNs now_ns, const Deliver& deliver) {
+  void push(const Event& event, SteadyTime now, const Deliver& deliver) {
     const std::uint64_t sequence = sequence_of(event);
     if (!started_) begin(sequence);
-    if (sequence < next_ && !is_restart(sequence, now_ns)) {
+    if (sequence < next_ && !is_restart(sequence, now)) {
       ++counters_.duplicated;
       return;
     }
-    if (sequence < next_) begin_again(sequence, now_ns, deliver);
+    if (sequence < next_) begin_again(sequence, now, deliver);
     late_run_ = 0;
     if (sequence == next_ && waiting_ == 0) {
       ++next_;
       deliver(event);
     } else {
-      hold(event, now_ns, deliver);
-      release(now_ns, deliver);
+      hold(event, now, deliver);
+      release(now, deliver);
     }
   }
 
@@ -54,7 +54,7 @@ public:
 private:
   struct Place {
     bool taken = false;
-    TimeNs since_ns = 0;
+    SteadyTime since;
     Event event;
   };
 
@@ -66,17 +66,17 @@ private:
   /// A bridge that was started anew counts from the beginning again: late numbers, but one after the other
   /// with none in line between them. (Of two bridges that publish the same address the first goes on being
   /// served.) What was given up and comes after all is late and no restart, however much of it there is.
-  [[nodiscard]] bool is_restart(std::uint64_t sequence, TimeNs now_ns) {
+  [[nodiscard]] bool is_restart(std::uint64_t sequence, SteadyTime now) {
     constexpr int enough = 4;
-    if (was_given_up(sequence, now_ns)) return false;
+    if (was_given_up(sequence, now)) return false;
     late_run_ = sequence == late_next_ ? late_run_ + 1 : 1;
     late_next_ = sequence + 1;
     return late_run_ >= enough;
   }
 
   template <class Deliver>
-  void begin_again(std::uint64_t sequence, TimeNs now_ns, const Deliver& deliver) {
-    while (waiting_ > 0) skip_to_earliest(now_ns, deliver);
+  void begin_again(std::uint64_t sequence, SteadyTime now, const Deliver& deliver) {
+    while (waiting_ > 0) skip_to_earliest(now, deliver);
     next_ = sequence;
     given_up_ = {};
     ++counters_.restarts;
@@ -86,50 +86,50 @@ private:
   struct Gap {
     std::uint64_t from = 0;
     std::uint64_t to = 0;
-    TimeNs since_ns = 0;
+    SteadyTime since;
   };
 
   Place& place_of(std::uint64_t sequence) { return places_[sequence % capacity]; }
 
   template <class Deliver>
-  void hold(const Event& event, TimeNs now_ns, const Deliver& deliver) {
+  void hold(const Event& event, SteadyTime now, const Deliver& deliver) {
     const std::uint64_t sequence = sequence_of(event);
-    while (waiting_ > 0 && sequence >= next_ + capacity) skip_to_earliest(now_ns, deliver);
-    if (waiting_ == 0 && sequence >= next_ + capacity) give_up_to(sequence, now_ns);  // too wide to be filled
+    while (waiting_ > 0 && sequence >= next_ + capacity) skip_to_earliest(now, deliver);
+    if (waiting_ == 0 && sequence >= next_ + capacity) give_up_to(sequence, now);  // too wide to be filled
     Place& place = place_of(sequence);
     if (place.taken) {
       ++counters_.duplicated;
       return;
     }
-    place = {true, now_ns, event};
+    place = {true, now, event};
     ++waiting_;
   }
 
   /// Everything before `sequence` that has not come is lost.
-  void give_up_to(std::uint64_t sequence, TimeNs now_ns) {
+  void give_up_to(std::uint64_t sequence, SteadyTime now) {
     if (sequence == next_) return;
     constexpr std::uint64_t widest = 1024;  // beyond that a number was wrong, or the numbering is another one
     counters_.lost += sequence - next_;
     if (sequence - next_ <= widest) {
-      given_up_[given_up_count_++ % given_up_.size()] = {next_, sequence, now_ns};
+      given_up_[given_up_count_++ % given_up_.size()] = {next_, sequence, now};
     }
     next_ = sequence;
   }
 
-  [[nodiscard]] bool was_given_up(std::uint64_t sequence, TimeNs now_ns) const {
+  [[nodiscard]] bool was_given_up(std::uint64_t sequence, SteadyTime now) const {
     constexpr TimeNs remembered_ns = 1'000'000'000;
     for (const Gap& gap : given_up_) {
-      if (gap.from <= sequence && sequence < gap.to && now_ns - gap.since_ns < remembered_ns) return true;
+      if (gap.from <= sequence && sequence < gap.to && now - gap.since < remembered_ns) return true;
     }
     return false;
   }
 
   /// Gives up the gap before the earliest event that waits.
   template <class Deliver>
-  void skip_to_earliest(TimeNs now_ns, const Deliver& deliver) {
+  void skip_to_earliest(SteadyTime now, const Deliver& deliver) {
     std::uint64_t earliest = next_;
     while (!place_of(earliest).taken) ++earliest;
-    give_up_to(earliest, now_ns);
+    give_up_to(earliest, now);
     deliver_run(deliver);
   }
 
@@ -145,17 +145,17 @@ private:
   }
 
   template <class Deliver>
-  void release(TimeNs now_ns, const Deliver& deliver) {
+  void release(SteadyTime now, const Deliver& deliver) {
     deliver_run(deliver);
-    while (waiting_ > 0 && now_ns - longest_wait_began_ns() > timeout_ns_) skip_to_earliest(now_ns, deliver);
+    while (waiting_ > 0 && now - longest_wait_began() > timeout_ns_) skip_to_earliest(now, deliver);
   }
 
-  [[nodiscard]] TimeNs longest_wait_began_ns() const {
-    TimeNs earliest_ns = INT64_MAX;
+  [[nodiscard]] SteadyTime longest_wait_began() const {
+    SteadyTime earliest = SteadyTime::max();
     for (const Place& place : places_) {
-      if (place.taken && place.since_ns < earliest_ns) earliest_ns = place.since_ns;
+      if (place.taken && place.since < earliest) earliest = place.since;
     }
-    return earliest_ns;
+    return earliest;
   }
 
   TimeNs timeout_ns_;

@@ -1,8 +1,11 @@
 #pragma once
 /// \file
-/// The native: the samples that every edge of the system (wire, log folder, simulator, DDS, ROS 2) converts to
-/// and from, once. SI units; times are integer nanoseconds since the Unix epoch in the host's clock; vectors
-/// say in their names in which frame they stand (`body`: the IMU's axes, `world`: the beacons' map, Z up).
+/// The native: the samples that every edge of the system (wire, log folder, simulator, DDS, ROS 2) converts
+/// to and from, once. SI units; times are integer nanoseconds since the Unix epoch in the host's clock;
+/// vectors say in their names in which frame they stand (`body`: the IMU's axes, `world`: the beacons' map, Z
+/// up).
+
+#include <sonopose/samples/time.hpp>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -16,9 +19,6 @@ namespace sonopose {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// Nanoseconds since the Unix epoch, host's clock.
-using TimeNs = std::int64_t;
-
 /// Which beacon (or other sensor head) a sample comes from; the key of every native topic.
 using BeaconAddress = std::uint16_t;
 
@@ -27,16 +27,6 @@ inline constexpr BeaconAddress all_beacons = 0xFFFF;
 
 /// What an accelerometer at rest reads along the vertical; the one value for simulation and fusion.
 inline constexpr double standard_gravity_mps2 = 9.80665;
-
-/// Seconds from `from` to `to`.
-constexpr double seconds_between(TimeNs from, TimeNs to) {
-  return static_cast<double>(to - from) * 1e-9;
-}
-
-/// Seconds as whole nanoseconds, rounded to nearest.
-constexpr TimeNs to_ns(double seconds) {
-  return static_cast<TimeNs>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5));
-}
 
 /// One inertial measurement.
 struct ImuSample {

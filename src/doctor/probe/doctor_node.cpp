@@ -1,11 +1,12 @@
-#include "doctor/rules/rules.hpp"
+#include "doctor/probe/doctor_node.hpp"
+
+#include "doctor/probe/beacon_probe.hpp"
 #include "doctor/probe/survey.hpp"
+#include "doctor/rules/rules.hpp"
+#include "process/clocks.hpp"
+#include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
-#include <sonopose/dds/binding/waitset.hpp>
-#include "doctor/probe/doctor_node.hpp"
-#include "doctor/probe/beacon_probe.hpp"
-#include "process/host_clock.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -39,7 +40,7 @@ public:
   Observations run(const process::StopSignal& stop);
 
 private:
-  void listen_until(TimeNs end_ns, const process::StopSignal& stop);
+  void listen_until(SteadyTime end, const process::StopSignal& stop);
   void take_all();
   template <class T>
   void take(Heard<T>& heard);
@@ -47,9 +48,9 @@ private:
   [[nodiscard]] double deadline_s(const dds::TopicEntry<T>& entry) const;
   /// Of these writers of IMU samples, those that are still there.
   [[nodiscard]] std::vector<ProcessObservation> processes_of(const std::set<std::uint64_t>& imu_writers,
-                                                      const doctor::Processes& processes);
+                                                             const doctor::Processes& processes);
   [[nodiscard]] BeaconObservation seen_of(BeaconAddress address, const BeaconProbe& probe, TimeNs now_ns,
-                                   const doctor::Processes& processes);
+                                          const doctor::Processes& processes);
 
   const DoctorOptions& options_;
   dds::QosProvider qos_;
@@ -89,7 +90,7 @@ Observer::Observer(const DoctorOptions& options)
 
 template <class T>
 void Observer::take(Heard<T>& heard) {
-  const TimeNs received_ns = process::now_ns();
+  const TimeNs received_ns = process::host_now();
   heard.reader.take_each([&](const T& sample, const dds::SampleInfo& info) {
     auto value = dds::from_idl(sample);
     if constexpr (std::is_same_v<T, sonopose_EffectiveSettings>) {
@@ -120,10 +121,10 @@ void Observer::take_all() {
   take(settings_);
 }
 
-void Observer::listen_until(TimeNs end_ns, const process::StopSignal& stop) {
+void Observer::listen_until(SteadyTime end, const process::StopSignal& stop) {
   constexpr std::chrono::milliseconds look_period(20);
-  while (process::steady_now_ns() < end_ns && !stop.requested()) {
-    waitset_.wait(std::min<dds::Duration>(look_period, dds::Duration(end_ns - process::steady_now_ns())));
+  while (process::steady_now() < end && !stop.requested()) {
+    waitset_.wait(std::min<dds::Duration>(look_period, dds::Duration(end - process::steady_now())));
     take_all();
   }
 }
@@ -136,7 +137,7 @@ double Observer::deadline_s(const dds::TopicEntry<T>& entry) const {
 }
 
 std::vector<ProcessObservation> Observer::processes_of(const std::set<std::uint64_t>& imu_writers,
-                                                const doctor::Processes& processes) {
+                                                       const doctor::Processes& processes) {
   std::vector<ProcessObservation> found;
   const auto there = imu_.reader.matched_publications();
   for (const std::uint64_t writer : imu_writers) {
@@ -152,7 +153,7 @@ std::vector<ProcessObservation> Observer::processes_of(const std::set<std::uint6
 }
 
 BeaconObservation Observer::seen_of(BeaconAddress address, const BeaconProbe& probe, TimeNs now_ns,
-                             const doctor::Processes& processes) {
+                                    const doctor::Processes& processes) {
   auto settings = settings_in_force_.find(address);
   if (settings == settings_in_force_.end()) settings = settings_in_force_.find(all_beacons);
   BeaconObservation seen =
@@ -170,11 +171,11 @@ BeaconObservation Observer::seen_of(BeaconAddress address, const BeaconProbe& pr
 Observations Observer::run(const process::StopSignal& stop) {
   // Long enough for everybody to be found, also over a network.
   constexpr TimeNs settling_ns = 500'000'000;
-  listen_until(process::steady_now_ns() + settling_ns, stop);
-  began_ns_ = process::now_ns();
+  listen_until(process::steady_now() + settling_ns, stop);
+  began_ns_ = process::host_now();
   for (auto& entry : probes_) entry.second.begin(began_ns_);
-  listen_until(process::steady_now_ns() + to_ns(options_.duration_s), stop);
-  const TimeNs ended_ns = process::now_ns();
+  listen_until(process::steady_now() + to_ns(options_.duration_s), stop);
+  const TimeNs ended_ns = process::host_now();
 
   const doctor::Processes processes = doctor::processes_in(discovery_.participants());
   const std::string own_key = discovery_.own_key();

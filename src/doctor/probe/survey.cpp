@@ -1,8 +1,8 @@
 #include "doctor/probe/survey.hpp"
 
+#include "process/clocks.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/topics.hpp>
-#include "process/host_clock.hpp"
 
 #include <algorithm>
 #include <arpa/inet.h>
@@ -52,7 +52,7 @@ std::vector<Interface> interfaces_of_machine() {
 
 /// Those that the user names, by name or address; one that is not there has no multicast.
 std::vector<InterfaceObservation> named_interfaces(const dds::UserNetwork& user,
-                                            const std::vector<Interface>& of_machine) {
+                                                   const std::vector<Interface>& of_machine) {
   std::vector<InterfaceObservation> named;
   for (const std::string& name : user.interfaces) {
     if (name.empty()) continue;  // Cyclone DDS chooses one itself
@@ -89,8 +89,8 @@ DomainObservation look_into(const dds::DomainOptions& options, const process::St
   DomainObservation seen{.id = *options.domain_id};
   const dds::DomainParticipant participant(options);
   const dds::Discovery discovery(participant);
-  const TimeNs end_ns = process::steady_now_ns() + timeout_ns;
-  while (!seen.beacons && process::steady_now_ns() < end_ns && !stop.wait_until(process::steady_now_ns() + step_ns)) {
+  const SteadyTime end = process::steady_now() + timeout_ns;
+  while (!seen.beacons && process::steady_now() < end && !stop.wait_until(process::steady_now() + step_ns)) {
     for (const auto& writer : discovery.writers()) {
       seen.beacons = seen.beacons || writer.topic_name == dds::topics::imu.name;
       seen.poses = seen.poses || writer.topic_name == dds::topics::pose.name;
@@ -126,7 +126,7 @@ std::vector<NativeTopic> native_topics() {
 }
 
 std::vector<EndpointObservation> others_of(const std::vector<dds::FoundEndpoint>& endpoints,
-                                    const Processes& processes, const std::string& own_key) {
+                                           const Processes& processes, const std::string& own_key) {
   std::vector<EndpointObservation> others;
   for (const auto& endpoint : endpoints) {
     if (endpoint.participant_key == own_key) continue;
@@ -152,7 +152,8 @@ BusObservation bus_of(const dds::DomainOptions& options) {
   return bus;
 }
 
-std::vector<DomainObservation> look_elsewhere(const dds::DomainOptions& here, const process::StopSignal& stop) {
+std::vector<DomainObservation> look_elsewhere(const dds::DomainOptions& here,
+                                              const process::StopSignal& stop) {
   std::set<std::uint32_t> ids;
   for (std::uint32_t id = 0; id <= usual_domains; ++id) ids.insert(id);
   try {

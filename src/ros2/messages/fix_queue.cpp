@@ -4,7 +4,7 @@
 
 namespace sonopose::ros2 {
 
-FixQueue::Ready FixQueue::on(const UltrasonicFix& fix, TimeNs now_ns, bool fusion_runs) {
+FixQueue::Ready FixQueue::on(const UltrasonicFix& fix, SteadyTime now, bool fusion_runs) {
   Ready ready;
   const Key key{fix.sequence, fix.emission_time_ns};
   if (is_out(key)) return ready;  // the report was quicker
@@ -14,7 +14,7 @@ FixQueue::Ready FixQueue::on(const UltrasonicFix& fix, TimeNs now_ns, bool fusio
     return ready;
   }
   if (waiting_count_ == most_waiting) put_first_out(ready);
-  waiting_[waiting_count_++] = {key, fix.position_world_m, now_ns};
+  waiting_[waiting_count_++] = {key, fix.position_world_m, now};
   return ready;
 }
 
@@ -35,9 +35,9 @@ FixQueue::Ready FixQueue::on(const FixReport& report) {
   return ready;
 }
 
-FixQueue::Ready FixQueue::overdue(TimeNs now_ns) {
+FixQueue::Ready FixQueue::overdue(SteadyTime now) {
   Ready ready;
-  while (waiting_count_ > 0 && now_ns - waiting_[0].since_ns > timeout_ns) put_first_out(ready);
+  while (waiting_count_ > 0 && now - waiting_[0].since > timeout_ns) put_first_out(ready);
   return ready;
 }
 

@@ -1,7 +1,7 @@
 #include "ros2/relay/beacon.hpp"
 
+#include "process/clocks.hpp"
 #include <sonopose/estimation/documented/uncertainty.hpp>
-#include "process/host_clock.hpp"
 #include <sonopose/ros2/messages/borrow.hpp>
 
 #include <algorithm>
@@ -62,7 +62,7 @@ void Ros2Beacon::on(const ImuSample& sample) {
 }
 
 void Ros2Beacon::on(const FusedPose& pose) {
-  fused_at_ns_ = process::steady_now_ns();
+  fused_at_ = process::steady_now();
   publish_odometry(pose);  // first: somebody drives by it
   publish_imu(pose);
 }
@@ -124,8 +124,9 @@ void Ros2Beacon::on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom
 void Ros2Beacon::on(const UltrasonicFix& fix) {
   constexpr TimeNs fusion_gone_ns = 1'000'000'000;
   if (!fix.position_world_m.allFinite()) return;
-  const TimeNs now = process::steady_now_ns();
-  const bool fusion_runs = fused_at_ns_ != 0 && now - fused_at_ns_ < fusion_gone_ns;
+  const SteadyTime now = process::steady_now();
+  const SteadyTime fused_at = fused_at_;
+  const bool fusion_runs = fused_at != SteadyTime{} && now - fused_at < fusion_gone_ns;
   ros2::FixQueue::Ready ready;
   {
     const std::lock_guard lock(mutex_);
@@ -148,7 +149,7 @@ void Ros2Beacon::publish_overdue_fixes() {
   ros2::FixQueue::Ready ready;
   {
     const std::lock_guard lock(mutex_);
-    ready = fixes_.overdue(process::steady_now_ns());
+    ready = fixes_.overdue(process::steady_now());
   }
   publish(ready);
 }

@@ -1,15 +1,15 @@
 #pragma once
 // The topics of one beacon in ROS 2, and what is written to them.
 
-#include <sonopose/samples/live_settings.hpp>
-#include <sonopose/samples/pose.hpp>
-#include <sonopose/samples/samples.hpp>
 #include "ros2/relay/relay.hpp"
 #include <sonopose/ros2/messages/beacon_topics.hpp>
 #include <sonopose/ros2/messages/fix_queue.hpp>
 #include <sonopose/ros2/messages/messages.hpp>
 #include <sonopose/ros2/messages/odom_track.hpp>
 #include <sonopose/ros2/messages/time.hpp>
+#include <sonopose/samples/live_settings.hpp>
+#include <sonopose/samples/pose.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <array>
 #include <atomic>
@@ -74,7 +74,7 @@ private:
   dds::DataWriter<ros2::Path> path_;
 
   std::atomic<double> fix_std_m_;
-  std::atomic<TimeNs> fused_at_ns_ = 0;  ///< steady clock: when the latest pose came
+  std::atomic<SteadyTime> fused_at_ = SteadyTime{};  ///< when the latest pose came
   std::atomic<bool> lacks_odometry_ = false;
   std::atomic<bool> has_magnetic_ = false;   ///< a sample had a magnetic field
   std::atomic<bool> magnetic_made_ = false;  ///< and its topic is there

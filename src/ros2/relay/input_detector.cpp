@@ -23,54 +23,55 @@ std::string_view without_slash(std::string_view frame) {
 
 }  // namespace
 
-Ros2InputDetector::Ros2InputDetector(Ros2Input input, std::string map_frame, TimeNs timeout_ns, TimeNs now_ns)
-    : input_(std::move(input)), timeout_ns_(timeout_ns), latest_ns_(now_ns) {
+Ros2InputDetector::Ros2InputDetector(Ros2Input input, std::string map_frame, TimeNs timeout_ns,
+                                     SteadyTime now)
+    : input_(std::move(input)), timeout_ns_(timeout_ns), latest_(now) {
   if (!is_imu(input_)) expected_frame_ = std::move(map_frame);
 }
 
-void Ros2InputDetector::on_sample(std::string_view frame, TimeNs now_ns, Lines& lines) {
+void Ros2InputDetector::on_sample(std::string_view frame, SteadyTime now, Lines& lines) {
   heard_ = true;
-  latest_ns_ = now_ns;
+  latest_ = now;
   frame = without_slash(frame);
   if (!expected_frame_) expected_frame_ = frame;
   if (frame != *expected_frame_) log_foreign_frame(frame, lines);
 }
 
-void Ros2InputDetector::look(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
-  look_for_silence(ends, now_ns, lines);
-  look_for_losses(ends, now_ns, lines);
+void Ros2InputDetector::look(const Ros2InputEnds& ends, SteadyTime now, Lines& lines) {
+  look_for_silence(ends, now, lines);
+  look_for_losses(ends, now, lines);
 }
 
-void Ros2InputDetector::look_for_silence(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
+void Ros2InputDetector::look_for_silence(const Ros2InputEnds& ends, SteadyTime now, Lines& lines) {
   const bool was_silent = silence_.has_value();
-  if (now_ns - latest_ns_ > (heard_ ? timeout_ns_ : std::max(timeout_ns_, first_sample_ns))) {
-    if (!was_silent) silence_ = Silence{latest_ns_, !heard_};
+  if (now - latest_ > (heard_ ? timeout_ns_ : std::max(timeout_ns_, first_sample_ns))) {
+    if (!was_silent) silence_ = Silence{latest_, !heard_};
     // Somebody who came later and does not match is the likely cause.
     const bool has_news = ends.publishers == 0 && ends.publishers_refused > reported_refused_;
-    if (!was_silent || has_news) log_silence(ends, now_ns, lines);
+    if (!was_silent || has_news) log_silence(ends, now, lines);
   } else if (was_silent) {
     lines.push_back(fmt::format("beacon {}: {} from ROS 2{}, after {:.1f} s", input_.address, what(),
                                 silence_->is_first ? "" : " again",
-                                seconds_between(silence_->since_ns, latest_ns_)));
+                                seconds_between(silence_->since, latest_)));
     silence_.reset();
   }
 }
 
-void Ros2InputDetector::log_silence(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
+void Ros2InputDetector::log_silence(const Ros2InputEnds& ends, SteadyTime now, Lines& lines) {
   const std::string lasted =
-      silence_->is_first ? "yet" : fmt::format("for {:.1f} s", seconds_between(silence_->since_ns, now_ns));
+      silence_->is_first ? "yet" : fmt::format("for {:.1f} s", seconds_between(silence_->since, now));
   lines.push_back(
       fmt::format("beacon {}: no {} from ROS 2 {}: {}", input_.address, what(), lasted, reason(ends)));
   reported_refused_ = ends.publishers_refused;
 }
 
-void Ros2InputDetector::look_for_losses(const Ros2InputEnds& ends, TimeNs now_ns, Lines& lines) {
+void Ros2InputDetector::look_for_losses(const Ros2InputEnds& ends, SteadyTime now, Lines& lines) {
   if (ends.samples_lost <= reported_lost_) return;
-  if (reported_lost_at_ns_ && now_ns - *reported_lost_at_ns_ < loss_report_period_ns) return;
+  if (reported_lost_at_ && now - *reported_lost_at_ < loss_report_period_ns) return;
   lines.push_back(fmt::format("beacon {}: {} {} from ROS 2 lost: they came on {} faster than they were taken",
                               input_.address, ends.samples_lost - reported_lost_, what(), input_.topic));
   reported_lost_ = ends.samples_lost;
-  reported_lost_at_ns_ = now_ns;
+  reported_lost_at_ = now;
 }
 
 void Ros2InputDetector::log_foreign_frame(std::string_view frame, Lines& lines) {
@@ -104,10 +105,10 @@ std::string Ros2InputDetector::reason(const Ros2InputEnds& ends) const {
                      input_.topic);
 }
 
-void SmallestOffset::add(double offset_s, TimeNs now_ns) {
+void SmallestOffset::add(double offset_s, SteadyTime now) {
   while (!rising_.empty() && rising_.back().second >= offset_s) rising_.pop_back();
-  rising_.emplace_back(now_ns, offset_s);
-  while (now_ns - rising_.front().first > loss_report_period_ns) rising_.pop_front();
+  rising_.emplace_back(now, offset_s);
+  while (now - rising_.front().first > loss_report_period_ns) rising_.pop_front();
 }
 
 }  // namespace sonopose::ros2

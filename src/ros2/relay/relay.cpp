@@ -1,5 +1,5 @@
-#include "ros2/relay/relay_impl.hpp"
 #include "bridge/bridge_node.hpp"
+#include "ros2/relay/relay_impl.hpp"
 
 #include <fmt/format.h>
 
@@ -150,16 +150,16 @@ bool Ros2Relay::Impl::is_in_tree(BeaconAddress address) {
 /// Until the stop, or until `failed`.
 void Ros2Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>& failed) {
   constexpr TimeNs look_period_ns = 20'000'000;
-  TimeNs tell_ns = process::steady_now_ns() + status_period_ns;
-  while (!failed && !stop.wait_until(process::steady_now_ns() + look_period_ns)) {
+  SteadyTime status_due = process::steady_now() + status_period_ns;
+  while (!failed && !stop.wait_until(process::steady_now() + look_period_ns)) {
     make_new_outputs();
     for_each_output([this](Ros2Beacon& outputs) {
       outputs.make_magnetic(node_);
       outputs.publish_overdue_fixes();
     });
     node_.announce();
-    if (process::steady_now_ns() < tell_ns) continue;
-    tell_ns = process::steady_now_ns() + status_period_ns;
+    if (process::steady_now() < status_due) continue;
+    status_due = process::steady_now() + status_period_ns;
     publish_diagnostics();
     for_each_output([](Ros2Beacon& outputs) { outputs.publish_path(); });
   }
@@ -175,7 +175,7 @@ void Ros2Relay::run(const process::StopSignal& stop) {
 /// On a thread of its own: it waits for the fusion's answers.
 void Ros2Relay::Impl::serve_parameters(const std::stop_token& end, const process::StopSignal& stop) {
   constexpr TimeNs look_period_ns = 20'000'000;
-  while (!end.stop_requested() && !stop.wait_until(process::steady_now_ns() + look_period_ns)) {
+  while (!end.stop_requested() && !stop.wait_until(process::steady_now() + look_period_ns)) {
     try {
       parameters_.serve();
     } catch (const dds::Error& error) {
@@ -211,8 +211,8 @@ void Ros2Relay::Impl::feed_while(const std::function<void()>& serve, std::atomic
         failed = true;
       }
     });
-    const std::unique_ptr<process::StopSignal, void (*)(process::StopSignal*)> end(&enough,
-                                                                 [](process::StopSignal* it) { it->request(); });
+    const std::unique_ptr<process::StopSignal, void (*)(process::StopSignal*)> end(
+        &enough, [](process::StopSignal* it) { it->request(); });
     serve();
   }
   if (failure) std::rethrow_exception(failure);

@@ -13,7 +13,8 @@ void Ros2Relay::Impl::publish_static_transforms() {
   std::vector<ros2::TransformStamped> transforms;
   for_each_output([&](Ros2Beacon& outputs) {
     if (!outputs.is_in_tree()) return;
-    transforms.push_back(ros2::transform(mount, process::now_ns(), outputs.frames().base, outputs.frames().imu));
+    transforms.push_back(
+        ros2::transform(mount, process::host_now(), outputs.frames().base, outputs.frames().imu));
   });
   if (transforms.empty()) return;
   ros2::TFMessage message{};
@@ -22,9 +23,9 @@ void Ros2Relay::Impl::publish_static_transforms() {
 }
 
 void Ros2Relay::Impl::publish_diagnostics() {
-  const TimeNs now = process::now_ns();
-  const auto views =
-      watches_.views([now](observation::BeaconObserver& watch, BeaconAddress address) { return watch.look(address, now); });
+  const TimeNs now = process::host_now();
+  const auto views = watches_.views(
+      [now](observation::BeaconObserver& watch, BeaconAddress address) { return watch.look(address, now); });
   std::vector<ros2::Diagnostic> diagnostics;
   for (const observation::BeaconView& view : views) {
     if (!options_.addresses.contains(view.address)) continue;

@@ -1,8 +1,9 @@
-#include <sonopose/dds/binding/waitset.hpp>
-#include "process/endpoint_counters.hpp"
-#include "process/host_clock.hpp"
-#include "ros2/relay/input_detector.hpp"
 #include "ros2/relay/source.hpp"
+
+#include "process/clocks.hpp"
+#include "process/endpoint_counters.hpp"
+#include "ros2/relay/input_detector.hpp"
+#include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
 #include <sonopose/ros2/messages/input.hpp>
 #include <sonopose/ros2/messages/time.hpp>
@@ -28,7 +29,7 @@ struct Input {
       : address(what.address),
         is_imu(what.kind == Ros2Input::Kind::imu),
         watch(what, ros2::for_beacon(map_frame, what.address), is_imu ? timeouts.imu_ns : timeouts.fix_ns,
-              process::steady_now_ns()) {}
+              process::steady_now()) {}
 
   [[nodiscard]] std::uint64_t samples_lost() const noexcept {
     return ends.samples_lost.load(std::memory_order_relaxed) +
@@ -148,27 +149,27 @@ private:
         ++beacon.status.samples_rejected;
         return;
       }
-      const TimeNs steady_ns = process::steady_now_ns();
+      const SteadyTime now = process::steady_now();
       if (input.is_imu == beacon.has_imu) {
-        beacon.offset.add(seconds_between(measured_ns(*event), received_ns), steady_ns);
+        beacon.offset.add(seconds_between(measured_ns(*event), received_ns), now);
       }
-      input.watch.on_sample(message.header.frame_id, steady_ns, lines_);
+      input.watch.on_sample(message.header.frame_id, now, lines_);
       sink.on(*event);
     });
   }
 
   /// Now, by the host's clock, but later than the one before: messages without a stamp have this one.
   TimeNs next_reception_ns() {
-    const TimeNs time_ns = process::now_ns();
+    const TimeNs time_ns = process::host_now();
     return reception_.next(time_ns).value_or(time_ns);
   }
 
   void check_inputs() {
     constexpr TimeNs period_ns = 20'000'000;
-    const TimeNs steady_ns = process::steady_now_ns();
-    if (steady_ns >= look_due_ns_) {
-      look_due_ns_ = steady_ns + period_ns;
-      for (const auto& input : inputs_) input->watch.look(ends_of(*input), steady_ns, lines_);
+    const SteadyTime now = process::steady_now();
+    if (now >= look_due_) {
+      look_due_ = now + period_ns;
+      for (const auto& input : inputs_) input->watch.look(ends_of(*input), now, lines_);
     }
     for (const std::string& line : lines_) tell_(line);
     lines_.clear();
@@ -187,11 +188,11 @@ private:
 
   void log_statuses(bridge::SampleSink& sink) {
     constexpr TimeNs period_ns = 250'000'000;
-    if (process::steady_now_ns() < statuses_due_ns_) return;
-    statuses_due_ns_ = process::steady_now_ns() + period_ns;
+    if (process::steady_now() < statuses_due_) return;
+    statuses_due_ = process::steady_now() + period_ns;
     for (auto& [address, beacon] : beacons_) {
       if (beacon.status.frames == 0) continue;
-      beacon.status.time_ns = process::now_ns();
+      beacon.status.time_ns = process::host_now();
       beacon.status.clock_offset_s = beacon.offset.value_s();
       sink.on(beacon.status);
     }
@@ -206,8 +207,8 @@ private:
   std::map<BeaconAddress, Beacon> beacons_;
   ros2::RisingStamp reception_;
   Ros2InputDetector::Lines lines_;
-  TimeNs look_due_ns_ = 0;
-  TimeNs statuses_due_ns_ = 0;
+  SteadyTime look_due_;
+  SteadyTime statuses_due_;
 };
 
 }  // namespace

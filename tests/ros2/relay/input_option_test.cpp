@@ -10,8 +10,8 @@ namespace {
 
 using namespace sonopose;
 using ros2::Ros2Input;
-using ros2::Ros2InputEnds;
 using ros2::Ros2InputDetector;
+using ros2::Ros2InputEnds;
 using Kind = Ros2Input::Kind;
 using Catch::Matchers::Contains;
 
@@ -25,11 +25,11 @@ struct Told {
 
   Ros2InputDetector::Lines take() { return std::exchange(lines, {}); }
   Ros2InputDetector::Lines look(const Ros2InputEnds& ends, TimeNs now_ns) {
-    watch.look(ends, now_ns, lines);
+    watch.look(ends, SteadyTime{now_ns}, lines);
     return take();
   }
   Ros2InputDetector::Lines hear(std::string_view frame, TimeNs now_ns = 0) {
-    watch.on_sample(frame, now_ns, lines);
+    watch.on_sample(frame, SteadyTime{now_ns}, lines);
     return take();
   }
 
@@ -170,12 +170,12 @@ SCENARIO("frames that are not what samples are taken as are told of once") {
 SCENARIO("the offset of the clocks is the smallest of the last second") {
   ros2::SmallestOffset offset;
   CHECK(offset.value_s() == 0);
-  offset.add(0.003, 0);
-  offset.add(0.001, 100 * ms);
-  offset.add(0.250, 200 * ms);
+  offset.add(0.003, SteadyTime{0});
+  offset.add(0.001, SteadyTime{100 * ms});
+  offset.add(0.250, SteadyTime{200 * ms});
   CHECK(offset.value_s() == 0.001);
-  offset.add(0.004, 1050 * ms);
+  offset.add(0.004, SteadyTime{1050 * ms});
   CHECK(offset.value_s() == 0.001);
-  offset.add(0.005, 1150 * ms);  // 0.001 is older than a second now
+  offset.add(0.005, SteadyTime{1150 * ms});  // 0.001 is older than a second now
   CHECK(offset.value_s() == 0.004);
 }

@@ -1,12 +1,13 @@
 /// The parameter services, asked as a client on rmw_cyclonedds asks, in front of a real fusion.
 
+#include "ros2/relay/parameter_server.hpp"
+
+#include "fusion/fusion_node.hpp"
+#include "process/clocks.hpp"
 #include "support/test_domain.hpp"
+#include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
-#include <sonopose/dds/binding/waitset.hpp>
-#include "fusion/fusion_node.hpp"
-#include "process/host_clock.hpp"
-#include "ros2/relay/parameter_server.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -48,7 +49,7 @@ public:
     REQUIRE(wait_until([&] { return imu_.publication_matched_status().current_count > 0; }));
     ImuSample sample;
     sample.address = 7;
-    sample.sensor_time_ns = process::now_ns();
+    sample.sensor_time_ns = process::host_now();
     sample.sequence = 1;
     imu_.write(dds::to_idl(sample));
   }
@@ -73,7 +74,7 @@ private:
   process::StopSignal stop_;
   std::jthread fusing_{[this] { fusion_.run(stop_); }};
   std::jthread serving_{[this] {
-    while (!stop_.wait_until(process::steady_now_ns() + 2'000'000)) server_.serve();
+    while (!stop_.wait_until(process::steady_now() + 2'000'000)) server_.serve();
   }};
 };
 

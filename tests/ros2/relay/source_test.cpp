@@ -1,9 +1,10 @@
 /// Drivers' topics as a bridge's source: the drivers are a participant of their own in this process.
 
-#include "bridge/collecting_sink.hpp"
-#include "support/test_domain.hpp"
-#include "process/host_clock.hpp"
 #include "ros2/relay/source.hpp"
+
+#include "bridge/collecting_sink.hpp"
+#include "process/clocks.hpp"
+#include "support/test_domain.hpp"
 #include <sonopose/ros2/messages/messages.hpp>
 
 #include <catch2/catch.hpp>
@@ -76,7 +77,7 @@ public:
         drivers_(dds::make_participant({.domain_id = domain_.id()})),
         node_(participant_, qos_, ros2::NameResolver({}), ros2::Distro::jazzy),
         source(ros2::make_ros2_source(node_, inputs, {second_ns, second_ns}, map_frame,
-                                       [this](const std::string& line) { note(line); })) {}
+                                      [this](const std::string& line) { note(line); })) {}
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
   ~Rig() {
@@ -181,9 +182,9 @@ SCENARIO("the clock's offset of an input is that of its IMU, at its quickest") {
     Rig rig({{Kind::fix, "/tag", 7}, {Kind::imu, "/imu/data", 7}, {Kind::fix, "/tag", 8}});
     auto imu = rig.driver<ros2::Imu>("/imu/data");
     auto fixes = rig.driver<ros2::PointStamped>("/tag");
-    imu.write(imu_at(process::now_ns() - 10 * second_ns));
-    imu.write(imu_at(process::now_ns() - 500 * second_ns));
-    fixes.write(fix_at(process::now_ns() - second_ns, {}));
+    imu.write(imu_at(process::host_now() - 10 * second_ns));
+    imu.write(imu_at(process::host_now() - 500 * second_ns));
+    fixes.write(fix_at(process::host_now() - second_ns, {}));
     rig.run();
     const auto offset_s = [&](BeaconAddress address) {
       double result = 0;
@@ -226,7 +227,7 @@ SCENARIO("fixes in a foreign frame are taken, but not without a word") {
     auto fixes = rig.driver<ros2::PointStamped>("/tag");
     ros2::FrameNames frames;
     frames.map = "map_7";
-    fixes.write(fix_at(process::now_ns(), frames));
+    fixes.write(fix_at(process::host_now(), frames));
     rig.run();
     THEN("the second alone is told of, and both are taken") {
       REQUIRE(wait_until([&] { return rig.sink.count() == 2; }));

@@ -34,11 +34,11 @@ public:
   };
 
   /// A fix came. `fusion_runs`: whether a report is worth waiting for.
-  Ready on(const UltrasonicFix& fix, TimeNs now_ns, bool fusion_runs);
+  Ready on(const UltrasonicFix& fix, SteadyTime now, bool fusion_runs);
   /// A fusion reported on one: that one goes out, and before it those that wait since longer.
   Ready on(const FixReport& report);
   /// Those that nobody reported on for `timeout_ns`.
-  Ready overdue(TimeNs now_ns);
+  Ready overdue(SteadyTime now);
 
   static constexpr TimeNs timeout_ns = 100'000'000;
 
@@ -51,7 +51,7 @@ private:
   struct Waiting {
     Key key;
     Vector3d position_world_m = Vector3d::Zero();
-    TimeNs since_ns = 0;
+    SteadyTime since;
   };
 
   void put_out(const Key& key, const Vector3d& position_world_m, std::optional<double> weight, Ready& ready);

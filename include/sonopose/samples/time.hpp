@@ -1,0 +1,59 @@
+#pragma once
+/// \file
+/// Times of the two clocks, and durations. The host's clock stamps samples and may be set at any moment; the
+/// steady clock measures waiting times. The types differ, so that one is never passed for the other.
+
+#include <compare>
+#include <cstdint>
+#include <limits>
+
+namespace sonopose {
+
+/// Nanoseconds: a duration, or a time of the host's clock since the Unix epoch.
+using TimeNs = std::int64_t;
+
+/// A time of the host's clock: nanoseconds since the Unix epoch. A plain number, since estimation integrates it.
+using HostTime = TimeNs;
+
+/// A time of the steady clock. It has no epoch: only differences and comparisons mean something.
+struct SteadyTime {
+  std::int64_t ns = 0;
+
+  constexpr auto operator<=>(const SteadyTime&) const = default;
+  constexpr SteadyTime& operator+=(TimeNs duration_ns) {
+    ns += duration_ns;
+    return *this;
+  }
+
+  /// Later than any other.
+  static constexpr SteadyTime max() { return {std::numeric_limits<std::int64_t>::max()}; }
+};
+
+constexpr SteadyTime operator+(SteadyTime time, TimeNs duration_ns) {
+  return {time.ns + duration_ns};
+}
+
+constexpr SteadyTime operator-(SteadyTime time, TimeNs duration_ns) {
+  return {time.ns - duration_ns};
+}
+
+/// The duration between them, in nanoseconds.
+constexpr TimeNs operator-(SteadyTime to, SteadyTime from) {
+  return to.ns - from.ns;
+}
+
+/// Seconds from `from` to `to`.
+constexpr double seconds_between(TimeNs from, TimeNs to) {
+  return static_cast<double>(to - from) * 1e-9;
+}
+
+constexpr double seconds_between(SteadyTime from, SteadyTime to) {
+  return seconds_between(from.ns, to.ns);
+}
+
+/// Seconds as whole nanoseconds, rounded to nearest.
+constexpr TimeNs to_ns(double seconds) {
+  return static_cast<TimeNs>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5));
+}
+
+}  // namespace sonopose

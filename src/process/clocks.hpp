@@ -1,0 +1,24 @@
+#pragma once
+/// \file
+/// The host's two clocks, read in this one place.
+
+#include <sonopose/samples/time.hpp>
+
+#include <chrono>
+
+namespace sonopose::process {
+
+/// Now by the clock that stamps samples. It can be set, also backwards.
+inline HostTime host_now() {
+  using std::chrono::duration_cast;
+  return duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+/// Now by the clock that never jumps, for waiting and timing out.
+inline SteadyTime steady_now() {
+  using std::chrono::duration_cast;
+  return {
+      duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count()};
+}
+
+}  // namespace sonopose::process
