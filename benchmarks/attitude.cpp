@@ -1,6 +1,7 @@
 // Update time of every attitude filter in ns, and its ratio to the plain Mahony filter (double, without
 // magnetometer). Short rounds of all filters are interleaved, so that other load affects all of them equally.
 
+#include "statistics.hpp"
 #include <sonopose/attitude/adaptive.hpp>
 #include <sonopose/attitude/ahrs.hpp>
 #include <sonopose/attitude/complementary.hpp>
@@ -25,6 +26,7 @@ namespace {
 
 using namespace sonopose;
 using attitude::Measurement;
+using benchmarks::median;
 
 /// Fits into the L2 cache (300 kB in double).
 constexpr std::size_t sample_count = 2400;
@@ -139,12 +141,6 @@ void add_each(std::vector<Entry>& entries) {
     entries.push_back(entry_of<Filter<double>>(axes));
     entries.push_back(entry_of<Filter<float>>(axes));
   }
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Median over the rounds of the ratio.

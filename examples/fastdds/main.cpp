@@ -1,11 +1,12 @@
-// A peer of ROS 2 nodes in Fast DDS, on loopback: listens to a topic, or writes IMU samples to one. The domain is
-// ROS_DOMAIN_ID.
+// A peer of ROS 2 nodes in Fast DDS, on loopback: listens to a topic, or writes IMU samples to one. The
+// domain is ROS_DOMAIN_ID.
 //
 //   fastdds_peer listen rt/hedge_7/odom odometry [COUNT] [--best-effort] [--bits]
 //   fastdds_peer send-imu rt/imu COUNT [BITS ...]
 //
-// `listen` prints each sample as one line and exits after COUNT. `send-imu` sends 100 samples per second, fills
-// their fields cyclically with the given doubles (hexadecimal bits; default 1.0), and prints the same lines.
+// `listen` prints each sample as one line and exits after COUNT. `send-imu` sends 100 samples per second,
+// fills their fields cyclically with the given doubles (hexadecimal bits; default 1.0), and prints the same
+// lines.
 
 #include "diagnostic_msgsPubSubTypes.h"
 #include "message_text.hpp"

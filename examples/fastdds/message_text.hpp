@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-/// Doubles are decimal, or the 16 hexadecimal digits of their bits; strings are in quotation marks; a sequence
-/// begins with its [length].
+/// Doubles are decimal, or the 16 hexadecimal digits of their bits; strings are in quotation marks; a
+/// sequence begins with its [length].
 class MessageText {
 public:
   explicit MessageText(bool bits) : bits_(bits) {}

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A participant of Fast DDS that meets ROS 2's nodes and ours on loopback.
+/// A Fast DDS participant that discovers ROS 2 nodes and sonopose on loopback.
 
 #include <cstdint>
 #include <cstdlib>
@@ -27,8 +27,8 @@ inline std::uint64_t number(const std::string& name, const std::string& text, in
   return std::stoull(text, nullptr, base);
 }
 
-/// UDP on loopback, without shared memory and multicast: the participants are looked for at the ports that
-/// the first ones of a domain have.
+/// UDP on loopback, without shared memory and multicast. Discovery uses the unicast ports of the first
+/// participants of a domain.
 inline DomainParticipantQos loopback_qos() {
   const auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->interfaceWhiteList = {"127.0.0.1"};
@@ -43,18 +43,18 @@ inline DomainParticipantQos loopback_qos() {
   return qos;
 }
 
-/// What has not come is thrown.
+/// Throws if the entity was not created.
 template <class Entity>
 Entity* made(Entity* entity, const char* what) {
-  if (entity == nullptr) throw std::runtime_error(std::string("Fast DDS made no ") + what);
+  if (entity == nullptr) throw std::runtime_error(std::string("Fast DDS did not create the ") + what);
   return entity;
 }
 
-/// One topic of one type in the domain of ROS_DOMAIN_ID, with the QoS that ROS 2's nodes have by default.
+/// One topic of one type in the domain of ROS_DOMAIN_ID, with the default QoS of ROS 2 nodes.
 class Peer {
 public:
-  Peer(TopicDataType* type_of_our_own, const std::string& topic)
-      : type_(type_of_our_own),
+  Peer(TopicDataType* owned_type, const std::string& topic)
+      : type_(owned_type),
         participant_(
             made(DomainParticipantFactory::get_instance()->create_participant(domain(), loopback_qos()),
                  "participant")) {

@@ -20,7 +20,7 @@
 namespace sonopose::test {
 
 /// A participant's message in plain values.
-struct Told {
+struct GraphInfo {
   struct Entities {
     std::string name_space;
     std::string name;
@@ -48,16 +48,16 @@ std::set<std::string> keys_of(const Sequence& gids) {
 }
 
 template <class Info>
-Told told_by(const Info& info) {
-  Told told{.participant = key_of(info.gid), .nodes = {}};
+GraphInfo graph_info_of(const Info& info) {
+  GraphInfo result{.participant = key_of(info.gid), .nodes = {}};
   for (std::uint32_t i = 0; i < info.node_entities_info_seq._length; ++i) {
     const auto& node = info.node_entities_info_seq._buffer[i];
-    told.nodes.push_back({.name_space = node.node_namespace,
-                          .name = node.node_name,
-                          .readers = keys_of(node.reader_gid_seq),
-                          .writers = keys_of(node.writer_gid_seq)});
+    result.nodes.push_back({.name_space = node.node_namespace,
+                            .name = node.node_name,
+                            .readers = keys_of(node.reader_gid_seq),
+                            .writers = keys_of(node.writer_gid_seq)});
   }
-  return told;
+  return result;
 }
 
 /// Observes the graph, like every ROS 2 process.
@@ -79,7 +79,8 @@ public:
     waitset += condition;
     const auto give_up = std::chrono::steady_clock::now() + timeout;
     const auto finished = [&] {
-      reader_.take_each([&](const Info& info, const dds::SampleInfo&) { messages.push_back(told_by(info)); });
+      reader_.take_each(
+          [&](const Info& info, const dds::SampleInfo&) { messages.push_back(graph_info_of(info)); });
       return done();
     };
     while (!finished() && std::chrono::steady_clock::now() < give_up) {
@@ -94,7 +95,7 @@ public:
   std::uint32_t writer_count() { return reader_.subscription_matched_status().current_count; }
   const dds::DomainParticipant& participant() const { return participant_; }
 
-  std::vector<Told> messages;
+  std::vector<GraphInfo> messages;
 
 private:
   dds::DomainParticipant participant_;

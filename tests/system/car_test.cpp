@@ -132,9 +132,9 @@ SCENARIO("the fused pose of the recorded car agrees with its wheel speed") {
         REQUIRE(pose.velocity_world_mps.allFinite());
         REQUIRE(pose.q_body_to_world.coeffs().allFinite());
         if (pose.time_ns < freezes_ns) continue;
-        const bool tells = (pose.status & status_frozen_track) != 0U;
-        if (!tells) reported_ns = 0;
-        if (tells && reported_ns == 0) reported_ns = pose.time_ns;
+        const bool is_frozen = (pose.status & status_frozen_track) != 0U;
+        if (!is_frozen) reported_ns = 0;
+        if (is_frozen && reported_ns == 0) reported_ns = pose.time_ns;
         farthest_m = std::max(farthest_m, (pose.position_world_m - spot_world_m).norm());
       }
       std::cout << "farthest from the frozen spot: " << farthest_m << " m\n";

@@ -79,8 +79,8 @@ SCENARIO("two additional consumers at once are served like the first") {
       REQUIRE(one->wait_for_lines(Stream::output, 2));
       one->send(SIGKILL);
       REQUIRE(one->wait_for_exit() == -SIGKILL);
-      const std::size_t told = other->lines(Stream::output).size();
-      REQUIRE(other->wait_for_lines(Stream::output, told + 2));
+      const std::size_t printed = other->lines(Stream::output).size();
+      REQUIRE(other->wait_for_lines(Stream::output, printed + 2));
       THEN("the other monitor and the first consumer still receive a pose for each IMU sample") {
         const auto report = nlohmann::json::parse(other->lines(Stream::output).back());
         const auto& beacon = report["beacons"][0];

@@ -47,14 +47,14 @@ SCENARIO("poses are predicted between IMU samples, and only until the IMU's dead
     WHEN("the IMU stops") {
       bridge->send(SIGSTOP);
       THEN("the status reports it, and prediction ends at the deadline") {
-        REQUIRE(
-            status.wait_for([](const FusionStatus& told) { return told.imu_silent; }, status.samples.size()));
+        REQUIRE(status.wait_for([](const FusionStatus& latest) { return latest.imu_silent; },
+                                status.samples.size()));
         const auto all = tap.since(0);
         const FusedPose& last = all.back().pose;
         CHECK(last.time_ns - last.imu_sensor_time_ns < imu_deadline_ns);
         const std::size_t count = tap.count();
         bridge->send(SIGCONT);
-        REQUIRE(status.wait_for([](const FusionStatus& told) { return !told.imu_silent; },
+        REQUIRE(status.wait_for([](const FusionStatus& latest) { return !latest.imu_silent; },
                                 status.samples.size()));
         const auto next = tap.wait_for([](const TappedPose&) { return true; }, count);
         REQUIRE(next);
@@ -77,7 +77,7 @@ SCENARIO("missed deadlines and lost bridges are counted where they are detected"
     REQUIRE(monitor->wait_for_lines(Stream::output, 1));
     WHEN("the bridge stops for longer than its lease and continues") {
       bridge->send(SIGSTOP);
-      REQUIRE(status.wait_for([](const FusionStatus& told) { return told.bridge_losses >= 1; }));
+      REQUIRE(status.wait_for([](const FusionStatus& latest) { return latest.bridge_losses >= 1; }));
       REQUIRE(monitor->wait_for_line(Stream::error, "beacon 7: no pose for"));
       bridge->send(SIGCONT);
       THEN("the fusion counts the missed deadlines of the IMU and the loss of the bridge") {
@@ -85,7 +85,7 @@ SCENARIO("missed deadlines and lost bridges are counted where they are detected"
         CHECK(status.samples.back().imu_silent);
       }
       THEN("the bridge counts its own missed deadlines") {
-        REQUIRE(beacon.wait_for([](const BeaconStatus& told) { return told.imu_deadlines_missed >= 5; }));
+        REQUIRE(beacon.wait_for([](const BeaconStatus& latest) { return latest.imu_deadlines_missed >= 5; }));
       }
       THEN("the monitor counts the missed deadlines of the poses, and reports when poses resume") {
         REQUIRE(monitor->wait_for_line(Stream::error, "beacon 7: poses again, after"));

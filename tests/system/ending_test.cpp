@@ -124,10 +124,10 @@ SCENARIO("a fusion that is blocked by a stopped consumer ends on a signal") {
     const auto bridge = bus.bridge({"--source", "log", "--input", log, "--rate", "0"});
     WHEN("the consumer blocks it at most poses") {
       std::uint64_t before = 0;
-      REQUIRE(status.wait_for([&before](const FusionStatus& told) {
-        if (told.address != 7) return false;
-        const bool slow = before > 0 && told.imu_samples - before < slow_per_s;
-        before = told.imu_samples;
+      REQUIRE(status.wait_for([&before](const FusionStatus& latest) {
+        if (latest.address != 7) return false;
+        const bool slow = before > 0 && latest.imu_samples - before < slow_per_s;
+        before = latest.imu_samples;
         return slow;
       }));
       REQUIRE(status.samples.back().imu_samples < 60'000);

@@ -28,7 +28,7 @@ SCENARIO("a stopped consumer does not delay others") {
     THEN("the other consumer receives as many poses as before, and every pose is written") {
       for (int i = 0; i < 3; ++i) CHECK(rate_of() > 0.8 * before_hz);
       CHECK(status.wait_for([](const FusionStatus&) { return true; }, status.samples.size()));
-      for (const FusionStatus& told : status.samples) CHECK(told.poses_unwritten == 0);
+      for (const FusionStatus& latest : status.samples) CHECK(latest.poses_unwritten == 0);
     }
     monitor->send(SIGCONT);
   }

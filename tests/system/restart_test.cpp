@@ -37,7 +37,7 @@ SCENARIO("a bridge is killed and restarted") {
         CHECK(is_ready(poses.samples.back()));
         CHECK(poses.samples.back().sequence < 1000);  // sequence numbers of the new bridge
         REQUIRE(status.wait_for(
-            [last_ns](const FusionStatus& told) { return told.time_ns > last_ns + 2'000'000'000; }));
+            [last_ns](const FusionStatus& latest) { return latest.time_ns > last_ns + 2'000'000'000; }));
         // Samples with known numbers are dropped until the fusion detects the restart.
         CHECK(status.samples.back().events_duplicated >= 1);
         CHECK(status.samples.back().events_duplicated < 10);

@@ -46,19 +46,19 @@ TEMPLATE_TEST_CASE("ROS 2 lists the relay as a node with the topics of the beaco
   const auto tells_of_all = [&] {
     writers = writers_of(discovery, participant, topics_of_beacon_7);
     if (writers.size() < topics_of_beacon_7.size()) return false;
-    const Told& told = watcher.messages.back();
-    if (told.nodes.size() != 1) return false;
-    const auto& of_node = told.nodes[0].writers;
+    const GraphInfo& info = watcher.messages.back();
+    if (info.nodes.size() != 1) return false;
+    const auto& of_node = info.nodes[0].writers;
     return std::includes(of_node.begin(), of_node.end(), writers.begin(), writers.end());
   };
   REQUIRE(watcher.wait_until(tells_of_all));
-  const Told told = watcher.messages.back();
-  CHECK(told.participant == participant);
-  CHECK(told.nodes[0].name_space == "/robot");
-  CHECK(told.nodes[0].name == "kart");
+  const GraphInfo info = watcher.messages.back();
+  CHECK(info.participant == participant);
+  CHECK(info.nodes[0].name_space == "/robot");
+  CHECK(info.nodes[0].name == "kart");
   // Native topics do not belong to the node.
   const auto all = endpoints_of(discovery.writers(), participant);
-  CHECK(told.nodes[0].writers.count(all.at("ros_discovery_info").key) == 0);
+  CHECK(info.nodes[0].writers.count(all.at("ros_discovery_info").key) == 0);
 
   const auto participants = discovery.participants();
   const auto found = std::find_if(participants.begin(), participants.end(),

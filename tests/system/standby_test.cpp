@@ -230,8 +230,8 @@ SCENARIO("a silent beacon is released, and claimed again when it returns") {
     const Fusion fusion = pair.start("100");
     const auto wait_for_role = [&](FusionRole role, bool silent) {
       return status.wait_for(
-          [&](const FusionStatus& told) {
-            return told.address == 7 && told.role == role && told.imu_silent == silent;
+          [&](const FusionStatus& latest) {
+            return latest.address == 7 && latest.role == role && latest.imu_silent == silent;
           },
           status.samples.size());
     };

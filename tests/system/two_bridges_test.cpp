@@ -20,23 +20,24 @@ SCENARIO("two bridges with the same address detect and report each other") {
       THEN("both report it, in their logs and in their status") {
         CHECK(first->wait_for_line(Stream::error, "another bridge publishes beacon 7 too"));
         CHECK(second->wait_for_line(Stream::error, "another bridge publishes beacon 7 too"));
-        CHECK(status.wait_for([](const BeaconStatus& told) { return told.other_bridges == 1; }));
+        CHECK(status.wait_for([](const BeaconStatus& latest) { return latest.other_bridges == 1; }));
         AND_WHEN("one of them ends") {
           CHECK(second->end_by(SIGINT).code == 0);
           const std::size_t since = status.samples.size();
           THEN("the status of the other one is clear again") {
-            CHECK(status.wait_for([](const BeaconStatus& told) { return told.other_bridges == 0; }, since));
+            CHECK(
+                status.wait_for([](const BeaconStatus& latest) { return latest.other_bridges == 0; }, since));
           }
         }
       }
     }
     WHEN("a second one publishes another address") {
       const auto second = bus.bridge({"--scenario", "rest", "--address", "8"});
-      REQUIRE(status.wait_for([](const BeaconStatus& told) { return told.address == 8; }));
-      REQUIRE(
-          status.wait_for([](const BeaconStatus& told) { return told.address == 8; }, status.samples.size()));
+      REQUIRE(status.wait_for([](const BeaconStatus& latest) { return latest.address == 8; }));
+      REQUIRE(status.wait_for([](const BeaconStatus& latest) { return latest.address == 8; },
+                              status.samples.size()));
       THEN("nothing is reported") {
-        for (const BeaconStatus& told : status.samples) CHECK(told.other_bridges == 0);
+        for (const BeaconStatus& latest : status.samples) CHECK(latest.other_bridges == 0);
         CHECK_THAT(second->text(Stream::error), !Catch::Contains("another bridge"));
       }
     }
