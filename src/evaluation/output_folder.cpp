@@ -45,7 +45,7 @@ void OutputFolder::write(const FixReport& report) {
   fixes_.rows.integer(report.emission_time_ns).integer(report.applied_time_ns);
   fixes_.rows.integer(report.address).integer(static_cast<std::int64_t>(report.sequence));
   fixes_.rows.vector(report.position_world_m).vector(report.shifted_position_world_m);
-  fixes_.rows.number(report.innovation_m).number(report.weight).number(report.trust);
+  fixes_.rows.number(report.innovation_world_m.norm()).number(report.weight).number(report.trust);
   fixes_.rows.vector(report.jump_world_m).vector(report.velocity_change_world_mps);
   fixes_.rows.number(report.yaw_change_rad).text(fix_flag_text(report.flags)).integer(report.flags).end_row();
 }

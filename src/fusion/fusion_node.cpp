@@ -186,7 +186,7 @@ void FusionNode::Impl::take(dds::DataReader<sonopose_SettingsRequest>& reader) n
       if (reply.accepted && reply.address == all_beacons) for_all = engines_.settings_for_all();
     }
     if (for_all) write(*for_all);  // first: who has the answer can ask for what holds
-    if (reply_writer_.try_write(dds::to_idl(reply).sample()) < 0) ++unwritten_;
+    if (reply_writer_.try_write(dds::to_idl(reply)) < 0) ++unwritten_;
   });
 }
 

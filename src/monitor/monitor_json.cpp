@@ -97,7 +97,7 @@ nlohmann::json beacon_json(const observation::BeaconView& view) {
                       {"heading_deg", geometry::yaw_of(pose.q_body_to_world) / geometry::radians_per_degree},
                       {"velocity_mps", vector_json(pose.velocity_world_mps)},
                       {"speed_mps", pose.velocity_world_mps.norm()},
-                      {"position_std_m", vector_json(pose.position_std_m)},
+                      {"position_std_m", vector_json(position_std_m(pose))},
                       {"since_valid_fix_s", pose.since_valid_fix_s},
                       {"trust", pose.trust},
                       {"status", pose.status},

@@ -9,7 +9,7 @@
 namespace sonopose::observation {
 namespace {
 
-constexpr std::array<std::pair<PoseStatus, std::string_view>, 10> status_names{{
+constexpr std::array<std::pair<PoseStatus, std::string_view>, 12> status_names{{
     {status_initialising, "initialising"},
     {status_uncalibrated, "uncalibrated"},
     {status_stale, "stale"},
@@ -20,6 +20,8 @@ constexpr std::array<std::pair<PoseStatus, std::string_view>, 10> status_names{{
     {status_imu_gap, "IMU gap"},
     {status_low_trust, "low trust"},
     {status_rotating_fast, "rotating fast"},
+    {status_late, "late"},
+    {status_overloaded, "overloaded"},
 }};
 
 }  // namespace

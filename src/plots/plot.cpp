@@ -67,7 +67,7 @@ void Plot::add(const FixReport& report) {
   baseline_.on(fix);
   data_.fixes.push_back({.time_s = seconds_between(begin_ns_, report.applied_time_ns),
                          .position_world_m = report.position_world_m,
-                         .innovation_m = report.innovation_m,
+                         .innovation_m = report.innovation_world_m.norm(),
                          .weight = report.weight,
                          .speed_mps = speed_since_last_used(report),
                          .flags = report.flags});

@@ -93,6 +93,7 @@ std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, dou
   auto reader = dds::make_reader(participant_, qos_, topics::settings_reply);
   auto writer = dds::make_writer(participant_, qos_, topics::settings_request);
   std::optional<SettingsReply> answer;
+  const auto sample = dds::to_idl(request);  // throws, before anything is sent, if a text is too long
   SteadyTime next_send;
   take_until(
       reader, deadline_after(timeout_s),
@@ -104,7 +105,7 @@ std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, dou
         // The fusion may know of our reader later than we of its: the same request again is answered again.
         const bool heard = writer.publication_matched_status().current_count > 0;
         if (!answer && heard && process::steady_now() >= next_send) {
-          writer.write(dds::to_idl(request).sample());
+          writer.write(sample.sample());
           next_send = process::steady_now() + timeout_ns;
         }
         return answer.has_value();

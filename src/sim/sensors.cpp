@@ -79,6 +79,7 @@ ImuSample ideal_imu_sample(const Motion& motion, const Vector3d& lever_body_m) {
   const Vector3d tracked_point_body_mps2 =
       motion.q_body_to_world.conjugate() * (motion.acceleration_world_mps2 - gravity_world_mps2).eval();
   ImuSample sample;
+  sample.meaning = ImuMeaning::instant;
   sample.angular_velocity_body_radps = rate;
   // Rigid body: Euler and centripetal acceleration of the lever arm.
   sample.specific_force_body_mps2 = tracked_point_body_mps2 +

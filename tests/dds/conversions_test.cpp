@@ -1,68 +1,149 @@
 #include "dds/field_filler.hpp"
+#include "dds/topics/field_lists.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
 
 #include <catch2/catch.hpp>
 
 #include <limits>
+#include <set>
+#include <string>
+#include <tuple>
 
 namespace sonopose::dds::test {
 namespace {
 
-/// Both ways, in both directions: native → IDL → native and IDL → native → IDL, every field with a value of its own. A
-/// field that one of the functions forgets is zero afterwards, and one that they mix up has another's value.
-TEST_CASE("Every field of every sample survives the way to IDL and back") {
+/// Every field has a value that no other one has: a field that the list forgets is zero afterwards, and one
+/// that it mixes up has the value of another.
+TEST_CASE("Every field of every native type survives the conversion to IDL and back") {
+  Filler fill;
   SECTION("IMU sample") {
-    Filler fill;
     ImuSample sample;
     fill.all(sample.address, sample.sequence, sample.sensor_time_ns, sample.bridge_time_ns,
-             sample.angular_velocity_body_radps, sample.specific_force_body_mps2);
-    sample.magnetic_field_body_t = fill.vector();
+             sample.angular_velocity_body_radps, sample.specific_force_body_mps2,
+             sample.magnetic_field_body_t);
+    sample.meaning = ImuMeaning::mean_since_last;
     CHECK(from_idl(to_idl(sample)) == sample);
     sample.magnetic_field_body_t.reset();
     CHECK(from_idl(to_idl(sample)) == sample);
-    CHECK_FALSE(to_idl(sample).magnetic_field_valid);
   }
   SECTION("ultrasonic fix") {
-    Filler fill;
-    UltrasonicFix fix;
-    fill.all(fix.address, fix.sequence, fix.emission_time_ns, fix.received_time_ns, fix.position_world_m,
-             fix.flags);
-    fix.quality_percent = 87.5;  // a float on the wire
-    fix.measured_delay_s = fill.number();
-    CHECK(from_idl(to_idl(fix)) == fix);
-    fix.measured_delay_s.reset();
-    CHECK(from_idl(to_idl(fix)) == fix);
-    fix.quality_percent.reset();
-    CHECK(from_idl(to_idl(fix)) == fix);
-    CHECK(to_idl(fix).quality < 0);
-    fix.quality_percent = 0.0;  // bad, but known
-    CHECK(from_idl(to_idl(fix)) == fix);
+    UltrasonicFix sample;
+    fill.all(sample.address, sample.sequence, sample.emission_time_ns, sample.received_time_ns,
+             sample.position_world_m, sample.covariance_world_m2, sample.measured_delay_s, sample.flags);
+    sample.quality_percent = 87.5;  // a float on the wire
+    CHECK(from_idl(to_idl(sample)) == sample);
+    sample.covariance_world_m2.reset();
+    CHECK(from_idl(to_idl(sample)) == sample);
+    sample.quality_percent.reset();
+    CHECK(from_idl(to_idl(sample)) == sample);
+    sample.measured_delay_s.reset();
+    CHECK(from_idl(to_idl(sample)) == sample);
   }
   SECTION("pair heading") {
-    Filler fill;
-    PairHeading heading;
-    fill.all(heading.address, heading.sequence, heading.emission_time_ns, heading.received_time_ns,
-             heading.heading_world_rad);
-    heading.valid = true;
-    CHECK(from_idl(to_idl(heading)) == heading);
-    heading.valid = false;
-    CHECK(from_idl(to_idl(heading)) == heading);
+    PairHeading sample;
+    fill.all(sample.address, sample.sequence, sample.emission_time_ns, sample.received_time_ns,
+             sample.heading_world_rad, sample.valid);
+    CHECK(from_idl(to_idl(sample)) == sample);
+  }
+  SECTION("twist") {
+    TwistSample sample;
+    fill.all(sample.address, sample.sequence, sample.emission_time_ns, sample.received_time_ns,
+             sample.velocity_body_mps, sample.velocity_std_mps, sample.angular_velocity_body_radps,
+             sample.angular_velocity_std_radps, sample.axes);
+    CHECK(from_idl(to_idl(sample)) == sample);
+  }
+  SECTION("stationary beacon") {
+    StationaryBeacon sample;
+    fill.all(sample.address, sample.time_ns, sample.position_world_m);
+    CHECK(from_idl(to_idl(sample)) == sample);
+    sample.position_world_m.reset();
+    CHECK(from_idl(to_idl(sample)) == sample);
+  }
+  SECTION("pose") {
+    FusedPose sample;
+    fill.all(sample.address, sample.sequence, sample.time_ns, sample.position_world_m, sample.q_body_to_world,
+             sample.velocity_world_mps, sample.angular_velocity_body_radps, sample.acceleration_world_mps2,
+             sample.gyro_bias_body_radps, sample.pose_covariance, sample.velocity_covariance, sample.trust,
+             sample.since_valid_fix_s, sample.reset_counter, sample.status, sample.imu_sensor_time_ns,
+             sample.imu_bridge_time_ns, sample.fusion_in_time_ns, sample.fusion_out_time_ns);
+    CHECK(from_idl(to_idl(sample)) == sample);
+  }
+  SECTION("fix report") {
+    FixReport sample;
+    fill.all(sample.address, sample.sequence, sample.emission_time_ns, sample.applied_time_ns,
+             sample.position_world_m, sample.shifted_position_world_m, sample.innovation_world_m,
+             sample.innovation_covariance_m2, sample.test_ratio, sample.hypothesis, sample.model,
+             sample.weight, sample.trust, sample.jump_world_m, sample.velocity_change_world_mps,
+             sample.yaw_change_rad, sample.flags);
+    CHECK(from_idl(to_idl(sample)) == sample);
+    sample.innovation_covariance_m2.reset();
+    CHECK(from_idl(to_idl(sample)) == sample);
+    sample.test_ratio.reset();
+    CHECK(from_idl(to_idl(sample)) == sample);
+  }
+  SECTION("estimate") {
+    Estimate sample;
+    fill.all(sample.address, sample.fusion_id, sample.time_ns, sample.gyro_bias_body_radps,
+             sample.accelerometer_bias_body_mps2, sample.lever_arm_body_m, sample.delay_s, sample.fix_noise_m,
+             sample.heading_noise_rad, sample.heading_offset_rad);
+    CHECK(from_idl(to_idl(sample)) == sample);
+    sample.gyro_bias_body_radps.reset();
+    CHECK(from_idl(to_idl(sample)) == sample);
+    sample.accelerometer_bias_body_mps2.reset();
+    CHECK(from_idl(to_idl(sample)) == sample);
+    sample.lever_arm_body_m.reset();
+    CHECK(from_idl(to_idl(sample)) == sample);
+    sample.delay_s.reset();
+    CHECK(from_idl(to_idl(sample)) == sample);
+    sample.fix_noise_m.reset();
+    CHECK(from_idl(to_idl(sample)) == sample);
+    sample.heading_noise_rad.reset();
+    CHECK(from_idl(to_idl(sample)) == sample);
+    sample.heading_offset_rad.reset();
+    CHECK(from_idl(to_idl(sample)) == sample);
+  }
+  SECTION("beacon status") {
+    BeaconStatus sample;
+    fill.all(sample.address, sample.time_ns, sample.battery_v, sample.rssi_dbm, sample.imu_rate_hz,
+             sample.fix_rate_hz, sample.heading_rate_hz, sample.clock_offset_s, sample.clock_jitter_s,
+             sample.frames, sample.crc_errors, sample.bytes_lost, sample.unknown_frames,
+             sample.fixes_unavailable, sample.samples_rejected, sample.clock_resets, sample.other_bridges,
+             sample.imu_deadlines_missed, sample.fix_deadlines_missed, sample.heading_deadlines_missed,
+             sample.liveliness_lost, sample.readers_incompatible, sample.samples_unwritten);
+    CHECK(from_idl(to_idl(sample)) == sample);
+    sample.battery_v.reset();
+    CHECK(from_idl(to_idl(sample)) == sample);
+    sample.rssi_dbm.reset();
+    CHECK(from_idl(to_idl(sample)) == sample);
+  }
+  SECTION("line status") {
+    LineStatus sample;
+    fill.all(sample.name, sample.bridge_id, sample.time_ns, sample.bytes, sample.frames, sample.crc_errors,
+             sample.bytes_lost, sample.text);
+    sample.state = LineState::failed;
+    CHECK(from_idl(to_idl(sample)) == sample);
+  }
+  SECTION("fusion status") {
+    FusionStatus sample;
+    fill.all(sample.address, sample.fusion_id, sample.time_ns, sample.strength, sample.imu_silent,
+             sample.imu_samples, sample.fixes_used, sample.fixes_rejected, sample.headings,
+             sample.events_lost, sample.events_duplicated, sample.samples_invalid, sample.imu_gaps,
+             sample.reset_counter, sample.imu_deadlines_missed, sample.fix_deadlines_missed,
+             sample.heading_deadlines_missed, sample.bridge_losses, sample.pose_deadlines_missed,
+             sample.liveliness_lost, sample.samples_lost, sample.samples_rejected, sample.incompatible_qos,
+             sample.poses_unwritten);
+    sample.role = FusionRole::stalled;
+    CHECK(from_idl(to_idl(sample)) == sample);
   }
   SECTION("truth") {
-    Filler fill;
-    TruthSample truth;
-    fill.all(truth.address, truth.time_ns, truth.position_world_m, truth.q_body_to_world,
-             truth.velocity_world_mps);
-    const TruthSample back = from_idl(to_idl(truth));
-    CHECK(back.address == truth.address);
-    CHECK(back.time_ns == truth.time_ns);
-    CHECK(back.position_world_m == truth.position_world_m);
-    CHECK(back.q_body_to_world.coeffs() == truth.q_body_to_world.coeffs());
-    CHECK(back.velocity_world_mps == truth.velocity_world_mps);
+    TruthSample sample;
+    fill.all(sample.address, sample.time_ns, sample.position_world_m, sample.q_body_to_world,
+             sample.velocity_world_mps);
+    CHECK(from_idl(to_idl(sample)) == sample);
   }
 }
 
-TEST_CASE("Every field of what is said about settings survives the way to IDL and back") {
+TEST_CASE("Every field of requests and replies about settings survives the conversion to IDL and back") {
   Filler fill;
   const std::vector<SettingAssignment> list{{"drift.jump_alpha", "0.5"}, {"", ""}, {"mühle", "1 … 2"}};
   SECTION("request") {
@@ -75,29 +156,101 @@ TEST_CASE("Every field of what is said about settings survives the way to IDL an
   }
   SECTION("reply") {
     SettingsReply reply;
-    fill.all(reply.address, reply.request_id, reply.from_sequence);
-    reply.accepted = true;
-    reply.details = "7: event 812, 9: event 501";
-    CHECK(from_idl(to_idl(reply).sample()) == reply);
-    reply.accepted = false;
-    reply.reason = "drift.jump_alpha = 2: out of range";
-    CHECK(from_idl(to_idl(reply).sample()) == reply);
+    fill.all(reply.address, reply.request_id, reply.accepted, reply.from_sequence, reply.reason,
+             reply.details);
+    CHECK(from_idl(to_idl(reply)) == reply);
   }
-  SECTION("what is in force") {
+  SECTION("effective settings") {
     EffectiveSettings settings;
     fill.all(settings.address, settings.time_ns, settings.from_sequence);
     settings.values = list;
     CHECK(from_idl(to_idl(settings).sample()) == settings);
   }
-  SECTION("a text that a foreign writer left out is empty") {
-    CHECK(from_idl(sonopose_SettingsReply{}).reason.empty());
-    CHECK(from_idl(sonopose_SettingsReply{}).details.empty());
-    CHECK(from_idl(sonopose_SettingsRequest{}).assignments.empty());
+}
+
+/// How many members a type has at its top level, from the operations of its descriptor: one `DDS_OP_ADR` for
+/// each.
+int member_count(const dds_topic_descriptor_t& type) {
+  int count = 0;
+  const std::uint32_t* op = type.m_ops;
+  while ((*op & DDS_OP_MASK) == DDS_OP_ADR) {
+    ++count;
+    switch (DDS_OP_TYPE(*op)) {
+      case DDS_OP_VAL_BST:
+      case DDS_OP_VAL_EXT:
+        op += 3;
+        break;
+      case DDS_OP_VAL_ARR:
+        op += 3;
+        break;  // of numbers
+      case DDS_OP_VAL_BSQ:
+        op += 5;
+        break;  // of structs
+      default:
+        op += 2;
+    }
+  }
+  REQUIRE((*op & DDS_OP_MASK) == DDS_OP_RTS);
+  return count;
+}
+
+template <class Native>
+int covered() {
+  return fields::idl_members(fields::Pairs<Native>::list);
+}
+
+TEST_CASE("The lists of fields cover every member of the IDL types") {
+  CHECK(covered<ImuSample>() == member_count(sonopose_ImuSample_desc));
+  CHECK(covered<UltrasonicFix>() == member_count(sonopose_UltrasonicFix_desc));
+  CHECK(covered<PairHeading>() == member_count(sonopose_PairHeading_desc));
+  CHECK(covered<TwistSample>() == member_count(sonopose_TwistSample_desc));
+  CHECK(covered<StationaryBeacon>() == member_count(sonopose_StationaryBeacon_desc));
+  CHECK(covered<FusedPose>() == member_count(sonopose_FusedPose_desc));
+  CHECK(covered<FixReport>() == member_count(sonopose_FixReport_desc));
+  CHECK(covered<Estimate>() == member_count(sonopose_Estimate_desc));
+  CHECK(covered<BeaconStatus>() == member_count(sonopose_BeaconStatus_desc));
+  CHECK(covered<LineStatus>() == member_count(sonopose_LineStatus_desc));
+  CHECK(covered<FusionStatus>() == member_count(sonopose_FusionStatus_desc));
+  CHECK(covered<TruthSample>() == member_count(sonopose_TruthSample_desc));
+  // and the list of assignments
+  CHECK(covered<SettingsRequest>() + 1 == member_count(sonopose_SettingsRequest_desc));
+  CHECK(covered<SettingsReply>() == member_count(sonopose_SettingsReply_desc));
+  CHECK(covered<EffectiveSettings>() + 1 == member_count(sonopose_EffectiveSettings_desc));
+}
+
+TEST_CASE("Texts and lists for other programs are bounded") {
+  SECTION("a text for people is cut and marked") {
+    SettingsReply reply;
+    reply.reason = std::string(sonopose_MAX_REASON, 'x');
+    CHECK(from_idl(to_idl(reply)).reason == reply.reason);
+    reply.reason += 'x';
+    CHECK(from_idl(to_idl(reply)).reason == std::string(sonopose_MAX_REASON - 3, 'x') + "...");
+    reply.details = std::string(sonopose_MAX_DETAILS - 4, 'x') + "ü and more";
+    CHECK(from_idl(to_idl(reply)).details == std::string(sonopose_MAX_DETAILS - 4, 'x') + "...");
+  }
+  SECTION("an assignment is never cut") {
+    SettingsRequest request;
+    request.assignments = {
+        {std::string(sonopose_MAX_SETTING_KEY, 'k'), std::string(sonopose_MAX_SETTING_VALUE, 'v')}};
+    CHECK(from_idl(to_idl(request).sample()) == request);
+    request.assignments[0].value += 'v';
+    CHECK_THROWS_WITH(to_idl(request), Catch::Contains("129 bytes, more than the 128"));
+    request.assignments.assign(sonopose_MAX_ASSIGNMENTS + 1, {"a", "b"});
+    CHECK_THROWS_WITH(to_idl(request), Catch::Contains("257 settings, more than the 256"));
   }
 }
 
-// The vectors' and quaternions' order, seen from outside.
-TEST_CASE("Axes and quaternion parts go where their names say") {
+TEST_CASE("An enumerator of another version is read as the first one") {
+  sonopose_FusionStatus status{};
+  status.role = sonopose_ROLE_STALLED + 1;
+  CHECK(from_idl(status).role == FusionRole::sole);
+  sonopose_ImuSample sample{};
+  sample.meaning = 99;
+  CHECK(from_idl(sample).meaning == ImuMeaning::unknown);
+}
+
+// The order of vectors and quaternions, independent of the way back.
+TEST_CASE("Axes, quaternion components and covariances go to the members of their names") {
   ImuSample sample;
   sample.angular_velocity_body_radps = {1, 2, 3};
   const sonopose_ImuSample imu = to_idl(sample);
@@ -106,20 +259,25 @@ TEST_CASE("Axes and quaternion parts go where their names say") {
   CHECK(imu.angular_velocity.z == 3);
   FusedPose pose;
   pose.q_body_to_world = Quaterniond(0.5, 0.1, 0.2, 0.3);  // w, x, y, z
+  pose.pose_covariance.set(5, 0, 7.0);
   const sonopose_FusedPose idl = to_idl(pose);
   CHECK(idl.orientation.w == 0.5);
   CHECK(idl.orientation.x == 0.1);
   CHECK(idl.orientation.y == 0.2);
   CHECK(idl.orientation.z == 0.3);
+  CHECK(idl.pose_covariance[0] < 0);  // unknown
+  CHECK(idl.pose_covariance[5] == 7.0);
+  CHECK(idl.pose_covariance[20] < 0);
 }
 
-TEST_CASE("A quality that is no number is unknown") {
+TEST_CASE("A quality that is zero is known, and one that is not a number is not") {
   sonopose_UltrasonicFix fix{};
+  CHECK(from_idl(fix).quality_percent == 0.0);
   fix.quality = std::numeric_limits<float>::quiet_NaN();
   CHECK_FALSE(from_idl(fix).quality_percent);
 }
 
-TEST_CASE("A pose before its first fix keeps its infinite age") {
+TEST_CASE("The infinite age of a pose before its first fix survives") {
   FusedPose pose;
   pose.since_valid_fix_s = std::numeric_limits<double>::infinity();
   CHECK(from_idl(to_idl(pose)).since_valid_fix_s == pose.since_valid_fix_s);

@@ -1,8 +1,8 @@
 #pragma once
 // What the tests of the DDS layer share: a domain of their own, and waiting for events.
 
-#include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/topics/topics.hpp>
 
 #include <chrono>
 #include <cstdint>

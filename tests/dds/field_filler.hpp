@@ -1,8 +1,10 @@
 #pragma once
-// Gives every field of a sample a value that no other one has.
+// Gives every field of a sample a value that no other field has.
 
+#include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
 
+#include <string>
 #include <type_traits>
 
 namespace sonopose::dds::test {
@@ -25,17 +27,30 @@ public:
 private:
   double next() { return ++last_; }
 
+  void fill(bool& field) { field = true; }
   void fill(double& field) { field = number(); }
   void fill(Vector3d& field) { field = vector(); }
   void fill(Quaterniond& field) {
     const Vector3d v = vector();
     field = Quaterniond(number(), v.x(), v.y(), v.z());  // no rotation, but four values
   }
+  void fill(std::string& field) { field = std::to_string(next()); }
+  void fill(ScalarEstimate& field) { all(field.value, field.std); }
+  void fill(VectorEstimate& field) { all(field.value, field.std); }
+  template <int N>
+  void fill(Covariance<N>& field) {
+    for (int row = 0; row < N; ++row) {
+      for (int column = row; column < N; ++column) field.set(row, column, number());
+    }
+  }
   template <class Integer>
   std::enable_if_t<std::is_integral_v<Integer>> fill(Integer& field) {
     field = static_cast<Integer>(next());
   }
-  void fill(std::optional<double>& field) { field = number(); }
+  template <class Value>
+  void fill(std::optional<Value>& field) {
+    fill(field.emplace());
+  }
 
   double last_ = 100;
 };

@@ -29,7 +29,7 @@ FixReport sample_report() {
   report.applied_time_ns = 168;
   report.position_world_m = {1, 2, 3};
   report.shifted_position_world_m = {1.25, 2, 3};
-  report.innovation_m = 0.5;
+  report.innovation_world_m = {0.5, 0, 0};
   report.weight = 0.25;
   report.trust = 0.75;
   report.jump_world_m = {0.1, 0.2, 0.3};

@@ -78,7 +78,7 @@ TEST_CASE("every status bit has a word of its own") {
   CHECK(observation::status_words(0) == "ok");
   CHECK(observation::status_words(status_stale | status_frozen_track) == "stale, frozen track");
   std::set<std::string> words;
-  for (std::uint32_t bit = status_initialising; bit <= status_rotating_fast; bit <<= 1U) {
+  for (std::uint32_t bit = status_initialising; bit <= status_overloaded; bit <<= 1U) {
     const std::string word = observation::status_words(bit);
     CHECK(!word.empty());
     CHECK(word != "ok");

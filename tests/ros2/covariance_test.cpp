@@ -18,9 +18,11 @@ FusedPose pose_of_a_turning_robot() {
   pose.q_body_to_world = Quaterniond(Eigen::AngleAxisd(1.1, Vector3d(0.1, -0.2, 0.97).normalized()));
   pose.velocity_world_mps = {1.5, -0.5, 0.1};
   pose.angular_velocity_body_radps = {0.1, -0.2, 0.8};
-  pose.position_std_m = {0.02, 0.03, 0.05};
-  pose.velocity_std_mps = {0.05, 0.06, 0.08};
-  pose.yaw_std_rad = 0.03;
+  pose.pose_covariance.set(0, 0, 0.02 * 0.02);
+  pose.pose_covariance.set(1, 1, 0.03 * 0.03);
+  pose.pose_covariance.set(2, 2, 0.05 * 0.05);
+  pose.pose_covariance.set(5, 5, 0.03 * 0.03);
+  pose.velocity_covariance = Covariance<3>::from_diagonal({0.05 * 0.05, 0.06 * 0.06, 0.08 * 0.08});
   return pose;
 }
 
@@ -36,10 +38,10 @@ Covariance6 spread_of(const FusedPose& pose, const Noise& noise, const Error& er
   Covariance6 sum = Covariance6::Zero();
   for (int i = 0; i < count; ++i) {
     FusedPose wrong = pose;
-    wrong.position_world_m += vector(pose.position_std_m);
-    wrong.velocity_world_mps += vector(pose.velocity_std_mps);
+    wrong.position_world_m += vector(position_std_m(pose));
+    wrong.velocity_world_mps += vector(velocity_std_mps(pose));
     const double tilt_std_rad = noise.tilt_std_deg * geometry::radians_per_degree;
-    const Vector3d turn = vector({tilt_std_rad, tilt_std_rad, pose.yaw_std_rad});
+    const Vector3d turn = vector({tilt_std_rad, tilt_std_rad, yaw_std_rad(pose)});
     wrong.q_body_to_world = geometry::rotation_by(turn) * pose.q_body_to_world;
     wrong.angular_velocity_body_radps += vector(Vector3d::Constant(noise.gyro_std_radps));
     const Eigen::Matrix<double, 6, 1> error = error_of(wrong, turn);

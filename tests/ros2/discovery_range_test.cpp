@@ -3,8 +3,8 @@
 
 #include "support/process.hpp"
 #include "support/test_domain.hpp"
-#include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/topics/topics.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -33,7 +33,7 @@ SCENARIO("an IMU sample becomes the two messages of REP-145") {
     FusedPose pose;
     pose.q_body_to_world = Quaterniond(0.5, 0.5, 0.5, 0.5);
     pose.angular_velocity_body_radps = {0, 0, 0};
-    pose.yaw_std_rad = 0.1;
+    pose.pose_covariance.set(5, 5, 0.1 * 0.1);
     const FrameNames frames;
     WHEN("it goes out raw") {
       const Imu imu = raw_imu(sample, stamp_ns, frames, {});

@@ -28,26 +28,30 @@ inline void append(Bits& bits, const Vector3d& vector) {
 inline Bits bits_of(const FusedPose& pose) {
   Bits bits{pose.address,       pose.sequence, static_cast<std::uint64_t>(pose.time_ns),
             pose.reset_counter, pose.status,   static_cast<std::uint64_t>(pose.imu_sensor_time_ns)};
-  for (const Vector3d& vector : {pose.position_world_m, pose.velocity_world_mps,
-                                 pose.angular_velocity_body_radps, pose.acceleration_world_mps2,
-                                 pose.gyro_bias_body_radps, pose.position_std_m, pose.velocity_std_mps}) {
+  for (const Vector3d& vector :
+       {pose.position_world_m, pose.velocity_world_mps, pose.angular_velocity_body_radps,
+        pose.acceleration_world_mps2, pose.gyro_bias_body_radps}) {
     detail::append(bits, vector);
   }
   for (const double value : pose.q_body_to_world.coeffs()) detail::append(bits, value);
-  for (const double value : {pose.yaw_std_rad, pose.trust, pose.since_valid_fix_s}) {
+  for (const double value : {pose.trust, pose.since_valid_fix_s}) {
     detail::append(bits, value);
   }
+  for (const double value : pose.pose_covariance.elements()) detail::append(bits, value);
+  for (const double value : pose.velocity_covariance.elements()) detail::append(bits, value);
   return bits;
 }
 
 inline Bits bits_of(const FixReport& report) {
   Bits bits{report.address, report.sequence, static_cast<std::uint64_t>(report.emission_time_ns),
             static_cast<std::uint64_t>(report.applied_time_ns), report.flags};
-  for (const Vector3d& vector : {report.position_world_m, report.shifted_position_world_m,
-                                 report.jump_world_m, report.velocity_change_world_mps}) {
+  for (const Vector3d& vector :
+       {report.position_world_m, report.shifted_position_world_m, report.innovation_world_m,
+        report.jump_world_m, report.velocity_change_world_mps}) {
     detail::append(bits, vector);
   }
-  for (const double value : {report.innovation_m, report.weight, report.trust, report.yaw_change_rad}) {
+  for (const double value :
+       {report.test_ratio.value_or(-1.0), report.weight, report.trust, report.yaw_change_rad}) {
     detail::append(bits, value);
   }
   return bits;

@@ -1,10 +1,10 @@
 #pragma once
 /// \file
-/// The native: the samples that every edge of the system (wire, log folder, simulator, DDS, ROS 2) converts
-/// to and from, once. SI units; times are integer nanoseconds since the Unix epoch in the host's clock;
-/// vectors say in their names in which frame they stand (`body`: the IMU's axes, `world`: the beacons' map, Z
-/// up).
+/// The native types. Every edge of the system (wire, log folder, simulator, DDS, ROS 2) converts to and from
+/// them once. SI units; times are integer nanoseconds since the Unix epoch in the host's clock; the name of a
+/// vector contains its frame (`body`: the IMU's axes, `world`: the beacons' map, Z up).
 
+#include <sonopose/samples/covariance.hpp>
 #include <sonopose/samples/time.hpp>
 
 #include <Eigen/Core>
@@ -19,14 +19,21 @@ namespace sonopose {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// Which beacon (or other sensor head) a sample comes from; the key of every native topic.
+/// The beacon (or other sensor head) that a sample comes from; the key of the native topics.
 using BeaconAddress = std::uint16_t;
 
-/// Names every beacon at once where a command allows it; never the address of a sample.
+/// In a command: every beacon. Never the address of a sample.
 inline constexpr BeaconAddress all_beacons = 0xFFFF;
 
-/// What an accelerometer at rest reads along the vertical; the one value for simulation and fusion.
+/// What an accelerometer at rest measures along the vertical, in the simulator and in the fusion.
 inline constexpr double standard_gravity_mps2 = 9.80665;
+
+/// What the values of an IMU sample refer to.
+enum class ImuMeaning : std::uint32_t {
+  unknown,
+  instant,         ///< the moment `sensor_time_ns`
+  mean_since_last  ///< the mean over the interval from the previous sample
+};
 
 /// One inertial measurement.
 struct ImuSample {
@@ -37,30 +44,32 @@ struct ImuSample {
   Vector3d angular_velocity_body_radps = Vector3d::Zero();
   Vector3d specific_force_body_mps2 = Vector3d::Zero();  ///< +9.81 on z at rest, level
   std::optional<Vector3d> magnetic_field_body_t;         ///< tesla
+  ImuMeaning meaning = ImuMeaning::unknown;
 
   bool operator==(const ImuSample&) const = default;
 };
 
-/// What the positioning system said of a fix, besides the position; bits of `UltrasonicFix::flags`.
+/// What the positioning system reported with a position; bits of `UltrasonicFix::flags`.
 enum UltrasonicFlag : std::uint32_t {
   ultrasonic_flag_user_button_1 = 1U << 0U,
   ultrasonic_flag_user_button_2 = 1U << 1U,
-  ultrasonic_flag_other_hedge = 1U << 2U,       ///< the data are of another mobile beacon
-  ultrasonic_flag_out_of_geofence = 1U << 3U,   ///< the beacon stands outside its geofence
+  ultrasonic_flag_other_hedge = 1U << 2U,       ///< the data belong to another mobile beacon
+  ultrasonic_flag_out_of_geofence = 1U << 3U,   ///< the beacon is outside its geofence
   ultrasonic_flag_pair_centre = 1U << 4U,       ///< the coordinates are the centre of a beacon pair
   ultrasonic_flag_second_resolution = 1U << 5U  ///< stamped in 1/64 s by old firmware
 };
 
-/// One position from the ultrasonic system. Fixes that it flags as not available are never made into one.
+/// One position from the ultrasonic system. A position that it flags as not available never becomes a fix.
 struct UltrasonicFix {
   BeaconAddress address = 0;
   std::uint64_t sequence = 0;
   TimeNs emission_time_ns = 0;  ///< moment of the ultrasound emission: where the beacon *was*
-  TimeNs received_time_ns = 0;  ///< when the fix reached the host; a causal user has it only from then on
+  TimeNs received_time_ns = 0;  ///< when the fix reached the host; no causal user has it earlier
   Vector3d position_world_m = Vector3d::Zero();
-  std::optional<double> quality_percent;   ///< 0…100; empty where the hardware does not report it
-  std::optional<double> measured_delay_s;  ///< emission → receipt, where the hardware measured it
-  std::uint32_t flags = 0;                 ///< bits of UltrasonicFlag
+  std::optional<Covariance<3>> covariance_world_m2;  ///< empty if the source does not know it
+  std::optional<double> quality_percent;             ///< 0…100; empty if the hardware does not report it
+  std::optional<double> measured_delay_s;            ///< emission → receipt, if the hardware measured it
+  std::uint32_t flags = 0;                           ///< bits of UltrasonicFlag
 
   bool operator==(const UltrasonicFix&) const = default;
 };
@@ -72,12 +81,46 @@ struct PairHeading {
   TimeNs emission_time_ns = 0;
   TimeNs received_time_ns = 0;
   double heading_world_rad = 0;  ///< counter-clockwise from world +X
-  bool valid = false;            ///< false: the hardware says that it knows no orientation
+  bool valid = false;            ///< false: the hardware reports that the orientation is unknown
 
   bool operator==(const PairHeading&) const = default;
 };
 
-/// Anything that the engine takes, in the order of arrival.
+/// The axes that a TwistSample measured; bits of `TwistSample::axes`.
+enum TwistAxis : std::uint32_t {
+  twist_velocity_x = 1U << 0U,
+  twist_velocity_y = 1U << 1U,
+  twist_velocity_z = 1U << 2U,
+  twist_angular_velocity_x = 1U << 3U,
+  twist_angular_velocity_y = 1U << 4U,
+  twist_angular_velocity_z = 1U << 5U
+};
+
+/// A measured velocity, such as wheel odometry. No engine uses it yet.
+struct TwistSample {
+  BeaconAddress address = 0;
+  std::uint64_t sequence = 0;
+  TimeNs emission_time_ns = 0;  ///< when it was measured
+  TimeNs received_time_ns = 0;  ///< when it reached the host
+  Vector3d velocity_body_mps = Vector3d::Zero();
+  Vector3d velocity_std_mps = Vector3d::Constant(-1);  ///< per body axis; negative: unknown
+  Vector3d angular_velocity_body_radps = Vector3d::Zero();
+  Vector3d angular_velocity_std_radps = Vector3d::Constant(-1);  ///< per body axis; negative: unknown
+  std::uint32_t axes = 0;                                        ///< bits of TwistAxis
+
+  bool operator==(const TwistSample&) const = default;
+};
+
+/// A stationary beacon of the positioning system.
+struct StationaryBeacon {
+  BeaconAddress address = 0;                 ///< its own
+  TimeNs time_ns = 0;                        ///< when its position reached the host
+  std::optional<Vector3d> position_world_m;  ///< empty if it is not known
+
+  bool operator==(const StationaryBeacon&) const = default;
+};
+
+/// An input of the engine.
 using Event = std::variant<ImuSample, UltrasonicFix, PairHeading>;
 
 inline BeaconAddress address_of(const Event& event) {
@@ -88,7 +131,8 @@ inline std::uint64_t sequence_of(const Event& event) {
   return std::visit([](const auto& sample) { return sample.sequence; }, event);
 }
 
-/// From when on a causal user may use the event: an IMU sample at once, a fix or heading at its receipt.
+/// The earliest time at which a causal user has the event: an IMU sample at once, a fix or heading at its
+/// receipt.
 inline TimeNs available_at_ns(const Event& event) {
   struct Visitor {
     TimeNs operator()(const ImuSample& sample) const { return sample.sensor_time_ns; }
@@ -98,13 +142,15 @@ inline TimeNs available_at_ns(const Event& event) {
   return std::visit(Visitor{}, event);
 }
 
-/// A true state, where it is known (simulator, motion capture).
+/// A true state, if it is known (simulator, motion capture).
 struct TruthSample {
   BeaconAddress address = 0;
   TimeNs time_ns = 0;
   Vector3d position_world_m = Vector3d::Zero();
   Quaterniond q_body_to_world = Quaterniond::Identity();
   Vector3d velocity_world_mps = Vector3d::Zero();
+
+  bool operator==(const TruthSample&) const = default;
 };
 
 }  // namespace sonopose

@@ -1,15 +1,16 @@
 #pragma once
 /// \file
-/// What the bridge and the fusion tell of themselves, once a second and beacon.
+/// What the bridge and the fusion publish about themselves once a second.
 
 #include <sonopose/samples/samples.hpp>
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 namespace sonopose {
 
-/// The state of one beacon and of the line to it, as the bridge sees it. Counters count from its start.
+/// The state of one beacon and of its line, as the bridge sees them. Counters start with the bridge.
 struct BeaconStatus {
   BeaconAddress address = 0;
   TimeNs time_ns = 0;
@@ -21,58 +22,85 @@ struct BeaconStatus {
   double clock_offset_s = 0;               ///< host time − beacon time, as mapped
   double clock_jitter_s = 0;               ///< spread of the arrivals above the fitted clock
   std::uint64_t frames = 0;                ///< good frames decoded
-  std::uint64_t crc_errors = 0;            ///< frames whose check sum was wrong
-  std::uint64_t bytes_lost = 0;            ///< bytes skipped while looking for a frame
-  std::uint64_t unknown_frames = 0;        ///< good frames of a kind that is not known
+  std::uint64_t crc_errors = 0;            ///< frames with a wrong checksum
+  std::uint64_t bytes_lost = 0;            ///< bytes skipped in search of a frame
+  std::uint64_t unknown_frames = 0;        ///< good frames of an unknown kind
   std::uint64_t fixes_unavailable = 0;     ///< fixes that the hardware flagged "not available"
-  std::uint64_t samples_rejected = 0;      ///< values that no sensor can give, kept back
-  std::uint64_t clock_resets = 0;          ///< beacon restarts seen in its clock
-  std::uint32_t other_bridges = 0;         ///< further bridges that publish the same address
+  std::uint64_t samples_rejected = 0;      ///< implausible values, not published
+  std::uint64_t clock_resets = 0;          ///< beacon restarts detected in its clock
+  std::uint32_t other_bridges = 0;         ///< other bridges that publish the same address
   std::uint64_t imu_deadlines_missed = 0;  ///< deadline periods without a sample, since the first one
   std::uint64_t fix_deadlines_missed = 0;
   std::uint64_t heading_deadlines_missed = 0;
-  // Of the whole bridge, and so the same for all of its beacons:
-  std::uint64_t liveliness_lost = 0;       ///< a lease of its writers ran out
-  std::uint64_t readers_incompatible = 0;  ///< readers whose QoS could not be met
-  std::uint64_t samples_unwritten = 0;     ///< a slow reader left no room
+  // Of the whole bridge, the same for all of its beacons:
+  std::uint64_t liveliness_lost = 0;       ///< expired leases of its writers
+  std::uint64_t readers_incompatible = 0;  ///< readers with incompatible QoS
+  std::uint64_t samples_unwritten = 0;     ///< not written because a slow reader blocked
+
+  bool operator==(const BeaconStatus&) const = default;
 };
 
-/// Whose poses of a beacon the consumers get.
+enum class LineState : std::uint32_t {
+  closed,   ///< not opened yet, or closed
+  waiting,  ///< for the device or the peer to appear
+  open,
+  failed  ///< cannot be opened or read: see `text`
+};
+
+/// One serial line or socket of one bridge, known before any beacon address is. Counters start with the
+/// bridge.
+struct LineStatus {
+  std::string name;             ///< such as "/dev/ttyACM0"; DDS cuts it at 128 bytes
+  std::uint64_t bridge_id = 0;  ///< of the process, random: two bridges may use the same name
+  TimeNs time_ns = 0;
+  LineState state = LineState::closed;
+  std::uint64_t bytes = 0;       ///< received
+  std::uint64_t frames = 0;      ///< decoded
+  std::uint64_t crc_errors = 0;  ///< frames with a wrong checksum
+  std::uint64_t bytes_lost = 0;  ///< bytes skipped in search of a frame
+  std::string text;              ///< the cause of a failure; otherwise empty. DDS cuts it at 256 bytes
+
+  bool operator==(const LineStatus&) const = default;
+};
+
+/// Which poses of a beacon consumers receive.
 enum class FusionRole : std::uint32_t {
   sole,     ///< not in a standby pair
   warming,  ///< poses of strength 0, until the engine has settled
   serving,  ///< poses of the process's own strength
-  stalled   ///< no pose for a deadline: the beacon was given up
+  stalled   ///< no pose for a deadline: the beacon was released
 };
 
-/// What one engine has been given and has done. Counters count from the fusion's start.
+/// The counters and the role of one engine. Counters start with the fusion.
 struct FusionStatus {
   BeaconAddress address = 0;
-  std::uint64_t fusion_id = 0;  ///< of the process, by chance
+  std::uint64_t fusion_id = 0;  ///< of the process, random
   TimeNs time_ns = 0;
   FusionRole role = FusionRole::sole;
-  std::int32_t strength = 0;  ///< of the process's claim to its beacons
+  std::int32_t strength = 0;  ///< ownership strength of the process
   bool imu_silent = false;    ///< no IMU sample for longer than its deadline
   std::uint64_t imu_samples = 0;
   std::uint64_t fixes_used = 0;
   std::uint64_t fixes_rejected = 0;
   std::uint64_t headings = 0;
-  std::uint64_t events_lost = 0;        ///< gaps in the event sequence that never filled
-  std::uint64_t events_duplicated = 0;  ///< an event sequence number came twice, or too late
-  std::uint64_t samples_invalid = 0;    ///< not finite, absurd, or backward in time
-  std::uint64_t imu_gaps = 0;           ///< silences too long to integrate over
+  std::uint64_t events_lost = 0;        ///< gaps in the event sequence that were never filled
+  std::uint64_t events_duplicated = 0;  ///< events with a repeated sequence number, or too late
+  std::uint64_t samples_invalid = 0;    ///< not finite, implausible, or backward in time
+  std::uint64_t imu_gaps = 0;           ///< gaps too long to integrate over
   std::uint32_t reset_counter = 0;
   std::uint64_t imu_deadlines_missed = 0;  ///< deadline periods without a sample, since the first one
   std::uint64_t fix_deadlines_missed = 0;
   std::uint64_t heading_deadlines_missed = 0;
-  std::uint64_t bridge_losses = 0;  ///< the bridge that served this beacon was no longer alive
-  // Of the whole process, and so the same for all of its beacons:
+  std::uint64_t bridge_losses = 0;  ///< times that the bridge of this beacon was lost
+  // Of the whole process, the same for all of its beacons:
   std::uint64_t pose_deadlines_missed = 0;
-  std::uint64_t liveliness_lost = 0;   ///< a lease of its pose writers ran out
-  std::uint64_t samples_lost = 0;      ///< input samples lost on the way
-  std::uint64_t samples_rejected = 0;  ///< input samples refused for want of room
-  std::uint64_t incompatible_qos = 0;  ///< readers and writers whose QoS does not go with its own
-  std::uint64_t poses_unwritten = 0;   ///< poses and reports that a slow consumer left no room for
+  std::uint64_t liveliness_lost = 0;   ///< expired leases of its pose writers
+  std::uint64_t samples_lost = 0;      ///< input samples lost in transport
+  std::uint64_t samples_rejected = 0;  ///< input samples rejected by full readers
+  std::uint64_t incompatible_qos = 0;  ///< endpoints with incompatible QoS
+  std::uint64_t poses_unwritten = 0;   ///< poses and reports not written because a slow reader blocked
+
+  bool operator==(const FusionStatus&) const = default;
 };
 
 }  // namespace sonopose

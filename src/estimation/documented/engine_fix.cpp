@@ -14,7 +14,7 @@ FixReport Engine::on(const UltrasonicFix& fix) noexcept {
   report.trust = state_.trust.trust;
 
   report.flags = admission::reasons_against(settings_.admission, state_.admission, state_.body.time_ns, fix,
-                                              delay::measured_at(settings_.delay, fix));
+                                            delay::measured_at(settings_.delay, fix));
   const bool was_frozen = state_.frozen.frozen;
   if (report.flags == 0 && frozen::watch(settings_.frozen, state_.frozen, state_.body, fix)) {
     report.flags = fix_frozen;
@@ -56,7 +56,7 @@ void Engine::reset_position(const TimedFix& fix, FixReport& report) {
   const bool first = state_.outage.last_valid_fix_ns == 0;
   report.flags |= first ? fix_first : fix_stale_recovered;
   report.jump_world_m = fix.shifted_position_world_m - state_.body.position_world_m;
-  report.innovation_m = first ? 0.0 : report.jump_world_m.norm();
+  if (!first) report.innovation_world_m = report.jump_world_m;
   report.weight = 1.0;
   report.trust = 1.0;
   state_.body.position_world_m = fix.shifted_position_world_m;
@@ -78,7 +78,8 @@ void Engine::reset_position(const TimedFix& fix, FixReport& report) {
 /// The second fix of a run sets the velocity: until then there is none that could predict where it should
 /// lie. False where the two stand too near or too far apart in time for a velocity.
 bool Engine::reset_velocity(TimedFix& fix, FixReport& report) {
-  const auto measured = velocity::measure(settings_.velocity, state_.velocity, state_.body, fix, FixAssessment{});
+  const auto measured =
+      velocity::measure(settings_.velocity, state_.velocity, state_.body, fix, FixAssessment{});
   if (!measured) return false;
   report.velocity_change_world_mps = velocity::adopt(state_.velocity, state_.body, *measured);
   delay::move_on(settings_.delay, state_.body, fix);
@@ -97,7 +98,7 @@ bool Engine::reset_velocity(TimedFix& fix, FixReport& report) {
 void Engine::apply_fix(const TimedFix& fix, FixReport& report) {
   Kinematics& body = state_.body;
   const FixAssessment assessment = trust::judge(settings_.trust, state_.trust, body, fix);  // 13–22
-  report.innovation_m = assessment.innovation_m;
+  report.innovation_world_m = assessment.innovation_world_m;
   report.weight = assessment.weight;
   report.trust = state_.trust.trust;
   if (assessment.outlier) report.flags |= fix_outlier;
@@ -108,13 +109,13 @@ void Engine::apply_fix(const TimedFix& fix, FixReport& report) {
   double interval_s = 0.0;
   double velocity_share = 0.0;
   if (measured) {
-    const auto change =
-        velocity::correct(settings_.velocity, state_.velocity, body, *measured, assessment);  // 3, 7, 8, 26–28
+    const auto change = velocity::correct(settings_.velocity, state_.velocity, body, *measured,
+                                          assessment);  // 3, 7, 8, 26–28
     report.velocity_change_world_mps = change.change_world_mps;
     report.flags |= change.flags;
     align(*measured, change, report);
-    report.yaw_change_rad +=
-        heading::correct_from_course(settings_.heading, state_.heading, body, state_.filter, *measured);  // 31–33
+    report.yaw_change_rad += heading::correct_from_course(settings_.heading, state_.heading, body,
+                                                          state_.filter, *measured);  // 31–33
     interval_s = measured->interval_s;
     velocity_share = change.share;
   }

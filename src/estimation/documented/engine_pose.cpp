@@ -20,9 +20,8 @@ FusedPose Engine::pose_at(const ImuSample& imu) const {
   pose.angular_velocity_body_radps = body.angular_velocity_body_radps;
   pose.acceleration_world_mps2 = body.acceleration_world_mps2;
   pose.gyro_bias_body_radps = state_.startup.gyro_offset_body_radps + state_.filter.gyro_bias_body_radps();
-  pose.position_std_m.setConstant(state_.uncertainty.position_std_m);
-  pose.velocity_std_mps.setConstant(state_.uncertainty.velocity_std_mps);
-  pose.yaw_std_rad = state_.uncertainty.yaw_std_rad;
+  pose.pose_covariance = uncertainty::pose_covariance(state_.uncertainty);
+  pose.velocity_covariance = uncertainty::velocity_covariance(state_.uncertainty);
   pose.trust = state_.trust.trust;
   pose.since_valid_fix_s =
       state_.outage.last_valid_fix_ns == 0

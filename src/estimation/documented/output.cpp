@@ -20,11 +20,15 @@ FusedPose predicted(const FusedPose& at_sample, TimeNs ahead_ns) {
   pose.since_valid_fix_s += dt_s;
   pose.position_world_m += dt_s * at_sample.velocity_world_mps + 0.5 * dt_s * dt_s * acceleration_world_mps2;
   pose.velocity_world_mps += dt_s * acceleration_world_mps2;
-  pose.q_body_to_world =
-      (at_sample.q_body_to_world * geometry::rotation_by(Vector3d(dt_s * at_sample.angular_velocity_body_radps)))
-          .normalized();
-  const Vector3d drifted_m = dt_s * at_sample.velocity_std_mps;
-  pose.position_std_m = (pose.position_std_m.cwiseAbs2() + drifted_m.cwiseAbs2()).cwiseSqrt();
+  pose.q_body_to_world = (at_sample.q_body_to_world *
+                          geometry::rotation_by(Vector3d(dt_s * at_sample.angular_velocity_body_radps)))
+                             .normalized();
+  // The errors of position and velocity count as independent.
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!pose.pose_covariance.is_known(axis) || !pose.velocity_covariance.is_known(axis)) continue;
+    const double drift_m2 = dt_s * dt_s * pose.velocity_covariance.at(axis, axis);
+    pose.pose_covariance.set(axis, axis, pose.pose_covariance.at(axis, axis) + drift_m2);
+  }
   return pose;
 }
 

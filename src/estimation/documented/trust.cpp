@@ -6,13 +6,14 @@
 namespace sonopose::estimation::documented::trust {
 namespace {
 
-/// Distance to the prediction that counts.
-double residual_of(const TrustState& state, const Kinematics& body, const TimedFix& fix, bool against_imu) {
-  const double to_fused_m = (fix.shifted_position_world_m - body.position_world_m).norm();
+/// The fix minus its prediction, by the previous fix or by the fused position.
+Vector3d innovation_of(const TrustState& state, const Kinematics& body, const TimedFix& fix,
+                       bool against_imu) {
+  const Vector3d to_fused_m = fix.shifted_position_world_m - body.position_world_m;
   if (against_imu || !state.has_last) return to_fused_m;
   const auto moved_world_m = body.moved(state.last_measured_ns, fix.measured_ns);
   if (!moved_world_m) return to_fused_m;
-  return (fix.measured_position_world_m - state.last_position_world_m - *moved_world_m).norm();
+  return fix.measured_position_world_m - state.last_position_world_m - *moved_world_m;
 }
 
 /// Items 16–19: N = clamp(n_base · jump / reference, n_min, n_max).
@@ -76,11 +77,13 @@ void restart(TrustState& state, const TimedFix& fix) {
   state.last_position_world_m = fix.measured_position_world_m;
 }
 
-FixAssessment judge(const TrustSettings& settings, TrustState& state, const Kinematics& body, const TimedFix& fix) {
+FixAssessment judge(const TrustSettings& settings, TrustState& state, const Kinematics& body,
+                    const TimedFix& fix) {
   const bool against_imu = settings.enabled && state.trust < 1.0;
   const bool was_forced = state.forced;
   FixAssessment assessment;
-  assessment.innovation_m = residual_of(state, body, fix, against_imu);
+  assessment.innovation_world_m = innovation_of(state, body, fix, against_imu);
+  assessment.innovation_m = assessment.innovation_world_m.norm();
   assessment.outlier = assessment.innovation_m > settings.outlier_sigmas * settings.sigma_m;
 
   if (!settings.enabled) {

@@ -15,6 +15,33 @@ Covariance3 variances(const Vector3d& std) {
   return bounded.cwiseProduct(bounded).asDiagonal();
 }
 
+/// What consumers can still use if the pose does not know a deviation.
+constexpr double unknown_position_std_m = 1e3;
+constexpr double unknown_velocity_std_mps = 1e2;
+constexpr double unknown_yaw_std_rad = std::numbers::pi / std::numbers::sqrt3;  // uniform over the circle
+
+/// The covariance as a matrix, with `std_if_unknown` for components that it does not know.
+template <int N>
+Eigen::Matrix<double, N, N> filled(const Covariance<N>& covariance,
+                                   const Eigen::Matrix<double, N, 1>& std_if_unknown) {
+  Eigen::Matrix<double, N, N> matrix = covariance.matrix();
+  for (int i = 0; i < N; ++i) {
+    const double least_variance = least_std * least_std;
+    const double variance = covariance.is_known(i) ? matrix(i, i) : std_if_unknown[i] * std_if_unknown[i];
+    matrix(i, i) = std::max(variance, least_variance);
+  }
+  return matrix;
+}
+
+/// Of position and orientation in the world, as the pose knows it.
+Covariance6 world_covariance(const FusedPose& pose, const Noise& noise) {
+  const double tilt_std_rad = noise.tilt_std_deg * geometry::radians_per_degree;
+  Eigen::Matrix<double, 6, 1> std_if_unknown;
+  std_if_unknown << Vector3d::Constant(unknown_position_std_m), tilt_std_rad, tilt_std_rad,
+      unknown_yaw_std_rad;
+  return filled(pose.pose_covariance, std_if_unknown);
+}
+
 /// v × as a matrix.
 Covariance3 cross(const Vector3d& v) {
   Covariance3 matrix;
@@ -43,8 +70,7 @@ Covariance3 diagonal(double std) {
 }
 
 Covariance3 orientation_covariance(const FusedPose& pose, const Noise& noise) {
-  const double tilt_std_rad = noise.tilt_std_deg * geometry::radians_per_degree;
-  return variances({tilt_std_rad, tilt_std_rad, pose.yaw_std_rad});
+  return world_covariance(pose, noise).bottomRightCorner<3, 3>();
 }
 
 Covariance6 pose_covariance(const FusedPose& pose, const Mount& mount, const Noise& noise) {
@@ -52,15 +78,17 @@ Covariance6 pose_covariance(const FusedPose& pose, const Mount& mount, const Noi
   const Quaterniond q_base_to_map = base_state(pose, mount).q_base_to_map;
   Covariance6 jacobian = Covariance6::Identity();
   jacobian.topRightCorner<3, 3>() = cross(q_base_to_map * mount.imu_in_base_m);
-  return through(jacobian, blocks(variances(pose.position_std_m), orientation_covariance(pose, noise)));
+  return through(jacobian, world_covariance(pose, noise));
 }
 
 Covariance6 twist_covariance(const FusedPose& pose, const Mount& mount, const Noise& noise) {
   const Covariance3 map_to_base = base_state(pose, mount).q_base_to_map.conjugate().toRotationMatrix();
   // Rᵀ v: a turn δθ makes it Rᵀ (v − δθ × v), so its error is Rᵀ (v ×) δθ.
   const Covariance3 turned = map_to_base * cross(pose.velocity_world_mps);
-  const Covariance3 of_velocity = through(map_to_base, variances(pose.velocity_std_mps)) +
-                                  through(turned, orientation_covariance(pose, noise));
+  const Covariance3 in_world =
+      filled(pose.velocity_covariance, Vector3d(Vector3d::Constant(unknown_velocity_std_mps)));
+  const Covariance3 of_velocity =
+      through(map_to_base, in_world) + through(turned, orientation_covariance(pose, noise));
   // v_base = Rᵀ v − ω × r = Rᵀ v + (r ×) ω.
   Covariance6 jacobian = Covariance6::Identity();
   jacobian.topRightCorner<3, 3>() = cross(mount.imu_in_base_m);

@@ -118,8 +118,8 @@ void log_pose(const observation::BeaconView& view, Values& values) {
   values.add("status", observation::status_words(view.pose.status));
   values.add("trust", view.pose.trust, 3);
   values.add("since_valid_fix_s", view.pose.since_valid_fix_s, 3);
-  values.add("position_std_m", view.pose.position_std_m.maxCoeff(), 4);
-  values.add("yaw_std_deg", view.pose.yaw_std_rad / geometry::radians_per_degree, 2);
+  values.add("position_std_m", position_std_m(view.pose).maxCoeff(), 4);
+  values.add("yaw_std_deg", yaw_std_rad(view.pose) / geometry::radians_per_degree, 2);
   values.add("reset_counter", std::uint64_t{view.pose.reset_counter});
 }
 

@@ -15,7 +15,7 @@ namespace {
 bool is_finite(const FusedPose& pose) {
   return pose.position_world_m.allFinite() && pose.velocity_world_mps.allFinite() &&
          pose.q_body_to_world.coeffs().allFinite() && pose.acceleration_world_mps2.allFinite() &&
-         pose.gyro_bias_body_radps.allFinite() && pose.position_std_m.allFinite();
+         pose.gyro_bias_body_radps.allFinite() && position_std_m(pose).allFinite();
 }
 
 test::Sensors with_headings(double noise_m = 0.0) {

@@ -66,12 +66,13 @@ SCENARIO("where the engine ignores acceleration, so does what is predicted") {
 
 SCENARIO("what is predicted is less sure than what was measured") {
   FusedPose at_sample = on_circle(0.0);
-  at_sample.position_std_m = Vector3d(0.03, 0.03, 0.03);
-  at_sample.velocity_std_mps = Vector3d(0.4, 0.0, 0.4);
+  at_sample.pose_covariance.set(0, 0, 0.03 * 0.03);
+  at_sample.pose_covariance.set(1, 1, 0.03 * 0.03);
+  at_sample.velocity_covariance = Covariance<3>::from_diagonal({0.16, 0.0, 0.16});
   at_sample.since_valid_fix_s = 0.05;
   const FusedPose later = output::predicted(at_sample, 100 * ms_ns);
-  CHECK(later.position_std_m.x() == Approx(0.05));  // 3 cm and 4 cm, independent
-  CHECK(later.position_std_m.y() == 0.03);
+  CHECK(position_std_m(later).x() == Approx(0.05));  // 3 cm and 4 cm, independent
+  CHECK(position_std_m(later).y() == 0.03);
   CHECK(later.since_valid_fix_s == Approx(0.15));
 }
 

@@ -104,8 +104,8 @@ bool is_finite(const State& state) {
 
 bool is_finite(const FusedPose& pose) {
   return pose.position_world_m.allFinite() && pose.velocity_world_mps.allFinite() &&
-         std::abs(pose.q_body_to_world.norm() - 1.0) < 1e-9 && pose.position_std_m.allFinite() &&
-         pose.velocity_std_mps.allFinite() && std::isfinite(pose.yaw_std_rad) && std::isfinite(pose.trust);
+         std::abs(pose.q_body_to_world.norm() - 1.0) < 1e-9 && position_std_m(pose).allFinite() &&
+         velocity_std_mps(pose).allFinite() && std::isfinite(yaw_std_rad(pose)) && std::isfinite(pose.trust);
 }
 
 /// What no sensor should ever send, and some does.

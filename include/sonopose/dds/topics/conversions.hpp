@@ -1,14 +1,14 @@
 #pragma once
 /// \file
-/// Native struct ↔ IDL type, for every native topic. Pure functions. Units and frames are the same on both
-/// sides; an empty optional is a validity flag on the wire (a negative number for a fix's quality, which is a
-/// float there).
+/// Native type ↔ IDL type, for every native topic. Pure functions. Units and frames are the same on both
+/// sides. An empty optional is a validity flag on the wire, or a negative number for quantities that are
+/// never negative.
 
+#include <sonopose/idl/sonopose.h>
 #include <sonopose/samples/live_settings.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/samples/status.hpp>
-#include <sonopose/idl/sonopose.h>
 
 #include <cstdint>
 #include <utility>
@@ -16,16 +16,13 @@
 
 namespace sonopose::dds {
 
-/// An IDL sample with texts, for writing: its pointers lead into the native struct that it was made from, which
-/// must outlive it.
+/// An IDL sample with a list of assignments, for writing. It owns the list.
 template <class T>
 class IdlView {
 public:
-  /// `list` is where the sample's list of assignments stands, if it has one.
-  explicit IdlView(const T& sample, std::vector<sonopose_SettingAssignment> list = {},
-                   dds_sequence_sonopose_SettingAssignment T::*field = nullptr)
+  IdlView(const T& sample, std::vector<sonopose_SettingAssignment> list,
+          dds_sequence_sonopose_SettingAssignment T::*field)
       : list_(std::move(list)), sample_(sample) {
-    if (field == nullptr) return;
     const auto length = static_cast<std::uint32_t>(list_.size());
     sample_.*field = {length, length, list_.data(), false};
   }
@@ -42,28 +39,39 @@ private:
   T sample_;
 };
 
-sonopose_ImuSample to_idl(const ImuSample& sample);
-sonopose_UltrasonicFix to_idl(const UltrasonicFix& fix);
-sonopose_PairHeading to_idl(const PairHeading& heading);
-sonopose_FusedPose to_idl(const FusedPose& pose);
-sonopose_FixReport to_idl(const FixReport& report);
-sonopose_BeaconStatus to_idl(const BeaconStatus& status);
-sonopose_FusionStatus to_idl(const FusionStatus& status);
-sonopose_TruthSample to_idl(const TruthSample& truth);
-IdlView<sonopose_SettingsRequest> to_idl(const SettingsRequest& request);
-IdlView<sonopose_SettingsReply> to_idl(const SettingsReply& reply);
-IdlView<sonopose_EffectiveSettings> to_idl(const EffectiveSettings& settings);
+sonopose_ImuSample to_idl(const ImuSample& native);
+sonopose_UltrasonicFix to_idl(const UltrasonicFix& native);
+sonopose_PairHeading to_idl(const PairHeading& native);
+sonopose_TwistSample to_idl(const TwistSample& native);
+sonopose_StationaryBeacon to_idl(const StationaryBeacon& native);
+sonopose_FusedPose to_idl(const FusedPose& native);
+sonopose_FixReport to_idl(const FixReport& native);
+sonopose_Estimate to_idl(const Estimate& native);
+sonopose_BeaconStatus to_idl(const BeaconStatus& native);
+sonopose_LineStatus to_idl(const LineStatus& native);
+sonopose_FusionStatus to_idl(const FusionStatus& native);
+sonopose_TruthSample to_idl(const TruthSample& native);
+/// `reason` and `details` end in "..." if they are too long.
+sonopose_SettingsReply to_idl(const SettingsReply& native);
+/// Throws `std::length_error` if a key, a value or the list is too long for its type.
+IdlView<sonopose_SettingsRequest> to_idl(const SettingsRequest& native);
+/// The same. The settings that the fusion publishes always fit.
+IdlView<sonopose_EffectiveSettings> to_idl(const EffectiveSettings& native);
 
-ImuSample from_idl(const sonopose_ImuSample& sample);
-UltrasonicFix from_idl(const sonopose_UltrasonicFix& fix);
-PairHeading from_idl(const sonopose_PairHeading& heading);
-FusedPose from_idl(const sonopose_FusedPose& pose);
-FixReport from_idl(const sonopose_FixReport& report);
-BeaconStatus from_idl(const sonopose_BeaconStatus& status);
-FusionStatus from_idl(const sonopose_FusionStatus& status);
-TruthSample from_idl(const sonopose_TruthSample& truth);
-SettingsRequest from_idl(const sonopose_SettingsRequest& request);
-SettingsReply from_idl(const sonopose_SettingsReply& reply);
-EffectiveSettings from_idl(const sonopose_EffectiveSettings& settings);
+ImuSample from_idl(const sonopose_ImuSample& idl);
+UltrasonicFix from_idl(const sonopose_UltrasonicFix& idl);
+PairHeading from_idl(const sonopose_PairHeading& idl);
+TwistSample from_idl(const sonopose_TwistSample& idl);
+StationaryBeacon from_idl(const sonopose_StationaryBeacon& idl);
+FusedPose from_idl(const sonopose_FusedPose& idl);
+FixReport from_idl(const sonopose_FixReport& idl);
+Estimate from_idl(const sonopose_Estimate& idl);
+BeaconStatus from_idl(const sonopose_BeaconStatus& idl);
+LineStatus from_idl(const sonopose_LineStatus& idl);
+FusionStatus from_idl(const sonopose_FusionStatus& idl);
+TruthSample from_idl(const sonopose_TruthSample& idl);
+SettingsRequest from_idl(const sonopose_SettingsRequest& idl);
+SettingsReply from_idl(const sonopose_SettingsReply& idl);
+EffectiveSettings from_idl(const sonopose_EffectiveSettings& idl);
 
 }  // namespace sonopose::dds

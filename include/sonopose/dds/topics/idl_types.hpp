@@ -23,6 +23,16 @@ struct TopicTraits<sonopose_PairHeading> {
 };
 
 template <>
+struct TopicTraits<sonopose_TwistSample> {
+  static const dds_topic_descriptor_t& descriptor() { return sonopose_TwistSample_desc; }
+};
+
+template <>
+struct TopicTraits<sonopose_StationaryBeacon> {
+  static const dds_topic_descriptor_t& descriptor() { return sonopose_StationaryBeacon_desc; }
+};
+
+template <>
 struct TopicTraits<sonopose_FusedPose> {
   static const dds_topic_descriptor_t& descriptor() { return sonopose_FusedPose_desc; }
 };
@@ -33,8 +43,18 @@ struct TopicTraits<sonopose_FixReport> {
 };
 
 template <>
+struct TopicTraits<sonopose_Estimate> {
+  static const dds_topic_descriptor_t& descriptor() { return sonopose_Estimate_desc; }
+};
+
+template <>
 struct TopicTraits<sonopose_BeaconStatus> {
   static const dds_topic_descriptor_t& descriptor() { return sonopose_BeaconStatus_desc; }
+};
+
+template <>
+struct TopicTraits<sonopose_LineStatus> {
+  static const dds_topic_descriptor_t& descriptor() { return sonopose_LineStatus_desc; }
 };
 
 template <>

@@ -1,11 +1,11 @@
 #pragma once
 /// \file
-/// The wiring diagram: every native topic with its type and the QoS profiles that its ends use.
+/// The wiring diagram: every native topic with its type and the QoS profiles of its endpoints.
 
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/binding/data_writer.hpp>
-#include <sonopose/dds/topics/idl_types.hpp>
 #include <sonopose/dds/qos/provider.hpp>
+#include <sonopose/dds/topics/idl_types.hpp>
 
 #include <tuple>
 #include <type_traits>
@@ -18,7 +18,7 @@ struct TopicEntry {
   using Type = T;
   const char* name;
   const char* profile;           ///< live
-  const char* lossless_profile;  ///< for playing a log as fast as it can be; the live one where it suffices
+  const char* lossless_profile;  ///< for replaying a log at full speed; the live one if it suffices
 };
 
 namespace topics {
@@ -27,27 +27,46 @@ namespace topics {
 inline constexpr TopicEntry<sonopose_ImuSample> imu{"sonopose/imu", "sonopose::Imu", "sonopose::LosslessImu"};
 inline constexpr TopicEntry<sonopose_UltrasonicFix> fix{"sonopose/fix", "sonopose::Fix", "sonopose::LosslessFix"};
 inline constexpr TopicEntry<sonopose_PairHeading> heading{"sonopose/heading", "sonopose::Heading", "sonopose::LosslessHeading"};
+/// wheel odometry and the like → fusion: reserved
+inline constexpr TopicEntry<sonopose_TwistSample> twist{"sonopose/twist", "sonopose::Twist", "sonopose::LosslessTwist"};
+/// bridge → consumers
+inline constexpr TopicEntry<sonopose_StationaryBeacon> stationary_beacon{"sonopose/stationary_beacon", "sonopose::StationaryBeacon", "sonopose::StationaryBeacon"};
 /// fusion → consumers
 inline constexpr TopicEntry<sonopose_FusedPose> pose{"sonopose/pose", "sonopose::Pose", "sonopose::LosslessPose"};
 inline constexpr TopicEntry<sonopose_FixReport> report{"sonopose/report", "sonopose::Report", "sonopose::LosslessReport"};
+inline constexpr TopicEntry<sonopose_Estimate> estimate{"sonopose/estimate", "sonopose::Status", "sonopose::Status"};
 /// bridge, fusion → monitor
+inline constexpr TopicEntry<sonopose_LineStatus> line_status{"sonopose/line_status", "sonopose::Status", "sonopose::Status"};
 inline constexpr TopicEntry<sonopose_BeaconStatus> beacon_status{"sonopose/beacon_status", "sonopose::Status", "sonopose::Status"};
 inline constexpr TopicEntry<sonopose_FusionStatus> fusion_status{"sonopose/fusion_status", "sonopose::Status", "sonopose::Status"};
 /// simulator → monitor, scoring
 inline constexpr TopicEntry<sonopose_TruthSample> truth{"sonopose/truth", "sonopose::Truth", "sonopose::Truth"};
-/// anybody → fusion
+/// any program → fusion
 inline constexpr TopicEntry<sonopose_ResetCommand> reset{"sonopose/reset", "sonopose::Command", "sonopose::Command"};
 inline constexpr TopicEntry<sonopose_SettingsRequest> settings_request{"sonopose/settings_request", "sonopose::SettingsRequest", "sonopose::SettingsRequest"};
-/// fusion → who asked
+/// fusion → the requesting program
 inline constexpr TopicEntry<sonopose_SettingsReply> settings_reply{"sonopose/settings_reply", "sonopose::SettingsReply", "sonopose::SettingsReply"};
-/// fusion → anybody
+/// fusion → any program
 inline constexpr TopicEntry<sonopose_EffectiveSettings> settings{"sonopose/settings", "sonopose::Settings", "sonopose::Settings"};
 // clang-format on
 
 /// Every row.
-inline constexpr std::tuple all{
-    imu,   fix,   heading,          pose,           report,  beacon_status, fusion_status,
-    truth, reset, settings_request, settings_reply, settings};
+inline constexpr std::tuple all{imu,
+                                fix,
+                                heading,
+                                twist,
+                                stationary_beacon,
+                                pose,
+                                report,
+                                estimate,
+                                line_status,
+                                beacon_status,
+                                fusion_status,
+                                truth,
+                                reset,
+                                settings_request,
+                                settings_reply,
+                                settings};
 }  // namespace topics
 
 enum class Delivery : bool { live, lossless };
@@ -57,12 +76,12 @@ const char* profile_of(const TopicEntry<T>& entry, Delivery delivery) {
   return delivery == Delivery::lossless ? entry.lossless_profile : entry.profile;
 }
 
-/// Puts an end into the participant's part of the domain, where it has one.
+/// Puts an endpoint into the participant's partition, if it has one.
 inline void join_partition(Qos& qos, const DomainParticipant& participant) {
   if (!participant.partition().empty()) qos << policy::Partition{{participant.partition()}};
 }
 
-/// A writer for one row of the diagram. `listener` must outlive it. `changes` stand above the profile.
+/// A writer for one row of the diagram. `listener` must outlive it. `changes` override the profile.
 template <class T>
 DataWriter<T> make_writer(const DomainParticipant& participant, const QosProvider& qos,
                           const TopicEntry<T>& entry,

@@ -3,10 +3,10 @@
 /// Items 13–22: how far a fix is believed. A weight from its innovation, a trust in the track that is lost at
 /// an outlier and rebuilt over consistent fixes, and forced convergence for an engine that has run away.
 
-#include <sonopose/samples/samples.hpp>
-#include <sonopose/settings/declaration.hpp>
 #include <sonopose/estimation/documented/delay.hpp>
 #include <sonopose/estimation/documented/kinematics.hpp>
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/settings/declaration.hpp>
 
 namespace sonopose::estimation::documented {
 
@@ -35,8 +35,8 @@ struct TrustSettings {
         real(14, "min_weight", &G::min_weight, 0.003, {0.0, 1.0}, "",
              "Floor of the weight of any fix, however large its innovation."),
         settings::flag(15, "enabled", &G::enabled, true,
-                      "After an outlier, compare fixes with the IMU's prediction and rebuild trust over "
-                      "consistent ones."),
+                       "After an outlier, compare fixes with the IMU's prediction and rebuild trust over "
+                       "consistent ones."),
         real(16, "reference_innovation_m", &G::reference_innovation_m, 1.0, {0.01, 100.0}, "m",
              "A jump of this size takes n_base fixes to be trusted again; others in proportion."),
         count(17, "n_base", &G::n_base, 2, {1, 1000}, "fixes",
@@ -72,7 +72,8 @@ struct TrustState {
 
 /// What the later stages apply; they ask nothing more about trust.
 struct FixAssessment {
-  double innovation_m = 0;
+  Vector3d innovation_world_m = Vector3d::Zero();
+  double innovation_m = 0;  ///< its norm
   double weight = 1;        ///< w_eff = max(item 14, w · trust)
   double jump_floor = 0;    ///< item 21 while convergence is forced
   double weight_floor = 0;  ///< item 22 while convergence is forced
@@ -93,7 +94,8 @@ namespace trust {
 
 /// Judges a fix by its innovation to the position that the previous fix and the IMU's velocity predict, or,
 /// while trust is not full, to the fused position itself (item 15).
-FixAssessment judge(const TrustSettings& settings, TrustState& state, const Kinematics& body, const TimedFix& fix);
+FixAssessment judge(const TrustSettings& settings, TrustState& state, const Kinematics& body,
+                    const TimedFix& fix);
 
 /// Begins anew at `fix`, fully trusted: at the start and after stale mode.
 void restart(TrustState& state, const TimedFix& fix);

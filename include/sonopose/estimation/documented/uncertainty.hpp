@@ -66,5 +66,10 @@ void pull_yaw(const UncertaintySettings& settings, UncertaintyState& state, doub
 /// The first fix of a run sets the position.
 void reset_position(const UncertaintySettings& settings, UncertaintyState& state);
 
+/// Equal for all axes of the position, and the yaw. Tilt is not estimated and unknown.
+[[nodiscard]] Covariance<6> pose_covariance(const UncertaintyState& state);
+
+[[nodiscard]] Covariance<3> velocity_covariance(const UncertaintyState& state);
+
 }  // namespace uncertainty
 }  // namespace sonopose::estimation::documented

@@ -18,7 +18,7 @@ struct Noise {
   double gyro_std_radps = 0.005;
   double accel_std_mps2 = 0.05;
   double magnetic_std_t = 1e-6;
-  double tilt_std_deg = 1.0;  ///< of roll and pitch
+  double tilt_std_deg = 1.0;  ///< of roll and pitch, for a pose that does not know its own
 };
 
 using Covariance3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
