@@ -16,7 +16,12 @@ function(sonopose_compile_options target)
   endif()
 endfunction()
 
-# What g++ 12 forgets to be quiet about where system headers are precompiled.
+# Code off the hot path compiles in half the time without optimisation. Releases optimise everything.
+function(sonopose_cold target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O0>)
+endfunction()
+
+# g++ 12 warns about system headers when they are precompiled.
 set(SONOPOSE_PRECOMPILED_OPTIONS -Wno-maybe-uninitialized -Wno-ignored-attributes -Wno-array-bounds -Wno-restrict
                                  -Wno-stringop-overflow -Wno-stringop-overread)
 
@@ -34,11 +39,11 @@ function(sonopose_precompile target owner)
   endif()
 endfunction()
 
-# sonopose_module(NAME [SOURCES ...] [USES ...] [PRIVATELY_USES ...]): one library `sonopose::NAME` for the folder of
-# its CMakeLists.txt; without sources it is headers alone. USES and PRIVATELY_USES are the dependency rule: a module
-# includes nothing but what is listed there (tests/architecture/dependencies_test.cpp).
+# sonopose_module(NAME [COLD] [SOURCES ...] [USES ...] [PRIVATELY_USES ...]): one library `sonopose::NAME` for the folder
+# of its CMakeLists.txt; without sources it is headers alone. USES and PRIVATELY_USES are the dependency rule: a module
+# includes only what is listed there (tests/architecture/dependencies_test.cpp). COLD: not on the path of a sample.
 function(sonopose_module name)
-  cmake_parse_arguments(module "" "" "SOURCES;USES;PRIVATELY_USES" ${ARGN})
+  cmake_parse_arguments(module "COLD" "" "SOURCES;USES;PRIVATELY_USES" ${ARGN})
   set(includes
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
@@ -46,8 +51,14 @@ function(sonopose_module name)
     add_library(sonopose_${name} STATIC ${module_SOURCES})
     target_include_directories(sonopose_${name} PUBLIC ${includes})
     target_link_libraries(sonopose_${name} PUBLIC ${module_USES} PRIVATE ${module_PRIVATELY_USES})
-    set_target_properties(sonopose_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON UNITY_BUILD ${SONOPOSE_UNITY})
+    set_target_properties(sonopose_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON UNITY_BUILD ${SONOPOSE_UNITY}
+                          UNITY_BUILD_BATCH_SIZE 0)
     sonopose_compile_options(sonopose_${name})
+    if(module_COLD)
+      sonopose_cold(sonopose_${name})
+    else()
+      sonopose_precompile(sonopose_${name} sonopose_precompiled)
+    endif()
   else()
     add_library(sonopose_${name} INTERFACE)
     target_include_directories(sonopose_${name} INTERFACE ${includes})
