@@ -1,9 +1,9 @@
 // A consumer of its own: prints where every beacon on the bus is. Ends after as many poses as its argument
 // says.
 
+#include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
-#include <sonopose/dds/binding/waitset.hpp>
 
 #include <cstdlib>
 #include <iostream>
@@ -13,8 +13,8 @@ int main(int argc, char** argv) {
   const long most = argc > 1 ? std::strtol(argv[1], nullptr, 10) : 0;
 
   const dds::DomainParticipant participant;
-  const dds::QosProvider qos;
-  auto reader = dds::make_reader(participant, qos, dds::topics::pose);
+  const dds::qos::Provider qos;
+  auto reader = dds::topics::make_reader(participant, qos, dds::topics::pose);
   const dds::ReadCondition has_data(reader);
   dds::WaitSet waitset;
   waitset += has_data;
@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
     waitset.wait();
     for (const auto sample : reader.take()) {
       if (!sample.info().valid()) continue;
-      const FusedPose pose = dds::from_idl(sample.data());
+      const FusedPose pose = dds::topics::from_idl(sample.data());
       std::cout << pose.address << ": " << pose.position_world_m.transpose() << '\n';
       ++seen;
     }

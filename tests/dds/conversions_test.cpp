@@ -22,42 +22,42 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
              sample.angular_velocity_body_radps, sample.specific_force_body_mps2,
              sample.magnetic_field_body_t);
     sample.meaning = ImuMeaning::mean_since_last;
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.magnetic_field_body_t.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }
   SECTION("ultrasonic fix") {
     UltrasonicFix sample;
     fill.all(sample.address, sample.sequence, sample.emission_time_ns, sample.received_time_ns,
              sample.position_world_m, sample.covariance_world_m2, sample.measured_delay_s, sample.flags);
     sample.quality_percent = 87.5;  // a float on the wire
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.covariance_world_m2.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.quality_percent.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.measured_delay_s.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }
   SECTION("pair heading") {
     PairHeading sample;
     fill.all(sample.address, sample.sequence, sample.emission_time_ns, sample.received_time_ns,
              sample.heading_world_rad, sample.valid);
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }
   SECTION("twist") {
     TwistSample sample;
     fill.all(sample.address, sample.sequence, sample.emission_time_ns, sample.received_time_ns,
              sample.velocity_body_mps, sample.velocity_std_mps, sample.angular_velocity_body_radps,
              sample.angular_velocity_std_radps, sample.axes);
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }
   SECTION("stationary beacon") {
     StationaryBeacon sample;
     fill.all(sample.address, sample.time_ns, sample.position_world_m);
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.position_world_m.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }
   SECTION("pose") {
     FusedPose sample;
@@ -66,7 +66,7 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
              sample.gyro_bias_body_radps, sample.pose_covariance, sample.velocity_covariance, sample.trust,
              sample.since_valid_fix_s, sample.reset_counter, sample.status, sample.imu_sensor_time_ns,
              sample.imu_bridge_time_ns, sample.fusion_in_time_ns, sample.fusion_out_time_ns);
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }
   SECTION("fix report") {
     FixReport sample;
@@ -75,32 +75,32 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
              sample.innovation_covariance_m2, sample.test_ratio, sample.hypothesis, sample.model,
              sample.weight, sample.trust, sample.jump_world_m, sample.velocity_change_world_mps,
              sample.yaw_change_rad, sample.flags);
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.innovation_covariance_m2.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.test_ratio.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }
   SECTION("estimate") {
     Estimate sample;
     fill.all(sample.address, sample.fusion_id, sample.time_ns, sample.gyro_bias_body_radps,
              sample.accelerometer_bias_body_mps2, sample.lever_arm_body_m, sample.delay_s, sample.fix_noise_m,
              sample.heading_noise_rad, sample.heading_offset_rad);
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.gyro_bias_body_radps.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.accelerometer_bias_body_mps2.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.lever_arm_body_m.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.delay_s.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.fix_noise_m.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.heading_noise_rad.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.heading_offset_rad.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }
   SECTION("beacon status") {
     BeaconStatus sample;
@@ -110,18 +110,18 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
              sample.fixes_unavailable, sample.samples_rejected, sample.clock_resets, sample.other_bridges,
              sample.imu_deadlines_missed, sample.fix_deadlines_missed, sample.heading_deadlines_missed,
              sample.liveliness_lost, sample.readers_incompatible, sample.samples_unwritten);
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.battery_v.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.rssi_dbm.reset();
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }
   SECTION("line status") {
     LineStatus sample;
     fill.all(sample.name, sample.bridge_id, sample.time_ns, sample.bytes, sample.frames, sample.crc_errors,
              sample.bytes_lost, sample.text);
     sample.state = LineState::failed;
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }
   SECTION("fusion status") {
     FusionStatus sample;
@@ -133,13 +133,13 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
              sample.liveliness_lost, sample.samples_lost, sample.samples_rejected, sample.incompatible_qos,
              sample.poses_unwritten);
     sample.role = FusionRole::stalled;
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }
   SECTION("truth") {
     TruthSample sample;
     fill.all(sample.address, sample.time_ns, sample.position_world_m, sample.q_body_to_world,
              sample.velocity_world_mps);
-    CHECK(from_idl(to_idl(sample)) == sample);
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }
 }
 
@@ -150,21 +150,21 @@ TEST_CASE("Every field of requests and replies about settings survives the conve
     SettingsRequest request;
     fill.all(request.address, request.request_id, request.from_sequence);
     request.assignments = list;
-    CHECK(from_idl(to_idl(request).sample()) == request);
+    CHECK(topics::from_idl(topics::to_idl(request).sample()) == request);
     request.assignments.clear();
-    CHECK(from_idl(to_idl(request).sample()) == request);
+    CHECK(topics::from_idl(topics::to_idl(request).sample()) == request);
   }
   SECTION("reply") {
     SettingsReply reply;
     fill.all(reply.address, reply.request_id, reply.accepted, reply.from_sequence, reply.reason,
              reply.details);
-    CHECK(from_idl(to_idl(reply)) == reply);
+    CHECK(topics::from_idl(topics::to_idl(reply)) == reply);
   }
   SECTION("effective settings") {
     EffectiveSettings settings;
     fill.all(settings.address, settings.time_ns, settings.from_sequence);
     settings.values = list;
-    CHECK(from_idl(to_idl(settings).sample()) == settings);
+    CHECK(topics::from_idl(topics::to_idl(settings).sample()) == settings);
   }
 }
 
@@ -196,7 +196,7 @@ int member_count(const dds_topic_descriptor_t& type) {
 
 template <class Native>
 int covered() {
-  return fields::idl_members(fields::Pairs<Native>::list);
+  return topics::fields::idl_members(topics::fields::Pairs<Native>::list);
 }
 
 TEST_CASE("The lists of fields cover every member of the IDL types") {
@@ -222,45 +222,47 @@ TEST_CASE("Texts and lists for other programs are bounded") {
   SECTION("a text for people is cut and marked") {
     SettingsReply reply;
     reply.reason = std::string(sonopose_MAX_REASON, 'x');
-    CHECK(from_idl(to_idl(reply)).reason == reply.reason);
+    CHECK(topics::from_idl(topics::to_idl(reply)).reason == reply.reason);
     reply.reason += 'x';
-    CHECK(from_idl(to_idl(reply)).reason == std::string(sonopose_MAX_REASON - 3, 'x') + "...");
+    CHECK(topics::from_idl(topics::to_idl(reply)).reason ==
+          std::string(sonopose_MAX_REASON - 3, 'x') + "...");
     reply.details = std::string(sonopose_MAX_DETAILS - 4, 'x') + "ü and more";
-    CHECK(from_idl(to_idl(reply)).details == std::string(sonopose_MAX_DETAILS - 4, 'x') + "...");
+    CHECK(topics::from_idl(topics::to_idl(reply)).details ==
+          std::string(sonopose_MAX_DETAILS - 4, 'x') + "...");
   }
   SECTION("an assignment is never cut") {
     SettingsRequest request;
     request.assignments = {
         {std::string(sonopose_MAX_SETTING_KEY, 'k'), std::string(sonopose_MAX_SETTING_VALUE, 'v')}};
-    CHECK(from_idl(to_idl(request).sample()) == request);
+    CHECK(topics::from_idl(topics::to_idl(request).sample()) == request);
     request.assignments[0].value += 'v';
-    CHECK_THROWS_WITH(to_idl(request), Catch::Contains("129 bytes, more than the 128"));
+    CHECK_THROWS_WITH(topics::to_idl(request), Catch::Contains("129 bytes, more than the 128"));
     request.assignments.assign(sonopose_MAX_ASSIGNMENTS + 1, {"a", "b"});
-    CHECK_THROWS_WITH(to_idl(request), Catch::Contains("257 settings, more than the 256"));
+    CHECK_THROWS_WITH(topics::to_idl(request), Catch::Contains("257 settings, more than the 256"));
   }
 }
 
 TEST_CASE("An enumerator of another version is read as the first one") {
   sonopose_FusionStatus status{};
   status.role = sonopose_ROLE_STALLED + 1;
-  CHECK(from_idl(status).role == FusionRole::sole);
+  CHECK(topics::from_idl(status).role == FusionRole::sole);
   sonopose_ImuSample sample{};
   sample.meaning = 99;
-  CHECK(from_idl(sample).meaning == ImuMeaning::unknown);
+  CHECK(topics::from_idl(sample).meaning == ImuMeaning::unknown);
 }
 
 // The order of vectors and quaternions, independent of the way back.
 TEST_CASE("Axes, quaternion components and covariances go to the members of their names") {
   ImuSample sample;
   sample.angular_velocity_body_radps = {1, 2, 3};
-  const sonopose_ImuSample imu = to_idl(sample);
+  const sonopose_ImuSample imu = topics::to_idl(sample);
   CHECK(imu.angular_velocity.x == 1);
   CHECK(imu.angular_velocity.y == 2);
   CHECK(imu.angular_velocity.z == 3);
   FusedPose pose;
   pose.q_body_to_world = Quaterniond(0.5, 0.1, 0.2, 0.3);  // w, x, y, z
   pose.pose_covariance.set(5, 0, 7.0);
-  const sonopose_FusedPose idl = to_idl(pose);
+  const sonopose_FusedPose idl = topics::to_idl(pose);
   CHECK(idl.orientation.w == 0.5);
   CHECK(idl.orientation.x == 0.1);
   CHECK(idl.orientation.y == 0.2);
@@ -272,15 +274,15 @@ TEST_CASE("Axes, quaternion components and covariances go to the members of thei
 
 TEST_CASE("A quality that is zero is known, and one that is not a number is not") {
   sonopose_UltrasonicFix fix{};
-  CHECK(from_idl(fix).quality_percent == 0.0);
+  CHECK(topics::from_idl(fix).quality_percent == 0.0);
   fix.quality = std::numeric_limits<float>::quiet_NaN();
-  CHECK_FALSE(from_idl(fix).quality_percent);
+  CHECK_FALSE(topics::from_idl(fix).quality_percent);
 }
 
 TEST_CASE("The infinite age of a pose before its first fix survives") {
   FusedPose pose;
   pose.since_valid_fix_s = std::numeric_limits<double>::infinity();
-  CHECK(from_idl(to_idl(pose)).since_valid_fix_s == pose.since_valid_fix_s);
+  CHECK(topics::from_idl(topics::to_idl(pose)).since_valid_fix_s == pose.since_valid_fix_s);
 }
 
 }  // namespace

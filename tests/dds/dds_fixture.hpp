@@ -13,10 +13,10 @@
 
 namespace sonopose::dds::test {
 
-/// An upper bound only: every wait ends with its event.
+/// Only an upper bound: every wait ends with its event.
 inline constexpr Duration test_timeout = std::chrono::seconds(20);
 
-/// A domain of this process alone, away from the ones that people use.
+/// A domain of this process alone, outside the commonly used ones.
 inline std::uint32_t test_domain() {
   return 101 + static_cast<std::uint32_t>(getpid()) % 128;
 }
@@ -26,7 +26,7 @@ inline DomainParticipant participant() {
   return make_participant({.domain_id = test_domain()});
 }
 
-/// Waits for a change of one of the entity's statuses until `done()`. Returns what `done()` says at the end.
+/// Waits for a change of one of the entity's statuses until `done()`. Returns the last value of `done()`.
 template <class Done>
 bool wait_for(const Entity& entity, StatusMask statuses, Done done, Duration timeout = test_timeout) {
   StatusCondition condition(entity);
@@ -94,9 +94,9 @@ private:
 };
 
 /// The project's profiles, whatever SONOPOSE_QOS says.
-inline QosProvider project_qos() {
+inline qos::Provider project_qos() {
   const Environment environment("SONOPOSE_QOS", nullptr);
-  return QosProvider();
+  return qos::Provider();
 }
 
 }  // namespace sonopose::dds::test

@@ -23,13 +23,13 @@ const FoundParticipant* with_key(const std::vector<FoundParticipant>& participan
   return found == participants.end() ? nullptr : &*found;
 }
 
-TEST_CASE("Discovery finds the own process with its readers and writers and their QoS") {
+TEST_CASE("Discovery finds this process with its readers and writers and their QoS") {
   const DomainParticipant member = participant();
-  const QosProvider qos = project_qos();
+  const qos::Provider qos = project_qos();
   const Discovery discovery(member);
   CHECK(on_topic(discovery.writers(), topics::pose.name) == nullptr);
-  auto writer = make_writer(member, qos, topics::pose);
-  const auto reader = make_reader(member, qos, topics::imu);
+  auto writer = topics::make_writer(member, qos, topics::pose);
+  const auto reader = topics::make_reader(member, qos, topics::imu);
 
   const auto writers = discovery.writers();
   const FoundEndpoint* const pose = on_topic(writers, "sonopose/pose");
@@ -55,7 +55,7 @@ TEST_CASE("Discovery finds the own process with its readers and writers and thei
   CHECK(on_topic(discovery.writers(), "sonopose/pose") == nullptr);
 }
 
-TEST_CASE("Discovery finds another process, its writer and who it is") {
+TEST_CASE("Discovery finds another process, its writer and its identity") {
   const DomainParticipant member = participant();
   const Discovery discovery(member);
   const std::string command =

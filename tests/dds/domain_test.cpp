@@ -28,7 +28,7 @@ TEST_CASE("The domain is the option's, else ROS_DOMAIN_ID, else 0") {
   CHECK(resolve_domain_id({.domain_id = 232}) == 232);
 }
 
-TEST_CASE("A domain that cannot be is refused by name and value") {
+TEST_CASE("An invalid domain is rejected with its name and value") {
   for (const char* const value : {"233", "-1", "x", "4x", " 4", "4.0", "99999999999"}) {
     const Environment environment("ROS_DOMAIN_ID", value);
     CHECK_THROWS_AS(resolve_domain_id({}), std::invalid_argument);
@@ -79,7 +79,7 @@ std::string configuration_in_force(const std::string& user_uri, Network network)
   return text.str();
 }
 
-TEST_CASE("The user's own CYCLONEDDS_URI wins, and one receive thread stays") {
+TEST_CASE("The user's CYCLONEDDS_URI takes precedence, except for the single receive thread") {
   using Catch::Contains;
   const std::string one_thread = "Internal/MultipleReceiveThreads/#text: false";
   const std::string lo = "NetworkInterface[@name]: lo";
@@ -92,12 +92,12 @@ TEST_CASE("The user's own CYCLONEDDS_URI wins, and one receive thread stays") {
     CHECK_THAT(in_force, Contains("Discovery/ParticipantIndex/#text: auto"));
     CHECK_THAT(in_force, Contains("MaxAutoParticipantIndex/#text: 119"));
   }
-  SECTION("lan: Cyclone DDS chooses, and local processes are found all the same") {
+  SECTION("lan: Cyclone DDS chooses, and local processes are still found") {
     const std::string in_force = configuration_in_force("", Network::lan);
     CHECK_THAT(in_force, !Contains(lo) && Contains(self) && Contains(one_thread));
     CHECK_THAT(in_force, !Contains("AllowMulticast/#text: false"));
   }
-  SECTION("for ROS 2: loopback always, and one interface more where there is one") {
+  SECTION("for ROS 2: always loopback, and one more interface if there is one") {
     for (const Network network : {Network::ros_localhost, Network::ros_subnet}) {
       const std::string in_force = configuration_in_force("", network);
       CHECK_THAT(in_force, Contains(lo) && Contains(self) && Contains(one_thread));
@@ -130,13 +130,13 @@ TEST_CASE("The user's own CYCLONEDDS_URI wins, and one receive thread stays") {
     }
     fs::remove(file);
   }
-  SECTION("what the user says of another domain leaves ours as it is") {
+  SECTION("settings of another domain do not change ours") {
     const std::string in_force = configuration_in_force(
         R"(<CycloneDDS><Domain id="5"><General><Interfaces><NetworkInterface name="nowhere"/></Interfaces></General></Domain></CycloneDDS>)",
         Network::loopback);
     CHECK_THAT(in_force, Contains(lo) && !Contains("nowhere"));
   }
-  SECTION("a broken one is an error that names it") {
+  SECTION("an invalid one is an error that names it") {
     const Environment environment("CYCLONEDDS_URI", "<CycloneDDS><Domain><Nonsense/></Domain></CycloneDDS>");
     for (int attempt = 0; attempt < 2; ++attempt) {  // a failure leaves nothing behind
       CHECK_THROWS_WITH(participant(),
@@ -145,7 +145,7 @@ TEST_CASE("The user's own CYCLONEDDS_URI wins, and one receive thread stays") {
   }
 }
 
-TEST_CASE("Peers of the options are looked for besides this machine") {
+TEST_CASE("Peers of the options are searched in addition to this machine") {
   using Catch::Contains;
   const auto configured = [](const DomainOptions& options, const char* uri = "") {
     return domain_configuration(0, options, uri);
@@ -170,7 +170,7 @@ TEST_CASE("The variables that are set are found, the empty ones are not") {
         std::map<std::string, std::string>{{"SONOPOSE_TEST_SET", "x"}});
 }
 
-TEST_CASE("What CYCLONEDDS_URI says of the network is read as Cyclone DDS reads it") {
+TEST_CASE("The network settings of CYCLONEDDS_URI are read as Cyclone DDS reads them") {
   const auto in_domain = [](const char* attributes, const std::string& content) {
     return "<CycloneDDS><Domain" + std::string(attributes) + ">" + content + "</Domain></CycloneDDS>";
   };
@@ -237,7 +237,7 @@ TEST_CASE("Two processes find each other on one machine") {
   }
 }
 
-TEST_CASE("A process joins while many others are there") {
+TEST_CASE("A process joins a domain with many others") {
   const DomainParticipant member = participant();
   const Topic<sonopose_ResetCommand> topic(member, "test/peer");
   DataReader<sonopose_ResetCommand> reader(

@@ -14,7 +14,7 @@ Qos reliable(std::int32_t depth = 16) {
   return Qos() << policy::Reliability::reliable() << policy::History::keep_last(depth);
 }
 
-TEST_CASE("What is written is taken, once, with what DDS knows of it") {
+TEST_CASE("A written sample is taken once, with its metadata") {
   GIVEN("a writer and a reader") {
     const DomainParticipant member = participant();
     const Topic<Command> topic(member, "test/write_take");
@@ -59,7 +59,7 @@ TEST_CASE("What is written is taken, once, with what DDS knows of it") {
   }
 }
 
-TEST_CASE("take_each hands over everything in order, however much it is") {
+TEST_CASE("take_each passes all samples in order, however many there are") {
   GIVEN("more samples than one batch of 32 holds") {
     const DomainParticipant member = participant();
     const Topic<Command> topic(member, "test/take_each");
@@ -101,7 +101,7 @@ TEST_CASE("take_each hands over everything in order, however much it is") {
   }
 }
 
-TEST_CASE("The end of an instance is told") {
+TEST_CASE("The end of an instance is reported") {
   const DomainParticipant member = participant();
   const Topic<Command> topic(member, "test/instance_end");
   DataReader<Command> reader(member, topic, reliable());
@@ -172,7 +172,7 @@ TEST_CASE("300 keyed instances keep a history each") {
   }
 }
 
-TEST_CASE("Reader and writer know whom they have matched") {
+TEST_CASE("Reader and writer know their matched endpoints") {
   const DomainParticipant member = participant();
   const Topic<Command> topic(member, "test/matches");
   DataReader<Command> reader(member, topic, reliable());
@@ -199,7 +199,7 @@ TEST_CASE("Reader and writer know whom they have matched") {
   CHECK(matched(reader, 9));
 }
 
-TEST_CASE("A transient-local writer serves who comes late") {
+TEST_CASE("A transient-local writer serves late joiners") {
   const DomainParticipant member = participant();
   const Topic<Command> topic(member, "test/late");
   const Qos qos = reliable(1) << policy::Durability{policy::DurabilityKind::transient_local};
@@ -214,7 +214,7 @@ TEST_CASE("A transient-local writer serves who comes late") {
   CHECK(writer.wait_for_acknowledgments(test_timeout));
 }
 
-TEST_CASE("Errors name the call, what it was about and the reason") {
+TEST_CASE("Errors name the call, its object and the reason") {
   const DomainParticipant member = participant();
   const Topic<Command> topic(member, "test/errors");
   const Qos impossible = Qos() << policy::History::keep_last(8) << policy::ResourceLimits{8, 8, 4};

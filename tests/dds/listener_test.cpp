@@ -85,7 +85,7 @@ private:
   std::condition_variable changed_;
 };
 
-TEST_CASE("A listener hears of data that was there when its reader was made") {
+TEST_CASE("A listener receives data that existed when its reader was created") {
   GIVEN("a transient-local writer that has written already") {
     const DomainParticipant member = participant();
     const Topic<Command> topic(member, "test/listener_at_once");
@@ -176,7 +176,7 @@ public:
   std::atomic<bool> finished = false;
 };
 
-TEST_CASE("Destroying a reader waits for the callback that is running") {
+TEST_CASE("Destroying a reader waits for a running callback") {
   const DomainParticipant member = participant();
   const Topic<Command> topic(member, "test/listener_destroyed");
   DataWriter<Command> writer(member, topic, reliable());

@@ -17,7 +17,7 @@ static_assert(std::input_or_output_iterator<LoanedSamples<Command>::Iterator>);
 
 // Cyclone DDS lends one buffer of its own for a reader again and again. Where it lies says whether it came
 // back.
-TEST_CASE("A loan goes back when its holder dies, and not before") {
+TEST_CASE("A loan is returned when its owner is destroyed, and not earlier") {
   GIVEN("samples in a reader") {
     const DomainParticipant member = participant();
     const Topic<Command> topic(member, "test/loans");

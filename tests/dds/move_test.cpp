@@ -27,20 +27,20 @@ bool exists(dds_entity_t handle) {
   return dds_get_parent(handle) >= 0;
 }
 
-TEST_CASE("An entity has one owner and goes with it") {
+TEST_CASE("An entity has one owner and is deleted with it") {
   const DomainParticipant member = participant();
   const Topic<Command> topic(member, "test/moves");
   DataWriter<Command> first(member, topic);
   const dds_entity_t handle = first.handle();
 
-  SECTION("moving hands the entity on") {
+  SECTION("moving transfers the entity") {
     DataWriter<Command> second = std::move(first);
     CHECK(first.is_nil());  // NOLINT(bugprone-use-after-move,clang-analyzer-cplusplus.Move)
     CHECK(second.handle() == handle);
     CHECK(exists(handle));
     second.write(command(7, 1));
   }
-  SECTION("assigning deletes what was there before") {
+  SECTION("assigning deletes the previous entity") {
     DataWriter<Command> second(member, topic);
     const dds_entity_t replaced = second.handle();
     second = std::move(first);
@@ -71,7 +71,7 @@ TEST_CASE("An entity has one owner and goes with it") {
   }
 }
 
-TEST_CASE("A topic may go before its writer") {
+TEST_CASE("A topic may be destroyed before its writer") {
   const DomainParticipant member = participant();
   DataWriter<Command> writer;
   DataReader<Command> reader;

@@ -12,7 +12,7 @@ Qos exclusive(std::int32_t strength) {
                << policy::Ownership{policy::OwnershipKind::exclusive} << policy::OwnershipStrength{strength};
 }
 
-TEST_CASE("Of two exclusive writers the stronger one is heard, instance by instance") {
+TEST_CASE("Of two exclusive writers the stronger one is received, instance by instance") {
   GIVEN("a strong and a weak writer") {
     const DomainParticipant member = participant();
     const Topic<Command> topic(member, "test/ownership");
@@ -67,12 +67,12 @@ TEST_CASE("Of two exclusive writers the stronger one is heard, instance by insta
   }
 }
 
-TEST_CASE("By the pose's profile a standby takes over from a fusion that hangs, and not before") {
+TEST_CASE("With the pose's profile a standby takes over from a hanging fusion, and not earlier") {
   const DomainParticipant member = participant();
-  const QosProvider qos = project_qos();
-  DataReader<sonopose_FusedPose> reader = make_reader(member, qos, topics::pose);
-  DataWriter<sonopose_FusedPose> strong = make_writer(member, qos, topics::pose);
-  DataWriter<sonopose_FusedPose> standby = make_writer(member, qos, topics::pose);
+  const qos::Provider qos = project_qos();
+  DataReader<sonopose_FusedPose> reader = topics::make_reader(member, qos, topics::pose);
+  DataWriter<sonopose_FusedPose> strong = topics::make_writer(member, qos, topics::pose);
+  DataWriter<sonopose_FusedPose> standby = topics::make_writer(member, qos, topics::pose);
   standby.ownership_strength(strong.qos().policy<policy::OwnershipStrength>()->value - 1);
   REQUIRE(matched(reader, 2));
   sonopose_FusedPose pose{};

@@ -51,7 +51,7 @@ std::string history(const Qos& qos) {
 }
 
 std::string deadline(const Qos& qos) {
-  return text_of(qos.policy<policy::Deadline>().value().period);
+  return qos::text_of(qos.policy<policy::Deadline>().value().period);
 }
 
 std::string liveliness(const Qos& qos) {
@@ -60,7 +60,7 @@ std::string liveliness(const Qos& qos) {
       {policy::LivelinessKind::automatic, "automatic"},
       {policy::LivelinessKind::manual_by_participant, "manual by participant"},
       {policy::LivelinessKind::manual_by_topic, "manual by topic"}};
-  return names.at(value.kind) + ", " + text_of(value.lease_duration);
+  return names.at(value.kind) + ", " + qos::text_of(value.lease_duration);
 }
 
 std::string ownership(const Qos& qos) {
@@ -75,7 +75,7 @@ std::string durability(const Qos& qos) {
 }
 
 /// `begin` is what stands in front of the policies.
-std::string row_of(const QosProvider& qos, const std::string& profile, const std::string& begin) {
+std::string row_of(const qos::Provider& qos, const std::string& profile, const std::string& begin) {
   const Qos& writer = qos.datawriter_qos(profile);
   const Qos& reader = qos.datareader_qos(profile);
   const auto both = [&](std::string (*text)(const Qos&), const std::string& more = {}) {
@@ -83,7 +83,7 @@ std::string row_of(const QosProvider& qos, const std::string& profile, const std
     const std::string requested = text(reader);
     return offered + more + (offered == requested ? "" : "; reader: " + requested);
   };
-  const std::string blocking = text_of(writer.policy<policy::Reliability>().value().max_blocking_time);
+  const std::string blocking = qos::text_of(writer.policy<policy::Reliability>().value().max_blocking_time);
   std::string owner = both(ownership);
   if (owner == "exclusive") {
     owner += ", " + std::to_string(writer.policy<policy::OwnershipStrength>().value().value);
@@ -109,7 +109,7 @@ std::set<std::string> rows_of_page() {
 }
 
 TEST_CASE("The tables of docs/qos.md are what qos/sonopose.xml says, profile by profile") {
-  const QosProvider qos = project_qos();
+  const qos::Provider qos = project_qos();
   const auto topics = topics_by_profile();
   std::size_t native = 0;
   std::set<std::string> rows;
@@ -134,15 +134,15 @@ TEST_CASE("The example of docs/qos.md does what it says, to the profile that it 
   const std::size_t begin = text.find(fence) + fence.size();
   const std::size_t end = text.find("```", begin);
   REQUIRE(end != std::string::npos);
-  QosProvider qos = project_qos();
+  qos::Provider qos = project_qos();
   const std::string heading = deadline(qos.datareader_qos("sonopose::Heading"));
-  qos.lay_over(text.substr(begin, end - begin), "docs/qos.md");
+  qos.merge(text.substr(begin, end - begin), "docs/qos.md");
   CHECK(deadline(qos.datareader_qos("sonopose::Fix")) == "10 s");
   CHECK(deadline(qos.datareader_qos("sonopose::Heading")) == heading);
 }
 
-TEST_CASE("Every profile states every policy, and what docs/qos.md says of all holds for all") {
-  const QosProvider qos = project_qos();
+TEST_CASE("Every profile sets every policy, and the general statements of docs/qos.md apply to all") {
+  const qos::Provider qos = project_qos();
   for (const std::string& profile : qos.profiles()) {
     CAPTURE(profile);
     const Qos& writer = qos.datawriter_qos(profile);

@@ -8,10 +8,10 @@
 namespace sonopose::dds::test {
 namespace {
 
-TEST_CASE("The project's QoS file holds what its streams need") {
-  const QosProvider provider = project_qos();
+TEST_CASE("The project's QoS file has the policies that its streams need") {
+  const qos::Provider provider = project_qos();
   using std::chrono::milliseconds;
-  SECTION("IMU and pose: reliable, 64 deep or more, and a stopped consumer holds nobody up for long") {
+  SECTION("IMU and pose: reliable, depth 64 or more, and a stalled consumer blocks writers only briefly") {
     for (const char* const name : {"sonopose::Imu", "sonopose::Pose"}) {
       for (const Qos* const qos : {&provider.datawriter_qos(name), &provider.datareader_qos(name)}) {
         CHECK(qos->policy<policy::Reliability>()->kind == policy::ReliabilityKind::reliable);
@@ -38,8 +38,7 @@ TEST_CASE("The project's QoS file holds what its streams need") {
       CHECK_FALSE(exclusive((std::string("sonopose::") + name).c_str()));
     }
   }
-  SECTION(
-      "requests and answers on settings: reliable, volatile; what is in force is kept for who comes late") {
+  SECTION("settings requests and replies: reliable, volatile; effective settings are kept for late joiners") {
     for (const char* const name :
          {"sonopose::SettingsRequest", "sonopose::SettingsReply", "sonopose::Settings"}) {
       for (const Qos* const qos : {&provider.datawriter_qos(name), &provider.datareader_qos(name)}) {
@@ -82,12 +81,12 @@ Qos ros_end(policy::ReliabilityKind reliability, policy::DurabilityKind durabili
 TEST_CASE("The profiles for ROS 2 match what ROS 2 nodes use by default") {
   using Kind = policy::ReliabilityKind;
   using Durability = policy::DurabilityKind;
-  const QosProvider provider = project_qos();
+  const qos::Provider provider = project_qos();
   const Qos usual = ros_end(Kind::reliable, Durability::volatile_data, 10);
   const Qos sensor_data = ros_end(Kind::best_effort, Durability::volatile_data, 5);
   const Qos transient = ros_end(Kind::reliable, Durability::transient_local, 1);
   const auto match = [](const Qos& writer, const Qos& reader) {
-    return qos_mismatches(writer, reader).empty();
+    return qos::mismatches(writer, reader).empty();
   };
 
   SECTION("rclcpp's default and sensor data, both ways") {
@@ -102,7 +101,7 @@ TEST_CASE("The profiles for ROS 2 match what ROS 2 nodes use by default") {
     CHECK(match(usual, provider.datareader_qos("ros2::Input")));
     CHECK_FALSE(match(sensor_data, provider.datareader_qos("ros2::Default")));
   }
-  SECTION("what latecomers need is kept for them") {
+  SECTION("data for late joiners is kept") {
     for (const char* const name : {"ros2::TfStatic", "ros2::Discovery"}) {
       CAPTURE(name);
       CHECK(match(provider.datawriter_qos(name), transient));

@@ -12,9 +12,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-std::vector<std::string> policies_of(const std::vector<QosMismatch>& mismatches) {
+std::vector<std::string> policies_of(const std::vector<qos::Mismatch>& mismatches) {
   std::vector<std::string> names;
-  for (const QosMismatch& mismatch : mismatches) names.push_back(mismatch.policy);
+  for (const qos::Mismatch& mismatch : mismatches) names.push_back(mismatch.policy);
   return names;
 }
 
@@ -114,7 +114,7 @@ TEST_CASE("Writer and reader match by the rules, and real ones match in the same
   int number = 0;
   for (const Case& c : cases()) {
     CAPTURE(c.what);
-    const auto mismatches = qos_mismatches(c.writer, c.reader);
+    const auto mismatches = qos::mismatches(c.writer, c.reader);
     CHECK(policies_of(mismatches) == c.mismatches);
 
     const Topic<sonopose_ResetCommand> topic(member, "test/match_" + std::to_string(++number));
@@ -123,7 +123,7 @@ TEST_CASE("Writer and reader match by the rules, and real ones match in the same
     // Ends of one participant are matched as they are made.
     CHECK(reader.subscription_matched_status().current_count == (c.mismatches.empty() ? 1 : 0));
     // With what Cyclone DDS has filled in, the same comes out.
-    CHECK(policies_of(qos_mismatches(writer.qos(), reader.qos())) == c.mismatches);
+    CHECK(policies_of(qos::mismatches(writer.qos(), reader.qos())) == c.mismatches);
     const auto refused = reader.requested_incompatible_qos_status();
     if (refused.total_count > 0) {
       CHECK(std::any_of(mismatches.begin(), mismatches.end(),
@@ -132,20 +132,20 @@ TEST_CASE("Writer and reader match by the rules, and real ones match in the same
   }
 }
 
-TEST_CASE("A mismatch says what is offered, what is requested, and the rule") {
+TEST_CASE("A mismatch contains the offered value, the requested value and the rule") {
   const auto only = [](const Qos& writer, const Qos& reader) {
-    const auto mismatches = qos_mismatches(writer, reader);
+    const auto mismatches = qos::mismatches(writer, reader);
     REQUIRE(mismatches.size() == 1);
-    return text_of(mismatches.front());
+    return qos::text_of(mismatches.front());
   };
   CHECK(only(Qos() << policy::Deadline{milliseconds(200)}, Qos() << policy::Deadline{milliseconds(100)}) ==
-        "deadline: offered 200 ms, requested 100 ms: a reader may not ask for less than is offered");
+        "deadline: offered 200 ms, requested 100 ms: a reader must not request less than is offered");
   CHECK(only(Qos() << policy::Ownership{policy::OwnershipKind::exclusive}, {}) ==
-        "ownership: offered exclusive, requested shared: both ends must have the same");
+        "ownership: offered exclusive, requested shared: both endpoints must have the same value");
   CHECK(only({}, Qos() << policy::Deadline{milliseconds(1500)}) ==
-        "deadline: offered infinite, requested 1.5 s: a reader may not ask for less than is offered");
+        "deadline: offered infinite, requested 1.5 s: a reader must not request less than is offered");
   CHECK(only(in_partitions({"a", "b"}), {}) ==
-        "partition: offered 'a', 'b', requested '': the ends must share one");
+        "partition: offered 'a', 'b', requested '': the endpoints must share one");
 }
 
 TEST_CASE("A reader must take the representation that a writer sends") {
@@ -157,32 +157,32 @@ TEST_CASE("A reader must take the representation that a writer sends") {
   const Qos xcdr1 = representation({DDS_DATA_REPRESENTATION_XCDR1});
   const Qos xcdr2 = representation({DDS_DATA_REPRESENTATION_XCDR2});
   const Qos both = representation({DDS_DATA_REPRESENTATION_XCDR1, DDS_DATA_REPRESENTATION_XCDR2});
-  CHECK(policies_of(qos_mismatches(xcdr1, xcdr2)) == std::vector<std::string>{"data representation"});
-  CHECK(qos_mismatches(xcdr2, both).empty());
-  CHECK(qos_mismatches(xcdr1, {}).empty());
+  CHECK(policies_of(qos::mismatches(xcdr1, xcdr2)) == std::vector<std::string>{"data representation"});
+  CHECK(qos::mismatches(xcdr2, both).empty());
+  CHECK(qos::mismatches(xcdr1, {}).empty());
 }
 
-TEST_CASE("Durations in words") {
-  CHECK(text_of(infinite) == "infinite");
-  CHECK(text_of(Duration(0)) == "0");
-  CHECK(text_of(Duration(7)) == "7 ns");
-  CHECK(text_of(milliseconds(2)) == "2 ms");
-  CHECK(text_of(milliseconds(100)) == "100 ms");
-  CHECK(text_of(milliseconds(3000)) == "3 s");
-  CHECK(text_of(milliseconds(1250)) == "1.25 s");
+TEST_CASE("Durations as text") {
+  CHECK(qos::text_of(infinite) == "infinite");
+  CHECK(qos::text_of(Duration(0)) == "0");
+  CHECK(qos::text_of(Duration(7)) == "7 ns");
+  CHECK(qos::text_of(milliseconds(2)) == "2 ms");
+  CHECK(qos::text_of(milliseconds(100)) == "100 ms");
+  CHECK(qos::text_of(milliseconds(3000)) == "3 s");
+  CHECK(qos::text_of(milliseconds(1250)) == "1.25 s");
 }
 
 TEST_CASE("In the project's QoS file every profile matches itself, and live matches lossless") {
-  const QosProvider qos = project_qos();
+  const qos::Provider qos = project_qos();
   const std::vector<std::string> live{
       "Imu",   "Fix",     "Heading",         "Pose",          "Report",  "Status",
       "Truth", "Command", "SettingsRequest", "SettingsReply", "Settings"};
   const std::vector<std::string> with_lossless{"Imu", "Fix", "Heading", "Pose", "Report"};
   const auto check = [&](const std::string& written, const std::string& read) {
     CAPTURE(written, read);
-    for (const auto& mismatch : qos_mismatches(qos.datawriter_qos("sonopose::" + written),
-                                               qos.datareader_qos("sonopose::" + read))) {
-      FAIL_CHECK(text_of(mismatch));
+    for (const auto& mismatch : qos::mismatches(qos.datawriter_qos("sonopose::" + written),
+                                                qos.datareader_qos("sonopose::" + read))) {
+      FAIL_CHECK(qos::text_of(mismatch));
     }
   };
   for (const std::string& name : live) check(name, name);

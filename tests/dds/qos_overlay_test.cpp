@@ -41,51 +41,51 @@ std::string history(const std::string& profile, int depth, const std::string& ba
          "><datareader_qos>" + policy + "</datareader_qos></qos_profile>";
 }
 
-std::int32_t depth_of(const QosProvider& qos, const std::string& profile) {
+std::int32_t depth_of(const qos::Provider& qos, const std::string& profile) {
   return qos.datareader_qos(profile).policy<policy::History>()->depth;
 }
 
-QosProvider overlaid(const std::string& content) {
-  QosProvider qos = project_qos();
-  qos.lay_over(user_file(content), "user.xml");
+qos::Provider overlaid(const std::string& content) {
+  qos::Provider qos = project_qos();
+  qos.merge(user_file(content), "user.xml");
   return qos;
 }
 
-TEST_CASE("The file laid over is the one asked for, else the environment's, else none") {
+TEST_CASE("The user's file is the requested one, otherwise the environment's, otherwise none") {
   const TemporaryFile a("a.xml", user_file(history("Imu", 701)));
   const TemporaryFile b("b.xml", user_file(history("Imu", 702)));
   {
     const Environment environment("SONOPOSE_QOS", b.path.c_str());
-    CHECK(qos_overrides(a.path) == a.path);
-    CHECK(qos_overrides() == b.path);
-    CHECK(depth_of(QosProvider(a.path), "sonopose::Imu") == 701);
-    CHECK(depth_of(QosProvider(), "sonopose::Imu") == 702);
+    CHECK(qos::overrides_file(a.path) == a.path);
+    CHECK(qos::overrides_file() == b.path);
+    CHECK(depth_of(qos::Provider(a.path), "sonopose::Imu") == 701);
+    CHECK(depth_of(qos::Provider(), "sonopose::Imu") == 702);
   }
   for (const char* const none : {static_cast<const char*>(nullptr), ""}) {
     const Environment environment("SONOPOSE_QOS", none);
-    CHECK(qos_overrides() == std::nullopt);
-    CHECK(project_qos_file() == fs::path(SONOPOSE_SOURCE_DIR) / "qos/sonopose.xml");
-    CHECK(depth_of(QosProvider(), "sonopose::Imu") != 702);
+    CHECK(qos::overrides_file() == std::nullopt);
+    CHECK(qos::project_file() == fs::path(SONOPOSE_SOURCE_DIR) / "qos/sonopose.xml");
+    CHECK(depth_of(qos::Provider(), "sonopose::Imu") != 702);
   }
 }
 
-TEST_CASE("A QoS file that was asked for and is not there is an error, and is not replaced") {
+TEST_CASE("A requested QoS file that does not exist is an error, and is not replaced") {
   const Environment environment("SONOPOSE_QOS", "/nonexistent/env.xml");
-  CHECK_THROWS_WITH(QosProvider(),
+  CHECK_THROWS_WITH(qos::Provider(),
                     Catch::Contains("/nonexistent/env.xml") && Catch::Contains("SONOPOSE_QOS"));
-  CHECK_THROWS_WITH(QosProvider("/nonexistent/option.xml"), Catch::Contains("/nonexistent/option.xml"));
-  CHECK_THROWS_AS(QosProvider(fs::temp_directory_path()), QosFileError);
+  CHECK_THROWS_WITH(qos::Provider("/nonexistent/option.xml"), Catch::Contains("/nonexistent/option.xml"));
+  CHECK_THROWS_AS(qos::Provider(fs::temp_directory_path()), qos::FileError);
 }
 
 TEST_CASE("Errors in a user's file name that file") {
   const TemporaryFile bad("bad.xml", "<dds>\n\n<oops/></dds>");
-  CHECK_THROWS_WITH(QosProvider(bad.path), bad.path.string() + ":3: <oops>: unknown element in <dds>");
+  CHECK_THROWS_WITH(qos::Provider(bad.path), bad.path.string() + ":3: <oops>: unknown element in <dds>");
 }
 
 SCENARIO("a user's file changes what it says and nothing else") {
   GIVEN("a file with the IMU reader's history alone") {
-    const QosProvider project = project_qos();
-    const QosProvider qos = overlaid(history("Imu", 700));
+    const qos::Provider project = project_qos();
+    const qos::Provider qos = overlaid(history("Imu", 700));
     THEN("that is changed") {
       CHECK(depth_of(qos, "sonopose::Imu") == 700);
     }
@@ -105,45 +105,47 @@ SCENARIO("a user's file changes what it says and nothing else") {
   }
 }
 
-TEST_CASE("base_name in a user's file lays a profile of the project over another one") {
-  const QosProvider qos = overlaid("<qos_profile name=\"Report\" base_name=\"Truth\"/>");
+TEST_CASE("base_name in a user's file merges a profile of the project over another one") {
+  const qos::Provider qos = overlaid("<qos_profile name=\"Report\" base_name=\"Truth\"/>");
   CHECK(depth_of(qos, "sonopose::Report") == depth_of(project_qos(), "sonopose::Truth"));
 }
 
-TEST_CASE("base_name finds what the user's own file says of a profile before the project's") {
-  const QosProvider qos =
+TEST_CASE("base_name finds a profile of the user's file before the project's") {
+  const qos::Provider qos =
       overlaid(history("Truth", 703) + "<qos_profile name=\"Report\" base_name=\"Truth\"/>");
   CHECK(depth_of(qos, "sonopose::Report") == 703);
 }
 
-TEST_CASE("A library of the user's own holds profiles to inherit from, which bring in what they set alone") {
-  QosProvider qos = project_qos();
-  qos.lay_over("<dds><qos_library name=\"mine\">" + history("Deep", 704) +
-                   "</qos_library><qos_library name=\"sonopose\">"
-                   "<qos_profile name=\"Pose\" base_name=\"mine::Deep\"/></qos_library></dds>",
-               "user.xml");
+TEST_CASE(
+    "A user's library may contain profiles to inherit from, which contribute only the policies that they "
+    "set") {
+  qos::Provider qos = project_qos();
+  qos.merge("<dds><qos_library name=\"mine\">" + history("Deep", 704) +
+                "</qos_library><qos_library name=\"sonopose\">"
+                "<qos_profile name=\"Pose\" base_name=\"mine::Deep\"/></qos_library></dds>",
+            "user.xml");
   CHECK(depth_of(qos, "sonopose::Pose") == 704);
   CHECK(qos.datareader_qos("sonopose::Pose").policy<policy::Ownership>()->kind ==
         policy::OwnershipKind::exclusive);
-  CHECK_THROWS_AS(qos.datareader_qos("mine::Deep"), QosFileError);
+  CHECK_THROWS_AS(qos.datareader_qos("mine::Deep"), qos::FileError);
 }
 
 TEST_CASE("A copy of the project's whole file changes nothing") {
-  std::ifstream stream(project_qos_file());
+  std::ifstream stream(qos::project_file());
   const std::string copy{std::istreambuf_iterator<char>(stream), {}};
-  const QosProvider project = project_qos();
-  QosProvider qos = project_qos();
-  qos.lay_over(copy, "copy.xml");
+  const qos::Provider project = project_qos();
+  qos::Provider qos = project_qos();
+  qos.merge(copy, "copy.xml");
   for (const std::string name : {"Imu", "Fix", "Pose", "Status", "Command", "LosslessReport"}) {
     CAPTURE(name);
-    for (const auto member : {&QosProvider::datawriter_qos, &QosProvider::datareader_qos}) {
+    for (const auto member : {&qos::Provider::datawriter_qos, &qos::Provider::datareader_qos}) {
       CHECK(dds_qos_equal((qos.*member)("sonopose::" + name).get(),
                           (project.*member)("sonopose::" + name).get()));
     }
   }
 }
 
-TEST_CASE("A user's file that cannot be meant so is refused, and changes nothing") {
+TEST_CASE("A user's file with a contradiction is rejected and changes nothing") {
   struct Bad {
     std::string xml;
     const char* message;
@@ -153,9 +155,9 @@ TEST_CASE("A user's file that cannot be meant so is refused, and changes nothing
        "user.xml:4: <qos_profile>: there is no profile 'sonopose::Imuu' to change; there are "
        "sonopose::Command, sonopose::Fix, "},
       {user_file("<qos_profile name='Pose' base_name='Posse'/>"),
-       "user.xml:3: <qos_profile>: no profile 'sonopose::Posse' stands above it"},
+       "user.xml:3: <qos_profile>: no profile 'sonopose::Posse' precedes it"},
       {user_file(history("Imu", 3) + "\n" + history("Imu", 3)),
-       "user.xml:4: <qos_profile>: 'sonopose::Imu' stands twice"},
+       "user.xml:4: <qos_profile>: 'sonopose::Imu' occurs twice"},
       {user_file(history("Imu", 0)), "user.xml:3: <depth>: '0' is no whole number"},
       {"<dds><qos_library name='sonpose'>" + history("Imu", 3) + "</qos_library></dds>",
        "user.xml: changes no profile: no <qos_library> is called 'ros2' or 'sonopose'"},
@@ -166,10 +168,10 @@ TEST_CASE("A user's file that cannot be meant so is refused, and changes nothing
                  "</nanosec></period></deadline></datareader_qos></qos_profile>"),
        "user.xml:3: <qos_profile>: writer and reader of 'sonopose::Imu' would not match: deadline: offered "},
   };
-  QosProvider qos = project_qos();
+  qos::Provider qos = project_qos();
   for (const Bad& bad : cases) {
     CAPTURE(bad.xml);
-    CHECK_THROWS_WITH(qos.lay_over(bad.xml, "user.xml"), Catch::StartsWith(bad.message));
+    CHECK_THROWS_WITH(qos.merge(bad.xml, "user.xml"), Catch::StartsWith(bad.message));
   }
   CHECK(depth_of(qos, "sonopose::Imu") == depth_of(project_qos(), "sonopose::Imu"));
 }

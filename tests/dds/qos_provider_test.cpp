@@ -13,15 +13,15 @@ using std::chrono::nanoseconds;
 using std::chrono::seconds;
 
 /// `content` stands on lines 4 and following: inside of a writer's QoS.
-QosProvider with_writer(const std::string& content) {
-  return QosProvider::from_string(
+qos::Provider with_writer(const std::string& content) {
+  return qos::Provider::from_string(
       "<dds>\n<qos_library name=\"L\">\n<qos_profile name=\"P\"><datawriter_qos>\n" + content +
           "\n</datawriter_qos></qos_profile></qos_library></dds>",
       "file.xml");
 }
 
-TEST_CASE("Every policy of a QoS file arrives") {
-  const QosProvider provider = with_writer(R"(
+TEST_CASE("Every policy of a QoS file is read") {
+  const qos::Provider provider = with_writer(R"(
     <deadline><period><sec>1</sec><nanosec>500000000</nanosec></period></deadline>
     <latency_budget><duration><nanosec>7</nanosec></duration></latency_budget>
     <lifespan><duration><sec> 3 </sec></duration></lifespan>
@@ -58,14 +58,14 @@ TEST_CASE("Every policy of a QoS file arrives") {
   CHECK(qos.policy<policy::UserData>()->value == std::vector<std::uint8_t>{0x00, 0xFF, 0x10});
 }
 
-TEST_CASE("What a profile does not say is left open, and the four kinds are kept apart") {
-  const QosProvider provider = QosProvider::from_string(R"(<dds xmlns="http://www.omg.org/dds">
+TEST_CASE("Policies that a profile does not set remain unset, and the four kinds of entity are independent") {
+  const qos::Provider provider = qos::Provider::from_string(R"(<dds xmlns="http://www.omg.org/dds">
     <qos_library name="L"><qos_profile name="P">
       <datareader_qos><history><kind>KEEP_ALL_HISTORY_QOS</kind></history></datareader_qos>
       <topic_qos><lifespan><duration><sec>1</sec></duration></lifespan></topic_qos>
       <domainparticipant_qos><user_data><value>/w==</value></user_data></domainparticipant_qos>
     </qos_profile></qos_library></dds>)",
-                                                        "file.xml");
+                                                            "file.xml");
   CHECK_FALSE(provider.datawriter_qos("L::P").policy<policy::History>());
   CHECK(provider.datareader_qos("L::P").policy<policy::History>()->kind == policy::HistoryKind::keep_all);
   CHECK_FALSE(provider.datareader_qos("L::P").policy<policy::Lifespan>());
@@ -75,14 +75,14 @@ TEST_CASE("What a profile does not say is left open, and the four kinds are kept
 }
 
 TEST_CASE("A profile inherits what it does not set itself") {
-  const QosProvider provider = QosProvider::from_string(R"(<dds>
+  const qos::Provider provider = qos::Provider::from_string(R"(<dds>
     <qos_library name="L"><qos_profile name="Base"><datawriter_qos>
       <history><kind>KEEP_LAST_HISTORY_QOS</kind><depth>5</depth></history>
       <transport_priority><value>1</value></transport_priority></datawriter_qos></qos_profile>
       <qos_profile name="Derived" base_name="Base"><datawriter_qos>
       <transport_priority><value>2</value></transport_priority></datawriter_qos></qos_profile></qos_library>
     <qos_library name="M"><qos_profile name="Far" base_name="L::Derived"/></qos_library></dds>)",
-                                                        "file.xml");
+                                                            "file.xml");
   for (const char* const profile : {"L::Derived", "M::Far"}) {
     CHECK(provider.datawriter_qos(profile).policy<policy::History>()->depth == 5);
     CHECK(provider.datawriter_qos(profile).policy<policy::TransportPriority>()->value == 2);
@@ -91,14 +91,14 @@ TEST_CASE("A profile inherits what it does not set itself") {
 }
 
 TEST_CASE("A missing profile is an error that names file and profile") {
-  const QosProvider provider = with_writer("");
+  const qos::Provider provider = with_writer("");
   for (const char* const name : {"P", "L::Q", "M::P", ""}) {
     CHECK_THROWS_WITH(provider.datawriter_qos(name),
                       "file.xml: has no <qos_profile> '" + std::string(name) + "'");
   }
-  CHECK_THROWS_AS(provider.topic_qos("L::Q"), QosFileError);
-  CHECK_THROWS_AS(provider.datareader_qos("L::Q"), QosFileError);
-  CHECK_THROWS_AS(provider.participant_qos("L::Q"), QosFileError);
+  CHECK_THROWS_AS(provider.topic_qos("L::Q"), qos::FileError);
+  CHECK_THROWS_AS(provider.datareader_qos("L::Q"), qos::FileError);
+  CHECK_THROWS_AS(provider.participant_qos("L::Q"), qos::FileError);
 }
 
 struct Bad {
@@ -106,7 +106,7 @@ struct Bad {
   const char* message;  // what() begins so
 };
 
-TEST_CASE("A policy that is wrong names file, line and element") {
+TEST_CASE("An error in a policy names file, line and element") {
   const std::vector<Bad> cases{
       {"\n<dedline/>", "file.xml:5: <dedline>: unknown element in <datawriter_qos>"},
       {"<time_based_filter/>", "file.xml:4: <time_based_filter>: unknown element"},
@@ -126,7 +126,7 @@ TEST_CASE("A policy that is wrong names file, line and element") {
       {"<deadline><period><nanosec>1000000000</nanosec></period></deadline>",
        "file.xml:4: <nanosec>: '1000000000' is no whole number from 0 to 999999999"},
       {"<deadline><period>\n<sec>DURATION_INFINITE_SEC</sec><nanosec>1</nanosec></period></deadline>",
-       "file.xml:4: <period>: is half infinite"},
+       "file.xml:4: <period>: only one of <sec> and <nanosec> is infinite"},
       {"<deadline><period>\n<sec>0</sec><nanosec>0</nanosec></period></deadline>",
        "file.xml:4: <period>: must be more than zero"},
       {"<lifespan><duration><sec>0</sec></duration></lifespan>",
@@ -153,9 +153,9 @@ TEST_CASE("A policy that is wrong names file, line and element") {
        "file.xml:3: <datawriter_qos>: the history is deeper than max_samples_per_instance"},
       {"<ownership_strength><value>1</value></ownership_strength>\n"
        "<ownership_strength><value>2</value></ownership_strength>",
-       "file.xml:5: <ownership_strength>: stands twice"},
+       "file.xml:5: <ownership_strength>: occurs twice"},
       {"<deadline><period><sec>1</sec></period>\n<period><sec>2</sec></period></deadline>",
-       "file.xml:5: <period>: stands twice"},
+       "file.xml:5: <period>: occurs twice"},
       {"<transport_priority><value>99999999999</value></transport_priority>",
        "file.xml:4: <value>: '99999999999'"},
       {"<partition><name/></partition>", "file.xml:4: <name>: <element> is missing"},
@@ -167,12 +167,12 @@ TEST_CASE("A policy that is wrong names file, line and element") {
   };
   for (const Bad& bad : cases) {
     CAPTURE(bad.content);
-    CHECK_THROWS_AS(with_writer(bad.content), QosFileError);
+    CHECK_THROWS_AS(with_writer(bad.content), qos::FileError);
     CHECK_THROWS_WITH(with_writer(bad.content), Catch::StartsWith(bad.message));
   }
 }
 
-TEST_CASE("A file whose frame is wrong names file, line and element") {
+TEST_CASE("An error in the structure of a file names file, line and element") {
   const std::vector<Bad> cases{
       {"", "file.xml:1: not well-formed XML"},
       {"<dds/>", "file.xml: holds no <qos_profile>"},
@@ -180,27 +180,27 @@ TEST_CASE("A file whose frame is wrong names file, line and element") {
       {"<dds>\n<types/></dds>", "file.xml:2: <types>: unknown element in <dds>"},
       {"<dds version='1'/>", "file.xml:1: <dds>: unknown attribute 'version'"},
       {"<dds><qos_library/></dds>", "file.xml:1: <qos_library>: attribute 'name' is missing"},
-      {"<dds><qos_library name='a::b'/></dds>", "file.xml:1: <qos_library>: 'a::b' holds '::'"},
+      {"<dds><qos_library name='a::b'/></dds>", "file.xml:1: <qos_library>: 'a::b' contains '::'"},
       {"<dds><qos_library name='L'/>\n<qos_library name='L'/></dds>",
-       "file.xml:2: <qos_library>: 'L' stands twice"},
+       "file.xml:2: <qos_library>: 'L' occurs twice"},
       {"<dds><qos_library name='L'>\n<profile/></qos_library></dds>",
        "file.xml:2: <profile>: unknown element"},
       {"<dds><qos_library name='L'><qos_profile/></qos_library></dds>",
        "file.xml:1: <qos_profile>: attribute 'name' is missing"},
       {"<dds><qos_library name='L'><qos_profile name='P'/>\n\n<qos_profile name='P'/></qos_library></dds>",
-       "file.xml:3: <qos_profile>: 'L::P' stands twice"},
+       "file.xml:3: <qos_profile>: 'L::P' occurs twice"},
       {"<dds><qos_library name='L'><qos_profile name='P' base='Q'/></qos_library></dds>",
        "file.xml:1: <qos_profile>: unknown attribute 'base'"},
       {"<dds><qos_library name='L'>\n<qos_profile name='P' base_name='Q'/></qos_library></dds>",
-       "file.xml:2: <qos_profile>: no profile 'L::Q' stands above it"},
+       "file.xml:2: <qos_profile>: no profile 'L::Q' precedes it"},
       {"<dds><qos_library name='L'><qos_profile name='P' base_name='P'/></qos_library></dds>",
-       "file.xml:1: <qos_profile>: no profile 'L::P' stands above it"},
+       "file.xml:1: <qos_profile>: no profile 'L::P' precedes it"},
       {"<dds><qos_library name='L'><qos_profile "
        "name='P'>\n<publisher_qos/></qos_profile></qos_library></dds>",
        "file.xml:2: <publisher_qos>: unknown element in <qos_profile>"},
       {"<dds><qos_library name='L'><qos_profile "
        "name='P'><topic_qos/>\n<topic_qos/></qos_profile></qos_library></dds>",
-       "file.xml:2: <topic_qos>: stands twice"},
+       "file.xml:2: <topic_qos>: occurs twice"},
       {"<dds><qos_library name='L'><qos_profile name='P'><datareader_qos>\n<lifespan/>"
        "</datareader_qos></qos_profile></qos_library></dds>",
        "file.xml:2: <lifespan>: unknown element in <datareader_qos>"},
@@ -210,7 +210,7 @@ TEST_CASE("A file whose frame is wrong names file, line and element") {
   };
   for (const Bad& bad : cases) {
     CAPTURE(bad.content);
-    CHECK_THROWS_WITH(QosProvider::from_string(bad.content, "file.xml"), Catch::StartsWith(bad.message));
+    CHECK_THROWS_WITH(qos::Provider::from_string(bad.content, "file.xml"), Catch::StartsWith(bad.message));
   }
 }
 

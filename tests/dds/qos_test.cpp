@@ -9,7 +9,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST_CASE("A QoS gives back what was set, and knows what was not") {
+TEST_CASE("A QoS returns the policies that were set, and no others") {
   Qos qos;
   CHECK_FALSE(qos.policy<policy::Deadline>());
   CHECK_FALSE(qos.policy<policy::History>());
@@ -44,7 +44,7 @@ TEST_CASE("A QoS gives back what was set, and knows what was not") {
   CHECK(copy.policy<policy::UserData>()->value == std::vector<std::uint8_t>{0, 17, 255});
 }
 
-TEST_CASE("Merging takes over what the other sets and keeps the rest") {
+TEST_CASE("Merging takes the policies that the other sets and keeps the rest") {
   Qos base = Qos() << policy::Deadline{milliseconds(1)} << policy::History::keep_last(2);
   base.merge(Qos() << policy::History::keep_all() << policy::TransportPriority{3});
   CHECK(base.policy<policy::Deadline>()->period == milliseconds(1));
@@ -52,7 +52,7 @@ TEST_CASE("Merging takes over what the other sets and keeps the rest") {
   CHECK(base.policy<policy::TransportPriority>()->value == 3);
 }
 
-TEST_CASE("Values that no entity could have are refused") {
+TEST_CASE("Invalid values are rejected") {
   Qos qos;
   CHECK_THROWS_AS(qos << policy::Deadline{Duration::zero()}, std::invalid_argument);
   CHECK_THROWS_AS(qos << policy::Deadline{milliseconds(-1)}, std::invalid_argument);
@@ -67,7 +67,7 @@ TEST_CASE("Values that no entity could have are refused") {
   CHECK_FALSE(qos.policy<policy::Deadline>());
 }
 
-TEST_CASE("Writer and reader meet only in a common partition") {
+TEST_CASE("Writer and reader match only in a common partition") {
   using Command = sonopose_ResetCommand;
   const DomainParticipant member = participant();
   const Topic<Command> topic(member, "test/partition");

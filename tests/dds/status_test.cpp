@@ -14,7 +14,7 @@ Qos reliable() {
   return Qos() << policy::Reliability::reliable() << policy::History::keep_last(16);
 }
 
-TEST_CASE("QoS that does not fit is reported on both sides, with the policy") {
+TEST_CASE("Incompatible QoS is reported on both sides, with the policy") {
   struct Case {
     const char* what;
     Qos offered;
@@ -63,7 +63,7 @@ TEST_CASE("QoS that does not fit is reported on both sides, with the policy") {
   }
 }
 
-TEST_CASE("A missed deadline is seen on both sides, until the instance is unregistered") {
+TEST_CASE("A missed deadline is reported on both sides until the instance is unregistered") {
   GIVEN("a writer that offers a sample every 50 ms, and has written one") {
     const DomainParticipant member = participant();
     const Topic<Command> topic(member, "test/deadline");
@@ -106,7 +106,7 @@ Qos manual_liveliness(Duration lease) {
   return reliable() << policy::Liveliness{policy::LivelinessKind::manual_by_topic, lease};
 }
 
-TEST_CASE("A writer that shows no life is not alive any more, until it writes") {
+TEST_CASE("A writer that does not assert its liveliness is not alive until it writes") {
   const DomainParticipant member = participant();
   const Topic<Command> topic(member, "test/liveliness");
   DataReader<Command> reader(member, topic, manual_liveliness(milliseconds(50)));

@@ -10,7 +10,7 @@ namespace {
 using Command = sonopose_ResetCommand;
 using std::chrono::milliseconds;
 
-TEST_CASE("A wait set wakes for the condition that is true, and says so") {
+TEST_CASE("A wait set wakes for a true condition and returns it") {
   const DomainParticipant member = participant();
   const Topic<Command> topic(member, "test/waitset");
   const Qos qos = Qos() << policy::Reliability::reliable();
@@ -47,7 +47,7 @@ TEST_CASE("A wait set wakes for the condition that is true, and says so") {
     stop.trigger_value(false);
     CHECK(waitset.wait(Duration::zero()) == 0);
   }
-  SECTION("a condition that was taken out wakes nobody") {
+  SECTION("a removed condition does not wake the set") {
     waitset -= data;
     writer.write(command(7, 1));
     CHECK(waitset.wait(Duration::zero()) == 0);

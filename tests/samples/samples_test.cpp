@@ -1,4 +1,4 @@
-/// The native's small helpers: whole nanoseconds and what is common to the three kinds of event.
+/// The helpers of the native types: whole nanoseconds, and what the three kinds of event have in common.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -35,7 +35,7 @@ TEST_CASE("differences keep their nanoseconds at today's epoch") {
   CHECK(seconds_between(now_ns, now_ns + 1) == 1e-9);
 }
 
-TEST_CASE("an event tells its beacon, its number and from when on it may be used") {
+TEST_CASE("an event has a beacon, a sequence number and a time of availability") {
   ImuSample imu;
   imu.address = 3;
   imu.sequence = 11;

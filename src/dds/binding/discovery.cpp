@@ -9,7 +9,7 @@
 namespace sonopose::dds {
 namespace {
 
-/// Cyclone DDS's names for what it tells of a participant's process.
+/// Cyclone DDS's property names for a participant's process.
 constexpr const char* process_name_property = "__ProcessName";
 constexpr const char* process_id_property = "__Pid";
 constexpr const char* host_name_property = "__Hostname";
@@ -50,7 +50,7 @@ FoundEndpoint found(const dds_builtintopic_endpoint_t& sample) {
   return endpoint;
 }
 
-/// What stands in the reader of a built-in topic whose samples are `Sample`, of those that are still there.
+/// The live samples, of type `Sample`, in the reader of a built-in topic.
 template <class Sample>
 auto all_in(dds_entity_t handle) {
   constexpr std::size_t most = 10'000;

@@ -23,7 +23,7 @@ struct OpenDomain {
   int leases = 0;
 };
 
-/// Whether a domain that was opened so will do.
+/// Whether a domain that was opened with these options can be shared.
 bool same_configuration(const DomainOptions& a, const DomainOptions& b) {
   return a.network == b.network && a.peers == b.peers && a.wait_for_readers == b.wait_for_readers &&
          a.batch_writes == b.batch_writes;
@@ -80,7 +80,7 @@ DomainLease::DomainLease(const DomainOptions& options) : id_(resolve_domain_id(o
   const std::lock_guard lock(registry().mutex);
   const auto found = registry().open.find(id_);
   if (found == registry().open.end()) {
-    // No entry before the domain stands: creating it may throw.
+    // Add the entry only after the domain exists: creating it may throw.
     const dds_entity_t entity = create_domain(id_, options);
     registry().open[id_] = {entity, options, 1};
   } else if (!same_configuration(found->second.options, options)) {

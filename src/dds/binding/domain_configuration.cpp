@@ -1,4 +1,4 @@
-// The text that Cyclone DDS is configured with.
+// The configuration text for Cyclone DDS.
 
 #include <sonopose/dds/binding/domain.hpp>
 
@@ -54,7 +54,8 @@ void look_for_lists(const pugi::xml_node& parent, std::uint32_t domain_id, UserN
 }
 
 /// Participants of one machine find each other by trying the ports of all indices: 7410 + 250 · id + 2 ·
-/// index. Index 119 is the last one before the ports of the next domain; in domain 232 the ports end before.
+/// index. Index 119 is the last one below the ports of the next domain; in domain 232 the port numbers end
+/// earlier.
 std::uint32_t max_participant_index(std::uint32_t domain_id) {
   const std::uint32_t first_port = 7410 + 250 * domain_id;
   return std::min<std::uint32_t>(119, (65535 - 1 - first_port) / 2);
@@ -64,7 +65,7 @@ std::string fragment(const std::string& content) {
   return "<CycloneDDS><Domain>" + content + "</Domain></CycloneDDS>";
 }
 
-/// Whether this machine has an interface besides loopback. Cyclone DDS refuses to be told of loopback twice.
+/// Whether this machine has an interface besides loopback. Cyclone DDS rejects a second entry for loopback.
 bool has_other_interface() {
   ifaddrs* first = nullptr;
   if (getifaddrs(&first) != 0) return false;
@@ -93,7 +94,7 @@ std::string peers(const DomainOptions& options, const UserNetwork& user) {
   std::string list = user.peers ? "" : R"(<Peer address="127.0.0.1"/>)";
   for (const std::string& peer : options.peers) {
     if (peer.empty() || peer.find_first_of("<>&\"' \t") != std::string::npos) {
-      throw std::invalid_argument("peer '" + peer + "': is no address or name of a machine");
+      throw std::invalid_argument("peer '" + peer + "': not an address or host name");
     }
     list += "<Peer address=\"" + peer + "\"/>";
   }
@@ -101,16 +102,16 @@ std::string peers(const DomainOptions& options, const UserNetwork& user) {
 }
 
 std::string defaults(std::uint32_t domain_id, const DomainOptions& options, const UserNetwork& user) {
-  // With interfaces of the user's own, Cyclone DDS decides about multicast as usual.
+  // If the user lists interfaces, Cyclone DDS decides about multicast as usual.
   const bool ours = options.network != Network::lan && user.interfaces.empty();
   const std::string discovery = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
                                 std::to_string(max_participant_index(domain_id)) +
                                 "</MaxAutoParticipantIndex>" + peers(options, user);
-  // How long each writer that goes waits for readers that do not answer. Cyclone DDS's own 1 s, one writer
-  // after the other, would keep a process that was told to end for seconds.
+  // How long a deleted writer waits for readers that do not respond. The default of 1 s, one writer
+  // after the other, would delay the exit of a process by seconds.
   std::string internal = "<WriterLingerDuration>100 ms</WriterLingerDuration>";
   if (options.batch_writes) internal += "<WriteBatch>true</WriteBatch>";
-  // Cyclone DDS holds a writer up when readers have not acknowledged so much, whatever its history keeps.
+  // Cyclone DDS blocks a writer above this amount of unacknowledged data, whatever its history depth.
   if (!options.wait_for_readers) {
     internal +=
         "<Watermarks><WhcHigh>1 GB</WhcHigh><WhcHighInit>1 GB</WhcHighInit>"

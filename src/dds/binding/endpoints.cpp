@@ -1,4 +1,4 @@
-// What readers and writers need that does not depend on their type.
+// The type-independent part of readers and writers.
 
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/binding/data_writer.hpp>
@@ -10,7 +10,7 @@ namespace {
 
 using EndpointData = std::unique_ptr<dds_builtintopic_endpoint_t, void (*)(dds_builtintopic_endpoint_t*)>;
 
-/// Asks again while matches come faster than room for them is made.
+/// Retries while matches appear faster than the buffer grows.
 template <class Call>
 std::vector<InstanceHandle> matched(const char* name, Call call, dds_entity_t entity) {
   std::vector<dds_instance_handle_t> handles(8);
@@ -25,7 +25,7 @@ std::vector<InstanceHandle> matched(const char* name, Call call, dds_entity_t en
   return result;
 }
 
-/// What the data of readers and of writers have in common. Throws `Error` where `call` gave no endpoint.
+/// The common part of matched readers and writers. Throws `Error` if `call` returned no endpoint.
 template <class Data>
 Data data_of(const char* call, const EndpointData& endpoint) {
   if (!endpoint) throw Error(call, DDS_RETCODE_BAD_PARAMETER);

@@ -18,7 +18,7 @@ Entity& Entity::operator=(Entity&& other) noexcept {
 }
 
 void Entity::close() noexcept {
-  // Nothing is left to be done about a failure: at worst its participant has taken the entity along already.
+  // Ignore failures: at worst, deleting the participant has already deleted the entity.
   if (handle_ > 0 && ownership_ == Ownership::owned) dds_delete(handle_);
   handle_ = 0;
 }

@@ -12,7 +12,7 @@ DomainParticipant::DomainParticipant(const DomainOptions& options, const Qos& qo
       partition_(options.partition) {}
 
 DomainParticipant& DomainParticipant::operator=(DomainParticipant&& other) noexcept {
-  // The old participant goes before its share in the domain does.
+  // Delete the old participant before releasing its reference to the domain.
   Entity::operator=(std::move(static_cast<Entity&>(other)));
   DomainLease::operator=(std::move(static_cast<DomainLease&>(other)));
   partition_ = std::move(other.partition_);

@@ -15,7 +15,7 @@ bool is_limit(std::int32_t value) {
   return value > 0 || value == length_unlimited;
 }
 
-/// The policies that are one duration share one way to be read.
+/// Reads a policy that consists of one duration.
 template <class Policy>
 std::optional<Policy> duration_policy(bool (*get)(const dds_qos_t*, dds_duration_t*), const dds_qos_t* qos) {
   dds_duration_t value = 0;

@@ -42,7 +42,7 @@ bool StatusCondition::trigger_value() const {
 WaitSet::WaitSet() : Entity(check("dds_create_waitset", dds_create_waitset(DDS_CYCLONEDDS_HANDLE))) {}
 
 std::size_t WaitSet::wait(Duration timeout) {
-  // A time that is past already is no error: who waits until a moment may come to it late.
+  // A time in the past is not an error: a caller that waits until a deadline may be late.
   const Duration left = std::max(timeout, Duration::zero());
   return static_cast<std::size_t>(
       check("dds_waitset_wait", dds_waitset_wait(handle(), nullptr, 0, left.count())));

@@ -9,14 +9,14 @@
 #include <string_view>
 #include <utility>
 
-namespace sonopose::dds {
+namespace sonopose::dds::qos {
 namespace {
 
-constexpr const char* no_less = "a reader may not ask for less than is offered";
-constexpr const char* no_more = "a reader may not ask for more than is offered";
-constexpr const char* the_same = "both ends must have the same";
+constexpr const char* no_less = "a reader must not request less than is offered";
+constexpr const char* no_more = "a reader must not request more than is offered";
+constexpr const char* the_same = "both endpoints must have the same value";
 
-/// The names of a kind's values, in the order of their numbers.
+/// The names of an enumeration, in numerical order.
 template <std::size_t N>
 using Names = std::array<const char*, N>;
 
@@ -32,7 +32,7 @@ class Comparison {
 public:
   Comparison(const Qos& writer, const Qos& reader) : writer_(writer.get()), reader_(reader.get()) {}
 
-  std::vector<QosMismatch> result() && { return std::move(found_); }
+  std::vector<Mismatch> result() && { return std::move(found_); }
 
   void reliability() {
     const auto kind = [](const dds_qos_t* qos, dds_reliability_kind_t otherwise) {
@@ -150,14 +150,14 @@ private:
 
   const dds_qos_t* writer_;
   const dds_qos_t* reader_;
-  std::vector<QosMismatch> found_;
+  std::vector<Mismatch> found_;
 };
 
 bool is_pattern(const std::string& name) {
   return name.find_first_of("*?") != std::string::npos;
 }
 
-/// A pattern meets names, and never another pattern.
+/// A pattern matches names, and never another pattern.
 bool meet(const std::string& a, const std::string& b) {
   if (is_pattern(a) == is_pattern(b)) return !is_pattern(a) && a == b;
   return is_pattern(a) ? fnmatch(a.c_str(), b.c_str(), 0) == 0 : fnmatch(b.c_str(), a.c_str(), 0) == 0;
@@ -182,10 +182,10 @@ void Comparison::partition() {
     if (std::any_of(requested.begin(), requested.end(), [&a](const auto& b) { return meet(a, b); })) return;
   }
   add({DDS_PARTITION_QOS_POLICY_ID, "partition"}, listed(offered), listed(requested),
-      "the ends must share one");
+      "the endpoints must share one");
 }
 
-/// Empty where the QoS leaves it to the type.
+/// Empty if the QoS leaves it to the type.
 std::vector<dds_data_representation_id_t> representations_of(const dds_qos_t* qos) {
   std::uint32_t count = 0;
   dds_data_representation_id_t* values = nullptr;
@@ -209,18 +209,18 @@ std::string representation_names(const std::vector<dds_data_representation_id_t>
 void Comparison::data_representation() {
   const auto offered = representations_of(writer_);
   const auto requested = representations_of(reader_);
-  // A writer sends the first that it offers.
+  // A writer sends the first representation that it offers.
   if (offered.empty() || requested.empty() ||
       std::find(requested.begin(), requested.end(), offered.front()) != requested.end()) {
     return;
   }
   add({DDS_DATA_REPRESENTATION_QOS_POLICY_ID, "data representation"}, representation_names(offered),
-      representation_names(requested), "the reader must take what the writer sends");
+      representation_names(requested), "the reader must accept what the writer sends");
 }
 
 }  // namespace
 
-std::vector<QosMismatch> qos_mismatches(const Qos& writer, const Qos& reader) {
+std::vector<Mismatch> mismatches(const Qos& writer, const Qos& reader) {
   Comparison comparison(writer, reader);
   comparison.reliability();
   comparison.durability();
@@ -235,7 +235,7 @@ std::vector<QosMismatch> qos_mismatches(const Qos& writer, const Qos& reader) {
   return std::move(comparison).result();
 }
 
-std::string text_of(const QosMismatch& mismatch) {
+std::string text_of(const Mismatch& mismatch) {
   return mismatch.policy + ": offered " + mismatch.offered + ", requested " + mismatch.requested + ": " +
          mismatch.rule;
 }
@@ -258,4 +258,4 @@ std::string text_of(Duration duration) {
   return std::string(digits.begin(), end) + unit->name;
 }
 
-}  // namespace sonopose::dds
+}  // namespace sonopose::dds::qos

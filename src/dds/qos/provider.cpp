@@ -14,21 +14,21 @@
 #include <utility>
 #include <vector>
 
-namespace sonopose::dds {
+namespace sonopose::dds::qos {
 namespace {
 
-using Profiles = std::map<std::string, QosProvider::Profile>;
+using Profiles = std::map<std::string, Provider::Profile>;
 
-/// The `name` attribute, which must be there and may not hold the separator.
-std::string name_of(const qos_xml::Source& source, const pugi::xml_node& element) {
+/// The `name` attribute, which is required and must not contain the separator.
+std::string name_of(const xml::Source& source, const pugi::xml_node& element) {
   std::string name = element.attribute("name").value();
   if (name.empty()) source.fail(element, "attribute 'name' is missing");
-  if (name.find("::") != std::string::npos) source.fail(element, "'" + name + "' holds '::'");
+  if (name.find("::") != std::string::npos) source.fail(element, "'" + name + "' contains '::'");
   return name;
 }
 
 /// The children of `element`, all called `name`.
-std::vector<pugi::xml_node> children_of(const qos_xml::Source& source, const pugi::xml_node& element,
+std::vector<pugi::xml_node> children_of(const xml::Source& source, const pugi::xml_node& element,
                                         const std::string& name) {
   std::vector<pugi::xml_node> result;
   for (const pugi::xml_node child : element.children()) {
@@ -41,14 +41,14 @@ std::vector<pugi::xml_node> children_of(const qos_xml::Source& source, const pug
   return result;
 }
 
-/// Where `base_name` looks: further up in the file, then among what the file is laid over.
+/// Resolves `base_name`: first earlier in the file, then in the profiles that the file is merged over.
 struct Bases {
   const Profiles& above;
   const Profiles& beneath;
 };
 
-QosProvider::Profile inherited(const qos_xml::Source& source, const pugi::xml_node& element,
-                               const std::string& library, const Bases& bases) {
+Provider::Profile inherited(const xml::Source& source, const pugi::xml_node& element,
+                            const std::string& library, const Bases& bases) {
   const pugi::xml_attribute base = element.attribute("base_name");
   if (base.empty()) return {};
   std::string name = base.value();
@@ -57,11 +57,11 @@ QosProvider::Profile inherited(const qos_xml::Source& source, const pugi::xml_no
     const auto found = profiles->find(name);
     if (found != profiles->end()) return found->second;
   }
-  source.fail(element, "no profile '" + name + "' stands above it");
+  source.fail(element, "no profile '" + name + "' precedes it");
 }
 
-QosProvider::Profile read_profile(const qos_xml::Source& source, const pugi::xml_node& element,
-                                  QosProvider::Profile profile) {
+Provider::Profile read_profile(const xml::Source& source, const pugi::xml_node& element,
+                               Provider::Profile profile) {
   const std::map<std::string_view, Qos*> parts{{"datawriter_qos", &profile.datawriter},
                                                {"datareader_qos", &profile.datareader},
                                                {"topic_qos", &profile.topic},
@@ -71,8 +71,8 @@ QosProvider::Profile read_profile(const qos_xml::Source& source, const pugi::xml
     if (child.type() != pugi::node_element) source.fail(element, "unexpected text");
     const auto part = parts.find(child.name());
     if (part == parts.end()) source.fail(child, "unknown element in <qos_profile>");
-    if (!seen.insert(child.name()).second) source.fail(child, "stands twice");
-    qos_xml::read_policies(source, child, *part->second);
+    if (!seen.insert(child.name()).second) source.fail(child, "occurs twice");
+    xml::read_policies(source, child, *part->second);
   }
   return profile;
 }
@@ -86,10 +86,9 @@ bool has_library(const Profiles& profiles, const std::string& library) {
                      [&](const auto& entry) { return library_of(entry.first) == library; });
 }
 
-/// `over` laid over the profile of this name in `beneath`, where its library is one of them.
-QosProvider::Profile laid_over(const qos_xml::Source& source, const pugi::xml_node& element,
-                               const std::string& name, const QosProvider::Profile& over,
-                               const Profiles& beneath) {
+/// `over` merged over the profile of this name in `beneath`, if its library is there.
+Provider::Profile laid_over(const xml::Source& source, const pugi::xml_node& element, const std::string& name,
+                            const Provider::Profile& over, const Profiles& beneath) {
   if (!has_library(beneath, library_of(name))) return over;
   const auto found = beneath.find(name);
   if (found == beneath.end()) {
@@ -99,24 +98,23 @@ QosProvider::Profile laid_over(const qos_xml::Source& source, const pugi::xml_no
     }
     source.fail(element, "there is no profile '" + name + "' to change; there are " + known);
   }
-  QosProvider::Profile whole = found->second;
+  Provider::Profile whole = found->second;
   whole.datawriter.merge(over.datawriter);
   whole.datareader.merge(over.datareader);
   whole.topic.merge(over.topic);
   whole.participant.merge(over.participant);
   for (const Qos* const qos : {&whole.datawriter, &whole.datareader, &whole.topic}) {
-    qos_xml::check_depth(source, element, *qos);
+    xml::check_depth(source, element, *qos);
   }
-  const auto mismatches = qos_mismatches(whole.datawriter, whole.datareader);
-  if (!mismatches.empty()) {
-    source.fail(element,
-                "writer and reader of '" + name + "' would not match: " + text_of(mismatches.front()));
+  const auto reasons = mismatches(whole.datawriter, whole.datareader);
+  if (!reasons.empty()) {
+    source.fail(element, "writer and reader of '" + name + "' would not match: " + text_of(reasons.front()));
   }
   return whole;
 }
 
-/// The profiles that the file holds, each laid over that of the same name in `beneath`.
-Profiles read_file(const qos_xml::Source& source, const Profiles& beneath = {}) {
+/// The profiles of the file, each merged over the one of the same name in `beneath`.
+Profiles read_file(const xml::Source& source, const Profiles& beneath = {}) {
   pugi::xml_document document;
   const pugi::xml_parse_result parsed =
       document.load_buffer(source.text().data(), source.text().size(), pugi::parse_default);
@@ -126,24 +124,24 @@ Profiles read_file(const qos_xml::Source& source, const Profiles& beneath = {}) 
   std::set<std::string> libraries;
   for (const pugi::xml_node root : children_of(source, document, "dds")) {
     source.check_attributes(root, {"xmlns", "xmlns:xsi", "xsi:schemaLocation"});
-    if (root != document.first_child()) source.fail(root, "stands twice");
+    if (root != document.first_child()) source.fail(root, "occurs twice");
     for (const pugi::xml_node library : children_of(source, root, "qos_library")) {
       source.check_attributes(library, {"name"});
       const std::string library_name = name_of(source, library);
       if (!libraries.insert(library_name).second) {
-        source.fail(library, "'" + library_name + "' stands twice");
+        source.fail(library, "'" + library_name + "' occurs twice");
       }
       for (const pugi::xml_node element : children_of(source, library, "qos_profile")) {
         source.check_attributes(element, {"name", "base_name"});
         const std::string name = library_name + "::" + name_of(source, element);
-        if (profiles.contains(name)) source.fail(element, "'" + name + "' stands twice");
+        if (profiles.contains(name)) source.fail(element, "'" + name + "' occurs twice");
         const auto own =
             read_profile(source, element, inherited(source, element, library_name, {profiles, beneath}));
         profiles.emplace(name, laid_over(source, element, name, own, beneath));
       }
     }
   }
-  if (profiles.empty()) throw QosFileError(source.name() + ": holds no <qos_profile>");
+  if (profiles.empty()) throw FileError(source.name() + ": holds no <qos_profile>");
   return profiles;
 }
 
@@ -151,13 +149,13 @@ std::string text_in(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream text;
   text << stream.rdbuf();
-  if (!stream) throw QosFileError(file.string() + ": cannot be read");
+  if (!stream) throw FileError(file.string() + ": cannot be read");
   return text.str();
 }
 
 }  // namespace
 
-std::filesystem::path project_qos_file() {
+std::filesystem::path project_file() {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
@@ -166,42 +164,41 @@ std::filesystem::path project_qos_file() {
       SONOPOSE_SOURCE_QOS_FILE,
       SONOPOSE_INSTALLED_QOS_FILE,
   };
-  std::string looked_at;
+  std::string searched;
   for (const fs::path& place : places) {
     if (fs::is_regular_file(place, error)) return place;
-    looked_at += "\n  " + place.string();
+    searched += "\n  " + place.string();
   }
-  throw QosFileError("the project's QoS file sonopose.xml is not there. Looked for:" + looked_at);
+  throw FileError("the project's QoS file sonopose.xml does not exist. Searched:" + searched);
 }
 
-std::optional<std::filesystem::path> qos_overrides(const std::optional<std::filesystem::path>& asked_for) {
+std::optional<std::filesystem::path> overrides_file(const std::optional<std::filesystem::path>& requested) {
   const char* const variable = std::getenv("SONOPOSE_QOS");
-  const bool by_variable = !asked_for && variable != nullptr && *variable != '\0';
-  if (!asked_for && !by_variable) return std::nullopt;
-  const std::filesystem::path path = by_variable ? std::filesystem::path(variable) : *asked_for;
+  const bool by_variable = !requested && variable != nullptr && *variable != '\0';
+  if (!requested && !by_variable) return std::nullopt;
+  const std::filesystem::path path = by_variable ? std::filesystem::path(variable) : *requested;
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    throw QosFileError(path.string() + ": no such QoS file (asked for by " +
-                       (by_variable ? "SONOPOSE_QOS" : "the option") + ")");
+    throw FileError(path.string() + ": no such QoS file (requested by " +
+                    (by_variable ? "SONOPOSE_QOS" : "the option") + ")");
   }
   return path;
 }
 
-QosProvider::QosProvider(const std::optional<std::filesystem::path>& overrides)
-    : file_(project_qos_file().string()) {
-  profiles_ = read_file(qos_xml::Source(file_, text_in(file_)));
-  if (const auto path = qos_overrides(overrides)) lay_over(text_in(*path), path->string());
+Provider::Provider(const std::optional<std::filesystem::path>& overrides) : file_(project_file().string()) {
+  profiles_ = read_file(xml::Source(file_, text_in(file_)));
+  if (const auto path = overrides_file(overrides)) merge(text_in(*path), path->string());
 }
 
-QosProvider QosProvider::from_string(const std::string& xml, const std::string& name) {
-  QosProvider provider{Empty{}};
+Provider Provider::from_string(const std::string& xml, const std::string& name) {
+  Provider provider{Empty{}};
   provider.file_ = name;
-  provider.profiles_ = read_file(qos_xml::Source(name, xml));
+  provider.profiles_ = read_file(xml::Source(name, xml));
   return provider;
 }
 
-void QosProvider::lay_over(const std::string& xml, const std::string& name) {
-  Profiles changed = read_file(qos_xml::Source(name, xml), profiles_);
+void Provider::merge(const std::string& xml, const std::string& name) {
+  Profiles changed = read_file(xml::Source(name, xml), profiles_);
   std::erase_if(changed, [this](const auto& entry) { return !profiles_.contains(entry.first); });
   if (changed.empty()) {
     std::string libraries;
@@ -210,34 +207,34 @@ void QosProvider::lay_over(const std::string& xml, const std::string& name) {
       if (libraries.find(library) == std::string::npos)
         libraries += (libraries.empty() ? "" : " or ") + library;
     }
-    throw QosFileError(name + ": changes no profile: no <qos_library> is called " + libraries);
+    throw FileError(name + ": changes no profile: no <qos_library> is called " + libraries);
   }
   for (auto& [profile, qos] : changed) profiles_.insert_or_assign(profile, std::move(qos));
 }
 
-std::vector<std::string> QosProvider::profiles() const {
+std::vector<std::string> Provider::profiles() const {
   std::vector<std::string> names;
   for (const auto& entry : profiles_) names.push_back(entry.first);
   return names;
 }
 
-const QosProvider::Profile& QosProvider::find(const std::string& profile) const {
+const Provider::Profile& Provider::find(const std::string& profile) const {
   const auto found = profiles_.find(profile);
-  if (found == profiles_.end()) throw QosFileError(file_ + ": has no <qos_profile> '" + profile + "'");
+  if (found == profiles_.end()) throw FileError(file_ + ": has no <qos_profile> '" + profile + "'");
   return found->second;
 }
 
-const Qos& QosProvider::datawriter_qos(const std::string& profile) const {
+const Qos& Provider::datawriter_qos(const std::string& profile) const {
   return find(profile).datawriter;
 }
-const Qos& QosProvider::datareader_qos(const std::string& profile) const {
+const Qos& Provider::datareader_qos(const std::string& profile) const {
   return find(profile).datareader;
 }
-const Qos& QosProvider::topic_qos(const std::string& profile) const {
+const Qos& Provider::topic_qos(const std::string& profile) const {
   return find(profile).topic;
 }
-const Qos& QosProvider::participant_qos(const std::string& profile) const {
+const Qos& Provider::participant_qos(const std::string& profile) const {
   return find(profile).participant;
 }
 
-}  // namespace sonopose::dds
+}  // namespace sonopose::dds::qos

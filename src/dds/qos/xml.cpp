@@ -6,10 +6,10 @@
 #include <string>
 #include <string_view>
 
-namespace sonopose::dds::qos_xml {
+namespace sonopose::dds::qos::xml {
 namespace {
 
-// One function a policy. `element` is the policy's.
+// One function for each policy. `element` is the policy's.
 
 void deadline(const Source& s, const pugi::xml_node& element, Qos& qos) {
   qos << policy::Deadline{positive_duration(s, Parent(s, element, {"period"}).need("period"))};
@@ -42,7 +42,7 @@ void history(const Source& s, const pugi::xml_node& element, Qos& qos) {
                                                  {{"KEEP_LAST_HISTORY_QOS", policy::HistoryKind::keep_last},
                                                   {"KEEP_ALL_HISTORY_QOS", policy::HistoryKind::keep_all}});
   if (kind == policy::HistoryKind::keep_all) {
-    if (parent.has("depth")) s.fail(parent.need("depth"), "means nothing with KEEP_ALL_HISTORY_QOS");
+    if (parent.has("depth")) s.fail(parent.need("depth"), "has no meaning with KEEP_ALL_HISTORY_QOS");
     qos << policy::History::keep_all();
   } else {
     qos << policy::History::keep_last(number32(s, parent.need("depth"), 1));
@@ -112,7 +112,7 @@ void user_data(const Source& s, const pugi::xml_node& element, Qos& qos) {
 
 using Reader = void (*)(const Source&, const pugi::xml_node&, Qos&);
 
-// Whom a policy is for, as bits.
+// The entities that a policy applies to, as bits.
 enum Owner : unsigned { writer = 1, reader = 2, topic = 4, participant = 8 };
 
 struct PolicyRow {
@@ -158,7 +158,7 @@ void read_policies(const Source& source, const pugi::xml_node& element, Qos& qos
     if (row == policies.end()) {
       source.fail(child, std::string("unknown element in <") + element.name() + ">");
     }
-    if (!seen.insert(name).second) source.fail(child, "stands twice");
+    if (!seen.insert(name).second) source.fail(child, "occurs twice");
     row->read(source, child, qos);
   }
   check_depth(source, element, qos);
@@ -174,4 +174,4 @@ void check_depth(const Source& source, const pugi::xml_node& element, const Qos&
   }
 }
 
-}  // namespace sonopose::dds::qos_xml
+}  // namespace sonopose::dds::qos::xml

@@ -7,13 +7,13 @@
 #include <optional>
 #include <set>
 
-namespace sonopose::dds::qos_xml {
+namespace sonopose::dds::qos::xml {
 
 void Source::fail_at(std::ptrdiff_t offset, const std::string& reason) const {
   const auto end = text_.begin() + std::min<std::ptrdiff_t>(std::max<std::ptrdiff_t>(offset, 0),
                                                             static_cast<std::ptrdiff_t>(text_.size()));
   const auto line = 1 + std::count(text_.begin(), end, '\n');
-  throw QosFileError(name_ + ":" + std::to_string(line) + ": " + reason);
+  throw FileError(name_ + ":" + std::to_string(line) + ": " + reason);
 }
 
 void Source::fail(const pugi::xml_node& element, const std::string& reason) const {
@@ -27,7 +27,7 @@ void Source::check_attributes(const pugi::xml_node& element,
     const std::string_view name = attribute.name();
     const std::string quoted = "attribute '" + std::string(name) + "'";
     if (std::find(allowed.begin(), allowed.end(), name) == allowed.end()) fail(element, "unknown " + quoted);
-    if (!seen.insert(name).second) fail(element, quoted + " stands twice");
+    if (!seen.insert(name).second) fail(element, quoted + " occurs twice");
   }
 }
 
@@ -44,7 +44,7 @@ Parent::Parent(const Source& source, const pugi::xml_node& element,
     if (std::find(children.begin(), children.end(), name) == children.end()) {
       source.fail(child, std::string("unknown element in <") + element.name() + ">");
     }
-    if (!seen.insert(name).second) source.fail(child, "stands twice");
+    if (!seen.insert(name).second) source.fail(child, "occurs twice");
   }
 }
 
@@ -102,7 +102,7 @@ Duration duration(const Source& source, const pugi::xml_node& element) {
   const bool infinite_sec = seconds == forever;
   const bool infinite_nsec = nanoseconds == forever;
   if ((infinite_sec && nanoseconds && !infinite_nsec) || (infinite_nsec && seconds && !infinite_sec)) {
-    source.fail(element, "is half infinite");
+    source.fail(element, "only one of <sec> and <nanosec> is infinite");
   }
   if (infinite_sec || infinite_nsec) return infinite;
   return std::chrono::seconds(seconds.value_or(0)) + Duration(nanoseconds.value_or(0));
@@ -137,4 +137,4 @@ std::vector<std::uint8_t> base64(const Source& source, const pugi::xml_node& ele
   return bytes;
 }
 
-}  // namespace sonopose::dds::qos_xml
+}  // namespace sonopose::dds::qos::xml

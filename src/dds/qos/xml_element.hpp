@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
-namespace sonopose::dds::qos_xml {
+namespace sonopose::dds::qos::xml {
 
-/// The text that a document was made from, for the line numbers.
+/// The source text of a document, for line numbers.
 class Source {
 public:
   Source(std::string name, std::string text) : name_(std::move(name)), text_(std::move(text)) {}
@@ -25,12 +25,12 @@ public:
   const std::string& name() const { return name_; }
   const std::string& text() const { return text_; }
 
-  /// Throws `QosFileError`: `file:line: reason`, for a place in the text.
+  /// Throws `FileError`: `file:line: reason`, for a place in the text.
   [[noreturn]] void fail_at(std::ptrdiff_t offset, const std::string& reason) const;
-  /// Throws `QosFileError`: `file:line: <element>: reason`.
+  /// Throws `FileError`: `file:line: <element>: reason`.
   [[noreturn]] void fail(const pugi::xml_node& element, const std::string& reason) const;
 
-  /// Fails for an attribute that is not among the `allowed`, and for one that stands twice.
+  /// Fails for an attribute that is not among the `allowed`, and for one that occurs twice.
   void check_attributes(const pugi::xml_node& element, std::initializer_list<std::string_view> allowed) const;
 
 private:
@@ -46,7 +46,7 @@ public:
 
   bool has(const char* name) const { return !element_.child(name).empty(); }
 
-  /// The child; fails where it is missing.
+  /// The child; fails if it is missing.
   pugi::xml_node need(const char* name) const;
 
 private:
@@ -54,10 +54,10 @@ private:
   pugi::xml_node element_;
 };
 
-/// The text of an element that holds nothing else.
+/// The text of an element that contains nothing else.
 std::string text_of(const Source& source, const pugi::xml_node& element);
 
-/// Words that may stand where a number is expected.
+/// Words that are allowed in place of a number.
 using Words = std::map<std::string, std::int64_t>;
 
 /// A whole number of `lowest` … `highest`, or one of the `words`.
@@ -67,13 +67,13 @@ std::int64_t number(const Source& source, const pugi::xml_node& element, std::in
 inline constexpr std::int64_t int32_min = std::numeric_limits<std::int32_t>::min();
 inline constexpr std::int64_t int32_max = std::numeric_limits<std::int32_t>::max();
 
-/// As `number`, up to the highest 32-bit one.
+/// Like `number`, up to the largest 32-bit one.
 std::int32_t number32(const Source& source, const pugi::xml_node& element, std::int64_t lowest,
                       const Words& words = {});
 
-/// `<sec>` and `<nanosec>`; infinite where both that are given say so.
+/// `<sec>` and `<nanosec>`; infinite if all that are given are infinite.
 Duration duration(const Source& source, const pugi::xml_node& element);
-/// As `duration`; fails for zero.
+/// Like `duration`; fails for zero.
 Duration positive_duration(const Source& source, const pugi::xml_node& element);
 
 /// The bytes of an element's text in base64.
@@ -93,4 +93,4 @@ Kind kind_of(const Source& source, const Parent& parent, const std::map<std::str
   return found->second;
 }
 
-}  // namespace sonopose::dds::qos_xml
+}  // namespace sonopose::dds::qos::xml

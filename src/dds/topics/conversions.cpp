@@ -1,7 +1,7 @@
 #include "dds/topics/field_lists.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
 
-namespace sonopose::dds {
+namespace sonopose::dds::topics {
 namespace {
 
 // Constants have the same values on both sides, so flags and enumerations are copied as numbers.
@@ -197,4 +197,4 @@ EffectiveSettings from_idl(const sonopose_EffectiveSettings& idl) {
   return native;
 }
 
-}  // namespace sonopose::dds
+}  // namespace sonopose::dds::topics

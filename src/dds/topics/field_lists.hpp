@@ -8,7 +8,7 @@
 
 #include <tuple>
 
-namespace sonopose::dds::fields {
+namespace sonopose::dds::topics::fields {
 
 /// `list` of a native type, and its IDL type.
 template <class Native>
@@ -267,4 +267,4 @@ struct Pairs<EffectiveSettings> {
 template <class Native>
 using IdlOf = typename Pairs<Native>::I;
 
-}  // namespace sonopose::dds::fields
+}  // namespace sonopose::dds::topics::fields

@@ -17,7 +17,7 @@
 #include <tuple>
 #include <type_traits>
 
-namespace sonopose::dds::fields {
+namespace sonopose::dds::topics::fields {
 
 // One value, native ↔ IDL.
 
@@ -216,4 +216,4 @@ constexpr int idl_members(const std::tuple<Fields...>& /*list*/) {
   return (0 + ... + Fields::idl_members);
 }
 
-}  // namespace sonopose::dds::fields
+}  // namespace sonopose::dds::topics::fields

@@ -19,7 +19,7 @@
 
 namespace sonopose::dds {
 
-/// Who stands behind a matched writer.
+/// Identity of a matched writer.
 struct PublicationData {
   std::string topic_name;
   std::string type_name;
@@ -39,14 +39,14 @@ class DataReader : public Entity {
 public:
   DataReader() noexcept = default;
 
-  /// `listener` must outlive the reader; it hears of the statuses in `mask`.
+  /// `listener` must outlive the reader; it receives the statuses in `mask`.
   DataReader(const DomainParticipant& participant, const Topic<T>& topic, const Qos& qos = {},
              DataReaderListener<T>* listener = nullptr, StatusMask mask = StatusMask::all())
       : Entity(check("dds_create_reader", topic.name(),
                      dds_create_reader(participant.handle(), topic.handle(), qos.get(),
                                        detail::c_listener(listener, mask).get()))) {}
 
-  /// A view of a reader that somebody else owns.
+  /// A non-owning view of a reader.
   static DataReader borrow(dds_entity_t handle) noexcept { return DataReader(handle, Ownership::borrowed); }
 
   /// Takes up to `max_samples` on loan, out of the reader.
@@ -59,7 +59,7 @@ public:
     return loan("dds_read_mask", dds_read_mask, max_samples, state);
   }
 
-  /// For the hot path: takes all that is there, oldest first within an instance, and calls
+  /// For the hot path: takes all available samples, oldest first within an instance, and calls
   /// `on_data(const T&, const SampleInfo&)` for each sample with data. After the first call it allocates
   /// nothing. Returns how many there were, or a negative return code.
   template <class OnData>
@@ -67,8 +67,8 @@ public:
     return try_take_each(on_data, [](const T&, const SampleInfo&) {});
   }
 
-  /// As above; `on_state(const T& key, const SampleInfo&)` hears of instances that were disposed of or lost
-  /// their writers. Only the key fields of `key` are set.
+  /// As above; `on_state(const T& key, const SampleInfo&)` is called for instances that were disposed of or
+  /// lost their writers. Only the key fields of `key` are set.
   template <class OnData, class OnState>
   ReturnCode try_take_each(OnData&& on_data, OnState&& on_state) {
     constexpr std::int32_t batch = 32;
@@ -94,13 +94,13 @@ public:
     return total;
   }
 
-  /// As `try_take_each`, with exceptions for errors.
+  /// Like `try_take_each`, but throws on errors.
   template <class... Visitors>
   std::size_t take_each(Visitors&&... visitors) {
     return static_cast<std::size_t>(check("dds_take", try_take_each(visitors...)));
   }
 
-  /// Fills in the key fields of `key` with those of an instance. No exception: negative where it is not
+  /// Sets the key fields of `key` to those of an instance. No exceptions: negative if the instance is not
   /// known.
   ReturnCode try_key_value(T& key, InstanceHandle instance) const noexcept {
     return dds_instance_get_key(handle(), instance.value, &key);
@@ -112,7 +112,7 @@ public:
     return detail::matched_publication_data(handle(), publication);
   }
 
-  /// Waits until the transient-local samples from before this reader have come; false after `timeout`.
+  /// Waits until the transient-local samples from before this reader have arrived; false after `timeout`.
   bool wait_for_historical_data(Duration timeout) {
     const ReturnCode code = dds_reader_wait_for_historical_data(handle(), timeout.count());
     if (code == DDS_RETCODE_TIMEOUT) return false;
@@ -146,7 +146,7 @@ public:
 private:
   using Entity::Entity;
 
-  /// Gives a batch back whatever the visitor does.
+  /// Returns the loan even if the visitor throws.
   class Loan {
   public:
     Loan(dds_entity_t reader, void** samples, ReturnCode count)

@@ -15,7 +15,7 @@
 
 namespace sonopose::dds {
 
-/// Who stands behind a matched reader.
+/// Identity of a matched reader.
 struct SubscriptionData {
   dds_guid_t participant_key{};  ///< of the participant that it belongs to
   std::vector<std::uint8_t> user_data;
@@ -32,32 +32,32 @@ class DataWriter : public Entity {
 public:
   DataWriter() noexcept = default;
 
-  /// `listener` must outlive the writer; it hears of the statuses in `mask`.
+  /// `listener` must outlive the writer; it receives the statuses in `mask`.
   DataWriter(const DomainParticipant& participant, const Topic<T>& topic, const Qos& qos = {},
              DataWriterListener<T>* listener = nullptr, StatusMask mask = StatusMask::all())
       : Entity(check("dds_create_writer", topic.name(),
                      dds_create_writer(participant.handle(), topic.handle(), qos.get(),
                                        detail::c_listener(listener, mask).get()))) {}
 
-  /// A view of a writer that somebody else owns.
+  /// A non-owning view of a writer.
   static DataWriter borrow(dds_entity_t handle) noexcept { return DataWriter(handle, Ownership::borrowed); }
 
   void write(const T& sample) { check("dds_write", try_write(sample)); }
 
-  /// Writes with a source time stamp of its own, ns since the Unix epoch.
+  /// Writes with the given source time stamp, ns since the Unix epoch.
   void write(const T& sample, std::int64_t source_timestamp_ns) {
     check("dds_write_ts", dds_write_ts(handle(), &sample, source_timestamp_ns));
   }
 
-  /// For the hot path: no exception. Where `is_timeout`: there was no room for max_blocking_time and the
-  /// sample was not written.
+  /// For the hot path: no exceptions. If `is_timeout`, readers blocked for max_blocking_time and the sample
+  /// was not written.
   ReturnCode try_write(const T& sample) noexcept { return dds_write(handle(), &sample); }
 
-  /// Sends what waits where the domain's writes are batched (DomainOptions::batch_writes).
+  /// Sends pending samples if the domain batches writes (DomainOptions::batch_writes).
   void flush() noexcept { dds_write_flush(handle()); }
 
-  /// For a stream that must not lose anything: while there is no room, tries again until `give_up()` says
-  /// true. Returns whether the sample was written.
+  /// For a stream that must not lose anything: retries after timeouts until `give_up()` returns true. Returns
+  /// whether the sample was written.
   template <class GiveUp>
   bool write_unless(const T& sample, GiveUp&& give_up) {
     ReturnCode code = try_write(sample);
@@ -67,31 +67,31 @@ public:
     return true;
   }
 
-  /// Tells the readers that the instance is no more. Only the key fields of `key` count.
+  /// Disposes of the instance. Only the key fields of `key` are used.
   void dispose_instance(const T& key) { check("dds_dispose", dds_dispose(handle(), &key)); }
 
-  /// Tells the readers that this writer writes the instance no more: its deadline ends, a weaker exclusive
-  /// writer takes over at once. Do this on a clean exit. Only the key fields of `key` count.
+  /// Unregisters the instance: its deadline ends, and a weaker exclusive writer takes over at once. Do this
+  /// on a clean exit. Only the key fields of `key` are used.
   void unregister_instance(const T& key) {
     check("dds_unregister_instance", dds_unregister_instance(handle(), &key));
   }
 
-  /// The same without an exception, for destructors.
+  /// The same without exceptions, for destructors.
   ReturnCode try_unregister_instance(const T& key) noexcept {
     return dds_unregister_instance(handle(), &key);
   }
 
-  /// The handle of an instance that this writer has written; nil for another.
+  /// The handle of an instance that this writer has written; nil for any other.
   InstanceHandle lookup_instance(const T& key) const { return {dds_lookup_instance(handle(), &key)}; }
 
-  /// Shows life where liveliness is manual. Once its lease has run out, only a write revives the writer
-  /// (Cyclone DDS 0.10).
+  /// Asserts manual liveliness. After its lease has expired, only a write revives the writer (Cyclone DDS
+  /// 0.10).
   void assert_liveliness() { check("dds_assert_liveliness", dds_assert_liveliness(handle())); }
 
-  /// The same without an exception, for threads that must go on.
+  /// The same without exceptions, for threads that must continue.
   ReturnCode try_assert_liveliness() noexcept { return dds_assert_liveliness(handle()); }
 
-  /// Returns whether all readers have all samples within `timeout`.
+  /// Returns whether all readers acknowledged all samples within `timeout`.
   bool wait_for_acknowledgments(Duration timeout) {
     const ReturnCode code = dds_wait_for_acks(handle(), timeout.count());
     if (code == DDS_RETCODE_TIMEOUT) return false;

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Who is in the domain: the processes, and their readers and writers, as discovery tells (the built-in
+/// The processes in the domain, their readers and their writers, as found by discovery (the built-in
 /// topics DCPSParticipant, DCPSPublication and DCPSSubscription).
 
 #include <sonopose/dds/binding/participant.hpp>
@@ -13,13 +13,13 @@
 
 namespace sonopose::dds {
 
-/// A participant. Cyclone DDS tells of the process behind it; other implementations need not.
+/// A participant. Cyclone DDS announces its process; other implementations may not.
 struct FoundParticipant {
   std::string key;  ///< its GUID, 32 hexadecimal digits
   std::string process_name;
   std::string host_name;
   std::optional<std::uint32_t> process_id;
-  std::string addresses;  ///< where it receives, as Cyclone DDS writes them
+  std::string addresses;  ///< its locators, in the notation of Cyclone DDS
   std::vector<std::uint8_t> user_data;
 };
 
@@ -32,13 +32,13 @@ struct FoundEndpoint {
   Qos qos;
 };
 
-/// Reads what discovery has found up to now. Every member throws `Error`.
+/// Reads what discovery has found so far. Every member throws `Error`.
 class Discovery {
 public:
   /// `participant` must outlive it.
   explicit Discovery(const DomainParticipant& participant);
 
-  /// All that are there now, the own ones among them.
+  /// All that currently exist, including our own.
   std::vector<FoundParticipant> participants() const;
   std::vector<FoundEndpoint> writers() const;
   std::vector<FoundEndpoint> readers() const;

@@ -9,8 +9,8 @@
 
 namespace sonopose::dds {
 
-/// Move-only. Deleting waits until no listener of the entity is running any more, so an entity must not be
-/// destroyed from within its own listener.
+/// Move-only. Deletion waits for running listeners of the entity, so an entity must not be destroyed in its
+/// own listener.
 class Entity {
 public:
   Entity() noexcept = default;
@@ -20,25 +20,25 @@ public:
   Entity& operator=(Entity&& other) noexcept;
   ~Entity() { close(); }
 
-  /// Deletes the entity now. Nothing happens the second time.
+  /// Deletes the entity now. A second call has no effect.
   void close() noexcept;
 
-  /// True where there is no entity: default made, moved from or closed.
+  /// True if there is no entity: default-constructed, moved from or closed.
   bool is_nil() const noexcept { return handle_ <= 0; }
 
   /// The Cyclone DDS handle, for calls that this layer does not wrap.
   dds_entity_t handle() const noexcept { return handle_; }
 
-  /// Under which name samples (`SampleInfo::publication_handle`) and matches speak of this entity.
+  /// Identifies this entity in samples (`SampleInfo::publication_handle`) and matches.
   InstanceHandle instance_handle() const;
 
-  /// The policies in force, defaults filled in.
+  /// The effective policies, including defaults.
   Qos qos() const;
 
-  /// Changes policies that may change while the entity lives.
+  /// Changes policies that are changeable on an existing entity.
   void qos(const Qos& changes);
 
-  /// Which statuses have changed since they were read last.
+  /// The statuses that have changed since they were last read.
   StatusMask status_changes() const;
 
 protected:
@@ -51,7 +51,7 @@ private:
   Ownership ownership_ = Ownership::owned;
 };
 
-/// Under which name the whole domain knows a participant, reader or writer.
+/// The GUID of a participant, reader or writer, unique in the domain.
 dds_guid_t guid_of(const Entity& entity);
 
 }  // namespace sonopose::dds

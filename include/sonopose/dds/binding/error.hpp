@@ -9,10 +9,10 @@
 
 namespace sonopose::dds {
 
-/// What a Cyclone DDS call returns: negative is an error (`DDS_RETCODE_…`), anything else a success.
+/// The result of a Cyclone DDS call: negative is an error (`DDS_RETCODE_…`), anything else a success.
 using ReturnCode = dds_return_t;
 
-/// A DDS call that failed. `what()` names the call, what it was about, and Cyclone's word for the reason.
+/// A DDS call that failed. `what()` names the call, its object, and Cyclone's text for the reason.
 class Error : public std::runtime_error {
 public:
   Error(const std::string& call, ReturnCode code);
@@ -24,7 +24,7 @@ private:
   ReturnCode code_;
 };
 
-/// Whether a `try_…` call gave up because its time was up.
+/// Whether a `try_…` call timed out.
 inline bool is_timeout(ReturnCode code) noexcept {
   return code == DDS_RETCODE_TIMEOUT;
 }
@@ -35,7 +35,7 @@ inline ReturnCode check(const char* call, ReturnCode code) {
   return code;
 }
 
-/// As `check(call, code)`, and names what the call was about, such as the topic.
+/// Like `check(call, code)`; the error also names the object of the call, such as the topic.
 inline ReturnCode check(const char* call, const std::string& about, ReturnCode code) {
   if (code < 0) throw Error(std::string(call) + "(" + about + ")", code);
   return code;

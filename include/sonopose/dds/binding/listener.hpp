@@ -1,20 +1,17 @@
 #pragma once
 /// \file
-/// Callbacks of readers and writers. They are given when the entity is made, so that nothing which happens
-/// right then is missed.
+/// Callbacks of readers and writers. They are passed when the entity is created, so that no event is missed.
 ///
 /// The contract:
-/// - Callbacks come on threads of Cyclone DDS: data of other processes on its one receive thread, data of
-/// this
-///   process on the thread that writes, deadlines and liveliness on further ones. Work microseconds there, do
-///   no I/O, wait for nothing, make and destroy no entities.
-/// - A callback may come before the constructor of the entity has returned. Samples can be taken then; the
+/// - Callbacks run on threads of Cyclone DDS: data of other processes on its one receive thread, data of this
+///   process on the writing thread, deadlines and liveliness on others. Take microseconds, do no I/O, do not
+///   block, and do not create or destroy entities.
+/// - A callback may run before the constructor of the entity has returned. Samples can be taken then, but the
 ///   entity's own instance handle is still nil.
-/// - Callbacks are noexcept: an exception cannot pass through Cyclone DDS, so one that leaves ends the
-/// process.
-/// - The listener outlives its entity: declare it before. Destroying the entity waits for a running callback.
-/// - The entity given to a callback is a borrowed view of the real one.
-/// - A status that goes to a listener no longer wakes a `WaitSet`.
+/// - Callbacks are noexcept: an exception cannot pass through Cyclone DDS and terminates the process.
+/// - The listener must outlive its entity. Destroying the entity waits for a running callback.
+/// - The entity that a callback receives is a non-owning view.
+/// - A status that a listener handles does not wake a `WaitSet`.
 
 #include <sonopose/dds/binding/types.hpp>
 
@@ -29,7 +26,7 @@ class DataReader;
 template <class T>
 class DataWriter;
 
-/// Override what is of interest. Each does nothing by default.
+/// Override the callbacks of interest. The defaults do nothing.
 template <class T>
 class DataReaderListener {
 public:
@@ -50,7 +47,7 @@ public:
   virtual void on_sample_rejected(DataReader<T>&, const SampleRejectedStatus&) noexcept {}
 };
 
-/// Override what is of interest. Each does nothing by default.
+/// Override the callbacks of interest. The defaults do nothing.
 template <class T>
 class DataWriterListener {
 public:

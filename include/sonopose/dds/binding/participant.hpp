@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A process's membership in a DDS domain.
+/// A participant: a process's membership in a DDS domain.
 
 #include <sonopose/dds/binding/domain.hpp>
 #include <sonopose/dds/binding/entity.hpp>
@@ -10,8 +10,8 @@
 
 namespace sonopose::dds {
 
-/// Joins the domain, which is configured when its first participant in this process comes and closed after
-/// the last one. Topics, writers and readers of a participant must not outlive it.
+/// Joins the domain. The first participant of a process configures the domain, the last one closes it.
+/// Topics, writers and readers of a participant must not outlive it.
 class DomainParticipant : private DomainLease, public Entity {
 public:
   explicit DomainParticipant(const DomainOptions& options = {}, const Qos& qos = {});
@@ -24,14 +24,14 @@ public:
 
   using DomainLease::domain_id;
 
-  /// Of the options: what make_writer and make_reader add to every profile.
+  /// From the options; make_writer and make_reader add it to every profile.
   [[nodiscard]] const std::string& partition() const noexcept { return partition_; }
 
 private:
   std::string partition_;
 };
 
-/// As the constructor: the one line by which an application joins.
+/// Like the constructor.
 inline DomainParticipant make_participant(const DomainOptions& options = {}, const Qos& qos = {}) {
   return DomainParticipant(options, qos);
 }

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
 /// QoS policies as plain values. `apply` writes one into a C QoS object and throws std::invalid_argument for
-/// a value that no entity could have; `from` reads it back, empty where the object leaves the policy open.
+/// an invalid value; `from` reads it back, empty if it is not set.
 
 #include <sonopose/dds/binding/types.hpp>
 
@@ -21,28 +21,28 @@ enum class OwnershipKind : std::uint8_t { shared, exclusive };
 /// "No limit" in `ResourceLimits`.
 inline constexpr std::int32_t length_unlimited = DDS_LENGTH_UNLIMITED;
 
-/// The longest time between two samples of an instance. Positive: Cyclone DDS 0.10 crashes at zero.
+/// The maximum time between two samples of an instance. Positive: Cyclone DDS 0.10 crashes at zero.
 struct Deadline {
   Duration period = infinite;
   void apply(dds_qos_t* qos) const;
   static std::optional<Deadline> from(const dds_qos_t* qos);
 };
 
-/// How long a sample may be held back in order to send it together with others.
+/// How long a sample may be delayed to send it together with others.
 struct LatencyBudget {
   Duration duration{0};
   void apply(dds_qos_t* qos) const;
   static std::optional<LatencyBudget> from(const dds_qos_t* qos);
 };
 
-/// How long after its source time stamp a sample is of use. Positive.
+/// How long a sample is useful after its source time stamp. Positive.
 struct Lifespan {
   Duration duration = infinite;
   void apply(dds_qos_t* qos) const;
   static std::optional<Lifespan> from(const dds_qos_t* qos);
 };
 
-/// Whether lost samples are sent again, and how long a write may wait for room.
+/// Whether lost samples are resent, and how long a write may block.
 struct Reliability {
   ReliabilityKind kind = ReliabilityKind::best_effort;
   Duration max_blocking_time = std::chrono::milliseconds(100);
@@ -64,14 +64,14 @@ struct History {
   static History keep_all() { return {HistoryKind::keep_all, 1}; }
 };
 
-/// Whether a late reader gets what was written before it came.
+/// Whether a late reader receives samples that were written before it appeared.
 struct Durability {
   DurabilityKind kind = DurabilityKind::volatile_data;
   void apply(dds_qos_t* qos) const;
   static std::optional<Durability> from(const dds_qos_t* qos);
 };
 
-/// How a writer shows that it lives, and after how long a silence it counts as dead. The lease is positive.
+/// How a writer asserts its liveliness, and after how long it counts as dead. The lease is positive.
 struct Liveliness {
   LivelinessKind kind = LivelinessKind::automatic;
   Duration lease_duration = infinite;
@@ -86,14 +86,14 @@ struct Ownership {
   static std::optional<Ownership> from(const dds_qos_t* qos);
 };
 
-/// Who owns the instance: the writer of the highest strength. May change while the writer lives.
+/// The writer with the highest strength owns the instance. Changeable on an existing writer.
 struct OwnershipStrength {
   std::int32_t value = 0;
   void apply(dds_qos_t* qos) const;
   static std::optional<OwnershipStrength> from(const dds_qos_t* qos);
 };
 
-/// Bounds of what an entity may hold; each positive or `length_unlimited`.
+/// Limits on the samples that an entity stores; each positive or `length_unlimited`.
 struct ResourceLimits {
   std::int32_t max_samples = length_unlimited;
   std::int32_t max_instances = length_unlimited;
@@ -109,14 +109,14 @@ struct TransportPriority {
   static std::optional<TransportPriority> from(const dds_qos_t* qos);
 };
 
-/// Reader and writer meet only where they share a partition; none is the partition "".
+/// Reader and writer match only if they share a partition; no name is the partition "".
 struct Partition {
   std::vector<std::string> names;
   void apply(dds_qos_t* qos) const;
   static std::optional<Partition> from(const dds_qos_t* qos);
 };
 
-/// Bytes that discovery carries to everybody who matches.
+/// Bytes that discovery sends to all matched endpoints.
 struct UserData {
   std::vector<std::uint8_t> value;
   void apply(dds_qos_t* qos) const;

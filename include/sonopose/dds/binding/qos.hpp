@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A set of QoS policies, for any entity. What it does not set is left to the DDS default.
+/// A set of QoS policies, for any entity. Policies that it does not set have the DDS default.
 
 #include <sonopose/dds/binding/policy.hpp>
 
@@ -21,14 +21,14 @@ public:
   Qos& operator=(Qos&&) noexcept = default;
   ~Qos() = default;
 
-  /// Sets one policy. Throws std::invalid_argument for a value that no entity could have.
+  /// Sets one policy. Throws std::invalid_argument for an invalid value.
   template <class Policy>
   Qos& operator<<(const Policy& value) {
     value.apply(qos_.get());
     return *this;
   }
 
-  /// The policy, or empty where this object leaves it open.
+  /// The policy, or empty if it is not set.
   template <class Policy>
   std::optional<Policy> policy() const {
     return Policy::from(qos_.get());
@@ -47,7 +47,7 @@ private:
   std::unique_ptr<dds_qos_t, Delete> qos_;
 };
 
-/// The deadline's period; infinite where the object leaves it open, as DDS does.
+/// The deadline's period; infinite, the DDS default, if it is not set.
 inline Duration deadline_of(const Qos& qos) {
   return qos.policy<policy::Deadline>().value_or(policy::Deadline{}).period;
 }

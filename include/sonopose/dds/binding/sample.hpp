@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What a reader gives: samples on loan from Cyclone DDS, each with its `SampleInfo`.
+/// Samples on loan from Cyclone DDS, each with its `SampleInfo`.
 
 #include <sonopose/dds/binding/types.hpp>
 
@@ -14,14 +14,14 @@
 
 namespace sonopose::dds {
 
-/// What DDS knows of a sample besides the data.
+/// The metadata of a sample.
 class SampleInfo {
 public:
   explicit SampleInfo(const dds_sample_info_t& info) : info_(&info) {}
 
-  /// False: the sample only tells that the instance's state changed, and nothing but its key fields are set.
+  /// False: only the instance's state changed, and only the key fields are set.
   bool valid() const noexcept { return info_->valid_data; }
-  /// When it was written, ns since the Unix epoch, writer's clock (or what the writer said instead).
+  /// When it was written, ns since the Unix epoch, in the writer's clock or as the writer specified.
   std::int64_t source_timestamp_ns() const noexcept { return info_->source_timestamp; }
   InstanceHandle instance_handle() const noexcept { return {info_->instance_handle}; }
   /// The writer that it came from.
@@ -53,8 +53,8 @@ private:
   SampleInfo info_;
 };
 
-/// A range of samples that Cyclone DDS lends and that go back when this object dies. It must not outlive the
-/// reader.
+/// A range of samples on loan from Cyclone DDS, returned when this object is destroyed. It must not outlive
+/// the reader.
 template <class T>
 class LoanedSamples {
 public:
@@ -83,8 +83,8 @@ public:
   };
 
   LoanedSamples() = default;
-  /// Takes over what `dds_take` and the like filled in; the vectors have as many elements as there are
-  /// samples.
+  /// Takes ownership of what `dds_take` or `dds_read` filled in; the vectors have one element for each
+  /// sample.
   LoanedSamples(dds_entity_t reader, std::vector<void*> data, std::vector<dds_sample_info_t> infos)
       : reader_(reader), data_(std::move(data)), infos_(std::move(infos)) {}
   LoanedSamples(const LoanedSamples&) = delete;
@@ -104,7 +104,7 @@ public:
   }
   ~LoanedSamples() { return_loan(); }
 
-  /// Gives the samples back now.
+  /// Returns the loan now.
   void return_loan() noexcept {
     if (!data_.empty()) dds_return_loan(reader_, data_.data(), static_cast<std::int32_t>(data_.size()));
     data_.clear();

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A named stream of one type.
+/// A topic: a named stream of one type.
 
 #include <sonopose/dds/binding/entity.hpp>
 #include <sonopose/dds/binding/error.hpp>
@@ -12,12 +12,12 @@
 
 namespace sonopose::dds {
 
-/// Says which descriptor belongs to a type that idlc generated. Specialise it with a static function
+/// The descriptor of a type that idlc generated. Specialise it with a static function
 /// `const dds_topic_descriptor_t& descriptor()`.
 template <class T>
 struct TopicTraits;
 
-/// The same type under another name on the wire. Its type information, which holds the old name, is left out.
+/// The same type under another name on the wire, without the type information, which contains the old name.
 inline dds_topic_descriptor_t renamed(const dds_topic_descriptor_t& descriptor, const char* type_name) {
   return {.m_size = descriptor.m_size,
           .m_align = descriptor.m_align,
@@ -33,8 +33,8 @@ inline dds_topic_descriptor_t renamed(const dds_topic_descriptor_t& descriptor, 
           .restrict_data_representation = descriptor.restrict_data_representation};
 }
 
-/// Several topics of one name may live in a participant. A writer or reader keeps what it needs of its topic,
-/// which may go before it.
+/// Several topics of one name may exist in a participant. A topic may be destroyed before its writers and
+/// readers.
 template <class T>
 class Topic : public Entity {
 public:

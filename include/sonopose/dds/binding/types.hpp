@@ -10,14 +10,14 @@
 
 namespace sonopose::dds {
 
-/// Nanoseconds, as DDS counts them; `infinite` is never.
+/// Nanoseconds, as in DDS.
 using Duration = std::chrono::nanoseconds;
 
-/// The duration that never ends.
+/// The infinite duration of DDS.
 inline constexpr Duration infinite = Duration::max();
 static_assert(infinite.count() == DDS_INFINITY);
 
-/// Names an instance, a reader or a writer within this process. Nil names nothing.
+/// Identifies an instance, a reader or a writer within this process. Nil identifies nothing.
 struct InstanceHandle {
   dds_instance_handle_t value = DDS_HANDLE_NIL;
 
@@ -25,12 +25,12 @@ struct InstanceHandle {
   auto operator<=>(const InstanceHandle&) const = default;  // NOLINT(modernize-use-nullptr): a false alarm
 };
 
-/// Which samples a read, a take or a `ReadCondition` is after: a mask of `DDS_…_STATE` bits, at least one bit
-/// of each of the three kinds (sample, view, instance).
+/// Selects samples for a read, a take or a `ReadCondition`: a mask of `DDS_…_STATE` bits, at least one bit of
+/// each of the three kinds (sample, view, instance).
 struct DataState {
   std::uint32_t mask = DDS_ANY_STATE;
 
-  /// Everything, the news that an instance was disposed or lost its writers among it.
+  /// Everything, including notifications that an instance was disposed of or lost its writers.
   static constexpr DataState any() { return {DDS_ANY_STATE}; }
   /// Not read before.
   static constexpr DataState not_read() {

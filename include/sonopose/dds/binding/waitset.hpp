@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Waiting for events: conditions, and the set of them that a thread sleeps on.
+/// Waiting for events: conditions, and wait sets.
 
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/binding/entity.hpp>
@@ -11,7 +11,7 @@
 
 namespace sonopose::dds {
 
-/// True while a reader holds samples of the given state. Must not outlive the reader.
+/// True while a reader has samples of the given state. Must not outlive the reader.
 class ReadCondition : public Entity {
 public:
   template <class T>
@@ -24,7 +24,7 @@ private:
   ReadCondition(dds_entity_t reader, DataState state);
 };
 
-/// True while the application says so: how one thread wakes another from its `WaitSet`.
+/// True while the application sets it: wakes another thread from its `WaitSet`.
 class GuardCondition : public Entity {
 public:
   GuardCondition();
@@ -33,8 +33,8 @@ public:
   bool trigger_value() const;
 };
 
-/// True while one of an entity's enabled statuses has changed and was not read yet. It is part of the entity
-/// and holds nothing; the entity has one set of enabled statuses.
+/// True while one of an entity's enabled statuses has changed and was not read yet. It is part of the entity,
+/// which has one set of enabled statuses.
 class StatusCondition {
 public:
   explicit StatusCondition(const Entity& entity) : entity_(entity.handle()) {}
@@ -48,7 +48,8 @@ private:
   dds_entity_t entity_;
 };
 
-/// Lets a thread sleep until a condition is true. Unlike in ISO C++ DDS a timeout is a result, no exception.
+/// Blocks a thread until a condition is true. Unlike in ISO C++ DDS, a timeout is a result and not an
+/// exception.
 class WaitSet : public Entity {
 public:
   WaitSet();

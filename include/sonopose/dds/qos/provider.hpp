@@ -11,52 +11,52 @@
 #include <string>
 #include <vector>
 
-namespace sonopose::dds {
+namespace sonopose::dds::qos {
 
-/// A QoS file that cannot be used. `what()` is `file:line: <element>: reason`.
-class QosFileError : public std::runtime_error {
+/// An invalid QoS file. `what()` is `file:line: <element>: reason`.
+class FileError : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;
 };
 
-/// The project's own QoS file: the one installed next to the running program (../share/sonopose/qos), else
-/// that of the source tree, else that of the installation prefix. Throws `QosFileError` where there is none.
-std::filesystem::path project_qos_file();
+/// The project's QoS file: the one installed next to the running program (../share/sonopose/qos), otherwise
+/// that of the source tree, otherwise that of the installation prefix. Throws `FileError` if there is none.
+std::filesystem::path project_file();
 
-/// The file of a user's own that is laid over the project's: `asked_for` if given, else the environment's
-/// SONOPOSE_QOS, else none. Throws `QosFileError` where the one that was asked for is not there.
-std::optional<std::filesystem::path> qos_overrides(
-    const std::optional<std::filesystem::path>& asked_for = std::nullopt);
+/// The user's file that is merged over the project's: `requested` if given, otherwise the environment
+/// variable SONOPOSE_QOS, otherwise none. Throws `FileError` if the file does not exist.
+std::optional<std::filesystem::path> overrides_file(
+    const std::optional<std::filesystem::path>& requested = std::nullopt);
 
 /// Reads files strictly: an unknown element or attribute, a value out of range, an element given twice, a
-/// profile given twice are `QosFileError`s. `base_name` inherits from a profile further up in the file.
-class QosProvider {
+/// profile given twice are `FileError`s. `base_name` inherits from an earlier profile of the file.
+class Provider {
 public:
-  /// The project's profiles, with those of `qos_overrides(overrides)` laid over them.
-  explicit QosProvider(const std::optional<std::filesystem::path>& overrides = std::nullopt);
+  /// The project's profiles with those of `overrides_file(overrides)` merged over them.
+  explicit Provider(const std::optional<std::filesystem::path>& overrides = std::nullopt);
 
-  /// One whole file alone, from text; `name` stands for the file in errors.
-  static QosProvider from_string(const std::string& xml, const std::string& name);
+  /// One complete file, from text; `name` is the file name in errors.
+  static Provider from_string(const std::string& xml, const std::string& name);
 
-  /// Lays a user's file over what is here. A profile of one of the libraries here need hold only the policies
-  /// that it changes; they are changed for this profile alone, not for those that inherit from it here. What
-  /// `base_name` brings in (from a profile further up in the file, else from one here) is laid over as well.
-  /// Other libraries may hold profiles to inherit from. Throws `QosFileError` and changes nothing, besides as
-  /// above: for a profile that its library here does not have or whose reader would no longer match its
-  /// writer, and for a file that changes no profile.
-  void lay_over(const std::string& xml, const std::string& name);
+  /// Merges a user's file over the current profiles. A profile of a current library contains only the
+  /// policies that it changes, for this profile alone and not for those that inherit from it. Policies that
+  /// it inherits by `base_name` (from an earlier profile of the file, otherwise from a current one) are
+  /// merged as well. Other libraries may contain profiles to inherit from. Throws `FileError` and changes
+  /// nothing for an invalid file, for a profile that its current library does not have, for one whose reader
+  /// would no longer match its writer, and for a file that changes no profile.
+  void merge(const std::string& xml, const std::string& name);
 
   /// The full names of all profiles: "Library::Profile".
   std::vector<std::string> profiles() const;
 
-  /// The QoS of a profile named `Library::Profile`. Policies that it does not set are left to the DDS
-  /// default. Throws `QosFileError` for a profile that the file does not have.
+  /// The QoS of a profile named `Library::Profile`. Policies that it does not set have the DDS default.
+  /// Throws `FileError` if there is no such profile.
   const Qos& datawriter_qos(const std::string& profile) const;
   const Qos& datareader_qos(const std::string& profile) const;
   const Qos& topic_qos(const std::string& profile) const;
   const Qos& participant_qos(const std::string& profile) const;
 
-  /// The four sets that a profile holds.
+  /// The four sets of a profile.
   struct Profile {
     Qos datawriter;
     Qos datareader;
@@ -66,11 +66,16 @@ public:
 
 private:
   struct Empty {};
-  explicit QosProvider(Empty) {}
+  explicit Provider(Empty) {}
   const Profile& find(const std::string& profile) const;
 
   std::string file_;
   std::map<std::string, Profile> profiles_;
 };
 
+}  // namespace sonopose::dds::qos
+
+namespace sonopose::dds {
+using QosProvider = qos::Provider;
+using QosFileError = qos::FileError;
 }  // namespace sonopose::dds

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace sonopose::dds {
+namespace sonopose::dds::topics {
 
 /// An IDL sample with a list of assignments, for writing. It owns the list.
 template <class T>
@@ -74,4 +74,10 @@ SettingsRequest from_idl(const sonopose_SettingsRequest& idl);
 SettingsReply from_idl(const sonopose_SettingsReply& idl);
 EffectiveSettings from_idl(const sonopose_EffectiveSettings& idl);
 
+}  // namespace sonopose::dds::topics
+
+namespace sonopose::dds {
+using topics::from_idl;
+using topics::IdlView;
+using topics::to_idl;
 }  // namespace sonopose::dds

@@ -10,44 +10,43 @@
 #include <tuple>
 #include <type_traits>
 
-namespace sonopose::dds {
+namespace sonopose::dds::topics {
 
 /// One row: a topic's name, type and profiles (of `qos/sonopose.xml`).
 template <class T>
-struct TopicEntry {
+struct Entry {
   using Type = T;
   const char* name;
   const char* profile;           ///< live
   const char* lossless_profile;  ///< for replaying a log at full speed; the live one if it suffices
 };
 
-namespace topics {
 // clang-format off
 /// bridge → fusion, recorder
-inline constexpr TopicEntry<sonopose_ImuSample> imu{"sonopose/imu", "sonopose::Imu", "sonopose::LosslessImu"};
-inline constexpr TopicEntry<sonopose_UltrasonicFix> fix{"sonopose/fix", "sonopose::Fix", "sonopose::LosslessFix"};
-inline constexpr TopicEntry<sonopose_PairHeading> heading{"sonopose/heading", "sonopose::Heading", "sonopose::LosslessHeading"};
+inline constexpr Entry<sonopose_ImuSample> imu{"sonopose/imu", "sonopose::Imu", "sonopose::LosslessImu"};
+inline constexpr Entry<sonopose_UltrasonicFix> fix{"sonopose/fix", "sonopose::Fix", "sonopose::LosslessFix"};
+inline constexpr Entry<sonopose_PairHeading> heading{"sonopose/heading", "sonopose::Heading", "sonopose::LosslessHeading"};
 /// wheel odometry and the like → fusion: reserved
-inline constexpr TopicEntry<sonopose_TwistSample> twist{"sonopose/twist", "sonopose::Twist", "sonopose::LosslessTwist"};
+inline constexpr Entry<sonopose_TwistSample> twist{"sonopose/twist", "sonopose::Twist", "sonopose::LosslessTwist"};
 /// bridge → consumers
-inline constexpr TopicEntry<sonopose_StationaryBeacon> stationary_beacon{"sonopose/stationary_beacon", "sonopose::StationaryBeacon", "sonopose::StationaryBeacon"};
+inline constexpr Entry<sonopose_StationaryBeacon> stationary_beacon{"sonopose/stationary_beacon", "sonopose::StationaryBeacon", "sonopose::StationaryBeacon"};
 /// fusion → consumers
-inline constexpr TopicEntry<sonopose_FusedPose> pose{"sonopose/pose", "sonopose::Pose", "sonopose::LosslessPose"};
-inline constexpr TopicEntry<sonopose_FixReport> report{"sonopose/report", "sonopose::Report", "sonopose::LosslessReport"};
-inline constexpr TopicEntry<sonopose_Estimate> estimate{"sonopose/estimate", "sonopose::Status", "sonopose::Status"};
+inline constexpr Entry<sonopose_FusedPose> pose{"sonopose/pose", "sonopose::Pose", "sonopose::LosslessPose"};
+inline constexpr Entry<sonopose_FixReport> report{"sonopose/report", "sonopose::Report", "sonopose::LosslessReport"};
+inline constexpr Entry<sonopose_Estimate> estimate{"sonopose/estimate", "sonopose::Status", "sonopose::Status"};
 /// bridge, fusion → monitor
-inline constexpr TopicEntry<sonopose_LineStatus> line_status{"sonopose/line_status", "sonopose::Status", "sonopose::Status"};
-inline constexpr TopicEntry<sonopose_BeaconStatus> beacon_status{"sonopose/beacon_status", "sonopose::Status", "sonopose::Status"};
-inline constexpr TopicEntry<sonopose_FusionStatus> fusion_status{"sonopose/fusion_status", "sonopose::Status", "sonopose::Status"};
+inline constexpr Entry<sonopose_LineStatus> line_status{"sonopose/line_status", "sonopose::Status", "sonopose::Status"};
+inline constexpr Entry<sonopose_BeaconStatus> beacon_status{"sonopose/beacon_status", "sonopose::Status", "sonopose::Status"};
+inline constexpr Entry<sonopose_FusionStatus> fusion_status{"sonopose/fusion_status", "sonopose::Status", "sonopose::Status"};
 /// simulator → monitor, scoring
-inline constexpr TopicEntry<sonopose_TruthSample> truth{"sonopose/truth", "sonopose::Truth", "sonopose::Truth"};
+inline constexpr Entry<sonopose_TruthSample> truth{"sonopose/truth", "sonopose::Truth", "sonopose::Truth"};
 /// any program → fusion
-inline constexpr TopicEntry<sonopose_ResetCommand> reset{"sonopose/reset", "sonopose::Command", "sonopose::Command"};
-inline constexpr TopicEntry<sonopose_SettingsRequest> settings_request{"sonopose/settings_request", "sonopose::SettingsRequest", "sonopose::SettingsRequest"};
+inline constexpr Entry<sonopose_ResetCommand> reset{"sonopose/reset", "sonopose::Command", "sonopose::Command"};
+inline constexpr Entry<sonopose_SettingsRequest> settings_request{"sonopose/settings_request", "sonopose::SettingsRequest", "sonopose::SettingsRequest"};
 /// fusion → the requesting program
-inline constexpr TopicEntry<sonopose_SettingsReply> settings_reply{"sonopose/settings_reply", "sonopose::SettingsReply", "sonopose::SettingsReply"};
+inline constexpr Entry<sonopose_SettingsReply> settings_reply{"sonopose/settings_reply", "sonopose::SettingsReply", "sonopose::SettingsReply"};
 /// fusion → any program
-inline constexpr TopicEntry<sonopose_EffectiveSettings> settings{"sonopose/settings", "sonopose::Settings", "sonopose::Settings"};
+inline constexpr Entry<sonopose_EffectiveSettings> settings{"sonopose/settings", "sonopose::Settings", "sonopose::Settings"};
 // clang-format on
 
 /// Every row.
@@ -67,12 +66,11 @@ inline constexpr std::tuple all{imu,
                                 settings_request,
                                 settings_reply,
                                 settings};
-}  // namespace topics
 
 enum class Delivery : bool { live, lossless };
 
 template <class T>
-const char* profile_of(const TopicEntry<T>& entry, Delivery delivery) {
+const char* profile_of(const Entry<T>& entry, Delivery delivery) {
   return delivery == Delivery::lossless ? entry.lossless_profile : entry.profile;
 }
 
@@ -83,8 +81,8 @@ inline void join_partition(Qos& qos, const DomainParticipant& participant) {
 
 /// A writer for one row of the diagram. `listener` must outlive it. `changes` override the profile.
 template <class T>
-DataWriter<T> make_writer(const DomainParticipant& participant, const QosProvider& qos,
-                          const TopicEntry<T>& entry,
+DataWriter<T> make_writer(const DomainParticipant& participant, const qos::Provider& qos,
+                          const Entry<T>& entry,
                           std::type_identity_t<DataWriterListener<T>>* listener = nullptr,
                           Delivery delivery = Delivery::live, const Qos& changes = {}) {
   const char* profile = profile_of(entry, delivery);
@@ -97,8 +95,8 @@ DataWriter<T> make_writer(const DomainParticipant& participant, const QosProvide
 
 /// A reader for one row of the diagram. `listener` must outlive it.
 template <class T>
-DataReader<T> make_reader(const DomainParticipant& participant, const QosProvider& qos,
-                          const TopicEntry<T>& entry,
+DataReader<T> make_reader(const DomainParticipant& participant, const qos::Provider& qos,
+                          const Entry<T>& entry,
                           std::type_identity_t<DataReaderListener<T>>* listener = nullptr,
                           Delivery delivery = Delivery::live) {
   const char* profile = profile_of(entry, delivery);
@@ -108,4 +106,14 @@ DataReader<T> make_reader(const DomainParticipant& participant, const QosProvide
   return DataReader<T>(participant, topic, reader_qos, listener);
 }
 
+}  // namespace sonopose::dds::topics
+
+namespace sonopose::dds {
+template <class T>
+using TopicEntry = topics::Entry<T>;
+using topics::Delivery;
+using topics::join_partition;
+using topics::make_reader;
+using topics::make_writer;
+using topics::profile_of;
 }  // namespace sonopose::dds
