@@ -4,7 +4,10 @@
 
 #include <catch2/catch.hpp>
 
+#include <fstream>
+#include <iterator>
 #include <limits>
+#include <regex>
 #include <set>
 #include <string>
 #include <tuple>
@@ -240,6 +243,20 @@ TEST_CASE("Texts and lists for other programs are bounded") {
     request.assignments.assign(sonopose_MAX_ASSIGNMENTS + 1, {"a", "b"});
     CHECK_THROWS_WITH(topics::to_idl(request), Catch::Contains("257 settings, more than the 256"));
   }
+}
+
+TEST_CASE("Every documented setting fits into its bounded types") {
+  std::ifstream page(std::string(SONOPOSE_SOURCE_DIR) + "/docs/settings.md");
+  REQUIRE(page.good());
+  const std::string text{std::istreambuf_iterator<char>(page), {}};
+  const std::regex key("`([a-z_]+\\.[a-z_0-9]+)`");
+  std::set<std::string> keys;
+  for (std::sregex_iterator match(text.begin(), text.end(), key), end; match != end; ++match) {
+    keys.insert((*match)[1]);
+  }
+  CHECK(keys.size() > 37);
+  CHECK(keys.size() <= sonopose_MAX_ASSIGNMENTS);
+  for (const std::string& each : keys) CHECK(each.size() <= sonopose_MAX_SETTING_KEY);
 }
 
 TEST_CASE("An enumerator of another version is read as the first one") {

@@ -146,7 +146,7 @@ TEST_CASE("An error in a policy names file, line and element") {
        "file.xml:5: <depth>: '0' is no whole number from 1 to 2147483647"},
       {"<history><kind>KEEP_LAST_HISTORY_QOS</kind></history>", "file.xml:4: <history>: <depth> is missing"},
       {"<history><kind>KEEP_ALL_HISTORY_QOS</kind><depth>3</depth></history>",
-       "file.xml:4: <depth>: means nothing"},
+       "file.xml:4: <depth>: has no meaning"},
       {"<resource_limits><max_samples>0</max_samples></resource_limits>", "file.xml:4: <max_samples>: '0'"},
       {"<history><kind>KEEP_LAST_HISTORY_QOS</kind><depth>9</depth></history>\n"
        "<resource_limits><max_samples_per_instance>8</max_samples_per_instance></resource_limits>",
