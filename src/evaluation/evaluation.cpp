@@ -1,8 +1,9 @@
-#include <sonopose/estimation/documented/engine.hpp>
-#include "recording/log_folder.hpp"
-#include "evaluation/comparison.hpp"
 #include "evaluation/evaluation.hpp"
+
+#include "evaluation/comparison.hpp"
+#include "recording/log_folder.hpp"
 #include "sim/simulator.hpp"
+#include <sonopose/estimation/documented/engine.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -114,7 +115,7 @@ public:
 private:
   /// ∫ v·exp(−rate·t) dt over what is left of the outage when stale mode begins.
   static double allowed_m(const DriftWatch& drift, const sim::Outage& outage,
-                          const estimation::documented::OutageSettings& settings) {
+                          const settings::OutageSettings& settings) {
     const double stale_s = std::max(0.0, outage.duration_s - settings.stale_after_s);
     if (settings.velocity_decay_rate_hz <= 0.0) return drift.speed_mps() * stale_s;
     return drift.speed_mps() * -std::expm1(-settings.velocity_decay_rate_hz * stale_s) /

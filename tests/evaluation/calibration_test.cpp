@@ -1,11 +1,13 @@
-#include "calibration/simulated_sensor.hpp"
-#include "support/temporary_folder.hpp"
-#include "calibration/fit/error.hpp"
-#include "files/error.hpp"
-#include "recording/log_writer.hpp"
-#include "evaluation/allan.hpp"
 #include "evaluation/calibration.hpp"
+
+#include "calibration/fit/error.hpp"
+#include "calibration/fit/terms.hpp"
+#include "calibration/simulated_sensor.hpp"
+#include "evaluation/allan.hpp"
+#include "files/error.hpp"
 #include "plots/picture.hpp"
+#include "recording/log_writer.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -49,16 +51,12 @@ std::vector<ImuSample> whole_recording() {
 template <class Group>
 void check_table(const toml::table* table, const Group& settings) {
   REQUIRE(table != nullptr);
-  std::size_t count = 0;
-  Group::declarations()([&](const auto&... row) {
-    const auto check = [&](const auto& one) {
-      CAPTURE(std::string(one.name));
-      CHECK((*table)[one.name].template value_exact<double>() == settings.*(one.field));
-      ++count;
-    };
-    (check(row), ...);
-  });
-  CHECK(table->size() == count);
+  const auto terms = calibration::terms_of(settings);
+  for (const auto& [info, value] : terms) {
+    CAPTURE(info->name);
+    CHECK((*table)[info->name].template value_exact<double>() == value);
+  }
+  CHECK(table->size() == terms.size());
 }
 
 }  // namespace
@@ -76,7 +74,8 @@ TEST_CASE("GIVEN a recording THEN the TOML tables hold every setting to the last
   CHECK(field.magnetometer->settings.hard_iron_z_ut == Approx(30.0).margin(0.3));
 
   SECTION("for all beacons, both files one behind the other") {
-    const auto tree = toml::parse(evaluation::calibration_toml(imu, {}) + evaluation::calibration_toml(field, {}));
+    const auto tree =
+        toml::parse(evaluation::calibration_toml(imu, {}) + evaluation::calibration_toml(field, {}));
     const auto tables = tree["calibration"];
     check_table(tables["accelerometer"].as_table(), imu.accelerometer->settings);
     check_table(tables["gyroscope"].as_table(), imu.gyroscope->settings);
@@ -146,8 +145,9 @@ TEST_CASE("GIVEN a minute at rest THEN the noise is told in words, as JSON and a
   sensor.hold(Quaterniond::Identity(), 60.0);
   write_log(folder / "log", sensor.samples());
   const auto result = evaluation::analyse_allan(folder / "log");
-  CHECK_THAT(evaluation::allan_text(result), Contains("6000 samples, 0.01 s apart") && Contains("gyroscope x") &&
-                                             Contains("accelerometer z") && Contains("not seen"));
+  CHECK_THAT(evaluation::allan_text(result), Contains("6000 samples, 0.01 s apart") &&
+                                                 Contains("gyroscope x") && Contains("accelerometer z") &&
+                                                 Contains("not seen"));
   const json object = json::parse(evaluation::allan_json(result));
   REQUIRE(object["axes"].size() == 6);
   // 0.002 rad/s per sample at 100 Hz.

@@ -1,7 +1,7 @@
 /// What cannot be used is refused at the start, in words that lead to the mistake.
 
-#include "support/temporary_folder.hpp"
 #include "support/bus.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <algorithm>
 
@@ -63,11 +63,11 @@ SCENARIO("a fusion refuses a configuration that it cannot use") {
                            Contains("0 … 50"));
     }
   }
-  WHEN("a value is of the wrong kind") {
+  WHEN("a value is of the wrong type") {
     const std::string said = refused_config("[drift]\ndecay_rate_hz = \"fast\"\n");
     THEN("file, line, key, value and what is allowed are named") {
       CHECK_THAT(said, Contains("fusion.toml:2:") && Contains("drift.decay_rate_hz") && Contains("fast") &&
-                           Contains("kind") && Contains("0 … 50"));
+                           Contains("type") && Contains("0 … 50"));
     }
   }
   WHEN("an override of one beacon is misspelt") {

@@ -1,10 +1,11 @@
 /// Settings of a running fusion: sonopose-settings, and what consumers see of it.
 
-#include "support/temporary_folder.hpp"
+#include "recording/log_folder.hpp"
 #include "support/bits.hpp"
 #include "support/bus.hpp"
+#include "support/temporary_folder.hpp"
 #include <sonopose/estimation/documented/engine.hpp>
-#include "recording/log_folder.hpp"
+#include <sonopose/settings/settings_table.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -97,7 +98,7 @@ SCENARIO("settings are changed while the fusion runs, and who comes late sees wh
         REQUIRE(bus.settings({"set", "trust.n_min=3", "--beacon", "7"}).code == 0);
         REQUIRE(live.settings.wait_for(has(7, "trust.n_min", "3")));
         CHECK(value_in(as_told_late(bus, 7), "trust.n_base") ==
-              std::to_string(estimation::documented::TrustSettings{}.n_base));
+              std::to_string(settings::TrustSettings{}.n_base));
       }
     }
     WHEN("what a preset replaces is set") {
