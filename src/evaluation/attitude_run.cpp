@@ -1,5 +1,8 @@
 #include "evaluation/attitude_run.hpp"
 
+#include <sonopose/attitude/any_filter.hpp>
+#include <sonopose/calibration/model/calibration.hpp>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 

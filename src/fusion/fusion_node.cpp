@@ -1,5 +1,6 @@
 #include "fusion/fusion_node_impl.hpp"
 #include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/estimation/documented/output.hpp>
 
 #include <fmt/format.h>
 

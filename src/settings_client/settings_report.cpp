@@ -1,6 +1,7 @@
-#include "config/beacon_settings.hpp"
-#include <sonopose/settings/settings.hpp>
 #include "settings_client/settings_report.hpp"
+
+#include "config/beacon_settings.hpp"
+#include <sonopose/settings/settings_table.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

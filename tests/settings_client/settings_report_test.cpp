@@ -1,7 +1,9 @@
 /// What sonopose-settings prints.
 
-#include "config/fusion_config.hpp"
 #include "settings_client/settings_report.hpp"
+
+#include "config/fusion_config.hpp"
+#include <sonopose/settings/preset.hpp>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -64,7 +66,7 @@ TEST_CASE("keys and whole groups can be chosen") {
 
 TEST_CASE("what is printed as TOML can be given to a fusion, which then has the same settings") {
   settings::Settings settings;
-  settings.preset.imu_weight = estimation::documented::ImuWeight::user;
+  settings.preset.imu_weight = settings::ImuWeight::user;
   settings.drift.jump_alpha = 0.1 + 0.2;
   settings.trust.enabled = false;
   const EffectiveSettings beacon{7, 0, 1, config::texts_of(settings)};
@@ -88,7 +90,7 @@ TEST_CASE("what holds for any beacon stands at the top level, for the beacons of
 
 TEST_CASE("items 2, 3 and 4 under a preset are a remark, so that loading the file warns of nothing") {
   settings::Settings low;
-  low.preset.imu_weight = estimation::documented::ImuWeight::low;
+  low.preset.imu_weight = settings::ImuWeight::low;
   const auto texts = config::texts_of(settings::resolved(low));
   const std::vector<EffectiveSettings> settings{{all_beacons, 0, 0, texts}, {7, 0, 1, texts}};
   const auto config = loaded(toml_of(settings));
@@ -101,7 +103,7 @@ TEST_CASE("items 2, 3 and 4 under a preset are a remark, so that loading the fil
   CHECK_THAT(toml_of(settings), Contains("\n# drift.jump_alpha = "));
   CHECK_THAT(toml_of(settings, {"drift"}),
              Contains("\n# drift.jump_alpha = "));  // known from what is not shown
-  low.preset.imu_weight = estimation::documented::ImuWeight::user;
+  low.preset.imu_weight = settings::ImuWeight::user;
   CHECK_THAT(toml_of({{7, 0, 1, config::texts_of(low)}}), Contains("\ndrift.jump_alpha = "));
 }
 

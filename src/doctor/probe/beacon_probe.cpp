@@ -1,6 +1,8 @@
-#include <sonopose/settings/settings.hpp>
-#include "observation/beacon_view.hpp"
 #include "doctor/probe/beacon_probe.hpp"
+
+#include "observation/beacon_view.hpp"
+#include <sonopose/calibration/model/calibration.hpp>
+#include <sonopose/settings/settings_table.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "ros2/relay/beacon.hpp"
 
 #include "process/clocks.hpp"
-#include <sonopose/estimation/documented/uncertainty.hpp>
+#include <sonopose/settings/settings.hpp>
 #include <sonopose/ros2/messages/borrow.hpp>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ Ros2Beacon::Ros2Beacon(ros2::Node& node, const Ros2Output& output, BeaconAddress
       frames_(ros2::for_beacon(output.frames, address)),
       tf_(tf),
       in_tree_(in_tree),
-      fix_std_m_(estimation::documented::UncertaintySettings{}.fix_std_m) {
+      fix_std_m_(settings::UncertaintySettings{}.fix_std_m) {
   raw_imu_ = node.make_writer<ros2::Imu>(prefix_ + "imu/data_raw", profile);
   imu_ = node.make_writer<ros2::Imu>(prefix_ + "imu/data", profile);
   odometry_ = node.make_writer<ros2::Odometry>(prefix_ + "odom", profile);

@@ -3,7 +3,7 @@
 /// The settings as ROS 2 parameters: "drift.jump_alpha" for all beacons, "beacon_7.drift.jump_alpha" for one.
 
 #include <sonopose/samples/live_settings.hpp>
-#include <sonopose/settings/settings.hpp>
+#include <sonopose/settings/settings_table.hpp>
 
 #include <cstdint>
 #include <map>
@@ -40,6 +40,6 @@ ParameterList list_parameters(const SettingsByBeacon& in_force, const std::vecto
 
 /// Empty for what is no parameter, and for a beacon that was not heard.
 std::optional<settings::SettingValue> parameter_value(const SettingsByBeacon& in_force,
-                                                    const std::string& parameter);
+                                                      const std::string& parameter);
 
 }  // namespace sonopose::ros2
