@@ -24,7 +24,7 @@ using transport::ReadStatus;
 /// Longer than any frame or datagram.
 using Buffer = std::array<std::uint8_t, 4096>;
 
-/// Tells the sink what assembler and decoder know of each beacon.
+/// Reports to the sink what assembler and decoder have counted for each beacon.
 void report(const Assembler& assembler, const marvelmind::DecoderCounters& line, SampleSink& sink) {
   for (const BeaconAddress address : assembler.addresses()) {
     BeaconStatus status = assembler.beacon(address)->status();
@@ -36,8 +36,8 @@ void report(const Assembler& assembler, const marvelmind::DecoderCounters& line,
   }
 }
 
-/// A line that brings bytes as they come: `Decoder` finds the packets, the assembler makes samples of them by
-/// the times of their arrival.
+/// A live line: `Decoder` finds the packets, and the assembler turns them into samples by their arrival
+/// times.
 template <class Decoder>
 class LiveSource final : public Source {
 public:
@@ -62,10 +62,10 @@ public:
       } else if (read.status == ReadStatus::end || read.status == ReadStatus::stopped) {
         return;
       } else {
-        tell_of(read.status);
+        log_change(read.status);
       }
       assembler_.flush(process::host_now(), publish);
-      if (process::steady_now() - reported < tell_period_ns) continue;
+      if (process::steady_now() - reported < report_period_ns) continue;
       reported = process::steady_now();
       report(assembler_, decoder_.counters(), sink);
       sink.tick();
@@ -73,9 +73,9 @@ public:
   }
 
 private:
-  static constexpr TimeNs tell_period_ns = 200'000'000;
+  static constexpr TimeNs report_period_ns = 200'000'000;
 
-  /// Until something has waited long enough, or it is time to look up.
+  /// Until a packet has waited long enough, or the stop signal must be checked.
   [[nodiscard]] std::chrono::milliseconds timeout() const {
     constexpr std::int64_t longest_ms = 100;
     const auto deadline_ns = assembler_.next_deadline_ns();
@@ -85,7 +85,7 @@ private:
         std::clamp<std::int64_t>((*deadline_ns - process::host_now()) / ms + 1, 1, longest_ms));
   }
 
-  void tell_of(ReadStatus status) const {
+  void log_change(ReadStatus status) const {
     if (status == ReadStatus::connected) fmt::print(stderr, "sonopose-bridge: reading {}\n", bytes_->name());
     if (status == ReadStatus::disconnected) {
       fmt::print(stderr, "sonopose-bridge: waiting for {} ({})\n", bytes_->name(), bytes_->last_error());
@@ -108,7 +108,7 @@ public:
   void run(SampleSink& sink, const process::StopSignal& stop) override {
     const TimeNs origin_ns = process::host_now();
     bool stopped = false;
-    // A sample is published when its packet was sent, not when the file gave it up.
+    // A sample is published at the time when its packet was sent, not when it was read from the file.
     const auto play = [&](const marvelmind::Packet& packet) {
       if (stopped) return;
       const TimeNs arrival_ns = assembler_.replay_arrival_ns(packet, origin_ns);

@@ -1,7 +1,8 @@
+#include "transport/serial_port.hpp"
+
+#include "files/error.hpp"
 #include "transport/serial_line.hpp"
 #include "transport/stoppable_loop.hpp"
-#include "files/error.hpp"
-#include "transport/serial_port.hpp"
 
 #include <asio/buffer.hpp>
 #include <asio/serial_port.hpp>
@@ -33,7 +34,8 @@ public:
     std::error_code ignored;
     const auto kind = std::filesystem::status(device_, ignored).type();
     using Kind = std::filesystem::file_type;
-    if (kind == Kind::regular || kind == Kind::directory) throw files::IoError(device_ + ": is no serial device");
+    if (kind == Kind::regular || kind == Kind::directory)
+      throw files::IoError(device_ + ": is not a serial device");
   }
 
   ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {
@@ -51,7 +53,7 @@ private:
     const auto start = [&](auto finish) {
       port_.async_read_some(asio::buffer(buffer.data(), buffer.size()),
                             [&arrival_time_ns, finish](const asio::error_code& error, std::size_t size) {
-                              arrival_time_ns = host_time_ns();
+                              arrival_time_ns = host_now();
                               finish(error, size);
                             });
     };

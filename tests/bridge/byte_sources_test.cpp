@@ -1,7 +1,8 @@
 #include "bridge/byte_sources.hpp"
 
 #include "bridge/collecting_sink.hpp"
-#include "bridge/recorded_sources.hpp"
+#include "bridge/log_source.hpp"
+#include "bridge/simulator_source.hpp"
 #include "files/error.hpp"
 #include "marvelmind/encoder.hpp"
 #include "process/clocks.hpp"

@@ -1,5 +1,6 @@
+#include "bridge/simulator_source.hpp"
+
 #include "bridge/collecting_sink.hpp"
-#include "bridge/recorded_sources.hpp"
 #include "process/clocks.hpp"
 #include "support/temporary_folder.hpp"
 

@@ -1,7 +1,7 @@
 /// A log that is wrong is refused with file, line, column and value.
 
-#include "support/temporary_folder.hpp"
 #include "recording/log_folder.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -95,7 +95,7 @@ SCENARIO("a cell that cannot be read is named with file, line, column and value"
   }
   WHEN("a quaternion is there by halves") {
     files.truth += "2,0,0,0,1,0,,\n";
-    CHECK_THAT(complaint_about(files), Contains("/truth.csv:3: column 7 (q_y []): \"\" is empty though"));
+    CHECK_THAT(complaint_about(files), Contains("/truth.csv:3: column 7 (q_y []): \"\" is empty but"));
   }
 }
 
@@ -117,11 +117,11 @@ SCENARIO("rows and headers of the wrong width are named") {
   }
   WHEN("a magnetometer has two axes") {
     files.imu = "#timestamp,w_x,w_y,w_z,a_x,a_y,a_z,m_x,m_y\n1,0,0,0,0,0,9.8,1,2\n";
-    CHECK_THAT(complaint_about(files), Contains("/imu.csv:2: column 10 (m_z [uT]): \"\" is empty though"));
+    CHECK_THAT(complaint_about(files), Contains("/imu.csv:2: column 10 (m_z [uT]): \"\" is empty but"));
   }
   WHEN("the header line is missing") {
     files.imu = "1,0,0,0,0,0,9.8\n";
-    CHECK_THAT(complaint_about(files), Contains("/imu.csv:1: a header line that begins with # is missing") &&
+    CHECK_THAT(complaint_about(files), Contains("/imu.csv:1: expected a header line that begins with #") &&
                                            Contains("1,0,0,0,0,0,9.8"));
   }
   WHEN("a file is empty") {
@@ -144,7 +144,7 @@ SCENARIO("a file that is no text is refused, not read for ever") {
   Files files;
   WHEN("a line never ends") {
     files.imu += std::string(1'000'000, '7');
-    CHECK_THAT(complaint_about(files), Contains("/imu.csv:3: the line is endless"));
+    CHECK_THAT(complaint_about(files), Contains("/imu.csv:3: the line is too long"));
   }
   WHEN("a cell holds a zero byte") {
     files.imu += std::string("2,0,0,0,0,0,9.8\0,1\n", 19);

@@ -1,8 +1,9 @@
-#include "recording/samples_at.hpp"
-#include "support/temporary_folder.hpp"
-#include "recording/log_folder.hpp"
 #include "recording/log_writer.hpp"
+
+#include "recording/log_folder.hpp"
+#include "recording/samples_at.hpp"
 #include "sim/simulator.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -161,18 +162,18 @@ SCENARIO("a recording is never overwritten or mixed") {
   const std::string before = read_text(folder / "log" / "imu.csv");
   WHEN("a second recording wants the same folder") {
     CHECK_THROWS_WITH(SensorLogWriter(folder / "log"),
-                      Contains("/log: already holds a recording (imu.csv), it is not overwritten"));
+                      Contains("/log: already contains a recording (imu.csv), which is not overwritten"));
     THEN("the first is untouched") {
       CHECK(read_text(folder / "log" / "imu.csv") == before);
     }
   }
-  WHEN("the folder cannot be made") {
-    CHECK_THROWS_WITH(SensorLogWriter(folder / "log" / "imu.csv" / "deeper"), Contains("cannot be made"));
+  WHEN("the folder cannot be created") {
+    CHECK_THROWS_WITH(SensorLogWriter(folder / "log" / "imu.csv" / "deeper"), Contains("cannot be created"));
   }
   WHEN("a second beacon is written into it") {
     SensorLogWriter writer(folder / "two");
     writer.write(imu_at(1, 7));
-    CHECK_THROWS_WITH(writer.write(imu_at(2, 8)), Contains("beacon 8 needs a folder of its own"));
+    CHECK_THROWS_WITH(writer.write(imu_at(2, 8)), Contains("beacon 8 needs another folder"));
   }
 }
 

@@ -1,7 +1,7 @@
 /// Ctrl-C and SIGTERM end every program, whatever it is doing, within a second and with exit code 0.
 
-#include "support/temporary_folder.hpp"
 #include "support/bus.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <csignal>
 
@@ -60,11 +60,11 @@ SCENARIO("programs that wait end when they are told to") {
       REQUIRE(bridge->wait_for_line(Stream::error, "publishing"));
       check_ending(*bridge, signal);
     }
-    WHEN("a bridge with a log waits for somebody to listen " + std::to_string(signal)) {
+    WHEN("a bridge with a log waits for a reader " + std::to_string(signal)) {
       const std::string log = (folder / "log").string();
       REQUIRE(bus.bridge({"--rate", "0", "--duration", "1", "--record", log})->wait_for_exit() == 0);
       const auto bridge = bus.bridge({"--source", "log", "--input", log});
-      REQUIRE(bridge->wait_for_line(Stream::error, "waiting for somebody to listen"));
+      REQUIRE(bridge->wait_for_line(Stream::error, "waiting for a reader"));
       check_ending(*bridge, signal);
     }
     WHEN("fusion and monitor have nobody to listen to " + std::to_string(signal)) {

@@ -1,6 +1,6 @@
+#include "files/error.hpp"
 #include "support/temporary_folder.hpp"
 #include "transport/byte_file.hpp"
-#include "files/error.hpp"
 #include "transport/udp_listener.hpp"
 
 #include <catch2/catch.hpp>
@@ -89,13 +89,13 @@ SCENARIO("an address to listen at is read, or refused with the reason") {
     return std::string("accepted");
   };
   CHECK(refusal("49100") == "\"49100\" is not ADDR:PORT: the colon and the port are missing");
-  CHECK_THAT(refusal("127.0.0.1:"), Contains("\"\" is no port from 0 to 65535"));
-  CHECK_THAT(refusal("127.0.0.1:65536"), Contains("\"65536\" is no port"));
-  CHECK_THAT(refusal("127.0.0.1:-1"), Contains("\"-1\" is no port"));
-  CHECK_THAT(refusal("127.0.0.1:80x"), Contains("\"80x\" is no port"));
-  CHECK_THAT(refusal("localhost:80"), Contains("\"localhost\" is no IP address in numbers"));
-  CHECK_THAT(refusal(":80"), Contains("\"\" is no IP address in numbers"));
-  CHECK_THAT(refusal("::1:80"), Contains("stands in brackets"));
+  CHECK_THAT(refusal("127.0.0.1:"), Contains("\"\" is not a port from 0 to 65535"));
+  CHECK_THAT(refusal("127.0.0.1:65536"), Contains("\"65536\" is not a port"));
+  CHECK_THAT(refusal("127.0.0.1:-1"), Contains("\"-1\" is not a port"));
+  CHECK_THAT(refusal("127.0.0.1:80x"), Contains("\"80x\" is not a port"));
+  CHECK_THAT(refusal("localhost:80"), Contains("\"localhost\" is not a numeric IP address"));
+  CHECK_THAT(refusal(":80"), Contains("\"\" is not a numeric IP address"));
+  CHECK_THAT(refusal("::1:80"), Contains("needs brackets"));
 }
 
 SCENARIO("datagrams arrive one by one, with their time") {
@@ -135,7 +135,7 @@ SCENARIO("datagrams arrive one by one, with their time") {
     WHEN("another listener wants the same port") {
       THEN("it is told why not") {
         CHECK_THROWS_WITH(UdpListener(listener.endpoint()),
-                          Contains("cannot listen at 127.0.0.1:") && Contains("already in use"));
+                          Contains("cannot listen on 127.0.0.1:") && Contains("already in use"));
       }
     }
     WHEN("another thread stops it") {
@@ -172,7 +172,7 @@ SCENARIO("a file of bytes is played to its end") {
   }
   THEN("a file that is not there or is no file is named") {
     CHECK_THROWS_WITH(ByteFile(folder / "none.bin"), Contains("none.bin: cannot be opened: No such file"));
-    CHECK_THROWS_WITH(ByteFile(folder.path()), Contains("is a folder and no file"));
+    CHECK_THROWS_WITH(ByteFile(folder.path()), Contains("is a folder, not a file"));
   }
 }
 
@@ -186,7 +186,8 @@ SCENARIO("a capture keeps what it is given, at once, after what is there") {
   CaptureFile(folder / "capture.bin").append(bytes);
   CHECK(read_text(folder / "capture.bin") == text + text);
   THEN("a folder that is not there, and a full disk, are reported") {
-    CHECK_THROWS_WITH(CaptureFile(folder / "none" / "capture.bin"), Contains("cannot be made: No such file"));
+    CHECK_THROWS_WITH(CaptureFile(folder / "none" / "capture.bin"),
+                      Contains("cannot be created: No such file"));
     CHECK_THROWS_WITH(CaptureFile("/dev/full").append(bytes),
                       Contains("/dev/full: cannot be written: No space left"));
   }

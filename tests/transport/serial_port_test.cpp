@@ -1,8 +1,9 @@
 /// The serial line on pseudo-terminals, which the kernel treats as it treats the real ones.
 
-#include "support/temporary_folder.hpp"
-#include "files/error.hpp"
 #include "transport/serial_port.hpp"
+
+#include "files/error.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -192,8 +193,9 @@ SCENARIO("a line belongs to one reader") {
 SCENARIO("what can never be a serial line is refused at once") {
   const TemporaryFolder folder;
   write_text(folder / "file", "");
-  CHECK_THROWS_WITH(SerialPort((folder / "file").string(), 115'200), Contains("file: is no serial device"));
-  CHECK_THROWS_WITH(SerialPort(folder.path().string(), 115'200), Contains("is no serial device"));
+  CHECK_THROWS_WITH(SerialPort((folder / "file").string(), 115'200),
+                    Contains("file: is not a serial device"));
+  CHECK_THROWS_WITH(SerialPort(folder.path().string(), 115'200), Contains("is not a serial device"));
   CHECK_THROWS_WITH(SerialPort("/dev/ttyACM0", 0), Contains("baud rate of 0"));
   GIVEN("a device that is no terminal") {
     Host host{.port = {"/dev/null", 115'200}};

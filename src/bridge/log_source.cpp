@@ -1,4 +1,4 @@
-#include "bridge/recorded_sources.hpp"
+#include "bridge/log_source.hpp"
 
 #include "bridge/shifted.hpp"
 #include "process/clocks.hpp"

@@ -1,4 +1,4 @@
-#include "bridge/recorded_sources.hpp"
+#include "bridge/log_source.hpp"
 
 #include "bridge/collecting_sink.hpp"
 #include "files/error.hpp"
