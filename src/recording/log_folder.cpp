@@ -120,7 +120,7 @@ private:
 template <class ImuSamples>
 std::vector<Event> merged(ImuSamples imu_samples, Samples<UltrasonicFix> fixes,
                           Samples<PairHeading> headings) {
-  Foresight imu(std::move(imu_samples));
+  LookAhead imu(std::move(imu_samples));
   std::vector<Event> events;
   events.reserve(imu.expected_count() + fixes.expected_count() + headings.expected_count());
   const auto append = [&events](auto& samples) {
