@@ -5,6 +5,7 @@
 #include "bridge/other_bridges.hpp"
 #include "process/clocks.hpp"
 #include "process/endpoint_counters.hpp"
+#include "process/random_id.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -16,6 +17,7 @@
 #include <cstdio>
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
 namespace sonopose::bridge {
@@ -41,6 +43,7 @@ public:
   void on(const Event& event) override;
   void on(const TruthSample& truth) override;
   void on(const BeaconStatus& status) override;
+  void on(const LineStatus& status) override;
   void flush() override;
   void tick() override;
 
@@ -78,6 +81,7 @@ private:
   void publish(const UltrasonicFix& fix, Beacon& beacon);
   void publish(const PairHeading& heading, Beacon& beacon);
   void publish_status(Beacon& beacon, SteadyTime now);
+  void publish(LineStatus& line);
   void log_unwritten();
   [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
 
@@ -95,9 +99,12 @@ private:
   dds::DataWriter<sonopose_PairHeading> heading_writer_;
   dds::DataWriter<sonopose_TruthSample> truth_writer_;
   dds::DataWriter<sonopose_BeaconStatus> status_writer_;
+  dds::DataWriter<sonopose_LineStatus> line_writer_;
   OtherBridges others_;
   std::optional<BeaconRecorder> recorder_;
   std::map<BeaconAddress, Beacon> beacons_;
+  std::uint64_t id_ = process::random_id();
+  std::map<std::string, LineStatus> lines_;
   SteadyTime status_due_;
   SteadyTime status_last_;
   std::uint64_t unwritten_ = 0;
@@ -117,6 +124,7 @@ BridgeNode::Publisher::Publisher(const BridgeOptions& options)
   heading_writer_ = dds::make_writer(participant_, qos_, topics::heading, &heading_listener_, delivery);
   truth_writer_ = dds::make_writer(participant_, qos_, topics::truth);
   status_writer_ = dds::make_writer(participant_, qos_, topics::beacon_status);
+  line_writer_ = dds::make_writer(participant_, qos_, topics::line_status);
   if (options.record_folder) recorder_.emplace(*options.record_folder);
 }
 
@@ -137,6 +145,7 @@ BridgeNode::Publisher::~Publisher() {
   }
   unregister(truth_writer_);
   unregister(status_writer_);
+  for (const auto& entry : lines_) line_writer_.try_unregister_instance(dds::to_idl(entry.second));
 }
 
 // Samples
@@ -196,6 +205,7 @@ void BridgeNode::Publisher::flush() {
   heading_writer_.flush();
   truth_writer_.flush();
   status_writer_.flush();
+  line_writer_.flush();
 }
 
 BridgeNode::Publisher::Stream::Stream(const dds::Entity& writer)
@@ -212,6 +222,19 @@ void BridgeNode::Publisher::on(const BeaconStatus& status) {
   beacon_of(status.address).status = status;
 }
 
+void BridgeNode::Publisher::on(const LineStatus& status) {
+  LineStatus& line = lines_[status.name];
+  const bool has_changed = line.state != status.state;
+  line = status;
+  line.bridge_id = id_;
+  if (has_changed) publish(line);
+}
+
+void BridgeNode::Publisher::publish(LineStatus& line) {
+  line.time_ns = process::host_now();
+  write(line_writer_, dds::to_idl(line));
+}
+
 void BridgeNode::Publisher::tick() {
   flush();
   const SteadyTime now = process::steady_now();
@@ -223,6 +246,7 @@ void BridgeNode::Publisher::publish_statuses(SteadyTime now) {
   others_.update(status_writer_.instance_handle(),
                  [this](BeaconAddress address) { return beacons_.contains(address); });
   for (auto& entry : beacons_) publish_status(entry.second, now);
+  for (auto& entry : lines_) publish(entry.second);
   status_last_ = now;
   status_due_ = now + period_ns;
   log_unwritten();

@@ -14,6 +14,7 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 
 namespace sonopose::bridge {
 namespace {
@@ -50,17 +51,19 @@ public:
   void run(SampleSink& sink, const process::StopSignal& stop) override {
     const auto publish = [&sink](const Event& event) { sink.on(event); };
     Buffer buffer;
+    report_line(sink);
     SteadyTime reported = process::steady_now();
     while (!stop.requested()) {
-      const transport::ReadResult read = bytes_->read(buffer, timeout());
+      const transport::ReadResult read = read_from_line(buffer, sink);
       if (read.status == ReadStatus::data) {
         const auto got = std::span(buffer).first(read.size);
+        bytes_received_ += read.size;
         decoder_.feed(got, [&](const marvelmind::Packet& packet) {
           assembler_.on(packet, read.arrival_time_ns, publish);
         });
         if (capture_) capture_->append(got);
       } else if (read.status == ReadStatus::end || read.status == ReadStatus::stopped) {
-        return;
+        break;
       } else {
         log_change(read.status);
       }
@@ -68,8 +71,10 @@ public:
       if (process::steady_now() - reported < report_period_ns) continue;
       reported = process::steady_now();
       report(assembler_, decoder_.counters(), sink);
+      report_line(sink);
       sink.tick();
     }
+    report_line(sink);
   }
 
 private:
@@ -85,10 +90,40 @@ private:
         std::clamp<std::int64_t>((*deadline_ns - process::host_now()) / ms + 1, 1, longest_ms));
   }
 
+  /// A failure is visible on the bus before the bridge ends.
+  transport::ReadResult read_from_line(Buffer& buffer, SampleSink& sink) {
+    try {
+      return bytes_->read(buffer, timeout());
+    } catch (const std::exception& error) {
+      LineStatus status = line_status();
+      status.state = LineState::failed;
+      status.text = error.what();
+      sink.on(status);
+      throw;
+    }
+  }
+
+  void report_line(SampleSink& sink) const { sink.on(line_status()); }
+
+  [[nodiscard]] LineStatus line_status() const {
+    const marvelmind::DecoderCounters& counters = decoder_.counters();
+    LineStatus status;
+    status.name = bytes_->name();
+    status.state = bytes_->state();
+    status.bytes = bytes_received_;
+    status.frames = counters.frames;
+    status.crc_errors = counters.crc_errors;
+    status.bytes_lost = counters.bytes_lost;
+    status.text = bytes_->last_error();
+    return status;
+  }
+
   void log_change(ReadStatus status) const {
-    if (status == ReadStatus::connected) fmt::print(stderr, "sonopose-bridge: reading {}\n", bytes_->name());
+    if (status == ReadStatus::connected)
+      fmt::print(stderr, "sonopose-bridge: reading {}\n", bytes_->description());
     if (status == ReadStatus::disconnected) {
-      fmt::print(stderr, "sonopose-bridge: waiting for {} ({})\n", bytes_->name(), bytes_->last_error());
+      fmt::print(stderr, "sonopose-bridge: waiting for {} ({})\n", bytes_->description(),
+                 bytes_->last_error());
     }
   }
 
@@ -96,6 +131,7 @@ private:
   std::optional<transport::CaptureFile> capture_;
   Decoder decoder_;
   Assembler assembler_{marvelmind::TimeMapping::fitted};
+  std::uint64_t bytes_received_ = 0;
 };
 
 /// A file of bytes, timed by the beacons' own clock.

@@ -25,6 +25,9 @@ public:
   /// What the source knows about a beacon; the sink fills in rates and other bridges.
   virtual void on(const BeaconStatus& status) = 0;
 
+  /// The state and counters of the source's line; the sink fills in `bridge_id` and the time.
+  virtual void on(const LineStatus& status) = 0;
+
   /// No more samples are due now: the sink may send what it has collected. `tick` does the same.
   virtual void flush() {}
 

@@ -3,6 +3,7 @@
 /// The interface of sources of raw beacon bytes: serial line, UDP and file.
 
 #include <sonopose/samples/samples.hpp>
+#include <sonopose/samples/status.hpp>
 
 #include <chrono>
 #include <cstdint>
@@ -42,11 +43,17 @@ public:
   /// Ends a running read() at once, and all later ones. From any thread, but not from a signal handler.
   virtual void stop() = 0;
 
+  /// Whether the source is open, as of the last read().
+  [[nodiscard]] virtual LineState state() const { return LineState::open; }
+
   /// Why the source is not open; empty while it is.
   [[nodiscard]] virtual std::string last_error() const { return {}; }
 
-  /// For messages, such as "/dev/ttyACM0 at 500000 baud".
+  /// Such as "/dev/ttyACM0".
   [[nodiscard]] virtual std::string name() const = 0;
+
+  /// For messages, such as "/dev/ttyACM0 at 500000 baud".
+  [[nodiscard]] virtual std::string description() const { return name(); }
 };
 
 /// Now, by the host's clock.

@@ -22,7 +22,12 @@ public:
 
   ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) override;
   void stop() override;
+  /// The device's path.
   [[nodiscard]] std::string name() const override;
+  [[nodiscard]] std::string description() const override;
+
+  /// Waiting while the device is absent, failed while it is present but cannot be used.
+  [[nodiscard]] LineState state() const override;
 
   /// Why the device is not open; empty while it is.
   [[nodiscard]] std::string last_error() const override;

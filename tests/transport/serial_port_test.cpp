@@ -93,7 +93,8 @@ SCENARIO("bytes come through a serial line as they are") {
   GIVEN("a line at 500000 baud") {
     const Beacon beacon;
     Host host{.port = {beacon.device(), 500'000}};
-    CHECK(host.port.name() == beacon.device() + " at 500000 baud");
+    CHECK(host.port.name() == beacon.device());
+    CHECK(host.port.description() == beacon.device() + " at 500000 baud");
     REQUIRE(host.next().status == ReadStatus::connected);
     CHECK(host.port.last_error().empty());
     WHEN("every byte value is sent, those included that a terminal would act on") {
