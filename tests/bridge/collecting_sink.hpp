@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A sink that keeps what a source brings.
+/// A sink that stores the output of a source.
 
 #include "bridge/source.hpp"
 

@@ -54,7 +54,7 @@ SCENARIO("an attitude log is read, with and without what may be absent") {
   }
 }
 
-SCENARIO("an attitude log that is wrong is refused by name") {
+SCENARIO("an invalid attitude log is refused by name") {
   const TemporaryFolder folder;
   GIVEN("no sample") {
     write_text(folder / "imu.csv", imu_text.substr(0, imu_text.find('\n') + 1));

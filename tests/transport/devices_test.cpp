@@ -76,7 +76,7 @@ double milliseconds_to_stop(ByteSource& source) {
 
 }  // namespace
 
-SCENARIO("an address to listen at is read, or refused with the reason") {
+SCENARIO("an address to listen on is parsed, or refused with the cause") {
   CHECK(parse_endpoint("0.0.0.0:49100") == Endpoint{"0.0.0.0", 49100});
   CHECK(parse_endpoint("[::1]:1") == Endpoint{"::1", 1});
   CHECK(parse_endpoint("127.0.0.1:0") == Endpoint{"127.0.0.1", 0});
@@ -98,8 +98,8 @@ SCENARIO("an address to listen at is read, or refused with the reason") {
   CHECK_THAT(refusal("::1:80"), Contains("needs brackets"));
 }
 
-SCENARIO("datagrams arrive one by one, with their time") {
-  GIVEN("a listener on loopback, at a port that the system chose") {
+SCENARIO("datagrams are read one by one, with their arrival time") {
+  GIVEN("a listener on loopback, on a port chosen by the system") {
     UdpListener listener(parse_endpoint("127.0.0.1:0"));
     REQUIRE(listener.endpoint().port != 0);
     CHECK(listener.name() == "udp 127.0.0.1:" + std::to_string(listener.endpoint().port));
@@ -119,7 +119,7 @@ SCENARIO("datagrams arrive one by one, with their time") {
       sender.send("first");
       sender.send("");
       sender.send("second one");
-      THEN("each comes whole and alone") {
+      THEN("each is read alone and complete") {
         const ReadResult first = listener.read(buffer, 5s);
         REQUIRE(first.status == ReadStatus::data);
         CHECK(text_of(std::span(buffer).first(first.size)) == "first");
@@ -132,8 +132,8 @@ SCENARIO("datagrams arrive one by one, with their time") {
         CHECK(text_of(std::span(buffer).first(second.size)) == "second one");
       }
     }
-    WHEN("another listener wants the same port") {
-      THEN("it is told why not") {
+    WHEN("another listener binds the same port") {
+      THEN("it gets the cause") {
         CHECK_THROWS_WITH(UdpListener(listener.endpoint()),
                           Contains("cannot listen on 127.0.0.1:") && Contains("already in use"));
       }
@@ -144,7 +144,7 @@ SCENARIO("datagrams arrive one by one, with their time") {
       }
     }
   }
-  GIVEN("an address that is not of this machine") {
+  GIVEN("an address of another machine") {
     CHECK_THROWS_AS(UdpListener(Endpoint{"192.0.2.1", 0}), IoError);
   }
 }
@@ -156,7 +156,7 @@ SCENARIO("a file of bytes is played to its end") {
   write_text(folder / "stream.bin", bytes);
   ByteFile file(folder / "stream.bin");
   std::array<std::uint8_t, 777> buffer{};
-  THEN("every byte comes, in order, then the end") {
+  THEN("every byte is read, in order, then the end") {
     std::string read;
     ReadResult result = file.read(buffer, 1s);
     for (; result.status == ReadStatus::data; result = file.read(buffer, 1s)) {
@@ -170,13 +170,13 @@ SCENARIO("a file of bytes is played to its end") {
     file.stop();
     CHECK(file.read(buffer, 1s).status == ReadStatus::stopped);
   }
-  THEN("a file that is not there or is no file is named") {
+  THEN("a missing file or a folder is reported by name") {
     CHECK_THROWS_WITH(ByteFile(folder / "none.bin"), Contains("none.bin: cannot be opened: No such file"));
     CHECK_THROWS_WITH(ByteFile(folder.path()), Contains("is a folder, not a file"));
   }
 }
 
-SCENARIO("a capture keeps what it is given, at once, after what is there") {
+SCENARIO("a capture appends bytes at once") {
   const TemporaryFolder folder;
   const std::vector<std::uint8_t> bytes{0xFF, 0x47, 0x00, 0x0A};
   const std::string text(bytes.begin(), bytes.end());
@@ -185,7 +185,7 @@ SCENARIO("a capture keeps what it is given, at once, after what is there") {
   CHECK(read_text(folder / "capture.bin") == text);
   CaptureFile(folder / "capture.bin").append(bytes);
   CHECK(read_text(folder / "capture.bin") == text + text);
-  THEN("a folder that is not there, and a full disk, are reported") {
+  THEN("a folder that does not exist, and a full disk, are reported") {
     CHECK_THROWS_WITH(CaptureFile(folder / "none" / "capture.bin"),
                       Contains("cannot be created: No such file"));
     CHECK_THROWS_WITH(CaptureFile("/dev/full").append(bytes),
