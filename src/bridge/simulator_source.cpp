@@ -1,10 +1,12 @@
 #include "bridge/simulator_source.hpp"
 
+#include "bridge/pacer.hpp"
 #include "bridge/shifted.hpp"
 #include "marvelmind/disassembler.hpp"
 #include "marvelmind/encoder.hpp"
 #include "process/clocks.hpp"
 #include "sim/scenario.hpp"
+#include "sim/simulator.hpp"
 #include "transport/byte_file.hpp"
 
 #include <fmt/format.h>
