@@ -14,7 +14,7 @@ namespace {
 
 bool is_scored(const recording::AttitudeLog& log, TimeNs time_ns) {
   return log.movements.empty() || std::any_of(log.movements.begin(), log.movements.end(),
-                                              [time_ns](const auto& span) { return span.holds(time_ns); });
+                                              [time_ns](const auto& span) { return span.contains(time_ns); });
 }
 
 double rmse_deg(const std::vector<double>& errors_rad) {

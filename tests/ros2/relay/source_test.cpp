@@ -44,6 +44,7 @@ public:
     kept_.on(event);
   }
   void on(const TruthSample& /*truth*/) override {}
+  void on(const LineStatus& /*status*/) override {}
   void on(const BeaconStatus& status) override {
     const std::lock_guard lock(mutex_);
     kept_.on(status);

@@ -1,4 +1,4 @@
-#include "bridge/recorded_sources.hpp"
+#include "bridge/log_source.hpp"
 
 #include "bridge/collecting_sink.hpp"
 #include "files/error.hpp"
@@ -58,7 +58,7 @@ SCENARIO("a log folder as a source") {
     const auto source = make_log_source({.folder = folder / "log", .address = 12, .rate = 0.0});
     CHECK(source->is_recording());
     source->run(sink, stop);
-    THEN("it brings what the log reads as, to the last bit, and the truth") {
+    THEN("it yields the log's events to the last bit, and the truth") {
       CHECK(sink.events == recording::read_sensor_log(folder / "log", 12).events);
       CHECK(sink.events.size() == 4);
       REQUIRE(sink.truth.size() == 2);
@@ -75,7 +75,7 @@ SCENARIO("a log folder as a source") {
     const auto fix = sink.of_kind<UltrasonicFix>().front();
     const auto heading = sink.of_kind<PairHeading>().front();
     const TimeNs begin_ns = imu.front().sensor_time_ns;
-    THEN("it begins now, and all times keep their distances") {
+    THEN("it begins now, and all intervals stay the same") {
       CHECK(begin_ns >= before_ns);
       CHECK(begin_ns <= after_ns);
       CHECK(imu.back().sensor_time_ns == begin_ns + 100 * ms);
@@ -94,7 +94,7 @@ SCENARIO("a log folder as a source") {
       CHECK(steady_now() - began >= 99 * ms);
     }
   }
-  GIVEN("a folder that is not there") {
+  GIVEN("a folder that does not exist") {
     THEN("it is refused by name") {
       CHECK_THROWS_AS(make_log_source({.folder = folder / "none"}), files::IoError);
       CHECK_THROWS_WITH(make_log_source({.folder = folder / "none"}), Catch::Contains("none"));

@@ -1,10 +1,11 @@
 // Samples → packets → bytes → packets → samples: what comes back differs by the wire's steps alone.
 
-#include "marvelmind/frames.hpp"
+#include "marvelmind/disassembler.hpp"
+
 #include "marvelmind/assembler.hpp"
 #include "marvelmind/conversions.hpp"
-#include "marvelmind/disassembler.hpp"
 #include "marvelmind/encoder.hpp"
+#include "marvelmind/frames.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -45,7 +46,8 @@ std::vector<Event> some_events() {
     fix.position_world_m = vector(50);
     fix.quality_percent = std::round(50 + 50 * any(random));
     fix.measured_delay_s = 0.068;
-    fix.flags = i % 2 == 0 ? ultrasonic_flag_pair_centre | ultrasonic_flag_user_button_2 : ultrasonic_flag_out_of_geofence;
+    fix.flags = i % 2 == 0 ? ultrasonic_flag_pair_centre | ultrasonic_flag_user_button_2
+                           : ultrasonic_flag_out_of_geofence;
     PairHeading heading;
     heading.address = 7;
     heading.emission_time_ns = fix.emission_time_ns;
@@ -119,7 +121,7 @@ TEST_CASE("Events come back from the bytes that a beacon would have sent for the
   for (std::size_t i = 0; i < sent.size(); ++i) std::visit(ExpectSame{}, sent[i], received[i]);
 }
 
-TEST_CASE("Values beyond the wire's range saturate, and what is no number becomes zero") {
+TEST_CASE("Values beyond the wire's range saturate, and NaN becomes zero") {
   ImuSample sample;
   sample.specific_force_body_mps2 = {1e9, -1e9, std::nan("")};
   sample.magnetic_field_body_t = Vector3d(1, 0, 0);

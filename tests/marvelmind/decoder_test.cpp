@@ -1,7 +1,8 @@
-// The byte stream: pieces of any size, damage of any kind, and no good frame lost to it.
+// The byte stream: pieces of any size, any damage, and no valid frame lost.
+
+#include "marvelmind/decoder.hpp"
 
 #include "marvelmind/frames.hpp"
-#include "marvelmind/decoder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -16,7 +17,7 @@ Bytes garbage(std::size_t size, unsigned seed) {
   std::mt19937 random(seed);
   Bytes bytes(size);
   for (auto& byte : bytes) {
-    // Every fourth byte belongs to a frame's start: garbage that tempts.
+    // Every fourth byte belongs to a frame's start.
     constexpr std::array<std::uint8_t, 3> tempting{0xFF, 0x47, 0x4A};
     byte = random() % 4 == 0 ? tempting[random() % 3] : static_cast<std::uint8_t>(random() & 0xFFU);
   }
@@ -34,7 +35,7 @@ Bytes with_payload(const Bytes& frame, const Bytes& payload) {
 
 }  // namespace
 
-TEST_CASE("A frame cut off at any length gives nothing, and does not cost the next one") {
+TEST_CASE("A frame cut off at any length is dropped without losing the next one") {
   for (const Bytes& frame : all_golden_frames()) {
     for (std::size_t length = 0; length < frame.size(); ++length) {
       const Bytes cut(frame.begin(), frame.begin() + static_cast<std::ptrdiff_t>(length));
@@ -49,7 +50,7 @@ TEST_CASE("A frame cut off at any length gives nothing, and does not cost the ne
   }
 }
 
-TEST_CASE("A payload shorter than its kind needs is malformed at every length, whatever its check sum says") {
+TEST_CASE("A payload shorter than its kind needs is malformed at every length, even with a valid checksum") {
   for (const Bytes& frame : all_golden_frames()) {
     const bool any_length = frame == user_data_frame();              // k bytes from 0 on
     const bool optional_tail = frame == position_real_time_frame();  // the speed block
@@ -72,7 +73,7 @@ TEST_CASE("A longer payload than its kind needs is accepted") {
   }
 }
 
-TEST_CASE("A speed block that is cut off or not marked is no speed") {
+TEST_CASE("A speed block that is truncated or not marked is ignored") {
   const Bytes frame = position_mm_frame();
   const Bytes speed{1, 0x0A, 0x00, 0x14, 0x00, 0x1E, 0x00};
   for (std::size_t size = 0; size <= speed.size(); ++size) {
@@ -122,7 +123,7 @@ TEST_CASE("Frames with garbage before, between and behind are all found") {
   CHECK(decoder.counters().unknown_frames == 0);
 }
 
-TEST_CASE("A false start that swallows good frames gives them back") {
+TEST_CASE("Valid frames within a false start are decoded") {
   const Bytes swallowing{0xFF, 0x47, 0x11, 0x00, 0xFF};  // claims 255 bytes of payload
   Bytes stream = swallowing;
   for (int i = 0; i < 10; ++i) stream = std::move(stream) + raw_imu_frame();
@@ -137,7 +138,7 @@ TEST_CASE("A false start that swallows good frames gives them back") {
   }
 }
 
-TEST_CASE("A frame start doubled in front of a frame does not hide it") {
+TEST_CASE("A doubled frame start does not hide a frame") {
   for (const Bytes& prefix :
        {Bytes{0xFF}, Bytes{0xFF, 0x47}, Bytes{0xFF, 0xFF, 0xFF}, Bytes{0xFF, 0x4A, 0xFF, 0x47}}) {
     Decoder decoder;
@@ -146,7 +147,7 @@ TEST_CASE("A frame start doubled in front of a frame does not hide it") {
   }
 }
 
-TEST_CASE("Pieces of any size give what the whole gives") {
+TEST_CASE("Pieces of any size give the same packets as the whole") {
   Bytes stream;
   for (unsigned seed = 0; seed < 30; ++seed) {
     for (const Bytes& frame : all_golden_frames()) stream = std::move(stream) + garbage(seed, seed) + frame;
@@ -161,7 +162,7 @@ TEST_CASE("Pieces of any size give what the whole gives") {
   }
 }
 
-TEST_CASE("A packet comes out with its last byte, not later") {
+TEST_CASE("A packet is emitted with its last byte") {
   const Bytes frame = raw_imu_frame();
   Decoder decoder;
   int packets = 0;
@@ -172,7 +173,7 @@ TEST_CASE("A packet comes out with its last byte, not later") {
   CHECK(packets == 1);
 }
 
-TEST_CASE("Good frames of a kind that is not known are counted and skipped") {
+TEST_CASE("Valid frames of unknown kind are counted and skipped") {
   const Bytes unknown_code = with_crc({0xFF, 0x47, 0x99, 0x00, 2, 1, 2});
   const Bytes unknown_user_code = with_crc(
       {0xFF, 0x4A, 0x11, 0x00, 22, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});

@@ -1,5 +1,6 @@
-#include "bridge/recorded_sources.hpp"
+#include "bridge/log_source.hpp"
 
+#include "bridge/pacer.hpp"
 #include "bridge/shifted.hpp"
 #include "process/clocks.hpp"
 #include "recording/log_folder.hpp"

@@ -1,7 +1,7 @@
-// Whatever a packet holds, its bytes hold too: random packets of every kind, through the wire and back.
+// Round trip of random packets of every kind.
 
-#include "marvelmind/frames.hpp"
 #include "marvelmind/encoder.hpp"
+#include "marvelmind/frames.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -171,7 +171,7 @@ TEST_CASE("Random packets of every kind come back from datagrams, but for the re
   CHECK(decoder.counters() == DecoderCounters{.frames = sent});
 }
 
-TEST_CASE("Coordinates beyond what centimetres in 16 bits hold saturate instead of turning around") {
+TEST_CASE("Coordinates beyond 16 bits of centimetres saturate") {
   Position far;
   far.in_cm = true;
   far.time = {TimeBase::uptime_ms, 1};

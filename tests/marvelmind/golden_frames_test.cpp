@@ -1,8 +1,8 @@
 // Every packet of the format's table, its bytes written out by hand.
 
-#include "marvelmind/frames.hpp"
 #include "marvelmind/crc16.hpp"
 #include "marvelmind/encoder.hpp"
+#include "marvelmind/frames.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -23,7 +23,7 @@ Kind decode_one(const Bytes& frame) {
 
 }  // namespace
 
-TEST_CASE("The check sum is CRC-16/MODBUS") {
+TEST_CASE("The checksum is CRC-16/MODBUS") {
   // The catalogue's check value, for the ASCII digits 1 to 9.
   constexpr std::array<std::uint8_t, 9> digits{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
   static_assert(crc16(digits) == 0x4B37);
@@ -130,7 +130,7 @@ TEST_CASE("Telemetry, quality, waypoint and user data are read from their tables
   CHECK(Bytes(user_data.bytes().begin(), user_data.bytes().end()) == Bytes{'h', 'i', '!'});
 }
 
-TEST_CASE("The encoder gives back every golden frame, byte for byte") {
+TEST_CASE("The encoder reproduces every golden frame") {
   for (const Bytes& frame : all_golden_frames()) {
     if (frame == raw_imu_frame()) continue;  // has its reserved bytes filled
     const auto packets = decode_all(frame);

@@ -1,7 +1,7 @@
-// The UDP variant: address instead of 0xFF, no check sum promised, NMEA in between.
+// The UDP variant: address instead of 0xFF, no checksum promised, NMEA in between.
 
-#include "marvelmind/frames.hpp"
 #include "marvelmind/encoder.hpp"
+#include "marvelmind/frames.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -21,7 +21,7 @@ Bytes position_datagram() {
 
 }  // namespace
 
-TEST_CASE("A position's datagram gives the address that it begins with") {
+TEST_CASE("A position's datagram contains the address in its first byte") {
   DatagramDecoder decoder;
   const Packet* packet = decoder.decode(position_datagram());
   REQUIRE(packet != nullptr);
@@ -30,7 +30,7 @@ TEST_CASE("A position's datagram gives the address that it begins with") {
   CHECK(position.xyz_mm == Vector3i32{1000, -2000, 300});
 }
 
-TEST_CASE("A datagram needs no check sum, and what stands behind the payload is ignored") {
+TEST_CASE("A datagram needs no checksum, and bytes after the payload are ignored") {
   for (const Bytes& tail : {Bytes{}, Bytes{0x12}, Bytes{0x12, 0x34}, Bytes(40, 0xEE)}) {
     DatagramDecoder decoder;
     CHECK(decoder.decode(position_datagram() + tail) != nullptr);
@@ -47,7 +47,7 @@ TEST_CASE("A datagram that is cut off is lost, at every length") {
   }
 }
 
-TEST_CASE("Angle bit 13 is reserved over UDP: set, it does not take the heading away") {
+TEST_CASE("Angle bit 13 is reserved over UDP and does not invalidate the heading") {
   Bytes bytes = position_datagram();
   bytes[5 + 19] |= 0x20;
   DatagramDecoder decoder;
@@ -59,7 +59,7 @@ TEST_CASE("Angle bit 13 is reserved over UDP: set, it does not take the heading 
   CHECK(angle.yaw_decideg() == 3599);
 }
 
-TEST_CASE("Packets that begin with 0xFF over UDP keep the address that they name") {
+TEST_CASE("Packets that begin with 0xFF over UDP keep the address in their payload") {
   for (const Bytes& frame : {distances_frame(), distances_real_time_frame()}) {
     DatagramDecoder decoder;
     const Packet* packet = decoder.decode(frame);
