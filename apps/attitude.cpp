@@ -1,10 +1,10 @@
 // sonopose-attitude: an attitude filter over logs, and its score where the truth is known.
 
-#include "support/config_options.hpp"
-#include "support/run.hpp"
-#include "recording/attitude_log.hpp"
 #include "evaluation/attitude_run.hpp"
 #include "evaluation/trajectory_file.hpp"
+#include "recording/attitude_log.hpp"
+#include "support/config_options.hpp"
+#include "support/run.hpp"
 
 #include <fmt/format.h>
 
@@ -64,13 +64,15 @@ void check_names(const std::vector<Path>& logs) {
   }
 }
 
-evaluation::AttitudeResult run_log(const Path& folder, const Options& options, const settings::Settings& settings) {
+evaluation::AttitudeResult run_log(const Path& folder, const Options& options,
+                                   const settings::Settings& settings) {
   const recording::AttitudeLog log = recording::read_attitude_log(folder, options.beacon);
   const bool has_field = std::any_of(log.imu.begin(), log.imu.end(), [](const ImuSample& imu) {
     return imu.magnetic_field_body_t.has_value();
   });
   if (settings.attitude.selection.magnetometer && !has_field) {
-    throw files::IoError((folder / "imu.csv").string() + ": no magnetometer data, but the magnetometer is on");
+    throw files::IoError((folder / "imu.csv").string() +
+                         ": no magnetometer data, but the magnetometer is on");
   }
   std::optional<evaluation::TrajectoryFile> trajectory;
   if (options.out) trajectory.emplace(*options.out / (name_of(folder) + ".tum"));

@@ -1,9 +1,9 @@
 // sonopose-calibrate: what a sensor does wrong, from a recording of it.
 
-#include "support/run.hpp"
 #include "evaluation/allan.hpp"
-#include "plots/allan_plot.hpp"
 #include "evaluation/calibration.hpp"
+#include "plots/allan_plot.hpp"
+#include "support/run.hpp"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 // sonopose-evaluate: how the fusion does on every scenario of the simulator, and on recordings with truth.
 
+#include "recording/log_folder.hpp"
 #include "support/case_options.hpp"
 #include "support/config_options.hpp"
 #include "support/run.hpp"
-#include "recording/log_folder.hpp"
 
 #include <fmt/format.h>
 

@@ -1,14 +1,14 @@
 // sonopose-replay: the fusion's engine over a sensor-log folder, without bus and without clock.
 
-#include "support/choice.hpp"
-#include "support/config_options.hpp"
-#include "support/run.hpp"
-#include "recording/log_folder.hpp"
 #include "evaluation/output_folder.hpp"
-#include "plots/picture.hpp"
 #include "evaluation/report.hpp"
 #include "evaluation/run.hpp"
 #include "evaluation/state_file.hpp"
+#include "plots/picture.hpp"
+#include "recording/log_folder.hpp"
+#include "support/choice.hpp"
+#include "support/config_options.hpp"
+#include "support/run.hpp"
 
 #include <fmt/format.h>
 
@@ -103,7 +103,8 @@ int replay_log(const CLI::App& app, const Options& options) {
   timing.running_s = seconds_since(running);
   if (options.save_state) evaluation::save_state(*options.save_state, result.end);
   if (picture) picture->draw();
-  fmt::print("{}", options.json ? evaluation::report_json(result, timing) : evaluation::report_text(result, timing));
+  fmt::print(
+      "{}", options.json ? evaluation::report_json(result, timing) : evaluation::report_text(result, timing));
   return 0;
 }
 

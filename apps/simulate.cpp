@@ -1,8 +1,8 @@
 // sonopose-simulate: writes a run of the simulator as a sensor-log folder with truth.
 
-#include "support/run.hpp"
 #include "recording/log_writer.hpp"
 #include "sim/simulator.hpp"
+#include "support/run.hpp"
 
 #include <fmt/format.h>
 

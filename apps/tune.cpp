@@ -1,10 +1,10 @@
 // sonopose-tune: searches for settings that do better on scenarios and recordings with truth.
 
+#include "evaluation/search.hpp"
+#include "recording/log_folder.hpp"
 #include "support/case_options.hpp"
 #include "support/config_options.hpp"
 #include "support/run.hpp"
-#include "recording/log_folder.hpp"
-#include "evaluation/search.hpp"
 
 #include <fmt/format.h>
 
@@ -51,8 +51,8 @@ int tune(const CLI::App& app, const Options& options) {
 
   const auto found = evaluation::search(
       config.for_beacon(options.beacon), variables,
-      [&](const settings::Settings& settings) { return evaluation::cost_of(cases, settings); }, options.rounds,
-      options.search_seed,
+      [&](const settings::Settings& settings) { return evaluation::cost_of(cases, settings); },
+      options.rounds, options.search_seed,
       [](int round, const evaluation::Found& better) {
         fmt::print(stderr, "round {}: {:.3f} cm\n", round + 1, 100.0 * better.cost);
       });

@@ -26,9 +26,9 @@ TEST_CASE("A beacon's topics stand behind its prefix, and in the node's namespac
   CHECK(topic_prefix("tag", 7) == "tag/");
   const NameResolver robot({.name_space = "/robot", .name = "locator"});
   CHECK(robot.topic(topic_prefix("", 7) + "odom") == "/robot/odom");
-  CHECK(tells_topics_apart(usual));
-  CHECK_FALSE(tells_topics_apart("tag"));
-  CHECK_FALSE(tells_topics_apart(""));
+  CHECK(has_topics_per_beacon(usual));
+  CHECK_FALSE(has_topics_per_beacon("tag"));
+  CHECK_FALSE(has_topics_per_beacon(""));
 }
 
 TEST_CASE("A beacon namespace is refused where any beacon's topics would be none of ROS 2's") {

@@ -76,11 +76,11 @@ SCENARIO("each fix goes out once, as sure as the fusion holds it") {
       }
     }
     WHEN("more come than can wait") {
-      for (std::uint64_t i = 2; i <= FixQueue::most_waiting; ++i) {
+      for (std::uint64_t i = 2; i <= FixQueue::max_waiting; ++i) {
         CHECK(of(queue.on(fix_number(i), SteadyTime{0}, true)) == List{});
       }
       THEN("the first one makes room") {
-        CHECK(of(queue.on(fix_number(FixQueue::most_waiting + 1), SteadyTime{0}, true)) == List{{1, -1}});
+        CHECK(of(queue.on(fix_number(FixQueue::max_waiting + 1), SteadyTime{0}, true)) == List{{1, -1}});
       }
     }
   }

@@ -23,13 +23,13 @@ TEST_CASE("A frame's pattern takes the beacon's address, as often as it asks for
   CHECK(for_beacon("base_link", 7) == "base_link");
   CHECK(for_beacon("hedge_{address}/base_link", 7) == "hedge_7/base_link");
   CHECK(for_beacon("{address}_{address}", 131) == "131_131");
-  CHECK_FALSE(tell_beacons_apart({}, false));
-  CHECK_FALSE(tell_beacons_apart({.base = "hedge_{address}/base_link"}, false));
+  CHECK_FALSE(has_frames_per_beacon({}, false));
+  CHECK_FALSE(has_frames_per_beacon({.base = "hedge_{address}/base_link"}, false));
   FrameNames apart{.base = "hedge_{address}/base_link", .imu = "hedge_{address}/imu_link"};
-  CHECK(tell_beacons_apart(apart, false));
-  CHECK_FALSE(tell_beacons_apart(apart, true));  // both would move `odom`
+  CHECK(has_frames_per_beacon(apart, false));
+  CHECK_FALSE(has_frames_per_beacon(apart, true));  // both would move `odom`
   apart.odom = "hedge_{address}/odom";
-  CHECK(tell_beacons_apart(apart, true));
+  CHECK(has_frames_per_beacon(apart, true));
 }
 
 TEST_CASE("Frames that ROS 2 would not have are refused, by name") {

@@ -90,7 +90,7 @@ TEST_CASE("A node tells of changes, and of nothing else") {
   auto imu = node.make_writer<ros2::Imu>("imu", "ros2::Default");
   const std::string key = dds::text_of(dds::guid_of(imu));
   node.announce();
-  node.forget(imu);
+  node.remove(imu);
   imu.close();
   node.announce();
   REQUIRE(watcher.wait_for_count(3));

@@ -1,4 +1,4 @@
-/// The doctor at systems that are well, and at such as have one thing wrong.
+/// The doctor in healthy systems, and in systems with one problem.
 
 #include "support/bus.hpp"
 
@@ -28,40 +28,40 @@ bool is_ready(const FusedPose& pose) {
 
 }  // namespace
 
-SCENARIO("of a system that is well the doctor says so") {
+SCENARIO("the doctor finds no problems in a healthy system") {
   GIVEN("bridge, fusion and a consumer at work") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({});
     REQUIRE(poses.wait_for(is_ready));
-    WHEN("the doctor looks") {
+    WHEN("the doctor runs") {
       const Result result = doctor(bus.domain_id());
-      THEN("nothing is wrong, and the rates are told") {
+      THEN("it finds no problems, and reports the rates") {
         CAPTURE(result.output, result.error);
         CHECK(result.code == 0);
-        CHECK_THAT(result.output, Contains("nothing is wrong") && Contains("beacon 7: IMU "));
+        CHECK_THAT(result.output, Contains("no problems found") && Contains("beacon 7: IMU "));
         CHECK_THAT(result.output, Contains("domain " + std::to_string(bus.domain_id())));
       }
     }
-    WHEN("programs ask") {
+    WHEN("JSON is requested") {
       const Result result = doctor(bus.domain_id(), {"--json", "--duration", "1"});
-      THEN("it is one object") {
+      THEN("the output is one object") {
         const auto report = nlohmann::json::parse(result.output);
-        CHECK(report["wrong"] == false);
+        CHECK(report["ok"] == true);
         CHECK(report["findings"].size() >= 2);
       }
     }
-    WHEN("a consumer asks for shared ownership") {
+    WHEN("a consumer requests shared ownership") {
       const dds::DomainParticipant participant({.domain_id = bus.domain_id()});
       const dds::Topic<sonopose_FusedPose> topic(participant, topics::pose.name);
       const dds::DataReader<sonopose_FusedPose> shared(participant, topic);
       const Result result = doctor(bus.domain_id(), {"--duration", "1"});
-      THEN("it is named, with the policy and what to do") {
+      THEN("it is reported with the policy") {
         CAPTURE(result.output, result.error);
         CHECK(result.code == 1);
         CHECK_THAT(result.output, Contains("test_system (process " + std::to_string(::getpid()) + " on "));
-        CHECK_THAT(result.output, Contains("does not hear") &&
+        CHECK_THAT(result.output, Contains("cannot receive from") &&
                                       Contains("sonopose-fusion (process " + std::to_string(fusion->pid())));
         CHECK_THAT(result.output, Contains("ownership: offered exclusive, requested shared"));
       }
@@ -70,7 +70,7 @@ SCENARIO("of a system that is well the doctor says so") {
       const auto second = bus.bridge({});
       REQUIRE(second->wait_for_line(Stream::error, "another bridge publishes beacon 7 too"));
       const Result result = doctor(bus.domain_id(), {"--duration", "1"});
-      THEN("both are named") {
+      THEN("both are reported") {
         CAPTURE(result.output, result.error);
         CHECK(result.code == 1);
         CHECK_THAT(result.output, Contains("beacon 7: 2 bridges publish it"));
@@ -82,40 +82,40 @@ SCENARIO("of a system that is well the doctor says so") {
     WHEN("the fusion ends") {
       REQUIRE(fusion->end_by(SIGINT).code == 0);
       const Result result = doctor(bus.domain_id(), {"--duration", "0.5"});
-      THEN("that is what is missing, and the beacon is well") {
+      THEN("the missing fusion is reported, and no missing bridge") {
         CAPTURE(result.output, result.error);
         CHECK(result.code == 1);
-        // What to do depends on what else runs on this machine.
+        // The remedy depends on other processes on this machine.
         CHECK_THAT(result.output, Contains("no fusion runs in domain " + std::to_string(bus.domain_id())));
-        CHECK_THAT(result.output, !Contains("nobody publishes beacons"));
+        CHECK_THAT(result.output, !Contains("no bridge publishes"));
       }
     }
   }
 }
 
-SCENARIO("an IMU that is mounted otherwise than the fusion was told is found at rest") {
-  GIVEN("a level beacon at rest, and a fusion that takes the sensor's Y for the vertical") {
+SCENARIO("a wrong mount of the IMU is detected at rest") {
+  GIVEN("a level beacon at rest, and a fusion that is configured for a vertical Y axis") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto fusion = bus.fusion({"--set", "calibration.axes=+x-z+y"});
     const auto bridge = bus.bridge({"--scenario", "rest"});
     REQUIRE(poses.wait_for_count(1));
-    WHEN("the doctor looks") {
+    WHEN("the doctor runs") {
       const Result result = doctor(bus.domain_id(), {"--duration", "1"});
-      THEN("it says where gravity is, and which setting puts it right") {
+      THEN("it reports the direction of gravity, and the setting that corrects it") {
         CAPTURE(result.output, result.error);
         CHECK(result.code == 1);
-        CHECK_THAT(result.output, Contains("on -y of the body and not on +z"));
+        CHECK_THAT(result.output, Contains("along -y of the body instead of +z"));
         CHECK_THAT(result.output, Contains("calibration.axes=+x+y+z;"));
       }
     }
   }
 }
 
-SCENARIO("where nobody is, the doctor says so, and finds a system in another domain") {
+SCENARIO("the doctor reports an empty domain, and finds a system in another domain") {
   const Bus empty;
-  GIVEN("nobody at all") {
-    WHEN("the doctor looks") {
+  GIVEN("no other process") {
+    WHEN("the doctor runs") {
       const Result result = doctor(empty.domain_id(), {"--duration", "0.5"});
       THEN("that is an error") {
         CHECK(result.code == 1);
@@ -129,20 +129,20 @@ SCENARIO("where nobody is, the doctor says so, and finds a system in another dom
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
     const auto bridge = bus.bridge({});
     REQUIRE(imu.wait_for_count(1));
-    WHEN("the doctor looks at another one") {
-      const std::string right = std::to_string(bus.domain_id());
-      const Result result = doctor(empty.domain_id(), {"--duration", "0.5"}, {{"ROS_DOMAIN_ID", right}});
-      THEN("the right one is named") {
+    WHEN("the doctor runs in another domain") {
+      const std::string used = std::to_string(bus.domain_id());
+      const Result result = doctor(empty.domain_id(), {"--duration", "0.5"}, {{"ROS_DOMAIN_ID", used}});
+      THEN("the remedy names the domain that is in use") {
         CAPTURE(result.output, result.error);
         CHECK(result.code == 1);
         CHECK_THAT(result.output,
-                   Contains("beacons are published in domain " + right + ": use --domain " + right));
+                   Contains("beacons are published in domain " + used + ": use --domain " + used));
       }
     }
   }
 }
 
-SCENARIO("the doctor refuses a command line that makes no sense") {
+SCENARIO("the doctor rejects an invalid command line") {
   const Bus bus;
   CHECK(doctor(bus.domain_id(), {"--duration", "0"}).code.value_or(0) > 1);
   CHECK(doctor(bus.domain_id(), {"--nonsense"}).code.value_or(0) > 1);

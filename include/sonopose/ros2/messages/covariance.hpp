@@ -4,8 +4,8 @@
 /// deviations (which follow the fixes' noise, weight and trust and grow without fixes), the sensors' noise,
 /// and the mount's lever arm. docs/ros2.md has the formulas.
 
-#include <sonopose/samples/pose.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
+#include <sonopose/samples/pose.hpp>
 
 #include <Eigen/Core>
 

@@ -1,4 +1,4 @@
-#include <sonopose/ros2/messages/odom_track.hpp>
+#include <sonopose/ros2/messages/odometry_buffer.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -19,7 +19,7 @@ Transform driven(double way_m, double yaw_rad) {
 
 SCENARIO("another odometry is asked for the moment of a pose") {
   GIVEN("wheels that reported 1 m at 100 ms and 2 m, turned by 0.2 rad, at 150 ms") {
-    OdomTrack track;
+    OdometryBuffer track;
     track.add(100 * ms, driven(1, 0));
     track.add(150 * ms, driven(2, 0.2));
     THEN("between the two it is between them") {
@@ -31,7 +31,7 @@ SCENARIO("another odometry is asked for the moment of a pose") {
     THEN("a little later it is the latest, much later unknown, and unknown before the first") {
       REQUIRE(track.at(200 * ms));
       CHECK(track.at(200 * ms)->translation_m.x() == 2);
-      CHECK_FALSE(track.at(150 * ms + OdomTrack::hold_ns + 1));
+      CHECK_FALSE(track.at(150 * ms + OdometryBuffer::hold_ns + 1));
       CHECK_FALSE(track.at(99 * ms));
     }
     WHEN("a report comes late") {
