@@ -38,10 +38,10 @@ TEST_CASE("A beacon namespace is refused where any beacon's topics would be none
   };
   // "/" + prefix + "/imu/data_raw" has 247 characters at most.
   const std::string longest(233, 'n');
-  for (const Bad& bad : std::vector<Bad>{{"bad ns", "holds ' '"},
-                                         {"bad-{address}", "holds '-'"},
+  for (const Bad& bad : std::vector<Bad>{{"bad ns", "contains ' '"},
+                                         {"bad-{address}", "contains '-'"},
                                          {"{address}", "begin with a digit"},
-                                         {"{adress}", "holds '{'"},
+                                         {"{adress}", "contains '{'"},
                                          {"hedge_{address}/", "two '/'"},
                                          {"/", "two '/'"},
                                          {longest + "n", "247"},
@@ -58,7 +58,7 @@ TEST_CASE("A beacon namespace is refused where any beacon's topics would be none
   }
 }
 
-TEST_CASE("Two topics that the rules make one are refused, for whichever beacon") {
+TEST_CASE("Remap rules that give two topics the same name are rejected, for any beacon") {
   struct Bad {
     std::string rule;
     std::string pattern;

@@ -1,4 +1,4 @@
-/// Consumers that come late, and several at once.
+/// Late consumers, and several consumers.
 
 #include "support/bus.hpp"
 
@@ -19,7 +19,7 @@ TimeNs host_now() {
       .count();
 }
 
-/// Whether each pose is the one of the next IMU sample: 10 ms after the one before.
+/// Whether there is a pose for each IMU sample, every 10 ms.
 bool without_a_gap(const std::vector<FusedPose>& poses) {
   constexpr TimeNs period_ns = 10'000'000;
   for (std::size_t i = 1; i < poses.size(); ++i) {
@@ -30,8 +30,8 @@ bool without_a_gap(const std::vector<FusedPose>& poses) {
 
 }  // namespace
 
-SCENARIO("a consumer that comes late gets poses, and the last status at once") {
-  GIVEN("a chain at work, with a consumer from the start") {
+SCENARIO("a late consumer receives poses, and the last status immediately") {
+  GIVEN("a running chain, with a consumer from the start") {
     const Bus bus;
     Consumer<sonopose_FusedPose> first(bus, topics::pose);
     Consumer<sonopose_FusionStatus> first_status(bus, topics::fusion_status, dds::Delivery::live);
@@ -39,12 +39,12 @@ SCENARIO("a consumer that comes late gets poses, and the last status at once") {
     const auto bridge = bus.bridge({});
     REQUIRE(first.wait_for_count(50));
     REQUIRE(first_status.wait_for_count(1));
-    WHEN("a second one comes") {
+    WHEN("a second one starts") {
       const TimeNs came_ns = host_now();
       Consumer<sonopose_FusedPose> second(bus, topics::pose);
       Consumer<sonopose_BeaconStatus> beacon(bus, topics::beacon_status);
       Consumer<sonopose_FusionStatus> engine(bus, topics::fusion_status);
-      THEN("it gets the statuses from before it came, and poses from then on") {
+      THEN("it receives earlier statuses, and new poses") {
         REQUIRE(beacon.wait_for_count(1));
         CHECK(beacon.samples.front().address == 7);
         CHECK(beacon.samples.front().time_ns < came_ns);
@@ -53,7 +53,7 @@ SCENARIO("a consumer that comes late gets poses, and the last status at once") {
         REQUIRE(second.wait_for_count(50));
         CHECK(second.samples.front().time_ns > first.samples.front().time_ns);
       }
-      THEN("nobody else notices it") {
+      THEN("other processes are not affected") {
         REQUIRE(second.wait_for_count(50));
         REQUIRE(first.wait_for_more(50));
         CHECK(without_a_gap(first.samples));
@@ -66,22 +66,22 @@ SCENARIO("a consumer that comes late gets poses, and the last status at once") {
   }
 }
 
-SCENARIO("two further consumers at once are served as well as the first") {
-  GIVEN("a chain at work") {
+SCENARIO("two further consumers do not affect the first") {
+  GIVEN("a running chain") {
     const Bus bus;
     Consumer<sonopose_FusedPose> first(bus, topics::pose);
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({});
     REQUIRE(first.wait_for_count(10));
-    WHEN("two monitors come together, and one of them is killed") {
+    WHEN("two monitors start, and one is killed") {
       const auto one = bus.monitor({"--json"});
       const auto other = bus.monitor({"--json"});
       REQUIRE(one->wait_for_lines(Stream::output, 2));
       one->send(SIGKILL);
       REQUIRE(one->wait_for_exit() == -SIGKILL);
-      const std::size_t told = other->lines(Stream::output).size();
-      REQUIRE(other->wait_for_lines(Stream::output, told + 2));
-      THEN("the other one still sees a pose for each IMU sample, and so does the first") {
+      const std::size_t lines_before = other->lines(Stream::output).size();
+      REQUIRE(other->wait_for_lines(Stream::output, lines_before + 2));
+      THEN("the other one and the first still receive a pose for each IMU sample") {
         const auto report = nlohmann::json::parse(other->lines(Stream::output).back());
         const auto& beacon = report["beacons"][0];
         CHECK(beacon["pose_rate_hz"].get<double>() == Approx(100.0).epsilon(0.2));

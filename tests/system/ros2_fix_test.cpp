@@ -1,4 +1,4 @@
-/// Fixes as ROS 2 gets them: each once, and as sure as the fusion holds it.
+/// Fixes in ROS 2: each once, with the variance according to its weight.
 
 #include "process/clocks.hpp"
 #include "support/ros2.hpp"
@@ -28,8 +28,8 @@ std::vector<SeenFix> fixes_seen(RosReader<ros2::PoseWithCovarianceStamped>& read
 
 }  // namespace
 
-SCENARIO("a fix is as sure as the fusion holds it, and comes once") {
-  GIVEN("two fusions that stand by for each other, with fixes of 10 cm") {
+SCENARIO("each fix is published once, with the variance according to its weight") {
+  GIVEN("two redundant fusions, with a fix noise of 10 cm") {
     const Bus bus;
     Consumer<sonopose_UltrasonicFix> native(bus, topics::fix);
     Consumer<sonopose_FixReport> reports(bus, topics::report);
@@ -44,7 +44,7 @@ SCENARIO("a fix is as sure as the fusion holds it, and comes once") {
     const auto weak = with_strength("50");
     const auto relay = bus.ros2();
     const auto bridge = bus.bridge({"--scenario", "walk"});
-    THEN("each has a native one's stamp, no stamp twice, and the variance that its weight means") {
+    THEN("each has the stamp of a native fix, a unique stamp, and the variance according to its weight") {
       const auto seen = fixes_seen(fix, 40);
       native.take();
       reports.take();
@@ -65,19 +65,19 @@ SCENARIO("a fix is as sure as the fusion holds it, and comes once") {
           }
         }
       }
-      CHECK(weighted > 30);  // the first ones may have come before the settings, or waited in vain
+      CHECK(weighted > 30);  // the first fixes may arrive before the settings, or have no report
     }
   }
 }
 
-SCENARIO("without a fusion fixes come all the same") {
+SCENARIO("fixes are published without a fusion too") {
   GIVEN("a bridge with two beacons, and a relay for one of them") {
     const Bus bus;
     RosReader<ros2::PoseWithCovarianceStamped> fix(bus, "/hedge_8/fix");
     RosReader<ros2::PoseWithCovarianceStamped> other(bus, "/hedge_7/fix");
     const auto relay = bus.ros2({"--addresses", "8"});
     const auto bridge = bus.bridge({"--beacons", "2"});
-    THEN("they are of full weight, and nothing of the other beacon is there") {
+    THEN("they have full weight, and the other beacon has no topics") {
       for (const SeenFix& one : fixes_seen(fix, 10)) CHECK(one.variance_m2 == Approx(0.02 * 0.02));
       CHECK_FALSE(other.wait_for([](const auto&) { return true; }, std::chrono::milliseconds(1)));
     }
@@ -85,7 +85,7 @@ SCENARIO("without a fusion fixes come all the same") {
 }
 
 SCENARIO("a beacon with a magnetometer has a topic for it") {
-  GIVEN("a relay, and a beacon that measures the field too") {
+  GIVEN("a relay, and a beacon with a magnetometer") {
     const Bus bus;
     const auto relay = bus.ros2();
     const auto participant = dds::make_participant({.domain_id = bus.domain_id()});
@@ -95,7 +95,7 @@ SCENARIO("a beacon with a magnetometer has a topic for it") {
     sample.address = 9;
     sample.specific_force_body_mps2 = {0, 0, 9.81};
     sample.magnetic_field_body_t = Vector3d(20e-6, 1e-6, -40e-6);
-    WHEN("its samples come") {
+    WHEN("its samples arrive") {
       ros2::Vector3 seen{};
       bool came = false;
       for (int i = 0; i < 1000 && !came; ++i) {
@@ -105,7 +105,7 @@ SCENARIO("a beacon with a magnetometer has a topic for it") {
         came = field.wait_for_count(
             1, [&](const auto& message) { seen = message.magnetic_field; }, std::chrono::milliseconds(10));
       }
-      THEN("the field is there, in tesla") {
+      THEN("the field is published in tesla") {
         REQUIRE(came);
         CHECK(seen.x == 20e-6);
         CHECK(seen.z == -40e-6);

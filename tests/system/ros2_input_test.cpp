@@ -15,7 +15,7 @@ namespace topics = dds::topics;
 
 namespace {
 
-/// A robot at rest at (1, 2, 0.5), as drivers tell of it: 100 Hz and 10 Hz, until it is destroyed.
+/// A robot at rest at (1, 2, 0.5), as published by drivers at 100 Hz and 10 Hz, until destruction.
 class Drivers {
 public:
   explicit Drivers(const Bus& bus)
@@ -53,7 +53,7 @@ private:
 }  // namespace
 
 SCENARIO("any IMU and any positioning system with a ROS 2 driver feed the fusion") {
-  GIVEN("a fusion, a relay that takes both in as beacon 42, and drivers") {
+  GIVEN("a fusion, a relay with both as inputs of beacon 42, and drivers") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     Consumer<sonopose_BeaconStatus> status(bus, topics::beacon_status, dds::Delivery::live);
@@ -61,7 +61,7 @@ SCENARIO("any IMU and any positioning system with a ROS 2 driver feed the fusion
     const auto fusion = bus.fusion();
     const auto relay = bus.ros2({"--imu-in", "/imu/data=42", "--fix-in", "/tag/pose=42"});
     auto drivers = std::make_unique<Drivers>(bus);
-    THEN("the robot is where they say, natively and in ROS 2, and the bridge's status tells of them") {
+    THEN("the robot has their position, natively and in ROS 2, and the bridge's status counts the messages") {
       REQUIRE(poses.wait_for([](const FusedPose& pose) {
         return (pose.status & (status_initialising | status_converging)) == 0;
       }));
@@ -78,20 +78,20 @@ SCENARIO("any IMU and any positioning system with a ROS 2 driver feed the fusion
     WHEN("the drivers end") {
       REQUIRE(poses.wait_for_count(20));
       drivers.reset();
-      THEN("the relay says which stream is silent, and when it is back") {
+      THEN("the relay logs the silent streams, and their return") {
         REQUIRE(relay->wait_for_line(Stream::error, "beacon 42: no IMU samples from ROS 2"));
         REQUIRE(relay->wait_for_line(Stream::error, "beacon 42: no fixes from ROS 2"));
         const Drivers again(bus);
         CHECK(relay->wait_for_line(Stream::error, "beacon 42: IMU samples from ROS 2 again"));
       }
-      THEN("it ends when it is told to") {
+      THEN("it ends on request") {
         CHECK(relay->end_by(SIGTERM).code == 0);
       }
     }
   }
-  GIVEN("a relay that is to take relay's own output in") {
+  GIVEN("a relay whose input is its own output") {
     const Result result = run(SONOPOSE_TEST_ROS2, {"--imu-in", "/hedge_7/imu/data_raw=7", "--domain", "0"});
-    THEN("it says that this goes round in a circle") {
+    THEN("it rejects the input") {
       CHECK(result.code == 1);
       CHECK(result.error.find("relay's own output") != std::string::npos);
     }

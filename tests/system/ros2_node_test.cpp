@@ -1,4 +1,4 @@
-/// The relay as other processes of ROS 2 see it: a node, its enclave, and what is the node's.
+/// The relay in the ROS 2 graph: node, enclave and endpoints.
 
 #include "support/bus.hpp"
 #include "support/ros2_graph.hpp"
@@ -11,7 +11,7 @@ using namespace sonopose::test;
 
 namespace {
 
-/// The writers of these topics, by key; fewer where some do not exist (yet).
+/// The writers of these topics, by key; fewer if some do not exist yet.
 std::set<std::string> writers_of(const dds::Discovery& discovery, const std::string& participant,
                                  const std::vector<std::string>& topics) {
   const auto all = endpoints_of(discovery.writers(), participant);
@@ -28,7 +28,7 @@ const std::vector<std::string> topics_of_beacon_7{
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("ROS 2 lists the relay as a node with the topics of the beacons that it heard", "",
+TEMPLATE_TEST_CASE("The relay is a ROS 2 node with the topics of the beacons that it receives", "",
                    ros2::HumbleParticipantEntitiesInfo, ros2::ParticipantEntitiesInfo) {
   const bool humble = std::is_same_v<TestType, ros2::HumbleParticipantEntitiesInfo>;
   const Bus bus;
@@ -41,7 +41,7 @@ TEMPLATE_TEST_CASE("ROS 2 lists the relay as a node with the topics of the beaco
   CHECK(writers_of(discovery, participant, topics_of_beacon_7).empty());
 
   const auto bridge = bus.bridge({});
-  // The node tells of them all at once or one after the other; discovery may come before or after.
+  // Endpoints may be announced together or one by one, before or after their discovery.
   std::set<std::string> writers;
   const auto tells_of_all = [&] {
     writers = writers_of(discovery, participant, topics_of_beacon_7);
@@ -56,7 +56,7 @@ TEMPLATE_TEST_CASE("ROS 2 lists the relay as a node with the topics of the beaco
   CHECK(told.participant == participant);
   CHECK(told.nodes[0].name_space == "/robot");
   CHECK(told.nodes[0].name == "kart");
-  // What is no topic of ROS 2's is not the node's.
+  // Native endpoints do not belong to the node.
   const auto all = endpoints_of(discovery.writers(), participant);
   CHECK(told.nodes[0].writers.count(all.at("ros_discovery_info").key) == 0);
 

@@ -1,5 +1,5 @@
-/// The relay's command line and its shell's variables: what cannot be is refused at the start, in words that
-/// name the option, the value and what is allowed.
+/// Command line and environment variables of the relay: invalid values are rejected at startup, with option,
+/// value and the allowed values.
 
 #include "support/bus.hpp"
 
@@ -15,7 +15,7 @@ struct Wrong {
   Environment environment = {};
 };
 
-/// In a domain of its own, should it run after all.
+/// In a separate domain, in case it starts.
 void check_refused(const char* program, const Wrong& wrong) {
   const TestDomain domain;
   Environment environment = neutral;
@@ -37,7 +37,7 @@ void check_all_refused(const std::vector<Wrong>& all) {
 
 }  // namespace
 
-TEST_CASE("The relay refuses names that ROS 2 would not allow") {
+TEST_CASE("The relay rejects names that ROS 2 does not allow") {
   const std::string many(228, 'n');
   check_all_refused(
       {{{"--name", "a b"}, {"--name: node name 'a b'", "' '"}},
@@ -59,10 +59,10 @@ TEST_CASE("The relay refuses names that ROS 2 would not allow") {
        {{"--beacon-namespace", "", "--addresses", "7-8"}, {"--beacon-namespace ''", "{address}"}}});
 }
 
-TEST_CASE("The relay refuses frames, mounts and numbers that cannot be") {
+TEST_CASE("The relay rejects invalid frames, mounts and numbers") {
   check_all_refused(
       {{{"--map-frame", "/map"}, {"--map-frame: ", "'/map'", "must not begin with a slash"}},
-       {{"--base-frame", "map"}, {"--base-frame: ", "is called as the map frame is"}},
+       {{"--base-frame", "map"}, {"--base-frame: ", "has the same name as the map frame"}},
        {{"--base-frame", "b7", "--imu-frame", "b{address}"}, {"--imu-frame: ", "'b7'", "beacon 7"}},
        {{"--mount", "0", "0", "nan", "0", "0", "0"}, {"--mount: z is nan", "1000 m"}},
        {{"--mount", "0", "-1001", "0", "0", "0", "0"}, {"--mount: y is -1001", "1000 m"}},
@@ -72,10 +72,10 @@ TEST_CASE("The relay refuses frames, mounts and numbers that cannot be") {
        {{"--addresses", "x"}, {"--addresses: 'x'", "65534"}},
        {{"--addresses", "7-3"}, {"--addresses: ", "'7-3'", "from the lower address"}},
        {{"--imu-in", "/imu"}, {"--imu-in /imu"}},
-       {{"--fix-in", "/tag=70000"}, {"'70000' is no address"}}});
+       {{"--fix-in", "/tag=70000"}, {"'70000' is not an address"}}});
 }
 
-TEST_CASE("An option of a few words takes these alone, and lists them") {
+TEST_CASE("An option with a set of values accepts only these, and lists them") {
   check_all_refused({{{"--tf", "foo"}, {"--tf: 'foo'", "map_base, map_odom, off"}},
                      {{"--tf", "1"}, {"--tf: '1'", "map_base, map_odom, off"}},
                      {{"--fix-message", "foo"}, {"--fix-message: 'foo'", "pose, point"}},
@@ -90,7 +90,7 @@ TEST_CASE("An option of a few words takes these alone, and lists them") {
                                        {"--integration: '1'", "previous, mean"}});
 }
 
-TEST_CASE("The relay's help says where it looks for others, and what it takes") {
+TEST_CASE("The help of the relay has the network and the choices") {
   const Result help = run(SONOPOSE_TEST_ROS2, {"--help"}, neutral);
   CHECK(help.code == 0);
   CHECK_THAT(help.output, Contains("loopback|lan (default: from the environment variables of ROS 2)"));
@@ -101,25 +101,25 @@ TEST_CASE("The relay's help says where it looks for others, and what it takes") 
              Contains("loopback|lan (default: loopback)"));
 }
 
-TEST_CASE("The relay refuses variables that cannot be, and names them") {
+TEST_CASE("The relay rejects invalid variables by name") {
   check_all_refused({{{}, {"ROS_STATIC_PEERS is 'a b'", "no address"}, {{"ROS_STATIC_PEERS", "a b"}}},
                      {{}, {"ROS_LOCALHOST_ONLY is '2'", "0 or 1"}, {{"ROS_LOCALHOST_ONLY", "2"}}}});
 }
 
-SCENARIO("A ROS 2 that is newer than the relay does not stop it") {
-  GIVEN("a relay in the shell of a distribution that nobody has heard of") {
+SCENARIO("The relay works with an unknown distribution") {
+  GIVEN("a relay in the shell of an unknown distribution") {
     const TestDomain domain;
     Environment environment = neutral;
     environment["ROS_DISTRO"] = "lyrical";
     const Arguments arguments{"--network", "loopback", "--domain", std::to_string(domain.id())};
-    THEN("it relays, and says which variable it does not know and which option helps") {
+    THEN("it works, and warns with variable and option") {
       Process relay(SONOPOSE_TEST_ROS2, arguments, environment);
       CHECK(relay.wait_for_line(Stream::error, "relaying as"));
       const bool warned = relay.wait_for_line(Stream::error, "warning: ROS_DISTRO is 'lyrical'");
       CHECK(warned);
       if (warned) CHECK_THAT(relay.lines(Stream::error).front(), Contains("--ros-distro"));
     }
-    THEN("where the option names a distribution by any name, it says nothing of it") {
+    THEN("with the option there is no warning") {
       Arguments all = arguments;
       all.insert(all.end(), {"--ros-distro", "kilted"});
       Process relay(SONOPOSE_TEST_ROS2, all, environment);

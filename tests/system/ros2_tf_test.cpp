@@ -37,15 +37,15 @@ std::vector<SeenTransform> seen(const ros2::TFMessage& message) {
 
 }  // namespace
 
-SCENARIO("the tree says where the robot is, and where its IMU is on it") {
-  GIVEN("a chain at work, and a relay that knows of the mount") {
+SCENARIO("the tree has the pose of the robot, and of the IMU on it") {
+  GIVEN("a running chain, and a relay with a mount") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     RosReader<ros2::TFMessage> tf(bus, "/tf");
     const auto fusion = bus.fusion();
     const auto relay = bus.ros2({"--mount", "0.2", "0", "0.5", "0", "0", "90"});
     const auto bridge = bus.bridge({"--scenario", "walk"});
-    THEN("map → base_link → imu_link leads to the fused pose, and no stamp comes twice") {
+    THEN("map → base_link → imu_link gives the fused pose, and stamps are unique") {
       std::vector<SeenTransform> moving;
       REQUIRE(tf.wait_for_count(150, [&](const auto& message) {
         for (auto& one : seen(message)) moving.push_back(one);
@@ -56,7 +56,7 @@ SCENARIO("the tree says where the robot is, and where its IMU is on it") {
         CHECK(one.child == "base_link");
         CHECK(stamps.insert(one.stamp_ns).second);
       }
-      // Who comes late gets the mount too.
+      // A late subscriber receives the mount too.
       RosReader<ros2::TFMessage> late(bus, "/tf_static", Subscription::latched);
       std::vector<SeenTransform> fixed;
       REQUIRE(late.wait_for_count(1, [&](const auto& message) { fixed = seen(message); }));
@@ -77,8 +77,8 @@ SCENARIO("the tree says where the robot is, and where its IMU is on it") {
   }
 }
 
-SCENARIO("beside another odometry the relay moves that one's frame") {
-  GIVEN("wheels that say how far the robot has come, and a relay in mode map_odom") {
+SCENARIO("with another odometry, the relay publishes map → odom") {
+  GIVEN("wheel odometry, and a relay in mode map_odom") {
     const Bus bus;
     RosReader<ros2::TFMessage> tf(bus, "/tf");
     RosReader<ros2::Odometry> odometry(bus, "/hedge_7/odom");
@@ -90,7 +90,7 @@ SCENARIO("beside another odometry the relay moves that one's frame") {
     const std::string odom = "odom";
     const std::string base = "base_link";
     const ros2::Transform base_in_odom{{3, -1, 0}, Quaterniond(Eigen::AngleAxisd(0.5, Vector3d::UnitZ()))};
-    WHEN("they stand still at (3, -1)") {
+    WHEN("the odometry is constant at (3, -1)") {
       std::atomic<bool> enough = false;
       std::thread driver([&] {
         while (!enough) {
@@ -113,7 +113,7 @@ SCENARIO("beside another odometry the relay moves that one's frame") {
       });
       enough = true;
       driver.join();
-      THEN("map → odom → base_link is where the fusion says") {
+      THEN("map → odom → base_link gives the fused pose") {
         REQUIRE(found);
         CHECK(map_to_odom.parent == "map");
         REQUIRE(compared);
@@ -125,19 +125,19 @@ SCENARIO("beside another odometry the relay moves that one's frame") {
   }
 }
 
-SCENARIO("two beacons do not fight over one frame") {
-  GIVEN("two beacons and a relay whose frames do not tell them apart") {
+SCENARIO("two beacons with the same frames do not conflict") {
+  GIVEN("two beacons, and a relay with the same frames for both") {
     const Bus bus;
     RosReader<ros2::TFMessage> tf(bus, "/tf");
     const auto fusion = bus.fusion();
-    WHEN("they come") {
+    WHEN("both are received") {
       const auto relay = bus.ros2();
       const auto bridge = bus.bridge({"--beacons", "2"});
-      THEN("the relay says that the second one has no transforms, and what to do") {
+      THEN("the relay logs that the second one has no transforms, with a remedy") {
         CHECK(relay->wait_for_line(Stream::error, "--base-frame hedge_{address}/base_link"));
       }
     }
-    WHEN("the frames have the address in them") {
+    WHEN("the frames contain the address") {
       const auto relay =
           bus.ros2({"--base-frame", "hedge_{address}/base_link", "--imu-frame", "hedge_{address}/imu_link"});
       const auto bridge = bus.bridge({"--beacons", "2"});
