@@ -1,9 +1,9 @@
 #pragma once
 /// \file
-/// Where another odometry source (wheels, a camera) says the robot is, for `map → odom` (REP-105).
+/// Buffer of another odometry source (wheels, a camera), for `map → odom` (REP-105).
 
-#include <sonopose/samples/samples.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <array>
 #include <cstddef>
@@ -11,15 +11,15 @@
 
 namespace sonopose::ros2 {
 
-/// The latest transforms odom → base, to be asked for any time between them. Not for several threads at
-/// once. Allocates nothing.
-class OdomTrack {
+/// The latest transforms odom → base, with interpolation. Not thread-safe. Does not allocate memory.
+class OdometryBuffer {
 public:
-  /// One that is not newer than the latest is left out, but for a clock that was set back by a second.
+  /// Ignores a transform that is not newer than the latest one. A step back of more than a second clears the
+  /// buffer, because the clock was set.
   void add(TimeNs time_ns, const Transform& base_in_odom);
 
-  /// The base in odom at `time_ns`, interpolated; beyond the latest one, that one, for up to `hold_ns`.
-  /// Empty where nothing is known.
+  /// The interpolated pose of the base in odom at `time_ns`; after the latest transform, that transform for
+  /// up to `hold_ns`. Empty otherwise.
   [[nodiscard]] std::optional<Transform> at(TimeNs time_ns) const;
 
   static constexpr TimeNs hold_ns = 200'000'000;
@@ -38,8 +38,7 @@ private:
   std::size_t count_ = 0;
 };
 
-/// Where odom must stand in the map so that the base stands where the fusion says: T_map_base ·
-/// T_odom_base⁻¹.
+/// The pose of odom in the map for which the base has the fused pose: T_map_base · T_odom_base⁻¹.
 inline Transform odom_in_map(const Transform& base_in_map, const Transform& base_in_odom) {
   return base_in_map * inverse_of(base_in_odom);
 }

@@ -1,17 +1,17 @@
 #pragma once
-// A healthy system as the doctor sees it, for tests that make one thing wrong.
+// Observations of a healthy system, for tests that change one thing.
 
+#include "doctor/rules/diagnosis.hpp"
 #include <sonopose/samples/pose.hpp>
-#include "doctor/rules/doctor.hpp"
 
 #include <algorithm>
 #include <string>
 #include <vector>
 
-namespace sonopose::doctor::test {
+namespace sonopose::doctor::rules::test {
 
-inline EndpointObservation endpoint(const std::string& topic, const std::string& type, const std::string& process,
-                             const dds::Qos& qos = {}) {
+inline EndpointObservation endpoint(const std::string& topic, const std::string& type,
+                                    const std::string& process, const dds::Qos& qos = {}) {
   return {topic, type, qos, {process, "rover", 100}};
 }
 
@@ -47,20 +47,21 @@ inline BeaconObservation healthy_beacon() {
 }
 
 inline Observations healthy() {
-  Observations seen;
-  seen.window_s = 3;
-  seen.own_host = "rover";
-  seen.bus.domain_id = 5;
-  seen.native_topics = {{"sonopose/imu", "sonopose::ImuSample"}, {"sonopose/pose", "sonopose::FusedPose"}};
-  seen.writers = {endpoint("sonopose/imu", "sonopose::ImuSample", "sonopose-bridge"),
-                  endpoint("sonopose/pose", "sonopose::FusedPose", "sonopose-fusion", exclusive())};
-  seen.readers = {endpoint("sonopose/imu", "sonopose::ImuSample", "sonopose-fusion"),
-                  endpoint("sonopose/pose", "sonopose::FusedPose", "consumer", exclusive())};
-  seen.beacons = {healthy_beacon()};
-  return seen;
+  Observations observations;
+  observations.window_s = 3;
+  observations.own_host = "rover";
+  observations.bus.domain_id = 5;
+  observations.native_topics = {{"sonopose/imu", "sonopose::ImuSample"},
+                                {"sonopose/pose", "sonopose::FusedPose"}};
+  observations.writers = {endpoint("sonopose/imu", "sonopose::ImuSample", "sonopose-bridge"),
+                          endpoint("sonopose/pose", "sonopose::FusedPose", "sonopose-fusion", exclusive())};
+  observations.readers = {endpoint("sonopose/imu", "sonopose::ImuSample", "sonopose-fusion"),
+                          endpoint("sonopose/pose", "sonopose::FusedPose", "consumer", exclusive())};
+  observations.beacons = {healthy_beacon()};
+  return observations;
 }
 
-/// The worst of what is found with one text in what it says; `ok` where there is none.
+/// The most severe finding with `text` in its sentence; severity `ok` if there is none.
 inline Finding found(const std::vector<Finding>& findings, const std::string& text) {
   Finding worst;
   for (const Finding& finding : findings) {
@@ -69,12 +70,12 @@ inline Finding found(const std::vector<Finding>& findings, const std::string& te
   return worst;
 }
 
-/// What is found in a system with the beacon changed by `change`.
+/// The findings in a healthy system whose beacon `change` has modified.
 template <class Change>
 std::vector<Finding> findings_with(const Change& change) {
-  Observations seen = healthy();
-  change(seen.beacons.front());
-  return diagnose(seen);
+  Observations observations = healthy();
+  change(observations.beacons.front());
+  return diagnose(observations);
 }
 
-}  // namespace sonopose::doctor::test
+}  // namespace sonopose::doctor::rules::test

@@ -1,28 +1,23 @@
-#include "doctor/rules/rules.hpp"
-#include "doctor/rules/doctor.hpp"
+#include "doctor/rules/checks.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-namespace sonopose::doctor {
-
-namespace doctor {
+namespace sonopose::doctor::rules {
 
 std::string name_of(const BeaconObservation& beacon) {
   return fmt::format("beacon {}", beacon.address);
 }
 
 std::vector<const EndpointObservation*> on_topic(const std::vector<EndpointObservation>& endpoints,
-                                          const std::string& topic) {
+                                                 const std::string& topic) {
   std::vector<const EndpointObservation*> found;
   for (const EndpointObservation& endpoint : endpoints) {
     if (endpoint.topic == topic) found.push_back(&endpoint);
   }
   return found;
 }
-
-}  // namespace doctor
 
 std::string text_of(const ProcessObservation& process) {
   if (process.name.empty() && process.host.empty() && !process.id) return "an unknown process";
@@ -33,21 +28,21 @@ std::string text_of(const ProcessObservation& process) {
   return text;
 }
 
-std::vector<Finding> diagnose(const Observations& seen) {
-  doctor::Findings findings;
-  doctor::check_bus(seen, findings);
-  doctor::check_topics(seen, findings);
-  for (const BeaconObservation& beacon : seen.beacons) {
-    doctor::check_beacon(seen, beacon, findings);
-    doctor::check_pose(beacon, findings);
-    doctor::check_mount(beacon, findings);
+std::vector<Finding> diagnose(const Observations& observations) {
+  Findings findings;
+  check_bus(observations, findings);
+  check_topics(observations, findings);
+  for (const BeaconObservation& beacon : observations.beacons) {
+    check_beacon(observations, beacon, findings);
+    check_pose(beacon, findings);
+    check_mount(beacon, findings);
   }
   return findings;
 }
 
-bool any_wrong(const std::vector<Finding>& findings) {
+bool has_problems(const std::vector<Finding>& findings) {
   return std::any_of(findings.begin(), findings.end(),
                      [](const Finding& finding) { return finding.severity >= Severity::warning; });
 }
 
-}  // namespace sonopose::doctor
+}  // namespace sonopose::doctor::rules

@@ -1,4 +1,4 @@
-#include "ros2/relay/beacon.hpp"
+#include "ros2/relay/beacon_publishers.hpp"
 
 #include "process/clocks.hpp"
 #include <sonopose/settings/settings.hpp>
@@ -7,22 +7,22 @@
 #include <algorithm>
 #include <charconv>
 
-namespace sonopose::ros2 {
+namespace sonopose::ros2::relay {
 namespace {
 
 /// Between two points of a path.
-constexpr TimeNs way_step_ns = 100'000'000;
+constexpr TimeNs path_step_ns = 100'000'000;
 const char* const profile = "ros2::Default";
 
-/// The transforms of one message, and nobody's memory.
+/// A message that borrows one transform.
 ros2::TFMessage message_of(ros2::TransformStamped& transform) {
   return {{1, 1, &transform, false}};
 }
 
 }  // namespace
 
-Ros2Beacon::Ros2Beacon(ros2::Node& node, const Ros2Output& output, BeaconAddress address,
-                       dds::DataWriter<ros2::TFMessage>& tf, bool in_tree)
+BeaconPublishers::BeaconPublishers(ros2::Node& node, const Output& output, BeaconAddress address,
+                                   dds::DataWriter<ros2::TFMessage>& tf, bool in_tree)
     : output_(output),
       prefix_(ros2::topic_prefix(output.beacon_namespace, address)),
       frames_(ros2::for_beacon(output.frames, address)),
@@ -41,53 +41,53 @@ Ros2Beacon::Ros2Beacon(ros2::Node& node, const Ros2Output& output, BeaconAddress
   if (output.path_s > 0) path_ = node.make_writer<ros2::Path>(prefix_ + "path", profile);
 }
 
-void Ros2Beacon::make_magnetic(ros2::Node& node) {
-  if (!has_magnetic_ || magnetic_made_) return;
+void BeaconPublishers::create_magnetic_writer(ros2::Node& node) {
+  if (!has_magnetic_ || has_magnetic_writer_) return;
   magnetic_ = node.make_writer<ros2::MagneticField>(prefix_ + "imu/mag", profile);
-  magnetic_made_ = true;
+  has_magnetic_writer_ = true;
 }
 
-void Ros2Beacon::on(const ImuSample& sample) {
+void BeaconPublishers::on(const ImuSample& sample) {
   {
     const std::lock_guard lock(mutex_);
     samples_[next_sample_++ % samples_.size()] = sample;
   }
-  const auto stamp_ns = next(raw_stamp_, sample.sensor_time_ns);
+  const auto stamp_ns = next_stamp(raw_stamp_, sample.sensor_time_ns);
   if (!stamp_ns) return;
   raw_imu_.try_write(ros2::raw_imu(sample, *stamp_ns, frames_, output_.noise));
   const auto field = ros2::magnetic_field(sample, *stamp_ns, frames_, output_.noise);
   if (!field) return;
   has_magnetic_ = true;
-  if (magnetic_made_) magnetic_.try_write(*field);
+  if (has_magnetic_writer_) magnetic_.try_write(*field);
 }
 
-void Ros2Beacon::on(const FusedPose& pose) {
+void BeaconPublishers::on(const FusedPose& pose) {
   fused_at_ = process::steady_now();
-  publish_odometry(pose);  // first: somebody drives by it
+  publish_odometry(pose);  // first, because vehicle control may depend on it
   publish_imu(pose);
 }
 
-void Ros2Beacon::publish_odometry(const FusedPose& pose) {
-  if ((pose.status & status_initialising) != 0) return;  // there is no position yet
-  const auto stamp_ns = next(pose_stamp_, pose.time_ns);
+void BeaconPublishers::publish_odometry(const FusedPose& pose) {
+  if ((pose.status & status_initialising) != 0) return;  // no position yet
+  const auto stamp_ns = next_stamp(pose_stamp_, pose.time_ns);
   if (!stamp_ns) return;
   const ros2::Odometry odometry = ros2::odometry(pose, *stamp_ns, frames_, output_.mount, output_.noise);
   publish_transform(odometry, *stamp_ns);
   odometry_.try_write(odometry);
   pose_.try_write(ros2::pose_of(odometry));
-  if (!path_.is_nil()) remember(odometry, *stamp_ns);
+  if (!path_.is_nil()) add_to_path(odometry, *stamp_ns);
 }
 
-/// A pose between samples has none of its own.
-void Ros2Beacon::publish_imu(const FusedPose& pose) {
+/// Predicted poses have no IMU sample and are skipped.
+void BeaconPublishers::publish_imu(const FusedPose& pose) {
   if ((pose.status & status_predicted) != 0) return;
   const auto sample = sample_of(pose.sequence);
   if (!sample) return;
-  const auto stamp_ns = next(imu_stamp_, sample->sensor_time_ns);
+  const auto stamp_ns = next_stamp(imu_stamp_, sample->sensor_time_ns);
   if (stamp_ns) imu_.try_write(ros2::fused_imu(*sample, pose, *stamp_ns, frames_, output_.noise));
 }
 
-std::optional<ImuSample> Ros2Beacon::sample_of(std::uint64_t sequence) const {
+std::optional<ImuSample> BeaconPublishers::sample_of(std::uint64_t sequence) const {
   const std::lock_guard lock(mutex_);
   const auto found = std::find_if(samples_.begin(), samples_.end(), [sequence](const ImuSample& sample) {
     return sample.sequence == sequence;
@@ -96,7 +96,7 @@ std::optional<ImuSample> Ros2Beacon::sample_of(std::uint64_t sequence) const {
   return *found;
 }
 
-void Ros2Beacon::publish_transform(const ros2::Odometry& odometry, TimeNs stamp_ns) {
+void BeaconPublishers::publish_transform(const ros2::Odometry& odometry, TimeNs stamp_ns) {
   if (!in_tree_ || output_.tf == TfMode::off) return;
   const ros2::Transform base_in_map = ros2::base_in_map(odometry);
   if (output_.tf == TfMode::map_base) {
@@ -107,7 +107,7 @@ void Ros2Beacon::publish_transform(const ros2::Odometry& odometry, TimeNs stamp_
   std::optional<ros2::Transform> base_in_odom;
   {
     const std::lock_guard lock(mutex_);
-    base_in_odom = odom_track_.at(stamp_ns);
+    base_in_odom = other_odometry_.at(stamp_ns);
   }
   lacks_odometry_ = !base_in_odom;
   if (!base_in_odom) return;
@@ -116,12 +116,12 @@ void Ros2Beacon::publish_transform(const ros2::Odometry& odometry, TimeNs stamp_
   tf_.try_write(message_of(transform));
 }
 
-void Ros2Beacon::on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom) {
+void BeaconPublishers::on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom) {
   const std::lock_guard lock(mutex_);
-  odom_track_.add(time_ns, base_in_odom);
+  other_odometry_.add(time_ns, base_in_odom);
 }
 
-void Ros2Beacon::on(const UltrasonicFix& fix) {
+void BeaconPublishers::on(const UltrasonicFix& fix) {
   constexpr TimeNs fusion_gone_ns = 1'000'000'000;
   if (!fix.position_world_m.allFinite()) return;
   const SteadyTime now = process::steady_now();
@@ -135,7 +135,7 @@ void Ros2Beacon::on(const UltrasonicFix& fix) {
   publish(ready);
 }
 
-void Ros2Beacon::on(const FixReport& report) {
+void BeaconPublishers::on(const FixReport& report) {
   if (!report.position_world_m.allFinite()) return;
   ros2::FixQueue::Ready ready;
   {
@@ -145,7 +145,7 @@ void Ros2Beacon::on(const FixReport& report) {
   publish(ready);
 }
 
-void Ros2Beacon::publish_overdue_fixes() {
+void BeaconPublishers::publish_overdue_fixes() {
   ros2::FixQueue::Ready ready;
   {
     const std::lock_guard lock(mutex_);
@@ -154,9 +154,9 @@ void Ros2Beacon::publish_overdue_fixes() {
   publish(ready);
 }
 
-void Ros2Beacon::publish(const ros2::FixQueue::Ready& fixes) {
+void BeaconPublishers::publish(const ros2::FixQueue::Ready& fixes) {
   for (const ros2::ReadyFix& fix : fixes) {
-    const auto stamp_ns = next(fix_stamp_, fix.emission_time_ns);
+    const auto stamp_ns = next_stamp(fix_stamp_, fix.emission_time_ns);
     if (!stamp_ns) continue;
     if (output_.fix == FixMessage::point) {
       fix_as_point_.try_write(ros2::position_as_point(fix.position_world_m, *stamp_ns, frames_));
@@ -167,12 +167,12 @@ void Ros2Beacon::publish(const ros2::FixQueue::Ready& fixes) {
   }
 }
 
-std::optional<TimeNs> Ros2Beacon::next(ros2::RisingStamp& stamp, TimeNs time_ns) {
+std::optional<TimeNs> BeaconPublishers::next_stamp(ros2::RisingStamp& stamp, TimeNs time_ns) {
   const std::lock_guard lock(mutex_);
   return stamp.next(time_ns);
 }
 
-void Ros2Beacon::on(const EffectiveSettings& settings) {
+void BeaconPublishers::on(const EffectiveSettings& settings) {
   for (const auto& [key, value] : settings.values) {
     if (key != "uncertainty.fix_std_m") continue;
     double std_m = 0;
@@ -181,31 +181,31 @@ void Ros2Beacon::on(const EffectiveSettings& settings) {
   }
 }
 
-void Ros2Beacon::remember(const ros2::Odometry& odometry, TimeNs stamp_ns) {
+void BeaconPublishers::add_to_path(const ros2::Odometry& odometry, TimeNs stamp_ns) {
   const std::lock_guard lock(mutex_);
-  if (!way_.empty() && stamp_ns - way_.back().time_ns < way_step_ns) {
-    if (stamp_ns > way_.back().time_ns) return;
-    way_.clear();  // the clock was set back
+  if (!path_points_.empty() && stamp_ns - path_points_.back().time_ns < path_step_ns) {
+    if (stamp_ns > path_points_.back().time_ns) return;
+    path_points_.clear();  // the clock was stepped back
   }
-  way_.push_back({stamp_ns, odometry.pose.pose});
-  while (stamp_ns - way_.front().time_ns > to_ns(output_.path_s)) way_.pop_front();
+  path_points_.push_back({stamp_ns, odometry.pose.pose});
+  while (stamp_ns - path_points_.front().time_ns > to_ns(output_.path_s)) path_points_.pop_front();
 }
 
-void Ros2Beacon::publish_path() {
+void BeaconPublishers::publish_path() {
   if (path_.is_nil()) return;
   std::vector<ros2::PoseStamped> poses;
   {
     const std::lock_guard lock(mutex_);
-    poses.reserve(way_.size());
-    for (const WayPoint& point : way_) {
+    poses.reserve(path_points_.size());
+    for (const PathPoint& point : path_points_) {
       poses.push_back({ros2::header_of(point.time_ns, frames_.map), point.pose});
     }
   }
   if (poses.empty()) return;
   ros2::Path path{};
   path.header = poses.back().header;
-  ros2::lend(path.poses, poses);
+  ros2::borrow_sequence(path.poses, poses);
   path_.try_write(path);
 }
 
-}  // namespace sonopose::ros2
+}  // namespace sonopose::ros2::relay

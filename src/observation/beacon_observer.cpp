@@ -1,4 +1,4 @@
-#include "observation/beacon_view.hpp"
+#include "observation/beacon_observer.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,17 +6,17 @@
 namespace sonopose::observation {
 namespace {
 
-/// Remembers at most this many; more than a second at any rate.
-constexpr std::size_t most_waiting = 2048;
+/// More than one second of samples at any supported rate.
+constexpr std::size_t max_unmatched = 2048;
 
-void remember(std::map<TimeNs, Vector3d>& waiting, TimeNs time_ns, const Vector3d& position_world_m) {
-  waiting[time_ns] = position_world_m;
-  if (waiting.size() > most_waiting) waiting.erase(waiting.begin());
+void store(std::map<TimeNs, Vector3d>& unmatched, TimeNs time_ns, const Vector3d& position_world_m) {
+  unmatched[time_ns] = position_world_m;
+  if (unmatched.size() > max_unmatched) unmatched.erase(unmatched.begin());
 }
 
-/// Takes out what waits for `time_ns`.
-std::optional<Vector3d> taken(std::map<TimeNs, Vector3d>& waiting, TimeNs time_ns) {
-  const auto node = waiting.extract(time_ns);
+/// Removes and returns the position of `time_ns`.
+std::optional<Vector3d> extract(std::map<TimeNs, Vector3d>& unmatched, TimeNs time_ns) {
+  const auto node = unmatched.extract(time_ns);
   if (node.empty()) return std::nullopt;
   return node.mapped();
 }
@@ -43,18 +43,18 @@ void BeaconObserver::on(const FusedPose& pose, TimeNs received_ns) {
   lost_ = false;
   if (is_predicted) return;
   if ((pose.status & status_initialising) != 0U) return;
-  if (const auto truth_world_m = taken(truth_world_m_, pose.time_ns)) {
+  if (const auto truth_world_m = extract(unmatched_truths_world_m_, pose.time_ns)) {
     compare(pose.position_world_m, *truth_world_m);
   } else {
-    remember(unmatched_world_m_, pose.time_ns, pose.position_world_m);
+    store(unmatched_poses_world_m_, pose.time_ns, pose.position_world_m);
   }
 }
 
 void BeaconObserver::on(const TruthSample& truth) {
-  if (const auto fused_world_m = taken(unmatched_world_m_, truth.time_ns)) {
+  if (const auto fused_world_m = extract(unmatched_poses_world_m_, truth.time_ns)) {
     compare(*fused_world_m, truth.position_world_m);
   } else {
-    remember(truth_world_m_, truth.time_ns, truth.position_world_m);
+    store(unmatched_truths_world_m_, truth.time_ns, truth.position_world_m);
   }
 }
 
@@ -63,8 +63,8 @@ void BeaconObserver::on_pose_lost() {
   lost_ = true;
 }
 
-void BeaconObserver::compare(const Vector3d& fused_world_m, const Vector3d& true_world_m) {
-  const double error_m = (fused_world_m - true_world_m).norm();
+void BeaconObserver::compare(const Vector3d& fused_world_m, const Vector3d& truth_world_m) {
+  const double error_m = (fused_world_m - truth_world_m).norm();
   if (!std::isfinite(error_m)) return;
   for (Span* span : {&window_, &whole_}) {
     ++span->errors;
@@ -98,7 +98,7 @@ BeaconView BeaconObserver::view_of(const Span& span, BeaconAddress address, Time
   return view;
 }
 
-BeaconView BeaconObserver::look(BeaconAddress address, TimeNs now_ns) {
+BeaconView BeaconObserver::take_window(BeaconAddress address, TimeNs now_ns) {
   const BeaconView view = view_of(window_, address, now_ns);
   window_ = {};
   window_.began_ns = now_ns;
