@@ -1,9 +1,9 @@
 // sonopose-bridge: reads beacons (or a recording, or the simulator) and publishes their samples.
 
+#include "bridge/bridge_node.hpp"
 #include "support/app.hpp"
 #include "support/realtime_option.hpp"
 #include "support/source_options.hpp"
-#include "bridge/bridge_node.hpp"
 
 #include <fmt/format.h>
 
@@ -26,10 +26,10 @@ int serve(const CLI::App& app, const Options& options) {
   process::StopSignal stop;
   stop.listen_to_signals();
   bridge::BridgeNode node({.domain = options.bus.domain,
-                          .qos_file = options.bus.qos_file,
-                          .lossless = options.source.is_unpaced(),
-                          .batch = options.source.is_many(),
-                          .record_folder = options.record});
+                           .qos_file = options.bus.qos_file,
+                           .lossless = options.source.is_unpaced(),
+                           .batch = options.source.is_many(),
+                           .record_folder = options.record});
   const auto realtime = apps::realtime(app, options.realtime_priority);
   fmt::print(stderr, "sonopose-bridge: publishing from {}\n", options.source.source);
   node.run(*source, stop);

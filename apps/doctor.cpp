@@ -1,16 +1,16 @@
-// sonopose-doctor: looks at the running system and says in plain words what is wrong and what to do.
+// sonopose-doctor: reports problems of the running system, and remedies.
 
-#include "support/app.hpp"
 #include "doctor/probe/doctor_node.hpp"
 #include "doctor/rules/report.hpp"
+#include "support/app.hpp"
 
 #include <fmt/format.h>
 
 int main(int argc, char** argv) {
   sonopose::apps::BusOptions bus;
-  sonopose::doctor::DoctorOptions options;
+  sonopose::doctor::probe::DoctorOptions options;
   bool json = false;
-  sonopose::apps::Program app("doctor", "The exit code is 0 if nothing is wrong, 1 otherwise.");
+  sonopose::apps::Program app("doctor", "The exit code is 0 if no problems are found, 1 otherwise.");
   add_bus_options(app, bus);
   app.add_flag("--json", json, "Print one JSON object instead of text");
   app.add_option("--duration", options.duration_s, "Seconds to observe the system")
@@ -27,6 +27,6 @@ int main(int argc, char** argv) {
     } else {
       fmt::print("{}", report_of(findings));
     }
-    return any_wrong(findings) ? 1 : 0;
+    return has_problems(findings) ? 1 : 0;
   });
 }

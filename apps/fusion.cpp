@@ -1,9 +1,9 @@
 // sonopose-fusion: subscribes to the bridge's samples and publishes the fused pose of every beacon.
 
+#include "fusion/fusion_node.hpp"
 #include "support/app.hpp"
 #include "support/config_options.hpp"
 #include "support/realtime_option.hpp"
-#include "fusion/fusion_node.hpp"
 
 #include <fmt/format.h>
 
@@ -49,7 +49,7 @@ void add_options(CLI::App& app, Options& options) {
 }
 
 sonopose::fusion::FusionOptions node_options(const Options& options,
-                                            const sonopose::config::FusionConfig& config) {
+                                             const sonopose::config::FusionConfig& config) {
   using namespace sonopose::fusion;
   FusionOptions node{.domain = options.bus.domain,
                      .qos_file = options.bus.qos_file,

@@ -1,7 +1,7 @@
 // sonopose-monitor: a live table of every beacon on the bus.
 
-#include "support/app.hpp"
 #include "monitor/monitor_node.hpp"
+#include "support/app.hpp"
 
 #include <unistd.h>
 

@@ -13,8 +13,8 @@ namespace {
 using namespace sonopose;
 
 /// Nodes are looked for as far as ROS 2's variables say, where --network says nothing.
-ros2::Ros2RelayOptions node_options(const CLI::App& app, const apps::BusOptions& bus,
-                                     const apps::Ros2Options& ros2) {
+ros2::relay::RelayOptions node_options(const CLI::App& app, const apps::BusOptions& bus,
+                                       const apps::Ros2Options& ros2) {
   const ros2::Variables environment = dds::environment_variables(ros2::variable_names());
   auto options = apps::relay_options(ros2, environment);
   options.domain = bus.domain;
@@ -28,7 +28,7 @@ int serve(const CLI::App& app, const apps::BusOptions& bus, const apps::Ros2Opti
   if (!options.inputs.empty()) apps::check_publisher(bus);
   process::StopSignal stop;
   stop.listen_to_signals();
-  ros2::Ros2Relay relay(options);
+  ros2::relay::Relay relay(options);
   fmt::print(stderr, "sonopose-ros2: relaying as {}\n", ros2::full_name(options.names.node()));
   relay.run(stop);
   return 0;

@@ -1,8 +1,8 @@
-// sonopose-settings: asks a running fusion for its settings, and changes them.
+// sonopose-settings: reads and changes the settings of a running fusion.
 
-#include "support/app.hpp"
 #include "settings_client/settings_client.hpp"
 #include "settings_client/settings_report.hpp"
+#include "support/app.hpp"
 
 #include <fmt/format.h>
 
@@ -26,14 +26,14 @@ struct Options {
   settings_client::SettingsClient client() const { return {bus.domain, bus.qos_file}; }
 };
 
-[[noreturn]] void fail(const Options& options, const char* nothing) {
+[[noreturn]] void fail(const Options& options, const char* what) {
   throw std::runtime_error(
-      fmt::format("{} within {} s: is sonopose-fusion running in this domain?", nothing, options.timeout_s));
+      fmt::format("{} within {} s: is sonopose-fusion running in this domain?", what, options.timeout_s));
 }
 
 int get(const Options& options) {
   settings_client::check_names(options.words);
-  auto found = options.client().in_force(options.address, options.timeout_s);
+  auto found = options.client().effective(options.address, options.timeout_s);
   if (found.empty()) fail(options, "no settings arrived");
   if (options.address != all_beacons && found.front().address == all_beacons) {
     throw std::runtime_error(fmt::format(
@@ -42,7 +42,7 @@ int get(const Options& options) {
         options.address));
   }
   if (options.json) {
-    for (auto& settings : found) settings = settings_client::chosen(std::move(settings), options.words);
+    for (auto& settings : found) settings = settings_client::selected(std::move(settings), options.words);
     fmt::print("{}", settings_client::json_of(found));
   } else {
     fmt::print("{}", settings_client::toml_of(found, options.words));
@@ -52,12 +52,13 @@ int get(const Options& options) {
 
 int set(const Options& options) {
   SettingsRequest request{.address = options.address, .from_sequence = options.from_event, .assignments = {}};
-  for (const auto& word : options.words) request.assignments.push_back(settings_client::read_assignment(word));
+  for (const auto& word : options.words)
+    request.assignments.push_back(settings_client::parse_assignment(word));
   const auto reply = options.client().change(request, options.timeout_s);
   if (!reply) fail(options, "no fusion answered");
   if (!reply->accepted) throw std::runtime_error("refused: " + reply->reason);
   if (!reply->reason.empty()) fmt::print(stderr, "sonopose-settings: warning: {}\n", reply->reason);
-  fmt::print("accepted: {}\n", settings_client::when_of(*reply));
+  fmt::print("accepted: {}\n", settings_client::effective_time_text(*reply));
   return 0;
 }
 
@@ -66,7 +67,7 @@ int watch(const Options& options) {
   stop.listen_to_signals();
   settings_client::SettingsObserver changes(options.json);
   const auto print = [&changes](const EffectiveSettings& settings) {
-    if (!changes.knows(settings.address)) {
+    if (!changes.has_settings_of(settings.address)) {
       const bool all = settings.address == all_beacons;
       fmt::print(stderr, "watching {}\n",
                  all ? "the settings for all beacons" : fmt::format("beacon {}", settings.address));
@@ -74,7 +75,7 @@ int watch(const Options& options) {
     fmt::print("{}", changes.on(settings));
     std::fflush(stdout);
   };
-  options.client().watch(options.address, print, options.duration_s, stop);
+  options.client().observe(options.address, print, options.duration_s, stop);
   return 0;
 }
 
@@ -93,7 +94,7 @@ std::string address_text(const std::string& text) {
 
 CLI::App* add_command(CLI::App& app, Options& options, const char* name, const char* description) {
   auto* command = app.add_subcommand(name, description);
-  command->fallthrough();  // the program's options may follow it
+  command->fallthrough();  // so that the program's options may follow the command
   command->add_option("--beacon", options.address, "Address of one beacon (default: all)")
       ->transform(address_text)
       ->option_text("ADDRESS|all");
@@ -102,7 +103,7 @@ CLI::App* add_command(CLI::App& app, Options& options, const char* name, const c
 
 }  // namespace
 
-// Only two commands of the same name would throw. NOLINTNEXTLINE(bugprone-exception-escape)
+// CLI11 throws only for two commands of the same name. NOLINTNEXTLINE(bugprone-exception-escape)
 int main(int argc, char** argv) {
   Options options;
   apps::Program app("settings");

@@ -16,7 +16,8 @@ void add_case_options(CLI::App& app, CaseOptions& options) {
       ->envname("SONOPOSE_RECORDINGS");
 }
 
-void for_each_case(const CaseOptions& options, const std::function<void(std::vector<evaluation::Case>)>& use) {
+void for_each_case(const CaseOptions& options,
+                   const std::function<void(std::vector<evaluation::Case>)>& use) {
   std::vector<const sim::Scenario*> chosen;
   for (const std::string& name : options.scenarios) chosen.push_back(&sim::find_scenario(name));
   if (chosen.empty()) {

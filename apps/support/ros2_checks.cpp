@@ -32,10 +32,10 @@ ros2::NameResolver names_by(const Ros2Options& options) {
   });
 }
 
-void check_topics(const ros2::Ros2RelayOptions& relay) {
+void check_topics(const ros2::relay::RelayOptions& relay) {
   const std::string& pattern = relay.output.beacon_namespace;
   by_option("--beacon-namespace '" + pattern + "'", [&] {
-    if (!ros2::tells_topics_apart(pattern) && !relay.addresses.only_one()) {
+    if (!ros2::has_topics_per_beacon(pattern) && !relay.addresses.only_one()) {
       throw std::invalid_argument(
           "without {address} all beacons would share the same topics; it needs a single beacon, as in "
           "--addresses 7");
@@ -65,24 +65,25 @@ ros2::Distro distro_by(const Ros2Options& options, const ros2::Variables& enviro
 
 }  // namespace
 
-ros2::Ros2RelayOptions relay_options(const Ros2Options& options, const ros2::Variables& environment) {
+ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::Variables& environment) {
   check_frames(options.output.frames);
-  ros2::Ros2RelayOptions relay{.domain = {},
-                                .qos_file = {},
-                                .names = names_by(options),
-                                .distro = distro_by(options, environment),
-                                .enclave = options.enclave,
-                                .addresses = {},
-                                .output = options.output,
-                                .inputs = {}};
+  ros2::relay::RelayOptions relay{.domain = {},
+                                  .qos_file = {},
+                                  .names = names_by(options),
+                                  .distro = distro_by(options, environment),
+                                  .enclave = options.enclave,
+                                  .addresses = {},
+                                  .output = options.output,
+                                  .inputs = {}};
   relay.output.mount = by_option("--mount", [&] { return ros2::mount_at(options.mount); });
   if (options.addresses) {
-    relay.addresses = by_option("--addresses", [&] { return process::AddressSet::parse(*options.addresses); });
+    relay.addresses =
+        by_option("--addresses", [&] { return process::AddressSet::parse(*options.addresses); });
   }
   check_topics(relay);
-  using Kind = ros2::Ros2Input::Kind;
-  for (const auto& text : options.imu_in) relay.inputs.push_back(ros2::Ros2Input::parse(Kind::imu, text));
-  for (const auto& text : options.fix_in) relay.inputs.push_back(ros2::Ros2Input::parse(Kind::fix, text));
+  using Kind = ros2::relay::Input::Kind;
+  for (const auto& text : options.imu_in) relay.inputs.push_back(ros2::relay::Input::parse(Kind::imu, text));
+  for (const auto& text : options.fix_in) relay.inputs.push_back(ros2::relay::Input::parse(Kind::fix, text));
   check(relay.inputs);
   return relay;
 }

@@ -41,11 +41,11 @@ void add_frame_options(CLI::App& app, Ros2Options& options) {
   app.add_option("--mount", options.mount, "Pose of the IMU on the robot: x y z (m) roll pitch yaw (deg)")
       ->type_name("N")
       ->group(group);
-  add_choice<ros2::TfMode>(
+  add_choice<ros2::relay::TfMode>(
       app, "--tf", options.output.tf,
-      {{"map_base", ros2::TfMode::map_base},
-       {"map_odom", ros2::TfMode::map_odom},
-       {"off", ros2::TfMode::off}},
+      {{"map_base", ros2::relay::TfMode::map_base},
+       {"map_odom", ros2::relay::TfMode::map_odom},
+       {"off", ros2::relay::TfMode::off}},
       "Transform to publish: map to base; map to odom, if another source publishes odom to base; or none")
       ->group(group);
 }
@@ -60,9 +60,10 @@ void add_message_options(CLI::App& app, Ros2Options& options) {
                  "Namespace of a beacon's topics; '' (for a single beacon): the node's namespace")
       ->capture_default_str()
       ->group(group);
-  add_choice<ros2::FixMessage>(app, "--fix-message", options.output.fix,
-                                {{"pose", ros2::FixMessage::pose}, {"point", ros2::FixMessage::point}},
-                                "Publish fixes as PoseWithCovarianceStamped or as PointStamped")
+  add_choice<ros2::relay::FixMessage>(
+      app, "--fix-message", options.output.fix,
+      {{"pose", ros2::relay::FixMessage::pose}, {"point", ros2::relay::FixMessage::point}},
+      "Publish fixes as PoseWithCovarianceStamped or as PointStamped")
       ->group(group);
   app.add_option("--path", options.output.path_s, "Publish the path of the last S seconds")
       ->check(number_between(0.0, 3600.0))

@@ -19,7 +19,7 @@ struct Ros2Options {
   std::optional<ros2::Distro> distro;
   std::string enclave = "/";
   std::optional<std::string> addresses;
-  ros2::Ros2Output output;
+  ros2::relay::Output output;
   std::array<double, 6> mount{};  ///< x, y, z in m; roll, pitch, yaw in degrees
   std::vector<std::string> imu_in;
   std::vector<std::string> fix_in;
@@ -30,6 +30,6 @@ void add_ros2_options(CLI::App& app, Ros2Options& options);
 
 /// What the node needs, but for the bus; says on stderr what is odd in the environment. Throws
 /// std::invalid_argument that names option or variable.
-ros2::Ros2RelayOptions relay_options(const Ros2Options& options, const ros2::Variables& environment);
+ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::Variables& environment);
 
 }  // namespace sonopose::apps

@@ -1,8 +1,10 @@
 #pragma once
-// Where a bridge's samples come from: the options that say so, and the source that they lead to.
+/// \file
+/// The options that select and configure a bridge's source.
 
 #include "bridge/byte_sources.hpp"
-#include "bridge/recorded_sources.hpp"
+#include "bridge/log_source.hpp"
+#include "bridge/simulator_source.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -24,16 +26,16 @@ struct SourceOptions {
   double rate = 1;
   bool restamp = false;
 
-  /// Whether it brings more beacons than one.
+  /// Whether the source has more than one beacon.
   [[nodiscard]] bool is_many() const { return source == "sim" && sim.beacons > 1; }
-  /// Whether it is played as fast as its readers take it.
+  /// Whether it is played as fast as its readers accept.
   [[nodiscard]] bool is_unpaced() const { return source != "serial" && source != "udp" && rate == 0.0; }
 };
 
-/// Adds --source and all that belongs to one of the sources.
+/// Adds --source and the options of all sources.
 void add_source_options(CLI::App& app, SourceOptions& options);
 
-/// Throws what the source throws; std::invalid_argument for options that do not go together,
+/// Throws what the source throws, std::invalid_argument for options that exclude each other, and
 /// CLI::RequiredError.
 std::unique_ptr<bridge::Source> make_source(const SourceOptions& options);
 

@@ -12,7 +12,8 @@ recording::SensorLogWriter& BeaconRecorder::log_of(BeaconAddress address) {
   auto& log = by_address_[address];
   if (log == nullptr && by_address_.size() == 1) log = first_.get();
   if (log == nullptr) {
-    auto further = std::make_unique<recording::SensorLogWriter>(folder_ / ("beacon_" + std::to_string(address)));
+    auto further =
+        std::make_unique<recording::SensorLogWriter>(folder_ / ("beacon_" + std::to_string(address)));
     log = further.get();
     further_.emplace(address, std::move(further));
   }

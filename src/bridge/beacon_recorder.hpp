@@ -1,9 +1,9 @@
 #pragma once
 /// \file
-/// Records what a bridge publishes, a sensor-log folder for each beacon.
+/// Records what a bridge publishes, in one sensor-log folder per beacon.
 
-#include <sonopose/samples/samples.hpp>
 #include "recording/log_writer.hpp"
+#include <sonopose/samples/samples.hpp>
 
 #include <filesystem>
 #include <map>
@@ -11,10 +11,10 @@
 
 namespace sonopose::bridge {
 
-/// The first beacon's log is `folder` itself, further ones stand in `folder/beacon_<address>`.
+/// The first beacon's log is `folder` itself; the others are in `folder/beacon_<address>`.
 class BeaconRecorder {
 public:
-  /// Throws io::LogError where `folder` holds a recording already.
+  /// Throws files::IoError if `folder` already contains a recording.
   explicit BeaconRecorder(std::filesystem::path folder);
 
   void write(const Event& event) { log_of(address_of(event)).write(event); }

@@ -1,12 +1,286 @@
-#include "bridge/bridge_publisher.hpp"
+#include "bridge/bridge_node.hpp"
+
+#include "bridge/beacon_recorder.hpp"
+#include "bridge/deadline_count.hpp"
+#include "bridge/other_bridges.hpp"
 #include "process/clocks.hpp"
+#include "process/endpoint_counters.hpp"
+#include "process/random_id.hpp"
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
 
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
 
 namespace sonopose::bridge {
+namespace {
+
+namespace topics = dds::topics;
+
+/// A live bridge does not wait for a fusion that has stopped reading.
+dds::DomainOptions domain_options(const BridgeOptions& options) {
+  dds::DomainOptions domain = options.domain;
+  domain.wait_for_readers = options.lossless;
+  domain.batch_writes = options.batch;
+  return domain;
+}
+
+}  // namespace
+
+class BridgeNode::Publisher final : public SampleSink {
+public:
+  explicit Publisher(const BridgeOptions& options);
+  ~Publisher() override;
+
+  void on(const Event& event) override;
+  void on(const TruthSample& truth) override;
+  void on(const BeaconStatus& status) override;
+  void on(const LineStatus& status) override;
+  void flush() override;
+  void tick() override;
+
+  /// Lossless writes and the waits below end when `stop` is requested.
+  void obey(const process::StopSignal& stop) { stop_ = &stop; }
+  void publish_statuses(SteadyTime now);
+  void wait_for_readers();
+  void wait_until_read();
+
+private:
+  /// One stream of one beacon.
+  struct Stream {
+    explicit Stream(const dds::Entity& writer);
+    void count_sample();
+
+    std::uint64_t samples = 0;  ///< since the last status
+    DeadlineCount deadlines;
+  };
+
+  struct Beacon {
+    explicit Beacon(const Publisher& publisher)
+        : imu(publisher.imu_writer_), fix(publisher.fix_writer_), heading(publisher.heading_writer_) {}
+
+    std::uint64_t next_sequence = 1;
+    Stream imu;
+    Stream fix;
+    Stream heading;
+    BeaconStatus status;
+  };
+
+  Beacon& beacon_of(BeaconAddress address);
+  template <class T>
+  void write(dds::DataWriter<T>& writer, const T& sample);
+  void publish(ImuSample imu, Beacon& beacon);
+  void publish(const UltrasonicFix& fix, Beacon& beacon);
+  void publish(const PairHeading& heading, Beacon& beacon);
+  void publish_status(Beacon& beacon, SteadyTime now);
+  void publish(LineStatus& line);
+  void log_unwritten();
+  [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
+
+  bool lossless_;
+  bool batch_;
+  const process::StopSignal* stop_ = nullptr;
+  dds::DomainParticipant participant_;
+  dds::QosProvider qos_;
+  process::EndpointCounters endpoints_;
+  process::CountingWriterListener<sonopose_ImuSample> imu_listener_{endpoints_};
+  process::CountingWriterListener<sonopose_UltrasonicFix> fix_listener_{endpoints_};
+  process::CountingWriterListener<sonopose_PairHeading> heading_listener_{endpoints_};
+  dds::DataWriter<sonopose_ImuSample> imu_writer_;
+  dds::DataWriter<sonopose_UltrasonicFix> fix_writer_;
+  dds::DataWriter<sonopose_PairHeading> heading_writer_;
+  dds::DataWriter<sonopose_TruthSample> truth_writer_;
+  dds::DataWriter<sonopose_BeaconStatus> status_writer_;
+  dds::DataWriter<sonopose_LineStatus> line_writer_;
+  OtherBridges others_;
+  std::optional<BeaconRecorder> recorder_;
+  std::map<BeaconAddress, Beacon> beacons_;
+  std::uint64_t id_ = process::random_id();
+  std::map<std::string, LineStatus> lines_;
+  SteadyTime status_due_;
+  SteadyTime status_last_;
+  std::uint64_t unwritten_ = 0;
+  std::uint64_t unwritten_reported_ = 0;
+};
+
+BridgeNode::Publisher::Publisher(const BridgeOptions& options)
+    : lossless_(options.lossless),
+      batch_(options.batch),
+      participant_(domain_options(options)),
+      qos_(options.qos_file),
+      others_(participant_, qos_),
+      status_last_(process::steady_now()) {
+  const auto delivery = lossless_ ? dds::Delivery::lossless : dds::Delivery::live;
+  imu_writer_ = dds::make_writer(participant_, qos_, topics::imu, &imu_listener_, delivery);
+  fix_writer_ = dds::make_writer(participant_, qos_, topics::fix, &fix_listener_, delivery);
+  heading_writer_ = dds::make_writer(participant_, qos_, topics::heading, &heading_listener_, delivery);
+  truth_writer_ = dds::make_writer(participant_, qos_, topics::truth);
+  status_writer_ = dds::make_writer(participant_, qos_, topics::beacon_status);
+  line_writer_ = dds::make_writer(participant_, qos_, topics::line_status);
+  if (options.record_folder) recorder_.emplace(*options.record_folder);
+}
+
+BridgeNode::Publisher::~Publisher() {
+  // Unregistered instances miss no deadlines at the readers. (A lossless writer would block here until its
+  // readers have received everything; its own end has the same effect.)
+  const auto unregister = [this]<class T>(dds::DataWriter<T>& writer) {
+    for (const auto& entry : beacons_) {
+      T key{};
+      key.address = entry.first;
+      writer.try_unregister_instance(key);
+    }
+  };
+  if (!lossless_) {
+    unregister(imu_writer_);
+    unregister(fix_writer_);
+    unregister(heading_writer_);
+  }
+  unregister(truth_writer_);
+  unregister(status_writer_);
+  for (const auto& entry : lines_) line_writer_.try_unregister_instance(dds::to_idl(entry.second));
+}
+
+// Samples
+
+void BridgeNode::Publisher::on(const Event& event) {
+  Beacon& beacon = beacon_of(address_of(event));
+  Event numbered = event;
+  std::visit(
+      [&beacon](auto& sample) {
+        if (sample.sequence == 0) sample.sequence = beacon.next_sequence;
+        beacon.next_sequence = sample.sequence + 1;
+      },
+      numbered);
+  std::visit([&](const auto& sample) { publish(sample, beacon); }, numbered);
+  if (recorder_) recorder_->write(numbered);
+}
+
+void BridgeNode::Publisher::on(const TruthSample& truth) {
+  beacon_of(truth.address);
+  write(truth_writer_, dds::to_idl(truth));
+  if (recorder_) recorder_->write(truth);
+}
+
+BridgeNode::Publisher::Beacon& BridgeNode::Publisher::beacon_of(BeaconAddress address) {
+  Beacon& beacon = beacons_.try_emplace(address, *this).first->second;
+  beacon.status.address = address;
+  return beacon;
+}
+
+void BridgeNode::Publisher::publish(ImuSample imu, Beacon& beacon) {
+  beacon.imu.count_sample();
+  imu.bridge_time_ns = process::host_now();
+  write(imu_writer_, dds::to_idl(imu));
+}
+
+void BridgeNode::Publisher::publish(const UltrasonicFix& fix, Beacon& beacon) {
+  beacon.fix.count_sample();
+  write(fix_writer_, dds::to_idl(fix));
+}
+
+void BridgeNode::Publisher::publish(const PairHeading& heading, Beacon& beacon) {
+  beacon.heading.count_sample();
+  write(heading_writer_, dds::to_idl(heading));
+}
+
+template <class T>
+void BridgeNode::Publisher::write(dds::DataWriter<T>& writer, const T& sample) {
+  dds::ReturnCode code = writer.try_write(sample);
+  while (lossless_ && dds::is_timeout(code) && !stopped()) code = writer.try_write(sample);
+  if (code < 0) ++unwritten_;
+}
+
+void BridgeNode::Publisher::flush() {
+  if (!batch_) return;
+  imu_writer_.flush();
+  fix_writer_.flush();
+  heading_writer_.flush();
+  truth_writer_.flush();
+  status_writer_.flush();
+  line_writer_.flush();
+}
+
+BridgeNode::Publisher::Stream::Stream(const dds::Entity& writer)
+    : deadlines(dds::deadline_of(writer.qos()).count()) {}
+
+void BridgeNode::Publisher::Stream::count_sample() {
+  ++samples;
+  deadlines.on_sample(process::steady_now());
+}
+
+// Statuses
+
+void BridgeNode::Publisher::on(const BeaconStatus& status) {
+  beacon_of(status.address).status = status;
+}
+
+void BridgeNode::Publisher::on(const LineStatus& status) {
+  LineStatus& line = lines_[status.name];
+  const bool has_changed = line.state != status.state;
+  line = status;
+  line.bridge_id = id_;
+  if (has_changed) publish(line);
+}
+
+void BridgeNode::Publisher::publish(LineStatus& line) {
+  line.time_ns = process::host_now();
+  write(line_writer_, dds::to_idl(line));
+}
+
+void BridgeNode::Publisher::tick() {
+  flush();
+  const SteadyTime now = process::steady_now();
+  if (now >= status_due_) publish_statuses(now);
+}
+
+void BridgeNode::Publisher::publish_statuses(SteadyTime now) {
+  constexpr TimeNs period_ns = 1'000'000'000;
+  others_.update(status_writer_.instance_handle(),
+                 [this](BeaconAddress address) { return beacons_.contains(address); });
+  for (auto& entry : beacons_) publish_status(entry.second, now);
+  for (auto& entry : lines_) publish(entry.second);
+  status_last_ = now;
+  status_due_ = now + period_ns;
+  log_unwritten();
+}
+
+void BridgeNode::Publisher::publish_status(Beacon& beacon, SteadyTime now) {
+  const double elapsed_s = seconds_between(status_last_, now);
+  const auto rate_hz = [elapsed_s](Stream& stream) {
+    const auto samples = static_cast<double>(std::exchange(stream.samples, 0));
+    return elapsed_s > 0.0 ? samples / elapsed_s : 0.0;
+  };
+  BeaconStatus& status = beacon.status;
+  status.time_ns = process::host_now();
+  status.imu_rate_hz = rate_hz(beacon.imu);
+  status.fix_rate_hz = rate_hz(beacon.fix);
+  status.heading_rate_hz = rate_hz(beacon.heading);
+  status.other_bridges = others_.count(status.address);
+  status.imu_deadlines_missed = beacon.imu.deadlines.count(now);
+  status.fix_deadlines_missed = beacon.fix.deadlines.count(now);
+  status.heading_deadlines_missed = beacon.heading.deadlines.count(now);
+  status.liveliness_lost = endpoints_.liveliness_lost;
+  status.readers_incompatible = endpoints_.incompatible_qos;
+  status.samples_unwritten = unwritten_;
+  write(status_writer_, dds::to_idl(status));
+}
+
+void BridgeNode::Publisher::log_unwritten() {
+  if (unwritten_ == unwritten_reported_) return;
+  fmt::print(stderr, "sonopose-bridge: {} samples could not be written: a reader is too slow\n",
+             unwritten_ - unwritten_reported_);
+  unwritten_reported_ = unwritten_;
+}
+
+// Start and end of a recording
 
 void BridgeNode::Publisher::wait_for_readers() {
   const auto all_matched = [this] {
@@ -14,15 +288,15 @@ void BridgeNode::Publisher::wait_for_readers() {
            fix_writer_.publication_matched_status().current_count > 0 &&
            heading_writer_.publication_matched_status().current_count > 0;
   };
-  constexpr TimeNs look_period_ns = 20'000'000;
-  constexpr TimeNs timeout_ns = 3'000'000'000;
+  constexpr TimeNs poll_period_ns = 20'000'000;
+  constexpr TimeNs report_after_ns = 3'000'000'000;
   const SteadyTime began = process::steady_now();
-  bool told = false;
+  bool reported = false;
   while (!all_matched()) {
-    if (stop_->wait_until(process::steady_now() + look_period_ns)) return;
-    if (!told && process::steady_now() - began > timeout_ns) {
-      fmt::print(stderr, "sonopose-bridge: waiting for somebody to listen (is sonopose-fusion running?)\n");
-      told = true;
+    if (stop_->wait_until(process::steady_now() + poll_period_ns)) return;
+    if (!reported && process::steady_now() - began > report_after_ns) {
+      fmt::print(stderr, "sonopose-bridge: waiting for a reader (is sonopose-fusion running?)\n");
+      reported = true;
     }
   }
 }

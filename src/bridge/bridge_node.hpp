@@ -1,10 +1,10 @@
 #pragma once
 /// \file
-/// The bridge process: publishes what a source brings, once converted, numbered and stamped.
+/// The bridge process: converts, numbers and stamps the samples of one source and publishes them.
 
-#include <sonopose/dds/binding/domain.hpp>
 #include "bridge/source.hpp"
 #include "process/stop_signal.hpp"
+#include <sonopose/dds/binding/domain.hpp>
 
 #include <filesystem>
 #include <memory>
@@ -15,21 +15,21 @@ namespace sonopose::bridge {
 struct BridgeOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
-  bool lossless = false;  ///< keep all and wait for slow readers
-  bool batch = false;     ///< samples that are due at once travel together: for many beacons
+  bool lossless = false;  ///< keep all samples and wait for slow readers
+  bool batch = false;     ///< send samples that are due together in one packet: for many beacons
   std::optional<std::filesystem::path> record_folder;  ///< write what is published as a sensor-log folder
 };
 
 class BridgeNode {
 public:
-  /// Joins the domain. Throws dds::Error, dds::QosFileError, io::LogError.
+  /// Joins the domain. Throws dds::Error, dds::QosFileError, files::IoError.
   explicit BridgeNode(const BridgeOptions& options);
   BridgeNode(const BridgeNode&) = delete;
   BridgeNode& operator=(const BridgeNode&) = delete;
   ~BridgeNode();
 
-  /// Publishes what `source` brings until it ends or the stop comes. A recording waits until each of its
-  /// streams has a reader, and in the end until the readers have it all.
+  /// Publishes the samples of `source` until it ends or the stop is requested. A recording waits at the start
+  /// until each of its streams has a reader, and at the end until the readers have received everything.
   void run(Source& source, const process::StopSignal& stop);
 
 private:

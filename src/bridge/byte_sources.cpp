@@ -14,6 +14,7 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 
 namespace sonopose::bridge {
 namespace {
@@ -24,7 +25,7 @@ using transport::ReadStatus;
 /// Longer than any frame or datagram.
 using Buffer = std::array<std::uint8_t, 4096>;
 
-/// Tells the sink what assembler and decoder know of each beacon.
+/// Reports to the sink what assembler and decoder have counted for each beacon.
 void report(const Assembler& assembler, const marvelmind::DecoderCounters& line, SampleSink& sink) {
   for (const BeaconAddress address : assembler.addresses()) {
     BeaconStatus status = assembler.beacon(address)->status();
@@ -36,8 +37,8 @@ void report(const Assembler& assembler, const marvelmind::DecoderCounters& line,
   }
 }
 
-/// A line that brings bytes as they come: `Decoder` finds the packets, the assembler makes samples of them by
-/// the times of their arrival.
+/// A live line: `Decoder` finds the packets, and the assembler turns them into samples by their arrival
+/// times.
 template <class Decoder>
 class LiveSource final : public Source {
 public:
@@ -50,32 +51,36 @@ public:
   void run(SampleSink& sink, const process::StopSignal& stop) override {
     const auto publish = [&sink](const Event& event) { sink.on(event); };
     Buffer buffer;
+    report_line(sink);
     SteadyTime reported = process::steady_now();
     while (!stop.requested()) {
-      const transport::ReadResult read = bytes_->read(buffer, timeout());
+      const transport::ReadResult read = read_from_line(buffer, sink);
       if (read.status == ReadStatus::data) {
         const auto got = std::span(buffer).first(read.size);
+        bytes_received_ += read.size;
         decoder_.feed(got, [&](const marvelmind::Packet& packet) {
           assembler_.on(packet, read.arrival_time_ns, publish);
         });
         if (capture_) capture_->append(got);
       } else if (read.status == ReadStatus::end || read.status == ReadStatus::stopped) {
-        return;
+        break;
       } else {
-        tell_of(read.status);
+        log_change(read.status);
       }
       assembler_.flush(process::host_now(), publish);
-      if (process::steady_now() - reported < tell_period_ns) continue;
+      if (process::steady_now() - reported < report_period_ns) continue;
       reported = process::steady_now();
       report(assembler_, decoder_.counters(), sink);
+      report_line(sink);
       sink.tick();
     }
+    report_line(sink);
   }
 
 private:
-  static constexpr TimeNs tell_period_ns = 200'000'000;
+  static constexpr TimeNs report_period_ns = 200'000'000;
 
-  /// Until something has waited long enough, or it is time to look up.
+  /// Until a packet has waited long enough, or the stop signal must be checked.
   [[nodiscard]] std::chrono::milliseconds timeout() const {
     constexpr std::int64_t longest_ms = 100;
     const auto deadline_ns = assembler_.next_deadline_ns();
@@ -85,10 +90,40 @@ private:
         std::clamp<std::int64_t>((*deadline_ns - process::host_now()) / ms + 1, 1, longest_ms));
   }
 
-  void tell_of(ReadStatus status) const {
-    if (status == ReadStatus::connected) fmt::print(stderr, "sonopose-bridge: reading {}\n", bytes_->name());
+  /// A failure is visible on the bus before the bridge ends.
+  transport::ReadResult read_from_line(Buffer& buffer, SampleSink& sink) {
+    try {
+      return bytes_->read(buffer, timeout());
+    } catch (const std::exception& error) {
+      LineStatus status = line_status();
+      status.state = LineState::failed;
+      status.text = error.what();
+      sink.on(status);
+      throw;
+    }
+  }
+
+  void report_line(SampleSink& sink) const { sink.on(line_status()); }
+
+  [[nodiscard]] LineStatus line_status() const {
+    const marvelmind::DecoderCounters& counters = decoder_.counters();
+    LineStatus status;
+    status.name = bytes_->name();
+    status.state = bytes_->state();
+    status.bytes = bytes_received_;
+    status.frames = counters.frames;
+    status.crc_errors = counters.crc_errors;
+    status.bytes_lost = counters.bytes_lost;
+    status.text = bytes_->last_error();
+    return status;
+  }
+
+  void log_change(ReadStatus status) const {
+    if (status == ReadStatus::connected)
+      fmt::print(stderr, "sonopose-bridge: reading {}\n", bytes_->description());
     if (status == ReadStatus::disconnected) {
-      fmt::print(stderr, "sonopose-bridge: waiting for {} ({})\n", bytes_->name(), bytes_->last_error());
+      fmt::print(stderr, "sonopose-bridge: waiting for {} ({})\n", bytes_->description(),
+                 bytes_->last_error());
     }
   }
 
@@ -96,6 +131,7 @@ private:
   std::optional<transport::CaptureFile> capture_;
   Decoder decoder_;
   Assembler assembler_{marvelmind::TimeMapping::fitted};
+  std::uint64_t bytes_received_ = 0;
 };
 
 /// A file of bytes, timed by the beacons' own clock.
@@ -108,7 +144,7 @@ public:
   void run(SampleSink& sink, const process::StopSignal& stop) override {
     const TimeNs origin_ns = process::host_now();
     bool stopped = false;
-    // A sample is published when its packet was sent, not when the file gave it up.
+    // A sample is published at the time when its packet was sent, not when it was read from the file.
     const auto play = [&](const marvelmind::Packet& packet) {
       if (stopped) return;
       const TimeNs arrival_ns = assembler_.replay_arrival_ns(packet, origin_ns);

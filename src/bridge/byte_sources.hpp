@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Sources that bring the bytes of Marvelmind beacons: a file of them, a serial line, UDP datagrams.
+/// Sources of Marvelmind beacon bytes: a file, a serial line, UDP datagrams.
 
 #include "bridge/source.hpp"
 
@@ -17,9 +17,9 @@ struct StreamOptions {
   double rate = 1;
 };
 
-/// A file of raw bytes as a serial line would bring them. The beacons' own clock tells when each packet came,
-/// so the same file gives the same samples every time; the first stamp is taken for now. Throws where the
-/// file cannot be read.
+/// A file of raw bytes as received from a serial line. The beacons' own clock gives the time of each packet,
+/// so the same file always gives the same samples; the first stamp becomes the time of the start. Throws
+/// files::IoError if the file cannot be read.
 std::unique_ptr<Source> make_stream_source(const StreamOptions& options);
 
 struct SerialOptions {
@@ -27,12 +27,13 @@ struct SerialOptions {
   std::uint32_t baud = 500'000;
 };
 
-/// A serial line. A device that is absent or unplugged is waited for. `capture` keeps the raw bytes.
+/// A serial line. Waits for a device that is absent or unplugged. Writes the raw bytes to `capture`. Throws
+/// files::IoError for a path that is no device.
 std::unique_ptr<Source> make_serial_source(const SerialOptions& options,
                                            const std::optional<std::filesystem::path>& capture);
 
-/// Datagrams that arrive at `listen` (ADDR:PORT). `capture` keeps them, one after the other. Throws
-/// std::invalid_argument for an address that is none, std::system_error where it cannot be bound.
+/// Datagrams received at `listen` (ADDR:PORT), written to `capture` one after the other. Throws
+/// std::invalid_argument for a malformed address, files::IoError if it cannot be bound.
 std::unique_ptr<Source> make_udp_source(const std::string& listen,
                                         const std::optional<std::filesystem::path>& capture);
 

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Counts the deadline periods of one stream that went by without a sample, where the middleware cannot tell
-/// whose they were (Cyclone DDS 0.10 does not name the instance at the writer).
+/// Counts the deadline periods of one stream that passed without a sample. Cyclone DDS 0.10 counts them for a
+/// whole writer only, not per instance.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -9,7 +9,7 @@
 
 namespace sonopose::bridge {
 
-/// Times are of the steady clock. Nothing is missed before the first sample.
+/// Counting begins with the first sample.
 class DeadlineCount {
 public:
   explicit DeadlineCount(TimeNs period_ns) : period_ns_(period_ns) {}

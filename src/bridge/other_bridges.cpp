@@ -9,7 +9,7 @@ namespace sonopose::bridge {
 OtherBridges::OtherBridges(const dds::DomainParticipant& participant, const dds::QosProvider& qos)
     : reader_(dds::make_reader(participant, qos, dds::topics::beacon_status)) {}
 
-void OtherBridges::note(BeaconAddress address, dds::InstanceHandle writer) {
+void OtherBridges::add(BeaconAddress address, dds::InstanceHandle writer) {
   if (!writers_[address].insert(writer.value).second) return;
   fmt::print(
       stderr,
@@ -18,8 +18,7 @@ void OtherBridges::note(BeaconAddress address, dds::InstanceHandle writer) {
       address);
 }
 
-void OtherBridges::forget_gone() {
-  // A bridge that has gone is no longer among the matched writers.
+void OtherBridges::remove_gone() {
   std::set<std::uint64_t> living;
   for (const auto handle : reader_.matched_publications()) living.insert(handle.value);
   for (auto& entry : writers_) {

@@ -12,7 +12,7 @@ namespace sonopose::bridge {
 Pacer::Pacer(double rate) : rate_(rate) {
   if (!std::isfinite(rate) || rate < 0.0) {
     throw std::invalid_argument("rate = " + std::to_string(rate) +
-                                ": allowed are 0 (as fast as it can be) and more");
+                                ": must be 0 (as fast as possible) or greater");
   }
 }
 

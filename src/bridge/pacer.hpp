@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Lets recorded or simulated time pass at a rate of real time.
+/// Plays recorded or simulated time at a rate of real time.
 
 #include "bridge/source.hpp"
 #include "process/stop_signal.hpp"
@@ -10,13 +10,12 @@ namespace sonopose::bridge {
 
 class Pacer {
 public:
-  /// `rate`: 1 is real time, 10 ten times as fast, 0 as fast as it can be. Throws std::invalid_argument for a
-  /// negative or not finite one.
+  /// `rate`: 1 is real time, 10 is ten times as fast, 0 is as fast as possible. Throws std::invalid_argument
+  /// if it is negative or not finite.
   explicit Pacer(double rate);
 
-  /// Sleeps until `time_ns` of the recording is due, counted from the first call; flushes `sink` before
-  /// it sleeps and ticks it meanwhile.
-  /// Returns false when the stop came.
+  /// Sleeps until `time_ns` of the recording is due, counted from the first call. Flushes `sink` before
+  /// sleeping and ticks it meanwhile. Returns false if the stop was requested.
   bool wait_for(TimeNs time_ns, SampleSink& sink, const process::StopSignal& stop);
 
 private:

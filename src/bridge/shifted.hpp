@@ -1,5 +1,6 @@
 #pragma once
-// Samples of another time, as sources bring them now.
+/// \file
+/// Samples moved in time.
 
 #include <sonopose/samples/samples.hpp>
 

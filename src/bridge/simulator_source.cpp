@@ -1,9 +1,12 @@
-#include "bridge/recorded_sources.hpp"
+#include "bridge/simulator_source.hpp"
+
+#include "bridge/pacer.hpp"
 #include "bridge/shifted.hpp"
 #include "marvelmind/disassembler.hpp"
 #include "marvelmind/encoder.hpp"
 #include "process/clocks.hpp"
 #include "sim/scenario.hpp"
+#include "sim/simulator.hpp"
 #include "transport/byte_file.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +21,7 @@
 namespace sonopose::bridge {
 namespace {
 
-/// Keeps the bytes that a real beacon would have sent.
+/// Writes the bytes that a real beacon would have sent.
 class BeaconCapture {
 public:
   BeaconCapture(const std::filesystem::path& file, TimeNs wake_up_ns)
@@ -39,17 +42,17 @@ const SimulatorOptions& checked(const SimulatorOptions& options) {
   constexpr std::uint32_t highest = all_beacons - 1;
   if (options.beacons < 1 || options.beacons > max_simulated_beacons) {
     throw std::invalid_argument(
-        fmt::format("beacons = {}: allowed are 1 to {}", options.beacons, max_simulated_beacons));
+        fmt::format("beacons = {}: must be 1 to {}", options.beacons, max_simulated_beacons));
   }
   const std::uint32_t last = options.address + options.beacons - 1;
   if (last > highest) {
-    throw std::invalid_argument(fmt::format(
-        "{} beacons from address {} on: the last one would have address {}, above the highest, {}",
-        options.beacons, options.address, last, highest));
+    throw std::invalid_argument(
+        fmt::format("{} beacons from address {}: the last would have address {}, above the highest, {}",
+                    options.beacons, options.address, last, highest));
   }
   if (options.capture && options.beacons > 1) {
     throw std::invalid_argument(
-        fmt::format("a capture holds the bytes of one beacon's line: {} cannot keep those of {} beacons",
+        fmt::format("a capture contains the bytes of one beacon: {} cannot contain those of {} beacons",
                     options.capture->string(), options.beacons));
   }
   return options;
@@ -61,7 +64,7 @@ sim::SensorSettings sensors_of(const SimulatorOptions& options) {
   return sensors;
 }
 
-/// One of the beacons and what it brings next.
+/// One beacon and its next step.
 struct SimulatedBeacon {
   SimulatedBeacon(const sim::Scenario& scenario, const sim::SensorSettings& sensors, const sim::Run& run)
       : simulator(scenario, sensors, run), next(simulator.next()) {}
@@ -79,7 +82,7 @@ public:
     const double endless_s = std::numeric_limits<double>::infinity();
     beacons_.reserve(options.beacons);
     for (std::uint32_t i = 0; i < options.beacons; ++i) {
-      // Spread over one period: samples come one by one and not in bursts.
+      // Spread over one period, so that samples do not come in bursts.
       const double phase_s = i / (options.beacons * sensors.imu_rate_hz);
       beacons_.emplace_back(scenario, sensors,
                             sim::Run{.seed = options.seed + i,
@@ -90,7 +93,7 @@ public:
     }
   }
 
-  /// The step that comes next; null at the end. Valid until `pop`.
+  /// The next step; null at the end. Valid until `pop`.
   [[nodiscard]] const sim::Step* front() const {
     return waiting_.empty() ? nullptr : &*beacons_[waiting_.front().beacon].next;
   }
@@ -117,21 +120,20 @@ private:
   }
 
   std::vector<SimulatedBeacon> beacons_;
-  std::vector<Waiting> waiting_;  ///< a heap, the earliest in front; none of a beacon at its end
+  std::vector<Waiting> waiting_;  ///< a heap, earliest first; without beacons that have ended
 };
 
 class SimulatorSource final : public Source {
 public:
   explicit SimulatorSource(const SimulatorOptions& options)
       : pacer_(options.rate), beacons_(options, simulated_start_ns) {
-    // A beacon wakes up before it measures: its first stamp is not negative.
+    // A beacon wakes up before it measures, so that its first stamp is not negative.
     constexpr TimeNs awake_before_ns = 1'000'000'000;
     if (options.capture) capture_.emplace(*options.capture, simulated_start_ns - awake_before_ns);
   }
 
   void run(SampleSink& sink, const process::StopSignal& stop) override {
-    // From now on, however long it took to make the beacons and to join the bus: in real time a sample is
-    // then brought at its own stamp.
+    // Shift the run to start now, after the set-up: at rate 1 each sample then appears at its own stamp.
     const TimeNs shift_ns = process::host_now() - simulated_start_ns;
     for (const sim::Step* step = beacons_.front(); step != nullptr; step = beacons_.front()) {
       if (!pacer_.wait_for(available_at_ns(step->event), sink, stop)) return;

@@ -1,14 +1,14 @@
 #pragma once
 /// \file
-/// Where a bridge gets its samples from, and where they go.
+/// The interfaces between a bridge and its input.
 
+#include "process/stop_signal.hpp"
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/samples/status.hpp>
-#include "process/stop_signal.hpp"
 
 namespace sonopose::bridge {
 
-/// Takes what a source brings.
+/// Receives the output of a source.
 class SampleSink {
 public:
   SampleSink() = default;
@@ -16,19 +16,22 @@ public:
   SampleSink& operator=(const SampleSink&) = delete;
   virtual ~SampleSink() = default;
 
-  /// A sample. Sequence number 0: the sink numbers it.
+  /// A sample. The sink numbers it if its sequence number is 0.
   virtual void on(const Event& event) = 0;
 
-  /// The true state, where the source knows it.
+  /// The true state, from a source that knows it.
   virtual void on(const TruthSample& truth) = 0;
 
-  /// What the source knows of a beacon and its line; rates and other bridges are filled in by the sink.
+  /// What the source knows about a beacon; the sink fills in rates and other bridges.
   virtual void on(const BeaconStatus& status) = 0;
 
-  /// Nothing more comes at this moment: what was brought may go on its way. At each `tick` it does so too.
+  /// The state and counters of the source's line; the sink fills in `bridge_id` and the time.
+  virtual void on(const LineStatus& status) = 0;
+
+  /// No more samples are due now: the sink may send what it has collected. `tick` does the same.
   virtual void flush() {}
 
-  /// To be called several times a second, also while there is nothing to bring.
+  /// Called several times a second, also while there are no samples.
   virtual void tick() = 0;
 };
 
@@ -40,11 +43,11 @@ public:
   Source& operator=(const Source&) = delete;
   virtual ~Source() = default;
 
-  /// Brings samples to `sink` until the input ends or the stop comes, which it notices within a quarter of a
-  /// second. Throws what makes the input unusable.
+  /// Passes samples to `sink` until the input ends or the stop is requested, which it notices within a
+  /// quarter of a second. Throws if the input becomes unusable.
   virtual void run(SampleSink& sink, const process::StopSignal& stop) = 0;
 
-  /// Whether all of it is there from the start, so that nothing may be published before somebody listens.
+  /// Whether the samples exist already, so that none may be published before readers have joined.
   [[nodiscard]] virtual bool is_recording() const { return false; }
 };
 

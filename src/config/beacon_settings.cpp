@@ -48,7 +48,7 @@ bool is_preset_key(std::string_view key) {
 std::vector<std::string> preset_warnings(const settings::Settings& settings, const Assignments& given,
                                          std::string_view where) {
   std::vector<std::string> texts;
-  if (settings.preset.imu_weight == estimation::documented::ImuWeight::user) return texts;
+  if (settings.preset.imu_weight == settings::ImuWeight::user) return texts;
   for (const auto key : preset_keys) {
     if (!given.contains(key)) continue;
     texts.push_back(

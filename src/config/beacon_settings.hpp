@@ -3,7 +3,7 @@
 /// One beacon's settings: those for all beacons, and above them its own.
 
 #include <sonopose/samples/live_settings.hpp>
-#include <sonopose/settings/settings.hpp>
+#include <sonopose/settings/settings_table.hpp>
 
 #include <functional>
 #include <map>
@@ -17,8 +17,8 @@ namespace sonopose::config {
 /// Values by key, each known to be allowed.
 using Assignments = std::map<std::string, settings::SettingValue, std::less<>>;
 
-/// Reads what somebody has typed. Throws settings::SettingError, which names every key that cannot be set with
-/// its value and what is allowed, and every key that is named twice.
+/// Reads what somebody has typed. Throws settings::SettingError, which names every key that cannot be set
+/// with its value and what is allowed, and every key that is named twice.
 Assignments parsed(const std::vector<SettingAssignment>& texts);
 
 /// Every setting as text that reads back to the same bits, in the order of the table.

@@ -1,5 +1,7 @@
 #include "config/fusion_config.hpp"
 
+#include <sonopose/settings/preset.hpp>
+
 #include <fmt/format.h>
 #define TOML_EXCEPTIONS 1
 #include <toml++/toml.h>
@@ -67,7 +69,7 @@ std::string as_toml(const SettingValue& value) {
 }
 
 std::string item_text(int item) {
-  return item == settings::own_setting ? std::string() : fmt::format("Item {}. ", item);
+  return item == settings::no_item ? std::string() : fmt::format("Item {}. ", item);
 }
 
 /// "prefix" + the group of a key that is known to exist.
@@ -156,7 +158,7 @@ std::string FusionConfig::to_toml() const {
       "# Settings of sonopose-fusion. Every value below is what is used; delete what you do not change.\n"
       "# Items 2, 3 and 4 stand behind a # where the preset (item 1) sets them.\n"
       "# One beacon of its own: [beacon.7.drift] and so on.\n";
-  const bool has_preset = settings_.preset.imu_weight != estimation::documented::ImuWeight::user;
+  const bool has_preset = settings_.preset.imu_weight != settings::ImuWeight::user;
   const settings::Settings used = settings::resolved(settings_);
   std::string group;
   for (const auto& row : settings::setting_table()) {
@@ -198,7 +200,7 @@ std::string settings_page() {
     }
     group = row.group;
     text += fmt::format("| {} | `{}` | {} | {} | {} |\n",
-                        row.item == settings::own_setting ? "" : std::to_string(row.item), row.key,
+                        row.item == settings::no_item ? "" : std::to_string(row.item), row.key,
                         settings::to_text(row.initial), row.allowed(), row.sentence);
   }
   return text;
@@ -208,7 +210,7 @@ std::string settings_help() {
   std::string text =
       "Settings for --set, with default and range (--print-config of sonopose-fusion says what they do):\n";
   for (const auto& row : settings::setting_table()) {
-    const std::string item = row.item == settings::own_setting ? "" : fmt::format("  item {}", row.item);
+    const std::string item = row.item == settings::no_item ? "" : fmt::format("  item {}", row.item);
     text += fmt::format("  {:<42}{:<10}{}{}\n", row.key, settings::to_text(row.initial), row.allowed(), item);
   }
   return text;

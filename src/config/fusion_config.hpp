@@ -3,7 +3,7 @@
 /// The fusion's settings from a TOML file and from the command line, with overrides per beacon.
 
 #include "config/beacon_settings.hpp"
-#include <sonopose/settings/settings.hpp>
+#include <sonopose/settings/settings_table.hpp>
 
 #include <filesystem>
 #include <map>

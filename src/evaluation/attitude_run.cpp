@@ -1,5 +1,8 @@
 #include "evaluation/attitude_run.hpp"
 
+#include <sonopose/attitude/any_filter.hpp>
+#include <sonopose/calibration/model/calibration.hpp>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -11,7 +14,7 @@ namespace {
 
 bool is_scored(const recording::AttitudeLog& log, TimeNs time_ns) {
   return log.movements.empty() || std::any_of(log.movements.begin(), log.movements.end(),
-                                              [time_ns](const auto& span) { return span.holds(time_ns); });
+                                              [time_ns](const auto& span) { return span.contains(time_ns); });
 }
 
 double rmse_deg(const std::vector<double>& errors_rad) {

@@ -1,3 +1,4 @@
+#include "calibration/fit/terms.hpp"
 #include "evaluation/allan.hpp"
 #include "evaluation/calibration.hpp"
 
@@ -19,8 +20,7 @@ std::string dumped(const Json& json) {
 template <class Group>
 Json json_of(const Group& settings) {
   Json object = Json::object();
-  Group::declarations()(
-      [&](const auto&... row) { ((object[std::string(row.name)] = settings.*(row.field)), ...); });
+  for (const auto& [info, value] : calibration::terms_of(settings)) object[info->name] = value;
   return object;
 }
 

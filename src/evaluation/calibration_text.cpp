@@ -1,6 +1,7 @@
 #include "evaluation/calibration.hpp"
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/settings/settings.hpp>
+#include "calibration/fit/terms.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -70,15 +71,17 @@ std::string toml_number(double value) {
 
 /// Writes all settings of a group, so that no other configuration file can supply a missing one.
 template <class Group>
-std::string table_of(const Group& settings, const Group& standard_errors, const std::string& prefix) {
-  std::string text = fmt::format("\n[{}{}]\n", prefix, Group::group);
-  const auto append = [&](const auto& row) {
-    const double error = standard_errors.*(row.field);
-    text += fmt::format("{} = {}", row.name, toml_number(settings.*(row.field)));
+std::string table_of(const Group& model, const Group& standard_errors, const std::string& prefix) {
+  const auto terms = calibration::terms_of(model);
+  const auto errors = calibration::terms_of(standard_errors);
+  std::string text = fmt::format("\n[{}{}]\n", prefix, terms.front().info->group);
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    const settings::SettingInfo& row = *terms[i].info;
+    const double error = errors[i].value;
+    text += fmt::format("{} = {}", row.name, toml_number(terms[i].value));
     if (error > 0.0) text += fmt::format("  # +- {:.2g}{}{}", error, row.unit.empty() ? "" : " ", row.unit);
     text += '\n';
-  };
-  Group::declarations()([&append](const auto&... row) { (append(row), ...); });
+  }
   return text;
 }
 

@@ -118,7 +118,7 @@ public:
 private:
   /// ∫ v·exp(−rate·t) dt over the part of the outage in stale mode.
   static double allowed_m(const DriftMonitor& drift, const sim::Outage& outage,
-                          const estimation::documented::OutageSettings& settings) {
+                          const settings::OutageSettings& settings) {
     const double stale_s = std::max(0.0, outage.duration_s - settings.stale_after_s);
     if (settings.velocity_decay_rate_hz <= 0.0) return drift.speed_mps() * stale_s;
     return drift.speed_mps() * -std::expm1(-settings.velocity_decay_rate_hz * stale_s) /

@@ -13,14 +13,14 @@ double times_real_time(const RunResult& result, const Timing& timing) {
   return took_s > 0.0 ? result.duration_s / took_s : 0.0;
 }
 
-std::string line(std::string_view what, const std::string& text) {
+std::string report_line(std::string_view what, const std::string& text) {
   return fmt::format("{:<12} {}\n", what, text);
 }
 
 /// A line with one value; NaN means that the truth does not contain it.
 std::string figure(std::string_view what, double value, int decimals, std::string_view unit) {
-  return line(what, std::isnan(value) ? "       - not known"
-                                      : fmt::format("{:8.{}f} {} RMSE", value, decimals, unit));
+  return report_line(what, std::isnan(value) ? "       - not known"
+                                             : fmt::format("{:8.{}f} {} RMSE", value, decimals, unit));
 }
 
 /// Counts of the flags that occurred, except "used".
@@ -35,14 +35,15 @@ std::string special_fix_flags(const FixFlagCounts& fix_flags) {
 }
 
 std::string scores(const RunResult& result) {
-  if (!result.has_truth) return line("error", "not known: the recording has no truth.csv");
+  if (!result.has_truth) return report_line("error", "not known: the recording has no truth.csv");
   if (result.fused.poses == 0)
-    return line("error", "not known: no pose with a known true position was scored");
+    return report_line("error", "not known: no pose with a known true position was scored");
   const ErrorSummary& position_m = result.fused.position_m;
-  std::string text =
-      line("position", fmt::format("{:8.4f} m RMSE, {:.4f} m p95, {:.4f} m max, over {} poses",
-                                   position_m.rmse, position_m.p95, position_m.max, result.fused.poses));
-  text += line("no truth", fmt::format("{:8} poses, which are not scored", result.fused.poses_without_truth));
+  std::string text = report_line(
+      "position", fmt::format("{:8.4f} m RMSE, {:.4f} m p95, {:.4f} m max, over {} poses", position_m.rmse,
+                              position_m.p95, position_m.max, result.fused.poses));
+  text += report_line("no truth",
+                      fmt::format("{:8} poses, which are not scored", result.fused.poses_without_truth));
   text += figure("velocity", result.fused.velocity_rmse_mps, 4, "m/s");
   text += figure("yaw", result.fused.yaw_rmse_deg, 3, "deg");
   text += figure("tilt", result.fused.tilt_rmse_deg, 3, "deg");
@@ -55,17 +56,17 @@ std::string scores(const RunResult& result) {
 std::string report_text(const RunResult& result, const Timing& timing) {
   const estimation::documented::Counters& counters = result.counters;
   std::string text = scores(result);
-  text += line("fixes", fmt::format("{:8} used, {} rejected{}", counters.fixes_used, counters.fixes_rejected,
-                                    special_fix_flags(result.fix_flags)));
-  text +=
-      line("samples", fmt::format("{:8} IMU, {} headings, {} IMU gaps, {} invalid, {} IMU stamps went back",
+  text += report_line("fixes", fmt::format("{:8} used, {} rejected{}", counters.fixes_used,
+                                           counters.fixes_rejected, special_fix_flags(result.fix_flags)));
+  text += report_line("samples",
+                      fmt::format("{:8} IMU, {} headings, {} IMU gaps, {} invalid, {} IMU stamps went back",
                                   counters.imu_samples, counters.headings, counters.imu_gaps,
                                   counters.samples_invalid, result.imu_stamps_back));
-  text += line(
+  text += report_line(
       "duration",
       fmt::format("{:8.2f} s, replayed at {:.0f} x real time (reading {:.3f} s, engine {:.3f} s)",
                   result.duration_s, times_real_time(result, timing), timing.reading_s, timing.running_s));
-  return text + line("state hash", result.state_hash);
+  return text + report_line("state hash", result.state_hash);
 }
 
 std::string report_json(const RunResult& result, const Timing& timing) {

@@ -2,7 +2,7 @@
 /// \file
 /// A random search for better settings.
 
-#include <sonopose/settings/settings.hpp>
+#include <sonopose/settings/settings_table.hpp>
 
 #include <cstdint>
 #include <functional>

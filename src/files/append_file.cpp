@@ -27,7 +27,7 @@ int open_mode(AppendFile::Existing existing) {
 
 AppendFile::AppendFile(const std::filesystem::path& path, Existing existing) : name_{path.string()} {
   descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | open_mode(existing), 0666);
-  if (descriptor_ < 0) throw IoError(name_ + ": cannot be made: " + std::strerror(errno));
+  if (descriptor_ < 0) throw IoError(name_ + ": cannot be created: " + std::strerror(errno));
 }
 
 AppendFile::~AppendFile() {

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A file that grows at its end. Private to this room.
+/// A file that is only appended to.
 
 #include <cstddef>
 #include <filesystem>
@@ -21,7 +21,7 @@ public:
   AppendFile(AppendFile&&) = delete;
   AppendFile& operator=(AppendFile&&) = delete;
 
-  /// Hands all bytes to the operating system, where they outlive the process. Throws IoError with the cause.
+  /// Passes all bytes to the operating system, so that they survive a crash. Throws IoError with the cause.
   void append(std::span<const std::byte> bytes);
 
 private:

@@ -1,7 +1,7 @@
 #include "files/csv_reader.hpp"
 
-#include "files/units.hpp"
 #include "files/error.hpp"
+#include "files/units.hpp"
 
 #include <charconv>
 #include <system_error>
@@ -32,9 +32,9 @@ CsvReader::CsvReader(const std::filesystem::path& file, const CsvLayout& layout)
 
 void CsvReader::read_header() {
   const auto line = lines_.next();
-  if (!line) throw IoError(name_ + ": is empty, a header line that begins with # is missing");
+  if (!line) throw IoError(name_ + ": is empty; expected a header line that begins with #");
   if (!line->starts_with('#')) {
-    fail_line("a header line that begins with # is missing, this line is \"" + std::string(*line) + "\"");
+    fail_line("expected a header line that begins with #, found \"" + std::string(*line) + "\"");
   }
   header_columns_ = split(*line);
   if (header_columns_ < layout_.least_columns || header_columns_ > layout_.columns.size()) {
@@ -76,7 +76,7 @@ TimeNs CsvReader::time_ns(std::size_t column) const {
   const char* const end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, value);
   if (result.ec != std::errc{} || result.ptr != end) fail(column, "is not a time in whole nanoseconds");
-  // The difference of any two times then has a place in 64 bits.
+  // The difference of any two times then fits into 64 bits.
   constexpr TimeNs too_late = TimeNs{1} << 62U;
   if (value <= 0 || value >= too_late) fail(column, "is not a time between 1 and 2^62 - 1 ns");
   return value;
@@ -107,7 +107,7 @@ bool CsvReader::all_filled(std::size_t first_column, std::size_t count) const {
   const bool first_empty = is_empty(first_column);
   for (std::size_t column = first_column + 1; column < first_column + count; ++column) {
     if (is_empty(column) == first_empty) continue;
-    fail(is_empty(column) ? column : first_column, "is empty though its neighbours are not");
+    fail(is_empty(column) ? column : first_column, "is empty but its neighbours are not");
   }
   return !first_empty;
 }

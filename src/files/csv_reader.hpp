@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Rows and cells of one CSV file, with errors that name the place. Private to this room.
+/// Rows and cells of one CSV file, with errors that name the position.
 
 #include "files/line_reader.hpp"
 #include <sonopose/samples/samples.hpp>
@@ -14,11 +14,11 @@
 
 namespace sonopose::files {
 
-/// What a file may hold.
+/// The format of a file.
 struct CsvLayout {
-  std::span<const std::string_view> columns;  ///< names with units, as they stand in headers and errors
-  std::size_t least_columns = 0;              ///< the others may be absent
-  bool short_rows = false;                    ///< a row may end before the header does
+  std::span<const std::string_view> columns;  ///< names with units, for headers and errors
+  std::size_t least_columns = 0;              ///< further columns are optional
+  bool short_rows = false;                    ///< a row may have fewer columns than the header
 };
 
 class CsvReader {
@@ -26,10 +26,10 @@ public:
   /// Opens the file and reads its header line.
   CsvReader(const std::filesystem::path& file, const CsvLayout& layout);
 
-  /// Steps to the next row that is not blank; false at the end.
+  /// Advances to the next row that is not blank; returns false at the end.
   bool next_row();
 
-  /// How many rows there are in the file if all are as long as the current one.
+  /// Estimated number of rows: as if all were as long as the current one.
   [[nodiscard]] std::size_t rows_like_this() const { return lines_.lines_like(row_); }
 
   /// Cells of the current row. A cell beyond the row's end is empty.
@@ -38,10 +38,10 @@ public:
   [[nodiscard]] double number(std::size_t column) const;
   [[nodiscard]] std::optional<double> optional_number(std::size_t column) const;
   [[nodiscard]] Vector3d vector(std::size_t first_column) const;
-  /// A number that stands in the file in another unit; see units.hpp.
+  /// A number stored in the file in another unit; see units.hpp.
   [[nodiscard]] double number_in(long double unit, std::size_t column) const;
 
-  /// True if the cells are all filled, false if they are all empty; anything between is an error.
+  /// True if all of the cells are filled, false if all are empty; throws IoError otherwise.
   [[nodiscard]] bool all_filled(std::size_t first_column, std::size_t count) const;
 
   /// Throws IoError with file, line, column and its value.
@@ -53,7 +53,7 @@ private:
   [[noreturn]] void fail_line(std::string_view what) const;
   [[nodiscard]] std::string_view cell(std::size_t column) const { return cells_[column]; }
   void read_header();
-  /// Number of cells in the line; only the first ones are kept.
+  /// Returns the number of cells in the line; stores at most `most_columns`.
   std::size_t split(std::string_view line);
 
   std::string name_;

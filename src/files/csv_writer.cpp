@@ -1,6 +1,7 @@
+#include "files/csv_writer.hpp"
+
 #include "files/append_file.hpp"
 #include "files/units.hpp"
-#include "files/csv_writer.hpp"
 
 #include <array>
 #include <charconv>
@@ -13,7 +14,7 @@ namespace sonopose::files {
 
 namespace {
 
-constexpr std::size_t full_buffer = std::size_t{1} << 16U;  ///< bytes: a long file must not fill the memory
+constexpr std::size_t full_buffer = std::size_t{1} << 16U;  ///< bytes
 
 AppendFile::Existing for_append_file(CsvWriter::Existing existing) {
   return existing == CsvWriter::Existing::refuse ? AppendFile::Existing::refuse
@@ -35,7 +36,7 @@ CsvWriter::CsvWriter(const std::filesystem::path& file, Existing existing, char 
 CsvWriter::~CsvWriter() {
   try {
     flush();
-  } catch (const std::exception&) {  // a destructor has nobody to tell
+  } catch (const std::exception&) {  // a destructor cannot report errors
   }
 }
 
@@ -79,7 +80,7 @@ CsvWriter& CsvWriter::seconds(TimeNs time_ns) {
   auto magnitude = static_cast<std::uint64_t>(time_ns);
   if (time_ns < 0) {
     lines_ += '-';
-    magnitude = 0 - magnitude;  // also right for the least time, which has no opposite
+    magnitude = 0 - magnitude;  // also correct for the least time, which has no opposite
   }
   append_integer(lines_, magnitude / per_second);
   lines_ += '.';

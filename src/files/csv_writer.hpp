@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Writes one table of text: numbers that read back to the same bits, and errors that name the file.
+/// Writes one CSV file: numbers read back to the same bits, and errors name the file.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -14,15 +14,15 @@ namespace sonopose::files {
 
 class AppendFile;
 
-/// Cells are collected in memory and leave it in whole lines. Every member throws IoError where the file
-/// cannot be written, as on a full disk.
+/// Buffers cells and writes whole lines. Every member throws IoError if the file cannot be written, for
+/// example on a full disk.
 class CsvWriter {
 public:
   enum class Existing { refuse, replace };
 
-  /// Opens the file; `separator` stands between cells.
+  /// Opens the file; `separator` separates cells.
   CsvWriter(const std::filesystem::path& file, Existing existing, char separator = ',');
-  /// Writes what is left; an error then is lost, call flush() before to see it.
+  /// Writes the remaining lines. Call flush() before to detect errors.
   ~CsvWriter();
   CsvWriter(const CsvWriter&) = delete;
   CsvWriter& operator=(const CsvWriter&) = delete;
@@ -35,15 +35,15 @@ public:
   // Cells of a row, from left to right.
   CsvWriter& integer(std::int64_t value);
   CsvWriter& number(double value);  ///< with the fewest digits that read back to the same bits
-  CsvWriter& number_in(long double unit, double value);  ///< in another unit than in memory; see units.hpp
-  CsvWriter& known_number(double value);                 ///< empty where it is NaN
+  CsvWriter& number_in(long double unit, double value);  ///< stored in another unit; see units.hpp
+  CsvWriter& known_number(double value);                 ///< empty if NaN
   CsvWriter& vector(const Vector3d& value);              ///< three numbers
   CsvWriter& seconds(TimeNs time_ns);                    ///< exact, with nine decimals
-  CsvWriter& text(std::string_view value);               ///< as it is
+  CsvWriter& text(std::string_view value);               ///< unchanged
   CsvWriter& empty();
   void end_row();
 
-  /// Hands everything to the operating system.
+  /// Passes all lines to the operating system.
   void flush();
 
 private:

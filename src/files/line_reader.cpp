@@ -26,7 +26,7 @@ LineReader::LineReader(const std::filesystem::path& file)
 }
 
 std::optional<std::string_view> LineReader::next() {
-  std::size_t searched = 0;  // of what has been read, without finding an end
+  std::size_t searched = 0;  // bytes searched for a line ending so far
   const void* newline = nullptr;
   do {
     newline = std::memchr(buffer_.data() + begin_ + searched, '\n', end_ - begin_ - searched);
@@ -47,7 +47,8 @@ bool LineReader::refill() {
   end_ -= begin_;
   begin_ = 0;
   if (end_ == buffer_.size()) {
-    throw IoError(name_ + ":" + std::to_string(number_ + 1) + ": the line is endless, this is no text file");
+    throw IoError(name_ + ":" + std::to_string(number_ + 1) +
+                  ": the line is too long, this is not a text file");
   }
   const std::size_t count = std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, file_.get());
   if (std::ferror(file_.get()) != 0) throw IoError(name_ + ": cannot be read: " + std::strerror(errno));

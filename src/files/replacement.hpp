@@ -1,31 +1,31 @@
 #pragma once
 /// \file
-/// A file that takes the place of another one only when it is whole.
+/// Replaces a file atomically.
 
 #include <filesystem>
 
 namespace sonopose::files {
 
-/// While the new content is being written it stands in `FILE.part` beside FILE; whatever goes wrong until
-/// then, the old content stays. A FILE that is no regular one, as /dev/stdout, is written to directly.
+/// The new content is written to `FILE.part` next to FILE; the old content stays until commit(). A FILE that
+/// is not a regular file, such as /dev/stdout, is written directly.
 class Replacement {
 public:
   explicit Replacement(const std::filesystem::path& file);
-  /// Without a commit() the part is deleted.
+  /// Deletes the part unless it was committed.
   ~Replacement();
   Replacement(const Replacement&) = delete;
   Replacement& operator=(const Replacement&) = delete;
   Replacement(Replacement&&) = delete;
   Replacement& operator=(Replacement&&) = delete;
 
-  /// Where to write.
+  /// The file to write to.
   [[nodiscard]] const std::filesystem::path& part() const { return part_; }
 
-  /// Puts what was written in the file's place. Throws IoError.
+  /// Moves the part to the file. Throws IoError.
   void commit();
 
 private:
-  std::filesystem::path file_;  ///< behind any symbolic link
+  std::filesystem::path file_;  ///< with symbolic links resolved
   std::filesystem::path part_;
   bool pending_;
 };

@@ -10,7 +10,7 @@ namespace sonopose::files {
 namespace {
 
 constexpr std::size_t short_cell = 17;  ///< characters; longer ones are read as long double
-constexpr int long_digits = 20;         ///< after the first: 21 in all name every 64-bit mantissa
+constexpr int long_digits = 20;         ///< after the first: 21 in all represent every 64-bit mantissa
 
 template <class Number>
 std::optional<Number> parse(std::string_view text) {

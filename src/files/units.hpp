@@ -1,10 +1,10 @@
 #pragma once
 /// \file
-/// Numbers that stand in log files in another unit than in memory (degrees, µT). Private to this room.
+/// Numbers that log files store in another unit (degrees, µT).
 ///
-/// A double of degrees cannot name every double of radians: its steps are up to 1.8 times too coarse. A cell
-/// that is longer than a short number is therefore read with the precision of a long double, and the writer
-/// uses so many digits where fewer would not come back to the same bits.
+/// A double of degrees cannot represent every double of radians: its steps are up to 1.8 times too coarse.
+/// Cells longer than a short number are therefore read as long double, and the writer uses that many digits
+/// if fewer do not read back to the same bits.
 
 #include <cstddef>
 #include <numbers>
@@ -17,16 +17,16 @@ namespace sonopose::files {
 inline constexpr long double degree = std::numbers::pi_v<long double> / 180.0L;
 inline constexpr long double microtesla = 1e-6L;
 
-/// The number in the text; empty where the text is anything else.
+/// The number in the text; empty if the text is not a number.
 std::optional<double> parse_number(std::string_view text);
 
-/// The number in the text times `unit`; empty where the text is anything else.
+/// The number in the text times `unit`; empty if the text is not a number.
 std::optional<double> parse_number_in(long double unit, std::string_view text);
 
-/// The shortest text that parse_number reads back to the same bits.
+/// Appends the shortest text that parse_number reads back to the same bits.
 void append_number(std::string& text, double value);
 
-/// A text that parse_number_in reads back to the same bits.
+/// Appends a text that parse_number_in reads back to the same bits.
 void append_number_in(long double unit, std::string& text, double value);
 
 }  // namespace sonopose::files

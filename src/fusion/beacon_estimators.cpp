@@ -1,5 +1,7 @@
 #include "fusion/beacon_estimators.hpp"
 
+#include <sonopose/settings/preset.hpp>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -118,10 +120,10 @@ std::uint64_t BeaconEstimators::ahead(BeaconAddress address, std::uint64_t seque
 }
 
 void BeaconEstimators::check_room(const SettingsTimeline& timeline, BeaconAddress address,
-                               std::uint64_t from_sequence) const {
+                                  std::uint64_t from_sequence) const {
   if (timeline.has_room_for(ahead(address, from_sequence))) return;
   throw settings::SettingError(fmt::format("beacon {}: {} changes wait for their events already", address,
-                                         SettingsTimeline::capacity));
+                                           SettingsTimeline::capacity));
 }
 
 std::optional<FusionStatus> BeaconEstimators::status(BeaconAddress address) const {

@@ -1,22 +1,17 @@
 #include "fusion/fusion_node_impl.hpp"
+#include "process/random_id.hpp"
 #include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/estimation/documented/output.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
-#include <random>
 
 namespace sonopose::fusion {
 namespace {
 
 namespace topics = dds::topics;
-
-/// Numbers of two processes are the same once in 2^64 times.
-std::uint64_t random_id() {
-  std::random_device device;
-  return (std::uint64_t{device()} << 32U) | device();
-}
 
 /// After how long a silence of the IMU nothing is made of its last sample any more: its deadline, or, where
 /// the profile sets none, a second.
@@ -47,7 +42,7 @@ constexpr std::uint64_t InputCounters::*counter_of(const sonopose_PairHeading& /
 FusionNode::Impl::Impl(const FusionOptions& options)
     : lossless_(options.lossless),
       addresses_(options.addresses),
-      id_(random_id()),
+      id_(process::random_id()),
       participant_(domain_options(options)),
       qos_(options.qos_file),
       delivery_(options.lossless ? dds::Delivery::lossless : dds::Delivery::live),

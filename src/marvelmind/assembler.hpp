@@ -1,12 +1,12 @@
 #pragma once
 /// \file
-/// Packets → the native's samples, for all beacons of a line.
+/// Packets → samples, for all beacons of a line.
 
-#include <sonopose/samples/samples.hpp>
-#include <sonopose/samples/status.hpp>
 #include "marvelmind/beacon_assembler.hpp"
 #include "marvelmind/event_sink.hpp"
 #include "marvelmind/packet.hpp"
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/samples/status.hpp>
 
 #include <array>
 #include <memory>
@@ -15,34 +15,34 @@
 
 namespace sonopose::marvelmind {
 
-/// Sorts packets by beacon address and makes samples of them (see `BeaconAssembler`). Their sequence numbers
-/// and `bridge_time_ns` are left to the publisher. Packets that are no sample (the map, distances, the
-/// vendor's own fusion, user data) pass without effect. A new address allocates once.
+/// Sorts packets by beacon address and converts them to samples (see `BeaconAssembler`). The publisher sets
+/// their sequence numbers and `bridge_time_ns`. Packets without a sample (the map, distances, the vendor's
+/// own fusion, user data) have no effect. Allocates once per new address.
 class Assembler {
 public:
   explicit Assembler(TimeMapping mapping = TimeMapping::fitted) : mapping_(mapping) {}
 
-  /// Takes a packet. First does what `flush(arrival_ns)` would do.
+  /// Takes a packet, after a `flush(arrival_ns)`.
   void on(const Packet& packet, TimeNs arrival_ns, EventSink sink);
 
-  /// Hands out what has waited long enough: fixes without a quality, packets held for a clock.
+  /// Emits what has waited long enough: fixes without a quality, packets that waited for a clock.
   void flush(TimeNs now_ns, EventSink sink);
 
-  /// The end of the input: hands out all that waits.
+  /// Emits everything that waits, at the end of the input.
   void finish(EventSink sink);
 
-  /// When `flush` is due, if no packet comes before.
+  /// When `flush` is due if no packet arrives before.
   std::optional<TimeNs> next_deadline_ns() const;
 
-  /// The arrival to give a packet of a file, by its content: when its beacon sent it, the first one
-  /// at `origin_ns`. Packets without a time arrive with the one before; time never goes back. For
+  /// The arrival time to assign to a packet from a file: when its beacon sent it, with the first one at
+  /// `origin_ns`. Packets without a time arrive together with the previous one; time never goes back. For
   /// TimeMapping::fixed; call it for each packet, in order, before `on`.
   TimeNs replay_arrival_ns(const Packet& packet, TimeNs origin_ns);
 
-  /// The beacons that were heard of, in order of their first packet.
+  /// The known beacons, in order of their first packet.
   std::vector<BeaconAddress> addresses() const;
 
-  /// What is known of one beacon; null for one that was never heard.
+  /// The assembler of one beacon; null if it is unknown.
   const BeaconAssembler* beacon(BeaconAddress address) const;
 
 private:

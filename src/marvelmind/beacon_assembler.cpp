@@ -1,4 +1,5 @@
 #include "marvelmind/beacon_assembler.hpp"
+
 #include "marvelmind/conversions.hpp"
 
 #include <algorithm>
@@ -8,11 +9,11 @@ namespace sonopose::marvelmind {
 
 namespace {
 
-constexpr std::size_t max_held = 256;
-constexpr std::int32_t max_coordinate_mm = 10'000'000;  // 10 km: no ultrasound reaches a tenth of it
+constexpr std::size_t max_pending = 256;
+constexpr std::int32_t max_coordinate_mm = 10'000'000;  // 10 km, ten times beyond the range of any ultrasound
 constexpr std::uint8_t max_quality_percent = 100;
 
-/// Fixes follow each other by 50 ms and more; what is closer, in another kind of packet, is the same one.
+/// Fixes are at least 50 ms apart. One that is closer, in another kind of packet, is the same measurement.
 constexpr std::int64_t same_emission_ns = 20 * ns_per_ms;
 
 int rank_of(const Stamp& stamp) {
@@ -34,18 +35,18 @@ bool is_in_range(const Position& position) {
 
 BeaconAssembler::BeaconAssembler(std::uint8_t address, TimeMapping mapping)
     : address_(address), clocks_(mapping) {
-  held_.reserve(max_held);
+  pending_.reserve(max_pending);
 }
 
-// Arrival: clocks and generations see every packet at once; samples are made when the clocks have settled.
+// Arrival: clocks and generations observe every packet at once; samples follow when the clocks have settled.
 
 void BeaconAssembler::on(const RawImu& imu, TimeNs arrival_ns, EventSink sink) {
   if (!is_plausible(imu.time)) {
     ++counters_.samples_rejected;
     return;
   }
-  imu_generation_.hear(rank_of(imu), arrival_ns);
-  show_clocks(*content_time(imu), arrival_ns);
+  imu_generation_.on_packet(rank_of(imu), arrival_ns);
+  observe(*content_time(imu), arrival_ns);
   take({imu, arrival_ns}, sink);
 }
 
@@ -54,8 +55,8 @@ void BeaconAssembler::on(const Position& position, TimeNs arrival_ns, EventSink 
     ++counters_.samples_rejected;
     return;
   }
-  position_generation_.hear(rank_of(position), arrival_ns);
-  show_clocks(*content_time(position), arrival_ns);
+  position_generation_.on_packet(rank_of(position), arrival_ns);
+  observe(*content_time(position), arrival_ns);
   take({position, arrival_ns}, sink);
 }
 
@@ -69,15 +70,15 @@ void BeaconAssembler::on(const Telemetry& telemetry) {
 }
 
 void BeaconAssembler::take(const Arrived& arrived, EventSink sink) {
-  if (held_.size() == max_held) finish(sink);
-  held_.push_back(arrived);
+  if (pending_.size() == max_pending) finish(sink);
+  pending_.push_back(arrived);
   flush(arrived.arrival_ns, sink);
 }
 
-void BeaconAssembler::show_clocks(const ContentTime& sent, TimeNs arrival_ns) {
+void BeaconAssembler::observe(const ContentTime& sent, TimeNs arrival_ns) {
   if (clocks_.observe(sent, arrival_ns)) return;
-  counters_.samples_rejected += held_.size();  // stamped by a run of the beacon that never settled
-  held_.clear();
+  counters_.samples_rejected += pending_.size();  // stamped before the beacon's restart
+  pending_.clear();
 }
 
 void BeaconAssembler::flush(TimeNs now_ns, EventSink sink) {
@@ -93,11 +94,11 @@ void BeaconAssembler::finish(EventSink sink) {
 }
 
 void BeaconAssembler::drain(EventSink sink) {
-  for (const Arrived& arrived : held_) {
+  for (const Arrived& arrived : pending_) {
     expire(arrived.arrival_ns, sink);
     std::visit([&](const auto& packet) { make(packet, arrived.arrival_ns, sink); }, arrived.packet);
   }
-  held_.clear();
+  pending_.clear();
 }
 
 // Samples
@@ -122,7 +123,7 @@ void BeaconAssembler::make(const Position& position, TimeNs arrival_ns, EventSin
     ++counters_.duplicates;
     return;
   }
-  release(sink);  // from here on a quality packet means this position
+  release(sink);  // the next quality packet belongs to this position
   last_position_ = position;
   last_emission_ns_ = emission_ns;
   if (!position.is_available()) {
@@ -173,21 +174,21 @@ bool BeaconAssembler::is_duplicate(const Position& position, TimeNs emission_ns)
 
 // Generations
 
-void BeaconAssembler::Generation::hear(int other, TimeNs arrival_ns) {
+void BeaconAssembler::Generation::on_packet(int other, TimeNs arrival_ns) {
   if (outranks(other, arrival_ns)) return;
   rank = other;
-  heard_ns = arrival_ns;
+  received_ns = arrival_ns;
 }
 
 bool BeaconAssembler::Generation::outranks(int other, TimeNs arrival_ns) const {
-  return rank > other && arrival_ns - heard_ns < generation_timeout_ns;
+  return rank > other && arrival_ns - received_ns < generation_timeout_ns;
 }
 
-// What the outside wants to know
+// Queries
 
 std::optional<TimeNs> BeaconAssembler::sent_host_ns(const ContentTime& sent, TimeNs arrival_ns) {
   if (!is_plausible(sent.stamp)) return std::nullopt;
-  show_clocks(sent, arrival_ns);
+  observe(sent, arrival_ns);
   if (!clocks_.settled()) return std::nullopt;
   return clocks_.host_ns(sent.stamp) + sent.ahead_ns.value_or(typical_time_passed_ns);
 }

@@ -2,11 +2,11 @@
 /// \file
 /// The packets of one beacon → its samples.
 
-#include <sonopose/samples/samples.hpp>
-#include <sonopose/samples/status.hpp>
 #include "marvelmind/clock_set.hpp"
 #include "marvelmind/event_sink.hpp"
 #include "marvelmind/packet.hpp"
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/samples/status.hpp>
 
 #include <cstdint>
 #include <optional>
@@ -15,29 +15,28 @@
 
 namespace sonopose::marvelmind {
 
-/// What was made of one beacon's packets, and what was kept back.
+/// Counts of the samples made from one beacon's packets, and of those withheld.
 struct AssemblerCounters {
   std::uint64_t imu_samples = 0;
   std::uint64_t fixes = 0;
   std::uint64_t imu_unavailable = 0;    ///< raw IMU packets without accelerometer or gyro
   std::uint64_t fixes_unavailable = 0;  ///< positions that the beacon flagged "not available"
-  std::uint64_t samples_rejected = 0;   ///< values that no beacon can mean
+  std::uint64_t samples_rejected = 0;   ///< implausible values
   std::uint64_t duplicates = 0;         ///< the same measurement sent again, or in an older kind of packet
-  std::uint64_t quality_without_fix =
-      0;  ///< came later than a fix waits for it, or for a fix that was not made
+  /// Arrived after its fix had stopped waiting, or for a fix that was not made.
+  std::uint64_t quality_without_fix = 0;
 };
 
-/// Makes samples of one beacon's packets.
+/// Converts one beacon's packets to samples.
 ///
-/// - A fix waits for its quality at most `quality_wait_ns`; IMU samples pass it meanwhile. It goes out with
-/// the quality,
-///   with the next position packet or by `flush`, and its heading right behind it.
-/// - Until a fitted clock has settled (a quarter of a second), packets are held, not lost.
-/// - A beacon may send one measurement in two kinds of packet (0x11 and 0x81, 0x03 and 0x83). The best
-///   kind heard counts (unix time before uptime, millimetres before centimetres) and the others are dropped
-///   as duplicates, until it has been silent for `generation_timeout_ns`. When a better kind sets in, a fix
-///   close to the last one's emission is that one again. An IMU stream that changes its kind under way may
-///   repeat one sample.
+/// - A fix waits for its quality for at most `quality_wait_ns`; IMU samples overtake it meanwhile. The fix is
+///   emitted on the quality, on the next position packet or by `flush`, followed by its heading.
+/// - Packets are kept until a fitted clock has settled (a quarter of a second).
+/// - A beacon may send one measurement in two kinds of packet (0x11 and 0x81, 0x03 and 0x83). The best kind
+///   received wins (unix time over uptime, millimetres over centimetres) and the others are dropped as
+///   duplicates, until it has been silent for `generation_timeout_ns`. When a better kind appears, a fix
+///   close to the last emission counts as a duplicate. An IMU stream that changes its kind may repeat one
+///   sample.
 class BeaconAssembler {
 public:
   static constexpr std::int64_t quality_wait_ns = 10'000'000;
@@ -50,44 +49,44 @@ public:
   void on(const Quality& quality, TimeNs arrival_ns, EventSink sink);
   void on(const Telemetry& telemetry);
 
-  /// Lets time pass: hands out what has waited long enough.
+  /// Emits what has waited long enough by `now_ns`.
   void flush(TimeNs now_ns, EventSink sink);
 
-  /// Hands out all that waits. The clock settles with what it has seen.
+  /// Emits everything that waits. The clock settles on its observations so far.
   void finish(EventSink sink);
 
-  /// When `flush` has something to do at the latest, if nothing comes until then.
+  /// When `flush` must be called if no packet arrives before.
   std::optional<TimeNs> next_deadline_ns() const;
 
-  /// Shows the clock a packet without making a sample of it. Its sending in host time, if that can be told
-  /// yet.
+  /// Passes a packet to the clock without making a sample. Returns when it was sent, in host time; empty
+  /// until the clock has settled.
   std::optional<TimeNs> sent_host_ns(const ContentTime& sent, TimeNs arrival_ns);
 
   BeaconAddress address() const { return address_; }
   const AssemblerCounters& counters() const { return counters_; }
 
-  /// Battery, rssi, clock and the counters of what was kept back; the rest is not known here.
+  /// Battery, RSSI, clock and the counters of withheld samples; other fields stay at their defaults.
   BeaconStatus status() const;
 
 private:
-  /// A packet on its way into samples.
+  /// A packet that waits for the clocks to settle.
   struct Arrived {
     std::variant<RawImu, Position, Quality> packet;
     TimeNs arrival_ns = 0;
   };
 
-  /// A fix that waits for its quality, and the heading behind it.
+  /// A fix that waits for its quality, and its heading.
   struct Waiting {
     UltrasonicFix fix;
     PairHeading heading;
     TimeNs deadline_ns = 0;
   };
 
-  /// The best kind of packet heard for one sort of measurement.
+  /// The best kind of packet received for one type of measurement.
   struct Generation {
     int rank = 0;
-    TimeNs heard_ns = 0;
-    void hear(int rank, TimeNs arrival_ns);
+    TimeNs received_ns = 0;
+    void on_packet(int rank, TimeNs arrival_ns);
     bool outranks(int rank, TimeNs arrival_ns) const;
   };
 
@@ -99,12 +98,12 @@ private:
   void make(const Position& position, TimeNs arrival_ns, EventSink sink);
   void make(const Quality& quality, TimeNs arrival_ns, EventSink sink);
   bool is_duplicate(const Position& position, TimeNs emission_ns) const;
-  void show_clocks(const ContentTime& sent, TimeNs arrival_ns);
+  void observe(const ContentTime& sent, TimeNs arrival_ns);
 
   BeaconAddress address_;
   ClockSet clocks_;
   TimeBase newest_base_ = TimeBase::uptime_ms;  ///< of the newest sample
-  std::vector<Arrived> held_;                   ///< until the clocks have settled
+  std::vector<Arrived> pending_;                ///< until the clocks have settled
   std::optional<Waiting> waiting_;
   Generation imu_generation_;
   Generation position_generation_;

@@ -50,7 +50,7 @@ TimeNs SlewedLine::host_ns(std::int64_t beacon_ns) const {
   while (i > 0 && point(i).beacon_ns > beacon_ns) --i;
   const Point& from = point(i);
   const std::int64_t ahead_ns = beacon_ns - from.beacon_ns;
-  if (i + 1 == size_ || ahead_ns < 0) {  // beyond either end
+  if (i + 1 == size_ || ahead_ns < 0) {  // before the first or after the last point
     return from.host_ns + ahead_ns + std::llround(rate_ * static_cast<double>(ahead_ns));
   }
   const Point& to = point(i + 1);
@@ -70,7 +70,7 @@ void BeaconClock::observe(const Stamp& stamp, std::int64_t ahead_ns, TimeNs arri
     restart(stamp, ahead_ns, arrival_ns);
     return;
   }
-  if (sent_ns <= newest_ns_) return;  // overtaken, or shares its stamp with one that came before: no news
+  if (sent_ns <= newest_ns_) return;  // overtaken, or a repeated stamp: no information
   envelope_.add(sent_ns, arrival_ns);
   const TimeNs target_ns = sent_ns + envelope_.delay_ns(sent_ns);
   if (settled_ && std::abs(target_ns - line_.host_ns(sent_ns)) > restart_ns) {
@@ -122,7 +122,7 @@ double BeaconClock::offset_s() const {
 
 void BeaconClock::measure_jitter(std::int64_t beacon_ns, TimeNs arrival_ns) {
   constexpr double share_of_the_new = 0.01;
-  constexpr double longest_s = 0.25;  // one pause of the host should not be all that is seen
+  constexpr double longest_s = 0.25;  // one pause of the host must not dominate
   const double lateness_s =
       static_cast<double>(arrival_ns - beacon_ns - envelope_.delay_ns(beacon_ns)) * 1e-9;
   jitter_s_ += share_of_the_new * (std::clamp(lateness_s, 0.0, longest_s) - jitter_s_);

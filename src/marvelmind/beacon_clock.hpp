@@ -1,10 +1,10 @@
 #pragma once
 /// \file
-/// Beacon time → host time, once: everything behind it is ns in the host's clock.
+/// Beacon time → host time. All later stages use nanoseconds of the host's clock only.
 
-#include <sonopose/samples/samples.hpp>
 #include "marvelmind/lower_envelope.hpp"
 #include "marvelmind/packet.hpp"
+#include <sonopose/samples/samples.hpp>
 
 #include <array>
 #include <cstddef>
@@ -13,22 +13,22 @@
 
 namespace sonopose::marvelmind {
 
-/// A clock that goes back by more than this has restarted; less is a packet that was overtaken.
+/// A clock that goes back by more than this has restarted; by less, a packet was overtaken.
 inline constexpr std::int64_t overtaken_ns = 250'000'000;
 
-/// Can the stamp be turned into ns? Only a unix time can be out of range.
+/// Whether the stamp can be converted to nanoseconds. Only a unix time can be out of range.
 constexpr bool is_plausible(const Stamp& stamp) {
   constexpr std::int64_t year_2200_ms = 7'258'118'400'000;
   return stamp.ticks >= 0 && stamp.ticks < year_2200_ms;
 }
 
-/// Stamps of one time base as ns that do not wrap: a u32 is taken as the value nearest to the newest one.
+/// Unwraps the stamps of one time base: a u32 becomes the value nearest to the newest stamp.
 class Unwrapper {
 public:
-  /// ns since the zero of the beacon's clock.
+  /// Nanoseconds since the zero of the beacon's clock.
   std::int64_t beacon_ns(const Stamp& stamp) const;
 
-  /// The newest stamp, which later ones are near to.
+  /// Sets the newest stamp.
   void follow(const Stamp& stamp) { newest_ticks_ = unwrapped(stamp); }
 
   void restart() { newest_ticks_.reset(); }
@@ -39,18 +39,17 @@ private:
   std::optional<std::int64_t> newest_ticks_;
 };
 
-/// A function beacon time → host time that is made while it is used: it runs through points with rising
-/// times, its slope is never further from the wanted rate than `max_slew`, and its past does not change any
-/// more.
+/// A piecewise linear function from beacon time to host time that is extended during use. Its times rise, its
+/// slope differs from the wanted rate by at most `max_slew`, and its past never changes.
 class SlewedLine {
 public:
   static constexpr double max_slew = 4e-3;
   static constexpr double time_constant_ns = 5e9;
 
-  /// Starts anew, through one point.
+  /// Restarts with one point.
   void begin(std::int64_t beacon_ns, TimeNs host_ns);
 
-  /// Goes on to `beacon_ns` at `rate`, and toward `target_ns` as far as the slew allows.
+  /// Extends to `beacon_ns` at `rate`, towards `target_ns` as far as the slew allows.
   void advance(std::int64_t beacon_ns, TimeNs target_ns, double rate);
 
   TimeNs host_ns(std::int64_t beacon_ns) const;
@@ -74,12 +73,11 @@ private:
 
 /// Maps the stamps of one beacon and time base by their arrivals.
 ///
-/// Target is the lower envelope of the arrivals (`LowerEnvelope`): an arrival is never early. The mapping
-/// follows it by slewing, with a time constant of 5 s and by no more than 0.4 %, so that intervals between
-/// mapped stamps may be integrated over; it never steps and never goes back. A clock that goes back, or is
-/// away from the host's by more than 1 s, belongs to a beacon that has restarted: the mapping then starts
-/// anew. For its first quarter of a second it only listens, so that one late first packet does not have to be
-/// slewed away.
+/// The target is the lower envelope of the arrivals (`LowerEnvelope`), since no arrival is early. The mapping
+/// slews towards it with a time constant of 5 s and by at most 0.4 %, so that intervals between mapped stamps
+/// can be integrated; it never steps and never goes back. If the beacon's clock goes back, or differs from
+/// the host's by more than 1 s, the beacon has restarted and the mapping restarts too. It settles after a
+/// quarter of a second, so that one late first packet need not be slewed away.
 class BeaconClock {
 public:
   static constexpr std::int64_t settling_ns = 250'000'000;
@@ -88,16 +86,16 @@ public:
   /// Takes the arrival of a packet that the beacon sent `ahead_ns` after the moment of `stamp`.
   void observe(const Stamp& stamp, std::int64_t ahead_ns, TimeNs arrival_ns);
 
-  /// Lets time pass: settles when it is due.
+  /// Settles if it is due at `now_ns`.
   void advance_to(TimeNs now_ns);
 
-  /// Settles at once, with what was seen until now. Needs an observation.
+  /// Settles at once on the observations so far. Needs at least one.
   void settle();
 
-  /// Can stamps be mapped?
+  /// Whether stamps can be mapped.
   bool settled() const { return settled_; }
 
-  /// When it will be settled; nothing where it is, or has not begun.
+  /// When it will settle; empty if it has settled or not begun.
   std::optional<TimeNs> settles_at_ns() const;
 
   /// The host's time at `stamp`, which may lie up to seconds before the newest one. Needs `settled()`.
@@ -106,10 +104,10 @@ public:
   /// Host − beacon, as mapped.
   double offset_s() const;
 
-  /// Mean lateness of the arrivals above the envelope, over the last hundred or so.
+  /// Mean delay of the arrivals above the envelope, over about the last hundred.
   double jitter_s() const { return jitter_s_; }
 
-  /// How often the beacon's clock was found to have restarted.
+  /// Detected restarts of the beacon's clock.
   std::uint64_t resets() const { return resets_; }
 
 private:
@@ -128,13 +126,13 @@ private:
   std::uint64_t resets_ = 0;
 };
 
-/// Maps by the beacon's clock alone, for bytes that are read from a file: the first packet was sent when it
-/// arrived, and every stamp is as far from that as the beacon counts. Same bytes, same times. A restart of
-/// the beacon goes on from the newest time reached. Has the interface of `BeaconClock`.
+/// Maps by the beacon's clock alone, for bytes from a file: the first packet was sent at its arrival, and
+/// every stamp keeps its distance to that. The same bytes always give the same times. After a restart of the
+/// beacon, time continues from the newest one. Same interface as `BeaconClock`.
 class FixedClock {
 public:
-  /// Takes a packet that the beacon sent `ahead_ns` after the moment of `stamp`; `arrival_ns` counts for the
-  /// first one alone.
+  /// Takes a packet that the beacon sent `ahead_ns` after the moment of `stamp`; only the first `arrival_ns`
+  /// matters.
   void observe(const Stamp& stamp, std::int64_t ahead_ns, TimeNs arrival_ns);
 
   void advance_to(TimeNs /*now_ns*/) {}
@@ -142,7 +140,7 @@ public:
   bool settled() const { return true; }
   std::optional<TimeNs> settles_at_ns() const { return std::nullopt; }
 
-  /// The host's time at `stamp`. Needs an observation before.
+  /// The host's time at `stamp`. Needs an observation.
   TimeNs host_ns(const Stamp& stamp) const { return origin_ns_ + unwrapper_.beacon_ns(stamp) - first_ns_; }
 
   double offset_s() const { return static_cast<double>(origin_ns_ - first_ns_) * 1e-9; }

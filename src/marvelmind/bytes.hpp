@@ -11,7 +11,7 @@
 
 namespace sonopose::marvelmind {
 
-/// Reads numbers one after the other. The caller checks the length, once, before.
+/// Reads consecutive numbers. The caller checks the length once, before.
 class ByteReader {
 public:
   explicit constexpr ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -44,7 +44,7 @@ private:
   std::size_t position_ = 0;
 };
 
-/// Writes numbers one after the other into a buffer that is large enough.
+/// Writes consecutive numbers into a buffer that is large enough.
 class ByteWriter {
 public:
   explicit constexpr ByteWriter(std::span<std::uint8_t> bytes) : bytes_(bytes) {}

@@ -6,7 +6,7 @@ namespace sonopose::marvelmind {
 
 namespace {
 
-/// More than this is no way of a position through the system, and would send the clock ahead of itself.
+/// No position takes longer through the system; a larger value would set the clock ahead.
 constexpr std::uint16_t max_time_passed_ms = 2000;
 
 }  // namespace
@@ -33,7 +33,7 @@ ClockTrack& ClockSet::track(TimeBase base) {
 
 bool ClockSet::observe(const ContentTime& sent, TimeNs arrival_ns) {
   ClockTrack& shown = track(sent.stamp.base);
-  // What does not tell when it was sent is evidence only while there is nothing better.
+  // Packets without a sending time count only as long as there are no others.
   if (!sent.ahead_ns && shown.knows_sending) return true;
   if (sent.ahead_ns) shown.knows_sending = true;
   return std::visit(

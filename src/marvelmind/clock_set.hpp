@@ -1,10 +1,10 @@
 #pragma once
 /// \file
-/// The clocks of one beacon: one a time base, for a beacon may stamp its IMU and its fixes by different ones.
+/// The clocks of one beacon, one per time base: a beacon may stamp its IMU and its fixes by different ones.
 
-#include <sonopose/samples/samples.hpp>
 #include "marvelmind/beacon_clock.hpp"
 #include "marvelmind/packet.hpp"
+#include <sonopose/samples/samples.hpp>
 
 #include <array>
 #include <cstdint>
@@ -19,33 +19,32 @@ enum class TimeMapping : std::uint8_t {
   fixed    ///< `FixedClock`: by the beacon's clock alone, for bytes from a file
 };
 
-/// How long after emission a position is sent, where it does not say: the format page's typical value.
+/// How long after emission a position is sent if its packet does not say: the format's typical value.
 inline constexpr std::int64_t typical_time_passed_ns = 68'000'000;
 
-/// When a measurement was sent, by the beacon's own clock: its stamp, and how much later it went out.
+/// When a measurement was sent, by the beacon's own clock: its stamp, and the delay until sending.
 struct ContentTime {
   Stamp stamp;
-  std::optional<std::int64_t> ahead_ns;  ///< empty where the packet does not (credibly) say
+  std::optional<std::int64_t> ahead_ns;  ///< empty if the packet has no plausible value
 
   bool operator==(const ContentTime&) const = default;
 };
 
-/// An IMU packet is sent at its stamp, a position its time passed after. Nothing for packets without a
-/// sample.
+/// An IMU packet is sent at its stamp, a position after its time passed. Empty for packets without a sample.
 std::optional<ContentTime> content_time(const Packet& packet);
 
 /// One time base's clock.
 struct ClockTrack {
   std::variant<BeaconClock, FixedClock> clock;
-  bool knows_sending = false;  ///< has seen packets that tell when they were sent
+  bool knows_sending = false;  ///< has observed packets with their sending time
 };
 
-/// Clocks by time base, each made when its first stamp comes.
+/// Clocks by time base, each created on its first stamp.
 class ClockSet {
 public:
   explicit ClockSet(TimeMapping mapping) : mapping_(mapping) {}
 
-  /// Shows the clock an arrival. False: the beacon has restarted, and earlier stamps have lost their meaning.
+  /// Passes an arrival to its clock. Returns false if the beacon has restarted: earlier stamps are void then.
   bool observe(const ContentTime& sent, TimeNs arrival_ns);
 
   void advance_to(TimeNs now_ns);
@@ -53,18 +52,18 @@ public:
   /// Settles all clocks at once.
   void settle();
 
-  /// Can all stamps be mapped?
+  /// Whether all stamps can be mapped.
   bool settled() const;
   std::optional<TimeNs> settles_at_ns() const;
 
   /// The host's time at a stamp. Needs `settled()`, and an observation in its time base.
   TimeNs host_ns(const Stamp& stamp) const;
 
-  /// Of one time base; zero where nothing came in it.
+  /// Of one time base; zero if it has no stamps.
   double offset_s(TimeBase base) const;
   double jitter_s(TimeBase base) const;
 
-  /// Restarts that were noticed, by the clock that noticed most.
+  /// Detected restarts, of the clock with the most.
   std::uint64_t resets() const;
 
 private:

@@ -29,7 +29,7 @@ Vector3d to_vector(const std::array<Integer, 3>& values) {
   return Eigen::Map<const Eigen::Matrix<Integer, 3, 1>>(values.data()).template cast<double>();
 }
 
-/// Rounded to nearest and held inside what the wire's type holds; not a number becomes zero.
+/// Rounded to nearest and clamped to the wire's type; NaN becomes zero.
 template <typename Integer>
 Integer to_wire(double value) {
   using Limits = std::numeric_limits<Integer>;

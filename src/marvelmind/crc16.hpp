@@ -30,7 +30,7 @@ inline constexpr std::array<std::uint16_t, 256> crc16_table = make_crc16_table()
 
 }  // namespace detail
 
-/// The check sum of `bytes`; `crc` continues one that was begun over the bytes before.
+/// The checksum of `bytes`; `crc` is that of the bytes before them.
 constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes, std::uint16_t crc = 0xFFFF) {
   for (const std::uint8_t byte : bytes) {
     crc = static_cast<std::uint16_t>((crc >> 8U) ^ detail::crc16_table[(crc ^ byte) & 0xFFU]);

@@ -1,7 +1,8 @@
-#include "marvelmind/parse.hpp"
+#include "marvelmind/decoder.hpp"
+
 #include "marvelmind/bytes.hpp"
 #include "marvelmind/crc16.hpp"
-#include "marvelmind/decoder.hpp"
+#include "marvelmind/parse.hpp"
 
 #include <algorithm>
 
@@ -9,7 +10,7 @@ namespace sonopose::marvelmind {
 
 namespace {
 
-/// Counts a frame whose bytes arrived well; true where it made a packet.
+/// Counts a frame with a valid checksum; returns whether it is a packet.
 bool count(ParseResult result, DecoderCounters& counters) {
   switch (result) {
     case ParseResult::ok:
@@ -33,7 +34,7 @@ std::size_t payload_size_of(std::span<const std::uint8_t> frame) {
   return frame[4];
 }
 
-/// Puts the address that the datagram began with into the packet's slot, where that is empty.
+/// Copies the datagram's leading address into the packet's slot if that is empty.
 void complete_from_datagram(Packet& packet, std::uint8_t sender) {
   std::visit(
       [sender](auto& body) {
@@ -51,7 +52,7 @@ void complete_from_datagram(Packet& packet, std::uint8_t sender) {
 
 std::size_t Decoder::fill(std::span<const std::uint8_t> bytes) {
   const auto rest = pending();
-  std::copy(rest.begin(), rest.end(), buffer_.begin());  // to the front: never overlaps forward
+  std::copy(rest.begin(), rest.end(), buffer_.begin());  // towards the front, so the ranges may overlap
   end_ -= begin_;
   begin_ = 0;
   const std::size_t taken = std::min(bytes.size(), buffer_.size() - end_);
@@ -88,7 +89,7 @@ const Packet* Decoder::next_packet() {
     const auto frame = bytes.first(frame_size);
     if (crc16(frame) != 0) {
       ++counters_.crc_errors;
-      lose(1);  // what follows may be a good frame that a false start has swallowed
+      lose(1);  // a valid frame may begin within a false start
       continue;
     }
     begin_ += frame_size;

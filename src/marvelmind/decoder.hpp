@@ -11,24 +11,25 @@
 
 namespace sonopose::marvelmind {
 
-/// What a decoder has seen since its construction.
+/// Counts since the decoder's construction.
 struct DecoderCounters {
-  std::uint64_t frames = 0;          ///< good ones, made into packets
-  std::uint64_t crc_errors = 0;      ///< frames (or what looked like the start of one) with a wrong check sum
-  std::uint64_t bytes_lost = 0;      ///< skipped while looking for a frame
-  std::uint64_t unknown_frames = 0;  ///< good check sum, but a kind that is not known
-  std::uint64_t malformed_frames = 0;  ///< good check sum, but too short for its kind
-  std::uint64_t nmea_datagrams = 0;    ///< `$GP…`, ignored (UDP alone)
+  std::uint64_t frames = 0;            ///< valid ones, decoded into packets
+  std::uint64_t crc_errors = 0;        ///< frames, or false starts, with a wrong checksum
+  std::uint64_t bytes_lost = 0;        ///< skipped in search of a frame
+  std::uint64_t unknown_frames = 0;    ///< valid checksum, unknown kind
+  std::uint64_t malformed_frames = 0;  ///< valid checksum, too short for its kind
+  std::uint64_t nmea_datagrams = 0;    ///< `$GP…`, ignored (UDP only)
 
   bool operator==(const DecoderCounters&) const = default;
 };
 
-/// Finds the frames in a byte stream that comes in pieces of any size. Nothing is allocated. After garbage it
-/// goes on at the next byte that can start a frame, also inside what a false start has swallowed, so that no
-/// good frame is lost to bad bytes before it. A payload that is longer than its kind needs is accepted.
+/// Finds the frames in a byte stream that arrives in pieces of any size. Does not allocate. After garbage it
+/// continues at the next byte that can start a frame, also within the bytes consumed by a false start, so
+/// that no valid frame is lost to bad bytes before it. Accepts payloads that are longer than their kind
+/// needs.
 class Decoder {
 public:
-  /// Calls `on_packet(const Packet&)` for every packet that `bytes` completes, in order. The packet lives
+  /// Calls `on_packet(const Packet&)` for every packet that `bytes` completes, in order. The packet is valid
   /// until the callback returns.
   template <typename OnPacket>
   void feed(std::span<const std::uint8_t> bytes, OnPacket&& on_packet) {
@@ -38,8 +39,8 @@ public:
     }
   }
 
-  /// The stream has ended: gives up waiting for what an unfinished frame lacks, and decodes what stands
-  /// behind its false start. What is left is counted as lost.
+  /// The stream has ended: stops waiting for the rest of an incomplete frame, and decodes the bytes after its
+  /// false start. The remaining bytes count as lost.
   template <typename OnPacket>
   void finish(OnPacket&& on_packet) {
     while (lose_first_byte()) {
@@ -66,10 +67,9 @@ private:
   DecoderCounters counters_;
 };
 
-/// Decodes UDP datagrams, one frame each. Byte 0 is the beacon's address instead of the frame start (0xFF
-/// where the packet names its beacon itself) and goes into the packet's empty address slot; no CRC is
-/// promised, so what stands behind the payload is ignored; bit 13 of a position's angle word is reserved and
-/// cleared.
+/// Decodes UDP datagrams, one frame each. Byte 0 is the beacon's address instead of the frame start (0xFF if
+/// the packet contains its beacon's address) and fills the packet's empty address slot. The CRC is optional,
+/// so bytes after the payload are ignored. Bit 13 of a position's angle word is reserved and cleared.
 class DatagramDecoder {
 public:
   template <typename OnPacket>
@@ -77,7 +77,7 @@ public:
     if (const Packet* packet = decode(datagram)) on_packet(*packet);
   }
 
-  /// The packet of one datagram, valid until the next call; null where there is none (see the counters).
+  /// The packet of one datagram, valid until the next call; null if there is none (see the counters).
   const Packet* decode(std::span<const std::uint8_t> datagram);
 
   const DecoderCounters& counters() const { return counters_; }

@@ -1,6 +1,7 @@
+#include "marvelmind/encoder.hpp"
+
 #include "marvelmind/bytes.hpp"
 #include "marvelmind/crc16.hpp"
-#include "marvelmind/encoder.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -9,7 +10,7 @@ namespace sonopose::marvelmind {
 
 namespace {
 
-/// Where a frame is put together: the header's numbers, and the payload behind them.
+/// A frame under construction: the header's numbers, and the payload.
 struct Draft {
   std::uint8_t type = stream_type;
   std::uint16_t code = 0;

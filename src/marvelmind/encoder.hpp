@@ -11,7 +11,7 @@
 
 namespace sonopose::marvelmind {
 
-/// One encoded frame, held in place.
+/// One encoded frame, stored in place.
 class Frame {
 public:
   std::span<const std::uint8_t> bytes() const { return std::span(bytes_).first(size_); }
@@ -24,12 +24,12 @@ private:
   std::size_t size_ = 0;
 };
 
-/// The frame of `packet` in a byte stream, with its CRC. Which code it gets follows from the packet: its time
-/// base, and `in_cm`. Centimetres saturate at ±327.67 m; a position's flag bit 1 is set by its time base.
+/// The frame of `packet` in a byte stream, with its CRC. Its code follows from the packet's time base and
+/// `in_cm`. Centimetres saturate at ±327.67 m; a position's flag bit 1 follows from its time base.
 Frame encode(const Packet& packet);
 
 /// The same as a UDP datagram: the beacon's address as byte 0 (0xFF for stationary beacons, raw distances and
-/// what has no address), the address slot inside positions and their angle bit 13 cleared, no CRC.
+/// packets without an address), the address slot inside positions and their angle bit 13 cleared, no CRC.
 Frame encode_datagram(const Packet& packet);
 
 }  // namespace sonopose::marvelmind

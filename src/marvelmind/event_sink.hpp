@@ -13,7 +13,7 @@ namespace sonopose::marvelmind {
 template <typename Value>
 class SinkRef;
 
-/// A callable that takes values, and is no reference to one already.
+/// A callable that takes values and is not a SinkRef itself.
 template <typename Callable, typename Value>
 concept SinkOf =
     std::invocable<Callable&, const Value&> && !std::same_as<std::remove_cvref_t<Callable>, SinkRef<Value>>;

@@ -28,10 +28,10 @@ void LowerEnvelope::add(std::int64_t beacon_ns, TimeNs arrival_ns) {
     fit();
     return;
   }
-  // Buckets are of arrival time: what comes in one go after a pause is one bucket, however old it is.
+  // Buckets follow the arrival time: a burst after a pause is one bucket, however old its packets are.
   const bool bucket_is_open = arrival_ns >= bucket_start_ns_ && arrival_ns < bucket_start_ns_ + bucket_ns;
   if (!bucket_is_open) {
-    judge_closed_bucket();
+    check_closed_bucket();
     fit();
     open_bucket(arrival, arrival_ns);
   } else if (arrival.delay_ns < earliest_[size_ - 1].delay_ns) {
@@ -46,8 +46,8 @@ void LowerEnvelope::open_bucket(const Earliest& first, TimeNs arrival_ns) {
   bucket_start_ns_ = arrival_ns;
 }
 
-/// A line that nothing comes near for seconds is not the envelope any more.
-void LowerEnvelope::judge_closed_bucket() {
+/// A line that no arrival approaches for seconds is no longer the envelope.
+void LowerEnvelope::check_closed_bucket() {
   const Earliest& closed = earliest_[size_ - 1];
   const bool late = closed.delay_ns - delay_ns(closed.beacon_ns) > step_ns;
   late_in_a_row_ = late ? late_in_a_row_ + 1 : 0;

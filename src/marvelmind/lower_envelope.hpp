@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The line under a cloud of arrivals: how a sender's clock runs against ours when all that is seen is when
-/// its messages arrive.
+/// The line below a cloud of arrivals: relates a sender's clock to the host's when only the arrival times of
+/// its messages are known.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -11,16 +11,16 @@
 
 namespace sonopose::marvelmind {
 
-/// Fits the delay `arrival − beacon time` by the line that no arrival undercuts. Arrivals are only ever late,
-/// so the earliest ones tell the clock, and however late the others come they do not move it. The earliest
-/// arrival of each second is kept, for half a minute; the line is an edge of their lower convex hull. Bounded
-/// work for each arrival, no allocation.
+/// Fits the delay `arrival − beacon time` by a line that no arrival undercuts. Arrivals can only be late, so
+/// the earliest ones define the clock, and late ones do not affect it. Keeps the earliest arrival of each
+/// second for half a minute; the line is an edge of their lower convex hull. Bounded work per arrival, no
+/// allocation.
 class LowerEnvelope {
 public:
-  /// Steeper than any quartz: beacons drift up to ±200 ppm.
+  /// Above the error of any quartz: beacons drift by up to ±200 ppm.
   static constexpr double max_rate = 300e-6;
-  /// Arrivals that for seconds come no nearer to the line than this have a new one; the old seconds are
-  /// forgotten.
+  /// If arrivals stay further than this above the line for seconds, the line restarts without the older
+  /// seconds.
   static constexpr std::int64_t step_ns = 20'000'000;
 
   /// Takes one arrival. Beacon times must rise strictly.
@@ -31,7 +31,7 @@ public:
 
   bool empty() const { return size_ == 0; }
 
-  /// Least delay, host − beacon, that a message sent at `beacon_ns` has. Zero before the first arrival.
+  /// The least delay, host − beacon, of a message sent at `beacon_ns`. Zero before the first arrival.
   std::int64_t delay_ns(std::int64_t beacon_ns) const;
 
   /// How much faster the host's clock runs, as a ratio: +1e-6 is 1 ppm.
@@ -47,10 +47,10 @@ private:
   static constexpr std::int64_t bucket_ns = 1'000'000'000;
   static constexpr std::size_t late_buckets_of_a_step = 5;
   static constexpr double min_span_for_rate_ns = 4e9;
-  static constexpr double support = 0.75;  ///< where on the window the hull's edge is taken: nearer to now
+  static constexpr double support = 0.75;  ///< position within the window at which the hull's edge is taken
 
   void open_bucket(const Earliest& first, TimeNs arrival_ns);
-  void judge_closed_bucket();
+  void check_closed_bucket();
   void keep_newest(std::size_t count);
   void fit();
   double hull_slope() const;

@@ -1,12 +1,13 @@
 #pragma once
 /// \file
-/// The packets of a Marvelmind mobile beacon ("hedge"): the datasheet of the wire format, one struct a kind.
+/// The packets of a Marvelmind mobile beacon ("hedge"): the datasheet of the wire format, one struct per
+/// kind.
 ///
 ///     FF | type u8 | code u16 | N u8 | payload[N] | CRC u16          all numbers little-endian
 ///
 /// Offsets (in brackets) count from the start of the payload. Both firmware generations share a struct: up to
-/// 7.1 packets carry the beacon's uptime (codes 0x00xx), later ones unix time (codes 0x008x). Values are kept
-/// as the wire has them; `assembler.hpp` turns them into SI samples.
+/// 7.1 packets carry the beacon's uptime (codes 0x00xx), later ones unix time (codes 0x008x). Values are in
+/// wire units; `assembler.hpp` converts them to SI samples.
 
 #include <algorithm>
 #include <array>
@@ -31,7 +32,7 @@ inline constexpr std::size_t crc_size = 2;
 inline constexpr std::size_t max_payload_size = 255;
 inline constexpr std::size_t max_frame_size = header_size + max_payload_size + crc_size;
 
-/// Which of its clocks a beacon stamps with.
+/// Which of its clocks a beacon uses for a stamp.
 enum class TimeBase : std::uint8_t {
   uptime_ms,     ///< u32 ms since the beacon woke up; wraps after 49.7 days
   uptime_64ths,  ///< u32 in 1/64 s: positions of firmware before 5.20 (position flag bit 1 clear)
@@ -56,10 +57,10 @@ enum PositionFlag : std::uint8_t {
   position_user_button_1 = 1U << 2U,
   position_user_button_2 = 1U << 5U,
   position_other_hedge = 1U << 6U,     ///< the data are of another hedge
-  position_out_of_geofence = 1U << 7U  ///< 0x0011 and 0x0081 alone
+  position_out_of_geofence = 1U << 7U  ///< 0x0011 and 0x0081 only
 };
 
-/// The angle word of a position: what two paired beacons know of their direction.
+/// The angle word of a position: the direction of two paired beacons.
 struct PairAngle {
   static constexpr std::uint16_t yaw_mask = 0x0FFF;  ///< decidegrees 0…3600, counter-clockwise from +X
   static constexpr std::uint16_t pair_centre = 1U << 12U;     ///< the coordinates are the pair's centre
@@ -74,8 +75,8 @@ struct PairAngle {
   bool operator==(const PairAngle&) const = default;
 };
 
-/// 0x0001 (N = 16, cm), 0x0011 (N = 22, mm) and 0x0081 (N = 26, mm, unix time), each with the optional
-/// 7 bytes of speed behind. The time is the moment of the ultrasound's *emission*.
+/// 0x0001 (N = 16, cm), 0x0011 (N = 22, mm) and 0x0081 (N = 26, mm, unix time), each optionally
+/// followed by 7 bytes of speed. The time is the moment of the ultrasound's *emission*.
 struct Position {
   static constexpr std::uint16_t code_cm = 0x0001;
   static constexpr std::uint16_t code_mm = 0x0011;
@@ -95,11 +96,11 @@ struct Position {
   bool operator==(const Position&) const = default;
 };
 
-/// Where one stationary beacon of the map stands.
+/// The position of one stationary beacon of the map.
 struct StationaryBeacon {
   std::uint8_t address = 0;
   Vector3i32 xyz_mm{};
-  bool location_available = true;  ///< 0x0012 alone
+  bool location_available = true;  ///< 0x0012 only
 
   bool operator==(const StationaryBeacon&) const = default;
 };
@@ -151,7 +152,7 @@ struct RawImu {
 struct Distance {
   std::uint8_t beacon_address = 0;  ///< 0: the slot is empty
   std::uint32_t distance_mm = 0;
-  bool available = true;  ///< bit 0 of the item's last byte clear
+  bool available = true;  ///< bit 0 of the item's last byte is clear
 
   bool operator==(const Distance&) const = default;
 };
@@ -179,7 +180,7 @@ enum VendorFusionFlag : std::uint8_t {
   vendor_accel_not_available = 1U << 3U
 };
 
-/// 0x0005 (N = 42) and 0x0085 (N = 46, unix time): what the vendor's own fusion makes of it.
+/// 0x0005 (N = 42) and 0x0085 (N = 46, unix time): the vendor's own fusion.
 struct VendorFusion {
   static constexpr std::uint16_t code = 0x0005;
   static constexpr std::uint16_t code_real_time = 0x0085;

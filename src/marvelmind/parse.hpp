@@ -11,12 +11,12 @@ namespace sonopose::marvelmind {
 
 enum class ParseResult : std::uint8_t { ok, unknown, malformed };
 
-/// Can a frame have this type?
+/// Whether a frame can have this type.
 constexpr bool is_frame_type(std::uint8_t type) {
   return type == stream_type || type == user_device_type;
 }
 
-/// Reads `payload` into `packet`, which keeps no meaning unless the result is ok.
+/// Parses `payload` into `packet`, which is unspecified unless the result is ok.
 ParseResult parse_payload(std::uint8_t type, std::uint16_t code, std::span<const std::uint8_t> payload,
                           Packet& packet);
 

@@ -1,6 +1,6 @@
-#include <sonopose/geometry/rotation.hpp>
 #include "monitor/monitor_report.hpp"
 #include "observation/status_words.hpp"
+#include <sonopose/geometry/rotation.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -18,10 +18,11 @@ nlohmann::json optional_json(const std::optional<double>& value) {
   return value ? nlohmann::json(*value) : nlohmann::json();
 }
 
-nlohmann::json legs_json(const observation::BeaconView& view) {
+nlohmann::json segments_json(const observation::BeaconView& view) {
   nlohmann::json json;
-  for (std::size_t leg = 0; leg < observation::latency_segment_names.size(); ++leg) {
-    json[std::string(observation::latency_segment_names[leg])] = {{"p50_s", view.segments[leg].p50_s}, {"p99_s", view.segments[leg].p99_s}};
+  for (std::size_t i = 0; i < observation::latency_segment_names.size(); ++i) {
+    json[std::string(observation::latency_segment_names[i])] = {{"p50_s", view.segments[i].p50_s},
+                                                                {"p99_s", view.segments[i].p99_s}};
   }
   return json;
 }
@@ -108,7 +109,7 @@ nlohmann::json beacon_json(const observation::BeaconView& view) {
                       {"pose_losses", view.losses},
                       {"lost", view.lost},
                       {"predicted", view.predicted},
-                      {"segments", legs_json(view)},
+                      {"latency_segments", segments_json(view)},
                       {"worst", view.worst ? trace_json(*view.worst) : nlohmann::json()},
                       {"position_error_rms_m", optional_json(view.position_error_rms_m)},
                       {"position_error_max_m", optional_json(view.position_error_max_m)}};

@@ -1,9 +1,9 @@
 #pragma once
 /// \file
-/// The monitor process: a consumer of everything, for people (a live table) and programs (JSON).
+/// The monitor process: subscribes to all topics and prints a live table, or JSON for programs.
 
-#include <sonopose/dds/binding/domain.hpp>
 #include "process/stop_signal.hpp"
+#include <sonopose/dds/binding/domain.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -13,13 +13,13 @@ namespace sonopose::monitor {
 struct MonitorOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
-  bool json = false;      ///< one object a second, instead of the table and the summary
-  bool redraw = false;    ///< draw the table over the last one (a terminal)
-  double duration_s = 0;  ///< 0: without end
+  bool json = false;      ///< print one object per second instead of the table and the summary
+  bool redraw = false;    ///< overwrite the previous table (on a terminal)
+  double duration_s = 0;  ///< 0: run until stopped
 };
 
-/// Watches until the stop or the end of the duration, and prints to standard output. Returns how many poses
-/// were seen. Throws dds::Error, dds::QosFileError.
+/// Prints to standard output until the stop or the end of the duration. Returns the number of poses received.
+/// Throws dds::Error, dds::QosFileError.
 std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& stop);
 
 }  // namespace sonopose::monitor

@@ -1,6 +1,7 @@
-#include <sonopose/geometry/rotation.hpp>
 #include "monitor/monitor_report.hpp"
+
 #include "observation/status_words.hpp"
+#include <sonopose/geometry/rotation.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,43 +14,43 @@
 namespace sonopose::monitor {
 namespace {
 
-
 double heading_deg(const FusedPose& pose) {
   return geometry::yaw_of(pose.q_body_to_world) / geometry::radians_per_degree;
 }
 
-/// Milliseconds to two places, or a dash where not known.
+/// Milliseconds to two decimal places, "-" if unknown.
 std::string ms(double seconds) {
   return seconds == seconds ? fmt::format("{:.2f}", seconds * 1e3) : "-";
 }
 
-/// "0.03/0.12", of milliseconds.
+/// "0.03/0.12": median and 99th percentile in milliseconds.
 std::string ms_pair(const observation::Percentiles& percentiles) {
   return ms(percentiles.p50_s) + "/" + ms(percentiles.p99_s);
 }
 
 std::string worst_words(const observation::PoseTrace& worst) {
-  const auto legs_s = worst.legs_s();
-  return fmt::format("{} = {} + {} + {} (event {})", ms(worst.latency_s()), ms(legs_s[1]), ms(legs_s[2]),
-                     ms(legs_s[3]), worst.sequence);
+  const auto segments_s = worst.segments_s();
+  return fmt::format("{} = {} + {} + {} (event {})", ms(worst.latency_s()), ms(segments_s[1]),
+                     ms(segments_s[2]), ms(segments_s[3]), worst.sequence);
 }
 
 std::string_view role_word(FusionRole role) {
-  constexpr std::array<std::string_view, 4> words{"alone", "warming up", "serving", "stalled"};
+  constexpr std::array<std::string_view, 4> words{"sole", "warming up", "serving", "stalled"};
   return words[static_cast<std::size_t>(role)];
 }
 
-/// What consumers get of a beacon, in a word or two.
+/// The state of the pose stream of a beacon.
 std::string stream_words(const observation::BeaconView& view) {
   if (view.lost) return "lost";
   if (view.poses + view.predicted == 0) return "silent";
-  if (view.fusion && view.fusion->imu_silent) return "IMU silent, " + observation::status_words(view.pose.status);
+  if (view.fusion && view.fusion->imu_silent)
+    return "IMU silent, " + observation::status_words(view.pose.status);
   return observation::status_words(view.pose.status);
 }
 
 using Counted = std::pair<std::uint64_t, std::string_view>;
 
-/// "3 IMU deadlines missed, 1 bridge lost"; empty where all counts are 0.
+/// "3 IMU deadlines missed, 1 bridge losses"; empty if all counts are 0.
 std::string counted_words(const std::vector<Counted>& counts) {
   std::vector<std::string> words;
   for (const auto& [count, what] : counts) {
@@ -58,50 +59,50 @@ std::string counted_words(const std::vector<Counted>& counts) {
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
-std::string bridge_troubles(const BeaconStatus& bridge) {
+std::string bridge_problems(const BeaconStatus& bridge) {
   return counted_words({{bridge.imu_deadlines_missed, "IMU deadlines missed"},
                         {bridge.fix_deadlines_missed, "fix deadlines missed"},
                         {bridge.heading_deadlines_missed, "heading deadlines missed"},
-                        {bridge.liveliness_lost, "leases lost"},
-                        {bridge.readers_incompatible, "readers incompatible"},
+                        {bridge.liveliness_lost, "liveliness losses"},
+                        {bridge.readers_incompatible, "incompatible readers"},
                         {bridge.samples_unwritten, "samples not written"},
                         {bridge.other_bridges, "other bridges"}});
 }
 
-std::string fusion_troubles(const FusionStatus& fusion) {
+std::string fusion_problems(const FusionStatus& fusion) {
   return counted_words({{fusion.imu_deadlines_missed, "IMU deadlines missed"},
                         {fusion.fix_deadlines_missed, "fix deadlines missed"},
                         {fusion.heading_deadlines_missed, "heading deadlines missed"},
-                        {fusion.bridge_losses, "times the bridge lost"},
+                        {fusion.bridge_losses, "bridge losses"},
                         {fusion.events_lost, "events lost"},
                         {fusion.imu_gaps, "IMU gaps"},
                         {fusion.pose_deadlines_missed, "pose deadlines missed"},
-                        {fusion.liveliness_lost, "leases lost"},
+                        {fusion.liveliness_lost, "liveliness losses"},
                         {fusion.samples_lost, "samples lost"},
                         {fusion.samples_rejected, "samples rejected"},
-                        {fusion.incompatible_qos, "ends incompatible"},
+                        {fusion.incompatible_qos, "incompatible endpoints"},
                         {fusion.poses_unwritten, "poses not written"}});
 }
 
-/// "3 pose deadlines missed …" of one beacon, a line for each process that has something to tell.
-std::string troubles_of(const observation::BeaconView& view) {
+/// The problem counters of one beacon, a line for each process with at least one.
+std::string problems_of(const observation::BeaconView& view) {
   std::string text;
-  const auto tell = [&](std::string_view who, const std::string& words) {
-    if (!words.empty()) text += fmt::format("{:>6}  {}: {}\n", view.address, who, words);
+  const auto add_line = [&](std::string_view process, const std::string& words) {
+    if (!words.empty()) text += fmt::format("{:>6}  {}: {}\n", view.address, process, words);
   };
-  if (view.bridge) tell("bridge", bridge_troubles(*view.bridge));
+  if (view.bridge) add_line("bridge", bridge_problems(*view.bridge));
   for (const FusionStatus& fusion : view.fusions) {
-    const std::string who = view.fusions.size() > 1 ? fmt::format("fusion of strength {} ({})",
-                                                                  fusion.strength, role_word(fusion.role))
-                                                    : "fusion";
-    tell(who, fusion_troubles(fusion));
+    const std::string process = view.fusions.size() > 1 ? fmt::format("fusion of strength {} ({})",
+                                                                      fusion.strength, role_word(fusion.role))
+                                                        : "fusion";
+    add_line(process, fusion_problems(fusion));
   }
-  tell("here", counted_words({{view.deadlines_missed, "pose deadlines missed"},
-                              {view.losses, "times the poses lost"}}));
+  add_line("here", counted_words({{view.deadlines_missed, "pose deadlines missed"},
+                                  {view.losses, "pose stream losses"}}));
   return text;
 }
 
-std::string legs_table_of(const std::vector<observation::BeaconView>& views) {
+std::string segments_table_of(const std::vector<observation::BeaconView>& views) {
   std::string text =
       "beacon  sensor > bridge   > fusion     fusing      > here   p50/p99 ms   worst: bridge to here ms\n";
   for (const observation::BeaconView& view : views) {
@@ -132,13 +133,13 @@ std::string table_of(const std::vector<observation::BeaconView>& views) {
         pose.position_world_m.z(), heading_deg(pose), pose.velocity_world_mps.norm(), ms(view.latency.p50_s),
         ms(view.latency.p99_s), lost_events(view), stream_words(view));
   }
-  text += legs_table_of(views);
-  for (const observation::BeaconView& view : views) text += troubles_of(view);
+  text += segments_table_of(views);
+  for (const observation::BeaconView& view : views) text += problems_of(view);
   return text;
 }
 
 std::string summary_of(const std::vector<observation::BeaconView>& views) {
-  if (views.empty()) return "no pose was seen\n";
+  if (views.empty()) return "no pose received\n";
   std::string text;
   for (const observation::BeaconView& view : views) {
     text += fmt::format("beacon {} over {:.1f} s\n", view.address, view.window_s);
@@ -150,9 +151,9 @@ std::string summary_of(const std::vector<observation::BeaconView>& views) {
     text += fmt::format("  latency          p50 {} ms, p99 {} ms (bridge to here)\n", ms(view.latency.p50_s),
                         ms(view.latency.p99_s));
     if (view.worst) {
-      text += fmt::format("  its segments         {} to the fusion, {} in it, {} to here (p50/p99 ms)\n",
+      text += fmt::format("  segments         {} to the fusion, {} in it, {} to here (p50/p99 ms)\n",
                           ms_pair(view.segments[1]), ms_pair(view.segments[2]), ms_pair(view.segments[3]));
-      text += fmt::format("  the slowest      {} ms\n", worst_words(*view.worst));
+      text += fmt::format("  slowest pose     {} ms\n", worst_words(*view.worst));
     }
     if (view.position_error_rms_m) {
       text +=
@@ -165,7 +166,7 @@ std::string summary_of(const std::vector<observation::BeaconView>& views) {
     }
     text += fmt::format("  lost             {} events, {} pose deadlines missed\n", lost_events(view),
                         view.deadlines_missed);
-    text += troubles_of(view);
+    text += problems_of(view);
   }
   return text;
 }

@@ -9,16 +9,16 @@ namespace sonopose::observation {
 Percentiles percentiles_of(std::vector<double> durations_s) {
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   if (durations_s.empty()) return {none, none};
-  const auto at = [&durations_s](double share) {
+  const auto at = [&durations_s](double fraction) {
     const auto last = static_cast<double>(durations_s.size() - 1);
-    const auto place = durations_s.begin() + static_cast<std::ptrdiff_t>(std::ceil(share * last));
-    std::nth_element(durations_s.begin(), place, durations_s.end());
-    return *place;
+    const auto rank = durations_s.begin() + static_cast<std::ptrdiff_t>(std::ceil(fraction * last));
+    std::nth_element(durations_s.begin(), rank, durations_s.end());
+    return *rank;
   };
   return {at(0.50), at(0.99)};
 }
 
-std::array<double, 4> PoseTrace::legs_s() const {
+std::array<double, 4> PoseTrace::segments_s() const {
   return {seconds_between(sensor_ns, bridge_ns), seconds_between(bridge_ns, fusion_in_ns),
           seconds_between(fusion_in_ns, fusion_out_ns), seconds_between(fusion_out_ns, here_ns)};
 }
@@ -33,20 +33,20 @@ PoseTrace trace_of(const FusedPose& pose, TimeNs here_ns) {
 }
 
 void TraceCollector::add(const PoseTrace& trace) {
-  constexpr std::size_t most = 16'384;
+  constexpr std::size_t max_samples = 16'384;
   if (!worst_ || trace.latency_s() > worst_->latency_s()) worst_ = trace;
   ++seen_;
   Durations durations{static_cast<float>(trace.latency_s()), {}};
-  const auto legs_s = trace.legs_s();
-  std::transform(legs_s.begin(), legs_s.end(), durations.legs_s.begin(),
-                 [](double leg_s) { return static_cast<float>(leg_s); });
-  if (durations_.size() < most) {
+  const auto segments_s = trace.segments_s();
+  std::transform(segments_s.begin(), segments_s.end(), durations.segments_s.begin(),
+                 [](double segment_s) { return static_cast<float>(segment_s); });
+  if (durations_.size() < max_samples) {
     durations_.push_back(durations);
     return;
   }
-  // Reservoir sampling: each trace stays with the same probability, most / seen_.
-  const std::size_t place = std::uniform_int_distribution<std::size_t>(0, seen_ - 1)(random_);
-  if (place < most) durations_[place] = durations;
+  // Reservoir sampling: each trace is kept with the same probability, max_samples / seen_.
+  const std::size_t index = std::uniform_int_distribution<std::size_t>(0, seen_ - 1)(random_);
+  if (index < max_samples) durations_[index] = durations;
 }
 
 Percentiles TraceCollector::latency() const {
@@ -58,11 +58,11 @@ Percentiles TraceCollector::latency() const {
 
 std::array<Percentiles, 4> TraceCollector::segments() const {
   std::array<Percentiles, 4> segments{};
-  for (std::size_t leg = 0; leg < segments.size(); ++leg) {
-    std::vector<double> lengths_s;
-    lengths_s.reserve(durations_.size());
-    for (const Durations& durations : durations_) lengths_s.push_back(durations.legs_s[leg]);
-    segments[leg] = percentiles_of(std::move(lengths_s));
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    std::vector<double> durations_s;
+    durations_s.reserve(durations_.size());
+    for (const Durations& durations : durations_) durations_s.push_back(durations.segments_s[i]);
+    segments[i] = percentiles_of(std::move(durations_s));
   }
   return segments;
 }

@@ -1,13 +1,13 @@
 #pragma once
 /// \file
-/// The status of a pose in words.
+/// The status of a pose as text.
 
 #include <cstdint>
 #include <string>
 
 namespace sonopose::observation {
 
-/// "ok", or the names of the status bits, as "stale, frozen track".
+/// "ok" if no bit is set, otherwise the names of the set bits: "stale, frozen track".
 std::string status_words(std::uint32_t status);
 
 }  // namespace sonopose::observation

@@ -14,7 +14,7 @@ BeaconAddress address_in(std::string_view text, std::string_view part) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (text.empty() || error != std::errc() || end != text.data() + text.size() || value >= all_beacons) {
     throw std::invalid_argument(fmt::format(
-        "'{}' is no beacon address and no range of them: allowed are numbers from 0 to {}, as in 7 or 7-131",
+        "'{}' is not a beacon address or a range of addresses: use numbers from 0 to {}, as in 7 or 7-131",
         part, all_beacons - 1));
   }
   return static_cast<BeaconAddress>(value);
@@ -26,11 +26,8 @@ std::pair<BeaconAddress, BeaconAddress> range_in(std::string_view part) {
   if (dash == std::string_view::npos) return {first, first};
   const BeaconAddress last = address_in(part.substr(dash + 1), part);
   if (last < first) {
-    throw std::invalid_argument(
-        fmt::format("the range '{}' ends before it begins: allowed are ranges from the lower address to the "
-                    "higher, as in "
-                    "7-131",
-                    part));
+    throw std::invalid_argument(fmt::format(
+        "the range '{}' ends before it begins: write the lower address first, as in 7-131", part));
   }
   return {first, last};
 }

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Which beacons a process is for.
+/// Which beacons a process handles.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -18,8 +18,8 @@ public:
   /// Every beacon.
   AddressSet() = default;
 
-  /// "7", "7-131", "7-131,200": numbers of 0…65534, ranges from low to high. Throws std::invalid_argument,
-  /// naming the part that is none.
+  /// "7", "7-131", "7-131,200": numbers from 0 to 65534, ranges from low to high. Throws
+  /// std::invalid_argument that names the malformed part.
   static AddressSet parse(std::string_view text);
 
   [[nodiscard]] bool contains(BeaconAddress address) const {
@@ -30,15 +30,15 @@ public:
     return false;
   }
 
-  /// The first that was named; empty for every beacon.
+  /// The first one listed; empty for every beacon.
   [[nodiscard]] std::optional<BeaconAddress> first() const {
     return ranges_.empty() ? std::nullopt : std::optional(ranges_.front().first);
   }
-  /// Whether it is a single beacon, however often it is named.
+  /// Whether it is a single beacon, possibly listed several times.
   [[nodiscard]] bool only_one() const;
 
 private:
-  std::vector<std::pair<BeaconAddress, BeaconAddress>> ranges_;  ///< none: all
+  std::vector<std::pair<BeaconAddress, BeaconAddress>> ranges_;  ///< empty: every beacon
 };
 
 }  // namespace sonopose::process

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What the middleware tells of a process's own readers and writers, counted on its threads.
+/// Counts the DDS statuses of a process's own readers and writers, on Cyclone's threads.
 
 #include <sonopose/dds/binding/listener.hpp>
 
@@ -9,21 +9,21 @@
 
 namespace sonopose::process {
 
-/// Of all ends that share it.
+/// Shared by any number of endpoints.
 struct EndpointCounters {
   std::atomic<std::uint64_t> offered_deadlines_missed = 0;
-  std::atomic<std::uint64_t> liveliness_lost = 0;   ///< of a writer: its lease ran out
-  std::atomic<std::uint64_t> incompatible_qos = 0;  ///< other ends that were refused, or refused
+  std::atomic<std::uint64_t> liveliness_lost = 0;   ///< expired leases of writers
+  std::atomic<std::uint64_t> incompatible_qos = 0;  ///< matches that failed for it
   std::atomic<std::uint64_t> samples_lost = 0;
   std::atomic<std::uint64_t> samples_rejected = 0;
 };
 
-/// Adds what a DDS status says has changed.
+/// Adds the change that a DDS status reports.
 inline void add(std::atomic<std::uint64_t>& counter, std::int32_t change) noexcept {
   if (change > 0) counter.fetch_add(static_cast<std::uint64_t>(change), std::memory_order_relaxed);
 }
 
-/// Counts for a writer.
+/// Counts the statuses of a writer.
 template <class T>
 class CountingWriterListener final : public dds::DataWriterListener<T> {
 public:
@@ -46,7 +46,7 @@ private:
   EndpointCounters& counters_;
 };
 
-/// Counts for a reader; base of listeners that take data too.
+/// Counts the statuses of a reader; base class of listeners that also take data.
 template <class T>
 class CountingReaderListener : public dds::DataReaderListener<T> {
 public:

@@ -2,13 +2,77 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <charconv>
+#include <cstdint>
 #include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <fstream>
+#include <linux/capability.h>
+#include <sched.h>
 #include <stdexcept>
+#include <string>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 #include <utility>
 
 namespace sonopose::process {
 namespace {
+
+/// Empty without /proc.
+std::vector<NamedThread> threads_of_this_process() {
+  std::vector<NamedThread> threads;
+  std::error_code error;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task", error)) {
+    const std::string id = task.path().filename().string();
+    NamedThread thread;
+    std::from_chars(id.data(), id.data() + id.size(), thread.id);
+    std::ifstream comm(task.path() / "comm");
+    if (std::getline(comm, thread.name)) threads.push_back(std::move(thread));
+  }
+  return threads;
+}
+
+int set_fifo(int thread_id, int priority) {
+  sched_param wanted{};
+  wanted.sched_priority = priority;
+  // Children do not inherit the priority.
+  return ::sched_setscheduler(thread_id, SCHED_FIFO | SCHED_RESET_ON_FORK, &wanted) == 0 ? 0 : errno;
+}
+
+int lock_memory(bool future_too) {
+  return ::mlockall(future_too ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0 ? 0 : errno;
+}
+
+/// Whether CAP_IPC_LOCK is among the effective capabilities.
+bool has_ipc_lock() {
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  __user_cap_data_struct data[_LINUX_CAPABILITY_U32S_3]{};
+  if (::syscall(SYS_capget, &header, data) != 0) return false;
+  return (data[CAP_TO_INDEX(CAP_IPC_LOCK)].effective & CAP_TO_MASK(CAP_IPC_LOCK)) != 0;
+}
+
+bool may_lock_everything() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY) return true;
+  return has_ipc_lock();
+}
+
+int hold_awake(const char* device, int& file) {
+  const int opened = ::open(device, O_WRONLY | O_CLOEXEC);
+  if (opened < 0) return errno;
+  const std::int32_t latency_us = 0;
+  if (::write(opened, &latency_us, sizeof latency_us) != sizeof latency_us) {
+    const int error = errno;
+    ::close(opened);
+    return error;
+  }
+  file = opened;
+  return 0;
+}
 
 constexpr const char* latency_device = "/dev/cpu_dma_latency";
 
@@ -16,20 +80,25 @@ std::string priority_remedy(int priority) {
   return fmt::format(
       "give the program the capability CAP_SYS_NICE (setcap cap_sys_nice+ep FILE), or its user `rtprio {}` "
       "in "
-      "/etc/security/limits.d and a new login; a cgroup without real-time share (cpu.rt_runtime_us) refuses "
-      "it "
-      "too",
+      "/etc/security/limits.d and log in again; a cgroup without a real-time share (cpu.rt_runtime_us) also "
+      "refuses it",
       priority);
 }
 
 constexpr const char* memory_remedy =
     "give the program the capability CAP_IPC_LOCK, or its user `memlock unlimited` in /etc/security/limits.d "
-    "and a new login";
+    "and log in again";
 
 constexpr const char* awake_remedy =
     "a udev rule KERNEL==\"cpu_dma_latency\", GROUP=\"realtime\", MODE=\"0660\" and the user in that group";
 
 }  // namespace
+
+const RealtimeCalls& linux_calls() {
+  static const RealtimeCalls calls{threads_of_this_process, set_fifo, lock_memory, may_lock_everything,
+                                   hold_awake};
+  return calls;
+}
 
 Realtime::Realtime(Realtime&& other) noexcept
     : awake_file_(std::exchange(other.awake_file_, -1)),
@@ -60,7 +129,7 @@ void Realtime::give_priority(int priority, const RealtimeCalls& calls) {
   constexpr int calling_thread = 0;
   give("main thread", calling_thread);
   const std::vector<NamedThread> threads = calls.threads();
-  // Ours takes a mutex that the receiving thread takes too: whoever could hold it up must not be preempted.
+  // It shares a mutex with the receiving thread: avoid priority inversion.
   for (const NamedThread& thread : threads) {
     if (thread.name == predicting_thread_name) give("predicting thread", thread.id);
   }
@@ -73,14 +142,14 @@ void Realtime::give_priority(int priority, const RealtimeCalls& calls) {
     }
     if (!found) {
       refused_.push_back(fmt::format(
-          "Cyclone DDS's thread {}: /proc/self/task names none; remedy: apply it after the node was made",
+          "Cyclone DDS's thread {}: not in /proc/self/task; remedy: apply it after the node was created",
           name));
     }
   }
 }
 
 void Realtime::lock_memory(const RealtimeCalls& calls) {
-  // Under a limit, memory of later on would be refused where today's is locked: the process would fail then.
+  // Under a limit, MCL_FUTURE would make later allocations fail.
   const bool future_too = calls.may_lock_everything();
   const int error = calls.lock_memory(future_too);
   if (error != 0) {
@@ -88,11 +157,11 @@ void Realtime::lock_memory(const RealtimeCalls& calls) {
                                    future_too ? "MCL_CURRENT | MCL_FUTURE" : "MCL_CURRENT",
                                    std::strerror(error), memory_remedy));
   } else if (future_too) {
-    applied_.emplace_back("memory: locked, that of later on too");
+    applied_.emplace_back("memory: locked, current and future");
   } else {
-    applied_.emplace_back("memory: what there is now is locked");
+    applied_.emplace_back("memory: locked, current only");
     refused_.push_back(fmt::format(
-        "memory of later on: mlockall(MCL_FUTURE) not tried under a limit (RLIMIT_MEMLOCK); remedy: {}",
+        "future memory: mlockall(MCL_FUTURE) not tried under a limit (RLIMIT_MEMLOCK); remedy: {}",
         memory_remedy));
   }
 }

@@ -1,8 +1,7 @@
 #pragma once
 /// \file
-/// What a process on the bus can ask of Linux so that other programs hold it up less: real-time priority,
-/// memory that is never paged out, cores that do not fall asleep. All of it is a privilege; what is refused
-/// is said and done without.
+/// Reduces delays by other programs: real-time priority, locked memory, and no deep sleep states of the
+/// cores. Each needs a privilege; the process reports what Linux refuses and runs without it.
 
 #include <functional>
 #include <string>
@@ -10,7 +9,7 @@
 
 namespace sonopose::process {
 
-/// The fusion's thread that writes predicted poses, as the kernel and --realtime know it.
+/// Name of the fusion's thread that writes predicted poses; --realtime finds the thread by it.
 inline constexpr const char* predicting_thread_name = "predict";
 
 /// One thread of this process.
@@ -19,19 +18,19 @@ struct NamedThread {
   std::string name;
 };
 
-/// The system calls, so that a test can have others. Each gives 0 or an errno.
+/// The system calls, replaceable in tests. Each returns 0 or an errno unless it says otherwise.
 struct RealtimeCalls {
-  std::function<std::vector<NamedThread>()> threads;             ///< of this process
+  std::function<std::vector<NamedThread>()> threads;             ///< the threads of this process
   std::function<int(int thread_id, int priority)> set_fifo;      ///< sched_setscheduler(SCHED_FIFO)
   std::function<int(bool future_too)> lock_memory;               ///< mlockall
-  std::function<bool()> may_lock_everything;                     ///< no limit of RLIMIT_MEMLOCK holds
+  std::function<bool()> may_lock_everything;                     ///< whether RLIMIT_MEMLOCK does not apply
   std::function<int(const char* device, int& file)> hold_awake;  ///< opens, and writes a latency of 0 µs
 };
 
-/// Those of Linux.
+/// The calls of Linux.
 const RealtimeCalls& linux_calls();
 
-/// What was applied lasts as long as this object and the process do: without it cores may sleep again.
+/// The settings that were applied. When it is destroyed, the cores may sleep again.
 class Realtime {
 public:
   Realtime() = default;
@@ -41,9 +40,9 @@ public:
   Realtime& operator=(Realtime&& other) noexcept;
   ~Realtime();
 
-  /// One line for each thing that holds now.
+  /// One line for each setting that took effect.
   [[nodiscard]] const std::vector<std::string>& applied() const { return applied_; }
-  /// One line for each that does not: the call, why it failed, and what would help.
+  /// One line for each that did not: the call, the cause, and a remedy.
   [[nodiscard]] const std::vector<std::string>& refused() const { return refused_; }
 
 private:
@@ -57,10 +56,10 @@ private:
   std::vector<std::string> refused_;
 };
 
-/// Gives the threads through which samples come and go the priority `priority` (1…99) of SCHED_FIFO: the
-/// calling one and Cyclone DDS's `recv` (data) and `tev` (acknowledgements, heartbeats); locks all memory;
-/// keeps the cores awake. To be called once, when the node is made, since its threads must exist. Throws
-/// std::invalid_argument for another priority; all else is in the object.
+/// Sets SCHED_FIFO with `priority` (1…99) for the threads on the path of the samples: the calling thread, the
+/// predicting thread, and Cyclone DDS's `recv` (data) and `tev` (acknowledgements, heartbeats). Locks all
+/// memory and keeps the cores awake. Call it once, after the node was created, since its threads must exist.
+/// Throws std::invalid_argument for another priority; other errors are in the result.
 [[nodiscard]] Realtime apply_realtime(int priority, const RealtimeCalls& calls = linux_calls());
 
 }  // namespace sonopose::process

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// A reader's own timer: which beacons have brought nothing for too long. The middleware cannot tell where a
-/// writer lives, holds its claim, and no longer writes one of its beacons.
+/// Detects beacons without samples on the reader's side. DDS alone does not detect a writer that is alive and
+/// keeps its ownership but no longer writes one of its beacons.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -10,11 +10,10 @@
 
 namespace sonopose::process {
 
-/// All beacons of one stream. Times are of the steady clock. Not for several threads at once: no locks.
-/// Allocates at a beacon's first sample alone.
+/// All beacons of one stream. Not thread-safe. Allocates at a beacon's first sample only.
 class SilenceDetector {
 public:
-  /// `deadline_ns`: a beacon without a sample for longer is silent.
+  /// `deadline_ns`: a beacon without a sample for longer than this is silent.
   explicit SilenceDetector(TimeNs deadline_ns) : deadline_ns_(deadline_ns) {}
 
   void on_sample(BeaconAddress address, SteadyTime now) { beacons_[address].latest = now; }
@@ -22,9 +21,9 @@ public:
   struct Change {
     BeaconAddress address = 0;
     bool silent = false;
-    double lasted_s = 0;  ///< silent: for how long already; heard again: how long the silence was
+    double lasted_s = 0;  ///< how long the silence has lasted, or lasted until the next sample
   };
-  /// Adds to `changes` what fell silent or was heard again since the last call.
+  /// Appends to `changes` the beacons that fell silent or resumed since the last call.
   void find_changes(SteadyTime now, std::vector<Change>& changes);
 
   [[nodiscard]] bool is_silent(BeaconAddress address) const;

@@ -15,7 +15,7 @@
 namespace sonopose::process {
 namespace {
 
-// What the signal handler may touch: a lock-free atomic and write(2).
+// The signal handler may use only a lock-free atomic and write(2).
 std::atomic<int> signalled_fd{-1};
 static_assert(std::atomic<int>::is_always_lock_free);
 

@@ -1,12 +1,12 @@
 #pragma once
 /// \file
-/// "Please end": set by Ctrl-C, by SIGTERM, or by the program itself, and waited on by whoever has time.
+/// A request to end the process, from Ctrl-C, SIGTERM or the program itself.
 
 #include <sonopose/samples/samples.hpp>
 
 namespace sonopose::process {
 
-/// One per process that listens to signals; further ones, as tests use them, are set by hand alone.
+/// At most one per process listens to signals; others, as in tests, are requested by hand.
 class StopSignal {
 public:
   StopSignal();
@@ -14,7 +14,7 @@ public:
   StopSignal& operator=(const StopSignal&) = delete;
   ~StopSignal();
 
-  /// From now on SIGINT and SIGTERM set this. Throws std::system_error.
+  /// From now on SIGINT and SIGTERM request the stop. Throws std::system_error.
   void listen_to_signals();
 
   void request() noexcept;

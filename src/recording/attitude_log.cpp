@@ -1,6 +1,7 @@
+#include "recording/attitude_log.hpp"
+
 #include "files/csv_reader.hpp"
 #include "recording/log_columns.hpp"
-#include "recording/attitude_log.hpp"
 
 namespace sonopose::recording {
 
@@ -20,7 +21,7 @@ std::vector<TimeSpan> read_movement_csv(const std::filesystem::path& file) {
     TimeSpan& span = spans.emplace_back();
     span.start_ns = rows.time_ns(0);
     span.end_ns = rows.time_ns(1);
-    if (span.end_ns < span.start_ns) rows.fail(1, "lies before the start");
+    if (span.end_ns < span.start_ns) rows.fail(1, "is before the start");
   }
   if (spans.empty()) throw files::IoError(file.string() + ": no span");
   return spans;

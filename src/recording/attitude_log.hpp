@@ -5,32 +5,32 @@
 ///
 /// | File           | Columns |
 /// |----------------|---------|
-/// | `movement.csv` | start, end [ns]; the file may be absent: then all of the log counts |
+/// | `movement.csv` | start, end [ns]; optional; without it the whole log counts |
 
-#include <sonopose/samples/samples.hpp>
 #include "files/error.hpp"
 #include "recording/log_folder.hpp"
+#include <sonopose/samples/samples.hpp>
 
 #include <filesystem>
 #include <vector>
 
 namespace sonopose::recording {
 
-/// Both ends belong to it.
+/// Includes both endpoints.
 struct TimeSpan {
   TimeNs start_ns = 0;
   TimeNs end_ns = 0;
 
-  [[nodiscard]] bool holds(TimeNs time_ns) const { return start_ns <= time_ns && time_ns <= end_ns; }
+  [[nodiscard]] bool contains(TimeNs time_ns) const { return start_ns <= time_ns && time_ns <= end_ns; }
 };
 
 struct AttitudeLog {
   std::vector<ImuSample> imu;
-  std::vector<TruthSample> truth;   ///< NaN where a value is not known; empty without a file
+  std::vector<TruthSample> truth;   ///< NaN for unknown values; empty without a file
   std::vector<TimeSpan> movements;  ///< empty without a file
 };
 
-/// Throws files::IoError that names file, line, column and value; also where imu.csv has no sample.
+/// Throws files::IoError that names file, line, column and value, also if imu.csv has no sample.
 AttitudeLog read_attitude_log(const std::filesystem::path& folder,
                               BeaconAddress address = default_log_address);
 

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The columns of a sensor log, once for reader and writer. Private to this room.
+/// The columns of a sensor log, shared by reader and writer.
 
 #include <array>
 #include <cstddef>

@@ -1,7 +1,8 @@
-#include "files/csv_reader.hpp"
-#include "recording/log_columns.hpp"
-#include "files/units.hpp"
 #include "recording/log_folder.hpp"
+
+#include "files/csv_reader.hpp"
+#include "files/units.hpp"
+#include "recording/log_columns.hpp"
 
 #include <algorithm>
 #include <deque>
@@ -24,7 +25,7 @@ public:
     step();
   }
 
-  /// The current sample; null behind the last.
+  /// The current sample; null after the last.
   [[nodiscard]] const ImuSample* current() const { return at_end_ ? nullptr : &sample_; }
 
   void step() {
@@ -35,7 +36,8 @@ public:
     sample_.specific_force_body_mps2 = rows_.vector(4);
     sample_.magnetic_field_body_t.reset();
     if (!rows_.all_filled(7, 3)) return;
-    sample_.magnetic_field_body_t.emplace(rows_.number_in(files::microtesla, 7), rows_.number_in(files::microtesla, 8),
+    sample_.magnetic_field_body_t.emplace(rows_.number_in(files::microtesla, 7),
+                                          rows_.number_in(files::microtesla, 8),
                                           rows_.number_in(files::microtesla, 9));
   }
 
@@ -47,7 +49,7 @@ private:
   bool at_end_ = false;
 };
 
-/// Samples that are in memory already, one at a time.
+/// Samples in memory, one at a time.
 template <class Sample>
 class Samples {
 public:
@@ -61,19 +63,19 @@ private:
   std::size_t next_ = 0;
 };
 
-/// Also where the difference has no place in a TimeNs.
+/// Correct also if the difference does not fit into a TimeNs.
 bool is_later_by_more(TimeNs later, TimeNs earlier, std::uint64_t by_ns) {
   return later > earlier && static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier) > by_ns;
 }
 
-/// IMU samples from wherever they come, with some of those to come in view.
+/// IMU samples from any source, with a look-ahead.
 template <class ImuSamples>
-class Foresight {
+class LookAhead {
 public:
-  explicit Foresight(ImuSamples samples) : samples_(std::move(samples)) { look_ahead(); }
+  explicit LookAhead(ImuSamples samples) : samples_(std::move(samples)) { look_ahead(); }
 
   [[nodiscard]] const ImuSample* current() const { return in_view_.empty() ? nullptr : &in_view_.front(); }
-  /// When the current sample comes: at its stamp, where that is not far ahead of those around it.
+  /// When the current sample is merged: at its stamp, unless that is far ahead of its neighbours.
   [[nodiscard]] TimeNs comes_at_ns() const { return comes_at_ns_; }
 
   void step() {
@@ -96,7 +98,7 @@ private:
     const TimeNs stamp_ns = in_view_.front().sensor_time_ns;
     comes_at_ns_ = stamp_ns;
     if (in_view_.size() == 1) return;
-    // The very first sample is judged by the one after it.
+    // The first sample is compared with the one after it.
     const TimeNs before_ns = before_ns_.value_or(in_view_[1].sensor_time_ns);
     if (!is_later_by_more(stamp_ns, before_ns, far_ns)) return;
     for (std::size_t i = 1; i < in_view_.size(); ++i) {
@@ -118,7 +120,7 @@ private:
 template <class ImuSamples>
 std::vector<Event> merged(ImuSamples imu_samples, Samples<UltrasonicFix> fixes,
                           Samples<PairHeading> headings) {
-  Foresight imu(std::move(imu_samples));
+  LookAhead imu(std::move(imu_samples));
   std::vector<Event> events;
   events.reserve(imu.expected_count() + fixes.expected_count() + headings.expected_count());
   const auto append = [&events](auto& samples) {
@@ -147,7 +149,7 @@ std::vector<Event> merged(ImuSamples imu_samples, Samples<UltrasonicFix> fixes,
 
 SensorLog read_sensor_log(const std::filesystem::path& folder, BeaconAddress address) {
   if (!std::filesystem::is_directory(folder)) throw files::IoError(folder.string() + ": is not a folder");
-  // IMU samples are by far the most: each goes to its place among the events as soon as it is read.
+  // Most events are IMU samples: merge each as soon as it is read instead of storing them twice.
   ImuRows imu(folder / imu_file, address);
   const auto fixes = read_ultrasonic_csv(folder / ultrasonic_file, address);
   std::vector<PairHeading> headings;

@@ -1,8 +1,9 @@
-#include "recording/log_columns.hpp"
-#include "files/units.hpp"
+#include "recording/log_writer.hpp"
+
 #include "files/csv_writer.hpp"
 #include "files/error.hpp"
-#include "recording/log_writer.hpp"
+#include "files/units.hpp"
+#include "recording/log_columns.hpp"
 
 #include <cmath>
 #include <span>
@@ -25,13 +26,13 @@ SensorLogWriter::SensorLogWriter(std::filesystem::path folder)
     : folder_{std::move(folder)}, last_flush_{std::chrono::steady_clock::now()} {
   for (const std::string_view name : {imu_file, ultrasonic_file, heading_file, truth_file}) {
     if (exists(folder_ / name)) {
-      throw files::IoError(folder_.string() + ": already holds a recording (" + std::string(name) +
-                    "), it is not overwritten");
+      throw files::IoError(folder_.string() + ": already contains a recording (" + std::string(name) +
+                           "), which is not overwritten");
     }
   }
   std::error_code error;
   create_directories(folder_, error);
-  if (error) throw files::IoError(folder_.string() + ": cannot be made: " + error.message());
+  if (error) throw files::IoError(folder_.string() + ": cannot be created: " + error.message());
   imu_ = new_file(folder_ / imu_file);
   ultrasonic_ = new_file(folder_ / ultrasonic_file);
   heading_ = new_file(folder_ / heading_file);
@@ -43,7 +44,7 @@ SensorLogWriter::~SensorLogWriter() {
   try {
     if (!with_magnetometer_) write_imu_header(false);
     flush();
-  } catch (const std::exception&) {  // a destructor has nobody to tell
+  } catch (const std::exception&) {  // a destructor cannot report errors
   }
 }
 
@@ -120,7 +121,7 @@ void SensorLogWriter::flush() {
 void SensorLogWriter::admit(BeaconAddress address) {
   if (address_.value_or(address) != address) {
     throw files::IoError(folder_.string() + ": is the recording of beacon " + std::to_string(*address_) +
-                  ", beacon " + std::to_string(address) + " needs a folder of its own");
+                         ", beacon " + std::to_string(address) + " needs another folder");
   }
   address_ = address;
 }

@@ -15,39 +15,36 @@ class CsvWriter;
 
 namespace sonopose::recording {
 
-
-
-/// One beacon's recording. Whole lines go to the files a few times a second, so a killed process loses less
-/// than its last second. Rows stand in the order in which they were given.
+/// One beacon's recording. Whole lines are written a few times a second, so that a killed process loses
+/// less than its last second. Rows keep the order of the calls.
 ///
-/// Not in the format, and therefore not stored: sequence numbers (the reader numbers anew), the flags of a
-/// fix, a measured delay other than receipt − emission, and the value of a heading that is not valid.
+/// The format does not contain sequence numbers (the reader numbers again), the flags of a fix, a measured
+/// delay other than receipt − emission, and the value of a heading that is not valid.
 ///
-/// Not for use by several threads at once. Every member throws files::IoError where a file cannot be written.
+/// Not thread-safe. Every member throws files::IoError if a file cannot be written.
 class SensorLogWriter {
 public:
-  /// Makes the folder where needed. Refuses one that already holds a recording.
+  /// Creates the folder if needed. Refuses one that already contains a recording.
   explicit SensorLogWriter(std::filesystem::path folder);
-  /// Writes what is left; an error then is lost, call flush() before to see it.
+  /// Writes the remaining lines. Call flush() before to detect errors.
   ~SensorLogWriter();
   SensorLogWriter(const SensorLogWriter&) = delete;
   SensorLogWriter& operator=(const SensorLogWriter&) = delete;
   SensorLogWriter(SensorLogWriter&&) = delete;
   SensorLogWriter& operator=(SensorLogWriter&&) = delete;
 
-  /// All samples must come from one beacon, else files::IoError. Whether `imu.csv` has magnetometer columns is
-  /// decided by its first sample. `truth.csv` exists from the first truth on; unknown (NaN) values become
-  /// empty cells.
+  /// All samples must belong to one beacon, else files::IoError. The first sample decides whether `imu.csv`
+  /// has magnetometer columns. `truth.csv` is created by the first truth; NaN values become empty cells.
   void write(const ImuSample& sample);
   void write(const UltrasonicFix& fix);
   void write(const PairHeading& heading);
   void write(const TruthSample& sample);
   void write(const Event& event);
 
-  /// Hands everything to the operating system.
+  /// Passes all lines to the operating system.
   void flush();
 
-  /// Magnetic fields that had no column, because the first IMU sample had none.
+  /// Magnetic fields without a column, because the first IMU sample had none.
   [[nodiscard]] std::uint64_t magnetic_fields_dropped() const { return magnetic_fields_dropped_; }
 
 private:

@@ -17,7 +17,7 @@ namespace {
 
 namespace topics = dds::topics;
 
-/// Unlike any other sender's, and never 0.
+/// Unique among clients, and never 0.
 std::uint64_t new_request_id() {
   return static_cast<std::uint64_t>(process::host_now()) ^ (static_cast<std::uint64_t>(::getpid()) << 40U);
 }
@@ -26,8 +26,8 @@ SteadyTime deadline_after(double timeout_s) {
   return process::steady_now() + to_ns(timeout_s);
 }
 
-/// Takes samples as they come and calls `on_sample(const T&, const SampleInfo&)` for each, until `done()` or
-/// the deadline; returns what `done()` says then. `done` is asked again every few milliseconds.
+/// Calls `on_sample(const T&, const SampleInfo&)` for each sample, until `done()` or the deadline. Returns
+/// `done()`, which is polled every 20 ms.
 template <class T, class OnSample, class Done>
 bool take_until(dds::DataReader<T>& reader, SteadyTime deadline, const OnSample& on_sample,
                 const Done& done) {
@@ -42,12 +42,12 @@ bool take_until(dds::DataReader<T>& reader, SteadyTime deadline, const OnSample&
   }
 }
 
-/// The samples of before that a new reader is sent come in one go: after so long without another, it has
-/// them.
-class Settled {
+/// A new reader receives the historical samples in one burst. The burst has ended once no sample has arrived
+/// for 0.3 s.
+class BurstDetector {
 public:
-  void heard() { last_ = process::steady_now(); }
-  [[nodiscard]] bool operator()() const {
+  void on_sample() { last_ = process::steady_now(); }
+  [[nodiscard]] bool has_ended() const {
     constexpr TimeNs quiet_ns = 300'000'000;
     return last_ != SteadyTime{} && process::steady_now() - last_ > quiet_ns;
   }
@@ -56,7 +56,7 @@ private:
   SteadyTime last_;
 };
 
-/// How often each engine has been reset, as each fusion on the bus says.
+/// Reset counters by beacon and fusion (its writer of the status).
 using ResetCounters = std::map<std::pair<BeaconAddress, std::uint64_t>, std::uint32_t>;
 
 }  // namespace
@@ -65,22 +65,22 @@ SettingsClient::SettingsClient(const dds::DomainOptions& domain,
                                const std::optional<std::filesystem::path>& qos_file)
     : qos_(qos_file), participant_(domain) {}
 
-std::vector<EffectiveSettings> SettingsClient::in_force(BeaconAddress address, double timeout_s) {
+std::vector<EffectiveSettings> SettingsClient::effective(BeaconAddress address, double timeout_s) {
   auto reader = dds::make_reader(participant_, qos_, topics::settings);
   std::map<BeaconAddress, EffectiveSettings> found;
-  Settled settled;
+  BurstDetector burst;
   take_until(
       reader, deadline_after(timeout_s),
       [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
-        settled.heard();
+        burst.on_sample();
         found[sample.address] = dds::from_idl(sample);
       },
-      [&] { return settled() || (address != all_beacons && found.contains(address)); });
+      [&] { return burst.has_ended() || (address != all_beacons && found.contains(address)); });
   std::vector<EffectiveSettings> settings;
-  const auto move_out = [&](BeaconAddress wanted) {
-    if (auto entry = found.extract(wanted)) settings.push_back(std::move(entry.mapped()));
+  const auto move_out = [&](BeaconAddress key) {
+    if (auto entry = found.extract(key)) settings.push_back(std::move(entry.mapped()));
   };
-  move_out(address);  // all_beacons first
+  move_out(address);  // all_beacons comes first
   if (settings.empty() && address != all_beacons) move_out(all_beacons);
   if (address != all_beacons) return settings;
   for (auto& entry : found) settings.push_back(std::move(entry.second));
@@ -88,34 +88,35 @@ std::vector<EffectiveSettings> SettingsClient::in_force(BeaconAddress address, d
 }
 
 std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, double timeout_s) {
-  constexpr TimeNs timeout_ns = 250'000'000;
+  constexpr TimeNs resend_period_ns = 250'000'000;
   request.request_id = new_request_id();
   auto reader = dds::make_reader(participant_, qos_, topics::settings_reply);
   auto writer = dds::make_writer(participant_, qos_, topics::settings_request);
-  std::optional<SettingsReply> answer;
-  const auto sample = dds::to_idl(request);  // throws, before anything is sent, if a text is too long
+  const auto sample = dds::to_idl(request);  // throws for a text that is too long, before anything is sent
+  std::optional<SettingsReply> received;
   SteadyTime next_send;
   take_until(
       reader, deadline_after(timeout_s),
       [&](const sonopose_SettingsReply& reply, const dds::SampleInfo&) {
-        const bool ours = reply.address == request.address && reply.request_id == request.request_id;
-        if (ours && !answer) answer = dds::from_idl(reply);
+        const bool is_ours = reply.address == request.address && reply.request_id == request.request_id;
+        if (is_ours && !received) received = dds::from_idl(reply);
       },
       [&] {
-        // The fusion may know of our reader later than we of its: the same request again is answered again.
-        const bool heard = writer.publication_matched_status().current_count > 0;
-        if (!answer && heard && process::steady_now() >= next_send) {
+        // The fusion may discover the reader of the replies after the reader of the requests is matched here,
+        // and its first reply may be lost. It answers a repeated request again.
+        const bool matched = writer.publication_matched_status().current_count > 0;
+        if (!received && matched && process::steady_now() >= next_send) {
           writer.write(sample.sample());
-          next_send = process::steady_now() + timeout_ns;
+          next_send = process::steady_now() + resend_period_ns;
         }
-        return answer.has_value();
+        return received.has_value();
       });
-  return answer;
+  return received;
 }
 
-void SettingsClient::watch(BeaconAddress address,
-                           const std::function<void(const EffectiveSettings&)>& on_settings,
-                           double duration_s, const process::StopSignal& stop) {
+void SettingsClient::observe(BeaconAddress address,
+                             const std::function<void(const EffectiveSettings&)>& on_settings,
+                             double duration_s, const process::StopSignal& stop) {
   auto reader = dds::make_reader(participant_, qos_, topics::settings);
   take_until(
       reader, duration_s > 0 ? deadline_after(duration_s) : SteadyTime::max(),
@@ -131,7 +132,7 @@ std::vector<BeaconAddress> SettingsClient::reset(BeaconAddress address, double t
   auto writer = dds::make_writer(participant_, qos_, topics::reset);
   ResetCounters before;
   std::set<BeaconAddress> done;
-  Settled settled;
+  BurstDetector burst;
   bool sent = false;
   const auto on_status = [&](const sonopose_FusionStatus& status, const dds::SampleInfo& info) {
     if (address != all_beacons && status.address != address) return;
@@ -139,24 +140,24 @@ std::vector<BeaconAddress> SettingsClient::reset(BeaconAddress address, double t
         before.try_emplace({status.address, info.publication_handle().value}, status.reset_counter);
     if (!sent) {
       known->second = status.reset_counter;
-      if (first) settled.heard();
+      if (first) burst.on_sample();
     } else if (status.reset_counter > known->second) {
       done.insert(status.address);
     }
   };
   const bool ready = take_until(reader, deadline, on_status, [&] {
-    return settled() && writer.publication_matched_status().current_count > 0;
+    return burst.has_ended() && writer.publication_matched_status().current_count > 0;
   });
   if (!ready) return {};
-  std::set<BeaconAddress> wanted;
-  for (const auto& entry : before) wanted.insert(entry.first.first);
+  std::set<BeaconAddress> beacons;
+  for (const auto& entry : before) beacons.insert(entry.first.first);
   sent = true;
   writer.write({.address = address, .request_id = new_request_id()});
   if (!take_until(reader, deadline, on_status,
-                  [&] { return std::includes(done.begin(), done.end(), wanted.begin(), wanted.end()); })) {
+                  [&] { return std::includes(done.begin(), done.end(), beacons.begin(), beacons.end()); })) {
     return {};
   }
-  return {wanted.begin(), wanted.end()};
+  return {beacons.begin(), beacons.end()};
 }
 
 }  // namespace sonopose::settings_client

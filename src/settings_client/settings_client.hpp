@@ -1,12 +1,12 @@
 #pragma once
 /// \file
-/// Asks a running fusion: which settings hold, to use others, to begin anew.
+/// Client of a running fusion: reads and changes its effective settings, and resets its estimators.
 
-#include <sonopose/samples/live_settings.hpp>
+#include "process/stop_signal.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/qos/provider.hpp>
-#include "process/stop_signal.hpp"
+#include <sonopose/samples/live_settings.hpp>
 
 #include <filesystem>
 #include <functional>
@@ -20,22 +20,21 @@ public:
   /// Joins the domain. Throws dds::Error, dds::QosFileError.
   SettingsClient(const dds::DomainOptions& domain, const std::optional<std::filesystem::path>& qos_file);
 
-  /// The settings of one beacon; where it has not been heard, what holds for any that has none of its own
-  /// (under the address all_beacons). For all_beacons, that first, and then every beacon's that was heard, by
-  /// address. Empty where none came within `timeout_s`.
-  std::vector<EffectiveSettings> in_force(BeaconAddress address, double timeout_s);
+  /// The effective settings of one beacon. If the fusion has no settings of this beacon, the default settings
+  /// of all beacons, with the address all_beacons. For all_beacons: the default settings first, then those of
+  /// each known beacon, ordered by address. Empty if none arrived within `timeout_s`.
+  std::vector<EffectiveSettings> effective(BeaconAddress address, double timeout_s);
 
-  /// Sends a request, with an id of its own, and waits for its answer. Empty where none came within
-  /// `timeout_s`.
+  /// Sends a request with a new id and waits for the reply. Empty if none arrived within `timeout_s`.
   std::optional<SettingsReply> change(SettingsRequest request, double timeout_s);
 
-  /// Calls `on_settings` for the settings of one beacon, or of all_beacons, that hold, and then whenever
-  /// others do, until the stop or, where it is not 0, for `duration_s`.
-  void watch(BeaconAddress address, const std::function<void(const EffectiveSettings&)>& on_settings,
-             double duration_s, const process::StopSignal& stop);
+  /// Calls `on_settings` with the effective settings of one beacon, or of all_beacons, and again for each
+  /// change, until the stop or, unless it is 0, for `duration_s`.
+  void observe(BeaconAddress address, const std::function<void(const EffectiveSettings&)>& on_settings,
+               double duration_s, const process::StopSignal& stop);
 
-  /// Re-initialises one beacon's engine, or all_beacons, and waits until it has been. Returns the beacons
-  /// that were reset by address; empty where a fusion did not say so within `timeout_s`.
+  /// Resets the estimator of one beacon, or of all_beacons, and waits for the confirmation of every fusion.
+  /// Returns the addresses of the beacons in order; empty if a fusion did not confirm within `timeout_s`.
   std::vector<BeaconAddress> reset(BeaconAddress address, double timeout_s);
 
 private:

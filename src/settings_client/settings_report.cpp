@@ -1,6 +1,7 @@
-#include "config/beacon_settings.hpp"
-#include <sonopose/settings/settings.hpp>
 #include "settings_client/settings_report.hpp"
+
+#include "config/beacon_settings.hpp"
+#include <sonopose/settings/settings_table.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,15 +13,15 @@
 namespace sonopose::settings_client {
 namespace {
 
-/// A number, true or false where the text is one; else the text itself.
-nlohmann::json typed(const std::string& text) {
+/// A number or a boolean if the text is one, else a string.
+nlohmann::json json_value(const std::string& text) {
   auto value = nlohmann::json::parse(text, nullptr, false);
   return value.is_number() || value.is_boolean() ? value : nlohmann::json(text);
 }
 
-/// What TOML and JSON write alike.
+/// A literal that is valid in both TOML and JSON.
 std::string literal(const std::string& text) {
-  return typed(text).is_string() ? nlohmann::json(text).dump() : text;
+  return json_value(text).is_string() ? nlohmann::json(text).dump() : text;
 }
 
 const std::string* value_of(const EffectiveSettings& settings, const std::string& key) {
@@ -29,10 +30,10 @@ const std::string* value_of(const EffectiveSettings& settings, const std::string
   return found == settings.values.end() ? nullptr : &found->value;
 }
 
-/// One beacon's values, called `name`.
+/// The values of one beacon under the key `name`.
 nlohmann::json object_of(const EffectiveSettings& settings, const char* name) {
   nlohmann::json values = nlohmann::json::object();
-  for (const auto& [key, value] : settings.values) values[key] = typed(value);
+  for (const auto& [key, value] : settings.values) values[key] = json_value(value);
   const bool all = settings.address == all_beacons;
   return {{"beacon", all ? nlohmann::json("all") : nlohmann::json(settings.address)},
           {"from_event", settings.from_sequence},
@@ -40,24 +41,24 @@ nlohmann::json object_of(const EffectiveSettings& settings, const char* name) {
           {name, std::move(values)}};
 }
 
-/// Whether a key is this name, or of the group of this name.
-bool is_under(const std::string& key, const std::string& name) {
+/// Whether `name` is the key itself or a group of it.
+bool matches(const std::string& key, const std::string& name) {
   return key == name || key.starts_with(name + ".");
 }
 
-/// Where the values of one beacon, or of all_beacons, begin in a file.
+/// The header of the values of one beacon, or of all_beacons.
 std::string toml_header(const EffectiveSettings& settings) {
   if (settings.address != all_beacons) {
     return fmt::format("[beacon.{}]  # from event {}\n", settings.address, settings.from_sequence);
   }
   const std::string from =
       settings.from_sequence == 0 ? "" : fmt::format(", from event {}", settings.from_sequence);
-  return fmt::format("# Any beacon without values of its own{}\n", from);
+  return fmt::format("# Defaults of all beacons{}\n", from);
 }
 
 }  // namespace
 
-SettingAssignment read_assignment(std::string_view text) {
+SettingAssignment parse_assignment(std::string_view text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string_view::npos || equals == 0) {
     throw std::invalid_argument(fmt::format("{}: expected KEY=VALUE", text));
@@ -68,23 +69,23 @@ SettingAssignment read_assignment(std::string_view text) {
 void check_names(const std::vector<std::string>& names) {
   const auto& table = settings::setting_table();
   for (const std::string& name : names) {
-    if (std::none_of(table.begin(), table.end(), [&](const auto& row) { return is_under(row.key, name); })) {
+    if (std::none_of(table.begin(), table.end(), [&](const auto& row) { return matches(row.key, name); })) {
       settings::setting_info(name);  // throws
     }
   }
 }
 
-EffectiveSettings chosen(EffectiveSettings settings, const std::vector<std::string>& names) {
+EffectiveSettings selected(EffectiveSettings settings, const std::vector<std::string>& names) {
   if (names.empty()) return settings;
   for (const std::string& name : names) {
     if (std::none_of(settings.values.begin(), settings.values.end(),
-                     [&](const auto& entry) { return is_under(entry.key, name); })) {
+                     [&](const auto& entry) { return matches(entry.key, name); })) {
       throw std::invalid_argument(fmt::format("there is no setting and no group '{}'", name));
     }
   }
   std::erase_if(settings.values, [&](const auto& entry) {
     return std::none_of(names.begin(), names.end(),
-                        [&](const std::string& name) { return is_under(entry.key, name); });
+                        [&](const std::string& name) { return matches(entry.key, name); });
   });
   return settings;
 }
@@ -95,7 +96,7 @@ std::string toml_of(const std::vector<EffectiveSettings>& settings, const std::v
     const std::string* preset = value_of(beacon, "fusion.imu_weight");
     const bool has_preset = preset != nullptr && *preset != "user";
     text += toml_header(beacon);
-    for (const auto& [key, value] : chosen(beacon, names).values) {
+    for (const auto& [key, value] : selected(beacon, names).values) {
       const bool by_preset = has_preset && config::is_preset_key(key);
       text += fmt::format("{}{} = {}\n", by_preset ? "# " : "", key, literal(value));
     }
@@ -128,22 +129,22 @@ std::string SettingsObserver::on(const EffectiveSettings& settings) {
   for (const auto& [key, value] : changed.values) {
     const std::string* old = value_of(before, key);
     text += fmt::format("{}{} = {}  # was {}{}\n", where, key, literal(value),
-                        old == nullptr ? "not there" : literal(*old), from);
+                        old == nullptr ? "unset" : literal(*old), from);
   }
   return text;
 }
 
-std::string when_of(const SettingsReply& reply) {
+std::string effective_time_text(const SettingsReply& reply) {
   const std::uint64_t from = reply.from_sequence;
   if (reply.address != all_beacons) {
-    return from == 0
-               ? fmt::format("from the first event of beacon {}, which has not been heard yet", reply.address)
-               : fmt::format("from event {} of beacon {} on", from, reply.address);
+    return from == 0 ? fmt::format("from the first event of beacon {}, which has not been received yet",
+                                   reply.address)
+                     : fmt::format("from event {} of beacon {}", from, reply.address);
   }
-  const std::string others =
-      from == 0 ? "from each beacon's next event on"
-                : fmt::format("from each beacon's event {} on, or its next where that is past", from);
-  return reply.details.empty() ? others : fmt::format("{} ({})", others, reply.details);
+  const std::string when =
+      from == 0 ? "from the next event of each beacon"
+                : fmt::format("from event {} of each beacon, or from its next event if that is later", from);
+  return reply.details.empty() ? when : fmt::format("{} ({})", when, reply.details);
 }
 
 }  // namespace sonopose::settings_client

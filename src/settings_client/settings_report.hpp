@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What sonopose-settings prints.
+/// The output of sonopose-settings: TOML, JSON and changes.
 
 #include <sonopose/samples/live_settings.hpp>
 
@@ -11,21 +11,21 @@
 
 namespace sonopose::settings_client {
 
-/// Reads KEY=VALUE. Throws std::invalid_argument where it is not of that form; whether the setting can be is
-/// for the fusion to say.
-SettingAssignment read_assignment(std::string_view text);
+/// Parses KEY=VALUE. Throws std::invalid_argument if there is no '=' or no key. The fusion validates key and
+/// value.
+SettingAssignment parse_assignment(std::string_view text);
 
-/// Checks that each name is a key or a group of the settings table. Throws settings::SettingError, naming the
-/// nearest key, where one is not.
+/// Checks that each name is a key or a group of the settings table. Throws settings::SettingError with the
+/// nearest key.
 void check_names(const std::vector<std::string>& names);
 
-/// Keeps the values under `names`, each a key or a group ("drift"); no names: all. Throws
-/// std::invalid_argument for a name under which there is nothing.
-EffectiveSettings chosen(EffectiveSettings settings, const std::vector<std::string>& names);
+/// Keeps the values of `names`, each a key or a group ("drift"); all if `names` is empty. Throws
+/// std::invalid_argument for a name without values.
+EffectiveSettings selected(EffectiveSettings settings, const std::vector<std::string>& names);
 
-/// TOML, which sonopose-fusion --config loads, of the values under `names` (as `chosen` takes them): a table
-/// per beacon, [beacon.7]; what is under all_beacons, which must be first, is at the top level. Items 2, 3
-/// and 4 stand behind a # where a preset (item 1) sets them.
+/// TOML for sonopose-fusion --config with the values of `names` (see `selected`): a table per beacon,
+/// [beacon.7]. The settings of all_beacons must be first and are written at the top level. Items 2, 3 and 4
+/// are commented out if a preset (item 1) sets them.
 std::string toml_of(const std::vector<EffectiveSettings>& settings,
                     const std::vector<std::string>& names = {});
 
@@ -33,17 +33,18 @@ std::string toml_of(const std::vector<EffectiveSettings>& settings,
 /// {"beacon": 7, "from_event": 12, "time_ns": …, "settings": {"drift.jump_alpha": 0.5, …}}.
 std::string json_of(const std::vector<EffectiveSettings>& settings);
 
-/// Tells what changes, from beacon to beacon.
+/// Formats changes of the effective settings, per beacon.
 class SettingsObserver {
 public:
-  /// `json`: an object per change, {"beacon": 7, "from_event": …, "time_ns": …, "changed": {…}}, instead of a
-  /// line per key, "beacon.7.drift.jump_alpha = 0.5  # was 0.25, from event 1200". What is under all_beacons
-  /// has no "beacon.7." in front, and in an object the beacon "all".
+  /// Default: a line per key, "beacon.7.drift.jump_alpha = 0.5  # was 0.25, from event 1200", without
+  /// "beacon.7." for all_beacons. `json`: an object per change, {"beacon": 7, "from_event": …, "time_ns": …,
+  /// "changed": {…}}, with "all" for all_beacons.
   explicit SettingsObserver(bool json) : json_(json) {}
 
-  [[nodiscard]] bool knows(BeaconAddress address) const { return latest_.contains(address); }
+  [[nodiscard]] bool has_settings_of(BeaconAddress address) const { return latest_.contains(address); }
 
-  /// Lines, each ended by a newline, for what is not as it was; none for a beacon that was not known.
+  /// The changes since the previous settings of the same beacon, each line with a newline. Empty for the
+  /// first settings.
   std::string on(const EffectiveSettings& settings);
 
 private:
@@ -51,7 +52,7 @@ private:
   std::map<BeaconAddress, EffectiveSettings> latest_;
 };
 
-/// An accepted request's answer in words: from when on it holds.
-std::string when_of(const SettingsReply& reply);
+/// When an accepted request takes effect, as text.
+std::string effective_time_text(const SettingsReply& reply);
 
 }  // namespace sonopose::settings_client

@@ -124,7 +124,7 @@ PacketFate PacketChannel::next() {
   }
   double left = random_.uniform();
   const auto is = [&left](double share) { return std::exchange(left, left - share) < share; };
-  // Below its share, and not below any share before it: `left` has lost those.
+  // `left` is reduced by the shares before this one.
   if (is(faults_.dropped_share)) return {.copies = 0};
   if (is(faults_.lost_runs_share)) {
     still_to_lose_ = 2 + static_cast<int>(4.0 * random_.uniform());

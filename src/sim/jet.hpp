@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// A number together with its first and second derivative by time. A motion that is written in jets has exact
-/// velocities and accelerations without anybody deriving them by hand.
+/// A number with its first and second time derivative: automatic differentiation. Motions written in jets
+/// have exact velocities and accelerations.
 
 #include <cmath>
 
@@ -72,7 +72,7 @@ constexpr Jet smooth_step(const Jet& x) {
                60.0 * v * (1.0 - v) * (1.0 - 2.0 * v));
 }
 
-/// The integral of smooth_step: stands still before x = 0 and grows by 1 per 1 after x = 1, where it is 1/2.
+/// The integral of smooth_step: 0 before x = 0, and x − 1/2 after x = 1.
 constexpr Jet smooth_start(const Jet& x) {
   const double v = x.value;
   if (v <= 0.0) return {0.0};

@@ -1,5 +1,9 @@
 #include "sim/paths.hpp"
 
+#include "sim/taylor.hpp"
+
+#include <array>
+#include <cmath>
 #include <numbers>
 
 namespace sonopose::sim {
@@ -28,9 +32,46 @@ Path eight_on_foot(double time_s, double eights_radps, double step_hz) {
   return {.x = 3.0 + Jet{2.0} * sin(u),
           .y = 2.0 + sin(two_u),
           .z = 1.0 + Jet{0.01} * gait * sin(step),
-          .yaw = atan2(cos(two_u), cos(u)),  // the tangent (2 cos u, 2 cos 2u), which is nowhere zero
+          .yaw = atan2(cos(two_u), cos(u)),  // the tangent (2 cos u, 2 cos 2u), which is never zero
           .pitch = Jet{0.03} * gait * cos(step),
           .roll = Jet{0.04} * gait * sin(stride)};
+}
+
+// Paths with stops: straight segments and turns on the spot, one after the other, in laps that end where they
+// began.
+
+/// From rest to rest with smooth ramps: 0 before `begin_s`, `way` after begin + way / speed + ramp.
+Jet drive(double time_s, double begin_s, double way, double speed, double ramp_s) {
+  return smooth_departure(time_s, begin_s, ramp_s, speed) -
+         smooth_departure(time_s, begin_s + way / speed, ramp_s, speed);
+}
+
+/// Drives `length_m` straight ahead, stops, turns by `turn_rad` to the left, stops.
+struct Leg {
+  double length_m = 0;
+  double speed_mps = 0;
+  double ramp_s = 0;
+  double stop_s = 0;  ///< before the turn
+  double turn_rad = 0;
+  double ready_s = 0;  ///< after the turn
+};
+
+constexpr double quarter_turn_s = 1.6;  ///< up to 1.84 rad/s
+
+constexpr double duration_s(const Leg& leg) {
+  return leg.length_m / leg.speed_mps + leg.ramp_s + leg.stop_s + quarter_turn_s + leg.ready_s;
+}
+
+/// Below 2 m/s². Six turns, one of them to the right: a lap ends in its initial direction.
+constexpr std::array forklift_lap{
+    Leg{6.0, 2.0, 2.0, 1.0, pi / 2, 0.3},  Leg{3.0, 1.4, 1.5, 0.2, -pi / 2, 0.2},
+    Leg{4.0, 1.6, 1.7, 2.0, pi / 2, 1.0},  Leg{5.0, 2.0, 2.0, 0.3, pi / 2, 0.3},
+    Leg{10.0, 2.0, 2.0, 1.5, pi / 2, 0.5}, Leg{8.0, 2.0, 2.0, 0.5, pi / 2, 1.0},
+};
+
+/// The time within a lap.
+double time_in_lap(double time_s, double lap_s) {
+  return time_s < departure_s ? 0.0 : std::fmod(time_s - departure_s, lap_s);
 }
 
 }  // namespace
@@ -62,7 +103,7 @@ Path kart_path(double time_s) {
   constexpr double half_length_m = 14.0;
   constexpr double half_width_m = 4.5;
   const Jet phase = smooth_departure(time_s, departure_s, 5.0, 0.48);
-  // At an even phase the eight would be driven at 8 m/s in the middle and 4.5 in the curves.
+  // A uniform phase would give 8 m/s in the middle and 4.5 m/s in the curves.
   const Jet u = phase - Jet{0.12} * sin(Jet{2.0} * phase);
   const Jet two_u = Jet{2.0} * u;
   const Jet along_x = Jet{half_length_m} * cos(u);
@@ -73,7 +114,78 @@ Path kart_path(double time_s) {
           .z = 0.2,
           .yaw = atan2(along_y, along_x),
           .pitch = Jet{0.015} * under_way * sin(two_u),
-          .roll = Jet{-0.03} * sin(u)};  // leans out of the curve: right where u is in (0, π)
+          .roll = Jet{-0.03} * sin(u)};  // leans out of the curve: to the right for u in (0, π)
+}
+
+Path forklift_path(double time_s) {
+  constexpr double ahead_of_pivot_m = 0.2;  // the beacon's position on the truck
+  constexpr double lap_s = [] {
+    double sum_s = 0;
+    for (const Leg& leg : forklift_lap) sum_s += duration_s(leg);
+    return sum_s;
+  }();
+  const double t = time_in_lap(time_s, lap_s);
+  Jet x = 1.0;
+  Jet y = 1.0;
+  Jet yaw = 0.0;
+  double direction_rad = 0;
+  double begin_s = 0;
+  for (const Leg& leg : forklift_lap) {
+    const Jet way_m = drive(t, begin_s, leg.length_m, leg.speed_mps, leg.ramp_s);
+    x = x + std::cos(direction_rad) * way_m;
+    y = y + std::sin(direction_rad) * way_m;
+    const double turn_begin_s = begin_s + leg.length_m / leg.speed_mps + leg.ramp_s + leg.stop_s;
+    yaw = yaw + leg.turn_rad * smooth_step({(t - turn_begin_s) / quarter_turn_s, 1.0 / quarter_turn_s, 0.0});
+    direction_rad += leg.turn_rad;
+    begin_s += duration_s(leg);
+  }
+  return {.x = x + ahead_of_pivot_m * cos(yaw),
+          .y = y + ahead_of_pivot_m * sin(yaw),
+          .z = 1.5,
+          .yaw = yaw,
+          .pitch = 0.0,
+          .roll = 0.0};
+}
+
+Path spin_path(double time_s) {
+  // One lap: turn left, drive away, turn right, drive back.
+  constexpr double rate_radps = 9.0;
+  constexpr double ramp_s = 2.0;
+  constexpr double spin_s = 6.0;  // including one of the two ramps
+  constexpr double pause_s = 1.0;
+  constexpr double way_m = 2.0;
+  constexpr double speed_mps = 1.0;
+  constexpr double drive_s = way_m / speed_mps + ramp_s;
+  constexpr double half_lap_s = spin_s + ramp_s + pause_s + drive_s + pause_s;
+  const double t = time_in_lap(time_s, 2.0 * half_lap_s);
+  const double drive_begin_s = spin_s + ramp_s + pause_s;
+  constexpr double turn_rad = rate_radps * spin_s;
+  const Jet way = drive(t, drive_begin_s, way_m, speed_mps, ramp_s) -
+                  drive(t, half_lap_s + drive_begin_s, way_m, speed_mps, ramp_s);
+  const Jet yaw =
+      drive(t, 0.0, turn_rad, rate_radps, ramp_s) - drive(t, half_lap_s, turn_rad, rate_radps, ramp_s);
+  return {.x = 2.0 + 0.8 * way, .y = 2.0 + 0.6 * way, .z = 0.8, .yaw = yaw, .pitch = 0.0, .roll = 0.0};
+}
+
+/// The attitude follows from the acceleration.
+Path drone_path(double time_s) {
+  const Taylor away = smoother_step(time_s, departure_s, 5.0);
+  const double t = time_s - departure_s;
+  const Taylor x = Taylor::constant(4.0) + away * (sine(2.0, 0.60, 0.0, t) + sine(0.25, 1.7, 1.0, t));
+  const Taylor y = Taylor::constant(3.0) + away * (sine(1.3, 0.93, 0.5, t) + sine(0.15, 2.1, 0.0, t));
+  const Taylor z = Taylor::constant(0.1) + away * (Taylor::constant(1.5) + sine(0.7, 0.45, -1.0, t));
+  const Jet yaw = smooth_departure(time_s, departure_s, 4.0, 0.2);
+
+  // The thrust per mass in the yaw-aligned frame: pitch and roll align body Z with it.
+  const Jet thrust_x = x.second_derivative();
+  const Jet thrust_y = y.second_derivative();
+  const Jet thrust_z = standard_gravity_mps2 + z.second_derivative();
+  const Jet forward = cos(yaw) * thrust_x + sin(yaw) * thrust_y;
+  const Jet left = cos(yaw) * thrust_y - sin(yaw) * thrust_x;
+  const Jet pitch = atan2(forward, thrust_z);
+  const Jet in_plane = forward * sin(pitch) + thrust_z * cos(pitch);
+  return {
+      .x = x.jet(), .y = y.jet(), .z = z.jet(), .yaw = yaw, .pitch = pitch, .roll = atan2(-left, in_plane)};
 }
 
 }  // namespace sonopose::sim

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The paths of the scenarios. Each rests until `departure_s`, so that gyros can be calibrated, and then goes
-/// on for ever; positions in metres, angles in radians.
+/// The paths of the scenarios. Each rests until `departure_s`, so that gyros can be calibrated, and then
+/// continues without end; positions in metres, angles in radians.
 
 #include "sim/trajectory.hpp"
 
@@ -11,7 +11,7 @@ inline constexpr double departure_s = 3.0;
 
 Path rest_path(double time_s);
 
-/// A person carries the beacon through a lying eight of 4 m × 2 m, 0.6–1.3 m/s, and bobs with each step.
+/// A person carries the beacon along a figure eight of 4 m × 2 m at 0.6–1.3 m/s and bobs with each step.
 Path walk_path(double time_s);
 
 /// The same at less than half the speed.
@@ -20,7 +20,7 @@ Path stroll_path(double time_s);
 /// A kart at 6 m/s on a circle of 8 m radius: 0.75 rad/s and 4.5 m/s² to the side.
 Path circle_path(double time_s);
 
-/// A kart on a lying eight of 28 m × 9 m: 5–6.5 m/s, up to 6 m/s² to either side.
+/// A kart on a figure eight of 28 m × 9 m: 5–6.5 m/s, up to 6 m/s² to either side.
 Path kart_path(double time_s);
 
 /// A forklift between shelves of 10 m × 8 m: up to 2 m/s, stops, quarter turns nearly on the spot.
@@ -29,7 +29,7 @@ Path forklift_path(double time_s);
 /// Turns about the tracked point at 9 rad/s to either side, and drives at 1 m/s between the turns.
 Path spin_path(double time_s);
 
-/// A quadrotor: the thrust that its motion needs stands along body Z.
+/// A quadrotor: the thrust that its motion needs is along body Z.
 Path drone_path(double time_s);
 
 }  // namespace sonopose::sim

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Random numbers that are the same wherever the program is built: the standard fixes the generator's bits
-/// but not those of its distributions, so these are our own.
+/// Random numbers that are reproducible across platforms: the C++ standard specifies the bits of its
+/// generators but not of its distributions.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -10,7 +10,7 @@
 
 namespace sonopose::sim {
 
-/// All numbers from `least` to `most`; a plain number is the range that holds it alone.
+/// All numbers from `least` to `most`; a single number converts to the range that contains only it.
 struct Range {
   double least = 0;
   double most = 0;
@@ -28,7 +28,7 @@ public:
   /// Uniform in [0, 1), with all 53 bits of a double.
   double uniform();
 
-  /// Uniform in the range; exactly its value where it holds but one.
+  /// Uniform in the range; the exact value if the range has only one.
   double uniform_in(const Range& range);
 
   /// Gaussian with mean 0 and standard deviation 1 (Box-Muller).

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The list of scenarios: each a motion, the sensors that take part in it, and what goes wrong.
+/// The scenarios: each a motion, sensors and disturbances.
 
 #include "sim/disturbances.hpp"
 #include "sim/sensors.hpp"
@@ -11,16 +11,16 @@
 
 namespace sonopose::sim {
 
-/// A whole case with a name.
+/// A named test case.
 struct Scenario {
   std::string_view name;
   std::string_view summary;  ///< one sentence for the programs' help
   Path (*path)(double time_s) = nullptr;
   SensorSettings sensors{};
   Disturbances disturbances{};
-  bool random_start_yaw = false;  ///< each seed turns the whole path by an angle of its own
-  double duration_s = 60;         ///< how long it takes to show everything; every path goes on after it
-  double score_after_s = 6;       ///< from when on a pose is compared with the truth
+  bool random_start_yaw = false;  ///< each seed turns the whole path by a random angle
+  double duration_s = 60;         ///< default length; every path continues beyond it
+  double score_after_s = 6;       ///< poses before this are not scored
 
   /// The exact state on the path `time_s` after the start, before any turn and relocation.
   [[nodiscard]] Motion motion(double time_s) const { return motion_on(path(time_s)); }

@@ -1,6 +1,6 @@
 #include "sim/paths.hpp"
-#include <sonopose/geometry/rotation.hpp>
 #include "sim/scenario.hpp"
+#include <sonopose/geometry/rotation.hpp>
 
 #include <stdexcept>
 #include <string>
@@ -10,7 +10,7 @@ namespace sonopose::sim {
 
 namespace {
 
-/// The pair's centre on the axis of rotation, the IMU beside it.
+/// The pair's centre is on the axis of rotation, the IMU next to it.
 SensorSettings imu_off_the_axis() {
   SensorSettings sensors;
   sensors.imu_from_tracked_point_body_m = {0.06, 0.0, 0.0};
@@ -49,7 +49,7 @@ Disturbances silences() {
   return {.outages = {{15.0, 2.0}, {30.0, 4.0}, {48.0, 8.0}}};
 }
 
-/// A quarter is bad and says so, a fifth is not as good as it could be.
+/// A quarter of the fixes is bad, a fifth is mediocre.
 Disturbances poor_reception() {
   return {.poor_fixes = {{.share = 0.25, .quality_percent = {10.0, 48.0}, .noise_factor = 12.0},
                          {.share = 0.20, .quality_percent = {55.0, 75.0}, .noise_factor = 2.0}}};
@@ -60,7 +60,7 @@ Disturbances carried_away() {
   return {.relocations = {{25.0, {2.0, 1.5, 0.0}}}};
 }
 
-/// 1 deg/s in all, after any calibration at the start.
+/// 1 deg/s in total, after any calibration at the start.
 Disturbances warming_up() {
   const Vector3d by_deg_per_s{0.5, -0.5, 0.7};
   return {.gyro_drift = GyroDrift{8.0, 10.0, geometry::radians_per_degree * by_deg_per_s}};

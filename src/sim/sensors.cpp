@@ -1,6 +1,7 @@
+#include "sim/sensors.hpp"
+
 #include "marvelmind/conversions.hpp"
 #include <sonopose/geometry/rotation.hpp>
-#include "sim/sensors.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,9 +15,8 @@ namespace {
 
 using marvelmind::accel_mps2_per_lsb;
 using marvelmind::gyro_radps_per_lsb;
-using marvelmind::standard_gravity_mps2;
 
-/// What is left of a value in the packet's 16 bits; it clips beyond them.
+/// Rounds to the packet's steps and clips to its 16 bits.
 Vector3d quantised(const Vector3d& value, double step) {
   return value.unaryExpr(
       [step](double x) { return step * std::clamp(std::round(x / step), -32768.0, 32767.0); });
@@ -136,7 +136,7 @@ PairHeading UltrasonicModel::measure_heading(const Motion& motion) {
   PairHeading heading;
   heading.heading_world_rad =
       geometry::wrap_angle(geometry::yaw_of(motion.q_body_to_world) + settings_.pair_mount_offset_rad +
-                       settings_.heading_noise_rad * random_.normal());
+                           settings_.heading_noise_rad * random_.normal());
   heading.valid = true;
   return heading;
 }

@@ -10,7 +10,7 @@ namespace sonopose::sim {
 
 namespace {
 
-/// One stream of random numbers for each purpose, so that a change to one does not disturb the others.
+/// One stream of random numbers per purpose, so that a change to one does not affect the others.
 enum Stream : std::uint64_t {
   imu_stream = 1,
   ultrasonic_stream = 2,
@@ -35,7 +35,7 @@ const Scenario& checked(const Scenario& scenario) {
   return scenario;
 }
 
-/// In the order in which events come that become available at the same time: IMU, fix, heading.
+/// The order of events that become available at the same time: IMU, fix, heading.
 bool earlier(const Event& a, const Event& b) {
   return std::pair(available_at_ns(a), a.index()) < std::pair(available_at_ns(b), b.index());
 }

@@ -1,10 +1,10 @@
 #pragma once
 /// \file
-/// One simulated beacon: the events that a bridge would get from it, in the order in which it would get them,
-/// and the truth behind them. Computation alone: the caller decides how fast the time goes.
+/// One simulated beacon: the events in the order in which a bridge would receive them, and the ground truth.
+/// It only computes; the caller controls the pace.
 
-#include <sonopose/samples/samples.hpp>
 #include "sim/scenario.hpp"
+#include <sonopose/samples/samples.hpp>
 
 #include <deque>
 #include <limits>
@@ -17,36 +17,36 @@ namespace sonopose::sim {
 struct Run {
   std::uint64_t seed = 1;
   TimeNs start_time_ns = 1'700'000'000'000'000'000;  ///< stamp of the first IMU sample
-  BeaconAddress address = 7;  ///< also a part of the seed: two beacons have their own noise
-  double duration_s = std::numeric_limits<double>::infinity();  ///< the last IMU sample comes before this
+  BeaconAddress address = 7;                         ///< also part of the seed: the noise of beacons differs
+  double duration_s = std::numeric_limits<double>::infinity();  ///< all IMU samples are before this
 };
 
 /// One event, as it becomes available.
 struct Step {
   Event event;
-  /// With each IMU sample that nothing overtook, once: the state of the tracked point at its time.
+  /// The state of the tracked point at the time of an IMU sample, once per sample; empty if it was overtaken.
   std::optional<TruthSample> truth;
 };
 
 /// Yields a beacon's IMU samples at their own time, and fixes and headings at their receipt; at equal times
-/// IMU, fix, heading. Event sequence numbers run from 1 in order of arrival: what was lost on the way has
-/// none, and a copy has its own. A late IMU sample comes right behind the sample that was measured when it
-/// arrives. A fix that is received after the last IMU sample's time does not come.
+/// IMU, fix, heading. Event sequence numbers count from 1 in order of arrival: lost packets have none, and
+/// each copy has its own. A late IMU sample follows the sample that was measured at its arrival. Fixes
+/// received after the last IMU sample are dropped.
 class Simulator {
 public:
-  /// The scenario's motion and disturbances, seen by its own sensors or by these. Throws
-  /// std::invalid_argument where the settings make no sense.
+  /// The scenario's motion and disturbances, with its own sensors or these. Throws std::invalid_argument for
+  /// invalid settings.
   Simulator(const Scenario& scenario, const Run& run);
   Simulator(const Scenario& scenario, const SensorSettings& sensors, const Run& run);
 
-  /// The next event, or nothing after the run's duration.
+  /// The next event; empty after the run's duration.
   std::optional<Step> next();
 
-  /// The true state in this run, turns and relocations included.
+  /// The true state in this run, including turns and relocations.
   [[nodiscard]] Motion motion_at(TimeNs time_ns) const;
 
 private:
-  /// An IMU sample on its way.
+  /// An IMU sample in transit.
   struct LateImu {
     TimeNs arrival_ns = 0;
     ImuSample sample;
@@ -75,17 +75,17 @@ private:
   std::uint64_t emission_count_ = 0;
   std::uint64_t sequence_ = 0;
   std::vector<LateImu> late_imu_;
-  std::deque<Step> arrived_imu_;  ///< arrived, not yet asked for
+  std::deque<Step> arrived_imu_;  ///< arrived, not yet returned
   std::deque<Event> under_way_;   ///< emitted, not yet received; in order of receipt
 };
 
 /// A whole run.
 struct Recording {
   std::vector<Event> events;       ///< in order of arrival
-  std::vector<TruthSample> truth;  ///< in order of time, one for each IMU sample that nothing overtook
+  std::vector<TruthSample> truth;  ///< in order of time, one per IMU sample that was not overtaken
 };
 
-/// Runs a scenario with its own sensors to the end of the run or, where the run has none, of the scenario.
+/// Runs a scenario with its own sensors to the end of the run or, if the run is unlimited, of the scenario.
 Recording record(const Scenario& scenario, const Run& run);
 
 }  // namespace sonopose::sim

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// A number together with its first four derivatives by time: where an attitude follows from an acceleration,
-/// the angular acceleration needs the fourth derivative of the position.
+/// A number with its first four time derivatives: if the attitude follows from the acceleration, the angular
+/// acceleration needs the fourth derivative of the position.
 
 #include "sim/jet.hpp"
 
@@ -20,7 +20,7 @@ struct Taylor {
 
   /// Value, velocity and acceleration.
   [[nodiscard]] constexpr Jet jet() const { return {c[0], c[1], 2.0 * c[2]}; }
-  /// The second derivative, with its own two.
+  /// The second derivative, with its own first two.
   [[nodiscard]] constexpr Jet second_derivative() const { return {2.0 * c[2], 6.0 * c[3], 24.0 * c[4]}; }
 };
 
@@ -29,7 +29,7 @@ constexpr Taylor operator+(Taylor a, const Taylor& b) {
   return a;
 }
 
-/// Cauchy's product, cut off.
+/// Cauchy product, truncated.
 constexpr Taylor operator*(const Taylor& a, const Taylor& b) {
   Taylor product;
   for (std::size_t k = 0; k <= Taylor::order; ++k) {

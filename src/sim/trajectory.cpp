@@ -18,7 +18,7 @@ Motion motion_on(const Path& path) {
   const Jet cos_pitch = cos(path.pitch);
   const Jet sin_roll = sin(path.roll);
   const Jet cos_roll = cos(path.roll);
-  // The rates as jets of their own (their second derivative is not known, and not used).
+  // The rates as jets (their second derivative is unknown and not used).
   const Jet yaw_rate{path.yaw.rate, path.yaw.acceleration, 0.0};
   const Jet pitch_rate{path.pitch.rate, path.pitch.acceleration, 0.0};
   const Jet roll_rate{path.roll.rate, path.roll.acceleration, 0.0};

@@ -1,9 +1,9 @@
 #pragma once
 /// \file
-/// Motions that are known exactly at any time.
+/// Motions with exact derivatives.
 
-#include <sonopose/samples/samples.hpp>
 #include "sim/jet.hpp"
+#include <sonopose/samples/samples.hpp>
 
 namespace sonopose::sim {
 
@@ -18,8 +18,8 @@ struct Motion {
   Vector3d angular_acceleration_body_radps2 = Vector3d::Zero();
 };
 
-/// Where the tracked point is and how the body is turned: yaw about world Z, then pitch about the new Y, then
-/// roll about the new X (ZYX Euler angles), in metres and radians.
+/// Position of the tracked point and attitude of the body: yaw about world Z, then pitch about the new Y,
+/// then roll about the new X (ZYX Euler angles), in metres and radians.
 struct Path {
   Jet x;
   Jet y;
@@ -29,15 +29,14 @@ struct Path {
   Jet roll;
 };
 
-/// The body's state on a path: the Euler angles' rates turned into body rates and their derivative.
+/// The body's state on a path, with the Euler angles' rates converted to body rates and their derivative.
 Motion motion_on(const Path& path);
 
-/// Distance, in units of `per_second` × s, of something that rests until `start_s`, then takes `ramp_s` to
-/// come smoothly to its speed, and keeps it.
+/// Distance covered at `per_second` after a rest until `start_s` and a smooth acceleration over `ramp_s`.
 Jet smooth_departure(double time_s, double start_s, double ramp_s, double per_second);
 
-/// The motion as it is when the whole world is turned by `yaw_rad` about the vertical through
-/// `pivot_world_m`: the IMU feels no difference.
+/// The motion after turning the whole world by `yaw_rad` about the vertical through `pivot_world_m`, which
+/// does not change the IMU's samples.
 Motion turned(const Motion& motion, const Vector3d& pivot_world_m, double yaw_rad);
 
 }  // namespace sonopose::sim

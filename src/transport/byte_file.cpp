@@ -1,5 +1,6 @@
-#include "files/append_file.hpp"
 #include "transport/byte_file.hpp"
+
+#include "files/append_file.hpp"
 #include "files/error.hpp"
 
 #include <cerrno>
@@ -10,16 +11,17 @@ namespace sonopose::transport {
 ByteFile::ByteFile(const std::filesystem::path& path)
     : name_{path.string()}, file_{std::fopen(name_.c_str(), "rbe")} {
   if (!file_) throw files::IoError(name_ + ": cannot be opened: " + std::strerror(errno));
-  // A folder opens, and fails at the first read only.
-  if (std::filesystem::is_directory(path)) throw files::IoError(name_ + ": is a folder and no file");
+  // A folder can be opened and fails only at the first read.
+  if (std::filesystem::is_directory(path)) throw files::IoError(name_ + ": is a folder, not a file");
 }
 
 ReadResult ByteFile::read(std::span<std::uint8_t> buffer, std::chrono::milliseconds /*timeout*/) {
   if (stopped_) return {ReadStatus::stopped};
   const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), file_.get());
-  if (std::ferror(file_.get()) != 0) throw files::IoError(name_ + ": cannot be read: " + std::strerror(errno));
+  if (std::ferror(file_.get()) != 0)
+    throw files::IoError(name_ + ": cannot be read: " + std::strerror(errno));
   if (count == 0) return {ReadStatus::end};
-  return {ReadStatus::data, count, host_time_ns()};
+  return {ReadStatus::data, count, host_now()};
 }
 
 CaptureFile::CaptureFile(const std::filesystem::path& path)

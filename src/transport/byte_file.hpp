@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Files of raw beacon bytes: played as a source, and written as a capture.
+/// Files of raw beacon bytes: sources and captures.
 
 #include "transport/byte_source.hpp"
 
@@ -16,13 +16,13 @@ class AppendFile;
 
 namespace sonopose::transport {
 
-/// A file's bytes, a buffer at a time and as fast as they are asked for; then `end`.
+/// A file's bytes, one buffer per read; then `end`.
 class ByteFile : public ByteSource {
 public:
-  /// Throws files::IoError where it cannot be opened.
+  /// Throws files::IoError if it cannot be opened.
   explicit ByteFile(const std::filesystem::path& path);
 
-  /// Throws files::IoError where the file cannot be read.
+  /// Throws files::IoError if the file cannot be read.
   ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) override;
   void stop() override { stopped_ = true; }
   [[nodiscard]] std::string name() const override { return name_; }
@@ -36,12 +36,10 @@ private:
   std::atomic<bool> stopped_ = false;
 };
 
-
-
-/// Keeps raw bytes, after those that the file already holds.
+/// Appends raw bytes to a file.
 class CaptureFile {
 public:
-  /// Throws files::IoError where it cannot be opened.
+  /// Throws files::IoError if it cannot be opened.
   explicit CaptureFile(const std::filesystem::path& path);
   ~CaptureFile();
   CaptureFile(const CaptureFile&) = delete;
@@ -49,8 +47,8 @@ public:
   CaptureFile(CaptureFile&&) = delete;
   CaptureFile& operator=(CaptureFile&&) = delete;
 
-  /// Hands the bytes to the operating system at once: they outlive the process. Throws files::IoError, as on a full
-  /// disk.
+  /// Passes the bytes to the operating system at once, so that they survive a crash of the process. Throws
+  /// files::IoError, for example on a full disk.
   void append(std::span<const std::uint8_t> bytes);
 
 private:

@@ -2,7 +2,7 @@
 
 namespace sonopose::transport {
 
-TimeNs host_time_ns() {
+HostTime host_now() {
   const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
   return std::chrono::duration_cast<std::chrono::nanoseconds>(since_epoch).count();
 }

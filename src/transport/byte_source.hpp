@@ -1,8 +1,9 @@
 #pragma once
 /// \file
-/// Where raw beacon bytes come from: one interface for serial line, UDP and file.
+/// The interface of sources of raw beacon bytes: serial line, UDP and file.
 
 #include <sonopose/samples/samples.hpp>
+#include <sonopose/samples/status.hpp>
 
 #include <chrono>
 #include <cstdint>
@@ -13,17 +14,17 @@ namespace sonopose::transport {
 
 enum class ReadStatus : std::uint8_t {
   data,          ///< `size` bytes are in the buffer
-  timeout,       ///< nothing came
+  timeout,       ///< no bytes arrived
   connected,     ///< the device has been opened
-  disconnected,  ///< the device is gone or not there; it is waited for
-  end,           ///< there will be no more
+  disconnected,  ///< the device is absent; further reads wait for it
+  end,           ///< there are no more bytes
   stopped        ///< stop() was called
 };
 
 struct ReadResult {
   ReadStatus status = ReadStatus::timeout;
   std::size_t size = 0;
-  TimeNs arrival_time_ns = 0;  ///< host clock, right after the read that gave the data
+  HostTime arrival_time_ns = 0;  ///< immediately after the read that returned the data
 };
 
 class ByteSource {
@@ -35,22 +36,27 @@ public:
   ByteSource(ByteSource&&) = delete;
   ByteSource& operator=(ByteSource&&) = delete;
 
-  /// Waits at most `timeout` for bytes and gives what is there, be it little. One thread at a time. A signal
-  /// does not end the wait, so a program that ends by a flag of its signal handler uses a timeout below a
-  /// second.
+  /// Waits for at most `timeout` and returns the available bytes. One thread at a time. A signal does not end
+  /// the wait, so a program that checks a stop flag uses a timeout below a second.
   virtual ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) = 0;
 
-  /// From any thread (but not from a signal handler): ends a running read() at once, and all later ones.
+  /// Ends a running read() at once, and all later ones. From any thread, but not from a signal handler.
   virtual void stop() = 0;
 
-  /// Why there is nothing to read from; empty while there is, or where that cannot be.
+  /// Whether the source is open, as of the last read().
+  [[nodiscard]] virtual LineState state() const { return LineState::open; }
+
+  /// Why the source is not open; empty while it is.
   [[nodiscard]] virtual std::string last_error() const { return {}; }
 
-  /// For messages, such as "/dev/ttyACM0 at 500000 baud".
+  /// Such as "/dev/ttyACM0".
   [[nodiscard]] virtual std::string name() const = 0;
+
+  /// For messages, such as "/dev/ttyACM0 at 500000 baud".
+  [[nodiscard]] virtual std::string description() const { return name(); }
 };
 
-/// The host's clock: ns since the Unix epoch.
-TimeNs host_time_ns();
+/// Now, by the host's clock.
+HostTime host_now();
 
 }  // namespace sonopose::transport

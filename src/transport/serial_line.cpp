@@ -3,8 +3,8 @@
 #include <cerrno>
 #include <cstring>
 
-// Linux' own termios2 takes the baud rate as a number. Its header and the C library's <termios.h> exclude
-// each other, hence this file.
+// Linux's termios2 takes the baud rate as a number. Its header and the C library's <termios.h> exclude each
+// other, hence this file.
 #include <asm/termbits.h>
 #include <sys/ioctl.h>
 
@@ -22,13 +22,13 @@ std::string configure_serial_line(int descriptor, unsigned baud) {
   line.c_cc[VMIN] = 1;
   line.c_cc[VTIME] = 0;
   if (::ioctl(descriptor, TCSETS2, &line) != 0) return std::strerror(errno);
-  // A driver that cannot do the rate takes another one, silently. A UART bears 3 %.
+  // A driver that does not support the rate silently chooses another. A UART tolerates 3 %.
   if (::ioctl(descriptor, TCGETS2, &line) != 0) return std::strerror(errno);
   const double ratio = static_cast<double>(line.c_ospeed) / static_cast<double>(baud);
   if (ratio < 0.97 || ratio > 1.03) {
-    return "it does " + std::to_string(line.c_ospeed) + " baud instead of " + std::to_string(baud);
+    return "it uses " + std::to_string(line.c_ospeed) + " baud instead of " + std::to_string(baud);
   }
-  // A second reader would take half of the bytes.
+  // A second reader would steal half of the bytes.
   if (::ioctl(descriptor, TIOCEXCL) != 0) return std::strerror(errno);
   return {};
 }

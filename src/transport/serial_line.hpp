@@ -1,13 +1,13 @@
 #pragma once
 /// \file
-/// The line settings that the portable interface cannot express. Private to this room.
+/// Line settings that asio cannot express. Internal to this module.
 
 #include <string>
 
 namespace sonopose::transport {
 
-/// Makes an open tty a raw 8N1 line without flow control at any baud rate, for us alone. Gives the cause
-/// where the device cannot, else an empty text.
+/// Configures an open tty as a raw 8N1 line without flow control at any baud rate, for exclusive use. Returns
+/// the cause of a failure, else an empty text.
 std::string configure_serial_line(int descriptor, unsigned baud);
 
 }  // namespace sonopose::transport

@@ -1,7 +1,8 @@
+#include "transport/serial_port.hpp"
+
+#include "files/error.hpp"
 #include "transport/serial_line.hpp"
 #include "transport/stoppable_loop.hpp"
-#include "files/error.hpp"
-#include "transport/serial_port.hpp"
 
 #include <asio/buffer.hpp>
 #include <asio/serial_port.hpp>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 namespace sonopose::transport {
@@ -24,6 +26,12 @@ std::chrono::milliseconds until(steady_clock::time_point time) {
                   std::chrono::ceil<std::chrono::milliseconds>(time - steady_clock::now()));
 }
 
+/// Whether there is no device, rather than one that cannot be opened.
+bool is_absence(const asio::error_code& error) {
+  return error == std::errc::no_such_file_or_directory || error == std::errc::no_such_device ||
+         error == std::errc::no_such_device_or_address;
+}
+
 }  // namespace
 
 class SerialPort::Line {
@@ -33,7 +41,8 @@ public:
     std::error_code ignored;
     const auto kind = std::filesystem::status(device_, ignored).type();
     using Kind = std::filesystem::file_type;
-    if (kind == Kind::regular || kind == Kind::directory) throw files::IoError(device_ + ": is no serial device");
+    if (kind == Kind::regular || kind == Kind::directory)
+      throw files::IoError(device_ + ": is not a serial device");
   }
 
   ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {
@@ -42,7 +51,9 @@ public:
   }
 
   void stop() { loop_.stop(); }
-  [[nodiscard]] std::string name() const { return device_ + " at " + std::to_string(baud_) + " baud"; }
+  [[nodiscard]] const std::string& name() const { return device_; }
+  [[nodiscard]] std::string description() const { return device_ + " at " + std::to_string(baud_) + " baud"; }
+  [[nodiscard]] LineState state() const { return state_; }
   [[nodiscard]] const std::string& last_error() const { return last_error_; }
 
 private:
@@ -51,7 +62,7 @@ private:
     const auto start = [&](auto finish) {
       port_.async_read_some(asio::buffer(buffer.data(), buffer.size()),
                             [&arrival_time_ns, finish](const asio::error_code& error, std::size_t size) {
-                              arrival_time_ns = host_time_ns();
+                              arrival_time_ns = host_now();
                               finish(error, size);
                             });
     };
@@ -59,7 +70,7 @@ private:
     if (!done.error) return {ReadStatus::data, done.size, arrival_time_ns};
     if (loop_.stopped()) return {ReadStatus::stopped};
     if (done.error == asio::error::operation_aborted) return {ReadStatus::timeout};
-    close(done.error == asio::error::eof ? "the device hung up" : done.error.message());
+    close(done.error == asio::error::eof ? "the device hung up" : done.error.message(), LineState::waiting);
     absence_reported_ = true;
     return {ReadStatus::disconnected};
   }
@@ -81,20 +92,22 @@ private:
     asio::error_code error;
     port_.open(device_, error);
     if (error) {
-      close(error.message());
+      close(error.message(), is_absence(error) ? LineState::waiting : LineState::failed);
       return false;
     }
     const std::string cause = configure_serial_line(port_.native_handle(), baud_);
     if (!cause.empty()) {
-      close(cause);
+      close(cause, LineState::failed);
       return false;
     }
+    state_ = LineState::open;
     last_error_.clear();
     absence_reported_ = false;
     return true;
   }
 
-  void close(const std::string& cause) {
+  void close(const std::string& cause, LineState state) {
+    state_ = state;
     asio::error_code ignored;
     port_.close(ignored);
     last_error_ = cause;
@@ -112,6 +125,7 @@ private:
   unsigned baud_;
   StoppableLoop loop_;
   asio::serial_port port_;
+  LineState state_ = LineState::closed;
   std::string last_error_ = "not opened yet";
   bool absence_reported_ = false;
   steady_clock::time_point next_attempt_;
@@ -132,6 +146,14 @@ void SerialPort::stop() {
 
 std::string SerialPort::name() const {
   return line_->name();
+}
+
+std::string SerialPort::description() const {
+  return line_->description();
+}
+
+LineState SerialPort::state() const {
+  return line_->state();
 }
 
 std::string SerialPort::last_error() const {

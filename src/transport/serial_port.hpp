@@ -9,20 +9,25 @@
 
 namespace sonopose::transport {
 
-/// A raw 8N1 line without flow control, at any baud rate that the device can do. A device that is not there,
-/// or goes away, is waited for and opened again: read() then says `disconnected` once, `timeout` while it
-/// waits, and `connected` when it is back. The path is looked up anew each time, so a udev link
-/// (/dev/serial/by-id/…) follows a device that comes back under another number.
+/// A raw 8N1 line without flow control, at any baud rate that the device supports. Waits for a device that is
+/// absent or unplugged and opens it again: read() returns `disconnected` once, `timeout` while it waits, and
+/// `connected` when the device is back. The path is resolved each time, so a udev link (/dev/serial/by-id/…)
+/// follows a device that returns under another number.
 class SerialPort : public ByteSource {
 public:
-  /// Opens nothing yet: the first read() does. Throws files::IoError for a baud rate of 0 and for a path that exists
-  /// and is no device.
+  /// The first read() opens the device. Throws files::IoError for a baud rate of 0 and for a path that exists
+  /// and is not a device.
   SerialPort(std::string device, unsigned baud);
   ~SerialPort() override;
 
   ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) override;
   void stop() override;
+  /// The device's path.
   [[nodiscard]] std::string name() const override;
+  [[nodiscard]] std::string description() const override;
+
+  /// Waiting while the device is absent, failed while it is present but cannot be used.
+  [[nodiscard]] LineState state() const override;
 
   /// Why the device is not open; empty while it is.
   [[nodiscard]] std::string last_error() const override;

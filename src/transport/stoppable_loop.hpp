@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Runs asio operations with a time limit, and lets another thread end the wait. Private to this room.
+/// Runs asio operations with a timeout, and lets another thread end the wait. Internal to this module.
 
 #include <asio/io_context.hpp>
 #include <asio/post.hpp>
@@ -27,13 +27,13 @@ public:
     return Wait::finished;
   }
 
-  /// After a cancellation: the handler must have run before its buffer may go.
+  /// After a cancellation: runs the handler, so that its buffer can be released.
   void drain(const bool& finished) {
     context_.restart();
     while (!finished) context_.run_one();
   }
 
-  /// From any thread. The posted handler wakes run_until, also when it comes before the wait begins.
+  /// From any thread. The posted handler wakes run_until, also if it is posted before the wait begins.
   void stop() {
     stopped_ = true;
     asio::post(context_, [] {});
@@ -44,8 +44,8 @@ private:
   std::atomic<bool> stopped_ = false;
 };
 
-/// One asynchronous operation made synchronous: `start(handler)` begins it, `cancel()` ends it early.
-/// Gives what the operation gave; a size of 0 with operation_aborted where nothing came in time.
+/// Makes one asynchronous operation synchronous: `start(handler)` begins it, `cancel()` ends it early.
+/// Returns its result; size 0 with operation_aborted after a timeout.
 struct Completion {
   bool finished = false;
   asio::error_code error;

@@ -1,6 +1,7 @@
-#include "transport/stoppable_loop.hpp"
-#include "files/error.hpp"
 #include "transport/udp_listener.hpp"
+
+#include "files/error.hpp"
+#include "transport/stoppable_loop.hpp"
 
 #include <asio/buffer.hpp>
 #include <asio/ip/udp.hpp>
@@ -31,15 +32,15 @@ Endpoint parse_endpoint(std::string_view text) {
   if (address.starts_with('[') && address.ends_with(']')) {
     address = address.substr(1, address.size() - 2);
   } else if (address.find(':') != std::string_view::npos) {
-    fail("an IPv6 address stands in brackets, as in [::]:49100");
+    fail("an IPv6 address needs brackets, as in [::]:49100");
   }
   asio::error_code error;
   asio::ip::make_address(std::string(address), error);
-  if (error) fail("\"" + std::string(address) + "\" is no IP address in numbers");
+  if (error) fail("\"" + std::string(address) + "\" is not a numeric IP address");
   Endpoint endpoint{std::string(address), 0};
   const auto result = std::from_chars(port.data(), port.data() + port.size(), endpoint.port);
   if (port.empty() || result.ec != std::errc{} || result.ptr != port.data() + port.size()) {
-    fail("\"" + std::string(port) + "\" is no port from 0 to 65535");
+    fail("\"" + std::string(port) + "\" is not a port from 0 to 65535");
   }
   return endpoint;
 }
@@ -52,8 +53,8 @@ public:
     const asio::ip::udp::endpoint local{address, endpoint.port};
     if (!error) socket_.open(local.protocol(), error);
     if (!error) socket_.bind(local, error);
-    if (error) throw files::IoError("cannot listen at " + text_of(endpoint) + ": " + error.message());
-    // Room for a burst while the reader is busy; the system may give less.
+    if (error) throw files::IoError("cannot listen on " + text_of(endpoint) + ": " + error.message());
+    // For bursts while the reader is busy; the system may grant less.
     socket_.set_option(asio::socket_base::receive_buffer_size(1 << 20), error);
   }
 
@@ -63,7 +64,7 @@ public:
     const auto start = [&](auto finish) {
       socket_.async_receive(asio::buffer(buffer.data(), buffer.size()),
                             [&result, finish](const asio::error_code& error, std::size_t size) {
-                              result.arrival_time_ns = host_time_ns();
+                              result.arrival_time_ns = host_now();
                               finish(error, size);
                             });
     };

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Beacon frames that a modem or the vendor's dashboard sends by UDP.
+/// Beacon frames sent by a modem or the vendor's dashboard over UDP.
 
 #include "transport/byte_source.hpp"
 
@@ -18,14 +18,13 @@ struct Endpoint {
   bool operator==(const Endpoint&) const = default;
 };
 
-/// Reads "ADDR:PORT", as 0.0.0.0:49100 or [::]:49100. Throws std::invalid_argument that says what is wrong.
+/// Parses "ADDR:PORT", such as 0.0.0.0:49100 or [::]:49100. Throws std::invalid_argument with the cause.
 Endpoint parse_endpoint(std::string_view text);
 
-/// One datagram per read(). A datagram that is longer than the buffer loses its end: 2048 bytes hold any
-/// frame.
+/// One datagram per read(). A datagram that is longer than the buffer is truncated; 2048 bytes fit any frame.
 class UdpListener : public ByteSource {
 public:
-  /// Port 0 lets the system choose. Throws files::IoError where the address cannot be listened at.
+  /// Port 0 lets the system choose. Throws files::IoError if the address cannot be bound.
   explicit UdpListener(const Endpoint& endpoint);
   ~UdpListener() override;
 
@@ -33,7 +32,7 @@ public:
   void stop() override;
   [[nodiscard]] std::string name() const override;
 
-  /// Where it listens, with the port that the system chose.
+  /// The local address, with the port that the system chose.
   [[nodiscard]] Endpoint endpoint() const;
 
 private:

@@ -1,6 +1,6 @@
 /// Each setting belongs to one stage: its group's fields are read in that stage's source and nowhere else.
 
-#include <sonopose/settings/settings.hpp>
+#include <sonopose/settings/settings_table.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 /// Source files of the engine, the filters and the calibration, by stem.
 std::map<std::string, std::string> sources() {
   std::map<std::string, std::string> texts;
-  for (const char* const folder : {"src/fusion", "src/attitude", "src/calibration"}) {
+  for (const char* const folder :
+       {"src/estimation/documented", "src/settings", "src/attitude", "src/calibration/model"}) {
     for (const auto& entry : fs::directory_iterator(fs::path(SONOPOSE_SOURCE_DIR) / folder)) {
       if (entry.path().extension() != ".cpp") continue;
       std::ifstream stream(entry.path());
@@ -29,8 +30,9 @@ std::map<std::string, std::string> sources() {
   return texts;
 }
 
-/// "trust" of trust.sigma_m; "mahony" of attitude.mahony.kp; the preset's group is the document's "fusion";
-/// what is chosen among all filters stands in "attitude" itself; gyroscope and accelerometer share one model.
+/// "trust" for trust.sigma_m and "mahony" for attitude.mahony.kp. The group of the preset is called "fusion"
+/// in the document, the group "attitude" itself selects the filter, and gyroscope and accelerometer share a
+/// model.
 std::string stage_of(const std::string& group) {
   if (group == "fusion") return "preset";
   if (group == "attitude") return "any_filter";
@@ -54,10 +56,10 @@ TEST_CASE("each of the 37 items is read by its own stage and by no other") {
     CHECK(std::regex_search(texts.at(stage), own));
     for (const auto& [stem, text] : texts) {
       INFO("in " << stem << ".cpp");
-      CHECK_FALSE(std::regex_search(text, foreign));
+      if (stem != "preset") CHECK_FALSE(std::regex_search(text, foreign));  // it replaces items 2, 3 and 4
       if (stem != stage)
         CHECK_FALSE(
-            (std::regex_search(text, own) && text.find("fusion/" + stage + ".hpp") != std::string::npos));
+            (std::regex_search(text, own) && text.find("documented/" + stage + ".hpp") != std::string::npos));
     }
   }
 }

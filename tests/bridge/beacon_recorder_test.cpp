@@ -1,7 +1,8 @@
-#include "support/temporary_folder.hpp"
+#include "bridge/beacon_recorder.hpp"
+
 #include "files/error.hpp"
 #include "recording/log_folder.hpp"
-#include "bridge/beacon_recorder.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -29,8 +30,8 @@ std::vector<Event> numbered(std::vector<Event> events) {
 
 }  // namespace
 
-SCENARIO("each beacon has a log of its own: the first the folder itself, further ones one inside") {
-  GIVEN("a recorder that has been given samples of beacons 12 and 7, mixed") {
+SCENARIO("each beacon has its own log: the first in the folder itself, the others in subfolders") {
+  GIVEN("a recorder with interleaved samples of beacons 12 and 7") {
     const TemporaryFolder folder;
     {
       BeaconRecorder recorder(folder / "log");
@@ -40,10 +41,11 @@ SCENARIO("each beacon has a log of its own: the first the folder itself, further
       recorder.write(TruthSample{.address = 7, .time_ns = 1500});
     }
     THEN("the folder reads back as the samples of 12") {
-      CHECK(recording::read_sensor_log(folder / "log", 12).events == numbered({imu_of(12, 1000), imu_of(12, 2000)}));
+      CHECK(recording::read_sensor_log(folder / "log", 12).events ==
+            numbered({imu_of(12, 1000), imu_of(12, 2000)}));
       CHECK(recording::read_sensor_log(folder / "log", 12).truth.empty());
     }
-    THEN("the one inside reads back as the samples of 7, with its truth") {
+    THEN("the subfolder reads back as the samples of 7, with its truth") {
       const auto log = recording::read_sensor_log(folder.path() / "log" / "beacon_7", 7);
       CHECK(log.events == numbered({imu_of(7, 1500)}));
       CHECK(log.truth.size() == 1);

@@ -1,7 +1,8 @@
 #include "bridge/byte_sources.hpp"
 
 #include "bridge/collecting_sink.hpp"
-#include "bridge/recorded_sources.hpp"
+#include "bridge/log_source.hpp"
+#include "bridge/simulator_source.hpp"
 #include "files/error.hpp"
 #include "marvelmind/encoder.hpp"
 #include "process/clocks.hpp"
@@ -82,7 +83,7 @@ SCENARIO("a file of a beacon's bytes is played as samples") {
   const TemporaryFolder folder;
   BeaconFile file(folder / "bytes.bin");
   CollectingSink sink;
-  GIVEN("IMU samples, a position with its quality, and what the beacon says of itself") {
+  GIVEN("IMU samples, a position with its quality, and telemetry") {
     file << imu_at(10'000) << Telemetry{.battery_mv = 3900, .rssi_dbm = -40, .address = 5} << imu_at(10'010)
          << position_at(9'950) << Quality{.address = 5, .quality_percent = 87} << imu_at(10'020);
     const TimeNs before_ns = host_now();
@@ -105,7 +106,7 @@ SCENARIO("a file of a beacon's bytes is played as samples") {
       CHECK(headings[0].valid);
       CHECK(headings[0].heading_world_rad == Approx(M_PI / 2));
     }
-    THEN("the first packet came now, and the beacon's clock tells the rest") {
+    THEN("the first packet is stamped now, and the others by the beacon's clock") {
       const TimeNs first_ns = imu[0].sensor_time_ns;
       CHECK(first_ns >= before_ns - 100 * ms);
       CHECK(first_ns <= after_ns);
@@ -115,7 +116,7 @@ SCENARIO("a file of a beacon's bytes is played as samples") {
       CHECK(fixes[0].received_time_ns - fixes[0].emission_time_ns >= 60 * ms);
       CHECK(headings[0].emission_time_ns == fixes[0].emission_time_ns);
     }
-    THEN("the status has the beacon's own words and the line's counters") {
+    THEN("the status has the beacon's telemetry and the line's counters") {
       REQUIRE(!sink.statuses.empty());
       const BeaconStatus& status = sink.statuses.back();
       CHECK(status.address == 5);
@@ -136,7 +137,7 @@ SCENARIO("a file of a beacon's bytes is played as samples") {
     file << imu_at(10'000);
     file.append(garbage).append(flipped) << unavailable << imu_at(10'020);
     played(sink, file);
-    THEN("the good samples come, and the rest is counted") {
+    THEN("the valid samples are published, and the rest is counted") {
       CHECK(sink.of_kind<ImuSample>().size() == 2);
       CHECK(sink.of_kind<UltrasonicFix>().empty());
       const BeaconStatus& status = sink.statuses.back();
@@ -149,14 +150,14 @@ SCENARIO("a file of a beacon's bytes is played as samples") {
   GIVEN("21 samples that share a millisecond") {
     for (int i = 0; i < 21; ++i) file << imu_at(10'000);
     played(sink, file);
-    THEN("none is taken for a repetition") {
+    THEN("none counts as a duplicate") {
       CHECK(sink.of_kind<ImuSample>().size() == 21);
     }
   }
   GIVEN("a file that ends within a frame") {
     file << imu_at(10'000);
     file.append(encode(imu_at(10'010)).bytes().first(20));
-    THEN("the whole frames come and the play ends") {
+    THEN("the complete frames are published, and the source ends") {
       CHECK(played(sink, file).of_kind<ImuSample>().size() == 1);
     }
   }
@@ -170,7 +171,7 @@ SCENARIO("a file of a beacon's bytes is played as samples") {
   }
 }
 
-SCENARIO("a stream is a recording, and ends when it is told to") {
+SCENARIO("a stream is a recording, and ends at the stop") {
   const TemporaryFolder folder;
   BeaconFile file(folder / "bytes.bin");
   file << imu_at(10'000) << imu_at(3'600'000);
@@ -184,7 +185,7 @@ SCENARIO("a stream is a recording, and ends when it is told to") {
   CHECK(sink.events.size() == 1);
 }
 
-SCENARIO("what the simulator captured is played as what it sent") {
+SCENARIO("a capture of the simulator plays back as the samples that it published") {
   GIVEN("a second of the simulator, with its bytes") {
     const TemporaryFolder folder;
     const StopSignal stop;
@@ -211,7 +212,7 @@ SCENARIO("what the simulator captured is played as what it sent") {
   }
 }
 
-TEST_CASE("byte sources refuse what they cannot use, by name") {
+TEST_CASE("byte sources refuse unusable inputs by name") {
   const TemporaryFolder folder;
   CHECK_THROWS_WITH(make_stream_source({folder / "none.bin"}), Catch::Contains("none.bin"));
   CHECK_THROWS_AS(make_stream_source({folder.path()}), files::IoError);

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A sink that keeps what a source brings.
+/// A sink that stores the output of a source.
 
 #include "bridge/source.hpp"
 
@@ -16,6 +16,7 @@ public:
   }
   void on(const TruthSample& sample) override { truth.push_back(sample); }
   void on(const BeaconStatus& status) override { statuses.push_back(status); }
+  void on(const LineStatus& status) override { lines.push_back(status); }
   void tick() override { ++ticks; }
 
   /// The events of one kind, in their order.
@@ -31,6 +32,7 @@ public:
   std::vector<Event> events;
   std::vector<TruthSample> truth;
   std::vector<BeaconStatus> statuses;
+  std::vector<LineStatus> lines;
   int ticks = 0;
   process::StopSignal* stop = nullptr;  ///< requested at event number `stop_after`
   std::size_t stop_after = 0;

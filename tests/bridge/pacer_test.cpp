@@ -22,7 +22,7 @@ constexpr TimeNs hour = 3'600'000 * ms;
 
 }  // namespace
 
-SCENARIO("a pacer lets recorded time pass at its rate") {
+SCENARIO("a pacer plays recorded time at its rate") {
   CollectingSink sink;
   const StopSignal stop;
   GIVEN("real time") {
@@ -35,7 +35,7 @@ SCENARIO("a pacer lets recorded time pass at its rate") {
       }
       CHECK(steady_now() - began >= 149 * ms);
     }
-    THEN("what lies in the past is due at once") {
+    THEN("times in the past are due at once") {
       REQUIRE(pacer.wait_for(begin_ns - hour, sink, stop));
       CHECK(steady_now() - began < hour);
     }
@@ -62,7 +62,7 @@ SCENARIO("a pacer lets recorded time pass at its rate") {
       REQUIRE(pacer.wait_for(begin_ns + hour, sink, stop));
       CHECK(steady_now() - began < hour);
     }
-    THEN("the sink is ticked several times a second all the same") {
+    THEN("the sink is still ticked several times a second") {
       TimeNs time_ns = begin_ns;
       while (sink.ticks < 3) REQUIRE(pacer.wait_for(++time_ns, sink, stop));
       CHECK(steady_now() - began >= 300 * ms);
@@ -70,20 +70,20 @@ SCENARIO("a pacer lets recorded time pass at its rate") {
   }
 }
 
-SCENARIO("a pacer ends its wait when the stop comes") {
+SCENARIO("a pacer ends its wait at the stop") {
   CollectingSink sink;
   StopSignal stop;
   GIVEN("a sample that is due in an hour") {
     Pacer pacer(1.0);
     REQUIRE(pacer.wait_for(begin_ns, sink, stop));
-    WHEN("another thread asks for the end") {
+    WHEN("another thread requests the stop") {
       const std::jthread other([&stop] { stop.request(); });
-      THEN("the wait says so") {
+      THEN("the wait reports it") {
         CHECK_FALSE(pacer.wait_for(begin_ns + hour, sink, stop));
       }
     }
   }
-  GIVEN("rate 0, where nothing is ever waited for") {
+  GIVEN("rate 0, which never waits") {
     Pacer pacer(0.0);
     REQUIRE(pacer.wait_for(begin_ns, sink, stop));
     stop.request();
@@ -94,7 +94,7 @@ SCENARIO("a pacer ends its wait when the stop comes") {
   }
 }
 
-TEST_CASE("a rate that is no rate is refused with its value") {
+TEST_CASE("an invalid rate is refused with its value") {
   CHECK_THROWS_WITH(Pacer(-1.0), Catch::Contains("-1"));
   CHECK_THROWS_AS(Pacer(std::numeric_limits<double>::quiet_NaN()), std::invalid_argument);
   CHECK_THROWS_AS(Pacer(std::numeric_limits<double>::infinity()), std::invalid_argument);

@@ -1,5 +1,6 @@
+#include "bridge/simulator_source.hpp"
+
 #include "bridge/collecting_sink.hpp"
-#include "bridge/recorded_sources.hpp"
 #include "process/clocks.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -16,7 +17,7 @@ using sonopose::test::TemporaryFolder;
 
 namespace {
 
-/// The simulator as fast as it can be; 0 s: without end.
+/// The simulator, as fast as possible; 0 s: unlimited.
 SimulatorOptions simulator(double duration_s) {
   SimulatorOptions options;
   options.address = 9;
@@ -37,22 +38,22 @@ std::vector<ImuSample> imu_of(const CollectingSink& sink, BeaconAddress address)
 SCENARIO("the simulator as a source") {
   CollectingSink sink;
   StopSignal stop;
-  GIVEN("two seconds of it, as fast as they can be") {
+  GIVEN("two seconds of it, as fast as possible") {
     const auto source = make_simulator_source(simulator(2.0));
     CHECK_FALSE(source->is_recording());
     const TimeNs before_ns = host_now();
     source->run(sink, stop);
     const TimeNs after_ns = host_now();
-    THEN("200 IMU samples with their truth and fixes at 8 to 16 Hz with headings come, and it ends") {
+    THEN("it yields 200 IMU samples with truth, and fixes at 8 to 16 Hz with headings, and ends") {
       const auto imu = sink.of_kind<ImuSample>();
       CHECK(imu.size() == 200);
       CHECK(sink.truth.size() == 200);
-      CHECK(sink.of_kind<UltrasonicFix>().size() >= 14);  // what is under way at the end does not come
+      CHECK(sink.of_kind<UltrasonicFix>().size() >= 14);  // fixes in transit at the end are dropped
       CHECK(sink.of_kind<UltrasonicFix>().size() <= 32);
       CHECK(sink.of_kind<PairHeading>().size() == sink.of_kind<UltrasonicFix>().size());
       CHECK(sink.truth.back().time_ns == imu.back().sensor_time_ns);
     }
-    THEN("it begins when it is run, under its address") {
+    THEN("it begins at the time of run(), with its address") {
       const auto first = sink.of_kind<ImuSample>().front();
       CHECK(first.address == 9);
       CHECK(first.sensor_time_ns >= before_ns);
@@ -66,13 +67,13 @@ SCENARIO("the simulator as a source") {
     stop.wait_until(steady_now() + 20'000'000);
     const TimeNs begun_ns = host_now();
     source->run(sink, stop);
-    THEN("no sample is older than the run, and none is brought before its own time") {
+    THEN("no sample is older than the run or early") {
       REQUIRE(sink.of_kind<ImuSample>().size() == 10);
       CHECK(sink.of_kind<ImuSample>().front().sensor_time_ns >= begun_ns);
       CHECK(sink.of_kind<ImuSample>().back().sensor_time_ns <= host_now());
     }
   }
-  GIVEN("one without an end") {
+  GIVEN("an unlimited run") {
     const auto source = make_simulator_source(simulator(0.0));
     sink.stop = &stop;
     sink.stop_after = 1000;
@@ -82,7 +83,7 @@ SCENARIO("the simulator as a source") {
     }
   }
   GIVEN("a scenario that does not exist") {
-    THEN("it is refused with those that do") {
+    THEN("it is refused with the existing ones") {
       SimulatorOptions options;
       options.scenario = "swim";
       CHECK_THROWS_WITH(make_simulator_source(options), Catch::Contains("swim") && Catch::Contains("walk"));
@@ -93,29 +94,29 @@ SCENARIO("the simulator as a source") {
 SCENARIO("the simulator as a source of several beacons") {
   CollectingSink sink;
   const StopSignal stop;
-  GIVEN("two seconds of five beacons from address 9 on, as fast as they can be") {
+  GIVEN("two seconds of five beacons from address 9, as fast as possible") {
     SimulatorOptions options = simulator(2.0);
     options.beacons = 5;
     make_simulator_source(options)->run(sink, stop);
     const auto imu = sink.of_kind<ImuSample>();
-    THEN("each of them brings its 200 IMU samples and the truth of each") {
+    THEN("each yields 200 IMU samples with their truth") {
       CHECK(imu.size() == 5 * 200);
       CHECK(sink.truth.size() == 5 * 200);
       for (BeaconAddress address = 9; address < 14; ++address) CHECK(imu_of(sink, address).size() == 200);
     }
-    THEN("the IMU samples of all come evenly, a fifth of the period apart") {
+    THEN("the IMU samples of all are evenly spread, a fifth of the period apart") {
       for (std::size_t i = 1; i < imu.size(); ++i) {
         const TimeNs apart_ns = imu[i].sensor_time_ns - imu[i - 1].sensor_time_ns;
         REQUIRE(std::abs(apart_ns - 2'000'000) <= 1);
         REQUIRE(imu[i].address == 9 + i % 5);
       }
     }
-    THEN("events come in the order in which they become available") {
+    THEN("events are in the order in which they become available") {
       CHECK(std::is_sorted(sink.events.begin(), sink.events.end(), [](const Event& a, const Event& b) {
         return available_at_ns(a) < available_at_ns(b);
       }));
     }
-    THEN("the third is the beacon that the third address and seed make alone") {
+    THEN("the third equals a single beacon with its address and seed") {
       SimulatorOptions alone = simulator(2.0);
       alone.address = 11;
       alone.seed = options.seed + 2;
@@ -130,12 +131,12 @@ SCENARIO("the simulator as a source of several beacons") {
       }
     }
   }
-  GIVEN("a line that loses, doubles and delays packets") {
+  GIVEN("a line that loses, duplicates and delays packets") {
     SimulatorOptions options = simulator(20.0);
     options.scenario = "packet_loss";
     options.beacons = 3;
     make_simulator_source(options)->run(sink, stop);
-    THEN("no beacon's events overtake each other: what comes late comes behind what arrived before it") {
+    THEN("the events of each beacon keep their order of arrival") {
       std::vector<std::uint64_t> next(16, 1);
       for (const Event& event : sink.events) REQUIRE(sequence_of(event) == next.at(address_of(event))++);
     }
@@ -144,21 +145,21 @@ SCENARIO("the simulator as a source of several beacons") {
 
 SCENARIO("beacons that cannot be simulated are refused") {
   SimulatorOptions options;
-  WHEN("the last address would be none") {
+  WHEN("the last address would be out of range") {
     options.address = 65000;
     options.beacons = 536;
-    THEN("number, first and last address and the limit are named") {
+    THEN("number, first and last address and the limit are reported") {
       using Catch::Contains;
       CHECK_THROWS_WITH(make_simulator_source(options),
                         Contains("536") && Contains("65000") && Contains("65535") && Contains("65534"));
     }
-    THEN("one less is allowed") {
+    THEN("one beacon less is allowed") {
       options.beacons = 535;
       CHECK_NOTHROW(make_simulator_source(options));
     }
   }
-  WHEN("there are none or too many") {
-    THEN("the number and the limit are named") {
+  WHEN("there are zero or too many") {
+    THEN("the number and the limit are reported") {
       for (const std::uint32_t beacons : {0U, 1001U}) {
         options.beacons = beacons;
         CHECK_THROWS_WITH(make_simulator_source(options),
@@ -166,11 +167,11 @@ SCENARIO("beacons that cannot be simulated are refused") {
       }
     }
   }
-  WHEN("the bytes of two shall be kept in one file") {
+  WHEN("the bytes of two beacons are to be captured in one file") {
     const TemporaryFolder folder;
     options.beacons = 2;
     options.capture = folder / "capture.bin";
-    THEN("file and number are named, and no file is made") {
+    THEN("file and number are reported, and no file is created") {
       CHECK_THROWS_WITH(make_simulator_source(options),
                         Catch::Contains("capture.bin") && Catch::Contains("2 beacons"));
       CHECK_FALSE(std::filesystem::exists(*options.capture));

@@ -1,5 +1,7 @@
-#include "calibration/simulated_sensor.hpp"
 #include "calibration/fit/inertial_fit.hpp"
+
+#include "calibration/fit/terms.hpp"
+#include "calibration/simulated_sensor.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -63,15 +65,16 @@ SensorErrors errors_of(const AccelerometerSettings& accelerometer, const Gyrosco
 /// their estimate coarse); those are small enough to be useful, and 0 exactly where nothing was estimated.
 template <class Group>
 void check_recovered(const Group& found, const Group& errors, const Group& truth, double largest_error) {
-  Group::declarations()([&](const auto&... row) {
-    const auto check = [&](const auto& one) {
-      INFO(std::string(one.name) << ": " << found.*(one.field) << " ± " << errors.*(one.field) << ", truly "
-                                 << truth.*(one.field));
-      CHECK(std::abs(found.*(one.field) - truth.*(one.field)) <= 4.5 * (errors.*(one.field)));
-      CHECK(errors.*(one.field) <= largest_error);
-    };
-    (check(row), ...);
-  });
+  const auto values = terms_of(found);
+  const auto standard_errors = terms_of(errors);
+  const auto true_values = terms_of(truth);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double error = standard_errors[i].value;
+    INFO(values[i].info->name << ": " << values[i].value << " ± " << error << ", truly "
+                              << true_values[i].value);
+    CHECK(std::abs(values[i].value - true_values[i].value) <= 4.5 * error);
+    CHECK(error <= largest_error);
+  }
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
-#include <sonopose/calibration/model/calibration.hpp>
 #include "calibration/fit/magnetometer_fit.hpp"
+
+#include "calibration/fit/terms.hpp"
 #include "sim/random.hpp"
+#include <sonopose/calibration/model/calibration.hpp>
 
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
@@ -85,15 +87,14 @@ TEST_CASE("GIVEN noise and iron THEN the ellipsoid's centre and axes come out wi
     truth.hard_iron_x_ut = h_ut.x();
     truth.hard_iron_y_ut = h_ut.y();
     truth.hard_iron_z_ut = h_ut.z();
-    MagnetometerSettings::declarations()([&](const auto&... row) {
-      const auto check = [&](const auto& one) {
-        INFO(std::string(one.name));
-        const double error = fit.standard_errors.*(one.field);
-        CHECK(std::abs(fit.settings.*(one.field) - truth.*(one.field)) <= 4.0 * error);
-        CHECK(error < 0.1);
-      };
-      (check(row), ...);
-    });
+    const auto values = terms_of(fit.settings);
+    const auto errors = terms_of(fit.standard_errors);
+    const auto true_values = terms_of(truth);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      INFO(values[i].info->name);
+      CHECK(std::abs(values[i].value - true_values[i].value) <= 4.0 * errors[i].value);
+      CHECK(errors[i].value < 0.1);
+    }
     CHECK(fit.rms_after_ut == Approx(usual_iron.noise_ut).epsilon(0.15));
     CHECK(fit.coverage == 1.0);
     CHECK(fit.samples == 4000);

@@ -10,7 +10,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double default_sigma_m = estimation::documented::TrustSettings{}.sigma_m;
+constexpr double default_sigma_m = settings::TrustSettings{}.sigma_m;
 
 /// The message with which these are refused.
 std::string refusal(const std::vector<SettingAssignment>& texts) {
@@ -62,7 +62,7 @@ TEST_CASE("every setting's text reads back to the same bits") {
   settings.drift.jump_alpha = 0.1 + 0.2;  // 0.30000000000000004
   settings.trust.sigma_m = 1.0 / 3.0;
   settings.trust.enabled = false;
-  settings.preset.imu_weight = estimation::documented::ImuWeight::user;
+  settings.preset.imu_weight = settings::ImuWeight::user;
   const auto texts = texts_of(settings);
   CHECK(texts.size() == settings::setting_table().size());
   settings::Settings again;
@@ -113,12 +113,12 @@ TEST_CASE("what a configuration gives one beacon is the beacon's own") {
 
 TEST_CASE("item 1: keys that a preset replaces are warned of") {
   settings::Settings settings;
-  settings.preset.imu_weight = estimation::documented::ImuWeight::high;
+  settings.preset.imu_weight = settings::ImuWeight::high;
   const Assignments given{{"drift.jump_alpha", 0.5}, {"trust.n_base", 9}};
   const auto warnings = preset_warnings(settings, given, "beacon.7.");
   REQUIRE(warnings.size() == 1);
   CHECK_THAT(warnings[0], Contains("beacon.7.drift.jump_alpha") && Contains("high") && Contains("user"));
-  settings.preset.imu_weight = estimation::documented::ImuWeight::user;
+  settings.preset.imu_weight = settings::ImuWeight::user;
   CHECK(preset_warnings(settings, given).empty());
 }
 

@@ -78,12 +78,12 @@ kp = 2
 )");
   for (const BeaconAddress address : std::initializer_list<BeaconAddress>{0, 7, 65534}) {
     const settings::Settings settings = config.for_beacon(address);
-    CHECK(settings.preset.imu_weight == estimation::documented::ImuWeight::high);
+    CHECK(settings.preset.imu_weight == settings::ImuWeight::high);
     CHECK(settings.trust.sigma_m == 0.08);
     CHECK(settings.trust.n_base == 5);
     CHECK_FALSE(settings.trust.enabled);
     CHECK(settings.attitude.mahony.kp == 2.0);
-    CHECK(settings.drift.velocity_smooth_rate_hz == estimation::documented::DriftSettings{}.velocity_smooth_rate_hz);
+    CHECK(settings.drift.velocity_smooth_rate_hz == settings::DriftSettings{}.velocity_smooth_rate_hz);
   }
 }
 
@@ -117,10 +117,10 @@ TEST_CASE("an error names file, line, key, value and what is allowed") {
     CHECK_THAT(refusal("[trust]\nn_base = 99999999999999\n"),
                Contains("trust.n_base") && Contains("1 … 1000"));
   }
-  SECTION("of the wrong kind") {
+  SECTION("of the wrong type") {
     CHECK_THAT(refusal("[trust]\nsigma_m = \"small\"\n"),
-               Contains(":2:") && Contains("small") && Contains("wrong kind"));
-    CHECK_THAT(refusal("[trust]\nn_base = 2.5\n"), Contains("wrong kind") && Contains("1 … 1000"));
+               Contains(":2:") && Contains("small") && Contains("wrong type"));
+    CHECK_THAT(refusal("[trust]\nn_base = 2.5\n"), Contains("wrong type") && Contains("1 … 1000"));
     CHECK_THAT(refusal("[trust]\nenabled = 1\n"), Contains("true or false"));
     CHECK_THAT(refusal("[fusion]\nimu_weight = \"heavy\"\n"),
                Contains("heavy") && Contains("low, medium, high or user"));
@@ -153,8 +153,8 @@ TEST_CASE("an assignment (--set) takes a value for all or for one beacon") {
   config.assign("fusion.imu_weight=low");
   CHECK(config.for_beacon(3).drift.velocity_smooth_rate_hz == 20.0);
   CHECK(config.for_beacon(7).trust.n_base == 9);
-  CHECK(config.for_beacon(3).trust.n_base == estimation::documented::TrustSettings{}.n_base);
-  CHECK(config.for_beacon(3).preset.imu_weight == estimation::documented::ImuWeight::low);
+  CHECK(config.for_beacon(3).trust.n_base == settings::TrustSettings{}.n_base);
+  CHECK(config.for_beacon(3).preset.imu_weight == settings::ImuWeight::low);
   config.assign("beacon.7.trust.n_base=11");  // the last one counts
   CHECK(config.for_beacon(7).trust.n_base == 11);
 }

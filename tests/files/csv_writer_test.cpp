@@ -1,6 +1,7 @@
-#include "support/temporary_folder.hpp"
 #include "files/csv_writer.hpp"
+
 #include "files/error.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -11,7 +12,7 @@ using namespace sonopose;
 using namespace sonopose::test;
 using files::CsvWriter;
 
-TEST_CASE("a row holds each kind of cell as it reads back") {
+TEST_CASE("each kind of cell reads back unchanged") {
   const TemporaryFolder folder;
   {
     CsvWriter rows(folder / "t.csv", CsvWriter::Existing::refuse);
@@ -46,7 +47,7 @@ TEST_CASE("an existing file is refused or replaced, as asked") {
   CHECK(read_text(folder / "t.csv") == "1\n");
 }
 
-TEST_CASE("what cannot be written is an error that names the file") {
+TEST_CASE("a write error names the file") {
   const TemporaryFolder folder;
   CHECK_THROWS_WITH(CsvWriter(folder / "none/t.csv", CsvWriter::Existing::replace),
                     Catch::Contains("none/t.csv") && Catch::Contains("No such file"));

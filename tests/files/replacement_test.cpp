@@ -1,6 +1,7 @@
-#include "support/temporary_folder.hpp"
-#include "files/error.hpp"
 #include "files/replacement.hpp"
+
+#include "files/error.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -12,7 +13,7 @@ using sonopose::test::TemporaryFolder;
 using sonopose::test::write_text;
 namespace fs = std::filesystem;
 
-SCENARIO("a file keeps its content until its replacement is whole") {
+SCENARIO("a file keeps its content until its replacement is complete") {
   const TemporaryFolder folder;
   const fs::path file = folder / "result.csv";
   write_text(file, "old");
@@ -23,23 +24,23 @@ SCENARIO("a file keeps its content until its replacement is whole") {
     CHECK(read_text(file) == "old");
     WHEN("it is committed") {
       replacement->commit();
-      THEN("it stands in the file's place, and nothing is left over") {
+      THEN("it replaces the file, and nothing is left over") {
         CHECK(read_text(file) == "new");
         CHECK_FALSE(exists(folder / "result.csv.part"));
         replacement.reset();
         CHECK(read_text(file) == "new");
       }
     }
-    WHEN("it is given up") {
+    WHEN("it is abandoned") {
       replacement.reset();
-      THEN("the file is as before, and nothing is left over") {
+      THEN("the file is unchanged, and nothing is left over") {
         CHECK(read_text(file) == "old");
         CHECK_FALSE(exists(folder / "result.csv.part"));
       }
     }
-    WHEN("what was written is gone") {
+    WHEN("the part has disappeared") {
       fs::remove(replacement->part());
-      THEN("that is said, and the file is as before") {
+      THEN("that is an error, and the file is unchanged") {
         CHECK_THROWS_WITH(replacement->commit(), Catch::Contains("result.csv: cannot be replaced"));
         CHECK(read_text(file) == "old");
       }
@@ -47,7 +48,7 @@ SCENARIO("a file keeps its content until its replacement is whole") {
   }
 }
 
-SCENARIO("a link stays a link, and what is no regular file is written to directly") {
+SCENARIO("a link stays a link, and a special file is written directly") {
   const TemporaryFolder folder;
   write_text(folder / "real.csv", "old");
   fs::create_symlink("real.csv", folder / "link.csv");

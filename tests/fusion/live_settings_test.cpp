@@ -19,7 +19,7 @@ const std::vector<SettingAssignment> user_balance{
 
 settings::Settings with_user_balance() {
   settings::Settings settings;
-  settings.preset.imu_weight = estimation::documented::ImuWeight::user;
+  settings.preset.imu_weight = settings::ImuWeight::user;
   settings.drift.jump_alpha = 0.9;
   settings.velocity.blend_weight = 0.05;
   return settings;
@@ -55,8 +55,7 @@ SCENARIO("a change holds exactly from the event that the request names") {
         REQUIRE(feeder.changes.size() == 2);
         CHECK(feeder.changes[0].address == 7);
         CHECK(feeder.changes[0].from_sequence == 1);
-        CHECK(feeder.changes[0].settings.drift.jump_alpha ==
-              estimation::documented::DriftSettings{}.jump_alpha);
+        CHECK(feeder.changes[0].settings.drift.jump_alpha == settings::DriftSettings{}.jump_alpha);
         CHECK(feeder.changes[1].from_sequence == from);
         CHECK(feeder.changes[1].settings.drift.jump_alpha == 0.9);
       }

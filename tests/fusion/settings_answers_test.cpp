@@ -1,6 +1,7 @@
 /// What is said to requests for other settings: warnings, and from when they hold.
 
 #include "fusion/estimators_feeder.hpp"
+#include <sonopose/settings/preset.hpp>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
@@ -19,9 +20,9 @@ SCENARIO("what holds for any beacon without values of its own can be asked for")
   CHECK(feeder.engines.settings_for_all().from_sequence == 0);
   CHECK(feeder.engines.settings_for_all().settings.trust.n_min == 3);
   CHECK(feeder.engines.settings_for_all().settings.drift.jump_alpha ==
-        estimation::documented::balance_of(estimation::documented::ImuWeight::low).jump_alpha);
+        settings::balance_of(settings::ImuWeight::low).jump_alpha);
   feeder.engines.change_settings(request(7, {{"trust.n_base", "5"}}));
-  CHECK(feeder.engines.settings_for_all().settings.trust.n_base == estimation::documented::TrustSettings{}.n_base);
+  CHECK(feeder.engines.settings_for_all().settings.trust.n_base == settings::TrustSettings{}.n_base);
   feeder.engines.change_settings(request(all_beacons, {{"trust.n_base", "9"}}, 500));
   feeder.engines.change_settings(request(all_beacons, {{"trust.sigma_m", "0.5"}}));
   CHECK(feeder.engines.settings_for_all().settings.trust.n_base == 9);

@@ -19,7 +19,7 @@ double sigma_m(const SettingsTimeline& timeline) {
   return timeline.settings().trust.sigma_m;
 }
 
-constexpr double at_start_m = estimation::documented::TrustSettings{}.sigma_m;
+constexpr double at_start_m = settings::TrustSettings{}.sigma_m;
 
 }  // namespace
 

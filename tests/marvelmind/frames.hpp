@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Frames made without the code under test: bytes from the format's table, check sum bit by bit.
+/// Frames made without the code under test: bytes from the format's table, checksum bit by bit.
 
 #include "marvelmind/decoder.hpp"
 
@@ -23,7 +23,7 @@ inline std::uint16_t bitwise_crc16(std::span<const std::uint8_t> bytes) {
   return static_cast<std::uint16_t>(crc);
 }
 
-/// `bytes` with their check sum behind, low byte first.
+/// `bytes` with their checksum behind, low byte first.
 inline Bytes with_crc(Bytes bytes) {
   const unsigned crc = bitwise_crc16(bytes);
   bytes.push_back(static_cast<std::uint8_t>(crc & 0xFFU));

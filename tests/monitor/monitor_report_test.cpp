@@ -1,4 +1,5 @@
 #include "monitor/monitor_report.hpp"
+
 #include "observation/status_words.hpp"
 
 #include <catch2/catch.hpp>
@@ -11,13 +12,14 @@
 
 using namespace sonopose;
 using namespace sonopose::monitor;
+using namespace sonopose::observation;
 using Catch::Contains;
 
 namespace {
 
 constexpr TimeNs now_ns = 1'700'000'000'123'456'789;
 
-/// A beacon that is followed well, turned by 90° to the left, with everything known.
+/// A beacon with a good pose, turned 90° to the left; all values are known.
 BeaconView good_view() {
   BeaconView view;
   view.address = 7;
@@ -58,7 +60,7 @@ BeaconView good_view() {
   return view;
 }
 
-/// A beacon of which nothing but its address is known.
+/// A beacon of which only the address is known.
 BeaconView silent_view() {
   BeaconView view;
   view.address = 21;
@@ -74,7 +76,7 @@ std::size_t lines_in(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("every status bit has a word of its own") {
+TEST_CASE("every status bit has its own name") {
   CHECK(observation::status_words(0) == "ok");
   CHECK(observation::status_words(status_stale | status_frozen_track) == "stale, frozen track");
   std::set<std::string> words;
@@ -87,18 +89,18 @@ TEST_CASE("every status bit has a word of its own") {
   CHECK(words.size() == 10);
 }
 
-SCENARIO("the JSON object has what programs look for") {
-  GIVEN("a beacon that is followed and one that is silent") {
+SCENARIO("the JSON object has the documented keys") {
+  GIVEN("a beacon with poses and a silent one") {
     const std::string text = json_of({good_view(), silent_view()}, now_ns);
     const auto json = nlohmann::json::parse(text);
     REQUIRE(json["beacons"].size() == 2);
     const auto& good = json["beacons"][0];
     const auto& silent = json["beacons"][1];
-    THEN("it is one line, with its time") {
+    THEN("it is one line with a timestamp") {
       CHECK(lines_in(text) == 0);
       CHECK(json["time_ns"] == now_ns);
     }
-    THEN("the followed one has rates, pose and latency in SI units") {
+    THEN("the first has rates, pose and latency in SI units") {
       CHECK(good["address"] == 7);
       CHECK(good["pose_rate_hz"] == 100.0);
       CHECK(good["latency_p50_s"] == 0.00012);
@@ -112,12 +114,12 @@ SCENARIO("the JSON object has what programs look for") {
       CHECK(good["pose_deadlines_missed"] == 8);
       CHECK(good["pose_losses"] == 2);
       CHECK(good["predicted"] == 5);
-      CHECK(good["segments"]["fusion_to_here"]["p99_s"] == 0.00021);
+      CHECK(good["latency_segments"]["fusion_to_here"]["p99_s"] == 0.00021);
       CHECK(good["worst"]["event_sequence"] == 812);
       CHECK(good["worst"]["latency_s"].get<double>() == Approx(0.002));
       CHECK(good["position_error_max_m"] == 0.055);
     }
-    THEN("it has what bridge and fusion say") {
+    THEN("it has the statuses of bridge and fusion") {
       CHECK(good["bridge"]["imu_rate_hz"] == 99.5);
       CHECK(good["bridge"]["battery_v"] == 3.9);
       CHECK(good["bridge"]["rssi_dbm"].is_null());
@@ -128,28 +130,28 @@ SCENARIO("the JSON object has what programs look for") {
       CHECK(good["fusion"]["imu_deadlines_missed"] == 3);
       CHECK(good["fusions"].size() == 1);
     }
-    THEN("what is not known of the silent one is null or absent, and never a number") {
+    THEN("unknown values of the silent one are null or absent") {
       CHECK(silent["address"] == 21);
       CHECK(silent["latency_p50_s"].is_null());
       CHECK(silent["position_error_rms_m"].is_null());
       CHECK(silent["since_valid_fix_s"].is_null());
       CHECK(silent["worst"].is_null());
-      CHECK(silent["segments"]["in_fusion"]["p50_s"].is_null());
+      CHECK(silent["latency_segments"]["in_fusion"]["p50_s"].is_null());
       CHECK_FALSE(silent.contains("bridge"));
       CHECK_FALSE(silent.contains("fusion"));
     }
   }
   GIVEN("no beacon") {
-    THEN("the list is there and empty") {
+    THEN("the list is empty") {
       CHECK(nlohmann::json::parse(json_of({}, now_ns))["beacons"] == nlohmann::json::array());
     }
   }
 }
 
 SCENARIO("the table has a row for each beacon") {
-  GIVEN("a followed and a silent beacon") {
+  GIVEN("a beacon with poses and a silent one") {
     const std::string table = table_of({good_view(), silent_view()});
-    THEN("header and rows are there, rates, place, heading, speed, milliseconds, losses and status") {
+    THEN("a row has rates, position, heading, speed, latency in milliseconds, losses and status") {
       CHECK(lines_in(table) >= 3);
       const std::string row = table.substr(table.find('\n') + 1, table.find('\n', table.find('\n') + 1));
       for (const char* part : {"7", "100.0", "99.5", "12.0", "1.500", "-2.250", "0.750", "90.0°", "5.00",
@@ -158,23 +160,23 @@ SCENARIO("the table has a row for each beacon") {
       }
       CHECK_THAT(table, Contains("    21  ") && Contains("silent"));
     }
-    THEN("the segments of the way and the slowest pose's follow, in milliseconds") {
+    THEN("the latency segments and the slowest pose follow, in milliseconds") {
       CHECK_THAT(table, Contains("1.00/2.00") && Contains("0.05/0.11") && Contains("0.01/0.02") &&
                             Contains("0.06/0.21") && Contains("2.00 = 0.50 + 0.25 + 1.25 (event 812)"));
     }
-    THEN("then what each process counted, and nothing of the one that counted nothing") {
+    THEN("the problem counters of each process follow, without processes that counted none") {
       CHECK_THAT(table, Contains("7  bridge: 1 other bridges\n") &&
                             Contains("7  fusion: 3 IMU deadlines missed, 17 events lost\n") &&
-                            Contains("7  here: 8 pose deadlines missed, 2 times the poses lost\n") &&
+                            Contains("7  here: 8 pose deadlines missed, 2 pose stream losses\n") &&
                             !Contains("21  here"));
     }
   }
-  GIVEN("a beacon whose poses were lost, and one whose IMU is silent") {
+  GIVEN("a beacon without a pose writer, and one with a silent IMU") {
     BeaconView lost = good_view();
     lost.lost = true;
     BeaconView silent = good_view();
     silent.fusion->imu_silent = true;
-    THEN("their rows say so") {
+    THEN("the status column shows it") {
       CHECK_THAT(table_of({lost}), Contains("17  lost\n"));
       CHECK_THAT(table_of({silent}), Contains("IMU silent"));
     }
@@ -188,25 +190,25 @@ SCENARIO("the table has a row for each beacon") {
     standby.strength = 100;
     standby.imu_gaps = 1;
     view.fusions.push_back(standby);
-    THEN("each one's counts stand under its strength") {
+    THEN("the counters of each fusion are listed with its strength") {
       CHECK_THAT(table_of({view}), Contains("fusion of strength 200 (serving): 3 IMU deadlines missed") &&
                                        Contains("fusion of strength 100 (serving): 1 IMU gaps"));
     }
   }
 }
 
-SCENARIO("the summary tells a run in some lines") {
-  THEN("of a run with a beacon: rates, latency, error, fixes and losses") {
+SCENARIO("the summary describes a run") {
+  THEN("a run with a beacon: rates, latency, error, fixes and losses") {
     const std::string summary = summary_of({good_view()});
     CHECK_THAT(summary, Contains("beacon 7") && Contains("100.0 Hz") && Contains("p50 0.12 ms") &&
                             Contains("p99 0.34 ms") && Contains("2.1 cm RMS") && Contains("5.5 cm at most") &&
                             Contains("110 used, 6 rejected") && Contains("17 events") &&
                             Contains("8 pose deadlines"));
   }
-  THEN("of a beacon without truth: no error") {
+  THEN("a beacon without ground truth: no error") {
     CHECK_THAT(summary_of({silent_view()}), Contains("beacon 21") && !Contains("error"));
   }
-  THEN("of a run without a beacon: that") {
-    CHECK(summary_of({}) == "no pose was seen\n");
+  THEN("a run without a beacon") {
+    CHECK(summary_of({}) == "no pose received\n");
   }
 }

@@ -7,7 +7,7 @@
 using namespace sonopose;
 using namespace sonopose::process;
 
-TEST_CASE("a set of addresses holds its numbers and ranges, and none other") {
+TEST_CASE("a set of addresses contains exactly its numbers and ranges") {
   const AddressSet set = AddressSet::parse("7-9,200,65534");
   for (const int address : {7, 8, 9, 200, 65534}) CHECK(set.contains(static_cast<BeaconAddress>(address)));
   for (const int address : {0, 6, 10, 199, 201, 65533})
@@ -20,12 +20,12 @@ TEST_CASE("a set knows whether it is a single beacon") {
   CHECK_FALSE(AddressSet().only_one());
 }
 
-TEST_CASE("no list is every beacon") {
+TEST_CASE("an empty set contains every beacon") {
   CHECK(AddressSet().contains(0));
   CHECK(AddressSet().contains(65534));
 }
 
-TEST_CASE("what is no list of addresses is named") {
+TEST_CASE("a malformed list of addresses is reported") {
   for (const char* text : {"", "7,", "x", "-3", "7-", "65535", "99999999999", "7 - 9", "1-2-3", "+7"}) {
     INFO(text);
     CHECK_THROWS_AS(AddressSet::parse(text), std::invalid_argument);

@@ -62,11 +62,11 @@ SCENARIO("real time where everything is allowed") {
   GIVEN("a machine that refuses nothing") {
     Machine machine;
     const Realtime realtime = apply_realtime(42, machine.calls());
-    THEN("the threads on the way of a pose have the priority, and no others") {
+    THEN("the threads on the path of a pose have the priority, and no others") {
       const int calling_thread = 0;
       CHECK(machine.priorities == std::map<int, int>{{calling_thread, 42}, {105, 42}, {106, 42}});
     }
-    THEN("what holds is said, and nothing is missing") {
+    THEN("every setting is reported, and none was refused") {
       CHECK(realtime.refused().empty());
       CHECK_THAT(line_with(realtime.applied(), "recv"), Contains("SCHED_FIFO") && Contains("42"));
       line_with(realtime.applied(), "tev");
@@ -74,11 +74,11 @@ SCENARIO("real time where everything is allowed") {
       line_with(realtime.applied(), "memory");
       line_with(realtime.applied(), "cpu_dma_latency");
     }
-    THEN("memory of later on is locked too") {
+    THEN("future memory is locked too") {
       CHECK(machine.locks == std::vector<bool>{true});
     }
   }
-  GIVEN("the object that keeps it") {
+  GIVEN("the object that keeps the settings") {
     Machine machine;
     int file = -1;
     {
@@ -98,7 +98,7 @@ SCENARIO("real time where something is refused") {
   WHEN("priorities are refused") {
     machine.fifo_error = EPERM;
     const Realtime realtime = apply_realtime(60, machine.calls());
-    THEN("call, cause and remedy are said, and the rest holds") {
+    THEN("call, cause and remedy are reported, and the rest takes effect") {
       const std::string said = line_with(realtime.refused(), "thread recv");
       CHECK_THAT(said, Contains("sched_setscheduler") && Contains("60"));
       CHECK_THAT(said, Contains("Operation not permitted"));
@@ -110,7 +110,7 @@ SCENARIO("real time where something is refused") {
   WHEN("memory cannot be locked") {
     machine.memory_error = ENOMEM;
     const Realtime realtime = apply_realtime(50, machine.calls());
-    THEN("call, cause and remedy are said, and the rest holds") {
+    THEN("call, cause and remedy are reported, and the rest takes effect") {
       CHECK_THAT(line_with(realtime.refused(), "mlockall"),
                  Contains("Cannot allocate memory") && Contains("CAP_IPC_LOCK") && Contains("memlock"));
       CHECK(machine.priorities.size() == 3);
@@ -119,29 +119,29 @@ SCENARIO("real time where something is refused") {
   WHEN("there is a limit to locked memory") {
     machine.unlimited = false;
     const Realtime realtime = apply_realtime(50, machine.calls());
-    THEN("memory of later on is left free, so that the process cannot run out of it, and that is said") {
+    THEN("future memory is not locked, so that allocations cannot fail, and that is reported") {
       CHECK(machine.locks == std::vector<bool>{false});
-      CHECK_THAT(line_with(realtime.refused(), "later on"),
+      CHECK_THAT(line_with(realtime.refused(), "future memory"),
                  Contains("RLIMIT_MEMLOCK") && Contains("memlock"));
     }
   }
   WHEN("the device of the cores' sleep is not ours") {
     machine.device_error = EACCES;
     const Realtime realtime = apply_realtime(50, machine.calls());
-    THEN("device, cause and remedy are said") {
+    THEN("device, cause and remedy are reported") {
       CHECK_THAT(line_with(realtime.refused(), "/dev/cpu_dma_latency"),
                  Contains("Permission denied") && Contains("udev"));
     }
   }
-  WHEN("the node was not made yet") {
+  WHEN("the node does not exist yet") {
     machine.threads = {{100, "sonopose-fusion"}};
     const Realtime realtime = apply_realtime(50, machine.calls());
-    THEN("the threads that are not there are named") {
+    THEN("the missing threads are named") {
       CHECK_THAT(line_with(realtime.refused(), "recv"), Contains("after the node was made"));
       line_with(realtime.refused(), "tev");
     }
   }
-  WHEN("the priority is none") {
+  WHEN("the priority is out of range") {
     THEN("it is refused with the limits before anything is changed") {
       for (const int priority : {0, 100}) {
         CHECK_THROWS_WITH(apply_realtime(priority, machine.calls()),

@@ -16,7 +16,7 @@ namespace {
 constexpr TimeNs ms = 1'000'000;
 constexpr TimeNs minute = 60'000 * ms;
 
-/// Puts the handling of signals back as it was.
+/// Restores the signal handlers.
 class KeptHandlers {
 public:
   KeptHandlers() {
@@ -37,8 +37,8 @@ private:
 
 }  // namespace
 
-SCENARIO("a stop is waited for") {
-  GIVEN("a stop that nobody has asked for") {
+SCENARIO("a wait ends at its deadline or at the stop") {
+  GIVEN("a stop that was not requested") {
     StopSignal stop;
     CHECK_FALSE(stop.requested());
     THEN("a wait lasts until its deadline") {
@@ -56,13 +56,13 @@ SCENARIO("a stop is waited for") {
       CHECK(least_late_ns >= 0);
       CHECK(least_late_ns < ms / 2);
     }
-    THEN("a deadline in the past is no wait") {
+    THEN("a deadline in the past returns at once") {
       CHECK_FALSE(stop.wait_until(steady_now() - minute));
     }
-    WHEN("another thread asks for it during a wait") {
+    WHEN("another thread requests it during a wait") {
       const SteadyTime deadline = steady_now() + minute;
       const std::jthread other([&stop] { stop.request(); });
-      THEN("the wait ends, and everybody who asks sees it from then on") {
+      THEN("the wait ends, and the stop stays requested") {
         CHECK(stop.wait_until(deadline));
         CHECK(steady_now() < deadline);
         CHECK(stop.requested());
@@ -83,9 +83,9 @@ SCENARIO("Ctrl-C and SIGTERM set the stop that listens") {
     CHECK(listening.wait_until(steady_now() + minute));
     CHECK_FALSE(other.requested());
   }
-  GIVEN("a stop that listened and is gone") {
+  GIVEN("a listening stop that was destroyed") {
     { StopSignal().listen_to_signals(); }
-    THEN("a signal meets nothing, and the process lives") {
+    THEN("a signal has no effect") {
       CHECK(::raise(SIGINT) == 0);
     }
   }

@@ -1,7 +1,8 @@
 /// Logs of an attitude benchmark.
 
-#include "support/temporary_folder.hpp"
 #include "recording/attitude_log.hpp"
+
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -46,14 +47,14 @@ SCENARIO("an attitude log is read, with and without what may be absent") {
     REQUIRE(log.truth.size() == 2);
     CHECK(log.truth[0].q_body_to_world.x() == 1.0);
     REQUIRE(log.movements.size() == 2);
-    CHECK(log.movements[0].holds(5));
-    CHECK(log.movements[0].holds(9));
-    CHECK_FALSE(log.movements[0].holds(10));
-    CHECK(log.movements[1].holds(20));
+    CHECK(log.movements[0].contains(5));
+    CHECK(log.movements[0].contains(9));
+    CHECK_FALSE(log.movements[0].contains(10));
+    CHECK(log.movements[1].contains(20));
   }
 }
 
-SCENARIO("an attitude log that is wrong is refused by name") {
+SCENARIO("an invalid attitude log is refused by name") {
   const TemporaryFolder folder;
   GIVEN("no sample") {
     write_text(folder / "imu.csv", imu_text.substr(0, imu_text.find('\n') + 1));

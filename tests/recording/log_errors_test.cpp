@@ -1,7 +1,7 @@
-/// A log that is wrong is refused with file, line, column and value.
+/// An invalid log is refused with file, line, column and value.
 
-#include "support/temporary_folder.hpp"
 #include "recording/log_folder.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -39,22 +39,22 @@ std::string complaint_about(const Files& files) {
 
 }  // namespace
 
-SCENARIO("a log without fault is read") {
+SCENARIO("a valid log is read") {
   CHECK(complaint_about({}) == "no complaint");
 }
 
-SCENARIO("a cell that cannot be read is named with file, line, column and value") {
+SCENARIO("an invalid cell is reported with file, line, column and value") {
   Files files;
   WHEN("a number is malformed") {
     files.imu += "2,0,0,0,0.5x,0,9.8\n";
     CHECK_THAT(complaint_about(files),
                Contains("/imu.csv:3: column 5 (a_x [m s^-2]): \"0.5x\" is not a number"));
   }
-  WHEN("a number is missing where one must be") {
+  WHEN("a required number is missing") {
     files.ultrasonic += "1,2,0,,0,90\n";
     CHECK_THAT(complaint_about(files), Contains("/ultrasonic.csv:3: column 4 (y [m]): \"\" is not a number"));
   }
-  WHEN("a time is so early or late that no difference to it can be counted on") {
+  WHEN("a time is out of range") {
     files.imu += "0,0,0,0,0,0,9.8\n";
     CHECK_THAT(complaint_about(files),
                Contains("/imu.csv:3: column 1 (timestamp [ns]): \"0\" is not a time between 1 and 2^62"));
@@ -93,9 +93,9 @@ SCENARIO("a cell that cannot be read is named with file, line, column and value"
     files.heading = "#t,r,h\n1,2,45.000000000000000000000degrees\n";
     CHECK_THAT(complaint_about(files), Contains("heading.csv:2: column 3"));
   }
-  WHEN("a quaternion is there by halves") {
+  WHEN("a quaternion is incomplete") {
     files.truth += "2,0,0,0,1,0,,\n";
-    CHECK_THAT(complaint_about(files), Contains("/truth.csv:3: column 7 (q_y []): \"\" is empty though"));
+    CHECK_THAT(complaint_about(files), Contains("/truth.csv:3: column 7 (q_y []): \"\" is empty but"));
   }
 }
 
@@ -117,11 +117,11 @@ SCENARIO("rows and headers of the wrong width are named") {
   }
   WHEN("a magnetometer has two axes") {
     files.imu = "#timestamp,w_x,w_y,w_z,a_x,a_y,a_z,m_x,m_y\n1,0,0,0,0,0,9.8,1,2\n";
-    CHECK_THAT(complaint_about(files), Contains("/imu.csv:2: column 10 (m_z [uT]): \"\" is empty though"));
+    CHECK_THAT(complaint_about(files), Contains("/imu.csv:2: column 10 (m_z [uT]): \"\" is empty but"));
   }
   WHEN("the header line is missing") {
     files.imu = "1,0,0,0,0,0,9.8\n";
-    CHECK_THAT(complaint_about(files), Contains("/imu.csv:1: a header line that begins with # is missing") &&
+    CHECK_THAT(complaint_about(files), Contains("/imu.csv:1: expected a header line that begins with #") &&
                                            Contains("1,0,0,0,0,0,9.8"));
   }
   WHEN("a file is empty") {
@@ -130,7 +130,7 @@ SCENARIO("rows and headers of the wrong width are named") {
   }
 }
 
-SCENARIO("files that are not there are named") {
+SCENARIO("missing files are named") {
   const TemporaryFolder log;
   CHECK_THROWS_WITH(read_sensor_log(log / "nowhere"), Contains("nowhere: is not a folder"));
   CHECK_THROWS_WITH(read_sensor_log(log.path()), Contains("/imu.csv: cannot be opened: No such file"));
@@ -140,19 +140,19 @@ SCENARIO("files that are not there are named") {
   CHECK_THROWS_WITH(read_sensor_log(log.path()), Contains("/ultrasonic.csv: cannot be read: Is a directory"));
 }
 
-SCENARIO("a file that is no text is refused, not read for ever") {
+SCENARIO("a binary file is refused") {
   Files files;
   WHEN("a line never ends") {
     files.imu += std::string(1'000'000, '7');
-    CHECK_THAT(complaint_about(files), Contains("/imu.csv:3: the line is endless"));
+    CHECK_THAT(complaint_about(files), Contains("/imu.csv:3: the line is too long"));
   }
-  WHEN("a cell holds a zero byte") {
+  WHEN("a cell contains a zero byte") {
     files.imu += std::string("2,0,0,0,0,0,9.8\0,1\n", 19);
     CHECK_THAT(complaint_about(files), Contains("/imu.csv:3: has 8 columns"));
   }
 }
 
-SCENARIO("a line is whole and counted wherever it lies in a long file") {
+SCENARIO("lines are complete and counted anywhere in a long file") {
   Files files;
   const std::string row = "2,0.1234567890123456,0,0,0,0,9.8\n";
   constexpr std::size_t rows = 50'000;  // 1.6 MB

@@ -1,6 +1,7 @@
+#include "recording/log_folder.hpp"
+
 #include "recording/samples_at.hpp"
 #include "support/temporary_folder.hpp"
-#include "recording/log_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -60,7 +61,7 @@ SCENARIO("a log's rows become SI samples") {
                "7,1,2,3,,,,,,,\n");
     WHEN("it is read") {
       const SensorLog read = read_sensor_log(log.path());
-      THEN("the events come as they would have been received, numbered from 1") {
+      THEN("the events are in the order of receipt, numbered from 1") {
         CHECK(order_of(read.events) ==
               "F1700000000068000000 H1700000000068000000 I1700000000123456789 I1700000000133456789 "
               "F1700000000200000000 H1700000000200000000");
@@ -135,7 +136,7 @@ SCENARIO("streams are merged by availability, and no file's order is changed") {
   }
   GIVEN("IMU stamps that are far ahead of those around them") {
     const TimeNs far = 1'000'000'000'000;
-    THEN("they hold no fix up, and stay as they are") {
+    THEN("they delay no fix, and are not changed") {
       CHECK(order_of(merge_by_availability({imu_at(10), imu_at(far), imu_at(30), imu_at(40)},
                                            {fix_at(15), fix_at(35)}, {heading_at(45)})) ==
             "I10 F15 I1000000000000 I30 F35 I40 H45");
@@ -156,13 +157,13 @@ SCENARIO("streams are merged by availability, and no file's order is changed") {
   }
   GIVEN("an IMU that was silent for seconds, and sends its samples out of order") {
     const TimeNs later = 5'000'000'000;
-    THEN("what comes first after the silence waits for its time") {
+    THEN("the first sample after the silence is merged at its time") {
       CHECK(order_of(merge_by_availability({imu_at(10), imu_at(later + 20), imu_at(later + 10)},
                                            {fix_at(15), fix_at(later + 15)}, {})) ==
             "I10 F15 F5000000015 I5000000020 I5000000010");
     }
   }
-  GIVEN("the very last time that can be") {
+  GIVEN("the latest possible time") {
     constexpr TimeNs last = std::numeric_limits<TimeNs>::max();
     THEN("nothing is lost") {
       CHECK(merge_by_availability({imu_at(last)}, {fix_at(last)}, {heading_at(last), heading_at(last)})
@@ -171,7 +172,7 @@ SCENARIO("streams are merged by availability, and no file's order is changed") {
   }
 }
 
-SCENARIO("files may be as other programs write them") {
+SCENARIO("files written by other programs are accepted") {
   const TemporaryFolder log;
   write_text(log / "ultrasonic.csv", fix_header);
   GIVEN("Windows line ends, a byte-order mark, blank lines, and no newline at the end") {
@@ -192,7 +193,7 @@ SCENARIO("files may be as other programs write them") {
   }
   GIVEN("values that are not finite") {
     write_text(log / "imu.csv", imu_header + "1,nan,-inf,0,0,0,1e308\n");
-    THEN("they are passed on: judging them is the engine's work") {
+    THEN("they are passed on: the engine checks them") {
       const auto imu = std::get<ImuSample>(read_sensor_log(log.path()).events.at(0));
       CHECK(std::isnan(imu.angular_velocity_body_radps.x()));
       CHECK(imu.angular_velocity_body_radps.y() == -std::numeric_limits<double>::infinity());

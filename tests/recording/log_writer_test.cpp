@@ -1,8 +1,9 @@
-#include "recording/samples_at.hpp"
-#include "support/temporary_folder.hpp"
-#include "recording/log_folder.hpp"
 #include "recording/log_writer.hpp"
+
+#include "recording/log_folder.hpp"
+#include "recording/samples_at.hpp"
 #include "sim/simulator.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -52,11 +53,11 @@ bool same_bits(const TruthSample& a, const TruthSample& b) {
 
 }  // namespace
 
-SCENARIO("what is written reads back to the same bits and in the same order") {
+SCENARIO("a log reads back to the same bits and in the same order") {
   GIVEN("a minute of the simulator") {
     const TemporaryFolder folder;
     const auto events = record_walk(folder / "log", 60.0);
-    THEN("the log gives the same events, numbers included") {
+    THEN("the log yields the same events, including their numbers") {
       REQUIRE(events.size() > 7000);
       CHECK(read_sensor_log(folder / "log").events == events);
     }
@@ -73,7 +74,7 @@ SCENARIO("what is written reads back to the same bits and in the same order") {
       CHECK(count == truth.size());
     }
   }
-  GIVEN("ten thousand headings and magnetic fields of any bits, which the files hold in other units") {
+  GIVEN("ten thousand headings and magnetic fields with random bits, which the files store in other units") {
     const TemporaryFolder folder;
     sim::Random random(1);
     std::vector<PairHeading> headings;
@@ -97,7 +98,7 @@ SCENARIO("what is written reads back to the same bits and in the same order") {
       CHECK(read_imu_csv(folder / "imu.csv", 7) == imu);
     }
   }
-  GIVEN("the corners of the number range, and what is not known") {
+  GIVEN("the extremes of the number range, and unknown values") {
     const TemporaryFolder folder;
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     ImuSample imu = imu_at(1, 3);
@@ -114,7 +115,7 @@ SCENARIO("what is written reads back to the same bits and in the same order") {
       writer.write(heading);
       writer.write(truth);
     }
-    THEN("they come back") {
+    THEN("they read back") {
       const SensorLog log = read_sensor_log(folder.path(), 3);
       REQUIRE(log.events.size() == 3);
       const auto& back = std::get<ImuSample>(log.events[0]);
@@ -142,7 +143,7 @@ SCENARIO("the files look as the format says") {
     heading.valid = true;
     writer.write(heading);
   }
-  THEN("a heading is printed as short as it can be") {
+  THEN("a heading is printed with the fewest digits") {
     CHECK(read_text(folder / "heading.csv") == "#timestamp [ns],received [ns],heading [deg]\n1,2,93.5\n");
   }
   THEN("files without rows have their header, and there is no truth where none was given") {
@@ -159,24 +160,24 @@ SCENARIO("a recording is never overwritten or mixed") {
   const TemporaryFolder folder;
   record_walk(folder / "log", 0.2);
   const std::string before = read_text(folder / "log" / "imu.csv");
-  WHEN("a second recording wants the same folder") {
+  WHEN("a second recording uses the same folder") {
     CHECK_THROWS_WITH(SensorLogWriter(folder / "log"),
-                      Contains("/log: already holds a recording (imu.csv), it is not overwritten"));
+                      Contains("/log: already contains a recording (imu.csv), which is not overwritten"));
     THEN("the first is untouched") {
       CHECK(read_text(folder / "log" / "imu.csv") == before);
     }
   }
-  WHEN("the folder cannot be made") {
-    CHECK_THROWS_WITH(SensorLogWriter(folder / "log" / "imu.csv" / "deeper"), Contains("cannot be made"));
+  WHEN("the folder cannot be created") {
+    CHECK_THROWS_WITH(SensorLogWriter(folder / "log" / "imu.csv" / "deeper"), Contains("cannot be created"));
   }
   WHEN("a second beacon is written into it") {
     SensorLogWriter writer(folder / "two");
     writer.write(imu_at(1, 7));
-    CHECK_THROWS_WITH(writer.write(imu_at(2, 8)), Contains("beacon 8 needs a folder of its own"));
+    CHECK_THROWS_WITH(writer.write(imu_at(2, 8)), Contains("beacon 8 needs another folder"));
   }
 }
 
-SCENARIO("a magnetometer that appears after the first sample is counted, not lost unseen") {
+SCENARIO("a magnetometer that appears after the first sample is counted") {
   const TemporaryFolder folder;
   SensorLogWriter writer(folder.path());
   ImuSample sample = imu_at(1);

@@ -42,7 +42,7 @@ std::vector<Sample> only(const std::vector<Event>& events) {
 
 }  // namespace
 
-TEST_CASE("the beacon recordings are read whole and in order") {
+TEST_CASE("the beacon recordings are read completely and in order") {
   if (!recordings_are_here()) return;
   for (const char* name : {"car", "drone_a", "drone_b"}) {
     const auto folder = recordings / "beacons" / name;

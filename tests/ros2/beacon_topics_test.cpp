@@ -26,9 +26,9 @@ TEST_CASE("A beacon's topics stand behind its prefix, and in the node's namespac
   CHECK(topic_prefix("tag", 7) == "tag/");
   const NameResolver robot({.name_space = "/robot", .name = "locator"});
   CHECK(robot.topic(topic_prefix("", 7) + "odom") == "/robot/odom");
-  CHECK(tells_topics_apart(usual));
-  CHECK_FALSE(tells_topics_apart("tag"));
-  CHECK_FALSE(tells_topics_apart(""));
+  CHECK(has_topics_per_beacon(usual));
+  CHECK_FALSE(has_topics_per_beacon("tag"));
+  CHECK_FALSE(has_topics_per_beacon(""));
 }
 
 TEST_CASE("A beacon namespace is refused where any beacon's topics would be none of ROS 2's") {
@@ -38,10 +38,10 @@ TEST_CASE("A beacon namespace is refused where any beacon's topics would be none
   };
   // "/" + prefix + "/imu/data_raw" has 247 characters at most.
   const std::string longest(233, 'n');
-  for (const Bad& bad : std::vector<Bad>{{"bad ns", "holds ' '"},
-                                         {"bad-{address}", "holds '-'"},
+  for (const Bad& bad : std::vector<Bad>{{"bad ns", "contains ' '"},
+                                         {"bad-{address}", "contains '-'"},
                                          {"{address}", "begin with a digit"},
-                                         {"{adress}", "holds '{'"},
+                                         {"{adress}", "contains '{'"},
                                          {"hedge_{address}/", "two '/'"},
                                          {"/", "two '/'"},
                                          {longest + "n", "247"},
@@ -58,7 +58,7 @@ TEST_CASE("A beacon namespace is refused where any beacon's topics would be none
   }
 }
 
-TEST_CASE("Two topics that the rules make one are refused, for whichever beacon") {
+TEST_CASE("Remap rules that give two topics the same name are rejected, for any beacon") {
   struct Bad {
     std::string rule;
     std::string pattern;

@@ -1,4 +1,4 @@
-/// The bytes of every message, against ones that are laid out by hand.
+/// The serialized bytes of every message, compared with a manual layout.
 
 #include "ros2/raw_cdr.hpp"
 #include "support/ros2_fields.hpp"
@@ -12,8 +12,8 @@ using namespace sonopose::test;
 
 namespace {
 
-/// Lays fields out as XCDR1 does, little-endian: a number stands at a multiple of its size, counted from
-/// behind the encapsulation header; a text is its length with the final zero, then its characters and the
+/// Serializes fields in XCDR1, little-endian: a number is aligned to its size, relative to the end of the
+/// encapsulation header; a string is its length including the terminating zero, then its characters and the
 /// zero; a sequence is its length, then its elements.
 class Layout : public FieldVisitor {
 public:
@@ -21,7 +21,7 @@ public:
   void number(Number value) {
     while ((bytes_.size() - header_size) % sizeof(value) != 0) bytes_.push_back(0);
     std::uint8_t raw[sizeof(value)];
-    std::memcpy(raw, &value, sizeof(value));  // little-endian, as this machine
+    std::memcpy(raw, &value, sizeof(value));  // little-endian, like this machine
     bytes_.insert(bytes_.end(), raw, raw + sizeof(value));
   }
   void text(const char* value) {
@@ -40,8 +40,8 @@ private:
   Bytes bytes_{0x00, 0x01, 0x00, 0x00};  // CDR, little-endian, no options
 };
 
-/// The same as it is sent: filled up to whole words, and the last two bits of the header say with how many
-/// bytes (DDS-XTypes 1.3, 7.6.3.1.2). ROS 2 does not look at them.
+/// The bytes as sent: padded to words, with the number of padding bytes in the last two bits of the header
+/// (DDS-XTypes 1.3, 7.6.3.1.2). ROS 2 ignores these bits.
 Bytes padded(Bytes bytes) {
   while (bytes.size() % 4 != 0) {
     bytes.push_back(0);
@@ -50,7 +50,7 @@ Bytes padded(Bytes bytes) {
   return bytes;
 }
 
-/// Where two rows of bytes part; empty: nowhere. (Catch would print them all, for minutes.)
+/// The first difference; empty if equal. (Catch would take minutes to print all bytes.)
 std::string difference(const Bytes& actual, const Bytes& expected) {
   for (std::size_t i = 0; i < std::min(actual.size(), expected.size()); ++i) {
     if (actual[i] == expected[i]) continue;
@@ -74,7 +74,7 @@ void check(const std::vector<std::uint32_t>& lengths = {1}) {
 
 }  // namespace
 
-TEST_CASE("Every message is on the wire as ROS 2 defines it, and is read from it") {
+TEST_CASE("Every message is serialized as in ROS 2, and deserialized") {
   check<ros2::PointStamped>();
   check<ros2::PoseWithCovarianceStamped>();
   check<ros2::Imu>();
@@ -92,13 +92,13 @@ TEST_CASE("Every message is on the wire as ROS 2 defines it, and is read from it
   }
 }
 
-TEST_CASE("A point is, byte for byte") {
+TEST_CASE("A point, byte by byte") {
   const Bytes expected{
       0x00, 0x01, 0x00, 0x00,                                // CDR, little-endian, no options
       0x15, 0xcd, 0x5b, 0x07,                                // header.stamp.sec: 123 456 789
       0xff, 0xc9, 0x9a, 0x3b,                                // header.stamp.nanosec: 999 999 999
       0x05, 0x00, 0x00, 0x00, 'h',  'a',  'l',  'l',  0x00,  // header.frame_id: 5 bytes with the zero
-      0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,              // to the next multiple of 8
+      0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,              // padding to 8
       0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0xf0, 0x3f,        // point.x: 1
       0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x04, 0xc0,        // point.y: -2.5
       0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x80,        // point.z: -0
@@ -109,27 +109,27 @@ TEST_CASE("A point is, byte for byte") {
   CHECK(difference(topic.bytes_of(&point), expected) == "");
 }
 
-TEST_CASE("Diagnostics are, byte for byte") {
+TEST_CASE("Diagnostics, byte by byte") {
   const Bytes expected{
-      0x00, 0x01, 0x00, 0x01,                               // CDR, little-endian; one byte fills up
+      0x00, 0x01, 0x00, 0x01,                               // CDR, little-endian; one padding byte
       0xfe, 0xff, 0xff, 0xff,                               // header.stamp.sec: -2
       0x01, 0x00, 0x00, 0x00,                               // header.stamp.nanosec: 1
-      0x01, 0x00, 0x00, 0x00, 0x00,                         // header.frame_id: empty, its zero alone
-      0x00, 0x00, 0x00,                                     // to the next multiple of 4
+      0x01, 0x00, 0x00, 0x00, 0x00,                         // header.frame_id: empty, only the zero
+      0x00, 0x00, 0x00,                                     // padding to 4
       0x01, 0x00, 0x00, 0x00,                               // status: one
       0x02,                                                 // level: ERROR
-      0x00, 0x00, 0x00,                                     // to the next multiple of 4
+      0x00, 0x00, 0x00,                                     // padding to 4
       0x06, 0x00, 0x00, 0x00, 'n',  ':', ' ', 'i', 'n', 0,  // name
-      0x00, 0x00,                                           // to the next multiple of 4
+      0x00, 0x00,                                           // padding to 4
       0x03, 0x00, 0x00, 0x00, 'n',  'o', 0,                 // message
-      0x00,                                                 // to the next multiple of 4
+      0x00,                                                 // padding to 4
       0x02, 0x00, 0x00, 0x00, '7',  0,                      // hardware_id
-      0x00, 0x00,                                           // to the next multiple of 4
+      0x00, 0x00,                                           // padding to 4
       0x01, 0x00, 0x00, 0x00,                               // values: one
       0x02, 0x00, 0x00, 0x00, 'k',  0,                      // key
-      0x00, 0x00,                                           // to the next multiple of 4
+      0x00, 0x00,                                           // padding to 4
       0x03, 0x00, 0x00, 0x00, '4',  '2', 0,                 // value
-      0x00,                                                 // to the end of the word
+      0x00,                                                 // padding
   };
   char empty[] = "", name[] = "n: in", message[] = "no", hardware[] = "7", key[] = "k", value[] = "42";
   ros2::KeyValue pair{key, value};

@@ -1,5 +1,5 @@
-/// Who finds whom: a process of ours in each of ROS 2's ranges, native processes on loopback, and processes
-/// that are configured as rmw_cyclonedds does.
+/// Discovery between the relay in each range of ROS 2, native processes on loopback, and processes that are
+/// configured like those of rmw_cyclonedds.
 
 #include "support/process.hpp"
 #include "support/test_domain.hpp"
@@ -26,7 +26,8 @@ std::string configuration(const std::string& content) {
   return "<CycloneDDS><Domain>" + content + "</Domain></CycloneDDS>";
 }
 
-/// What rmw_cyclonedds makes of the environment. Humble: "" or ROS_LOCALHOST_ONLY=1. Jazzy: its ranges.
+/// The configuration of rmw_cyclonedds for an environment. Humble: "" or ROS_LOCALHOST_ONLY=1. Jazzy: its
+/// ranges.
 const std::string humble = "<CycloneDDS/>";
 const std::string humble_localhost =
     configuration(R"(<General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>)");
@@ -38,7 +39,7 @@ const std::string jazzy_localhost = configuration(
     "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
     R"(<Peers><Peer address="localhost"/></Peers></Discovery>)");
 
-/// An interface that can multicast, or without that, one besides loopback.
+/// An interface with multicast, else any interface other than loopback.
 bool has_interface(unsigned flags) {
   ifaddrs* first = nullptr;
   if (getifaddrs(&first) != 0) return false;
@@ -87,16 +88,17 @@ const std::string native = dds::domain_configuration(0, {}, {});
 
 }  // namespace
 
-TEST_CASE("On loopback alone a process meets native ones and Humble's localhost") {
+TEST_CASE("On loopback, a process discovers native processes and those of Humble with localhost only") {
   CHECK(met(dds::Network::loopback, {native, humble_localhost}) == std::set<std::size_t>{0, 1});
 }
 
-TEST_CASE("In the range localhost a process meets native ones, and ROS 2 nodes that keep to this machine") {
+TEST_CASE(
+    "In the range localhost, a process discovers native processes and ROS 2 nodes with range localhost") {
   CHECK(met(dds::Network::ros_localhost, {native, humble_localhost, jazzy_localhost, jazzy_subnet}) ==
         std::set<std::size_t>{0, 1, 2, 3});
 }
 
-TEST_CASE("In the range subnet a process meets native ones and ROS 2 nodes of every range") {
+TEST_CASE("In the range subnet, a process discovers native processes and ROS 2 nodes of every range") {
   if (!has_interface(IFF_UP | IFF_MULTICAST)) {
     std::cout << "skipped: no interface here that can multicast\n";
     return;

@@ -26,7 +26,7 @@ const std::string static_peers = "ROS_STATIC_PEERS";
 
 }  // namespace
 
-TEST_CASE("The range is the one that ROS 2 nodes of the same shell have") {
+TEST_CASE("The discovery range equals that of ROS 2 nodes in the same shell") {
   CHECK(network_for({}) == Network::ros_subnet);
   CHECK(network_for({{range, ""}, {localhost_only, ""}}) == Network::ros_subnet);
   CHECK(network_for({{range, "SUBNET"}}) == Network::ros_subnet);
@@ -38,7 +38,7 @@ TEST_CASE("The range is the one that ROS 2 nodes of the same shell have") {
   CHECK(network_for({{localhost_only, "0"}}) == Network::ros_subnet);
 }
 
-TEST_CASE("Static peers are looked for where the range heeds them, and nothing else changes") {
+TEST_CASE("Static peers are used if the range allows them") {
   using Peers = std::vector<std::string>;
   CHECK(peers_for({{static_peers, "robot;192.0.2.7"}}) == Peers{"robot", "192.0.2.7"});
   CHECK(peers_for({{static_peers, ";robot;;"}, {range, "LOCALHOST"}}) == Peers{"robot"});
@@ -49,7 +49,7 @@ TEST_CASE("Static peers are looked for where the range heeds them, and nothing e
   CHECK(options.partition == "hall");
 }
 
-TEST_CASE("What cannot be is refused with variable, value and what may stand there") {
+TEST_CASE("Invalid values are rejected with variable, value and allowed values") {
   using Catch::Contains;
   for (const char* const value : {"2", "true", " 1", "no"}) {
     CHECK_THROWS_AS(network_for({{localhost_only, value}}), std::invalid_argument);
@@ -68,7 +68,7 @@ TEST_CASE("What cannot be is refused with variable, value and what may stand the
   }
 }
 
-TEST_CASE("The distribution tells the layout") {
+TEST_CASE("The distribution determines the layout") {
   for (const char* const name : {"foxy", "galactic", "humble"}) CHECK(distro_named(name) == Distro::humble);
   for (const char* const name : {"iron", "jazzy", "kilted", "rolling"}) {
     CHECK(distro_named(name) == Distro::jazzy);
@@ -81,7 +81,7 @@ TEST_CASE("The distribution tells the layout") {
   CHECK(distro_of({{"ROS_DISTRO", "humble"}}).warning.empty());
 }
 
-TEST_CASE("A distribution that came later is taken for the newest one, and said to be unknown") {
+TEST_CASE("An unknown distribution counts as the newest one, with a warning") {
   const FoundDistro found = distro_of({{"ROS_DISTRO", "lyrical"}});
   CHECK(found.distro == Distro::jazzy);
   CHECK_THAT(found.warning, Catch::Contains("ROS_DISTRO is 'lyrical'"));

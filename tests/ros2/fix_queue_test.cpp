@@ -28,7 +28,7 @@ FixReport report_on(std::uint64_t sequence, double weight) {
   return report;
 }
 
-/// Number and weight; −1 for none.
+/// Number and weight; −1: no weight.
 std::vector<std::pair<int, double>> of(const FixQueue::Ready& ready) {
   std::vector<std::pair<int, double>> result;
   for (const ReadyFix& fix : ready) {
@@ -42,52 +42,52 @@ using List = std::vector<std::pair<int, double>>;
 
 }  // namespace
 
-SCENARIO("each fix goes out once, as sure as the fusion holds it") {
+SCENARIO("each fix is released once, with the weight of the fusion") {
   GIVEN("a fusion that runs, and a fix") {
     FixQueue queue;
     CHECK(of(queue.on(fix_number(1), SteadyTime{0}, true)) == List{});
     WHEN("the fusion reports on it") {
-      THEN("it goes out with its weight") {
+      THEN("it is released with its weight") {
         CHECK(of(queue.on(report_on(1, 0.5))) == List{{1, 0.5}});
       }
     }
-    WHEN("two fusions report on it, as where one stands by for the other") {
+    WHEN("two fusions report on it, one of them on standby") {
       CHECK(of(queue.on(report_on(1, 0.5))).size() == 1);
-      THEN("it goes out once") {
+      THEN("it is released once") {
         CHECK(of(queue.on(report_on(1, 0.7))) == List{});
       }
     }
-    WHEN("the fusion says nothing") {
-      THEN("it goes out after a tenth of a second, and only once") {
+    WHEN("there is no report") {
+      THEN("it is released once, after 0.1 s") {
         CHECK(of(queue.overdue(SteadyTime{100 * ms})) == List{});
         CHECK(of(queue.overdue(SteadyTime{101 * ms})) == List{{1, -1}});
         CHECK(of(queue.on(report_on(1, 0.5))) == List{});
       }
     }
-    WHEN("the report on the next one comes first") {
+    WHEN("the report on the next fix arrives first") {
       CHECK(of(queue.on(fix_number(2), SteadyTime{50 * ms}, true)) == List{});
-      THEN("both go out, in their order") {
+      THEN("both are released in order") {
         CHECK(of(queue.on(report_on(2, 0.9))) == List{{1, -1}, {2, 0.9}});
       }
     }
-    WHEN("no fusion runs any more") {
-      THEN("nothing waits") {
+    WHEN("the fusion has stopped") {
+      THEN("no fix waits") {
         CHECK(of(queue.on(fix_number(2), SteadyTime{50 * ms}, false)) == List{{1, -1}, {2, -1}});
       }
     }
-    WHEN("more come than can wait") {
-      for (std::uint64_t i = 2; i <= FixQueue::most_waiting; ++i) {
+    WHEN("the queue is full") {
+      for (std::uint64_t i = 2; i <= FixQueue::max_waiting; ++i) {
         CHECK(of(queue.on(fix_number(i), SteadyTime{0}, true)) == List{});
       }
-      THEN("the first one makes room") {
-        CHECK(of(queue.on(fix_number(FixQueue::most_waiting + 1), SteadyTime{0}, true)) == List{{1, -1}});
+      THEN("the oldest fix is released") {
+        CHECK(of(queue.on(fix_number(FixQueue::max_waiting + 1), SteadyTime{0}, true)) == List{{1, -1}});
       }
     }
   }
-  GIVEN("a report that comes before its fix") {
+  GIVEN("a report that arrives before its fix") {
     FixQueue queue;
     CHECK(of(queue.on(report_on(4, 0.25))) == List{{4, 0.25}});
-    THEN("the fix itself brings nothing new") {
+    THEN("the fix is not released again") {
       CHECK(of(queue.on(fix_number(4), SteadyTime{0}, true)) == List{});
     }
   }

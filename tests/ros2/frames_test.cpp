@@ -19,25 +19,25 @@ Quaterniond about_z(double angle_rad) {
 
 }  // namespace
 
-TEST_CASE("A frame's pattern takes the beacon's address, as often as it asks for it") {
+TEST_CASE("Each {address} in a pattern is replaced by the beacon's address") {
   CHECK(for_beacon("base_link", 7) == "base_link");
   CHECK(for_beacon("hedge_{address}/base_link", 7) == "hedge_7/base_link");
   CHECK(for_beacon("{address}_{address}", 131) == "131_131");
-  CHECK_FALSE(tell_beacons_apart({}, false));
-  CHECK_FALSE(tell_beacons_apart({.base = "hedge_{address}/base_link"}, false));
+  CHECK_FALSE(has_frames_per_beacon({}, false));
+  CHECK_FALSE(has_frames_per_beacon({.base = "hedge_{address}/base_link"}, false));
   FrameNames apart{.base = "hedge_{address}/base_link", .imu = "hedge_{address}/imu_link"};
-  CHECK(tell_beacons_apart(apart, false));
-  CHECK_FALSE(tell_beacons_apart(apart, true));  // both would move `odom`
+  CHECK(has_frames_per_beacon(apart, false));
+  CHECK_FALSE(has_frames_per_beacon(apart, true));  // both would publish the transform of `odom`
   apart.odom = "hedge_{address}/odom";
-  CHECK(tell_beacons_apart(apart, true));
+  CHECK(has_frames_per_beacon(apart, true));
 }
 
-TEST_CASE("Frames that ROS 2 would not have are refused, by name") {
+TEST_CASE("Invalid frames are rejected by name") {
   CHECK_NOTHROW(check(FrameNames{}));
   CHECK_THROWS_WITH(check({.map = ""}), "the map frame '' needs a name");
   CHECK_THROWS_WITH(check({.base = "/base"}), "the base frame '/base' must not begin with a slash");
   CHECK_THROWS_WITH(check({.base = "body", .imu = "body"}),
-                    "the imu frame 'body' is called as the base frame is");
+                    "the imu frame 'body' has the same name as the base frame");
   try {
     check({.imu = "/imu"});
     FAIL("was not refused");
@@ -46,20 +46,20 @@ TEST_CASE("Frames that ROS 2 would not have are refused, by name") {
   }
 }
 
-TEST_CASE("Frames that are one for a single beacon are refused") {
+TEST_CASE("Frames that coincide for a single beacon are rejected") {
   CHECK_THROWS_WITH(check({.base = "b7", .imu = "b{address}"}),
-                    "the imu frame 'b7' of beacon 7 is called as its base frame is");
+                    "the imu frame 'b7' of beacon 7 has the same name as its base frame");
   CHECK_THROWS_WITH(check({.map = "m{address}", .odom = "m65534"}), Catch::Contains("beacon 65534"));
   CHECK_THROWS_WITH(check({.base = "{address}{address}", .imu = "1{address}1"}),
                     Catch::Contains("beacon 11 "));
-  CHECK_NOTHROW(check({.base = "b65535", .imu = "b{address}"}));  // no beacon's address
+  CHECK_NOTHROW(check({.base = "b65535", .imu = "b{address}"}));  // not an address of a beacon
   CHECK_NOTHROW(check({.base = "hedge_{address}/base_link", .imu = "hedge_{address}/imu_link"}));
 }
 
 TEST_CASE("A mount is given in metres and degrees") {
   const Mount mount = mount_at({0.1, 0.2, 0.3, 0, 90, 0});
   CHECK(mount.imu_in_base_m == Vector3d(0.1, 0.2, 0.3));
-  // Pitched nose down by 90 degrees: what is ahead for the IMU is down for the base.
+  // Pitched nose down by 90 degrees: ahead of the IMU is down for the base.
   CHECK((mount.q_imu_to_base * Vector3d::UnitX() + Vector3d::UnitZ()).norm() < 1e-12);
   CHECK_THROWS_WITH(mount_at({0, 0, 0, std::nan(""), 0, 0}), "roll is nan: it must be from -360 to 360 deg");
   CHECK_THROWS_WITH(mount_at({0, 0, -1000.5, 0, 0, 0}), "z is -1000.5: it must be from -1000 to 1000 m");
@@ -67,38 +67,38 @@ TEST_CASE("A mount is given in metres and degrees") {
   CHECK_NOTHROW(mount_at({1000, -1000, 0, 360, -360, 0}));
 }
 
-SCENARIO("the base moves as a rigid body with the IMU on it does") {
-  GIVEN("an IMU half a metre before the base's centre, turned by 90 degrees to the left") {
+SCENARIO("base and IMU are one rigid body") {
+  GIVEN("an IMU half a metre ahead of the base's origin, rotated by 90 degrees to the left") {
     const Mount mount{{0.5, 0, 0}, about_z(pi / 2)};
-    WHEN("the robot stands at (3, 4), looking along the map's X") {
+    WHEN("the robot stands at (3, 4), facing along X of the map") {
       FusedPose pose;
       pose.position_world_m = {3.5, 4, 0};
-      pose.q_body_to_world = about_z(pi / 2);  // the IMU's X looks to the robot's left
+      pose.q_body_to_world = about_z(pi / 2);  // X of the IMU points to the left of the robot
       const BaseState base = base_state(pose, mount);
-      THEN("the base is there, level and straight") {
+      THEN("the base has this position and no rotation") {
         CHECK((base.position_map_m - Vector3d(3, 4, 0)).norm() < 1e-12);
         CHECK(base.q_base_to_map.angularDistance(Quaterniond::Identity()) < 1e-12);
       }
     }
-    WHEN("the robot turns on the spot, 2 rad/s to the left") {
+    WHEN("the robot rotates in place, 2 rad/s to the left") {
       FusedPose pose;
       pose.position_world_m = {0.5, 0, 0};
       pose.q_body_to_world = about_z(pi / 2);
       pose.velocity_world_mps = {0, 1, 0};  // ω × r
       pose.angular_velocity_body_radps = {0, 0, 2};
       const BaseState base = base_state(pose, mount);
-      THEN("the base's centre stands still and turns") {
+      THEN("the base's origin has no velocity and rotates") {
         CHECK(base.velocity_base_mps.norm() < 1e-12);
         CHECK((base.angular_velocity_base_radps - Vector3d(0, 0, 2)).norm() < 1e-12);
       }
     }
-    WHEN("the robot looks to the north and drives ahead at 1 m/s") {
+    WHEN("the robot faces north and drives ahead at 1 m/s") {
       FusedPose pose;
       pose.position_world_m = {0, 0.5, 0};
       pose.q_body_to_world = about_z(pi);
       pose.velocity_world_mps = {0, 1, 0};
       const BaseState base = base_state(pose, mount);
-      THEN("its velocity is ahead in its own axes") {
+      THEN("its velocity is along X of the base") {
         CHECK((base.velocity_base_mps - Vector3d(1, 0, 0)).norm() < 1e-12);
         CHECK(base.position_map_m.norm() < 1e-12);
       }
@@ -106,12 +106,12 @@ SCENARIO("the base moves as a rigid body with the IMU on it does") {
   }
 }
 
-TEST_CASE("A transform and its inverse lead back") {
+TEST_CASE("A transform and its inverse give the identity") {
   const Transform there{{1, -2, 3}, Quaterniond(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 2) / 3))};
   const Transform back = there * inverse_of(there);
   CHECK(back.translation_m.norm() < 1e-12);
   CHECK(back.rotation.angularDistance(Quaterniond::Identity()) < 1e-12);
-  // A point of the child's: first turned, then moved.
+  // A point of the child frame is rotated, then translated.
   const Transform quarter{{1, 0, 0}, about_z(pi / 2)};
   CHECK(((quarter * Transform{{2, 0, 0}, Quaterniond::Identity()}).translation_m - Vector3d(1, 2, 0)).norm() <
         1e-12);

@@ -28,16 +28,16 @@ ImuSample at_rest() {
 }  // namespace
 
 SCENARIO("an IMU sample becomes the two messages of REP-145") {
-  GIVEN("a sample at rest, and the pose made at it") {
+  GIVEN("a sample at rest, and the pose at this sample") {
     const ImuSample sample = at_rest();
     FusedPose pose;
     pose.q_body_to_world = Quaterniond(0.5, 0.5, 0.5, 0.5);
     pose.angular_velocity_body_radps = {0, 0, 0};
     pose.pose_covariance.set(5, 5, 0.1 * 0.1);
     const FrameNames frames;
-    WHEN("it goes out raw") {
+    WHEN("it is published raw") {
       const Imu imu = raw_imu(sample, stamp_ns, frames, {});
-      THEN("it says that it has no orientation, +g on z, and how sure it is") {
+      THEN("it has no orientation, +g on z, and covariances") {
         CHECK(imu.orientation_covariance[0] == -1);
         CHECK(imu.linear_acceleration.z == 9.81);
         CHECK(imu.angular_velocity.y == -0.02);
@@ -48,9 +48,9 @@ SCENARIO("an IMU sample becomes the two messages of REP-145") {
         CHECK(imu.header.stamp.nanosec == 250'000'000U);
       }
     }
-    WHEN("it goes out with the fused orientation") {
+    WHEN("it is published with the fused orientation") {
       const Imu imu = fused_imu(sample, pose, stamp_ns, frames, {});
-      THEN("it has that orientation, the force as measured, and the gyro without its bias") {
+      THEN("it has this orientation, the measured force, and the gyro without bias") {
         CHECK(imu.orientation.w == 0.5);
         CHECK(imu.orientation.z == 0.5);
         CHECK(imu.orientation_covariance[8] == Approx(0.01));
@@ -60,15 +60,15 @@ SCENARIO("an IMU sample becomes the two messages of REP-145") {
       }
     }
     WHEN("it has no magnetic field") {
-      THEN("there is no such message") {
+      THEN("there is no message") {
         CHECK_FALSE(magnetic_field(sample, stamp_ns, frames, {}));
       }
     }
-    WHEN("it has one") {
+    WHEN("it has a magnetic field") {
       ImuSample with = sample;
       with.magnetic_field_body_t = Vector3d(20e-6, 0, -40e-6);
       const auto field = magnetic_field(with, stamp_ns, frames, {});
-      THEN("it goes out in tesla") {
+      THEN("the message has it in tesla") {
         REQUIRE(field);
         CHECK(field->magnetic_field.z == -40e-6);
         CHECK(field->magnetic_field_covariance[4] > 0);
@@ -77,24 +77,24 @@ SCENARIO("an IMU sample becomes the two messages of REP-145") {
   }
 }
 
-SCENARIO("a ROS 2 driver's message becomes a sample and back") {
-  GIVEN("a sample that goes out as sensor_msgs/Imu") {
+SCENARIO("messages of ROS 2 drivers become samples") {
+  GIVEN("a sample as sensor_msgs/Imu") {
     const ImuSample sample = at_rest();
     const FrameNames frames;
     Imu imu = raw_imu(sample, stamp_ns, frames, {});
     const TimeNs received_ns = stamp_ns + 3'000'000;
-    THEN("taken in, it is the same sample") {
+    THEN("the conversion back gives the same sample") {
       const auto back = imu_sample(imu, 7, received_ns);
       REQUIRE(back);
       CHECK(*back == sample);
     }
-    WHEN("its driver gives no stamp") {
+    WHEN("the message has no stamp") {
       imu.header.stamp = {0, 0};
-      THEN("it counts as measured when it came") {
+      THEN("the time of measurement is the time of reception") {
         CHECK(imu_sample(imu, 7, received_ns)->sensor_time_ns == received_ns);
       }
     }
-    WHEN("a value is not finite, or the stamp is none") {
+    WHEN("a value is not finite, or the stamp is invalid") {
       Imu broken = imu;
       broken.linear_acceleration.x = std::numeric_limits<double>::quiet_NaN();
       Imu late = imu;
@@ -111,7 +111,7 @@ SCENARIO("a ROS 2 driver's message becomes a sample and back") {
     const PointStamped point = position_as_point(where, stamp_ns, frames);
     PoseWithCovarianceStamped pose = position_as_pose(where, fix_covariance(0.02, 1.0), stamp_ns, frames);
     const TimeNs received_ns = stamp_ns + 40'000'000;
-    THEN("both are the same fix: emitted then, received now") {
+    THEN("both are the same fix, with the times of emission and reception") {
       for (const auto& taken : {fix(point, 9, received_ns), fix(pose, 9, received_ns)}) {
         REQUIRE(taken);
         CHECK(taken->address == 9);
@@ -129,7 +129,7 @@ SCENARIO("a ROS 2 driver's message becomes a sample and back") {
   }
 }
 
-TEST_CASE("Diagnostics keep their order, texts and levels in the message") {
+TEST_CASE("The diagnostics message has order, texts and levels") {
   const std::vector<Diagnostic> diagnostics{{Level::ok,
                                              "sonopose: beacon 7",
                                              "poses at 100.0 Hz",

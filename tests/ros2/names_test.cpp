@@ -10,7 +10,7 @@ using namespace sonopose::ros2;
 
 namespace {
 
-/// Of a node /robot/locator with these rules.
+/// The resolver of a node /robot/locator with these rules.
 NameResolver resolver(const std::vector<std::string>& rules = {}) {
   std::vector<RemapRule> parsed;
   for (const std::string& rule : rules) parsed.push_back(parse_remap_rule(rule));
@@ -34,7 +34,7 @@ TEST_CASE("Names stand in the namespace, below the node, or by themselves") {
   CHECK(name_in_dds("/hedge_7/odom") == "rt/hedge_7/odom");
 }
 
-TEST_CASE("A rule replaces the name that it resolves to, however either is written") {
+TEST_CASE("A rule applies to the resolved name, in any notation") {
   for (const char* const rule : {"odom:=/car/odom", "/robot/odom:=/car/odom", "odom:=/car/odom"}) {
     CAPTURE(rule);
     CHECK(resolver({rule}).topic("odom") == "/car/odom");
@@ -44,12 +44,12 @@ TEST_CASE("A rule replaces the name that it resolves to, however either is writt
   }
   CHECK(resolver({"~/odom:=odom"}).topic("~/odom") == "/robot/odom");
   CHECK(resolver({"odom:=~/odom"}).topic("odom") == "/robot/locator/odom");
-  SECTION("the first one that fits counts, and its result is not replaced again") {
+  SECTION("the first matching rule applies, and its result is not remapped again") {
     CHECK(resolver({"a:=b", "b:=c", "a:=d"}).topic("a") == "/robot/b");
   }
 }
 
-TEST_CASE("Rules name the node, for one node or for all") {
+TEST_CASE("Rules rename the node, for one node or for all") {
   const NameResolver both = resolver({"__node:=kart", "__ns:=/hall/north"});
   CHECK(both.node() == NodeName{.name_space = "/hall/north", .name = "kart"});
   CHECK(both.topic("~/odom") == "/hall/north/kart/odom");
@@ -60,7 +60,7 @@ TEST_CASE("Rules name the node, for one node or for all") {
   CHECK(resolver({"locator:__node:=kart", "odom:=~/odom"}).topic("odom") == "/robot/kart/odom");
 }
 
-TEST_CASE("What ROS 2 does not allow is refused with name, fault and rule") {
+TEST_CASE("Names that ROS 2 does not allow are rejected with name, reason and rule") {
   struct Bad {
     std::string name;
     std::string why;
@@ -106,7 +106,7 @@ TEST_CASE("A node's name, its namespace and its enclave follow ROS's rules") {
   }
   CHECK_NOTHROW(check_node_name("_locator7"));
   CHECK_THROWS_AS(check_node_name(std::string(256, 'a')), std::invalid_argument);
-  // What would end the entry "enclave=…;" in a participant's user data, too.
+  // Including characters that would end the entry "enclave=…;" in the user data of a participant.
   for (const char* const path : {"", "a", "/a/", "//a", "/a b", "/foo;bar", "/a=b", "foo;bar"}) {
     CAPTURE(path);
     CHECK_THROWS_WITH(check_enclave(path), Catch::StartsWith(std::string("enclave '") + path + "'"));

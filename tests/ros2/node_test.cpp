@@ -1,4 +1,4 @@
-/// What other processes learn of a node from `ros_discovery_info`, the type of which has two layouts.
+/// Announcement of a node on `ros_discovery_info`, whose type has two layouts.
 
 #include "support/process.hpp"
 #include "support/ros2_graph.hpp"
@@ -34,7 +34,7 @@ std::unique_ptr<Process> start_node(std::uint32_t domain_id) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("Others see the node, its readers and its writers, and no node when it has ended", "",
+TEMPLATE_TEST_CASE("A node announces its readers and writers, and withdraws them when it ends", "",
                    ros2::HumbleParticipantEntitiesInfo, ros2::ParticipantEntitiesInfo) {
   ::unsetenv("CYCLONEDDS_URI");
   const TestDomain domain;
@@ -56,7 +56,7 @@ TEMPLATE_TEST_CASE("Others see the node, its readers and its writers, and no nod
   REQUIRE(told.nodes.size() == 1);
   CHECK(told.nodes[0].name_space == "/hall");
   CHECK(told.nodes[0].name == "locator");
-  // Endpoints that were announced have been discovered, or shortly will be.
+  // Announced endpoints have been discovered, or will be shortly.
   std::map<std::string, dds::FoundEndpoint> writers;
   std::map<std::string, dds::FoundEndpoint> readers;
   for (int attempt = 0; attempt < 1000 && (writers.size() < 3 || readers.empty()); ++attempt) {
@@ -79,7 +79,7 @@ TEMPLATE_TEST_CASE("Others see the node, its readers and its writers, and no nod
   CHECK(watcher.wait_until([&] { return watcher.writer_count() == 0; }));
 }
 
-TEST_CASE("A node tells of changes, and of nothing else") {
+TEST_CASE("A node announces only changes") {
   ::unsetenv("CYCLONEDDS_URI");
   const TestDomain domain;
   Watcher<ros2::ParticipantEntitiesInfo> watcher(domain.id());
@@ -90,7 +90,7 @@ TEST_CASE("A node tells of changes, and of nothing else") {
   auto imu = node.make_writer<ros2::Imu>("imu", "ros2::Default");
   const std::string key = dds::text_of(dds::guid_of(imu));
   node.announce();
-  node.forget(imu);
+  node.remove(imu);
   imu.close();
   node.announce();
   REQUIRE(watcher.wait_for_count(3));

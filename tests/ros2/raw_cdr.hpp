@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A topic whose samples are looked at as the bytes that go over the wire.
+/// A topic that writes and reads serialized samples.
 
 #include "support/test_domain.hpp"
 #include <sonopose/dds/binding/participant.hpp>
@@ -17,7 +17,7 @@ namespace sonopose::test {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Whatever goes wrong is an exception.
+/// Errors are exceptions.
 class RawTopic {
 public:
   explicit RawTopic(const dds_topic_descriptor_t& descriptor)
@@ -30,7 +30,7 @@ public:
     writer_ = good(dds_create_writer(participant_.handle(), topic, qos.get(), nullptr));
   }
 
-  /// What is sent when `sample` is written: the encapsulation header, then the sample.
+  /// The serialized `sample` with its encapsulation header.
   Bytes bytes_of(const void* sample) {
     ddsi_serdata* const data = sent(sample);
     Bytes bytes(ddsi_serdata_size(data));
@@ -39,7 +39,7 @@ public:
     return bytes;
   }
 
-  /// Gives `use` what a reader makes of these bytes. `any` is a sample of the same type.
+  /// Calls `use` with the deserialized sample. `any` is a sample of the same type.
   template <class T, class Use>
   void read(Bytes bytes, const T& any, const Use& use) {
     ddsi_serdata* const other = sent(&any);

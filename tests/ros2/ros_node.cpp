@@ -1,5 +1,5 @@
 // A process with one ROS 2 node: /hall/locator, which writes imu/data and tf_static and reads fix_in, on
-// loopback. It says "ready" when all is announced and ends when it is told to (SIGTERM).
+// loopback. It prints "ready" once all is announced, and ends on SIGTERM.
 //
 //   test_ros2_node DOMAIN humble|jazzy
 

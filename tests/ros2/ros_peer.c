@@ -1,4 +1,4 @@
-// A process that joins a domain as rmw_cyclonedds makes its processes join: with this configuration alone. It
+// A process that joins a domain like those of rmw_cyclonedds, with this configuration only. It
 // waits for a sample on "test/to_peer" and then writes one with its number on "test/from_peer", until it is
 // killed.
 //

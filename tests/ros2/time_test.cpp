@@ -7,7 +7,7 @@
 using namespace sonopose;
 using namespace sonopose::ros2;
 
-TEST_CASE("A time goes to ROS 2 and back to the nanosecond") {
+TEST_CASE("The conversion of times to ROS 2 and back is exact") {
   for (const TimeNs time_ns : {TimeNs{0}, TimeNs{1}, TimeNs{999'999'999}, TimeNs{1'000'000'000},
                                TimeNs{1'700'000'000'123'456'789}, TimeNs{-1}, TimeNs{-2'000'000'001}}) {
     CAPTURE(time_ns);
@@ -19,30 +19,30 @@ TEST_CASE("A time goes to ROS 2 and back to the nanosecond") {
   CHECK(from_ros({5, 1'000'000'000U}) == std::nullopt);
 }
 
-SCENARIO("stamps rise") {
-  GIVEN("a stream whose last sample was stamped 10 s") {
+SCENARIO("stamps increase strictly") {
+  GIVEN("a stream with the last stamp 10 s") {
     constexpr TimeNs ten_s = 10'000'000'000;
     RisingStamp stamps;
     REQUIRE(stamps.next(ten_s) == ten_s);
-    WHEN("a newer one comes") {
-      THEN("its stamp stays") {
+    WHEN("a newer sample arrives") {
+      THEN("its stamp is unchanged") {
         CHECK(stamps.next(ten_s + 5) == ten_s + 5);
       }
     }
-    WHEN("two come with the same stamp") {
-      THEN("each is a nanosecond later, and the next real one stays") {
+    WHEN("two samples have the same time") {
+      THEN("each stamp is one nanosecond later, and the next newer one is unchanged") {
         CHECK(stamps.next(ten_s) == ten_s + 1);
         CHECK(stamps.next(ten_s) == ten_s + 2);
         CHECK(stamps.next(ten_s + 1'000'000) == ten_s + 1'000'000);
       }
     }
-    WHEN("one comes that is 2 ms older") {
-      THEN("it is left out") {
+    WHEN("a sample is 2 ms older") {
+      THEN("it is dropped") {
         CHECK(stamps.next(ten_s - 2'000'000) == std::nullopt);
       }
     }
     WHEN("the clock is set back by two seconds") {
-      THEN("the stream begins anew") {
+      THEN("the stream restarts") {
         CHECK(stamps.next(ten_s - 2'000'000'000) == ten_s - 2'000'000'000);
         CHECK(stamps.next(ten_s - 1'900'000'000) == ten_s - 1'900'000'000);
       }
@@ -51,7 +51,7 @@ SCENARIO("stamps rise") {
   GIVEN("a stream where a newer sample makes an older one useless, such as poses") {
     RisingStamp stamps(0);
     REQUIRE(stamps.next(1'000) == 1'000);
-    THEN("what is not newer is left out") {
+    THEN("samples that are not newer are dropped") {
       CHECK(stamps.next(1'000) == std::nullopt);
       CHECK(stamps.next(999) == std::nullopt);
       CHECK(stamps.next(1'001) == 1'001);

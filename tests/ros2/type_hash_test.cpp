@@ -17,8 +17,8 @@ std::string hash_of() {
 
 }  // namespace
 
-TEST_CASE("Types have the hashes that ROS 2 publishes for them") {
-  // As ROS 2 ships them in share/<package>/msg/<type>.json.
+TEST_CASE("Types have the hashes that ROS 2 publishes") {
+  // From ROS 2, share/<package>/msg/<type>.json.
   CHECK(hash_of<Imu>() == "RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b");
   CHECK(hash_of<Odometry>() == "RIHS01_3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0");
   CHECK(hash_of<PoseWithCovarianceStamped>() ==
@@ -32,7 +32,7 @@ TEST_CASE("Types have the hashes that ROS 2 publishes for them") {
         "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e");
 }
 
-TEST_CASE("A type that idl/ros2 does not hold is refused by name") {
+TEST_CASE("A type that is not in idl/ros2 is rejected by name") {
   CHECK_THROWS_AS(type_hash("sensor_msgs::msg::dds_::Imu"), std::invalid_argument);
   CHECK_THROWS_WITH(type_hash("a::b"), Catch::Contains("'a::b'"));
 }

@@ -1,4 +1,4 @@
-/// What stands on the wire, read by somebody else's eyes: Wireshark's.
+/// The packets on the wire, decoded by Wireshark.
 
 #include "support/process.hpp"
 #include "support/test_domain.hpp"
@@ -22,8 +22,8 @@ using Stream = Process::Stream;
 
 const char* const tshark = "/usr/bin/tshark";
 
-/// A capture on loopback of the ports of a domain, of messages that hold user data, in words. Empty where
-/// this machine cannot.
+/// A decoded capture of the messages with user data on the loopback ports of a domain. Empty if this machine
+/// may not capture.
 std::unique_ptr<Process> capture(std::uint32_t domain_id) {
   if (!std::filesystem::exists(tshark)) return nullptr;
   const std::uint32_t first_port = 7400 + 250 * domain_id;
@@ -36,7 +36,7 @@ std::unique_ptr<Process> capture(std::uint32_t domain_id) {
   return process;
 }
 
-/// The messages (DATA submessages) of what was captured.
+/// The captured DATA submessages.
 std::vector<std::string> messages_in(const std::string& text) {
   const std::string begin_of_message = "submessageId: DATA";
   std::vector<std::string> messages;
@@ -55,7 +55,7 @@ std::string message_with(const std::vector<std::string>& messages, const std::st
   return {};
 }
 
-/// The beginning of what tshark prints, which shows 36 bytes of it.
+/// The first bytes; tshark prints at most 36.
 std::string shown(const std::string& user_data) {
   std::string hex;
   for (const char c : user_data.substr(0, 36)) {
@@ -68,7 +68,7 @@ std::string shown(const std::string& user_data) {
 
 }  // namespace
 
-TEST_CASE("On the wire a node's topics have ROS 2's names, types, QoS and hashes") {
+TEST_CASE("On the wire, the topics of a node have names, types, QoS and hashes of ROS 2") {
   ::unsetenv("CYCLONEDDS_URI");
   const test::TestDomain domain;
   const auto sniffer = capture(domain.id());
@@ -77,7 +77,8 @@ TEST_CASE("On the wire a node's topics have ROS 2's names, types, QoS and hashes
     return;
   }
   Process node(SONOPOSE_TEST_ROS2_NODE, {std::to_string(domain.id()), "jazzy"});
-  const auto other = dds::make_participant({.domain_id = domain.id()});  // somebody to tell it to
+  const auto other =
+      dds::make_participant({.domain_id = domain.id()});  // discovery data is sent only to other participants
   for (const char* const topic : {"topic: rt/hall/imu/data", "topic: rt/tf_static",
                                   "topic: rt/hall/locator/fix_in", "topic: ros_discovery_info"}) {
     REQUIRE(sniffer->wait_for_line(Stream::output, topic));
@@ -96,7 +97,7 @@ TEST_CASE("On the wire a node's topics have ROS 2's names, types, QoS and hashes
   const std::string fix = message_with(messages, "topic: rt/hall/locator/fix_in");
   CHECK_THAT(fix, Contains("ENTITYID_BUILTIN_SUBSCRIPTIONS_WRITER"));
   CHECK_THAT(fix,
-             !Contains("RELIABLE_RELIABILITY_QOS"));  // best effort: a reader's default, which is left out
+             !Contains("RELIABLE_RELIABILITY_QOS"));  // best effort is the default of a reader and is omitted
   const std::string tf = message_with(messages, "topic: rt/tf_static");
   CHECK_THAT(tf, Contains("TRANSIENT_LOCAL_DURABILITY_QOS") && Contains("tf2_msgs::msg::dds_::TFMessage_"));
   const std::string graph = message_with(messages, "topic: ros_discovery_info");

@@ -1,7 +1,10 @@
-/// What sonopose-settings prints.
+/// The output of sonopose-settings.
+
+#include "settings_client/settings_report.hpp"
+
 
 #include "config/fusion_config.hpp"
-#include "settings_client/settings_report.hpp"
+#include <sonopose/settings/preset.hpp>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -45,26 +48,26 @@ config::FusionConfig loaded(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("KEY=VALUE is read whatever the value is; what is not of that form is named") {
-  CHECK(read_assignment("drift.jump_alpha=0.5") == SettingAssignment{"drift.jump_alpha", "0.5"});
-  CHECK(read_assignment("a=b=c") == SettingAssignment{"a", "b=c"});
-  CHECK(read_assignment("a=") == SettingAssignment{"a", ""});
-  CHECK_THROWS_WITH(read_assignment("drift"), Contains("drift") && Contains("KEY=VALUE"));
-  CHECK_THROWS_WITH(read_assignment("=5"), Contains("KEY=VALUE"));
+TEST_CASE("KEY=VALUE is parsed with any value; other forms are rejected") {
+  CHECK(parse_assignment("drift.jump_alpha=0.5") == SettingAssignment{"drift.jump_alpha", "0.5"});
+  CHECK(parse_assignment("a=b=c") == SettingAssignment{"a", "b=c"});
+  CHECK(parse_assignment("a=") == SettingAssignment{"a", ""});
+  CHECK_THROWS_WITH(parse_assignment("drift"), Contains("drift") && Contains("KEY=VALUE"));
+  CHECK_THROWS_WITH(parse_assignment("=5"), Contains("KEY=VALUE"));
 }
 
-TEST_CASE("keys and whole groups can be chosen") {
-  CHECK(keys_of(chosen(some(), {})).size() == 5);
-  CHECK(keys_of(chosen(some(), {"trust"})) == std::vector<std::string>{"trust.enabled", "trust.n_base"});
-  CHECK(keys_of(chosen(some(), {"trust.n_base", "drift.jump_alpha"})) ==
+TEST_CASE("keys and groups can be selected") {
+  CHECK(keys_of(selected(some(), {})).size() == 5);
+  CHECK(keys_of(selected(some(), {"trust"})) == std::vector<std::string>{"trust.enabled", "trust.n_base"});
+  CHECK(keys_of(selected(some(), {"trust.n_base", "drift.jump_alpha"})) ==
         std::vector<std::string>{"drift.jump_alpha", "trust.n_base"});
-  CHECK_THROWS_WITH(chosen(some(), {"trust", "trus"}), Contains("'trus'"));
-  CHECK_THROWS_AS(chosen(some(), {"trust.n"}), std::invalid_argument);
+  CHECK_THROWS_WITH(selected(some(), {"trust", "trus"}), Contains("'trus'"));
+  CHECK_THROWS_AS(selected(some(), {"trust.n"}), std::invalid_argument);
 }
 
-TEST_CASE("what is printed as TOML can be given to a fusion, which then has the same settings") {
+TEST_CASE("a fusion that loads the TOML output has the same settings") {
   settings::Settings settings;
-  settings.preset.imu_weight = estimation::documented::ImuWeight::user;
+  settings.preset.imu_weight = settings::ImuWeight::user;
   settings.drift.jump_alpha = 0.1 + 0.2;
   settings.trust.enabled = false;
   const EffectiveSettings beacon{7, 0, 1, config::texts_of(settings)};
@@ -77,7 +80,7 @@ TEST_CASE("what is printed as TOML can be given to a fusion, which then has the 
   CHECK(config.for_beacon(8).trust.n_base == 11);
 }
 
-TEST_CASE("what holds for any beacon stands at the top level, for the beacons of the file too") {
+TEST_CASE("the settings of all beacons are at the top level") {
   settings::Settings for_all;
   for_all.trust.n_base = 9;
   const EffectiveSettings seven{7, 0, 1, {{"trust.n_base", "11"}}};
@@ -86,9 +89,9 @@ TEST_CASE("what holds for any beacon stands at the top level, for the beacons of
   CHECK(config.for_beacon(7).trust.n_base == 11);
 }
 
-TEST_CASE("items 2, 3 and 4 under a preset are a remark, so that loading the file warns of nothing") {
+TEST_CASE("items 2, 3 and 4 under a preset are comments, so that loading the file gives no warning") {
   settings::Settings low;
-  low.preset.imu_weight = estimation::documented::ImuWeight::low;
+  low.preset.imu_weight = settings::ImuWeight::low;
   const auto texts = config::texts_of(settings::resolved(low));
   const std::vector<EffectiveSettings> settings{{all_beacons, 0, 0, texts}, {7, 0, 1, texts}};
   const auto config = loaded(toml_of(settings));
@@ -100,12 +103,12 @@ TEST_CASE("items 2, 3 and 4 under a preset are a remark, so that loading the fil
   }
   CHECK_THAT(toml_of(settings), Contains("\n# drift.jump_alpha = "));
   CHECK_THAT(toml_of(settings, {"drift"}),
-             Contains("\n# drift.jump_alpha = "));  // known from what is not shown
-  low.preset.imu_weight = estimation::documented::ImuWeight::user;
+             Contains("\n# drift.jump_alpha = "));  // the preset is not selected
+  low.preset.imu_weight = settings::ImuWeight::user;
   CHECK_THAT(toml_of({{7, 0, 1, config::texts_of(low)}}), Contains("\ndrift.jump_alpha = "));
 }
 
-TEST_CASE("names are checked against the table, without any settings there") {
+TEST_CASE("names are checked against the settings table") {
   CHECK_NOTHROW(check_names({}));
   CHECK_NOTHROW(check_names({"trust", "drift.jump_alpha", "attitude", "attitude.mahony"}));
   CHECK_THROWS_WITH(check_names({"trust", "trust.sigma"}),
@@ -114,7 +117,7 @@ TEST_CASE("names are checked against the table, without any settings there") {
   CHECK_THROWS_AS(check_names({""}), settings::SettingError);
 }
 
-TEST_CASE("as JSON, numbers are numbers") {
+TEST_CASE("numbers are JSON numbers") {
   const auto list = nlohmann::json::parse(json_of({some()}));
   REQUIRE(list.size() == 1);
   CHECK(list[0]["beacon"] == 7);
@@ -127,18 +130,18 @@ TEST_CASE("as JSON, numbers are numbers") {
   CHECK(values["trust.n_base"] == 3);
 }
 
-TEST_CASE("a watch tells what changed, beacon by beacon") {
+TEST_CASE("an observer formats changes per beacon") {
   SettingsObserver lines(false);
   SettingsObserver objects(true);
-  for (auto* watch : {&lines, &objects}) {
-    CHECK_FALSE(watch->knows(7));
-    CHECK(watch->on(some()).empty());
-    CHECK(watch->knows(7));
-    CHECK(watch->on(some()).empty());
+  for (auto* observer : {&lines, &objects}) {
+    CHECK_FALSE(observer->has_settings_of(7));
+    CHECK(observer->on(some()).empty());
+    CHECK(observer->has_settings_of(7));
+    CHECK(observer->on(some()).empty());
     EffectiveSettings other = some();
     other.address = 8;
     other.values[4].value = "5";
-    CHECK(watch->on(other).empty());
+    CHECK(observer->on(other).empty());
   }
   EffectiveSettings changed = some();
   changed.from_sequence = 99;
@@ -154,7 +157,7 @@ TEST_CASE("a watch tells what changed, beacon by beacon") {
   CHECK(lines.on(changed).empty());
 }
 
-TEST_CASE("what changes for all beacons is told as that") {
+TEST_CASE("changes of the settings of all beacons have no beacon prefix") {
   SettingsObserver lines(false);
   SettingsObserver objects(true);
   const EffectiveSettings before{all_beacons, 0, 0, {{"trust.n_base", "3"}}};
@@ -165,11 +168,11 @@ TEST_CASE("what changes for all beacons is told as that") {
   CHECK(nlohmann::json::parse(objects.on(after))["beacon"] == "all");
 }
 
-TEST_CASE("an answer says from when on it holds") {
-  CHECK_THAT(when_of({7, 1, true, "", 12}), Contains("event 12") && Contains("beacon 7"));
-  CHECK_THAT(when_of({7, 1, true, "", 0}), Contains("first event of beacon 7"));
-  CHECK_THAT(when_of({all_beacons, 1, true, "", 12}), Contains("each") && Contains("event 12"));
-  CHECK_THAT(when_of({all_beacons, 1, true, "", 0}), Contains("each") && Contains("next event"));
-  CHECK_THAT(when_of({all_beacons, 1, true, "", 0, "7: event 812, 9: event 501"}),
+TEST_CASE("a reply states when it takes effect") {
+  CHECK_THAT(effective_time_text({7, 1, true, "", 12}), Contains("event 12") && Contains("beacon 7"));
+  CHECK_THAT(effective_time_text({7, 1, true, "", 0}), Contains("first event of beacon 7"));
+  CHECK_THAT(effective_time_text({all_beacons, 1, true, "", 12}), Contains("each") && Contains("event 12"));
+  CHECK_THAT(effective_time_text({all_beacons, 1, true, "", 0}), Contains("each") && Contains("next event"));
+  CHECK_THAT(effective_time_text({all_beacons, 1, true, "", 0, "7: event 812, 9: event 501"}),
              Contains("7: event 812, 9: event 501"));
 }

@@ -59,7 +59,7 @@ std::string refusal(const Disturbances& disturbances) {
 
 }  // namespace
 
-SCENARIO("packets meet their fates as often as the shares say") {
+SCENARIO("packet faults occur with the configured shares") {
   GIVEN("single losses, copies and late ones") {
     const Counted counted =
         count({.dropped_share = 0.02, .duplicated_share = 0.05, .late_share = 0.1, .late_by_s = {0.05, 0.3}});
@@ -83,7 +83,7 @@ SCENARIO("packets meet their fates as often as the shares say") {
   }
 }
 
-SCENARIO("poor fixes come as often as the shares say") {
+SCENARIO("poor fixes occur with the configured share") {
   const Disturbances disturbances{.poor_fixes = {{.share = 0.25}, {.share = 0.1}}};
   Random random(1);
   double first = 0;
@@ -98,7 +98,7 @@ SCENARIO("poor fixes come as often as the shares say") {
   CHECK(draw_poor_fix({}, random) == nullptr);
 }
 
-SCENARIO("what is wrong begins and ends when it shall") {
+SCENARIO("disturbances begin and end on time") {
   GIVEN("an outage from 5 to 7 s") {
     const Disturbances disturbances{.outages = {{5.0, 2.0}}};
     CHECK_FALSE(is_outage(disturbances, 4.999));
@@ -129,7 +129,7 @@ SCENARIO("what is wrong begins and ends when it shall") {
   }
 }
 
-SCENARIO("disturbances that cannot be are refused by name") {
+SCENARIO("invalid disturbances are refused by name") {
   CHECK(refusal({}) == "accepted");
   CHECK_THAT(refusal({.outages = {{1.0, -2.0}}}),
              Catch::Contains("outages.duration_s") && Catch::Contains("-2"));

@@ -41,7 +41,7 @@ struct ImuArrivals {
 
 }  // namespace
 
-SCENARIO("on a bad line IMU samples get lost, come twice and come late") {
+SCENARIO("a bad line loses, duplicates and delays IMU samples") {
   constexpr double duration_s = 600.0;
   constexpr double samples = 100.0 * duration_s;
   Simulator simulator(find_scenario("packet_loss"), {.duration_s = duration_s});
@@ -71,15 +71,15 @@ SCENARIO("on a bad line IMU samples get lost, come twice and come late") {
     CHECK(arrivals.most_late_s > 0.035);
     CHECK(arrivals.most_late_s <= 0.05 + 0.06);  // where a run is lost behind it, it waits for the next one
   }
-  THEN("a copy is the same but for its number") {
+  THEN("a copy differs only in its number") {
     CHECK_FALSE(arrivals.copies_differ);
   }
-  THEN("what came late has no truth, everything else has it once") {
+  THEN("late samples have no truth, all others have it once") {
     CHECK(truths + static_cast<std::size_t>(arrivals.late) == arrivals.copies.size());
   }
 }
 
-SCENARIO("on a bad line a position packet's fix and heading share its fate") {
+SCENARIO("a bad line affects the fix and the heading of a position packet together") {
   constexpr double duration_s = 1200.0;
   Simulator simulator(find_scenario("packet_loss"), {.duration_s = duration_s});
   std::map<TimeNs, int> fixes;

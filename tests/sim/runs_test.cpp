@@ -1,7 +1,7 @@
-/// What goes wrong in a scenario shows in its runs, and nothing else does.
+/// The runs of a scenario have its disturbances and no others.
 
-#include <sonopose/geometry/rotation.hpp>
 #include "sim/simulator.hpp"
+#include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -55,7 +55,7 @@ double fix_rate_hz(const std::vector<UltrasonicFix>& fixes) {
 
 }  // namespace
 
-SCENARIO("every run has a fix rate and a fix noise of its own, within the beacons' ranges") {
+SCENARIO("each run draws its fix rate and fix noise from the beacons' ranges") {
   GIVEN("forty seeds of the walk") {
     double least_hz = 1e9;
     double most_hz = 0;
@@ -88,7 +88,7 @@ SCENARIO("every run has a fix rate and a fix noise of its own, within the beacon
   }
 }
 
-SCENARIO("in an outage nothing is emitted, and before and after it all is") {
+SCENARIO("fixes stop during an outage only") {
   const Recording recording = run_of("outages");
   const auto fixes = of_kind<UltrasonicFix>(recording);
   const double period_s = 1.0 / fix_rate_hz(of_kind<UltrasonicFix>(run_of("walk")));
@@ -144,7 +144,7 @@ SCENARIO("in an outlier burst the fixes lie on a parallel track") {
     }
     CHECK(per_axis(error_by_burst_m[bursts.size()]) < 0.026);
   }
-  THEN("the headings are right throughout") {
+  THEN("the headings stay correct throughout") {
     for (const PairHeading& heading : of_kind<PairHeading>(recording)) {
       const Motion motion = find_scenario("walk").motion(seconds_between(start_ns, heading.emission_time_ns));
       const double yaw = geometry::yaw_of(motion.q_body_to_world);
@@ -153,7 +153,7 @@ SCENARIO("in an outlier burst the fixes lie on a parallel track") {
   }
 }
 
-SCENARIO("fixes of low quality are worse, and say so") {
+SCENARIO("fixes of low quality are worse, and report it") {
   std::vector<Vector3d> good;
   std::vector<Vector3d> moderate;
   std::vector<Vector3d> bad;
@@ -174,7 +174,7 @@ SCENARIO("fixes of low quality are worse, and say so") {
   CHECK(bad_m < 0.5);
 }
 
-SCENARIO("a relocated body is elsewhere at once, and its IMU has not felt it") {
+SCENARIO("a relocation moves the body at once without a trace in its IMU samples") {
   const Recording moved = run_of("relocation");
   Scenario scenario = find_scenario("relocation");
   REQUIRE(scenario.disturbances.relocations.size() == 1);
@@ -201,7 +201,7 @@ SCENARIO("a relocated body is elsewhere at once, and its IMU has not felt it") {
   }
 }
 
-SCENARIO("without a heading each seed starts in a direction of its own") {
+SCENARIO("without a heading each seed starts in another direction") {
   const Scenario& scenario = find_scenario("no_heading");
   GIVEN("eight hundred seeds") {
     std::map<int, int> count_by_eighth;

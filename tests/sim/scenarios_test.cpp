@@ -1,7 +1,7 @@
 /// Each scenario's motion is what its name says.
 
-#include <sonopose/geometry/rotation.hpp>
 #include "sim/simulator.hpp"
+#include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -59,7 +59,7 @@ Extremes extremes_of(const Scenario& scenario) {
 
 }  // namespace
 
-SCENARIO("every scenario is there, under a name of its own") {
+SCENARIO("the names of the scenarios are unique") {
   std::set<std::string> names;
   for (const Scenario& scenario : scenarios()) {
     CHECK(names.insert(std::string(scenario.name)).second);
@@ -208,7 +208,7 @@ SCENARIO("the drone flies by its thrust alone") {
   }
 }
 
-SCENARIO("what is driven and walked comes round and goes on") {
+SCENARIO("driven and walked paths are periodic") {
   GIVEN("an hour later") {
     for (const Scenario& scenario : scenarios()) {
       const Motion late = scenario.motion(3600.0);
@@ -230,7 +230,7 @@ SCENARIO("what is driven and walked comes round and goes on") {
   }
 }
 
-SCENARIO("a turned world feels the same") {
+SCENARIO("turning the world does not change the IMU samples") {
   GIVEN("the drone in flight, and the world turned by 2 rad about a point") {
     const Motion motion = find_scenario("drone").motion(20.0);
     const Vector3d pivot(1.0, -2.0, 0.5);
@@ -240,7 +240,8 @@ SCENARIO("a turned world feels the same") {
       const ImuSample after = ideal_imu_sample(other, {0.06, 0.0, 0.01});
       CHECK((before.specific_force_body_mps2 - after.specific_force_body_mps2).norm() < 1e-12);
       CHECK(before.angular_velocity_body_radps == after.angular_velocity_body_radps);
-      const double yaw_change = geometry::yaw_of(other.q_body_to_world) - geometry::yaw_of(motion.q_body_to_world);
+      const double yaw_change =
+          geometry::yaw_of(other.q_body_to_world) - geometry::yaw_of(motion.q_body_to_world);
       CHECK(std::abs(geometry::wrap_angle(yaw_change - 2.0)) < 1e-12);
       const Vector3d arm = motion.position_world_m - pivot;
       const Vector3d turned_arm = other.position_world_m - pivot;

@@ -1,5 +1,6 @@
-#include <sonopose/geometry/rotation.hpp>
 #include "sim/simulator.hpp"
+
+#include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -68,7 +69,7 @@ SCENARIO("events come in the order in which a bridge gets them") {
   }
 }
 
-SCENARIO("a fix tells where the beacon was, and comes late") {
+SCENARIO("a fix has the position at emission, and arrives later") {
   GIVEN("a perfect kart with the pair mounted across, 12 Hz and 68 ms") {
     SensorSettings settings = SensorSettings::ideal();
     settings.pair_mount_offset_rad = 1.5;
@@ -97,7 +98,7 @@ SCENARIO("a fix tells where the beacon was, and comes late") {
   }
 }
 
-SCENARIO("a run can be had again") {
+SCENARIO("a run is reproducible") {
   const Run run{.seed = 11, .start_time_ns = start_ns, .address = 7, .duration_s = 8.0};
   const auto events = events_of(all_steps(SensorSettings{}, run));
   THEN("the same seed gives the same bits") {
@@ -132,7 +133,7 @@ SCENARIO("a run can be had again") {
   }
 }
 
-SCENARIO("the simulator ends when it shall, and not before") {
+SCENARIO("the simulator ends on time") {
   CHECK(all_steps(SensorSettings{}, {.duration_s = 0.0}).empty());
   GIVEN("no duration") {
     Simulator simulator(find_scenario("rest"), SensorSettings{}, {});
@@ -145,7 +146,7 @@ SCENARIO("the simulator ends when it shall, and not before") {
   }
 }
 
-SCENARIO("sensors that cannot be are refused") {
+SCENARIO("invalid sensor settings are refused") {
   const auto refusal = [](auto change) {
     SensorSettings settings;
     change(settings);

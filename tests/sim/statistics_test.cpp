@@ -1,7 +1,7 @@
-/// What the simulated sensors add to the truth has the size that the settings say.
+/// The simulated sensor errors have the configured size.
 
-#include <sonopose/geometry/rotation.hpp>
 #include "sim/simulator.hpp"
+#include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -41,7 +41,7 @@ Statistics of(const std::vector<double>& values) {
 
 }  // namespace
 
-SCENARIO("our Gaussian is one") {
+SCENARIO("the normal distribution is correct") {
   GIVEN("a hundred thousand numbers") {
     Random random(42);
     std::vector<double> values(100'000);
@@ -64,7 +64,7 @@ SCENARIO("our Gaussian is one") {
   }
 }
 
-SCENARIO("noise has the size that the settings say") {
+SCENARIO("noise has the configured size") {
   GIVEN("200 s at rest, with nothing but white noise and jitter") {
     SensorSettings settings;
     settings.accel_bias_mps2 = 0;

@@ -1,5 +1,5 @@
-#include <sonopose/geometry/rotation.hpp>
 #include "sim/scenario.hpp"
+#include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -22,7 +22,7 @@ Vector3d rate_between(const Quaterniond& before, const Quaterniond& after, doubl
 
 }  // namespace
 
-SCENARIO("each motion's derivatives belong to each other") {
+SCENARIO("the derivatives of each motion are consistent") {
   for (const Scenario& scenario : scenarios()) {
     GIVEN("the scenario " + std::string(scenario.name)) {
       WHEN("finite differences are taken every few hundredths of a second") {
@@ -85,7 +85,7 @@ SCENARIO("no motion has a step in its acceleration") {
   }
 }
 
-SCENARIO("the walk is one") {
+SCENARIO("the walk is a walk") {
   const Scenario& walk = find_scenario("walk");
   GIVEN("its first three seconds") {
     THEN("it stands still") {
@@ -109,8 +109,9 @@ SCENARIO("the walk is one") {
       least_mps = std::min(least_mps, v.norm());
       most_mps = std::max(most_mps, v.norm());
       const double direction = std::atan2(v.y(), v.x());
-      yaw_error_rad = std::max(yaw_error_rad,
-                               std::abs(geometry::wrap_angle(geometry::yaw_of(motion.q_body_to_world) - direction)));
+      yaw_error_rad =
+          std::max(yaw_error_rad,
+                   std::abs(geometry::wrap_angle(geometry::yaw_of(motion.q_body_to_world) - direction)));
       largest_turn_radps = std::max(largest_turn_radps, std::abs(motion.angular_velocity_body_radps.z()));
     }
     THEN("it goes at about 1 m/s, turns, and looks where it goes") {
@@ -133,7 +134,7 @@ SCENARIO("a body that is tilted turns as the ZYX angles say") {
     const double pitch = 1.0;
     const Motion motion =
         motion_on({.x = 0, .y = 0, .z = 0, .yaw = {0.3, 2.0, 0.0}, .pitch = pitch, .roll = 0});
-    THEN("its rate stands along world Z: seen from the body, on x and z") {
+    THEN("its rate is along world Z, that is body x and z") {
       CHECK(motion.angular_velocity_body_radps.x() == Approx(-2.0 * std::sin(pitch)));
       CHECK(motion.angular_velocity_body_radps.y() == Approx(0.0).margin(1e-15));
       CHECK(motion.angular_velocity_body_radps.z() == Approx(2.0 * std::cos(pitch)));

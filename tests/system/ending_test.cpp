@@ -64,7 +64,7 @@ SCENARIO("waiting programs end on a signal") {
       const std::string log = (folder / "log").string();
       REQUIRE(bus.bridge({"--rate", "0", "--duration", "1", "--record", log})->wait_for_exit() == 0);
       const auto bridge = bus.bridge({"--source", "log", "--input", log});
-      REQUIRE(bridge->wait_for_line(Stream::error, "waiting for somebody to listen"));
+      REQUIRE(bridge->wait_for_line(Stream::error, "waiting for a reader"));
       check_ending(*bridge, signal);
     }
     WHEN("fusion and monitor have no writer " + std::to_string(signal)) {

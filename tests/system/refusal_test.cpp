@@ -67,7 +67,7 @@ SCENARIO("a fusion refuses an invalid configuration") {
     const std::string said = refused_config("[drift]\ndecay_rate_hz = \"fast\"\n");
     THEN("file, line, key, value and the allowed values are named") {
       CHECK_THAT(said, Contains("fusion.toml:2:") && Contains("drift.decay_rate_hz") && Contains("fast") &&
-                           Contains("kind") && Contains("0 … 50"));
+                           Contains("type") && Contains("0 … 50"));
     }
   }
   WHEN("an override of one beacon is misspelt") {

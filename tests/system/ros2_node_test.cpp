@@ -11,7 +11,7 @@ using namespace sonopose::test;
 
 namespace {
 
-/// The writers of these topics, by key; fewer where some do not exist (yet).
+/// The writers of these topics, by key; fewer if some do not exist yet.
 std::set<std::string> writers_of(const dds::Discovery& discovery, const std::string& participant,
                                  const std::vector<std::string>& topics) {
   const auto all = endpoints_of(discovery.writers(), participant);

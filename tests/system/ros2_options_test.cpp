@@ -62,7 +62,7 @@ TEST_CASE("The relay refuses names that ROS 2 does not allow") {
 TEST_CASE("The relay refuses invalid frames, mounts and numbers") {
   check_all_refused(
       {{{"--map-frame", "/map"}, {"--map-frame: ", "'/map'", "must not begin with a slash"}},
-       {{"--base-frame", "map"}, {"--base-frame: ", "is called as the map frame is"}},
+       {{"--base-frame", "map"}, {"--base-frame: ", "has the same name as the map frame"}},
        {{"--base-frame", "b7", "--imu-frame", "b{address}"}, {"--imu-frame: ", "'b7'", "beacon 7"}},
        {{"--mount", "0", "0", "nan", "0", "0", "0"}, {"--mount: z is nan", "1000 m"}},
        {{"--mount", "0", "-1001", "0", "0", "0", "0"}, {"--mount: y is -1001", "1000 m"}},
@@ -72,7 +72,7 @@ TEST_CASE("The relay refuses invalid frames, mounts and numbers") {
        {{"--addresses", "x"}, {"--addresses: 'x'", "65534"}},
        {{"--addresses", "7-3"}, {"--addresses: ", "'7-3'", "from the lower address"}},
        {{"--imu-in", "/imu"}, {"--imu-in /imu"}},
-       {{"--fix-in", "/tag=70000"}, {"'70000' is no address"}}});
+       {{"--fix-in", "/tag=70000"}, {"'70000' is not an address"}}});
 }
 
 TEST_CASE("An option with a fixed set of values refuses others and lists them") {

@@ -107,3 +107,33 @@ SCENARIO("a beacon on a serial line is unplugged and plugged in again, and poses
     }
   }
 }
+
+SCENARIO("a serial line is visible on the bus before any beacon address is known") {
+  GIVEN("a bridge on a device that is absent") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const auto device = folder / "ttyACM0";
+    Consumer<sonopose_LineStatus> lines(bus, topics::line_status);
+    const auto bridge = bus.bridge({"--source", "serial", "--device", device.string()});
+    THEN("its line waits, and says why") {
+      REQUIRE(lines.wait_for([&device](const LineStatus& line) {
+        return line.name == device.string() && line.state == LineState::waiting && !line.text.empty() &&
+               line.bytes == 0;
+      }));
+    }
+    WHEN("the device appears and sends only noise") {
+      const PseudoTerminal line;
+      std::filesystem::create_symlink(line.device(), device);
+      REQUIRE(bridge->wait_for_line(Stream::error, "reading " + device.string()));
+      line.send(Bytes(1000, 0x55));
+      THEN("the line is open and counts bytes, but no frame") {
+        REQUIRE(lines.wait_for([](const LineStatus& now) {
+          return now.state == LineState::open && now.bytes == 1000 && now.text.empty();
+        }));
+        CHECK(lines.samples.back().frames == 0);
+        CHECK(lines.samples.back().bytes_lost > 0);
+        CHECK(lines.samples.back().bridge_id != 0);
+      }
+    }
+  }
+}

@@ -5,6 +5,7 @@
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
 #include <sonopose/estimation/documented/engine.hpp>
+#include <sonopose/settings/settings_table.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -97,7 +98,7 @@ SCENARIO("settings are changed at run time, and late consumers receive the effec
         REQUIRE(bus.settings({"set", "trust.n_min=3", "--beacon", "7"}).code == 0);
         REQUIRE(live.settings.wait_for(has(7, "trust.n_min", "3")));
         CHECK(value_in(as_late_consumer(bus, 7), "trust.n_base") ==
-              std::to_string(estimation::documented::TrustSettings{}.n_base));
+              std::to_string(settings::TrustSettings{}.n_base));
       }
     }
     WHEN("a setting that a preset replaces is set") {

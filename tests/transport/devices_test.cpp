@@ -1,6 +1,6 @@
+#include "files/error.hpp"
 #include "support/temporary_folder.hpp"
 #include "transport/byte_file.hpp"
-#include "files/error.hpp"
 #include "transport/udp_listener.hpp"
 
 #include <catch2/catch.hpp>
@@ -76,7 +76,7 @@ double milliseconds_to_stop(ByteSource& source) {
 
 }  // namespace
 
-SCENARIO("an address to listen at is read, or refused with the reason") {
+SCENARIO("an address to listen on is parsed, or refused with the cause") {
   CHECK(parse_endpoint("0.0.0.0:49100") == Endpoint{"0.0.0.0", 49100});
   CHECK(parse_endpoint("[::1]:1") == Endpoint{"::1", 1});
   CHECK(parse_endpoint("127.0.0.1:0") == Endpoint{"127.0.0.1", 0});
@@ -89,17 +89,17 @@ SCENARIO("an address to listen at is read, or refused with the reason") {
     return std::string("accepted");
   };
   CHECK(refusal("49100") == "\"49100\" is not ADDR:PORT: the colon and the port are missing");
-  CHECK_THAT(refusal("127.0.0.1:"), Contains("\"\" is no port from 0 to 65535"));
-  CHECK_THAT(refusal("127.0.0.1:65536"), Contains("\"65536\" is no port"));
-  CHECK_THAT(refusal("127.0.0.1:-1"), Contains("\"-1\" is no port"));
-  CHECK_THAT(refusal("127.0.0.1:80x"), Contains("\"80x\" is no port"));
-  CHECK_THAT(refusal("localhost:80"), Contains("\"localhost\" is no IP address in numbers"));
-  CHECK_THAT(refusal(":80"), Contains("\"\" is no IP address in numbers"));
-  CHECK_THAT(refusal("::1:80"), Contains("stands in brackets"));
+  CHECK_THAT(refusal("127.0.0.1:"), Contains("\"\" is not a port from 0 to 65535"));
+  CHECK_THAT(refusal("127.0.0.1:65536"), Contains("\"65536\" is not a port"));
+  CHECK_THAT(refusal("127.0.0.1:-1"), Contains("\"-1\" is not a port"));
+  CHECK_THAT(refusal("127.0.0.1:80x"), Contains("\"80x\" is not a port"));
+  CHECK_THAT(refusal("localhost:80"), Contains("\"localhost\" is not a numeric IP address"));
+  CHECK_THAT(refusal(":80"), Contains("\"\" is not a numeric IP address"));
+  CHECK_THAT(refusal("::1:80"), Contains("needs brackets"));
 }
 
-SCENARIO("datagrams arrive one by one, with their time") {
-  GIVEN("a listener on loopback, at a port that the system chose") {
+SCENARIO("datagrams are read one by one, with their arrival time") {
+  GIVEN("a listener on loopback, on a port chosen by the system") {
     UdpListener listener(parse_endpoint("127.0.0.1:0"));
     REQUIRE(listener.endpoint().port != 0);
     CHECK(listener.name() == "udp 127.0.0.1:" + std::to_string(listener.endpoint().port));
@@ -119,7 +119,7 @@ SCENARIO("datagrams arrive one by one, with their time") {
       sender.send("first");
       sender.send("");
       sender.send("second one");
-      THEN("each comes whole and alone") {
+      THEN("each is read alone and complete") {
         const ReadResult first = listener.read(buffer, 5s);
         REQUIRE(first.status == ReadStatus::data);
         CHECK(text_of(std::span(buffer).first(first.size)) == "first");
@@ -132,10 +132,10 @@ SCENARIO("datagrams arrive one by one, with their time") {
         CHECK(text_of(std::span(buffer).first(second.size)) == "second one");
       }
     }
-    WHEN("another listener wants the same port") {
-      THEN("it is told why not") {
+    WHEN("another listener binds the same port") {
+      THEN("it gets the cause") {
         CHECK_THROWS_WITH(UdpListener(listener.endpoint()),
-                          Contains("cannot listen at 127.0.0.1:") && Contains("already in use"));
+                          Contains("cannot listen on 127.0.0.1:") && Contains("already in use"));
       }
     }
     WHEN("another thread stops it") {
@@ -144,7 +144,7 @@ SCENARIO("datagrams arrive one by one, with their time") {
       }
     }
   }
-  GIVEN("an address that is not of this machine") {
+  GIVEN("an address of another machine") {
     CHECK_THROWS_AS(UdpListener(Endpoint{"192.0.2.1", 0}), IoError);
   }
 }
@@ -156,7 +156,7 @@ SCENARIO("a file of bytes is played to its end") {
   write_text(folder / "stream.bin", bytes);
   ByteFile file(folder / "stream.bin");
   std::array<std::uint8_t, 777> buffer{};
-  THEN("every byte comes, in order, then the end") {
+  THEN("every byte is read, in order, then the end") {
     std::string read;
     ReadResult result = file.read(buffer, 1s);
     for (; result.status == ReadStatus::data; result = file.read(buffer, 1s)) {
@@ -170,13 +170,13 @@ SCENARIO("a file of bytes is played to its end") {
     file.stop();
     CHECK(file.read(buffer, 1s).status == ReadStatus::stopped);
   }
-  THEN("a file that is not there or is no file is named") {
+  THEN("a missing file or a folder is reported by name") {
     CHECK_THROWS_WITH(ByteFile(folder / "none.bin"), Contains("none.bin: cannot be opened: No such file"));
-    CHECK_THROWS_WITH(ByteFile(folder.path()), Contains("is a folder and no file"));
+    CHECK_THROWS_WITH(ByteFile(folder.path()), Contains("is a folder, not a file"));
   }
 }
 
-SCENARIO("a capture keeps what it is given, at once, after what is there") {
+SCENARIO("a capture appends bytes at once") {
   const TemporaryFolder folder;
   const std::vector<std::uint8_t> bytes{0xFF, 0x47, 0x00, 0x0A};
   const std::string text(bytes.begin(), bytes.end());
@@ -185,8 +185,9 @@ SCENARIO("a capture keeps what it is given, at once, after what is there") {
   CHECK(read_text(folder / "capture.bin") == text);
   CaptureFile(folder / "capture.bin").append(bytes);
   CHECK(read_text(folder / "capture.bin") == text + text);
-  THEN("a folder that is not there, and a full disk, are reported") {
-    CHECK_THROWS_WITH(CaptureFile(folder / "none" / "capture.bin"), Contains("cannot be made: No such file"));
+  THEN("a folder that does not exist, and a full disk, are reported") {
+    CHECK_THROWS_WITH(CaptureFile(folder / "none" / "capture.bin"),
+                      Contains("cannot be created: No such file"));
     CHECK_THROWS_WITH(CaptureFile("/dev/full").append(bytes),
                       Contains("/dev/full: cannot be written: No space left"));
   }

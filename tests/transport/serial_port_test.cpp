@@ -1,8 +1,9 @@
-/// The serial line on pseudo-terminals, which the kernel treats as it treats the real ones.
+/// The serial line on pseudo-terminals, which the kernel handles like real ones.
 
-#include "support/temporary_folder.hpp"
-#include "files/error.hpp"
 #include "transport/serial_port.hpp"
+
+#include "files/error.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -88,14 +89,15 @@ struct Host {
 
 }  // namespace
 
-SCENARIO("bytes come through a serial line as they are") {
+SCENARIO("bytes pass through a serial line unchanged") {
   GIVEN("a line at 500000 baud") {
     const Beacon beacon;
     Host host{.port = {beacon.device(), 500'000}};
-    CHECK(host.port.name() == beacon.device() + " at 500000 baud");
+    CHECK(host.port.name() == beacon.device());
+    CHECK(host.port.description() == beacon.device() + " at 500000 baud");
     REQUIRE(host.next().status == ReadStatus::connected);
     CHECK(host.port.last_error().empty());
-    WHEN("every byte value is sent, those included that a terminal would act on") {
+    WHEN("every byte value is sent, including those with a meaning for terminals") {
       std::string all(256, '\0');
       for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<char>(i);
       const TimeNs before_ns = host_time_ns();
@@ -121,7 +123,7 @@ SCENARIO("bytes come through a serial line as they are") {
       }
     }
   }
-  GIVEN("a baud rate that no standard knows") {
+  GIVEN("a non-standard baud rate") {
     const Beacon beacon;
     Host host{.port = {beacon.device(), 123'456}};
     REQUIRE(host.next().status == ReadStatus::connected);
@@ -130,8 +132,8 @@ SCENARIO("bytes come through a serial line as they are") {
   }
 }
 
-SCENARIO("an unplugged device is waited for and opened again") {
-  GIVEN("a device behind a link, as udev makes them") {
+SCENARIO("the port waits for an unplugged device and opens it again") {
+  GIVEN("a device behind a link, as udev creates it") {
     const TemporaryFolder dev;
     const auto link = dev / "beacon";
     auto beacon = std::make_unique<Beacon>();
@@ -143,12 +145,12 @@ SCENARIO("an unplugged device is waited for and opened again") {
     WHEN("it is unplugged") {
       beacon.reset();
       std::filesystem::remove(link);
-      THEN("that is told once, with a cause, and the port waits") {
+      THEN("that is reported once, with its cause, and the port waits") {
         CHECK(host.next().status == ReadStatus::disconnected);
         CHECK_FALSE(host.port.last_error().empty());
         CHECK(host.port.read(host.buffer, 350ms).status == ReadStatus::timeout);
         CHECK_THAT(host.port.last_error(), Contains("No such file"));
-        AND_WHEN("another device comes back under the same link") {
+        AND_WHEN("another device appears under the same link") {
           const Beacon other;
           const Beacon again;
           std::filesystem::create_symlink(again.device(), link);
@@ -162,11 +164,11 @@ SCENARIO("an unplugged device is waited for and opened again") {
       }
     }
   }
-  GIVEN("a device that is not there at the start") {
+  GIVEN("a device that is absent at the start") {
     const TemporaryFolder dev;
     const auto link = dev / "beacon";
     Host host{.port = {link.string(), 115'200}};
-    THEN("that is told once, and it is opened when it comes") {
+    THEN("that is reported once, and it is opened when it appears") {
       CHECK(host.next().status == ReadStatus::disconnected);
       CHECK(host.port.read(host.buffer, 250ms).status == ReadStatus::timeout);
       const Beacon beacon;
@@ -176,7 +178,7 @@ SCENARIO("an unplugged device is waited for and opened again") {
   }
 }
 
-SCENARIO("a line belongs to one reader") {
+SCENARIO("a line has one reader only") {
   if (::geteuid() == 0) {
     std::cout << "skipped: the kernel lets the superuser open any line\n";
     return;
@@ -189,13 +191,14 @@ SCENARIO("a line belongs to one reader") {
   CHECK_THAT(second.port.last_error(), Contains("busy"));
 }
 
-SCENARIO("what can never be a serial line is refused at once") {
+SCENARIO("a path that can never be a serial line is refused at once") {
   const TemporaryFolder folder;
   write_text(folder / "file", "");
-  CHECK_THROWS_WITH(SerialPort((folder / "file").string(), 115'200), Contains("file: is no serial device"));
-  CHECK_THROWS_WITH(SerialPort(folder.path().string(), 115'200), Contains("is no serial device"));
+  CHECK_THROWS_WITH(SerialPort((folder / "file").string(), 115'200),
+                    Contains("file: is not a serial device"));
+  CHECK_THROWS_WITH(SerialPort(folder.path().string(), 115'200), Contains("is not a serial device"));
   CHECK_THROWS_WITH(SerialPort("/dev/ttyACM0", 0), Contains("baud rate of 0"));
-  GIVEN("a device that is no terminal") {
+  GIVEN("a device that is not a terminal") {
     Host host{.port = {"/dev/null", 115'200}};
     CHECK(host.next().status == ReadStatus::disconnected);
     CHECK_THAT(host.port.last_error(), Contains("ioctl"));
@@ -222,7 +225,7 @@ SCENARIO("a serial port stops within well under a second") {
     SerialPort port(beacon.device(), 115'200);
     CHECK(milliseconds_to_stop(port) < 500.0);
   }
-  GIVEN("a device that is not there") {
+  GIVEN("a device that is absent") {
     SerialPort port("/dev/sonopose-no-such-device", 115'200);
     CHECK(milliseconds_to_stop(port) < 500.0);
   }

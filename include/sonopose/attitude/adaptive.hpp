@@ -11,39 +11,15 @@
 #include <sonopose/attitude/low_pass.hpp>
 #include <sonopose/attitude/magnetic.hpp>
 #include <sonopose/attitude/rest.hpp>
-#include <sonopose/settings/declaration.hpp>
+#include <sonopose/attitude/settings.hpp>
 
 namespace sonopose::attitude {
-
-struct AdaptiveSettings {
-  double accel_time_s{};
-  double heading_time_s{};
-
-  static constexpr std::string_view group = "attitude.adaptive";
-  static constexpr auto declarations() {
-    using G = AdaptiveSettings;
-    using settings::own_setting;
-    using settings::real;
-    return settings::rows(
-        real(own_setting, "accel_time_s", &G::accel_time_s, 3.0, {0.05, 1000.0}, "s",
-             "Time constant of the specific force's low-pass: longer is misled less by acceleration and "
-             "corrects the gyroscope later."),
-        real(own_setting, "heading_time_s", &G::heading_time_s, 9.0, {0.05, 1000.0}, "s",
-             "Time constant with which heading follows the magnetometer's."));
-  }
-  constexpr AdaptiveSettings() { settings::set_defaults(*this); }
-};
 
 template <class Number>
 class BasicAdaptive {
 public:
   using Scalar = Number;
-  struct Settings {
-    AdaptiveSettings adaptive;
-    RestSettings rest;
-    BiasSettings bias;
-    MagneticSettings magnetic;
-  };
+  using Settings = AdaptiveFilterSettings;
   static constexpr std::string_view name = "adaptive";
   static constexpr double longest_wait_s = 0.1;
 

@@ -5,10 +5,10 @@
 /// ignored while it contradicts the estimate by too much.
 
 #include <sonopose/attitude/ahrs_outputs.hpp>
-#include <sonopose/attitude/ahrs_settings.hpp>
 #include <sonopose/attitude/filter.hpp>
 #include <sonopose/attitude/gyro_offset.hpp>
 #include <sonopose/attitude/rejection.hpp>
+#include <sonopose/attitude/settings.hpp>
 
 namespace sonopose::attitude {
 

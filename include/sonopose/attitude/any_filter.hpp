@@ -9,52 +9,14 @@
 #include <sonopose/attitude/filter.hpp>
 #include <sonopose/attitude/gyro.hpp>
 #include <sonopose/attitude/mahony.hpp>
+#include <sonopose/attitude/settings.hpp>
 #include <sonopose/attitude/tracker.hpp>
-#include <sonopose/settings/declaration.hpp>
 
 #include <array>
 #include <cstdint>
 #include <variant>
 
 namespace sonopose::attitude {
-
-enum class FilterKind : std::uint8_t { adaptive, mahony, complementary, ahrs, gyro };
-
-constexpr std::array<std::string_view, 5> choices_of(FilterKind /*kind*/) {
-  return {Adaptive::name, Mahony::name, Complementary::name, Ahrs::name, Gyro::name};
-}
-
-struct SelectionSettings {
-  FilterKind filter{};
-  bool magnetometer{};
-  double north_deg{};
-
-  static constexpr std::string_view group = "attitude";
-  static constexpr auto declarations() {
-    using G = SelectionSettings;
-    using settings::own_setting;
-    return settings::rows(
-        settings::choice(own_setting, "filter", &G::filter, FilterKind::adaptive,
-                        "Which filter tells the attitude; items 29 and 30 are mahony's."),
-        settings::flag(own_setting, "magnetometer", &G::magnetometer, false,
-                      "Heading from the magnetometer, where samples have one; not beside paired beacons, "
-                      "whose heading is better."),
-        settings::real(
-            own_setting, "north_deg", &G::north_deg, 90.0, {-360.0, 360.0}, "deg",
-            "Direction of magnetic north in the world, counter-clockwise from +X: 90 where X is east, "
-            "0 where X is north."));
-  }
-  constexpr SelectionSettings() { settings::set_defaults(*this); }
-};
-
-/// Which filter, and the settings of each.
-struct Settings {
-  SelectionSettings selection;
-  Adaptive::Settings adaptive;
-  Mahony::Settings mahony;
-  Complementary::Settings complementary;
-  Ahrs::Settings ahrs;
-};
 
 /// The chosen filter takes heading from the magnetometer.
 bool has_magnetic_heading(const SelectionSettings& settings);

@@ -6,44 +6,12 @@
 
 #include <sonopose/attitude/filter.hpp>
 #include <sonopose/attitude/low_pass.hpp>
-#include <sonopose/settings/declaration.hpp>
+#include <sonopose/attitude/settings.hpp>
 
 namespace sonopose::attitude {
 
 template <class Scalar>
 using Matrix3 = Eigen::Matrix<Scalar, 3, 3>;
-
-struct BiasSettings {
-  double initial_dps{};
-  double limit_dps{};
-  double wander_s{};
-  double rest_dps{};
-  double motion_dps{};
-  double unseen_dps{};
-
-  static constexpr std::string_view group = "attitude.bias";
-  static constexpr auto declarations() {
-    using G = BiasSettings;
-    using settings::own_setting;
-    using settings::real;
-    return settings::rows(
-        real(own_setting, "initial_dps", &G::initial_dps, 0.5, {0.0, 100.0}, "deg/s",
-             "Standard deviation of the gyroscope's offset at the start, and the most it ever has."),
-        real(own_setting, "limit_dps", &G::limit_dps, 2.0, {0.0, 100.0}, "deg/s",
-             "Largest offset about one axis that is learned."),
-        real(own_setting, "wander_s", &G::wander_s, 100.0, {1.0, 1e6}, "s",
-             "The time in which the offset wanders by 0.1 deg/s."),
-        real(own_setting, "rest_dps", &G::rest_dps, 0.03, {1e-4, 100.0}, "deg/s",
-             "Standard deviation that long rest leaves of the offset; higher learns slower."),
-        real(own_setting, "motion_dps", &G::motion_dps, 0.08, {1e-4, 100.0}, "deg/s",
-             "Standard deviation that long motion leaves of the offset; higher learns slower."),
-        real(own_setting, "unseen_dps", &G::unseen_dps, 10.0, {1e-4, 1000.0}, "deg/s",
-             "The same about the vertical, which in motion nothing shows: how loosely the offset there is "
-             "held "
-             "to zero."));
-  }
-  constexpr BiasSettings() { settings::set_defaults(*this); }
-};
 
 template <class Scalar>
 struct BiasState {

@@ -12,7 +12,8 @@ namespace sonopose::attitude {
 /// ZYX yaw of the body in the convention (rad), whatever its tilt. `specific_force_body` points up, and both
 /// vectors may have any length. Nothing where one of them is zero, both are parallel or body X is vertical.
 template <class Scalar>
-std::optional<Scalar> compass_heading(Convention convention, const geometry::Vector3<Scalar>& specific_force_body,
+std::optional<Scalar> compass_heading(Convention convention,
+                                      const geometry::Vector3<Scalar>& specific_force_body,
                                       const geometry::Vector3<Scalar>& magnetic_field_body) {
   constexpr Scalar tiny = std::numeric_limits<Scalar>::epsilon();
   const geometry::Vector3<Scalar> up_body = specific_force_body.stableNormalized();

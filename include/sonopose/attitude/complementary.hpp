@@ -4,28 +4,9 @@
 /// what accelerometer and magnetometer measure, blended.
 
 #include <sonopose/attitude/integrated_attitude.hpp>
-#include <sonopose/settings/declaration.hpp>
+#include <sonopose/attitude/settings.hpp>
 
 namespace sonopose::attitude {
-
-struct ComplementarySettings {
-  double alpha{};
-  double alpha_step_s{};
-
-  static constexpr std::string_view group = "attitude.complementary";
-  static constexpr auto declarations() {
-    using G = ComplementarySettings;
-    using settings::own_setting;
-    using settings::real;
-    return settings::rows(
-        real(own_setting, "alpha", &G::alpha, 0.999, {0.0, 1.0}, "",
-             "Share of the gyroscope's prediction in the orientation; the rest is what accelerometer and "
-             "magnetometer measure."),
-        real(own_setting, "alpha_step_s", &G::alpha_step_s, 0.01, {1e-5, 10.0}, "s",
-             "The time step that alpha is meant for; over another one it counts as often as it fits in."));
-  }
-  constexpr ComplementarySettings() { settings::set_defaults(*this); }
-};
 
 /// Its offset is the one that was given: the filter learns none.
 template <class Number>

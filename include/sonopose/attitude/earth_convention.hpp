@@ -22,7 +22,8 @@ using Direction2 = Eigen::Matrix<Scalar, 2, 1>;
 /// Turns vectors of the world into vectors of the convention. `north_world`: unit vector in the world's XY
 /// plane.
 template <class Scalar>
-geometry::Quaternion<Scalar> world_to_convention(Convention convention, const Direction2<Scalar>& north_world) {
+geometry::Quaternion<Scalar> world_to_convention(Convention convention,
+                                                 const Direction2<Scalar>& north_world) {
   if (convention == Convention::enu)
     return geometry::rotation_about_z(std::atan2(north_world.x(), north_world.y()));
   const auto q_world_to_nwu = geometry::rotation_about_z(-std::atan2(north_world.y(), north_world.x()));
@@ -33,14 +34,14 @@ geometry::Quaternion<Scalar> world_to_convention(Convention convention, const Di
 /// The orientation of the body in the convention: turns body vectors into vectors of the convention.
 template <class Scalar>
 geometry::Quaternion<Scalar> orientation_in(Convention convention, const Direction2<Scalar>& north_world,
-                                        const geometry::Quaternion<Scalar>& q_body_to_world) {
+                                            const geometry::Quaternion<Scalar>& q_body_to_world) {
   return world_to_convention(convention, north_world) * q_body_to_world;
 }
 
 /// A vector of the world in the convention.
 template <class Scalar>
 geometry::Vector3<Scalar> vector_in(Convention convention, const Direction2<Scalar>& north_world,
-                                const geometry::Vector3<Scalar>& vector_world) {
+                                    const geometry::Vector3<Scalar>& vector_world) {
   return world_to_convention(convention, north_world) * vector_world;
 }
 

@@ -20,8 +20,8 @@ struct GyroOffset {
   Scalar still_s = 0;  ///< so long it has stood still, up to the limit
 
   /// Learns from one rate (rad/s, body, as measured) that stands for `dt_s`.
-  void learn(const GyroOffsetLimits<Scalar>& limits, const geometry::Vector3<Scalar>& angular_velocity_body_radps,
-             Scalar dt_s);
+  void learn(const GyroOffsetLimits<Scalar>& limits,
+             const geometry::Vector3<Scalar>& angular_velocity_body_radps, Scalar dt_s);
 
   bool operator==(const GyroOffset&) const = default;
 };

@@ -4,53 +4,9 @@
 /// is not asked for north.
 
 #include <sonopose/attitude/filter.hpp>
-#include <sonopose/settings/declaration.hpp>
+#include <sonopose/attitude/settings.hpp>
 
 namespace sonopose::attitude {
-
-struct MagneticSettings {
-  double norm_tolerance{};
-  double dip_tolerance_deg{};
-  double undisturbed_s{};
-  double first_field_s{};
-  double new_field_s{};
-  double new_field_rate_dps{};
-  double longest_rejection_s{};
-  double late_share{};
-  double reference_s{};
-  double smoothing_s{};
-
-  static constexpr std::string_view group = "attitude.magnetic";
-  static constexpr auto declarations() {
-    using G = MagneticSettings;
-    using settings::own_setting;
-    using settings::real;
-    return settings::rows(
-        real(own_setting, "norm_tolerance", &G::norm_tolerance, 0.1, {0.0, 1.0}, "",
-             "A field is disturbed whose norm differs from the reference by more than this share."),
-        real(own_setting, "dip_tolerance_deg", &G::dip_tolerance_deg, 10.0, {0.0, 90.0}, "deg",
-             "A field is disturbed whose dip differs from the reference by more than this."),
-        real(own_setting, "undisturbed_s", &G::undisturbed_s, 0.5, {0.0, 60.0}, "s",
-             "A field counts as the reference again when it has been like it for this long."),
-        real(own_setting, "first_field_s", &G::first_field_s, 5.0, {0.0, 600.0}, "s",
-             "The first reference is a field that has stayed the same for this long while the body turned."),
-        real(own_setting, "new_field_s", &G::new_field_s, 20.0, {0.0, 600.0}, "s",
-             "Another field becomes the reference when it has stayed the same for this long while the body "
-             "turned."),
-        real(own_setting, "new_field_rate_dps", &G::new_field_rate_dps, 20.0, {0.0, 1000.0}, "deg/s",
-             "The body turns, for these times, when its rate is above this: at rest a magnet beside it looks "
-             "like a field of the place."),
-        real(own_setting, "longest_rejection_s", &G::longest_rejection_s, 60.0, {0.0, 3600.0}, "s",
-             "A disturbed field is not used for so long at most, then with the share late_share."),
-        real(own_setting, "late_share", &G::late_share, 0.1, {0.0, 1.0}, "",
-             "How much a disturbed field counts when it has lasted longer than that."),
-        real(own_setting, "reference_s", &G::reference_s, 20.0, {0.1, 3600.0}, "s",
-             "Time in which the reference follows an undisturbed field."),
-        real(own_setting, "smoothing_s", &G::smoothing_s, 0.05, {0.0, 10.0}, "s",
-             "Time constant of the mean of norm and dip."));
-  }
-  constexpr MagneticSettings() { settings::set_defaults(*this); }
-};
 
 /// A field by its level and its vertical part, which a turn about the vertical leaves as they are.
 template <class Scalar>

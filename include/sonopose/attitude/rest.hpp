@@ -4,32 +4,9 @@
 /// time. Then the mean rate is the gyroscope's offset, the best estimate of it that there is.
 
 #include <sonopose/attitude/filter.hpp>
-#include <sonopose/settings/declaration.hpp>
+#include <sonopose/attitude/settings.hpp>
 
 namespace sonopose::attitude {
-
-struct RestSettings {
-  double rate_limit_dps{};
-  double force_limit_mps2{};
-  double still_s{};
-  double smoothing_s{};
-
-  static constexpr std::string_view group = "attitude.rest";
-  static constexpr auto declarations() {
-    using G = RestSettings;
-    using settings::own_setting;
-    using settings::real;
-    return settings::rows(real(own_setting, "rate_limit_dps", &G::rate_limit_dps, 2.0, {0.0, 100.0}, "deg/s",
-                              "At rest the angular rate stays within this of its mean."),
-                         real(own_setting, "force_limit_mps2", &G::force_limit_mps2, 0.5, {0.0, 10.0},
-                              "m/s^2", "At rest the specific force stays within this of its mean."),
-                         real(own_setting, "still_s", &G::still_s, 1.5, {0.1, 60.0}, "s",
-                              "It is rest when it has been so for this long."),
-                         real(own_setting, "smoothing_s", &G::smoothing_s, 0.5, {0.01, 10.0}, "s",
-                              "Time constant of these means."));
-  }
-  constexpr RestSettings() { settings::set_defaults(*this); }
-};
 
 template <class Scalar>
 struct RestState {

@@ -1,101 +1,174 @@
 #pragma once
 /// \file
-/// All settings of one engine, a group per stage, and the table made from their declarations.
+/// All settings of one estimator, one group per stage, each with its default. Ranges, units and meanings are
+/// in src/settings/settings_table.cpp and docs/settings.md. An item is the number of a setting in the fusion
+/// document; settings without one are additions.
 
-#include <sonopose/attitude/any_filter.hpp>
-#include <sonopose/calibration/model/calibration.hpp>
-#include <sonopose/estimation/documented/admission.hpp>
-#include <sonopose/estimation/documented/alignment.hpp>
-#include <sonopose/estimation/documented/delay.hpp>
-#include <sonopose/estimation/documented/drift.hpp>
-#include <sonopose/estimation/documented/frozen.hpp>
-#include <sonopose/estimation/documented/heading.hpp>
-#include <sonopose/estimation/documented/motion.hpp>
-#include <sonopose/estimation/documented/outage.hpp>
-#include <sonopose/estimation/documented/output.hpp>
-#include <sonopose/estimation/documented/preset.hpp>
-#include <sonopose/estimation/documented/runaway.hpp>
-#include <sonopose/estimation/documented/startup.hpp>
-#include <sonopose/estimation/documented/trust.hpp>
-#include <sonopose/estimation/documented/uncertainty.hpp>
-#include <sonopose/estimation/documented/velocity.hpp>
+#include <sonopose/attitude/settings.hpp>
+#include <sonopose/calibration/model/settings.hpp>
 
-#include <stdexcept>
-#include <string>
+#include <array>
 #include <string_view>
-#include <variant>
-#include <vector>
 
 namespace sonopose::settings {
 
-/// Every setting at its default.
+enum class ImuWeight { low, medium, high, user };
+constexpr std::array<std::string_view, 4> choices_of(ImuWeight /*unused*/) {
+  return {"low", "medium", "high", "user"};
+}
+
+enum class DelaySource { measured, fixed };
+constexpr std::array<std::string_view, 2> choices_of(DelaySource /*unused*/) {
+  return {"measured", "fixed"};
+}
+
+/// Item 1: the balance between the IMU and the ultrasound.
+struct PresetSettings {
+  ImuWeight imu_weight = ImuWeight::medium;  ///< item 1
+};
+
+/// How the position follows a fix.
+struct DriftSettings {
+  double decay_rate_hz = 1.5;             ///< item 2
+  double jump_alpha = 0.32;               ///< item 4
+  double velocity_smooth_rate_hz = 10.0;  ///< item 9
+};
+
+/// How the velocity follows the fixes.
+struct VelocitySettings {
+  double blend_weight = 0.14;       ///< item 3
+  bool overshoot_fix = true;        ///< item 7
+  bool undershoot_fix = true;       ///< item 8
+  double snap_min_speed_mps = 2.0;  ///< item 28
+  double snap_max_bend_m = 0.08;
+  bool accel_gate = false;                 ///< item 26
+  double accel_gate_threshold_mps2 = 3.0;  ///< item 27
+  double interval_min_s = 0.05;
+  double interval_max_s = 0.5;
+  double interval_wanted_s = 0.15;
+};
+
+/// In-motion alignment of the attitude by velocity corrections.
+struct AlignmentSettings {
+  double tilt_gain_hz = 0.85;
+  double vertical_gain_hz = 0.13;
+  double vertical_limit_mps2 = 0.5;
+  double yaw_gain = 0.2;
+  double yaw_noise_mps = 0.4;
+  double aiding_s = 20.0;
+  double hold_s = 60.0;
+};
+
+/// Yaw from paired beacons and from the direction of motion.
+struct HeadingSettings {
+  double mount_offset_deg = 0.0;    ///< item 5
+  double min_displacement_m = 0.1;  ///< item 31
+  double max_correction_deg = 5.0;  ///< item 32
+  double error_gain = 0.005;        ///< item 33
+  double pair_gain_hz = 2.0;        ///< item 34
+  double pair_bias_gain_hz2 = 0.15;
+  double expires_s = 0.5;
+};
+
+/// Compensation of the delay of a fix.
+struct DelaySettings {
+  bool extrapolate = true;  ///< item 6
+  double processing_s = 0.068;
+  DelaySource source = DelaySource::measured;
+};
+
+/// Behaviour without fixes or without IMU samples.
+struct OutageSettings {
+  double velocity_decay_rate_hz = 1.0;  ///< item 10
+  double stale_after_s = 1.0;           ///< item 11
+  double imu_gap_s = 0.25;
+};
+
+/// Which samples the engine accepts.
+struct AdmissionSettings {
+  double min_quality_percent = 50.0;  ///< item 12
+  double max_position_m = 1e4;
+  double max_specific_force_mps2 = 400.0;
+  double max_angular_rate_radps = 80.0;
+  double max_fix_age_s = 0.9;
+};
+
+/// How far a fix is believed.
+struct TrustSettings {
+  double sigma_m = 0.15;                ///< item 13
+  double min_weight = 0.003;            ///< item 14
+  bool enabled = true;                  ///< item 15
+  double reference_innovation_m = 1.0;  ///< item 16
+  int n_base = 2;                       ///< item 17
+  int n_min = 2;                        ///< item 18
+  int n_max = 40;                       ///< item 19
+  int stuck_n = 32;                     ///< item 20
+  double stuck_jump_scale = 0.6;        ///< item 21
+  double stuck_weight_floor = 0.5;      ///< item 22
+  double outlier_sigmas = 1.75;
+};
+
+/// Damping of a velocity that leads away from the fixes.
+struct RunawaySettings {
+  double position_error_m = 1.5;       ///< item 23
+  double velocity_damp_max_hz = 10.0;  ///< item 24
+};
+
+/// Limits of the integrated acceleration.
+struct MotionSettings {
+  double accel_linear_threshold_mps2 = 30.0;  ///< item 25
+  bool gyro_gate = true;                      ///< item 35
+  double gyro_gate_projection_radps = 3.0;    ///< item 36
+  double gyro_gate_freeze_radps = 6.0;        ///< item 37
+};
+
+/// Calibration of the gyroscope at rest before the first pose.
+struct StartupSettings {
+  double calibration_s = 1.0;
+  double still_gyro_std_radps = 0.03;
+  double still_accel_std_mps2 = 0.3;
+  double max_gyro_offset_radps = 0.06;
+  double still_moved_m = 0.2;
+};
+
+/// Detection of a track whose coordinates only repeat.
+struct FrozenSettings {
+  double moved_m = 0.3;
+  double window_s = 1.0;
+  int repeats = 3;
+};
+
+/// Noise assumptions behind the reported standard deviations.
+struct UncertaintySettings {
+  double fix_std_m = 0.02;
+  double heading_std_deg = 1.0;
+  double accel_std_mps2 = 0.2;
+  double yaw_drift_std_degps = 0.1;
+};
+
+/// Predicted poses between IMU samples.
+struct OutputSettings {
+  int rate_hz = 0;
+};
+
 struct Settings {
-  estimation::documented::PresetSettings preset;
-  estimation::documented::DriftSettings drift;
-  estimation::documented::VelocitySettings velocity;
-  estimation::documented::AlignmentSettings alignment;
-  estimation::documented::HeadingSettings heading;
-  estimation::documented::DelaySettings delay;
-  estimation::documented::OutageSettings outage;
-  estimation::documented::AdmissionSettings admission;
-  estimation::documented::TrustSettings trust;
-  estimation::documented::RunawaySettings runaway;
-  estimation::documented::MotionSettings motion;
+  PresetSettings preset;
+  DriftSettings drift;
+  VelocitySettings velocity;
+  AlignmentSettings alignment;
+  HeadingSettings heading;
+  DelaySettings delay;
+  OutageSettings outage;
+  AdmissionSettings admission;
+  TrustSettings trust;
+  RunawaySettings runaway;
+  MotionSettings motion;
   attitude::Settings attitude;
-  estimation::documented::StartupSettings startup;
-  estimation::documented::FrozenSettings frozen;
-  estimation::documented::UncertaintySettings uncertainty;
-  estimation::documented::OutputSettings output;
+  StartupSettings startup;
+  FrozenSettings frozen;
+  UncertaintySettings uncertainty;
+  OutputSettings output;
   calibration::Settings calibration;
 };
-
-/// The settings as the engine uses them: the preset (item 1) has been put in the place of items 2, 3 and 4.
-Settings resolved(Settings settings);
-
-/// A value of any kind of setting; choices are their names.
-using SettingValue = std::variant<bool, int, double, std::string>;
-
-/// One declared setting, for everything that lists or checks settings.
-struct SettingInfo {
-  int item;           ///< number in the fusion document, or own_setting
-  std::string key;    ///< "group.name"
-  std::string group;  ///< "group"; may itself have dots
-  std::string name;
-  SettingValue initial;
-  SettingValue minimum;  ///< of an int or double
-  SettingValue maximum;
-  std::vector<std::string_view> choices;  ///< of a choice, else empty
-  std::string unit;
-  std::string sentence;
-
-  /// What is allowed, in words: "0 … 50 1/s", "true or false", "low, medium, high or user".
-  [[nodiscard]] std::string allowed() const;
-};
-
-/// A setting that cannot be: the message names key, value and what is allowed.
-class SettingError : public std::invalid_argument {
-public:
-  using std::invalid_argument::invalid_argument;
-};
-
-/// Every setting, in the order of the groups above.
-const std::vector<SettingInfo>& setting_table();
-
-/// The row of `key`. Throws SettingError, naming the nearest key, where there is none.
-const SettingInfo& setting_info(std::string_view key);
-
-/// The value of `key`. Throws SettingError for an unknown key.
-SettingValue get(const Settings& settings, std::string_view key);
-
-/// Sets `key`. An int is accepted for a double. Throws SettingError for an unknown key, a value of the wrong
-/// kind or one out of range, and then changes nothing.
-void set(Settings& settings, std::string_view key, const SettingValue& value);
-
-/// Reads a value as it is typed on a command line ("true", "12", "0.5", "medium") for `key`.
-/// Throws SettingError where it is not of the key's kind.
-SettingValue parse_value(std::string_view key, std::string_view text);
-
-/// The value as it is typed.
-std::string to_text(const SettingValue& value);
 
 }  // namespace sonopose::settings

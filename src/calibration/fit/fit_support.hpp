@@ -2,8 +2,9 @@
 /// \file
 /// What the fits have in common. Private to this folder.
 
-#include "calibration/fit/least_squares.hpp"
 #include "calibration/fit/error.hpp"
+#include "calibration/fit/least_squares.hpp"
+#include "calibration/fit/terms.hpp"
 
 #include <algorithm>
 #include <array>
@@ -21,26 +22,10 @@ inline std::string text_of(double value) {
   return {text.data(), error == std::errc{} ? end : text.data()};
 }
 
-/// Which value its setting may not have, and what follows; empty where there is none.
-template <class Group>
-std::string out_of_range(const Group& group) {
-  std::string found;
-  const auto check = [&](const auto& row) {
-    const double value = group.*(row.field);
-    if (!found.empty() || (value >= row.minimum && value <= row.maximum)) return;
-    found = std::string(Group::group) + "." + std::string(row.name) + " comes out as " + text_of(value) +
-            ", where " + text_of(row.minimum) + " … " + text_of(row.maximum) +
-            " is allowed: the recording's numbers are not those of this sensor in " +
-            (row.unit.empty() ? "its unit" : std::string(row.unit));
-  };
-  Group::declarations()([&check](const auto&... row) { (check(row), ...); });
-  return found;
-}
-
-/// Throws CalibrationError for a value that its setting may not have.
-template <class Group>
-void check_ranges(const Group& group) {
-  const std::string found = out_of_range(group);
+/// Throws CalibrationError for a number that its setting does not allow.
+template <class Model>
+void check_ranges(const Model& model) {
+  const std::string found = out_of_range(terms_of(model));
   if (!found.empty()) throw CalibrationError(found);
 }
 

@@ -1,9 +1,9 @@
 #include "calibration/fit/fit_support.hpp"
+#include "calibration/fit/inertial_fit.hpp"
 #include "calibration/fit/least_squares.hpp"
 #include "calibration/fit/turns.hpp"
-#include "calibration/fit/inertial_fit.hpp"
-#include <sonopose/statistics/quantile.hpp>
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/statistics/quantile.hpp>
 
 #include <algorithm>
 #include <array>
@@ -106,8 +106,8 @@ std::vector<Turn> without_outliers(const std::vector<Turn>& turns, const Eigen::
 std::string objection_to(const Solution& solution, const GyroscopeSettings& settings) {
   constexpr double largest_rms_rad = geometry::radians_per_degree;
   if (!(solution.condition <= max_gyroscope_condition)) {
-    return "the turns do not determine it, least of all " + std::string(detail::weakest_of(solution, gyroscope_names)) +
-           ": turn about each of the axes";
+    return "the turns do not determine it, least of all " +
+           std::string(detail::weakest_of(solution, gyroscope_names)) + ": turn about each of the axes";
   }
   const double rms_rad = rms_of(solution.residuals);
   if (!(rms_rad <= largest_rms_rad)) {
@@ -116,7 +116,7 @@ std::string objection_to(const Solution& solution, const GyroscopeSettings& sett
            detail::text_of(largest_rms_rad / geometry::radians_per_degree) +
            " is the most: samples are missing or wrong, or a turn was too fast for the sensor's range";
   }
-  return detail::out_of_range(settings);
+  return out_of_range(terms_of(settings));
 }
 
 void refine_by_turns(std::vector<Turn> turns, GyroscopeFit& fit) {

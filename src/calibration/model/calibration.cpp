@@ -1,4 +1,7 @@
+#include <sonopose/calibration/model/axes.hpp>
 #include <sonopose/calibration/model/calibration.hpp>
+#include <sonopose/calibration/model/inertial.hpp>
+#include <sonopose/calibration/model/magnetometer.hpp>
 
 #include <type_traits>
 

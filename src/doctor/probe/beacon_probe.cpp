@@ -1,11 +1,13 @@
-#include <sonopose/settings/settings.hpp>
-#include "observation/beacon_view.hpp"
 #include "doctor/probe/beacon_probe.hpp"
+
+#include "observation/beacon_observer.hpp"
+#include <sonopose/calibration/model/calibration.hpp>
+#include <sonopose/settings/settings_table.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-namespace sonopose::doctor {
+namespace sonopose::doctor::probe {
 
 void BeaconProbe::Stream::count(TimeNs received_ns) {
   ++samples;
@@ -13,7 +15,7 @@ void BeaconProbe::Stream::count(TimeNs received_ns) {
   last_ns = received_ns;
 }
 
-StreamObservation BeaconProbe::Stream::seen(TimeNs began_ns, TimeNs ended_ns) const {
+rules::StreamObservation BeaconProbe::Stream::observation(TimeNs began_ns, TimeNs ended_ns) const {
   const double window_s = seconds_between(began_ns, ended_ns);
   return {.samples = samples,
           .rate_hz = window_s > 0 ? static_cast<double>(samples) / window_s : 0.0,
@@ -26,9 +28,9 @@ void BeaconProbe::begin(TimeNs now_ns) {
 }
 
 void BeaconProbe::on(const ImuSample& imu, TimeNs received_ns, std::uint64_t writer) {
-  if (imu.sequence < last_imu_number_) numbers_.clear();  // its bridge began anew
-  last_imu_number_ = imu.sequence;
-  number(imu.sequence, received_ns);
+  if (imu.sequence < last_imu_sequence_) sequences_.clear();  // its bridge restarted
+  last_imu_sequence_ = imu.sequence;
+  add_sequence(imu.sequence, received_ns);
   if (!in_window()) return;
   writers_.insert(writer);
   imu_.count(received_ns);
@@ -37,7 +39,7 @@ void BeaconProbe::on(const ImuSample& imu, TimeNs received_ns, std::uint64_t wri
 }
 
 void BeaconProbe::on(const UltrasonicFix& fix, TimeNs received_ns) {
-  number(fix.sequence, received_ns);
+  add_sequence(fix.sequence, received_ns);
   if (!in_window()) return;
   fix_.count(received_ns);
   fixes_min_m_ = fixes_min_m_.cwiseMin(fix.position_world_m);
@@ -45,7 +47,7 @@ void BeaconProbe::on(const UltrasonicFix& fix, TimeNs received_ns) {
 }
 
 void BeaconProbe::on(const PairHeading& heading, TimeNs received_ns) {
-  number(heading.sequence, received_ns);
+  add_sequence(heading.sequence, received_ns);
   if (!in_window()) return;
   heading_.count(received_ns);
   if (heading.valid) ++valid_headings_;
@@ -67,30 +69,30 @@ void BeaconProbe::on(const FusionStatus& status) {
   if (!is_new) found->second.latest = status;
 }
 
-void BeaconProbe::number(std::uint64_t sequence, TimeNs received_ns) {
-  numbers_.emplace_back(sequence, received_ns);
+void BeaconProbe::add_sequence(std::uint64_t sequence, TimeNs received_ns) {
+  sequences_.emplace_back(sequence, received_ns);
 }
 
-std::uint64_t BeaconProbe::missing(TimeNs ended_ns) const {
-  // Topics have no order among each other: at the end some may still be on their way.
-  constexpr TimeNs on_the_way_ns = 200'000'000;
+std::uint64_t BeaconProbe::missing_events(TimeNs ended_ns) const {
+  // Samples of different topics arrive in any order, so the last ones may still be in transit.
+  constexpr TimeNs in_transit_ns = 200'000'000;
   std::uint64_t first = 0;
   std::uint64_t last = 0;
-  std::set<std::uint64_t> came;
-  for (const auto& [sequence, received_ns] : numbers_) {
-    came.insert(sequence);
-    if (received_ns < began_ns_ || received_ns > ended_ns - on_the_way_ns) continue;
+  std::set<std::uint64_t> received;
+  for (const auto& [sequence, received_ns] : sequences_) {
+    received.insert(sequence);
+    if (received_ns < began_ns_ || received_ns > ended_ns - in_transit_ns) continue;
     if (first == 0 || sequence < first) first = sequence;
     last = std::max(last, sequence);
   }
   if (first == 0) return 0;
-  const auto present = std::distance(came.lower_bound(first), came.upper_bound(last));
+  const auto present = std::distance(received.lower_bound(first), received.upper_bound(last));
   return last - first + 1 - static_cast<std::uint64_t>(present);
 }
 
-std::optional<RestObservation> BeaconProbe::means(const calibration::Settings& calibration) const {
-  constexpr std::size_t enough = 20;
-  if (readings_.size() < enough) return std::nullopt;
+std::optional<rules::RestObservation> BeaconProbe::means(const calibration::Settings& calibration) const {
+  constexpr std::size_t min_samples = 20;
+  if (readings_.size() < min_samples) return std::nullopt;
   const auto count = static_cast<double>(readings_.size());
   ImuSample mean;
   for (const auto& [force, rate] : readings_) {
@@ -104,7 +106,7 @@ std::optional<RestObservation> BeaconProbe::means(const calibration::Settings& c
     rate_variance += (rate - mean.angular_velocity_body_radps).cwiseAbs2() / count;
   }
   const ImuSample corrected = calibration::Calibration(calibration).corrected(mean);
-  RestObservation rest;
+  rules::RestObservation rest;
   rest.mean_force_body_mps2 = corrected.specific_force_body_mps2;
   rest.mean_rate_body_radps = corrected.angular_velocity_body_radps;
   rest.force_std_mps2 = std::sqrt(force_variance.maxCoeff());
@@ -114,45 +116,46 @@ std::optional<RestObservation> BeaconProbe::means(const calibration::Settings& c
   return rest;
 }
 
-BeaconObservation BeaconProbe::seen(TimeNs now_ns, const calibration::Settings& calibration) const {
-  BeaconObservation seen;
-  seen.imu = imu_.seen(began_ns_, now_ns);
-  seen.fix = fix_.seen(began_ns_, now_ns);
-  seen.heading = heading_.seen(began_ns_, now_ns);
-  seen.pose = pose_.seen(began_ns_, now_ns);
-  seen.valid_headings = valid_headings_;
-  seen.events_missing = missing(now_ns);
+rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns,
+                                                  const calibration::Settings& calibration) const {
+  rules::BeaconObservation beacon;
+  beacon.imu = imu_.observation(began_ns_, now_ns);
+  beacon.fix = fix_.observation(began_ns_, now_ns);
+  beacon.heading = heading_.observation(began_ns_, now_ns);
+  beacon.pose = pose_.observation(began_ns_, now_ns);
+  beacon.valid_headings = valid_headings_;
+  beacon.events_missing = missing_events(now_ns);
   if (!ahead_s_.empty()) {
     std::vector<double> sorted = ahead_s_;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
-    seen.bridge_ahead_s = *middle;
+    beacon.bridge_ahead_s = *middle;
   }
-  seen.status_before = status_before_;
-  seen.status = status_;
+  beacon.status_before = status_before_;
+  beacon.status = status_;
   for (const auto& entry : fusions_) {
     const FusionObservation& fusion = entry.second;
-    seen.fusions.push_back(fusion.latest);
-    if (seen.fusion && !observation::serves_before(fusion.latest, *seen.fusion)) continue;
-    seen.fusion_before = fusion.before;
-    seen.fusion = fusion.latest;
+    beacon.fusions.push_back(fusion.latest);
+    if (beacon.fusion && !observation::serves_before(fusion.latest, *beacon.fusion)) continue;
+    beacon.fusion_before = fusion.before;
+    beacon.fusion = fusion.latest;
   }
-  seen.lasting_status = pose_.samples > 0 ? lasting_status_ : 0;
-  seen.imu_means = means(calibration);
-  return seen;
+  beacon.lasting_status = pose_.samples > 0 ? lasting_status_ : 0;
+  beacon.imu_means = means(calibration);
+  return beacon;
 }
 
-calibration::Settings calibration_in(const EffectiveSettings& settings) {
+calibration::Settings calibration_from(const EffectiveSettings& settings) {
   settings::Settings all;
   for (const auto& [key, value] : settings.values) {
     if (!key.starts_with("calibration.")) continue;
     try {
       settings::set(all, key, settings::parse_value(key, value));
     } catch (const settings::SettingError&) {
-      continue;  // a fusion of another version: what it means is not known here
+      continue;  // a setting of another version
     }
   }
   return all.calibration;
 }
 
-}  // namespace sonopose::doctor
+}  // namespace sonopose::doctor::probe

@@ -1,19 +1,22 @@
 #pragma once
 /// \file
-/// What the doctor collects of one beacon: told of each sample as it comes, and asked once at the end.
+/// Collects the observations of one beacon.
 
+#include "doctor/rules/observations.hpp"
 #include <sonopose/samples/live_settings.hpp>
 #include <sonopose/samples/pose.hpp>
-#include "doctor/rules/doctor.hpp"
 
 #include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
-namespace sonopose::doctor {
+namespace sonopose::doctor::probe {
 
-/// Samples before `begin` only tell of the numbering; all else is of the window. Times are this host's clock.
+/// Of samples before `begin` only the sequence numbers are used. Times are of the host's clock (ns).
 class BeaconProbe {
 public:
   void on(const ImuSample& imu, TimeNs received_ns, std::uint64_t writer);
@@ -23,28 +26,29 @@ public:
   void on(const BeaconStatus& status);
   void on(const FusionStatus& status);
 
-  /// The window begins.
+  /// Starts the window.
   void begin(TimeNs now_ns);
 
-  /// The window is over. The processes behind `writers()`, the deadlines and the address are left open.
-  [[nodiscard]] BeaconObservation seen(TimeNs now_ns, const calibration::Settings& calibration) const;
+  /// The observations from `begin` to `now_ns`. Address, deadlines and bridges are left for the caller.
+  [[nodiscard]] rules::BeaconObservation observation(TimeNs now_ns,
+                                                     const calibration::Settings& calibration) const;
 
-  /// Who publishes its IMU samples: the handles given to `on`.
+  /// The writers of its IMU samples: the handles given to `on`.
   [[nodiscard]] const std::set<std::uint64_t>& writers() const { return writers_; }
 
 private:
-  /// Counts one stream.
+  /// Counters of one stream.
   struct Stream {
     std::uint64_t samples = 0;
     TimeNs last_ns = 0;
     TimeNs longest_ns = 0;
     void count(TimeNs received_ns);
-    [[nodiscard]] StreamObservation seen(TimeNs began_ns, TimeNs ended_ns) const;
+    [[nodiscard]] rules::StreamObservation observation(TimeNs began_ns, TimeNs ended_ns) const;
   };
 
-  void number(std::uint64_t sequence, TimeNs received_ns);
-  [[nodiscard]] std::uint64_t missing(TimeNs ended_ns) const;
-  [[nodiscard]] std::optional<RestObservation> means(const calibration::Settings& calibration) const;
+  void add_sequence(std::uint64_t sequence, TimeNs received_ns);
+  [[nodiscard]] std::uint64_t missing_events(TimeNs ended_ns) const;
+  [[nodiscard]] std::optional<rules::RestObservation> means(const calibration::Settings& calibration) const;
   [[nodiscard]] bool in_window() const { return began_ns_ != 0; }
 
   TimeNs began_ns_ = 0;
@@ -55,10 +59,10 @@ private:
   std::uint64_t valid_headings_ = 0;
   std::uint32_t lasting_status_ = 0xFFFFFFFF;
   std::set<std::uint64_t> writers_;
-  std::vector<std::pair<std::uint64_t, TimeNs>> numbers_;  ///< event numbers and when they came
-  std::uint64_t last_imu_number_ = 0;
+  std::vector<std::pair<std::uint64_t, TimeNs>> sequences_;  ///< event numbers and their times of reception
+  std::uint64_t last_imu_sequence_ = 0;
   std::vector<double> ahead_s_;
-  std::vector<std::pair<Vector3d, Vector3d>> readings_;  ///< specific force, angular velocity; as published
+  std::vector<std::pair<Vector3d, Vector3d>> readings_;  ///< specific force, angular velocity, uncorrected
   Vector3d fixes_min_m_ = Vector3d::Constant(std::numeric_limits<double>::infinity());
   Vector3d fixes_max_m_ = Vector3d::Constant(-std::numeric_limits<double>::infinity());
   std::optional<BeaconStatus> status_before_;
@@ -67,10 +71,10 @@ private:
     FusionStatus before;
     FusionStatus latest;
   };
-  std::map<std::uint64_t, FusionObservation> fusions_;  ///< by their ids
+  std::map<std::uint64_t, FusionObservation> fusions_;  ///< by fusion id
 };
 
-/// The calibration of an engine's settings in force; what cannot be read is left at its default.
-calibration::Settings calibration_in(const EffectiveSettings& settings);
+/// The calibration in the effective settings of a fusion. Values that cannot be parsed keep their defaults.
+calibration::Settings calibration_from(const EffectiveSettings& settings);
 
-}  // namespace sonopose::doctor
+}  // namespace sonopose::doctor::probe

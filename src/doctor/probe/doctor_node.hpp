@@ -1,15 +1,15 @@
 #pragma once
 /// \file
-/// The doctor process: looks at the bus for some seconds and collects what `diagnose` judges.
+/// The doctor process: collects observations of the bus for some seconds.
 
-#include <sonopose/dds/binding/domain.hpp>
-#include "doctor/rules/doctor.hpp"
+#include "doctor/rules/observations.hpp"
 #include "process/stop_signal.hpp"
+#include <sonopose/dds/binding/domain.hpp>
 
 #include <filesystem>
 #include <optional>
 
-namespace sonopose::doctor {
+namespace sonopose::doctor::probe {
 
 struct DoctorOptions {
   dds::DomainOptions domain;
@@ -17,9 +17,9 @@ struct DoctorOptions {
   double duration_s = 3;
 };
 
-/// Watches for the duration (and half a second before it, to find everybody), or until the stop. Where a
-/// bridge or a fusion is missing it looks into domains 0…20 and that of ROS_DOMAIN_ID, one after the other.
-/// Throws dds::Error, dds::QosFileError.
-Observations observe(const DoctorOptions& options, const process::StopSignal& stop);
+/// Observes the system for the duration, after half a second of discovery, or until the stop. If there is no
+/// bridge or no fusion, searches the domains 0…20 and that of ROS_DOMAIN_ID, one after the other. Throws
+/// dds::Error, dds::QosFileError.
+rules::Observations observe(const DoctorOptions& options, const process::StopSignal& stop);
 
-}  // namespace sonopose::doctor
+}  // namespace sonopose::doctor::probe

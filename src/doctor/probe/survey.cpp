@@ -17,12 +17,12 @@
 #include <stdexcept>
 #include <tuple>
 
-namespace sonopose::doctor::doctor {
+namespace sonopose::doctor::probe {
 namespace {
 
 constexpr std::uint32_t usual_domains = 20;
 
-/// Every process of this system has something on a topic that is called so.
+/// Every process of this system has an endpoint of a topic with this prefix.
 bool is_ours(const std::string& topic) {
   return topic.starts_with("sonopose/");
 }
@@ -50,28 +50,29 @@ std::vector<Interface> interfaces_of_machine() {
   return found;
 }
 
-/// Those that the user names, by name or address; one that is not there has no multicast.
-std::vector<InterfaceObservation> named_interfaces(const dds::UserNetwork& user,
-                                                   const std::vector<Interface>& of_machine) {
-  std::vector<InterfaceObservation> named;
+/// The interfaces that the user names, by name or address. One that does not exist has no multicast.
+std::vector<rules::InterfaceObservation> named_interfaces(const dds::UserNetwork& user,
+                                                          const std::vector<Interface>& of_machine) {
+  std::vector<rules::InterfaceObservation> named;
   for (const std::string& name : user.interfaces) {
-    if (name.empty()) continue;  // Cyclone DDS chooses one itself
-    InterfaceObservation seen{.name = name};
+    if (name.empty()) continue;  // Cyclone DDS chooses one
+    rules::InterfaceObservation observation{.name = name};
     for (const Interface& interface : of_machine) {
       if (name != interface.name && name != interface.address) continue;
-      seen.loopback = (interface.flags & IFF_LOOPBACK) != 0U;
-      seen.multicast = (interface.flags & IFF_MULTICAST) != 0U && !user.without_multicast;
+      observation.loopback = (interface.flags & IFF_LOOPBACK) != 0U;
+      observation.multicast = (interface.flags & IFF_MULTICAST) != 0U && !user.without_multicast;
     }
-    named.push_back(seen);
+    named.push_back(observation);
   }
   return named;
 }
 
-/// Where this process may receive: "lo", what the user names, or what Cyclone DDS has to choose from.
-std::string interfaces_in_use(const BusObservation& bus, const std::vector<Interface>& of_machine) {
+/// The interfaces of this process: "lo", those that the user names, or those from which Cyclone DDS chooses.
+std::string interfaces_in_use(const rules::BusObservation& bus, const std::vector<Interface>& of_machine) {
   std::string list;
-  for (const InterfaceObservation& named : bus.interfaces) list += (list.empty() ? "" : ", ") + named.name;
-  if (!list.empty()) return list + ", named by CYCLONEDDS_URI";
+  for (const rules::InterfaceObservation& named : bus.interfaces)
+    list += (list.empty() ? "" : ", ") + named.name;
+  if (!list.empty()) return list + ", from CYCLONEDDS_URI";
   if (bus.loopback_only) return "lo";
   int count = 0;
   for (const Interface& interface : of_machine) {
@@ -80,25 +81,26 @@ std::string interfaces_in_use(const BusObservation& bus, const std::vector<Inter
     ++count;
   }
   if (count == 0) return "no interface but lo";
-  return count == 1 ? list : "one of " + list + "; CYCLONEDDS_URI can name it";
+  return count == 1 ? list : "one of " + list + "; select it with CYCLONEDDS_URI";
 }
 
-DomainObservation look_into(const dds::DomainOptions& options, const process::StopSignal& stop) {
-  constexpr TimeNs timeout_ns = 300'000'000;  // on one machine processes find each other within 10 … 50 ms
+rules::DomainObservation observe_domain(const dds::DomainOptions& options, const process::StopSignal& stop) {
+  constexpr TimeNs timeout_ns = 300'000'000;  // discovery takes 10 … 50 ms on one machine
   constexpr TimeNs step_ns = 20'000'000;
-  DomainObservation seen{.id = *options.domain_id};
+  rules::DomainObservation domain{.id = *options.domain_id};
   const dds::DomainParticipant participant(options);
   const dds::Discovery discovery(participant);
   const SteadyTime end = process::steady_now() + timeout_ns;
-  while (!seen.beacons && process::steady_now() < end && !stop.wait_until(process::steady_now() + step_ns)) {
+  while (!domain.beacons && process::steady_now() < end &&
+         !stop.wait_until(process::steady_now() + step_ns)) {
     for (const auto& writer : discovery.writers()) {
-      seen.beacons = seen.beacons || writer.topic_name == dds::topics::imu.name;
-      seen.poses = seen.poses || writer.topic_name == dds::topics::pose.name;
-      seen.ours = seen.ours || is_ours(writer.topic_name);
+      domain.beacons = domain.beacons || writer.topic_name == dds::topics::imu.name;
+      domain.poses = domain.poses || writer.topic_name == dds::topics::pose.name;
+      domain.ours = domain.ours || is_ours(writer.topic_name);
     }
-    for (const auto& reader : discovery.readers()) seen.ours = seen.ours || is_ours(reader.topic_name);
+    for (const auto& reader : discovery.readers()) domain.ours = domain.ours || is_ours(reader.topic_name);
   }
-  return seen;
+  return domain;
 }
 
 }  // namespace
@@ -111,13 +113,13 @@ Processes processes_in(const std::vector<dds::FoundParticipant>& participants) {
   return processes;
 }
 
-ProcessObservation process_of(const Processes& processes, const std::string& key) {
+rules::ProcessObservation process_of(const Processes& processes, const std::string& key) {
   const auto found = processes.find(key);
-  return found == processes.end() ? ProcessObservation{} : found->second;
+  return found == processes.end() ? rules::ProcessObservation{} : found->second;
 }
 
-std::vector<NativeTopic> native_topics() {
-  std::vector<NativeTopic> topics;
+std::vector<rules::NativeTopic> native_topics() {
+  std::vector<rules::NativeTopic> topics;
   const auto add = [&topics]<class T>(const dds::TopicEntry<T>& entry) {
     topics.push_back({entry.name, dds::TopicTraits<T>::descriptor().m_typename});
   };
@@ -125,9 +127,9 @@ std::vector<NativeTopic> native_topics() {
   return topics;
 }
 
-std::vector<EndpointObservation> others_of(const std::vector<dds::FoundEndpoint>& endpoints,
-                                           const Processes& processes, const std::string& own_key) {
-  std::vector<EndpointObservation> others;
+std::vector<rules::EndpointObservation> others_of(const std::vector<dds::FoundEndpoint>& endpoints,
+                                                  const Processes& processes, const std::string& own_key) {
+  std::vector<rules::EndpointObservation> others;
   for (const auto& endpoint : endpoints) {
     if (endpoint.participant_key == own_key) continue;
     others.push_back({endpoint.topic_name, endpoint.type_name, endpoint.qos,
@@ -136,39 +138,40 @@ std::vector<EndpointObservation> others_of(const std::vector<dds::FoundEndpoint>
   return others;
 }
 
-BusObservation bus_of(const dds::DomainOptions& options) {
-  BusObservation bus;
+rules::BusObservation bus_of(const dds::DomainOptions& options) {
+  rules::BusObservation bus;
   bus.domain_id = dds::resolve_domain_id(options);
   const char* const uri = std::getenv("CYCLONEDDS_URI");
   const dds::UserNetwork user = dds::network_named_by(uri == nullptr ? "" : uri, bus.domain_id);
   const auto of_machine = interfaces_of_machine();
   bus.interfaces = named_interfaces(user, of_machine);
-  bus.loopback_only = user.interfaces.empty()
-                          ? options.network == dds::Network::loopback
-                          : std::all_of(bus.interfaces.begin(), bus.interfaces.end(),
-                                        [](const InterfaceObservation& named) { return named.loopback; });
+  bus.loopback_only =
+      user.interfaces.empty()
+          ? options.network == dds::Network::loopback
+          : std::all_of(bus.interfaces.begin(), bus.interfaces.end(),
+                        [](const rules::InterfaceObservation& named) { return named.loopback; });
   bus.interfaces_in_use = interfaces_in_use(bus, of_machine);
-  bus.peers_named = user.peers;
+  bus.has_peers = user.peers;
   return bus;
 }
 
-std::vector<DomainObservation> look_elsewhere(const dds::DomainOptions& here,
-                                              const process::StopSignal& stop) {
+std::vector<rules::DomainObservation> search_other_domains(const dds::DomainOptions& here,
+                                                           const process::StopSignal& stop) {
   std::set<std::uint32_t> ids;
   for (std::uint32_t id = 0; id <= usual_domains; ++id) ids.insert(id);
   try {
     ids.insert(dds::resolve_domain_id({}));
   } catch (const std::invalid_argument&) {
-    // ROS_DOMAIN_ID names no domain, and was not asked for.
+    // ROS_DOMAIN_ID is invalid, but this search does not depend on it.
   }
   ids.erase(dds::resolve_domain_id(here));
-  std::vector<DomainObservation> found;
+  std::vector<rules::DomainObservation> found;
   for (const std::uint32_t id : ids) {
     if (stop.requested()) break;
-    const DomainObservation seen = look_into({.domain_id = id, .network = here.network}, stop);
-    if (seen.ours) found.push_back(seen);
+    const rules::DomainObservation domain = observe_domain({.domain_id = id, .network = here.network}, stop);
+    if (domain.ours) found.push_back(domain);
   }
   return found;
 }
 
-}  // namespace sonopose::doctor::doctor
+}  // namespace sonopose::doctor::probe

@@ -1,36 +1,37 @@
 #pragma once
-// What the doctor sees of a domain besides the samples: its processes, readers and writers, and the network.
+// Observations of a domain other than samples: its processes, endpoints and network.
 
+#include "doctor/rules/observations.hpp"
+#include "process/stop_signal.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/domain.hpp>
-#include "doctor/rules/doctor.hpp"
-#include "process/stop_signal.hpp"
 
 #include <map>
 #include <string>
 #include <vector>
 
-namespace sonopose::doctor::doctor {
+namespace sonopose::doctor::probe {
 
 /// The processes of a domain by the key of their participant.
-using Processes = std::map<std::string, ProcessObservation>;
+using Processes = std::map<std::string, rules::ProcessObservation>;
 
 Processes processes_in(const std::vector<dds::FoundParticipant>& participants);
 
-/// The one with this key; an unknown one where discovery has not told of it.
-ProcessObservation process_of(const Processes& processes, const std::string& key);
+/// The process with this key; an empty observation if it has not been discovered.
+rules::ProcessObservation process_of(const Processes& processes, const std::string& key);
 
-/// Every row of the wiring diagram.
-std::vector<NativeTopic> native_topics();
+/// All topics of dds/topics/topics.hpp.
+std::vector<rules::NativeTopic> native_topics();
 
 /// The endpoints of other processes.
-std::vector<EndpointObservation> others_of(const std::vector<dds::FoundEndpoint>& endpoints,
-                                    const Processes& processes, const std::string& own_key);
+std::vector<rules::EndpointObservation> others_of(const std::vector<dds::FoundEndpoint>& endpoints,
+                                                  const Processes& processes, const std::string& own_key);
 
 /// Domain, interfaces and peers.
-BusObservation bus_of(const dds::DomainOptions& options);
+rules::BusObservation bus_of(const dds::DomainOptions& options);
 
-/// Joins other domains of the same network, one after the other, and tells in which of them this system runs.
-std::vector<DomainObservation> look_elsewhere(const dds::DomainOptions& here, const process::StopSignal& stop);
+/// Joins other domains of the same network, one after the other. Returns those with processes of this system.
+std::vector<rules::DomainObservation> search_other_domains(const dds::DomainOptions& here,
+                                                           const process::StopSignal& stop);
 
-}  // namespace sonopose::doctor::doctor
+}  // namespace sonopose::doctor::probe

@@ -1,27 +1,27 @@
-#include "doctor/rules/rules.hpp"
-#include "observation/beacon_view.hpp"
+#include "doctor/rules/checks.hpp"
+#include "observation/beacon_observer.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace sonopose::doctor::doctor {
+namespace sonopose::doctor::rules {
 namespace {
 
-/// A Li-Po cell has about a tenth of its charge left at 3.5 V, and must not be drawn below 3.0 V.
+/// A Li-Po cell has about 10 % of its charge left at 3.5 V, and must not be discharged below 3.0 V.
 constexpr double low_battery_v = 3.5;
-/// Arrivals that spread more than a few IMU periods: a shared radio, or a host that is busy.
+/// A few IMU periods. Causes of more jitter are a shared radio or a busy host.
 constexpr double large_jitter_s = 0.030;
-/// Between hosts; above what a chain on one host takes, and far above synchronised clocks.
+/// Larger than the latency on one host, and much larger than the error of synchronised clocks.
 constexpr double large_clock_difference_s = 0.050;
 
-class Look {
+class BeaconCheck {
 public:
-  Look(const Observations& seen, const BeaconObservation& beacon, Findings& findings)
-      : seen_(seen), beacon_(beacon), findings_(findings) {}
+  BeaconCheck(const Observations& observations, const BeaconObservation& beacon, Findings& findings)
+      : observations_(observations), beacon_(beacon), findings_(findings) {}
 
-  void rates() const {
+  void report_rates() const {
     std::string text =
         fmt::format("IMU {:.1f} Hz, fixes {:.1f} Hz, headings {:.1f} Hz, poses {:.1f} Hz",
                     beacon_.imu.rate_hz, beacon_.fix.rate_hz, beacon_.heading.rate_hz, beacon_.pose.rate_hz);
@@ -37,42 +37,43 @@ public:
 
   void imu() const {
     if (beacon_.imu.samples == 0) {
-      add(Severity::error, "no IMU sample came",
-          "let the beacon stream raw inertial data, and look at what sonopose-bridge says");
+      add(Severity::error, "no IMU samples received",
+          "enable the stream of raw inertial data on the beacon, and check the output of sonopose-bridge");
     } else {
-      silence(beacon_.imu, "IMU samples",
-              "25 Hz is the slowest that is supported; look at the line to the beacon");
+      check_silence(beacon_.imu, "IMU samples",
+                    "check the line to the beacon; the lowest supported rate is 25 Hz");
     }
   }
 
   void fixes() const {
     if (beacon_.fix.samples > 0) {
-      silence(beacon_.fix, "fixes", "see that the beacon hears its stationary beacons everywhere");
-    } else if (rising(&BeaconStatus::fixes_unavailable) > 0) {
-      add(Severity::warning, "no fix came: the hardware flags its positions as not available",
-          "see that the stationary beacons are awake, in sight, and in one map with this one");
+      check_silence(beacon_.fix, "fixes", "check that the beacon receives its stationary beacons everywhere");
+    } else if (increase_of(&BeaconStatus::fixes_unavailable) > 0) {
+      add(Severity::warning, "no fixes received: the hardware flags its positions as not available",
+          "check that the stationary beacons are awake, in line of sight, and in the same map as this "
+          "beacon");
     } else {
-      add(Severity::warning, "no fix came",
-          "wake the beacon up in the positioning system, and let it stream positions");
+      add(Severity::warning, "no fixes received",
+          "wake the beacon up in the positioning system, and enable the stream of positions");
     }
   }
 
   void headings() const {
     if (beacon_.heading.samples == 0) {
-      add(Severity::note, "no pair heading came: a single beacon learns its heading by moving", "");
+      add(Severity::note, "no pair headings received: a single beacon estimates its heading from motion", "");
     } else if (beacon_.valid_headings == 0) {
-      add(Severity::warning, "the hardware knows no heading of the pair",
-          "see that both beacons of the pair have fixes, and that the pair's base is set");
+      add(Severity::warning, "the pair headings of the hardware are invalid",
+          "check that both beacons of the pair have fixes, and that the pair's baseline is configured");
     }
   }
 
   void poses(bool fusion_runs) const {
-    if (!fusion_runs || beacon_.imu.samples == 0 || fusion_is_deaf()) return;  // told already
+    if (!fusion_runs || beacon_.imu.samples == 0 || fusion_lacks_imu()) return;  // reported already
     if (beacon_.pose.samples == 0) {
-      add(Severity::error, "a fusion runs, but no pose of this beacon came",
-          "hold it still for a second, and see that fixes come; look at what sonopose-fusion says");
+      add(Severity::error, "a fusion runs, but no poses of this beacon were received",
+          "keep it still for a second, check that fixes arrive, and check the output of sonopose-fusion");
     } else {
-      silence(beacon_.pose, "poses", "see whether the fusion's machine is overloaded");
+      check_silence(beacon_.pose, "poses", "check whether the machine of the fusion is overloaded");
     }
   }
 
@@ -83,11 +84,11 @@ public:
         names += (names.empty() ? "" : ", ") + text_of(bridge);
       add(Severity::error,
           fmt::format("{} bridges publish it: {}; its poses are wrong", beacon_.bridges.size(), names),
-          "stop all but one, or give them other addresses");
+          "stop all but one, or use different addresses");
     } else if (beacon_.status && beacon_.status->other_bridges > 0) {
       add(Severity::error,
-          fmt::format("its bridge sees {} more that publish it", beacon_.status->other_bridges),
-          "stop all but one, or give them other addresses");
+          fmt::format("its bridge detects {} other bridges that publish it", beacon_.status->other_bridges),
+          "stop all but one, or use different addresses");
     }
   }
 
@@ -99,12 +100,13 @@ public:
         });
     if (rivals > 1) {
       add(Severity::warning,
-          fmt::format("{} fusions of the same strength {} serve it: which of them is heard is chance", rivals,
-                      beacon_.fusion->strength),
-          "give each another --standby-strength (docs/standby.md)");
+          fmt::format(
+              "{} fusions with the same strength {} serve it: which one consumers receive is arbitrary",
+              rivals, beacon_.fusion->strength),
+          "use a different --standby-strength for each (docs/standby.md)");
     } else {
       add(Severity::ok,
-          fmt::format("served by the fusion of strength {}, {} more stand by", beacon_.fusion->strength,
+          fmt::format("served by the fusion with strength {}, {} on standby", beacon_.fusion->strength,
                       beacon_.fusions.size() - 1),
           "");
     }
@@ -113,18 +115,18 @@ public:
   void numbering() const {
     if (beacon_.events_missing > 0 && beacon_.bridges.size() < 2) {
       add(by_share(beacon_.events_missing),
-          fmt::format("{} of its events did not come here", beacon_.events_missing),
-          "see whether a network in between loses packets, or this machine is overloaded");
+          fmt::format("{} of its events were not received", beacon_.events_missing),
+          "check whether the network loses packets, or this machine is overloaded");
     }
-    if (fusion_is_deaf()) return;  // what it counts follows from that
-    if (const auto lost = rising(&FusionStatus::events_lost); lost > 0) {
+    if (fusion_lacks_imu()) return;  // the counters below are a consequence
+    if (const auto lost = increase_of(&FusionStatus::events_lost); lost > 0) {
       add(by_share(lost), fmt::format("its fusion lost {} events", lost),
-          "see whether a network in between loses packets, or the fusion's machine is overloaded");
+          "check whether the network loses packets, or the machine of the fusion is overloaded");
     }
-    if (const auto invalid = rising(&FusionStatus::samples_invalid); invalid > 0) {
+    if (const auto invalid = increase_of(&FusionStatus::samples_invalid); invalid > 0) {
       add(Severity::warning,
-          fmt::format("its fusion refused {} samples: not finite, absurd, or backward in time", invalid),
-          "look for a second bridge, a clock that was set, or a faulty sensor");
+          fmt::format("its fusion rejected {} samples: not finite, out of range, or out of order", invalid),
+          "check for a second bridge, a clock that was set, or a faulty sensor");
     }
   }
 
@@ -132,44 +134,45 @@ public:
     if (!beacon_.status) return;
     if (beacon_.status->clock_jitter_s > large_jitter_s) {
       add(Severity::warning,
-          fmt::format("its packets arrive with a spread of {:.0f} ms", beacon_.status->clock_jitter_s * 1e3),
-          "prefer USB to radio, and see whether the bridge's machine is overloaded");
+          fmt::format("its packets arrive with a jitter of {:.0f} ms", beacon_.status->clock_jitter_s * 1e3),
+          "prefer USB to radio, and check whether the machine of the bridge is overloaded");
     }
-    if (const auto resets = rising(&BeaconStatus::clock_resets); resets > 0) {
+    if (const auto resets = increase_of(&BeaconStatus::clock_resets); resets > 0) {
       add(Severity::warning,
-          fmt::format("its clock began anew {} times: the beacon restarted, or a clock was set", resets),
-          "look at its power supply, and let NTP slew the host's clock rather than set it");
+          fmt::format("its clock was reset {} times: the beacon restarted, or a clock was set", resets),
+          "check its power supply, and configure NTP to slew the host's clock instead of stepping it");
     }
   }
 
   void host_clock() const {
     if (!beacon_.bridge_ahead_s || std::abs(*beacon_.bridge_ahead_s) <= large_clock_difference_s) return;
     const double ahead_s = *beacon_.bridge_ahead_s;
-    const bool same_host = beacon_.bridges.size() == 1 && beacon_.bridges.front().host == seen_.own_host;
+    const bool same_host =
+        beacon_.bridges.size() == 1 && beacon_.bridges.front().host == observations_.own_host;
     if (same_host) {
       add(Severity::warning,
-          fmt::format("its samples are {:.0f} ms old when they come here, on one machine", -ahead_s * 1e3),
-          "see what keeps this machine busy");
+          fmt::format("its samples take {:.0f} ms to arrive, on the same machine", -ahead_s * 1e3),
+          "check the load of this machine");
     } else {
       add(Severity::warning,
           fmt::format(
-              "the clock of its bridge's machine is about {:.0f} ms {} this one's: ages and latencies that "
-              "are read across machines are off by that",
+              "the clock of the bridge's machine is about {:.0f} ms {} the clock of this machine: latencies "
+              "between the two are wrong by that much",
               std::abs(ahead_s) * 1e3, ahead_s > 0 ? "ahead of" : "behind"),
           "synchronise the machines' clocks (chrony, NTP, PTP)");
     }
   }
 
   void line() const {
-    const auto crc_errors = rising(&BeaconStatus::crc_errors);
-    const auto bytes_lost = rising(&BeaconStatus::bytes_lost);
+    const auto crc_errors = increase_of(&BeaconStatus::crc_errors);
+    const auto bytes_lost = increase_of(&BeaconStatus::bytes_lost);
     if (crc_errors > 0 || bytes_lost > 0) {
       add(Severity::warning,
-          fmt::format("{} frames with a wrong check sum, {} bytes lost on its line", crc_errors, bytes_lost),
-          "look at cable and radio, and see that nobody else reads the device");
+          fmt::format("{} checksum errors and {} lost bytes on its line", crc_errors, bytes_lost),
+          "check cable and radio, and check that no other process reads the device");
     }
-    if (const auto rejected = rising(&BeaconStatus::samples_rejected); rejected > 0) {
-      add(Severity::warning, fmt::format("{} of its values are such as no sensor can give", rejected),
+    if (const auto rejected = increase_of(&BeaconStatus::samples_rejected); rejected > 0) {
+      add(Severity::warning, fmt::format("{} of its samples have impossible values", rejected),
           "update the beacon's firmware, or replace it");
     }
     if (beacon_.status && beacon_.status->battery_v && *beacon_.status->battery_v < low_battery_v) {
@@ -183,65 +186,65 @@ private:
     findings_.push_back({severity, name_of(beacon_), what, remedy});
   }
 
-  /// How bad it is that so many events are lost: up to one in a hundred is a note.
+  /// Up to one lost event in a hundred is a note.
   [[nodiscard]] Severity by_share(std::uint64_t lost) const {
     return lost * 100 > beacon_.imu.samples ? Severity::warning : Severity::note;
   }
 
-  /// Whether a reader of IMU samples does not match, which has been told.
-  [[nodiscard]] bool fusion_is_deaf() const {
+  /// Whether a reader of IMU samples does not match, which is reported already.
+  [[nodiscard]] bool fusion_lacks_imu() const {
     return std::any_of(findings_.begin(), findings_.end(), [](const Finding& finding) {
       return finding.severity == Severity::error && finding.subject == "sonopose/imu";
     });
   }
 
-  void silence(const StreamObservation& stream, const char* what, const char* remedy) const {
+  void check_silence(const StreamObservation& stream, const char* what, const char* remedy) const {
     if (stream.longest_silence_s <= stream.deadline_s) return;
-    // One hiccup of a busy machine is no more than worth a note.
-    const bool bad =
+    // A single pause occurs on a busy machine and is a note.
+    const bool is_warning =
         stream.longest_silence_s > 3 * stream.deadline_s || stream.rate_hz * stream.deadline_s < 1;
-    add(bad ? Severity::warning : Severity::note,
+    add(is_warning ? Severity::warning : Severity::note,
         fmt::format("no {} for {:.2f} s, which is longer than the deadline of {:.1f} s", what,
                     stream.longest_silence_s, stream.deadline_s),
         remedy);
   }
 
-  /// How much a counter rose over the window; 0 where its process began anew.
+  /// Increase of a counter over the window; 0 if its process restarted.
   template <class Status>
-  static std::uint64_t rise(const std::optional<Status>& before, const std::optional<Status>& after,
-                            std::uint64_t Status::*counter) {
+  static std::uint64_t increase(const std::optional<Status>& before, const std::optional<Status>& after,
+                                std::uint64_t Status::*counter) {
     if (!before || !after || (*after).*counter < (*before).*counter) return 0;
     return (*after).*counter - (*before).*counter;
   }
-  [[nodiscard]] std::uint64_t rising(std::uint64_t BeaconStatus::*counter) const {
-    return rise(beacon_.status_before, beacon_.status, counter);
+  [[nodiscard]] std::uint64_t increase_of(std::uint64_t BeaconStatus::*counter) const {
+    return increase(beacon_.status_before, beacon_.status, counter);
   }
-  [[nodiscard]] std::uint64_t rising(std::uint64_t FusionStatus::*counter) const {
-    return rise(beacon_.fusion_before, beacon_.fusion, counter);
+  [[nodiscard]] std::uint64_t increase_of(std::uint64_t FusionStatus::*counter) const {
+    return increase(beacon_.fusion_before, beacon_.fusion, counter);
   }
 
-  const Observations& seen_;
+  const Observations& observations_;
   const BeaconObservation& beacon_;
   Findings& findings_;
 };
 
 }  // namespace
 
-void check_beacon(const Observations& seen, const BeaconObservation& beacon, Findings& findings) {
-  const Look look(seen, beacon, findings);
-  look.rates();
-  if (!on_topic(seen.writers, "sonopose/imu").empty()) {  // without a bridge all the rest follows from that
-    look.imu();
-    look.fixes();
-    look.headings();
-    look.poses(!on_topic(seen.writers, "sonopose/pose").empty());
+void check_beacon(const Observations& observations, const BeaconObservation& beacon, Findings& findings) {
+  const BeaconCheck check(observations, beacon, findings);
+  check.report_rates();
+  if (!on_topic(observations.writers, "sonopose/imu").empty()) {  // else missing streams are a consequence
+    check.imu();
+    check.fixes();
+    check.headings();
+    check.poses(!on_topic(observations.writers, "sonopose/pose").empty());
   }
-  look.two_bridges();
-  look.standbys();
-  look.numbering();
-  look.clocks();
-  look.host_clock();
-  look.line();
+  check.two_bridges();
+  check.standbys();
+  check.numbering();
+  check.clocks();
+  check.host_clock();
+  check.line();
 }
 
-}  // namespace sonopose::doctor::doctor
+}  // namespace sonopose::doctor::rules

@@ -1,50 +1,50 @@
-#include "doctor/rules/rules.hpp"
+#include "doctor/rules/checks.hpp"
 #include <sonopose/samples/pose.hpp>
 
 #include <array>
 
-namespace sonopose::doctor::doctor {
+namespace sonopose::doctor::rules {
 namespace {
 
-/// A status bit that lasts means something only where it should have gone.
-struct Lasting {
+/// A status bit that is a problem if all poses of the window have it.
+struct LastingBit {
   PoseStatus bit;
   const char* what;
   const char* remedy;
 };
 
 constexpr std::array lasting_bits{
-    Lasting{status_initialising, "its fusion is still starting",
-            "hold the beacon still for some seconds, and see that fixes come"},
-    Lasting{status_uncalibrated, "its gyroscope has never been seen at rest",
-            "let it stand still for a second; where it never can, measure the offset: sonopose-calibrate "
-            "gyroscope "
-            "(docs/calibration.md)"},
-    Lasting{status_stale, "its fusion has had no valid fix for longer than outage.stale_after_s allows",
-            "see that fixes come and are not all refused: sonopose-monitor tells how many are used"},
-    Lasting{status_heading_unknown, "its heading is not known",
-            "with a pair, see that headings come; a single beacon must be moved first"},
-    Lasting{
-        status_frozen_track, "its fixes repeat one spot while the IMU says that it moves",
-        "look at the positioning system's dashboard: the beacon is frozen there too; where it really stands, "
-        "raise frozen.moved_m"},
-    Lasting{status_imu_gap, "its IMU keeps falling silent", "look at the line to the beacon"},
-    Lasting{status_low_trust, "its fusion doubts the fixes",
-            "look for reflections and a wrong map; docs/tuning.md, trust.sigma_m"},
+    LastingBit{status_initialising, "its fusion is still initialising",
+               "keep the beacon still for some seconds, and check that fixes arrive"},
+    LastingBit{
+        status_uncalibrated, "its gyro bias has never been estimated, because the beacon was never at rest",
+        "let it stand still for a second; if it never can, measure the bias: sonopose-calibrate gyroscope "
+        "(docs/calibration.md)"},
+    LastingBit{status_stale, "its fusion has had no valid fix for longer than outage.stale_after_s",
+               "check that fixes arrive and are not all rejected: sonopose-monitor shows how many are used"},
+    LastingBit{status_heading_unknown, "its heading is unknown",
+               "with a pair, check that headings arrive; move a single beacon"},
+    LastingBit{
+        status_frozen_track, "its fixes repeat one position although the IMU measures motion",
+        "check the dashboard of the positioning system: the beacon is frozen there too; if the beacon really "
+        "stands still, increase frozen.moved_m"},
+    LastingBit{status_imu_gap, "its IMU stream has gaps", "check the line to the beacon"},
+    LastingBit{status_low_trust, "its fusion has low trust in the fixes",
+               "check for reflections and a wrong map; see docs/tuning.md, trust.sigma_m"},
 };
 
 }  // namespace
 
 void check_pose(const BeaconObservation& beacon, Findings& findings) {
   if (beacon.pose.samples == 0) return;
-  for (const Lasting& lasting : lasting_bits) {
+  for (const LastingBit& lasting : lasting_bits) {
     if ((beacon.lasting_status & lasting.bit) == 0U) continue;
-    // Before it has started the rest is no news, and without a pair a heading is learned by moving.
+    // A single beacon estimates its heading from motion.
     const bool waits_for_motion = lasting.bit == status_heading_unknown && beacon.heading.samples == 0;
     findings.push_back({waits_for_motion ? Severity::note : Severity::warning, name_of(beacon), lasting.what,
                         lasting.remedy});
-    if (lasting.bit == status_initialising) return;
+    if (lasting.bit == status_initialising) return;  // implies the others
   }
 }
 
-}  // namespace sonopose::doctor::doctor
+}  // namespace sonopose::doctor::rules

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace sonopose::doctor {
+namespace sonopose::doctor::rules {
 namespace {
 
 auto count_of(const std::vector<Finding>& findings, Severity severity) {
@@ -13,8 +13,8 @@ auto count_of(const std::vector<Finding>& findings, Severity severity) {
                        [severity](const Finding& finding) { return finding.severity == severity; });
 }
 
-std::string number_of(std::ptrdiff_t count, const char* what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+std::string count_text(std::ptrdiff_t count, const char* noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
 }  // namespace
@@ -41,13 +41,13 @@ std::string report_of(std::vector<Finding> findings) {
     text += fmt::format("{:<8} {}: {}\n", text_of(finding.severity), finding.subject, finding.what);
     if (!finding.remedy.empty()) text += fmt::format("         → {}\n", finding.remedy);
   }
-  if (!any_wrong(findings)) return text + "nothing is wrong\n";
-  return text + fmt::format("{}, {}\n", number_of(count_of(findings, Severity::error), "error"),
-                            number_of(count_of(findings, Severity::warning), "warning"));
+  if (!has_problems(findings)) return text + "no problems found\n";
+  return text + fmt::format("{}, {}\n", count_text(count_of(findings, Severity::error), "error"),
+                            count_text(count_of(findings, Severity::warning), "warning"));
 }
 
 std::string json_of(const std::vector<Finding>& findings) {
-  nlohmann::json json{{"wrong", any_wrong(findings)}, {"findings", nlohmann::json::array()}};
+  nlohmann::json json{{"ok", !has_problems(findings)}, {"findings", nlohmann::json::array()}};
   for (const Finding& finding : findings) {
     json["findings"].push_back({{"severity", text_of(finding.severity)},
                                 {"subject", finding.subject},
@@ -57,4 +57,4 @@ std::string json_of(const std::vector<Finding>& findings) {
   return json.dump();
 }
 
-}  // namespace sonopose::doctor
+}  // namespace sonopose::doctor::rules

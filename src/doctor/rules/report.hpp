@@ -1,21 +1,21 @@
 #pragma once
 /// \file
-/// The doctor's words: for people, and as JSON.
+/// The doctor's report as text and as JSON.
 
-#include "doctor/rules/doctor.hpp"
+#include "doctor/rules/diagnosis.hpp"
 
 #include <string>
 #include <vector>
 
-namespace sonopose::doctor {
+namespace sonopose::doctor::rules {
 
 /// "ok", "note", "warning" or "error".
 const char* text_of(Severity severity);
 
-/// A line per finding with what to do below it, the worst last, and a line that counts them.
+/// A line per finding with its remedy below it, the most severe last, and a line with the number of problems.
 std::string report_of(std::vector<Finding> findings);
 
-/// {"wrong": …, "findings": [{"severity", "subject", "what", "remedy"}]}, on one line without a newline.
+/// {"ok": …, "findings": [{"severity", "subject", "what", "remedy"}]}, on one line without a newline.
 std::string json_of(const std::vector<Finding>& findings);
 
-}  // namespace sonopose::doctor
+}  // namespace sonopose::doctor::rules

@@ -1,5 +1,7 @@
 #include <sonopose/estimation/documented/engine.hpp>
+#include <sonopose/estimation/documented/motion.hpp>
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/settings/preset.hpp>
 
 #include <algorithm>
 #include <limits>
@@ -108,7 +110,7 @@ double Engine::predict_attitude(const ImuSample& imu, double dt_s) {
   auto measurement = attitude::field_use(settings_.attitude.selection).measurement_of(imu, dt_s);
   measurement.angular_velocity_body_radps = mean_rate_body_radps;
   alignment::aid(settings_.alignment, state_.alignment, imu.sensor_time_ns, measurement);
-  state_.filter.update(settings_.attitude, measurement);                               // 29, 30
+  state_.filter.update(settings_.attitude, measurement);                                            // 29, 30
   return heading::correct_from_pair(settings_.heading, state_.heading, body, state_.filter, dt_s);  // 34
 }
 
@@ -131,7 +133,8 @@ void Engine::predict_velocity(const ImuSample& imu, double dt_s) {
   const Vector3d gained_world_mps = body.velocity_world_mps - velocity_before_world_mps;
   state_.alignment.gained_world_mps += gained_world_mps;
   if (state_.outage.track == InitPhase::held && state_.velocity.settled()) {
-    alignment::set_known_acceleration(settings_.alignment, state_.alignment, gained_world_mps, body.time_ns, dt_s);
+    alignment::set_known_acceleration(settings_.alignment, state_.alignment, gained_world_mps, body.time_ns,
+                                      dt_s);
   } else {
     alignment::clear_known_acceleration(state_.alignment);
   }

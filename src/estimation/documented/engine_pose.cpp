@@ -1,6 +1,7 @@
 // What the engine shows of its state.
 
 #include <sonopose/estimation/documented/engine.hpp>
+#include <sonopose/estimation/documented/motion.hpp>
 
 #include <algorithm>
 #include <limits>

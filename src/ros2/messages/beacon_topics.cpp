@@ -18,11 +18,11 @@ constexpr std::array<const char*, 7> beacon_outputs{"imu/data_raw", "imu/data", 
 constexpr std::array<const char*, 3> node_outputs{"/tf", "/tf_static", "/diagnostics"};
 constexpr BeaconAddress last_address = all_beacons - 1;
 
-/// The addresses whose digits stand in `name`: no other beacon's topic is called so.
+/// The addresses whose digits occur in `name`: only topics of these beacons can have this name.
 void add_addresses_in(const std::string& name, std::set<BeaconAddress>& addresses) {
-  constexpr std::size_t longest = 5;  // 65534
+  constexpr std::size_t max_digits = 5;  // 65534
   for (std::size_t begin = 0; begin < name.size(); ++begin) {
-    for (std::size_t length = 1; length <= std::min(longest, name.size() - begin); ++length) {
+    for (std::size_t length = 1; length <= std::min(max_digits, name.size() - begin); ++length) {
       unsigned value = 0;
       const char* const first = name.data() + begin;
       const auto [end, error] = std::from_chars(first, first + length, value);
@@ -34,16 +34,16 @@ void add_addresses_in(const std::string& name, std::set<BeaconAddress>& addresse
 }
 
 void check_outputs_of(const NameResolver& names, const std::string& prefix) {
-  std::map<std::string, std::string> taken;
-  const auto take = [&](const std::string& output) {
+  std::map<std::string, std::string> outputs;
+  const auto add = [&](const std::string& output) {
     const std::string name = names.topic(output);
-    const auto [found, is_new] = taken.emplace(name, output);
+    const auto [found, is_new] = outputs.emplace(name, output);
     if (is_new) return;
     throw std::invalid_argument("'" + found->second + "' and '" + output + "' would both be the topic '" +
-                                name + "': each needs a name of its own");
+                                name + "'");
   };
-  for (const char* const output : node_outputs) take(output);
-  for (const char* const output : beacon_outputs) take(prefix + output);
+  for (const char* const output : node_outputs) add(output);
+  for (const char* const output : beacon_outputs) add(prefix + output);
 }
 
 }  // namespace
@@ -52,12 +52,12 @@ std::string topic_prefix(const std::string& pattern, BeaconAddress address) {
   return pattern.empty() ? std::string() : for_beacon(pattern, address) + "/";
 }
 
-bool tells_topics_apart(const std::string& pattern) {
+bool has_topics_per_beacon(const std::string& pattern) {
   return topic_prefix(pattern, 0) != topic_prefix(pattern, last_address);
 }
 
 void check_beacon_namespace(const NameResolver& names, const std::string& pattern) {
-  // The rules for names look at letters, digits and length: the first and the last stand for all.
+  // Validity depends on letters, digits and length only: the shortest and the longest address are sufficient.
   for (const BeaconAddress address : {BeaconAddress{0}, last_address}) {
     const std::string prefix = topic_prefix(pattern, address);
     for (const char* const output : beacon_outputs) static_cast<void>(names.topic(prefix + output));
@@ -65,7 +65,7 @@ void check_beacon_namespace(const NameResolver& names, const std::string& patter
 }
 
 void check_outputs_differ(const NameResolver& names, const std::string& pattern) {
-  // Only a rule makes two names one.
+  // Without a remap rule all names differ.
   std::set<BeaconAddress> addresses{0};
   for (const RemapRule& rule : names.rules()) add_addresses_in(rule.from, addresses);
   for (const BeaconAddress address : addresses) check_outputs_of(names, topic_prefix(pattern, address));

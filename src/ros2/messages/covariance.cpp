@@ -7,7 +7,7 @@
 namespace sonopose::ros2 {
 namespace {
 
-/// A pose whose settings make it surer than this is not: it is no more than a number.
+/// Lower limit of standard deviations, so that no variance is zero.
 constexpr double least_std = 1e-6;
 
 Covariance3 variances(const Vector3d& std) {
@@ -15,12 +15,12 @@ Covariance3 variances(const Vector3d& std) {
   return bounded.cwiseProduct(bounded).asDiagonal();
 }
 
-/// What consumers can still use if the pose does not know a deviation.
+/// Standard deviations of unknown components: large, but usable by consumers.
 constexpr double unknown_position_std_m = 1e3;
 constexpr double unknown_velocity_std_mps = 1e2;
 constexpr double unknown_yaw_std_rad = std::numbers::pi / std::numbers::sqrt3;  // uniform over the circle
 
-/// The covariance as a matrix, with `std_if_unknown` for components that it does not know.
+/// The covariance as a matrix, with `std_if_unknown` for unknown components.
 template <int N>
 Eigen::Matrix<double, N, N> filled(const Covariance<N>& covariance,
                                    const Eigen::Matrix<double, N, 1>& std_if_unknown) {
@@ -33,7 +33,7 @@ Eigen::Matrix<double, N, N> filled(const Covariance<N>& covariance,
   return matrix;
 }
 
-/// Of position and orientation in the world, as the pose knows it.
+/// Of position and orientation in the world. Unknown tilt has the standard deviation `noise.tilt_std_deg`.
 Covariance6 world_covariance(const FusedPose& pose, const Noise& noise) {
   const double tilt_std_rad = noise.tilt_std_deg * geometry::radians_per_degree;
   Eigen::Matrix<double, 6, 1> std_if_unknown;
@@ -49,14 +49,14 @@ Covariance3 cross(const Vector3d& v) {
   return matrix;
 }
 
-/// J Σ Jᵀ, whose rounding errors must not make it lopsided.
+/// J Σ Jᵀ, made exactly symmetric in spite of rounding errors.
 template <class Matrix>
-Matrix through(const Matrix& jacobian, const Matrix& covariance) {
+Matrix propagated(const Matrix& jacobian, const Matrix& covariance) {
   const Matrix result = jacobian * covariance * jacobian.transpose();
   return 0.5 * (result + result.transpose());
 }
 
-Covariance6 blocks(const Covariance3& first, const Covariance3& second) {
+Covariance6 block_diagonal(const Covariance3& first, const Covariance3& second) {
   Covariance6 both = Covariance6::Zero();
   both.topLeftCorner<3, 3>() = first;
   both.bottomRightCorner<3, 3>() = second;
@@ -74,25 +74,25 @@ Covariance3 orientation_covariance(const FusedPose& pose, const Noise& noise) {
 }
 
 Covariance6 pose_covariance(const FusedPose& pose, const Mount& mount, const Noise& noise) {
-  // p_base = p_imu − R r, and a small turn δθ about the map's axes makes R r to R r + δθ × R r.
+  // p_base = p_imu − R r, and a small rotation δθ about the map axes changes R r to R r + δθ × R r.
   const Quaterniond q_base_to_map = base_state(pose, mount).q_base_to_map;
   Covariance6 jacobian = Covariance6::Identity();
   jacobian.topRightCorner<3, 3>() = cross(q_base_to_map * mount.imu_in_base_m);
-  return through(jacobian, world_covariance(pose, noise));
+  return propagated(jacobian, world_covariance(pose, noise));
 }
 
 Covariance6 twist_covariance(const FusedPose& pose, const Mount& mount, const Noise& noise) {
   const Covariance3 map_to_base = base_state(pose, mount).q_base_to_map.conjugate().toRotationMatrix();
-  // Rᵀ v: a turn δθ makes it Rᵀ (v − δθ × v), so its error is Rᵀ (v ×) δθ.
-  const Covariance3 turned = map_to_base * cross(pose.velocity_world_mps);
+  // A small rotation δθ changes Rᵀ v to Rᵀ (v − δθ × v), so the error is Rᵀ (v ×) δθ.
+  const Covariance3 rotation_jacobian = map_to_base * cross(pose.velocity_world_mps);
   const Covariance3 in_world =
       filled(pose.velocity_covariance, Vector3d(Vector3d::Constant(unknown_velocity_std_mps)));
   const Covariance3 of_velocity =
-      through(map_to_base, in_world) + through(turned, orientation_covariance(pose, noise));
+      propagated(map_to_base, in_world) + propagated(rotation_jacobian, orientation_covariance(pose, noise));
   // v_base = Rᵀ v − ω × r = Rᵀ v + (r ×) ω.
   Covariance6 jacobian = Covariance6::Identity();
   jacobian.topRightCorner<3, 3>() = cross(mount.imu_in_base_m);
-  return through(jacobian, blocks(of_velocity, diagonal(noise.gyro_std_radps)));
+  return propagated(jacobian, block_diagonal(of_velocity, diagonal(noise.gyro_std_radps)));
 }
 
 Covariance3 fix_covariance(double fix_std_m, std::optional<double> weight) {
@@ -100,7 +100,7 @@ Covariance3 fix_covariance(double fix_std_m, std::optional<double> weight) {
 }
 
 Covariance6 without_orientation(const Covariance3& position) {
-  return blocks(position, diagonal(std::numbers::pi / std::numbers::sqrt3));
+  return block_diagonal(position, diagonal(std::numbers::pi / std::numbers::sqrt3));
 }
 
 }  // namespace sonopose::ros2

@@ -52,8 +52,7 @@ std::vector<std::string> peers(const Variables& variables) {
   std::vector<std::string> found = split(value, ';');
   for (const std::string& peer : found) {
     if (peer.find_first_of("<>&\"' \t\n") == std::string::npos) continue;
-    refuse(static_peers, value,
-           "'" + peer + "' is no address or name of a machine; several stand with ';' between them");
+    refuse(static_peers, value, "'" + peer + "' is not an address or a host name; separate several with ';'");
   }
   return found;
 }
@@ -73,14 +72,14 @@ const std::vector<std::string>& variable_names() {
 
 dds::DomainOptions with_discovery_range(dds::DomainOptions options, const Variables& variables) {
   options.peers.clear();
-  // The older variable wins, and then neither range nor peers count.
+  // The older variable has precedence, and then range and peers are ignored.
   if (only_localhost(variables)) {
     options.network = dds::Network::ros_localhost;
     return options;
   }
   const std::string range = value_of(variables, discovery_range);
   if (range == "OFF") {
-    refuse(discovery_range, range, "no process could find this one then, nor it any");
+    refuse(discovery_range, range, "no process could discover this one, or be discovered by it");
   }
   if (range == "LOCALHOST") {
     options.network = dds::Network::ros_localhost;
@@ -112,7 +111,7 @@ FoundDistro distro_of(const Variables& variables) {
   if (const auto known = distro_named(name)) return {.distro = *known, .warning = {}};
   return {.distro = newest_layout,
           .warning = std::string(ros_distro) + " is '" + name +
-                     "', which is not known here: the node tells of itself as in Iron and later"};
+                     "', which is unknown: the node is announced as in Iron and later"};
 }
 
 }  // namespace sonopose::ros2

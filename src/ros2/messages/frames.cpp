@@ -18,7 +18,7 @@ FramesByName by_frame(const FrameNames& names) {
   return {{{"map", &names.map}, {"odom", &names.odom}, {"base", &names.base}, {"imu", &names.imu}}};
 }
 
-/// `why` says, of the frame that has the name already, what is wrong.
+/// Throws FrameError for two frames with the same name. `why`: the reason, from the frame with the same name.
 template <class Why>
 void check_differ(const FrameNames& names, const Why& why) {
   const FramesByName all = by_frame(names);
@@ -54,40 +54,41 @@ void check(const FrameNames& patterns) {
     if (name->front() == '/') throw FrameError(frame, *name, "must not begin with a slash");
   }
   check_differ(patterns,
-               [](const char* other) { return std::string("is called as the ") + other + " frame is"; });
+               [](const char* other) { return std::string("has the same name as the ") + other + " frame"; });
   const auto varies = [](const auto& each) { return each.second->find(placeholder) != std::string::npos; };
   const auto all = by_frame(patterns);
   if (std::none_of(all.begin(), all.end(), varies)) return;
-  // b7 and b{address} are one for beacon 7: only trying tells.
+  // Templates may collide after expansion, as b7 and b{address} for beacon 7: expand and compare.
   for (BeaconAddress address = 0; address < all_beacons; ++address) {
     check_differ(for_beacon(patterns, address), [address](const char* other) {
-      return "of beacon " + std::to_string(address) + " is called as its " + other + " frame is";
+      return "of beacon " + std::to_string(address) + " has the same name as its " + other + " frame";
     });
   }
 }
 
-bool tell_beacons_apart(const FrameNames& patterns, bool moves_odom) {
-  const auto differs = [](const std::string& pattern) {
+bool has_frames_per_beacon(const FrameNames& patterns, bool moves_odom) {
+  const auto is_per_beacon = [](const std::string& pattern) {
     return pattern.find(placeholder) != std::string::npos;
   };
-  return differs(patterns.base) && differs(patterns.imu) && (differs(patterns.odom) || !moves_odom);
+  return is_per_beacon(patterns.base) && is_per_beacon(patterns.imu) &&
+         (is_per_beacon(patterns.odom) || !moves_odom);
 }
 
-Mount mount_at(const std::array<double, 6>& place) {
+Mount mount_at(const std::array<double, 6>& pose) {
   constexpr std::array<const char*, 6> names{"x", "y", "z", "roll", "pitch", "yaw"};
-  for (std::size_t i = 0; i < place.size(); ++i) {
+  for (std::size_t i = 0; i < pose.size(); ++i) {
     const bool is_length = i < 3;
-    const int most = is_length ? 1000 : 360;
-    if (std::abs(place[i]) <= most) continue;  // false for what is no number
+    const int limit = is_length ? 1000 : 360;
+    if (std::abs(pose[i]) <= limit) continue;  // false for NaN
     std::ostringstream value;
-    value << place[i];
+    value << pose[i];
     throw std::invalid_argument(std::string(names[i]) + " is " + value.str() + ": it must be from -" +
-                                std::to_string(most) + " to " + std::to_string(most) +
+                                std::to_string(limit) + " to " + std::to_string(limit) +
                                 (is_length ? " m" : " deg"));
   }
   const auto radians = [](double degrees) { return degrees * geometry::radians_per_degree; };
-  const geometry::EulerAngles<double> angles{radians(place[3]), radians(place[4]), radians(place[5])};
-  return {{place[0], place[1], place[2]}, geometry::rotation_of(angles)};
+  const geometry::EulerAngles<double> angles{radians(pose[3]), radians(pose[4]), radians(pose[5])};
+  return {{pose[0], pose[1], pose[2]}, geometry::rotation_of(angles)};
 }
 
 Transform operator*(const Transform& outer, const Transform& inner) {
@@ -95,8 +96,8 @@ Transform operator*(const Transform& outer, const Transform& inner) {
 }
 
 Transform inverse_of(const Transform& transform) {
-  const Quaterniond back = transform.rotation.conjugate();
-  return {-(back * transform.translation_m), back};
+  const Quaterniond inverse = transform.rotation.conjugate();
+  return {-(inverse * transform.translation_m), inverse};
 }
 
 BaseState base_state(const FusedPose& pose, const Mount& mount) {

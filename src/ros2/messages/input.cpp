@@ -4,7 +4,7 @@
 namespace sonopose::ros2 {
 namespace {
 
-/// When a message was measured.
+/// The time of measurement: the stamp, or the time of reception without one.
 std::optional<TimeNs> measured_at(const Header& header, TimeNs received_ns) {
   if (header.stamp.sec == 0 && header.stamp.nanosec == 0) return received_ns;
   return from_ros(header.stamp);

@@ -29,7 +29,7 @@ void copy(const Covariance& from, double (&to)[size]) {
 }  // namespace
 
 Header header_of(TimeNs stamp_ns, const std::string& frame_id) {
-  return {to_ros(stamp_ns), lent(frame_id)};
+  return {to_ros(stamp_ns), borrow_string(frame_id)};
 }
 
 Imu raw_imu(const ImuSample& sample, TimeNs stamp_ns, const FrameNames& frames, const Noise& noise) {
@@ -68,7 +68,7 @@ Odometry odometry(const FusedPose& pose, TimeNs stamp_ns, const FrameNames& fram
   const BaseState base = base_state(pose, mount);
   Odometry odometry{};
   odometry.header = header_of(stamp_ns, frames.map);
-  odometry.child_frame_id = lent(frames.base);
+  odometry.child_frame_id = borrow_string(frames.base);
   odometry.pose.pose = {point(base.position_map_m), quaternion(base.q_base_to_map)};
   copy(pose_covariance(pose, mount, noise), odometry.pose.covariance);
   odometry.twist.twist = {vector(base.velocity_base_mps), vector(base.angular_velocity_base_radps)};
@@ -96,7 +96,7 @@ PointStamped position_as_point(const Vector3d& position_map_m, TimeNs stamp_ns, 
 TransformStamped transform(const Transform& child_in_parent, TimeNs stamp_ns, const std::string& parent,
                            const std::string& child) {
   return {header_of(stamp_ns, parent),
-          lent(child),
+          borrow_string(child),
           {vector(child_in_parent.translation_m), quaternion(child_in_parent.rotation)}};
 }
 

@@ -8,11 +8,11 @@
 namespace sonopose::ros2 {
 namespace {
 
-/// rmw's limits: 255 characters in DDS, eight of which are left for prefixes and suffixes.
-constexpr std::size_t longest_topic = 247;
-constexpr std::size_t longest_node_name = 255;
-constexpr std::size_t longest_namespace = longest_topic - 2;
-constexpr std::size_t longest_enclave = 255;  // rcl's
+/// Limits of rmw: 255 characters in DDS, eight of which are reserved for prefixes and suffixes.
+constexpr std::size_t max_topic_length = 247;
+constexpr std::size_t max_node_name_length = 255;
+constexpr std::size_t max_namespace_length = max_topic_length - 2;
+constexpr std::size_t max_enclave_length = 255;  // of rcl
 
 bool is_digit(char c) {
   return c >= '0' && c <= '9';
@@ -25,29 +25,29 @@ bool is_word(char c) {
   throw std::invalid_argument(what + " '" + name + "': " + why);
 }
 
-/// What every word between two slashes must be.
+/// Checks a part of a name between two slashes.
 void check_word(const std::string& what, const std::string& name, const std::string& word) {
   if (word.empty()) refuse(what, name, "it is empty, begins or ends with '/', or has two '/' in a row");
-  const auto odd = std::find_if_not(word.begin(), word.end(), is_word);
-  if (odd != word.end()) {
-    refuse(what, name,
-           std::string("it holds '") + *odd +
-               "', and ROS 2 allows letters a-z and A-Z, digits and '_' in names");
+  const auto invalid = std::find_if_not(word.begin(), word.end(), is_word);
+  if (invalid != word.end()) {
+    refuse(
+        what, name,
+        std::string("it contains '") + *invalid + "'; ROS 2 allows only letters a-z and A-Z, digits and '_'");
   }
-  if (is_digit(word.front())) refuse(what, name, "no part of a name may begin with a digit in ROS 2");
+  if (is_digit(word.front())) refuse(what, name, "in ROS 2, no part of a name may begin with a digit");
 }
 
 /// `name` is absolute: "/a/b".
-void check_path(const std::string& what, const std::string& name, std::size_t longest) {
+void check_path(const std::string& what, const std::string& name, std::size_t max_length) {
   if (!name.starts_with('/')) refuse(what, name, "it must begin with '/'");
   for (std::size_t begin = 1, end = 0; end < name.size(); begin = end + 1) {
     end = std::min(name.find('/', begin), name.size());
     check_word(what, name, name.substr(begin, end - begin));
   }
-  if (name.size() > longest) {
-    refuse(
-        what, name,
-        "it has " + std::to_string(name.size()) + " characters, and ROS 2 allows " + std::to_string(longest));
+  if (name.size() > max_length) {
+    refuse(what, name,
+           "it has " + std::to_string(name.size()) + " characters, and ROS 2 allows " +
+               std::to_string(max_length));
   }
 }
 
@@ -58,9 +58,9 @@ bool names_namespace(const RemapRule& rule) {
   return rule.from == "__ns";
 }
 
-/// What `resolve` returns; what it throws names the rule.
+/// Calls `resolve` and adds the rule to the text of an exception.
 template <class Resolve>
-auto by_rule(const RemapRule& rule, const Resolve& resolve) {
+auto with_rule(const RemapRule& rule, const Resolve& resolve) {
   try {
     return resolve();
   } catch (const std::invalid_argument& error) {
@@ -68,16 +68,16 @@ auto by_rule(const RemapRule& rule, const Resolve& resolve) {
   }
 }
 
-/// The first rule of its kind counts, as in rcl.
+/// As in rcl, the first rule of each kind applies.
 NodeName renamed(NodeName node, const std::vector<RemapRule>& rules) {
   const auto space = std::find_if(rules.begin(), rules.end(), names_namespace);
   const auto name = std::find_if(rules.begin(), rules.end(), names_node);
   if (space != rules.end()) {
-    by_rule(*space, [&] { check_namespace(space->to); });
+    with_rule(*space, [&] { check_namespace(space->to); });
     node.name_space = space->to;
   }
   if (name != rules.end()) {
-    by_rule(*name, [&] { check_node_name(name->to); });
+    with_rule(*name, [&] { check_node_name(name->to); });
     node.name = name->to;
   }
   return node;
@@ -93,17 +93,17 @@ void check_node_name(const std::string& name) {
   const char* const what = "node name";
   if (name.empty()) refuse(what, name, "it is empty");
   check_word(what, name, name);
-  if (name.size() > longest_node_name) {
-    refuse(what, name, "ROS 2 allows " + std::to_string(longest_node_name) + " characters");
+  if (name.size() > max_node_name_length) {
+    refuse(what, name, "ROS 2 allows " + std::to_string(max_node_name_length) + " characters");
   }
 }
 
 void check_namespace(const std::string& name_space) {
-  if (name_space != "/") check_path("namespace", name_space, longest_namespace);
+  if (name_space != "/") check_path("namespace", name_space, max_namespace_length);
 }
 
 void check_enclave(const std::string& enclave) {
-  if (enclave != "/") check_path("enclave", enclave, longest_enclave);
+  if (enclave != "/") check_path("enclave", enclave, max_enclave_length);
 }
 
 RemapRule parse_remap_rule(const std::string& text) {
@@ -115,7 +115,7 @@ RemapRule parse_remap_rule(const std::string& text) {
   if (colon != std::string::npos) {
     rule.node = rule.from.substr(0, colon);
     rule.from.erase(0, colon + 1);
-    if (rule.node.empty()) refuse("remap rule", text, "no node name stands before ':'");
+    if (rule.node.empty()) refuse("remap rule", text, "there is no node name before ':'");
   }
   if (rule.from.empty() || rule.to.empty()) refuse("remap rule", text, "a side of ':=' is empty");
   return rule;
@@ -128,7 +128,7 @@ NameResolver::NameResolver(NodeName node, std::vector<RemapRule> rules) {
   node_ = renamed(std::move(node), rules);
   std::erase_if(rules, [](const RemapRule& rule) { return names_node(rule) || names_namespace(rule); });
   for (const RemapRule& rule : rules) {
-    rules_.push_back(by_rule(rule, [&] {
+    rules_.push_back(with_rule(rule, [&] {
       return RemapRule{.from = expanded(rule.from), .to = expanded(rule.to), .node = rule.node};
     }));
   }
@@ -141,7 +141,7 @@ std::string NameResolver::expanded(const std::string& name) const {
   } else if (!name.starts_with('/')) {
     path = (node_.name_space == "/" ? "" : node_.name_space) + "/" + name;
   }
-  check_path("topic name", path, longest_topic);
+  check_path("topic name", path, max_topic_length);
   return path;
 }
 

@@ -27,7 +27,7 @@ dds::DataWriter<Info> discovery_writer(const dds::DomainParticipant& participant
   return dds::DataWriter<Info>(participant, topic, writer_qos);
 }
 
-/// The GUID, with zeros behind it where there is room for more.
+/// The GUID, padded with zeros.
 template <class Gid>
 Gid gid_of(const dds_guid_t& guid) {
   Gid gid{};
@@ -55,13 +55,13 @@ void write(dds::DataWriter<Info>& writer, const dds_guid_t& participant, const N
   std::vector<Entities> nodes;
   if (node != nullptr) {
     Entities& entities = nodes.emplace_back();
-    // NameResolver has checked that they fit; the rest is zeros.
+    // NameResolver has checked the lengths; the padding is zero.
     node->name_space.copy(entities.node_namespace, sizeof entities.node_namespace - 1);
     node->name.copy(entities.node_name, sizeof entities.node_name - 1);
-    lend(entities.reader_gid_seq, reader_gids);
-    lend(entities.writer_gid_seq, writer_gids);
+    borrow_sequence(entities.reader_gid_seq, reader_gids);
+    borrow_sequence(entities.writer_gid_seq, writer_gids);
   }
-  lend(info.node_entities_info_seq, nodes);
+  borrow_sequence(info.node_entities_info_seq, nodes);
   writer.write(info);
 }
 
@@ -88,7 +88,7 @@ Node::~Node() {
   try {
     std::visit([&](auto& writer) { write(writer, dds::guid_of(participant_), nullptr, {}, {}); }, discovery_);
   } catch (const std::exception&) {
-    // The node's participant goes as a rule right after, which says the same.
+    // Usually the participant is deleted next, which has the same effect.
   }
 }
 
@@ -99,7 +99,7 @@ void Node::announce() {
       discovery_);
 }
 
-void Node::forget(const dds::Entity& endpoint) {
+void Node::remove(const dds::Entity& endpoint) {
   const dds_guid_t guid = dds::guid_of(endpoint);
   const auto is_it = [&](const dds_guid_t& other) {
     return std::equal(std::begin(guid.v), std::end(guid.v), std::begin(other.v));
@@ -108,17 +108,17 @@ void Node::forget(const dds::Entity& endpoint) {
   changed_ = changed_ || count > 0;
 }
 
-void Node::note(Guids& guids, const dds::Entity& endpoint) {
+void Node::add(Guids& guids, const dds::Entity& endpoint) {
   guids.push_back(dds::guid_of(endpoint));
   changed_ = true;
 }
 
-dds::Qos Node::add_type_hash(dds::Qos qos, const char* type_name, const std::string& before) {
-  qos << user_data(before + "typehash=" + type_hash(type_name) + ";");
+dds::Qos Node::add_type_hash(dds::Qos qos, const char* type_name, const std::string& prefix) {
+  qos << user_data(prefix + "typehash=" + type_hash(type_name) + ";");
   return qos;
 }
 
-/// As rmw_cyclonedds does: the participant's GUID, with a number of its own instead of the last four bytes.
+/// As in rmw_cyclonedds: the GUID of the participant, with a counter in the last four bytes.
 std::string Node::next_service_id() {
   dds_guid_t id = dds::guid_of(participant_);
   ++service_count_;

@@ -22,7 +22,7 @@ constexpr Row rows[] = {
 std::string type_hash(const std::string& dds_type_name) {
   const auto* const row = std::find_if(std::begin(rows), std::end(rows),
                                        [&](const Row& each) { return each.dds_type_name == dds_type_name; });
-  if (row == std::end(rows)) throw std::invalid_argument("idl/ros2 holds no type '" + dds_type_name + "'");
+  if (row == std::end(rows)) throw std::invalid_argument("idl/ros2 has no type '" + dds_type_name + "'");
   return "RIHS01_" + std::string(row->sha256);
 }
 

@@ -1,106 +1,109 @@
-#include <sonopose/geometry/rotation.hpp>
-#include "observation/status_words.hpp"
 #include "ros2/relay/diagnostics.hpp"
+
+#include "observation/status_words.hpp"
+#include <sonopose/geometry/rotation.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <cmath>
 
-namespace sonopose::ros2 {
+namespace sonopose::ros2::relay {
 namespace {
 
 using ros2::Level;
 
-/// The same limit as the doctor's: a tenth of a Li-Po cell's charge is left.
+/// As in doctor/rules: about 10 % of a Li-Po cell's charge is left.
 constexpr double low_battery_v = 3.5;
-constexpr std::uint32_t doubts = status_initialising | status_uncalibrated | status_stale |
-                                 status_converging | status_heading_unknown | status_frozen_track |
-                                 status_imu_gap | status_low_trust;
+constexpr std::uint32_t warning_bits = status_initialising | status_uncalibrated | status_stale |
+                                       status_converging | status_heading_unknown | status_frozen_track |
+                                       status_imu_gap | status_low_trust;
 
-/// Collects what is wrong; the worst decides the level.
-class Verdict {
+/// Collects problems. The most severe one determines the level.
+class ProblemList {
 public:
-  void add(Level level, std::string what) {
+  void add(Level level, std::string problem) {
     if (rank(level) > rank(level_)) level_ = level;
-    reasons_.push_back(std::move(what));
+    problems_.push_back(std::move(problem));
   }
-  void add_risen(std::uint64_t now, std::uint64_t before, std::string_view what) {
+  void add_increase(std::uint64_t now, std::uint64_t before, std::string_view what) {
     if (now > before) add(Level::warning, fmt::format("{} {}", now - before, what));
   }
 
   [[nodiscard]] Level level() const { return level_; }
-  [[nodiscard]] std::string text(const std::string& when_well) const {
-    return reasons_.empty() ? when_well : fmt::format("{}", fmt::join(reasons_, "; "));
+  [[nodiscard]] std::string text(const std::string& if_none) const {
+    return problems_.empty() ? if_none : fmt::format("{}", fmt::join(problems_, "; "));
   }
 
 private:
-  /// Why there is nothing says more than that there is nothing.
+  /// An error is more severe than stale: it names the cause.
   static int rank(Level level) {
     if (level == Level::error) return 3;
     return level == Level::stale ? 2 : static_cast<int>(level);
   }
 
   Level level_ = Level::ok;
-  std::vector<std::string> reasons_;
+  std::vector<std::string> problems_;
 };
 
-void judge_pose(const observation::BeaconView& view, Verdict& verdict) {
+void check_pose(const observation::BeaconView& view, ProblemList& problems) {
   if (view.lost || (!view.fusion && view.poses + view.predicted == 0)) {
-    verdict.add(Level::error, "no fusion serves it");
+    problems.add(Level::error, "no fusion serves it");
   } else if (view.poses + view.predicted == 0) {
-    verdict.add(Level::stale, "no pose");
-  } else if ((view.pose.status & doubts) != 0) {
-    verdict.add(Level::warning, observation::status_words(view.pose.status & doubts));
+    problems.add(Level::stale, "no pose");
+  } else if ((view.pose.status & warning_bits) != 0) {
+    problems.add(Level::warning, observation::status_words(view.pose.status & warning_bits));
   }
-  if (view.fusion && view.fusion->imu_silent) verdict.add(Level::error, "IMU silent");
+  if (view.fusion && view.fusion->imu_silent) problems.add(Level::error, "IMU silent");
 }
 
-void judge_losses(const observation::BeaconView& view, const observation::BeaconView& before, Verdict& verdict) {
-  // A reader's deadlines go on being missed when the writer is gone.
-  if (!view.lost) verdict.add_risen(view.deadlines_missed, before.deadlines_missed, "pose deadlines missed");
-  verdict.add_risen(view.losses, before.losses, "losses of the fusion");
+void check_losses(const observation::BeaconView& view, const observation::BeaconView& before,
+                  ProblemList& problems) {
+  // A reader continues to miss deadlines after the writer is lost.
+  if (!view.lost)
+    problems.add_increase(view.deadlines_missed, before.deadlines_missed, "pose deadlines missed");
+  problems.add_increase(view.losses, before.losses, "losses of the fusion");
   if (view.bridge && before.bridge) {
     const BeaconStatus& now = *view.bridge;
     const BeaconStatus& then = *before.bridge;
-    verdict.add_risen(now.imu_deadlines_missed, then.imu_deadlines_missed, "IMU deadlines missed");
-    verdict.add_risen(now.fix_deadlines_missed, then.fix_deadlines_missed, "fix deadlines missed");
-    verdict.add_risen(now.crc_errors, then.crc_errors, "damaged frames");
-    verdict.add_risen(now.samples_unwritten, then.samples_unwritten, "samples not written");
-    verdict.add_risen(now.clock_resets, then.clock_resets, "restarts of the beacon's clock");
+    problems.add_increase(now.imu_deadlines_missed, then.imu_deadlines_missed, "IMU deadlines missed");
+    problems.add_increase(now.fix_deadlines_missed, then.fix_deadlines_missed, "fix deadlines missed");
+    problems.add_increase(now.crc_errors, then.crc_errors, "damaged frames");
+    problems.add_increase(now.samples_unwritten, then.samples_unwritten, "samples not written");
+    problems.add_increase(now.clock_resets, then.clock_resets, "resets of the beacon's clock");
   }
   if (view.fusion && before.fusion && view.fusion->fusion_id == before.fusion->fusion_id) {
-    verdict.add_risen(view.fusion->events_lost, before.fusion->events_lost, "events lost");
-    verdict.add_risen(view.fusion->samples_invalid, before.fusion->samples_invalid, "samples invalid");
-    verdict.add_risen(view.fusion->imu_gaps, before.fusion->imu_gaps, "IMU gaps");
+    problems.add_increase(view.fusion->events_lost, before.fusion->events_lost, "events lost");
+    problems.add_increase(view.fusion->samples_invalid, before.fusion->samples_invalid, "samples invalid");
+    problems.add_increase(view.fusion->imu_gaps, before.fusion->imu_gaps, "IMU gaps");
   }
 }
 
-/// A bridge tells of its beacons once a second.
-bool bridge_tells(const observation::BeaconView& view, TimeNs now_ns) {
-  constexpr TimeNs silent_ns = 3'000'000'000;
-  return view.bridge && now_ns - view.bridge->time_ns < silent_ns;
+/// A bridge publishes the status of its beacons once per second.
+bool has_bridge(const observation::BeaconView& view, TimeNs now_ns) {
+  constexpr TimeNs timeout_ns = 3'000'000'000;
+  return view.bridge && now_ns - view.bridge->time_ns < timeout_ns;
 }
 
-void judge_bridge(const observation::BeaconView& view, TimeNs now_ns, Verdict& verdict) {
-  if (!bridge_tells(view, now_ns)) {
-    verdict.add(Level::error, "no bridge tells of it");
+void check_bridge(const observation::BeaconView& view, TimeNs now_ns, ProblemList& problems) {
+  if (!has_bridge(view, now_ns)) {
+    problems.add(Level::error, "no status of its bridge");
     return;
   }
   if (view.bridge->battery_v && *view.bridge->battery_v < low_battery_v) {
-    verdict.add(Level::warning, fmt::format("battery {:.2f} V", *view.bridge->battery_v));
+    problems.add(Level::warning, fmt::format("battery {:.2f} V", *view.bridge->battery_v));
   }
-  if (view.bridge->other_bridges > 0) verdict.add(Level::warning, "published by several bridges");
+  if (view.bridge->other_bridges > 0) problems.add(Level::warning, "published by several bridges");
 }
 
-/// Key and value of what is known.
+/// Keys and values. NaN is omitted.
 class Values {
 public:
   explicit Values(std::vector<std::pair<std::string, std::string>>& values) : values_(values) {}
 
-  void add(const char* key, double value, int places) {
+  void add(const char* key, double value, int decimals) {
     if (std::isnan(value)) return;
-    values_.emplace_back(key, fmt::format("{:.{}f}", value, places));
+    values_.emplace_back(key, fmt::format("{:.{}f}", value, decimals));
   }
   void add(const char* key, std::uint64_t count) { values_.emplace_back(key, std::to_string(count)); }
   void add(const char* key, std::string text) { values_.emplace_back(key, std::move(text)); }
@@ -109,7 +112,7 @@ private:
   std::vector<std::pair<std::string, std::string>>& values_;
 };
 
-void log_pose(const observation::BeaconView& view, Values& values) {
+void add_pose(const observation::BeaconView& view, Values& values) {
   values.add("pose_rate_hz", view.pose_rate_hz, 1);
   values.add("latency_p50_ms", view.latency.p50_s * 1e3, 3);
   values.add("latency_p99_ms", view.latency.p99_s * 1e3, 3);
@@ -123,7 +126,7 @@ void log_pose(const observation::BeaconView& view, Values& values) {
   values.add("reset_counter", std::uint64_t{view.pose.reset_counter});
 }
 
-void log_bridge(const BeaconStatus& bridge, Values& values) {
+void add_bridge(const BeaconStatus& bridge, Values& values) {
   values.add("imu_rate_hz", bridge.imu_rate_hz, 1);
   values.add("fix_rate_hz", bridge.fix_rate_hz, 1);
   values.add("heading_rate_hz", bridge.heading_rate_hz, 1);
@@ -139,7 +142,7 @@ void log_bridge(const BeaconStatus& bridge, Values& values) {
   values.add("clock_resets", bridge.clock_resets);
 }
 
-void log_fusion(const FusionStatus& fusion, Values& values) {
+void add_fusion(const FusionStatus& fusion, Values& values) {
   values.add("fixes_used", fusion.fixes_used);
   values.add("fixes_rejected", fusion.fixes_rejected);
   values.add("events_lost", fusion.events_lost);
@@ -150,23 +153,23 @@ void log_fusion(const FusionStatus& fusion, Values& values) {
 
 }  // namespace
 
-ros2::Diagnostic diagnostic_of(const std::string& node, const observation::BeaconView& view, const observation::BeaconView& before,
-                               TimeNs now_ns) {
-  Verdict verdict;
-  judge_pose(view, verdict);
-  judge_losses(view, before, verdict);
-  judge_bridge(view, now_ns, verdict);
+ros2::Diagnostic diagnostic_of(const std::string& node, const observation::BeaconView& view,
+                               const observation::BeaconView& before, TimeNs now_ns) {
+  ProblemList problems;
+  check_pose(view, problems);
+  check_losses(view, before, problems);
+  check_bridge(view, now_ns, problems);
 
   ros2::Diagnostic diagnostic;
-  diagnostic.level = verdict.level();
+  diagnostic.level = problems.level();
   diagnostic.name = fmt::format("{}: beacon {}", node, view.address);
   diagnostic.hardware_id = std::to_string(view.address);
-  diagnostic.message = verdict.text(fmt::format("poses at {:.1f} Hz", view.pose_rate_hz));
+  diagnostic.message = problems.text(fmt::format("poses at {:.1f} Hz", view.pose_rate_hz));
   Values values(diagnostic.values);
-  log_pose(view, values);
-  if (bridge_tells(view, now_ns)) log_bridge(*view.bridge, values);
-  if (view.fusion) log_fusion(*view.fusion, values);
+  add_pose(view, values);
+  if (has_bridge(view, now_ns)) add_bridge(*view.bridge, values);
+  if (view.fusion) add_fusion(*view.fusion, values);
   return diagnostic;
 }
 
-}  // namespace sonopose::ros2
+}  // namespace sonopose::ros2::relay

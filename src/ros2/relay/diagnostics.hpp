@@ -1,19 +1,20 @@
 #pragma once
 /// \file
-/// What ROS 2's dashboards are told of a beacon, once a second.
+/// Diagnostic of one beacon for the dashboards of ROS 2, published once per second.
 
-#include "observation/beacon_view.hpp"
+#include "observation/beacon_observer.hpp"
 #include <sonopose/ros2/messages/diagnostics.hpp>
 
 #include <string>
 
-namespace sonopose::ros2 {
+namespace sonopose::ros2::relay {
 
-/// `node` is the name before the colon. `before` is the view of the second before, for counters that rose.
-/// ERROR: no fusion serves the beacon, its IMU is silent, or its bridge has told nothing for three seconds
-/// (by its own clock against `now_ns`: those of two machines must agree). STALE: no pose for the whole
-/// window, and nobody says why. WARN: doubts of the pose, and whatever was missed or lost in this second.
-ros2::Diagnostic diagnostic_of(const std::string& node, const observation::BeaconView& view, const observation::BeaconView& before,
-                               TimeNs now_ns);
+/// `node` is the part of the name before the colon. `before` is the view of the previous second; increases of
+/// counters since then are reported. ERROR: no fusion serves the beacon, its IMU is silent, or its bridge has
+/// published no status for three seconds (the bridge's timestamp against `now_ns`, so the clocks of the two
+/// machines must agree). STALE: no poses in the window, without a known cause. WARN: warnings in the pose's
+/// status, and increases of counters.
+ros2::Diagnostic diagnostic_of(const std::string& node, const observation::BeaconView& view,
+                               const observation::BeaconView& before, TimeNs now_ns);
 
-}  // namespace sonopose::ros2
+}  // namespace sonopose::ros2::relay

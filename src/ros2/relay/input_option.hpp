@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Which ROS 2 topics are taken in, and as which beacons.
+/// ROS 2 topics that are inputs, and the beacons that they represent.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -9,24 +9,23 @@
 #include <string_view>
 #include <vector>
 
-namespace sonopose::ros2 {
+namespace sonopose::ros2::relay {
 
-/// One topic that is taken in, and the beacon that it counts as.
-struct Ros2Input {
+/// One input topic, and the address of its beacon.
+struct Input {
   enum class Kind : std::uint8_t { imu, fix };
   Kind kind = Kind::imu;
   std::string topic;
   BeaconAddress address = 0;
 
-  /// "/imu/data=7". Throws std::invalid_argument that says what is wrong.
-  static Ros2Input parse(Kind kind, std::string_view text);
+  /// Parses "/imu/data=7". Throws std::invalid_argument.
+  static Input parse(Kind kind, std::string_view text);
 };
 
 /// As on the command line: "--imu-in /imu/data=7".
-std::string text_of(const Ros2Input& input);
+std::string text_of(const Input& input);
 
-/// Throws std::invalid_argument, naming both, for two topics of one kind that are to count as one beacon:
-/// their samples would be mixed, as if one sensor were in two places.
-void check(const std::vector<Ros2Input>& inputs);
+/// Throws std::invalid_argument for two topics of one kind and one beacon, whose samples would be mixed.
+void check(const std::vector<Input>& inputs);
 
-}  // namespace sonopose::ros2
+}  // namespace sonopose::ros2::relay

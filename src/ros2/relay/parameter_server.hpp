@@ -1,10 +1,11 @@
 #pragma once
 /// \file
-/// The parameter services of the relay's node (`ros2 param`), and `~/reset`, for clients on rmw_cyclonedds.
+/// The parameter services of the relay's node (`ros2 param`), and `~/reset`, for clients with rmw_cyclonedds.
 
-#include <sonopose/dds/qos/provider.hpp>
 #include "ros2/relay/parameters.hpp"
 #include "settings_client/settings_client.hpp"
+#include <sonopose/dds/qos/provider.hpp>
+#include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/ros2/messages/node.hpp>
 #include <sonopose/ros2/messages/service_types.hpp>
 
@@ -13,18 +14,17 @@
 #include <string>
 #include <vector>
 
-namespace sonopose::ros2 {
+namespace sonopose::ros2::relay {
 
-/// Asks the fusion by the topics by which every program asks it. For one thread, which it may keep waiting;
-/// made where the node is used.
-class Ros2ParameterServer {
+/// Uses the settings topics of the fusion, like sonopose-settings. `serve` must run on a thread that may
+/// block; construct the server on the thread of the node.
+class ParameterServer {
 public:
   /// Throws dds::Error, dds::QosFileError. `participant` must outlive it.
-  Ros2ParameterServer(ros2::Node& node, const dds::DomainParticipant& participant,
-                      const dds::DomainOptions& domain, const std::optional<std::filesystem::path>& qos_file);
+  ParameterServer(ros2::Node& node, const dds::DomainParticipant& participant,
+                  const dds::DomainOptions& domain, const std::optional<std::filesystem::path>& qos_file);
 
-  /// Answers the requests that have come. Waits for a fusion for two seconds at most, each time that
-  /// something is to be set or reset.
+  /// Replies to all pending requests. Waits for the fusion at most two seconds per change or reset.
   void serve();
 
 private:
@@ -36,10 +36,10 @@ private:
   void set(const ros2::SetParameters::Request& request, const auto& reply);
   void set_atomically(const ros2::SetParametersAtomically::Request& request, const auto& reply);
   void reset(const auto& reply);
-  std::string changed(const std::vector<ros2::Parameter>& parameters);
+  std::string change(const std::vector<ros2::Parameter>& parameters);
 
   settings_client::SettingsClient client_;
-  SettingsByBeacon in_force_;
+  SettingsByBeacon effective_;
   dds::DataReader<sonopose_EffectiveSettings> settings_;
   ros2::Service<ros2::ListParameters> list_;
   ros2::Service<ros2::GetParameters> get_;
@@ -50,4 +50,4 @@ private:
   ros2::Service<ros2::Trigger> reset_;
 };
 
-}  // namespace sonopose::ros2
+}  // namespace sonopose::ros2::relay

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <string_view>
 
-namespace sonopose::ros2 {
+namespace sonopose::ros2::relay {
 namespace {
 
 constexpr std::string_view beacon_prefix = "beacon_";
@@ -14,16 +14,17 @@ bool is_setting(const std::string& key) {
   return std::any_of(table.begin(), table.end(), [&](const auto& info) { return info.key == key; });
 }
 
-/// No more than so many levels; 0: any number.
-bool within(std::string_view name, std::uint64_t depth) {
+/// Whether `name` has at most `depth` levels; 0: no limit.
+bool within_depth(std::string_view name, std::uint64_t depth) {
   return depth == 0 || static_cast<std::uint64_t>(std::count(name.begin(), name.end(), '.')) < depth;
 }
 
-bool is_asked_for(const std::string& name, const std::vector<std::string>& prefixes, std::uint64_t depth) {
-  if (prefixes.empty()) return within(name, depth);
+bool is_selected(const std::string& name, const std::vector<std::string>& prefixes, std::uint64_t depth) {
+  if (prefixes.empty()) return within_depth(name, depth);
   return std::any_of(prefixes.begin(), prefixes.end(), [&](const std::string& prefix) {
     if (name == prefix) return true;
-    return name.starts_with(prefix + ".") && within(std::string_view(name).substr(prefix.size() + 1), depth);
+    return name.starts_with(prefix + ".") &&
+           within_depth(std::string_view(name).substr(prefix.size() + 1), depth);
   });
 }
 
@@ -48,13 +49,13 @@ std::string parameter_name(const SettingName& setting) {
   return std::string(beacon_prefix) + std::to_string(setting.address) + "." + setting.key;
 }
 
-ParameterList list_parameters(const SettingsByBeacon& in_force, const std::vector<std::string>& prefixes,
+ParameterList list_parameters(const SettingsByBeacon& effective, const std::vector<std::string>& prefixes,
                               std::uint64_t depth) {
   ParameterList list;
-  for (const auto& [address, settings] : in_force) {
+  for (const auto& [address, settings] : effective) {
     for (const auto& [key, value] : settings.values) {
       const std::string name = parameter_name({address, key});
-      if (!is_asked_for(name, prefixes, depth)) continue;
+      if (!is_selected(name, prefixes, depth)) continue;
       list.names.push_back(name);
       const std::string prefix = name.substr(0, name.rfind('.'));
       if (std::find(list.prefixes.begin(), list.prefixes.end(), prefix) == list.prefixes.end()) {
@@ -65,12 +66,12 @@ ParameterList list_parameters(const SettingsByBeacon& in_force, const std::vecto
   return list;
 }
 
-std::optional<settings::SettingValue> parameter_value(const SettingsByBeacon& in_force,
-                                                    const std::string& parameter) {
+std::optional<settings::SettingValue> parameter_value(const SettingsByBeacon& effective,
+                                                      const std::string& parameter) {
   const auto setting = setting_named(parameter);
   if (!setting) return std::nullopt;
-  const auto beacon = in_force.find(setting->address);
-  if (beacon == in_force.end()) return std::nullopt;
+  const auto beacon = effective.find(setting->address);
+  if (beacon == effective.end()) return std::nullopt;
   const auto& values = beacon->second.values;
   const auto found = std::find_if(values.begin(), values.end(),
                                   [&](const SettingAssignment& each) { return each.key == setting->key; });
@@ -78,4 +79,4 @@ std::optional<settings::SettingValue> parameter_value(const SettingsByBeacon& in
   return settings::parse_value(found->key, found->value);
 }
 
-}  // namespace sonopose::ros2
+}  // namespace sonopose::ros2::relay

@@ -1,12 +1,12 @@
 #pragma once
 /// \file
-/// The relay process: a ROS 2 node that hands the native samples and poses on as standard messages, and takes
-/// samples of ROS 2 drivers in.
+/// The relay process: a ROS 2 node that publishes native samples and poses as standard messages, and samples
+/// of ROS 2 drivers as native topics.
 
-#include <sonopose/dds/binding/domain.hpp>
 #include "process/address_set.hpp"
-#include "ros2/relay/source.hpp"
 #include "process/stop_signal.hpp"
+#include "ros2/relay/source.hpp"
+#include <sonopose/dds/binding/domain.hpp>
 #include <sonopose/ros2/messages/covariance.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
 #include <sonopose/ros2/messages/names.hpp>
@@ -19,51 +19,51 @@
 #include <string>
 #include <vector>
 
-namespace sonopose::ros2 {
+namespace sonopose::ros2::relay {
 
-/// Which transform says where the robot is (REP-105: a frame has one parent).
+/// The transform that locates the robot (REP-105: a frame has one parent).
 enum class TfMode : std::uint8_t {
-  map_base,  ///< map → base_link: nothing else knows where the base is
-  map_odom,  ///< map → odom: another source publishes odom → base_link
+  map_base,  ///< map → base_link; there is no other source of the base's pose
+  map_odom,  ///< map → odom; another source publishes odom → base_link
   off
 };
 
 enum class FixMessage : std::uint8_t { pose, point };
 
-/// What the messages of a beacon are like.
-struct Ros2Output {
-  std::string beacon_namespace = "hedge_{address}";  ///< of its topics, within the node's namespace
+/// The messages of a beacon.
+struct Output {
+  std::string beacon_namespace = "hedge_{address}";  ///< of its topics, relative to the node's namespace
   ros2::FrameNames frames;
   ros2::Mount mount;
   ros2::Noise noise;
   TfMode tf = TfMode::map_base;
   FixMessage fix = FixMessage::pose;
-  double path_s = 0;  ///< how much of the way `path` shows; 0: there is none
+  double path_s = 0;  ///< length of `path` in seconds; 0: no path
 };
 
-struct Ros2RelayOptions {
+struct RelayOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
   ros2::NameResolver names;
   ros2::Distro distro = ros2::Distro::jazzy;
   std::string enclave = "/";
   process::AddressSet addresses;
-  Ros2Output output;
-  std::vector<Ros2Input> inputs;
+  Output output;
+  std::vector<Input> inputs;
 };
 
-/// Samples and poses are handed on on Cyclone's receive thread, as they come. A beacon's topics are made when
-/// it is first heard of, by the main thread; what came before they are there is not handed on.
-class Ros2Relay {
+/// Samples and poses are published on Cyclone's receive thread as they arrive. The main thread creates the
+/// writers of a beacon after its first sample; samples that arrive before are not published.
+class Relay {
 public:
-  /// Joins the domain and begins to relay. Throws dds::Error, dds::QosFileError, std::invalid_argument.
-  explicit Ros2Relay(const Ros2RelayOptions& options);
-  Ros2Relay(const Ros2Relay&) = delete;
-  Ros2Relay& operator=(const Ros2Relay&) = delete;
-  ~Ros2Relay();
+  /// Joins the domain and starts to relay. Throws dds::Error, dds::QosFileError, std::invalid_argument.
+  explicit Relay(const RelayOptions& options);
+  Relay(const Relay&) = delete;
+  Relay& operator=(const Relay&) = delete;
+  ~Relay();
 
-  /// Makes the topics of new beacons, and tells of all once a second, until the stop. Throws what makes the
-  /// input unusable.
+  /// Creates the writers of new beacons, and publishes diagnostics once per second, until the stop. Throws if
+  /// an input fails.
   void run(const process::StopSignal& stop);
 
 private:
@@ -71,4 +71,4 @@ private:
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace sonopose::ros2
+}  // namespace sonopose::ros2::relay

@@ -2,7 +2,7 @@
 
 #include "process/clocks.hpp"
 #include "process/endpoint_counters.hpp"
-#include "ros2/relay/input_detector.hpp"
+#include "ros2/relay/input_monitor.hpp"
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
 #include <sonopose/ros2/messages/input.hpp>
@@ -15,46 +15,46 @@
 #include <cstdio>
 #include <map>
 
-namespace sonopose::ros2 {
+namespace sonopose::ros2::relay {
 namespace {
 
-/// What a listener counts. The news of data stays with the wait set, matches are asked for.
+/// The statuses for the listener. Data availability is left to the wait set, and matches are polled.
 constexpr dds::StatusMask counted_statuses = dds::StatusMask::requested_incompatible_qos() |
                                              dds::StatusMask::sample_lost() |
                                              dds::StatusMask::sample_rejected();
 
-/// One input: a topic, which has a reader for each type that it may be of.
-struct Input {
-  Input(const Ros2Input& what, const Ros2Timeouts& timeouts, const std::string& map_frame)
-      : address(what.address),
-        is_imu(what.kind == Ros2Input::Kind::imu),
-        watch(what, ros2::for_beacon(map_frame, what.address), is_imu ? timeouts.imu_ns : timeouts.fix_ns,
-              process::steady_now()) {}
+/// One input topic, which has a reader for each possible type.
+struct InputState {
+  InputState(const Input& input, const InputTimeouts& timeouts, const std::string& map_frame)
+      : address(input.address),
+        is_imu(input.kind == Input::Kind::imu),
+        monitor(input, ros2::for_beacon(map_frame, input.address), is_imu ? timeouts.imu_ns : timeouts.fix_ns,
+                process::steady_now()) {}
 
   [[nodiscard]] std::uint64_t samples_lost() const noexcept {
-    return ends.samples_lost.load(std::memory_order_relaxed) +
-           ends.samples_rejected.load(std::memory_order_relaxed);
+    return endpoints.samples_lost.load(std::memory_order_relaxed) +
+           endpoints.samples_rejected.load(std::memory_order_relaxed);
   }
 
   BeaconAddress address;
   bool is_imu;
-  process::EndpointCounters ends;
-  Ros2InputDetector watch;
+  process::EndpointCounters endpoints;
+  InputMonitor monitor;
 };
 
 /// The reader of one of an input's types.
 template <class T>
 struct Stream {
-  Stream(ros2::Node& node, const std::string& topic, Input& its_input)
-      : input(its_input),
-        listener(its_input.ends),
+  Stream(ros2::Node& node, const std::string& topic, InputState& state)
+      : input(state),
+        listener(state.endpoints),
         reader(node.make_reader<T>(topic, "ros2::Input", &listener, counted_statuses)),
-        news(reader) {}
+        has_data(reader) {}
 
-  Input& input;
+  InputState& input;
   process::CountingReaderListener<T> listener;
   dds::DataReader<T> reader;
-  dds::ReadCondition news;
+  dds::ReadCondition has_data;
 };
 
 std::optional<Event> event_of(const ros2::Imu& imu, BeaconAddress address, TimeNs received_ns) {
@@ -65,43 +65,43 @@ std::optional<Event> event_of(const Position& position, BeaconAddress address, T
   return ros2::fix(position, address, received_ns);
 }
 
-/// When it was measured, by its sender's clock.
+/// The time of measurement in the sender's clock.
 TimeNs measured_ns(const Event& event) {
   if (const auto* imu = std::get_if<ImuSample>(&event)) return imu->sensor_time_ns;
   if (const auto* fix = std::get_if<UltrasonicFix>(&event)) return fix->emission_time_ns;
   return std::get<PairHeading>(event).emission_time_ns;
 }
 
-void tell_on_standard_error(const std::string& line) {
+void log_to_stderr(const std::string& line) {
   fmt::print(stderr, "sonopose-ros2: {}\n", line);
 }
 
-class TopicsSource final : public Ros2Source {
+class TopicsSource final : public Source {
 public:
-  TopicsSource(ros2::Node& node, const std::vector<Ros2Input>& inputs, const Ros2Timeouts& timeouts,
-               const std::string& map_frame, Ros2Teller tell)
-      : tell_(std::move(tell)) {
-    for (const Ros2Input& what : inputs) {
-      Input& input = *inputs_.emplace_back(std::make_unique<Input>(what, timeouts, map_frame));
-      Beacon& beacon = beacons_[what.address];
-      beacon.status.address = what.address;
+  TopicsSource(ros2::Node& node, const std::vector<Input>& inputs, const InputTimeouts& timeouts,
+               const std::string& map_frame, LineLogger log)
+      : log_(std::move(log)) {
+    for (const Input& option : inputs) {
+      InputState& input = *inputs_.emplace_back(std::make_unique<InputState>(option, timeouts, map_frame));
+      Beacon& beacon = beacons_[option.address];
+      beacon.status.address = option.address;
       beacon.has_imu = beacon.has_imu || input.is_imu;
       if (input.is_imu) {
-        listen(imus_, node, what.topic, input);
+        subscribe(imus_, node, option.topic, input);
       } else {
-        listen(points_, node, what.topic, input);
-        listen(poses_, node, what.topic, input);
+        subscribe(points_, node, option.topic, input);
+        subscribe(poses_, node, option.topic, input);
       }
     }
   }
 
   void run(bridge::SampleSink& sink, const process::StopSignal& stop) override {
-    constexpr std::chrono::milliseconds longest_sleep{100};
+    constexpr std::chrono::milliseconds poll_period{100};
     while (!stop.requested()) {
-      waitset_.wait(longest_sleep);
+      waitset_.wait(poll_period);
       for_all_streams([&](auto& stream) { take(stream, sink); });
       check_inputs();
-      log_statuses(sink);
+      publish_statuses(sink);
       sink.tick();
     }
   }
@@ -121,13 +121,13 @@ private:
   struct Beacon {
     BeaconStatus status;
     bool has_imu = false;
-    SmallestOffset offset;  ///< of the IMU's samples, where there is an IMU
+    SmallestOffset offset;  ///< of the IMU's samples, or of fixes without an IMU
   };
 
   template <class T>
-  void listen(Streams<T>& streams, ros2::Node& node, const std::string& topic, Input& input) {
+  void subscribe(Streams<T>& streams, ros2::Node& node, const std::string& topic, InputState& input) {
     streams.push_back(std::make_unique<Stream<T>>(node, topic, input));
-    waitset_ += streams.back()->news;
+    waitset_ += streams.back()->has_data;
   }
 
   template <class Action>
@@ -139,7 +139,7 @@ private:
 
   template <class T>
   void take(Stream<T>& stream, bridge::SampleSink& sink) {
-    Input& input = stream.input;
+    InputState& input = stream.input;
     Beacon& beacon = beacons_.at(input.address);
     stream.reader.try_take_each([&](const T& message, const dds::SampleInfo&) {
       const TimeNs received_ns = next_reception_ns();
@@ -153,12 +153,12 @@ private:
       if (input.is_imu == beacon.has_imu) {
         beacon.offset.add(seconds_between(measured_ns(*event), received_ns), now);
       }
-      input.watch.on_sample(message.header.frame_id, now, lines_);
+      input.monitor.on_sample(message.header.frame_id, now, lines_);
       sink.on(*event);
     });
   }
 
-  /// Now, by the host's clock, but later than the one before: messages without a stamp have this one.
+  /// The host's time, later than the previous one: it is the stamp of messages that have none.
   TimeNs next_reception_ns() {
     const TimeNs time_ns = process::host_now();
     return reception_.next(time_ns).value_or(time_ns);
@@ -167,26 +167,26 @@ private:
   void check_inputs() {
     constexpr TimeNs period_ns = 20'000'000;
     const SteadyTime now = process::steady_now();
-    if (now >= look_due_) {
-      look_due_ = now + period_ns;
-      for (const auto& input : inputs_) input->watch.look(ends_of(*input), now, lines_);
+    if (now >= check_due_) {
+      check_due_ = now + period_ns;
+      for (const auto& input : inputs_) input->monitor.update(endpoints_of(*input), now, lines_);
     }
-    for (const std::string& line : lines_) tell_(line);
+    for (const std::string& line : lines_) log_(line);
     lines_.clear();
   }
 
-  Ros2InputEnds ends_of(const Input& input) {
-    Ros2InputEnds ends;
+  InputEndpoints endpoints_of(const InputState& input) {
+    InputEndpoints endpoints;
     for_all_streams([&](auto& stream) {
       if (&stream.input == &input)
-        ends.publishers += stream.reader.subscription_matched_status().current_count;
+        endpoints.publishers += stream.reader.subscription_matched_status().current_count;
     });
-    ends.publishers_refused = input.ends.incompatible_qos.load(std::memory_order_relaxed);
-    ends.samples_lost = input.samples_lost();
-    return ends;
+    endpoints.publishers_incompatible = input.endpoints.incompatible_qos.load(std::memory_order_relaxed);
+    endpoints.samples_lost = input.samples_lost();
+    return endpoints;
   }
 
-  void log_statuses(bridge::SampleSink& sink) {
+  void publish_statuses(bridge::SampleSink& sink) {
     constexpr TimeNs period_ns = 250'000'000;
     if (process::steady_now() < statuses_due_) return;
     statuses_due_ = process::steady_now() + period_ns;
@@ -198,27 +198,27 @@ private:
     }
   }
 
-  Ros2Teller tell_;
-  std::vector<std::unique_ptr<Input>> inputs_;  ///< as many as there were at the start
+  LineLogger log_;
+  std::vector<std::unique_ptr<InputState>> inputs_;  ///< constant after construction
   Streams<ros2::Imu> imus_;
   Streams<ros2::PointStamped> points_;
   Streams<ros2::PoseWithCovarianceStamped> poses_;
   dds::WaitSet waitset_;
   std::map<BeaconAddress, Beacon> beacons_;
   ros2::RisingStamp reception_;
-  Ros2InputDetector::Lines lines_;
-  SteadyTime look_due_;
+  InputMonitor::Lines lines_;
+  SteadyTime check_due_;
   SteadyTime statuses_due_;
 };
 
 }  // namespace
 
-std::unique_ptr<Ros2Source> make_ros2_source(ros2::Node& node, const std::vector<Ros2Input>& inputs,
-                                             const Ros2Timeouts& timeouts, const std::string& map_frame,
-                                             Ros2Teller tell) {
+std::unique_ptr<Source> make_source(ros2::Node& node, const std::vector<Input>& inputs,
+                                    const InputTimeouts& timeouts, const std::string& map_frame,
+                                    LineLogger log) {
   check(inputs);
-  if (!tell) tell = tell_on_standard_error;
-  return std::make_unique<TopicsSource>(node, inputs, timeouts, map_frame, std::move(tell));
+  if (!log) log = log_to_stderr;
+  return std::make_unique<TopicsSource>(node, inputs, timeouts, map_frame, std::move(log));
 }
 
-}  // namespace sonopose::ros2
+}  // namespace sonopose::ros2::relay

@@ -3,7 +3,8 @@
 #include <catch2/catch.hpp>
 
 using namespace sonopose;
-using namespace sonopose::doctor;
+using namespace sonopose::doctor::rules;
+using namespace sonopose::doctor::probe;
 
 namespace {
 
@@ -19,7 +20,7 @@ ImuSample imu(std::uint64_t sequence, TimeNs at_ns) {
   return sample;
 }
 
-/// A probe that has had an IMU sample each 10 ms over the window, without those for which `lost(sequence)`.
+/// A probe with an IMU sample each 10 ms over the window, except those for which `lost(sequence)`.
 template <class Lost>
 BeaconProbe fed(const Lost& lost) {
   BeaconProbe probe;
@@ -32,8 +33,8 @@ BeaconProbe fed(const Lost& lost) {
   return probe;
 }
 
-BeaconObservation seen_by(const BeaconProbe& probe) {
-  return probe.seen(begin_ns + window_ns, {});
+BeaconObservation observation_of(const BeaconProbe& probe) {
+  return probe.observation(begin_ns + window_ns, {});
 }
 
 bool none(std::uint64_t /*sequence*/) {
@@ -43,62 +44,63 @@ bool none(std::uint64_t /*sequence*/) {
 }  // namespace
 
 TEST_CASE("A stream's rate and longest silence are those of the window") {
-  const BeaconObservation seen = seen_by(fed([](std::uint64_t n) { return n > 1100 && n <= 1120; }));
-  CHECK(seen.imu.samples == 280);
-  CHECK(seen.imu.rate_hz == Approx(280 / 3.0));
-  CHECK(seen.imu.longest_silence_s == Approx(0.21));
-  CHECK(seen.fix.samples == 0);
-  CHECK(seen.fix.longest_silence_s == Approx(3.0));
+  const BeaconObservation beacon = observation_of(fed([](std::uint64_t n) { return n > 1100 && n <= 1120; }));
+  CHECK(beacon.imu.samples == 280);
+  CHECK(beacon.imu.rate_hz == Approx(280 / 3.0));
+  CHECK(beacon.imu.longest_silence_s == Approx(0.21));
+  CHECK(beacon.fix.samples == 0);
+  CHECK(beacon.fix.longest_silence_s == Approx(3.0));
 }
 
-TEST_CASE("A silence at the end counts as one in the middle does") {
-  CHECK(seen_by(fed([](std::uint64_t n) { return n > 1200; })).imu.longest_silence_s ==
+TEST_CASE("A silence at the end of the window counts too") {
+  CHECK(observation_of(fed([](std::uint64_t n) { return n > 1200; })).imu.longest_silence_s ==
         Approx(1.0).epsilon(0.02));
 }
 
-TEST_CASE("What came before the window is no part of it") {
+TEST_CASE("Samples before the window are excluded") {
   BeaconProbe probe;
   for (std::uint64_t n = 1; n <= 100; ++n)
     probe.on(imu(n, begin_ns - 1'000'000'000), begin_ns - 1'000'000'000, 1);
   probe.begin(begin_ns);
-  const BeaconObservation seen = seen_by(probe);
-  CHECK(seen.imu.samples == 0);
+  const BeaconObservation beacon = observation_of(probe);
+  CHECK(beacon.imu.samples == 0);
   CHECK(probe.writers().empty());
-  CHECK_FALSE(seen.imu_means);
+  CHECK_FALSE(beacon.imu_means);
 }
 
-TEST_CASE("Events that are missing in the numbering are counted over all streams") {
-  SECTION("none is missing") {
-    CHECK(seen_by(fed(none)).events_missing == 0);
+TEST_CASE("Missing sequence numbers are counted over all streams") {
+  SECTION("no event is missing") {
+    CHECK(observation_of(fed(none)).events_missing == 0);
   }
-  SECTION("three are") {
-    CHECK(seen_by(fed([](std::uint64_t n) { return n == 1050 || n == 1051 || n == 1180; })).events_missing ==
-          3);
+  SECTION("three events are missing") {
+    CHECK(observation_of(fed([](std::uint64_t n) {
+            return n == 1050 || n == 1051 || n == 1180;
+          })).events_missing == 3);
   }
-  SECTION("one of them is a fix, which came by its own stream") {
+  SECTION("a fix fills a gap between IMU samples") {
     BeaconProbe probe = fed([](std::uint64_t n) { return n == 1050; });
     UltrasonicFix fix;
     fix.sequence = 1050;
     probe.on(fix, begin_ns + 600'000'000);
-    CHECK(seen_by(probe).events_missing == 0);
+    CHECK(observation_of(probe).events_missing == 0);
   }
-  SECTION("what may still be on its way is not missing") {
-    CHECK(seen_by(fed([](std::uint64_t n) { return n == 1299; })).events_missing == 0);
+  SECTION("events that may still be in transit are not missing") {
+    CHECK(observation_of(fed([](std::uint64_t n) { return n == 1299; })).events_missing == 0);
   }
-  SECTION("a bridge that begins anew begins its numbering anew") {
+  SECTION("a restarted bridge restarts its numbering") {
     BeaconProbe probe = fed(none);
     for (std::uint64_t n = 1; n < 50; ++n) probe.on(imu(n, begin_ns), begin_ns + 2'500'000'000, 43);
-    CHECK(seen_by(probe).events_missing == 0);
+    CHECK(observation_of(probe).events_missing == 0);
   }
 }
 
-TEST_CASE("The bridge's clock is compared by the median") {
+TEST_CASE("The clock offset of the bridge is a median") {
   BeaconProbe probe = fed(none);
-  probe.on(imu(5000, begin_ns - 900'000'000'000), begin_ns, 42);  // a single stamp that is absurd
-  CHECK(seen_by(probe).bridge_ahead_s.value() == Approx(-0.001).margin(1e-6));
+  probe.on(imu(5000, begin_ns - 900'000'000'000), begin_ns, 42);  // an outlier
+  CHECK(observation_of(probe).bridge_ahead_s.value() == Approx(-0.001).margin(1e-6));
 }
 
-TEST_CASE("A status bit lasts where every pose of the window has it") {
+TEST_CASE("The lasting status has the bits of all poses") {
   BeaconProbe probe;
   probe.begin(begin_ns);
   FusedPose pose;
@@ -106,20 +108,20 @@ TEST_CASE("A status bit lasts where every pose of the window has it") {
     pose.status = status;
     probe.on(pose, begin_ns + 1);
   }
-  CHECK(seen_by(probe).lasting_status == status_stale);
-  CHECK(BeaconProbe().seen(begin_ns, {}).lasting_status == 0);
+  CHECK(observation_of(probe).lasting_status == status_stale);
+  CHECK(BeaconProbe().observation(begin_ns, {}).lasting_status == 0);
 }
 
-TEST_CASE("Means are those that the fusion's calibration makes of the readings") {
+TEST_CASE("The calibration of the fusion is applied to the means") {
   calibration::Settings settings =
-      calibration_in({.address = 7,
-                      .values = {{"calibration.axes", "+x-z+y"},
-                                 {"calibration.accelerometer.offset_z_mps2", "1.8"},
-                                 {"calibration.nothing_known", "3"},
-                                 {"drift.jump_alpha", "nonsense"}}});
-  const auto seen = fed(none).seen(begin_ns + window_ns, settings);
-  REQUIRE(seen.imu_means);
+      calibration_from({.address = 7,
+                        .values = {{"calibration.axes", "+x-z+y"},
+                                   {"calibration.accelerometer.offset_z_mps2", "1.8"},
+                                   {"calibration.nothing_known", "3"},
+                                   {"drift.jump_alpha", "nonsense"}}});
+  const auto beacon = fed(none).observation(begin_ns + window_ns, settings);
+  REQUIRE(beacon.imu_means);
   // (0, 0, 9.8) less the offset is 8 on the sensor's Z, which is body -Y.
-  CHECK(seen.imu_means->mean_force_body_mps2.isApprox(Vector3d(0, -8.0, 0), 1e-9));
-  CHECK(seen.imu_means->force_std_mps2 < 1e-9);
+  CHECK(beacon.imu_means->mean_force_body_mps2.isApprox(Vector3d(0, -8.0, 0), 1e-9));
+  CHECK(beacon.imu_means->force_std_mps2 < 1e-9);
 }

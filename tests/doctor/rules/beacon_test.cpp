@@ -1,15 +1,15 @@
-#include "doctor/rules/doctor_support.hpp"
+#include "doctor/rules/healthy_system.hpp"
 
 #include <catch2/catch.hpp>
 
 using namespace sonopose;
-using namespace sonopose::doctor;
-using namespace sonopose::doctor::test;
+using namespace sonopose::doctor::rules;
+using namespace sonopose::doctor::rules::test;
 using Catch::Contains;
 
 namespace {
 
-/// Severity of what is said with `text` once the healthy beacon is changed.
+/// Severity of the finding with `text` after `change` of the healthy beacon.
 template <class Change>
 Severity severity(const std::string& text, const Change& change) {
   return found(findings_with(change), text).severity;
@@ -17,12 +17,13 @@ Severity severity(const std::string& text, const Change& change) {
 
 }  // namespace
 
-TEST_CASE("Streams that do not come, or come too late for their deadline, are told") {
-  CHECK(severity("no IMU sample came", [](auto& b) { b.imu = {}; }) == Severity::error);
-  CHECK(severity("no fix came", [](auto& b) { b.fix = {}; }) == Severity::warning);
-  CHECK(severity("no pair heading came", [](auto& b) { b.heading = {}; }) == Severity::note);
-  CHECK(severity("knows no heading", [](auto& b) { b.valid_headings = 0; }) == Severity::warning);
-  CHECK(severity("no pose of this beacon came", [](auto& b) { b.pose = {}; }) == Severity::error);
+TEST_CASE("Missing streams and silences longer than the deadline are reported") {
+  CHECK(severity("no IMU samples received", [](auto& b) { b.imu = {}; }) == Severity::error);
+  CHECK(severity("no fixes received", [](auto& b) { b.fix = {}; }) == Severity::warning);
+  CHECK(severity("no pair headings received", [](auto& b) { b.heading = {}; }) == Severity::note);
+  CHECK(severity("pair headings of the hardware are invalid", [](auto& b) { b.valid_headings = 0; }) ==
+        Severity::warning);
+  CHECK(severity("no poses of this beacon", [](auto& b) { b.pose = {}; }) == Severity::error);
   CHECK(severity("no IMU samples for 0.35 s", [](auto& b) { b.imu.longest_silence_s = 0.35; }) ==
         Severity::warning);
   CHECK(severity("no IMU samples for 0.15 s", [](auto& b) { b.imu.longest_silence_s = 0.15; }) ==
@@ -35,7 +36,7 @@ TEST_CASE("Streams that do not come, or come too late for their deadline, are to
   CHECK(severity("no poses for 1.00 s", [](auto& b) { b.pose.longest_silence_s = 1; }) == Severity::warning);
 }
 
-TEST_CASE("Fixes that the hardware withholds have a remedy of their own") {
+TEST_CASE("Fixes that the hardware flags as unavailable have a specific remedy") {
   const auto findings = findings_with([](auto& b) {
     b.fix = {};
     b.status->fixes_unavailable = 30;
@@ -43,7 +44,7 @@ TEST_CASE("Fixes that the hardware withholds have a remedy of their own") {
   CHECK_THAT(found(findings, "not available").remedy, Contains("stationary beacons"));
 }
 
-TEST_CASE("Two bridges of one beacon are named, and their numbering is not complained of") {
+TEST_CASE("Two bridges of one beacon are reported, without gaps in their numbering") {
   const auto findings = findings_with([](auto& b) {
     b.bridges.push_back({"sonopose-bridge", "rover", 200});
     b.events_missing = 900;
@@ -51,101 +52,103 @@ TEST_CASE("Two bridges of one beacon are named, and their numbering is not compl
   CHECK(found(findings,
               "2 bridges publish it: sonopose-bridge (process 100 on rover), sonopose-bridge (process 200")
             .severity == Severity::error);
-  CHECK(found(findings, "did not come here").severity == Severity::ok);
-  CHECK(severity("its bridge sees 1 more", [](auto& b) { b.status->other_bridges = 1; }) == Severity::error);
+  CHECK(found(findings, "were not received").severity == Severity::ok);
+  CHECK(severity("its bridge detects 1 other", [](auto& b) { b.status->other_bridges = 1; }) ==
+        Severity::error);
 }
 
-TEST_CASE("Counters matter where they rise, not where they stand") {
-  CHECK(severity("5 frames with a wrong check sum, 80 bytes lost", [](auto& b) {
+TEST_CASE("Only increases of counters are reported") {
+  CHECK(severity("5 checksum errors and 80 lost bytes", [](auto& b) {
           b.status->crc_errors = 5;
           b.status->bytes_lost = 80;
         }) == Severity::warning);
-  CHECK(severity("wrong check sum", [](auto& b) {
+  CHECK(severity("checksum errors", [](auto& b) {
           b.status_before->crc_errors = 5;
           b.status->crc_errors = 5;
         }) == Severity::ok);
-  CHECK(severity("wrong check sum", [](auto& b) {  // the bridge began anew
+  CHECK(severity("checksum errors", [](auto& b) {  // the bridge restarted
           b.status_before->crc_errors = 50;
           b.status->crc_errors = 5;
         }) == Severity::ok);
   CHECK(severity("its fusion lost 30 events", [](auto& b) { b.fusion->events_lost = 30; }) ==
         Severity::warning);
   CHECK(severity("its fusion lost 2 events", [](auto& b) { b.fusion->events_lost = 2; }) == Severity::note);
-  CHECK(severity("its fusion refused 2 samples", [](auto& b) { b.fusion->samples_invalid = 2; }) ==
+  CHECK(severity("its fusion rejected 2 samples", [](auto& b) { b.fusion->samples_invalid = 2; }) ==
         Severity::warning);
-  CHECK(severity("no sensor can give", [](auto& b) { b.status->samples_rejected = 2; }) == Severity::warning);
-  CHECK(severity("its clock began anew 1 times", [](auto& b) { b.status->clock_resets = 1; }) ==
+  CHECK(severity("impossible values", [](auto& b) { b.status->samples_rejected = 2; }) == Severity::warning);
+  CHECK(severity("its clock was reset 1 times", [](auto& b) { b.status->clock_resets = 1; }) ==
         Severity::warning);
-  CHECK(severity("4 of its events did not come", [](auto& b) { b.events_missing = 4; }) == Severity::warning);
+  CHECK(severity("4 of its events were not received", [](auto& b) { b.events_missing = 4; }) ==
+        Severity::warning);
 }
 
-TEST_CASE("A battery that is nearly empty is told, an unknown one is not") {
+TEST_CASE("A nearly empty battery is reported, an unknown voltage is not") {
   CHECK(severity("battery is at 3.45 V", [](auto& b) { b.status->battery_v = 3.45; }) == Severity::warning);
   CHECK(severity("battery", [](auto& b) { b.status->battery_v = 3.6; }) == Severity::ok);
   CHECK(severity("battery", [](auto& b) { b.status->battery_v = std::nullopt; }) == Severity::ok);
 }
 
-TEST_CASE("Clocks: another machine's, and arrivals that spread") {
+TEST_CASE("Clocks: offset of another machine, and jitter") {
   const auto other_host = [](double ahead_s) {
     return [ahead_s](auto& b) {
       b.bridges.front().host = "lander";
       b.bridge_ahead_s = ahead_s;
     };
   };
-  CHECK(severity("300 ms ahead of this one's", other_host(0.3)) == Severity::warning);
-  CHECK(severity("300 ms behind this one's", other_host(-0.3)) == Severity::warning);
-  CHECK(severity("this one's", other_host(-0.005)) == Severity::ok);
-  CHECK(severity("300 ms old when they come here", [](auto& b) { b.bridge_ahead_s = -0.3; }) ==
-        Severity::warning);
-  CHECK(severity("spread of 80 ms", [](auto& b) { b.status->clock_jitter_s = 0.08; }) == Severity::warning);
+  CHECK(severity("300 ms ahead of the clock of this machine", other_host(0.3)) == Severity::warning);
+  CHECK(severity("300 ms behind the clock of this machine", other_host(-0.3)) == Severity::warning);
+  CHECK(severity("of this machine", other_host(-0.005)) == Severity::ok);
+  CHECK(severity("300 ms to arrive", [](auto& b) { b.bridge_ahead_s = -0.3; }) == Severity::warning);
+  CHECK(severity("jitter of 80 ms", [](auto& b) { b.status->clock_jitter_s = 0.08; }) == Severity::warning);
 }
 
-TEST_CASE("What every pose of the window says of itself is told with its remedy") {
+TEST_CASE("Status bits of all poses in the window are reported") {
   struct Case {
     std::uint32_t bits;
     const char* text;
     Severity severity;
   };
   for (const Case& c :
-       {Case{status_uncalibrated, "never been seen at rest", Severity::warning},
+       {Case{status_uncalibrated, "never at rest", Severity::warning},
         Case{status_stale, "no valid fix for longer", Severity::warning},
-        Case{status_heading_unknown, "heading is not known", Severity::warning},
-        Case{status_frozen_track, "repeat one spot", Severity::warning},
-        Case{status_low_trust, "doubts the fixes", Severity::warning},
-        Case{status_imu_gap, "falling silent", Severity::warning},
-        Case{status_initialising, "still starting", Severity::warning},
+        Case{status_heading_unknown, "heading is unknown", Severity::warning},
+        Case{status_frozen_track, "repeat one position", Severity::warning},
+        Case{status_low_trust, "low trust in the fixes", Severity::warning},
+        Case{status_imu_gap, "stream has gaps", Severity::warning},
+        Case{status_initialising, "still initialising", Severity::warning},
         Case{status_rotating_fast | status_converging | status_predicted, "", Severity::ok}}) {
     CAPTURE(c.text);
     CHECK(severity(c.text, [&](auto& b) { b.lasting_status = c.bits; }) == c.severity);
   }
-  SECTION("a single beacon learns its heading by moving") {
-    CHECK(severity("heading is not known", [](auto& b) {
+  SECTION("for a single beacon, an unknown heading is a note") {
+    CHECK(severity("heading is unknown", [](auto& b) {
             b.lasting_status = status_heading_unknown;
             b.heading = {};
           }) == Severity::note);
   }
-  SECTION("before the start has ended the rest is no news") {
+  SECTION("during initialisation, other bits are not reported") {
     CHECK(severity("no valid fix for longer",
                    [](auto& b) { b.lasting_status = status_initialising | status_stale; }) == Severity::ok);
   }
 }
 
-TEST_CASE("At rest gravity on another axis is a wrong mount, and the setting that helps is named") {
+TEST_CASE(
+    "At rest, specific force along another axis than +z is a wrong mount, and the remedy names the setting") {
   const auto finding = [](const Vector3d& force) {
     return found(findings_with([&](auto& b) { b.imu_means->mean_force_body_mps2 = force; }),
-                 "gravity's reaction");
+                 "specific force is along");
   };
   CHECK(finding({0, 0, 9.8}).severity == Severity::ok);
   CHECK(finding({0, 0, -9.8}).severity == Severity::warning);
-  CHECK_THAT(finding({0, 0, -9.8}).what, Contains("on -z of the body"));
-  CHECK_THAT(finding({0, 9.8, 0}).what, Contains("on +y of the body"));
-  // Body Z must be the sensor's axis that points up, and X can stay what it was.
+  CHECK_THAT(finding({0, 0, -9.8}).what, Contains("along -z of the body"));
+  CHECK_THAT(finding({0, 9.8, 0}).what, Contains("along +y of the body"));
+  // Body Z must be the sensor's axis that points up; X can stay unchanged.
   CHECK_THAT(finding({0, 9.8, 0}).remedy, Contains("calibration.axes=+x-z+y;"));
   CHECK_THAT(finding({-9.8, 0, 0}).remedy, Contains("-x;"));
 }
 
 TEST_CASE(
-    "A mount that the fusion knows of already is no wrong one, and a wrong one names the sensor's axis") {
+    "A mount that the settings describe is correct, and a wrong one is reported with the sensor's axis") {
   const auto axes_of = [](std::string_view name) {
     const auto choices = calibration::choices_of(calibration::Axes{});
     calibration::AxesSettings settings;
@@ -157,12 +160,12 @@ TEST_CASE(
     b.imu_means->axes = axes_of("+y+z+x");  // body Y is the sensor's Z, which points up
     b.imu_means->mean_force_body_mps2 = {0, 9.8, 0};
   });
-  CHECK_THAT(found(findings, "gravity's reaction").what, Contains("on +y of the body"));
-  CHECK_THAT(found(findings, "gravity's reaction").remedy, Contains("+z;"));
+  CHECK_THAT(found(findings, "specific force is along").what, Contains("along +y of the body"));
+  CHECK_THAT(found(findings, "specific force is along").remedy, Contains("+z;"));
 }
 
-TEST_CASE("At rest gravity's strength and the gyroscope's offset are looked at, in motion they are not") {
-  CHECK(severity("tells 10.60 m/s² instead of 9.81", [](auto& b) {
+TEST_CASE("The magnitude of gravity and the gyro bias are checked at rest, and not in motion") {
+  CHECK(severity("reads 10.60 m/s² instead of 9.81", [](auto& b) {
           b.imu_means->mean_force_body_mps2 = {0, 0, 10.6};
         }) == Severity::warning);
   CHECK(severity("instead of 9.81", [](auto& b) {
@@ -171,10 +174,10 @@ TEST_CASE("At rest gravity's strength and the gyroscope's offset are looked at, 
   CHECK(severity("does not measure gravity", [](auto& b) {
           b.imu_means->mean_force_body_mps2 = {0, 0, 0};
         }) == Severity::error);
-  CHECK(severity("deg/s at rest", [](auto& b) {
+  CHECK(severity("its gyroscope reads", [](auto& b) {
           b.imu_means->mean_rate_body_radps = {0, 0.1, 0};
         }) == Severity::warning);
-  CHECK(severity("leans by 20°", [](auto& b) {
+  CHECK(severity("tilted by 20°", [](auto& b) {
           b.imu_means->mean_force_body_mps2 = {3.35, 0, 9.2};
         }) == Severity::note);
   const auto moving = findings_with([](auto& b) {
@@ -182,5 +185,5 @@ TEST_CASE("At rest gravity's strength and the gyroscope's offset are looked at, 
     b.imu_means->mean_rate_body_radps = {0, 0, 1.0};
     b.imu_means->mean_force_body_mps2 = {0, 5.0, 9.8};
   });
-  CHECK_FALSE(any_wrong(moving));
+  CHECK_FALSE(has_problems(moving));
 }

@@ -1,5 +1,7 @@
 /// Items 25 and 35–37, and the integration itself.
 
+#include <sonopose/estimation/documented/motion.hpp>
+
 #include <catch2/catch.hpp>
 
 #include <support/engine_driver.hpp>

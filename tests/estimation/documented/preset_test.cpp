@@ -1,5 +1,8 @@
 /// Item 1.
 
+#include <sonopose/settings/preset.hpp>
+#include <sonopose/settings/settings_table.hpp>
+
 #include <catch2/catch.hpp>
 
 #include <support/engine_driver.hpp>

@@ -4,6 +4,7 @@
 #include <sonopose/estimation/documented/engine.hpp>
 #include <sonopose/estimation/documented/state_fields.hpp>
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/settings/settings_table.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -6,19 +6,20 @@
 #include <string>
 
 using namespace sonopose;
-using namespace sonopose::ros2;
+using namespace sonopose::ros2::relay;
+using namespace sonopose::observation;
 using ros2::Level;
 
 namespace {
 
 constexpr TimeNs now_ns = 1'700'000'000'000'000'000;
 
-ros2::Diagnostic told(const BeaconView& view, const BeaconView& before) {
+ros2::Diagnostic diagnose(const BeaconView& view, const BeaconView& before) {
   return diagnostic_of("sonopose", view, before, now_ns);
 }
 
-/// A beacon that is well.
-BeaconView well() {
+/// A healthy beacon.
+BeaconView healthy() {
   BeaconView view;
   view.address = 7;
   view.window_s = 1;
@@ -46,13 +47,13 @@ bool says(const ros2::Diagnostic& diagnostic, const std::string& text) {
 
 }  // namespace
 
-SCENARIO("a dashboard sees how a beacon is") {
-  GIVEN("a beacon that was well a second ago") {
-    const BeaconView before = well();
-    BeaconView now = well();
-    WHEN("it still is") {
-      const auto diagnostic = told(now, before);
-      THEN("it is OK, named by node and task, with rates, trust, battery and clock") {
+SCENARIO("the diagnostic of a beacon") {
+  GIVEN("a beacon that was healthy a second ago") {
+    const BeaconView before = healthy();
+    BeaconView now = healthy();
+    WHEN("it still is healthy") {
+      const auto diagnostic = diagnose(now, before);
+      THEN("it is OK, and has name, rates, trust, battery and clock") {
         CHECK(diagnostic.level == Level::ok);
         CHECK(diagnostic.name == "sonopose: beacon 7");
         CHECK(diagnostic.hardware_id == "7");
@@ -69,74 +70,74 @@ SCENARIO("a dashboard sees how a beacon is") {
       BeaconView earlier = before;
       earlier.bridge->imu_deadlines_missed = now.bridge->imu_deadlines_missed = 5;
       earlier.fusion->events_lost = now.fusion->events_lost = 3;
-      THEN("it is well now") {
-        CHECK(told(now, earlier).level == Level::ok);
-        CHECK(value_of(told(now, earlier), "imu_deadlines_missed") == "5");
+      THEN("it is OK") {
+        CHECK(diagnose(now, earlier).level == Level::ok);
+        CHECK(value_of(diagnose(now, earlier), "imu_deadlines_missed") == "5");
       }
     }
     WHEN("two more were missed in this second, and an event lost") {
       now.bridge->imu_deadlines_missed = 2;
       now.fusion->events_lost = 1;
-      const auto diagnostic = told(now, before);
-      THEN("that is a warning, in words") {
+      const auto diagnostic = diagnose(now, before);
+      THEN("this is a warning with both counts") {
         CHECK(diagnostic.level == Level::warning);
         CHECK(says(diagnostic, "2 IMU deadlines missed"));
         CHECK(says(diagnostic, "1 events lost"));
       }
     }
-    WHEN("it has no fixes any more, or its track is doubted") {
+    WHEN("its pose is stale or has low trust") {
       now.pose.status = status_stale | status_low_trust;
-      THEN("that is a warning") {
-        CHECK(told(now, before).level == Level::warning);
-        CHECK(says(told(now, before), "stale"));
+      THEN("this is a warning") {
+        CHECK(diagnose(now, before).level == Level::warning);
+        CHECK(says(diagnose(now, before), "stale"));
       }
     }
     WHEN("its battery is low") {
       now.bridge->battery_v = 3.4;
-      THEN("that is a warning") {
-        CHECK(told(now, before).level == Level::warning);
-        CHECK(says(told(now, before), "battery 3.40 V"));
+      THEN("this is a warning") {
+        CHECK(diagnose(now, before).level == Level::warning);
+        CHECK(says(diagnose(now, before), "battery 3.40 V"));
       }
     }
     WHEN("its IMU is silent") {
       now.fusion->imu_silent = true;
-      now.poses = 0;  // as it always is then
-      THEN("that is an error") {
-        CHECK(told(now, before).level == Level::error);
+      now.poses = 0;  // follows from that
+      THEN("this is an error") {
+        CHECK(diagnose(now, before).level == Level::error);
       }
     }
     WHEN("the fusion is gone") {
       now.lost = true;
       now.poses = 0;
-      THEN("that is an error") {
-        CHECK(told(now, before).level == Level::error);
+      THEN("this is an error") {
+        CHECK(diagnose(now, before).level == Level::error);
       }
     }
     WHEN("there is no fusion at all") {
       now.fusion.reset();
       now.poses = 0;
-      THEN("that is an error") {
-        CHECK(told(now, before).level == Level::error);
+      THEN("this is an error") {
+        CHECK(diagnose(now, before).level == Level::error);
       }
     }
-    WHEN("the fusion is gone, and the deadlines of its poses go on being missed") {
+    WHEN("the fusion is gone, and the deadlines of its poses are missed") {
       now.lost = true;
       now.deadlines_missed = 10;
-      THEN("that is not told of as news") {
-        CHECK_FALSE(says(told(now, before), "deadlines"));
+      THEN("the deadlines are not reported") {
+        CHECK_FALSE(says(diagnose(now, before), "deadlines"));
       }
     }
-    WHEN("its bridge has told nothing for four seconds") {
+    WHEN("its bridge has published no status for four seconds") {
       now.bridge->time_ns = now_ns - 4'000'000'000;
-      THEN("that is an error, and old rates are no news") {
-        CHECK(told(now, before).level == Level::error);
-        CHECK(value_of(told(now, before), "imu_rate_hz") == "(none)");
+      THEN("this is an error, and old rates are omitted") {
+        CHECK(diagnose(now, before).level == Level::error);
+        CHECK(value_of(diagnose(now, before), "imu_rate_hz") == "(none)");
       }
     }
-    WHEN("no pose came for the whole second") {
+    WHEN("no pose arrived in the last second") {
       now.poses = 0;
-      THEN("what is known of it is stale") {
-        CHECK(told(now, before).level == Level::stale);
+      THEN("it is stale") {
+        CHECK(diagnose(now, before).level == Level::stale);
       }
     }
   }

@@ -1,4 +1,4 @@
-/// The parameter services, asked as a client on rmw_cyclonedds asks, in front of a real fusion.
+/// The parameter services with a real fusion, called like a client with rmw_cyclonedds.
 
 #include "ros2/relay/parameter_server.hpp"
 
@@ -24,7 +24,7 @@ using Texts = std::vector<std::string>;
 
 constexpr std::chrono::seconds timeout{20};
 
-/// Asks `done()` again and again.
+/// Polls `done()`.
 template <class Done>
 bool wait_until(const Done& done) {
   const auto give_up = std::chrono::steady_clock::now() + timeout;
@@ -35,7 +35,7 @@ bool wait_until(const Done& done) {
   return true;
 }
 
-/// A fusion that has heard of beacon 7, and the node /sonopose with its services.
+/// A fusion that has received beacon 7, and the node /sonopose with its services.
 class System {
 public:
   System()
@@ -63,14 +63,14 @@ private:
     return result;
   }
 
-  int environment_;  // first: whoever runs this may have a network of their own
+  int environment_;  // first, because the developer may use CYCLONEDDS_URI
   test::TestDomain domain_;
   fusion::FusionNode fusion_;
   dds::QosProvider qos_;
   dds::DomainParticipant participant_;
   dds::DataWriter<sonopose_ImuSample> imu_;
   ros2::Node node_;
-  ros2::Ros2ParameterServer server_;
+  ros2::relay::ParameterServer server_;
   process::StopSignal stop_;
   std::jthread fusing_{[this] { fusion_.run(stop_); }};
   std::jthread serving_{[this] {
@@ -87,9 +87,9 @@ public:
         requests_(participant_, {participant_, "rq/sonopose/" + service + "Request"}, qos()),
         replies_(participant_, {participant_, "rr/sonopose/" + service + "Reply"}, qos()) {}
 
-  /// Calls `look(const Response&)` of the reply; other clients' replies are not for us.
-  template <class Look>
-  void call(typename S::Request request, const Look& look) {
+  /// Calls `check(const Response&)` with the reply to this client.
+  template <class Check>
+  void call(typename S::Request request, const Check& check) {
     REQUIRE(wait_until([&] {
       return requests_.publication_matched_status().current_count > 0 &&
              replies_.subscription_matched_status().current_count > 0;
@@ -101,7 +101,7 @@ public:
       replies_.take_each([&](const typename S::Response& response, const dds::SampleInfo&) {
         if (response.header.client != 4711 || response.header.sequence_number != number_) return;
         answered = true;
-        look(response);
+        check(response);
       });
       return answered;
     }));
@@ -121,28 +121,28 @@ private:
 };
 
 /// idlc's strings are not const; nobody writes to them.
-char* lent(const char* value) {
+char* borrow_string(const char* value) {
   return const_cast<char*>(value);  // NOLINT(cppcoreguidelines-pro-type-const-cast)
 }
 
-/// A view of names as idlc's sequence; `names` must outlive it.
+/// A view of `names` as a sequence of idlc; `names` must outlive it.
 struct Names {
   explicit Names(const Texts& names) {
-    for (const auto& name : names) pointers.push_back(lent(name.c_str()));
+    for (const auto& name : names) pointers.push_back(borrow_string(name.c_str()));
   }
   template <class Sequence>
-  void lend(Sequence& sequence) {
+  void assign_to(Sequence& sequence) {
     const auto length = static_cast<std::uint32_t>(pointers.size());
     sequence = {length, length, pointers.data(), false};
   }
   std::vector<char*> pointers;
 };
 
-/// What `ros2 param get` would print first: type and value, in one text each.
+/// Type and value of each parameter, as text.
 Texts values_of(Client<ros2::GetParameters>& client, const Texts& names) {
-  Names lent(names);
+  Names view(names);
   ros2::GetParameters::Request request{};
-  lent.lend(request.names);
+  view.assign_to(request.names);
   Texts values;
   client.call(request, [&](const ros2::GetParameters::Response& response) {
     for (std::uint32_t i = 0; i < response.values._length; ++i) {
@@ -158,33 +158,33 @@ Texts values_of(Client<ros2::GetParameters>& client, const Texts& names) {
 
 ros2::Parameter parameter(const char* name, std::uint8_t type, double number, const char* word = "") {
   ros2::Parameter result{};
-  result.name = lent(name);
+  result.name = borrow_string(name);
   result.value.type = type;
   result.value.integer_value = static_cast<std::int64_t>(number);
   result.value.double_value = number;
-  result.value.string_value = lent(word);
+  result.value.string_value = borrow_string(word);
   return result;
 }
 
-/// Why not, for each; empty where it was set.
-Texts faults_of(Client<ros2::SetParameters>& client, std::vector<ros2::Parameter> parameters) {
+/// The error for each; empty on success.
+Texts errors_of(Client<ros2::SetParameters>& client, std::vector<ros2::Parameter> parameters) {
   ros2::SetParameters::Request request{};
   const auto length = static_cast<std::uint32_t>(parameters.size());
   request.parameters = {length, length, parameters.data(), false};
-  Texts faults;
+  Texts errors;
   client.call(request, [&](const ros2::SetParameters::Response& response) {
     for (std::uint32_t i = 0; i < response.results._length; ++i) {
       const auto& result = response.results._buffer[i];
       CHECK(result.successful == std::string(result.reason).empty());
-      faults.emplace_back(result.reason);
+      errors.emplace_back(result.reason);
     }
   });
-  return faults;
+  return errors;
 }
 
 }  // namespace
 
-TEST_CASE("A client lists the settings of all beacons and of those that were heard, and reads them") {
+TEST_CASE("A client lists and reads the settings of all beacons and of each known beacon") {
   const System system;
   Client<ros2::ListParameters> list(system, "list_parameters");
   std::set<std::string> names;
@@ -204,13 +204,13 @@ TEST_CASE("A client lists the settings of all beacons and of those that were hea
               "double " + std::to_string(defaults.trust.sigma_m), "not set", "string medium", "not set"});
 }
 
-TEST_CASE("A client learns what a setting is for, its type and its range") {
+TEST_CASE("A client reads description, type and range of a setting") {
   const System system;
   const Texts asked{"trust.n_min", "no.such"};
   Names names(asked);
   Client<ros2::DescribeParameters> describe(system, "describe_parameters");
   ros2::DescribeParameters::Request request{};
-  names.lend(request.names);
+  names.assign_to(request.names);
   describe.call(request, [](const auto& response) {
     REQUIRE(response.descriptors._length == 2);
     const auto& descriptor = response.descriptors._buffer[0];
@@ -225,7 +225,7 @@ TEST_CASE("A client learns what a setting is for, its type and its range") {
 
   Client<ros2::GetParameterTypes> types(system, "get_parameter_types");
   ros2::GetParameterTypes::Request types_request{};
-  names.lend(types_request.names);
+  names.assign_to(types_request.names);
   REQUIRE(wait_until([&] {
     std::vector<int> found;
     types.call(types_request, [&](const auto& response) {
@@ -235,21 +235,21 @@ TEST_CASE("A client learns what a setting is for, its type and its range") {
   }));
 }
 
-TEST_CASE("A client sets settings one by one; what cannot be is refused with the reason") {
+TEST_CASE("A client sets settings individually; invalid ones are rejected with the reason") {
   const System system;
   const settings::Settings defaults;
   Client<ros2::SetParameters> set(system, "set_parameters");
-  const Texts faults =
-      faults_of(set, {parameter("trust.n_min", 2, 4), parameter("beacon_7.trust.sigma_m", 3, 0.25),
+  const Texts errors =
+      errors_of(set, {parameter("trust.n_min", 2, 4), parameter("beacon_7.trust.sigma_m", 3, 0.25),
                       parameter("trust.n_min", 2, -1), parameter("no.such", 2, 1),
                       parameter("trust.n_min", 9, 0), parameter("fusion.imu_weight", 4, 0, "high")});
-  REQUIRE(faults.size() == 6);
-  CHECK(faults[0].empty());
-  CHECK(faults[1].empty());
-  CHECK_THAT(faults[2], Catch::Contains("trust.n_min"));
-  CHECK_THAT(faults[3], Catch::Contains("no.such"));
-  CHECK_THAT(faults[4], Catch::Contains("an integer, a double or a string"));
-  CHECK(faults[5].empty());
+  REQUIRE(errors.size() == 6);
+  CHECK(errors[0].empty());
+  CHECK(errors[1].empty());
+  CHECK_THAT(errors[2], Catch::Contains("trust.n_min"));
+  CHECK_THAT(errors[3], Catch::Contains("no.such"));
+  CHECK_THAT(errors[4], Catch::Contains("an integer, a double or a string"));
+  CHECK(errors[5].empty());
   Client<ros2::GetParameters> get(system, "get_parameters");
   const Texts asked{"trust.n_min", "fusion.imu_weight", "trust.sigma_m"};
   CHECK(wait_until([&] {
@@ -258,7 +258,7 @@ TEST_CASE("A client sets settings one by one; what cannot be is refused with the
   }));
 }
 
-TEST_CASE("A client sets several settings at one stroke, or none") {
+TEST_CASE("A client sets several settings atomically") {
   const System system;
   Client<ros2::SetParametersAtomically> set(system, "set_parameters_atomically");
   Client<ros2::GetParameters> get(system, "get_parameters");
@@ -280,7 +280,7 @@ TEST_CASE("A client sets several settings at one stroke, or none") {
   }));
 }
 
-TEST_CASE("A client resets the fusion, and learns which beacons were reset") {
+TEST_CASE("A client resets the fusion, and receives the addresses of the beacons") {
   const System system;
   Client<ros2::Trigger> reset(system, "reset");
   reset.call({}, [](const auto& response) {
@@ -289,7 +289,7 @@ TEST_CASE("A client resets the fusion, and learns which beacons were reset") {
   });
 }
 
-TEST_CASE("A client that does not listen holds no other one up") {
+TEST_CASE("A client without a reply reader does not block others") {
   const System system;
   const auto deaf = dds::make_participant(system.options());
   dds::DataWriter<ros2::ListParameters::Request> writer(deaf, {deaf, "rq/sonopose/list_parametersRequest"},

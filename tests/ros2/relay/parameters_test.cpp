@@ -6,20 +6,20 @@
 #include <vector>
 
 using namespace sonopose;
-using namespace sonopose::ros2;
+using namespace sonopose::ros2::relay;
 
 namespace {
 
 using Texts = std::vector<std::string>;
 
 /// Two settings for all beacons, and for beacon 7.
-SettingsByBeacon some_in_force() {
+SettingsByBeacon effective_settings() {
   const std::vector<SettingAssignment> values{{"drift.jump_alpha", "0.5"}, {"trust.n_min", "3"}};
-  SettingsByBeacon in_force;
+  SettingsByBeacon effective;
   for (const BeaconAddress address : {BeaconAddress{7}, all_beacons}) {
-    in_force[address] = {.address = address, .values = values};
+    effective[address] = {.address = address, .values = values};
   }
-  return in_force;
+  return effective;
 }
 
 }  // namespace
@@ -40,27 +40,27 @@ TEST_CASE("A parameter names a setting of all beacons or of one") {
 }
 
 TEST_CASE("Parameters are listed as rclcpp lists them") {
-  const auto in_force = some_in_force();
-  const ParameterList all = list_parameters(in_force, {}, 0);
+  const auto effective = effective_settings();
+  const ParameterList all = list_parameters(effective, {}, 0);
   CHECK(all.names ==
         Texts{"beacon_7.drift.jump_alpha", "beacon_7.trust.n_min", "drift.jump_alpha", "trust.n_min"});
   CHECK(all.prefixes == Texts{"beacon_7.drift", "beacon_7.trust", "drift", "trust"});
-  CHECK(list_parameters(in_force, {}, 2).names == Texts{"drift.jump_alpha", "trust.n_min"});
-  CHECK(list_parameters(in_force, {}, 1).names.empty());
-  CHECK(list_parameters(in_force, {"beacon_7"}, 0).names ==
+  CHECK(list_parameters(effective, {}, 2).names == Texts{"drift.jump_alpha", "trust.n_min"});
+  CHECK(list_parameters(effective, {}, 1).names.empty());
+  CHECK(list_parameters(effective, {"beacon_7"}, 0).names ==
         Texts{"beacon_7.drift.jump_alpha", "beacon_7.trust.n_min"});
-  CHECK(list_parameters(in_force, {"beacon_7"}, 1).names.empty());
-  CHECK(list_parameters(in_force, {"trust", "drift.jump_alpha"}, 1).names ==
+  CHECK(list_parameters(effective, {"beacon_7"}, 1).names.empty());
+  CHECK(list_parameters(effective, {"trust", "drift.jump_alpha"}, 1).names ==
         Texts{"drift.jump_alpha", "trust.n_min"});
-  CHECK(list_parameters(in_force, {"tru"}, 0).names.empty());
+  CHECK(list_parameters(effective, {"tru"}, 0).names.empty());
   CHECK(list_parameters({}, {}, 0).names.empty());
 }
 
-TEST_CASE("A parameter has the value in force, in the kind of its setting") {
-  const auto in_force = some_in_force();
-  CHECK(parameter_value(in_force, "drift.jump_alpha") == settings::SettingValue(0.5));
-  CHECK(parameter_value(in_force, "beacon_7.trust.n_min") == settings::SettingValue(3));
-  CHECK(parameter_value(in_force, "beacon_8.trust.n_min") == std::nullopt);
-  CHECK(parameter_value(in_force, "trust.n_max") == std::nullopt);
-  CHECK(parameter_value(in_force, "no.such") == std::nullopt);
+TEST_CASE("A parameter has the effective value, with the type of its setting") {
+  const auto effective = effective_settings();
+  CHECK(parameter_value(effective, "drift.jump_alpha") == settings::SettingValue(0.5));
+  CHECK(parameter_value(effective, "beacon_7.trust.n_min") == settings::SettingValue(3));
+  CHECK(parameter_value(effective, "beacon_8.trust.n_min") == std::nullopt);
+  CHECK(parameter_value(effective, "trust.n_max") == std::nullopt);
+  CHECK(parameter_value(effective, "no.such") == std::nullopt);
 }

@@ -1,4 +1,4 @@
-/// Drivers' topics as a bridge's source: the drivers are a participant of their own in this process.
+/// Topics of drivers as a source of a bridge. The drivers use a separate participant in this process.
 
 #include "ros2/relay/source.hpp"
 
@@ -21,8 +21,8 @@
 namespace {
 
 using namespace sonopose;
-using ros2::Ros2Input;
-using Kind = Ros2Input::Kind;
+using ros2::relay::Input;
+using Kind = Input::Kind;
 
 constexpr TimeNs second_ns = 1'000'000'000;
 
@@ -36,7 +36,7 @@ bool wait_until(const Done& done) {
   return true;
 }
 
-/// A sink that is looked into while the source runs.
+/// A sink that can be read while the source runs.
 class SharedSink final : public bridge::SampleSink {
 public:
   void on(const Event& event) override {
@@ -44,6 +44,7 @@ public:
     kept_.on(event);
   }
   void on(const TruthSample& /*truth*/) override {}
+  void on(const LineStatus& /*status*/) override {}
   void on(const BeaconStatus& status) override {
     const std::lock_guard lock(mutex_);
     kept_.on(status);
@@ -68,16 +69,16 @@ private:
   test::CollectingSink kept_;
 };
 
-/// Inputs, and the drivers' participant.
+/// A source with inputs, and the participant of the drivers.
 class Rig {
 public:
-  explicit Rig(const std::vector<Ros2Input>& inputs, const std::string& map_frame = "map")
+  explicit Rig(const std::vector<Input>& inputs, const std::string& map_frame = "map")
       : environment_(::unsetenv("CYCLONEDDS_URI")),
         participant_(dds::make_participant({.domain_id = domain_.id()})),
         drivers_(dds::make_participant({.domain_id = domain_.id()})),
         node_(participant_, qos_, ros2::NameResolver({}), ros2::Distro::jazzy),
-        source(ros2::make_ros2_source(node_, inputs, {second_ns, second_ns}, map_frame,
-                                      [this](const std::string& line) { note(line); })) {}
+        source(ros2::relay::make_source(node_, inputs, {second_ns, second_ns}, map_frame,
+                                        [this](const std::string& line) { add_line(line); })) {}
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
   ~Rig() {
@@ -89,7 +90,7 @@ public:
     running_ = std::thread([this] { source->run(sink, stop_); });
   }
 
-  /// A driver's writer. Where it matches, it has its reader when this returns.
+  /// A writer of a driver. If `matches`, waits for its reader.
   template <class T>
   dds::DataWriter<T> driver(const std::string& topic, dds::Qos qos = {}, bool matches = true) {
     dds::DataWriter<T> writer(drivers_, dds::Topic<T>(drivers_, ros2::name_in_dds(topic)), qos);
@@ -99,22 +100,22 @@ public:
     return writer;
   }
 
-  [[nodiscard]] bool has_told(const std::string& text) const {
+  [[nodiscard]] bool has_logged(const std::string& text) const {
     const std::lock_guard lock(mutex_);
     return std::any_of(lines_.begin(), lines_.end(),
                        [&](const auto& line) { return line.find(text) != std::string::npos; });
   }
-  [[nodiscard]] bool tells(const std::string& text) const {
-    return wait_until([&] { return has_told(text); });
+  [[nodiscard]] bool logs(const std::string& text) const {
+    return wait_until([&] { return has_logged(text); });
   }
 
 private:
-  void note(const std::string& line) {
+  void add_line(const std::string& line) {
     const std::lock_guard lock(mutex_);
     lines_.push_back(line);
   }
 
-  int environment_;  // first: whoever runs this may have a network of their own
+  int environment_;  // first, because the developer may use CYCLONEDDS_URI
   test::TestDomain domain_;
   dds::QosProvider qos_;
   dds::DomainParticipant participant_;
@@ -127,7 +128,7 @@ private:
 
 public:
   SharedSink sink;
-  std::unique_ptr<ros2::Ros2Source> source;
+  std::unique_ptr<ros2::relay::Source> source;
 };
 
 ros2::Imu imu_at(TimeNs stamp_ns) {
@@ -141,31 +142,31 @@ ros2::PointStamped fix_at(TimeNs stamp_ns, const ros2::FrameNames& frames) {
 
 }  // namespace
 
-SCENARIO("an input that is held up keeps what it can, and tells what it cannot") {
-  GIVEN("a source that is not run while an IMU writes 1500 samples without a stamp") {
+SCENARIO("a stalled input queues messages, and logs losses") {
+  GIVEN("a source that does not run while an IMU writes 1500 samples without a stamp") {
     constexpr std::size_t written = 1500;
     Rig rig({{Kind::imu, "/imu/data", 7}, {Kind::imu, "/other", 8}});
     auto imu = rig.driver<ros2::Imu>("/imu/data");
     for (std::size_t i = 0; i < written; ++i) imu.write(imu_at(0));
-    WHEN("it is run") {
+    WHEN("it runs") {
       rig.run();
-      THEN("many are there, and the others are counted and told of, for this beacon alone") {
-        REQUIRE(rig.tells("IMU samples from ROS 2 lost"));
+      THEN("queued samples arrive, and the others are counted and logged for this beacon only") {
+        REQUIRE(rig.logs("IMU samples from ROS 2 lost"));
         REQUIRE(wait_until([&] { return rig.sink.count() + rig.source->samples_lost(7) == written; }));
         CHECK(rig.sink.count() >= 64);
         CHECK(rig.source->samples_lost(7) > 0);
         CHECK(rig.source->samples_lost(8) == 0);
         CHECK(rig.source->samples_lost(9) == 0);
-        CHECK(rig.has_told("beacon 7: " + std::to_string(rig.source->samples_lost(7)) + " IMU samples"));
+        CHECK(rig.has_logged("beacon 7: " + std::to_string(rig.source->samples_lost(7)) + " IMU samples"));
       }
-      THEN("each has a time of its own, though all were taken at once") {
+      THEN("each has a unique time") {
         REQUIRE(wait_until([&] { return rig.sink.count() >= 64; }));
         const auto samples = rig.sink.imu_samples();
         CHECK(std::adjacent_find(samples.begin(), samples.end(), [](const auto& one, const auto& next) {
                 return next.sensor_time_ns <= one.sensor_time_ns;
               }) == samples.end());
       }
-      THEN("what comes then is taken") {
+      THEN("later samples arrive") {
         REQUIRE(wait_until([&] { return rig.sink.count() > 0; }));
         const TimeNs stamp_ns = 1234 * second_ns;
         REQUIRE(wait_until([&] {
@@ -177,8 +178,8 @@ SCENARIO("an input that is held up keeps what it can, and tells what it cannot")
   }
 }
 
-SCENARIO("the clock's offset of an input is that of its IMU, at its quickest") {
-  GIVEN("beacon 7, whose IMU's samples are 10 s old and more, and whose fixes are quicker") {
+SCENARIO("the clock offset of a beacon is the minimum age of its IMU samples") {
+  GIVEN("beacon 7 with IMU samples of 10 s and 500 s age, and younger fixes") {
     Rig rig({{Kind::fix, "/tag", 7}, {Kind::imu, "/imu/data", 7}, {Kind::fix, "/tag", 8}});
     auto imu = rig.driver<ros2::Imu>("/imu/data");
     auto fixes = rig.driver<ros2::PointStamped>("/tag");
@@ -196,7 +197,7 @@ SCENARIO("the clock's offset of an input is that of its IMU, at its quickest") {
       }));
       return result;
     };
-    THEN("it is that of the quickest IMU sample, or of the fixes where there is no IMU") {
+    THEN("the offset is that of the youngest IMU sample, or of the fixes without an IMU") {
       REQUIRE(wait_until([&] { return rig.sink.count() == 4; }));
       CHECK(offset_s(7) >= 10);
       CHECK(offset_s(7) < 400);
@@ -206,40 +207,40 @@ SCENARIO("the clock's offset of an input is that of its IMU, at its quickest") {
   }
 }
 
-SCENARIO("inputs that bring nothing from the start are told of, each with its cause") {
-  GIVEN("a refused IMU, one that is mute, and a position that nobody publishes") {
+SCENARIO("inputs without samples are logged, each with its cause") {
+  GIVEN("an IMU with incompatible QoS, a silent one, and a position without a publisher") {
     Rig rig({{Kind::imu, "/refused", 7}, {Kind::imu, "/mute", 8}, {Kind::fix, "/tag", 7}});
     const auto exclusive = dds::Qos() << dds::policy::Ownership{dds::policy::OwnershipKind::exclusive};
     const auto refused = rig.driver<ros2::Imu>("/refused", exclusive, false);
     const auto mute = rig.driver<ros2::Imu>("/mute");
     rig.run();
-    THEN("all three are told") {
-      CHECK(rig.tells("beacon 7: no IMU samples from ROS 2 yet: the QoS of 1 publisher of /refused"));
-      CHECK(rig.tells("beacon 8: no IMU samples from ROS 2 yet: /mute has 1 publisher, but nothing"));
-      CHECK(rig.tells("beacon 7: no fixes from ROS 2 yet: nobody publishes"));
+    THEN("all three are logged") {
+      CHECK(rig.logs("beacon 7: no IMU samples from ROS 2 yet: the QoS of 1 publisher of /refused"));
+      CHECK(rig.logs("beacon 8: no IMU samples from ROS 2 yet: /mute has 1 publisher, but no valid message"));
+      CHECK(rig.logs("beacon 7: no fixes from ROS 2 yet: there is no publisher"));
     }
   }
 }
 
-SCENARIO("fixes in a foreign frame are taken, but not without a word") {
-  GIVEN("beacons whose map is named after them, and fixes in the frame of the first") {
+SCENARIO("fixes in an unexpected frame are used and logged") {
+  GIVEN("two beacons with different map frames, and fixes in the frame of the first") {
     Rig rig({{Kind::fix, "/tag", 7}, {Kind::fix, "/tag", 8}}, "map_{address}");
     auto fixes = rig.driver<ros2::PointStamped>("/tag");
     ros2::FrameNames frames;
     frames.map = "map_7";
     fixes.write(fix_at(process::host_now(), frames));
     rig.run();
-    THEN("the second alone is told of, and both are taken") {
+    THEN("only the second is logged, and both receive the fix") {
       REQUIRE(wait_until([&] { return rig.sink.count() == 2; }));
-      CHECK(rig.tells("beacon 8: fixes on /tag are in frame 'map_7': they are taken as in 'map_8'"));
-      CHECK_FALSE(rig.has_told("beacon 7: fixes on /tag are in frame"));
+      CHECK(rig.logs("beacon 8: fixes on /tag are in frame 'map_7': they are used as if in 'map_8'"));
+      CHECK_FALSE(rig.has_logged("beacon 7: fixes on /tag are in frame"));
     }
   }
 }
 
-SCENARIO("a source mixes no two sensors") {
+SCENARIO("a source does not mix two sensors") {
   GIVEN("two topics of IMU samples for one beacon") {
-    THEN("it is refused") {
+    THEN("it is rejected") {
       CHECK_THROWS_AS(Rig({{Kind::imu, "/a", 7}, {Kind::imu, "/b", 7}}), std::invalid_argument);
     }
   }

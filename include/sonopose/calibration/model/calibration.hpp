@@ -3,20 +3,11 @@
 /// From what the sensors tell to what the filters use: offsets, sensitivities, misalignments and iron in the
 /// sensors' axes, then the body's axes.
 
-#include <sonopose/calibration/model/axes.hpp>
-#include <sonopose/calibration/model/inertial.hpp>
-#include <sonopose/calibration/model/magnetometer.hpp>
+#include <sonopose/calibration/model/affine.hpp>
+#include <sonopose/calibration/model/settings.hpp>
 #include <sonopose/samples/samples.hpp>
 
 namespace sonopose::calibration {
-
-/// By default nothing is changed.
-struct Settings {
-  AxesSettings axes;
-  GyroscopeSettings gyroscope;
-  AccelerometerSettings accelerometer;
-  MagnetometerSettings magnetometer;
-};
 
 /// The settings as three maps, made once. A value without pointers.
 class Calibration {

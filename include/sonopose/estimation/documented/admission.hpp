@@ -3,39 +3,13 @@
 /// What may enter the engine: finite, possible, in order, and (item 12) of sufficient quality.
 
 #include <sonopose/samples/samples.hpp>
-#include <sonopose/settings/declaration.hpp>
+#include <sonopose/settings/settings.hpp>
 
 #include <cstdint>
 
 namespace sonopose::estimation::documented {
 
-struct AdmissionSettings {
-  double min_quality_percent{};
-  double max_position_m{};
-  double max_specific_force_mps2{};
-  double max_angular_rate_radps{};
-  double max_fix_age_s{};
-
-  static constexpr std::string_view group = "admission";
-  static constexpr auto declarations() {
-    using G = AdmissionSettings;
-    using settings::own_setting;
-    using settings::real;
-    return settings::rows(
-        real(12, "min_quality_percent", &G::min_quality_percent, 50.0, {0.0, 100.0}, "%",
-             "Fixes of a lower reported quality are not used; fixes without a quality are."),
-        real(own_setting, "max_position_m", &G::max_position_m, 1e4, {1.0, 1e6}, "m",
-             "A fix with a coordinate beyond this is no measurement."),
-        real(own_setting, "max_specific_force_mps2", &G::max_specific_force_mps2, 400.0, {20.0, 1e4}, "m/s^2",
-             "An IMU sample with a specific force beyond this is no measurement."),
-        real(own_setting, "max_angular_rate_radps", &G::max_angular_rate_radps, 80.0, {5.0, 1e3}, "rad/s",
-             "An IMU sample with an angular rate beyond this is no measurement."),
-        real(own_setting, "max_fix_age_s", &G::max_fix_age_s, 0.9, {0.1, 1.0}, "s",
-             "A fix or heading measured longer ago than this, longer under way, or in the future, is not "
-             "used."));
-  }
-  constexpr AdmissionSettings() { settings::set_defaults(*this); }
-};
+using settings::AdmissionSettings;
 
 struct AdmissionState {
   int backward_in_row = 0;          ///< IMU samples from before the state's time, one after the other

@@ -6,50 +6,14 @@
 /// tilt, and a single beacon finds its heading by moving.
 
 #include <sonopose/attitude/any_filter.hpp>
-#include <sonopose/samples/samples.hpp>
-#include <sonopose/settings/declaration.hpp>
 #include <sonopose/estimation/documented/kinematics.hpp>
 #include <sonopose/estimation/documented/velocity.hpp>
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/settings/settings.hpp>
 
 namespace sonopose::estimation::documented {
 
-struct AlignmentSettings {
-  double tilt_gain_hz{};
-  double vertical_gain_hz{};
-  double vertical_limit_mps2{};
-  double yaw_gain{};
-  double yaw_noise_mps{};
-  double aiding_s{};
-  double hold_s{};
-
-  static constexpr std::string_view group = "alignment";
-  static constexpr auto declarations() {
-    using G = AlignmentSettings;
-    using settings::own_setting;
-    using settings::real;
-    return settings::rows(
-        real(own_setting, "tilt_gain_hz", &G::tilt_gain_hz, 0.85, {0.0, 3.0}, "1/s",
-             "Rate at which the velocity corrections by fixes level the attitude; 0: they never do."),
-        real(own_setting, "vertical_gain_hz", &G::vertical_gain_hz, 0.13, {0.0, 3.0}, "1/s",
-             "Rate at which vertical velocity corrections by fixes are learned as an offset of the vertical "
-             "acceleration."),
-        real(own_setting, "vertical_limit_mps2", &G::vertical_limit_mps2, 0.5, {0.0, 10.0}, "m/s^2",
-             "Largest offset of the vertical acceleration that is learned."),
-        real(
-            own_setting, "yaw_gain", &G::yaw_gain, 0.2, {0.0, 1.0}, "",
-            "Share of the angle between the accelerations as the IMU and as the fixes show them by which one "
-            "fix turns yaw, while there is no paired heading."),
-        real(own_setting, "yaw_noise_mps", &G::yaw_noise_mps, 0.4, {0.05, 10.0}, "m/s",
-             "Velocity gained by acceleration at which that share is halved; less of it is mostly noise."),
-        real(own_setting, "aiding_s", &G::aiding_s, 20.0, {0.0, 120.0}, "s",
-             "Time over which a velocity correction is told to the attitude filter as acceleration; 0: the "
-             "filter is told of no acceleration."),
-        real(own_setting, "hold_s", &G::hold_s, 60.0, {0.0, 3600.0}, "s",
-             "For so long after it was last told of acceleration the attitude filter goes on without the "
-             "accelerometer, which cannot tell motion from tilt by itself."));
-  }
-  constexpr AlignmentSettings() { settings::set_defaults(*this); }
-};
+using settings::AlignmentSettings;
 
 struct AlignmentState {
   double vertical_offset_mps2 = 0;  ///< to be added to the vertical acceleration
@@ -73,8 +37,8 @@ void level(const AlignmentSettings& settings, AlignmentState& state, attitude::A
            const Vector3d& velocity_change_world_mps);
 
 /// One IMU step, in which acceleration has added `gained_world_mps` to a velocity that the fixes hold.
-void set_known_acceleration(const AlignmentSettings& settings, AlignmentState& state, const Vector3d& gained_world_mps,
-          TimeNs now_ns, double dt_s);
+void set_known_acceleration(const AlignmentSettings& settings, AlignmentState& state,
+                            const Vector3d& gained_world_mps, TimeNs now_ns, double dt_s);
 
 /// The velocity is not known: nor is the acceleration.
 void clear_known_acceleration(AlignmentState& state);

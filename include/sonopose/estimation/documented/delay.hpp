@@ -2,40 +2,17 @@
 /// \file
 /// Item 6: a fix tells where the beacon *was*; here it is moved on to the time of the engine's state.
 
-#include <sonopose/samples/samples.hpp>
-#include <sonopose/settings/declaration.hpp>
 #include <sonopose/estimation/documented/kinematics.hpp>
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/settings/settings.hpp>
 
 #include <array>
 #include <string_view>
 
 namespace sonopose::estimation::documented {
 
-enum class DelaySource { measured, fixed };
-constexpr std::array<std::string_view, 2> choices_of(DelaySource /*unused*/) {
-  return {"measured", "fixed"};
-}
-
-struct DelaySettings {
-  bool extrapolate{};
-  double processing_s{};
-  DelaySource source{};
-
-  static constexpr std::string_view group = "delay";
-  static constexpr auto declarations() {
-    using G = DelaySettings;
-    using settings::own_setting;
-    return settings::rows(
-        settings::flag(
-            6, "extrapolate", &G::extrapolate, true,
-            "Move a fix forward by its delay along the IMU's path, so that motion makes no step at it."),
-        settings::real(own_setting, "processing_s", &G::processing_s, 0.068, {0.0, 0.5}, "s",
-                      "Delay from ultrasound emission to receipt where the fix does not carry its own."),
-        settings::choice(own_setting, "source", &G::source, DelaySource::measured,
-                        "Which delay counts where a fix carries its own: that one, or the fixed one."));
-  }
-  constexpr DelaySettings() { settings::set_defaults(*this); }
-};
+using settings::DelaySettings;
+using settings::DelaySource;
 
 /// A fix as the later stages see it.
 struct TimedFix {

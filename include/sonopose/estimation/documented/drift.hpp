@@ -2,35 +2,15 @@
 /// \file
 /// Items 2, 4 and 9: how the position follows a fix: a part at once, the rest through a second-order decay.
 
-#include <sonopose/samples/samples.hpp>
-#include <sonopose/settings/declaration.hpp>
 #include <sonopose/estimation/documented/delay.hpp>
 #include <sonopose/estimation/documented/kinematics.hpp>
 #include <sonopose/estimation/documented/trust.hpp>
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/settings/settings.hpp>
 
 namespace sonopose::estimation::documented {
 
-struct DriftSettings {
-  double decay_rate_hz{};
-  double jump_alpha{};
-  double velocity_smooth_rate_hz{};
-
-  static constexpr std::string_view group = "drift";
-  static constexpr auto declarations() {
-    using G = DriftSettings;
-    using settings::real;
-    return settings::rows(
-        real(2, "decay_rate_hz", &G::decay_rate_hz, 1.5, {0.0, 50.0}, "1/s",
-             "Rate at which the offset between the IMU's path and the ultrasonic track is driven to zero."),
-        real(4, "jump_alpha", &G::jump_alpha, 0.32, {0.0, 1.0}, "",
-             "Share of the discrepancy at a fix that is applied at once, scaled by the fix's weight."),
-        real(9, "velocity_smooth_rate_hz", &G::velocity_smooth_rate_hz, 10.0, {0.1, 200.0}, "1/s",
-             "Smoothing rate of the drift velocity, the inner loop of the decay; it rings where item 2 "
-             "exceeds a "
-             "quarter of it."));
-  }
-  constexpr DriftSettings() { settings::set_defaults(*this); }
-};
+using settings::DriftSettings;
 
 struct DriftState {
   Vector3d offset_world_m = Vector3d::Zero();      ///< d: still to be spent

@@ -4,10 +4,11 @@
 /// comes out at every IMU sample and a report at every fix. It knows no clock, allocates nothing and never
 /// throws once made.
 
+#include <sonopose/calibration/model/calibration.hpp>
+#include <sonopose/estimation/documented/state.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/settings/settings.hpp>
-#include <sonopose/estimation/documented/state.hpp>
 
 #include <cstdint>
 #include <optional>

@@ -3,32 +3,13 @@
 /// The frozen track: fixes that repeat the same coordinates while the IMU says that the body moves. (At rest
 /// real beacons repeat coordinates too.)
 
-#include <sonopose/samples/samples.hpp>
-#include <sonopose/settings/declaration.hpp>
 #include <sonopose/estimation/documented/kinematics.hpp>
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/settings/settings.hpp>
 
 namespace sonopose::estimation::documented {
 
-struct FrozenSettings {
-  double moved_m{};
-  double window_s{};
-  int repeats{};
-
-  static constexpr std::string_view group = "frozen";
-  static constexpr auto declarations() {
-    using G = FrozenSettings;
-    using settings::own_setting;
-    return settings::rows(
-        settings::real(own_setting, "moved_m", &G::moved_m, 0.3, {0.01, 10.0}, "m",
-                      "The track is frozen when the IMU has moved this far while the coordinates repeated."),
-        settings::real(
-            own_setting, "window_s", &G::window_s, 1.0, {0.1, 10.0}, "s",
-            "Time within which it must have moved that far; longer, and the IMU's drift would count."),
-        settings::count(own_setting, "repeats", &G::repeats, 3, {1, 1000}, "fixes",
-                       "Least number of repetitions before a track can be called frozen."));
-  }
-  constexpr FrozenSettings() { settings::set_defaults(*this); }
-};
+using settings::FrozenSettings;
 
 struct FrozenState {
   bool has_fix = false;

@@ -3,22 +3,11 @@
 /// Poses between IMU samples: what a pose becomes a short time later, and how often that is asked for.
 
 #include <sonopose/samples/pose.hpp>
-#include <sonopose/settings/declaration.hpp>
+#include <sonopose/settings/settings.hpp>
 
 namespace sonopose::estimation::documented {
 
-struct OutputSettings {
-  int rate_hz{};
-
-  static constexpr std::string_view group = "output";
-  static constexpr auto declarations() {
-    using G = OutputSettings;
-    return settings::rows(settings::count(settings::own_setting, "rate_hz", &G::rate_hz, 0, {0, 1000}, "Hz",
-                                        "Further poses on a steady clock, predicted from the latest IMU "
-                                        "sample; 0: one at each sample alone."));
-  }
-  constexpr OutputSettings() { settings::set_defaults(*this); }
-};
+using settings::OutputSettings;
 
 namespace output {
 

@@ -3,38 +3,11 @@
 /// Start-up: the gyroscope's offset and the direction of gravity, taken while the body is still.
 
 #include <sonopose/samples/samples.hpp>
-#include <sonopose/settings/declaration.hpp>
+#include <sonopose/settings/settings.hpp>
 
 namespace sonopose::estimation::documented {
 
-struct StartupSettings {
-  double calibration_s{};
-  double still_gyro_std_radps{};
-  double still_accel_std_mps2{};
-  double max_gyro_offset_radps{};
-  double still_moved_m{};
-
-  static constexpr std::string_view group = "startup";
-  static constexpr auto declarations() {
-    using G = StartupSettings;
-    using settings::own_setting;
-    using settings::real;
-    return settings::rows(
-        real(own_setting, "calibration_s", &G::calibration_s, 1.0, {0.1, 30.0}, "s",
-             "How long the body must be still for the gyro's offset to be taken, and how long the start "
-             "waits."),
-        real(own_setting, "still_gyro_std_radps", &G::still_gyro_std_radps, 0.03, {0.0, 1.0}, "rad/s",
-             "Spread of each gyro axis below which the body counts as still."),
-        real(own_setting, "still_accel_std_mps2", &G::still_accel_std_mps2, 0.3, {0.0, 10.0}, "m/s^2",
-             "Spread of each accelerometer axis below which the body counts as still."),
-        real(own_setting, "max_gyro_offset_radps", &G::max_gyro_offset_radps, 0.06, {0.0, 1.0}, "rad/s",
-             "A mean rate beyond this is a turn and not an offset."),
-        real(own_setting, "still_moved_m", &G::still_moved_m, 0.2, {0.01, 100.0}, "m",
-             "Fixes that lie farther apart than this show a motion which an IMU at constant velocity cannot "
-             "feel."));
-  }
-  constexpr StartupSettings() { settings::set_defaults(*this); }
-};
+using settings::StartupSettings;
 
 struct StartupState {
   TimeNs began_ns = 0;         ///< first IMU sample; 0 before it

@@ -6,55 +6,11 @@
 #include <sonopose/estimation/documented/delay.hpp>
 #include <sonopose/estimation/documented/kinematics.hpp>
 #include <sonopose/samples/samples.hpp>
-#include <sonopose/settings/declaration.hpp>
+#include <sonopose/settings/settings.hpp>
 
 namespace sonopose::estimation::documented {
 
-struct TrustSettings {
-  double sigma_m{};
-  double min_weight{};
-  bool enabled{};
-  double reference_innovation_m{};
-  int n_base{};
-  int n_min{};
-  int n_max{};
-  int stuck_n{};
-  double stuck_jump_scale{};
-  double stuck_weight_floor{};
-  double outlier_sigmas{};
-
-  static constexpr std::string_view group = "trust";
-  static constexpr auto declarations() {
-    using G = TrustSettings;
-    using settings::count;
-    using settings::own_setting;
-    using settings::real;
-    return settings::rows(
-        real(13, "sigma_m", &G::sigma_m, 0.15, {0.001, 10.0}, "m",
-             "A fix this far from the velocity-predicted position has weight 0.5; farther, less."),
-        real(14, "min_weight", &G::min_weight, 0.003, {0.0, 1.0}, "",
-             "Floor of the weight of any fix, however large its innovation."),
-        settings::flag(15, "enabled", &G::enabled, true,
-                       "After an outlier, compare fixes with the IMU's prediction and rebuild trust over "
-                       "consistent ones."),
-        real(16, "reference_innovation_m", &G::reference_innovation_m, 1.0, {0.01, 100.0}, "m",
-             "A jump of this size takes n_base fixes to be trusted again; others in proportion."),
-        count(17, "n_base", &G::n_base, 2, {1, 1000}, "fixes",
-              "Fixes that rebuild full trust after a jump of the reference size."),
-        count(18, "n_min", &G::n_min, 2, {1, 1000}, "fixes", "Least number of fixes that rebuild trust."),
-        count(19, "n_max", &G::n_max, 40, {1, 1000}, "fixes",
-              "Most fixes that rebuild trust; after so many the track is accepted whatever it is."),
-        count(20, "stuck_n", &G::stuck_n, 32, {1, 1000}, "fixes",
-              "Consecutive outliers at zero trust that force convergence."),
-        real(21, "stuck_jump_scale", &G::stuck_jump_scale, 0.6, {0.0, 1.0}, "",
-             "Least share of the remaining error that is removed at each fix while convergence is forced."),
-        real(22, "stuck_weight_floor", &G::stuck_weight_floor, 0.5, {0.0, 1.0}, "",
-             "Floor of the drift's weight while convergence is forced."),
-        real(own_setting, "outlier_sigmas", &G::outlier_sigmas, 1.75, {0.5, 100.0}, "",
-             "A fix whose innovation exceeds this many sigma_m is an outlier."));
-  }
-  constexpr TrustSettings() { settings::set_defaults(*this); }
-};
+using settings::TrustSettings;
 
 struct TrustState {
   double trust = 1.0;       ///< 0…1

@@ -4,36 +4,13 @@
 /// follow the fixes' weights and grow without fixes; nothing in the engine depends on them.
 
 #include <sonopose/samples/samples.hpp>
-#include <sonopose/settings/declaration.hpp>
+#include <sonopose/settings/settings.hpp>
 
 #include <numbers>
 
 namespace sonopose::estimation::documented {
 
-struct UncertaintySettings {
-  double fix_std_m{};
-  double heading_std_deg{};
-  double accel_std_mps2{};
-  double yaw_drift_std_degps{};
-
-  static constexpr std::string_view group = "uncertainty";
-  static constexpr auto declarations() {
-    using G = UncertaintySettings;
-    using settings::own_setting;
-    using settings::real;
-    return settings::rows(
-        real(own_setting, "fix_std_m", &G::fix_std_m, 0.02, {1e-4, 10.0}, "m",
-             "Standard deviation of a fix of full weight, per axis."),
-        real(own_setting, "heading_std_deg", &G::heading_std_deg, 1.0, {0.01, 180.0}, "deg",
-             "Standard deviation of a paired heading."),
-        real(
-            own_setting, "accel_std_mps2", &G::accel_std_mps2, 0.2, {1e-3, 100.0}, "m/s^2",
-            "Error of the world acceleration, tilt error included: the rate at which velocity grows unsure."),
-        real(own_setting, "yaw_drift_std_degps", &G::yaw_drift_std_degps, 0.1, {1e-4, 100.0}, "deg/s",
-             "Rate at which yaw grows unsure without a heading."));
-  }
-  constexpr UncertaintySettings() { settings::set_defaults(*this); }
-};
+using settings::UncertaintySettings;
 
 /// Standard deviations, per world axis.
 struct UncertaintyState {

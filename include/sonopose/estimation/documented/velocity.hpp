@@ -2,11 +2,11 @@
 /// \file
 /// Items 3, 7, 8 and 26–28: how the velocity follows the fixes.
 
-#include <sonopose/samples/samples.hpp>
-#include <sonopose/settings/declaration.hpp>
 #include <sonopose/estimation/documented/delay.hpp>
 #include <sonopose/estimation/documented/kinematics.hpp>
 #include <sonopose/estimation/documented/trust.hpp>
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/settings/settings.hpp>
 
 #include <array>
 #include <cstdint>
@@ -14,54 +14,7 @@
 
 namespace sonopose::estimation::documented {
 
-struct VelocitySettings {
-  double blend_weight{};
-  bool overshoot_fix{};
-  bool undershoot_fix{};
-  double snap_min_speed_mps{};
-  double snap_max_bend_m{};
-  bool accel_gate{};
-  double accel_gate_threshold_mps2{};
-  double interval_min_s{};
-  double interval_max_s{};
-  double interval_wanted_s{};
-
-  static constexpr std::string_view group = "velocity";
-  static constexpr auto declarations() {
-    using G = VelocitySettings;
-    using settings::flag;
-    using settings::own_setting;
-    using settings::real;
-    return settings::rows(
-        real(3, "blend_weight", &G::blend_weight, 0.14, {0.0, 1.0}, "",
-             "Largest share of the difference to the velocity between two fixes that one fix corrects; "
-             "scaled by "
-             "the fix's weight."),
-        flag(7, "overshoot_fix", &G::overshoot_fix, true,
-             "Take the ultrasonic velocity at once where the IMU's is more than twice as high in the same "
-             "direction."),
-        flag(8, "undershoot_fix", &G::undershoot_fix, true,
-             "Take the ultrasonic velocity at once where it is more than twice the IMU's."),
-        real(28, "snap_min_speed_mps", &G::snap_min_speed_mps, 2.0, {0.0, 100.0}, "m/s",
-             "Ultrasonic speed below which the overshoot and undershoot fixes never act."),
-        real(own_setting, "snap_max_bend_m", &G::snap_max_bend_m, 0.08, {0.0, 100.0}, "m",
-             "A fix farther than this from the straight continuation of the two before it takes no velocity "
-             "at "
-             "once: one stray fix is no speed."),
-        flag(26, "accel_gate", &G::accel_gate, false,
-             "Reduce the velocity correction in proportion to the current acceleration."),
-        real(27, "accel_gate_threshold_mps2", &G::accel_gate_threshold_mps2, 3.0, {0.01, 1000.0}, "m/s^2",
-             "Acceleration at which the acceleration gate halves the correction; at twice this it is zero."),
-        real(own_setting, "interval_min_s", &G::interval_min_s, 0.05, {0.001, 1.0}, "s",
-             "Two fixes closer together than this give no velocity."),
-        real(own_setting, "interval_max_s", &G::interval_max_s, 0.5, {0.01, 10.0}, "s",
-             "Two fixes farther apart than this give no velocity."),
-        real(own_setting, "interval_wanted_s", &G::interval_wanted_s, 0.15, {0.001, 10.0}, "s",
-             "Of the earlier fixes the velocity is measured from the latest that lies this far back, else "
-             "from the oldest: over a longer interval the fixes' noise counts less."));
-  }
-  constexpr VelocitySettings() { settings::set_defaults(*this); }
-};
+using settings::VelocitySettings;
 
 /// One good fix of the past.
 struct PastFix {
@@ -100,7 +53,7 @@ struct FixVelocity {
 /// What a fix did to the velocity.
 struct VelocityChange {
   Vector3d change_world_mps = Vector3d::Zero();
-  double share = 1;           ///< of the difference between the two velocities that was corrected
+  double share = 1;         ///< of the difference between the two velocities that was corrected
   std::uint32_t flags = 0;  ///< fix_snapped_over, fix_snapped_under
 };
 

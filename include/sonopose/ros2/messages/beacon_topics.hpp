@@ -1,27 +1,27 @@
 #pragma once
 /// \file
-/// What the topics of one beacon are called, and whether they can be called so.
+/// Names of the topics of one beacon, and their validation.
 
-#include <sonopose/samples/samples.hpp>
 #include <sonopose/ros2/messages/names.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <string>
 
 namespace sonopose::ros2 {
 
-/// What stands before the names of a beacon's topics: "hedge_{address}" → "hedge_7/". An empty pattern is no
-/// prefix: they stand right in the node's namespace then.
+/// The prefix of the names of a beacon's topics: "hedge_{address}" → "hedge_7/". Empty for an empty pattern:
+/// the topics are then in the node's namespace.
 std::string topic_prefix(const std::string& pattern, BeaconAddress address);
 
-/// Whether no two beacons share topics by this pattern.
-bool tells_topics_apart(const std::string& pattern);
+/// Whether each beacon has topics with different names.
+bool has_topics_per_beacon(const std::string& pattern);
 
-/// Throws std::invalid_argument, naming topic and fault, where ROS 2 would not allow the topics of some
-/// beacon.
+/// Throws std::invalid_argument, with topic and reason, if ROS 2 does not allow the names of the topics of
+/// any beacon.
 void check_beacon_namespace(const NameResolver& names, const std::string& pattern);
 
-/// Throws std::invalid_argument, naming both, where the rules give one name to two topics that the node
-/// writes: two of one beacon's, or one of them and /tf, /tf_static or /diagnostics.
+/// Throws std::invalid_argument, with both topics, if the remap rules give the same name to two topics of one
+/// beacon, or to one of them and /tf, /tf_static or /diagnostics.
 void check_outputs_differ(const NameResolver& names, const std::string& pattern);
 
 }  // namespace sonopose::ros2

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Texts and lists of a message that is to be written: lent to it, not copied. What is lent must outlive the
-/// message.
+/// Strings and sequences of a message for writing, as views without copies. The owner of the data must
+/// outlive the message.
 
 #include <cstdint>
 #include <string>
@@ -9,14 +9,15 @@
 
 namespace sonopose::ros2 {
 
-/// Whoever reads a message owns its texts, so idlc's are not const; nobody writes into one that is written.
-inline char* lent(const std::string& text) {
+/// A view of `text`. The strings of idlc's types are not const, because a reader owns them; writing does not
+/// modify them.
+inline char* borrow_string(const std::string& text) {
   return const_cast<char*>(text.c_str());  // NOLINT(*-const-cast)
 }
 
-/// `values` as a sequence of idlc's.
+/// Makes `sequence`, a sequence type of idlc, a view of `values`.
 template <class Sequence, class Value>
-void lend(Sequence& sequence, std::vector<Value>& values) {
+void borrow_sequence(Sequence& sequence, std::vector<Value>& values) {
   const auto length = static_cast<std::uint32_t>(values.size());
   sequence = {length, length, values.data(), false};
 }

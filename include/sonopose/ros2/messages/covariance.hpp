@@ -1,11 +1,10 @@
 #pragma once
 /// \file
-/// How sure a message is. Every variance is positive and comes from somewhere: the fused pose's own standard
-/// deviations (which follow the fixes' noise, weight and trust and grow without fixes), the sensors' noise,
-/// and the mount's lever arm. docs/ros2.md has the formulas.
+/// Covariances of ROS 2 messages. Every variance is positive and has a source: the covariance of the fused
+/// pose, the noise of the sensors, and the lever arm of the mount. docs/ros2.md has the formulas.
 
-#include <sonopose/samples/pose.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
+#include <sonopose/samples/pose.hpp>
 
 #include <Eigen/Core>
 
@@ -13,7 +12,7 @@
 
 namespace sonopose::ros2 {
 
-/// What the samples and poses do not say of themselves: standard deviations, per axis.
+/// Standard deviations per axis that samples and poses do not have.
 struct Noise {
   double gyro_std_radps = 0.005;
   double accel_std_mps2 = 0.05;
@@ -22,28 +21,29 @@ struct Noise {
 };
 
 using Covariance3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-/// Over x, y, z and the turns about the fixed axes X, Y, Z of the frame.
+/// Of x, y, z and rotations about the fixed axes X, Y, Z of the frame.
 using Covariance6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
-/// The variance of each axis, and nothing between them.
+/// The same variance for each axis, without correlations.
 Covariance3 diagonal(double std);
 
-/// Of the orientation body → world, about the world's axes: tilt, tilt, yaw.
+/// Of the orientation body → world, as a rotation about the world axes.
 Covariance3 orientation_covariance(const FusedPose& pose, const Noise& noise);
 
-/// Of the base's pose in the map. A turn of the IMU swings the base at the end of the lever arm.
+/// Of the pose of the base in the map. The lever arm transforms rotation errors of the IMU into position
+/// errors.
 Covariance6 pose_covariance(const FusedPose& pose, const Mount& mount, const Noise& noise);
 
-/// Of the base's velocity, linear and angular, in the base's axes. A velocity that is known in the world
-/// only is turned by as much as the orientation is wrong.
+/// Of the linear and angular velocity of the base, in the axes of the base. Includes the orientation error,
+/// because the velocity of the pose is in world axes.
 Covariance6 twist_covariance(const FusedPose& pose, const Mount& mount, const Noise& noise);
 
-/// Of a fix of the effective weight that the fusion gave it (0…1: noise, doubt and trust are in it), or of
-/// full weight where no fusion said anything. A fix that it refused is of `least_weight`.
+/// Of a fix with the weight (0…1) that the fusion applied, which includes noise, doubt and trust; without a
+/// report, full weight. A rejected fix has `least_weight`.
 Covariance3 fix_covariance(double fix_std_m, std::optional<double> weight);
 inline constexpr double least_weight = 1e-4;
 
-/// Of a pose whose orientation nobody knows: uniform over the circle, about each axis.
+/// Of a pose with unknown orientation: uniform over the circle about each axis.
 Covariance6 without_orientation(const Covariance3& position);
 
 }  // namespace sonopose::ros2

@@ -1,9 +1,9 @@
 #pragma once
 /// \file
-/// Diagnostics as robots' dashboards read them: one status for each thing that can be well or not.
+/// Diagnostics for the dashboards of ROS 2: one status per component.
 
-#include <sonopose/samples/samples.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <cstdint>
 #include <string>
@@ -12,18 +12,18 @@
 
 namespace sonopose::ros2 {
 
-/// diagnostic_msgs/DiagnosticStatus's own numbers.
+/// The values of diagnostic_msgs/DiagnosticStatus.
 enum class Level : std::uint8_t { ok, warning, error, stale };
 
 struct Diagnostic {
   Level level = Level::ok;
   std::string name;         ///< `node: task`
-  std::string message;      ///< in a few words
+  std::string message;      ///< a short text
   std::string hardware_id;  ///< the beacon's address
   std::vector<std::pair<std::string, std::string>> values;
 };
 
-/// A message for writing; its texts lead into `diagnostics`, which must outlive it.
+/// A message for writing. Borrows the strings of `diagnostics`, which must outlive it.
 class DiagnosticMessage {
 public:
   DiagnosticMessage(const std::vector<Diagnostic>& diagnostics, TimeNs stamp_ns);
@@ -36,7 +36,7 @@ public:
   [[nodiscard]] const DiagnosticArray& message() const { return message_; }
 
 private:
-  std::string frame_id_;  // none: a dashboard has no place
+  std::string frame_id_;  // empty: diagnostics have no frame
   std::vector<std::vector<KeyValue>> values_;
   std::vector<DiagnosticStatus> statuses_;
   DiagnosticArray message_{};

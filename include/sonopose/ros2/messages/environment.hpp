@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What the variables of a ROS 2 shell ask for. Source: rcl and rmw_cyclonedds.
+/// Configuration by the environment variables of ROS 2. Source: rcl and rmw_cyclonedds.
 
 #include <sonopose/dds/binding/domain.hpp>
 #include <sonopose/ros2/messages/node.hpp>
@@ -12,33 +12,33 @@
 
 namespace sonopose::ros2 {
 
-/// The environment's variables by name; what is empty counts as not set, as in ROS 2.
+/// Environment variables by name. As in ROS 2, an empty variable counts as not set.
 using Variables = std::map<std::string, std::string>;
 
-/// The names of those that are read here. ROS_DOMAIN_ID is read where every process reads it
-/// (dds::resolve_domain_id).
+/// The names of the variables that the functions below use. dds::resolve_domain_id uses ROS_DOMAIN_ID.
 const std::vector<std::string>& variable_names();
 
-/// How far to look for ROS 2 nodes: network and peers of `options` are replaced by those that
-/// ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE and ROS_STATIC_PEERS ask for, the subnet where they say
-/// nothing. Throws std::invalid_argument that names variable, value and what is allowed. The range OFF is
-/// refused too: a node that keeps it can be found by nobody.
+/// The discovery range: replaces network and peers of `options` according to ROS_LOCALHOST_ONLY,
+/// ROS_AUTOMATIC_DISCOVERY_RANGE and ROS_STATIC_PEERS; the default is the subnet. Throws
+/// std::invalid_argument with variable, value and the allowed values. The range OFF is rejected, because no
+/// process could discover the node.
 dds::DomainOptions with_discovery_range(dds::DomainOptions options, const Variables& variables);
 
-/// The distributions that are known, from the oldest on.
+/// The known distributions, the oldest first.
 std::vector<std::string> distro_names();
 
-/// The layout that a distribution speaks, by its name: "foxy". Empty for a name that is not known.
+/// The discovery layout of a distribution by its name, such as "foxy". Empty for an unknown name.
 std::optional<Distro> distro_named(const std::string& name);
 
 inline constexpr Distro newest_layout = Distro::jazzy;
 
 struct FoundDistro {
   Distro distro = newest_layout;
-  std::string warning = {};  ///< names variable and value; empty: there is none
+  std::string warning = {};  ///< with variable and value; may be empty
 };
 
-/// By ROS_DISTRO, which ROS's setup sets. A name that is not known is taken for a newer one, with a warning.
+/// The distribution by ROS_DISTRO, which the setup files of ROS 2 set. An unknown name counts as a newer
+/// distribution and causes a warning.
 FoundDistro distro_of(const Variables& variables);
 
 }  // namespace sonopose::ros2

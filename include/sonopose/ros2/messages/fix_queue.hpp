@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Fixes wait a moment for what the fusion says of them: how much each is worth.
+/// Fixes wait for the report of the fusion, which has their weight.
 
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -11,33 +11,33 @@
 
 namespace sonopose::ros2 {
 
-/// A fix that may go out.
+/// A fix that can be published.
 struct ReadyFix {
   Vector3d position_world_m = Vector3d::Zero();
   TimeNs emission_time_ns = 0;
-  std::optional<double> weight;  ///< what the fusion gave it; empty where none said anything
+  std::optional<double> weight;  ///< from the report of a fusion; empty without a report
 };
 
-/// The fixes of one beacon, each out once, in their order, however many fusions report on it. Times are of
-/// the steady clock. Not for several threads at once. Allocates nothing.
+/// Returns each fix of one beacon once and in order, regardless of the number of fusions that report on it.
+/// Times are of the steady clock. Not thread-safe. Does not allocate memory.
 class FixQueue {
 public:
-  static constexpr std::size_t most_waiting = 8;
+  static constexpr std::size_t max_waiting = 8;
 
-  /// At most as many as can wait, and the one that came.
+  /// At most all waiting fixes and the new one.
   struct Ready {
-    std::array<ReadyFix, most_waiting + 1> fixes;
+    std::array<ReadyFix, max_waiting + 1> fixes;
     std::size_t count = 0;
 
     [[nodiscard]] auto begin() const { return fixes.begin(); }
     [[nodiscard]] auto end() const { return fixes.begin() + static_cast<std::ptrdiff_t>(count); }
   };
 
-  /// A fix came. `fusion_runs`: whether a report is worth waiting for.
+  /// A new fix. `fusion_runs`: whether a report is expected.
   Ready on(const UltrasonicFix& fix, SteadyTime now, bool fusion_runs);
-  /// A fusion reported on one: that one goes out, and before it those that wait since longer.
+  /// A report of a fusion: returns its fix, after those that have been waiting longer.
   Ready on(const FixReport& report);
-  /// Those that nobody reported on for `timeout_ns`.
+  /// The fixes without a report for `timeout_ns`.
   Ready overdue(SteadyTime now);
 
   static constexpr TimeNs timeout_ns = 100'000'000;
@@ -54,14 +54,15 @@ private:
     SteadyTime since;
   };
 
-  void put_out(const Key& key, const Vector3d& position_world_m, std::optional<double> weight, Ready& ready);
-  void put_first_out(Ready& ready);
-  [[nodiscard]] bool is_out(const Key& key) const;
+  void release(const Key& key, const Vector3d& position_world_m, std::optional<double> weight, Ready& ready);
+  void remove_first();
+  void release_first(Ready& ready);
+  [[nodiscard]] bool is_released(const Key& key) const;
 
-  std::array<Waiting, most_waiting> waiting_{};
+  std::array<Waiting, max_waiting> waiting_{};
   std::size_t waiting_count_ = 0;
-  std::array<Key, 32> out_{};  ///< the latest ones
-  std::size_t next_out_ = 0;
+  std::array<Key, 32> released_{};  ///< ring buffer of the latest
+  std::size_t next_released_ = 0;
 };
 
 }  // namespace sonopose::ros2

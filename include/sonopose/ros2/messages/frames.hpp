@@ -1,9 +1,9 @@
 #pragma once
 /// \file
-/// The frames of one beacon in ROS 2's tree (REP-105), and the base's state in them.
+/// The frames of one beacon in the transform tree of ROS 2 (REP-105), and the state of the base in them.
 ///
-/// map ─(odom)─ base_link ─ imu_link: `map` is the beacons' world, `imu_link` the IMU's body axes (REP-103
-/// as they are: right-handed, Z up), `base_link` the robot, to which the IMU is mounted.
+/// map ─(odom)─ base_link ─ imu_link: `map` is the world of the beacons, `imu_link` the body axes of the IMU
+/// (right-handed, Z up, as in REP-103), `base_link` the robot on which the IMU is mounted.
 
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -14,7 +14,7 @@
 
 namespace sonopose::ros2 {
 
-/// Names of frames; `{address}` stands for the beacon's address.
+/// Names of frames; `{address}` is replaced by the beacon's address.
 struct FrameNames {
   std::string map = "map";
   std::string odom = "odom";
@@ -22,52 +22,52 @@ struct FrameNames {
   std::string imu = "imu_link";
 };
 
-/// `pattern` with the address filled in.
+/// `pattern` with `{address}` replaced.
 std::string for_beacon(const std::string& pattern, BeaconAddress address);
 FrameNames for_beacon(const FrameNames& patterns, BeaconAddress address);
 
-/// What is wrong with a frame's name.
+/// An invalid name of a frame.
 class FrameError : public std::invalid_argument {
 public:
   FrameError(std::string frame, const std::string& name, const std::string& why);
 
-  /// Which it is: "map", "odom", "base" or "imu".
+  /// The frame: "map", "odom", "base" or "imu".
   const std::string& frame() const noexcept { return frame_; }
 
 private:
   std::string frame_;
 };
 
-/// Throws FrameError for one that is empty or begins with a slash, and for two that are called the same, be
-/// it for one beacon's address alone.
+/// Throws FrameError for a name that is empty or begins with a slash, and for two frames with the same name,
+/// even if only for one address.
 void check(const FrameNames& patterns);
 
-/// Whether two beacons have frames of their own, as the tree needs it, since a frame has one parent: base and
-/// IMU, and `odom` too where it is the relay that moves it.
-bool tell_beacons_apart(const FrameNames& patterns, bool moves_odom);
+/// Whether each beacon has different frames for base and IMU, and for `odom` if the relay publishes its
+/// transform. The tree requires this because a frame has one parent.
+bool has_frames_per_beacon(const FrameNames& patterns, bool moves_odom);
 
-/// Where the IMU sits on the robot.
+/// The pose of the IMU on the robot.
 struct Mount {
   Vector3d imu_in_base_m = Vector3d::Zero();
   Quaterniond q_imu_to_base = Quaterniond::Identity();
 };
 
-/// x, y, z (m), then roll, pitch, yaw (deg): turns about the base's fixed axes X, Y, Z, in this order
-/// (REP-103). Throws std::invalid_argument, naming which of them, its value and the limit, for more than 1000
-/// m or 360 degrees, and for what is no number.
-Mount mount_at(const std::array<double, 6>& place);
+/// x, y, z (m), then roll, pitch, yaw (deg): rotations about the fixed axes X, Y, Z of the base, in this
+/// order (REP-103). Throws std::invalid_argument, with the element, its value and the limit, beyond 1000 m or
+/// 360 degrees, and for NaN.
+Mount mount_at(const std::array<double, 6>& pose);
 
-/// Where a frame's origin stands in another one, and how it is turned.
+/// The pose of a child frame in its parent frame.
 struct Transform {
   Vector3d translation_m = Vector3d::Zero();
-  Quaterniond rotation = Quaterniond::Identity();  ///< from the child's axes to the parent's
+  Quaterniond rotation = Quaterniond::Identity();  ///< child axes → parent axes
 };
 
-/// The child of `inner` in the parent of `outer`, whose child is the parent of `inner`.
+/// Composition: the child of `outer` must be the parent of `inner`.
 Transform operator*(const Transform& outer, const Transform& inner);
 Transform inverse_of(const Transform& transform);
 
-/// The robot's motion: the fused pose, which is the IMU's, taken to the base.
+/// The motion of the base: the fused pose is that of the IMU.
 struct BaseState {
   Vector3d position_map_m = Vector3d::Zero();
   Quaterniond q_base_to_map = Quaterniond::Identity();
@@ -75,7 +75,7 @@ struct BaseState {
   Vector3d angular_velocity_base_radps = Vector3d::Zero();
 };
 
-/// Of a rigid body: v_base = v_imu − ω × r.
+/// Rigid body: v_base = v_imu − ω × r.
 BaseState base_state(const FusedPose& pose, const Mount& mount);
 
 }  // namespace sonopose::ros2

@@ -1,22 +1,23 @@
 #pragma once
 /// \file
-/// ROS 2 message → native struct: how any IMU and any positioning system with a ROS 2 driver feeds the fusion.
+/// ROS 2 message → native type, for inputs from ROS 2 drivers of IMUs and positioning systems.
 
-#include <sonopose/samples/samples.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <optional>
 
 namespace sonopose::ros2 {
 
-/// `received_ns` is when the message came, by the host's clock. A stamp of zero is none: then the message
-/// counts as measured when it came.
+// `received_ns`: reception, host clock. It is also the time of measurement of a message with stamp 0, which
+// means no stamp.
 
-/// sensor_msgs/Imu: angular velocity (rad/s) and specific force (m/s², +g on z at rest, REP-145) in the
-/// sensor's axes; its orientation is not used. Empty for a value that is not finite, or a stamp that is none.
+/// sensor_msgs/Imu: angular velocity (rad/s) and specific force (m/s², +g on z at rest, REP-145) in the axes
+/// of the sensor; the orientation is not used. Empty for a non-finite value or an invalid stamp.
 std::optional<ImuSample> imu_sample(const Imu& imu, BeaconAddress address, TimeNs received_ns);
 
-/// A position in the map (m); its orientation and covariance are not used. Empty as above.
+/// A position in the map (m); orientation and covariance are not used. Empty for a non-finite value or an
+/// invalid stamp.
 std::optional<UltrasonicFix> fix(const PointStamped& point, BeaconAddress address, TimeNs received_ns);
 std::optional<UltrasonicFix> fix(const PoseWithCovarianceStamped& pose, BeaconAddress address,
                                  TimeNs received_ns);

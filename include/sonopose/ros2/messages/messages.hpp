@@ -1,13 +1,13 @@
 #pragma once
 /// \file
-/// Native struct → ROS 2 message. Pure functions that allocate nothing: the texts of a message lead into the
-/// frame names that it was made with, which must outlive it.
+/// Native types → ROS 2 messages. Pure functions that do not allocate memory: a message borrows the frame
+/// names, which must outlive it.
 
-#include <sonopose/samples/pose.hpp>
-#include <sonopose/samples/samples.hpp>
 #include <sonopose/ros2/messages/covariance.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>
+#include <sonopose/samples/pose.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <optional>
 #include <string>
@@ -16,23 +16,24 @@ namespace sonopose::ros2 {
 
 Header header_of(TimeNs stamp_ns, const std::string& frame_id);
 
-/// As measured, in the IMU's axes, without orientation: orientation_covariance[0] is −1 (REP-145).
+/// The sample as measured, in the axes of the IMU, without orientation: orientation_covariance[0] is −1
+/// (REP-145).
 Imu raw_imu(const ImuSample& sample, TimeNs stamp_ns, const FrameNames& frames, const Noise& noise);
 
-/// The same sample with the fused orientation body → map, and the gyro's bias taken off. `pose` is the one
-/// made at this sample.
+/// The same sample with the fused orientation body → map, and without the gyro bias. `pose` is the pose at
+/// this sample.
 Imu fused_imu(const ImuSample& sample, const FusedPose& pose, TimeNs stamp_ns, const FrameNames& frames,
               const Noise& noise);
 
-/// Empty where the sample has no magnetic field.
+/// Empty if the sample has no magnetic field.
 std::optional<MagneticField> magnetic_field(const ImuSample& sample, TimeNs stamp_ns,
                                             const FrameNames& frames, const Noise& noise);
 
-/// The base in the map; its twist in the base's own axes (child_frame_id).
+/// The pose of the base in the map, and its twist in the axes of the base (child_frame_id).
 Odometry odometry(const FusedPose& pose, TimeNs stamp_ns, const FrameNames& frames, const Mount& mount,
                   const Noise& noise);
 
-/// The pose of an odometry message alone.
+/// Only the pose of an odometry message.
 PoseWithCovarianceStamped pose_of(const Odometry& odometry);
 
 /// A position without orientation.
@@ -43,7 +44,7 @@ PointStamped position_as_point(const Vector3d& position_map_m, TimeNs stamp_ns, 
 TransformStamped transform(const Transform& child_in_parent, TimeNs stamp_ns, const std::string& parent,
                            const std::string& child);
 
-/// Where the base stands in the map according to an odometry message.
+/// The pose of the base in the map, from an odometry message.
 Transform base_in_map(const Odometry& odometry);
 
 }  // namespace sonopose::ros2

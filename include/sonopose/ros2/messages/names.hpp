@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Names as ROS 2 resolves them: namespace, `~`, remapping, and what stands on the wire.
+/// Resolution of names as in ROS 2: namespaces, `~`, remapping, and names in DDS.
 /// Source: design.ros2.org, "Topic and Service name mapping to DDS", "Remapping Names"; rmw's validation.
 
 #include <string>
@@ -17,37 +17,37 @@ struct NodeName {
 /// The node's full name: "/a/b/sonopose".
 std::string full_name(const NodeName& node);
 
-/// Each throws std::invalid_argument, naming it and what is wrong, for what ROS 2 does not allow.
+/// Each throws std::invalid_argument, with name and reason, for a name that ROS 2 does not allow.
 void check_node_name(const std::string& name);
 void check_namespace(const std::string& name_space);
-/// An enclave is written as a namespace is: "/" or "/a/b".
+/// An enclave has the syntax of a namespace: "/" or "/a/b".
 void check_enclave(const std::string& enclave);
 
-/// One rule of ROS's `from:=to`. `__node` (or `__name`) and `__ns` stand for the node's own name.
+/// A rule `from:=to`. `__node` (or `__name`) and `__ns` are the name and the namespace of the node.
 struct RemapRule {
   std::string from;
   std::string to;
-  std::string node = {};  ///< the name of the only node that it is for; empty: for all
+  std::string node = {};  ///< name of the node that it applies to; empty: all nodes
   bool operator==(const RemapRule&) const = default;
 };
 
-/// Reads `from:=to` or `node:from:=to`. Throws std::invalid_argument that names the rule and what is wrong.
+/// Parses `from:=to` or `node:from:=to`. Throws std::invalid_argument with rule and reason.
 RemapRule parse_remap_rule(const std::string& text);
 
-/// What a name of this node's is in the end. Throws std::invalid_argument, naming the name, what is wrong and
-/// the rule, for names that ROS 2 does not allow; the constructor also for the node's own and the rules'.
+/// Resolves names of a node. Throws std::invalid_argument, with name, reason and rule, for names that ROS 2
+/// does not allow; the constructor also for the name of the node and for the rules.
 class NameResolver {
 public:
   explicit NameResolver(NodeName node, std::vector<RemapRule> rules = {});
 
-  /// After the rules for the node's own name.
+  /// The name of the node, after remapping.
   const NodeName& node() const noexcept { return node_; }
 
-  /// Those for topics that are for this node, both sides absolute.
+  /// The rules for topics of this node, with absolute names.
   const std::vector<RemapRule>& rules() const noexcept { return rules_; }
 
-  /// The absolute name: a relative one stands in the namespace, `~/x` below the node; then the first rule
-  /// whose left side is this name gives another. "imu/data" → "/robot/imu/data".
+  /// The absolute name: relative to the namespace, or `~/x` relative to the node, then remapped by the first
+  /// matching rule. "imu/data" → "/robot/imu/data".
   std::string topic(const std::string& name) const;
 
 private:
@@ -57,7 +57,7 @@ private:
   std::vector<RemapRule> rules_;
 };
 
-/// What a topic is called in DDS: "/imu" → "rt/imu".
+/// The name of a topic in DDS: "/imu" → "rt/imu".
 std::string name_in_dds(const std::string& topic);
 
 }  // namespace sonopose::ros2

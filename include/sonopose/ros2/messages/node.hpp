@@ -1,7 +1,8 @@
 #pragma once
 /// \file
-/// A ROS 2 node as others see it (`ros2 node list`, `ros2 topic info -v`): its endpoints carry the hash of
-/// their type, and the topic `ros_discovery_info` says whose they are. Source: rmw_dds_common.
+/// A ROS 2 node that is visible to ROS 2 tools (`ros2 node list`, `ros2 topic info -v`): endpoints announce
+/// the hash of their type, and the topic `ros_discovery_info` assigns them to the node. Source:
+/// rmw_dds_common.
 
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/binding/data_writer.hpp>
@@ -17,20 +18,20 @@
 
 namespace sonopose::ros2 {
 
-/// Which layout `ros_discovery_info` has: a `Gid` is 24 bytes long up to Humble and 16 later. A node that
-/// speaks the other one works all the same, but `ros2 node list` does not show it.
+/// The layout of `ros_discovery_info`: a `Gid` has 24 bytes up to Humble and 16 bytes later. With the wrong
+/// layout, topics work, but `ros2 node list` does not show the node.
 enum class Distro : std::uint8_t {
-  humble,  ///< and before
+  humble,  ///< and earlier
   jazzy    ///< Iron and later
 };
 
-/// Says of a participant that it belongs to ROS 2 and to this enclave: absolute, as "/".
+/// QoS of a participant of ROS 2 in an enclave (an absolute name).
 dds::Qos participant_qos(const std::string& enclave = "/");
 
-/// For one thread at a time. The node vanishes from the others' lists with this object.
+/// Not thread-safe. The destructor withdraws the announcement of the node.
 class Node {
 public:
-  /// `participant` and `qos` must outlive it.
+  /// `participant` and `qos` must outlive the node.
   Node(const dds::DomainParticipant& participant, const dds::QosProvider& qos, NameResolver names,
        Distro distro);
   Node(const Node&) = delete;
@@ -41,16 +42,15 @@ public:
 
   const NameResolver& names() const noexcept { return names_; }
 
-  /// A writer for a topic by its ROS name, which is resolved, with a profile of the QoS file
-  /// ("ros2::Default"). `listener` must outlive it. Others learn that it is this node's by the next
-  /// announce().
+  /// A writer of a topic by its ROS name, which is resolved, with a profile of the QoS file
+  /// ("ros2::Default"). `listener` must outlive it. The next announce() assigns it to this node.
   template <class T>
   dds::DataWriter<T> make_writer(const std::string& name, const char* profile,
                                  dds::DataWriterListener<T>* listener = nullptr) {
     return make_writer_in_dds<T>(name_in_dds(names_.topic(name)), profile, {}, listener);
   }
 
-  /// The same for a reader; its listener hears of the statuses in `mask`.
+  /// A reader, likewise. `mask`: the statuses of the listener.
   template <class T>
   dds::DataReader<T> make_reader(const std::string& name, const char* profile,
                                  dds::DataReaderListener<T>* listener = nullptr,
@@ -58,7 +58,7 @@ public:
     return make_reader_in_dds<T>(name_in_dds(names_.topic(name)), profile, {}, listener, mask);
   }
 
-  /// A service by its ROS name, which is resolved as a topic's is.
+  /// A service by its ROS name, which is resolved like that of a topic.
   template <class S>
   Service<S> make_service(const std::string& name) {
     const char* const profile = "ros2::Default";
@@ -68,46 +68,46 @@ public:
             make_writer_in_dds<typename S::Response>("rr" + service + "Reply", profile, id)};
   }
 
-  /// Tells the others of node and endpoints, if anything has changed since the last time.
+  /// Publishes node and endpoints if they have changed since the last call.
   void announce();
 
-  /// For a reader or writer that is about to go: call it before it is closed, and announce() after.
-  void forget(const dds::Entity& endpoint);
+  /// Removes a reader or writer: call this before closing it, and announce() after.
+  void remove(const dds::Entity& endpoint);
 
 private:
   using Guids = std::vector<dds_guid_t>;
 
-  /// `before`: what stands in the user data before the type's hash.
+  /// `prefix`: user data before the hash of the type.
   template <class T>
   dds::DataWriter<T> make_writer_in_dds(const std::string& name, const char* profile,
-                                        const std::string& before,
+                                        const std::string& prefix,
                                         dds::DataWriterListener<T>* listener = nullptr) {
     const dds::Topic<T> topic(participant_, name, qos_.topic_qos(profile));
-    dds::DataWriter<T> writer(participant_, topic, with_type_hash<T>(qos_.datawriter_qos(profile), before),
+    dds::DataWriter<T> writer(participant_, topic, with_type_hash<T>(qos_.datawriter_qos(profile), prefix),
                               listener);
-    note(writers_, writer);
+    add(writers_, writer);
     return writer;
   }
   template <class T>
   dds::DataReader<T> make_reader_in_dds(const std::string& name, const char* profile,
-                                        const std::string& before,
+                                        const std::string& prefix,
                                         dds::DataReaderListener<T>* listener = nullptr,
                                         dds::StatusMask mask = dds::StatusMask::all()) {
     const dds::Topic<T> topic(participant_, name, qos_.topic_qos(profile));
-    dds::DataReader<T> reader(participant_, topic, with_type_hash<T>(qos_.datareader_qos(profile), before),
+    dds::DataReader<T> reader(participant_, topic, with_type_hash<T>(qos_.datareader_qos(profile), prefix),
                               listener, mask);
-    note(readers_, reader);
+    add(readers_, reader);
     return reader;
   }
 
   template <class T>
-  static dds::Qos with_type_hash(dds::Qos qos, const std::string& before = {}) {
-    return add_type_hash(std::move(qos), dds::TopicTraits<T>::descriptor().m_typename, before);
+  static dds::Qos with_type_hash(dds::Qos qos, const std::string& prefix = {}) {
+    return add_type_hash(std::move(qos), dds::TopicTraits<T>::descriptor().m_typename, prefix);
   }
-  static dds::Qos add_type_hash(dds::Qos qos, const char* type_name, const std::string& before);
-  /// By which a client knows that a service's two ends belong together: "serviceid=…;".
+  static dds::Qos add_type_hash(dds::Qos qos, const char* type_name, const std::string& prefix);
+  /// User data by which clients associate the two endpoints of a service: "serviceid=…;".
   std::string next_service_id();
-  void note(Guids& guids, const dds::Entity& endpoint);
+  void add(Guids& guids, const dds::Entity& endpoint);
 
   const dds::DomainParticipant& participant_;
   const dds::QosProvider& qos_;

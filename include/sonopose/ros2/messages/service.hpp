@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// A service of a node's, for clients on rmw_cyclonedds: it puts who asks, and a number, in front of a
-/// request, and looks for both in front of the reply. (Other middlewares' clients look for them elsewhere,
-/// where Cyclone's C interface does not put them.)
+/// A service for clients with rmw_cyclonedds, which put client id and sequence number into a header of the
+/// request and expect them in the header of the reply. (Clients of other middlewares use RTPS fields that the
+/// C API of Cyclone DDS does not set.)
 
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/binding/data_writer.hpp>
@@ -12,11 +12,10 @@
 
 namespace sonopose::ros2 {
 
-/// Who stands behind an end of a service: the client's own id where its user data holds one, else its
-/// process.
+/// The client of an endpoint of a service: the client id in its user data, else its participant.
 std::string client_of(const std::vector<std::uint8_t>& user_data, const dds_guid_t& participant);
 
-/// `S` has a Request and a Response. For one thread at a time, which is not a listener's.
+/// `S` has the types Request and Response. Not thread-safe; do not call it from a listener.
 template <class S>
 class Service {
 public:
@@ -26,19 +25,18 @@ public:
   Service(dds::DataReader<Request> requests, dds::DataWriter<Response> replies)
       : requests_(std::move(requests)), replies_(std::move(replies)) {}
 
-  /// Calls `answer(const Request&, reply)` for every request that has come and whose client can hear; it
-  /// calls `reply(Response)` once, whose header is filled in here. Requests of clients that are not known as
-  /// readers yet wait for later calls, but for no more than `most_waits`: one that never listens shall not
-  /// hold others up.
-  template <class Answer>
-  void serve(const Answer& answer) {
-    for (const auto sample : requests_.read(most)) {
-      const bool waits = sample.info().valid() && !can_hear(sample.info().publication_handle());
-      if (waits && ++waits_ < most_waits) return;
+  /// Calls `handle(const Request&, reply)` for every pending request. `handle` calls `reply(Response)` once;
+  /// the header is filled in here. If the reply reader of a client is not discovered yet, requests wait for
+  /// later calls, at most `max_waits`, so that a client without a reader does not block others.
+  template <class Handle>
+  void serve(const Handle& handle) {
+    for (const auto sample : requests_.read(max_pending)) {
+      const bool waits = sample.info().valid() && !has_reply_reader(sample.info().publication_handle());
+      if (waits && ++waits_ < max_waits) return;
     }
     waits_ = 0;
     requests_.take_each([&](const Request& request, const dds::SampleInfo&) {
-      answer(request, [&](Response response) {
+      handle(request, [&](Response response) {
         response.header = request.header;
         replies_.try_write(response);
       });
@@ -46,20 +44,20 @@ public:
   }
 
 private:
-  static constexpr std::size_t most = 32;
-  static constexpr int most_waits = 25;
+  static constexpr std::size_t max_pending = 32;
+  static constexpr int max_waits = 25;
 
-  bool can_hear(dds::InstanceHandle request_writer) const {
+  bool has_reply_reader(dds::InstanceHandle request_writer) const {
     try {
-      const auto asker = requests_.matched_publication_data(request_writer);
-      const std::string client = client_of(asker.user_data, asker.participant_key);
+      const auto request_endpoint = requests_.matched_publication_data(request_writer);
+      const std::string client = client_of(request_endpoint.user_data, request_endpoint.participant_key);
       for (const dds::InstanceHandle reader : replies_.matched_subscriptions()) {
-        const auto listener = replies_.matched_subscription_data(reader);
-        if (client_of(listener.user_data, listener.participant_key) == client) return true;
+        const auto reply_endpoint = replies_.matched_subscription_data(reader);
+        if (client_of(reply_endpoint.user_data, reply_endpoint.participant_key) == client) return true;
       }
       return false;
     } catch (const dds::Error&) {
-      return true;  // gone meanwhile: the request shall go too
+      return true;  // the client has gone: remove its request
     }
   }
 

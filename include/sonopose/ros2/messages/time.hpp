@@ -1,30 +1,31 @@
 #pragma once
 /// \file
-/// Times as ROS 2 writes them, and stamps that only rise.
+/// Times in ROS 2 messages, and strictly increasing stamps.
 
-#include <sonopose/samples/samples.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <optional>
 
 namespace sonopose::ros2 {
 
-/// ROS 2 counts whole seconds in 32 bits, signed, and what is left in nanoseconds: until 2038.
+/// ROS 2 has seconds in 32 bits, signed, and nanoseconds: valid until 2038.
 Time to_ros(TimeNs time_ns);
 
-/// Empty where the nanoseconds are a second or more: no clock reads so.
+/// Empty for an invalid time with 10⁹ nanoseconds or more.
 std::optional<TimeNs> from_ros(const Time& time);
 
-/// Consumers drop what is not newer than what they have, and tf2 warns of a stamp that came before. Beacons
-/// count milliseconds, so samples that were measured apart may have one stamp.
+/// Generates strictly increasing stamps: consumers drop messages that are not newer than the previous one,
+/// and tf2 warns about repeated stamps. Beacons count milliseconds, so different samples may have the same
+/// time.
 class RisingStamp {
 public:
-  /// `slack_ns`: how far behind the last one a sample may be and still count as measured apart.
+  /// `slack_ns`: a sample that is older than the last one by less than this gets the next stamp.
   explicit RisingStamp(TimeNs slack_ns = 1'000'000) : slack_ns_(slack_ns) {}
 
-  /// The stamp to use for `time_ns`: itself, or, where it is not newer than the last but within the slack, a
-  /// nanosecond more than the last. Empty for what is older still: to be left out. Further back than
-  /// `new_start_ns` is no late sample but a clock that was set, or a recording that begins anew.
+  /// The stamp for `time_ns`: `time_ns` if it is newer than the last stamp, or, within the slack, the last
+  /// stamp plus one nanosecond. Empty for an older sample, which is to be dropped. A step back by
+  /// `new_start_ns` or more is accepted: the clock was set, or a recording restarted.
   std::optional<TimeNs> next(TimeNs time_ns);
 
   static constexpr TimeNs new_start_ns = 1'000'000'000;

@@ -1,0 +1,22 @@
+#pragma once
+/// \file
+/// A sensor-log folder as a source.
+
+#include "bridge/source.hpp"
+
+#include <filesystem>
+#include <memory>
+
+namespace sonopose::bridge {
+
+struct LogOptions {
+  std::filesystem::path folder;
+  BeaconAddress address = 7;
+  double rate = 1;       ///< of time: see Pacer
+  bool restamp = false;  ///< shift the stamps so that the recording begins now
+};
+
+/// The events of a sensor-log folder, with its ground truth where it has one. Throws files::IoError.
+std::unique_ptr<Source> make_log_source(const LogOptions& options);
+
+}  // namespace sonopose::bridge

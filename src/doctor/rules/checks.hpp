@@ -1,0 +1,27 @@
+#pragma once
+// The checks of the doctor, one file per group. Each appends its findings.
+
+#include "doctor/rules/diagnosis.hpp"
+
+#include <string>
+#include <vector>
+
+namespace sonopose::doctor::rules {
+
+using Findings = std::vector<Finding>;
+
+/// The network, and missing processes.
+void check_bus(const Observations& observations, Findings& findings);
+/// Readers and writers: types, QoS, partitions.
+void check_topics(const Observations& observations, Findings& findings);
+/// One beacon's streams, fusions, numbering, clock and line.
+void check_beacon(const Observations& observations, const BeaconObservation& beacon, Findings& findings);
+/// The status bits that all poses of one beacon have.
+void check_pose(const BeaconObservation& beacon, Findings& findings);
+/// Mount and calibration of one beacon's IMU, if it is at rest.
+void check_mount(const BeaconObservation& beacon, Findings& findings);
+
+/// "beacon 7".
+std::string name_of(const BeaconObservation& beacon);
+
+}  // namespace sonopose::doctor::rules

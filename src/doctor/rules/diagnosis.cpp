@@ -1,0 +1,48 @@
+#include "doctor/rules/checks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace sonopose::doctor::rules {
+
+std::string name_of(const BeaconObservation& beacon) {
+  return fmt::format("beacon {}", beacon.address);
+}
+
+std::vector<const EndpointObservation*> on_topic(const std::vector<EndpointObservation>& endpoints,
+                                                 const std::string& topic) {
+  std::vector<const EndpointObservation*> found;
+  for (const EndpointObservation& endpoint : endpoints) {
+    if (endpoint.topic == topic) found.push_back(&endpoint);
+  }
+  return found;
+}
+
+std::string text_of(const ProcessObservation& process) {
+  if (process.name.empty() && process.host.empty() && !process.id) return "an unknown process";
+  std::string text = process.name.empty() ? "a process" : process.name;
+  if (process.id) text += fmt::format(" (process {}", *process.id);
+  if (!process.host.empty()) text += (process.id ? " on " : " (on ") + process.host;
+  if (process.id || !process.host.empty()) text += ")";
+  return text;
+}
+
+std::vector<Finding> diagnose(const Observations& observations) {
+  Findings findings;
+  check_bus(observations, findings);
+  check_topics(observations, findings);
+  for (const BeaconObservation& beacon : observations.beacons) {
+    check_beacon(observations, beacon, findings);
+    check_pose(beacon, findings);
+    check_mount(beacon, findings);
+  }
+  return findings;
+}
+
+bool has_problems(const std::vector<Finding>& findings) {
+  return std::any_of(findings.begin(), findings.end(),
+                     [](const Finding& finding) { return finding.severity >= Severity::warning; });
+}
+
+}  // namespace sonopose::doctor::rules

@@ -1,0 +1,28 @@
+#pragma once
+/// \file
+/// From observations of a system to findings: what is wrong, and the remedy. A pure function.
+
+#include "doctor/rules/observations.hpp"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace sonopose::doctor::rules {
+
+enum class Severity : std::uint8_t { ok, note, warning, error };
+
+struct Finding {
+  Severity severity = Severity::ok;
+  std::string subject;  ///< "sonopose/pose", "beacon 7"
+  std::string what;     ///< a sentence
+  std::string remedy;   ///< what the user can do; may be empty
+};
+
+/// All findings, in the order bus, topics, beacons.
+std::vector<Finding> diagnose(const Observations& observations);
+
+/// Whether there is a warning or an error.
+bool has_problems(const std::vector<Finding>& findings);
+
+}  // namespace sonopose::doctor::rules

@@ -1,0 +1,121 @@
+#pragma once
+/// \file
+/// Observations of a running system, as collected by doctor/probe: values without DDS entities, clocks or
+/// threads.
+
+#include <sonopose/calibration/model/calibration.hpp>
+#include <sonopose/dds/binding/qos.hpp>
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/samples/status.hpp>
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::doctor::rules {
+
+/// The process of a reader or writer. Fields that its DDS implementation does not announce are empty.
+struct ProcessObservation {
+  std::string name;
+  std::string host;
+  std::optional<std::uint32_t> id;
+};
+
+/// "sonopose-bridge (process 812 on rover)", "an unknown process".
+std::string text_of(const ProcessObservation& process);
+
+/// A reader or writer of another process.
+struct EndpointObservation {
+  std::string topic;
+  std::string type;
+  dds::Qos qos;
+  ProcessObservation process;
+};
+
+/// The expected type of a native topic.
+struct NativeTopic {
+  std::string name;
+  std::string type;
+};
+
+/// An interface that the user's CYCLONEDDS_URI names.
+struct InterfaceObservation {
+  std::string name;
+  bool multicast = false;
+  bool loopback = false;
+};
+
+/// Another domain of the same network with processes of this system.
+struct DomainObservation {
+  std::uint32_t id = 0;
+  bool beacons = false;  ///< IMU samples are published
+  bool poses = false;    ///< poses are published
+  bool ours = false;     ///< there is an endpoint of any native topic
+};
+
+struct BusObservation {
+  std::uint32_t domain_id = 0;
+  bool loopback_only = true;      ///< other machines cannot be discovered
+  std::string interfaces_in_use;  ///< as text: "lo", "eth0 10.0.0.2"
+  std::vector<InterfaceObservation> interfaces;
+  bool has_peers = false;  ///< CYCLONEDDS_URI names peers
+  bool searched_other_domains = false;
+  std::vector<DomainObservation> other_domains;
+};
+
+/// One stream of one beacon over the window.
+struct StreamObservation {
+  std::uint64_t samples = 0;
+  double rate_hz = 0;
+  double longest_silence_s = 0;  ///< including the one at the end of the window
+  double deadline_s = std::numeric_limits<double>::infinity();  ///< of the QoS profile
+};
+
+/// Means and standard deviations of the IMU over the window, in body axes, with the fusion's calibration
+/// applied.
+struct RestObservation {
+  Vector3d mean_force_body_mps2 = Vector3d::Zero();
+  Vector3d mean_rate_body_radps = Vector3d::Zero();
+  double force_std_mps2 = 0;  ///< largest of the three axes
+  double rate_std_radps = 0;  ///< largest of the three axes
+  double fixes_span_m = 0;    ///< diagonal of the fixes' bounding box; 0 for fewer than two fixes
+  calibration::AxesSettings axes;
+};
+
+/// One beacon over the window.
+struct BeaconObservation {
+  BeaconAddress address = 0;
+  StreamObservation imu;
+  StreamObservation fix;
+  StreamObservation heading;
+  StreamObservation pose;
+  std::uint64_t valid_headings = 0;
+  std::uint64_t events_missing = 0;         ///< gaps in the numbering of the three sensor streams
+  std::optional<double> bridge_ahead_s;     ///< median of the bridge's timestamp minus the time of reception
+  std::vector<ProcessObservation> bridges;  ///< the processes that publish its IMU samples
+  std::optional<BeaconStatus> status_before;  ///< the first status in the window
+  std::optional<BeaconStatus> status;         ///< the last status
+  std::optional<FusionStatus> fusion_before;
+  std::optional<FusionStatus> fusion;
+  std::vector<FusionStatus> fusions;  ///< the last status of each fusion of the beacon
+  std::uint32_t lasting_status = 0;   ///< bits of PoseStatus that every pose of the window has
+  std::optional<RestObservation> imu_means;
+};
+
+struct Observations {
+  double window_s = 0;
+  std::string own_host;
+  BusObservation bus;
+  std::vector<NativeTopic> native_topics;
+  std::vector<EndpointObservation> writers;  ///< without those of this process
+  std::vector<EndpointObservation> readers;  ///< without those of this process
+  std::vector<BeaconObservation> beacons;
+};
+
+/// The endpoints of one topic.
+std::vector<const EndpointObservation*> on_topic(const std::vector<EndpointObservation>& endpoints,
+                                                 const std::string& topic);
+
+}  // namespace sonopose::doctor::rules

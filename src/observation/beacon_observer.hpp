@@ -1,0 +1,90 @@
+#pragma once
+/// \file
+/// A consumer's observations of one beacon: updated with each sample, read once per second.
+
+#include "observation/latency_trace.hpp"
+#include <sonopose/samples/pose.hpp>
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/samples/status.hpp>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace sonopose::observation {
+
+/// Observations of one beacon over a window of one second, or over a whole run.
+struct BeaconView {
+  BeaconAddress address = 0;
+  double window_s = 0;
+  std::uint64_t poses = 0;  ///< at IMU samples
+  double pose_rate_hz = 0;
+  std::uint64_t predicted = 0;  ///< poses between IMU samples
+  Percentiles latency;          ///< publication by the bridge → reception here, of the poses at IMU samples
+  std::array<Percentiles, 4> segments{};  ///< in the order of latency_segment_names
+  std::optional<PoseTrace> worst;         ///< of the pose with the largest latency
+  FusedPose pose;                         ///< the latest
+  std::optional<BeaconStatus> bridge;
+  std::optional<FusionStatus> fusion;          ///< of the strongest fusion that serves the beacon
+  std::vector<FusionStatus> fusions;           ///< of all fusions of the beacon, ordered by serves_before
+  std::uint64_t deadlines_missed = 0;          ///< of the pose stream, since the start
+  std::uint64_t losses = 0;                    ///< times that the pose stream lost its last writer
+  bool lost = false;                           ///< the pose stream has no writer now
+  std::optional<double> position_error_rms_m;  ///< against the ground truth, if it is published
+  std::optional<double> position_error_max_m;
+};
+
+/// Whether the fusion publishes poses of the beacon (sole or serving).
+bool serves(const FusionStatus& status);
+
+/// Order of precedence: a fusion that serves precedes one that does not, then the larger strength precedes.
+bool serves_before(const FusionStatus& a, const FusionStatus& b);
+
+/// Collects the poses, statuses and ground truth of one beacon. Not thread-safe.
+class BeaconObserver {
+public:
+  void on(const FusedPose& pose, TimeNs received_ns);
+  void on(const TruthSample& truth);
+  void on(const BeaconStatus& status) { bridge_ = status; }
+  void on(const FusionStatus& status) { fusions_[status.fusion_id] = status; }
+  void on_deadline_missed(std::uint64_t count) { deadlines_missed_ += count; }
+  /// The pose stream has lost its last writer. The next pose ends this state.
+  void on_pose_lost();
+  void on_fusion_gone(std::uint64_t fusion_id) { fusions_.erase(fusion_id); }
+
+  /// The observations since the last call; starts a new window.
+  BeaconView take_window(BeaconAddress address, TimeNs now_ns);
+
+  /// The observations since the start.
+  [[nodiscard]] BeaconView summary(BeaconAddress address, TimeNs now_ns) const;
+
+private:
+  /// Counts over one time span.
+  struct Span {
+    TimeNs began_ns = 0;
+    std::uint64_t poses = 0;
+    std::uint64_t predicted = 0;
+    TraceCollector traces;
+    std::uint64_t errors = 0;
+    double squared_error_sum_m2 = 0;
+    double error_max_m = 0;
+  };
+
+  void compare(const Vector3d& fused_world_m, const Vector3d& truth_world_m);
+  [[nodiscard]] BeaconView view_of(const Span& span, BeaconAddress address, TimeNs now_ns) const;
+
+  Span window_;
+  Span whole_;
+  FusedPose latest_;
+  std::optional<BeaconStatus> bridge_;
+  std::map<std::uint64_t, FusionStatus> fusions_;
+  std::uint64_t losses_ = 0;
+  bool lost_ = false;
+  std::uint64_t deadlines_missed_ = 0;
+  // Pose and truth of one instant arrive in any order; each is kept until the other arrives.
+  std::map<TimeNs, Vector3d> unmatched_truths_world_m_;
+  std::map<TimeNs, Vector3d> unmatched_poses_world_m_;
+};
+
+}  // namespace sonopose::observation

@@ -1,0 +1,211 @@
+#include "ros2/relay/beacon_publishers.hpp"
+
+#include "process/clocks.hpp"
+#include <sonopose/settings/settings.hpp>
+#include <sonopose/ros2/messages/borrow.hpp>
+
+#include <algorithm>
+#include <charconv>
+
+namespace sonopose::ros2::relay {
+namespace {
+
+/// Between two points of a path.
+constexpr TimeNs path_step_ns = 100'000'000;
+const char* const profile = "ros2::Default";
+
+/// A message that borrows one transform.
+ros2::TFMessage message_of(ros2::TransformStamped& transform) {
+  return {{1, 1, &transform, false}};
+}
+
+}  // namespace
+
+BeaconPublishers::BeaconPublishers(ros2::Node& node, const Output& output, BeaconAddress address,
+                                   dds::DataWriter<ros2::TFMessage>& tf, bool in_tree)
+    : output_(output),
+      prefix_(ros2::topic_prefix(output.beacon_namespace, address)),
+      frames_(ros2::for_beacon(output.frames, address)),
+      tf_(tf),
+      in_tree_(in_tree),
+      fix_std_m_(settings::UncertaintySettings{}.fix_std_m) {
+  raw_imu_ = node.make_writer<ros2::Imu>(prefix_ + "imu/data_raw", profile);
+  imu_ = node.make_writer<ros2::Imu>(prefix_ + "imu/data", profile);
+  odometry_ = node.make_writer<ros2::Odometry>(prefix_ + "odom", profile);
+  pose_ = node.make_writer<ros2::PoseWithCovarianceStamped>(prefix_ + "pose", profile);
+  if (output.fix == FixMessage::pose) {
+    fix_as_pose_ = node.make_writer<ros2::PoseWithCovarianceStamped>(prefix_ + "fix", profile);
+  } else {
+    fix_as_point_ = node.make_writer<ros2::PointStamped>(prefix_ + "fix", profile);
+  }
+  if (output.path_s > 0) path_ = node.make_writer<ros2::Path>(prefix_ + "path", profile);
+}
+
+void BeaconPublishers::create_magnetic_writer(ros2::Node& node) {
+  if (!has_magnetic_ || has_magnetic_writer_) return;
+  magnetic_ = node.make_writer<ros2::MagneticField>(prefix_ + "imu/mag", profile);
+  has_magnetic_writer_ = true;
+}
+
+void BeaconPublishers::on(const ImuSample& sample) {
+  {
+    const std::lock_guard lock(mutex_);
+    samples_[next_sample_++ % samples_.size()] = sample;
+  }
+  const auto stamp_ns = next_stamp(raw_stamp_, sample.sensor_time_ns);
+  if (!stamp_ns) return;
+  raw_imu_.try_write(ros2::raw_imu(sample, *stamp_ns, frames_, output_.noise));
+  const auto field = ros2::magnetic_field(sample, *stamp_ns, frames_, output_.noise);
+  if (!field) return;
+  has_magnetic_ = true;
+  if (has_magnetic_writer_) magnetic_.try_write(*field);
+}
+
+void BeaconPublishers::on(const FusedPose& pose) {
+  fused_at_ = process::steady_now();
+  publish_odometry(pose);  // first, because vehicle control may depend on it
+  publish_imu(pose);
+}
+
+void BeaconPublishers::publish_odometry(const FusedPose& pose) {
+  if ((pose.status & status_initialising) != 0) return;  // no position yet
+  const auto stamp_ns = next_stamp(pose_stamp_, pose.time_ns);
+  if (!stamp_ns) return;
+  const ros2::Odometry odometry = ros2::odometry(pose, *stamp_ns, frames_, output_.mount, output_.noise);
+  publish_transform(odometry, *stamp_ns);
+  odometry_.try_write(odometry);
+  pose_.try_write(ros2::pose_of(odometry));
+  if (!path_.is_nil()) add_to_path(odometry, *stamp_ns);
+}
+
+/// Predicted poses have no IMU sample and are skipped.
+void BeaconPublishers::publish_imu(const FusedPose& pose) {
+  if ((pose.status & status_predicted) != 0) return;
+  const auto sample = sample_of(pose.sequence);
+  if (!sample) return;
+  const auto stamp_ns = next_stamp(imu_stamp_, sample->sensor_time_ns);
+  if (stamp_ns) imu_.try_write(ros2::fused_imu(*sample, pose, *stamp_ns, frames_, output_.noise));
+}
+
+std::optional<ImuSample> BeaconPublishers::sample_of(std::uint64_t sequence) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::find_if(samples_.begin(), samples_.end(), [sequence](const ImuSample& sample) {
+    return sample.sequence == sequence;
+  });
+  if (found == samples_.end()) return std::nullopt;
+  return *found;
+}
+
+void BeaconPublishers::publish_transform(const ros2::Odometry& odometry, TimeNs stamp_ns) {
+  if (!in_tree_ || output_.tf == TfMode::off) return;
+  const ros2::Transform base_in_map = ros2::base_in_map(odometry);
+  if (output_.tf == TfMode::map_base) {
+    auto transform = ros2::transform(base_in_map, stamp_ns, frames_.map, frames_.base);
+    tf_.try_write(message_of(transform));
+    return;
+  }
+  std::optional<ros2::Transform> base_in_odom;
+  {
+    const std::lock_guard lock(mutex_);
+    base_in_odom = other_odometry_.at(stamp_ns);
+  }
+  lacks_odometry_ = !base_in_odom;
+  if (!base_in_odom) return;
+  auto transform =
+      ros2::transform(ros2::odom_in_map(base_in_map, *base_in_odom), stamp_ns, frames_.map, frames_.odom);
+  tf_.try_write(message_of(transform));
+}
+
+void BeaconPublishers::on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom) {
+  const std::lock_guard lock(mutex_);
+  other_odometry_.add(time_ns, base_in_odom);
+}
+
+void BeaconPublishers::on(const UltrasonicFix& fix) {
+  constexpr TimeNs fusion_gone_ns = 1'000'000'000;
+  if (!fix.position_world_m.allFinite()) return;
+  const SteadyTime now = process::steady_now();
+  const SteadyTime fused_at = fused_at_;
+  const bool fusion_runs = fused_at != SteadyTime{} && now - fused_at < fusion_gone_ns;
+  ros2::FixQueue::Ready ready;
+  {
+    const std::lock_guard lock(mutex_);
+    ready = fixes_.on(fix, now, fusion_runs);
+  }
+  publish(ready);
+}
+
+void BeaconPublishers::on(const FixReport& report) {
+  if (!report.position_world_m.allFinite()) return;
+  ros2::FixQueue::Ready ready;
+  {
+    const std::lock_guard lock(mutex_);
+    ready = fixes_.on(report);
+  }
+  publish(ready);
+}
+
+void BeaconPublishers::publish_overdue_fixes() {
+  ros2::FixQueue::Ready ready;
+  {
+    const std::lock_guard lock(mutex_);
+    ready = fixes_.overdue(process::steady_now());
+  }
+  publish(ready);
+}
+
+void BeaconPublishers::publish(const ros2::FixQueue::Ready& fixes) {
+  for (const ros2::ReadyFix& fix : fixes) {
+    const auto stamp_ns = next_stamp(fix_stamp_, fix.emission_time_ns);
+    if (!stamp_ns) continue;
+    if (output_.fix == FixMessage::point) {
+      fix_as_point_.try_write(ros2::position_as_point(fix.position_world_m, *stamp_ns, frames_));
+    } else {
+      fix_as_pose_.try_write(ros2::position_as_pose(
+          fix.position_world_m, ros2::fix_covariance(fix_std_m_, fix.weight), *stamp_ns, frames_));
+    }
+  }
+}
+
+std::optional<TimeNs> BeaconPublishers::next_stamp(ros2::RisingStamp& stamp, TimeNs time_ns) {
+  const std::lock_guard lock(mutex_);
+  return stamp.next(time_ns);
+}
+
+void BeaconPublishers::on(const EffectiveSettings& settings) {
+  for (const auto& [key, value] : settings.values) {
+    if (key != "uncertainty.fix_std_m") continue;
+    double std_m = 0;
+    std::from_chars(value.data(), value.data() + value.size(), std_m);
+    if (std_m > 0) fix_std_m_ = std_m;
+  }
+}
+
+void BeaconPublishers::add_to_path(const ros2::Odometry& odometry, TimeNs stamp_ns) {
+  const std::lock_guard lock(mutex_);
+  if (!path_points_.empty() && stamp_ns - path_points_.back().time_ns < path_step_ns) {
+    if (stamp_ns > path_points_.back().time_ns) return;
+    path_points_.clear();  // the clock was stepped back
+  }
+  path_points_.push_back({stamp_ns, odometry.pose.pose});
+  while (stamp_ns - path_points_.front().time_ns > to_ns(output_.path_s)) path_points_.pop_front();
+}
+
+void BeaconPublishers::publish_path() {
+  if (path_.is_nil()) return;
+  std::vector<ros2::PoseStamped> poses;
+  {
+    const std::lock_guard lock(mutex_);
+    poses.reserve(path_points_.size());
+    for (const PathPoint& point : path_points_) {
+      poses.push_back({ros2::header_of(point.time_ns, frames_.map), point.pose});
+    }
+  }
+  if (poses.empty()) return;
+  ros2::Path path{};
+  path.header = poses.back().header;
+  ros2::borrow_sequence(path.poses, poses);
+  path_.try_write(path);
+}
+
+}  // namespace sonopose::ros2::relay

@@ -1,0 +1,98 @@
+#pragma once
+// Writers of the ROS 2 topics of one beacon.
+
+#include "ros2/relay/relay.hpp"
+#include <sonopose/ros2/messages/beacon_topics.hpp>
+#include <sonopose/ros2/messages/fix_queue.hpp>
+#include <sonopose/ros2/messages/messages.hpp>
+#include <sonopose/ros2/messages/odometry_buffer.hpp>
+#include <sonopose/ros2/messages/time.hpp>
+#include <sonopose/samples/live_settings.hpp>
+#include <sonopose/samples/pose.hpp>
+#include <sonopose/samples/samples.hpp>
+
+#include <array>
+#include <atomic>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::ros2::relay {
+
+/// `on` is called on Cyclone's receive thread, or, for samples that this process publishes, on the bridge's
+/// thread. The mutex is held for computations only, never while writing.
+class BeaconPublishers {
+public:
+  /// Creates the writers. `tf`: writer of transforms, nil in mode off; must outlive this object. `in_tree`:
+  /// whether to publish transforms of this beacon.
+  BeaconPublishers(ros2::Node& node, const Output& output, BeaconAddress address,
+                   dds::DataWriter<ros2::TFMessage>& tf, bool in_tree);
+
+  void on(const ImuSample& sample);
+  void on(const FusedPose& pose);
+  void on(const UltrasonicFix& fix);
+  void on(const FixReport& report);
+  void on(const EffectiveSettings& settings);
+  /// A transform odom → base_link of another odometry source.
+  void on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom);
+
+  /// Main thread only. Creates the writer of the magnetic field after the first sample with one.
+  void create_magnetic_writer(ros2::Node& node);
+  /// Main thread only, periodically. Publishes fixes without a report of the fusion.
+  void publish_overdue_fixes();
+  /// Main thread only, once per second.
+  void publish_path();
+
+  [[nodiscard]] const ros2::FrameNames& frames() const { return frames_; }
+  [[nodiscard]] bool is_in_tree() const { return in_tree_; }
+  /// In mode map_odom: whether there was no odometry at the time of the latest pose.
+  [[nodiscard]] bool lacks_odometry() const { return lacks_odometry_; }
+
+private:
+  void publish_odometry(const FusedPose& pose);
+  void publish_imu(const FusedPose& pose);
+  void publish(const ros2::FixQueue::Ready& fixes);
+  std::optional<TimeNs> next_stamp(ros2::RisingStamp& stamp, TimeNs time_ns);
+  void publish_transform(const ros2::Odometry& odometry, TimeNs stamp_ns);
+  void add_to_path(const ros2::Odometry& odometry, TimeNs stamp_ns);
+  [[nodiscard]] std::optional<ImuSample> sample_of(std::uint64_t sequence) const;
+
+  const Output& output_;
+  std::string prefix_;  ///< of the topic names
+  ros2::FrameNames frames_;
+  dds::DataWriter<ros2::TFMessage>& tf_;
+  bool in_tree_;
+  dds::DataWriter<ros2::Imu> raw_imu_;
+  dds::DataWriter<ros2::Imu> imu_;
+  dds::DataWriter<ros2::MagneticField> magnetic_;
+  dds::DataWriter<ros2::Odometry> odometry_;
+  dds::DataWriter<ros2::PoseWithCovarianceStamped> pose_;
+  dds::DataWriter<ros2::PoseWithCovarianceStamped> fix_as_pose_;
+  dds::DataWriter<ros2::PointStamped> fix_as_point_;
+  dds::DataWriter<ros2::Path> path_;
+
+  std::atomic<double> fix_std_m_;
+  std::atomic<SteadyTime> fused_at_ = SteadyTime{};  ///< reception of the latest pose
+  std::atomic<bool> lacks_odometry_ = false;
+  std::atomic<bool> has_magnetic_ = false;         ///< a sample had a magnetic field
+  std::atomic<bool> has_magnetic_writer_ = false;  ///< and its writer exists
+
+  mutable std::mutex mutex_;  ///< guards the members below
+  std::array<ImuSample, 64> samples_{};
+  std::size_t next_sample_ = 0;
+  ros2::RisingStamp raw_stamp_;
+  ros2::RisingStamp imu_stamp_;
+  ros2::RisingStamp pose_stamp_{0};  ///< no slack: a pose that is older than a published one is useless
+  ros2::RisingStamp fix_stamp_;
+  ros2::FixQueue fixes_;
+  ros2::OdometryBuffer other_odometry_;
+  struct PathPoint {
+    TimeNs time_ns;
+    ros2::Pose pose;
+  };
+  std::deque<PathPoint> path_points_;
+};
+
+}  // namespace sonopose::ros2::relay

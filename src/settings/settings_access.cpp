@@ -1,0 +1,183 @@
+#include "settings/table_builder.hpp"
+#include <sonopose/settings/settings_table.hpp>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+
+namespace sonopose::settings {
+namespace {
+
+using detail::Builder;
+using detail::Field;
+
+// A field is addressed by its offset, and a Settings object copied as a whole.
+static_assert(std::is_trivially_copyable_v<Settings>);
+
+const Builder& table() {
+  static const Builder rows = [] {
+    static const Settings defaults;
+    Builder builder(defaults);
+    detail::add_all(builder, defaults);
+    return builder;
+  }();
+  return rows;
+}
+
+const Field& field_of(const SettingInfo& info) {
+  return table().fields[static_cast<std::size_t>(&info - table().infos.data())];
+}
+
+[[noreturn]] void refuse(const SettingInfo& info, const SettingValue& value, const std::string& why) {
+  throw SettingError(info.key + " = " + to_text(value) + ": " + why + "; allowed: " + info.allowed());
+}
+
+/// The index of the chosen name, or an error.
+std::size_t choice_of(const SettingInfo& info, const SettingValue& value) {
+  const auto* text = std::get_if<std::string>(&value);
+  if (text == nullptr) refuse(info, value, "not a name");
+  const auto found = std::find(info.choices.begin(), info.choices.end(), *text);
+  if (found == info.choices.end()) refuse(info, value, "not one of the choices");
+  return static_cast<std::size_t>(found - info.choices.begin());
+}
+
+/// The value in the type of the setting and in its range, or an error.
+template <class Value>
+Value checked(const SettingInfo& info, const SettingValue& value) {
+  Value wanted{};
+  const auto* whole = std::get_if<int>(&value);
+  if (const auto* same = std::get_if<Value>(&value)) {
+    wanted = *same;
+  } else if (std::is_same_v<Value, double> && whole != nullptr) {
+    wanted = static_cast<Value>(*whole);
+  } else {
+    refuse(info, value, "of the wrong type");
+  }
+  // A NaN compares false with everything, so it is out of range.
+  const bool in_range = wanted >= std::get<Value>(info.minimum) && wanted <= std::get<Value>(info.maximum);
+  if (!in_range) refuse(info, value, "out of range");
+  return wanted;
+}
+
+/// The Levenshtein distance, which finds the key nearest to a misspelt one.
+std::size_t edits_between(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0U : 1U);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+void detail::Builder::add(int item, std::string_view name, const void* field, SettingValue initial,
+                          Range<SettingValue> range, std::string_view unit, std::string_view sentence) {
+  infos.push_back({item,
+                   group_ + "." + std::string(name),
+                   group_,
+                   std::string(name),
+                   std::move(initial),
+                   std::move(range.minimum),
+                   std::move(range.maximum),
+                   {},
+                   std::string(unit),
+                   std::string(sentence)});
+  const auto* const begin = reinterpret_cast<const std::byte*>(defaults_);
+  const auto offset = static_cast<std::size_t>(static_cast<const std::byte*>(field) - begin);
+  fields.push_back({.offset = offset});
+}
+
+std::string SettingInfo::allowed() const {
+  if (std::holds_alternative<bool>(initial)) return "true or false";
+  if (!choices.empty()) {
+    std::string words(choices.front());
+    for (std::size_t i = 1; i < choices.size(); ++i) {
+      words += (i + 1 == choices.size() ? " or " : ", ") + std::string(choices[i]);
+    }
+    return words;
+  }
+  return to_text(minimum) + " … " + to_text(maximum) + (unit.empty() ? "" : " " + unit);
+}
+
+const std::vector<SettingInfo>& setting_table() {
+  return table().infos;
+}
+
+const SettingInfo& setting_info(std::string_view key) {
+  const auto& table = setting_table();
+  const auto same =
+      std::find_if(table.begin(), table.end(), [key](const auto& row) { return row.key == key; });
+  if (same != table.end()) return *same;
+  const auto nearest = std::min_element(table.begin(), table.end(), [key](const auto& a, const auto& b) {
+    return edits_between(a.key, key) < edits_between(b.key, key);
+  });
+  throw SettingError("there is no setting '" + std::string(key) + "'; the nearest is '" + nearest->key + "'");
+}
+
+SettingValue get(const Settings& settings, std::string_view key) {
+  const SettingInfo& info = setting_info(key);
+  const Field& field = field_of(info);
+  const void* const place = reinterpret_cast<const std::byte*>(&settings) + field.offset;
+  if (field.chosen != nullptr) return std::string(info.choices[field.chosen(place)]);
+  if (std::holds_alternative<bool>(info.initial)) return *static_cast<const bool*>(place);
+  if (std::holds_alternative<int>(info.initial)) return *static_cast<const int*>(place);
+  return *static_cast<const double*>(place);
+}
+
+void set(Settings& settings, std::string_view key, const SettingValue& value) {
+  const SettingInfo& info = setting_info(key);
+  const Field& field = field_of(info);
+  void* const place = reinterpret_cast<std::byte*>(&settings) + field.offset;
+  if (field.choose != nullptr) {
+    field.choose(place, choice_of(info, value));
+  } else if (std::holds_alternative<bool>(info.initial)) {
+    *static_cast<bool*>(place) = checked<bool>(info, value);
+  } else if (std::holds_alternative<int>(info.initial)) {
+    *static_cast<int*>(place) = checked<int>(info, value);
+  } else {
+    *static_cast<double*>(place) = checked<double>(info, value);
+  }
+}
+
+SettingValue parse_value(std::string_view key, std::string_view text) {
+  const SettingInfo& info = setting_info(key);
+  if (std::holds_alternative<std::string>(info.initial)) return std::string(text);
+  if (std::holds_alternative<bool>(info.initial)) {
+    if (text == "true") return true;
+    if (text == "false") return false;
+    refuse(info, std::string(text), "of the wrong type");
+  }
+  const auto number = [&]<class Number>(Number value) -> SettingValue {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size()) {
+      refuse(info, std::string(text), "of the wrong type");
+    }
+    return value;
+  };
+  return std::holds_alternative<int>(info.initial) ? number(int{}) : number(double{});
+}
+
+std::string to_text(const SettingValue& value) {
+  struct Visitor {
+    std::string operator()(bool flag) const { return flag ? "true" : "false"; }
+    std::string operator()(int number) const { return std::to_string(number); }
+    std::string operator()(double number) const {
+      std::array<char, 32> text{};
+      const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), number);
+      return {text.data(), error == std::errc{} ? end : text.data()};
+    }
+    std::string operator()(const std::string& text) const { return text; }
+  };
+  return std::visit(Visitor{}, value);
+}
+
+}  // namespace sonopose::settings
