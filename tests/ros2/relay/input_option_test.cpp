@@ -21,7 +21,7 @@ constexpr TimeNs second = 1000 * ms;
 /// A monitor of `/imu/data=42` or `/tag=42` since time 0, and its lines since the last call.
 struct Log {
   explicit Log(Kind kind)
-      : monitor({kind, kind == Kind::imu ? "/imu/data" : "/tag", 42}, "map", 100 * ms, 0) {}
+      : monitor({kind, kind == Kind::imu ? "/imu/data" : "/tag", 42}, "map", 100 * ms, SteadyTime{}) {}
 
   InputMonitor::Lines take() { return std::exchange(lines, {}); }
   InputMonitor::Lines update(const InputEndpoints& endpoints, TimeNs now_ns) {
