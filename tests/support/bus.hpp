@@ -79,7 +79,7 @@ private:
 /// Waits on an entity's statuses until `done()`; returns the last result of `done()`.
 template <class Done>
 bool wait_for_status(const dds::Entity& entity, dds::StatusMask statuses, const Done& done,
-                     std::chrono::milliseconds timeout = timeout) {
+                     std::chrono::milliseconds timeout = test::timeout) {
   dds::StatusCondition condition(entity);
   condition.enabled_statuses(statuses);
   dds::WaitSet waitset;
@@ -110,7 +110,7 @@ public:
 
   /// Takes samples until `done()`.
   template <class Done>
-  bool wait_until(const Done& done, std::chrono::milliseconds timeout = timeout) {
+  bool wait_until(const Done& done, std::chrono::milliseconds timeout = test::timeout) {
     return wait_for_status(
         reader_, dds::StatusMask::data_available(),
         [&] {
@@ -121,7 +121,7 @@ public:
   }
 
   /// Takes samples until there are `count` in total.
-  bool wait_for_count(std::size_t count, std::chrono::milliseconds timeout = timeout) {
+  bool wait_for_count(std::size_t count, std::chrono::milliseconds timeout = test::timeout) {
     return wait_until([&] { return samples.size() >= count; }, timeout);
   }
 

@@ -59,7 +59,7 @@ public:
   /// after the timeout.
   template <class Predicate>
   std::optional<TappedPose> wait_for(const Predicate& predicate, std::size_t from,
-                                     std::chrono::milliseconds timeout = timeout) const {
+                                     std::chrono::milliseconds timeout = test::timeout) const {
     std::unique_lock lock(listener_.mutex);
     std::optional<TappedPose> found;
     listener_.came.wait_for(lock, timeout, [&] {

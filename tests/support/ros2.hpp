@@ -40,7 +40,7 @@ public:
 
   /// Waits until `inspect(const T&)` returns true for a message.
   template <class Look>
-  bool wait_for(const Look& inspect, std::chrono::milliseconds timeout = timeout) {
+  bool wait_for(const Look& inspect, std::chrono::milliseconds timeout = test::timeout) {
     bool found = false;
     return wait_for_status(
         reader_, dds::StatusMask::data_available(),
@@ -54,7 +54,8 @@ public:
 
   /// Waits for `count` messages and calls `inspect(const T&)` for each.
   template <class Look>
-  bool wait_for_count(std::size_t count, const Look& inspect, std::chrono::milliseconds timeout = timeout) {
+  bool wait_for_count(std::size_t count, const Look& inspect,
+                      std::chrono::milliseconds timeout = test::timeout) {
     return wait_for(
         [&](const T& message) {
           inspect(message);
