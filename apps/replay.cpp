@@ -54,16 +54,16 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--plot", options.plot,
                  "Draw path, error, speed and fix flags to a .svg or .png file (needs gnuplot)")
       ->type_name("FILE");
-  auto* const engine = apps::add_choice<evaluation::EngineKind>(
-      app, "--engine", options.run.engine,
-      {{"fusion", evaluation::EngineKind::fusion}, {"strapdown", evaluation::EngineKind::strapdown}},
+  auto* const engine = apps::add_choice<estimation::EstimatorKind>(
+      app, "--engine", options.run.estimator,
+      {{"fusion", estimation::EstimatorKind::documented}, {"strapdown", estimation::EstimatorKind::strapdown}},
       "fusion: all sensors; strapdown: only the IMU, integrated from the truth");
   app.add_option("--init", "Start of strapdown: the first complete truth of the log")
       ->check(CLI::IsMember({"truth"}))
       ->needs(engine);
-  apps::add_choice<estimation::StrapdownRule>(
+  apps::add_choice<estimation::strapdown::Rule>(
       app, "--integration", options.run.strapdown_rule,
-      {{"previous", estimation::StrapdownRule::previous}, {"mean", estimation::StrapdownRule::mean}},
+      {{"previous", estimation::strapdown::Rule::previous}, {"mean", estimation::strapdown::Rule::mean}},
       "What strapdown integrates over a step: the previous sample, or the mean of both samples")
       ->needs(engine);
   app.add_option("--save-state", options.save_state, "Write the final state of the engine to a JSON file")
@@ -79,7 +79,7 @@ double seconds_since(Clock::time_point begin) {
 
 int replay_log(const CLI::App& app, const Options& options) {
   evaluation::RunOptions run = options.run;
-  if (run.engine == evaluation::EngineKind::strapdown && (options.save_state || options.load_state)) {
+  if (run.estimator == estimation::EstimatorKind::strapdown && (options.save_state || options.load_state)) {
     throw CLI::ValidationError("--save-state and --load-state", "only work with --engine fusion");
   }
   run.settings = apps::configuration(app, options.config).for_beacon(options.beacon);

@@ -5,7 +5,7 @@
 #include "marvelmind/disassembler.hpp"
 #include "marvelmind/encoder.hpp"
 #include "sim/simulator.hpp"
-#include <sonopose/estimation/documented/engine.hpp>
+#include <sonopose/estimation/any_estimator.hpp>
 
 #include <benchmark/benchmark.h>
 #include <cstdint>
@@ -60,16 +60,10 @@ void engine_per_imu_sample(benchmark::State& state) {
   const auto& events = recorded_events();
   std::int64_t samples = 0;
   for (auto run : state) {
-    estimation::documented::Engine engine({});
+    estimation::AnyEstimator estimator{settings::Settings{}};
     for (const Event& event : events) {
-      if (const auto* imu = std::get_if<ImuSample>(&event)) {
-        benchmark::DoNotOptimize(engine.on(*imu));
-        ++samples;
-      } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
-        benchmark::DoNotOptimize(engine.on(*fix));
-      } else {
-        engine.on(std::get<PairHeading>(event));
-      }
+      benchmark::DoNotOptimize(estimation::process(estimator, event));
+      if (std::holds_alternative<ImuSample>(event)) ++samples;
     }
   }
   state.counters["per_sample"] = benchmark::Counter(

@@ -1,15 +1,16 @@
 #include "evaluation/digest.hpp"
 
-#include <sonopose/estimation/documented/state_fields.hpp>
+#include <sonopose/estimation/snapshot_fields.hpp>
 
 #include <fmt/format.h>
 
 #include <bit>
+#include <type_traits>
 
 namespace sonopose::evaluation {
 namespace {
 
-/// Visitor that adds each field of a state to the digest.
+/// Adds a state's fields of every type.
 struct FieldDigest {
   Digest& digest;
 
@@ -17,15 +18,11 @@ struct FieldDigest {
   void operator()(const char* /*name*/, bool value) const { digest.add(std::uint64_t{value}); }
   void operator()(const char* /*name*/, int value) const { digest.add(static_cast<std::uint64_t>(value)); }
   void operator()(const char* /*name*/, TimeNs value) const { digest.add(static_cast<std::uint64_t>(value)); }
-  void operator()(const char* /*name*/, estimation::documented::InitPhase value) const {
-    digest.add(static_cast<std::uint64_t>(value));
-  }
+  template <class Enum>
+  requires std::is_enum_v<Enum>
+  void operator()(const char* /*name*/, Enum value) const { digest.add(static_cast<std::uint64_t>(value)); }
   void operator()(const char* /*name*/, const Vector3d& value) const {
     for (const double component : value) digest.add(component);
-  }
-  void operator()(const char* name, const estimation::documented::PastFix& fix) const {
-    (*this)(name, fix.measured_ns);
-    (*this)(name, fix.position_world_m);
   }
   void operator()(const char* /*name*/, const Quaterniond& q) const {
     for (const double component : q.coeffs()) digest.add(component);
@@ -37,12 +34,10 @@ struct FieldDigest {
     (*this)(name, static_cast<int>(filter.kind()));
     filter.for_each_field(*this);
   }
-  void operator()(const char* name, const estimation::documented::InertialHistory& history) const {
-    for (std::size_t i = 0; i < history.size(); ++i) {
-      (*this)(name, history[i].time_ns);
-      (*this)(name, history[i].displacement_world_m);
-      (*this)(name, history[i].yaw_rad);
-    }
+  template <class Sequence>
+  requires std::is_class_v<typename Sequence::value_type>
+  void operator()(const char* /*name*/, const Sequence& records) const {
+    for (std::size_t i = 0; i < records.size(); ++i) for_each_field(records[i], *this);
   }
 };
 
@@ -50,7 +45,7 @@ struct FieldDigest {
 
 void Digest::add(std::uint64_t word) {
   value_ = (value_ ^ word) * 0x100000001B3U;
-  value_ ^= value_ >> 32U;  // a product alone never propagates high bits to low ones
+  value_ ^= value_ >> 32U;  // a product alone never carries a word's high bits down
 }
 
 void Digest::add(double value) {
@@ -65,8 +60,8 @@ void Digest::add(const FusedPose& pose) {
   add(std::uint64_t{pose.status});
 }
 
-void Digest::add(const estimation::documented::State& state) {
-  estimation::documented::for_each_field(state, FieldDigest{*this});
+void Digest::add(const estimation::AnySnapshot& snapshot) {
+  estimation::for_each_field(snapshot, FieldDigest{*this});
 }
 
 std::string Digest::text() const {

@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// A hash that is equal for two runs only if their results are bit-identical.
+/// A hash of a run's output, equal for two runs only if their bits are.
 
-#include <sonopose/estimation/documented/state.hpp>
+#include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/samples/pose.hpp>
 
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace sonopose::evaluation {
 
-/// 64-bit hash of a sequence of values: Fowler–Noll–Vo 1a over whole words. Not cryptographic.
+/// Digest of a sequence of values, 64 bits wide: Fowler–Noll–Vo 1a over whole words. Not for security.
 class Digest {
 public:
   void add(std::uint64_t word);
-  void add(double value);  ///< by its bits: 0.0 and −0.0 differ
+  void add(double value);  ///< its bits: 0.0 and −0.0 differ
 
-  /// Adds time, position, attitude, velocity and status of a pose.
+  /// Time, position, attitude, velocity and status of a pose.
   void add(const FusedPose& pose);
 
-  /// Adds every field of an engine's state.
-  void add(const estimation::documented::State& state);
+  /// Every field of an estimator's state, without its counters.
+  void add(const estimation::AnySnapshot& snapshot);
 
   [[nodiscard]] std::uint64_t value() const { return value_; }
 

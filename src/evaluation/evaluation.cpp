@@ -3,7 +3,7 @@
 #include "evaluation/comparison.hpp"
 #include "recording/log_folder.hpp"
 #include "sim/simulator.hpp"
-#include <sonopose/estimation/documented/engine.hpp>
+#include <sonopose/estimation/any_estimator.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -200,16 +200,16 @@ std::vector<std::filesystem::path> recordings_with_truth(const std::filesystem::
 CaseResult evaluate(const Case& test_case, const settings::Settings& settings) {
   CaseResult result;
   result.name = test_case.name;
-  estimation::documented::Engine engine(settings);
+  estimation::AnyEstimator estimator(settings);
   CaseRun run(test_case);
   for (const Event& event : test_case.events) {
     if (const auto* fix = std::get_if<UltrasonicFix>(&event)) run.add(*fix);
-    estimation::documented::deliver(
-        engine, event, [&run](const FusedPose& pose) { run.add(pose); }, [](const FixReport&) {});
+    const auto output = estimation::process(estimator, event);
+    if (const auto* pose = std::get_if<FusedPose>(&output)) run.add(*pose);
   }
-  result.fixes_used = engine.counters().fixes_used;
-  result.fixes_rejected = engine.counters().fixes_rejected;
-  run.finish(test_case, engine.settings(), result);
+  result.fixes_used = estimator.counters().fixes_used;
+  result.fixes_rejected = estimator.counters().fixes_rejected;
+  run.finish(test_case, estimator.settings(), result);
   return result;
 }
 

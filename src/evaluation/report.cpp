@@ -54,7 +54,7 @@ std::string scores(const RunResult& result) {
 }  // namespace
 
 std::string report_text(const RunResult& result, const Timing& timing) {
-  const estimation::documented::Counters& counters = result.counters;
+  const EstimatorCounters& counters = result.counters;
   std::string text = scores(result);
   text += report_line("fixes", fmt::format("{:8} used, {} rejected{}", counters.fixes_used,
                                            counters.fixes_rejected, special_fix_flags(result.fix_flags)));

@@ -2,17 +2,15 @@
 
 #include "evaluation/comparison.hpp"
 #include "evaluation/digest.hpp"
-#include <sonopose/estimation/documented/admission.hpp>
-#include <sonopose/estimation/documented/engine.hpp>
+#include <sonopose/estimation/snapshot_fields.hpp>
 
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 
 namespace sonopose::evaluation {
 namespace {
 
-/// Collects the output of an engine.
+/// Collects the outputs of an estimator.
 class Results {
 public:
   Results(const recording::SensorLog& log, const RunOptions& options, const Observer& observer)
@@ -35,13 +33,20 @@ public:
     if (observer_.on_report) observer_.on_report(report);
   }
 
-  Digest& digest() { return digest_; }
+  void add(const estimation::EventResult& output) {
+    if (const auto* pose = std::get_if<FusedPose>(&output)) add(*pose);
+    if (const auto* report = std::get_if<FixReport>(&output)) add(*report);
+  }
+
   RunResult& result() { return result_; }
 
   RunResult finished() {
     result_.fused = comparison_.fused();
     result_.last_fix_m = comparison_.last_fix_m();
     result_.extrapolated_m = comparison_.extrapolated_m();
+    // The strapdown state is its last pose, which the digest contains already.
+    const auto& snapshot = result_.end.snapshot;
+    if (estimation::kind_of(snapshot) != estimation::EstimatorKind::strapdown) digest_.add(snapshot);
     result_.state_hash = digest_.text();
     return std::move(result_);
   }
@@ -53,91 +58,37 @@ private:
   RunResult result_;
 };
 
-/// The documented fusion.
-class FusionRun {
-public:
-  FusionRun(const RunOptions& options, Results& results) : engine_(options.settings), results_(results) {
-    if (!options.start) return;
-    engine_.restore(options.start->snapshot);
-    before_ = options.start->snapshot.counters;
-  }
-
-  void on(const Event& event) {
-    estimation::documented::deliver(
-        engine_, event, [this](const FusedPose& pose) { results_.add(pose); },
-        [this](const FixReport& report) { results_.add(report); });
-  }
-
-  void finish() {
-    results_.digest().add(engine_.state());
-    results_.result().end.snapshot = engine_.snapshot();
-    const estimation::documented::Counters& now = engine_.counters();
-    results_.result().counters = {.imu_samples = now.imu_samples - before_.imu_samples,
-                                  .fixes_used = now.fixes_used - before_.fixes_used,
-                                  .fixes_rejected = now.fixes_rejected - before_.fixes_rejected,
-                                  .headings = now.headings - before_.headings,
-                                  .samples_invalid = now.samples_invalid - before_.samples_invalid,
-                                  .imu_gaps = now.imu_gaps - before_.imu_gaps};
-  }
-
-private:
-  estimation::documented::Engine engine_;
-  estimation::documented::Counters before_;
-  Results& results_;
-};
-
-/// IMU only. Ignores fixes and headings.
-class StrapdownRun {
-public:
-  StrapdownRun(const TruthSample& start, const RunOptions& options, Results& results)
-      : settings_(options.settings),
-        strapdown_({start.time_ns, start.position_world_m, start.velocity_world_mps, start.q_body_to_world},
-                   options.strapdown_rule),
-        results_(results) {}
-
-  void on(const Event& event) {
-    const auto* imu = std::get_if<ImuSample>(&event);
-    if (imu == nullptr) return;
-    estimation::documented::Counters& counters = results_.result().counters;
-    if (!estimation::documented::admission::admits(settings_.admission, last_imu_ns_, *imu)) {
-      ++counters.samples_invalid;
-      return;
+estimation::EstimatorOptions estimator_options(const recording::SensorLog& log, const RunOptions& options) {
+  estimation::EstimatorOptions estimator{.kind = options.estimator, .strapdown_rule = options.strapdown_rule};
+  if (options.estimator == estimation::EstimatorKind::strapdown) {
+    const auto start = first_complete_truth(log);
+    if (!start) {
+      throw std::invalid_argument(
+          "the strapdown engine starts from the truth, and the recording has no truth.csv with a row that "
+          "has "
+          "position, attitude and velocity");
     }
-    const double silence_s = seconds_between(last_imu_ns_, imu->sensor_time_ns);
-    if (last_imu_ns_ != 0 && silence_s > settings_.outage.imu_gap_s) ++counters.imu_gaps;
-    last_imu_ns_ = imu->sensor_time_ns;
-    ++counters.imu_samples;
-    strapdown_.on(*imu);
-    if (imu->sensor_time_ns >= strapdown_.state().time_ns) results_.add(pose_at(*imu));
+    estimator.strapdown_start = {start->time_ns, start->position_world_m, start->velocity_world_mps,
+                                 start->q_body_to_world};
   }
+  return estimator;
+}
 
-  void finish() {}
-
-private:
-  [[nodiscard]] FusedPose pose_at(const ImuSample& imu) const {
-    FusedPose pose;
-    pose.address = imu.address;
-    pose.sequence = imu.sequence;
-    pose.time_ns = strapdown_.state().time_ns;
-    pose.position_world_m = strapdown_.state().position_world_m;
-    pose.q_body_to_world = strapdown_.state().q_body_to_world;
-    pose.velocity_world_mps = strapdown_.state().velocity_world_mps;
-    pose.angular_velocity_body_radps = imu.angular_velocity_body_radps;
-    pose.since_valid_fix_s = std::numeric_limits<double>::infinity();
-    pose.imu_sensor_time_ns = imu.sensor_time_ns;
-    return pose;
+void check_start(const recording::SensorLog& log, const RunOptions& options) {
+  if (!options.start) return;
+  if (options.start->sequence > log.events.size()) {
+    throw std::invalid_argument("the saved state follows event " + std::to_string(options.start->sequence) +
+                                ", but the recording has only " + std::to_string(log.events.size()) +
+                                " events: it is of another recording");
   }
+  if (estimation::kind_of(options.start->snapshot) != options.estimator) {
+    throw std::invalid_argument("the saved state is of another kind of estimator");
+  }
+}
 
-  const settings::Settings& settings_;
-  estimation::Strapdown strapdown_;
-  Results& results_;
-  TimeNs last_imu_ns_ = 0;
-};
-
-/// Feeds the engine with the recording's events between the start and the end given by the options.
-template <class Engine>
+/// Passes the recording's events to the estimator, from the start to the end that the options name.
 RunResult run_through(const recording::SensorLog& log, const RunOptions& options, Results& results,
-                      Engine& engine) {
+                      estimation::AnyEstimator& estimator) {
   RunResult& result = results.result();
   const TimeNs begin_ns = available_at_ns(log.events.front());
   std::uint64_t last_sequence = options.start ? options.start->sequence : 0;
@@ -150,12 +101,12 @@ RunResult run_through(const recording::SensorLog& log, const RunOptions& options
   TimeNs last_imu_ns = 0;
   for (std::size_t i = 0; i < log.events.size(); ++i) {
     const Event& event = log.events[i];
-    // A single late event may have a wrong time stamp.
+    // A single late event may only have a wrong stamp.
     if (is_over(event) && (i + 1 == log.events.size() || is_over(log.events[i + 1]))) break;
     const TimeNs now_ns = available_at_ns(event);
     if (const auto* fix = std::get_if<UltrasonicFix>(&event)) results.add(*fix);
     if (sequence_of(event) <= skipped) continue;
-    engine.on(event);
+    results.add(estimation::process(estimator, event));
     ++result.events;
     if (const auto* imu = std::get_if<ImuSample>(&event)) {
       if (imu->sensor_time_ns < last_imu_ns) ++result.imu_stamps_back;
@@ -166,10 +117,10 @@ RunResult run_through(const recording::SensorLog& log, const RunOptions& options
     last_ns = std::max(last_ns, now_ns);
   }
   if (first_ns) result.duration_s = seconds_between(*first_ns, last_ns);
-  engine.finish();
-  result.end.sequence = last_sequence;
-  result.end.beacon = address_of(log.events.front());
-  result.end.first_event_ns = begin_ns;
+  result.end = {.snapshot = estimator.snapshot(),
+                .sequence = last_sequence,
+                .beacon = address_of(log.events.front()),
+                .first_event_ns = begin_ns};
   return results.finished();
 }
 
@@ -186,24 +137,14 @@ std::optional<TruthSample> first_complete_truth(const recording::SensorLog& log)
 
 RunResult run(const recording::SensorLog& log, const RunOptions& options, const Observer& observer) {
   if (log.events.empty()) throw std::invalid_argument("the recording has no samples");
-  if (options.start && options.start->sequence > log.events.size()) {
-    throw std::invalid_argument("the saved state follows event " + std::to_string(options.start->sequence) +
-                                ", but the recording has only " + std::to_string(log.events.size()) +
-                                " events: the state belongs to another recording");
-  }
+  check_start(log, options);
+  estimation::AnyEstimator estimator(options.settings, estimator_options(log, options));
+  if (options.start) estimator.restore(options.start->snapshot);
+  const EstimatorCounters before = estimator.counters();
   Results results(log, options, observer);
-  if (options.engine == EngineKind::fusion) {
-    FusionRun engine(options, results);
-    return run_through(log, options, results, engine);
-  }
-  const auto start = first_complete_truth(log);
-  if (!start) {
-    throw std::invalid_argument(
-        "the strapdown engine starts from the truth, and the recording has no truth.csv with a row that "
-        "contains position, attitude and velocity");
-  }
-  StrapdownRun engine(*start, options, results);
-  return run_through(log, options, results, engine);
+  RunResult result = run_through(log, options, results, estimator);
+  result.counters = estimator.counters() - before;
+  return result;
 }
 
 }  // namespace sonopose::evaluation

@@ -4,21 +4,22 @@
 #include "files/csv_writer.hpp"
 #include "files/error.hpp"
 #include "files/replacement.hpp"
-#include <sonopose/estimation/documented/state_fields.hpp>
+#include <sonopose/estimation/snapshot_fields.hpp>
 
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <type_traits>
 
 namespace sonopose::evaluation {
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr std::string_view format_name = "sonopose engine state";
-constexpr int format_version = 3;
+constexpr std::string_view format_name = "sonopose estimator state";
+constexpr int format_version = 4;
 
 double finite(const char* name, double value) {
   if (std::isfinite(value)) return value;
@@ -29,7 +30,7 @@ OrderedJson json_of(const char* name, const Vector3d& value) {
   return {finite(name, value.x()), finite(name, value.y()), finite(name, value.z())};
 }
 
-/// Visitor that writes each field of a state to a JSON object.
+/// Writes a state's fields of every type into an object.
 struct FieldWriter {
   OrderedJson& object;
 
@@ -37,14 +38,12 @@ struct FieldWriter {
   void operator()(const char* name, bool value) const { object[name] = value; }
   void operator()(const char* name, int value) const { object[name] = value; }
   void operator()(const char* name, TimeNs value) const { object[name] = value; }
-  void operator()(const char* name, estimation::documented::InitPhase value) const {
-    object[name] = track_names.at(static_cast<std::size_t>(value));
+  template <class Choice>
+  requires std::is_enum_v<Choice>
+  void operator()(const char* name, Choice value) const {
+    object[name] = choices_of(value).at(static_cast<std::size_t>(value));
   }
   void operator()(const char* name, const Vector3d& value) const { object[name] = json_of(name, value); }
-  void operator()(const char* name, const estimation::documented::PastFix& fix) const {
-    object[name].push_back(
-        {{"measured_ns", fix.measured_ns}, {"position_world_m", json_of(name, fix.position_world_m)}});
-  }
   void operator()(const char* name, const Quaterniond& q) const {
     object[name] = {finite(name, q.w()), finite(name, q.x()), finite(name, q.y()), finite(name, q.z())};
   }
@@ -57,27 +56,15 @@ struct FieldWriter {
     fields["kind"] = choices_of(filter.kind()).at(static_cast<std::size_t>(filter.kind()));
     filter.for_each_field(FieldWriter{fields});
   }
-  void operator()(const char* name, const estimation::documented::InertialHistory& history) const {
+  template <class Sequence>
+  requires std::is_class_v<typename Sequence::value_type>
+  void operator()(const char* name, const Sequence& records) const {
     object[name] = OrderedJson::array();
-    for (std::size_t i = 0; i < history.size(); ++i) {
-      object[name].push_back({{"time_ns", history[i].time_ns},
-                              {"displacement_world_m", json_of(name, history[i].displacement_world_m)},
-                              {"yaw_rad", finite(name, history[i].yaw_rad)}});
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      for_each_field(records[i], FieldWriter{object[name].emplace_back()});
     }
   }
 };
-
-/// Like for_each_field: a new counter that is not listed here does not compile.
-template <class AnyCounters, class Visit>
-void for_each_counter(AnyCounters& counters, const Visit& visit) {
-  auto& [imu_samples, fixes_used, fixes_rejected, headings, samples_invalid, imu_gaps] = counters;
-  visit("imu_samples", imu_samples);
-  visit("fixes_used", fixes_used);
-  visit("fixes_rejected", fixes_rejected);
-  visit("headings", headings);
-  visit("samples_invalid", samples_invalid);
-  visit("imu_gaps", imu_gaps);
-}
 
 void check_format(StateReader& file) {
   if (const auto format = file.text("format"); format != format_name) {
@@ -102,16 +89,18 @@ std::string content_of(const std::filesystem::path& file) {
 }  // namespace
 
 std::string state_text(const SavedState& saved) {
+  const estimation::EstimatorKind kind = estimation::kind_of(saved.snapshot);
   OrderedJson file;
   file["format"] = format_name;
   file["version"] = format_version;
   file["sequence"] = saved.sequence;
   file["beacon"] = saved.beacon;
   file["first_event_ns"] = saved.first_event_ns;
-  file["reset_counter"] = saved.snapshot.reset_counter;
-  for_each_counter(saved.snapshot.counters,
+  file["estimator"] = choices_of(kind).at(static_cast<std::size_t>(kind));
+  file["reset_counter"] = estimation::reset_counter_of(saved.snapshot);
+  for_each_counter(estimation::counters_of(saved.snapshot),
                    [&file](const char* name, std::uint64_t value) { file["counters"][name] = value; });
-  estimation::documented::for_each_field(saved.snapshot.state, FieldWriter{file["state"]});
+  estimation::for_each_field(saved.snapshot, FieldWriter{file["state"]});
   return file.dump(1) + "\n";
 }
 
@@ -122,22 +111,21 @@ SavedState parse_state(std::string_view text, const std::string& name) {
   saved.sequence = file.count("sequence");
   const std::uint64_t beacon = file.count("beacon");
   saved.beacon = static_cast<BeaconAddress>(beacon);
-  if (saved.beacon != beacon)
-    file.fail("beacon", "is " + std::to_string(beacon) + ", which is not an address");
+  if (saved.beacon != beacon) file.fail("beacon", "is " + std::to_string(beacon) + ", which is no address");
   file.read("first_event_ns", saved.first_event_ns);
-  saved.snapshot.reset_counter = file.count32("reset_counter");
+  estimation::EstimatorKind kind{};
+  file.read("estimator", kind);
+  saved.snapshot = estimation::initial_snapshot(kind);
+  estimation::reset_counter_of(saved.snapshot) = file.count32("reset_counter");
   StateReader counters = file.object("counters");
-  for_each_counter(saved.snapshot.counters,
+  for_each_counter(estimation::counters_of(saved.snapshot),
                    [&counters](const char* field, std::uint64_t& value) { value = counters.count(field); });
   counters.finish();
   StateReader state = file.object("state");
-  estimation::documented::for_each_field(
-      saved.snapshot.state, [&state](const char* field, auto& value) { state.read(field, value); });
-  const double trust = saved.snapshot.state.trust.trust;
-  if (!(trust >= 0.0 && trust <= 1.0)) state.fail("trust.trust", "is not between 0 and 1");
-  if (saved.snapshot.state.velocity.count > estimation::documented::VelocityState::capacity) {
-    state.fail("velocity.count",
-               "is more than " + std::to_string(estimation::documented::VelocityState::capacity));
+  estimation::for_each_field(saved.snapshot,
+                             [&state](const char* field, auto& value) { state.read(field, value); });
+  if (const auto fault = estimation::find_fault(saved.snapshot)) {
+    state.fail(std::string(fault->field), std::string(fault->fault));
   }
   state.finish();
   file.finish();
@@ -166,8 +154,7 @@ void check_fits(const SavedState& saved, const recording::SensorLog& log, const 
   if (log.events.empty()) return;
   const auto differs = [&name](const std::string& field, auto stored, auto own) {
     throw StateFileError(name + ": " + field + ": is " + std::to_string(stored) +
-                         ", but the recording's is " + std::to_string(own) +
-                         ": the state belongs to another recording");
+                         ", but the recording's is " + std::to_string(own) + ": it is of another recording");
   };
   const Event& first = log.events.front();
   if (saved.beacon != address_of(first)) differs("beacon", saved.beacon, address_of(first));

@@ -1,6 +1,7 @@
 #pragma once
 /// \file
-/// An engine's state as a JSON file: every field by name, doubles without loss. Settings are not included.
+/// The state of an estimator as a JSON file: every field by name, doubles to the last bit. It does not
+/// contain settings.
 
 #include "evaluation/run.hpp"
 
@@ -17,18 +18,18 @@ public:
   using std::runtime_error::runtime_error;
 };
 
-/// The content of the file. Throws StateFileError for a number that is not finite.
+/// The file's text. Throws StateFileError for a number that is not finite.
 std::string state_text(const SavedState& saved);
 
-/// Parses such content; `name` is the prefix of every error message. Throws StateFileError for invalid JSON,
-/// another format or version, or a field that is missing, unknown, of the wrong type or out of range.
+/// Reads such a text; `name` is the prefix of each error. Throws StateFileError if the text is not JSON, if
+/// it is of another format or version, or if a field is missing, unknown, of the wrong type or impossible.
 SavedState parse_state(std::string_view text, const std::string& name);
 
-/// Save to a file, which is replaced atomically, and load from one. Both also throw files::IoError.
+/// The same with a file, which is replaced atomically. Throw files::IoError if it cannot be written or read.
 void save_state(const std::filesystem::path& file, const SavedState& saved);
 SavedState load_state(const std::filesystem::path& file);
 
-/// Throws StateFileError if `saved`, read from `name`, does not belong to `log`: it has another beacon or
+/// Throws StateFileError if `saved`, read from `name`, is not of a run over `log`: of another beacon, or with
 /// another first event.
 void check_fits(const SavedState& saved, const recording::SensorLog& log, const std::string& name);
 

@@ -17,8 +17,8 @@ std::string kind_error(const json& value, std::string_view wanted) {
   return "is " + shown + " instead of " + std::string(wanted);
 }
 
-/// Why a filter's field is implausible, or empty. No real run produces larger numbers, and they would
-/// overflow later.
+/// What is impossible about a filter's field. No real run ends with larger numbers, and larger ones may
+/// overflow.
 template <class Field>
 std::string_view fault_of(std::string_view name, const Field& field) {
   constexpr double most = 1e9;
@@ -48,7 +48,7 @@ StateReader StateReader::parsed(std::string_view text, const std::string& name) 
 
 std::string StateReader::text(const char* name) {
   const json value = take(name);
-  if (!value.is_string()) fail(name, kind_error(value, "a string"));
+  if (!value.is_string()) fail(name, kind_error(value, "a text"));
   return value.get<std::string>();
 }
 
@@ -97,11 +97,15 @@ void StateReader::read(const char* name, TimeNs& value) {
   value = read.get<TimeNs>();
 }
 
-void StateReader::read(const char* name, estimation::documented::InitPhase& value) {
+std::size_t StateReader::choice(const char* name, std::span<const std::string_view> choices) {
   const std::string word = text(name);
-  const auto found = std::find(track_names.begin(), track_names.end(), word);
-  if (found == track_names.end()) fail(name, kind_error(word, "none, position or held"));
-  value = static_cast<estimation::documented::InitPhase>(found - track_names.begin());
+  const auto found = std::find(choices.begin(), choices.end(), word);
+  if (found == choices.end()) {
+    std::string wanted;
+    for (const std::string_view one : choices) wanted += (wanted.empty() ? "" : " or ") + std::string(one);
+    fail(name, kind_error(word, wanted));
+  }
+  return static_cast<std::size_t>(found - choices.begin());
 }
 
 void StateReader::read(const char* name, Vector3d& value) {
@@ -117,7 +121,7 @@ void StateReader::read(const char* name, Quaterniond& q) {
 }
 
 void StateReader::read(const char* name, Eigen::Matrix3d& value) {
-  const json rows = take_array(name);
+  const json rows = array(name);
   if (rows.size() != 3) fail(name, kind_error(rows, "three rows"));
   for (Eigen::Index row = 0; row < 3; ++row) {
     StateReader reader(json{{name, rows[static_cast<std::size_t>(row)]}}, place_);
@@ -129,11 +133,9 @@ void StateReader::read(const char* name, Eigen::Matrix3d& value) {
 
 void StateReader::read(const char* name, attitude::AnyFilter& filter) {
   StateReader fields = object(name);
-  const std::string word = fields.text("kind");
-  constexpr auto kinds = choices_of(attitude::FilterKind{});
-  const auto found = std::find(kinds.begin(), kinds.end(), word);
-  if (found == kinds.end()) fields.fail("kind", kind_error(word, "the name of a filter"));
-  filter.select(static_cast<attitude::FilterKind>(found - kinds.begin()));
+  attitude::FilterKind kind{};
+  fields.read("kind", kind);
+  filter.select(kind);
   filter.for_each_field([&fields](const char* field, auto& value) {
     fields.read(field, value);
     const std::string_view fault = fault_of(field, value);
@@ -142,47 +144,8 @@ void StateReader::read(const char* name, attitude::AnyFilter& filter) {
   fields.finish();
 }
 
-void StateReader::read(const char* name, estimation::documented::InertialHistory& history) {
-  const json points = take_array(name);
-  if (points.size() > estimation::documented::InertialHistory::capacity) {
-    fail(name, "has " + std::to_string(points.size()) + " points, more than " +
-                   std::to_string(estimation::documented::InertialHistory::capacity));
-  }
-  history = {};
-  for (const json& element : points) {
-    StateReader fields(element, place_ + ": " + name);
-    estimation::documented::InertialPoint point;
-    fields.read("time_ns", point.time_ns);
-    fields.read("displacement_world_m", point.displacement_world_m);
-    fields.read("yaw_rad", point.yaw_rad);
-    fields.finish();
-    if (!history.empty() && point.time_ns < history.newest().time_ns)
-      fail(name, "has times that go backward");
-    history.push(point);
-  }
-}
-
-void StateReader::read(const char* name, estimation::documented::PastFix& fix) {
-  const auto found = object_.find(name);
-  if (found == object_.end()) fail(name, "is missing");
-  if (!found->is_array()) fail(name, kind_error(*found, "an array"));
-  const std::size_t index = next_element_[name]++;
-  if (index >= found->size()) fail(name, "has only " + std::to_string(found->size()) + " elements");
-  StateReader fields((*found)[index], place_ + ": " + name);
-  fields.read("measured_ns", fix.measured_ns);
-  fields.read("position_world_m", fix.position_world_m);
-  fields.finish();
-}
-
 void StateReader::finish() const {
-  for (const auto& [name, value] : object_.items()) {
-    const auto counted = next_element_.find(name);
-    if (counted == next_element_.end()) fail(name, "is not known");
-    if (counted->second != value.size()) {
-      fail(name,
-           "has " + std::to_string(value.size()) + " elements instead of " + std::to_string(counted->second));
-    }
-  }
+  if (!object_.empty()) fail(object_.items().begin().key(), "is not known");
 }
 
 void StateReader::fail(const std::string& name, const std::string& what) const {
@@ -199,14 +162,14 @@ json StateReader::take(const char* name) {
 
 template <std::size_t Count>
 std::array<double, Count> StateReader::take_numbers(const char* name, const char* wanted) {
-  const json read = take_array(name);
+  const json read = array(name);
   const bool fits = read.size() == Count &&
                     std::all_of(read.begin(), read.end(), [](const json& one) { return one.is_number(); });
   if (!fits) fail(name, kind_error(read, wanted));
   return read.get<std::array<double, Count>>();
 }
 
-json StateReader::take_array(const char* name) {
+json StateReader::array(const char* name) {
   json value = take(name);
   if (!value.is_array()) fail(name, kind_error(value, "an array"));
   return value;

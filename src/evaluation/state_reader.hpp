@@ -1,24 +1,23 @@
 #pragma once
 /// \file
-/// Reads a JSON object strictly: every field exactly once and of the correct type, and no unknown field.
+/// Reads a JSON object strictly: each field once, of the correct type, and no others. Private to this module.
 
 #include "evaluation/state_file.hpp"
-#include <sonopose/estimation/documented/state.hpp>
+#include <sonopose/attitude/any_filter.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <nlohmann/json.hpp>
 
 #include <array>
 #include <cstdint>
-#include <map>
+#include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 namespace sonopose::evaluation {
 
-/// estimation::documented::InitPhase in words, in its order.
-inline constexpr std::array<std::string_view, 3> track_names{"none", "position", "held"};
-
-/// Every member function throws a StateFileError that names the file and the field.
+/// Every member throws StateFileError with file and field.
 class StateReader {
 public:
   /// `place` is the file and the path of fields to this object.
@@ -34,30 +33,71 @@ public:
   void read(const char* name, bool& value);
   void read(const char* name, int& value);  ///< a count or index: not negative
   void read(const char* name, TimeNs& value);
-  void read(const char* name, estimation::documented::InitPhase& value);
   void read(const char* name, Vector3d& value);
   void read(const char* name, Quaterniond& q);  ///< a unit quaternion
   void read(const char* name, Eigen::Matrix3d& value);
   void read(const char* name, attitude::AnyFilter& filter);
-  void read(const char* name, estimation::documented::InertialHistory& history);
-  /// Each call reads the next element of the array.
-  void read(const char* name, estimation::documented::PastFix& fix);
 
-  /// Throws if an unread field is left.
+  /// An enumeration by its name.
+  template <class Choice>
+  requires std::is_enum_v<Choice>
+  void read(const char* name, Choice& value) {
+    value = static_cast<Choice>(choice(name, choices_of(Choice{})));
+  }
+
+  /// A fixed number of structs.
+  template <class Record, std::size_t count>
+  void read(const char* name, std::array<Record, count>& records) {
+    const nlohmann::json elements = array(name);
+    if (elements.size() != count) {
+      fail(name, "has " + std::to_string(elements.size()) + " elements instead of " + std::to_string(count));
+    }
+    for (std::size_t i = 0; i < count; ++i) read_element(name, elements[i], records[i]);
+  }
+
+  /// Structs in the order of time, up to the capacity of `records`.
+  template <class Sequence>
+  requires requires(Sequence& records, const typename Sequence::value_type& record) {
+    records.accepts(record);
+    records.push(record);
+  }
+  void read(const char* name, Sequence& records) {
+    const nlohmann::json elements = array(name);
+    if (elements.size() > Sequence::capacity) {
+      fail(name, "has " + std::to_string(elements.size()) + " elements, more than " +
+                     std::to_string(Sequence::capacity));
+    }
+    records = {};
+    for (const nlohmann::json& element : elements) {
+      typename Sequence::value_type record;
+      read_element(name, element, record);
+      if (!records.accepts(record)) fail(name, "has times that go backward");
+      records.push(record);
+    }
+  }
+
+  /// Call after the last field: any field that is left is unknown.
   void finish() const;
 
   [[noreturn]] void fail(const std::string& name, const std::string& what) const;
 
 private:
   nlohmann::json take(const char* name);
-  nlohmann::json take_array(const char* name);
+  nlohmann::json array(const char* name);
   template <std::size_t Count>
   std::array<double, Count> take_numbers(const char* name, const char* wanted);
+  /// The index of the word in `choices`.
+  std::size_t choice(const char* name, std::span<const std::string_view> choices);
+
+  template <class Record>
+  void read_element(const char* name, const nlohmann::json& element, Record& record) {
+    StateReader fields(element, place_ + ": " + name);
+    for_each_field(record, [&fields](const char* field, auto& value) { fields.read(field, value); });
+    fields.finish();
+  }
 
   nlohmann::json object_;
   std::string place_;
-  std::map<std::string, std::size_t, std::less<>>
-      next_element_;  ///< of arrays that are read element by element
 };
 
 }  // namespace sonopose::evaluation

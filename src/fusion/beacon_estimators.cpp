@@ -11,18 +11,18 @@
 namespace sonopose::fusion {
 
 BeaconEstimators::BeaconEstimators(const config::FusionConfig& config, bool lossless)
-    : lossless_(lossless), others_(config.beacon(all_beacons)) {
+    : lossless_(lossless), default_timeline_(config.beacon(all_beacons)) {
   for (const BeaconAddress address : config.beacons()) timelines_.emplace(address, config.beacon(address));
 }
 
 BeaconEstimators::Beacon::Beacon(SettingsTimeline& settings, bool lossless)
-    : timeline(settings), engine(settings.settings()) {
-  if (lossless) order.emplace<collation::LosslessCollator>();
+    : timeline(settings), estimator(settings.settings()) {
+  if (lossless) collator.emplace<collation::LosslessCollator>();
 }
 
 const collation::CollatorCounters& BeaconEstimators::Beacon::order_counters() const {
   return std::visit(
-      [](const auto& collator) -> const auto& { return collator.counters(); }, order);
+      [](const auto& of_kind) -> const auto& { return of_kind.counters(); }, collator);
 }
 
 BeaconEstimators::Beacon& BeaconEstimators::beacon_of(BeaconAddress address) {
@@ -32,24 +32,42 @@ BeaconEstimators::Beacon& BeaconEstimators::beacon_of(BeaconAddress address) {
 }
 
 SettingsTimeline& BeaconEstimators::timeline_of(BeaconAddress address) {
-  return timelines_.try_emplace(address, others_).first->second;
+  return timelines_.try_emplace(address, default_timeline_).first->second;
 }
 
-bool BeaconEstimators::Beacon::starts_over(const Event& event) {
-  const std::uint64_t restarts = order_counters().restarts;
-  if (restarts == restarts_seen) return false;
-  restarts_seen = restarts;
-  return available_at_ns(event) < engine.state().body.time_ns;
+std::span<const collation::CollatedEvent> BeaconEstimators::collate(const Event& event, SteadyTime now) {
+  auto& collator = beacon_of(address_of(event)).collator;
+  if (auto* live = std::get_if<collation::Collator>(&collator)) return live->push(event, now);
+  return std::get<collation::LosslessCollator>(collator).push(event);
+}
+
+EventOutcome BeaconEstimators::process(const collation::CollatedEvent& collated) noexcept {
+  const auto& [event, restart] = collated;
+  Beacon& beacon = *beacons_.find(address_of(event))->second;
+  // A restarted bridge that plays an older recording.
+  if (restart && available_at_ns(event) < beacon.estimator.time_ns()) beacon.estimator.reset();
+
+  EventOutcome outcome;
+  const std::uint64_t sequence = sequence_of(event);
+  const bool first = !beacon.last_sequence;
+  const bool changed = beacon.timeline.advance(sequence);
+  beacon.last_sequence = sequence;
+  if (changed) beacon.estimator.configure(beacon.timeline.settings());
+  if (first || changed) {
+    outcome.settings = SettingsChange{address_of(event), sequence, beacon.estimator.settings()};
+  }
+  outcome.result = estimation::process(beacon.estimator, event);
+  return outcome;
 }
 
 void BeaconEstimators::reset(BeaconAddress address) {
   for (auto& [known, beacon] : beacons_) {
-    if (known == address || address == all_beacons) beacon->engine.reset();
+    if (known == address || address == all_beacons) beacon->estimator.reset();
   }
 }
 
 SettingsReply BeaconEstimators::change_settings(const SettingsRequest& request) {
-  constexpr std::size_t remembered = 64;  // as many as can be under way
+  constexpr std::size_t remembered = 64;  // more than can be pending
   const auto is_repeated = [&request](const SettingsReply& reply) {
     return request.request_id != 0 && reply.request_id == request.request_id &&
            reply.address == request.address;
@@ -70,24 +88,24 @@ SettingsReply BeaconEstimators::change_settings(const SettingsRequest& request) 
   return reply;
 }
 
-/// Throws SettingError before anything is changed.
+/// Throws SettingError before it changes anything.
 void BeaconEstimators::carry_out(const SettingsRequest& request, SettingsReply& reply) {
-  if (request.assignments.empty()) throw settings::SettingError("the request names no setting");
+  if (request.assignments.empty()) throw settings::SettingError("the request has no assignments");
   const config::Assignments assignments = config::parsed(request.assignments);
   const std::uint64_t from = request.from_sequence;
   reply.from_sequence = from;
   settings::Settings after;
   if (request.address == all_beacons) {
-    for (const auto& [address, timeline] : timelines_) check_room(timeline, address, from);
+    for (const auto& [address, timeline] : timelines_) check_capacity(timeline, address, from);
     for (auto& [address, timeline] : timelines_) {
       timeline.add(ahead(address, from), SettingsTimeline::Scope::for_all, assignments);
     }
-    others_.add(from, SettingsTimeline::Scope::for_all, assignments);
-    after = others_.settings_at(from);
+    default_timeline_.add(from, SettingsTimeline::Scope::for_all, assignments);
+    after = default_timeline_.settings_at(from);
     reply.details = first_events(from);
   } else {
     SettingsTimeline& timeline = timeline_of(request.address);
-    check_room(timeline, request.address, from);
+    check_capacity(timeline, request.address, from);
     timeline.add(ahead(request.address, from), SettingsTimeline::Scope::own, assignments);
     after = timeline.settings_at(from);
     if (const auto last = last_sequence(request.address)) reply.from_sequence = std::max(from, *last + 1);
@@ -95,9 +113,10 @@ void BeaconEstimators::carry_out(const SettingsRequest& request, SettingsReply& 
   reply.reason = fmt::format("{}", fmt::join(config::warnings_for(after, assignments), "; "));
 }
 
-SettingsInForce BeaconEstimators::settings_for_all() const {
+SettingsChange BeaconEstimators::settings_for_all() const {
   constexpr auto end = std::numeric_limits<std::uint64_t>::max();
-  return {all_beacons, others_.last_from_sequence(), settings::resolved(others_.settings_at(end))};
+  return {all_beacons, default_timeline_.last_from_sequence(),
+          settings::resolved(default_timeline_.settings_at(end))};
 }
 
 std::optional<std::uint64_t> BeaconEstimators::last_sequence(BeaconAddress address) const {
@@ -119,10 +138,10 @@ std::uint64_t BeaconEstimators::ahead(BeaconAddress address, std::uint64_t seque
   return last && sequence <= *last ? 0 : sequence;
 }
 
-void BeaconEstimators::check_room(const SettingsTimeline& timeline, BeaconAddress address,
-                                  std::uint64_t from_sequence) const {
+void BeaconEstimators::check_capacity(const SettingsTimeline& timeline, BeaconAddress address,
+                                      std::uint64_t from_sequence) const {
   if (timeline.has_room_for(ahead(address, from_sequence))) return;
-  throw settings::SettingError(fmt::format("beacon {}: {} changes wait for their events already", address,
+  throw settings::SettingError(fmt::format("beacon {}: already {} changes wait for their events", address,
                                            SettingsTimeline::capacity));
 }
 
@@ -130,7 +149,7 @@ std::optional<FusionStatus> BeaconEstimators::status(BeaconAddress address) cons
   const auto found = beacons_.find(address);
   if (found == beacons_.end()) return std::nullopt;
   const Beacon& beacon = *found->second;
-  const estimation::documented::Counters& counted = beacon.engine.counters();
+  const EstimatorCounters& counted = beacon.estimator.counters();
   const collation::CollatorCounters& order = beacon.order_counters();
   FusionStatus status;
   status.address = address;
@@ -142,15 +161,15 @@ std::optional<FusionStatus> BeaconEstimators::status(BeaconAddress address) cons
   status.events_duplicated = order.duplicated;
   status.samples_invalid = counted.samples_invalid;
   status.imu_gaps = counted.imu_gaps;
-  status.reset_counter = beacon.engine.reset_counter();
+  status.reset_counter = beacon.estimator.reset_counter();
   return status;
 }
 
 std::optional<collation::LosslessCollator::Gap> BeaconEstimators::gap(BeaconAddress address) const {
   const auto found = beacons_.find(address);
   if (found == beacons_.end()) return std::nullopt;
-  const auto* order = std::get_if<collation::LosslessCollator>(&found->second->order);
-  return order == nullptr ? std::nullopt : order->gap();
+  const auto* collator = std::get_if<collation::LosslessCollator>(&found->second->collator);
+  return collator == nullptr ? std::nullopt : collator->gap();
 }
 
 std::vector<BeaconAddress> BeaconEstimators::addresses() const {

@@ -1,7 +1,7 @@
 #include "fusion/fusion_node_impl.hpp"
 #include "process/random_id.hpp"
 #include <sonopose/dds/binding/waitset.hpp>
-#include <sonopose/estimation/documented/output.hpp>
+#include <sonopose/estimation/prediction.hpp>
 
 #include <fmt/format.h>
 
@@ -47,18 +47,14 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       qos_(options.qos_file),
       delivery_(options.lossless ? dds::Delivery::lossless : dds::Delivery::live),
       input_deadline_ns_(input_deadline_ns(qos_)),
-      engines_(options.config, options.lossless),
+      estimators_(options.config, options.lossless),
       imu_silences_(input_deadline_ns_),
       output_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, ends_),
       report_writer_(dds::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)),
       status_writer_(dds::make_writer(participant_, qos_, topics::fusion_status, &status_listener_)),
       reply_writer_(dds::make_writer(participant_, qos_, topics::settings_reply)),
       settings_writer_(dds::make_writer(participant_, qos_, topics::settings)) {
-  // Room for all that can come of one event: what waited for it.
-  poses_.reserve(collation::Collator::capacity + 1);
-  reports_.reserve(collation::Collator::capacity + 1);
-  changes_.reserve(collation::Collator::capacity + 1);
-  write(engines_.settings_for_all());
+  write(estimators_.settings_for_all());
   const auto live = [this](auto& listener) { return lossless_ ? nullptr : &listener; };
   fix_reader_ = dds::make_reader(participant_, qos_, topics::fix, live(fix_listener_), delivery_);
   heading_reader_ = dds::make_reader(participant_, qos_, topics::heading, live(heading_listener_), delivery_);
@@ -80,7 +76,7 @@ FusionNode::Impl::~Impl() {
   request_reader_.close();
   // Consumers hear at once that the poses end. (Lossless writers would wait for room first: there the
   // writers' own end must tell.)
-  for (const BeaconAddress address : engines_.addresses()) {
+  for (const BeaconAddress address : estimators_.addresses()) {
     if (!lossless_) output_.unregister(address);
     sonopose_FusionStatus status{};
     status.address = address;
@@ -109,29 +105,37 @@ void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
 
 void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns,
                             SteadyTime steady) noexcept {
-  poses_.clear();
-  reports_.clear();
-  changes_.clear();
+  std::span<const collation::CollatedEvent> in_line;
   {
-    const std::lock_guard lock(engines_mutex_);
+    const std::lock_guard lock(estimators_mutex_);
     if (std::holds_alternative<ImuSample>(event)) {
       inputs_.on_imu(address_of(event), bridge.value);
       imu_silences_.on_sample(address_of(event), steady);
     }
-    engines_.push(
-        event, steady, [&](const FusedPose& pose) { poses_.push_back(pose); },
-        [&](const FixReport& report) { reports_.push_back(report); },
-        [&](const SettingsInForce& change) { changes_.push_back(change); });
+    in_line = estimators_.collate(event, steady);
   }
-  for (const SettingsInForce& change : changes_) {
-    output_.set_period(change.address, estimation::documented::output::period_ns(change.settings.output));
+  for (const collation::CollatedEvent& next : in_line) {
+    EventOutcome outcome;
+    {
+      const std::lock_guard lock(estimators_mutex_);
+      outcome = estimators_.process(next);
+    }
+    write(outcome, in_ns, steady);
   }
-  for (FusedPose& pose : poses_) {
-    pose.fusion_in_time_ns = in_ns;
-    write(pose, steady);
+}
+
+void FusionNode::Impl::write(EventOutcome& outcome, TimeNs in_ns, SteadyTime steady) noexcept {
+  if (outcome.settings) {
+    output_.set_period(outcome.settings->address,
+                       estimation::prediction_period_ns(outcome.settings->settings));
   }
-  for (const FixReport& report : reports_) write_to(report_writer_, dds::to_idl(report));
-  for (const SettingsInForce& change : changes_) write(change);
+  if (auto* pose = std::get_if<FusedPose>(&outcome.result)) {
+    pose->fusion_in_time_ns = in_ns;
+    write(*pose, steady);
+  } else if (const auto* report = std::get_if<FixReport>(&outcome.result)) {
+    write_to(report_writer_, dds::to_idl(*report));
+  }
+  if (outcome.settings) write(*outcome.settings);
 }
 
 void FusionNode::Impl::write(FusedPose& pose, SteadyTime steady) noexcept {
@@ -140,7 +144,7 @@ void FusionNode::Impl::write(FusedPose& pose, SteadyTime steady) noexcept {
   write_to(writer, dds::to_idl(pose));
 }
 
-void FusionNode::Impl::write(const SettingsInForce& change) noexcept {
+void FusionNode::Impl::write(const SettingsChange& change) noexcept {
   const EffectiveSettings settings{.address = change.address,
                                    .time_ns = process::host_now(),
                                    .from_sequence = change.from_sequence,
@@ -164,8 +168,8 @@ void FusionNode::Impl::take(dds::DataReader<sonopose_ResetCommand>& reader) noex
     std::uint64_t& last_id = last_reset_ids_[command.address];
     if (command.request_id != 0 && command.request_id == last_id) return;
     last_id = command.request_id;
-    const std::lock_guard lock(engines_mutex_);
-    engines_.reset(command.address);
+    const std::lock_guard lock(estimators_mutex_);
+    estimators_.reset(command.address);
   });
 }
 
@@ -174,13 +178,13 @@ void FusionNode::Impl::take(dds::DataReader<sonopose_SettingsRequest>& reader) n
     if (sample.address != all_beacons && !addresses_.contains(sample.address)) return;
     const SettingsRequest request = dds::from_idl(sample);
     SettingsReply reply;
-    std::optional<SettingsInForce> for_all;
+    std::optional<SettingsChange> for_all;
     {
-      const std::lock_guard lock(engines_mutex_);
-      reply = engines_.change_settings(request);
-      if (reply.accepted && reply.address == all_beacons) for_all = engines_.settings_for_all();
+      const std::lock_guard lock(estimators_mutex_);
+      reply = estimators_.change_settings(request);
+      if (reply.accepted && reply.address == all_beacons) for_all = estimators_.settings_for_all();
     }
-    if (for_all) write(*for_all);  // first: who has the answer can ask for what holds
+    if (for_all) write(*for_all);  // before the reply, so that the client reads the new settings
     if (reply_writer_.try_write(dds::to_idl(reply)) < 0) ++unwritten_;
   });
 }
@@ -208,7 +212,7 @@ void FusionNode::Impl::on_deadline_missed(dds::DataReader<T>& reader,
     T key{};
     if (status.total_count_change <= 0 || reader.try_key_value(key, {status.last_instance_handle}) < 0)
       return;
-    const std::lock_guard lock(engines_mutex_);
+    const std::lock_guard lock(estimators_mutex_);
     inputs_.on_deadline_missed(key.address, counter_of(key),
                                static_cast<std::uint64_t>(status.total_count_change));
   }
@@ -216,7 +220,7 @@ void FusionNode::Impl::on_deadline_missed(dds::DataReader<T>& reader,
 
 void FusionNode::Impl::on_bridge_liveliness(const dds::LivelinessChangedStatus& status) noexcept {
   if (status.not_alive_count_change <= 0) return;
-  const std::lock_guard lock(engines_mutex_);
+  const std::lock_guard lock(estimators_mutex_);
   inputs_.on_bridge_lost(status.last_publication_handle);
 }
 

@@ -14,7 +14,7 @@ void FusionNode::Impl::watch() {
   output_.watch(now, working_);
   silence_changes_.clear();
   {
-    const std::lock_guard lock(engines_mutex_);
+    const std::lock_guard lock(estimators_mutex_);
     imu_silences_.find_changes(now, silence_changes_);
   }
   for (const auto& change : silence_changes_) publish_status(change.address);
@@ -34,8 +34,8 @@ void FusionNode::Impl::hand_over() {
 void FusionNode::Impl::publish_statuses() {
   std::vector<BeaconAddress> addresses;
   {
-    const std::lock_guard lock(engines_mutex_);
-    addresses = engines_.addresses();
+    const std::lock_guard lock(estimators_mutex_);
+    addresses = estimators_.addresses();
   }
   for (const BeaconAddress address : addresses) publish_status(address);
   if (lossless_) log_gaps();
@@ -47,8 +47,8 @@ void FusionNode::Impl::publish_status(BeaconAddress address) {
   std::optional<FusionStatus> status;
   InputCounters inputs;
   {
-    const std::lock_guard lock(engines_mutex_);
-    status = engines_.status(address);
+    const std::lock_guard lock(estimators_mutex_);
+    status = estimators_.status(address);
     if (!status) return;
     status->imu_silent = imu_silences_.is_silent(address);
     inputs = inputs_.counters(address);
@@ -92,9 +92,9 @@ void FusionNode::Impl::log_gaps() {
   if (waited_for_consumer_.exchange(false)) gaps_.start_over();
   std::vector<std::string> texts;
   {
-    const std::lock_guard lock(engines_mutex_);
-    for (const BeaconAddress address : engines_.addresses()) {
-      if (auto text = gaps_.on(address, engines_.gap(address), process::steady_now()))
+    const std::lock_guard lock(estimators_mutex_);
+    for (const BeaconAddress address : estimators_.addresses()) {
+      if (auto text = gaps_.on(address, estimators_.gap(address), process::steady_now()))
         texts.push_back(*std::move(text));
     }
   }

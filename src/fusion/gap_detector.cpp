@@ -14,11 +14,11 @@ std::optional<std::string> GapDetector::on(BeaconAddress address,
   const auto [found, first] = waits_.try_emplace(address, Wait{gap->missing, now, false});
   Wait& wait = found->second;
   if (wait.missing != gap->missing) wait = {gap->missing, now, false};
-  if (first || wait.told || now - wait.since < timeout_ns) return std::nullopt;
-  wait.told = true;
+  if (first || wait.reported || now - wait.since < timeout_ns) return std::nullopt;
+  wait.reported = true;
   return fmt::format(
-      "beacon {}: waiting for event {}, {} events held; --lossless is for a bridge with --rate 0", address,
-      gap->missing, gap->held);
+      "beacon {}: waiting for event {}, {} events waiting; --lossless is for a bridge with --rate 0", address,
+      gap->missing, gap->waiting);
 }
 
 }  // namespace sonopose::fusion

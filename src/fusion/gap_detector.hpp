@@ -31,7 +31,7 @@ private:
   struct Wait {
     std::uint64_t missing = 0;
     SteadyTime since;
-    bool told = false;
+    bool reported = false;
   };
   std::map<BeaconAddress, Wait> waits_;
 };

@@ -1,6 +1,6 @@
 #include "fusion/pose_predictor.hpp"
 
-#include <sonopose/estimation/documented/output.hpp>
+#include <sonopose/estimation/prediction.hpp>
 
 namespace sonopose::fusion {
 
@@ -24,7 +24,7 @@ void PosePredictor::on_pose(const FusedPose& pose, SteadyTime now) {
 std::optional<FusedPose> PosePredictor::predicted(const Lane& lane, SteadyTime now) const {
   const TimeNs age_ns = now - lane.taken;
   if (lane.taken == SteadyTime{} || age_ns <= 0 || age_ns >= deadline_ns_) return std::nullopt;
-  return estimation::documented::output::predicted(lane.pose, age_ns);
+  return estimation::predicted(lane.pose, age_ns);
 }
 
 }  // namespace sonopose::fusion

@@ -1,4 +1,4 @@
-/// The order of events where nothing is lost: waited for without end.
+/// The order of events on a lossless path, without a time limit.
 
 #include <sonopose/collation/lossless_collator.hpp>
 
@@ -16,6 +16,7 @@ using Numbers = std::vector<std::uint64_t>;
 struct Line {
   LosslessCollator collator;
   Numbers delivered;
+  Numbers restarted_at;
 
   void push_all(std::initializer_list<std::uint64_t> sequences) {
     for (const auto sequence : sequences) push(sequence);
@@ -23,13 +24,16 @@ struct Line {
   void push(std::uint64_t sequence) {
     ImuSample imu;
     imu.sequence = sequence;
-    collator.push(imu, [this](const Event& out) { delivered.push_back(sequence_of(out)); });
+    for (const CollatedEvent& next : collator.push(imu)) {
+      delivered.push_back(sequence_of(next.event));
+      if (next.restart) restarted_at.push_back(sequence_of(next.event));
+    }
   }
 };
 
 }  // namespace
 
-TEST_CASE("a stream that runs far ahead waits for the one that lags, however long") {
+TEST_CASE("a stream that is far ahead waits for the lagging one without a time limit") {
   Line line;
   for (std::uint64_t n = 2; n <= 10'000; ++n) line.push(n);
   CHECK(line.delivered.empty());
@@ -39,49 +43,51 @@ TEST_CASE("a stream that runs far ahead waits for the one that lags, however lon
   CHECK(line.collator.counters().lost == 0);
 }
 
-TEST_CASE("what is waited for, and by how many, can be asked") {
+TEST_CASE("the gap names the missing event and the number of waiting ones") {
   Line line;
   CHECK_FALSE(line.collator.gap());
   line.push_all({2, 3});
   REQUIRE(line.collator.gap());
   CHECK(line.collator.gap()->missing == 1);
-  CHECK(line.collator.gap()->held == 2);
+  CHECK(line.collator.gap()->waiting == 2);
   line.push_all({1, 5});
   CHECK(line.collator.gap()->missing == 4);
-  CHECK(line.collator.gap()->held == 1);
+  CHECK(line.collator.gap()->waiting == 1);
   line.push(4);
   CHECK_FALSE(line.collator.gap());
 }
 
-TEST_CASE("a log's first events may come in any order: numbering begins with 1") {
+TEST_CASE("the first events of a log may arrive in any order: the numbering begins with 1") {
   Line line;
   line.push_all({3, 2, 1, 4});
   CHECK(line.delivered == Numbers{1, 2, 3, 4});
 }
 
-TEST_CASE("losslessly too, what comes twice is delivered once") {
+TEST_CASE("on a lossless path too, a duplicate is released once") {
   Line line;
   line.push_all({1, 2, 2, 4, 4, 3});
   CHECK(line.delivered == Numbers{1, 2, 3, 4});
   CHECK(line.collator.counters().duplicated == 2);
 }
 
-TEST_CASE("a log that is played again begins anew") {
+TEST_CASE("a log that is played again restarts the numbering") {
   Line line;
   line.push_all({1, 2, 3, 1, 2, 3, 4});
   CHECK(line.delivered == Numbers{1, 2, 3, 1, 2, 3, 4});
+  CHECK(line.restarted_at == Numbers{1});
   CHECK(line.collator.counters().restarts == 1);
 }
 
-TEST_CASE("a log that is played again may begin with any of its numbers") {
+TEST_CASE("the first events of a repeated log may arrive in any order") {
   Line line;
   line.push_all({1, 2, 3, 3, 2, 1, 4});
   CHECK(line.delivered == Numbers{1, 2, 3, 1, 2, 3, 4});
+  CHECK(line.restarted_at == Numbers{1});
   CHECK(line.collator.counters().restarts == 1);
   CHECK(line.collator.counters().duplicated == 0);
 }
 
-TEST_CASE("more than any transport holds back: what is missing is lost after all") {
+TEST_CASE("if more events wait than any transport buffers, the missing one is counted as lost") {
   Line line;
   line.push(1);
   for (std::uint64_t n = 0; n <= LosslessCollator::capacity; ++n) line.push(5 + n);

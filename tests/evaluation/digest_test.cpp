@@ -15,13 +15,13 @@ std::uint64_t digest_of(const FusedPose& pose) {
 
 std::uint64_t digest_of(const estimation::documented::State& state) {
   Digest digest;
-  digest.add(state);
+  digest.add(estimation::AnySnapshot(estimation::documented::Snapshot{.state = state, .counters = {}}));
   return digest.value();
 }
 
 }  // namespace
 
-TEST_CASE("the smallest change of a pose changes its digest; its latency stamps do not") {
+TEST_CASE("the smallest change of a pose changes its digest; its transport times do not") {
   FusedPose pose;
   pose.position_world_m = {1, 2, 3};
   FusedPose other = pose;
@@ -36,7 +36,7 @@ TEST_CASE("the smallest change of a pose changes its digest; its latency stamps 
   CHECK(digest_of(pose) == digest_of(other));
 }
 
-TEST_CASE("a change in any group of the state changes the digest") {
+TEST_CASE("a change in any group of the state changes its digest") {
   const estimation::documented::State plain;
   CHECK(digest_of(plain) == digest_of(estimation::documented::State{}));
   estimation::documented::State state = plain;
@@ -49,11 +49,11 @@ TEST_CASE("a change in any group of the state changes the digest") {
   state.filter.turn_in_world({0.0, 0.0, 1e-9});
   CHECK(digest_of(state) != digest_of(plain));
   state = plain;
-  state.outage.track = estimation::documented::InitPhase::held;
+  state.outage.init_phase = estimation::documented::InitPhase::tracking;
   CHECK(digest_of(state) != digest_of(plain));
 }
 
-TEST_CASE("the digest depends on the order of values, and its text has 16 digits") {
+TEST_CASE("the order of the values counts, and the text has 16 digits") {
   Digest one;
   one.add(1.0);
   one.add(2.0);

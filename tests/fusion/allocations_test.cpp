@@ -1,4 +1,4 @@
-/// Live, an event allocates nothing: not before, and not after, settings have changed.
+/// The live path does not allocate, before and after a change of settings.
 
 #include "support/allocations.hpp"
 
@@ -10,44 +10,45 @@ using namespace sonopose;
 using namespace sonopose::fusion;
 using namespace sonopose::fusion::test;
 
-SCENARIO("a live event allocates nothing, also while a change waits and when it takes hold") {
+SCENARIO("a live event does not allocate, even while a change waits and when it applies") {
   const auto events = walk(7, 10.0);
-  BeaconEstimators engines({}, false);
+  BeaconEstimators estimators({}, false);
   std::size_t poses = 0;
   std::size_t changes = 0;
   const auto allocated_by = [&](std::size_t first, std::size_t last) {
     const std::size_t before = sonopose::test::allocations();
     for (std::size_t i = first; i < last; ++i) {
-      engines.push(
-          events[i], SteadyTime{available_at_ns(events[i])}, [&](const FusedPose&) { ++poses; },
-          [](const FixReport&) {}, [&](const SettingsInForce&) { ++changes; });
+      for (const auto& next : estimators.collate(events[i], SteadyTime{available_at_ns(events[i])})) {
+        const EventOutcome outcome = estimators.process(next);
+        if (std::holds_alternative<FusedPose>(outcome.result)) ++poses;
+        if (outcome.settings) ++changes;
+      }
     }
     return sonopose::test::allocations() - before;
   };
   CHECK(allocated_by(0, 1) > 0);  // the engine: so they are counted
   CHECK(allocated_by(1, 300) == 0);
-  engines.change_settings({.address = 7,
-                           .request_id = 1,
-                           .from_sequence = sequence_of(events[400]),
-                           .assignments = {{"trust.sigma_m", "0.5"}}});
+  estimators.change_settings({.address = 7,
+                              .request_id = 1,
+                              .from_sequence = sequence_of(events[400]),
+                              .assignments = {{"trust.sigma_m", "0.5"}}});
   CHECK(allocated_by(300, events.size()) == 0);
   CHECK(poses == 1000);
   CHECK(changes == 2);
 }
 
-SCENARIO("with no attitude filter does a live event allocate") {
+SCENARIO("a live event does not allocate with any attitude filter") {
   const auto events = walk(7, 4.0);
   for (const std::string_view filter : choices_of(attitude::FilterKind{})) {
     config::FusionConfig config;
     config.assign("attitude.filter=" + std::string(filter));
     config.assign("attitude.magnetometer=true");
-    BeaconEstimators engines(config, false);
+    BeaconEstimators estimators(config, false);
     const auto push = [&](Event event) {
       if (auto* imu = std::get_if<ImuSample>(&event)) imu->magnetic_field_body_t = Vector3d(20e-6, 0, -40e-6);
       const std::size_t before = sonopose::test::allocations();
-      engines.push(
-          event, SteadyTime{available_at_ns(event)}, [](const FusedPose&) {}, [](const FixReport&) {},
-          [](const SettingsInForce&) {});
+      for (const auto& next : estimators.collate(event, SteadyTime{available_at_ns(event)}))
+        estimators.process(next);
       return sonopose::test::allocations() - before;
     };
     INFO(filter);

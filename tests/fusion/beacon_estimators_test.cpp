@@ -27,21 +27,21 @@ SCENARIO("each beacon has an engine of its own") {
     }
     THEN("each one's poses are those of a bare engine that hears it alone, to the last bit") {
       CHECK(feeder.poses_of(7).size() == 500);
-      CHECK(same(feeder.poses_of(7), poses_of_engine(seven)));
-      CHECK(same(feeder.poses_of(8), poses_of_engine(eight)));
+      CHECK(same(feeder.poses_of(7), poses_of_estimator(seven)));
+      CHECK(same(feeder.poses_of(8), poses_of_estimator(eight)));
       CHECK_FALSE(same(feeder.poses_of(7), feeder.poses_of(8)));
     }
     THEN("each one's status counts its own") {
-      auto addresses = feeder.engines.addresses();
+      auto addresses = feeder.estimators.addresses();
       std::sort(addresses.begin(), addresses.end());
       CHECK(addresses == std::vector<BeaconAddress>{7, 8});
-      const auto status = feeder.engines.status(8);
+      const auto status = feeder.estimators.status(8);
       REQUIRE(status);
       CHECK(status->address == 8);
       CHECK(status->imu_samples == 500);
       CHECK(status->fixes_used + status->fixes_rejected + status->headings + 500 == eight.size());
       CHECK(status->events_lost == 0);
-      CHECK_FALSE(feeder.engines.status(9));
+      CHECK_FALSE(feeder.estimators.status(9));
     }
     THEN("every fix has its report") {
       const auto is_fix = [](const Event& event) { return std::holds_alternative<UltrasonicFix>(event); };
@@ -50,17 +50,17 @@ SCENARIO("each beacon has an engine of its own") {
       CHECK(feeder.reports.size() == static_cast<std::size_t>(fixes));
     }
     WHEN("one is reset") {
-      feeder.engines.reset(7);
+      feeder.estimators.reset(7);
       THEN("its counter rises and the other's does not") {
-        CHECK(feeder.engines.status(7)->reset_counter == 1);
-        CHECK(feeder.engines.status(8)->reset_counter == 0);
+        CHECK(feeder.estimators.status(7)->reset_counter == 1);
+        CHECK(feeder.estimators.status(8)->reset_counter == 0);
       }
     }
     WHEN("all are reset") {
-      feeder.engines.reset(all_beacons);
+      feeder.estimators.reset(all_beacons);
       THEN("both counters rise") {
-        CHECK(feeder.engines.status(7)->reset_counter == 1);
-        CHECK(feeder.engines.status(8)->reset_counter == 1);
+        CHECK(feeder.estimators.status(7)->reset_counter == 1);
+        CHECK(feeder.estimators.status(8)->reset_counter == 1);
       }
     }
   }
@@ -71,8 +71,8 @@ SCENARIO("each beacon has an engine of its own") {
     feeder.push_all(walk(7, 5.0));
     feeder.push_all(walk(8, 5.0));
     THEN("that one alone is turned by it") {
-      CHECK(same(feeder.poses_of(7), poses_of_engine(walk(7, 5.0))));
-      CHECK_FALSE(same(feeder.poses_of(8), poses_of_engine(walk(8, 5.0))));
+      CHECK(same(feeder.poses_of(7), poses_of_estimator(walk(7, 5.0))));
+      CHECK_FALSE(same(feeder.poses_of(8), poses_of_estimator(walk(8, 5.0))));
     }
   }
 }
@@ -86,8 +86,8 @@ SCENARIO("events that come out of order are put in order") {
     SteadyTime arrival{begin_ns};
     for (const Event& event : mixed) feeder.push(event, arrival += ms / 10);
     THEN("the poses are those of the right order") {
-      CHECK(same(feeder.poses_of(7), poses_of_engine(events)));
-      CHECK(feeder.engines.status(7)->events_lost == 0);
+      CHECK(same(feeder.poses_of(7), poses_of_estimator(events)));
+      CHECK(feeder.estimators.status(7)->events_lost == 0);
     }
   }
   GIVEN("an event that never comes") {
@@ -100,7 +100,7 @@ SCENARIO("events that come out of order are put in order") {
     feeder.push_all(missing);
     THEN("live, it is given up after a while and counted; every IMU sample has its pose") {
       CHECK(feeder.poses.size() == 500);
-      CHECK(feeder.engines.status(7)->events_lost == 1);
+      CHECK(feeder.estimators.status(7)->events_lost == 1);
     }
   }
   GIVEN("the same where nothing may be lost") {
@@ -113,8 +113,8 @@ SCENARIO("events that come out of order are put in order") {
     THEN("all wait for it, however long, and then come at once") {
       CHECK(before < 250);
       feeder.push(straggler);
-      CHECK(same(feeder.poses, poses_of_engine(events)));
-      CHECK(feeder.engines.status(7)->events_lost == 0);
+      CHECK(same(feeder.poses, poses_of_estimator(events)));
+      CHECK(feeder.estimators.status(7)->events_lost == 0);
     }
   }
 }
@@ -129,18 +129,19 @@ SCENARIO("a bridge that begins anew") {
       SteadyTime arrival{begin_ns + 10'000 * ms};
       for (const Event& event : walk(7, 5.0)) feeder.push(event, arrival += ms);
       THEN("the engine begins anew too, and says so") {
-        CHECK(feeder.engines.status(7)->reset_counter == 1);
+        CHECK(feeder.estimators.status(7)->reset_counter == 1);
         REQUIRE(feeder.poses.size() >= 495);  // live, the first numbers pass before the restart is certain
         CHECK(feeder.poses.back().reset_counter == 1);
-        CHECK((feeder.poses.back().position_world_m - poses_of_engine(walk(7, 5.0)).back().position_world_m)
-                  .norm() < 0.05);
+        CHECK(
+            (feeder.poses.back().position_world_m - poses_of_estimator(walk(7, 5.0)).back().position_world_m)
+                .norm() < 0.05);
       }
     }
     WHEN("the bridge was started again: its numbers are older, its times are not") {
       feeder.poses.clear();
       feeder.push_all(walk(7, 5.0, begin_ns + 5'000 * ms));
       THEN("the engine goes on with what it knows") {
-        CHECK(feeder.engines.status(7)->reset_counter == 0);
+        CHECK(feeder.estimators.status(7)->reset_counter == 0);
         CHECK(feeder.poses.size() >= 495);
         CHECK((feeder.poses.front().status & status_initialising) == 0U);
       }

@@ -1,5 +1,5 @@
 #pragma once
-// Events of a simulated beacon, and engines that are fed with them and whose output is kept.
+// Events of a simulated beacon, and estimators that process them.
 
 #include "fusion/beacon_estimators.hpp"
 #include "sim/simulator.hpp"
@@ -31,17 +31,20 @@ inline SettingsRequest request(BeaconAddress address, std::vector<SettingAssignm
           .assignments = std::move(assignments)};
 }
 
-/// Feeds engines and keeps what they make.
+/// Feeds estimators and records their output.
 struct Feeder {
-  explicit Feeder(bool lossless, config::FusionConfig config = {}) : engines(std::move(config), lossless) {}
+  explicit Feeder(bool lossless, config::FusionConfig config = {})
+      : estimators(std::move(config), lossless) {}
 
   /// An event that arrived when it became available.
   void push(const Event& event) { push(event, SteadyTime{available_at_ns(event)}); }
   void push(const Event& event, SteadyTime arrival) {
-    engines.push(
-        event, arrival, [this](const FusedPose& pose) { poses.push_back(pose); },
-        [this](const FixReport& report) { reports.push_back(report); },
-        [this](const SettingsInForce& change) { changes.push_back(change); });
+    for (const auto& next : estimators.collate(event, arrival)) {
+      const EventOutcome outcome = estimators.process(next);
+      if (outcome.settings) changes.push_back(*outcome.settings);
+      if (const auto* pose = std::get_if<FusedPose>(&outcome.result)) poses.push_back(*pose);
+      if (const auto* report = std::get_if<FixReport>(&outcome.result)) reports.push_back(*report);
+    }
   }
   void push_all(const std::vector<Event>& events) {
     for (const Event& event : events) push(event);
@@ -54,17 +57,17 @@ struct Feeder {
     return found;
   }
 
-  [[nodiscard]] std::vector<SettingsInForce> changes_of(BeaconAddress address) const {
-    std::vector<SettingsInForce> found;
+  [[nodiscard]] std::vector<SettingsChange> changes_of(BeaconAddress address) const {
+    std::vector<SettingsChange> found;
     std::copy_if(changes.begin(), changes.end(), std::back_inserter(found),
-                 [address](const SettingsInForce& change) { return change.address == address; });
+                 [address](const SettingsChange& change) { return change.address == address; });
     return found;
   }
 
-  BeaconEstimators engines;
+  BeaconEstimators estimators;
   std::vector<FusedPose> poses;
   std::vector<FixReport> reports;
-  std::vector<SettingsInForce> changes;
+  std::vector<SettingsChange> changes;
 };
 
 inline bool same(const std::vector<FusedPose>& a, const std::vector<FusedPose>& b) {
@@ -73,21 +76,16 @@ inline bool same(const std::vector<FusedPose>& a, const std::vector<FusedPose>& 
   });
 }
 
-/// What a bare engine makes of the events, if it is given `settings` before event number `from`.
-inline std::vector<FusedPose> poses_of_engine(const std::vector<Event>& events,
-                                              const settings::Settings& settings = {},
-                                              std::uint64_t from = UINT64_MAX) {
-  estimation::documented::Engine engine{settings::Settings{}};
+/// The poses of a single estimator, configured with `settings` before event number `from`.
+inline std::vector<FusedPose> poses_of_estimator(const std::vector<Event>& events,
+                                                 const settings::Settings& settings = {},
+                                                 std::uint64_t from = UINT64_MAX) {
+  estimation::AnyEstimator estimator{settings::Settings{}};
   std::vector<FusedPose> poses;
   for (const Event& event : events) {
-    if (sequence_of(event) == from) engine.configure(settings);
-    if (const auto* imu = std::get_if<ImuSample>(&event)) {
-      if (const auto pose = engine.on(*imu)) poses.push_back(*pose);
-    } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
-      engine.on(*fix);
-    } else {
-      engine.on(std::get<PairHeading>(event));
-    }
+    if (sequence_of(event) == from) estimator.configure(settings);
+    const auto output = estimation::process(estimator, event);
+    if (const auto* pose = std::get_if<FusedPose>(&output)) poses.push_back(*pose);
   }
   return poses;
 }

@@ -40,12 +40,12 @@ SCENARIO("a change holds exactly from the event that the request names") {
   const bool lossless = GENERATE(false, true);
   const auto events = walk(7, 10.0);
   const std::uint64_t from = 700;
-  const auto expected = poses_of_engine(events, with_user_balance(), from);
-  REQUIRE_FALSE(same(expected, poses_of_engine(events, with_user_balance(), from + 50)));
+  const auto expected = poses_of_estimator(events, with_user_balance(), from);
+  REQUIRE_FALSE(same(expected, poses_of_estimator(events, with_user_balance(), from + 50)));
   GIVEN("a fusion that has heard nothing yet") {
     Feeder feeder(lossless);
     WHEN("the request comes before the beacon does") {
-      const auto reply = feeder.engines.change_settings(request(7, user_balance, from, 42));
+      const auto reply = feeder.estimators.change_settings(request(7, user_balance, from, 42));
       feeder.push_all(events);
       THEN("it is accepted under its name, and the poses are those of an engine configured there") {
         CHECK(reply == SettingsReply{7, 42, true, "", from});
@@ -62,7 +62,7 @@ SCENARIO("a change holds exactly from the event that the request names") {
     }
     WHEN("it comes while the beacon is heard, well before its event") {
       push_range(feeder, events, 1, 300);
-      const auto reply = feeder.engines.change_settings(request(7, user_balance, from));
+      const auto reply = feeder.estimators.change_settings(request(7, user_balance, from));
       push_range(feeder, events, 301, to_the_end);
       THEN("it is the same") {
         CHECK(reply.from_sequence == from);
@@ -72,7 +72,7 @@ SCENARIO("a change holds exactly from the event that the request names") {
     WHEN("it names no event, or one that is past, just before that event") {
       push_range(feeder, events, 1, from - 1);
       const auto reply =
-          feeder.engines.change_settings(request(7, user_balance, GENERATE(0U, 1U, 400U, 699U)));
+          feeder.estimators.change_settings(request(7, user_balance, GENERATE(0U, 1U, 400U, 699U)));
       push_range(feeder, events, from, to_the_end);
       THEN("it holds from the next one on, and the answer says which that is") {
         CHECK(reply.accepted);
@@ -83,7 +83,7 @@ SCENARIO("a change holds exactly from the event that the request names") {
     }
     WHEN("it is for all beacons") {
       push_range(feeder, events, 1, 300);
-      const auto reply = feeder.engines.change_settings(request(all_beacons, user_balance, from, 9));
+      const auto reply = feeder.estimators.change_settings(request(all_beacons, user_balance, from, 9));
       push_range(feeder, events, 301, to_the_end);
       THEN("the same") {
         CHECK(reply == SettingsReply{all_beacons, 9, true, "", from, "7: event 700"});
@@ -97,21 +97,21 @@ SCENARIO("the event counts in the order of the numbers, not of the arrivals") {
   const auto events = walk(7, 10.0);
   const std::uint64_t from = 700;
   Feeder feeder(false);
-  feeder.engines.change_settings(request(7, user_balance, from));
+  feeder.estimators.change_settings(request(7, user_balance, from));
   push_range(feeder, events, 1, from - 3);
   // 698 comes last of these six
   for (const std::uint64_t number : {699U, 700U, 701U, 702U, 703U, 698U}) {
     feeder.push(events[number - 1], SteadyTime{begin_ns});
   }
   push_range(feeder, events, 704, to_the_end);
-  CHECK(feeder.engines.status(7)->events_lost == 0);
-  CHECK(same(feeder.poses, poses_of_engine(events, with_user_balance(), from)));
+  CHECK(feeder.estimators.status(7)->events_lost == 0);
+  CHECK(same(feeder.poses, poses_of_estimator(events, with_user_balance(), from)));
 }
 
 SCENARIO("a change keeps what the engine knows") {
   Feeder feeder(false);
   feeder.push_all(walk(7, 5.0));
-  feeder.engines.change_settings(request(7, {{"trust.sigma_m", "0.3"}}));
+  feeder.estimators.change_settings(request(7, {{"trust.sigma_m", "0.3"}}));
   const FusedPose before = feeder.poses.back();
   const std::size_t count = feeder.poses.size();
   auto rest = walk(7, 6.0);
@@ -127,7 +127,7 @@ SCENARIO("a request that cannot be carried out changes nothing") {
   Feeder feeder(false);
   push_range(feeder, events, 1, 300);
   const auto refused = [&feeder](const SettingsRequest& wrong) {
-    const SettingsReply reply = feeder.engines.change_settings(wrong);
+    const SettingsReply reply = feeder.estimators.change_settings(wrong);
     CHECK_FALSE(reply.accepted);
     CHECK(reply.from_sequence == 0);
     CHECK(reply.request_id == wrong.request_id);
@@ -143,7 +143,7 @@ SCENARIO("a request that cannot be carried out changes nothing") {
   CHECK_THAT(refused(request(address, {}, from, 3)), Contains("no setting"));
   push_range(feeder, events, 301, to_the_end);
   feeder.push_all(walk(8, 1.0));
-  CHECK(same(feeder.poses_of(7), poses_of_engine(events)));
+  CHECK(same(feeder.poses_of(7), poses_of_estimator(events)));
   CHECK(feeder.changes_of(7).size() == 1);  // at its first event
   CHECK(feeder.changes_of(8).size() == 1);
 }
@@ -156,9 +156,9 @@ SCENARIO("a request for all beacons leaves a beacon's own settings alone") {
     for (const BeaconAddress address : std::initializer_list<BeaconAddress>{7, 8, 9}) {
       feeder.push_all(walk(address, 1.0));
     }
-    REQUIRE(feeder.engines.change_settings(request(8, {{"trust.sigma_m", "0.8"}})).accepted);
+    REQUIRE(feeder.estimators.change_settings(request(8, {{"trust.sigma_m", "0.8"}})).accepted);
     WHEN("all are given another") {
-      const auto reply = feeder.engines.change_settings(
+      const auto reply = feeder.estimators.change_settings(
           request(all_beacons, {{"trust.sigma_m", "0.5"}, {"trust.n_base", "9"}}));
       CHECK(reply.accepted);
       CHECK(reply.from_sequence == 0);
@@ -192,11 +192,11 @@ SCENARIO("requests hold for beacons that are first heard of later") {
   };
   GIVEN("requests for all, and for one that has not been heard") {
     feeder.push_all(walk(7, 1.0));
-    feeder.engines.change_settings(request(all_beacons, {{"trust.sigma_m", "0.5"}}));
-    const auto reply = feeder.engines.change_settings(request(11, {{"trust.sigma_m", "0.6"}}));
+    feeder.estimators.change_settings(request(all_beacons, {{"trust.sigma_m", "0.5"}}));
+    const auto reply = feeder.estimators.change_settings(request(11, {{"trust.sigma_m", "0.6"}}));
     CHECK(reply.accepted);
     CHECK(reply.from_sequence == 0);
-    feeder.engines.change_settings(request(all_beacons, {{"trust.n_base", "9"}}));
+    feeder.estimators.change_settings(request(all_beacons, {{"trust.n_base", "9"}}));
     WHEN("beacons come") {
       for (const BeaconAddress address : std::initializer_list<BeaconAddress>{10, 11, 12}) {
         feeder.push_all(walk(address, 1.0));
@@ -214,7 +214,7 @@ SCENARIO("requests hold for beacons that are first heard of later") {
   }
   GIVEN("a request for all from an event on that the one beacon there has passed already") {
     feeder.push_all(walk(7, 1.0));
-    feeder.engines.change_settings(request(all_beacons, {{"trust.sigma_m", "0.5"}}, 50));
+    feeder.estimators.change_settings(request(all_beacons, {{"trust.sigma_m", "0.5"}}, 50));
     WHEN("another beacon comes") {
       feeder.push_all(walk(10, 1.0));
       THEN("it holds for that one from its own event of this number on") {
@@ -229,12 +229,12 @@ SCENARIO("a request that comes again is answered again and not carried out again
   Feeder feeder(false);
   feeder.push_all(walk(7, 1.0));
   const auto first = request(7, {{"trust.sigma_m", "0.5"}}, 0, 1);
-  const SettingsReply reply = feeder.engines.change_settings(first);
+  const SettingsReply reply = feeder.estimators.change_settings(first);
   const auto second = request(7, {{"trust.sigma_m", "0.6"}}, 0, 2);
-  feeder.engines.change_settings(second);
+  feeder.estimators.change_settings(second);
   WHEN("the first comes again behind the second") {
     push_range(feeder, walk(7, 2.0), walk(7, 1.0).size() + 1, to_the_end);
-    CHECK(feeder.engines.change_settings(first) == reply);
+    CHECK(feeder.estimators.change_settings(first) == reply);
     push_range(feeder, walk(7, 3.0), walk(7, 2.0).size() + 1, to_the_end);
     THEN("the second still holds") {
       CHECK(feeder.changes.back().settings.trust.sigma_m == 0.6);
@@ -243,9 +243,12 @@ SCENARIO("a request that comes again is answered again and not carried out again
   }
   WHEN("one with the same id is for another beacon, or its id is 0") {
     THEN("it is another request") {
-      CHECK(feeder.engines.change_settings(request(8, {{"trust.sigma_m", "5"}}, 77, 1)).from_sequence == 77);
-      CHECK(feeder.engines.change_settings(request(8, {{"trust.sigma_m", "5"}}, 78, 0)).from_sequence == 78);
-      CHECK(feeder.engines.change_settings(request(8, {{"trust.sigma_m", "5"}}, 79, 0)).from_sequence == 79);
+      CHECK(feeder.estimators.change_settings(request(8, {{"trust.sigma_m", "5"}}, 77, 1)).from_sequence ==
+            77);
+      CHECK(feeder.estimators.change_settings(request(8, {{"trust.sigma_m", "5"}}, 78, 0)).from_sequence ==
+            78);
+      CHECK(feeder.estimators.change_settings(request(8, {{"trust.sigma_m", "5"}}, 79, 0)).from_sequence ==
+            79);
     }
   }
 }
@@ -254,23 +257,23 @@ SCENARIO("more changes than can wait are refused, and those that wait still hold
   Feeder feeder(false);
   feeder.push_all(walk(7, 1.0));
   for (std::uint64_t i = 0; i < SettingsTimeline::capacity; ++i) {
-    REQUIRE(feeder.engines.change_settings(request(7, {{"trust.n_base", "9"}}, 100'000 + i)).accepted);
+    REQUIRE(feeder.estimators.change_settings(request(7, {{"trust.n_base", "9"}}, 100'000 + i)).accepted);
   }
   for (const BeaconAddress address : {BeaconAddress{7}, all_beacons}) {
-    const auto reply = feeder.engines.change_settings(request(address, {{"trust.n_base", "9"}}, 200'000));
+    const auto reply = feeder.estimators.change_settings(request(address, {{"trust.n_base", "9"}}, 200'000));
     CHECK_FALSE(reply.accepted);
     CHECK_THAT(reply.reason, Contains("beacon 7") && Contains("64"));
-    CHECK(feeder.engines.change_settings(request(address, {{"trust.n_base", "8"}}, 100'000)).accepted);
+    CHECK(feeder.estimators.change_settings(request(address, {{"trust.n_base", "8"}}, 100'000)).accepted);
   }
-  CHECK(feeder.engines.change_settings(request(8, {{"trust.n_base", "9"}}, 200'000)).accepted);
+  CHECK(feeder.estimators.change_settings(request(8, {{"trust.n_base", "9"}}, 200'000)).accepted);
 }
 
 SCENARIO("a reset keeps the settings") {
   Feeder feeder(false);
   feeder.push_all(walk(7, 1.0));
-  feeder.engines.change_settings(request(7, {{"trust.sigma_m", "0.5"}}));
+  feeder.estimators.change_settings(request(7, {{"trust.sigma_m", "0.5"}}));
   push_range(feeder, walk(7, 2.0), walk(7, 1.0).size() + 1, to_the_end);
-  feeder.engines.reset(7);
+  feeder.estimators.reset(7);
   push_range(feeder, walk(7, 3.0), walk(7, 2.0).size() + 1, to_the_end);
   CHECK(feeder.poses.back().reset_counter == 1);
   CHECK(feeder.changes.size() == 2);

@@ -165,7 +165,7 @@ private:
       imu.angular_velocity_body_radps += sensors_.gyro_offset_body_radps;
       imu.specific_force_body_mps2 += sensors_.accel_offset_body_mps2;
       if (alter_imu) alter_imu(imu, now_s);
-      if (const auto pose = engine.on(imu)) moments.push_back({now_s, *pose, truth});
+      if (const auto pose = engine.predict(imu)) moments.push_back({now_s, *pose, truth});
     }
     ++samples_;
   }
@@ -197,10 +197,10 @@ private:
   }
 
   void receive() {
-    reports.push_back(engine.on(in_flight_.front()));
+    reports.push_back(engine.correct(in_flight_.front()));
     in_flight_.pop_front();
     if (headings_.empty()) return;
-    engine.on(headings_.front());
+    engine.correct(headings_.front());
     headings_.pop_front();
   }
 

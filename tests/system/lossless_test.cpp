@@ -5,7 +5,7 @@
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
 #include "system/replay_rows.hpp"
-#include <sonopose/estimation/documented/engine.hpp>
+#include <sonopose/estimation/any_estimator.hpp>
 
 #include <algorithm>
 #include <csignal>
@@ -31,17 +31,11 @@ struct Replay {
 
 Replay replay(const std::filesystem::path& folder) {
   Replay replay;
-  estimation::documented::Engine engine{settings::Settings{}};
+  estimation::AnyEstimator estimator{settings::Settings{}};
   for (const Event& event : recording::read_sensor_log(folder).events) {
-    if (const auto* imu = std::get_if<ImuSample>(&event)) {
-      const auto pose = engine.on(*imu);
-      REQUIRE(pose);
-      replay.poses.push_back(*pose);
-    } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
-      replay.reports.push_back(engine.on(*fix));
-    } else {
-      engine.on(std::get<PairHeading>(event));
-    }
+    const auto output = estimation::process(estimator, event);
+    if (const auto* pose = std::get_if<FusedPose>(&output)) replay.poses.push_back(*pose);
+    if (const auto* report = std::get_if<FixReport>(&output)) replay.reports.push_back(*report);
   }
   return replay;
 }

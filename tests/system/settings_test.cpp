@@ -4,7 +4,7 @@
 #include "support/bits.hpp"
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
-#include <sonopose/estimation/documented/engine.hpp>
+#include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/settings/settings_table.hpp>
 
 #include <nlohmann/json.hpp>
@@ -202,24 +202,17 @@ SCENARIO("a change at a given event gives poses that are bit-identical to the re
     settings::Settings other;
     settings::set(other, "fusion.imu_weight", std::string("high"));
     settings::set(other, "trust.sigma_m", 0.02);
-    estimation::documented::Engine engine{settings::Settings{}};
-    estimation::documented::Engine unchanged{settings::Settings{}};
+    estimation::AnyEstimator estimator{settings::Settings{}};
+    estimation::AnyEstimator unchanged{settings::Settings{}};
     std::vector<FusedPose> expected;
     std::size_t differing = 0;
     for (const Event& event : recording::read_sensor_log(folder / "log").events) {
-      if (sequence_of(event) == from) engine.configure(other);
-      const auto feed = [&event](estimation::documented::Engine& fed) -> std::optional<FusedPose> {
-        if (const auto* imu = std::get_if<ImuSample>(&event)) return fed.on(*imu);
-        if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
-          fed.on(*fix);
-        } else {
-          fed.on(std::get<PairHeading>(event));
-        }
-        return std::nullopt;
-      };
-      const auto pose = feed(engine);
-      const auto before = feed(unchanged);
-      if (!pose) continue;
+      if (sequence_of(event) == from) estimator.configure(other);
+      const auto output = estimation::process(estimator, event);
+      const auto output_before = estimation::process(unchanged, event);
+      const auto* pose = std::get_if<FusedPose>(&output);
+      const auto* before = std::get_if<FusedPose>(&output_before);
+      if (pose == nullptr) continue;
       expected.push_back(*pose);
       if (bits_of(*pose) != bits_of(*before)) ++differing;
     }

@@ -1,59 +1,68 @@
 #pragma once
 /// \file
-/// Three topics have no order among each other; the event numbers that the bridge gives restore it. An event
-/// that is next in line passes at once; one that came too early waits a declared time for those before it,
-/// which are then counted as lost.
+/// Restores the order of one beacon's events. The three topics have no order among each other; the bridge's
+/// event numbers define it. An event that is next in line passes immediately. One that arrives early waits
+/// for a limited time for its predecessors, which are then counted as lost.
 
 #include <sonopose/samples/samples.hpp>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace sonopose::collation {
 
 struct CollatorCounters {
-  std::uint64_t lost = 0;        ///< event numbers that never came
-  std::uint64_t duplicated = 0;  ///< came twice, or after they had been given up
-  std::uint64_t restarts = 0;    ///< the numbering began anew
+  std::uint64_t lost = 0;        ///< event numbers that never arrived
+  std::uint64_t duplicated = 0;  ///< arrived twice, or after they had been given up
+  std::uint64_t restarts = 0;    ///< the numbering started again
 };
 
-/// The order of one beacon's events. Fixed size, allocates nothing.
+/// An event that is next in line.
+struct CollatedEvent {
+  Event event;
+  bool restart = false;  ///< the first event of a new numbering
+};
+
+/// Collates live events. It has a fixed size and does not allocate.
 class Collator {
 public:
-  /// Events that can wait at once; when all places are taken the gap is given up early.
+  /// Number of events that can wait. If more arrive, the gap before them is given up early.
   static constexpr std::size_t capacity = 64;
 
-  /// How long a gap is waited for.
+  /// `timeout_ns`: how long an event waits for its predecessors.
   explicit Collator(TimeNs timeout_ns = 5'000'000) : timeout_ns_(timeout_ns) {}
 
-  /// Takes an event that arrived at `now` (steady clock) and calls `deliver(event)` for each that is
-  /// in line now. Without a gap that is the event itself, at once. Gaps are given up only here, when a later
-  /// event arrives: no clock of its own is needed.
-  template <class Deliver>
-  void push(const Event& event, SteadyTime now, const Deliver& deliver) {
+  /// Adds an event that arrived at `now`. Returns the events that are in line now, in
+  /// order; the span is valid until the next call. Without a gap this is the event itself. A gap is given up
+  /// only when a later event arrives, so that no timer is needed.
+  std::span<const CollatedEvent> push(const Event& event, SteadyTime now) {
+    ready_count_ = 0;
     const std::uint64_t sequence = sequence_of(event);
     if (!started_) begin(sequence);
-    if (sequence < next_ && !is_restart(sequence, now)) {
+    const bool late = sequence < next_;
+    if (late && !is_restart(sequence, now)) {
       ++counters_.duplicated;
-      return;
+      return {};
     }
-    if (sequence < next_) begin_again(sequence, now, deliver);
+    if (late) begin_again(sequence, now);
     late_run_ = 0;
     if (sequence == next_ && waiting_ == 0) {
       ++next_;
-      deliver(event);
+      release(event, late);
     } else {
-      hold(event, now, deliver);
-      release(now, deliver);
+      store(event, now);
+      release_due(now);
     }
+    return {ready_.data(), ready_count_};
   }
 
   [[nodiscard]] const CollatorCounters& counters() const { return counters_; }
 
 private:
-  struct Place {
-    bool taken = false;
+  struct Slot {
+    bool used = false;
     SteadyTime since;
     Event event;
   };
@@ -63,9 +72,11 @@ private:
     next_ = sequence;
   }
 
-  /// A bridge that was started anew counts from the beginning again: late numbers, but one after the other
-  /// with none in line between them. (Of two bridges that publish the same address the first goes on being
-  /// served.) What was given up and comes after all is late and no restart, however much of it there is.
+  void release(const Event& event, bool restart = false) { ready_[ready_count_++] = {event, restart}; }
+
+  /// A restarted bridge counts from the beginning: several late numbers in succession with no number in line
+  /// between them. (If two bridges publish the same address, the first stays the one that counts.) A number
+  /// that was given up is only late.
   [[nodiscard]] bool is_restart(std::uint64_t sequence, SteadyTime now) {
     constexpr int enough = 4;
     if (was_given_up(sequence, now)) return false;
@@ -74,41 +85,39 @@ private:
     return late_run_ >= enough;
   }
 
-  template <class Deliver>
-  void begin_again(std::uint64_t sequence, SteadyTime now, const Deliver& deliver) {
-    while (waiting_ > 0) skip_to_earliest(now, deliver);
+  void begin_again(std::uint64_t sequence, SteadyTime now) {
+    while (waiting_ > 0) skip_to_earliest(now);
     next_ = sequence;
     given_up_ = {};
     ++counters_.restarts;
   }
 
-  /// Numbers that were given up; a `to` of 0: none.
+  /// Numbers that were given up; empty if `to` is 0.
   struct Gap {
     std::uint64_t from = 0;
     std::uint64_t to = 0;
     SteadyTime since;
   };
 
-  Place& place_of(std::uint64_t sequence) { return places_[sequence % capacity]; }
+  Slot& slot_of(std::uint64_t sequence) { return slots_[sequence % capacity]; }
 
-  template <class Deliver>
-  void hold(const Event& event, SteadyTime now, const Deliver& deliver) {
+  void store(const Event& event, SteadyTime now) {
     const std::uint64_t sequence = sequence_of(event);
-    while (waiting_ > 0 && sequence >= next_ + capacity) skip_to_earliest(now, deliver);
+    while (waiting_ > 0 && sequence >= next_ + capacity) skip_to_earliest(now);
     if (waiting_ == 0 && sequence >= next_ + capacity) give_up_to(sequence, now);  // too wide to be filled
-    Place& place = place_of(sequence);
-    if (place.taken) {
+    Slot& slot = slot_of(sequence);
+    if (slot.used) {
       ++counters_.duplicated;
       return;
     }
-    place = {true, now, event};
+    slot = {true, now, event};
     ++waiting_;
   }
 
-  /// Everything before `sequence` that has not come is lost.
+  /// Counts everything before `sequence` that has not arrived as lost.
   void give_up_to(std::uint64_t sequence, SteadyTime now) {
     if (sequence == next_) return;
-    constexpr std::uint64_t widest = 1024;  // beyond that a number was wrong, or the numbering is another one
+    constexpr std::uint64_t widest = 1024;  // a wider gap is a corrupt number or another numbering
     counters_.lost += sequence - next_;
     if (sequence - next_ <= widest) {
       given_up_[given_up_count_++ % given_up_.size()] = {next_, sequence, now};
@@ -124,42 +133,41 @@ private:
     return false;
   }
 
-  /// Gives up the gap before the earliest event that waits.
-  template <class Deliver>
-  void skip_to_earliest(SteadyTime now, const Deliver& deliver) {
+  /// Gives up the gap before the earliest waiting event.
+  void skip_to_earliest(SteadyTime now) {
     std::uint64_t earliest = next_;
-    while (!place_of(earliest).taken) ++earliest;
+    while (!slot_of(earliest).used) ++earliest;
     give_up_to(earliest, now);
-    deliver_run(deliver);
+    release_run();
   }
 
-  template <class Deliver>
-  void deliver_run(const Deliver& deliver) {
-    while (waiting_ > 0 && place_of(next_).taken) {
-      Place& place = place_of(next_);
-      place.taken = false;
+  void release_run() {
+    while (waiting_ > 0 && slot_of(next_).used) {
+      Slot& slot = slot_of(next_);
+      slot.used = false;
       --waiting_;
       ++next_;
-      deliver(place.event);
+      release(slot.event);
     }
   }
 
-  template <class Deliver>
-  void release(SteadyTime now, const Deliver& deliver) {
-    deliver_run(deliver);
-    while (waiting_ > 0 && now - longest_wait_began() > timeout_ns_) skip_to_earliest(now, deliver);
+  void release_due(SteadyTime now) {
+    release_run();
+    while (waiting_ > 0 && now - longest_wait_began() > timeout_ns_) skip_to_earliest(now);
   }
 
   [[nodiscard]] SteadyTime longest_wait_began() const {
     SteadyTime earliest = SteadyTime::max();
-    for (const Place& place : places_) {
-      if (place.taken && place.since < earliest) earliest = place.since;
+    for (const Slot& slot : slots_) {
+      if (slot.used && slot.since < earliest) earliest = slot.since;
     }
     return earliest;
   }
 
   TimeNs timeout_ns_;
-  std::array<Place, capacity> places_{};
+  std::array<Slot, capacity> slots_{};
+  std::array<CollatedEvent, capacity + 1> ready_{};  ///< all waiting events and the new one
+  std::size_t ready_count_ = 0;
   std::size_t waiting_ = 0;
   std::uint64_t next_ = 0;
   bool started_ = false;

@@ -1,36 +1,40 @@
 #pragma once
 /// \file
-/// The order of events where nothing is ever lost (keep-all on both sides, a log played as fast as it can
-/// be): an event waits for those before it however long it takes.
+/// Restores the order of events on a lossless path (keep-all on both sides, a log played at full speed): an
+/// event waits for its predecessors without a time limit.
 
-#include <sonopose/samples/samples.hpp>
 #include <sonopose/collation/collator.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace sonopose::collation {
 
-/// Numbering begins with 1, as a log's does. It allocates: for use off the live path.
+/// The numbering begins with 1, as in a log. It allocates and is not for the live path.
 class LosslessCollator {
 public:
-  /// More events than any transport holds back: then the first number is not coming any more.
+  /// More events than any transport buffers: if so many wait, the missing event will not arrive.
   static constexpr std::size_t capacity = 1U << 16U;
 
-  /// Calls `deliver(event)` for every event that is in line now.
-  template <class Deliver>
-  void push(const Event& event, const Deliver& deliver) {
+  /// Adds an event. Returns the events that are in line now, in order; the span is valid until the next call.
+  std::span<const CollatedEvent> push(const Event& event) {
+    ready_.clear();
     const std::uint64_t sequence = sequence_of(event);
+    bool restart = false;
     if (sequence < next_) {
-      // Of this run it is a duplicate. But a log that is played again may begin with any of its numbers: they
-      // are kept until its first one tells.
+      // A duplicate, or an event of a log that is played again, whose first events may arrive in any order:
+      // keep them until number 1 shows which.
       ++counters_.duplicated;
       late_.insert_or_assign(sequence, event);
-      if (!late_.contains(1)) return;
+      if (!late_.contains(1)) return {};
       begin_again();
+      restart = true;
     } else if (!waiting_.emplace(sequence, event).second) {
       ++counters_.duplicated;
     }
@@ -41,17 +45,18 @@ public:
     while (!waiting_.empty() && waiting_.begin()->first == next_) {
       const auto node = waiting_.extract(waiting_.begin());
       ++next_;
-      deliver(node.mapped());
+      ready_.push_back({node.mapped(), std::exchange(restart, false)});
     }
+    return ready_;
   }
 
   [[nodiscard]] const CollatorCounters& counters() const { return counters_; }
 
   struct Gap {
-    std::uint64_t missing = 0;  ///< number of the event that is waited for
-    std::size_t held = 0;       ///< events that wait for it
+    std::uint64_t missing = 0;  ///< number of the missing event
+    std::size_t waiting = 0;    ///< number of events that wait for it
   };
-  /// What is waited for; empty where nothing waits.
+  /// The gap before the waiting events; empty if none wait.
   [[nodiscard]] std::optional<Gap> gap() const {
     if (waiting_.empty()) return std::nullopt;
     return Gap{next_, waiting_.size()};
@@ -68,7 +73,8 @@ private:
 
   std::uint64_t next_ = 1;
   std::map<std::uint64_t, Event> waiting_;
-  std::map<std::uint64_t, Event> late_;  ///< numbers that were delivered already
+  std::map<std::uint64_t, Event> late_;  ///< with numbers that were released before
+  std::vector<CollatedEvent> ready_;
   CollatorCounters counters_;
 };
 

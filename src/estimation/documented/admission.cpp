@@ -1,5 +1,5 @@
-#include <sonopose/samples/pose.hpp>
 #include <sonopose/estimation/documented/admission.hpp>
+#include <sonopose/samples/pose.hpp>
 
 #include <cmath>
 
@@ -10,9 +10,9 @@ bool within(const Vector3d& value, double limit) {
   return value.allFinite() && value.cwiseAbs().maxCoeff() <= limit;
 }
 
-/// A measurement of the last moments: not older than the limit, and not from the future by more than a hair
-/// (an IMU sample may still be under way when the fix is here).
-/// Before the first IMU sample the state's time is 0, and nothing is of that time.
+/// Whether a measurement is not older than the limit and not from the future. The tolerance covers an IMU
+/// sample that arrives after the fix. Before the first IMU sample the state's time is 0 and no measurement is
+/// recent.
 bool is_recent(const AdmissionSettings& settings, TimeNs now_ns, TimeNs measured_ns, TimeNs received_ns) {
   if (!is_time(measured_ns) || !is_time(received_ns)) return false;
   constexpr double future_tolerance_s = 0.3;
@@ -30,14 +30,14 @@ bool is_time(TimeNs stamp_ns) {
 }
 
 bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& imu) {
-  // No accelerometer reads exactly zero on all axes: it says nothing.
+  // No accelerometer reads exactly zero on all axes.
   return is_time(imu.sensor_time_ns) && imu.sensor_time_ns >= now_ns &&
          !imu.specific_force_body_mps2.isZero(0.0) &&
          within(imu.angular_velocity_body_radps, settings.max_angular_rate_radps) &&
          within(imu.specific_force_body_mps2, settings.max_specific_force_mps2);
 }
 
-bool is_sudden(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
+bool is_time_jump(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
   constexpr double longest_step_s = 2.0;
   const TimeNs announced_ns = state.announced_ns;
   state.announced_ns = 0;
@@ -49,7 +49,7 @@ bool is_sudden(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
   return true;
 }
 
-bool time_was_wrong(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
+bool needs_time_reset(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
   constexpr int enough = 50;  // half a second of a beacon's samples
   const bool backward = imu.sensor_time_ns > 0 && imu.sensor_time_ns < now_ns;
   state.backward_in_row = backward ? state.backward_in_row + 1 : 0;
@@ -62,7 +62,7 @@ bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading&
          is_recent(settings, now_ns, measured_ns, heading.received_time_ns);
 }
 
-std::uint32_t reasons_against(const AdmissionSettings& settings, AdmissionState& state, TimeNs now_ns,
+std::uint32_t rejection_flags(const AdmissionSettings& settings, AdmissionState& state, TimeNs now_ns,
                               const UltrasonicFix& fix, TimeNs measured_ns) {
   const bool possible = within(fix.position_world_m, settings.max_position_m) &&
                         measured_ns > state.last_fix_measured_ns &&

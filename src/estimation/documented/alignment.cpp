@@ -9,7 +9,7 @@ namespace sonopose::estimation::documented::alignment {
 
 void level(const AlignmentSettings& settings, AlignmentState& state, attitude::AnyFilter& filter,
            const Vector3d& velocity_change_world_mps) {
-  // A turn φ of the attitude adds φ × g·z to the acceleration: φ = z × dv / g turns it towards dv.
+  // A turn φ of the attitude adds φ × g·z to the acceleration; φ = z × dv / g turns it towards dv.
   const Vector3d turn_world_rad =
       settings.tilt_gain_hz / standard_gravity_mps2 * Vector3d::UnitZ().cross(velocity_change_world_mps);
   filter.turn_in_world(turn_world_rad);
@@ -20,34 +20,34 @@ void level(const AlignmentSettings& settings, AlignmentState& state, attitude::A
                  -limit_mps2, limit_mps2);
 }
 
-void set_known_acceleration(const AlignmentSettings& settings, AlignmentState& state, const Vector3d& gained_world_mps,
-          TimeNs now_ns, double dt_s) {
+void set_known_acceleration(const AlignmentSettings& settings, AlignmentState& state,
+                            const Vector3d& gained_world_mps, TimeNs now_ns, double dt_s) {
   if (!(settings.aiding_s > 0.0)) return clear_known_acceleration(state);
   if (!(dt_s > 0.0)) return;
   Vector3d reported_world_mps = -std::expm1(-dt_s / settings.aiding_s) * state.pending_world_mps;
-  // A tilt that follows corrections, and makes new ones, must not be thrown about by wild ones.
-  constexpr double most_told_mps2 = 1.0;
-  const double told_mps2 = reported_world_mps.norm() / dt_s;
-  if (told_mps2 > most_told_mps2) reported_world_mps *= most_told_mps2 / told_mps2;
+  // Limits the feedback of large corrections: the tilt that follows them causes new corrections.
+  constexpr double max_reported_mps2 = 1.0;
+  const double reported_mps2 = reported_world_mps.norm() / dt_s;
+  if (reported_mps2 > max_reported_mps2) reported_world_mps *= max_reported_mps2 / reported_mps2;
   state.pending_world_mps -= reported_world_mps;
-  // The learned offset is the accelerometer's, not the body's acceleration: the filter reads it too.
+  // The learned offset is an error of the accelerometer, not an acceleration of the body.
   state.known_acceleration_world_mps2 = (gained_world_mps + reported_world_mps) / dt_s;
   state.known_acceleration_world_mps2.z() -= state.vertical_offset_mps2;
-  state.tells = true;
-  state.told_ns = now_ns;
+  state.aiding = true;
+  state.aided_ns = now_ns;
 }
 
 void clear_known_acceleration(AlignmentState& state) {
   state.pending_world_mps.setZero();
   state.known_acceleration_world_mps2.setZero();
-  state.tells = false;
+  state.aiding = false;
 }
 
 void aid(const AlignmentSettings& settings, const AlignmentState& state, TimeNs now_ns,
          attitude::Measurement<double>& measurement) {
   measurement.acceleration_world_mps2 = state.known_acceleration_world_mps2;
-  const bool held = state.told_ns != 0 && seconds_between(state.told_ns, now_ns) < settings.hold_s;
-  measurement.force_tells_up = state.tells || !held;
+  const bool held = state.aided_ns != 0 && seconds_between(state.aided_ns, now_ns) < settings.hold_s;
+  measurement.force_tells_up = state.aiding || !held;
 }
 
 double turn(const AlignmentSettings& settings, AlignmentState& state, Kinematics& body,

@@ -3,7 +3,7 @@
 namespace sonopose::estimation::documented::delay {
 namespace {
 
-/// Zero, which is no time, where there is none before.
+/// 0, which is no valid time, if there is no earlier time.
 TimeNs before(TimeNs time_ns, double seconds) {
   return time_ns > to_ns(seconds) ? time_ns - to_ns(seconds) : 0;
 }
@@ -20,10 +20,10 @@ TimeNs measured_at(const DelaySettings& settings, const PairHeading& heading) {
   return own ? heading.emission_time_ns : before(heading.received_time_ns, settings.processing_s);
 }
 
-void move_on(const DelaySettings& settings, const Kinematics& body, TimedFix& fix) {
+void extrapolate_to_now(const DelaySettings& settings, const Kinematics& body, TimedFix& fix) {
   fix.shifted_position_world_m = fix.measured_position_world_m;
   if (!settings.extrapolate || !body.started()) return;
-  // Without a path that reaches back so far, today's velocity is the best guess.
+  // If the history begins later, use the present velocity.
   fix.shifted_position_world_m +=
       body.moved(fix.measured_ns, body.time_ns)
           .value_or(body.velocity_world_mps * seconds_between(fix.measured_ns, body.time_ns));
@@ -31,7 +31,7 @@ void move_on(const DelaySettings& settings, const Kinematics& body, TimedFix& fi
 
 TimedFix shift(const DelaySettings& settings, const Kinematics& body, const UltrasonicFix& fix) {
   TimedFix timed{measured_at(settings, fix), fix.position_world_m, fix.position_world_m};
-  move_on(settings, body, timed);
+  extrapolate_to_now(settings, body, timed);
   return timed;
 }
 

@@ -20,7 +20,7 @@ Vector3d correct(const DriftSettings& settings, DriftState& state, Kinematics& b
 }
 
 void apply_decay(const DriftSettings& settings, DriftState& state, Kinematics& body, double dt_s) {
-  // Steps short against the decay keep it stable at any IMU rate; one is enough at ordinary rates.
+  // Substeps keep the decay stable at any IMU rate; one is enough at usual rates.
   const double steps = std::max(1.0, std::ceil(4.0 * settings.decay_rate_hz * dt_s));
   const double step_s = dt_s / steps;
   const double share = -std::expm1(-settings.velocity_smooth_rate_hz * step_s);  // exact u' = rate (u* - u)

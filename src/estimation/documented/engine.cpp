@@ -1,3 +1,6 @@
+// The steps of the document in their order; numbers are its items. Each step is a stage in a file of its
+// name.
+
 #include <sonopose/estimation/documented/engine.hpp>
 #include <sonopose/estimation/documented/motion.hpp>
 #include <sonopose/geometry/rotation.hpp>
@@ -8,19 +11,20 @@
 #include <type_traits>
 
 namespace sonopose::estimation::documented {
+
 Engine::Engine(const settings::Settings& settings)
     : settings_(resolved(settings)), calibration_(settings.calibration) {}
 
 void Engine::configure(const settings::Settings& settings) noexcept {
-  static_assert(std::is_trivially_copyable_v<settings::Settings>);  // so that nothing can throw or allocate
+  static_assert(std::is_trivially_copyable_v<settings::Settings>);  // cannot throw or allocate
   settings_ = resolved(settings);
   const calibration::Calibration before = calibration_;
   calibration_ = calibration::Calibration(settings.calibration);
-  if (!(calibration_ == before)) translate_offset(before);
+  if (!(calibration_ == before)) convert_gyro_offset(before);
 }
 
-/// What rest has told of the gyroscope was told in the terms of the calibration before.
-void Engine::translate_offset(const calibration::Calibration& before) {
+/// Re-expresses the gyro bias, learned under the old calibration, in the new one.
+void Engine::convert_gyro_offset(const calibration::Calibration& before) {
   const Vector3d start_radps = state_.startup.gyro_offset_body_radps;
   const Vector3d whole_radps = start_radps + state_.filter.gyro_bias_body_radps();
   const Vector3d new_start_radps = calibration_.rate_from(before, start_radps);
@@ -28,31 +32,6 @@ void Engine::translate_offset(const calibration::Calibration& before) {
   if (!new_start_radps.allFinite() || !new_whole_radps.allFinite()) return;
   state_.startup.gyro_offset_body_radps = new_start_radps;
   state_.filter.set_gyro_bias(new_whole_radps - new_start_radps);
-}
-
-std::optional<FusedPose> Engine::on(const ImuSample& raw) noexcept {
-  const ImuSample imu = calibration_.corrected(raw);
-  if (!admission::admits(settings_.admission, state_.body.time_ns, imu) ||
-      admission::is_sudden(state_.admission, state_.body.time_ns, imu)) {
-    ++counters_.samples_invalid;
-    if (admission::time_was_wrong(state_.admission, state_.body.time_ns, imu)) reset();
-    return std::nullopt;
-  }
-  state_.admission.backward_in_row = 0;
-  ++counters_.imu_samples;
-  if (!state_.body.started()) start(imu);
-  const double dt_s = seconds_between(state_.body.time_ns, imu.sensor_time_ns);
-  state_.in_imu_gap = outage::is_imu_gap(settings_.outage, dt_s);
-  if (state_.in_imu_gap) startup::begin_window(state_.startup, imu.sensor_time_ns);
-  calibrate(imu);
-  state_.body.time_ns = imu.sensor_time_ns;
-  if (state_.in_imu_gap) {
-    rest_over_gap(imu, dt_s);
-  } else {
-    predict(imu, dt_s);
-  }
-  remember_path();
-  return pose_at(imu);
 }
 
 void Engine::reset() noexcept {
@@ -66,62 +45,94 @@ void Engine::restore(const Snapshot& snapshot) noexcept {
   reset_counter_ = snapshot.reset_counter;
 }
 
+// One IMU sample
+
+std::optional<FusedPose> Engine::predict(const ImuSample& raw) noexcept {
+  const ImuSample imu = calibration_.corrected(raw);
+  if (!admit(imu)) return std::nullopt;
+  if (!state_.body.started()) start(imu);
+  const double dt_s = seconds_between(state_.body.time_ns, imu.sensor_time_ns);
+  state_.in_imu_gap = outage::is_imu_gap(settings_.outage, dt_s);
+  if (state_.in_imu_gap) startup::begin_window(state_.startup, imu.sensor_time_ns);
+  calibrate_at_rest(imu);
+  state_.body.time_ns = imu.sensor_time_ns;
+  if (state_.in_imu_gap) {
+    coast_over_gap(imu, dt_s);
+  } else {
+    integrate(imu, dt_s);
+  }
+  record_path();
+  return pose_at(imu);
+}
+
+bool Engine::admit(const ImuSample& imu) {
+  const TimeNs now_ns = state_.body.time_ns;
+  if (!admission::admits(settings_.admission, now_ns, imu) ||
+      admission::is_time_jump(state_.admission, now_ns, imu)) {
+    ++counters_.samples_invalid;
+    if (admission::needs_time_reset(state_.admission, now_ns, imu)) reset();
+    return false;
+  }
+  state_.admission.backward_in_row = 0;
+  ++counters_.imu_samples;
+  return true;
+}
+
 void Engine::start(const ImuSample& imu) {
   state_.body.time_ns = imu.sensor_time_ns;
   const auto field = attitude::field_use(settings_.attitude.selection);
   state_.filter.reset(attitude::first_orientation(field.measurement_of(imu, 0.0)));
 }
 
-void Engine::calibrate(const ImuSample& imu) {
+void Engine::calibrate_at_rest(const ImuSample& imu) {
   const bool at_start = state_.startup.waiting;
-  if (startup::watch(settings_.startup, state_.startup, imu) != startup::Progress::calibrated) return;
-  // The mean of a second at rest is a better plumb line than the filter has found by then.
+  if (startup::update(settings_.startup, state_.startup, imu) != startup::Progress::calibrated) return;
+  // The mean of a second at rest is more accurate than the filter's estimate of the vertical by then.
   const double yaw_rad = geometry::yaw_of(state_.filter.orientation());
   state_.filter.reset(geometry::level_with(state_.startup.accel_mean, yaw_rad));
-  state_.heading.rate_offset_radps = 0.0;  // it was a part of the offset that is known now
+  state_.heading.rate_offset_radps = 0.0;  // part of the gyro offset, which is now known
   if (!at_start) return;
   state_.body.correct_velocity(-state_.body.velocity_world_mps);
   state_.uncertainty.velocity_std_mps = 0.0;
   state_.velocity.settle();
-  if (state_.outage.track == InitPhase::position) state_.outage.track = InitPhase::held;
+  if (state_.outage.init_phase == InitPhase::no_velocity) state_.outage.init_phase = InitPhase::tracking;
 }
 
-void Engine::predict(const ImuSample& imu, double dt_s) {
+void Engine::integrate(const ImuSample& imu, double dt_s) {
   Kinematics& body = state_.body;
-  const double pulled = predict_attitude(imu, dt_s);
+  integrate_attitude(imu, dt_s);  // 29, 30
+  const double yaw_share =
+      heading::correct_from_pair(settings_.heading, state_.heading, body, state_.filter, dt_s);  // 34
   const Vector3d velocity_before_world_mps = body.velocity_world_mps;
-  predict_velocity(imu, dt_s);
+  integrate_velocity(imu, dt_s);                                  // 10, 11, 23–25, 35–37
   drift::apply_decay(settings_.drift, state_.drift, body, dt_s);  // 2, 9
   body.displacement_world_m += dt_s * (0.5 * (velocity_before_world_mps + body.velocity_world_mps) -
                                        body.velocity_corrections_world_mps);
 
   uncertainty::grow(settings_.uncertainty, state_.uncertainty, dt_s);
-  uncertainty::pull_yaw(settings_.uncertainty, state_.uncertainty, pulled);
+  uncertainty::correct_yaw(settings_.uncertainty, state_.uncertainty, yaw_share);
 }
 
-/// Returns the share of the yaw error that a paired heading took away.
-double Engine::predict_attitude(const ImuSample& imu, double dt_s) {
-  Kinematics& body = state_.body;
+void Engine::integrate_attitude(const ImuSample& imu, double dt_s) {
   const Vector3d rate_body_radps = imu.angular_velocity_body_radps - state_.startup.gyro_offset_body_radps;
   const Vector3d mean_rate_body_radps = 0.5 * (state_.previous_rate_body_radps + rate_body_radps);
   state_.previous_rate_body_radps = rate_body_radps;
-  body.angular_velocity_body_radps = rate_body_radps - state_.filter.gyro_bias_body_radps();
+  state_.body.angular_velocity_body_radps = rate_body_radps - state_.filter.gyro_bias_body_radps();
 
   auto measurement = attitude::field_use(settings_.attitude.selection).measurement_of(imu, dt_s);
   measurement.angular_velocity_body_radps = mean_rate_body_radps;
   alignment::aid(settings_.alignment, state_.alignment, imu.sensor_time_ns, measurement);
-  state_.filter.update(settings_.attitude, measurement);                                            // 29, 30
-  return heading::correct_from_pair(settings_.heading, state_.heading, body, state_.filter, dt_s);  // 34
+  state_.filter.update(settings_.attitude, measurement);
 }
 
-void Engine::predict_velocity(const ImuSample& imu, double dt_s) {
+void Engine::integrate_velocity(const ImuSample& imu, double dt_s) {
   Kinematics& body = state_.body;
   const Vector3d before_world_mps2 = body.acceleration_world_mps2;
   body.acceleration_world_mps2 = world_acceleration(imu);
   const bool no_position = state_.outage.last_valid_fix_ns == 0;
-  if (state_.startup.waiting || no_position) return;  // at rest, or nothing to start an integral from
-  if (outage::watch(settings_.outage, state_.outage, body.time_ns)) {  // 11
-    outage::decay(settings_.outage, body, dt_s);                       // 10
+  if (state_.startup.waiting || no_position) return;                    // at rest, or no start of an integral
+  if (outage::update(settings_.outage, state_.outage, body.time_ns)) {  // 11
+    outage::decay(settings_.outage, body, dt_s);                        // 10
     alignment::clear_known_acceleration(state_.alignment);
     motion::coast(body, dt_s);
     return;
@@ -132,7 +143,7 @@ void Engine::predict_velocity(const ImuSample& imu, double dt_s) {
                     dt_s);  // 25, 35–37
   const Vector3d gained_world_mps = body.velocity_world_mps - velocity_before_world_mps;
   state_.alignment.gained_world_mps += gained_world_mps;
-  if (state_.outage.track == InitPhase::held && state_.velocity.settled()) {
+  if (state_.outage.init_phase == InitPhase::tracking && state_.velocity.settled()) {
     alignment::set_known_acceleration(settings_.alignment, state_.alignment, gained_world_mps, body.time_ns,
                                       dt_s);
   } else {
@@ -141,22 +152,23 @@ void Engine::predict_velocity(const ImuSample& imu, double dt_s) {
   runaway::damp(settings_.runaway, state_.runaway, body, dt_s);  // 23, 24
 }
 
-/// a = R(q)·f + g, and what alignment has learned of the vertical.
+/// a = R(q)·f + g, plus the learned vertical offset.
 Vector3d Engine::world_acceleration(const ImuSample& imu) const {
   Vector3d acceleration_world_mps2 = state_.filter.orientation() * imu.specific_force_body_mps2;
   acceleration_world_mps2.z() += state_.alignment.vertical_offset_mps2 - standard_gravity_mps2;
   return acceleration_world_mps2;
 }
 
-void Engine::rest_over_gap(const ImuSample& imu, double dt_s) {
-  // Nothing is known of the motion meanwhile: no path to compare old fixes with, and the track is let go.
+/// The motion during the gap is unknown: no inertial path to compare older fixes with, and the next fix sets
+/// the position.
+void Engine::coast_over_gap(const ImuSample& imu, double dt_s) {
   ++counters_.imu_gaps;
   state_.previous_rate_body_radps = imu.angular_velocity_body_radps - state_.startup.gyro_offset_body_radps;
   state_.body.angular_velocity_body_radps =
       state_.previous_rate_body_radps - state_.filter.gyro_bias_body_radps();
   state_.body.acceleration_world_mps2 = world_acceleration(imu);
   outage::decay(settings_.outage, state_.body, dt_s);
-  state_.outage.track = InitPhase::none;
+  state_.outage.init_phase = InitPhase::no_position;
   state_.body.history.clear();
   frozen::begin_window(state_.frozen, state_.body);
   state_.drift = DriftState{};
@@ -164,10 +176,204 @@ void Engine::rest_over_gap(const ImuSample& imu, double dt_s) {
   uncertainty::grow(settings_.uncertainty, state_.uncertainty, dt_s);
 }
 
-void Engine::remember_path() {
+void Engine::record_path() {
   Kinematics& body = state_.body;
   const double yaw_rad = geometry::yaw_of(state_.filter.orientation()) - body.yaw_corrections_rad;
   body.history.push({body.time_ns, body.displacement_world_m, geometry::wrap_angle(yaw_rad)});
+}
+
+// One fix
+
+FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
+  FixReport report = report_on(fix);
+  report.flags = reject(fix);  // 12
+  if (report.flags != 0) {
+    ++counters_.fixes_rejected;
+    return report;
+  }
+  startup::update(settings_.startup, state_.startup, fix);
+  TimedFix timed = delay::shift(settings_.delay, state_.body, fix);  // 6
+  if (state_.outage.init_phase == InitPhase::no_position) {
+    reset_position(timed, report);
+  } else if (state_.outage.init_phase == InitPhase::tracking || !reset_velocity(timed, report)) {
+    correct_pose(timed, report);
+  }
+  report.shifted_position_world_m = timed.shifted_position_world_m;
+  state_.outage.last_valid_fix_ns = fix.received_time_ns;
+  state_.runaway = {true, timed.shifted_position_world_m};
+  report.flags |= fix_used;
+  ++counters_.fixes_used;
+  return report;
+}
+
+FixReport Engine::report_on(const UltrasonicFix& fix) const {
+  FixReport report;
+  report.address = fix.address;
+  report.sequence = fix.sequence;
+  report.emission_time_ns = fix.emission_time_ns;
+  report.applied_time_ns = state_.body.time_ns;
+  report.position_world_m = fix.position_world_m;
+  report.trust = state_.trust.trust;
+  return report;
+}
+
+/// The bits of FixFlag that exclude this fix; 0 if it is used.
+std::uint32_t Engine::reject(const UltrasonicFix& fix) {
+  const std::uint32_t flags =
+      admission::rejection_flags(settings_.admission, state_.admission, state_.body.time_ns, fix,
+                                 delay::measured_at(settings_.delay, fix));
+  if (flags != 0) return flags;
+  const bool was_frozen = state_.frozen.frozen;
+  if (frozen::update(settings_.frozen, state_.frozen, state_.body, fix)) return fix_frozen;
+  // The repeated fixes before the detection have distorted the pose: initialise it from this one.
+  if (was_frozen) state_.outage.init_phase = InitPhase::no_position;
+  return 0;
+}
+
+/// The first fix of a run sets the position and restores full trust.
+void Engine::reset_position(const TimedFix& fix, FixReport& report) {
+  const bool first = state_.outage.last_valid_fix_ns == 0;
+  report.flags |= first ? fix_first : fix_stale_recovered;
+  report.jump_world_m = fix.shifted_position_world_m - state_.body.position_world_m;
+  if (!first) report.innovation_world_m = report.jump_world_m;
+  report.weight = 1.0;
+  report.trust = 1.0;
+  state_.body.position_world_m = fix.shifted_position_world_m;
+  state_.drift = DriftState{};
+  trust::restart(state_.trust, fix);
+  uncertainty::reset_position(settings_.uncertainty, state_.uncertainty);
+  // Just after a start at rest the velocity is known: zero.
+  const bool velocity_known =
+      first && state_.startup.calibrated &&
+      outage::is_recent(settings_.outage, state_.startup.ended_ns, state_.body.time_ns);
+  velocity::restart(state_.velocity, fix, velocity_known);
+  if (first) {
+    state_.uncertainty.velocity_std_mps = velocity_known ? 0.0 : UncertaintyState::unknown_mps;
+  }
+  state_.outage.init_phase = velocity_known ? InitPhase::tracking : InitPhase::no_velocity;
+  state_.outage.stale = false;
+}
+
+/// The second fix of a run sets the velocity, without which no position can be predicted. Returns false if
+/// the two fixes are too close or too far apart in time to measure one.
+bool Engine::reset_velocity(TimedFix& fix, FixReport& report) {
+  const auto measured =
+      velocity::measure(settings_.velocity, state_.velocity, state_.body, fix, FixAssessment{});
+  if (!measured) return false;
+  report.velocity_change_world_mps = velocity::adopt(state_.velocity, state_.body, *measured);
+  delay::extrapolate_to_now(settings_.delay, state_.body, fix);
+  report.jump_world_m = fix.shifted_position_world_m - state_.body.position_world_m;
+  report.weight = 1.0;
+  report.trust = 1.0;
+  state_.body.position_world_m = fix.shifted_position_world_m;
+  state_.drift = DriftState{};
+  trust::restart(state_.trust, fix);
+  uncertainty::correct(settings_.uncertainty, state_.uncertainty, 1.0, 1.0, 1.0, measured->interval_s);
+  state_.outage.init_phase = InitPhase::tracking;
+  return true;
+}
+
+/// Every later fix corrects position, velocity and yaw according to its weight.
+void Engine::correct_pose(const TimedFix& fix, FixReport& report) {
+  Kinematics& body = state_.body;
+  const FixAssessment assessment = trust::assess(settings_.trust, state_.trust, body, fix);  // 13–22
+  report.innovation_world_m = assessment.innovation_world_m;
+  report.weight = assessment.weight;
+  report.trust = state_.trust.trust;
+  if (assessment.outlier) report.flags |= fix_outlier;
+  if (assessment.forced) report.flags |= fix_stuck_forced;
+
+  report.jump_world_m = drift::correct(settings_.drift, state_.drift, body, fix, assessment);  // 2, 4, 9
+  const auto measured = velocity::measure(settings_.velocity, state_.velocity, body, fix, assessment);
+  double interval_s = 0.0;
+  double velocity_share = 0.0;
+  if (measured) {
+    const auto change = velocity::correct(settings_.velocity, state_.velocity, body, *measured,
+                                          assessment);  // 3, 7, 8, 26–28
+    report.velocity_change_world_mps = change.change_world_mps;
+    report.flags |= change.flags;
+    align(*measured, change, report);
+    report.yaw_change_rad += heading::correct_from_course(settings_.heading, state_.heading, body,
+                                                          state_.filter, *measured);  // 31–33
+    interval_s = measured->interval_s;
+    velocity_share = change.share;
+  }
+  uncertainty::correct(settings_.uncertainty, state_.uncertainty, assessment.weight,
+                       drift::jump_share(settings_.drift, assessment), velocity_share, interval_s);
+}
+
+/// Corrects the attitude from a velocity correction.
+void Engine::align(const FixVelocity& measured, const VelocityChange& change, FixReport& report) {
+  // A snap and the first fixes of a run correct an unknown velocity, which says nothing about the attitude.
+  if (change.flags != 0 || !state_.velocity.settled()) {
+    state_.alignment.gained_world_mps.setZero();
+    return;
+  }
+  alignment::level(settings_.alignment, state_.alignment, state_.filter, change.change_world_mps);
+  if (heading::is_valid(settings_.heading, state_.heading, state_.body.time_ns) ||
+      attitude::has_magnetic_heading(settings_.attitude.selection)) {
+    state_.alignment.gained_world_mps *= 1.0 - change.share;
+  } else {
+    report.yaw_change_rad = alignment::turn(settings_.alignment, state_.alignment, state_.body, state_.filter,
+                                            measured, change.share);
+  }
+}
+
+// One pair heading
+
+void Engine::correct(const PairHeading& heading) noexcept {
+  const TimeNs measured_ns = delay::measured_at(settings_.delay, heading);  // 6
+  if (!admission::admits(settings_.admission, state_.body.time_ns, heading, measured_ns)) {
+    ++counters_.samples_invalid;
+    return;
+  }
+  ++counters_.headings;
+  if (state_.frozen.frozen) return;  // computed from the same frozen fixes
+  heading::set_target(settings_.heading, state_.heading, state_.body, state_.filter, heading,
+                      measured_ns);  // 5
+}
+
+// The pose
+
+FusedPose Engine::pose_at(const ImuSample& imu) const {
+  const Kinematics& body = state_.body;
+  FusedPose pose;
+  pose.address = imu.address;
+  pose.sequence = imu.sequence;
+  pose.time_ns = body.time_ns;
+  pose.position_world_m = body.position_world_m;
+  pose.q_body_to_world = state_.filter.orientation();
+  // While the start waits for stillness the position does not change: a velocity would contradict it.
+  pose.velocity_world_mps = state_.startup.waiting ? Vector3d::Zero() : body.velocity_world_mps;
+  pose.angular_velocity_body_radps = body.angular_velocity_body_radps;
+  pose.acceleration_world_mps2 = body.acceleration_world_mps2;
+  pose.gyro_bias_body_radps = state_.startup.gyro_offset_body_radps + state_.filter.gyro_bias_body_radps();
+  pose.pose_covariance = uncertainty::pose_covariance(state_.uncertainty);
+  pose.velocity_covariance = uncertainty::velocity_covariance(state_.uncertainty);
+  pose.trust = state_.trust.trust;
+  pose.since_valid_fix_s =
+      state_.outage.last_valid_fix_ns == 0
+          ? std::numeric_limits<double>::infinity()
+          : std::max(0.0, seconds_between(state_.outage.last_valid_fix_ns, body.time_ns));
+  pose.reset_counter = reset_counter_;
+  pose.status = status();
+  pose.imu_sensor_time_ns = imu.sensor_time_ns;
+  pose.imu_bridge_time_ns = imu.bridge_time_ns;
+  return pose;
+}
+
+std::uint32_t Engine::status() const {
+  const auto bit = [](bool applies, PoseStatus status) { return applies ? std::uint32_t{status} : 0U; };
+  const bool no_position = state_.outage.last_valid_fix_ns == 0;
+  const bool far_off = trust::is_far(settings_.trust, state_.drift.offset_world_m.norm());
+  return bit(no_position || state_.startup.waiting, status_initialising) |
+         bit(!state_.startup.waiting && !state_.startup.calibrated, status_uncalibrated) |
+         bit(state_.outage.stale, status_stale) | bit(state_.trust.forced || far_off, status_converging) |
+         bit(!heading::is_valid(settings_.heading, state_.heading, state_.body.time_ns),
+             status_heading_unknown) |
+         bit(state_.frozen.frozen, status_frozen_track) | bit(state_.in_imu_gap, status_imu_gap) |
+         bit(state_.trust.trust < 1.0, status_low_trust) |
+         bit(motion::is_gated(settings_.motion, state_.body), status_rotating_fast);
 }
 
 }  // namespace sonopose::estimation::documented

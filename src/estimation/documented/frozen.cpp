@@ -8,9 +8,9 @@ void begin_window(FrozenState& state, const Kinematics& body) {
   state.window_corrections_world_mps = body.velocity_corrections_world_mps;
 }
 
-bool watch(const FrozenSettings& settings, FrozenState& state, const Kinematics& body,
-           const UltrasonicFix& fix) {
-  // Half the finest resolution that a beacon reports: anything less is the same number.
+bool update(const FrozenSettings& settings, FrozenState& state, const Kinematics& body,
+            const UltrasonicFix& fix) {
+  // Half the finest resolution of a beacon.
   constexpr double same_coordinate_m = 0.0005;
   const bool repeated =
       state.has_fix &&

@@ -7,7 +7,7 @@
 namespace sonopose::estimation::documented::heading {
 namespace {
 
-/// Yaw means nothing where body X points up or down.
+/// Yaw is undefined if body X points up or down.
 bool yaw_is_defined(const attitude::AnyFilter& filter) {
   constexpr double least_horizontal = 0.1;
   const Vector3d x_world = filter.orientation() * Vector3d::UnitX();
@@ -29,8 +29,8 @@ bool is_valid(const HeadingSettings& settings, const HeadingState& state, TimeNs
   return state.known && seconds_between(state.last_received_ns, now_ns) <= settings.expires_s;
 }
 
-void take(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::AnyFilter& filter,
-          const PairHeading& heading, TimeNs measured_ns) {
+void set_target(const HeadingSettings& settings, HeadingState& state, Kinematics& body,
+                attitude::AnyFilter& filter, const PairHeading& heading, TimeNs measured_ns) {
   if (!heading.valid || !body.started() || !yaw_is_defined(filter)) return;
   const double yaw_measured_rad =
       heading.heading_world_rad - settings.mount_offset_deg * geometry::radians_per_degree;
@@ -44,18 +44,18 @@ void take(const HeadingSettings& settings, HeadingState& state, Kinematics& body
 }
 
 double correct_from_pair(const HeadingSettings& settings, HeadingState& state, Kinematics& body,
-            attitude::AnyFilter& filter, double dt_s) {
+                         attitude::AnyFilter& filter, double dt_s) {
   double turn_rad = state.rate_offset_radps * dt_s;
   double share = 0.0;
   if (is_valid(settings, state, body.time_ns)) {
     const double error_rad = geometry::wrap_angle(state.wanted_correction_rad - body.yaw_corrections_rad);
-    // Critically damped at most: x″ + k·x′ + b·x = 0 does not swing for b ≤ k²/4.
+    // At most critically damped: x″ + k·x′ + b·x = 0 does not oscillate for b ≤ k²/4.
     const double damped_hz2 = 0.25 * settings.pair_gain_hz * settings.pair_gain_hz;
     state.rate_offset_radps += std::min(settings.pair_bias_gain_hz2, damped_hz2) * error_rad * dt_s;
     share = -std::expm1(-settings.pair_gain_hz * dt_s);
     turn_rad += share * error_rad;
   }
-  // An offset that was to be taken off moves the wanted correction along with it.
+  // The learned rate offset moves the wanted correction too.
   state.wanted_correction_rad =
       geometry::wrap_angle(state.wanted_correction_rad + state.rate_offset_radps * dt_s);
   turn(body, filter, turn_rad);
@@ -63,14 +63,14 @@ double correct_from_pair(const HeadingSettings& settings, HeadingState& state, K
 }
 
 double correct_from_course(const HeadingSettings& settings, const HeadingState& state, Kinematics& body,
-             attitude::AnyFilter& filter, const FixVelocity& measured) {
+                           attitude::AnyFilter& filter, const FixVelocity& measured) {
   if (is_valid(settings, state, body.time_ns)) return 0.0;
   const double displacement_m = measured.displacement_world_m.head<2>().norm();
   if (displacement_m < settings.min_displacement_m || measured.inertial_world_mps.head<2>().isZero()) {
     return 0.0;
   }
   const double error_rad = geometry::wrap_angle(direction_of(measured.displacement_world_m) -
-                                            direction_of(measured.inertial_world_mps));
+                                                direction_of(measured.inertial_world_mps));
   const double most_rad = settings.max_correction_deg * geometry::radians_per_degree;
   const double turn_rad = std::clamp(settings.error_gain * error_rad, -most_rad, most_rad);
   turn(body, filter, turn_rad);

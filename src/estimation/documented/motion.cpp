@@ -14,7 +14,7 @@ Vector3d gate(const MotionSettings& settings, const Kinematics& body,
   const double rate_radps = body.angular_velocity_body_radps.norm();
   if (rate_radps > settings.gyro_gate_freeze_radps) return Vector3d::Zero();
   if (rate_radps <= settings.gyro_gate_projection_radps) return acceleration_world_mps2;
-  // Below a crawl the velocity has no direction to project on.
+  // A very slow velocity has no reliable direction.
   constexpr double least_speed_mps = 1e-3;
   const double speed_mps = body.velocity_world_mps.norm();
   if (speed_mps < least_speed_mps) return Vector3d::Zero();

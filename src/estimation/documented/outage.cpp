@@ -12,10 +12,10 @@ bool is_recent(const OutageSettings& settings, TimeNs then_ns, TimeNs now_ns) {
   return seconds_between(then_ns, now_ns) <= settings.stale_after_s;
 }
 
-bool watch(const OutageSettings& settings, OutageState& state, TimeNs now_ns) {
+bool update(const OutageSettings& settings, OutageState& state, TimeNs now_ns) {
   if (state.last_valid_fix_ns == 0) return false;
   state.stale = !is_recent(settings, state.last_valid_fix_ns, now_ns);
-  if (state.stale) state.track = InitPhase::none;
+  if (state.stale) state.init_phase = InitPhase::no_position;
   return state.stale;
 }
 

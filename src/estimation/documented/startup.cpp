@@ -33,7 +33,7 @@ bool is_still(const StartupSettings& settings, const StartupState& state) {
 
 }  // namespace
 
-Progress watch(const StartupSettings& settings, StartupState& state, const ImuSample& imu) {
+Progress update(const StartupSettings& settings, StartupState& state, const ImuSample& imu) {
   if (state.calibrated) return Progress::none;
   if (state.began_ns == 0) {
     state.began_ns = imu.sensor_time_ns;
@@ -43,7 +43,7 @@ Progress watch(const StartupSettings& settings, StartupState& state, const ImuSa
   accumulate(state.gyro_mean, state.gyro_squares, imu.angular_velocity_body_radps, state.window_samples);
   accumulate(state.accel_mean, state.accel_squares, imu.specific_force_body_mps2, state.window_samples);
 
-  // A window of fewer samples has no spread worth the name, however long it lasted.
+  // Fewer samples give no meaningful spread.
   constexpr int least_samples = 10;
   const double watched_s = seconds_between(state.window_began_ns, imu.sensor_time_ns);
   if (watched_s < settings.calibration_s || state.window_samples < least_samples) return Progress::none;
@@ -61,7 +61,7 @@ Progress watch(const StartupSettings& settings, StartupState& state, const ImuSa
   return Progress::gave_up;
 }
 
-void watch(const StartupSettings& settings, StartupState& state, const UltrasonicFix& fix) {
+void update(const StartupSettings& settings, StartupState& state, const UltrasonicFix& fix) {
   if (state.calibrated) return;
   if (!state.window_has_fix) {
     state.window_has_fix = true;

@@ -77,8 +77,8 @@ void restart(TrustState& state, const TimedFix& fix) {
   state.last_position_world_m = fix.measured_position_world_m;
 }
 
-FixAssessment judge(const TrustSettings& settings, TrustState& state, const Kinematics& body,
-                    const TimedFix& fix) {
+FixAssessment assess(const TrustSettings& settings, TrustState& state, const Kinematics& body,
+                     const TimedFix& fix) {
   const bool against_imu = settings.enabled && state.trust < 1.0;
   const bool was_forced = state.forced;
   FixAssessment assessment;
@@ -93,9 +93,9 @@ FixAssessment judge(const TrustSettings& settings, TrustState& state, const Kine
   } else {
     update(settings, state, assessment.innovation_m, assessment.outlier);
   }
-  assessment.accepted_anew =
+  assessment.track_accepted =
       (state.forced && !was_forced) || (assessment.outlier && state.trust >= 1.0 && against_imu);
-  assessment.new_track = assessment.accepted_anew || (!settings.enabled && assessment.outlier);
+  assessment.new_track = assessment.track_accepted || (!settings.enabled && assessment.outlier);
   assessment.trusted = state.trust >= 1.0;
   assessment.forced = state.forced;
   assessment.weight =

@@ -26,7 +26,7 @@ void grow(const UncertaintySettings& settings, UncertaintyState& state, double d
 void correct(const UncertaintySettings& settings, UncertaintyState& state, double weight,
              double position_share, double velocity_share, double interval_s) {
   if (weight <= 0.0) return;
-  // A fix of half the weight is taken for one of twice the variance.
+  // A fix of half the weight has twice the variance.
   const double fix_std_m = settings.fix_std_m / std::sqrt(weight);
   state.position_std_m = blended(state.position_std_m, fix_std_m, position_share);
   if (interval_s <= 0.0) return;
@@ -34,7 +34,7 @@ void correct(const UncertaintySettings& settings, UncertaintyState& state, doubl
   state.velocity_std_mps = blended(state.velocity_std_mps, fix_velocity_std_mps, velocity_share);
 }
 
-void pull_yaw(const UncertaintySettings& settings, UncertaintyState& state, double share) {
+void correct_yaw(const UncertaintySettings& settings, UncertaintyState& state, double share) {
   const double heading_std_rad = settings.heading_std_deg * geometry::radians_per_degree;
   if (share <= 0.0 || state.yaw_std_rad <= heading_std_rad) return;
   state.yaw_std_rad = std::max(heading_std_rad, blended(state.yaw_std_rad, heading_std_rad, share));

@@ -1,5 +1,5 @@
-#include <sonopose/samples/pose.hpp>
 #include <sonopose/estimation/documented/velocity.hpp>
+#include <sonopose/samples/pose.hpp>
 
 #include <algorithm>
 #include <limits>
@@ -22,8 +22,8 @@ std::uint32_t snap_for(const VelocitySettings& settings, const FixVelocity& meas
   return 0;
 }
 
-/// Item 3. The first velocities of a run are averaged, the n-th with a share of 1/n where that is more; item
-/// 3 at zero leaves the velocity alone.
+/// Item 3. The first velocities of a run are averaged: the n-th has a share of at least 1/n. If item 3 is
+/// zero, the velocity is not corrected.
 double blend_of(const VelocitySettings& settings, const VelocityState& state) {
   if (state.settled() || settings.blend_weight <= 0.0) return settings.blend_weight;
   return std::max(settings.blend_weight, 1.0 / (state.velocities + 1));
@@ -35,7 +35,7 @@ double accel_gate(const VelocitySettings& settings, double acceleration_mps2) {
   return std::max(0.0, 1.0 - acceleration_mps2 / (2.0 * settings.accel_gate_threshold_mps2));
 }
 
-/// The earlier fix to measure from: the latest that lies far enough back, else the oldest.
+/// The earlier fix to measure from: the latest that is old enough, or else the oldest.
 const PastFix* reference_for(const VelocitySettings& settings, const VelocityState& state,
                              const TimedFix& fix) {
   const PastFix* reference = nullptr;
@@ -50,7 +50,7 @@ const PastFix* reference_for(const VelocitySettings& settings, const VelocitySta
   return reference;
 }
 
-/// How far a fix lies from where the two before it point at constant velocity.
+/// The distance of a fix to the linear extrapolation of the two previous ones.
 double bend_of(const VelocityState& state, const TimedFix& fix) {
   if (state.count < 2) return std::numeric_limits<double>::infinity();
   const PastFix& last = state.fixes[0];
@@ -93,10 +93,11 @@ void restart(VelocityState& state, const TimedFix& fix, bool velocity_known) {
 }
 
 std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocityState& state,
-                                   const Kinematics& body, const TimedFix& fix, const FixAssessment& assessment) {
+                                   const Kinematics& body, const TimedFix& fix,
+                                   const FixAssessment& assessment) {
   if (assessment.new_track) {
-    // What led the pose astray from a track that wins was its velocity, more often than not.
-    restart(state, fix, !assessment.accepted_anew && state.settled());
+    // If the track is accepted against the IMU, the velocity was most likely wrong.
+    restart(state, fix, !assessment.track_accepted && state.settled());
     return std::nullopt;
   }
   if (assessment.outlier && !assessment.forced) return std::nullopt;
@@ -113,7 +114,7 @@ VelocityChange correct(const VelocitySettings& settings, VelocityState& state, K
   if (done.flags != 0) {
     done.change_world_mps = measured.ultrasonic_world_mps - body.velocity_world_mps;
   } else {
-    // A forced convergence would never end if the velocity that led astray were not corrected too.
+    // A forced convergence would not end without a correction of the velocity.
     const double reliability = std::max(assessment.weight, assessment.weight_floor);
     done.share =
         blend_of(settings, state) * reliability * accel_gate(settings, body.acceleration_world_mps2.norm());

@@ -1,8 +1,8 @@
 #include "ros2/relay/beacon_publishers.hpp"
 
 #include "process/clocks.hpp"
-#include <sonopose/settings/settings.hpp>
 #include <sonopose/ros2/messages/borrow.hpp>
+#include <sonopose/settings/settings.hpp>
 
 #include <algorithm>
 #include <charconv>

@@ -25,7 +25,7 @@ UltrasonicFix good_fix() {
 }
 
 std::uint32_t verdict_on(const UltrasonicFix& fix, AdmissionState state = {}) {
-  return admission::reasons_against(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns);
+  return admission::rejection_flags(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns);
 }
 
 }  // namespace
@@ -101,16 +101,16 @@ TEST_CASE("a fix that cannot be a measurement of this time is invalid") {
   }
   SECTION("twice, or out of order") {
     AdmissionState state;
-    CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns) == 0);
-    CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns) ==
+    CHECK(admission::rejection_flags(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns) == 0);
+    CHECK(admission::rejection_flags(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns) ==
           fix_invalid);
     fix.emission_time_ns -= to_ns(0.05);
-    CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns) ==
+    CHECK(admission::rejection_flags(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns) ==
           fix_invalid);
   }
   SECTION("before there is any time to compare it with") {
     AdmissionState state;
-    CHECK(admission::reasons_against(AdmissionSettings{}, state, 0, fix, fix.emission_time_ns) ==
+    CHECK(admission::rejection_flags(AdmissionSettings{}, state, 0, fix, fix.emission_time_ns) ==
           fix_invalid);
   }
 }
@@ -120,9 +120,9 @@ TEST_CASE("a rejected fix is not remembered: the next good one is in order") {
   UltrasonicFix late = good_fix();
   late.emission_time_ns += to_ns(0.02);
   late.quality_percent = 5.0;
-  CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, late, late.emission_time_ns) ==
+  CHECK(admission::rejection_flags(AdmissionSettings{}, state, epoch_ns, late, late.emission_time_ns) ==
         fix_low_quality);
-  CHECK(admission::reasons_against(AdmissionSettings{}, state, epoch_ns, good_fix(),
+  CHECK(admission::rejection_flags(AdmissionSettings{}, state, epoch_ns, good_fix(),
                                    good_fix().emission_time_ns) == 0);
 }
 
@@ -154,7 +154,7 @@ TEST_CASE("an IMU sample that cannot be a measurement is not admitted") {
 TEST_CASE("a sample far ahead is believed when the next one confirms it") {
   AdmissionState state;
   const auto sudden = [&state](double ahead_s) {
-    return admission::is_sudden(state, epoch_ns, test::imu_on(test::Truth{}, epoch_ns + to_ns(ahead_s)));
+    return admission::is_time_jump(state, epoch_ns, test::imu_on(test::Truth{}, epoch_ns + to_ns(ahead_s)));
   };
   CHECK_FALSE(sudden(0.01));
   CHECK_FALSE(sudden(1.9));
@@ -199,17 +199,17 @@ TEST_CASE("stamps from the far future, or a clock set back, does not stop the po
   constexpr TimeNs step_ns = 10'000'000;
   constexpr TimeNs hour_ns = 3'600'000'000'000;
   TimeNs now_ns = test::epoch_ns;
-  for (int i = 0; i < 200; ++i, now_ns += step_ns) REQUIRE(engine.on(sample_at(now_ns)));
-  REQUIRE_FALSE(engine.on(sample_at(now_ns + hour_ns)));
-  REQUIRE(engine.on(sample_at(now_ns + hour_ns + step_ns)));  // two that agree are believed
+  for (int i = 0; i < 200; ++i, now_ns += step_ns) REQUIRE(engine.predict(sample_at(now_ns)));
+  REQUIRE_FALSE(engine.predict(sample_at(now_ns + hour_ns)));
+  REQUIRE(engine.predict(sample_at(now_ns + hour_ns + step_ns)));  // two that agree are believed
 
   int without_pose = 0;
-  while (!engine.on(sample_at(now_ns)) && without_pose < 1000) {
+  while (!engine.predict(sample_at(now_ns)) && without_pose < 1000) {
     ++without_pose;
     now_ns += step_ns;
   }
   CHECK(without_pose <= 100);  // a second at the most
   CHECK(engine.reset_counter() == 1);
   CHECK(engine.counters().samples_invalid == static_cast<std::uint64_t>(without_pose) + 1);
-  CHECK(engine.on(sample_at(now_ns + step_ns)));
+  CHECK(engine.predict(sample_at(now_ns + step_ns)));
 }

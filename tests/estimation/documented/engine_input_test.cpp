@@ -37,9 +37,9 @@ TEST_CASE("a fix before any IMU sample does no harm, not even one of another age
     early.emission_time_ns = test::epoch_ns + to_ns(off_s) - to_ns(0.1);
     early.received_time_ns = early.emission_time_ns + to_ns(0.068);
     early.position_world_m = {1, 1, 1};
-    driver.engine.on(early);
+    driver.engine.correct(early);
     PairHeading heading{7, 2, early.emission_time_ns, early.received_time_ns, 0.5, true};
-    driver.engine.on(heading);
+    driver.engine.correct(heading);
     const auto later = driver.run(3.0);
     CHECK(later.pose.status == status_heading_unknown);
     CHECK(later.position_error_m() < 0.01);
@@ -54,7 +54,7 @@ TEST_CASE("a fix from the future is counted and changes nothing") {
   UltrasonicFix fix;
   fix.emission_time_ns = driver.stamp(driver.time_s() + 60.0);
   fix.received_time_ns = fix.emission_time_ns + to_ns(0.068);
-  CHECK(driver.engine.on(fix).flags == fix_invalid);
+  CHECK(driver.engine.correct(fix).flags == fix_invalid);
   CHECK(driver.engine.counters().fixes_rejected == rejected_before + 1);
   CHECK(driver.engine.state().body.position_world_m == position);
   CHECK(driver.run(2.0).position_error_m() < 0.02);
@@ -107,7 +107,7 @@ TEST_CASE("samples without any specific force are counted and not integrated as 
   Engine engine{Settings{}};
   ImuSample weightless;
   weightless.sensor_time_ns = test::epoch_ns;
-  CHECK_FALSE(engine.on(weightless).has_value());
+  CHECK_FALSE(engine.predict(weightless).has_value());
 }
 
 TEST_CASE("one broken stamp costs one sample") {
@@ -163,7 +163,7 @@ TEST_CASE("with shared stamps the rates integrate to the whole angle") {
   std::optional<FusedPose> pose;
   for (int burst = 0; burst <= 100; ++burst) {
     for (int i = 0; i < 21; ++i) {
-      pose = engine.on(test::imu_on(turning, EngineDriver::stamp(0.021 * burst)));
+      pose = engine.predict(test::imu_on(turning, EngineDriver::stamp(0.021 * burst)));
       REQUIRE(pose.has_value());
     }
   }

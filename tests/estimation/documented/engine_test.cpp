@@ -87,7 +87,7 @@ TEST_CASE("a pose comes at every IMU sample and carries its number and times") {
 
 TEST_CASE("before any fix the pose says that it knows no position") {
   Engine engine{Settings{}};
-  const auto pose = engine.on(test::imu_on(test::Truth{}, test::epoch_ns));
+  const auto pose = engine.predict(test::imu_on(test::Truth{}, test::epoch_ns));
   REQUIRE(pose.has_value());
   CHECK((pose->status & status_initialising) != 0);
   CHECK((pose->status & status_heading_unknown) != 0);
@@ -198,6 +198,6 @@ TEST_CASE("the time since the last valid fix is never negative") {
   UltrasonicFix fix;
   fix.emission_time_ns = driver.stamp(driver.time_s() - 0.05);
   fix.received_time_ns = driver.stamp(driver.time_s() + 0.018);
-  REQUIRE((driver.engine.on(fix).flags & fix_used) != 0);
+  REQUIRE((driver.engine.correct(fix).flags & fix_used) != 0);
   CHECK(driver.run(0.01).pose.since_valid_fix_s >= 0.0);
 }

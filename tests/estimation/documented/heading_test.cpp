@@ -22,9 +22,9 @@ struct Rig {
   [[nodiscard]] double yaw() const { return geometry::yaw_of(filter.orientation()); }
 
   void take(double heading_rad, bool valid = true) {
-    heading::take(settings, state, body, filter,
-                  {7, 1, body.time_ns - to_ns(0.068), body.time_ns, heading_rad, valid},
-                  body.time_ns - to_ns(0.068));
+    heading::set_target(settings, state, body, filter,
+                        {7, 1, body.time_ns - to_ns(0.068), body.time_ns, heading_rad, valid},
+                        body.time_ns - to_ns(0.068));
   }
 
   /// The pull at 100 Hz; the heading, if given, is heard at every step.
@@ -38,7 +38,8 @@ struct Rig {
   }
 
   double nudge(const Vector3d& displacement, const Vector3d& inertial) {
-    return heading::correct_from_course(settings, state, body, filter, {displacement / 0.08, inertial, displacement});
+    return heading::correct_from_course(settings, state, body, filter,
+                                        {displacement / 0.08, inertial, displacement});
   }
 };
 
@@ -51,7 +52,8 @@ TEST_CASE("item 5: body yaw is the pair's heading minus the mount offset") {
       rig.settings.mount_offset_deg = mount_deg;
       rig.take(heading_deg * degree);
       INFO("mount " << mount_deg << " heading " << heading_deg);
-      CHECK(geometry::wrap_angle(rig.yaw() - (heading_deg - mount_deg) * degree) == Approx(0.0).margin(1e-12));
+      CHECK(geometry::wrap_angle(rig.yaw() - (heading_deg - mount_deg) * degree) ==
+            Approx(0.0).margin(1e-12));
     }
   }
 }

@@ -83,7 +83,9 @@ struct Finite {
   bool& all;
   void operator()(const char*, double value) const { all = all && std::isfinite(value); }
   void operator()(const char*, const Vector3d& value) const { all = all && value.allFinite(); }
-  void operator()(const char*, const PastFix& fix) const { all = all && fix.position_world_m.allFinite(); }
+  void operator()(const char*, const std::array<PastFix, VelocityState::capacity>& fixes) const {
+    for (const PastFix& fix : fixes) all = all && fix.position_world_m.allFinite();
+  }
   void operator()(const char*, const attitude::AnyFilter& filter) const {
     all = all && std::abs(filter.orientation().norm() - 1.0) < 1e-9 &&
           filter.gyro_bias_body_radps().allFinite();
@@ -231,7 +233,7 @@ TEST_CASE("no settings set a body at rest in motion without end, or turn it away
       imu.specific_force_body_mps2 =
           Vector3d(0, 0, standard_gravity_mps2) + accel_offset + dice.normals(0.02);
       if (dice.chance(0.02)) continue;  // lost
-      if (const auto pose = engine.on(imu)) {
+      if (const auto pose = engine.predict(imu)) {
         fastest_mps = std::max(fastest_mps, pose->velocity_world_mps.norm());
         most_turned_rad = std::max(most_turned_rad, std::abs(geometry::yaw_of(pose->q_body_to_world)));
       }
@@ -244,14 +246,14 @@ TEST_CASE("no settings set a body at rest in motion without end, or turn it away
       fix.measured_delay_s = seconds_between(fix.emission_time_ns, now_ns);
       fix.position_world_m = Vector3d(1, 2, 0.5) + dice.normals(0.02);
       fix.quality_percent = 90.0;
-      engine.on(fix);
+      engine.correct(fix);
       if (!with_heading) continue;
       PairHeading heading;
       heading.emission_time_ns = fix.emission_time_ns;
       heading.received_time_ns = now_ns;
       heading.heading_world_rad = geometry::wrap_angle(mount_rad + dice.normal(0.015));
       heading.valid = true;
-      engine.on(heading);
+      engine.correct(heading);
     }
     INFO("case " << seed);
     REQUIRE(fastest_mps < 10.0);

@@ -30,7 +30,7 @@ startup::Progress watch_for(const StartupSettings& settings, StartupState& state
   for (int i = 0; i <= static_cast<int>(std::lround(seconds * 100.0)); ++i) {
     ImuSample imu = test::imu_on(test::Truth{}, EngineDriver::stamp(0.01 * i));
     alter(imu, 0.01 * i);
-    const auto progress = startup::watch(settings, state, imu);
+    const auto progress = startup::update(settings, state, imu);
     if (progress != startup::Progress::none) last = progress;
   }
   return last;
@@ -65,7 +65,7 @@ TEST_CASE("a handful of samples is no calibration, however long they took") {
   StartupState state;
   for (int i = 0; i < 5; ++i) {
     const ImuSample imu = test::imu_on(test::Truth{}, EngineDriver::stamp(1.0 * i));
-    CHECK(startup::watch(StartupSettings{}, state, imu) == startup::Progress::none);
+    CHECK(startup::update(StartupSettings{}, state, imu) == startup::Progress::none);
   }
 }
 

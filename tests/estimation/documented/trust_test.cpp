@@ -34,14 +34,14 @@ public:
     trust::restart(state, fix_at(Vector3d::Zero()));
   }
 
-  FixAssessment judge(const Vector3d& position_world_m) {
+  FixAssessment assess(const Vector3d& position_world_m) {
     now_ns_ += to_ns(interval_s);
     body = test::moving_body(velocity_world_mps, now_ns_);
     body.position_world_m = fused_world_m;
-    return trust::judge(settings_, state, body, fix_at(position_world_m));
+    return trust::assess(settings_, state, body, fix_at(position_world_m));
   }
 
-  FixAssessment judge(double offset_m) { return judge(Vector3d(offset_m, 0, 0)); }
+  FixAssessment assess(double offset_m) { return assess(Vector3d(offset_m, 0, 0)); }
 
   Vector3d fused_world_m = Vector3d::Zero();
   Vector3d velocity_world_mps = Vector3d::Zero();
@@ -67,7 +67,7 @@ TEST_CASE("item 13: the weight is one half exactly at sigma and falls further aw
     CHECK(trust::weight_of(3.0 * sigma_m, sigma_m) == Approx(0.1));
   }
   JudgedTrack track(plain());
-  const FixAssessment assessment = track.judge(0.1);
+  const FixAssessment assessment = track.assess(0.1);
   CHECK(assessment.innovation_m == Approx(0.1));
   CHECK(assessment.weight == Approx(0.5));
   CHECK_FALSE(assessment.outlier);
@@ -76,45 +76,45 @@ TEST_CASE("item 13: the weight is one half exactly at sigma and falls further aw
 TEST_CASE("item 13: the innovation is measured from the position that the velocity predicts") {
   JudgedTrack track(plain());
   track.velocity_world_mps = {5, 0, 0};
-  CHECK(track.judge(5.0 * interval_s).innovation_m < 1e-9);
+  CHECK(track.assess(5.0 * interval_s).innovation_m < 1e-9);
   // 10 cm short of the next prediction.
-  CHECK(track.judge(10.0 * interval_s - 0.1).innovation_m == Approx(0.1));
+  CHECK(track.assess(10.0 * interval_s - 0.1).innovation_m == Approx(0.1));
 }
 
 TEST_CASE("an outlier lies beyond the declared number of sigmas") {
   JudgedTrack track(plain());
-  CHECK_FALSE(track.judge(0.199).outlier);
+  CHECK_FALSE(track.assess(0.199).outlier);
   JudgedTrack other(plain());
-  CHECK(other.judge(0.201).outlier);
+  CHECK(other.assess(0.201).outlier);
 }
 
 TEST_CASE("item 14: no fix weighs less than the floor") {
   TrustSettings settings = plain();
   settings.min_weight = 0.05;
   JudgedTrack track(settings);
-  CHECK(track.judge(100.0).weight == Approx(0.05));
-  CHECK(track.judge(100.0).weight == Approx(0.05));
+  CHECK(track.assess(100.0).weight == Approx(0.05));
+  CHECK(track.assess(100.0).weight == Approx(0.05));
   settings.enabled = false;
   JudgedTrack raw(settings);
-  CHECK(raw.judge(100.0).weight == Approx(0.05));
+  CHECK(raw.assess(100.0).weight == Approx(0.05));
 }
 
 TEST_CASE("item 15 off: raw weights alone, from the previous fix") {
   TrustSettings settings = plain();
   settings.enabled = false;
   JudgedTrack track(settings);
-  CHECK(track.judge(1.0).weight == Approx(1.0 / 101.0));
+  CHECK(track.assess(1.0).weight == Approx(1.0 / 101.0));
   CHECK(track.state.trust == 1.0);
   // The wrong track goes on: it agrees with itself.
-  CHECK(track.judge(1.0).weight == Approx(1.0));
+  CHECK(track.assess(1.0).weight == Approx(1.0));
 }
 
 TEST_CASE("item 15 on: after an outlier fixes are compared with the IMU's prediction") {
   JudgedTrack track(plain());
-  CHECK(track.judge(1.0).outlier);
+  CHECK(track.assess(1.0).outlier);
   CHECK(track.state.trust == 0.0);
   WHEN("the wrong track goes on") {
-    const FixAssessment next = track.judge(1.0);
+    const FixAssessment next = track.assess(1.0);
     THEN("it is seen to be wrong still") {
       CHECK(next.outlier);
       CHECK(next.innovation_m == Approx(1.0));
@@ -122,7 +122,7 @@ TEST_CASE("item 15 on: after an outlier fixes are compared with the IMU's predic
     }
   }
   WHEN("the right track comes back") {
-    const FixAssessment next = track.judge(0.0);
+    const FixAssessment next = track.assess(0.0);
     THEN("it is no outlier, and trusted by one part of N = 4") {
       CHECK_FALSE(next.outlier);
       CHECK(next.innovation_m < 1e-9);
@@ -139,11 +139,11 @@ TEST_CASE("items 16–19: full trust takes N = clamp(n_base · jump / reference,
   };
   for (const auto& [jump_m, expected] : {Case{1.0, 4}, {2.0, 8}, {0.25, 2}, {3.0, 12}, {4.0, 16}}) {
     JudgedTrack track(plain());
-    track.judge(jump_m);
+    track.assess(jump_m);
     int fixes = 0;
     double last_trust = 0.0;
     while (track.state.trust < 1.0 && fixes < 100) {
-      track.judge(0.0);
+      track.assess(0.0);
       ++fixes;
       CHECK(track.state.trust - last_trust == Approx(1.0 / expected));
       last_trust = track.state.trust;
@@ -155,13 +155,13 @@ TEST_CASE("items 16–19: full trust takes N = clamp(n_base · jump / reference,
 
 TEST_CASE("item 15: an outlier while trust is being rebuilt begins the rebuilding anew") {
   JudgedTrack track(plain());
-  track.judge(1.0);
-  track.judge(0.0);
-  track.judge(0.0);
+  track.assess(1.0);
+  track.assess(0.0);
+  track.assess(0.0);
   CHECK(track.state.trust == Approx(0.5));
-  track.judge(1.0);
+  track.assess(1.0);
   CHECK(track.state.trust == 0.0);
-  track.judge(0.0);
+  track.assess(0.0);
   CHECK(track.state.trust == Approx(0.25));
 }
 
@@ -169,17 +169,17 @@ TEST_CASE("item 19: after n_max fixes the track is accepted whatever it is") {
   TrustSettings settings = plain();
   settings.n_max = 10;
   JudgedTrack track(settings);
-  track.judge(3.0);
+  track.assess(3.0);
   int fixes = 1;
   while (track.state.trust < 1.0 && fixes < 100) {
-    track.judge(3.0);
+    track.assess(3.0);
     ++fixes;
   }
   // The outlier that lost the trust, then n_max that were not believed.
   CHECK(fixes == 11);
   CHECK_FALSE(track.state.forced);
   // The relocated track now agrees with itself.
-  CHECK_FALSE(track.judge(3.0).outlier);
+  CHECK_FALSE(track.assess(3.0).outlier);
 }
 
 TEST_CASE("items 20–22: outliers in a row at zero trust force convergence") {
@@ -188,17 +188,17 @@ TEST_CASE("items 20–22: outliers in a row at zero trust force convergence") {
   settings.stuck_jump_scale = 0.6;
   settings.stuck_weight_floor = 0.5;
   JudgedTrack track(settings);
-  FixAssessment assessment = track.judge(3.0);  // loses the trust
-  for (int i = 0; i < 4; ++i) assessment = track.judge(3.0);
+  FixAssessment assessment = track.assess(3.0);  // loses the trust
+  for (int i = 0; i < 4; ++i) assessment = track.assess(3.0);
   CHECK_FALSE(assessment.forced);
-  assessment = track.judge(3.0);  // the fifth at zero trust
+  assessment = track.assess(3.0);  // the fifth at zero trust
   CHECK(assessment.forced);
   CHECK(assessment.jump_floor == 0.6);
   CHECK(assessment.weight_floor == 0.5);
 
   WHEN("the innovation comes below sigma") {
     track.fused_world_m = {2.95, 0, 0};
-    assessment = track.judge(3.0);
+    assessment = track.assess(3.0);
     THEN("it ends, with full trust") {
       CHECK_FALSE(assessment.forced);
       CHECK(assessment.jump_floor == 0.0);
@@ -211,10 +211,10 @@ TEST_CASE("item 20: a good fix between them begins the count anew") {
   TrustSettings settings = plain();
   settings.stuck_n = 5;
   JudgedTrack track(settings);
-  track.judge(3.0);
-  for (int i = 0; i < 4; ++i) track.judge(3.0);
-  track.judge(0.0);
-  for (int i = 0; i < 5; ++i) CHECK_FALSE(track.judge(3.0).forced);
+  track.assess(3.0);
+  for (int i = 0; i < 4; ++i) track.assess(3.0);
+  track.assess(0.0);
+  for (int i = 0; i < 5; ++i) CHECK_FALSE(track.assess(3.0).forced);
 }
 
 TEST_CASE("items 4, 14, 15, in the engine: a burst of outliers hardly moves the output") {

@@ -48,7 +48,7 @@ TEST_CASE("a fix that gives no velocity leaves the velocity as unsure as it was"
 TEST_CASE("the pull to a heading brings yaw down to the heading's own noise and not below") {
   const UncertaintySettings settings;
   UncertaintyState state{1.0, 1.0, 1.0};
-  for (int i = 0; i < 1000; ++i) uncertainty::pull_yaw(settings, state, 0.02);
+  for (int i = 0; i < 1000; ++i) uncertainty::correct_yaw(settings, state, 0.02);
   CHECK(state.yaw_std_rad == Approx(settings.heading_std_deg * geometry::radians_per_degree));
 }
 

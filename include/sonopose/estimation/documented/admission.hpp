@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What may enter the engine: finite, possible, in order, and (item 12) of sufficient quality.
+/// Input validation: events must be finite, possible, in order and (item 12) of sufficient quality.
 
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/settings/settings.hpp>
@@ -12,38 +12,36 @@ namespace sonopose::estimation::documented {
 using settings::AdmissionSettings;
 
 struct AdmissionState {
-  int backward_in_row = 0;          ///< IMU samples from before the state's time, one after the other
+  int backward_in_row = 0;          ///< consecutive IMU samples that precede the state's time
   TimeNs last_fix_measured_ns = 0;  ///< of the latest admitted fix; 0 before the first
-  TimeNs announced_ns = 0;          ///< stamp of a sample that was too far ahead to be believed alone; or 0
+  TimeNs announced_ns = 0;          ///< stamp of an unconfirmed sample that is far ahead; 0: none
 
   bool operator==(const AdmissionState&) const = default;
 };
 
 namespace admission {
 
-/// Whether a stamp can be a time at all: differences of such stamps do not overflow.
+/// Whether a stamp is in the valid range, in which differences do not overflow.
 [[nodiscard]] bool is_time(TimeNs stamp_ns);
 
-/// Whether an IMU sample can be a measurement that follows the state at `now_ns` (0: none yet). Equal stamps
-/// may: a clock of whole milliseconds gives them to samples that were measured apart.
+/// Whether an IMU sample is a possible measurement that follows the state at `now_ns` (0: no state yet).
+/// Equal stamps are admitted: a clock with a resolution of a millisecond assigns them to distinct samples.
 [[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& imu);
 
-/// Whether an admissible sample lies so far ahead of the state's time that it is not believed before the next
-/// one confirms it: one broken stamp must not cost all that follows.
-[[nodiscard]] bool is_sudden(AdmissionState& state, TimeNs now_ns, const ImuSample& imu);
+/// Whether an admissible sample is so far ahead of the state's time that the next one must confirm it.
+/// Otherwise one corrupt stamp would exclude all samples that follow.
+[[nodiscard]] bool is_time_jump(AdmissionState& state, TimeNs now_ns, const ImuSample& imu);
 
-/// Takes note of a sample that was not admitted. True when so many in a row came from before the state's time
-/// that it is the time that was wrong: the host's clock has been set back, or one stamp lay far in the
-/// future.
-[[nodiscard]] bool time_was_wrong(AdmissionState& state, TimeNs now_ns, const ImuSample& imu);
+/// Registers a sample that was not admitted. True after so many consecutive samples before the state's time
+/// that the state's time must be wrong: the host's clock was set back, or one stamp was far in the future.
+[[nodiscard]] bool needs_time_reset(AdmissionState& state, TimeNs now_ns, const ImuSample& imu);
 
-/// Whether a heading that was measured at `measured_ns` can be a measurement of this time.
+/// Whether a heading that was measured at `measured_ns` is a possible and recent measurement.
 [[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading,
                           TimeNs measured_ns);
 
-/// The bits of FixFlag that keep a fix out that was measured at `measured_ns` (0: it is admitted, and
-/// remembered).
-[[nodiscard]] std::uint32_t reasons_against(const AdmissionSettings& settings, AdmissionState& state,
+/// The bits of FixFlag that exclude a fix measured at `measured_ns`; 0 if it is admitted, which is recorded.
+[[nodiscard]] std::uint32_t rejection_flags(const AdmissionSettings& settings, AdmissionState& state,
                                             TimeNs now_ns, const UltrasonicFix& fix, TimeNs measured_ns);
 
 }  // namespace admission

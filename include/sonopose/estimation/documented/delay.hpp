@@ -1,6 +1,7 @@
 #pragma once
 /// \file
-/// Item 6: a fix tells where the beacon *was*; here it is moved on to the time of the engine's state.
+/// Item 6: a fix is a past position of the beacon; this stage extrapolates it to the time of the engine's
+/// state.
 
 #include <sonopose/estimation/documented/kinematics.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -14,24 +15,24 @@ namespace sonopose::estimation::documented {
 using settings::DelaySettings;
 using settings::DelaySource;
 
-/// A fix as the later stages see it.
+/// A fix with its time of measurement.
 struct TimedFix {
-  TimeNs measured_ns = 0;  ///< when the beacon was there, by the delay that counts
+  TimeNs measured_ns = 0;  ///< by the selected delay (delay.source)
   Vector3d measured_position_world_m = Vector3d::Zero();
-  Vector3d shifted_position_world_m = Vector3d::Zero();  ///< where it is now, by the IMU's motion since
+  Vector3d shifted_position_world_m = Vector3d::Zero();  ///< extrapolated by the IMU's motion since then
 };
 
 namespace delay {
 
-/// When a measurement received at `received_ns` was made: its own delay or the fixed one.
+/// The time of the measurement, by its own delay or the fixed one.
 [[nodiscard]] TimeNs measured_at(const DelaySettings& settings, const UltrasonicFix& fix);
 [[nodiscard]] TimeNs measured_at(const DelaySettings& settings, const PairHeading& heading);
 
-/// Moves a timed fix on to the state's time: by the IMU's own path since, which at constant velocity is the
-/// document's v · delay and in a turn is better than it.
-void move_on(const DelaySettings& settings, const Kinematics& body, TimedFix& fix);
+/// Extrapolates a timed fix to the state's time along the inertial path. At constant velocity this is the
+/// document's v · delay; in a turn it is more accurate.
+void extrapolate_to_now(const DelaySettings& settings, const Kinematics& body, TimedFix& fix);
 
-/// Times the fix and moves it on.
+/// Determines the time of the fix and extrapolates it.
 [[nodiscard]] TimedFix shift(const DelaySettings& settings, const Kinematics& body, const UltrasonicFix& fix);
 
 }  // namespace delay

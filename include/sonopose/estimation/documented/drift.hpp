@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Items 2, 4 and 9: how the position follows a fix: a part at once, the rest through a second-order decay.
+/// Items 2, 4 and 9: the position correction by a fix: a part at once, the rest through a second-order decay.
 
 #include <sonopose/estimation/documented/delay.hpp>
 #include <sonopose/estimation/documented/kinematics.hpp>
@@ -13,8 +13,8 @@ namespace sonopose::estimation::documented {
 using settings::DriftSettings;
 
 struct DriftState {
-  Vector3d offset_world_m = Vector3d::Zero();      ///< d: still to be spent
-  Vector3d velocity_world_mps = Vector3d::Zero();  ///< u: at which it is being spent
+  Vector3d offset_world_m = Vector3d::Zero();      ///< d: still to be applied
+  Vector3d velocity_world_mps = Vector3d::Zero();  ///< u: at which it is applied
   double weight = 0;                               ///< of the fix that set d
 
   bool operator==(const DriftState&) const = default;
@@ -22,10 +22,10 @@ struct DriftState {
 
 namespace drift {
 
-/// The share of the discrepancy that a fix removes at once (item 4, or item 21 where it is more).
+/// The share of the position error that a fix removes at once (item 4, or item 21 if that is more).
 [[nodiscard]] double jump_share(const DriftSettings& settings, const FixAssessment& assessment);
 
-/// A fix: p += jump · e at once; the rest *replaces* d. Offsets never add up. Returns the jump.
+/// A fix: p += jump · e at once; the rest *replaces* d, so that offsets never accumulate. Returns the jump.
 Vector3d correct(const DriftSettings& settings, DriftState& state, Kinematics& body, const TimedFix& fix,
                  const FixAssessment& assessment);
 

@@ -1,8 +1,6 @@
 #pragma once
 /// \file
-/// The documented fusion: one engine for one beacon. Events go in, in the order of their arrival; a pose
-/// comes out at every IMU sample and a report at every fix. It knows no clock, allocates nothing and never
-/// throws once made.
+/// The estimator that the settings document describes, for one beacon.
 
 #include <sonopose/calibration/model/calibration.hpp>
 #include <sonopose/estimation/documented/state.hpp>
@@ -15,71 +13,70 @@
 
 namespace sonopose::estimation::documented {
 
+/// Takes a beacon's events in the order of their arrival. It has no clock, allocates nothing and, once made,
+/// never throws. Satisfies estimation::Estimator.
 class Engine {
 public:
-  /// `settings` as the user gave them: the preset (item 1) is resolved here.
+  using Snapshot = documented::Snapshot;
+
+  /// `settings` are the user's; the preset (item 1) is resolved here.
   explicit Engine(const settings::Settings& settings);
 
-  /// Goes on with other settings, as the user gave them, and with all that it knows so far.
+  /// Replaces the settings and keeps the state.
   void configure(const settings::Settings& settings) noexcept;
 
-  /// One IMU sample as the sensor gave it, which is calibrated here: the pose at it. Empty where the sample
-  /// is no measurement or lies before the last one, which is counted.
-  std::optional<FusedPose> on(const ImuSample& raw) noexcept;
+  /// Calibrates one raw IMU sample, integrates it and returns the pose at it. Returns nothing, and counts the
+  /// sample as invalid, if it is no possible measurement or precedes the previous sample.
+  std::optional<FusedPose> predict(const ImuSample& raw) noexcept;
 
-  /// One fix: what was done with it.
-  FixReport on(const UltrasonicFix& fix) noexcept;
+  /// Corrects the state with one fix and reports what the fix changed.
+  FixReport correct(const UltrasonicFix& fix) noexcept;
 
-  /// One heading of the paired beacons.
-  void on(const PairHeading& heading) noexcept;
+  /// Sets the yaw to which the following IMU samples turn the body.
+  void correct(const PairHeading& heading) noexcept;
 
-  /// Begins anew, as at the start; counters go on and the pose's reset_counter rises.
+  /// Discards the state. Counters are kept and reset_counter rises.
   void reset() noexcept;
 
-  /// Goes on from where another engine was.
+  /// Continues from a snapshot of another engine.
   void restore(const Snapshot& snapshot) noexcept;
   [[nodiscard]] Snapshot snapshot() const { return {state_, counters_, reset_counter_}; }
 
+  /// The effective settings, with the preset resolved.
   [[nodiscard]] const settings::Settings& settings() const { return settings_; }
   [[nodiscard]] const State& state() const { return state_; }
-  [[nodiscard]] const Counters& counters() const { return counters_; }
+  [[nodiscard]] TimeNs time_ns() const { return state_.body.time_ns; }
+  [[nodiscard]] const EstimatorCounters& counters() const { return counters_; }
   [[nodiscard]] std::uint32_t reset_counter() const { return reset_counter_; }
 
 private:
-  void translate_offset(const calibration::Calibration& before);
+  void convert_gyro_offset(const calibration::Calibration& before);
+
+  bool admit(const ImuSample& imu);
   void start(const ImuSample& imu);
-  void calibrate(const ImuSample& imu);
-  void predict(const ImuSample& imu, double dt_s);
-  double predict_attitude(const ImuSample& imu, double dt_s);
-  void predict_velocity(const ImuSample& imu, double dt_s);
+  void calibrate_at_rest(const ImuSample& imu);
+  void integrate(const ImuSample& imu, double dt_s);
+  void integrate_attitude(const ImuSample& imu, double dt_s);
+  void integrate_velocity(const ImuSample& imu, double dt_s);
+  void coast_over_gap(const ImuSample& imu, double dt_s);
+  void record_path();
   [[nodiscard]] Vector3d world_acceleration(const ImuSample& imu) const;
-  void rest_over_gap(const ImuSample& imu, double dt_s);
-  void remember_path();
+
+  [[nodiscard]] FixReport report_on(const UltrasonicFix& fix) const;
+  std::uint32_t reject(const UltrasonicFix& fix);
   void reset_position(const TimedFix& fix, FixReport& report);
   bool reset_velocity(TimedFix& fix, FixReport& report);
-  void apply_fix(const TimedFix& fix, FixReport& report);
+  void correct_pose(const TimedFix& fix, FixReport& report);
   void align(const FixVelocity& measured, const VelocityChange& change, FixReport& report);
+
   [[nodiscard]] FusedPose pose_at(const ImuSample& imu) const;
   [[nodiscard]] std::uint32_t status() const;
 
   settings::Settings settings_;
   calibration::Calibration calibration_;
   State state_;
-  Counters counters_;
+  EstimatorCounters counters_;
   std::uint32_t reset_counter_ = 0;
 };
-
-/// Gives the engine any event; calls `on_pose(FusedPose&)` or `on_report(const FixReport&)` for what comes of
-/// it.
-template <class OnPose, class OnReport>
-void deliver(Engine& engine, const Event& event, const OnPose& on_pose, const OnReport& on_report) {
-  if (const auto* imu = std::get_if<ImuSample>(&event)) {
-    if (auto pose = engine.on(*imu)) on_pose(*pose);
-  } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
-    on_report(engine.on(*fix));
-  } else {
-    engine.on(std::get<PairHeading>(event));
-  }
-}
 
 }  // namespace sonopose::estimation::documented

@@ -15,7 +15,7 @@ using settings::HeadingSettings;
 struct HeadingState {
   bool known = false;                ///< a valid heading has set yaw at least once
   TimeNs last_received_ns = 0;       ///< of the last valid heading
-  double wanted_correction_rad = 0;  ///< the yaw correction at which yaw would agree with that heading
+  double wanted_correction_rad = 0;  ///< the yaw correction with which yaw agrees with that heading
   double rate_offset_radps = 0;      ///< learned yaw-rate offset, about world Z
 
   bool operator==(const HeadingState&) const = default;
@@ -23,23 +23,23 @@ struct HeadingState {
 
 namespace heading {
 
-/// Turns the body about the vertical and remembers that it was a correction.
+/// Turns the body about the vertical and records the turn as a correction.
 void turn(Kinematics& body, attitude::AnyFilter& filter, double angle_rad);
 
-/// Whether a paired heading holds at `now_ns`.
+/// Whether a paired heading is valid at `now_ns`.
 [[nodiscard]] bool is_valid(const HeadingSettings& settings, const HeadingState& state, TimeNs now_ns);
 
-/// Takes a heading: body yaw = pair axis − mount offset, compared with the yaw when it was measured. The
-/// first one sets yaw outright.
-void take(const HeadingSettings& settings, HeadingState& state, Kinematics& body, attitude::AnyFilter& filter,
-          const PairHeading& heading, TimeNs measured_ns);
+/// Sets the target yaw from a heading: body yaw = pair axis − mount offset, compared with the yaw at the time
+/// of the measurement. The first heading sets yaw directly.
+void set_target(const HeadingSettings& settings, HeadingState& state, Kinematics& body,
+                attitude::AnyFilter& filter, const PairHeading& heading, TimeNs measured_ns);
 
-/// One IMU step of the continuous pull (item 34). Returns the share of the yaw error that it took away.
+/// One IMU step of the continuous correction (item 34). Returns the share of the yaw error that it removed.
 double correct_from_pair(const HeadingSettings& settings, HeadingState& state, Kinematics& body,
                          attitude::AnyFilter& filter, double dt_s);
 
 /// Items 31–33: turns yaw by a share of the angle from the IMU's to the ultrasound's direction of motion.
-/// Returns the turn (rad). Does nothing while a paired heading holds: that one is absolute.
+/// Returns the turn (rad). Does nothing while a paired heading is valid, which is absolute.
 double correct_from_course(const HeadingSettings& settings, const HeadingState& state, Kinematics& body,
                            attitude::AnyFilter& filter, const FixVelocity& measured);
 

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The last second of the inertial path, so that a fix or heading can be compared with what the engine
-/// thought at the time when it was *measured*.
+/// The last second of the inertial path, to compare a fix or heading with the engine's estimate at the time
+/// of its measurement.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -11,33 +11,39 @@
 
 namespace sonopose::estimation::documented {
 
-/// One moment of the path that the IMU alone would have drawn: no fix has bent it.
+/// One point of the path by the IMU alone, without corrections by fixes.
 struct InertialPoint {
   TimeNs time_ns = 0;
   Vector3d displacement_world_m = Vector3d::Zero();  ///< ∫(v − v_corrections) dt since the engine's start
-  double yaw_rad = 0;                                ///< yaw with all yaw corrections taken off again
+  double yaw_rad = 0;                                ///< yaw without any yaw corrections
 
   bool operator==(const InertialPoint&) const = default;
 };
 
-/// A ring of fixed size. A newest point that lies closer to the one before it than the spacing gives way to
-/// the next, so that the ring spans more than a second at any IMU rate.
+/// A ring buffer of fixed size. A newest point that is closer to its predecessor than the spacing is replaced
+/// by the next point, so that the buffer spans more than a second at any IMU rate.
 class InertialHistory {
 public:
+  using value_type = InertialPoint;
   static constexpr std::size_t capacity = 512;
   static constexpr TimeNs spacing_ns = 2'500'000;
 
-  /// Adds a point; its time must not lie before the newest one's.
+  /// Adds a point that `accepts`.
   void push(const InertialPoint& point);
 
-  /// The path at `time_ns`, interpolated; empty where the history does not reach back so far. Times after the
-  /// newest point give the newest point.
+  /// Whether a point is not older than the newest one.
+  [[nodiscard]] bool accepts(const InertialPoint& point) const {
+    return empty() || point.time_ns >= newest().time_ns;
+  }
+
+  /// The path at `time_ns`, interpolated; empty if the history begins later. Times after the newest point
+  /// give the newest point.
   [[nodiscard]] std::optional<InertialPoint> at(TimeNs time_ns) const;
 
   [[nodiscard]] bool empty() const { return size_ == 0; }
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// The points from the oldest, 0, to the newest. Pushed one after the other into an empty history they make
-  /// an equal one.
+  /// The points from the oldest, 0, to the newest. Pushing them in order into an empty history gives an equal
+  /// one.
   [[nodiscard]] const InertialPoint& operator[](std::size_t index) const { return back(size_ - 1 - index); }
   [[nodiscard]] const InertialPoint& newest() const { return points_[last_]; }
 

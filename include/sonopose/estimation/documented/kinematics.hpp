@@ -1,20 +1,20 @@
 #pragma once
 /// \file
-/// The moving body that the stages share: where it is, and the inertial path behind it.
+/// The kinematic state that the stages share, with the inertial path.
 
-#include <sonopose/samples/samples.hpp>
 #include <sonopose/estimation/documented/history.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <optional>
 
 namespace sonopose::estimation::documented {
 
-/// Position, velocity and the sums of what fixes and headings have changed in them.
+/// Position, velocity and the sums of their corrections by fixes and headings.
 ///
-/// The velocity is v = n + c: n has been integrated from the IMU, c is the sum of all corrections by fixes. A
-/// correction that is made now would have been due in the past as well, so a comparison with a past interval
-/// uses the mean of n over it plus today's c. The same holds for yaw. Without that, an error that has been
-/// corrected already would be corrected again by the fixes that were under way meanwhile.
+/// The velocity is v = n + c: n is integrated from the IMU, c is the sum of all corrections by fixes. A
+/// correction applies to the past as well, so a comparison with a past interval uses the mean of n over the
+/// interval plus the present c. The same applies to yaw. Otherwise delayed fixes would correct the same error
+/// again.
 struct Kinematics {
   TimeNs time_ns = 0;  ///< of the latest IMU sample; 0 before the first
   Vector3d position_world_m = Vector3d::Zero();
@@ -22,24 +22,23 @@ struct Kinematics {
   Vector3d velocity_corrections_world_mps = Vector3d::Zero();  ///< c
   Vector3d displacement_world_m = Vector3d::Zero();            ///< ∫n dt
   double yaw_corrections_rad = 0;
-  Vector3d acceleration_world_mps2 = Vector3d::Zero();  ///< measured, gravity off, before any gate
+  Vector3d acceleration_world_mps2 = Vector3d::Zero();  ///< measured, without gravity, before any gate
   Vector3d angular_velocity_body_radps = Vector3d::Zero();
   InertialHistory history;
 
   [[nodiscard]] bool started() const { return time_ns != 0; }
 
-  /// Changes the velocity by a fix's correction.
+  /// Adds a correction to the velocity.
   void correct_velocity(const Vector3d& change_world_mps) {
     velocity_world_mps += change_world_mps;
     velocity_corrections_world_mps += change_world_mps;
   }
 
-  /// How far the body moved from `from_ns` to `to_ns` by the IMU, with today's corrections; a time ahead of
-  /// the latest sample is reached at the present velocity. Empty where the history does not reach back so
-  /// far.
+  /// The displacement from `from_ns` to `to_ns` by the IMU with the present corrections, extrapolated at the
+  /// present velocity beyond the latest sample. Empty if the history begins later.
   [[nodiscard]] std::optional<Vector3d> moved(TimeNs from_ns, TimeNs to_ns) const;
 
-  /// Yaw at `then_ns`, with today's corrections.
+  /// Yaw at `then_ns` with the present corrections.
   [[nodiscard]] std::optional<double> yaw_at(TimeNs then_ns) const;
 
   bool operator==(const Kinematics&) const = default;

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Items 25 and 35–37: which acceleration is believed, and its integration into velocity and position
-/// (the strapdown document's equations 1 and 2).
+/// Items 25 and 35–37: gates the acceleration and integrates it into velocity and position (equations 1 and 2
+/// of the strapdown document).
 
 #include <sonopose/estimation/documented/kinematics.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -13,11 +13,11 @@ using settings::MotionSettings;
 
 namespace motion {
 
-/// What of the acceleration is integrated: all, only the part along the velocity, or nothing (items 35–37).
+/// The part of the acceleration that is integrated: all, the part along the velocity, or none (items 35–37).
 [[nodiscard]] Vector3d gate(const MotionSettings& settings, const Kinematics& body,
                             const Vector3d& acceleration_world_mps2);
 
-/// Whether the gate holds anything back at this rate.
+/// Whether the gate reduces the acceleration at this rate.
 [[nodiscard]] bool is_gated(const MotionSettings& settings, const Kinematics& body);
 
 /// Velocity and position over `dt_s` at constant acceleration:
@@ -25,7 +25,7 @@ namespace motion {
 void integrate(const MotionSettings& settings, Kinematics& body, const Vector3d& acceleration_world_mps2,
                double dt_s);
 
-/// One step of stale mode: on at the velocity that is left, whatever the acceleration.
+/// One step of stale mode: constant velocity, without acceleration.
 void coast(Kinematics& body, double dt_s);
 
 }  // namespace motion

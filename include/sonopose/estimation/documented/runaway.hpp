@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Items 23 and 24: emergency damping of a velocity that leads away from the last valid fix.
+/// Items 23 and 24: emergency damping of a velocity that points away from the last valid fix.
 
 #include <sonopose/estimation/documented/kinematics.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -19,7 +19,7 @@ struct RunawayState {
 
 namespace runaway {
 
-/// Damps the velocity over one IMU step where the body is far from the last valid fix and moving away.
+/// Damps the velocity over one IMU step if the body is far from the last valid fix and moves away from it.
 void damp(const RunawaySettings& settings, const RunawayState& state, Kinematics& body, double dt_s);
 
 }  // namespace runaway

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Start-up: the gyroscope's offset and the direction of gravity, taken while the body is still.
+/// Start-up: measures the gyro offset and the direction of gravity while the body is still.
 
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/settings/settings.hpp>
@@ -11,7 +11,7 @@ using settings::StartupSettings;
 
 struct StartupState {
   TimeNs began_ns = 0;         ///< first IMU sample; 0 before it
-  TimeNs window_began_ns = 0;  ///< first sample of the window that is being watched
+  TimeNs window_began_ns = 0;  ///< first sample of the present window
   int window_samples = 0;
   Vector3d gyro_mean = Vector3d::Zero();
   Vector3d gyro_squares = Vector3d::Zero();  ///< Welford's sum of squared deviations
@@ -19,9 +19,9 @@ struct StartupState {
   Vector3d accel_squares = Vector3d::Zero();
   bool window_has_fix = false;
   Vector3d window_fix_world_m = Vector3d::Zero();  ///< the window's first fix
-  bool window_moved = false;                       ///< a later one lay too far from it
-  bool waiting = true;                             ///< the start still waits for stillness
-  bool calibrated = false;                         ///< the offset has been taken
+  bool window_moved = false;                       ///< a later fix was too far from it
+  bool waiting = true;                             ///< the start waits for stillness
+  bool calibrated = false;                         ///< the offset has been measured
   TimeNs ended_ns = 0;                             ///< end of the rest that calibrated
   Vector3d gyro_offset_body_radps = Vector3d::Zero();
 
@@ -30,22 +30,21 @@ struct StartupState {
 
 namespace startup {
 
-/// What one sample has brought about.
+/// The effect of one sample.
 enum class Progress {
   none,
-  calibrated,  ///< just now: the offset is known, gravity is `accel_mean`
-  gave_up      ///< just now: not still within the time; the offset stays zero until the body comes to rest
+  calibrated,  ///< with this sample: the offset is known, gravity is `accel_mean`
+  gave_up      ///< with this sample: the time is over; the offset stays zero until the body comes to rest
 };
 
-/// Begins to watch anew at this time: the samples before it are too far from those after it.
+/// Starts a new window at this time.
 void begin_window(StartupState& state, TimeNs time_ns);
 
-/// Watches one IMU sample. Without a rest at the start it goes on watching, so that the first rest
-/// calibrates.
-Progress watch(const StartupSettings& settings, StartupState& state, const ImuSample& imu);
+/// Adds one IMU sample to the window. Without a rest at the start, the first later rest calibrates.
+Progress update(const StartupSettings& settings, StartupState& state, const ImuSample& imu);
 
-/// Takes note of an admitted fix.
-void watch(const StartupSettings& settings, StartupState& state, const UltrasonicFix& fix);
+/// Adds an admitted fix: fixes that are far apart show a motion.
+void update(const StartupSettings& settings, StartupState& state, const UltrasonicFix& fix);
 
 }  // namespace startup
 }  // namespace sonopose::estimation::documented

@@ -1,7 +1,6 @@
 #pragma once
 /// \file
-/// The whole state of one engine, a group per stage. It can be read and copied; a copy goes on as the
-/// original would.
+/// The state of one engine, a group per stage. It is a plain value.
 
 #include <sonopose/attitude/any_filter.hpp>
 #include <sonopose/estimation/documented/admission.hpp>
@@ -16,22 +15,11 @@
 #include <sonopose/estimation/documented/trust.hpp>
 #include <sonopose/estimation/documented/uncertainty.hpp>
 #include <sonopose/estimation/documented/velocity.hpp>
+#include <sonopose/samples/estimator_counters.hpp>
 
 #include <cstdint>
 
 namespace sonopose::estimation::documented {
-
-/// What has been counted since the engine was made; a reset does not clear it.
-struct Counters {
-  std::uint64_t imu_samples = 0;
-  std::uint64_t fixes_used = 0;
-  std::uint64_t fixes_rejected = 0;
-  std::uint64_t headings = 0;
-  std::uint64_t samples_invalid = 0;
-  std::uint64_t imu_gaps = 0;
-
-  bool operator==(const Counters&) const = default;
-};
 
 struct State {
   Kinematics body;
@@ -47,17 +35,17 @@ struct State {
   OutageState outage;
   RunawayState runaway;
   UncertaintyState uncertainty;
-  Vector3d previous_rate_body_radps = Vector3d::Zero();  ///< of the sample before, offset off
-  bool in_imu_gap = false;                               ///< the latest sample came after a silence
+  Vector3d previous_rate_body_radps = Vector3d::Zero();  ///< of the previous sample, without the offset
+  bool in_imu_gap = false;                               ///< the latest sample followed a silence
 
   bool operator==(const State&) const = default;
 };
 
-/// All that an engine knows besides its settings: another engine with these settings and this snapshot goes
-/// on to the same bits.
+/// Everything that an engine has besides its settings. An engine with the same settings that is restored from
+/// it computes the same bits.
 struct Snapshot {
   State state;
-  Counters counters;
+  EstimatorCounters counters;
   std::uint32_t reset_counter = 0;
 
   bool operator==(const Snapshot&) const = default;

@@ -1,125 +1,133 @@
 #pragma once
 /// \file
-/// Walks over every field of an engine's state by name, to save, restore and digest it. Each group is taken
-/// apart with as many names as it has fields, so that a new field which is not listed here does not compile.
+/// Every field of the engine's state by name, to save, restore and hash it. The order is the order of the
+/// hash. A test compares the number of names in each group with the number of its fields.
 
 #include <sonopose/estimation/documented/state.hpp>
 
+#include <concepts>
+#include <optional>
+#include <string_view>
+
 namespace sonopose::estimation::documented {
 
-/// Calls `visit(name, field)` for each field; `AnyState` is State or const State. Fields are bool, int,
-/// TimeNs, double, Vector3d, InitPhase, attitude::AnyFilter, InertialHistory and PastFix.
-template <class AnyState, class Visit>
-void for_each_field(AnyState& state, const Visit& visit) {
-  auto& [body, filter, startup, admission, frozen, trust, drift, velocity, alignment, heading, outage,
-         runaway, uncertainty, previous_rate_body_radps, in_imu_gap] = state;
-  {
-    auto& [time_ns, position, speed, corrections, displacement, yaw_corrections, acceleration, rate,
-           history] = body;
-    visit("body.time_ns", time_ns);
-    visit("body.position_world_m", position);
-    visit("body.velocity_world_mps", speed);
-    visit("body.velocity_corrections_world_mps", corrections);
-    visit("body.displacement_world_m", displacement);
-    visit("body.yaw_corrections_rad", yaw_corrections);
-    visit("body.acceleration_world_mps2", acceleration);
-    visit("body.angular_velocity_body_radps", rate);
-    visit("body.history", history);
+/// `Group` or `const Group`.
+template <class T, class Group>
+concept IsFieldsOf = std::same_as<std::remove_const_t<T>, Group>;
+
+void for_each_field(IsFieldsOf<PastFix> auto& fix, const auto& visit) {
+  visit("measured_ns", fix.measured_ns);
+  visit("position_world_m", fix.position_world_m);
+}
+
+void for_each_field(IsFieldsOf<InertialPoint> auto& point, const auto& visit) {
+  visit("time_ns", point.time_ns);
+  visit("displacement_world_m", point.displacement_world_m);
+  visit("yaw_rad", point.yaw_rad);
+}
+
+/// Calls `visit(name, field)` for each field. Fields are bool, int, TimeNs, double, Vector3d, InitPhase,
+/// attitude::AnyFilter, InertialHistory and an array of PastFix.
+void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
+  visit("body.time_ns", state.body.time_ns);
+  visit("body.position_world_m", state.body.position_world_m);
+  visit("body.velocity_world_mps", state.body.velocity_world_mps);
+  visit("body.velocity_corrections_world_mps", state.body.velocity_corrections_world_mps);
+  visit("body.displacement_world_m", state.body.displacement_world_m);
+  visit("body.yaw_corrections_rad", state.body.yaw_corrections_rad);
+  visit("body.acceleration_world_mps2", state.body.acceleration_world_mps2);
+  visit("body.angular_velocity_body_radps", state.body.angular_velocity_body_radps);
+  visit("body.history", state.body.history);
+
+  visit("filter", state.filter);
+
+  visit("startup.began_ns", state.startup.began_ns);
+  visit("startup.window_began_ns", state.startup.window_began_ns);
+  visit("startup.window_samples", state.startup.window_samples);
+  visit("startup.gyro_mean", state.startup.gyro_mean);
+  visit("startup.gyro_squares", state.startup.gyro_squares);
+  visit("startup.accel_mean", state.startup.accel_mean);
+  visit("startup.accel_squares", state.startup.accel_squares);
+  visit("startup.window_has_fix", state.startup.window_has_fix);
+  visit("startup.window_fix_world_m", state.startup.window_fix_world_m);
+  visit("startup.window_moved", state.startup.window_moved);
+  visit("startup.waiting", state.startup.waiting);
+  visit("startup.calibrated", state.startup.calibrated);
+  visit("startup.ended_ns", state.startup.ended_ns);
+  visit("startup.gyro_offset_body_radps", state.startup.gyro_offset_body_radps);
+
+  visit("admission.backward_in_row", state.admission.backward_in_row);
+  visit("admission.last_fix_measured_ns", state.admission.last_fix_measured_ns);
+  visit("admission.announced_ns", state.admission.announced_ns);
+
+  visit("frozen.has_fix", state.frozen.has_fix);
+  visit("frozen.frozen", state.frozen.frozen);
+  visit("frozen.repeats", state.frozen.repeats);
+  visit("frozen.coordinates_world_m", state.frozen.coordinates_world_m);
+  visit("frozen.window_began_ns", state.frozen.window_began_ns);
+  visit("frozen.window_displacement_world_m", state.frozen.window_displacement_world_m);
+  visit("frozen.window_corrections_world_mps", state.frozen.window_corrections_world_mps);
+
+  visit("trust.trust", state.trust.trust);
+  visit("trust.rebuild_n", state.trust.rebuild_n);
+  visit("trust.rebuilt", state.trust.rebuilt);
+  visit("trust.since_loss", state.trust.since_loss);
+  visit("trust.outliers_in_row", state.trust.outliers_in_row);
+  visit("trust.forced", state.trust.forced);
+  visit("trust.has_last", state.trust.has_last);
+  visit("trust.last_measured_ns", state.trust.last_measured_ns);
+  visit("trust.last_position_world_m", state.trust.last_position_world_m);
+
+  visit("drift.offset_world_m", state.drift.offset_world_m);
+  visit("drift.velocity_world_mps", state.drift.velocity_world_mps);
+  visit("drift.weight", state.drift.weight);
+
+  visit("velocity.fixes", state.velocity.fixes);
+  visit("velocity.count", state.velocity.count);
+  visit("velocity.velocities", state.velocity.velocities);
+
+  visit("alignment.vertical_offset_mps2", state.alignment.vertical_offset_mps2);
+  visit("alignment.gained_world_mps", state.alignment.gained_world_mps);
+  visit("alignment.pending_world_mps", state.alignment.pending_world_mps);
+  visit("alignment.known_acceleration_world_mps2", state.alignment.known_acceleration_world_mps2);
+  visit("alignment.aiding", state.alignment.aiding);
+  visit("alignment.aided_ns", state.alignment.aided_ns);
+
+  visit("heading.known", state.heading.known);
+  visit("heading.last_received_ns", state.heading.last_received_ns);
+  visit("heading.wanted_correction_rad", state.heading.wanted_correction_rad);
+  visit("heading.rate_offset_radps", state.heading.rate_offset_radps);
+
+  visit("outage.last_valid_fix_ns", state.outage.last_valid_fix_ns);
+  visit("outage.init_phase", state.outage.init_phase);
+  visit("outage.stale", state.outage.stale);
+
+  visit("runaway.has_fix", state.runaway.has_fix);
+  visit("runaway.fix_position_world_m", state.runaway.fix_position_world_m);
+
+  visit("uncertainty.position_std_m", state.uncertainty.position_std_m);
+  visit("uncertainty.velocity_std_mps", state.uncertainty.velocity_std_mps);
+  visit("uncertainty.yaw_std_rad", state.uncertainty.yaw_std_rad);
+
+  visit("previous_rate_body_radps", state.previous_rate_body_radps);
+  visit("in_imu_gap", state.in_imu_gap);
+}
+
+/// A field and what is impossible about its value.
+struct FieldFault {
+  std::string_view field;
+  std::string_view fault;
+};
+
+/// The first field whose value no engine can have although its type allows it.
+inline std::optional<FieldFault> find_fault(const State& state) {
+  if (!(state.trust.trust >= 0.0 && state.trust.trust <= 1.0)) {
+    return FieldFault{"trust.trust", "is not between 0 and 1"};
   }
-  visit("filter", filter);
-  {
-    auto& [began, window_began, samples, gyro_mean, gyro_squares, accel_mean, accel_squares, has_fix, fix,
-           moved, waiting, calibrated, ended, offset] = startup;
-    visit("startup.began_ns", began);
-    visit("startup.window_began_ns", window_began);
-    visit("startup.window_samples", samples);
-    visit("startup.gyro_mean", gyro_mean);
-    visit("startup.gyro_squares", gyro_squares);
-    visit("startup.accel_mean", accel_mean);
-    visit("startup.accel_squares", accel_squares);
-    visit("startup.window_has_fix", has_fix);
-    visit("startup.window_fix_world_m", fix);
-    visit("startup.window_moved", moved);
-    visit("startup.waiting", waiting);
-    visit("startup.calibrated", calibrated);
-    visit("startup.ended_ns", ended);
-    visit("startup.gyro_offset_body_radps", offset);
+  if (state.velocity.count < 0 || state.velocity.count > VelocityState::capacity) {
+    return FieldFault{"velocity.count", "is more than the number of fixes"};
   }
-  {
-    auto& [backward, last_fix, announced] = admission;
-    visit("admission.backward_in_row", backward);
-    visit("admission.last_fix_measured_ns", last_fix);
-    visit("admission.announced_ns", announced);
-  }
-  {
-    auto& [has_fix, is_frozen, repeats, coordinates, began, displacement, corrections] = frozen;
-    visit("frozen.has_fix", has_fix);
-    visit("frozen.frozen", is_frozen);
-    visit("frozen.repeats", repeats);
-    visit("frozen.coordinates_world_m", coordinates);
-    visit("frozen.window_began_ns", began);
-    visit("frozen.window_displacement_world_m", displacement);
-    visit("frozen.window_corrections_world_mps", corrections);
-  }
-  {
-    auto& [value, rebuild_n, rebuilt, since_loss, outliers, forced, has_last, last_ns, last] = trust;
-    visit("trust.trust", value);
-    visit("trust.rebuild_n", rebuild_n);
-    visit("trust.rebuilt", rebuilt);
-    visit("trust.since_loss", since_loss);
-    visit("trust.outliers_in_row", outliers);
-    visit("trust.forced", forced);
-    visit("trust.has_last", has_last);
-    visit("trust.last_measured_ns", last_ns);
-    visit("trust.last_position_world_m", last);
-  }
-  {
-    auto& [offset, speed, weight] = drift;
-    visit("drift.offset_world_m", offset);
-    visit("drift.velocity_world_mps", speed);
-    visit("drift.weight", weight);
-  }
-  {
-    auto& [fixes, count, velocities] = velocity;
-    for (auto& fix : fixes) visit("velocity.fixes", fix);
-    visit("velocity.count", count);
-    visit("velocity.velocities", velocities);
-  }
-  {
-    auto& [vertical, gained, pending, known, tells, told_ns] = alignment;
-    visit("alignment.vertical_offset_mps2", vertical);
-    visit("alignment.gained_world_mps", gained);
-    visit("alignment.pending_world_mps", pending);
-    visit("alignment.known_acceleration_world_mps2", known);
-    visit("alignment.tells", tells);
-    visit("alignment.told_ns", told_ns);
-  }
-  {
-    auto& [known, received, wanted, rate_offset] = heading;
-    visit("heading.known", known);
-    visit("heading.last_received_ns", received);
-    visit("heading.wanted_correction_rad", wanted);
-    visit("heading.rate_offset_radps", rate_offset);
-  }
-  {
-    auto& [last_fix, track, stale] = outage;
-    visit("outage.last_valid_fix_ns", last_fix);
-    visit("outage.track", track);
-    visit("outage.stale", stale);
-  }
-  {
-    auto& [has_fix, fix] = runaway;
-    visit("runaway.has_fix", has_fix);
-    visit("runaway.fix_position_world_m", fix);
-  }
-  {
-    auto& [position_std, velocity_std, yaw_std] = uncertainty;
-    visit("uncertainty.position_std_m", position_std);
-    visit("uncertainty.velocity_std_mps", velocity_std);
-    visit("uncertainty.yaw_std_rad", yaw_std);
-  }
-  visit("previous_rate_body_radps", previous_rate_body_radps);
-  visit("in_imu_gap", in_imu_gap);
+  return std::nullopt;
 }
 
 }  // namespace sonopose::estimation::documented

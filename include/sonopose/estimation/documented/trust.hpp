@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Items 13–22: how far a fix is believed. A weight from its innovation, a trust in the track that is lost at
-/// an outlier and rebuilt over consistent fixes, and forced convergence for an engine that has run away.
+/// Items 13–22: the weight of a fix. It follows from the fix's innovation and from the trust in the track,
+/// which an outlier removes and consistent fixes rebuild. A diverged engine is forced to converge.
 
 #include <sonopose/estimation/documented/delay.hpp>
 #include <sonopose/estimation/documented/kinematics.hpp>
@@ -14,8 +14,8 @@ using settings::TrustSettings;
 
 struct TrustState {
   double trust = 1.0;       ///< 0…1
-  int rebuild_n = 0;        ///< consistent fixes that full trust takes
-  int rebuilt = 0;          ///< of these, had so far
+  int rebuild_n = 0;        ///< number of consistent fixes that restore full trust
+  int rebuilt = 0;          ///< consistent fixes so far
   int since_loss = 0;       ///< fixes since trust was lost
   int outliers_in_row = 0;  ///< at zero trust
   bool forced = false;      ///< convergence is being forced
@@ -26,7 +26,7 @@ struct TrustState {
   bool operator==(const TrustState&) const = default;
 };
 
-/// What the later stages apply; they ask nothing more about trust.
+/// The assessment of one fix, for the later stages.
 struct FixAssessment {
   Vector3d innovation_world_m = Vector3d::Zero();
   double innovation_m = 0;  ///< its norm
@@ -35,9 +35,9 @@ struct FixAssessment {
   double weight_floor = 0;  ///< item 22 while convergence is forced
   bool outlier = false;
   bool forced = false;
-  bool trusted = true;         ///< trust in the track is full
-  bool accepted_anew = false;  ///< with this fix the track has won over the IMU: items 19 and 20
-  bool new_track = false;      ///< no velocity can be measured from the fixes before this one to it
+  bool trusted = true;          ///< trust in the track is full
+  bool track_accepted = false;  ///< with this fix the track is accepted against the IMU: items 19 and 20
+  bool new_track = false;       ///< no velocity can be measured between the previous fixes and this one
 };
 
 namespace trust {
@@ -45,15 +45,16 @@ namespace trust {
 /// w = 1 / (1 + (r/σ)²): one half at r = σ (item 13).
 [[nodiscard]] double weight_of(double innovation_m, double sigma_m);
 
-/// Whether a pose so far from its fix is still converging: a fix there would have less than half its weight.
+/// Whether a pose at this distance from its fix is still converging: the fix's weight would be below one
+/// half.
 [[nodiscard]] bool is_far(const TrustSettings& settings, double distance_m);
 
-/// Judges a fix by its innovation to the position that the previous fix and the IMU's velocity predict, or,
-/// while trust is not full, to the fused position itself (item 15).
-FixAssessment judge(const TrustSettings& settings, TrustState& state, const Kinematics& body,
-                    const TimedFix& fix);
+/// Assesses a fix by its innovation: its distance to the position predicted from the previous fix and the
+/// IMU's velocity or, while trust is not full, to the fused position (item 15).
+FixAssessment assess(const TrustSettings& settings, TrustState& state, const Kinematics& body,
+                     const TimedFix& fix);
 
-/// Begins anew at `fix`, fully trusted: at the start and after stale mode.
+/// Restarts at `fix` with full trust: at the start and after stale mode.
 void restart(TrustState& state, const TimedFix& fix);
 
 }  // namespace trust

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// How sure the pose is: standard deviations carried along with the corrections that are really made. They
-/// follow the fixes' weights and grow without fixes; nothing in the engine depends on them.
+/// The standard deviations of the pose. They follow the applied corrections and the weights of the fixes, and
+/// grow without fixes. Nothing in the engine depends on them.
 
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/settings/settings.hpp>
@@ -18,7 +18,7 @@ struct UncertaintyState {
   double velocity_std_mps = unknown_mps;
   double yaw_std_rad = unknown_yaw_rad;
 
-  /// "No idea", as numbers that a consumer can still use in a covariance.
+  /// Unknown, as numbers that are usable in a covariance.
   static constexpr double unknown_m = 1e3;
   static constexpr double unknown_mps = 1e2;
   static constexpr double unknown_yaw_rad =
@@ -29,16 +29,16 @@ struct UncertaintyState {
 
 namespace uncertainty {
 
-/// One IMU step without news: velocity by the acceleration's error, position by the velocity's.
+/// One IMU step: velocity grows by the error of the acceleration, position by that of the velocity.
 void grow(const UncertaintySettings& settings, UncertaintyState& state, double dt_s);
 
-/// A fix of weight w whose share `position_share` of the discrepancy and `velocity_share` of the velocity
-/// difference (measured over `interval_s`; 0: none) are applied until the next one.
+/// A fix of weight w, of which the share `position_share` of the position error and the share
+/// `velocity_share` of the velocity error (measured over `interval_s`; 0: none) are applied.
 void correct(const UncertaintySettings& settings, UncertaintyState& state, double weight,
              double position_share, double velocity_share, double interval_s);
 
-/// One IMU step of the pull to a heading, which takes away this share of the difference.
-void pull_yaw(const UncertaintySettings& settings, UncertaintyState& state, double share);
+/// One IMU step of the correction to a heading, which removes this share of the yaw error.
+void correct_yaw(const UncertaintySettings& settings, UncertaintyState& state, double share);
 
 /// The first fix of a run sets the position.
 void reset_position(const UncertaintySettings& settings, UncertaintyState& state);

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Items 3, 7, 8 and 26–28: how the velocity follows the fixes.
+/// Items 3, 7, 8 and 26–28: the velocity correction by fixes.
 
 #include <sonopose/estimation/documented/delay.hpp>
 #include <sonopose/estimation/documented/kinematics.hpp>
@@ -16,7 +16,7 @@ namespace sonopose::estimation::documented {
 
 using settings::VelocitySettings;
 
-/// One good fix of the past.
+/// An earlier good fix.
 struct PastFix {
   TimeNs measured_ns = 0;
   Vector3d position_world_m = Vector3d::Zero();
@@ -24,15 +24,14 @@ struct PastFix {
   bool operator==(const PastFix&) const = default;
 };
 
-/// The latest good fixes, newest first, from which the next velocity can be measured.
+/// The latest good fixes, newest first, to measure the next velocity from.
 struct VelocityState {
   static constexpr int capacity = 8;
   std::array<PastFix, capacity> fixes;
   int count = 0;
-  int velocities =
-      0;  ///< that the run has corrected the velocity by; none counts for more than the first few
+  int velocities = 0;  ///< velocity corrections of this run, up to enough_velocities
 
-  /// Whether the velocity is known as well as it will be, and not still averaged over the run's first ones.
+  /// Whether the velocity no longer averages the first velocities of the run.
   static constexpr int enough_velocities = 7;
   [[nodiscard]] bool settled() const { return velocities >= enough_velocities; }
   void settle() { velocities = enough_velocities; }
@@ -47,10 +46,11 @@ struct FixVelocity {
   Vector3d inertial_world_mps = Vector3d::Zero();
   Vector3d displacement_world_m = Vector3d::Zero();  ///< between the two fixes
   double interval_s = 0;                             ///< between the two fixes
-  double bend_m = 0;  ///< from the straight continuation of the two fixes before; infinite without them
+  double bend_m =
+      0;  ///< distance to the linear extrapolation of the two previous fixes; infinite without them
 };
 
-/// What a fix did to the velocity.
+/// The velocity correction by one fix.
 struct VelocityChange {
   Vector3d change_world_mps = Vector3d::Zero();
   double share = 1;         ///< of the difference between the two velocities that was corrected
@@ -59,22 +59,22 @@ struct VelocityChange {
 
 namespace velocity {
 
-/// Begins a run of fixes with this one, of a body whose velocity is known already or not.
+/// Begins a run of fixes with this one.
 void restart(VelocityState& state, const TimedFix& fix, bool velocity_known);
 
-/// Measures the velocity from an earlier good fix to this one and remembers this one where it is good, that
-/// is no outlier, or one of a convergence that is forced. Empty where there is none at the right distance in
-/// time, or where the track begins anew: from the old track to the new one nothing has moved.
+/// Measures the velocity from an earlier good fix to this one. Stores this one if it is no outlier or if
+/// convergence is forced. Empty if no earlier fix has a suitable distance in time, and at the first fix of a
+/// new track: the step between two tracks is no motion.
 [[nodiscard]] std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocityState& state,
                                                  const Kinematics& body, const TimedFix& fix,
                                                  const FixAssessment& assessment);
 
-/// Corrects the velocity: v += blend · reliability · (v_us − mean v_imu), or at once where a snap applies.
+/// Corrects the velocity: v += blend · reliability · (v_us − mean v_imu), or completely if a snap applies.
 /// The first velocities of a run are averaged.
 VelocityChange correct(const VelocitySettings& settings, VelocityState& state, Kinematics& body,
                        const FixVelocity& measured, const FixAssessment& assessment);
 
-/// Takes the measured velocity outright: the second fix after stale mode.
+/// Sets the velocity to the measured one: the second fix of a run. Returns the change.
 Vector3d adopt(VelocityState& state, Kinematics& body, const FixVelocity& measured);
 
 }  // namespace velocity

@@ -1,10 +1,10 @@
-#include <sonopose/estimation/documented/output.hpp>
+#include <sonopose/estimation/prediction.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
-namespace sonopose::estimation::documented::output {
+namespace sonopose::estimation {
 
-TimeNs period_ns(const OutputSettings& settings) {
-  return settings.rate_hz > 0 ? to_ns(1.0 / settings.rate_hz) : 0;
+TimeNs prediction_period_ns(const settings::Settings& settings) {
+  return settings.output.rate_hz > 0 ? to_ns(1.0 / settings.output.rate_hz) : 0;
 }
 
 FusedPose predicted(const FusedPose& at_sample, TimeNs ahead_ns) {
@@ -23,7 +23,7 @@ FusedPose predicted(const FusedPose& at_sample, TimeNs ahead_ns) {
   pose.q_body_to_world = (at_sample.q_body_to_world *
                           geometry::rotation_by(Vector3d(dt_s * at_sample.angular_velocity_body_radps)))
                              .normalized();
-  // The errors of position and velocity count as independent.
+  // The errors of position and velocity are taken as independent.
   for (int axis = 0; axis < 3; ++axis) {
     if (!pose.pose_covariance.is_known(axis) || !pose.velocity_covariance.is_known(axis)) continue;
     const double drift_m2 = dt_s * dt_s * pose.velocity_covariance.at(axis, axis);
@@ -32,4 +32,4 @@ FusedPose predicted(const FusedPose& at_sample, TimeNs ahead_ns) {
   return pose;
 }
 
-}  // namespace sonopose::estimation::documented::output
+}  // namespace sonopose::estimation

@@ -1,6 +1,6 @@
 /// Poses between IMU samples.
 
-#include <sonopose/estimation/documented/output.hpp>
+#include <sonopose/estimation/prediction.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
@@ -8,8 +8,7 @@
 #include <cmath>
 
 using namespace sonopose;
-using namespace sonopose::estimation::documented;
-using namespace sonopose::settings;
+using namespace sonopose::estimation;
 
 namespace {
 
@@ -31,11 +30,11 @@ FusedPose on_circle(double angle_rad) {
 
 }  // namespace
 
-SCENARIO("a pose between samples lies where the motion leads") {
+SCENARIO("a pose between samples continues the motion") {
   GIVEN("a body on a circle") {
     const FusedPose at_sample = on_circle(0.3);
     WHEN("it is asked for 8 ms after a sample") {
-      const FusedPose between = output::predicted(at_sample, 8 * ms_ns);
+      const FusedPose between = predicted(at_sample, 8 * ms_ns);
       const FusedPose truth = on_circle(0.308);
       THEN("it is where the body is by then, but for what the change of acceleration does") {
         // |jerk| is 2 m/s^3: over 8 ms that is jerk·t³/6 = 0.17 um and jerk·t²/2 = 64 um/s.
@@ -53,32 +52,32 @@ SCENARIO("a pose between samples lies where the motion leads") {
   }
 }
 
-SCENARIO("where the engine ignores acceleration, so does what is predicted") {
+SCENARIO("a pose that ignores acceleration is predicted without it") {
   for (const auto status : {status_stale, status_initialising, status_rotating_fast}) {
     FusedPose at_sample = on_circle(0.0);
     at_sample.status = status;
-    const FusedPose later = output::predicted(at_sample, 50 * ms_ns);
+    const FusedPose later = predicted(at_sample, 50 * ms_ns);
     CHECK(later.velocity_world_mps == at_sample.velocity_world_mps);
     CHECK(later.position_world_m.y() == Approx(0.1));
     CHECK(later.position_world_m.x() == 2.0);
   }
 }
 
-SCENARIO("what is predicted is less sure than what was measured") {
+SCENARIO("a predicted pose has a larger standard deviation") {
   FusedPose at_sample = on_circle(0.0);
   at_sample.pose_covariance.set(0, 0, 0.03 * 0.03);
   at_sample.pose_covariance.set(1, 1, 0.03 * 0.03);
   at_sample.velocity_covariance = Covariance<3>::from_diagonal({0.16, 0.0, 0.16});
   at_sample.since_valid_fix_s = 0.05;
-  const FusedPose later = output::predicted(at_sample, 100 * ms_ns);
+  const FusedPose later = predicted(at_sample, 100 * ms_ns);
   CHECK(position_std_m(later).x() == Approx(0.05));  // 3 cm and 4 cm, independent
   CHECK(position_std_m(later).y() == 0.03);
   CHECK(later.since_valid_fix_s == Approx(0.15));
 }
 
-TEST_CASE("a rate gives its period, and none gives none") {
-  OutputSettings settings;
-  CHECK(output::period_ns(settings) == 0);
-  settings.rate_hz = 1000;
-  CHECK(output::period_ns(settings) == ms_ns);
+TEST_CASE("the period is the inverse of the rate, and 0 without one") {
+  settings::Settings settings;
+  CHECK(prediction_period_ns(settings) == 0);
+  settings.output.rate_hz = 1000;
+  CHECK(prediction_period_ns(settings) == ms_ns);
 }

@@ -1,0 +1,53 @@
+#pragma once
+/// \file
+/// The fields of any estimator's snapshot by name, to save, restore and hash it.
+
+#include <sonopose/estimation/any_estimator.hpp>
+#include <sonopose/estimation/documented/state_fields.hpp>
+
+#include <optional>
+
+namespace sonopose::estimation {
+
+[[nodiscard]] inline EstimatorKind kind_of(const AnySnapshot& snapshot) {
+  return static_cast<EstimatorKind>(snapshot.index());
+}
+
+/// The snapshot of a new estimator of this kind.
+[[nodiscard]] inline AnySnapshot initial_snapshot(EstimatorKind kind) {
+  if (kind == EstimatorKind::strapdown) return strapdown::Snapshot{};
+  return documented::Snapshot{};
+}
+
+/// Calls `visit(name, field)` for each field of the state; `Snapshot` is AnySnapshot or const AnySnapshot.
+/// Fields are bool, int, TimeNs, double, Vector3d, Quaterniond, enumerations with `choices_of`,
+/// attitude::AnyFilter, and sequences of structs that have a `for_each_field` themselves.
+template <class Snapshot, class Visit>
+void for_each_field(Snapshot& snapshot, const Visit& visit) {
+  if (auto* state = std::get_if<documented::Snapshot>(&snapshot)) {
+    documented::for_each_field(state->state, visit);
+  } else {
+    strapdown::for_each_field(*std::get_if<strapdown::Snapshot>(&snapshot), visit);
+  }
+}
+
+/// The counters of a snapshot; `Snapshot` is AnySnapshot or const AnySnapshot.
+template <class Snapshot>
+[[nodiscard]] auto& counters_of(Snapshot& snapshot) {
+  return std::visit(
+      [](auto& any) -> auto& { return any.counters; }, snapshot);
+}
+
+template <class Snapshot>
+[[nodiscard]] auto& reset_counter_of(Snapshot& snapshot) {
+  return std::visit(
+      [](auto& any) -> auto& { return any.reset_counter; }, snapshot);
+}
+
+/// The first field whose value no estimator can have although its type allows it.
+[[nodiscard]] inline std::optional<documented::FieldFault> find_fault(const AnySnapshot& snapshot) {
+  const auto* documented = std::get_if<documented::Snapshot>(&snapshot);
+  return documented == nullptr ? std::nullopt : documented::find_fault(documented->state);
+}
+
+}  // namespace sonopose::estimation

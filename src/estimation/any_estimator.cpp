@@ -1,0 +1,73 @@
+#include <sonopose/estimation/any_estimator.hpp>
+
+namespace sonopose::estimation {
+namespace {
+
+std::variant<documented::Engine, strapdown::Engine> make(const settings::Settings& settings,
+                                                         const EstimatorOptions& options) {
+  if (options.kind == EstimatorKind::strapdown) {
+    return strapdown::Engine(settings, options.strapdown_start, options.strapdown_rule);
+  }
+  return documented::Engine(settings);
+}
+
+}  // namespace
+
+AnyEstimator::AnyEstimator(const settings::Settings& settings, const EstimatorOptions& options)
+    : estimator_(make(settings, options)) {}
+
+std::optional<FusedPose> AnyEstimator::predict(const ImuSample& imu) noexcept {
+  return std::visit([&](auto& estimator) { return estimator.predict(imu); }, estimator_);
+}
+
+FixReport AnyEstimator::correct(const UltrasonicFix& fix) noexcept {
+  return std::visit([&](auto& estimator) { return estimator.correct(fix); }, estimator_);
+}
+
+void AnyEstimator::correct(const PairHeading& heading) noexcept {
+  std::visit([&](auto& estimator) { estimator.correct(heading); }, estimator_);
+}
+
+void AnyEstimator::configure(const settings::Settings& settings) noexcept {
+  std::visit([&](auto& estimator) { estimator.configure(settings); }, estimator_);
+}
+
+void AnyEstimator::reset() noexcept {
+  std::visit([](auto& estimator) { estimator.reset(); }, estimator_);
+}
+
+void AnyEstimator::restore(const Snapshot& snapshot) noexcept {
+  if (snapshot.index() != estimator_.index()) {
+    estimator_ = make(settings::Settings(settings()), {.kind = static_cast<EstimatorKind>(snapshot.index())});
+  }
+  std::visit(
+      [&](auto& estimator) {
+        using Kind = typename std::remove_cvref_t<decltype(estimator)>::Snapshot;
+        estimator.restore(*std::get_if<Kind>(&snapshot));
+      },
+      estimator_);
+}
+
+AnyEstimator::Snapshot AnyEstimator::snapshot() const {
+  return std::visit([](const auto& estimator) { return Snapshot(estimator.snapshot()); }, estimator_);
+}
+
+const settings::Settings& AnyEstimator::settings() const {
+  return std::visit(
+      [](const auto& estimator) -> const auto& { return estimator.settings(); }, estimator_);
+}
+
+const EstimatorCounters& AnyEstimator::counters() const {
+  return std::visit(
+      [](const auto& estimator) -> const auto& { return estimator.counters(); }, estimator_);
+}
+
+std::uint32_t AnyEstimator::reset_counter() const {
+  return std::visit([](const auto& estimator) { return estimator.reset_counter(); }, estimator_);
+}
+
+TimeNs AnyEstimator::time_ns() const {
+  return std::visit([](const auto& estimator) { return estimator.time_ns(); }, estimator_);
+}
+
+}  // namespace sonopose::estimation

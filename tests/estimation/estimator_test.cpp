@@ -1,0 +1,230 @@
+/// What every estimator guarantees (estimator.hpp), checked for each of them and for AnyEstimator.
+
+#include "support/allocations.hpp"
+#include "support/bits.hpp"
+#include "support/engine_driver.hpp"
+#include <sonopose/estimation/any_estimator.hpp>
+#include <sonopose/estimation/snapshot_fields.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <limits>
+#include <vector>
+
+using namespace sonopose;
+using namespace sonopose::estimation;
+
+namespace {
+
+struct AnyDocumented : AnyEstimator {
+  explicit AnyDocumented(const settings::Settings& settings) : AnyEstimator(settings) {}
+};
+
+struct AnyStrapdown : AnyEstimator {
+  explicit AnyStrapdown(const settings::Settings& settings)
+      : AnyEstimator(settings, {.kind = EstimatorKind::strapdown}) {}
+};
+
+/// A body that departs on a bend: IMU at 100 Hz, fixes and headings at 12.5 Hz.
+std::vector<Event> events(double duration_s) {
+  const auto motion = test::departure(1.5, 0.3);
+  std::vector<Event> events;
+  std::uint64_t sequence = 0;
+  for (int k = 0; k < static_cast<int>(duration_s * 100.0); ++k) {
+    const double time_s = 0.01 * k;
+    const test::Truth truth = motion(time_s);
+    const TimeNs now_ns = test::epoch_ns + to_ns(time_s);
+    ImuSample imu = test::imu_on(truth, now_ns);
+    imu.sequence = ++sequence;
+    events.emplace_back(imu);
+    if (k % 8 != 7) continue;
+    UltrasonicFix fix;
+    fix.address = 7;
+    fix.sequence = ++sequence;
+    fix.emission_time_ns = now_ns - to_ns(0.068);
+    fix.received_time_ns = now_ns;
+    fix.position_world_m = motion(time_s - 0.068).position_world_m;
+    fix.measured_delay_s = 0.068;
+    events.emplace_back(fix);
+    events.emplace_back(
+        PairHeading{7, ++sequence, fix.emission_time_ns, now_ns, motion(time_s - 0.068).yaw_rad, true});
+  }
+  return events;
+}
+
+struct Run {
+  std::vector<FusedPose> poses;
+  std::vector<FixReport> reports;
+};
+
+template <class T>
+Run run(T& estimator, const std::vector<Event>& events, std::size_t from = 0) {
+  Run run;
+  for (std::size_t i = from; i < events.size(); ++i) {
+    const EventResult output = process(estimator, events[i]);
+    if (const auto* pose = std::get_if<FusedPose>(&output)) run.poses.push_back(*pose);
+    if (const auto* report = std::get_if<FixReport>(&output)) run.reports.push_back(*report);
+  }
+  return run;
+}
+
+template <class Sample>
+bool same_bits(const std::vector<Sample>& a, const std::vector<Sample>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Sample& x, const Sample& y) { return test::bits_of(x) == test::bits_of(y); });
+}
+
+bool is_finite(const FusedPose& pose) {
+  return pose.position_world_m.allFinite() && pose.velocity_world_mps.allFinite() &&
+         std::abs(pose.q_body_to_world.norm() - 1.0) < 1e-9 && pose.angular_velocity_body_radps.allFinite() &&
+         pose.acceleration_world_mps2.allFinite();
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("the same events and settings give the same bits", "", documented::Engine,
+                   strapdown::Engine, AnyDocumented, AnyStrapdown) {
+  const auto log = events(6.0);
+  TestType one{settings::Settings{}};
+  TestType two{settings::Settings{}};
+  const Run first = run(one, log);
+  const Run second = run(two, log);
+  CHECK(first.poses.size() == 600);
+  CHECK(first.reports.size() == 75);
+  CHECK(same_bits(first.poses, second.poses));
+  CHECK(same_bits(first.reports, second.reports));
+  CHECK(one.snapshot() == two.snapshot());
+  CHECK(one.counters() == two.counters());
+  CHECK(one.counters().imu_samples == 600);
+  CHECK(one.time_ns() == first.poses.back().time_ns);
+}
+
+TEMPLATE_TEST_CASE("an estimator that is restored from a snapshot continues with the same bits", "",
+                   documented::Engine, strapdown::Engine, AnyDocumented, AnyStrapdown) {
+  const auto log = events(8.0);
+  const std::size_t half = log.size() / 2;
+  TestType whole{settings::Settings{}};
+  const Run expected = run(whole, log);
+  TestType first{settings::Settings{}};
+  run(first, {log.begin(), log.begin() + static_cast<std::ptrdiff_t>(half)});
+  TestType second{settings::Settings{}};
+  CHECK_FALSE(second.snapshot() == first.snapshot());
+  second.restore(first.snapshot());
+  const Run rest = run(second, log, half);
+  REQUIRE(rest.poses.size() < expected.poses.size());
+  CHECK(same_bits(rest.poses, {expected.poses.end() - static_cast<std::ptrdiff_t>(rest.poses.size()),
+                               expected.poses.end()}));
+  CHECK(second.snapshot() == whole.snapshot());
+  CHECK(second.counters() == whole.counters());
+}
+
+TEMPLATE_TEST_CASE("samples that are not finite are counted and never reach a pose", "", documented::Engine,
+                   strapdown::Engine, AnyDocumented, AnyStrapdown) {
+  const double bad =
+      GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+               -std::numeric_limits<double>::infinity());
+  TestType estimator{settings::Settings{}};
+  std::uint64_t invalid = 0;
+  std::size_t count = 0;
+  for (Event event : events(6.0)) {
+    ++count;
+    if (auto* imu = std::get_if<ImuSample>(&event); imu != nullptr && count % 20 == 0) {
+      (count % 40 == 0 ? imu->specific_force_body_mps2 : imu->angular_velocity_body_radps).y() = bad;
+      ++invalid;
+    }
+    if (auto* fix = std::get_if<UltrasonicFix>(&event); fix != nullptr && count % 3 == 0) {
+      fix->position_world_m.z() = bad;
+    }
+    const EventResult output = process(estimator, event);
+    if (const auto* pose = std::get_if<FusedPose>(&output)) REQUIRE(is_finite(*pose));
+  }
+  CHECK(invalid > 20);
+  CHECK(estimator.counters().samples_invalid == invalid);
+}
+
+TEMPLATE_TEST_CASE("a stamp that goes backward is counted and gives no pose", "", documented::Engine,
+                   strapdown::Engine, AnyDocumented, AnyStrapdown) {
+  TestType estimator{settings::Settings{}};
+  const auto log = events(2.0);
+  const Run before = run(estimator, log);
+  ImuSample late = std::get<ImuSample>(log.front());
+  CHECK_FALSE(estimator.predict(late));
+  CHECK(estimator.counters().samples_invalid == 1);
+  CHECK(estimator.time_ns() == before.poses.back().time_ns);
+  late.sensor_time_ns = -1;
+  CHECK_FALSE(estimator.predict(late));
+  CHECK(estimator.counters().samples_invalid == 2);
+}
+
+TEMPLATE_TEST_CASE("a reset discards the state, keeps the counters and raises reset_counter", "",
+                   documented::Engine, strapdown::Engine, AnyDocumented, AnyStrapdown) {
+  TestType estimator{settings::Settings{}};
+  const auto log = events(4.0);
+  const Run first = run(estimator, log);
+  CHECK(first.poses.back().reset_counter == 0);
+  estimator.reset();
+  CHECK(estimator.reset_counter() == 1);
+  CHECK(estimator.time_ns() == 0);
+  CHECK(estimator.counters().imu_samples == 400);
+  const Run second = run(estimator, log);
+  CHECK(second.poses.back().reset_counter == 1);
+  CHECK(second.poses.back().position_world_m == first.poses.back().position_world_m);
+  CHECK(estimator.counters().imu_samples == 800);
+}
+
+TEMPLATE_TEST_CASE("settings are replaced without a change of the state", "", documented::Engine,
+                   strapdown::Engine, AnyDocumented, AnyStrapdown) {
+  TestType estimator{settings::Settings{}};
+  run(estimator, events(3.0));
+  const auto before = estimator.snapshot();
+  settings::Settings other;
+  other.admission.max_specific_force_mps2 = 30.0;
+  estimator.configure(other);
+  CHECK(estimator.settings().admission.max_specific_force_mps2 == 30.0);
+  CHECK(estimator.snapshot() == before);
+  ImuSample strong = test::imu_on(test::Truth{}, test::epoch_ns + to_ns(3.0));
+  strong.specific_force_body_mps2.x() = 31.0;
+  CHECK_FALSE(estimator.predict(strong));
+}
+
+TEMPLATE_TEST_CASE("a fix that is not used says so and names itself", "", documented::Engine,
+                   strapdown::Engine, AnyDocumented, AnyStrapdown) {
+  TestType estimator{settings::Settings{}};
+  UltrasonicFix fix;
+  fix.address = 9;
+  fix.sequence = 12;
+  fix.emission_time_ns = 5;
+  fix.position_world_m = {1, 2, 3};
+  const FixReport report = estimator.correct(fix);  // before any IMU sample
+  CHECK((report.flags & fix_used) == 0);
+  CHECK(report.address == 9);
+  CHECK(report.sequence == 12);
+  CHECK(report.emission_time_ns == 5);
+  CHECK(report.position_world_m == Vector3d(1, 2, 3));
+  CHECK(estimator.counters().fixes_used == 0);
+}
+
+TEMPLATE_TEST_CASE("events do not allocate", "", documented::Engine, strapdown::Engine, AnyDocumented,
+                   AnyStrapdown) {
+  const auto log = events(4.0);
+  TestType estimator{settings::Settings{}};
+  const std::size_t before = test::allocations();
+  for (const Event& event : log) static_cast<void>(process(estimator, event));
+  estimator.configure(settings::Settings{});
+  estimator.reset();
+  CHECK(test::allocations() == before);
+}
+
+TEST_CASE("AnyEstimator becomes the kind of the snapshot that it is restored from") {
+  AnyStrapdown strapdown{settings::Settings{}};
+  run(strapdown, events(2.0));
+  AnyEstimator estimator{settings::Settings{}};
+  CHECK(estimator.kind() == EstimatorKind::documented);
+  estimator.restore(strapdown.snapshot());
+  CHECK(estimator.kind() == EstimatorKind::strapdown);
+  CHECK(kind_of(estimator.snapshot()) == EstimatorKind::strapdown);
+  CHECK(estimator.snapshot() == strapdown.snapshot());
+  for (const EstimatorKind kind : {EstimatorKind::documented, EstimatorKind::strapdown}) {
+    CHECK(kind_of(initial_snapshot(kind)) == kind);
+  }
+}
