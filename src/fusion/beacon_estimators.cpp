@@ -140,7 +140,7 @@ std::uint64_t BeaconEstimators::ahead(BeaconAddress address, std::uint64_t seque
 
 void BeaconEstimators::check_capacity(const SettingsTimeline& timeline, BeaconAddress address,
                                       std::uint64_t from_sequence) const {
-  if (timeline.has_room_for(ahead(address, from_sequence))) return;
+  if (timeline.can_add(ahead(address, from_sequence))) return;
   throw settings::SettingError(fmt::format("beacon {}: already {} changes wait for their events", address,
                                            SettingsTimeline::capacity));
 }

@@ -1,26 +1,45 @@
-#include "fusion/fusion_node_impl.hpp"
+#include "fusion/fusion_node.hpp"
+
+#include "fusion/beacon_estimators.hpp"
+#include "fusion/gap_detector.hpp"
+#include "fusion/input_monitor.hpp"
+#include "fusion/pose_output.hpp"
+#include "process/clocks.hpp"
+#include "process/endpoint_counters.hpp"
 #include "process/random_id.hpp"
+#include "process/silence_detector.hpp"
+#include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/estimation/prediction.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <map>
+#include <mutex>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
 
 namespace sonopose::fusion {
 namespace {
 
 namespace topics = dds::topics;
 
-/// After how long a silence of the IMU nothing is made of its last sample any more: its deadline, or, where
-/// the profile sets none, a second.
+/// The silence of the IMU after which its last sample is no longer used: its deadline, at most a second.
 TimeNs input_deadline_ns(const dds::QosProvider& qos) {
   constexpr TimeNs most_ns = 1'000'000'000;
   return std::min(most_ns, dds::deadline_of(qos.datareader_qos(topics::imu.profile)).count());
 }
 
-/// Live, a consumer that has stopped holds nobody up.
+/// Live, a consumer that has stopped must not block the fusion.
 dds::DomainOptions domain_options(const FusionOptions& options) {
   dds::DomainOptions domain = options.domain;
   domain.wait_for_readers = options.lossless;
@@ -39,6 +58,109 @@ constexpr std::uint64_t InputCounters::*counter_of(const sonopose_PairHeading& /
 
 }  // namespace
 
+class FusionNode::Impl {
+public:
+  explicit Impl(const FusionOptions& options);
+  ~Impl();
+
+  void publish_statuses();
+
+  /// Asserts liveliness, releases stalled beacons and publishes the status of beacons whose IMU fell silent
+  /// or resumed.
+  void poll();
+  [[nodiscard]] SteadyTime poll_by() const { return output_.poll_by(process::steady_now()); }
+
+  /// Lets a standby process take over without a missed pose.
+  void hand_over();
+
+private:
+  template <class T>
+  void take(dds::DataReader<T>& reader) noexcept;
+  void take(dds::DataReader<sonopose_ResetCommand>& reader) noexcept;
+  void take(dds::DataReader<sonopose_SettingsRequest>& reader) noexcept;
+  void feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, SteadyTime steady) noexcept;
+  void write(EventOutcome& outcome, TimeNs in_ns, SteadyTime steady) noexcept;
+  void write(FusedPose& pose, SteadyTime steady) noexcept;
+  void write(const SettingsChange& change) noexcept;
+  template <class T>
+  void write_to(dds::DataWriter<T>& writer, const T& sample) noexcept;
+  void serve_lossless(const std::stop_token& stop);
+
+  void publish_status(BeaconAddress address);
+  void log_gaps();
+  void log_unwritten();
+  void log_incompatible();
+
+  /// Passes on the samples and status changes of one topic, on the thread that receives them.
+  template <class T>
+  class Listener final : public process::CountingReaderListener<T> {
+  public:
+    explicit Listener(Impl& node) : process::CountingReaderListener<T>(node.endpoints_), node_(node) {}
+    void on_data_available(dds::DataReader<T>& reader) noexcept override { node_.take(reader); }
+    void on_requested_deadline_missed(dds::DataReader<T>& reader,
+                                      const dds::RequestedDeadlineMissedStatus& status) noexcept override {
+      node_.on_deadline_missed(reader, status);
+    }
+    void on_liveliness_changed(dds::DataReader<T>& /*reader*/,
+                               const dds::LivelinessChangedStatus& status) noexcept override {
+      if (std::is_same_v<T, sonopose_ImuSample>) node_.on_bridge_liveliness(status);
+    }
+
+  private:
+    Impl& node_;
+  };
+
+  template <class T>
+  void on_deadline_missed(dds::DataReader<T>& reader,
+                          const dds::RequestedDeadlineMissedStatus& status) noexcept;
+  void on_bridge_liveliness(const dds::LivelinessChangedStatus& status) noexcept;
+
+  bool lossless_;
+  process::AddressSet addresses_;
+  std::uint64_t id_;
+  dds::DomainParticipant participant_;
+  dds::QosProvider qos_;
+  dds::Delivery delivery_;
+  TimeNs input_deadline_ns_;
+
+  // Guards the estimators and the state of their inputs. Not held while anything is read or written.
+  std::mutex estimators_mutex_;
+  BeaconEstimators estimators_;
+  InputMonitor inputs_;
+  process::SilenceDetector imu_silences_;
+  std::map<BeaconAddress, std::uint64_t> last_reset_ids_;          // used by the receive thread
+  std::vector<process::SilenceDetector::Change> silence_changes_;  // of poll(), kept for its capacity
+  std::atomic<std::uint64_t> unwritten_ = 0;
+  std::uint64_t unwritten_reported_ = 0;
+  std::uint64_t incompatible_reported_ = 0;
+  std::atomic<bool> working_ = false;  // an event is being processed
+  std::atomic<bool> stopping_ = false;
+  std::atomic<bool> waited_for_consumer_ = false;  // since the last log_gaps()
+  GapDetector gaps_;
+
+  process::EndpointCounters endpoints_;
+  process::CountingWriterListener<sonopose_FixReport> report_listener_{endpoints_};
+  process::CountingWriterListener<sonopose_FusionStatus> status_listener_{endpoints_};
+  PoseOutput output_;
+  dds::DataWriter<sonopose_FixReport> report_writer_;
+  dds::DataWriter<sonopose_FusionStatus> status_writer_;
+  dds::DataWriter<sonopose_SettingsReply> reply_writer_;
+  dds::DataWriter<sonopose_EffectiveSettings> settings_writer_;
+
+  Listener<sonopose_ImuSample> imu_listener_{*this};
+  Listener<sonopose_UltrasonicFix> fix_listener_{*this};
+  Listener<sonopose_PairHeading> heading_listener_{*this};
+  Listener<sonopose_ResetCommand> reset_listener_{*this};
+  Listener<sonopose_SettingsRequest> request_listener_{*this};
+  // Readers last: their listeners may be called while the constructor still runs.
+  dds::DataReader<sonopose_ImuSample> imu_reader_;
+  dds::DataReader<sonopose_UltrasonicFix> fix_reader_;
+  dds::DataReader<sonopose_PairHeading> heading_reader_;
+  dds::DataReader<sonopose_ResetCommand> reset_reader_;
+  dds::DataReader<sonopose_SettingsRequest> request_reader_;
+  std::jthread lossless_thread_;
+};
+
 FusionNode::Impl::Impl(const FusionOptions& options)
     : lossless_(options.lossless),
       addresses_(options.addresses),
@@ -49,7 +171,7 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       input_deadline_ns_(input_deadline_ns(qos_)),
       estimators_(options.config, options.lossless),
       imu_silences_(input_deadline_ns_),
-      output_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, ends_),
+      output_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, endpoints_),
       report_writer_(dds::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)),
       status_writer_(dds::make_writer(participant_, qos_, topics::fusion_status, &status_listener_)),
       reply_writer_(dds::make_writer(participant_, qos_, topics::settings_reply)),
@@ -74,8 +196,8 @@ FusionNode::Impl::~Impl() {
   heading_reader_.close();
   reset_reader_.close();
   request_reader_.close();
-  // Consumers hear at once that the poses end. (Lossless writers would wait for room first: there the
-  // writers' own end must tell.)
+  // Unregister, so that consumers learn immediately that the poses end. (Lossless writers would block until
+  // there is space; their consumers learn it from the end of the writers.)
   for (const BeaconAddress address : estimators_.addresses()) {
     if (!lossless_) output_.unregister(address);
     sonopose_FusionStatus status{};
@@ -97,7 +219,8 @@ void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
   const SteadyTime steady = process::steady_now();
   working_ = true;
   reader.try_take_each([&](const T& sample, const dds::SampleInfo& info) {
-    if (stopping_ || !addresses_.contains(sample.address)) return;  // a lossless reader may hold minutes
+    if (stopping_ || !addresses_.contains(sample.address))
+      return;  // a lossless reader may buffer minutes of samples
     feed(dds::from_idl(sample), info.publication_handle(), in_ns, steady);
   });
   working_ = false;
@@ -154,7 +277,7 @@ void FusionNode::Impl::write(const SettingsChange& change) noexcept {
 
 template <class T>
 void FusionNode::Impl::write_to(dds::DataWriter<T>& writer, const T& sample) noexcept {
-  if (lossless_ && stopping_) return;  // each try may wait for a consumer, and there may be many to write
+  if (lossless_ && stopping_) return;  // each attempt may wait for a consumer
   dds::ReturnCode code = writer.try_write(sample);
   while (lossless_ && dds::is_timeout(code) && !stopping_) {
     waited_for_consumer_ = true;
@@ -224,6 +347,100 @@ void FusionNode::Impl::on_bridge_liveliness(const dds::LivelinessChangedStatus& 
   inputs_.on_bridge_lost(status.last_publication_handle);
 }
 
+// Status
+
+void FusionNode::Impl::poll() {
+  const SteadyTime now = process::steady_now();
+  output_.poll(now, working_);
+  silence_changes_.clear();
+  {
+    const std::lock_guard lock(estimators_mutex_);
+    imu_silences_.find_changes(now, silence_changes_);
+  }
+  for (const auto& change : silence_changes_) publish_status(change.address);
+}
+
+void FusionNode::Impl::hand_over() {
+  output_.hand_over();
+  if (!output_.is_standby()) return;
+  constexpr TimeNs longest_ns = 1'000'000'000;  // for a profile with a long lease or without one
+  const SteadyTime until = process::steady_now() + std::min(output_.lease_ns(), longest_ns);
+  for (SteadyTime now = process::steady_now(); now < until; now = process::steady_now()) {
+    poll();
+    std::this_thread::sleep_for(std::chrono::nanoseconds(std::min(poll_by(), until) - now));
+  }
+}
+
+void FusionNode::Impl::publish_statuses() {
+  std::vector<BeaconAddress> addresses;
+  {
+    const std::lock_guard lock(estimators_mutex_);
+    addresses = estimators_.addresses();
+  }
+  for (const BeaconAddress address : addresses) publish_status(address);
+  if (lossless_) log_gaps();
+  log_unwritten();
+  log_incompatible();
+}
+
+void FusionNode::Impl::publish_status(BeaconAddress address) {
+  std::optional<FusionStatus> status;
+  InputCounters inputs;
+  {
+    const std::lock_guard lock(estimators_mutex_);
+    status = estimators_.status(address);
+    if (!status) return;
+    status->imu_silent = imu_silences_.is_silent(address);
+    inputs = inputs_.counters(address);
+  }
+  status->fusion_id = id_;
+  status->time_ns = process::host_now();
+  status->role = output_.role(address);
+  status->strength = output_.strength();
+  status->imu_deadlines_missed = inputs.imu_deadlines_missed;
+  status->fix_deadlines_missed = inputs.fix_deadlines_missed;
+  status->heading_deadlines_missed = inputs.heading_deadlines_missed;
+  status->bridge_losses = inputs.bridge_losses;
+  status->pose_deadlines_missed = endpoints_.offered_deadlines_missed;
+  status->liveliness_lost = endpoints_.liveliness_lost;
+  status->samples_lost = endpoints_.samples_lost;
+  status->samples_rejected = endpoints_.samples_rejected;
+  status->incompatible_qos = endpoints_.incompatible_qos;
+  status->poses_unwritten = unwritten_ + output_.unwritten();
+  if (status_writer_.try_write(dds::to_idl(*status)) < 0) ++unwritten_;
+}
+
+void FusionNode::Impl::log_unwritten() {
+  const std::uint64_t unwritten = unwritten_ + output_.unwritten();
+  if (unwritten == unwritten_reported_) return;
+  fmt::print(stderr, "sonopose-fusion: {} poses or reports could not be written: a consumer is too slow\n",
+             unwritten - unwritten_reported_);
+  unwritten_reported_ = unwritten;
+}
+
+void FusionNode::Impl::log_incompatible() {
+  const std::uint64_t incompatible = endpoints_.incompatible_qos;
+  if (incompatible == incompatible_reported_) return;
+  fmt::print(
+      stderr,
+      "sonopose-fusion: {} readers or writers with incompatible QoS; run sonopose-doctor to list them\n",
+      incompatible - incompatible_reported_);
+  incompatible_reported_ = incompatible;
+}
+
+void FusionNode::Impl::log_gaps() {
+  if (waited_for_consumer_.exchange(false)) gaps_.start_over();
+  std::vector<std::string> texts;
+  {
+    const std::lock_guard lock(estimators_mutex_);
+    for (const BeaconAddress address : estimators_.addresses()) {
+      if (auto text = gaps_.on(address, estimators_.gap(address), process::steady_now()))
+        texts.push_back(*std::move(text));
+    }
+  }
+  for (const std::string& text : texts) fmt::print(stderr, "sonopose-fusion: {}\n", text);
+}
+
 FusionNode::FusionNode(const FusionOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 FusionNode::~FusionNode() = default;
 
@@ -231,11 +448,11 @@ void FusionNode::run(const process::StopSignal& stop) {
   constexpr TimeNs period_ns = 1'000'000'000;
   SteadyTime status_due = process::steady_now();
   do {
-    impl_->watch();
+    impl_->poll();
     if (process::steady_now() < status_due) continue;
     impl_->publish_statuses();
     status_due += period_ns;
-  } while (!stop.wait_until(std::min(status_due, impl_->watch_by())));
+  } while (!stop.wait_until(std::min(status_due, impl_->poll_by())));
   impl_->hand_over();
 }
 

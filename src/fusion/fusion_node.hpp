@@ -1,13 +1,13 @@
 #pragma once
 /// \file
-/// The fusion process: takes events from DDS, runs one engine per beacon, writes poses and reports, and
+/// The fusion process: takes events from DDS, runs one estimator per beacon, writes poses and reports, and
 /// changes settings and resets on request.
 
 #include "config/fusion_config.hpp"
-#include <sonopose/dds/binding/domain.hpp>
-#include "process/address_set.hpp"
 #include "fusion/standby.hpp"
+#include "process/address_set.hpp"
 #include "process/stop_signal.hpp"
+#include <sonopose/dds/binding/domain.hpp>
 
 #include <filesystem>
 #include <memory>
@@ -19,23 +19,23 @@ struct FusionOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
   config::FusionConfig config;
-  process::AddressSet addresses;                   ///< serve these beacons alone
-  std::optional<StandbyOptions> standby;  ///< stand by for others, or be stood by for; not with `lossless`
-  bool lossless = false;  ///< keep all events and poses, for a log that is played as fast as it can be
+  process::AddressSet addresses;          ///< serve only these beacons
+  std::optional<StandbyOptions> standby;  ///< share the beacons with other processes; not with `lossless`
+  bool lossless = false;  ///< keep all events and poses, for a log that is played at full speed
 };
 
-/// Live, each event is taken, fused and its pose written on Cyclone's receive thread, the quickest way there
-/// is. Lossless, a thread of its own waits for events, because it must be able to wait for consumers too.
+/// Live, each event is taken and processed and its pose is written on Cyclone's receive thread, which is the
+/// fastest path. Lossless, a separate thread does this, because it must be able to wait for consumers.
 class FusionNode {
 public:
-  /// Joins the domain and begins to serve. Throws dds::Error, dds::QosFileError.
+  /// Joins the domain and starts. Throws dds::Error, dds::QosFileError.
   explicit FusionNode(const FusionOptions& options);
   FusionNode(const FusionNode&) = delete;
   FusionNode& operator=(const FusionNode&) = delete;
   ~FusionNode();
 
-  /// Publishes the status of every beacon once a second, and at once when its IMU falls silent or comes back,
-  /// until the stop. With a standby, serves on for a lease then, so that it can take over.
+  /// Publishes the status of every beacon once a second, and immediately when its IMU falls silent or
+  /// resumes, until the stop. A standby process then continues for a lease, so that another can take over.
   void run(const process::StopSignal& stop);
 
 private:

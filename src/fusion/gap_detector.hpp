@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Notices where a lossless fusion waits in vain.
+/// Detects a lossless fusion that waits for a lost event.
 
 #include <sonopose/collation/lossless_collator.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -12,11 +12,11 @@
 
 namespace sonopose::fusion {
 
-/// Lossless, an event that was lost before the bridge knew of the fusion is waited for without end: the user
-/// must be told. Asked about once a second.
+/// An event that was lost before the bridge discovered the fusion never arrives, and a lossless fusion waits
+/// for it without a time limit. The user has to know. Updated about once a second.
 class GapDetector {
 public:
-  /// So long a wait is no slow transport any more.
+  /// A longer wait is not explained by a slow transport.
   static constexpr TimeNs timeout_ns = 5'000'000'000;
 
   /// What one beacon's events wait for at `now`. Returns what to tell the user, once for
@@ -24,7 +24,7 @@ public:
   std::optional<std::string> on(BeaconAddress address,
                                 const std::optional<collation::LosslessCollator::Gap>& gap, SteadyTime now);
 
-  /// Events were not taken for a while because a consumer was waited for: that wait does not count.
+  /// Restarts all waits, because no events were taken while the fusion waited for a consumer.
   void start_over() { waits_.clear(); }
 
 private:

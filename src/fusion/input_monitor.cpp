@@ -3,7 +3,7 @@
 namespace sonopose::fusion {
 
 void InputMonitor::on_deadline_missed(BeaconAddress address, std::uint64_t InputCounters::*counter,
-                                    std::uint64_t more) {
+                                      std::uint64_t more) {
   const auto found = beacons_.find(address);
   if (found != beacons_.end()) found->second.counters.*counter += more;
 }

@@ -1,7 +1,6 @@
 #pragma once
 /// \file
-/// What the middleware has told a fusion process of the streams that feed each beacon's engine: missed
-/// deadlines, and bridges that died.
+/// Counts missed deadlines and lost bridges of each beacon's input streams.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -18,16 +17,16 @@ struct InputCounters {
   std::uint64_t bridge_losses = 0;
 };
 
-/// All beacons. Not for several threads at once: no locks. Allocates at a beacon's first sample alone.
+/// All beacons. Not thread-safe. Allocates only at a beacon's first sample.
 class InputMonitor {
 public:
-  /// An IMU sample that came from the writer `bridge` (its publication handle).
+  /// An IMU sample from the writer with the publication handle `bridge`.
   void on_imu(BeaconAddress address, std::uint64_t bridge) { beacons_[address].bridge = bridge; }
 
-  /// Some periods of one of a beacon's streams went by without a sample. Ignored for a beacon not heard of.
+  /// Adds deadline periods without a sample of one of a beacon's streams. Ignored for an unknown beacon.
   void on_deadline_missed(BeaconAddress address, std::uint64_t InputCounters::*counter, std::uint64_t more);
 
-  /// A bridge is no longer alive: counted for every beacon that it served last.
+  /// A bridge is no longer alive: counts it for every beacon whose latest sample it sent.
   void on_bridge_lost(std::uint64_t bridge);
 
   [[nodiscard]] InputCounters counters(BeaconAddress address) const;

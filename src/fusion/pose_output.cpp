@@ -41,12 +41,12 @@ PoseOutput::PoseOutput(const dds::DomainParticipant& participant, const dds::Qos
   } else {
     writer_ = make({});
   }
-  const dds::Qos in_force = writer_.qos();
-  strength_ = in_force.policy<OwnershipStrength>().value_or(OwnershipStrength{}).value;
-  const auto liveliness = in_force.policy<Liveliness>().value_or(Liveliness{});
+  const dds::Qos effective = writer_.qos();
+  strength_ = effective.policy<OwnershipStrength>().value_or(OwnershipStrength{}).value;
+  const auto liveliness = effective.policy<Liveliness>().value_or(Liveliness{});
   is_manual_ = liveliness.kind == LivelinessKind::manual_by_topic;
   lease_ns_ = liveliness.lease_duration.count();
-  if (delivery == dds::Delivery::lossless) return;  // a log's time is not the clock's
+  if (delivery == dds::Delivery::lossless) return;  // the time of a log is not the time of the clock
   predicting_thread_ = std::jthread([this](const std::stop_token& stop) { serve_predictions(stop); });
   ::pthread_setname_np(predicting_thread_.native_handle(), process::predicting_thread_name);
 }
@@ -72,7 +72,7 @@ dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(const FusedPose& pos
       step = standby_->on_pose(pose.address, pose.status, age_ns, now);
     }
   }
-  if (step.give_up) take_back(pose.address);
+  if (step.release) release(pose.address);
   return writer_of(step.role);
 }
 
@@ -80,11 +80,11 @@ dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_of(FusionRole role) noex
   return role == FusionRole::sole || role == FusionRole::serving ? writer_ : warming_writer_;
 }
 
-void PoseOutput::take_back(BeaconAddress address) noexcept {
+void PoseOutput::release(BeaconAddress address) noexcept {
   writer_.try_unregister_instance(key_of(address));
 }
 
-void PoseOutput::watch(SteadyTime now, bool busy) noexcept {
+void PoseOutput::poll(SteadyTime now, bool busy) noexcept {
   if (is_manual_ && !busy) {
     writer_.try_assert_liveliness();
     if (standby_) warming_writer_.try_assert_liveliness();
@@ -95,10 +95,10 @@ void PoseOutput::watch(SteadyTime now, bool busy) noexcept {
     const std::lock_guard lock(mutex_);
     standby_->find_stalled(now, stalled_);
   }
-  for (const BeaconAddress address : stalled_) take_back(address);
+  for (const BeaconAddress address : stalled_) release(address);
 }
 
-SteadyTime PoseOutput::watch_by(SteadyTime now) const noexcept {
+SteadyTime PoseOutput::poll_by(SteadyTime now) const noexcept {
   constexpr TimeNs longest_ns = 20'000'000;
   const TimeNs tick_ns = is_manual_ ? std::min(longest_ns, lease_ns_ / 5) : longest_ns;
   if (!standby_) return now + tick_ns;
@@ -125,8 +125,8 @@ FusionRole PoseOutput::role(BeaconAddress address) const noexcept {
 void PoseOutput::serve_predictions(const std::stop_token& stop) {
   std::vector<FusedPose> due;
   while (!stop.stop_requested()) {
-    constexpr TimeNs look_again_ns = 100'000'000;  // where nothing is asked for, or no sample has come since
-    const SteadyTime wake = write_predictions(due).value_or(process::steady_now() + look_again_ns);
+    constexpr TimeNs idle_ns = 100'000'000;  // nothing requested, or no sample since
+    const SteadyTime wake = write_predictions(due).value_or(process::steady_now() + idle_ns);
     std::unique_lock lock(mutex_);
     wake_.wait_until(lock, stop, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(wake.ns)),
                      [this] { return std::exchange(periods_changed_, false); });

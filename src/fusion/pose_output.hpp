@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The pose end of a fusion process: its writers, whose strength each pose is written with, the liveliness of
-/// its claim, and the poses predicted between IMU samples.
+/// Writes the poses of a fusion process: selects the ownership strength of each pose, asserts liveliness, and
+/// writes predicted poses between IMU samples.
 
 #include "fusion/pose_predictor.hpp"
 #include "fusion/standby.hpp"
@@ -18,15 +18,15 @@
 
 namespace sonopose::fusion {
 
-/// Poses come from one thread, `watch` and `hand_over` from another one; a third writes predicted poses.
-/// No lock is held while something is written.
+/// Poses come from one thread, `poll` and `hand_over` are called by another, and a third writes predicted
+/// poses. No lock is held during a write.
 ///
 /// A standby process has two writers: one with its own strength for the beacons that it serves, and one of
-/// strength 0 for those that warm up. Ownership strength belongs to a writer, and a change of it travels
-/// apart from the samples; with two writers each beacon's claim is made, and given up, in its own stream.
+/// strength 0 for those that warm up. Ownership strength is a property of a writer, and a change of it is not
+/// ordered with the samples. With two writers, each beacon is claimed and released within its own stream.
 class PoseOutput {
 public:
-  /// `input_deadline_ns`: an IMU that is silent for so long is not predicted on, and its beacon is given up.
+  /// `input_deadline_ns`: after this silence of an IMU its pose is not predicted and its beacon is released.
   PoseOutput(const dds::DomainParticipant& participant, const dds::QosProvider& qos, dds::Delivery delivery,
              const std::optional<StandbyOptions>& standby, TimeNs input_deadline_ns,
              process::EndpointCounters& counters);
@@ -34,25 +34,25 @@ public:
   PoseOutput& operator=(const PoseOutput&) = delete;
   ~PoseOutput();
 
-  /// From this beacon's next pose on it is predicted every `period_ns`; 0: never.
+  /// Predicts this beacon's poses every `period_ns` from its next pose on; 0: never.
   void set_period(BeaconAddress address, TimeNs period_ns) noexcept;
 
   /// The writer for the pose of an IMU sample that was taken at `now`. Takes a claim back where it
   /// must.
   dds::DataWriter<sonopose_FusedPose>& writer_for(const FusedPose& pose, SteadyTime now) noexcept;
 
-  /// Shows life where liveliness is manual, unless `busy`, and gives stalled beacons up. To be called several
-  /// times within a lease.
-  void watch(SteadyTime now, bool busy) noexcept;
+  /// Asserts manual liveliness unless `busy`, and releases stalled beacons. Call it several times within a
+  /// lease.
+  void poll(SteadyTime now, bool busy) noexcept;
 
-  /// When `watch` must be called the latest.
-  [[nodiscard]] SteadyTime watch_by(SteadyTime now) const noexcept;
+  /// When `poll` must be called the latest.
+  [[nodiscard]] SteadyTime poll_by(SteadyTime now) const noexcept;
 
-  /// Ends predicting, and makes every claim be taken back with its beacon's next pose: serve on for
-  /// `lease_ns`, and nothing is missed.
+  /// Stops predicting and releases each beacon with its next pose. Continue for `lease_ns`, so that no pose
+  /// is missed.
   void hand_over() noexcept;
 
-  /// Tells readers that this beacon's poses end.
+  /// Unregisters this beacon, so that readers learn that its poses end.
   void unregister(BeaconAddress address) noexcept;
 
   [[nodiscard]] bool is_standby() const { return standby_.has_value(); }
@@ -64,15 +64,15 @@ public:
 private:
   void serve_predictions(const std::stop_token& stop);
   std::optional<SteadyTime> write_predictions(std::vector<FusedPose>& due);
-  void take_back(BeaconAddress address) noexcept;
+  void release(BeaconAddress address) noexcept;
   dds::DataWriter<sonopose_FusedPose>& writer_of(FusionRole role) noexcept;
 
-  mutable std::mutex mutex_;  // guards standby_ and predictor_, for computing alone
+  mutable std::mutex mutex_;  // guards standby_ and predictor_; not held during a write
   std::optional<Standby> standby_;
   PosePredictor predictor_;
-  std::condition_variable_any wake_;  // of the predicting thread, before its time
+  std::condition_variable_any wake_;  // wakes the predicting thread early
   bool periods_changed_ = false;
-  std::vector<BeaconAddress> stalled_;  // of watch(), kept for its capacity
+  std::vector<BeaconAddress> stalled_;  // of poll(), kept for its capacity
   std::atomic<std::uint64_t> unwritten_ = 0;
 
   process::CountingWriterListener<sonopose_FusedPose> listener_;

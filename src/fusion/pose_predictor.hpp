@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// When which beacon's pose is due between its IMU samples: the part that decides.
+/// Decides when the pose of each beacon is due between its IMU samples.
 
 #include <sonopose/samples/pose.hpp>
 
@@ -9,22 +9,21 @@
 
 namespace sonopose::fusion {
 
-/// The latest pose of each beacon that is to be predicted on. Times are of the steady clock. Not for several
-/// threads at once: no locks. Allocates where a beacon is new alone.
+/// The latest pose of each beacon with predicted poses. Not thread-safe. Allocates only for a new beacon.
 class PosePredictor {
 public:
-  /// `deadline_ns`: so long after an IMU sample nothing is predicted from it any more.
+  /// `deadline_ns`: no prediction from an IMU sample that is older than this.
   explicit PosePredictor(TimeNs deadline_ns) : deadline_ns_(deadline_ns) {}
 
-  /// A beacon's poses are due every `period_ns`; 0: never. Returns whether that is new: the next one is due
-  /// a period after the next sample then.
+  /// Sets the period of a beacon's poses; 0: never. Returns whether it has changed; then the next pose is due
+  /// one period after the next sample.
   bool set_period(BeaconAddress address, TimeNs period_ns);
 
   /// The pose of an IMU sample that was taken at `now`.
   void on_pose(const FusedPose& pose, SteadyTime now);
 
-  /// Calls `on_due(const FusedPose&)` with every predicted pose that is due at `now`: one for each beacon
-  /// at most, for what was due earlier is past. Returns when the next one is; empty where none ever.
+  /// Calls `on_due(const FusedPose&)` with every predicted pose that is due at `now`: at most one per beacon.
+  /// Returns when the next one is due; empty if never.
   template <class OnDue>
   std::optional<SteadyTime> predict(SteadyTime now, const OnDue& on_due) {
     std::optional<SteadyTime> next;

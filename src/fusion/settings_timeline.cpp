@@ -6,27 +6,27 @@
 namespace sonopose::fusion {
 
 const settings::Settings& SettingsTimeline::settings_at(std::uint64_t sequence) const {
-  const config::BeaconSettings* found = &in_force();
+  const config::BeaconSettings* found = &effective();
   for (std::size_t i = reached_; i < steps_.size() && steps_[i].from_sequence <= sequence; ++i) {
     found = &steps_[i].after;
   }
   return found->settings();
 }
 
-bool SettingsTimeline::has_room_for(std::uint64_t from_sequence) const {
+bool SettingsTimeline::can_add(std::uint64_t from_sequence) const {
   const auto waits = [from_sequence](const Step& step) { return step.from_sequence == from_sequence; };
   const auto first = steps_.begin() + static_cast<std::ptrdiff_t>(reached_);
   return waiting() < capacity || std::any_of(first, steps_.end(), waits);
 }
 
 void SettingsTimeline::add(std::uint64_t from_sequence, Scope scope, const config::Assignments& assignments) {
-  if (!has_room_for(from_sequence)) ++reached_;
-  forget_reached();
+  if (!can_add(from_sequence)) ++reached_;
+  remove_reached();
   Step& changed = step_at(from_sequence);
   auto& values = scope == Scope::own ? changed.own : changed.for_all;
   for (const auto& [key, value] : assignments) values.insert_or_assign(key, value);
 
-  // What holds later stands on what holds earlier.
+  // Each step adds to the settings of the one before.
   config::BeaconSettings settings = begin_;
   for (Step& step : steps_) {
     settings.assign_own(step.own);
@@ -35,8 +35,8 @@ void SettingsTimeline::add(std::uint64_t from_sequence, Scope scope, const confi
   }
 }
 
-void SettingsTimeline::forget_reached() {
-  begin_ = in_force();
+void SettingsTimeline::remove_reached() {
+  begin_ = effective();
   steps_.erase(steps_.begin(), steps_.begin() + static_cast<std::ptrdiff_t>(reached_));
   reached_ = 0;
 }

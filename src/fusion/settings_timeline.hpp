@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Which settings one beacon's engine shall use at which of its events.
+/// The settings of one beacon as a function of the event number.
 
 #include "config/beacon_settings.hpp"
 
@@ -10,40 +10,40 @@
 
 namespace sonopose::fusion {
 
-/// The settings in force, and changes that wait for their event.
+/// The effective settings, and changes that wait for their event.
 class SettingsTimeline {
 public:
-  /// As many changes, each with a number of its own, can wait.
+  /// Number of changes with different event numbers that can wait.
   static constexpr std::size_t capacity = 64;
 
   enum class Scope : bool { for_all, own };
 
   explicit SettingsTimeline(config::BeaconSettings settings) : begin_(std::move(settings)) {}
 
-  /// Goes on to an event: true where other settings hold from this one on. Allocates nothing.
+  /// Advances to an event: true if the settings change with it. Does not allocate.
   bool advance(std::uint64_t sequence) {
     const std::size_t before = reached_;
     while (reached_ < steps_.size() && steps_[reached_].from_sequence <= sequence) ++reached_;
     return reached_ != before;
   }
 
-  /// In force at the event that was reached, as the user gave them.
-  [[nodiscard]] const settings::Settings& settings() const { return in_force().settings(); }
+  /// The settings at the present event, as the user gave them.
+  [[nodiscard]] const settings::Settings& settings() const { return effective().settings(); }
 
-  /// In force from an event on that may lie ahead.
+  /// The settings at an event that may lie ahead.
   [[nodiscard]] const settings::Settings& settings_at(std::uint64_t sequence) const;
 
-  /// The number of the last change; 0 where none waits for a number.
+  /// The event number of the last change; 0 if there is none.
   [[nodiscard]] std::uint64_t last_from_sequence() const {
     return steps_.empty() ? 0 : steps_.back().from_sequence;
   }
 
-  /// Whether one more change can wait for this number.
-  [[nodiscard]] bool has_room_for(std::uint64_t from_sequence) const;
+  /// Whether another change can wait for this event number.
+  [[nodiscard]] bool can_add(std::uint64_t from_sequence) const;
 
-  /// Adds a change that holds from the event of this number on; 0: from the next event, whatever its number.
-  /// Of changes for the same number the last one counts. Without room, the change with the lowest number does
-  /// not wait any longer.
+  /// Adds a change that applies from the event with this number on; 0: from the next event. A later change
+  /// for the same number replaces an earlier one. If `can_add` is false, the change with the lowest number
+  /// applies at once.
   void add(std::uint64_t from_sequence, Scope scope, const config::Assignments& assignments);
 
 private:
@@ -51,19 +51,19 @@ private:
     std::uint64_t from_sequence = 0;
     config::Assignments for_all;
     config::Assignments own;
-    config::BeaconSettings after;  ///< in force from here on
+    config::BeaconSettings after;  ///< effective from this event on
   };
 
-  [[nodiscard]] const config::BeaconSettings& in_force() const {
+  [[nodiscard]] const config::BeaconSettings& effective() const {
     return reached_ == 0 ? begin_ : steps_[reached_ - 1].after;
   }
   [[nodiscard]] std::size_t waiting() const { return steps_.size() - reached_; }
-  void forget_reached();
+  void remove_reached();
   Step& step_at(std::uint64_t from_sequence);
 
   config::BeaconSettings begin_;
   std::vector<Step> steps_;  ///< by number, each once
-  std::size_t reached_ = 0;  ///< steps that hold already; they are kept until the next change is added
+  std::size_t reached_ = 0;  ///< steps that apply; removed when the next change is added
 };
 
 }  // namespace sonopose::fusion

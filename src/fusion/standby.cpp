@@ -31,12 +31,12 @@ Standby::Step Standby::on_pose(BeaconAddress address, std::uint32_t status, Time
     lane.role = FusionRole::serving;
     lane.warm = true;
   }
-  const bool give_up = claimed && lane.role != FusionRole::serving;
-  lane.name_again = lane.name_again || give_up;
-  return {lane.role, give_up};
+  const bool release = claimed && lane.role != FusionRole::serving;
+  lane.list_again = lane.list_again || release;
+  return {lane.role, release};
 }
 
-/// Samples wait before they are fused: what would be claimed now lies behind what the others serve.
+/// Samples are delayed on their way to this process: its poses would be older than those of the others.
 bool Standby::is_late(const Lane& lane) const {
   return lane.age_ns - lane.least_age_ns > stall_ns_ / 4;
 }
@@ -55,12 +55,12 @@ void Standby::begin_warm_up(Lane& lane, SteadyTime now) const {
 
 void Standby::find_stalled(SteadyTime now, std::vector<BeaconAddress>& stalled) {
   for (auto& [address, lane] : lanes_) {
-    if (lane.name_again) {
-      lane.name_again = false;
+    if (lane.list_again) {
+      lane.list_again = false;
       if (lane.role != FusionRole::serving) stalled.push_back(address);
     } else if (lane.role != FusionRole::stalled && now - lane.latest > stall_ns_) {
       lane.role = FusionRole::stalled;
-      lane.name_again = true;
+      lane.list_again = true;
       stalled.push_back(address);
     }
   }

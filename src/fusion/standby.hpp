@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Which of its beacons a fusion process claims from the others that stand by: the part that decides. A claim
-/// is made beacon by beacon, and given up as soon as there are no poses to serve.
+/// Decides which beacons a fusion process claims among several that stand by for each other. Each beacon is
+/// claimed separately, and released as soon as it has no poses.
 
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/status.hpp>
@@ -14,42 +14,42 @@
 namespace sonopose::fusion {
 
 struct StandbyOptions {
-  std::int32_t strength = 1;  ///< ≥ 1; 0 is what every process has while it warms up
-  double warm_up_s = 5.0;     ///< for how long a beacon's pose must have been good before it is claimed
+  std::int32_t strength = 1;  ///< ≥ 1; every process has 0 while it warms up
+  double warm_up_s = 5.0;     ///< duration of good poses before a beacon is claimed
 };
 
-/// Roles of all beacons. Not for several threads at once: no locks. Allocates at a beacon's first pose alone.
+/// The roles for all beacons. Not thread-safe. Allocates only at a beacon's first pose.
 class Standby {
 public:
-  /// However bad its pose stays, a beacon is claimed after so many warm-up times: the others' is no better.
+  /// Warm-up times after which a beacon is claimed even with a bad pose: the others have no better one.
   static constexpr double most_warm_ups = 6.0;
 
-  /// `stall_ns`: a beacon without a pose for so long is given up.
+  /// `stall_ns`: a beacon without a pose for this long is released.
   Standby(const StandbyOptions& options, TimeNs stall_ns);
 
   /// What to do with a pose.
   struct Step {
-    FusionRole role = FusionRole::warming;  ///< whose strength it is written with
-    bool give_up = false;                   ///< take the claim back first
+    FusionRole role = FusionRole::warming;  ///< determines the strength that the pose is written with
+    bool release = false;                   ///< release the beacon first
   };
 
   /// A pose that is about to be written at `now`, whose sample the bridge published
-  /// `age_ns` ago (by clocks that need not agree). After a stall the beacon is claimed again with its first
-  /// good pose where the input was silent; where its samples come later than they used to, this process was
-  /// held up, has missed some, and warms up anew.
+  /// `age_ns` ago (by clocks that need not agree). If the input was silent, a stalled beacon is claimed again
+  /// with its first good pose. If its samples are older than before, this process was suspended and has
+  /// missed samples: it warms up again.
   Step on_pose(BeaconAddress address, std::uint32_t status, TimeNs age_ns, SteadyTime now);
 
-  /// Adds to `stalled` the beacons whose claim must be taken back at `now`. Each is named again at the
-  /// next call, and so is one that on_pose gave up: for a pose that was on its way just then.
+  /// Adds to `stalled` the beacons to release at `now`. Each, and each that
+  /// on_pose released, is listed twice, in case a pose was being written at the time.
   void find_stalled(SteadyTime now, std::vector<BeaconAddress>& stalled);
 
-  /// When find_stalled has something to say if no pose comes; the largest time where never.
+  /// The next time at which find_stalled finds a beacon without further poses; SteadyTime::max() if never.
   [[nodiscard]] SteadyTime next_stall() const;
 
-  /// From now on nothing is claimed: the others shall take over while this process still serves.
+  /// Claims nothing from now on, so that others take over while this process still runs.
   void step_down() { stepping_down_ = true; }
 
-  /// Of a beacon never heard of: warming.
+  /// The role for a beacon; warming for an unknown one.
   [[nodiscard]] FusionRole role(BeaconAddress address) const;
 
 private:
@@ -60,8 +60,8 @@ private:
     SteadyTime good_since;     ///< first good pose of the present run of them; 0: the last was bad
     TimeNs least_age_ns = std::numeric_limits<TimeNs>::max();
     TimeNs age_ns = 0;  ///< of the last pose's sample
-    bool warm = false;  ///< it has been claimed, and missed nothing since
-    bool name_again = false;
+    bool warm = false;  ///< it was claimed and has missed no samples since
+    bool list_again = false;
   };
 
   [[nodiscard]] bool is_warm(const Lane& lane, SteadyTime now) const;

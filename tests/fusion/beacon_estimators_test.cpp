@@ -15,7 +15,7 @@ constexpr TimeNs ms = 1'000'000;
 
 }  // namespace
 
-SCENARIO("each beacon has an engine of its own") {
+SCENARIO("each beacon has its own estimator") {
   const bool lossless = GENERATE(false, true);
   GIVEN("two beacons whose events come mixed") {
     const auto seven = walk(7, 5.0);
@@ -77,7 +77,7 @@ SCENARIO("each beacon has an engine of its own") {
   }
 }
 
-SCENARIO("events that come out of order are put in order") {
+SCENARIO("events that arrive out of order are put in order") {
   const auto events = walk(7, 5.0);
   GIVEN("neighbours that are swapped here and there, as three topics do") {
     Feeder feeder(false);
@@ -98,7 +98,7 @@ SCENARIO("events that come out of order are put in order") {
     });
     missing.erase(lost);
     feeder.push_all(missing);
-    THEN("live, it is given up after a while and counted; every IMU sample has its pose") {
+    THEN("live, it is counted as lost after the timeout; every IMU sample has its pose") {
       CHECK(feeder.poses.size() == 500);
       CHECK(feeder.estimators.status(7)->events_lost == 1);
     }
@@ -110,7 +110,7 @@ SCENARIO("events that come out of order are put in order") {
     late.erase(late.begin() + 200);
     feeder.push_all(late);
     const std::size_t before = feeder.poses.size();
-    THEN("all wait for it, however long, and then come at once") {
+    THEN("all wait for it without a time limit and are then released together") {
       CHECK(before < 250);
       feeder.push(straggler);
       CHECK(same(feeder.poses, poses_of_estimator(events)));
@@ -119,7 +119,7 @@ SCENARIO("events that come out of order are put in order") {
   }
 }
 
-SCENARIO("a bridge that begins anew") {
+SCENARIO("a bridge that restarts") {
   const bool lossless = GENERATE(false, true);
   GIVEN("an engine that has followed a beacon") {
     Feeder feeder(lossless);
@@ -128,7 +128,7 @@ SCENARIO("a bridge that begins anew") {
       feeder.poses.clear();
       SteadyTime arrival{begin_ns + 10'000 * ms};
       for (const Event& event : walk(7, 5.0)) feeder.push(event, arrival += ms);
-      THEN("the engine begins anew too, and says so") {
+      THEN("the estimator is reset too") {
         CHECK(feeder.estimators.status(7)->reset_counter == 1);
         REQUIRE(feeder.poses.size() >= 495);  // live, the first numbers pass before the restart is certain
         CHECK(feeder.poses.back().reset_counter == 1);

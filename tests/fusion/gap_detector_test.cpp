@@ -1,4 +1,4 @@
-/// Who waits in vain for an event is told so, once.
+/// A wait for a lost event is reported once.
 
 #include "fusion/gap_detector.hpp"
 
@@ -14,7 +14,7 @@ constexpr TimeNs second_ns = 1'000'000'000;
 
 }  // namespace
 
-SCENARIO("a wait for a missing event is told after five seconds, once") {
+SCENARIO("a wait for a missing event is text after five seconds, once") {
   GapDetector watch;
   const auto at = [&watch](TimeNs time_s, std::uint64_t missing, std::size_t held,
                            BeaconAddress address = 7) {
@@ -24,14 +24,15 @@ SCENARIO("a wait for a missing event is told after five seconds, once") {
     CHECK_FALSE(at(100, 1, 80));
     CHECK_FALSE(at(104, 1, 400));
     WHEN("it does not come") {
-      const auto told = at(105, 1, 500);
-      THEN("that is told, with beacon, event and number of those held, and not again") {
-        REQUIRE(told);
-        CHECK_THAT(*told, Contains("beacon 7: waiting for event 1, 500 events held") && Contains("--rate 0"));
+      const auto text = at(105, 1, 500);
+      THEN("it is reported once, with beacon, event and number of waiting events") {
+        REQUIRE(text);
+        CHECK_THAT(*text,
+                   Contains("beacon 7: waiting for event 1, 500 events waiting") && Contains("--rate 0"));
         CHECK_FALSE(at(106, 1, 600));
         CHECK_FALSE(at(200, 1, 6000));
       }
-      THEN("another one that is missing later is told too, after as long") {
+      THEN("a later missing event is reported too, after the same time") {
         CHECK_FALSE(at(300, 900, 1));
         CHECK_FALSE(at(304, 900, 2));
         CHECK(at(305, 900, 3));
@@ -39,7 +40,7 @@ SCENARIO("a wait for a missing event is told after five seconds, once") {
     }
     WHEN("it comes") {
       CHECK_FALSE(watch.on(7, std::nullopt, SteadyTime{104 * second_ns}));
-      THEN("a later wait begins anew") {
+      THEN("a later wait starts from zero") {
         CHECK_FALSE(at(105, 1, 500));
         CHECK(at(110, 1, 500));
       }

@@ -1,4 +1,4 @@
-/// What a fusion that was started late differs by from one that runs since the start, on the same events.
+/// The difference between a fusion that started late and one that ran from the start, on the same events.
 
 #include "fusion/estimators_feeder.hpp"
 #include "fusion/standby.hpp"
@@ -50,7 +50,7 @@ Difference difference_after_warm_up(double late_by_s) {
 
 }  // namespace
 
-SCENARIO("who comes late agrees with who was there when it claims a beacon") {
+SCENARIO("a fusion that starts late agrees with the others when it claims a beacon") {
   for (const double late_by_s : {5.0, 12.3, 20.0}) {
     const Difference most = difference_after_warm_up(late_by_s);
     INFO(late_by_s << " s late");

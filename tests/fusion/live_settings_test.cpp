@@ -1,4 +1,4 @@
-/// Requests for other settings: from which event they hold, whom they are for, and that a refused one
+/// Settings requests: from which event they apply, for which beacons, and that a refused one
 /// changes nothing.
 
 #include "fusion/estimators_feeder.hpp"
@@ -36,7 +36,7 @@ constexpr std::uint64_t to_the_end = UINT64_MAX;
 
 }  // namespace
 
-SCENARIO("a change holds exactly from the event that the request names") {
+SCENARIO("a change applies exactly from the requested event on") {
   const bool lossless = GENERATE(false, true);
   const auto events = walk(7, 10.0);
   const std::uint64_t from = 700;
@@ -51,7 +51,7 @@ SCENARIO("a change holds exactly from the event that the request names") {
         CHECK(reply == SettingsReply{7, 42, true, "", from});
         CHECK(same(feeder.poses, expected));
       }
-      THEN("what holds is told at the first event and at that one") {
+      THEN("the settings are reported at the first event and at that one") {
         REQUIRE(feeder.changes.size() == 2);
         CHECK(feeder.changes[0].address == 7);
         CHECK(feeder.changes[0].from_sequence == 1);
@@ -74,7 +74,7 @@ SCENARIO("a change holds exactly from the event that the request names") {
       const auto reply =
           feeder.estimators.change_settings(request(7, user_balance, GENERATE(0U, 1U, 400U, 699U)));
       push_range(feeder, events, from, to_the_end);
-      THEN("it holds from the next one on, and the answer says which that is") {
+      THEN("it applies from the next one on, which the reply names") {
         CHECK(reply.accepted);
         CHECK(reply.from_sequence == from);
         CHECK(same(feeder.poses, expected));
@@ -165,7 +165,7 @@ SCENARIO("a request for all beacons leaves a beacon's own settings alone") {
       for (const BeaconAddress address : std::initializer_list<BeaconAddress>{7, 8, 9}) {
         push_range(feeder, walk(address, 2.0), walk(address, 1.0).size() + 1, to_the_end);
       }
-      const auto holds = [&feeder](BeaconAddress address) {
+      const auto effective = [&feeder](BeaconAddress address) {
         const auto changes = feeder.changes_of(address);
         REQUIRE(changes.size() == 2);
         CHECK(changes[1].from_sequence == walk(address, 1.0).size() + 1);
@@ -173,15 +173,15 @@ SCENARIO("a request for all beacons leaves a beacon's own settings alone") {
         return changes[1].settings.trust.sigma_m;
       };
       THEN("7 and 8 keep their own and take the rest") {
-        CHECK(holds(7) == 0.7);
-        CHECK(holds(8) == 0.8);
-        CHECK(holds(9) == 0.5);
+        CHECK(effective(7) == 0.7);
+        CHECK(effective(8) == 0.8);
+        CHECK(effective(9) == 0.5);
       }
     }
   }
 }
 
-SCENARIO("requests hold for beacons that are first heard of later") {
+SCENARIO("requests apply to beacons that appear later") {
   config::FusionConfig config;
   config.assign("beacon.12.trust.sigma_m=0.7");
   Feeder feeder(false, config);
@@ -217,7 +217,7 @@ SCENARIO("requests hold for beacons that are first heard of later") {
     feeder.estimators.change_settings(request(all_beacons, {{"trust.sigma_m", "0.5"}}, 50));
     WHEN("another beacon comes") {
       feeder.push_all(walk(10, 1.0));
-      THEN("it holds for that one from its own event of this number on") {
+      THEN("it applies to that one from its event of this number on") {
         CHECK(settings_of(10, 2).sigma_m == 0.5);
         CHECK(feeder.changes_of(10).back().from_sequence == 50);
       }
@@ -236,7 +236,7 @@ SCENARIO("a request that comes again is answered again and not carried out again
     push_range(feeder, walk(7, 2.0), walk(7, 1.0).size() + 1, to_the_end);
     CHECK(feeder.estimators.change_settings(first) == reply);
     push_range(feeder, walk(7, 3.0), walk(7, 2.0).size() + 1, to_the_end);
-    THEN("the second still holds") {
+    THEN("the second still applies") {
       CHECK(feeder.changes.back().settings.trust.sigma_m == 0.6);
       CHECK(feeder.changes.size() == 2);
     }
@@ -253,7 +253,7 @@ SCENARIO("a request that comes again is answered again and not carried out again
   }
 }
 
-SCENARIO("more changes than can wait are refused, and those that wait still hold") {
+SCENARIO("more changes than the capacity are refused, and the waiting ones still apply") {
   Feeder feeder(false);
   feeder.push_all(walk(7, 1.0));
   for (std::uint64_t i = 0; i < SettingsTimeline::capacity; ++i) {

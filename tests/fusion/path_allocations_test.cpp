@@ -1,11 +1,11 @@
-/// From the arrival of a sample to its pose on the bus nothing of ours allocates.
+/// The path from the arrival of a sample to its pose on the bus does not allocate.
 
 #include "fusion/estimators_feeder.hpp"
+#include "fusion/fusion_node.hpp"
 #include "support/allocations.hpp"
 #include "support/test_domain.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
-#include "fusion/fusion_node.hpp"
 
 #include <catch2/catch.hpp>
 

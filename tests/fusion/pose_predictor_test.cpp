@@ -75,7 +75,7 @@ SCENARIO("poses are due on a clock of their own") {
       made.predictor.on_pose(pose_at(10 * ms), begin + 10 * ms);
       made.predictor.set_period(7, 2 * ms);
       made.predictor.on_pose(pose_at(20 * ms), begin + 20 * ms);
-      THEN("the new period holds from the next sample on") {
+      THEN("the new period applies from the next sample on") {
         CHECK(made.at(22 * ms) == begin + 24 * ms);
         CHECK(made.poses.size() == 1);
       }

@@ -1,4 +1,4 @@
-/// What is said to requests for other settings: warnings, and from when they hold.
+/// Replies to settings requests: warnings, and the event from which a change applies.
 
 #include "fusion/estimators_feeder.hpp"
 #include <sonopose/settings/preset.hpp>
@@ -11,7 +11,7 @@ using namespace sonopose::fusion;
 using namespace sonopose::fusion::test;
 using Catch::Contains;
 
-SCENARIO("what holds for any beacon without values of its own can be asked for") {
+SCENARIO("the settings of beacons without their own can be queried") {
   config::FusionConfig config;
   config.assign("trust.n_min=3");
   config.assign("fusion.imu_weight=low");
@@ -30,7 +30,7 @@ SCENARIO("what holds for any beacon without values of its own can be asked for")
   CHECK(feeder.estimators.settings_for_all().from_sequence == 500);
 }
 
-SCENARIO("item 1: what a preset replaces is accepted with a warning") {
+SCENARIO("item 1: a setting that a preset replaces is accepted with a warning") {
   Feeder feeder(false);
   const BeaconAddress address = GENERATE(BeaconAddress{7}, all_beacons);
   const auto reply = feeder.estimators.change_settings(request(address, {{"drift.jump_alpha", "0.9"}}));
@@ -45,7 +45,7 @@ SCENARIO("item 1: what a preset replaces is accepted with a warning") {
   CHECK(feeder.changes.back().settings.drift.jump_alpha == 0.9);
 }
 
-SCENARIO("what contradicts what holds already is accepted with a warning") {
+SCENARIO("a contradiction to the present settings is accepted with a warning") {
   Feeder feeder(false);
   const BeaconAddress address = GENERATE(BeaconAddress{7}, all_beacons);
   const auto ask = [&](SettingAssignment assignment) {
@@ -55,10 +55,11 @@ SCENARIO("what contradicts what holds already is accepted with a warning") {
   const auto reply = ask({"trust.stuck_n", "60"});
   CHECK(reply.accepted);
   CHECK_THAT(reply.reason, Contains("trust.stuck_n = 60") && Contains("trust.n_max = 50"));
-  CHECK(ask({"trust.sigma_m", "0.5"}).reason.empty());  // told once, of the request that brought it about
+  CHECK(ask({"trust.sigma_m", "0.5"})
+            .reason.empty());  // reported once, in the reply to the request that causes it
 }
 
-SCENARIO("the answer to a request for all beacons names each one's event") {
+SCENARIO("the reply to a request for all beacons names each one's event") {
   config::FusionConfig config;
   config.assign("beacon.8.trust.n_base=5");  // known, but not heard
   Feeder feeder(false, config);

@@ -1,4 +1,4 @@
-/// Which settings hold at which event.
+/// The settings at each event.
 
 #include "fusion/settings_timeline.hpp"
 
@@ -23,7 +23,7 @@ constexpr double at_start_m = settings::TrustSettings{}.sigma_m;
 
 }  // namespace
 
-SCENARIO("a change holds from its event on") {
+SCENARIO("a change applies from its event on") {
   GIVEN("a change from event 100 on") {
     SettingsTimeline timeline{config::BeaconSettings{}};
     timeline.add(100, Scope::own, sigma(0.5));
@@ -37,7 +37,7 @@ SCENARIO("a change holds from its event on") {
       }
     }
     WHEN("its event comes") {
-      THEN("it holds, and is said once") {
+      THEN("it applies, and is reported once") {
         CHECK(timeline.advance(100));
         CHECK(sigma_m(timeline) == 0.5);
         CHECK_FALSE(timeline.advance(101));
@@ -45,12 +45,12 @@ SCENARIO("a change holds from its event on") {
       }
     }
     WHEN("its event was lost, and the next one comes") {
-      THEN("it holds from that one") {
+      THEN("it applies from that one") {
         CHECK(timeline.advance(103));
         CHECK(sigma_m(timeline) == 0.5);
       }
     }
-    WHEN("the numbering begins anew before it") {
+    WHEN("the numbering restarts before it") {
       timeline.advance(90);
       THEN("it waits for its number") {
         CHECK_FALSE(timeline.advance(1));
@@ -62,7 +62,7 @@ SCENARIO("a change holds from its event on") {
     SettingsTimeline timeline{config::BeaconSettings{}};
     timeline.advance(1000);
     timeline.add(0, Scope::own, sigma(0.5));
-    THEN("it holds at the next one, also where the numbering begins anew") {
+    THEN("it applies at the next one, even if the numbering restarts") {
       CHECK(sigma_m(timeline) == at_start_m);
       CHECK(timeline.advance(1));
       CHECK(sigma_m(timeline) == 0.5);
@@ -70,12 +70,12 @@ SCENARIO("a change holds from its event on") {
   }
 }
 
-SCENARIO("several changes hold by their numbers, and not by the order in which they were asked for") {
+SCENARIO("several changes apply in the order of their numbers, not of the requests") {
   GIVEN("a change from 200 on, and then one from 100 on") {
     SettingsTimeline timeline{config::BeaconSettings{}};
     timeline.add(200, Scope::own, sigma(0.2));
     timeline.add(100, Scope::own, {{"trust.sigma_m", 0.1}, {"trust.n_base", 9}});
-    THEN("each holds from its own event on, upon what came before") {
+    THEN("each applies from its own event on, on top of the earlier ones") {
       CHECK(timeline.advance(100));
       CHECK(sigma_m(timeline) == 0.1);
       CHECK(timeline.advance(200));
@@ -95,7 +95,7 @@ SCENARIO("several changes hold by their numbers, and not by the order in which t
         CHECK(timeline.settings().trust.n_base == 9);
       }
     }
-    WHEN("another comes between them, when the first holds already") {
+    WHEN("another is added between them when the first applies already") {
       timeline.advance(100);
       timeline.add(150, Scope::own, sigma(0.15));
       THEN("the three follow each other") {
@@ -112,7 +112,7 @@ SCENARIO("several changes hold by their numbers, and not by the order in which t
     timeline.add(200, Scope::own, sigma(0.2));
     timeline.add(100, Scope::for_all, sigma(0.1));
     timeline.add(300, Scope::for_all, sigma(0.3));
-    THEN("until it has its own, everybody's holds; afterwards not") {
+    THEN("the change for all applies until the beacon has its own") {
       timeline.advance(100);
       CHECK(sigma_m(timeline) == 0.1);
       timeline.advance(200);
@@ -125,35 +125,35 @@ SCENARIO("several changes hold by their numbers, and not by the order in which t
     SettingsTimeline timeline{config::BeaconSettings{}};
     timeline.add(100, Scope::own, sigma(0.2));
     timeline.add(100, Scope::for_all, sigma(0.1));
-    THEN("the beacon's own holds") {
+    THEN("the beacon's own applies") {
       timeline.advance(100);
       CHECK(sigma_m(timeline) == 0.2);
     }
   }
 }
 
-SCENARIO("only so many changes wait") {
-  GIVEN("as many as there is room for") {
+SCENARIO("the number of waiting changes is limited") {
+  GIVEN("as many as the capacity") {
     SettingsTimeline timeline{config::BeaconSettings{}};
     for (std::uint64_t i = 1; i <= SettingsTimeline::capacity; ++i) {
-      REQUIRE(timeline.has_room_for(100 * i));
+      REQUIRE(timeline.can_add(100 * i));
       timeline.add(100 * i, Scope::own, sigma(0.01 * static_cast<double>(i)));
     }
     THEN("there is none for another number, but for the same ones") {
-      CHECK_FALSE(timeline.has_room_for(50));
-      CHECK(timeline.has_room_for(100));
+      CHECK_FALSE(timeline.can_add(50));
+      CHECK(timeline.can_add(100));
     }
-    THEN("there is again when one holds") {
+    THEN("there is again when one applies") {
       timeline.advance(100);
-      CHECK(timeline.has_room_for(150));
+      CHECK(timeline.can_add(150));
     }
-    THEN("one more makes the lowest number wait no longer, and the others hold as before") {
+    THEN("one more makes the lowest number apply at once, and the others as before") {
       timeline.add(150, Scope::own, {{"trust.n_base", 9}});
       CHECK(sigma_m(timeline) == 0.01);
       timeline.advance(200);
       CHECK(sigma_m(timeline) == 0.02);
       CHECK(timeline.settings().trust.n_base == 9);
-      CHECK(timeline.has_room_for(1));
+      CHECK(timeline.can_add(1));
     }
   }
 }

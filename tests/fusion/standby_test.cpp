@@ -46,7 +46,7 @@ SCENARIO("a beacon is claimed when its pose has been good for the warm-up") {
     THEN("it is claimed a warm-up later, and nothing is to be given up") {
       const auto step = feed.poses(1);
       CHECK(step.role == FusionRole::serving);
-      CHECK_FALSE(step.give_up);
+      CHECK_FALSE(step.release);
     }
   }
   WHEN("it is bad for half a second first, and once in between") {
@@ -103,7 +103,7 @@ SCENARIO("a beacon that has no poses any more is given up, and it alone") {
       const auto step = feed.poses(1, status_imu_gap);
       THEN("it is claimed with the first good one") {
         CHECK(step.role == FusionRole::warming);
-        CHECK_FALSE(step.give_up);  // it is given up already
+        CHECK_FALSE(step.release);  // it is given up already
         CHECK(feed.poses(1).role == FusionRole::serving);
         CHECK(feed.stalled().empty());
       }
@@ -113,7 +113,7 @@ SCENARIO("a beacon that has no poses any more is given up, and it alone") {
       feed.age_ns += stall_ns;
       feed.poses(1);
       feed.age_ns -= stall_ns;
-      THEN("the process was held up, and warms up anew") {
+      THEN("the process was suspended and warms up again") {
         CHECK(feed.poses(99).role == FusionRole::warming);
         CHECK(feed.poses(1).role == FusionRole::serving);
       }
@@ -126,8 +126,8 @@ SCENARIO("a beacon that has no poses any more is given up, and it alone") {
     feed.age_ns -= 5 * stall_ns;
     THEN("the claim is taken back before that pose is written, and once more for one on its way") {
       CHECK(step.role == FusionRole::warming);
-      CHECK(step.give_up);
-      CHECK_FALSE(feed.poses(1).give_up);
+      CHECK(step.release);
+      CHECK_FALSE(feed.poses(1).release);
       CHECK(feed.stalled() == std::vector<BeaconAddress>{7, 8});
       CHECK(feed.poses(50).role == FusionRole::warming);
     }
@@ -140,6 +140,6 @@ SCENARIO("a process that steps down takes every claim back, with the beacon's ne
   feed.standby.step_down();
   const auto step = feed.poses(1);
   CHECK(step.role == FusionRole::warming);
-  CHECK(step.give_up);
+  CHECK(step.release);
   CHECK(feed.poses(1000).role == FusionRole::warming);
 }

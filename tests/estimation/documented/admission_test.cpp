@@ -184,7 +184,7 @@ TEST_CASE("a heading that cannot be a measurement of this time is not admitted")
   heading.emission_time_ns = epoch_ns + to_ns(1.0);
   CHECK_FALSE(admission::admits(settings, epoch_ns, heading, heading.emission_time_ns));
   heading = good;
-  heading.received_time_ns = epoch_ns + to_ns(1e6);  // would hold for eleven days
+  heading.received_time_ns = epoch_ns + to_ns(1e6);  // would be valid for eleven days
   CHECK_FALSE(admission::admits(settings, epoch_ns, heading, heading.emission_time_ns));
 }
 

@@ -30,7 +30,7 @@ attitude::AnyFilter filter_at(const Quaterniond& q_body_to_world) {
 
 }  // namespace
 
-TEST_CASE("a horizontal velocity correction tilts the estimate so that it would have been accelerated for") {
+TEST_CASE("a horizontal velocity correction tilts the attitude towards it") {
   GIVEN("a body at rest whose attitude is estimated level, and a fix that adds 0.2 m/s to the north-east") {
     auto filter = filter_at(geometry::rotation_about_z(0.7));
     AlignmentState state;
@@ -69,7 +69,7 @@ TEST_CASE("a gain of zero learns nothing") {
   CHECK(state == AlignmentState{});
 }
 
-TEST_CASE("accelerations that the fixes see in another direction turn yaw, and the velocity with it") {
+TEST_CASE("an acceleration that the fixes measure in another direction turns yaw and velocity") {
   AlignmentSettings settings;
   settings.yaw_gain = 0.5;
   settings.yaw_noise_mps = 0.3;
@@ -103,8 +103,8 @@ TEST_CASE("accelerations that the fixes see in another direction turn yaw, and t
   }
 }
 
-TEST_CASE("a single beacon that goes to and fro finds its heading") {
-  // The body faces 45° at first, the engine begins at 0°: nothing tells it but the motion.
+TEST_CASE("a single beacon that moves back and forth finds its heading") {
+  // The body faces 45° at first, the engine begins at 0°; only the motion shows it.
   Settings settings;
   settings.alignment.yaw_gain = 0.2;
   test::EngineDriver driver(settings, test::eight());
@@ -119,7 +119,7 @@ TEST_CASE("a single beacon that goes to and fro finds its heading") {
   CHECK(moment.position_error_m() < 0.03);
 }
 
-TEST_CASE("a start with a wrong tilt is levelled by the fixes, with the accelerometer's own pull off") {
+TEST_CASE("a start with a wrong tilt is levelled by the fixes, without the accelerometer") {
   // The body stands, tilted by 2° against what the start took for level: without the fixes it would seem to
   // be accelerated by 0.34 m/s² for ever.
   GIVEN("an accelerometer with an offset of 0.34 m/s² that appears after the start") {

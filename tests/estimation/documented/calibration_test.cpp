@@ -1,4 +1,4 @@
-/// The engine applies the calibration itself, once: it is given what the sensor tells.
+/// The engine applies the calibration itself, once, to the raw samples.
 
 #include <sonopose/estimation/documented/engine.hpp>
 
@@ -56,7 +56,7 @@ TEST_CASE("a raw sensor and its calibration give the pose of an ideal one") {
   }
 }
 
-TEST_CASE("another calibration, given to a running engine, holds from the next sample on") {
+TEST_CASE("another calibration applies to a running engine from the next sample on") {
   Engine engine{Settings{}};
   Settings settings;
   settings.calibration.accelerometer.offset_z_mps2 = 0.5;

@@ -23,7 +23,7 @@ test::Sensors pair(double noise_m = 0.0) {
 
 }  // namespace
 
-TEST_CASE("the same settings again change nothing, to the last bit") {
+TEST_CASE("the same settings again change no bit") {
   Settings settings;
   settings.trust.sigma_m = 0.1;
   EngineDriver left_alone(settings, test::departure(2.0, 0.2), pair(0.02));
@@ -39,7 +39,7 @@ TEST_CASE("the same settings again change nothing, to the last bit") {
   }
 }
 
-TEST_CASE("item 5: a mount offset that is given late turns the pose by it, and moves it nowhere") {
+TEST_CASE("item 5: a later change of the mount offset turns the pose and does not move it") {
   const Vector3d place(5, -3, 2);
   EngineDriver driver(Settings{}, test::at_rest(place), pair());
   driver.run(10.0);
@@ -60,7 +60,7 @@ TEST_CASE("item 5: a mount offset that is given late turns the pose by it, and m
   }
 }
 
-TEST_CASE("item 12: a quality limit that is raised keeps worse fixes out from the next one on") {
+TEST_CASE("item 12: a raised quality limit applies from the next fix on") {
   EngineDriver driver(Settings{}, test::at_rest(), {});  // its fixes have a quality of 90 %
   driver.run(5.0);
   const Counters before = driver.engine.counters();
@@ -74,7 +74,7 @@ TEST_CASE("item 12: a quality limit that is raised keeps worse fixes out from th
   CHECK(driver.engine.counters().imu_samples == before.imu_samples + 500);
 }
 
-TEST_CASE("item 1: a preset that is given late is resolved, and `user` takes the user's own again") {
+TEST_CASE("item 1: a later preset is resolved, and `user` restores the user's values") {
   Engine engine{Settings{}};
   Settings settings;
   settings.drift.jump_alpha = 0.77;

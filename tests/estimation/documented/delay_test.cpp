@@ -29,7 +29,7 @@ DelaySettings settings_with(bool extrapolate, DelaySource source) {
 
 }  // namespace
 
-TEST_CASE("item 6: the delay that counts is the fix's own, or the fixed one") {
+TEST_CASE("item 6: the delay is the fix's own or the fixed one") {
   const UltrasonicFix own = fix_with(0.104, 0.100);
   const UltrasonicFix none = fix_with(0.104, std::nullopt);
   const TimeNs by_fixed_ns = own.received_time_ns - to_ns(0.068);
@@ -38,7 +38,7 @@ TEST_CASE("item 6: the delay that counts is the fix's own, or the fixed one") {
   CHECK(delay::measured_at(settings_with(true, DelaySource::fixed), own) == by_fixed_ns);
 }
 
-TEST_CASE("item 6: a fix moves on to the time of the engine's state, not to its receipt") {
+TEST_CASE("item 6: a fix is extrapolated to the time of the engine's state, not to its receipt") {
   const Vector3d velocity(6, -1, 0);
   const auto body = test::moving_body(velocity);
   const UltrasonicFix fix = fix_with(0.104, 0.100);
@@ -50,14 +50,14 @@ TEST_CASE("item 6: a fix moves on to the time of the engine's state, not to its 
   CHECK(still.shifted_position_world_m == fix.position_world_m);
 }
 
-TEST_CASE("item 6: a correction of the velocity counts for the past as well") {
+TEST_CASE("item 6: a correction of the velocity applies to the past as well") {
   auto body = test::moving_body({5, 0, 0});
   body.correct_velocity({1, 0, 0});
   const TimedFix timed = delay::shift(settings_with(true, DelaySource::measured), body, fix_with(0.1, 0.096));
   CHECK((timed.shifted_position_world_m - Vector3d(10.6, 20, 1)).norm() < 1e-9);
 }
 
-TEST_CASE("item 6: in a turn it follows the path and not the tangent") {
+TEST_CASE("item 6: in a turn it follows the path, not the tangent") {
   // A circle of 5 m at 6 m/s: over 0.1 s the chord and today's tangent part by 3.6 cm.
   const test::Motion circle = test::departure(6.0, 0.2, -100.0, 1.0);
   Kinematics body;
@@ -73,14 +73,14 @@ TEST_CASE("item 6: in a turn it follows the path and not the tangent") {
   CHECK((timed.shifted_position_world_m - circle(0.0).position_world_m).norm() < 1e-6);
 }
 
-TEST_CASE("item 6: without a path so far back today's velocity serves") {
+TEST_CASE("item 6: without a path it uses the present velocity") {
   auto body = test::moving_body({2, 0, 0});
   body.history.clear();
   const TimedFix timed = delay::shift(settings_with(true, DelaySource::measured), body, fix_with(0.1, 0.096));
   CHECK((timed.shifted_position_world_m - Vector3d(10.2, 20, 1)).norm() < 1e-9);
 }
 
-TEST_CASE("item 6: at constant speed the output keeps up and makes no backward step") {
+TEST_CASE("item 6: at constant speed the output does not lag and does not step backward") {
   constexpr double speed_mps = 6.0;
   // The start tilts the attitude by what it takes for gravity; by then that has decayed with 1/kp = 7 s.
   constexpr double steady_s = 40.0;
@@ -129,7 +129,7 @@ TEST_CASE("item 6: at constant speed the output keeps up and makes no backward s
   }
 }
 
-TEST_CASE("item 6: a fix with its own, longer delay is moved by that one") {
+TEST_CASE("item 6: a fix with its own, longer delay is extrapolated by that one") {
   test::Sensors sensors;
   sensors.delay_s = 0.150;
   const auto lag_m = [&sensors](DelaySource source) {

@@ -99,7 +99,7 @@ TEST_CASE("item 2: a weight of one half halves the rate") {
   CHECK(left_of_one_metre(full, 0.5, 1.0, 100.0) == Approx(left_of_one_metre(half, 1.0, 1.0, 100.0)));
 }
 
-TEST_CASE("item 9: the drift velocity comes to a wanted velocity with the time constant 1/rate") {
+TEST_CASE("item 9: the drift velocity approaches its target with the time constant 1/rate") {
   for (const double rate_hz : {5.0, 15.0, 30.0}) {
     // So slow a decay of so large an offset is a constant wanted velocity of 1 m/s.
     const auto settings = settings_with(1e-6, 0.0, rate_hz);
@@ -112,7 +112,7 @@ TEST_CASE("item 9: the drift velocity comes to a wanted velocity with the time c
   }
 }
 
-TEST_CASE("items 2 and 9: it rings where item 2 exceeds a quarter of item 9, and not below") {
+TEST_CASE("items 2 and 9: it rings if item 2 exceeds a quarter of item 9") {
   const auto overshoots = [](double decay_hz, double smooth_hz) {
     const auto settings = settings_with(decay_hz, 0.0, smooth_hz);
     double least = 1.0;
@@ -125,7 +125,7 @@ TEST_CASE("items 2 and 9: it rings where item 2 exceeds a quarter of item 9, and
   CHECK(overshoots(10.0, 15.0));
 }
 
-TEST_CASE("the decay is stable at slow IMU rates and at the ends of the ranges") {
+TEST_CASE("the decay is stable at slow IMU rates and at the limits of the ranges") {
   for (const double rate_hz : {10.0, 100.0}) {
     for (const double decay_hz : {0.0, 50.0}) {
       for (const double smooth_hz : {0.1, 200.0}) {
@@ -137,7 +137,7 @@ TEST_CASE("the decay is stable at slow IMU rates and at the ends of the ranges")
   }
 }
 
-TEST_CASE("items 21 and 22: floors of a forced convergence hold whatever the weight") {
+TEST_CASE("items 21 and 22: the floors of a forced convergence apply at any weight") {
   DriftState state;
   Kinematics body;
   FixAssessment assessment = verdict_of(0.01);

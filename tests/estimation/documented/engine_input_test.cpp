@@ -29,7 +29,7 @@ test::Sensors with_headings(double noise_m = 0.0) {
 
 }  // namespace
 
-TEST_CASE("a fix before any IMU sample does no harm, not even one of another age") {
+TEST_CASE("a fix before any IMU sample does no harm, even with a wrong time") {
   for (const double off_s : {0.0, -1e6, 1e6}) {
     INFO("off by " << off_s << " s");
     EngineDriver driver(Settings{}, test::at_rest({1, 1, 1}));
@@ -60,7 +60,7 @@ TEST_CASE("a fix from the future is counted and changes nothing") {
   CHECK(driver.run(2.0).position_error_m() < 0.02);
 }
 
-TEST_CASE("samples that are no measurement are counted, and the state stays finite") {
+TEST_CASE("impossible samples are counted, and the state stays finite") {
   EngineDriver driver(Settings{}, test::departure(2.0, 0.1), with_headings());
   int bad = 0;
   int count = 0;
@@ -110,7 +110,7 @@ TEST_CASE("samples without any specific force are counted and not integrated as 
   CHECK_FALSE(engine.predict(weightless).has_value());
 }
 
-TEST_CASE("one broken stamp costs one sample") {
+TEST_CASE("one corrupt stamp costs one sample") {
   EngineDriver driver(Settings{}, test::departure(1.0));
   driver.alter_imu = [](ImuSample& imu, double time_s) {
     if (std::abs(time_s - 5.0) < 1e-6) imu.sensor_time_ns += to_ns(1000.0);
@@ -121,7 +121,7 @@ TEST_CASE("one broken stamp costs one sample") {
   CHECK(test::worst_error_m(driver.moments, 4.0) < 0.02);
 }
 
-TEST_CASE("delay.source = fixed: a recorded delay that cannot be does not matter") {
+TEST_CASE("delay.source = fixed: an impossible recorded delay has no effect") {
   Settings settings;
   settings.delay.source = DelaySource::fixed;
   for (const double wrong_by_s : {-2.0, 0.1}) {
@@ -136,7 +136,7 @@ TEST_CASE("delay.source = fixed: a recorded delay that cannot be does not matter
   }
 }
 
-TEST_CASE("21 samples that share a stamp are no duplicates, and the time adds up") {
+TEST_CASE("21 samples with the same stamp are no duplicates") {
   test::Sensors sensors = with_headings();
   sensors.imu_rate_hz = 1000.0;
   EngineDriver driver(Settings{}, test::departure(1.0), sensors);
@@ -154,7 +154,7 @@ TEST_CASE("21 samples that share a stamp are no duplicates, and the time adds up
   CHECK(last.position_error_m() < 0.021 + 0.02);
 }
 
-TEST_CASE("with shared stamps the rates integrate to the whole angle") {
+TEST_CASE("with shared stamps the rates still integrate to the whole angle") {
   Settings settings;
   settings.attitude.selection.filter = attitude::FilterKind::gyro;
   Engine engine(settings);
@@ -170,7 +170,7 @@ TEST_CASE("with shared stamps the rates integrate to the whole angle") {
   CHECK(geometry::yaw_of(pose->q_body_to_world) == Approx(0.5 * 2.1).epsilon(1e-3));
 }
 
-TEST_CASE("millisecond stamps make no difference beyond their own rounding") {
+TEST_CASE("millisecond stamps cause no error beyond their rounding") {
   EngineDriver fine(Settings{}, test::departure(3.0, 0.1), with_headings());
   EngineDriver rounded(Settings{}, test::departure(3.0, 0.1), with_headings());
   const auto bursts = [](ImuSample& imu, double time_s) {

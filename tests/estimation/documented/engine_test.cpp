@@ -63,7 +63,7 @@ TEST_CASE("perfect sensors give the true pose: rest, line and circle, slow and f
   }
 }
 
-TEST_CASE("noisy fixes are smoothed: the output is nearer to the truth than the fixes are") {
+TEST_CASE("noisy fixes are smoothed: the output is closer to the truth than the fixes") {
   for (const double speed_mps : {0.0, 3.0, 6.0}) {
     INFO("speed " << speed_mps);
     EngineDriver driver(Settings{}, test::departure(speed_mps), with_headings(0.02));
@@ -72,7 +72,7 @@ TEST_CASE("noisy fixes are smoothed: the output is nearer to the truth than the 
   }
 }
 
-TEST_CASE("a pose comes at every IMU sample and carries its number and times") {
+TEST_CASE("every IMU sample gives a pose with its number and times") {
   EngineDriver driver(Settings{}, test::at_rest());
   driver.alter_imu = [](ImuSample& imu, double) { imu.bridge_time_ns = imu.sensor_time_ns + 1234; };
   driver.run(2.0);
@@ -85,7 +85,7 @@ TEST_CASE("a pose comes at every IMU sample and carries its number and times") {
   CHECK(pose.sequence > driver.moments.front().pose.sequence);
 }
 
-TEST_CASE("before any fix the pose says that it knows no position") {
+TEST_CASE("before any fix the status says that there is no position") {
   Engine engine{Settings{}};
   const auto pose = engine.predict(test::imu_on(test::Truth{}, test::epoch_ns));
   REQUIRE(pose.has_value());
@@ -111,7 +111,7 @@ TEST_CASE("item 3 at zero leaves the velocity to the IMU, from the first fix on"
   }
 }
 
-TEST_CASE("a track that wins, however soon, gives no velocity across its jump") {
+TEST_CASE("an accepted track gives no velocity across its jump") {
   Settings settings;
   SECTION("item 19") {
     settings.trust.n_max = 3;
@@ -130,7 +130,7 @@ TEST_CASE("a track that wins, however soon, gives no velocity across its jump") 
   CHECK(driver.moments.back().pose.position_world_m.x() == Approx(2.0).margin(0.05));
 }
 
-TEST_CASE("a reset begins anew, raises the counter and keeps the counts") {
+TEST_CASE("a reset discards the state, raises reset_counter and keeps the counters") {
   EngineDriver driver(Settings{}, test::departure(2.0), with_headings());
   driver.run(6.0);
   const Counters before = driver.engine.counters();
@@ -138,16 +138,16 @@ TEST_CASE("a reset begins anew, raises the counter and keeps the counts") {
   driver.engine.reset();
   CHECK(driver.engine.counters().imu_samples == before.imu_samples);
   CHECK(driver.engine.counters().fixes_used == before.fixes_used);
-  const auto anew = driver.run(0.01);
-  CHECK(anew.pose.reset_counter == 1);
-  CHECK(anew.has(status_initialising));
+  const auto after_reset = driver.run(0.01);
+  CHECK(after_reset.pose.reset_counter == 1);
+  CHECK(after_reset.has(status_initialising));
   const auto later = driver.run(2.0);
   CHECK_FALSE(later.has(status_initialising));
   CHECK(later.position_error_m() < 0.03);
   CHECK(later.pose.reset_counter == 1);
 }
 
-TEST_CASE("an engine that was reset does as a new one would, to the bit") {
+TEST_CASE("an engine after a reset equals a new one, to the bit") {
   EngineDriver fresh(Settings{}, test::departure(2.0, 0.1), with_headings(0.02));
   EngineDriver used(Settings{}, test::departure(2.0, 0.1), with_headings(0.02));
   EngineDriver elsewhere(Settings{}, test::constant_velocity(4.0), with_headings(0.02));
@@ -162,7 +162,7 @@ TEST_CASE("an engine that was reset does as a new one would, to the bit") {
   }
 }
 
-TEST_CASE("the same events give the same bits, also by a copy half-way") {
+TEST_CASE("the same events give the same bits, also after a copy") {
   EngineDriver one(Settings{}, test::departure(2.0, 0.1), with_headings(0.02));
   one.run(5.0);
   EngineDriver two = one;
@@ -174,7 +174,7 @@ TEST_CASE("the same events give the same bits, also by a copy half-way") {
   }
 }
 
-TEST_CASE("every fix leaves a report that adds up") {
+TEST_CASE("the report on every fix is consistent") {
   EngineDriver driver(Settings{}, test::departure(2.0, 0.1), with_headings(0.02));
   driver.run(10.0);
   REQUIRE_FALSE(driver.reports.empty());

@@ -57,7 +57,7 @@ TEST_CASE("with each filter the pose follows a bend, with paired headings and wi
   }
 }
 
-TEST_CASE("another filter, given to a running engine, goes on where the one before stood") {
+TEST_CASE("a running engine that changes its filter continues from the orientation of the previous one") {
   test::Sensors sensors;
   sensors.headings = true;
   test::EngineDriver driver(Settings{}, test::departure(1.5, 0.3), sensors);
@@ -72,7 +72,7 @@ TEST_CASE("another filter, given to a running engine, goes on where the one befo
   }
 }
 
-TEST_CASE("each filter goes on from another engine's snapshot to the same bits") {
+TEST_CASE("each filter continues from another engine's snapshot with the same bits") {
   for (std::size_t i = 0; i < kinds; ++i) {
     const Settings settings = with(static_cast<FilterKind>(i));
     const auto motion = test::departure(1.5, 0.3);
@@ -90,7 +90,7 @@ TEST_CASE("each filter goes on from another engine's snapshot to the same bits")
   }
 }
 
-TEST_CASE("a long curve without fixes does not lean the default filter while it is held") {
+TEST_CASE("a long curve without fixes does not tilt the default filter within alignment.hold_s") {
   // 6 m/s on a circle of 8 m: 4.5 m/s² to the side, which alone would lean it by 25°.
   test::Sensors sensors;
   sensors.headings = true;
@@ -99,5 +99,6 @@ TEST_CASE("a long curve without fixes does not lean the default filter while it 
   driver.run(20.0);
   driver.fixes_on = false;
   const auto moment = driver.run(40.0);
-  CHECK(std::acos(geometry::up_in_body(moment.pose.q_body_to_world).z()) < 1.0 * geometry::radians_per_degree);
+  CHECK(std::acos(geometry::up_in_body(moment.pose.q_body_to_world).z()) <
+        1.0 * geometry::radians_per_degree);
 }

@@ -58,7 +58,7 @@ TEST_CASE("item 5: body yaw is the pair's heading minus the mount offset") {
   }
 }
 
-TEST_CASE("item 5: at 90 degrees the pair stands along body Y") {
+TEST_CASE("item 5: at 90 degrees the pair is aligned with body Y") {
   Rig rig;
   rig.settings.mount_offset_deg = 90.0;
   rig.take(30.0 * degree);
@@ -80,7 +80,7 @@ TEST_CASE("item 34: a yaw error decays with the time constant 1/gain") {
   }
 }
 
-TEST_CASE("item 34: the pull goes the short way round") {
+TEST_CASE("item 34: the correction takes the shorter direction") {
   Rig rig;
   rig.take(175.0 * degree);
   rig.take(-175.0 * degree);
@@ -117,14 +117,14 @@ TEST_CASE("a heading expires half a second after its last sample") {
   CHECK(rig.yaw() == yaw);
 }
 
-TEST_CASE("a heading that the hardware does not know changes nothing") {
+TEST_CASE("an invalid heading changes nothing") {
   Rig rig;
   rig.take(1.0, false);
   CHECK(rig.yaw() == 0.0);
   CHECK_FALSE(rig.state.known);
 }
 
-TEST_CASE("a yaw-rate offset is learned from the pull, tilt's integral stays out of it") {
+TEST_CASE("a yaw-rate offset is learned from the correction, separately from tilt's integral") {
   test::Sensors sensors;
   sensors.headings = true;
   Settings settings;
@@ -146,7 +146,8 @@ TEST_CASE("a yaw-rate offset is learned from the pull, tilt's integral stays out
   }
 }
 
-TEST_CASE("items 31–33: a nudge is gain × (direction of displacement − direction of velocity), capped") {
+TEST_CASE(
+    "items 31–33: the correction is gain × (direction of displacement − direction of velocity), capped") {
   Rig rig;
   rig.settings.min_displacement_m = 0.08;
   rig.settings.max_correction_deg = 2.0;
@@ -174,13 +175,13 @@ TEST_CASE("items 31–33: a nudge is gain × (direction of displacement − dire
   SECTION("not while the velocity has no direction") {
     CHECK(rig.nudge({0, 0.1, 0}, Vector3d::Zero()) == 0.0);
   }
-  SECTION("not while a paired heading holds: that one is absolute") {
+  SECTION("not while a paired heading is valid, which is absolute") {
     rig.take(0.0);
     CHECK(rig.nudge({0, 0.1, 0}, {1.2, 0, 0}) == 0.0);
   }
 }
 
-TEST_CASE("items 31–33, in the engine: pulling away from rest shows a part of a yaw error of 20 degrees") {
+TEST_CASE("items 31–33, in the engine: a departure from rest reduces a yaw error of 20 degrees") {
   Settings settings;
   settings.heading.error_gain = 0.2;
   settings.alignment.yaw_gain = 0.0;
@@ -204,7 +205,7 @@ TEST_CASE("items 31–33, in the engine: pulling away from rest shows a part of 
   CHECK(std::abs(error_deg()) == Approx(20.0).margin(1.0));
 }
 
-TEST_CASE("heading unknown: before any heading, not while one holds, and again 0.5 s after the last") {
+TEST_CASE("heading unknown: before any heading, not while one is valid, and again 0.5 s after the last") {
   test::Sensors sensors;
   sensors.headings = true;
   test::EngineDriver driver(Settings{}, test::at_rest(), sensors);

@@ -19,7 +19,7 @@ InertialPoint point_at(double time_s) {
 
 }  // namespace
 
-TEST_CASE("the path is interpolated, and unknown before it began") {
+TEST_CASE("the path is interpolated, and unknown before its beginning") {
   InertialHistory history;
   CHECK(history.empty());
   CHECK_FALSE(history.at(start_ns).has_value());
@@ -32,14 +32,14 @@ TEST_CASE("the path is interpolated, and unknown before it began") {
   CHECK(history.at(start_ns).has_value());
 }
 
-TEST_CASE("after its end the path stands at its newest point") {
+TEST_CASE("after its end the path stays at its newest point") {
   InertialHistory history;
   history.push(point_at(0.0));
   history.push(point_at(0.01));
   CHECK(*history.at(start_ns + to_ns(5.0)) == point_at(0.01));
 }
 
-TEST_CASE("yaw is interpolated the short way round") {
+TEST_CASE("yaw is interpolated in the shorter direction") {
   InertialHistory history;
   history.push({start_ns, Vector3d::Zero(), 3.1});
   history.push({start_ns + to_ns(0.01), Vector3d::Zero(), -3.1});
@@ -48,7 +48,7 @@ TEST_CASE("yaw is interpolated the short way round") {
   CHECK(std::abs(std::remainder(middle->yaw_rad - M_PI, 2.0 * M_PI)) < 1e-9);
 }
 
-TEST_CASE("at every IMU rate it holds more than a second") {
+TEST_CASE("at every IMU rate it spans more than a second") {
   for (const double rate_hz : {10.0, 100.0, 200.0, 399.0, 401.0, 500.0, 770.0, 1000.0, 8000.0}) {
     INFO("IMU at " << rate_hz << " Hz");
     InertialHistory history;
@@ -61,7 +61,7 @@ TEST_CASE("at every IMU rate it holds more than a second") {
   }
 }
 
-TEST_CASE("samples of one stamp are one moment of the path, the latest of them") {
+TEST_CASE("samples with the same stamp are one point of the path, the latest") {
   InertialHistory history;
   for (int burst = 0; burst < 40; ++burst) {
     for (int i = 0; i < 21; ++i) {
@@ -76,7 +76,7 @@ TEST_CASE("samples of one stamp are one moment of the path, the latest of them")
   CHECK(old->displacement_world_m.x() == Approx(0.06));
 }
 
-TEST_CASE("a cleared history knows nothing") {
+TEST_CASE("a cleared history is empty") {
   InertialHistory history;
   history.push(point_at(0.0));
   history.push(point_at(0.01));

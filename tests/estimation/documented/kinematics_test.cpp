@@ -1,4 +1,4 @@
-/// Comparing like with like: today's corrections hold for the past as well.
+/// The present corrections apply to the past as well.
 
 #include <catch2/catch.hpp>
 
@@ -9,7 +9,7 @@ using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using test::epoch_ns;
 
-TEST_CASE("the way between two past moments is the IMU's, with today's corrections") {
+TEST_CASE("the displacement between two past moments is the IMU's with the present corrections") {
   auto body = test::moving_body({2, 0, 0});
   const TimeNs from_ns = epoch_ns - to_ns(0.3);
   const TimeNs to_now_ns = epoch_ns - to_ns(0.1);
@@ -21,7 +21,7 @@ TEST_CASE("the way between two past moments is the IMU's, with today's correctio
   CHECK((*body.moved(to_now_ns, from_ns) + Vector3d(0.4, 0.2, 0)).norm() < 1e-9);
 }
 
-TEST_CASE("a moment just ahead of the newest sample is reached at the present velocity") {
+TEST_CASE("beyond the newest sample the present velocity applies") {
   // The IMU alone says −5 m/s, the fixes have put it right: the body stands still.
   auto body = test::moving_body({-5, 0, 0});
   body.correct_velocity({5, 0, 0});
@@ -35,21 +35,21 @@ TEST_CASE("a moment just ahead of the newest sample is reached at the present ve
   CHECK((*body.moved(epoch_ns, ahead_ns) - Vector3d(0.02, 0, 0)).norm() < 1e-9);
 }
 
-TEST_CASE("what lies before the history is unknown") {
+TEST_CASE("a moment before the history is unknown") {
   const auto body = test::moving_body({2, 0, 0});
   CHECK_FALSE(body.moved(epoch_ns - to_ns(1.5), epoch_ns).has_value());
   CHECK_FALSE(body.yaw_at(epoch_ns - to_ns(1.5)).has_value());
   CHECK_FALSE(Kinematics{}.moved(1, 2).has_value());
 }
 
-TEST_CASE("yaw in the past moves with today's corrections") {
+TEST_CASE("yaw in the past includes the present corrections") {
   auto body = test::moving_body(Vector3d::Zero(), epoch_ns, 3.0);
   body.yaw_corrections_rad = 0.5;
   REQUIRE(body.yaw_at(epoch_ns - to_ns(0.1)).has_value());
   CHECK(*body.yaw_at(epoch_ns - to_ns(0.1)) == Approx(3.5 - 2.0 * M_PI));
 }
 
-TEST_CASE("the engine's path is what the body went, whatever the fixes did to the velocity") {
+TEST_CASE("the inertial path is independent of the velocity corrections") {
   // A constant accelerometer error of 0.2 m/s² bends the IMU's path; the fixes hold it.
   test::Sensors sensors;
   sensors.accel_offset_body_mps2 = {0.2, 0, 0};

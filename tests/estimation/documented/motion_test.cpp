@@ -29,7 +29,7 @@ Kinematics turning_body(double rate_radps, const Vector3d& velocity_world_mps) {
 
 }  // namespace
 
-TEST_CASE("the strapdown equations hold for constant acceleration") {
+TEST_CASE("the strapdown equations are exact for constant acceleration") {
   Kinematics body;
   body.position_world_m = {1, 0, 0};
   body.velocity_world_mps = {2, 0, 0};

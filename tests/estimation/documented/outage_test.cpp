@@ -26,7 +26,7 @@ EngineDriver driver_into_silence(const Settings& settings, double speed_mps = 3.
 
 }  // namespace
 
-TEST_CASE("item 11: stale mode begins the declared time after the last valid fix") {
+TEST_CASE("item 11: stale mode begins the set time after the last valid fix") {
   for (const double stale_after_s : {0.5, 1.0, 3.0}) {
     Settings settings;
     settings.outage.stale_after_s = stale_after_s;
@@ -43,7 +43,7 @@ TEST_CASE("item 11: stale mode begins the declared time after the last valid fix
   }
 }
 
-TEST_CASE("item 11: a fix counts as valid though it be an outlier, but not below the least quality") {
+TEST_CASE("item 11: an outlier is a valid fix, one below the minimum quality is not") {
   const auto stale_with = [](const std::function<void(UltrasonicFix&, double)>& alter) {
     EngineDriver driver(Settings{}, test::departure(1.0));
     driver.run(5.0);
@@ -83,7 +83,7 @@ TEST_CASE("item 11: in stale mode acceleration has no effect") {
         1e-9);
 }
 
-TEST_CASE("item 11: the first valid fix ends it and sets the position, the second the velocity") {
+TEST_CASE("item 11: the first valid fix ends it and sets the position, the second sets the velocity") {
   EngineDriver driver = driver_into_silence(Settings{}, 4.0);
   driver.run(6.0);
   REQUIRE(driver.moments.back().position_error_m() > 5.0);
@@ -101,7 +101,7 @@ TEST_CASE("item 11: the first valid fix ends it and sets the position, the secon
   CHECK(driver.moments.back().pose.trust == 1.0);
 }
 
-TEST_CASE("a start at speed: the second fix gives the velocity, however fast it is") {
+TEST_CASE("a start at speed: the second fix sets the velocity at any speed") {
   for (const double speed_mps : {1.0, 6.0, 15.0}) {
     EngineDriver driver(Settings{}, test::constant_velocity(speed_mps));
     // It rocks all the time: no rest to be calibrated at.
@@ -116,7 +116,7 @@ TEST_CASE("a start at speed: the second fix gives the velocity, however fast it 
   }
 }
 
-TEST_CASE("slow fixes give no velocity, but the position is followed all the same") {
+TEST_CASE("slow fixes give no velocity, but correct the position") {
   test::Sensors sensors;
   sensors.fix_rate_hz = 2.0;
   Settings settings;
@@ -125,7 +125,7 @@ TEST_CASE("slow fixes give no velocity, but the position is followed all the sam
   CHECK(driver.moments.back().position_error_m() < 0.2);
 }
 
-TEST_CASE("a silence of the IMU is not integrated over") {
+TEST_CASE("a gap of the IMU is not integrated over") {
   for (const double gap_s : {0.5, 5.0, 300.0}) {
     INFO("gap of " << gap_s << " s");
     EngineDriver driver(Settings{}, test::departure(3.0));
@@ -148,7 +148,7 @@ TEST_CASE("a silence of the IMU is not integrated over") {
   }
 }
 
-TEST_CASE("the pose after a silence tells what the IMU measures then, not what it measured before") {
+TEST_CASE("the pose after a gap uses the measurement after it") {
   EngineDriver driver(Settings{}, test::at_rest());
   driver.run(3.0);
   driver.alter_imu = [](ImuSample& imu, double) { imu.angular_velocity_body_radps.z() += 1.0; };

@@ -51,7 +51,7 @@ Score score_of(ImuWeight weight) {
 
 }  // namespace
 
-TEST_CASE("item 1: on one log low is nearest to the fixes and high is smoothest") {
+TEST_CASE("item 1: on one log low is closest to the fixes and high is smoothest") {
   const Score low = score_of(ImuWeight::low);
   const Score medium = score_of(ImuWeight::medium);
   const Score high = score_of(ImuWeight::high);
@@ -82,7 +82,7 @@ TEST_CASE("item 1: a preset ignores the user's items 2, 3 and 4, user takes them
   CHECK(used.drift.jump_alpha == 0.95);
 }
 
-TEST_CASE("item 1: a preset touches nothing else") {
+TEST_CASE("item 1: a preset changes nothing else") {
   Settings settings;
   settings.preset.imu_weight = ImuWeight::low;
   settings.drift.velocity_smooth_rate_hz = 22.0;
@@ -94,7 +94,7 @@ TEST_CASE("item 1: a preset touches nothing else") {
   }
 }
 
-TEST_CASE("item 1: medium is the balance that user starts from") {
+TEST_CASE("item 1: medium equals the defaults of user") {
   const Settings medium = resolved(Settings{});
   Settings user;
   user.preset.imu_weight = ImuWeight::user;

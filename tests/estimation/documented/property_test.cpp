@@ -180,7 +180,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("no settings and no samples in any order make the state other than finite") {
+TEST_CASE("the state stays finite for any settings and any samples in any order") {
   constexpr unsigned cases = 10'000;
   constexpr int events = 250;
   std::uint64_t poses = 0;
@@ -203,7 +203,7 @@ TEST_CASE("no settings and no samples in any order make the state other than fin
   CHECK(poses > cases * 85);  // most of the samples were taken, however strange their calibration
 }
 
-TEST_CASE("no settings set a body at rest in motion without end, or turn it away") {
+TEST_CASE("a body at rest stays bounded for any settings") {
   // An error of the accelerometer of 0.05 m/s² that nothing corrects makes 1 m/s in 20 s.
   constexpr unsigned cases = 10'000;
   constexpr int samples = 400;
@@ -211,7 +211,7 @@ TEST_CASE("no settings set a body at rest in motion without end, or turn it away
     Dice dice(seed);
     Settings settings = random_settings(dice);
     settings.calibration = {};  // with another one the body would not be at rest
-    // A filter that levels at once, told of corrections, closes a loop that nothing damps (docs/attitude.md).
+    // A filter that levels at once, aided with corrections, closes an undamped loop (docs/attitude.md).
     const auto filter = settings.attitude.selection.filter;
     if (filter == attitude::FilterKind::mahony || filter == attitude::FilterKind::complementary) {
       settings.alignment.aiding_s = 0.0;

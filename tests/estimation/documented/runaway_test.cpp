@@ -29,7 +29,8 @@ double damping_hz(double distance_m, const Vector3d& velocity_world_mps) {
 
 }  // namespace
 
-TEST_CASE("items 23 and 24: damping rises linearly from the threshold to its most at twice that") {
+TEST_CASE(
+    "items 23 and 24: damping rises linearly from the threshold to its maximum at twice the threshold") {
   const Vector3d away(3, 0, 0);
   CHECK(damping_hz(1.0, away) == 0.0);
   CHECK(damping_hz(2.0, away) == 0.0);
@@ -39,13 +40,13 @@ TEST_CASE("items 23 and 24: damping rises linearly from the threshold to its mos
   CHECK(damping_hz(40.0, away) == Approx(8.0));
 }
 
-TEST_CASE("item 23: a velocity that does not lead away is left alone") {
+TEST_CASE("item 23: a velocity that does not lead away is not damped") {
   CHECK(damping_hz(5.0, {-3, 0, 0}) == 0.0);
   CHECK(damping_hz(5.0, {0, 3, 0}) == 0.0);
   CHECK(damping_hz(5.0, {0.1, 3, 0}) > 0.0);
 }
 
-TEST_CASE("item 23: before any fix there is nothing to run away from") {
+TEST_CASE("item 23: before any fix nothing is damped") {
   Kinematics body;
   body.position_world_m = {100, 0, 0};
   body.velocity_world_mps = {3, 0, 0};
@@ -53,7 +54,7 @@ TEST_CASE("item 23: before any fix there is nothing to run away from") {
   CHECK(body.velocity_world_mps == Vector3d(3, 0, 0));
 }
 
-TEST_CASE("item 23 by default exceeds the lag of honest motion: it does not slow a kart") {
+TEST_CASE("item 23 by default exceeds the lag of real motion: it does not slow a kart") {
   Settings off;
   off.runaway.velocity_damp_max_hz = 0.0;
   test::EngineDriver with(Settings{}, test::departure(6.0, 0.125));
@@ -63,11 +64,11 @@ TEST_CASE("item 23 by default exceeds the lag of honest motion: it does not slow
   CHECK(with.moments.back().pose.position_world_m == without.moments.back().pose.position_world_m);
 }
 
-TEST_CASE("items 23 and 24, in the engine: a gross accelerometer error is kept in reach of the fixes") {
+TEST_CASE("items 23 and 24, in the engine: a gross accelerometer error is kept within range of the fixes") {
   const auto farthest_m = [](double max_hz) {
     Settings settings;
     settings.runaway.velocity_damp_max_hz = max_hz;
-    settings.outage.stale_after_s = 60.0;  // it alone must hold
+    settings.outage.stale_after_s = 60.0;  // only the damping limits the error
     test::EngineDriver driver(settings, test::at_rest());
     driver.run(3.0);
     driver.fixes_on = false;

@@ -38,7 +38,7 @@ startup::Progress watch_for(const StartupSettings& settings, StartupState& state
 
 }  // namespace
 
-TEST_CASE("at rest the offset is the mean rate, after the declared time") {
+TEST_CASE("at rest the offset is the mean rate over the set time") {
   StartupState state;
   const auto offset = [](ImuSample& imu, double) { imu.angular_velocity_body_radps += offset_radps; };
   CHECK(watch_for(StartupSettings{}, state, 0.95, offset) == startup::Progress::none);
@@ -61,7 +61,7 @@ TEST_CASE("a body that turns, rocks or shakes is not at rest") {
         startup::Progress::gave_up);
 }
 
-TEST_CASE("a handful of samples is no calibration, however long they took") {
+TEST_CASE("a few samples are no calibration, over any time") {
   StartupState state;
   for (int i = 0; i < 5; ++i) {
     const ImuSample imu = test::imu_on(test::Truth{}, EngineDriver::stamp(1.0 * i));
@@ -69,7 +69,7 @@ TEST_CASE("a handful of samples is no calibration, however long they took") {
   }
 }
 
-TEST_CASE("a start at rest calibrates, levels and says so") {
+TEST_CASE("a start at rest calibrates, levels and sets the status") {
   EngineDriver driver(Settings{}, test::at_rest({3, 4, 1}), offset_sensors());
   const auto early = driver.run(0.5);
   CHECK(early.has(status_initialising));
@@ -82,7 +82,7 @@ TEST_CASE("a start at rest calibrates, levels and says so") {
   CHECK(late.pose.velocity_world_mps.norm() < 0.01);
 }
 
-TEST_CASE("a start in motion uses zero bias and says uncalibrated") {
+TEST_CASE("a start in motion uses zero bias and the status uncalibrated") {
   test::Sensors sensors = offset_sensors();
   sensors.noise_m = 0.01;
   EngineDriver driver(Settings{}, test::at_rest(), sensors);
@@ -102,7 +102,7 @@ TEST_CASE("a start in motion uses zero bias and says uncalibrated") {
   }
 }
 
-TEST_CASE("constant velocity feels like rest to an IMU: the fixes tell them apart") {
+TEST_CASE("constant velocity equals rest for an IMU: the fixes distinguish them") {
   for (const double speed_mps : {0.5, 2.0, 10.0}) {
     INFO("speed " << speed_mps);
     EngineDriver driver(Settings{}, test::constant_velocity(speed_mps));
@@ -113,7 +113,7 @@ TEST_CASE("constant velocity feels like rest to an IMU: the fixes tell them apar
   }
 }
 
-TEST_CASE("a late calibration does not take an offset off twice") {
+TEST_CASE("a late calibration does not subtract an offset twice") {
   // While it rocks, the paired heading teaches a yaw-rate offset; the rest then measures the same one.
   test::Sensors sensors;
   sensors.headings = true;
@@ -145,7 +145,7 @@ TEST_CASE("a tilted mounting is levelled from the first rest") {
   CHECK(moment.pose.acceleration_world_mps2.norm() < 1e-5);
 }
 
-TEST_CASE("a start at rest knows its velocity, whenever the first fix comes") {
+TEST_CASE("after a start at rest the velocity is known at the first fix") {
   test::Sensors sensors;
   sensors.noise_m = 0.02;  // two fixes 80 ms apart would read velocities of 0.35 m/s
   for (const double first_fix_s : {0.0, 0.8, 0.86, 1.5}) {
@@ -163,7 +163,7 @@ TEST_CASE("a start at rest knows its velocity, whenever the first fix comes") {
   }
 }
 
-TEST_CASE("a body that left its rest long before the first fix does not count as standing") {
+TEST_CASE("a body that left its rest long before the first fix has an unknown velocity") {
   EngineDriver driver(Settings{}, test::departure(5.0));
   driver.fixes_on = false;
   driver.run(12.0);

@@ -59,7 +59,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("item 13: the weight is one half exactly at sigma and falls further away") {
+TEST_CASE("item 13: the weight is one half exactly at sigma and falls with the distance") {
   for (const double sigma_m : {0.06, 0.12, 1.0}) {
     CHECK(trust::weight_of(0.0, sigma_m) == 1.0);
     CHECK(trust::weight_of(sigma_m, sigma_m) == 0.5);
@@ -81,14 +81,14 @@ TEST_CASE("item 13: the innovation is measured from the position that the veloci
   CHECK(track.assess(10.0 * interval_s - 0.1).innovation_m == Approx(0.1));
 }
 
-TEST_CASE("an outlier lies beyond the declared number of sigmas") {
+TEST_CASE("an outlier is beyond the set number of sigmas") {
   JudgedTrack track(plain());
   CHECK_FALSE(track.assess(0.199).outlier);
   JudgedTrack other(plain());
   CHECK(other.assess(0.201).outlier);
 }
 
-TEST_CASE("item 14: no fix weighs less than the floor") {
+TEST_CASE("item 14: no weight is below the floor") {
   TrustSettings settings = plain();
   settings.min_weight = 0.05;
   JudgedTrack track(settings);
@@ -153,7 +153,7 @@ TEST_CASE("items 16–19: full trust takes N = clamp(n_base · jump / reference,
   }
 }
 
-TEST_CASE("item 15: an outlier while trust is being rebuilt begins the rebuilding anew") {
+TEST_CASE("item 15: an outlier while trust is being rebuilt restarts the rebuilding") {
   JudgedTrack track(plain());
   track.assess(1.0);
   track.assess(0.0);
@@ -165,7 +165,7 @@ TEST_CASE("item 15: an outlier while trust is being rebuilt begins the rebuildin
   CHECK(track.state.trust == Approx(0.25));
 }
 
-TEST_CASE("item 19: after n_max fixes the track is accepted whatever it is") {
+TEST_CASE("item 19: after n_max fixes any track is accepted") {
   TrustSettings settings = plain();
   settings.n_max = 10;
   JudgedTrack track(settings);
@@ -207,7 +207,7 @@ TEST_CASE("items 20–22: outliers in a row at zero trust force convergence") {
   }
 }
 
-TEST_CASE("item 20: a good fix between them begins the count anew") {
+TEST_CASE("item 20: a good fix between them restarts the count") {
   TrustSettings settings = plain();
   settings.stuck_n = 5;
   JudgedTrack track(settings);
@@ -229,7 +229,7 @@ TEST_CASE("items 4, 14, 15, in the engine: a burst of outliers hardly moves the 
   CHECK_FALSE(driver.moments.back().has(status_low_trust));
 }
 
-TEST_CASE("items 19–22, in the engine: a genuine relocation is followed in the end") {
+TEST_CASE("items 19–22, in the engine: a real relocation is followed eventually") {
   test::EngineDriver driver(Settings{}, test::at_rest());
   driver.run(4.0);
   driver.alter_fix = [](UltrasonicFix& fix, double) { fix.position_world_m.x() += 3.0; };
@@ -245,7 +245,7 @@ TEST_CASE("items 19–22, in the engine: a genuine relocation is followed in the
   CHECK(forced);
 }
 
-TEST_CASE("items 20–22, in the engine: a velocity gone wrong is put right while convergence is forced") {
+TEST_CASE("items 20–22, in the engine: a wrong velocity is corrected while convergence is forced") {
   // The IMU claims 2 m/s² for two seconds while the ultrasound is silent: 4 m/s that are not there.
   Settings settings;
   settings.outage.stale_after_s = 60.0;

@@ -8,7 +8,7 @@ using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 
-TEST_CASE("without news everything grows, the position ever faster") {
+TEST_CASE("without fixes all deviations grow, that of the position faster and faster") {
   const UncertaintySettings settings;
   UncertaintyState state{0.02, 0.0, 0.01};
   for (int i = 0; i < 100; ++i) uncertainty::grow(settings, state, 0.01);
@@ -17,7 +17,7 @@ TEST_CASE("without news everything grows, the position ever faster") {
   CHECK(state.yaw_std_rad == Approx(0.01 + settings.yaw_drift_std_degps * geometry::radians_per_degree));
 }
 
-TEST_CASE("nothing grows beyond what stands for no idea") {
+TEST_CASE("no deviation exceeds the value for unknown") {
   UncertaintyState state;
   for (int i = 0; i < 1000; ++i) uncertainty::grow(UncertaintySettings{}, state, 10.0);
   CHECK(state.position_std_m == UncertaintyState::unknown_m);
@@ -25,7 +25,7 @@ TEST_CASE("nothing grows beyond what stands for no idea") {
   CHECK(state.yaw_std_rad == Approx(M_PI / std::sqrt(3.0)));
 }
 
-TEST_CASE("a fix shrinks it, one of little weight by little, one of none not at all") {
+TEST_CASE("a fix reduces the deviation according to its weight") {
   const UncertaintySettings settings;
   const auto after = [&settings](double weight) {
     UncertaintyState state{1.0, 1.0, 0.1};
@@ -39,20 +39,20 @@ TEST_CASE("a fix shrinks it, one of little weight by little, one of none not at 
   CHECK(after(1.0).yaw_std_rad == 0.1);
 }
 
-TEST_CASE("a fix that gives no velocity leaves the velocity as unsure as it was") {
+TEST_CASE("a fix without a velocity does not change the velocity's deviation") {
   UncertaintyState state{1.0, 1.0, 0.1};
   uncertainty::correct(UncertaintySettings{}, state, 1.0, 0.5, 0.3, 0.0);
   CHECK(state.velocity_std_mps == 1.0);
 }
 
-TEST_CASE("the pull to a heading brings yaw down to the heading's own noise and not below") {
+TEST_CASE("the correction to a heading reduces yaw's deviation to that of the heading") {
   const UncertaintySettings settings;
   UncertaintyState state{1.0, 1.0, 1.0};
   for (int i = 0; i < 1000; ++i) uncertainty::correct_yaw(settings, state, 0.02);
   CHECK(state.yaw_std_rad == Approx(settings.heading_std_deg * geometry::radians_per_degree));
 }
 
-TEST_CASE("in the engine it says no idea before the first fix, and centimetres soon after it") {
+TEST_CASE("in the engine it is unknown before the first fix, and centimetres soon after") {
   test::Sensors sensors;
   sensors.noise_m = 0.02;
   sensors.headings = true;
@@ -68,7 +68,7 @@ TEST_CASE("in the engine it says no idea before the first fix, and centimetres s
   CHECK(yaw_std_rad(seeing.pose) < 0.1);
 }
 
-TEST_CASE("in the engine the position's standard deviation fits the errors that are made") {
+TEST_CASE("in the engine the position's standard deviation matches the errors") {
   test::Sensors sensors;
   sensors.noise_m = 0.02;
   sensors.headings = true;
@@ -86,7 +86,7 @@ TEST_CASE("in the engine the position's standard deviation fits the errors that 
   CHECK(ratio < 1.5);
 }
 
-TEST_CASE("in the engine it grows while the ultrasound is silent, at least as fast as the error") {
+TEST_CASE("in the engine it grows without fixes, at least as fast as the error") {
   test::Sensors sensors;
   sensors.noise_m = 0.02;
   test::EngineDriver driver(Settings{}, test::departure(2.0, 0.1), sensors);

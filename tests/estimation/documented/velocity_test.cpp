@@ -93,7 +93,8 @@ TEST_CASE("item 3: the mean over the interval is compared and not the present ve
   }
   body.velocity_world_mps = {4, 0, 0};
   VelocityState state = after(fix_at(-0.17, {x_at(0.83), 0, 0}));
-  const auto measured = velocity::measure(plain(), state, body, fix_at(-0.07, {x_at(0.93), 0, 0}), FixAssessment{});
+  const auto measured =
+      velocity::measure(plain(), state, body, fix_at(-0.07, {x_at(0.93), 0, 0}), FixAssessment{});
   REQUIRE(measured.has_value());
   CHECK(measured->ultrasonic_world_mps.x() == Approx(4.0 * 0.88));
   CHECK(measured->inertial_world_mps.x() == Approx(4.0 * 0.88));
@@ -102,7 +103,7 @@ TEST_CASE("item 3: the mean over the interval is compared and not the present ve
   CHECK(body.velocity_world_mps.x() == Approx(4.0));  // nothing to correct
 }
 
-TEST_CASE("a velocity comes only of two good fixes within the declared interval") {
+TEST_CASE("a velocity requires two good fixes within the interval limits") {
   const auto body = test::moving_body({1, 0, 0});
   const VelocityState first = after(fix_at(-0.5, Vector3d::Zero()));
   VelocitySettings settings = plain();
@@ -120,19 +121,21 @@ TEST_CASE("a velocity comes only of two good fixes within the declared interval"
   CHECK_FALSE(measured_after(0.1, outlier()));
 
   VelocityState none;
-  CHECK_FALSE(velocity::measure(plain(), none, body, fix_at(-0.1, Vector3d::Zero()), FixAssessment{}).has_value());
+  CHECK_FALSE(
+      velocity::measure(plain(), none, body, fix_at(-0.1, Vector3d::Zero()), FixAssessment{}).has_value());
 }
 
 TEST_CASE("two fixes too close together: the older stays the reference") {
   const auto body = test::moving_body({1, 0, 0});
   VelocityState state = after(fix_at(-0.2, Vector3d::Zero()));
-  CHECK_FALSE(velocity::measure(plain(), state, body, fix_at(-0.17, {0.9, 0, 0}), FixAssessment{}).has_value());
+  CHECK_FALSE(
+      velocity::measure(plain(), state, body, fix_at(-0.17, {0.9, 0, 0}), FixAssessment{}).has_value());
   const auto measured = velocity::measure(plain(), state, body, fix_at(-0.1, {0.1, 0, 0}), FixAssessment{});
   REQUIRE(measured.has_value());
   CHECK(measured->ultrasonic_world_mps.x() == Approx(1.0));
 }
 
-TEST_CASE("the velocity is measured over the interval that is wanted, where there are fixes so far back") {
+TEST_CASE("the velocity is measured over the wanted interval if there are earlier fixes") {
   // 11 fixes a second of a body that stands, then is pushed ever faster: 0, 3, 12 and 27 cm.
   const auto body = test::moving_body(Vector3d::Zero());
   VelocitySettings settings = plain();
@@ -141,8 +144,8 @@ TEST_CASE("the velocity is measured over the interval that is wanted, where ther
     VelocityState state = after(fix_at(-0.4, Vector3d::Zero()));
     std::optional<FixVelocity> measured;
     for (int i = 1; i <= 3; ++i) {
-      measured =
-          velocity::measure(settings, state, body, fix_at(-0.4 + 0.09 * i, {0.03 * i * i, 0, 0}), FixAssessment{});
+      measured = velocity::measure(settings, state, body, fix_at(-0.4 + 0.09 * i, {0.03 * i * i, 0, 0}),
+                                   FixAssessment{});
     }
     REQUIRE(measured.has_value());
     return measured->ultrasonic_world_mps.x();
@@ -153,7 +156,7 @@ TEST_CASE("the velocity is measured over the interval that is wanted, where ther
   CHECK(speed_over(9.0) == Approx(0.27 / 0.27));  // none lies so far back: the oldest that may
 }
 
-TEST_CASE("an outlier is no end of an interval") {
+TEST_CASE("an outlier is no endpoint of an interval") {
   const auto body = test::moving_body({1, 0, 0});
   VelocityState state = after(fix_at(-0.3, Vector3d::Zero()));
   CHECK_FALSE(velocity::measure(plain(), state, body, fix_at(-0.2, {9, 9, 9}), outlier()).has_value());
@@ -183,14 +186,14 @@ TEST_CASE("item 8: an ultrasonic velocity more than twice the IMU's is taken at 
   CHECK(verdict_after(off, fast, {1.49, 0, 0}) == 0);
 }
 
-TEST_CASE("item 28: below the least ultrasonic speed neither acts") {
+TEST_CASE("item 28: below the minimum ultrasonic speed neither acts") {
   CHECK(verdict_after(plain(), {0.99, 0, 0}, {5, 0, 0}) == 0);
   CHECK(verdict_after(plain(), {0.99, 0, 0}, Vector3d::Zero()) == 0);
   CHECK(verdict_after(plain(), {1.01, 0, 0}, {5, 0, 0}) == fix_snapped_over);
   CHECK(verdict_after(plain(), {1.01, 0, 0}, Vector3d::Zero()) == fix_snapped_under);
 }
 
-TEST_CASE("a stray fix, far from where the two before it point, takes no velocity at once") {
+TEST_CASE("a stray fix, far from the extrapolation of the two before it, causes no snap") {
   VelocitySettings settings = plain();
   settings.snap_max_bend_m = 0.1;
   const auto verdict_for = [&](double bend_m) {
@@ -206,8 +209,10 @@ TEST_CASE("a stray fix, far from where the two before it point, takes no velocit
     const auto body = test::moving_body({1, 0, 0});
     const auto bend_at = [&](const Vector3d& position_world_m) {
       VelocityState state = after(fix_at(-0.3, {0.0, 0, 0}));
-      CHECK(velocity::measure(settings, state, body, fix_at(-0.2, {0.1, 0, 0}), FixAssessment{})->bend_m > 1e9);
-      return velocity::measure(settings, state, body, fix_at(-0.1, position_world_m), FixAssessment{})->bend_m;
+      CHECK(velocity::measure(settings, state, body, fix_at(-0.2, {0.1, 0, 0}), FixAssessment{})->bend_m >
+            1e9);
+      return velocity::measure(settings, state, body, fix_at(-0.1, position_world_m), FixAssessment{})
+          ->bend_m;
     };
     THEN("the bend is the distance from 0.2 m") {
       CHECK(bend_at({0.2, 0, 0}) == Approx(0.0).margin(1e-9));
@@ -238,7 +243,7 @@ TEST_CASE("the first velocities of a run are averaged, until item 3 counts more"
   GIVEN("a run that begins at rest") {
     VelocityState state;
     velocity::restart(state, fix_at(-0.2, Vector3d::Zero()), true);
-    THEN("item 3 holds from the start") {
+    THEN("item 3 applies from the start") {
       CHECK(share_of_next(state) == Approx(0.3));
     }
   }
@@ -272,7 +277,7 @@ TEST_CASE("items 20–22: forced convergence corrects the velocity at its own we
   CHECK(body.velocity_world_mps.x() == Approx(4.0 - 0.4 * 0.5 * 4.0));
 }
 
-TEST_CASE("the second fix after a pause gives the velocity outright") {
+TEST_CASE("the second fix after a pause sets the velocity") {
   auto body = test::moving_body(Vector3d::Zero());
   VelocityState run = settled();
   const Vector3d change = velocity::adopt(run, body, between({6, 1, 0}, Vector3d::Zero()));

@@ -98,7 +98,7 @@ TEST_CASE("one step is the document's equations 1 to 4 with the values of sample
   CHECK(strapdown.state().position_world_m == Vector3d(1, 2, 3));  // no time has passed
   ImuSample next = imu;
   next.sensor_time_ns = start_ns + to_ns(0.5);
-  next.specific_force_body_mps2 = {77, 77, 77};  // holds from here on
+  next.specific_force_body_mps2 = {77, 77, 77};  // applies from here on
   next.angular_velocity_body_radps = {7, 7, 7};
   strapdown.predict(next);
   const auto& state = strapdown.state();
