@@ -66,6 +66,10 @@ std::uint32_t AnyEstimator::reset_counter() const {
   return std::visit([](const auto& estimator) { return estimator.reset_counter(); }, estimator_);
 }
 
+Estimate AnyEstimator::estimate() const {
+  return std::visit([](const auto& estimator) { return estimator.estimate(); }, estimator_);
+}
+
 TimeNs AnyEstimator::time_ns() const {
   return std::visit([](const auto& estimator) { return estimator.time_ns(); }, estimator_);
 }

@@ -165,6 +165,14 @@ std::optional<FusionStatus> BeaconEstimators::status(BeaconAddress address) cons
   return status;
 }
 
+std::optional<Estimate> BeaconEstimators::estimate(BeaconAddress address) const {
+  const auto found = beacons_.find(address);
+  if (found == beacons_.end()) return std::nullopt;
+  Estimate estimate = found->second->estimator.estimate();
+  estimate.address = address;
+  return estimate;
+}
+
 std::optional<collation::LosslessCollator::Gap> BeaconEstimators::gap(BeaconAddress address) const {
   const auto found = beacons_.find(address);
   if (found == beacons_.end()) return std::nullopt;

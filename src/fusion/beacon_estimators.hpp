@@ -65,6 +65,9 @@ public:
   /// The counters of one beacon; empty for an unknown address.
   [[nodiscard]] std::optional<FusionStatus> status(BeaconAddress address) const;
 
+  /// What one beacon's estimator has learned about the sensors; empty for an unknown address.
+  [[nodiscard]] std::optional<Estimate> estimate(BeaconAddress address) const;
+
   /// The gap that one beacon's events wait for; empty if none wait, and unless lossless.
   [[nodiscard]] std::optional<collation::LosslessCollator::Gap> gap(BeaconAddress address) const;
 

@@ -87,6 +87,7 @@ private:
   void serve_lossless(const std::stop_token& stop);
 
   void publish_status(BeaconAddress address);
+  void publish_estimate(BeaconAddress address);
   void log_gaps();
   void log_unwritten();
   void log_incompatible();
@@ -144,6 +145,7 @@ private:
   PoseOutput output_;
   dds::DataWriter<sonopose_FixReport> report_writer_;
   dds::DataWriter<sonopose_FusionStatus> status_writer_;
+  dds::DataWriter<sonopose_Estimate> estimate_writer_;
   dds::DataWriter<sonopose_SettingsReply> reply_writer_;
   dds::DataWriter<sonopose_EffectiveSettings> settings_writer_;
 
@@ -174,6 +176,7 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       output_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, endpoints_),
       report_writer_(dds::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)),
       status_writer_(dds::make_writer(participant_, qos_, topics::fusion_status, &status_listener_)),
+      estimate_writer_(dds::make_writer(participant_, qos_, topics::estimate)),
       reply_writer_(dds::make_writer(participant_, qos_, topics::settings_reply)),
       settings_writer_(dds::make_writer(participant_, qos_, topics::settings)) {
   write(estimators_.settings_for_all());
@@ -204,6 +207,10 @@ FusionNode::Impl::~Impl() {
     status.address = address;
     status.fusion_id = id_;
     status_writer_.try_unregister_instance(status);
+    sonopose_Estimate estimate{};
+    estimate.address = address;
+    estimate.fusion_id = id_;
+    estimate_writer_.try_unregister_instance(estimate);
     sonopose_EffectiveSettings settings{};
     settings.address = address;
     settings_writer_.try_unregister_instance(settings);
@@ -377,7 +384,10 @@ void FusionNode::Impl::publish_statuses() {
     const std::lock_guard lock(estimators_mutex_);
     addresses = estimators_.addresses();
   }
-  for (const BeaconAddress address : addresses) publish_status(address);
+  for (const BeaconAddress address : addresses) {
+    publish_status(address);
+    publish_estimate(address);
+  }
   if (lossless_) log_gaps();
   log_unwritten();
   log_incompatible();
@@ -408,6 +418,17 @@ void FusionNode::Impl::publish_status(BeaconAddress address) {
   status->incompatible_qos = endpoints_.incompatible_qos;
   status->poses_unwritten = unwritten_ + output_.unwritten();
   if (status_writer_.try_write(dds::to_idl(*status)) < 0) ++unwritten_;
+}
+
+void FusionNode::Impl::publish_estimate(BeaconAddress address) {
+  std::optional<Estimate> estimate;
+  {
+    const std::lock_guard lock(estimators_mutex_);
+    estimate = estimators_.estimate(address);
+  }
+  if (!estimate) return;
+  estimate->fusion_id = id_;
+  if (estimate_writer_.try_write(dds::to_idl(*estimate)) < 0) ++unwritten_;
 }
 
 void FusionNode::Impl::log_unwritten() {

@@ -53,6 +53,7 @@ public:
   [[nodiscard]] const EstimatorCounters& counters() const;
   [[nodiscard]] std::uint32_t reset_counter() const;
   [[nodiscard]] TimeNs time_ns() const;
+  [[nodiscard]] Estimate estimate() const;
 
 private:
   std::variant<documented::Engine, strapdown::Engine> estimator_;  // in the order of EstimatorKind

@@ -27,6 +27,7 @@ namespace sonopose::estimation {
 /// - `configure` replaces the settings and keeps the state. `settings` are the effective ones.
 /// - `reset` discards the state, keeps the counters and increments `reset_counter`.
 /// - `time_ns` is the time of the state; 0 before the first sample.
+/// - `estimate` returns what the estimator has learned about the sensors, without address and process.
 template <class T>
 concept Estimator = std::copyable<T> && std::equality_comparable<typename T::Snapshot> &&
     requires(T estimator, const T& constant, const ImuSample& imu, const UltrasonicFix& fix,
@@ -49,6 +50,7 @@ concept Estimator = std::copyable<T> && std::equality_comparable<typename T::Sna
   { constant.counters() } -> std::same_as<const EstimatorCounters&>;
   { constant.reset_counter() } -> std::same_as<std::uint32_t>;
   { constant.time_ns() } -> std::same_as<TimeNs>;
+  { constant.estimate() } -> std::same_as<Estimate>;
 };
 
 /// The output for one event: a pose for an IMU sample, a report for a fix, nothing for a heading or a sample

@@ -347,7 +347,7 @@ FusedPose Engine::pose_at(const ImuSample& imu) const {
   pose.velocity_world_mps = state_.startup.waiting ? Vector3d::Zero() : body.velocity_world_mps;
   pose.angular_velocity_body_radps = body.angular_velocity_body_radps;
   pose.acceleration_world_mps2 = body.acceleration_world_mps2;
-  pose.gyro_bias_body_radps = state_.startup.gyro_offset_body_radps + state_.filter.gyro_bias_body_radps();
+  pose.gyro_bias_body_radps = gyro_bias_body_radps();
   pose.pose_covariance = uncertainty::pose_covariance(state_.uncertainty);
   pose.velocity_covariance = uncertainty::velocity_covariance(state_.uncertainty);
   pose.trust = state_.trust.trust;
@@ -360,6 +360,20 @@ FusedPose Engine::pose_at(const ImuSample& imu) const {
   pose.imu_sensor_time_ns = imu.sensor_time_ns;
   pose.imu_bridge_time_ns = imu.bridge_time_ns;
   return pose;
+}
+
+Vector3d Engine::gyro_bias_body_radps() const {
+  return state_.startup.gyro_offset_body_radps + state_.filter.gyro_bias_body_radps();
+}
+
+/// The gyro bias is the only estimate, and its standard deviation is unknown.
+Estimate Engine::estimate() const {
+  Estimate estimate;
+  estimate.time_ns = state_.body.time_ns;
+  if (state_.startup.calibrated) {
+    estimate.gyro_bias_body_radps = {.value = gyro_bias_body_radps(), .std = Vector3d::Constant(-1.0)};
+  }
+  return estimate;
 }
 
 std::uint32_t Engine::status() const {

@@ -94,6 +94,12 @@ void Engine::integrate(const ImuSample& imu) {
   state.time_ns = imu.sensor_time_ns;
 }
 
+Estimate Engine::estimate() const {
+  Estimate estimate;
+  estimate.time_ns = now_.last_imu_ns;
+  return estimate;
+}
+
 FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
   FixReport report;
   report.address = fix.address;

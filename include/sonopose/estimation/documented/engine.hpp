@@ -46,6 +46,7 @@ public:
   [[nodiscard]] const settings::Settings& settings() const { return settings_; }
   [[nodiscard]] const State& state() const { return state_; }
   [[nodiscard]] TimeNs time_ns() const { return state_.body.time_ns; }
+  [[nodiscard]] Estimate estimate() const;
   [[nodiscard]] const EstimatorCounters& counters() const { return counters_; }
   [[nodiscard]] std::uint32_t reset_counter() const { return reset_counter_; }
 
@@ -71,6 +72,7 @@ private:
 
   [[nodiscard]] FusedPose pose_at(const ImuSample& imu) const;
   [[nodiscard]] std::uint32_t status() const;
+  [[nodiscard]] Vector3d gyro_bias_body_radps() const;
 
   settings::Settings settings_;
   calibration::Calibration calibration_;

@@ -76,6 +76,7 @@ public:
   [[nodiscard]] const settings::Settings& settings() const { return settings_; }
   [[nodiscard]] const State& state() const { return now_.state; }
   [[nodiscard]] TimeNs time_ns() const { return now_.last_imu_ns; }
+  [[nodiscard]] Estimate estimate() const;  ///< contains only the time
   [[nodiscard]] const EstimatorCounters& counters() const { return now_.counters; }
   [[nodiscard]] std::uint32_t reset_counter() const { return now_.reset_counter; }
 
