@@ -30,7 +30,8 @@ namespace {
 
 constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
 
-/// Writes what the simulator gives and returns the events as a log can store them: without flags and without the meaning of IMU samples.
+/// Writes what the simulator gives and returns the events as a log can store them: without flags and without
+/// the meaning of IMU samples.
 std::vector<Event> record_walk(const std::filesystem::path& folder, double duration_s) {
   sim::Simulator simulator(sim::find_scenario("walk"), {},
                            {.start_time_ns = start_ns, .duration_s = duration_s});

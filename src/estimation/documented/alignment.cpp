@@ -20,8 +20,8 @@ void level(const AlignmentSettings& settings, AlignmentState& state, attitude::A
                  -limit_mps2, limit_mps2);
 }
 
-void set_known_acceleration(const AlignmentSettings& settings, AlignmentState& state, const Vector3d& gained_world_mps,
-          TimeNs now_ns, double dt_s) {
+void set_known_acceleration(const AlignmentSettings& settings, AlignmentState& state,
+                            const Vector3d& gained_world_mps, TimeNs now_ns, double dt_s) {
   if (!(settings.aiding_s > 0.0)) return clear_known_acceleration(state);
   if (!(dt_s > 0.0)) return;
   Vector3d reported_world_mps = -std::expm1(-dt_s / settings.aiding_s) * state.pending_world_mps;
@@ -47,7 +47,7 @@ void aid(const AlignmentSettings& settings, const AlignmentState& state, TimeNs 
          attitude::Measurement<double>& measurement) {
   measurement.acceleration_world_mps2 = state.known_acceleration_world_mps2;
   const bool held = state.told_ns != 0 && seconds_between(state.told_ns, now_ns) < settings.hold_s;
-  measurement.force_tells_up = state.tells || !held;
+  measurement.force_shows_up = state.tells || !held;
 }
 
 double turn(const AlignmentSettings& settings, AlignmentState& state, Kinematics& body,
