@@ -21,6 +21,6 @@ int main(int argc, char** argv) {
     sonopose::process::StopSignal stop;
     stop.listen_to_signals();
     const auto poses = sonopose::monitor::monitor(options, stop);
-    return poses > 0 || stop.requested() ? 0 : 1;  // a whole duration without a pose: nothing works
+    return poses > 0 || stop.requested() ? 0 : 1;  // no pose in the whole duration is an error
   });
 }

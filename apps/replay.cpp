@@ -5,7 +5,6 @@
 #include "evaluation/run.hpp"
 #include "evaluation/state_file.hpp"
 #include "plots/plot.hpp"
-#include "plots/picture.hpp"
 #include "recording/log_folder.hpp"
 #include "support/choice.hpp"
 #include "support/config_options.hpp"

@@ -1,4 +1,4 @@
-// sonopose-ros2: a ROS 2 node without rclcpp: publishes poses and samples as ROS 2 messages, and takes in the
+// sonopose-ros2: a ROS 2 node without rclcpp that publishes poses and samples as ROS 2 messages, and reads
 // samples of ROS 2 drivers.
 
 #include "support/app.hpp"
@@ -12,7 +12,7 @@ namespace {
 
 using namespace sonopose;
 
-/// Nodes are looked for as far as ROS 2's variables say, where --network says nothing.
+/// Without --network, the discovery range follows the environment variables of ROS 2.
 ros2::relay::RelayOptions node_options(const CLI::App& app, const apps::BusOptions& bus,
                                        const apps::Ros2Options& ros2) {
   const ros2::Variables environment = dds::environment_variables(ros2::variable_names());

@@ -1,4 +1,4 @@
-// What was asked for on the command line, checked: each error names its option.
+// Conversion and validation of the command line: each error names its option.
 
 #include "ros2_options.hpp"
 #include <sonopose/ros2/messages/beacon_topics.hpp>
@@ -11,9 +11,9 @@
 namespace sonopose::apps {
 namespace {
 
-/// What `make` returns; what it throws names the option.
+/// Calls `make` and adds the option to the text of an exception.
 template <class Make>
-auto by_option(const std::string& option, const Make& make) {
+auto with_option(const std::string& option, const Make& make) {
   try {
     return make();
   } catch (const std::invalid_argument& error) {
@@ -21,11 +21,11 @@ auto by_option(const std::string& option, const Make& make) {
   }
 }
 
-ros2::NameResolver names_by(const Ros2Options& options) {
-  by_option("--name", [&] { ros2::check_node_name(options.node.name); });
-  by_option("--namespace", [&] { ros2::check_namespace(options.node.name_space); });
-  by_option("--enclave", [&] { ros2::check_enclave(options.enclave); });
-  return by_option("--remap", [&] {
+ros2::NameResolver resolver_of(const Ros2Options& options) {
+  with_option("--name", [&] { ros2::check_node_name(options.node.name); });
+  with_option("--namespace", [&] { ros2::check_namespace(options.node.name_space); });
+  with_option("--enclave", [&] { ros2::check_enclave(options.enclave); });
+  return with_option("--remap", [&] {
     std::vector<ros2::RemapRule> rules;
     for (const std::string& rule : options.remap) rules.push_back(ros2::parse_remap_rule(rule));
     return ros2::NameResolver(options.node, std::move(rules));
@@ -34,7 +34,7 @@ ros2::NameResolver names_by(const Ros2Options& options) {
 
 void check_topics(const ros2::relay::RelayOptions& relay) {
   const std::string& pattern = relay.output.beacon_namespace;
-  by_option("--beacon-namespace '" + pattern + "'", [&] {
+  with_option("--beacon-namespace '" + pattern + "'", [&] {
     if (!ros2::has_topics_per_beacon(pattern) && !relay.addresses.only_one()) {
       throw std::invalid_argument(
           "without {address} all beacons would share the same topics; it needs a single beacon, as in "
@@ -42,7 +42,7 @@ void check_topics(const ros2::relay::RelayOptions& relay) {
     }
     ros2::check_beacon_namespace(relay.names, pattern);
   });
-  by_option("--remap", [&] { ros2::check_outputs_differ(relay.names, pattern); });
+  with_option("--remap", [&] { ros2::check_outputs_differ(relay.names, pattern); });
 }
 
 void check_frames(const ros2::FrameNames& frames) {
@@ -53,8 +53,8 @@ void check_frames(const ros2::FrameNames& frames) {
   }
 }
 
-/// A variable that is wrong does not matter where the option says it.
-ros2::Distro distro_by(const Ros2Options& options, const ros2::Variables& environment) {
+/// The option has precedence over the variable, which is then not validated.
+ros2::Distro select_distro(const Ros2Options& options, const ros2::Variables& environment) {
   if (options.distro) return *options.distro;
   const ros2::FoundDistro found = ros2::distro_of(environment);
   if (!found.warning.empty()) {
@@ -69,16 +69,16 @@ ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::
   check_frames(options.output.frames);
   ros2::relay::RelayOptions relay{.domain = {},
                                   .qos_file = {},
-                                  .names = names_by(options),
-                                  .distro = distro_by(options, environment),
+                                  .names = resolver_of(options),
+                                  .distro = select_distro(options, environment),
                                   .enclave = options.enclave,
                                   .addresses = {},
                                   .output = options.output,
                                   .inputs = {}};
-  relay.output.mount = by_option("--mount", [&] { return ros2::mount_at(options.mount); });
+  relay.output.mount = with_option("--mount", [&] { return ros2::mount_at(options.mount); });
   if (options.addresses) {
     relay.addresses =
-        by_option("--addresses", [&] { return process::AddressSet::parse(*options.addresses); });
+        with_option("--addresses", [&] { return process::AddressSet::parse(*options.addresses); });
   }
   check_topics(relay);
   using Kind = ros2::relay::Input::Kind;

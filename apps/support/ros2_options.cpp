@@ -103,8 +103,7 @@ void describe_network(CLI::App& app) {
       ->option_text("loopback|lan (default: from the environment variables of ROS 2)")
       ->description(
           "loopback: only this machine; lan: the interface that Cyclone DDS chooses, without any bridge or "
-          "fusion "
-          "on loopback (CYCLONEDDS_URI overrides both)");
+          "fusion on loopback (CYCLONEDDS_URI overrides both)");
 }
 
 }  // namespace

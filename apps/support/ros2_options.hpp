@@ -1,5 +1,5 @@
 #pragma once
-// How the relay appears in ROS 2, on the command line.
+// Command-line options of the relay.
 
 #include "ros2/relay/relay.hpp"
 #include <sonopose/ros2/messages/environment.hpp>
@@ -25,11 +25,11 @@ struct Ros2Options {
   std::vector<std::string> fix_in;
 };
 
-/// After add_bus_options(), whose --network means another default here.
+/// Call this after add_bus_options(): it changes the description of --network.
 void add_ros2_options(CLI::App& app, Ros2Options& options);
 
-/// What the node needs, but for the bus; says on stderr what is odd in the environment. Throws
-/// std::invalid_argument that names option or variable.
+/// The options of the relay without those of the bus. Logs a warning for an unknown ROS_DISTRO. Throws
+/// std::invalid_argument with the option or variable.
 ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::Variables& environment);
 
 }  // namespace sonopose::apps

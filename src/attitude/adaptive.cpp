@@ -32,7 +32,7 @@ void BasicAdaptive<Scalar>::take_force(const Settings& all, const Measurement<Sc
   const Scalar dt_s = since_force_s_;
   since_force_s_ = 0;
   rest::watch(all.rest, rest_, measurement, dt_s, bias::limit_radps<Scalar>(all.bias));
-  if (!measurement.force_tells_up && !rest::is_resting(all.rest, rest_)) return;
+  if (!measurement.force_shows_up && !rest::is_resting(all.rest, rest_)) return;
   const Matrix3<Scalar> rotation = q_body_to_world_.toRotationMatrix();
   const Vector3<Scalar> force_world_mps2 =
       rotation * measurement.specific_force_body_mps2 - measurement.acceleration_world_mps2;

@@ -63,7 +63,7 @@ void BasicAhrs<Scalar>::update(const Settings& settings, const Measurement<Scala
   HeadingReference reference{Vector2::Zero(), measurement.north_world};
   const Vector3<Scalar>& field_body_t = measurement.magnetic_field_body_t;
   const Vector3<Scalar> field_world_t = q_body_to_world_ * field_body_t;
-  // A vertical field knows no north.
+  // A vertical field contains no heading.
   if (has_level_part(field_world_t)) reference.seen_world = field_world_t.template head<2>();
   step(settings, measurement, reference);
 }
@@ -128,7 +128,7 @@ Scalar BasicAhrs<Scalar>::advance_ramp(const Settings& settings, Scalar dt_s) {
 template <class Scalar>
 Vector3<Scalar> BasicAhrs<Scalar>::pull_up(const Settings& settings, const Measurement<Scalar>& measurement,
                                            const Vector3<Scalar>& up_body) {
-  if (!tells_up(measurement)) return Vector3<Scalar>::Zero();
+  if (!shows_up(measurement)) return Vector3<Scalar>::Zero();
   const Vector3<Scalar> force_mps2 = gravity_force_body(measurement, q_body_to_world_);
   const Scalar force_squared = force_mps2.squaredNorm();
   if (!(force_squared > 0)) return Vector3<Scalar>::Zero();

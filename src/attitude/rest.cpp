@@ -19,7 +19,7 @@ void watch(const RestSettings& settings, RestState<Scalar>& state, const Measure
   const bool still = rate_off.squaredNorm() <= rate_limit_radps * rate_limit_radps &&
                      force_off.squaredNorm() <= force_limit_mps2 * force_limit_mps2 &&
                      state.rate_mean_body_radps.cwiseAbs().maxCoeff() <= most_bias_radps;
-  // More than enough is not counted on: a float would not hold a day of it.
+  // Saturate: a float would lose precision within a day.
   state.still_for_s = still ? std::min(state.still_for_s + dt_s, Scalar(settings.still_s)) : Scalar(0);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// One beacon's settings: those for all beacons, and above them its own.
+/// The settings of one beacon: those for all beacons, overridden by its own.
 
 #include <sonopose/samples/live_settings.hpp>
 #include <sonopose/settings/settings_table.hpp>
@@ -17,7 +17,7 @@ namespace sonopose::config {
 /// Values by key, each known to be allowed.
 using Assignments = std::map<std::string, settings::SettingValue, std::less<>>;
 
-/// Reads what somebody has typed. Throws settings::SettingError, which names every key that cannot be set
+/// Parses typed values. Throws settings::SettingError, which names every key that cannot be set
 /// with its value and what is allowed, and every key that is named twice.
 Assignments parsed(const std::vector<SettingAssignment>& texts);
 
@@ -28,7 +28,7 @@ std::vector<SettingAssignment> texts_of(const settings::Settings& settings);
 bool is_preset_key(std::string_view key);
 
 /// Warnings, in plain words, for those of the `given` keys that the preset in `settings` replaces; `where`
-/// stands before each key.
+/// precedes each key.
 std::vector<std::string> preset_warnings(const settings::Settings& settings, const Assignments& given,
                                          std::string_view where = "");
 
@@ -41,11 +41,11 @@ std::vector<std::string> contradictions(const settings::Settings& settings, cons
 std::vector<std::string> idle_filter_warnings(const settings::Settings& settings, const Assignments& given,
                                               std::string_view where = "");
 
-/// All of these: what is allowed but surely not meant.
+/// All of these: what is allowed but hardly intended.
 std::vector<std::string> warnings_for(const settings::Settings& settings, const Assignments& given,
                                       std::string_view where = "");
 
-/// What an engine is given, and which of it is the beacon's own.
+/// The settings of one estimator, and which of them are the beacon's own.
 class BeaconSettings {
 public:
   BeaconSettings() = default;

@@ -170,7 +170,7 @@ std::string FusionConfig::to_toml() const {
     text += fmt::format("{}{} = {}\n", by_preset ? "# " : "", row.name, as_toml(value));
   }
   for (const auto& [address, own] : overrides_) {
-    // A table may stand in a file only once.
+    // TOML allows a table only once per file.
     std::map<std::string, std::map<std::string, SettingValue>> groups;
     for (const auto& [key, value] : own) {
       const auto& row = settings::setting_info(key);

@@ -34,13 +34,13 @@ public:
   /// Applies `group.key=value` or `beacon.7.group.key=value`, as typed after --set. Throws ConfigError.
   void assign(std::string_view assignment);
 
-  /// What one beacon's engine is made with.
+  /// The settings of one beacon's estimator.
   [[nodiscard]] settings::Settings for_beacon(BeaconAddress address) const;
 
-  /// The same with what is the beacon's own; of all_beacons, what holds for any that has nothing of its own.
+  /// The same, with the keys that are the beacon's own. For all_beacons: the settings of beacons without any.
   [[nodiscard]] BeaconSettings beacon(BeaconAddress address) const;
 
-  /// The beacons that have something of their own.
+  /// The beacons that have settings of their own.
   [[nodiscard]] std::vector<BeaconAddress> beacons() const;
 
   /// What is allowed but surely not meant, in plain words: items 2–4 set beside a preset that replaces them,

@@ -66,7 +66,7 @@ void check(const std::vector<std::uint32_t>& lengths = {1}) {
   Filled<Message> filled{Filler(lengths)};
   Layout expected;
   visit(expected, filled.message);
-  RawTopic topic(ros2::TopicTraits<Message>::descriptor());
+  RawTopic topic(dds::TopicTraits<Message>::descriptor());
   CHECK(difference(topic.bytes_of(&filled.message), padded(expected.bytes())) == "");
   topic.read(expected.bytes(), filled.message,
              [&](const Message& read) { CHECK((described(read) == described(filled.message))); });
@@ -105,7 +105,7 @@ TEST_CASE("A point, byte by byte") {
   };
   char hall[] = "hall";
   const ros2::PointStamped point{.header = {{123'456'789, 999'999'999}, hall}, .point = {1.0, -2.5, -0.0}};
-  RawTopic topic(ros2::TopicTraits<ros2::PointStamped>::descriptor());
+  RawTopic topic(dds::TopicTraits<ros2::PointStamped>::descriptor());
   CHECK(difference(topic.bytes_of(&point), expected) == "");
 }
 
@@ -135,6 +135,6 @@ TEST_CASE("Diagnostics, byte by byte") {
   ros2::KeyValue pair{key, value};
   ros2::DiagnosticStatus status{2, name, message, hardware, {1, 1, &pair, false}};
   const ros2::DiagnosticArray array{{{-2, 1}, empty}, {1, 1, &status, false}};
-  RawTopic topic(ros2::TopicTraits<ros2::DiagnosticArray>::descriptor());
+  RawTopic topic(dds::TopicTraits<ros2::DiagnosticArray>::descriptor());
   CHECK(difference(topic.bytes_of(&array), expected) == "");
 }

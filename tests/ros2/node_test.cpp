@@ -45,29 +45,29 @@ TEMPLATE_TEST_CASE("A node announces its readers and writers, and withdraws them
   Watcher<TestType> watcher(domain.id());
   REQUIRE(watcher.wait_for_count(1));
 
-  const Told told = watcher.messages.back();
+  const GraphInfo info = watcher.messages.back();
   const dds::Discovery discovery(watcher.participant());
   const auto participants = discovery.participants();
   const auto participant = std::find_if(participants.begin(), participants.end(),
-                                        [&](const auto& each) { return each.key == told.participant; });
+                                        [&](const auto& each) { return each.key == info.participant; });
   REQUIRE(participant != participants.end());
   CHECK(text_of(participant->user_data) == "enclave=/;");
 
-  REQUIRE(told.nodes.size() == 1);
-  CHECK(told.nodes[0].name_space == "/hall");
-  CHECK(told.nodes[0].name == "locator");
+  REQUIRE(info.nodes.size() == 1);
+  CHECK(info.nodes[0].name_space == "/hall");
+  CHECK(info.nodes[0].name == "locator");
   // Announced endpoints have been discovered, or will be shortly.
   std::map<std::string, dds::FoundEndpoint> writers;
   std::map<std::string, dds::FoundEndpoint> readers;
   for (int attempt = 0; attempt < 1000 && (writers.size() < 3 || readers.empty()); ++attempt) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    writers = endpoints_of(discovery.writers(), told.participant);
-    readers = endpoints_of(discovery.readers(), told.participant);
+    writers = endpoints_of(discovery.writers(), info.participant);
+    readers = endpoints_of(discovery.readers(), info.participant);
   }
   const auto& imu = writers.at("rt/hall/imu/data");
   const auto& fix = readers.at("rt/hall/locator/fix_in");
-  CHECK(told.nodes[0].writers == std::set<std::string>{imu.key, writers.at("rt/tf_static").key});
-  CHECK(told.nodes[0].readers == std::set<std::string>{fix.key});
+  CHECK(info.nodes[0].writers == std::set<std::string>{imu.key, writers.at("rt/tf_static").key});
+  CHECK(info.nodes[0].readers == std::set<std::string>{fix.key});
   CHECK(imu.type_name == "sensor_msgs::msg::dds_::Imu_");
   CHECK(fix.type_name == "geometry_msgs::msg::dds_::PointStamped_");
   CHECK(user_data_of(imu) == "typehash=" + ros2::type_hash(imu.type_name) + ";");

@@ -12,7 +12,7 @@ namespace {
 
 template <class T>
 std::string hash_of() {
-  return type_hash(sonopose::ros2::TopicTraits<T>::descriptor().m_typename);
+  return type_hash(sonopose::dds::TopicTraits<T>::descriptor().m_typename);
 }
 
 }  // namespace

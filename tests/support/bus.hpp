@@ -79,12 +79,12 @@ private:
 /// Waits on an entity's statuses until `done()`; returns the last result of `done()`.
 template <class Done>
 bool wait_for_status(const dds::Entity& entity, dds::StatusMask statuses, const Done& done,
-                     std::chrono::milliseconds timeout = test::timeout) {
+                     std::chrono::milliseconds limit = timeout) {
   dds::StatusCondition condition(entity);
   condition.enabled_statuses(statuses);
   dds::WaitSet waitset;
   waitset += condition;
-  const auto give_up = std::chrono::steady_clock::now() + timeout;
+  const auto give_up = std::chrono::steady_clock::now() + limit;
   while (!done()) {
     const dds::Duration left = give_up - std::chrono::steady_clock::now();
     if (left <= dds::Duration::zero() || waitset.wait(left) == 0) return done();
@@ -110,19 +110,19 @@ public:
 
   /// Takes samples until `done()`.
   template <class Done>
-  bool wait_until(const Done& done, std::chrono::milliseconds timeout = test::timeout) {
+  bool wait_until(const Done& done, std::chrono::milliseconds limit = timeout) {
     return wait_for_status(
         reader_, dds::StatusMask::data_available(),
         [&] {
           take();
           return done();
         },
-        timeout);
+        limit);
   }
 
   /// Takes samples until there are `count` in total.
-  bool wait_for_count(std::size_t count, std::chrono::milliseconds timeout = test::timeout) {
-    return wait_until([&] { return samples.size() >= count; }, timeout);
+  bool wait_for_count(std::size_t count, std::chrono::milliseconds limit = timeout) {
+    return wait_until([&] { return samples.size() >= count; }, limit);
   }
 
   /// Takes samples until there are `count` more.

@@ -59,10 +59,10 @@ public:
   /// after the timeout.
   template <class Predicate>
   std::optional<TappedPose> wait_for(const Predicate& predicate, std::size_t from,
-                                     std::chrono::milliseconds timeout = test::timeout) const {
+                                     std::chrono::milliseconds limit = timeout) const {
     std::unique_lock lock(listener_.mutex);
     std::optional<TappedPose> found;
-    listener_.came.wait_for(lock, timeout, [&] {
+    listener_.came.wait_for(lock, limit, [&] {
       for (; !found && from < listener_.poses.size(); ++from) {
         if (predicate(listener_.poses[from])) found = listener_.poses[from];
       }

@@ -126,7 +126,7 @@ void Process::take_in(Pipe& pipe) {
   news_.notify_all();
 }
 
-bool Process::wait_for_line(Stream stream, std::string_view text, std::chrono::milliseconds timeout) {
+bool Process::wait_for_line(Stream stream, std::string_view text, std::chrono::milliseconds limit) {
   std::unique_lock lock(mutex_);
   std::size_t looked_at = 0;
   bool found = false;
@@ -137,25 +137,25 @@ bool Process::wait_for_line(Stream stream, std::string_view text, std::chrono::m
     }
     return found || pipe(stream).ended;
   };
-  news_.wait_for(lock, timeout, look);
+  news_.wait_for(lock, limit, look);
   return found;
 }
 
-bool Process::wait_for_lines(Stream stream, std::size_t count, std::chrono::milliseconds timeout) {
+bool Process::wait_for_lines(Stream stream, std::size_t count, std::chrono::milliseconds limit) {
   std::unique_lock lock(mutex_);
-  news_.wait_for(lock, timeout, [&] { return pipe(stream).lines.size() >= count || pipe(stream).ended; });
+  news_.wait_for(lock, limit, [&] { return pipe(stream).lines.size() >= count || pipe(stream).ended; });
   return pipe(stream).lines.size() >= count;
 }
 
-std::optional<int> Process::wait_for_exit(std::chrono::milliseconds timeout) {
+std::optional<int> Process::wait_for_exit(std::chrono::milliseconds limit) {
   if (code_) return code_;
   pollfd waited{pid_file_, POLLIN, 0};
-  if (::poll(&waited, 1, static_cast<int>(timeout.count())) <= 0) return std::nullopt;
+  if (::poll(&waited, 1, static_cast<int>(limit.count())) <= 0) return std::nullopt;
   int status = 0;
   if (::waitpid(pid_, &status, 0) != pid_) return std::nullopt;
   code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   std::unique_lock lock(mutex_);
-  news_.wait_for(lock, timeout, [this] { return output_.ended && error_.ended; });
+  news_.wait_for(lock, limit, [this] { return output_.ended && error_.ended; });
   return code_;
 }
 

@@ -37,14 +37,14 @@ public:
   ~Process();
 
   /// Waits until a complete line of `stream` contains `text`, including earlier lines. False if the stream
-  /// ends or the timeout expires first.
-  bool wait_for_line(Stream stream, std::string_view text, std::chrono::milliseconds timeout = test::timeout);
+  /// ends or the limit expires first.
+  bool wait_for_line(Stream stream, std::string_view text, std::chrono::milliseconds limit = timeout);
 
   /// Waits until `stream` has this many lines.
-  bool wait_for_lines(Stream stream, std::size_t count, std::chrono::milliseconds timeout = test::timeout);
+  bool wait_for_lines(Stream stream, std::size_t count, std::chrono::milliseconds limit = timeout);
 
-  /// Waits for the exit: the exit code, or minus the signal that killed it. Empty after the timeout.
-  std::optional<int> wait_for_exit(std::chrono::milliseconds timeout = test::timeout);
+  /// Waits for the exit: the exit code, or minus the signal that killed it. Empty after the limit.
+  std::optional<int> wait_for_exit(std::chrono::milliseconds limit = timeout);
 
   /// Sends a signal, as kill(2).
   void send(int signal) const;

@@ -40,7 +40,7 @@ public:
 
   /// Waits until `inspect(const T&)` returns true for a message.
   template <class Look>
-  bool wait_for(const Look& inspect, std::chrono::milliseconds timeout = test::timeout) {
+  bool wait_for(const Look& inspect, std::chrono::milliseconds limit = timeout) {
     bool found = false;
     return wait_for_status(
         reader_, dds::StatusMask::data_available(),
@@ -49,19 +49,18 @@ public:
               [&](const T& message, const dds::SampleInfo&) { found = inspect(message) || found; });
           return found;
         },
-        timeout);
+        limit);
   }
 
   /// Waits for `count` messages and calls `inspect(const T&)` for each.
   template <class Look>
-  bool wait_for_count(std::size_t count, const Look& inspect,
-                      std::chrono::milliseconds timeout = test::timeout) {
+  bool wait_for_count(std::size_t count, const Look& inspect, std::chrono::milliseconds limit = timeout) {
     return wait_for(
         [&](const T& message) {
           inspect(message);
           return ++seen_ >= count;
         },
-        timeout);
+        limit);
   }
 
   /// Whether the topic has a writer.

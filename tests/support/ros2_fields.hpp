@@ -177,7 +177,7 @@ public:
   Filled& operator=(const Filled&) = delete;
   Filled(Filled&&) = delete;
   Filled& operator=(Filled&&) = delete;
-  ~Filled() { dds_sample_free(&message, &ros2::TopicTraits<Message>::descriptor(), DDS_FREE_CONTENTS); }
+  ~Filled() { dds_sample_free(&message, &dds::TopicTraits<Message>::descriptor(), DDS_FREE_CONTENTS); }
 
   Message message{};
 };

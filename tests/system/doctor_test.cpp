@@ -130,8 +130,8 @@ SCENARIO("the doctor reports an empty domain, and finds a system in another doma
     const auto bridge = bus.bridge({});
     REQUIRE(imu.wait_for_count(1));
     WHEN("the doctor checks another domain") {
-      const std::string right = std::to_string(bus.domain_id());
-      const Result result = doctor(empty.domain_id(), {"--duration", "0.5"}, {{"ROS_DOMAIN_ID", right}});
+      const std::string used = std::to_string(bus.domain_id());
+      const Result result = doctor(empty.domain_id(), {"--duration", "0.5"}, {{"ROS_DOMAIN_ID", used}});
       THEN("it names the correct domain") {
         CAPTURE(result.output, result.error);
         CHECK(result.code == 1);

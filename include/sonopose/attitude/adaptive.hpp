@@ -28,10 +28,10 @@ public:
   /// 1. q ← q ⊗ exp((ω − b)·dt).
   /// 2. The specific force, turned into the world, passes the low-pass there: a to and fro of the body
   ///    averages out, because the world does not turn as the body does. q is then turned so that the
-  ///    low-passed force stands upright.
+  ///    low-passed force points up.
   /// 3. Heading turns by a share of the angle from the field's level part to north, of fields that are not
   ///    disturbed; it never tilts.
-  /// 4. Every 0.1 s the gyroscope's offset b is estimated anew.
+  /// 4. Every 0.1 s the gyroscope's offset b is estimated again.
   /// Each sensor counts for the time since it was last measured, up to longest_wait_s.
   void update(const Settings& all, const Measurement<Scalar>& measurement);
 

@@ -22,7 +22,7 @@ public:
   using Settings = AhrsSettings;
   static constexpr std::string_view name = "ahrs";
 
-  /// Begins anew, initialising, at this orientation; what was learned of the gyroscope is forgotten.
+  /// Restarts the initialisation at this orientation and forgets the learned gyroscope offset.
   void reset(const Quaternion<Scalar>& q_body_to_world);
 
   /// One step; with all sensors, without the magnetometer, or with the gyroscope alone.
@@ -31,7 +31,7 @@ public:
   /// with both errors as rotations in the body's axes, each of length 1 beyond 90°, so that the pull does not
   /// fade towards 180°. No step pulls further than its errors. A sensor that is not there (zero length) pulls
   /// nothing and is counted as neither used nor ignored; one that comes with every n-th step pulls 1/n as
-  /// fast. The magnetometer acts on heading alone, and only once an accelerometer has told where up is.
+  /// fast. The magnetometer acts on heading alone, and only after an accelerometer has shown where up is.
   void update(const Settings& settings, const Measurement<Scalar>& measurement);
 
   /// One step with a heading from elsewhere in the magnetometer's place, and its rejection with it:

@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// What the AHRS document tells besides the quaternion: accelerations without gravity, internal states and
-/// flags. The rotation matrix is `q.toRotationMatrix()`, the angles are `geometry::euler_angles_of(q)`, of
-/// the orientation in the world or in a convention (`orientation_in`).
+/// Outputs of the AHRS document in addition to the quaternion: accelerations without gravity, internal states
+/// and flags. The rotation matrix is `q.toRotationMatrix()`, the angles are `geometry::euler_angles_of(q)`,
+/// of the orientation in the world or in a convention (`orientation_in`).
 
 #include <sonopose/attitude/earth_convention.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -17,7 +17,7 @@ geometry::Vector3<Scalar> linear_acceleration_body_mps2(
   return specific_force_body_mps2 - Scalar(standard_gravity_mps2) * geometry::up_in_body(q_body_to_world);
 }
 
-/// The same in the project's world; `vector_in` tells it in a convention.
+/// The same in the project's world; `vector_in` converts it to a convention.
 template <class Scalar>
 geometry::Vector3<Scalar> earth_acceleration_world_mps2(
     const geometry::Quaternion<Scalar>& q_body_to_world,

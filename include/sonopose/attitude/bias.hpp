@@ -62,7 +62,7 @@ struct BiasEvidence {
 template <class Scalar>
 Scalar limit_radps(const BiasSettings& settings);
 
-/// One estimate from what was collected, which begins anew.
+/// One estimate from what was collected; then restarts the collection.
 template <class Scalar>
 void estimate(const BiasSettings& settings, BiasState<Scalar>& state, const BiasEvidence<Scalar>& evidence);
 

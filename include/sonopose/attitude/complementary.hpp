@@ -20,7 +20,7 @@ public:
   /// The document blends Euler angles, which holds near level alone, where ω is their rate. Here the
   /// predicted orientation is turned by (1 − α) of the angle between its up and the measured one, about the
   /// axis across both, and then about the vertical by (1 − α) of the angle between the level part of the
-  /// field and north: for one axis the same, and right at any attitude.
+  /// field and north: the same for one axis, and correct at any attitude.
   void update(const Settings& settings, const Measurement<Scalar>& measurement);
 };
 

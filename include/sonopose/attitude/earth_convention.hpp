@@ -1,7 +1,7 @@
 #pragma once
 /// \file
 /// The three usual ways to lay axes on the Earth. The project's world is Z up with magnetic north wherever
-/// `north_world` says; here what is told in it is told in one of them.
+/// `north_world` points; these functions convert vectors from it to one of them.
 
 #include <sonopose/geometry/rotation.hpp>
 

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// What an attitude filter is: a value that is given measurements and settings and tells an orientation. All
-/// filters of this room are one, so that each can stand in the place of any other, chosen at compile time by
+/// The concept of an attitude filter: a value that turns measurements and settings into an orientation. All
+/// filters of this module model it, so that each can replace any other, chosen at compile time by
 /// a template argument or at run time (any_filter.hpp).
 
 #include <sonopose/geometry/rotation.hpp>
@@ -25,10 +25,10 @@ struct Measurement {
   Vector3<Scalar> magnetic_field_body_t = Vector3<Scalar>::Zero();     ///< zero length: not measured
   /// Unit vector to magnetic north in the world's XY plane: (0, 1) where X is east, (1, 0) where X is north.
   Eigen::Matrix<Scalar, 2, 1> north_world{0, 1};
-  /// What somebody else knows of the body's acceleration, m/s²; the rest of the specific force is gravity's.
+  /// Acceleration of the body known from another source, m/s²; the rest of the specific force is gravity's.
   Vector3<Scalar> acceleration_world_mps2 = Vector3<Scalar>::Zero();
-  /// False: the body may be accelerated in ways that nobody knows; the specific force tells of rest alone.
-  bool force_tells_up = true;
+  /// False: the body may accelerate in unknown ways, so the specific force serves rest detection alone.
+  bool force_shows_up = true;
 };
 
 /// The part of the specific force that holds the body against gravity, as far as its acceleration is known.
@@ -40,10 +40,10 @@ Vector3<Scalar> gravity_force_body(const Measurement<Scalar>& measurement,
          q_body_to_world.conjugate() * measurement.acceleration_world_mps2;
 }
 
-/// The specific force is there, and tells where up is.
+/// Whether the specific force is present and shows where up is.
 template <class Scalar>
-bool tells_up(const Measurement<Scalar>& measurement) {
-  return measurement.force_tells_up && !measurement.specific_force_body_mps2.isZero(0);
+bool shows_up(const Measurement<Scalar>& measurement) {
+  return measurement.force_shows_up && !measurement.specific_force_body_mps2.isZero(0);
 }
 
 /// A vector in the world has a direction seen from above: its level part is more than what rounding leaves.
@@ -74,7 +74,7 @@ struct AnyVisit {
 ///
 /// | Member | What it does |
 /// |---|---|
-/// | `reset(q)` | begins anew at this orientation; what was learned of the gyroscope is forgotten |
+/// | `reset(q)` | restarts at this orientation and forgets the learned gyroscope offset |
 /// | `update(settings, m)` | one step; allocates nothing and never throws |
 /// | `turn_in_world(v)` | turns the estimate by the length of v about v, a vector in the world (rad) |
 /// | `gyro_bias_body_radps()`, `set_gyro_bias(b)` | what the filter takes off the rates (rad/s, body) |

@@ -9,7 +9,7 @@ namespace sonopose::attitude {
 
 template <class Scalar>
 struct GyroOffsetLimits {
-  Scalar rate_radps;  ///< still: no component above this, the offset so far taken off
+  Scalar rate_radps;  ///< still: no component, less the learned offset, above this
   Scalar still_s;     ///< for so long before anything is learned
   Scalar cutoff_hz;   ///< of the low-pass filter
 };
@@ -19,7 +19,7 @@ struct GyroOffset {
   geometry::Vector3<Scalar> offset_body_radps = geometry::Vector3<Scalar>::Zero();
   Scalar still_s = 0;  ///< so long it has stood still, up to the limit
 
-  /// Learns from one rate (rad/s, body, as measured) that stands for `dt_s`.
+  /// Learns from one rate (rad/s, body, as measured) over `dt_s`.
   void learn(const GyroOffsetLimits<Scalar>& limits,
              const geometry::Vector3<Scalar>& angular_velocity_body_radps, Scalar dt_s);
 

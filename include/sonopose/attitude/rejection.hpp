@@ -19,7 +19,7 @@ struct AngleError {
   [[nodiscard]] Scalar angle_rad() const { return std::atan2(sine, cosine); }
 
   [[nodiscard]] bool within(Scalar angle_rad) const {
-    // A sine takes as long as the rest of the comparison, and θ(1 − θ²/6) ≤ sin θ ≤ θ mostly tells enough.
+    // A sine takes as long as the rest of the comparison, and θ(1 − θ²/6) ≤ sin θ ≤ θ is usually enough.
     if (cosine > 0 && angle_rad <= 1) {
       if (sine <= angle_rad * (1 - angle_rad * angle_rad / 6)) return true;
       if (sine > angle_rad) return false;
@@ -52,7 +52,7 @@ struct Rejection {
     return limits.active() && timer_s > limits.timeout_s;
   }
 
-  /// Form `seed`: judges a measurement of error `error` that stands for `dt_s`. One that is used takes ten
+  /// Form `seed`: judges a measurement of error `error` over `dt_s`. One that is used takes ten
   /// times its duration off the timer, one that is ignored adds its own.
   void judge_once(const RejectionLimits<Scalar>& limits, bool use_anyway, Scalar dt_s) {
     ignored = limits.active() && !use_anyway && !error.within(limits.threshold_rad);

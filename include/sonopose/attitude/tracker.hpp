@@ -10,7 +10,7 @@
 
 namespace sonopose::attitude {
 
-/// What any filter is told of a sample, where it has no settings of its own about that.
+/// How a sample becomes the measurement of any filter that has no settings for this.
 struct FieldUse {
   bool use_magnetometer = false;
   double north_deg = 90;  ///< direction of magnetic north in the world, counter-clockwise from +X
@@ -27,10 +27,10 @@ struct FieldUse {
 };
 
 /// Level with the specific force; with yaw so that the field's level part points north, where there is one.
-/// A force of zero length, or a field without a level part, tells nothing.
+/// A force of zero length, or a field without a horizontal part, carries no information.
 Quaterniond first_orientation(const Measurement<double>& measurement);
 
-/// Finite, and below 1000 rad/s, 10 km/s² and 1 T: beyond, it is no sensor that tells it.
+/// Finite, and below 1000 rad/s, 10 km/s² and 1 T: no sensor measures more.
 inline bool is_measurement(const ImuSample& imu) {
   const auto below = [](const Vector3d& vector, double limit) {
     return vector.allFinite() && vector.cwiseAbs().maxCoeff() < limit;
@@ -47,7 +47,7 @@ public:
   Tracker(typename F::Settings settings, FieldUse field) : settings_(std::move(settings)), field_(field) {}
 
   /// Takes one sample in. False for one that is no measurement, and does nothing then: not finite, beyond
-  /// what any sensor tells, or earlier than the one before.
+  /// what any sensor measures, or earlier than the one before.
   bool on(const ImuSample& imu) {
     if (!is_measurement(imu) || (started_ && imu.sensor_time_ns < time_ns_)) return false;
     const double dt_s = started_ ? seconds_between(time_ns_, imu.sensor_time_ns) : 0.0;

@@ -4,10 +4,11 @@
 /// SONOPOSE_FAST_INVERSE_SQRT (a CMake option, off by default) and the exact one elsewhere.
 ///
 /// The fast one: the bits of a float, read as an integer, are a straight-line approximation of its logarithm,
-/// so that half of them taken off a constant are one of 1/√x, wrong by no more than 3.44 %. A Newton step
-/// y ← y·(3 − x·y²)/2 turns a relative error e into −(3e² + e³)/2: never above, and at most 1.753e-3 below.
-/// Made larger by half of that, the result is wrong by no more than 8.8e-4 either way, and a second step
-/// leaves 1.2e-6. Measured from 1e-6 to 1e6: 1.27e-6 for float, its rounding included, and 1.15e-6 for double
+/// so that half of them subtracted from a constant approximate 1/√x, wrong by no more than 3.44 %. A Newton
+/// step y ← y·(3 − x·y²)/2 turns a relative error e into −(3e² + e³)/2: never above, and at most 1.753e-3
+/// below. Made larger by half of that, the result is wrong by no more than 8.8e-4 either way, and a second
+/// step leaves 1.2e-6. Measured from 1e-6 to 1e6: 1.27e-6 for float, its rounding included, and 1.15e-6 for
+/// double
 /// (`test_math -s "the fast inverse square root*"`).
 
 #include <bit>

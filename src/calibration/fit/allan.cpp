@@ -1,5 +1,6 @@
-#include "calibration/fit/fit_support.hpp"
 #include "calibration/fit/allan.hpp"
+
+#include "calibration/fit/fit_support.hpp"
 #include "calibration/fit/still.hpp"
 
 #include <algorithm>
@@ -48,7 +49,7 @@ double uniform_period_s(std::span<const ImuSample> imu) {
          static_cast<double>(imu.size() - 1);
 }
 
-/// Motion would be told as noise.
+/// Motion would be reported as noise.
 void check_rest(std::span<const ImuSample> imu) {
   constexpr double least_share = 0.9;
   std::size_t still = 0;

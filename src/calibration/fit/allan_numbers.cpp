@@ -22,7 +22,7 @@ struct Stretch {
 };
 
 /// Slope on the logarithmic scales around a point, from a quarter of a decade before to one behind; NaN near
-/// the ends.
+/// the endpoints.
 double slope_at(std::span<const AllanPoint> curve, std::size_t place) {
   const double half = std::pow(10.0, 0.25);
   std::size_t before = place;

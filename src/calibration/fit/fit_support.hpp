@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What the fits have in common. Private to this folder.
+/// Helpers shared by the fits. Private to this folder.
 
 #include "calibration/fit/error.hpp"
 #include "calibration/fit/least_squares.hpp"
@@ -29,7 +29,7 @@ void check_ranges(const Model& model) {
   if (!found.empty()) throw CalibrationError(found);
 }
 
-/// The parameter that the residuals tell least about.
+/// The parameter that the residuals determine least.
 template <std::size_t count>
 std::string_view weakest_of(const Solution& solution, const std::array<std::string_view, count>& names) {
   Eigen::Index place = 0;

@@ -65,7 +65,7 @@ Eigen::ArrayXd misses_of(const VectorXd& residuals) {
   return residuals.reshaped(3, residuals.size() / 3).colwise().norm().transpose();
 }
 
-/// How far each turn is off what most of them tell (rad). Least squares would share one bad turn's error
+/// How far each turn deviates from the majority (rad). Least squares would share one bad turn's error
 /// among all; the least sum of the misses themselves leaves it where it is. It is found by least squares too,
 /// each turn weighted by one over its miss of the time before.
 Eigen::ArrayXd robust_misses(const std::vector<Turn>& turns, const GyroscopeSettings& settings) {
@@ -156,7 +156,7 @@ GyroscopeFit fit_gyroscope(std::span<const StillInterval> intervals) {
     samples += static_cast<double>(interval.count());
   }
   offset_radps /= samples;
-  // What the periods' scatter tells of the error, but never less than what the noise does.
+  // The error follows from the scatter of the periods, but is never less than the noise implies.
   const auto periods = static_cast<double>(intervals.size());
   double noise_variance = 0.0;
   Vector3d variance = Vector3d::Zero();

@@ -1,11 +1,11 @@
 #pragma once
 /// \file
 /// Offsets, sensitivities and misalignments from a recording in which the sensor was held still in many
-/// orientations: at rest the gyroscope should tell nothing and the accelerometer one standard gravity.
+/// orientations: at rest the gyroscope should read zero and the accelerometer one standard gravity.
 
 #include "calibration/fit/error.hpp"
-#include <sonopose/calibration/model/inertial.hpp>
 #include "calibration/fit/still.hpp"
+#include <sonopose/calibration/model/inertial.hpp>
 
 #include <cstddef>
 #include <span>
@@ -46,7 +46,7 @@ struct GyroscopeFit {
   std::size_t periods = 0;
   std::size_t turns = 0;           ///< used for sensitivity and misalignment
   std::size_t turns_left_out = 0;  ///< because the others contradict them
-  double rms_before_rad = 0;  ///< gravity's direction after a turn: as the rates tell it against as measured
+  double rms_before_rad = 0;  ///< gravity's direction after a turn: from the rates, compared with measured
   double rms_after_rad = 0;
 };
 
@@ -58,7 +58,7 @@ GyroscopeFit fit_gyroscope(std::span<const StillInterval> intervals);
 /// rates, integrated over a turn, must turn gravity's direction from where it was to where it is. The
 /// axes become those of the accelerometer as `accelerometer` corrects it. A turn that the others
 /// contradict is left out. Where there are too few turns, or they do not determine it, or disagree, or
-/// tell values that no setting may have, only the offset is estimated. Throws CalibrationError as the
+/// yield values that no setting allows, only the offset is estimated. Throws CalibrationError as the
 /// offset alone does.
 GyroscopeFit fit_gyroscope(std::span<const ImuSample> imu, std::span<const StillInterval> intervals,
                            const AccelerometerSettings& accelerometer);

@@ -21,12 +21,12 @@ struct Solution {
   Eigen::VectorXd residuals = {};
   Eigen::MatrixXd covariance = {};  ///< of the parameters
   double condition = 0;             ///< largest to smallest singular value of the derivatives; maybe infinite
-  Eigen::VectorXd weakest = {};     ///< the direction of parameters that the residuals tell least about
+  Eigen::VectorXd weakest = {};     ///< the direction of parameters that the residuals determine least
 
   [[nodiscard]] Eigen::VectorXd standard_errors() const { return covariance.diagonal().cwiseSqrt(); }
 };
 
-/// The parameters with the least sum of squared residuals near `start`. The residuals' scatter tells the
+/// The parameters with the least sum of squared residuals near `start`. The residuals' scatter gives the
 /// standard errors, but never less than `least_variance` of a residual: where there are hardly more residuals
 /// than parameters, their scatter says little.
 Solution minimise(const Model& model, Eigen::VectorXd start, double least_variance = 0.0);

@@ -1,7 +1,8 @@
+#include "calibration/fit/magnetometer_fit.hpp"
+
 #include "calibration/fit/ellipsoid.hpp"
 #include "calibration/fit/fit_support.hpp"
 #include "calibration/fit/magnetometer_readings.hpp"
-#include "calibration/fit/magnetometer_fit.hpp"
 #include <sonopose/statistics/quantile.hpp>
 
 #include <Eigen/Eigenvalues>
@@ -26,8 +27,8 @@ constexpr double largest_relative_rms = 0.2;
 
 // The parameters in the fit's order: S, then h, both for readings in units of the field's strength.
 constexpr std::array<std::string_view, 9> magnetometer_names{"soft iron xx", "soft iron xy", "soft iron xz",
-                                                "soft iron yy", "soft iron yz", "soft iron zz",
-                                                "hard iron x",  "hard iron y",  "hard iron z"};
+                                                             "soft iron yy", "soft iron yz", "soft iron zz",
+                                                             "hard iron x",  "hard iron y",  "hard iron z"};
 
 /// Without the readings whose residual is far outside what most of them have.
 Points without_outliers(const Points& points, const VectorXd& parameters) {
@@ -85,7 +86,7 @@ MagnetometerSettings settings_of(const VectorXd& parameters, double soft_factor,
   return settings;
 }
 
-/// Spread of the raw readings' strengths. The points stand as thinned() left them.
+/// Spread of the raw readings' strengths. The points are those that thinned() kept.
 double rms_of_norms_ut(const Points& points, const Span& span) {
   const auto count = static_cast<double>(points.size());
   const auto norm_ut = [&span](const Vector3d& point) {

@@ -30,7 +30,7 @@ struct MagnetometerFit {
 /// Minimises the readings' distances from the ellipsoid |S·m − h| = F, S symmetric and positive. F is
 /// `field_ut` or, without it, the one that keeps the ellipsoid's volume (det S = 1): the strength of the raw
 /// readings about their centre. Throws CalibrationError for too few samples, directions that do not determine
-/// the ellipsoid (as all in one plane), readings that lie on none, and values that no setting may have.
+/// the ellipsoid (as all in one plane), readings that lie on none, and values that no setting allows.
 MagnetometerFit fit_magnetometer(std::span<const ImuSample> imu, std::optional<double> field_ut = {});
 
 }  // namespace sonopose::calibration

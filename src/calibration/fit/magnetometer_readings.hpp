@@ -23,7 +23,7 @@ Points fields_of(std::span<const ImuSample> imu);
 Span span_of(const Points& points_ut);
 
 /// At most a few readings from each small cube, so that a long rest in one direction counts no more than a
-/// quick turn through another. From the span's middle, in units of its half.
+/// fast turn through another. From the span's middle, in units of its half.
 Points thinned(const Points& points_ut, const Span& span);
 
 /// Without the readings so far from all others that no field but only an error explains them: a single one

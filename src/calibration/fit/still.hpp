@@ -22,8 +22,8 @@ struct StillInterval {
   [[nodiscard]] std::size_t count() const { return end - begin; }
 };
 
-/// The periods in the order of the recording. The ends, where the motion begins or fades, are left out; a gap
-/// in the stamps ends a period. Samples that are not finite are never still.
+/// The periods in the order of the recording. The endpoints, where the motion begins or fades, are excluded;
+/// a gap in the stamps ends a period. Samples that are not finite are never still.
 std::vector<StillInterval> find_still_intervals(std::span<const ImuSample> imu);
 
 /// Number of orientations among the periods: gravity's direction is a new one where it stands at least

@@ -1,10 +1,10 @@
 #pragma once
 /// \file
-/// The turns of a sensor from one still period to the next, and what the rates tell of them. Private to this
+/// The turns of a sensor from one still period to the next, and what the rates show of them. Private to this
 /// folder.
 
-#include <sonopose/calibration/model/inertial.hpp>
 #include "calibration/fit/still.hpp"
+#include <sonopose/calibration/model/inertial.hpp>
 
 #include <span>
 #include <vector>
@@ -22,7 +22,7 @@ struct Turn {
 std::vector<Turn> turns_between(std::span<const ImuSample> imu, std::span<const StillInterval> intervals,
                                 const AccelerometerSettings& accelerometer);
 
-/// Gravity's direction after the turn as the rates tell it, minus as it was measured: three per turn.
+/// Gravity's direction after the turn, predicted from the rates minus measured: three residuals per turn.
 Eigen::VectorXd residuals_of(const std::vector<Turn>& turns, const GyroscopeSettings& settings);
 
 }  // namespace sonopose::calibration::detail

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// From observations of a system to findings: what is wrong, and the remedy. A pure function.
+/// From observations of a system to findings: problems and their remedies. Pure functions.
 
 #include "doctor/rules/observations.hpp"
 

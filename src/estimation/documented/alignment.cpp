@@ -47,7 +47,7 @@ void aid(const AlignmentSettings& settings, const AlignmentState& state, TimeNs 
          attitude::Measurement<double>& measurement) {
   measurement.acceleration_world_mps2 = state.known_acceleration_world_mps2;
   const bool held = state.aided_ns != 0 && seconds_between(state.aided_ns, now_ns) < settings.hold_s;
-  measurement.force_tells_up = state.aiding || !held;
+  measurement.force_shows_up = state.aiding || !held;
 }
 
 double turn(const AlignmentSettings& settings, AlignmentState& state, Kinematics& body,

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// From what the sensors tell to what the filters use: offsets, sensitivities, misalignments and iron in the
+/// From raw sensor readings to what the filters use: offsets, sensitivities, misalignments and iron in the
 /// sensors' axes, then the body's axes.
 
 #include <sonopose/calibration/model/affine.hpp>
@@ -18,10 +18,10 @@ public:
 
   /// The sample in body axes, its times, address and sequence as they were. With default settings it has the
   /// very same bits. A number that is not finite makes the whole of its vector so, and a huge one may
-  /// overflow: whoever asks for finite numbers asks the result.
+  /// overflow: callers that need finite numbers must check the result.
   [[nodiscard]] ImuSample corrected(const ImuSample& raw) const noexcept;
 
-  /// The rate that this one calls what `other` calls `rate_body_radps`. Not finite where that cannot be
+  /// Re-expresses a rate, corrected by `other`, as corrected by this one. Not finite where that cannot be
   /// known.
   [[nodiscard]] Vector3d rate_from(const Calibration& other, const Vector3d& rate_body_radps) const noexcept {
     return gyroscope_(other.gyroscope_.inverse_of(rate_body_radps));
