@@ -1,4 +1,5 @@
 #include "doctor/rules/checks.hpp"
+#include <sonopose/calibration/model/axes.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
 #include <fmt/format.h>

@@ -1,6 +1,7 @@
 #include <sonopose/estimation/documented/admission.hpp>
 #include <sonopose/estimation/strapdown/engine.hpp>
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/settings/preset.hpp>
 
 #include <limits>
 
@@ -33,12 +34,12 @@ FusedPose pose_at(const ImuSample& imu, const Snapshot& now) {
 }  // namespace
 
 Engine::Engine(const settings::Settings& settings, const State& start, Rule rule)
-    : settings_(resolved(settings)), start_(normalised(start)), rule_(rule) {
+    : settings_(settings::resolved(settings)), start_(normalised(start)), rule_(rule) {
   now_.state = start_;
 }
 
 void Engine::configure(const settings::Settings& settings) noexcept {
-  settings_ = resolved(settings);
+  settings_ = settings::resolved(settings);
 }
 
 void Engine::reset() noexcept {

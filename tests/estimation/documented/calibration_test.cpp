@@ -1,6 +1,7 @@
 /// The engine applies the calibration itself, once, to the raw samples.
 
 #include <sonopose/estimation/documented/engine.hpp>
+#include <sonopose/settings/settings_table.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -13,7 +14,7 @@ using namespace sonopose::settings;
 namespace {
 
 /// A sensor turned by 90° about Z in its housing, with offsets, and 2 % too sensitive along its x.
-ImuSample as_the_sensor_tells(ImuSample imu) {
+ImuSample as_measured(ImuSample imu) {
   const auto in_sensor = [](const Vector3d& body) { return Vector3d(-body.y(), body.x(), body.z()); };
   imu.angular_velocity_body_radps = in_sensor(imu.angular_velocity_body_radps) + Vector3d(0.0, 0.01, 0.0);
   imu.specific_force_body_mps2 = in_sensor(imu.specific_force_body_mps2);
@@ -22,7 +23,7 @@ ImuSample as_the_sensor_tells(ImuSample imu) {
   return imu;
 }
 
-Settings knowing_the_sensor() {
+Settings settings_of_the_sensor() {
   Settings settings;
   set(settings, "calibration.axes", std::string("+y-x+z"));
   settings.calibration.gyroscope.offset_y_radps = 0.01;
@@ -40,8 +41,8 @@ TEST_CASE("a raw sensor and its calibration give the pose of an ideal one") {
   sensors.headings = true;
   const auto motion = test::departure(1.5, 0.3);
   test::EngineDriver ideal(Settings{}, motion, sensors);
-  test::EngineDriver raw(knowing_the_sensor(), motion, sensors);
-  raw.alter_imu = [](ImuSample& imu, double) { imu = as_the_sensor_tells(imu); };
+  test::EngineDriver raw(settings_of_the_sensor(), motion, sensors);
+  raw.alter_imu = [](ImuSample& imu, double) { imu = as_measured(imu); };
   const auto expected = ideal.run(12.0);
   const auto found = raw.run(12.0);
   CHECK((found.pose.position_world_m - expected.pose.position_world_m).norm() < 1e-9);

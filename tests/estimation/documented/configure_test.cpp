@@ -63,7 +63,7 @@ TEST_CASE("item 5: a later change of the mount offset turns the pose and does no
 TEST_CASE("item 12: a raised quality limit applies from the next fix on") {
   EngineDriver driver(Settings{}, test::at_rest(), {});  // its fixes have a quality of 90 %
   driver.run(5.0);
-  const Counters before = driver.engine.counters();
+  const EstimatorCounters before = driver.engine.counters();
   CHECK(before.fixes_used > 50);
   Settings strict;
   strict.admission.min_quality_percent = 95.0;

@@ -133,7 +133,7 @@ TEST_CASE("an accepted track gives no velocity across its jump") {
 TEST_CASE("a reset discards the state, raises reset_counter and keeps the counters") {
   EngineDriver driver(Settings{}, test::departure(2.0), with_headings());
   driver.run(6.0);
-  const Counters before = driver.engine.counters();
+  const EstimatorCounters before = driver.engine.counters();
   REQUIRE(driver.moments.back().pose.reset_counter == 0);
   driver.engine.reset();
   CHECK(driver.engine.counters().imu_samples == before.imu_samples);
