@@ -55,7 +55,8 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("FILE");
   auto* const engine = apps::add_choice<estimation::EstimatorKind>(
       app, "--engine", options.run.estimator,
-      {{"fusion", estimation::EstimatorKind::documented}, {"strapdown", estimation::EstimatorKind::strapdown}},
+      {{"fusion", estimation::EstimatorKind::documented},
+       {"strapdown", estimation::EstimatorKind::strapdown}},
       "fusion: all sensors; strapdown: only the IMU, integrated from the truth");
   app.add_option("--init", "Start of strapdown: the first complete truth of the log")
       ->check(CLI::IsMember({"truth"}))

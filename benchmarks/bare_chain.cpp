@@ -24,8 +24,8 @@ dds_entity_t checked(dds_entity_t entity) {
 }
 
 /// The same profiles as the real chain.
-const dds::QosProvider& profiles() {
-  static const dds::QosProvider provider;
+const dds::qos::Provider& profiles() {
+  static const dds::qos::Provider provider;
   return provider;
 }
 

@@ -70,9 +70,9 @@ BeaconsRound measure_beacons(const BeaconsOptions& options, std::uint32_t beacon
   PoseStream poses(beacon_imu_rate_hz);
   LostEvents lost;
   const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
-  const dds::QosProvider qos;
-  const auto status_reader = dds::make_reader(participant, qos, dds::topics::fusion_status, &lost);
-  const auto pose_reader = dds::make_reader(participant, qos, dds::topics::pose, &poses);
+  const dds::qos::Provider qos;
+  const auto status_reader = dds::topics::make_reader(participant, qos, dds::topics::fusion_status, &lost);
+  const auto pose_reader = dds::topics::make_reader(participant, qos, dds::topics::pose, &poses);
   std::optional<OwnRealtime> own;
   if (options.realtime) own.emplace();
   wait_for_all(poses, beacons);

@@ -79,8 +79,8 @@ Round measure(const RoundOptions& options, const Child& relay, LatencyCollector&
 Round measure_in_ros2(const RoundOptions& options, const Child& relay) {
   Ros2LatencyCollector latencies;
   const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
-  const dds::QosProvider qos;
-  const auto native = dds::make_reader(participant, qos, dds::topics::pose, &latencies);
+  const dds::qos::Provider qos;
+  const auto native = dds::topics::make_reader(participant, qos, dds::topics::pose, &latencies);
   const dds::Topic<ros2::Odometry> topic(participant, ros2::name_in_dds("/hedge_7/odom"));
   const dds::DataReader<ros2::Odometry> reader(participant, topic, qos.datareader_qos("ros2::Default"),
                                                &latencies);
@@ -91,8 +91,8 @@ Round measure_on_bus(const RoundOptions& options, const Child& relay, bool realt
   LatencyCollector latencies;
   PoseListener listener(latencies);
   const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
-  const dds::QosProvider qos;
-  const auto reader = dds::make_reader(participant, qos, dds::topics::pose, &listener);
+  const dds::qos::Provider qos;
+  const auto reader = dds::topics::make_reader(participant, qos, dds::topics::pose, &listener);
   std::optional<OwnRealtime> own;
   if (realtime) own.emplace();
   return measure(options, relay, latencies);

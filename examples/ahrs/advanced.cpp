@@ -1,6 +1,6 @@
 // The AHRS with all features: calibration and mounting of the sensors, gyroscope offset, rejection, internal
-// states, flags, and outputs in an Earth convention. The argument is an imu.csv; without it a built-in movement
-// is used. Prints once per second.
+// states, flags, and outputs in an Earth convention. The argument is an imu.csv; without it a built-in
+// movement is used. Prints once per second.
 
 #include "movement.hpp"
 #include <sonopose/attitude/ahrs.hpp>
@@ -60,8 +60,8 @@ void print_condition(const attitude::Ahrs& ahrs, const attitude::AhrsSettings& s
 int main(int argc, char** argv) try {
   const std::vector<ImuSample> samples = example::samples(argc, argv);
 
-  // Calibration by sonopose-calibrate, and the mounting. The built-in sensor only has an offset, which the AHRS
-  // learns.
+  // Calibration by sonopose-calibrate, and the mounting. The built-in sensor only has an offset, which the
+  // AHRS learns.
   calibration::Settings sensor;
   sensor.accelerometer.offset_x_mps2 = 0.0;
   sensor.axes.axes = calibration::Axes::as_mounted;

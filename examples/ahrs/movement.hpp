@@ -2,16 +2,17 @@
 /// \file
 /// Samples for the examples, from a log or from a built-in movement.
 
-#include <sonopose/samples/samples.hpp>
 #include "recording/log_folder.hpp"
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <algorithm>
 #include <vector>
 
 namespace example {
 
-/// 90 s at 100 Hz in a world of X east, Y north, Z up. The body faces north; its gyroscope has an offset of 0.5 deg/s.
+/// 90 s at 100 Hz in a world of X east, Y north, Z up. The body faces north; its gyroscope has an offset of
+/// 0.5 deg/s.
 ///    0…60 s  at rest
 ///   60…63 s  rolls by 30° and stays there
 ///   65…67 s  accelerates north at 1 m/s²

@@ -89,7 +89,7 @@ private:
   bool batch_;
   const process::StopSignal* stop_ = nullptr;
   dds::DomainParticipant participant_;
-  dds::QosProvider qos_;
+  dds::qos::Provider qos_;
   process::EndpointCounters endpoints_;
   process::CountingWriterListener<sonopose_ImuSample> imu_listener_{endpoints_};
   process::CountingWriterListener<sonopose_UltrasonicFix> fix_listener_{endpoints_};
@@ -118,13 +118,14 @@ BridgeNode::Publisher::Publisher(const BridgeOptions& options)
       qos_(options.qos_file),
       others_(participant_, qos_),
       status_last_(process::steady_now()) {
-  const auto delivery = lossless_ ? dds::Delivery::lossless : dds::Delivery::live;
-  imu_writer_ = dds::make_writer(participant_, qos_, topics::imu, &imu_listener_, delivery);
-  fix_writer_ = dds::make_writer(participant_, qos_, topics::fix, &fix_listener_, delivery);
-  heading_writer_ = dds::make_writer(participant_, qos_, topics::heading, &heading_listener_, delivery);
-  truth_writer_ = dds::make_writer(participant_, qos_, topics::truth);
-  status_writer_ = dds::make_writer(participant_, qos_, topics::beacon_status);
-  line_writer_ = dds::make_writer(participant_, qos_, topics::line_status);
+  const auto delivery = lossless_ ? dds::topics::Delivery::lossless : dds::topics::Delivery::live;
+  imu_writer_ = dds::topics::make_writer(participant_, qos_, topics::imu, &imu_listener_, delivery);
+  fix_writer_ = dds::topics::make_writer(participant_, qos_, topics::fix, &fix_listener_, delivery);
+  heading_writer_ =
+      dds::topics::make_writer(participant_, qos_, topics::heading, &heading_listener_, delivery);
+  truth_writer_ = dds::topics::make_writer(participant_, qos_, topics::truth);
+  status_writer_ = dds::topics::make_writer(participant_, qos_, topics::beacon_status);
+  line_writer_ = dds::topics::make_writer(participant_, qos_, topics::line_status);
   if (options.record_folder) recorder_.emplace(*options.record_folder);
 }
 
@@ -145,7 +146,7 @@ BridgeNode::Publisher::~Publisher() {
   }
   unregister(truth_writer_);
   unregister(status_writer_);
-  for (const auto& entry : lines_) line_writer_.try_unregister_instance(dds::to_idl(entry.second));
+  for (const auto& entry : lines_) line_writer_.try_unregister_instance(dds::topics::to_idl(entry.second));
 }
 
 // Samples
@@ -165,7 +166,7 @@ void BridgeNode::Publisher::on(const Event& event) {
 
 void BridgeNode::Publisher::on(const TruthSample& truth) {
   beacon_of(truth.address);
-  write(truth_writer_, dds::to_idl(truth));
+  write(truth_writer_, dds::topics::to_idl(truth));
   if (recorder_) recorder_->write(truth);
 }
 
@@ -178,17 +179,17 @@ BridgeNode::Publisher::Beacon& BridgeNode::Publisher::beacon_of(BeaconAddress ad
 void BridgeNode::Publisher::publish(ImuSample imu, Beacon& beacon) {
   beacon.imu.count_sample();
   imu.bridge_time_ns = process::host_now();
-  write(imu_writer_, dds::to_idl(imu));
+  write(imu_writer_, dds::topics::to_idl(imu));
 }
 
 void BridgeNode::Publisher::publish(const UltrasonicFix& fix, Beacon& beacon) {
   beacon.fix.count_sample();
-  write(fix_writer_, dds::to_idl(fix));
+  write(fix_writer_, dds::topics::to_idl(fix));
 }
 
 void BridgeNode::Publisher::publish(const PairHeading& heading, Beacon& beacon) {
   beacon.heading.count_sample();
-  write(heading_writer_, dds::to_idl(heading));
+  write(heading_writer_, dds::topics::to_idl(heading));
 }
 
 template <class T>
@@ -232,7 +233,7 @@ void BridgeNode::Publisher::on(const LineStatus& status) {
 
 void BridgeNode::Publisher::publish(LineStatus& line) {
   line.time_ns = process::host_now();
-  write(line_writer_, dds::to_idl(line));
+  write(line_writer_, dds::topics::to_idl(line));
 }
 
 void BridgeNode::Publisher::tick() {
@@ -270,7 +271,7 @@ void BridgeNode::Publisher::publish_status(Beacon& beacon, SteadyTime now) {
   status.liveliness_lost = endpoints_.liveliness_lost;
   status.readers_incompatible = endpoints_.incompatible_qos;
   status.samples_unwritten = unwritten_;
-  write(status_writer_, dds::to_idl(status));
+  write(status_writer_, dds::topics::to_idl(status));
 }
 
 void BridgeNode::Publisher::log_unwritten() {

@@ -22,7 +22,7 @@ struct BridgeOptions {
 
 class BridgeNode {
 public:
-  /// Joins the domain. Throws dds::Error, dds::QosFileError, files::IoError.
+  /// Joins the domain. Throws dds::Error, dds::qos::FileError, files::IoError.
   explicit BridgeNode(const BridgeOptions& options);
   BridgeNode(const BridgeNode&) = delete;
   BridgeNode& operator=(const BridgeNode&) = delete;

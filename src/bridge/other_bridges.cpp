@@ -6,8 +6,8 @@
 
 namespace sonopose::bridge {
 
-OtherBridges::OtherBridges(const dds::DomainParticipant& participant, const dds::QosProvider& qos)
-    : reader_(dds::make_reader(participant, qos, dds::topics::beacon_status)) {}
+OtherBridges::OtherBridges(const dds::DomainParticipant& participant, const dds::qos::Provider& qos)
+    : reader_(dds::topics::make_reader(participant, qos, dds::topics::beacon_status)) {}
 
 void OtherBridges::add(BeaconAddress address, dds::InstanceHandle writer) {
   if (!writers_[address].insert(writer.value).second) return;

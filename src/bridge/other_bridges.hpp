@@ -14,7 +14,7 @@ namespace sonopose::bridge {
 
 class OtherBridges {
 public:
-  OtherBridges(const dds::DomainParticipant& participant, const dds::QosProvider& qos);
+  OtherBridges(const dds::DomainParticipant& participant, const dds::qos::Provider& qos);
 
   /// Reads the statuses received since the last call and reports each new bridge once on standard error.
   /// `own` is this bridge's status writer; `is_ours(address)` selects the beacons that matter.

@@ -1,7 +1,7 @@
+#include "calibration/fit/terms.hpp"
 #include "evaluation/calibration.hpp"
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/settings/settings.hpp>
-#include "calibration/fit/terms.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

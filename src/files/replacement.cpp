@@ -1,5 +1,6 @@
-#include "files/error.hpp"
 #include "files/replacement.hpp"
+
+#include "files/error.hpp"
 
 #include <system_error>
 

@@ -34,7 +34,7 @@ namespace {
 namespace topics = dds::topics;
 
 /// The silence of the IMU after which its last sample is no longer used: its deadline, at most a second.
-TimeNs input_deadline_ns(const dds::QosProvider& qos) {
+TimeNs input_deadline_ns(const dds::qos::Provider& qos) {
   constexpr TimeNs most_ns = 1'000'000'000;
   return std::min(most_ns, dds::deadline_of(qos.datareader_qos(topics::imu.profile)).count());
 }
@@ -120,8 +120,8 @@ private:
   process::AddressSet addresses_;
   std::uint64_t id_;
   dds::DomainParticipant participant_;
-  dds::QosProvider qos_;
-  dds::Delivery delivery_;
+  dds::qos::Provider qos_;
+  dds::topics::Delivery delivery_;
   TimeNs input_deadline_ns_;
 
   // Guards the estimators and the state of their inputs. Not held while anything is read or written.
@@ -169,23 +169,26 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       id_(process::random_id()),
       participant_(domain_options(options)),
       qos_(options.qos_file),
-      delivery_(options.lossless ? dds::Delivery::lossless : dds::Delivery::live),
+      delivery_(options.lossless ? dds::topics::Delivery::lossless : dds::topics::Delivery::live),
       input_deadline_ns_(input_deadline_ns(qos_)),
       estimators_(options.config, options.lossless),
       imu_silences_(input_deadline_ns_),
       output_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, endpoints_),
-      report_writer_(dds::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)),
-      status_writer_(dds::make_writer(participant_, qos_, topics::fusion_status, &status_listener_)),
-      estimate_writer_(dds::make_writer(participant_, qos_, topics::estimate)),
-      reply_writer_(dds::make_writer(participant_, qos_, topics::settings_reply)),
-      settings_writer_(dds::make_writer(participant_, qos_, topics::settings)) {
+      report_writer_(
+          dds::topics::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)),
+      status_writer_(dds::topics::make_writer(participant_, qos_, topics::fusion_status, &status_listener_)),
+      estimate_writer_(dds::topics::make_writer(participant_, qos_, topics::estimate)),
+      reply_writer_(dds::topics::make_writer(participant_, qos_, topics::settings_reply)),
+      settings_writer_(dds::topics::make_writer(participant_, qos_, topics::settings)) {
   write(estimators_.settings_for_all());
   const auto live = [this](auto& listener) { return lossless_ ? nullptr : &listener; };
-  fix_reader_ = dds::make_reader(participant_, qos_, topics::fix, live(fix_listener_), delivery_);
-  heading_reader_ = dds::make_reader(participant_, qos_, topics::heading, live(heading_listener_), delivery_);
-  imu_reader_ = dds::make_reader(participant_, qos_, topics::imu, live(imu_listener_), delivery_);
-  reset_reader_ = dds::make_reader(participant_, qos_, topics::reset, &reset_listener_);
-  request_reader_ = dds::make_reader(participant_, qos_, topics::settings_request, &request_listener_);
+  fix_reader_ = dds::topics::make_reader(participant_, qos_, topics::fix, live(fix_listener_), delivery_);
+  heading_reader_ =
+      dds::topics::make_reader(participant_, qos_, topics::heading, live(heading_listener_), delivery_);
+  imu_reader_ = dds::topics::make_reader(participant_, qos_, topics::imu, live(imu_listener_), delivery_);
+  reset_reader_ = dds::topics::make_reader(participant_, qos_, topics::reset, &reset_listener_);
+  request_reader_ =
+      dds::topics::make_reader(participant_, qos_, topics::settings_request, &request_listener_);
   if (lossless_) {
     lossless_thread_ = std::jthread([this](const std::stop_token& stop) { serve_lossless(stop); });
   }
@@ -228,7 +231,7 @@ void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
   reader.try_take_each([&](const T& sample, const dds::SampleInfo& info) {
     if (stopping_ || !addresses_.contains(sample.address))
       return;  // a lossless reader may buffer minutes of samples
-    feed(dds::from_idl(sample), info.publication_handle(), in_ns, steady);
+    feed(dds::topics::from_idl(sample), info.publication_handle(), in_ns, steady);
   });
   working_ = false;
 }
@@ -263,7 +266,7 @@ void FusionNode::Impl::write(EventOutcome& outcome, TimeNs in_ns, SteadyTime ste
     pose->fusion_in_time_ns = in_ns;
     write(*pose, steady);
   } else if (const auto* report = std::get_if<FixReport>(&outcome.result)) {
-    write_to(report_writer_, dds::to_idl(*report));
+    write_to(report_writer_, dds::topics::to_idl(*report));
   }
   if (outcome.settings) write(*outcome.settings);
 }
@@ -271,7 +274,7 @@ void FusionNode::Impl::write(EventOutcome& outcome, TimeNs in_ns, SteadyTime ste
 void FusionNode::Impl::write(FusedPose& pose, SteadyTime steady) noexcept {
   auto& writer = output_.writer_for(pose, steady);
   pose.fusion_out_time_ns = process::host_now();
-  write_to(writer, dds::to_idl(pose));
+  write_to(writer, dds::topics::to_idl(pose));
 }
 
 void FusionNode::Impl::write(const SettingsChange& change) noexcept {
@@ -279,7 +282,7 @@ void FusionNode::Impl::write(const SettingsChange& change) noexcept {
                                    .time_ns = process::host_now(),
                                    .from_sequence = change.from_sequence,
                                    .values = config::texts_of(change.settings)};
-  write_to(settings_writer_, dds::to_idl(settings).sample());
+  write_to(settings_writer_, dds::topics::to_idl(settings).sample());
 }
 
 template <class T>
@@ -306,7 +309,7 @@ void FusionNode::Impl::take(dds::DataReader<sonopose_ResetCommand>& reader) noex
 void FusionNode::Impl::take(dds::DataReader<sonopose_SettingsRequest>& reader) noexcept {
   reader.try_take_each([this](const sonopose_SettingsRequest& sample, const dds::SampleInfo&) {
     if (sample.address != all_beacons && !addresses_.contains(sample.address)) return;
-    const SettingsRequest request = dds::from_idl(sample);
+    const SettingsRequest request = dds::topics::from_idl(sample);
     SettingsReply reply;
     std::optional<SettingsChange> for_all;
     {
@@ -315,7 +318,7 @@ void FusionNode::Impl::take(dds::DataReader<sonopose_SettingsRequest>& reader) n
       if (reply.accepted && reply.address == all_beacons) for_all = estimators_.settings_for_all();
     }
     if (for_all) write(*for_all);  // before the reply, so that the client reads the new settings
-    if (reply_writer_.try_write(dds::to_idl(reply)) < 0) ++unwritten_;
+    if (reply_writer_.try_write(dds::topics::to_idl(reply)) < 0) ++unwritten_;
   });
 }
 
@@ -417,7 +420,7 @@ void FusionNode::Impl::publish_status(BeaconAddress address) {
   status->samples_rejected = endpoints_.samples_rejected;
   status->incompatible_qos = endpoints_.incompatible_qos;
   status->poses_unwritten = unwritten_ + output_.unwritten();
-  if (status_writer_.try_write(dds::to_idl(*status)) < 0) ++unwritten_;
+  if (status_writer_.try_write(dds::topics::to_idl(*status)) < 0) ++unwritten_;
 }
 
 void FusionNode::Impl::publish_estimate(BeaconAddress address) {
@@ -428,7 +431,7 @@ void FusionNode::Impl::publish_estimate(BeaconAddress address) {
   }
   if (!estimate) return;
   estimate->fusion_id = id_;
-  if (estimate_writer_.try_write(dds::to_idl(*estimate)) < 0) ++unwritten_;
+  if (estimate_writer_.try_write(dds::topics::to_idl(*estimate)) < 0) ++unwritten_;
 }
 
 void FusionNode::Impl::log_unwritten() {

@@ -28,7 +28,7 @@ struct FusionOptions {
 /// fastest path. Lossless, a separate thread does this, because it must be able to wait for consumers.
 class FusionNode {
 public:
-  /// Joins the domain and starts. Throws dds::Error, dds::QosFileError.
+  /// Joins the domain and starts. Throws dds::Error, dds::qos::FileError.
   explicit FusionNode(const FusionOptions& options);
   FusionNode(const FusionNode&) = delete;
   FusionNode& operator=(const FusionNode&) = delete;

@@ -28,12 +28,12 @@ sonopose_FusedPose key_of(BeaconAddress address) {
 
 }  // namespace
 
-PoseOutput::PoseOutput(const dds::DomainParticipant& participant, const dds::QosProvider& qos,
-                       dds::Delivery delivery, const std::optional<StandbyOptions>& standby,
+PoseOutput::PoseOutput(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                       dds::topics::Delivery delivery, const std::optional<StandbyOptions>& standby,
                        TimeNs input_deadline_ns, process::EndpointCounters& counters)
     : standby_(standby_of(standby, input_deadline_ns)), predictor_(input_deadline_ns), listener_(counters) {
   const auto make = [&](const dds::Qos& changes) {
-    return dds::make_writer(participant, qos, dds::topics::pose, &listener_, delivery, changes);
+    return dds::topics::make_writer(participant, qos, dds::topics::pose, &listener_, delivery, changes);
   };
   if (standby) {
     writer_ = make(dds::Qos() << OwnershipStrength{standby->strength});
@@ -46,7 +46,7 @@ PoseOutput::PoseOutput(const dds::DomainParticipant& participant, const dds::Qos
   const auto liveliness = effective.policy<Liveliness>().value_or(Liveliness{});
   is_manual_ = liveliness.kind == LivelinessKind::manual_by_topic;
   lease_ns_ = liveliness.lease_duration.count();
-  if (delivery == dds::Delivery::lossless) return;  // the time of a log is not the time of the clock
+  if (delivery == dds::topics::Delivery::lossless) return;  // the time of a log is not the time of the clock
   predicting_thread_ = std::jthread([this](const std::stop_token& stop) { serve_predictions(stop); });
   ::pthread_setname_np(predicting_thread_.native_handle(), process::predicting_thread_name);
 }
@@ -144,7 +144,8 @@ std::optional<SteadyTime> PoseOutput::write_predictions(std::vector<FusedPose>& 
     const FusionRole as = role(pose.address);
     if (as == FusionRole::stalled) continue;
     pose.fusion_out_time_ns = process::host_now();
-    if (writer_of(as).try_write(dds::to_idl(pose)) < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
+    if (writer_of(as).try_write(dds::topics::to_idl(pose)) < 0)
+      unwritten_.fetch_add(1, std::memory_order_relaxed);
   }
   return next;
 }

@@ -27,9 +27,9 @@ namespace sonopose::fusion {
 class PoseOutput {
 public:
   /// `input_deadline_ns`: after this silence of an IMU its pose is not predicted and its beacon is released.
-  PoseOutput(const dds::DomainParticipant& participant, const dds::QosProvider& qos, dds::Delivery delivery,
-             const std::optional<StandbyOptions>& standby, TimeNs input_deadline_ns,
-             process::EndpointCounters& counters);
+  PoseOutput(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+             dds::topics::Delivery delivery, const std::optional<StandbyOptions>& standby,
+             TimeNs input_deadline_ns, process::EndpointCounters& counters);
   PoseOutput(const PoseOutput&) = delete;
   PoseOutput& operator=(const PoseOutput&) = delete;
   ~PoseOutput();

@@ -1,5 +1,6 @@
-#include "marvelmind/conversions.hpp"
 #include "marvelmind/disassembler.hpp"
+
+#include "marvelmind/conversions.hpp"
 
 namespace sonopose::marvelmind {
 

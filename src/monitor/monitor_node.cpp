@@ -19,10 +19,11 @@ namespace topics = dds::topics;
 /// A subscription to one topic.
 template <class T>
 struct Subscription {
-  Subscription(const dds::DomainParticipant& participant, const dds::QosProvider& qos,
-               const dds::TopicEntry<T>& entry, observation::BeaconObservers& observers,
+  Subscription(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+               const dds::topics::Entry<T>& entry, observation::BeaconObservers& observers,
                process::EndpointCounters& endpoints)
-      : listener(observers, endpoints), reader(dds::make_reader(participant, qos, entry, &listener)) {}
+      : listener(observers, endpoints),
+        reader(dds::topics::make_reader(participant, qos, entry, &listener)) {}
 
   observation::ObservingListener<T> listener;
   dds::DataReader<T> reader;
@@ -76,7 +77,7 @@ void log_silences(const std::vector<process::SilenceDetector::Change>& changes) 
 }  // namespace
 
 std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& stop) {
-  const dds::QosProvider qos(options.qos_file);
+  const dds::qos::Provider qos(options.qos_file);
   const dds::DomainParticipant participant(options.domain);
   observation::BeaconObservers observers(dds::deadline_of(qos.datareader_qos(topics::pose.profile)).count());
   process::EndpointCounters endpoints;

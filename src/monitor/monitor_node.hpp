@@ -19,7 +19,7 @@ struct MonitorOptions {
 };
 
 /// Prints to standard output until the stop or the end of the duration. Returns the number of poses received.
-/// Throws dds::Error, dds::QosFileError.
+/// Throws dds::Error, dds::qos::FileError.
 std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& stop);
 
 }  // namespace sonopose::monitor

@@ -97,7 +97,7 @@ private:
 template <class T>
 class ObservingListener : public process::CountingReaderListener<T> {
 public:
-  using Native = decltype(dds::from_idl(std::declval<const T&>()));
+  using Native = decltype(dds::topics::from_idl(std::declval<const T&>()));
 
   ObservingListener(BeaconObservers& observers, process::EndpointCounters& endpoints)
       : process::CountingReaderListener<T>(endpoints), observers_(observers) {}
@@ -105,7 +105,7 @@ public:
   void on_data_available(dds::DataReader<T>& reader) noexcept override {
     const TimeNs received_ns = process::host_now();
     const auto on_data = [&](const T& sample, const dds::SampleInfo& info) {
-      const Native native = dds::from_idl(sample);
+      const Native native = dds::topics::from_idl(sample);
       on_sample(native);
       if constexpr (std::is_same_v<T, sonopose_FusedPose>) {
         observers_.on(native, received_ns, info.publication_handle());

@@ -66,14 +66,14 @@ SettingsClient::SettingsClient(const dds::DomainOptions& domain,
     : qos_(qos_file), participant_(domain) {}
 
 std::vector<EffectiveSettings> SettingsClient::effective(BeaconAddress address, double timeout_s) {
-  auto reader = dds::make_reader(participant_, qos_, topics::settings);
+  auto reader = dds::topics::make_reader(participant_, qos_, topics::settings);
   std::map<BeaconAddress, EffectiveSettings> found;
   BurstDetector burst;
   take_until(
       reader, deadline_after(timeout_s),
       [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
         burst.on_sample();
-        found[sample.address] = dds::from_idl(sample);
+        found[sample.address] = dds::topics::from_idl(sample);
       },
       [&] { return burst.has_ended() || (address != all_beacons && found.contains(address)); });
   std::vector<EffectiveSettings> settings;
@@ -90,16 +90,17 @@ std::vector<EffectiveSettings> SettingsClient::effective(BeaconAddress address, 
 std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, double timeout_s) {
   constexpr TimeNs resend_period_ns = 250'000'000;
   request.request_id = new_request_id();
-  auto reader = dds::make_reader(participant_, qos_, topics::settings_reply);
-  auto writer = dds::make_writer(participant_, qos_, topics::settings_request);
-  const auto sample = dds::to_idl(request);  // throws for a text that is too long, before anything is sent
+  auto reader = dds::topics::make_reader(participant_, qos_, topics::settings_reply);
+  auto writer = dds::topics::make_writer(participant_, qos_, topics::settings_request);
+  const auto sample =
+      dds::topics::to_idl(request);  // throws for a text that is too long, before anything is sent
   std::optional<SettingsReply> received;
   SteadyTime next_send;
   take_until(
       reader, deadline_after(timeout_s),
       [&](const sonopose_SettingsReply& reply, const dds::SampleInfo&) {
         const bool is_ours = reply.address == request.address && reply.request_id == request.request_id;
-        if (is_ours && !received) received = dds::from_idl(reply);
+        if (is_ours && !received) received = dds::topics::from_idl(reply);
       },
       [&] {
         // The fusion may discover the reader of the replies after the reader of the requests is matched here,
@@ -117,19 +118,19 @@ std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, dou
 void SettingsClient::observe(BeaconAddress address,
                              const std::function<void(const EffectiveSettings&)>& on_settings,
                              double duration_s, const process::StopSignal& stop) {
-  auto reader = dds::make_reader(participant_, qos_, topics::settings);
+  auto reader = dds::topics::make_reader(participant_, qos_, topics::settings);
   take_until(
       reader, duration_s > 0 ? deadline_after(duration_s) : SteadyTime::max(),
       [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
-        if (address == all_beacons || sample.address == address) on_settings(dds::from_idl(sample));
+        if (address == all_beacons || sample.address == address) on_settings(dds::topics::from_idl(sample));
       },
       [&] { return stop.requested(); });
 }
 
 std::vector<BeaconAddress> SettingsClient::reset(BeaconAddress address, double timeout_s) {
   const SteadyTime deadline = deadline_after(timeout_s);
-  auto reader = dds::make_reader(participant_, qos_, topics::fusion_status);
-  auto writer = dds::make_writer(participant_, qos_, topics::reset);
+  auto reader = dds::topics::make_reader(participant_, qos_, topics::fusion_status);
+  auto writer = dds::topics::make_writer(participant_, qos_, topics::reset);
   ResetCounters before;
   std::set<BeaconAddress> done;
   BurstDetector burst;

@@ -17,7 +17,7 @@ namespace sonopose::settings_client {
 
 class SettingsClient {
 public:
-  /// Joins the domain. Throws dds::Error, dds::QosFileError.
+  /// Joins the domain. Throws dds::Error, dds::qos::FileError.
   SettingsClient(const dds::DomainOptions& domain, const std::optional<std::filesystem::path>& qos_file);
 
   /// The effective settings of one beacon. If the fusion has no settings of this beacon, the default settings
@@ -38,7 +38,7 @@ public:
   std::vector<BeaconAddress> reset(BeaconAddress address, double timeout_s);
 
 private:
-  dds::QosProvider qos_;
+  dds::qos::Provider qos_;
   dds::DomainParticipant participant_;
 };
 

@@ -1,6 +1,7 @@
-/// The dependency rules between modules (docs/architecture.md, "Modules"). A module is a folder under src/ with its public
-/// headers under include/sonopose/. It may include only itself and what its CMakeLists.txt lists. The include path makes
-/// every header reachable from everywhere, so the compiler alone does not enforce this.
+/// The dependency rules between modules (docs/architecture.md, "Modules"). A module is a folder under src/
+/// with its public headers under include/sonopose/. It may include only itself and what its CMakeLists.txt
+/// lists. The include path makes every header reachable from everywhere, so the compiler alone does not
+/// enforce this.
 
 #include <catch2/catch.hpp>
 
@@ -39,7 +40,8 @@ std::vector<fs::path> sources_in(const fs::path& folder, bool recursive) {
   std::vector<fs::path> found;
   if (!fs::exists(folder)) return found;
   const auto add = [&found](const fs::directory_entry& entry) {
-    if (entry.path().extension() == ".hpp" || entry.path().extension() == ".cpp") found.push_back(entry.path());
+    if (entry.path().extension() == ".hpp" || entry.path().extension() == ".cpp")
+      found.push_back(entry.path());
   };
   if (recursive) {
     for (const auto& entry : fs::recursive_directory_iterator(folder)) add(entry);
@@ -114,7 +116,8 @@ std::string place(const fs::path& file, const std::string& what) {
 // System headers by what they give access to.
 const std::string dds_headers = R"(dds/.*|ddsc/.*|sonopose/idl/.*)";
 const std::string file_headers = R"(fstream|filesystem|cstdio|stdio\.h|fcntl\.h|sys/stat\.h)";
-const std::string socket_headers = R"(sys/socket\.h|netinet/.*|arpa/.*|asio.*|poll\.h|sys/.*|unistd\.h|termios\.h)";
+const std::string socket_headers =
+    R"(sys/socket\.h|netinet/.*|arpa/.*|asio.*|poll\.h|sys/.*|unistd\.h|termios\.h)";
 const std::string clock_headers = R"(chrono|ctime|time\.h|sys/time\.h)";
 const std::string thread_headers =
     R"(thread|mutex|shared_mutex|condition_variable|atomic|future|stop_token|semaphore)";
@@ -130,8 +133,8 @@ struct Restriction {
 
 const std::vector<Restriction> restrictions{
     {"values in, values out: no DDS, files, sockets, clocks, threads, logging, command lines",
-     {"samples", "geometry", "statistics", "collation", "settings", "attitude", "calibration/model", "calibration/fit",
-      "estimation", "estimation/documented", "estimation/strapdown", "marvelmind", "sim"},
+     {"samples", "geometry", "statistics", "collation", "settings", "attitude", "calibration/model",
+      "calibration/fit", "estimation", "estimation/documented", "estimation/strapdown", "marvelmind", "sim"},
      {dds_headers, file_headers, socket_headers, clock_headers, thread_headers, logging_headers,
       command_line_headers}},
     {"files alone: no DDS, sockets, threads, command lines",
@@ -146,15 +149,15 @@ const std::vector<Restriction> restrictions{
      {"ros2/messages"},
      {file_headers, socket_headers, clock_headers, thread_headers, command_line_headers}},
     {"no Cyclone DDS of their own, command lines, or libraries that an edge module wraps",
-     {"process", "observation", "bridge", "fusion", "monitor", "doctor/rules", "doctor/probe", "settings_client",
-      "ros2/relay"},
+     {"process", "observation", "bridge", "fusion", "monitor", "doctor/rules", "doctor/probe",
+      "settings_client", "ros2/relay"},
      {"dds/.*|ddsc/.*", command_line_headers, "asio.*", "toml.*", "pugixml.*"}},
 };
 
 bool is_forbidden(const Restriction& restriction, const std::string& header) {
-  return std::any_of(restriction.forbidden.begin(), restriction.forbidden.end(), [&header](const std::string& text) {
-    return std::regex_match(header, std::regex(text));
-  });
+  return std::any_of(
+      restriction.forbidden.begin(), restriction.forbidden.end(),
+      [&header](const std::string& text) { return std::regex_match(header, std::regex(text)); });
 }
 
 /// Whether `from` reaches `to` over the link lists.
@@ -219,16 +222,18 @@ TEST_CASE("a module's folder is its namespace") {
     std::string own = folder;
     for (std::size_t at = 0; (at = own.find('/', at)) != std::string::npos;) own.replace(at, 1, "::");
     for (const fs::path& file : module.sources()) {
-      // The native types are the vocabulary of all modules: they are in sonopose itself. The DDS binding and ROS 2's
-      // messages name their parent: what follows builds on them.
-      const Names allowed{folder == "samples" ? "sonopose"
+      // The native types are the vocabulary of all modules: they are in sonopose itself. The DDS binding and
+      // ROS 2's messages name their parent: what follows builds on them.
+      const Names allowed{folder == "samples"         ? "sonopose"
                           : folder == "dds/binding"   ? "sonopose::dds"
                           : folder == "ros2/messages" ? "sonopose::ros2"
                                                       : "sonopose::" + own};
       const auto names = matches_of(text_of(file), opened);
-      const bool found = names.empty() || std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-        return std::any_of(allowed.begin(), allowed.end(), [&](const std::string& a) { return name.starts_with(a); });
-      });
+      const bool found =
+          names.empty() || std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+            return std::any_of(allowed.begin(), allowed.end(),
+                               [&](const std::string& a) { return name.starts_with(a); });
+          });
       if (!found) breaches.push_back(place(file, names.front()));
     }
   }
@@ -271,7 +276,8 @@ TEST_CASE("only the processes read the host's clock") {
   for (const auto& [folder, module] : modules()) {
     if (readers.contains(folder)) continue;
     for (const fs::path& file : module.sources()) {
-      for (const std::string& found : matches_of(text_of(file), reading)) breaches.push_back(place(file, found));
+      for (const std::string& found : matches_of(text_of(file), reading))
+        breaches.push_back(place(file, found));
     }
   }
   CHECK(breaches == Breaches{});

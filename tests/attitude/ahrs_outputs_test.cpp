@@ -63,7 +63,8 @@ TEST_CASE("angles of known attitudes, as settled on from the sensors") {
     CHECK(std::abs(ned.z()) < 1e-3);
   }
   GIVEN("an aircraft in NED: Z down, climbing by 20°, heading 60° to the east of north") {
-    const Quaterniond told = geometry::rotation_of(geometry::EulerAngles<double>{0.0, 20 * degree, 60 * degree});
+    const Quaterniond told =
+        geometry::rotation_of(geometry::EulerAngles<double>{0.0, 20 * degree, 60 * degree});
     const Quaterniond truth = attitude::world_to_convention(Convention::ned, north_is_y).conjugate() * told;
     const auto m = at_rest(truth);
     // The nose is up: gravity's reaction shows along it, and against Z, which points down.

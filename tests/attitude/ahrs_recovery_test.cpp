@@ -49,7 +49,8 @@ TEST_CASE("a contradicting accelerometer is ignored for the timeout, then follow
   CHECK(filter.flags(default_settings).acceleration_timeout);
   CHECK_FALSE(filter.internal_states(default_settings).accelerometer_ignored);
   CHECK_FALSE(filter.flags(default_settings).initialising);
-  CHECK(distance_rad(filter, level) == Approx(0.1 * default_settings.gain * std::sin(30 * degree)).epsilon(0.15));
+  CHECK(distance_rad(filter, level) ==
+        Approx(0.1 * default_settings.gain * std::sin(30 * degree)).epsilon(0.15));
 }
 
 TEST_CASE("recovery goes on until the timer is back at 0") {
@@ -58,7 +59,8 @@ TEST_CASE("recovery goes on until the timer is back at 0") {
   run(filter, default_settings, tilted, 5.02);
   REQUIRE(filter.flags(default_settings).acceleration_timeout);
   // sin e shrinks at the gain: tan(e/2) falls exponentially, and is inside 10° after 2.2 s.
-  const double inside_after_s = std::log(std::tan(15 * degree) / std::tan(5 * degree)) / default_settings.gain;
+  const double inside_after_s =
+      std::log(std::tan(15 * degree) / std::tan(5 * degree)) / default_settings.gain;
   run(filter, default_settings, tilted, inside_after_s - 0.05);
   CHECK(filter.internal_states(default_settings).acceleration_timer == 1.0);
   run(filter, default_settings, tilted, 0.1 + 5.0 / 9.0 - 0.15);

@@ -20,7 +20,8 @@ AhrsSettings seed_form() {
 /// As an accelerometer of a tilted body: the field is the level body's.
 attitude::Measurement<double> tilted_force(double angle_rad) {
   auto m = at_rest(level);
-  m.specific_force_body_mps2 = geometry::rotation_by({angle_rad, 0, 0}).conjugate() * m.specific_force_body_mps2;
+  m.specific_force_body_mps2 =
+      geometry::rotation_by({angle_rad, 0, 0}).conjugate() * m.specific_force_body_mps2;
   return m;
 }
 

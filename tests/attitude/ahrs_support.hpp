@@ -4,8 +4,8 @@
 /// already settled on it.
 
 #include <sonopose/attitude/ahrs.hpp>
-#include <sonopose/samples/samples.hpp>
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <cmath>
 

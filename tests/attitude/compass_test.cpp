@@ -41,7 +41,8 @@ TEST_CASE("tilt does not change the heading: it is the yaw of the orientation in
               geometry::EulerAngles<double>{roll_deg * degree, pitch_deg * degree, yaw_deg * degree});
           const Eigen::Vector2d north(0.6, 0.8);
           INFO("yaw " << yaw_deg << " pitch " << pitch_deg << " roll " << roll_deg);
-          const double expected_deg = geometry::yaw_of(attitude::orientation_in(convention, north, q)) / degree;
+          const double expected_deg =
+              geometry::yaw_of(attitude::orientation_in(convention, north, q)) / degree;
           CHECK(degrees_of(convention, at_rest(q, north)) == Approx(expected_deg));
           // The length of neither vector matters.
           auto scaled = at_rest(q, north);
@@ -71,7 +72,8 @@ TEST_CASE("a yaw of a convention is told in the world and back") {
       const Eigen::Vector2d north(-0.28, 0.96);
       const double world_rad = attitude::yaw_in_world(convention, north, yaw_rad);
       const Quaterniond q = geometry::rotation_about_z(world_rad) * geometry::rotation_by({0, 0.4, 0});
-      CHECK(geometry::yaw_of(attitude::orientation_in(convention, north, q)) == Approx(yaw_rad).margin(1e-12));
+      CHECK(geometry::yaw_of(attitude::orientation_in(convention, north, q)) ==
+            Approx(yaw_rad).margin(1e-12));
     }
   }
 }

@@ -128,8 +128,9 @@ TEMPLATE_TEST_CASE("a gyroscope's offset that is given is taken off", "", EVERY_
 }
 
 TEMPLATE_TEST_CASE("gravity corrects the tilt, from any attitude and at any", "", EVERY_FILTER) {
-  for (const Quaterniond& truth : {Quaterniond::Identity(), some_attitude, geometry::rotation_by({3.1, 0.0, 0.0}),
-                                   geometry::rotation_by({0.0, std::acos(0.0), 0.0})}) {
+  for (const Quaterniond& truth :
+       {Quaterniond::Identity(), some_attitude, geometry::rotation_by({3.1, 0.0, 0.0}),
+        geometry::rotation_by({0.0, std::acos(0.0), 0.0})}) {
     TestType filter;
     // 1 rad, and nearly upside down.
     for (const double off_rad : {1.0, 3.0}) {

@@ -1,8 +1,8 @@
 /// Items 29 and 30, and what the filter must be without corrections: an exact integral of the rates.
 
 #include <sonopose/attitude/mahony.hpp>
-#include <sonopose/samples/samples.hpp>
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <catch2/catch.hpp>
 

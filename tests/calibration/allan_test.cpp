@@ -1,4 +1,5 @@
 #include "calibration/fit/allan.hpp"
+
 #include "sim/random.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,3 +1,4 @@
+#include <sonopose/calibration/model/axes.hpp>
 #include <sonopose/calibration/model/calibration.hpp>
 
 #include <Eigen/LU>

@@ -2,9 +2,9 @@
 /// \file
 /// A sensor with known errors that is held still in one orientation after the other.
 
+#include "sim/random.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
 #include <sonopose/geometry/rotation.hpp>
-#include "sim/random.hpp"
 
 #include <Eigen/LU>
 

@@ -1,5 +1,6 @@
-#include "calibration/simulated_sensor.hpp"
 #include "calibration/fit/still.hpp"
+
+#include "calibration/simulated_sensor.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -2,6 +2,8 @@
 
 #include "evaluation/attitude_run.hpp"
 
+#include <sonopose/geometry/rotation.hpp>
+
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 

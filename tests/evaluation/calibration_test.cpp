@@ -1,12 +1,12 @@
 #include "evaluation/calibration.hpp"
 
 #include "calibration/fit/error.hpp"
+#include "calibration/fit/terms.hpp"
 #include "calibration/simulated_sensor.hpp"
 #include "evaluation/allan.hpp"
 #include "files/error.hpp"
 #include "plots/allan_plot.hpp"
 #include "plots/plot.hpp"
-#include "calibration/fit/terms.hpp"
 #include "recording/log_writer.hpp"
 #include "support/temporary_folder.hpp"
 

@@ -1,6 +1,5 @@
 #include "fusion/input_monitor.hpp"
 
-#include "bridge/deadline_count.hpp"
 #include "process/silence_detector.hpp"
 
 #include <catch2/catch.hpp>
@@ -60,17 +59,4 @@ SCENARIO("a silence is told once when it begins and once when it ends") {
   const auto& seven = changes[0].address == 7 ? changes[0] : changes[1];
   CHECK_FALSE(seven.silent);
   CHECK(seven.lasted_s == Approx(0.5));
-}
-
-SCENARIO("whole periods without a sample are counted") {
-  DeadlineCount count(100 * ms);
-  CHECK(count.count(SteadyTime{5'000 * ms}) == 0);  // nothing has begun
-  count.on_sample(SteadyTime{1'000 * ms});
-  count.on_sample(SteadyTime{1'090 * ms});
-  CHECK(count.count(SteadyTime{1'189 * ms}) == 0);
-  CHECK(count.count(SteadyTime{1'190 * ms}) == 1);
-  CHECK(count.count(SteadyTime{1'340 * ms}) == 2);
-  count.on_sample(SteadyTime{1'340 * ms});
-  CHECK(count.count(SteadyTime{1'350 * ms}) == 2);
-  CHECK(count.count(SteadyTime{1'440 * ms}) == 3);
 }

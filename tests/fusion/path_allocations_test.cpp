@@ -36,17 +36,17 @@ SCENARIO("the path from a sample to its pose allocates nothing") {
       if (standing_by) fusion.standby = {.strength = 5, .warm_up_s = 0.5};
       const FusionNode node(fusion);
       const dds::DomainParticipant participant(options);
-      const dds::QosProvider qos;
-      auto imu_writer = dds::make_writer(participant, qos, dds::topics::imu);
-      auto fix_writer = dds::make_writer(participant, qos, dds::topics::fix);
-      auto heading_writer = dds::make_writer(participant, qos, dds::topics::heading);
+      const dds::qos::Provider qos;
+      auto imu_writer = dds::topics::make_writer(participant, qos, dds::topics::imu);
+      auto fix_writer = dds::topics::make_writer(participant, qos, dds::topics::fix);
+      auto heading_writer = dds::topics::make_writer(participant, qos, dds::topics::heading);
       Counter counter;
-      const auto reader = dds::make_reader(participant, qos, dds::topics::pose, &counter);
+      const auto reader = dds::topics::make_reader(participant, qos, dds::topics::pose, &counter);
       const auto write = [&](const Event& event) {
-        if (const auto* imu = std::get_if<ImuSample>(&event)) imu_writer.write(dds::to_idl(*imu));
-        if (const auto* fix = std::get_if<UltrasonicFix>(&event)) fix_writer.write(dds::to_idl(*fix));
+        if (const auto* imu = std::get_if<ImuSample>(&event)) imu_writer.write(dds::topics::to_idl(*imu));
+        if (const auto* fix = std::get_if<UltrasonicFix>(&event)) fix_writer.write(dds::topics::to_idl(*fix));
         if (const auto* heading = std::get_if<PairHeading>(&event)) {
-          heading_writer.write(dds::to_idl(*heading));
+          heading_writer.write(dds::topics::to_idl(*heading));
         }
       };
       const auto events = walk(7, 5.0);

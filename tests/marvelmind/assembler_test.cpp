@@ -89,8 +89,9 @@ TEST_CASE("A position's flags and angle bits reach the samples") {
   f.on(position, 68);
   f.finish();
   const auto fix = f.all<UltrasonicFix>().at(0);
-  CHECK(fix.flags == (ultrasonic_flag_user_button_1 | ultrasonic_flag_user_button_2 | ultrasonic_flag_other_hedge |
-                      ultrasonic_flag_out_of_geofence | ultrasonic_flag_pair_centre));
+  CHECK(fix.flags ==
+        (ultrasonic_flag_user_button_1 | ultrasonic_flag_user_button_2 | ultrasonic_flag_other_hedge |
+         ultrasonic_flag_out_of_geofence | ultrasonic_flag_pair_centre));
   CHECK_FALSE(fix.measured_delay_s);
   CHECK_FALSE(f.all<PairHeading>().at(0).valid);
 }

@@ -1,9 +1,9 @@
 // 112 s of bytes as a real pair of beacons gave them, against the same recording as a log folder.
 
-#include "marvelmind/frames.hpp"
 #include "marvelmind/assembler.hpp"
 #include "marvelmind/conversions.hpp"
 #include "marvelmind/decoder.hpp"
+#include "marvelmind/frames.hpp"
 
 #include <catch2/catch.hpp>
 

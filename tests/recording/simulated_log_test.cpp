@@ -1,9 +1,9 @@
 /// A log holds a simulated run whole: late and doubled packets come back in the order in which they came.
 
-#include "support/temporary_folder.hpp"
 #include "recording/log_folder.hpp"
 #include "recording/log_writer.hpp"
 #include "sim/simulator.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 

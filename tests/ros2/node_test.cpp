@@ -83,12 +83,12 @@ TEST_CASE("A node announces only changes") {
   ::unsetenv("CYCLONEDDS_URI");
   const TestDomain domain;
   Watcher<ros2::ParticipantEntitiesInfo> watcher(domain.id());
-  const dds::QosProvider qos;
+  const dds::qos::Provider qos;
   ros2::Node node(watcher.participant(), qos, ros2::NameResolver({}), ros2::Distro::jazzy);
   node.announce();
   node.announce();
   auto imu = node.make_writer<ros2::Imu>("imu", "ros2::Default");
-  const std::string key = dds::text_of(dds::guid_of(imu));
+  const std::string key = dds::qos::text_of(dds::guid_of(imu));
   node.announce();
   node.remove(imu);
   imu.close();

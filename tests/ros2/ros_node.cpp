@@ -22,7 +22,7 @@ int main(int argc, char** argv) try {
   const auto distro = std::string_view(argv[2]) == "humble" ? ros2::Distro::humble : ros2::Distro::jazzy;
   const dds::DomainParticipant participant = dds::make_participant(
       {.domain_id = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10))}, ros2::participant_qos());
-  const dds::QosProvider qos;
+  const dds::qos::Provider qos;
   ros2::Node node(participant, qos, ros2::NameResolver({.name_space = "/hall", .name = "locator"}), distro);
   const auto imu = node.make_writer<ros2::Imu>("imu/data", "ros2::SensorData");
   const auto transforms = node.make_writer<ros2::TFMessage>("/tf_static", "ros2::TfStatic");

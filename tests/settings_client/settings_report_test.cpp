@@ -2,7 +2,6 @@
 
 #include "settings_client/settings_report.hpp"
 
-
 #include "config/fusion_config.hpp"
 #include <sonopose/settings/preset.hpp>
 

@@ -1,7 +1,7 @@
 /// The simulator's IMU must be the derivative of its truth: integrated without noise it comes back to it.
 
-#include <sonopose/geometry/rotation.hpp>
 #include "sim/simulator.hpp"
+#include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -33,7 +33,7 @@ public:
       const double dt = seconds_between(last_->sensor_time_ns, imu.sensor_time_ns);
       const Vector3d before = q_ * last_->specific_force_body_mps2;
       q_ = q_ * geometry::rotation_by(0.5 * dt *
-                                  (last_->angular_velocity_body_radps + imu.angular_velocity_body_radps));
+                                      (last_->angular_velocity_body_radps + imu.angular_velocity_body_radps));
       const Vector3d acceleration =
           0.5 * (before + q_ * imu.specific_force_body_mps2) - Vector3d(0, 0, 9.80665);
       position_ += velocity_ * dt + 0.5 * dt * dt * acceleration;

@@ -96,11 +96,12 @@ bool wait_for_status(const dds::Entity& entity, dds::StatusMask statuses, const 
 template <class T>
 class Consumer {
 public:
-  using Sample = decltype(dds::from_idl(std::declval<const T&>()));
+  using Sample = decltype(dds::topics::from_idl(std::declval<const T&>()));
 
-  Consumer(const Bus& bus, const dds::TopicEntry<T>& entry, dds::Delivery delivery = dds::Delivery::lossless)
+  Consumer(const Bus& bus, const dds::topics::Entry<T>& entry,
+           dds::topics::Delivery delivery = dds::topics::Delivery::lossless)
       : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
-        reader_(dds::make_reader(participant_, dds::QosProvider(), entry, nullptr, delivery)) {}
+        reader_(dds::topics::make_reader(participant_, dds::qos::Provider(), entry, nullptr, delivery)) {}
 
   /// Waits until it has matched at least `count` writers.
   bool wait_for_writers(std::uint32_t count = 1) {
@@ -142,7 +143,7 @@ public:
   /// Takes all available samples.
   void take() {
     reader_.take_each([&](const T& sample, const dds::SampleInfo&) {
-      samples.push_back(dds::from_idl(sample));
+      samples.push_back(dds::topics::from_idl(sample));
       received_ns.push_back(std::chrono::duration_cast<std::chrono::nanoseconds>(
                                 std::chrono::system_clock::now().time_since_epoch())
                                 .count());

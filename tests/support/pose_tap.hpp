@@ -23,7 +23,8 @@ class PoseTap {
 public:
   explicit PoseTap(const Bus& bus, const std::string& partition = {})
       : participant_(dds::make_participant({.domain_id = bus.domain_id(), .partition = partition})),
-        reader_(dds::make_reader(participant_, dds::QosProvider(), dds::topics::pose, &listener_)) {}
+        reader_(dds::topics::make_reader(participant_, dds::qos::Provider(), dds::topics::pose, &listener_)) {
+  }
 
   /// The currently matched writers.
   [[nodiscard]] std::set<std::uint64_t> writers() const {
@@ -98,7 +99,7 @@ private:
       const SteadyTime received = process::steady_now();
       const std::lock_guard lock(mutex);
       reader.try_take_each([&](const sonopose_FusedPose& pose, const dds::SampleInfo& info) {
-        poses.push_back({dds::from_idl(pose), info.publication_handle().value, received});
+        poses.push_back({dds::topics::from_idl(pose), info.publication_handle().value, received});
       });
       came.notify_all();
     }

@@ -34,7 +34,7 @@ SCENARIO("a late consumer receives poses, and the last status at once") {
   GIVEN("a running chain with a consumer from the start") {
     const Bus bus;
     Consumer<sonopose_FusedPose> first(bus, topics::pose);
-    Consumer<sonopose_FusionStatus> first_status(bus, topics::fusion_status, dds::Delivery::live);
+    Consumer<sonopose_FusionStatus> first_status(bus, topics::fusion_status, dds::topics::Delivery::live);
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({});
     REQUIRE(first.wait_for_count(50));

@@ -26,7 +26,7 @@ SCENARIO("poses are predicted between IMU samples, and only until the IMU's dead
   GIVEN("an IMU at 100 Hz and an output rate of 500 Hz") {
     const Bus bus;
     PoseTap tap(bus);
-    Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::Delivery::live);
+    Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::topics::Delivery::live);
     const auto fusion = bus.fusion({"--set", "output.rate_hz=500"});
     const auto bridge = bus.bridge({});
     REQUIRE(tap.wait_for([](const TappedPose& tapped) { return is_predicted(tapped.pose); }, 0));
@@ -68,8 +68,8 @@ SCENARIO("missed deadlines and lost bridges are counted where they are detected"
   GIVEN("a chain with a monitor") {
     const Bus bus;
     PoseTap tap(bus);
-    Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::Delivery::live);
-    Consumer<sonopose_BeaconStatus> beacon(bus, topics::beacon_status, dds::Delivery::live);
+    Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::topics::Delivery::live);
+    Consumer<sonopose_BeaconStatus> beacon(bus, topics::beacon_status, dds::topics::Delivery::live);
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({});
     const auto monitor = bus.monitor({"--json"});

@@ -12,7 +12,7 @@ SCENARIO("a stopped consumer does not delay others") {
   GIVEN("250 beacons and two consumers, one of which stops") {
     const Bus bus;
     PoseTap tap(bus);
-    Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::Delivery::live);
+    Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::topics::Delivery::live);
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({"--beacons", "250", "--imu-rate", "25"});
     const auto monitor = bus.monitor({"--json"});

@@ -109,7 +109,7 @@ SCENARIO("a log played as fast as possible gives every pose once, identical to a
 SCENARIO("a lossless fusion that missed the first events reports what it waits for") {
   const Bus bus;
   const auto bridge = bus.bridge({"--source", "sim"});
-  Consumer<sonopose_ImuSample> imu(bus, topics::imu, dds::Delivery::live);
+  Consumer<sonopose_ImuSample> imu(bus, topics::imu, dds::topics::Delivery::live);
   REQUIRE(imu.wait_for_count(1));
   const auto fusion = bus.fusion({"--lossless"});
   CHECK(fusion->wait_for_line(Stream::error, "beacon 7: waiting for event 1,"));

@@ -14,7 +14,7 @@ class Commander {
 public:
   explicit Commander(const Bus& bus)
       : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
-        writer_(dds::make_writer(participant_, dds::QosProvider(), topics::reset)) {}
+        writer_(dds::topics::make_writer(participant_, dds::qos::Provider(), topics::reset)) {}
 
   bool wait_for_fusion() {
     return wait_for_status(writer_, dds::StatusMask::publication_matched(),

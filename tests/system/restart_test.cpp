@@ -20,7 +20,7 @@ SCENARIO("a bridge is killed and restarted") {
   GIVEN("a running chain") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
-    Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::Delivery::live);
+    Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::topics::Delivery::live);
     const auto fusion = bus.fusion();
     auto bridge = bus.bridge({"--scenario", "rest"});
     REQUIRE(poses.wait_for(is_ready));

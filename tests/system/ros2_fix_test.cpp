@@ -89,7 +89,7 @@ SCENARIO("a beacon with a magnetometer has a magnetic field topic") {
     const Bus bus;
     const auto relay = bus.ros2();
     const auto participant = dds::make_participant({.domain_id = bus.domain_id()});
-    auto samples = dds::make_writer(participant, dds::QosProvider(), topics::imu);
+    auto samples = dds::topics::make_writer(participant, dds::qos::Provider(), topics::imu);
     RosReader<ros2::MagneticField> field(bus, "/hedge_9/imu/mag", Subscription::sensor_data);
     ImuSample sample;
     sample.address = 9;
@@ -101,7 +101,7 @@ SCENARIO("a beacon with a magnetometer has a magnetic field topic") {
       for (int i = 0; i < 1000 && !came; ++i) {
         sample.sequence = static_cast<std::uint64_t>(i) + 1;
         sample.sensor_time_ns = process::host_now();
-        samples.write(dds::to_idl(sample));
+        samples.write(dds::topics::to_idl(sample));
         came = field.wait_for_count(
             1, [&](const auto& message) { seen = message.magnetic_field; }, std::chrono::milliseconds(10));
       }

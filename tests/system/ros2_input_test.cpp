@@ -56,7 +56,7 @@ SCENARIO("any IMU and any positioning system with a ROS 2 driver feed the fusion
   GIVEN("a fusion, a relay that forwards both as beacon 42, and drivers") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
-    Consumer<sonopose_BeaconStatus> status(bus, topics::beacon_status, dds::Delivery::live);
+    Consumer<sonopose_BeaconStatus> status(bus, topics::beacon_status, dds::topics::Delivery::live);
     RosReader<ros2::Odometry> odometry(bus, "/hedge_42/odom");
     const auto fusion = bus.fusion();
     const auto relay = bus.ros2({"--imu-in", "/imu/data=42", "--fix-in", "/tag/pose=42"});

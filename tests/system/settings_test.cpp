@@ -38,7 +38,7 @@ auto of(BeaconAddress address) {
 
 /// The effective settings that a new consumer receives.
 EffectiveSettings as_late_consumer(const Bus& bus, BeaconAddress address) {
-  Consumer<sonopose_EffectiveSettings> late(bus, topics::settings, dds::Delivery::live);
+  Consumer<sonopose_EffectiveSettings> late(bus, topics::settings, dds::topics::Delivery::live);
   REQUIRE(late.wait_for(of(address)));
   return *std::find_if(late.samples.begin(), late.samples.end(), of(address));
 }
@@ -53,7 +53,7 @@ struct LiveSystem {
   }
 
   Bus bus;
-  Consumer<sonopose_EffectiveSettings> settings{bus, topics::settings, dds::Delivery::live};
+  Consumer<sonopose_EffectiveSettings> settings{bus, topics::settings, dds::topics::Delivery::live};
   std::unique_ptr<Process> fusion;
   std::unique_ptr<Process> seven;
   std::unique_ptr<Process> eight;
@@ -165,7 +165,7 @@ SCENARIO("watch prints changes as they happen") {
 
 SCENARIO("the reset command waits for its result") {
   LiveSystem live;
-  Consumer<sonopose_FusionStatus> statuses(live.bus, topics::fusion_status, dds::Delivery::live);
+  Consumer<sonopose_FusionStatus> statuses(live.bus, topics::fusion_status, dds::topics::Delivery::live);
   const Result reset = live.bus.settings({"reset", "--beacon", "7"});
   CAPTURE(reset.error);
   CHECK(reset.code == 0);
@@ -220,7 +220,7 @@ SCENARIO("a change at a given event gives poses that are bit-identical to the re
     REQUIRE(differing > 1000);
     WHEN("the programs make the same change, requested before the bridge starts") {
       Consumer<sonopose_FusedPose> poses(bus, topics::pose);
-      Consumer<sonopose_EffectiveSettings> settings(bus, topics::settings, dds::Delivery::live);
+      Consumer<sonopose_EffectiveSettings> settings(bus, topics::settings, dds::topics::Delivery::live);
       const auto fusion = bus.fusion({"--lossless"});
       REQUIRE(poses.wait_for_writers());
       const Result set = bus.settings({"set", "fusion.imu_weight=high", "trust.sigma_m=0.02", "--from-event",

@@ -226,7 +226,7 @@ SCENARIO("a silent beacon is released, and claimed again when it returns") {
   GIVEN("a fusion that claims two beacons of two bridges") {
     Pair pair({"--scenario", "rest", "--imu-rate", "200", "--address", "7"});
     const auto other = pair.bus.bridge({"--scenario", "rest", "--imu-rate", "200", "--address", "8"});
-    Consumer<sonopose_FusionStatus> status(pair.bus, topics::fusion_status, dds::Delivery::live);
+    Consumer<sonopose_FusionStatus> status(pair.bus, topics::fusion_status, dds::topics::Delivery::live);
     const Fusion fusion = pair.start("100");
     const auto wait_for_role = [&](FusionRole role, bool silent) {
       return status.wait_for(

@@ -11,7 +11,7 @@ namespace topics = dds::topics;
 SCENARIO("two bridges with the same address detect and report each other") {
   GIVEN("a running bridge") {
     const Bus bus;
-    Consumer<sonopose_BeaconStatus> status(bus, topics::beacon_status, dds::Delivery::live);
+    Consumer<sonopose_BeaconStatus> status(bus, topics::beacon_status, dds::topics::Delivery::live);
     const auto first = bus.bridge({"--scenario", "rest"});
     REQUIRE(status.wait_for_count(2));
     CHECK(status.samples.back().other_bridges == 0);

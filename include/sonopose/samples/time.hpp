@@ -12,7 +12,8 @@ namespace sonopose {
 /// Nanoseconds: a duration, or a time of the host's clock since the Unix epoch.
 using TimeNs = std::int64_t;
 
-/// A time of the host's clock: nanoseconds since the Unix epoch. A plain number, since estimation integrates it.
+/// A time of the host's clock: nanoseconds since the Unix epoch. A plain number, since estimation integrates
+/// it.
 using HostTime = TimeNs;
 
 /// A time of the steady clock. It has no epoch: only differences and comparisons mean something.

@@ -1,6 +1,6 @@
 #include "calibration/fit/fit_support.hpp"
-#include "calibration/fit/least_squares.hpp"
 #include "calibration/fit/inertial_fit.hpp"
+#include "calibration/fit/least_squares.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <array>

@@ -1,4 +1,5 @@
 #include "calibration/fit/still.hpp"
+
 #include <sonopose/statistics/quantile.hpp>
 
 #include <algorithm>

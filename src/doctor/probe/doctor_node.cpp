@@ -24,9 +24,9 @@ namespace topics = dds::topics;
 /// A subscription to one topic.
 template <class T>
 struct Subscription {
-  Subscription(const dds::DomainParticipant& participant, const dds::QosProvider& qos,
-               const dds::TopicEntry<T>& entry)
-      : reader(dds::make_reader(participant, qos, entry)), has_data(reader) {}
+  Subscription(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+               const dds::topics::Entry<T>& entry)
+      : reader(dds::topics::make_reader(participant, qos, entry)), has_data(reader) {}
 
   dds::DataReader<T> reader;
   dds::ReadCondition has_data;
@@ -44,7 +44,7 @@ private:
   template <class T>
   void take(Subscription<T>& subscription);
   template <class T>
-  [[nodiscard]] double deadline_s(const dds::TopicEntry<T>& entry) const;
+  [[nodiscard]] double deadline_s(const dds::topics::Entry<T>& entry) const;
   /// The processes of those of these IMU writers that still exist.
   [[nodiscard]] std::vector<rules::ProcessObservation> processes_of(
       const std::set<std::uint64_t>& imu_writers, const Processes& processes);
@@ -52,7 +52,7 @@ private:
                                                         TimeNs now_ns, const Processes& processes);
 
   const DoctorOptions& options_;
-  dds::QosProvider qos_;
+  dds::qos::Provider qos_;
   dds::DomainParticipant participant_;
   dds::Discovery discovery_;
   Subscription<sonopose_ImuSample> imu_;
@@ -91,7 +91,7 @@ template <class T>
 void SystemObserver::take(Subscription<T>& subscription) {
   const TimeNs received_ns = process::host_now();
   subscription.reader.take_each([&](const T& sample, const dds::SampleInfo& info) {
-    auto value = dds::from_idl(sample);
+    auto value = dds::topics::from_idl(sample);
     if constexpr (std::is_same_v<T, sonopose_EffectiveSettings>) {
       effective_settings_[value.address] = std::move(value);
     } else {
@@ -129,7 +129,7 @@ void SystemObserver::listen_until(SteadyTime end, const process::StopSignal& sto
 }
 
 template <class T>
-double SystemObserver::deadline_s(const dds::TopicEntry<T>& entry) const {
+double SystemObserver::deadline_s(const dds::topics::Entry<T>& entry) const {
   const dds::Duration deadline = dds::deadline_of(qos_.datareader_qos(entry.profile));
   if (deadline == dds::infinite) return std::numeric_limits<double>::infinity();
   return std::chrono::duration<double>(deadline).count();

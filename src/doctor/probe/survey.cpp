@@ -120,7 +120,7 @@ rules::ProcessObservation process_of(const Processes& processes, const std::stri
 
 std::vector<rules::NativeTopic> native_topics() {
   std::vector<rules::NativeTopic> topics;
-  const auto add = [&topics]<class T>(const dds::TopicEntry<T>& entry) {
+  const auto add = [&topics]<class T>(const dds::topics::Entry<T>& entry) {
     topics.push_back({entry.name, dds::TopicTraits<T>::descriptor().m_typename});
   };
   std::apply([&](const auto&... entry) { (add(entry), ...); }, dds::topics::all);

@@ -17,7 +17,7 @@ void check_type(const NativeTopic& topic, const EndpointObservation& endpoint, c
                       "build that program with the idl/sonopose.idl of this version"});
 }
 
-std::string remedy_for(const dds::QosMismatch& mismatch, const NativeTopic& topic) {
+std::string remedy_for(const dds::qos::Mismatch& mismatch, const NativeTopic& topic) {
   if (mismatch.policy == "ownership") {
     return fmt::format("use {1} ownership for both endpoints of {0}", topic.name, mismatch.offered);
   }
@@ -30,19 +30,19 @@ std::string remedy_for(const dds::QosMismatch& mismatch, const NativeTopic& topi
 
 /// Whether the two are separated on purpose.
 bool in_different_partitions(const EndpointObservation& writer, const EndpointObservation& reader) {
-  const auto mismatches = dds::qos_mismatches(writer.qos, reader.qos);
+  const auto mismatches = dds::qos::mismatches(writer.qos, reader.qos);
   return std::any_of(mismatches.begin(), mismatches.end(),
-                     [](const dds::QosMismatch& mismatch) { return mismatch.policy == "partition"; });
+                     [](const dds::qos::Mismatch& mismatch) { return mismatch.policy == "partition"; });
 }
 
 void check_pair(const NativeTopic& topic, const EndpointObservation& writer,
                 const EndpointObservation& reader, Findings& findings) {
   if (writer.type != reader.type || in_different_partitions(writer, reader))
     return;  // reported already, or intended
-  for (const dds::QosMismatch& mismatch : dds::qos_mismatches(writer.qos, reader.qos)) {
+  for (const dds::qos::Mismatch& mismatch : dds::qos::mismatches(writer.qos, reader.qos)) {
     findings.push_back({Severity::error, topic.name,
                         fmt::format("{} cannot receive from {}: {}", text_of(reader.process),
-                                    text_of(writer.process), dds::text_of(mismatch)),
+                                    text_of(writer.process), dds::qos::text_of(mismatch)),
                         remedy_for(mismatch, topic)});
   }
 }

@@ -71,7 +71,7 @@ dds::Qos participant_qos(const std::string& enclave) {
   return dds::Qos() << user_data("enclave=" + enclave + ";");
 }
 
-Node::Node(const dds::DomainParticipant& participant, const dds::QosProvider& qos, NameResolver names,
+Node::Node(const dds::DomainParticipant& participant, const dds::qos::Provider& qos, NameResolver names,
            Distro distro)
     : participant_(participant), qos_(qos), names_(std::move(names)) {
   const dds::Qos& topic_qos = qos.topic_qos(discovery_profile);

@@ -106,7 +106,7 @@ ParameterServer::ParameterServer(ros2::Node& node, const dds::DomainParticipant&
                                  const dds::DomainOptions& domain,
                                  const std::optional<std::filesystem::path>& qos_file)
     : client_(domain, qos_file),
-      settings_(dds::make_reader(participant, dds::QosProvider(qos_file), dds::topics::settings)),
+      settings_(dds::topics::make_reader(participant, dds::qos::Provider(qos_file), dds::topics::settings)),
       list_(node.make_service<ros2::ListParameters>("~/list_parameters")),
       get_(node.make_service<ros2::GetParameters>("~/get_parameters")),
       get_types_(node.make_service<ros2::GetParameterTypes>("~/get_parameter_types")),
@@ -127,11 +127,13 @@ void ParameterServer::serve() {
 }
 
 void ParameterServer::take_settings() {
-  settings_.take_each([this](const sonopose_EffectiveSettings& sample,
-                             const dds::SampleInfo&) { effective_[sample.address] = dds::from_idl(sample); },
-                      [this](const sonopose_EffectiveSettings& key, const dds::SampleInfo& info) {
-                        if (!info.alive()) effective_.erase(key.address);
-                      });
+  settings_.take_each(
+      [this](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
+        effective_[sample.address] = dds::topics::from_idl(sample);
+      },
+      [this](const sonopose_EffectiveSettings& key, const dds::SampleInfo& info) {
+        if (!info.alive()) effective_.erase(key.address);
+      });
 }
 
 void ParameterServer::list(const ros2::ListParameters::Request& request, const auto& reply) {

@@ -20,7 +20,7 @@ namespace sonopose::ros2::relay {
 /// block; construct the server on the thread of the node.
 class ParameterServer {
 public:
-  /// Throws dds::Error, dds::QosFileError. `participant` must outlive it.
+  /// Throws dds::Error, dds::qos::FileError. `participant` must outlive it.
   ParameterServer(ros2::Node& node, const dds::DomainParticipant& participant,
                   const dds::DomainOptions& domain, const std::optional<std::filesystem::path>& qos_file);
 

@@ -67,7 +67,7 @@ private:
         : process::CountingReaderListener<T>(relay.endpoints_), relay_(relay) {}
     void on_data_available(dds::DataReader<T>& reader) noexcept override {
       reader.try_take_each(
-          [this](const T& sample, const dds::SampleInfo&) { relay_.on(dds::from_idl(sample)); });
+          [this](const T& sample, const dds::SampleInfo&) { relay_.on(dds::topics::from_idl(sample)); });
     }
 
   private:
@@ -142,7 +142,7 @@ private:
 
   RelayOptions options_;
   dds::DomainParticipant participant_;
-  dds::QosProvider qos_;
+  dds::qos::Provider qos_;
   ros2::Node node_;
   ParameterServer parameters_;
   dds::DataWriter<ros2::DiagnosticArray> diagnostics_writer_;
@@ -197,7 +197,7 @@ Relay::Impl::Impl(const RelayOptions& options)
   }
   node_.announce();
   const auto subscribe = [this](auto& subscription, const auto& topic) {
-    subscription.reader = dds::make_reader(participant_, qos_, topic, &subscription.listener);
+    subscription.reader = dds::topics::make_reader(participant_, qos_, topic, &subscription.listener);
   };
   subscribe(imu_, topics::imu);
   subscribe(fix_, topics::fix);

@@ -56,7 +56,7 @@ struct RelayOptions {
 /// writers of a beacon after its first sample; samples that arrive before are not published.
 class Relay {
 public:
-  /// Joins the domain and starts to relay. Throws dds::Error, dds::QosFileError, std::invalid_argument.
+  /// Joins the domain and starts to relay. Throws dds::Error, dds::qos::FileError, std::invalid_argument.
   explicit Relay(const RelayOptions& options);
   Relay(const Relay&) = delete;
   Relay& operator=(const Relay&) = delete;

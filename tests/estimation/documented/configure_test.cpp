@@ -2,6 +2,7 @@
 
 #include "support/bits.hpp"
 #include "support/engine_driver.hpp"
+#include <sonopose/settings/preset.hpp>
 
 #include <catch2/catch.hpp>
 

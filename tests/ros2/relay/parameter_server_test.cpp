@@ -42,7 +42,7 @@ public:
       : environment_(::unsetenv("CYCLONEDDS_URI")),
         fusion_(fusion_options()),
         participant_(dds::make_participant(options())),
-        imu_(dds::make_writer(participant_, qos_, dds::topics::imu)),
+        imu_(dds::topics::make_writer(participant_, qos_, dds::topics::imu)),
         node_(participant_, qos_, ros2::NameResolver({}), ros2::Distro::jazzy),
         server_(node_, participant_, options(), {}) {
     node_.announce();
@@ -51,7 +51,7 @@ public:
     sample.address = 7;
     sample.sensor_time_ns = process::host_now();
     sample.sequence = 1;
-    imu_.write(dds::to_idl(sample));
+    imu_.write(dds::topics::to_idl(sample));
   }
   ~System() { stop_.request(); }
   dds::DomainOptions options() const { return {.domain_id = domain_.id()}; }
@@ -66,7 +66,7 @@ private:
   int environment_;  // first, because the developer may use CYCLONEDDS_URI
   test::TestDomain domain_;
   fusion::FusionNode fusion_;
-  dds::QosProvider qos_;
+  dds::qos::Provider qos_;
   dds::DomainParticipant participant_;
   dds::DataWriter<sonopose_ImuSample> imu_;
   ros2::Node node_;

@@ -117,7 +117,7 @@ private:
 
   int environment_;  // first, because the developer may use CYCLONEDDS_URI
   test::TestDomain domain_;
-  dds::QosProvider qos_;
+  dds::qos::Provider qos_;
   dds::DomainParticipant participant_;
   dds::DomainParticipant drivers_;
   ros2::Node node_;

@@ -24,7 +24,7 @@ public:
 
   using DomainLease::domain_id;
 
-  /// From the options; make_writer and make_reader add it to every profile.
+  /// From the options; topics::make_writer and topics::make_reader add it to every profile.
   [[nodiscard]] const std::string& partition() const noexcept { return partition_; }
 
 private:

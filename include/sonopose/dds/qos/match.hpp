@@ -31,11 +31,3 @@ std::string text_of(const Mismatch& mismatch);
 std::string text_of(Duration duration);
 
 }  // namespace sonopose::dds::qos
-
-namespace sonopose::dds {
-using QosMismatch = qos::Mismatch;
-using qos::text_of;
-inline std::vector<QosMismatch> qos_mismatches(const Qos& writer, const Qos& reader) {
-  return qos::mismatches(writer, reader);
-}
-}  // namespace sonopose::dds

@@ -74,8 +74,3 @@ private:
 };
 
 }  // namespace sonopose::dds::qos
-
-namespace sonopose::dds {
-using QosProvider = qos::Provider;
-using QosFileError = qos::FileError;
-}  // namespace sonopose::dds

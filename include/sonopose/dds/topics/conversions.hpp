@@ -75,9 +75,3 @@ SettingsReply from_idl(const sonopose_SettingsReply& idl);
 EffectiveSettings from_idl(const sonopose_EffectiveSettings& idl);
 
 }  // namespace sonopose::dds::topics
-
-namespace sonopose::dds {
-using topics::from_idl;
-using topics::IdlView;
-using topics::to_idl;
-}  // namespace sonopose::dds

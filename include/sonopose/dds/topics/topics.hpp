@@ -107,13 +107,3 @@ DataReader<T> make_reader(const DomainParticipant& participant, const qos::Provi
 }
 
 }  // namespace sonopose::dds::topics
-
-namespace sonopose::dds {
-template <class T>
-using TopicEntry = topics::Entry<T>;
-using topics::Delivery;
-using topics::join_partition;
-using topics::make_reader;
-using topics::make_writer;
-using topics::profile_of;
-}  // namespace sonopose::dds

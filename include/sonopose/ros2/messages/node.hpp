@@ -32,7 +32,7 @@ dds::Qos participant_qos(const std::string& enclave = "/");
 class Node {
 public:
   /// `participant` and `qos` must outlive the node.
-  Node(const dds::DomainParticipant& participant, const dds::QosProvider& qos, NameResolver names,
+  Node(const dds::DomainParticipant& participant, const dds::qos::Provider& qos, NameResolver names,
        Distro distro);
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
@@ -110,7 +110,7 @@ private:
   void add(Guids& guids, const dds::Entity& endpoint);
 
   const dds::DomainParticipant& participant_;
-  const dds::QosProvider& qos_;
+  const dds::qos::Provider& qos_;
   NameResolver names_;
   Guids readers_;
   Guids writers_;
