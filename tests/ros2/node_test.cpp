@@ -88,7 +88,7 @@ TEST_CASE("A node announces only changes") {
   node.announce();
   node.announce();
   auto imu = node.make_writer<ros2::Imu>("imu", "ros2::Default");
-  const std::string key = dds::qos::text_of(dds::guid_of(imu));
+  const std::string key = dds::text_of(dds::guid_of(imu));
   node.announce();
   node.remove(imu);
   imu.close();

@@ -37,7 +37,7 @@ std::string key_of(const Gid& gid) {
   dds_guid_t guid{};
   std::copy_n(std::begin(gid.data), sizeof guid.v, std::begin(guid.v));
   CHECK(std::all_of(std::begin(gid.data) + sizeof guid.v, std::end(gid.data), [](auto b) { return b == 0; }));
-  return dds::qos::text_of(guid);
+  return dds::text_of(guid);
 }
 
 template <class Sequence>
