@@ -19,9 +19,9 @@ std::string cell(const std::optional<double>& value, double factor = 1.0) {
 AllanResult analyse_allan(const std::filesystem::path& log) {
   const auto imu = read_imu_log(log);
   try {
-    return {log, imu.size(), calibration::analyse_allan(imu)};
-  } catch (const calibration::CalibrationError& error) {
-    throw calibration::CalibrationError((log / "imu.csv").string() + ": " + error.what());
+    return {log, imu.size(), calibration::fit::analyse_allan(imu)};
+  } catch (const calibration::fit::CalibrationError& error) {
+    throw calibration::fit::CalibrationError((log / "imu.csv").string() + ": " + error.what());
   }
 }
 
@@ -29,12 +29,12 @@ std::string allan_text(const AllanResult& result) {
   constexpr double degrees_per_radian = 1.0 / geometry::radians_per_degree;
   constexpr double root_of_minutes_per_hour = 60.0;  // √(3600 s/h)
   constexpr double seconds_per_hour = 3600.0;
-  const calibration::AllanReport& report = result.report;
+  const calibration::fit::AllanReport& report = result.report;
   std::string text = fmt::format("{} samples, {:.6g} s apart, over {:.1f} s\n", result.samples,
                                  report.period_s, report.duration_s);
   text += fmt::format("{:<16}{:>12}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "", "density", "", "instability", "",
                       "at tau", "walk");
-  for (std::size_t axis = 0; axis < calibration::allan_axes.size(); ++axis) {
+  for (std::size_t axis = 0; axis < calibration::fit::allan_axes.size(); ++axis) {
     const bool is_rate = axis < 3;
     if (axis % 3 == 0) {
       text += is_rate ? fmt::format("{:<16}{:>12}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "", "rad/s/rtHz",
@@ -42,11 +42,11 @@ std::string allan_text(const AllanResult& result) {
                       : fmt::format("{:<16}{:>12}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "", "m/s2/rtHz",
                                     "m/s/rth", "m/s2", "mg", "s", "m/s2/rts");
     }
-    const calibration::AllanNumbers& numbers = report.numbers[axis];
+    const calibration::fit::AllanNumbers& numbers = report.numbers[axis];
     const double density_factor = root_of_minutes_per_hour * (is_rate ? degrees_per_radian : 1.0);
     const double instability_factor =
         is_rate ? seconds_per_hour * degrees_per_radian : 1000.0 / standard_gravity_mps2;
-    text += fmt::format("{:<16}", calibration::allan_axes[axis]) + cell(numbers.noise_density) +
+    text += fmt::format("{:<16}", calibration::fit::allan_axes[axis]) + cell(numbers.noise_density) +
             cell(numbers.noise_density, density_factor) + cell(numbers.bias_instability) +
             cell(numbers.bias_instability, instability_factor) + cell(numbers.bias_instability_tau_s) +
             cell(numbers.rate_random_walk) + "\n";

@@ -13,7 +13,7 @@ namespace sonopose::evaluation {
 struct AllanResult {
   std::filesystem::path log;
   std::size_t samples = 0;
-  calibration::AllanReport report;
+  calibration::fit::AllanReport report;
 };
 
 /// Reads imu.csv of the log folder. Throws files::IoError, and a CalibrationError that names the file.

@@ -8,7 +8,7 @@ namespace sonopose::evaluation {
 namespace {
 
 namespace fs = std::filesystem;
-using calibration::CalibrationError;
+using calibration::fit::CalibrationError;
 
 constexpr const char* imu_file = "imu.csv";
 
@@ -23,7 +23,7 @@ CalibrationResult summary_of(const fs::path& log, const std::vector<ImuSample>& 
 }
 
 void find_still(const std::vector<ImuSample>& imu, CalibrationResult& result) {
-  result.still = calibration::find_still_intervals(imu);
+  result.still = calibration::fit::find_still_intervals(imu);
   for (const auto& interval : result.still) {
     result.still_begin_ns.push_back(imu[interval.begin].sensor_time_ns);
   }
@@ -52,21 +52,21 @@ std::vector<ImuSample> read_imu_log(const fs::path& log) {
 CalibrationResult calibrate_imu(const fs::path& log) {
   return from_log(log, [](const std::vector<ImuSample>& imu, CalibrationResult& result) {
     find_still(imu, result);
-    result.accelerometer = calibration::fit_accelerometer(result.still);
-    result.gyroscope = calibration::fit_gyroscope(imu, result.still, result.accelerometer->settings);
+    result.accelerometer = calibration::fit::fit_accelerometer(result.still);
+    result.gyroscope = calibration::fit::fit_gyroscope(imu, result.still, result.accelerometer->settings);
   });
 }
 
 CalibrationResult calibrate_gyroscope(const fs::path& log) {
   return from_log(log, [](const std::vector<ImuSample>& imu, CalibrationResult& result) {
     find_still(imu, result);
-    result.gyroscope = calibration::fit_gyroscope(result.still);
+    result.gyroscope = calibration::fit::fit_gyroscope(result.still);
   });
 }
 
 CalibrationResult calibrate_magnetometer(const fs::path& log, std::optional<double> field_ut) {
   return from_log(log, [field_ut](const std::vector<ImuSample>& imu, CalibrationResult& result) {
-    result.magnetometer = calibration::fit_magnetometer(imu, field_ut);
+    result.magnetometer = calibration::fit::fit_magnetometer(imu, field_ut);
   });
 }
 

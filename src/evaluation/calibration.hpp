@@ -21,11 +21,11 @@ struct CalibrationResult {
   std::size_t samples = 0;
   double duration_s = 0;
   TimeNs begin_ns = 0;
-  std::vector<calibration::StillInterval> still;
+  std::vector<calibration::fit::StillInterval> still;
   std::vector<TimeNs> still_begin_ns;  ///< begin of each period
-  std::optional<calibration::AccelerometerFit> accelerometer;
-  std::optional<calibration::GyroscopeFit> gyroscope;
-  std::optional<calibration::MagnetometerFit> magnetometer;
+  std::optional<calibration::fit::AccelerometerFit> accelerometer;
+  std::optional<calibration::fit::GyroscopeFit> gyroscope;
+  std::optional<calibration::fit::MagnetometerFit> magnetometer;
 };
 
 /// The IMU samples of a log folder. Only imu.csv is read. Throws files::IoError.

@@ -20,7 +20,7 @@ std::string dumped(const Json& json) {
 template <class Group>
 Json json_of(const Group& settings) {
   Json object = Json::object();
-  for (const auto& [info, value] : calibration::terms_of(settings)) object[info->name] = value;
+  for (const auto& [info, value] : calibration::fit::terms_of(settings)) object[info->name] = value;
   return object;
 }
 
@@ -79,15 +79,15 @@ std::string allan_json(const AllanResult& result) {
               {"samples", result.samples},
               {"duration_s", result.report.duration_s},
               {"period_s", result.report.period_s}};
-  for (std::size_t axis = 0; axis < calibration::allan_axes.size(); ++axis) {
-    const calibration::AllanNumbers& numbers = result.report.numbers[axis];
-    Json row{{"axis", calibration::allan_axes[axis]},
+  for (std::size_t axis = 0; axis < calibration::fit::allan_axes.size(); ++axis) {
+    const calibration::fit::AllanNumbers& numbers = result.report.numbers[axis];
+    Json row{{"axis", calibration::fit::allan_axes[axis]},
              {"noise_density", json_of(numbers.noise_density)},
              {"bias_instability", json_of(numbers.bias_instability)},
              {"bias_instability_tau_s", json_of(numbers.bias_instability_tau_s)},
              {"rate_random_walk", json_of(numbers.rate_random_walk)},
              {"curve", Json::array()}};
-    for (const calibration::AllanPoint& point : result.report.curves[axis]) {
+    for (const calibration::fit::AllanPoint& point : result.report.curves[axis]) {
       row["curve"].push_back({point.tau_s, point.deviation, point.relative_error});
     }
     object["axes"].push_back(std::move(row));

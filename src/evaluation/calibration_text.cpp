@@ -11,9 +11,9 @@
 namespace sonopose::evaluation {
 namespace {
 
-using calibration::AccelerometerFit;
-using calibration::GyroscopeFit;
-using calibration::MagnetometerFit;
+using calibration::fit::AccelerometerFit;
+using calibration::fit::GyroscopeFit;
+using calibration::fit::MagnetometerFit;
 
 std::string line(std::string_view what, const std::string& text) {
   return fmt::format("{:<14} {}\n", what, text);
@@ -72,8 +72,8 @@ std::string toml_number(double value) {
 /// Writes all settings of a group, so that no other configuration file can supply a missing one.
 template <class Group>
 std::string table_of(const Group& model, const Group& standard_errors, const std::string& prefix) {
-  const auto terms = calibration::terms_of(model);
-  const auto errors = calibration::terms_of(standard_errors);
+  const auto terms = calibration::fit::terms_of(model);
+  const auto errors = calibration::fit::terms_of(standard_errors);
   std::string text = fmt::format("\n[{}{}]\n", prefix, terms.front().info->group);
   for (std::size_t i = 0; i < terms.size(); ++i) {
     const settings::SettingInfo& row = *terms[i].info;

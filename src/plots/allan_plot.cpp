@@ -12,7 +12,7 @@
 namespace sonopose::plots {
 namespace {
 
-using calibration::AllanNumbers;
+using calibration::fit::AllanNumbers;
 
 // Colours that colour-blind readers can distinguish (Okabe and Ito).
 constexpr std::array<std::string_view, 3> axis_colours{"#0072B2", "#D55E00", "#009E73"};
@@ -22,7 +22,7 @@ void append_curves(std::string& script, const evaluation::AllanResult& result) {
   auto out = std::back_inserter(script);
   for (std::size_t axis = 0; axis < result.report.curves.size(); ++axis) {
     fmt::format_to(out, "$curve{} << END\n", axis);
-    for (const calibration::AllanPoint& point : result.report.curves[axis]) {
+    for (const calibration::fit::AllanPoint& point : result.report.curves[axis]) {
       // A logarithmic scale cannot show a deviation of zero.
       if (!(point.deviation > 0.0)) continue;
       fmt::format_to(out, "{:.6g} {:.6g} {:.6g} {:.6g}\n", point.tau_s, point.deviation,

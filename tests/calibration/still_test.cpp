@@ -8,6 +8,7 @@
 
 using namespace sonopose;
 using namespace sonopose::calibration;
+using namespace sonopose::calibration::fit;
 using namespace sonopose::test;
 
 TEST_CASE("GIVEN a sensor held still in 14 orientations THEN each is found, without the turns between") {

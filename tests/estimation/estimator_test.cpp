@@ -126,10 +126,11 @@ TEMPLATE_TEST_CASE("samples that are not finite are counted and never reach a po
   TestType estimator{settings::Settings{}};
   std::uint64_t invalid = 0;
   std::size_t count = 0;
+  std::size_t imu_count = 0;
   for (Event event : events(6.0)) {
     ++count;
-    if (auto* imu = std::get_if<ImuSample>(&event); imu != nullptr && count % 20 == 0) {
-      (count % 40 == 0 ? imu->specific_force_body_mps2 : imu->angular_velocity_body_radps).y() = bad;
+    if (auto* imu = std::get_if<ImuSample>(&event); imu != nullptr && ++imu_count % 20 == 0) {
+      (imu_count % 40 == 0 ? imu->specific_force_body_mps2 : imu->angular_velocity_body_radps).y() = bad;
       ++invalid;
     }
     if (auto* fix = std::get_if<UltrasonicFix>(&event); fix != nullptr && count % 3 == 0) {

@@ -52,7 +52,7 @@ std::vector<ImuSample> whole_recording() {
 template <class Group>
 void check_table(const toml::table* table, const Group& settings) {
   REQUIRE(table != nullptr);
-  const auto terms = calibration::terms_of(settings);
+  const auto terms = calibration::fit::terms_of(settings);
   for (const auto& [info, value] : terms) {
     CAPTURE(info->name);
     CHECK((*table)[info->name].template value_exact<double>() == value);
@@ -129,7 +129,7 @@ TEST_CASE("a failed calibration names the file") {
              "#timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n1,0,0,0,0,0,9.8\n2,0,0,x,0,0,9.8\n");
   CHECK_THROWS_WITH(evaluation::calibrate_imu(folder / "bad"), Contains("imu.csv:3") && Contains("x"));
   write_text(folder / "bad/imu.csv", "#timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n");
-  CHECK_THROWS_AS(evaluation::calibrate_gyroscope(folder / "bad"), calibration::CalibrationError);
+  CHECK_THROWS_AS(evaluation::calibrate_gyroscope(folder / "bad"), calibration::fit::CalibrationError);
 }
 
 TEST_CASE("a file is replaced atomically or not at all") {

@@ -102,5 +102,5 @@ TEST_CASE("a full disk and a folder that cannot be created are named") {
   out.write(sample_pose());
   CHECK_THROWS_WITH(out.finish(), Catch::Contains("pose.csv") && Catch::Contains("No space left"));
   write_text(folder / "file", "");
-  CHECK_THROWS_WITH(OutputFolder(folder / "file/out"), Catch::Contains("file/out: cannot be made"));
+  CHECK_THROWS_WITH(OutputFolder(folder / "file/out"), Catch::Contains("file/out: cannot be created"));
 }

@@ -140,7 +140,7 @@ SCENARIO("a request that cannot be carried out changes nothing") {
              Contains("drift.jump_alpha = 2") && Contains("0 … 1") && !Contains("sigma_m"));
   CHECK_THAT(refused(request(address, {{"drift.jump", "0.5"}, {"trust.sigma_m", "0.5"}}, from, 2)),
              Contains("'drift.jump'") && Contains("'drift.jump_alpha'"));
-  CHECK_THAT(refused(request(address, {}, from, 3)), Contains("no setting"));
+  CHECK_THAT(refused(request(address, {}, from, 3)), Contains("no assignments"));
   push_range(feeder, events, 301, to_the_end);
   feeder.push_all(walk(8, 1.0));
   CHECK(same(feeder.poses_of(7), poses_of_estimator(events)));

@@ -137,7 +137,7 @@ SCENARIO("real time where something is refused") {
     machine.threads = {{100, "sonopose-fusion"}};
     const Realtime realtime = apply_realtime(50, machine.calls());
     THEN("the missing threads are named") {
-      CHECK_THAT(line_with(realtime.refused(), "recv"), Contains("after the node was made"));
+      CHECK_THAT(line_with(realtime.refused(), "recv"), Contains("after the node was created"));
       line_with(realtime.refused(), "tev");
     }
   }

@@ -188,7 +188,7 @@ SCENARIO("errors are named, and the exit code is 1") {
   CHECK_THAT(refusal({log, "--config", "/nowhere.toml"}), Contains("/nowhere.toml"));
   CHECK_THAT(refusal({log, "--until", "-1"}), Contains("--until"));
   CHECK_THAT(refusal({log, "--engine", "magic"}), Contains("--engine"));
-  CHECK_THAT(refusal({log, "--out", "/dev/null/out"}), Contains("/dev/null/out: cannot be made"));
+  CHECK_THAT(refusal({log, "--out", "/dev/null/out"}), Contains("/dev/null/out: cannot be created"));
   CHECK_THAT(refusal({log, "--plot", "picture.pdf"}), Contains("ends in .svg or .png"));
   CHECK_THAT(refusal({log, "--plot", (recording / "a.svg").string()}, {{"PATH", "/nowhere"}}),
              Contains("gnuplot-nox"));

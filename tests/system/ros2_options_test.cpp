@@ -70,7 +70,7 @@ TEST_CASE("The relay refuses invalid frames, mounts and numbers") {
        {{"--gyro-std", "0"}, {"--gyro-std: ", "0", "1000"}},
        {{"--tilt-std", "181"}, {"--tilt-std: ", "181", "180"}},
        {{"--addresses", "x"}, {"--addresses: 'x'", "65534"}},
-       {{"--addresses", "7-3"}, {"--addresses: ", "'7-3'", "from the lower address"}},
+       {{"--addresses", "7-3"}, {"--addresses: ", "'7-3'", "write the lower address first"}},
        {{"--imu-in", "/imu"}, {"--imu-in /imu"}},
        {{"--fix-in", "/tag=70000"}, {"'70000' is not an address"}}});
 }
@@ -102,7 +102,7 @@ TEST_CASE("The relay's help states its network and its inputs") {
 }
 
 TEST_CASE("The relay refuses invalid environment variables and names them") {
-  check_all_refused({{{}, {"ROS_STATIC_PEERS is 'a b'", "no address"}, {{"ROS_STATIC_PEERS", "a b"}}},
+  check_all_refused({{{}, {"ROS_STATIC_PEERS is 'a b'", "not an address"}, {{"ROS_STATIC_PEERS", "a b"}}},
                      {{}, {"ROS_LOCALHOST_ONLY is '2'", "0 or 1"}, {{"ROS_LOCALHOST_ONLY", "2"}}}});
 }
 

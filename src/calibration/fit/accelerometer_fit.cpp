@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-namespace sonopose::calibration {
+namespace sonopose::calibration::fit {
 namespace {
 
 using detail::Linearisation;
@@ -167,4 +167,4 @@ AccelerometerFit fit_accelerometer(std::span<const StillInterval> intervals) {
   return fit;
 }
 
-}  // namespace sonopose::calibration
+}  // namespace sonopose::calibration::fit

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sonopose::calibration {
+namespace sonopose::calibration::fit {
 namespace {
 
 constexpr std::size_t least_samples = 1000;
@@ -117,4 +117,4 @@ AllanReport analyse_allan(std::span<const ImuSample> imu) {
   return report;
 }
 
-}  // namespace sonopose::calibration
+}  // namespace sonopose::calibration::fit

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace sonopose::calibration {
+namespace sonopose::calibration::fit {
 
 /// One point of the curve.
 struct AllanPoint {
@@ -53,4 +53,4 @@ struct AllanReport {
 /// before), and for a record that is not of a sensor at rest.
 AllanReport analyse_allan(std::span<const ImuSample> imu);
 
-}  // namespace sonopose::calibration
+}  // namespace sonopose::calibration::fit

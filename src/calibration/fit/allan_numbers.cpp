@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sonopose::calibration {
+namespace sonopose::calibration::fit {
 namespace {
 
 /// Points that are known well enough to read a slope from.
@@ -101,4 +101,4 @@ AllanNumbers allan_numbers(std::span<const AllanPoint> curve) {
   return numbers;
 }
 
-}  // namespace sonopose::calibration
+}  // namespace sonopose::calibration::fit

@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-namespace sonopose::calibration::detail {
+namespace sonopose::calibration::fit::detail {
 
 using Eigen::Index;
 using Eigen::VectorXd;
@@ -92,4 +92,4 @@ Solution fit_ellipsoid(const Points& points, VectorXd start) {
   return minimise([&points](const VectorXd& at) { return linearised(points, at); }, std::move(start));
 }
 
-}  // namespace sonopose::calibration::detail
+}  // namespace sonopose::calibration::fit::detail

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-namespace sonopose::calibration::detail {
+namespace sonopose::calibration::fit::detail {
 
 using Points = std::vector<Vector3d>;
 
@@ -25,4 +25,4 @@ Eigen::VectorXd ellipsoid_start(const Points& points);
 /// The best ellipsoid near `start`. The points should lie at distances of about 1 from its centre.
 Solution fit_ellipsoid(const Points& points, Eigen::VectorXd start);
 
-}  // namespace sonopose::calibration::detail
+}  // namespace sonopose::calibration::fit::detail

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace sonopose::calibration {
+namespace sonopose::calibration::fit {
 
 /// A recording from which no calibration follows: the message says what was found, what is needed, and what
 /// to do about it.
@@ -13,4 +13,4 @@ public:
   using std::runtime_error::runtime_error;
 };
 
-}  // namespace sonopose::calibration
+}  // namespace sonopose::calibration::fit

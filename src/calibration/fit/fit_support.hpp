@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-namespace sonopose::calibration::detail {
+namespace sonopose::calibration::fit::detail {
 
 /// A number as text in few digits.
 inline std::string text_of(double value) {
@@ -37,4 +37,4 @@ std::string_view weakest_of(const Solution& solution, const std::array<std::stri
   return names[static_cast<std::size_t>(place)];
 }
 
-}  // namespace sonopose::calibration::detail
+}  // namespace sonopose::calibration::fit::detail

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace sonopose::calibration {
+namespace sonopose::calibration::fit {
 namespace {
 
 using detail::residuals_of;
@@ -187,4 +187,4 @@ GyroscopeFit fit_gyroscope(std::span<const ImuSample> imu, std::span<const Still
   return fit;
 }
 
-}  // namespace sonopose::calibration
+}  // namespace sonopose::calibration::fit

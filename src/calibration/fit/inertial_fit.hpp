@@ -11,7 +11,7 @@
 #include <span>
 #include <string>
 
-namespace sonopose::calibration {
+namespace sonopose::calibration::fit {
 
 /// Least angle between two orientations that count as two.
 inline constexpr double least_orientation_angle_rad = 0.15;
@@ -63,4 +63,4 @@ GyroscopeFit fit_gyroscope(std::span<const StillInterval> intervals);
 GyroscopeFit fit_gyroscope(std::span<const ImuSample> imu, std::span<const StillInterval> intervals,
                            const AccelerometerSettings& accelerometer);
 
-}  // namespace sonopose::calibration
+}  // namespace sonopose::calibration::fit

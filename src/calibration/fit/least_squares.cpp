@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-namespace sonopose::calibration::detail {
+namespace sonopose::calibration::fit::detail {
 namespace {
 
 /// What the derivatives at the minimum say of the parameters' errors.
@@ -68,4 +68,4 @@ Model differentiated(std::function<Eigen::VectorXd(const Eigen::VectorXd&)> resi
   };
 }
 
-}  // namespace sonopose::calibration::detail
+}  // namespace sonopose::calibration::fit::detail

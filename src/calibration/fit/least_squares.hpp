@@ -6,7 +6,7 @@
 
 #include <functional>
 
-namespace sonopose::calibration::detail {
+namespace sonopose::calibration::fit::detail {
 
 /// Residuals at some parameters and their derivatives, a row per residual. All parameters should be of about
 /// the same size, or the condition says nothing.
@@ -34,4 +34,4 @@ Solution minimise(const Model& model, Eigen::VectorXd start, double least_varian
 /// A model whose derivatives are taken by central differences of `step`.
 Model differentiated(std::function<Eigen::VectorXd(const Eigen::VectorXd&)> residuals, double step);
 
-}  // namespace sonopose::calibration::detail
+}  // namespace sonopose::calibration::fit::detail

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <vector>
 
-namespace sonopose::calibration {
+namespace sonopose::calibration::fit {
 namespace {
 
 using detail::Points;
@@ -148,4 +148,4 @@ MagnetometerFit fit_magnetometer(std::span<const ImuSample> imu, std::optional<d
   return fit;
 }
 
-}  // namespace sonopose::calibration
+}  // namespace sonopose::calibration::fit

@@ -11,7 +11,7 @@
 #include <optional>
 #include <span>
 
-namespace sonopose::calibration {
+namespace sonopose::calibration::fit {
 
 struct MagnetometerFit {
   MagnetometerSettings settings;
@@ -33,4 +33,4 @@ struct MagnetometerFit {
 /// the ellipsoid (as all in one plane), readings that lie on none, and values that no setting allows.
 MagnetometerFit fit_magnetometer(std::span<const ImuSample> imu, std::optional<double> field_ut = {});
 
-}  // namespace sonopose::calibration
+}  // namespace sonopose::calibration::fit

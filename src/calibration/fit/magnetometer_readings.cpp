@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace sonopose::calibration::detail {
+namespace sonopose::calibration::fit::detail {
 namespace {
 
 using Eigen::Index;
@@ -115,4 +115,4 @@ double coverage_of(const Points& points, const VectorXd& parameters) {
   return static_cast<double>(std::count(seen.begin(), seen.end(), true)) / static_cast<double>(seen.size());
 }
 
-}  // namespace sonopose::calibration::detail
+}  // namespace sonopose::calibration::fit::detail

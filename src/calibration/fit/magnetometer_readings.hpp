@@ -8,7 +8,7 @@
 
 #include <span>
 
-namespace sonopose::calibration::detail {
+namespace sonopose::calibration::fit::detail {
 
 /// Where nearly all readings lie: about the middle of the ellipsoid, and half of its widest span.
 struct Span {
@@ -33,4 +33,4 @@ Points without_glitches(const Points& points_ut);
 /// Share of 48 equal parts of the sphere in which a corrected reading points. Parameters as in ellipsoid.hpp.
 double coverage_of(const Points& points, const Eigen::VectorXd& parameters);
 
-}  // namespace sonopose::calibration::detail
+}  // namespace sonopose::calibration::fit::detail

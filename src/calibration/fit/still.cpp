@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sonopose::calibration {
+namespace sonopose::calibration::fit {
 namespace {
 
 using statistics::quantile;
@@ -171,4 +171,4 @@ std::size_t count_orientations(std::span<const StillInterval> intervals, double 
   return seen.size();
 }
 
-}  // namespace sonopose::calibration
+}  // namespace sonopose::calibration::fit

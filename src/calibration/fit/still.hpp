@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace sonopose::calibration {
+namespace sonopose::calibration::fit {
 
 /// One period, and the means over it, all in the axes of the samples given.
 struct StillInterval {
@@ -33,4 +33,4 @@ std::size_t count_orientations(std::span<const StillInterval> intervals, double 
 /// Median of the intervals between stamps (s); 0 for fewer than two samples.
 double usual_period_s(std::span<const ImuSample> imu);
 
-}  // namespace sonopose::calibration
+}  // namespace sonopose::calibration::fit

@@ -2,7 +2,7 @@
 
 #include "calibration/fit/fit_support.hpp"
 
-namespace sonopose::calibration {
+namespace sonopose::calibration::fit {
 namespace {
 
 std::vector<Term> terms_in(const settings::Settings& settings, std::string_view group) {
@@ -47,4 +47,4 @@ std::string out_of_range(const std::vector<Term>& terms) {
   return {};
 }
 
-}  // namespace sonopose::calibration
+}  // namespace sonopose::calibration::fit

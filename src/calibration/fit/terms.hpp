@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace sonopose::calibration {
+namespace sonopose::calibration::fit {
 
 /// One number of a model: its row in the table of settings, and its value.
 struct Term {
@@ -25,4 +25,4 @@ std::vector<Term> terms_of(const MagnetometerSettings& model);
 /// allowed.
 std::string out_of_range(const std::vector<Term>& terms);
 
-}  // namespace sonopose::calibration
+}  // namespace sonopose::calibration::fit

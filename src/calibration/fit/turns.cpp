@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace sonopose::calibration::detail {
+namespace sonopose::calibration::fit::detail {
 
 std::vector<Turn> turns_between(std::span<const ImuSample> imu, std::span<const StillInterval> intervals,
                                 const AccelerometerSettings& accelerometer) {
@@ -48,4 +48,4 @@ Eigen::VectorXd residuals_of(const std::vector<Turn>& turns, const GyroscopeSett
   return residuals;
 }
 
-}  // namespace sonopose::calibration::detail
+}  // namespace sonopose::calibration::fit::detail

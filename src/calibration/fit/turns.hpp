@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace sonopose::calibration::detail {
+namespace sonopose::calibration::fit::detail {
 
 /// The samples between two periods, and where gravity stood before and after (unit vectors, body).
 struct Turn {
@@ -25,4 +25,4 @@ std::vector<Turn> turns_between(std::span<const ImuSample> imu, std::span<const 
 /// Gravity's direction after the turn, predicted from the rates minus measured: three residuals per turn.
 Eigen::VectorXd residuals_of(const std::vector<Turn>& turns, const GyroscopeSettings& settings);
 
-}  // namespace sonopose::calibration::detail
+}  // namespace sonopose::calibration::fit::detail

@@ -33,7 +33,7 @@ std::string value_of(const Variables& variables, const char* name) {
   return found == variables.end() ? std::string() : found->second;
 }
 
-[[noreturn]] void refuse(const char* name, const std::string& value, const std::string& why) {
+[[noreturn]] void refuse_variable(const char* name, const std::string& value, const std::string& why) {
   throw std::invalid_argument(std::string(name) + " is '" + value + "': " + why);
 }
 
@@ -52,14 +52,14 @@ std::vector<std::string> peers(const Variables& variables) {
   std::vector<std::string> found = split(value, ';');
   for (const std::string& peer : found) {
     if (peer.find_first_of("<>&\"' \t\n") == std::string::npos) continue;
-    refuse(static_peers, value, "'" + peer + "' is not an address or a host name; separate several with ';'");
+    refuse_variable(static_peers, value, "'" + peer + "' is not an address or a host name; separate several with ';'");
   }
   return found;
 }
 
 bool only_localhost(const Variables& variables) {
   const std::string value = value_of(variables, localhost_only);
-  if (!value.empty() && value != "0" && value != "1") refuse(localhost_only, value, "it must be 0 or 1");
+  if (!value.empty() && value != "0" && value != "1") refuse_variable(localhost_only, value, "it must be 0 or 1");
   return value == "1";
 }
 
@@ -79,14 +79,14 @@ dds::DomainOptions with_discovery_range(dds::DomainOptions options, const Variab
   }
   const std::string range = value_of(variables, discovery_range);
   if (range == "OFF") {
-    refuse(discovery_range, range, "no process could discover this one, or be discovered by it");
+    refuse_variable(discovery_range, range, "no process could discover this one, or be discovered by it");
   }
   if (range == "LOCALHOST") {
     options.network = dds::Network::ros_localhost;
   } else if (range.empty() || range == "SUBNET" || range == "SYSTEM_DEFAULT") {
     options.network = dds::Network::ros_subnet;
   } else {
-    refuse(discovery_range, range, "it must be OFF, LOCALHOST, SUBNET or SYSTEM_DEFAULT");
+    refuse_variable(discovery_range, range, "it must be OFF, LOCALHOST, SUBNET or SYSTEM_DEFAULT");
   }
   if (range != "SYSTEM_DEFAULT") options.peers = peers(variables);
   return options;
