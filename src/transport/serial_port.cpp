@@ -9,6 +9,7 @@
 #include <asio/steady_timer.hpp>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -28,8 +29,8 @@ std::chrono::milliseconds until(steady_clock::time_point time) {
 
 /// Whether there is no device, rather than one that cannot be opened.
 bool is_absence(const asio::error_code& error) {
-  return error == std::errc::no_such_file_or_directory || error == std::errc::no_such_device ||
-         error == std::errc::no_such_device_or_address;
+  // asio's category does not map to std::errc.
+  return error.value() == ENOENT || error.value() == ENODEV || error.value() == ENXIO;
 }
 
 }  // namespace
