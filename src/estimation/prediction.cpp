@@ -3,8 +3,8 @@
 
 namespace sonopose::estimation {
 
-TimeNs prediction_period_ns(const settings::Settings& settings) {
-  return settings.output.rate_hz > 0 ? to_ns(1.0 / settings.output.rate_hz) : 0;
+TimeNs prediction_period_ns(const settings::OutputSettings& settings) {
+  return settings.rate_hz > 0 ? to_ns(1.0 / settings.rate_hz) : 0;
 }
 
 FusedPose predicted(const FusedPose& at_sample, TimeNs ahead_ns) {

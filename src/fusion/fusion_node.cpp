@@ -260,7 +260,7 @@ void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, Time
 void FusionNode::Impl::write(EventOutcome& outcome, TimeNs in_ns, SteadyTime steady) noexcept {
   if (outcome.settings) {
     output_.set_period(outcome.settings->address,
-                       estimation::prediction_period_ns(outcome.settings->settings));
+                       estimation::prediction_period_ns(outcome.settings->settings.output));
   }
   if (auto* pose = std::get_if<FusedPose>(&outcome.result)) {
     pose->fusion_in_time_ns = in_ns;

@@ -227,9 +227,9 @@ TEST_CASE("a module's folder is its namespace") {
       // ROS 2's messages name their parent: what follows builds on them.
       const Names allowed{folder == "samples"             ? "sonopose"
                           : folder == "calibration/model" ? "sonopose::calibration"
-                          : folder == "dds/binding"   ? "sonopose::dds"
-                          : folder == "ros2/messages" ? "sonopose::ros2"
-                                                      : "sonopose::" + own};
+                          : folder == "dds/binding"       ? "sonopose::dds"
+                          : folder == "ros2/messages"     ? "sonopose::ros2"
+                                                          : "sonopose::" + own};
       if (file.filename() == "idl_types.hpp") continue;  // specialises a template of the binding
       const auto names = matches_of(text_of(file), opened);
       const bool found =

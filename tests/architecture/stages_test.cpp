@@ -19,9 +19,8 @@ namespace fs = std::filesystem;
 /// Source files of the engine, the filters and the calibration, by stem.
 std::map<std::string, std::string> sources() {
   std::map<std::string, std::string> texts;
-  for (const char* const folder :
-       {"src/estimation", "src/estimation/documented", "src/settings", "src/attitude",
-        "src/calibration/model"}) {
+  for (const char* const folder : {"src/estimation", "src/estimation/documented", "src/settings",
+                                   "src/attitude", "src/calibration/model"}) {
     for (const auto& entry : fs::directory_iterator(fs::path(SONOPOSE_SOURCE_DIR) / folder)) {
       if (entry.path().extension() != ".cpp" || entry.path().stem() == "settings_table") continue;
       std::ifstream stream(entry.path());

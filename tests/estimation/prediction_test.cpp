@@ -77,7 +77,7 @@ SCENARIO("a predicted pose has a larger standard deviation") {
 
 TEST_CASE("the period is the inverse of the rate, and 0 without one") {
   settings::Settings settings;
-  CHECK(prediction_period_ns(settings) == 0);
+  CHECK(prediction_period_ns(settings.output) == 0);
   settings.output.rate_hz = 1000;
-  CHECK(prediction_period_ns(settings) == ms_ns);
+  CHECK(prediction_period_ns(settings.output) == ms_ns);
 }

@@ -52,14 +52,16 @@ std::vector<std::string> peers(const Variables& variables) {
   std::vector<std::string> found = split(value, ';');
   for (const std::string& peer : found) {
     if (peer.find_first_of("<>&\"' \t\n") == std::string::npos) continue;
-    refuse_variable(static_peers, value, "'" + peer + "' is not an address or a host name; separate several with ';'");
+    refuse_variable(static_peers, value,
+                    "'" + peer + "' is not an address or a host name; separate several with ';'");
   }
   return found;
 }
 
 bool only_localhost(const Variables& variables) {
   const std::string value = value_of(variables, localhost_only);
-  if (!value.empty() && value != "0" && value != "1") refuse_variable(localhost_only, value, "it must be 0 or 1");
+  if (!value.empty() && value != "0" && value != "1")
+    refuse_variable(localhost_only, value, "it must be 0 or 1");
   return value == "1";
 }
 
