@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Names = std::set<std::string>;
 
-/// What is told of one type: its fields in JSON, and the types that they are made of.
+/// The description of one type: its fields in JSON, and the types they consist of.
 struct Type {
   std::string wire_name;
   std::string fields;

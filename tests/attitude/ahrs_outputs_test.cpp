@@ -1,4 +1,4 @@
-/// What the AHRS tells: orientation and accelerations in each convention, at attitudes anyone can picture.
+/// Outputs of the AHRS: orientation and accelerations in each convention, at simple attitudes.
 
 #include "attitude/ahrs_support.hpp"
 #include <sonopose/attitude/ahrs_outputs.hpp>

@@ -21,7 +21,7 @@ Quaterniond swinging(double t) {
          geometry::rotation_by({0.0, 0.4 * std::sin(0.7 * t), 0.0});
 }
 
-/// Its sensors over the step from `t − dt_s` to `t`: the mean rate, which a gyroscope that integrates tells.
+/// Its sensors over the step from `t − dt_s` to `t`: the mean rate, as an integrating gyroscope gives it.
 attitude::Measurement<double> sensed(double t, double dt_s) {
   auto m = at_rest(swinging(t));
   const Eigen::AngleAxisd turned(swinging(t - dt_s).conjugate() * swinging(t));

@@ -1,4 +1,4 @@
-/// The compass, and the conventions that it tells headings in.
+/// The compass, and the conventions of its headings.
 
 #include "attitude/ahrs_support.hpp"
 #include <sonopose/attitude/compass.hpp>
@@ -55,7 +55,7 @@ TEST_CASE("tilt does not change the heading: it is the yaw of the orientation in
   }
 }
 
-TEST_CASE("where there is no heading the compass tells none") {
+TEST_CASE("without a heading the compass returns none") {
   const Vector3d up(0, 0, 9.8);
   const Vector3d field(2e-5, 0, -4e-5);
   const Vector3d none = Vector3d::Zero();

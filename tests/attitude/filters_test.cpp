@@ -119,7 +119,7 @@ TEMPLATE_TEST_CASE("a gyroscope's offset that is given is taken off", "", EVERY_
   measurement.angular_velocity_body_radps = offset;
   for (int i = 0; i < 1000; ++i) filter.update(lively<TestType>(), measurement);
   CHECK(angle_between(filter, some_attitude) < tolerance_rad<TestType>);
-  WHEN("it begins anew") {
+  WHEN("it is re-initialised") {
     reset(filter, some_attitude);
     THEN("the offset is forgotten") {
       CHECK(filter.gyro_bias_body_radps().norm() == 0.0);

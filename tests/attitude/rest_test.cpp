@@ -43,7 +43,7 @@ TEST_CASE("rest is told after its time, with the mean rate") {
   CHECK(rig.state.rate_mean_body_radps.x() == Approx(0.01));
 }
 
-TEST_CASE("one knock, one turn or one steady turn ends rest, and its time begins anew") {
+TEST_CASE("one knock, one turn or one steady turn ends rest and restarts its timer") {
   using Disturb = void (*)(Measurement<double>&, double);
   const Disturb knock = [](Measurement<double>& m, double) { m.specific_force_body_mps2.x() += 2.0; };
   const Disturb twitch = [](Measurement<double>& m, double) { m.angular_velocity_body_radps.z() = 0.2; };

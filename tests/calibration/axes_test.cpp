@@ -37,7 +37,7 @@ TEST_CASE("all 24 mountings are proper rotations by right angles, each another o
   CHECK(seen.size() == 24);
 }
 
-TEST_CASE("a name tells the sensor's axes along body X, Y and Z") {
+TEST_CASE("a name gives the sensor's axes along body X, Y and Z") {
   CHECK(sensor_to_body(AxesSettings{}) == Matrix3d::Identity());
   CHECK(sensor_to_body(named("+y-x+z")) * Vector3d(1.0, 2.0, 3.0) == Vector3d(2.0, -1.0, 3.0));
   CHECK(sensor_to_body(named("-z+x-y")) * Vector3d(1.0, 2.0, 3.0) == Vector3d(-3.0, 1.0, -2.0));

@@ -109,7 +109,7 @@ TEST_CASE("GIVEN the six sides alone THEN offset and sensitivity are recovered, 
   check_recovered(fit.settings, fit.standard_errors, truth, 0.02);
 }
 
-TEST_CASE("too few orientations are an error that tells how many were found and are needed") {
+TEST_CASE("too few orientations are an error that states how many were found and how many are needed") {
   const auto imu =
       SimulatedSensor(errors_of(true_accelerometer()), 5).hold_in_turn({{0, 0, 1}, {1, 0, 0}, {0, 1, 0}});
   const auto intervals = find_still_intervals(imu);

@@ -172,7 +172,7 @@ TEST_CASE("A line that becomes quicker for good is believed, smoothly") {
   CHECK(clock.resets() == 0);
 }
 
-TEST_CASE("A beacon that restarts is noticed, counted and mapped anew") {
+TEST_CASE("A beacon that restarts is detected, counted and mapped again") {
   const std::int64_t first_uptime_ms = GENERATE(50'000, 3'000'000'000);  // below and above half the counter
   BeaconClock clock;
   run({.duration_s = 20, .first_uptime_ms = first_uptime_ms}, clock);

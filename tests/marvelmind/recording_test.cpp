@@ -126,7 +126,7 @@ TEST_CASE("The car's bytes over a line with jitter lose nothing, and keep the IM
 
   std::vector<Event> events;
   const auto collect = [&events](const Event& event) { events.push_back(event); };
-  Assembler by_content(TimeMapping::fixed);  // tells when each packet was sent
+  Assembler by_content(TimeMapping::fixed);  // knows when each packet was sent
   Assembler assembler(TimeMapping::fitted);
   Decoder decoder;
   TimeNs arrival_ns = 0;

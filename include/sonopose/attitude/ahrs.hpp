@@ -41,7 +41,7 @@ public:
                                Scalar heading_rad);
 
   /// The same with the body's ZYX yaw in a convention: what `geometry::yaw_of(orientation_in(convention, …))`
-  /// tells once it has settled.
+  /// gives once it has settled.
   void update_external_heading(const Settings& settings, const Measurement<Scalar>& measurement,
                                Scalar heading_rad, Convention convention) {
     update_external_heading(settings, measurement,
