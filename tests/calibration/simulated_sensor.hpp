@@ -45,10 +45,10 @@ public:
       : errors_(errors), random_(seed), dt_s_(1.0 / rate_hz) {}
 
   std::vector<ImuSample> hold_in_turn(const std::vector<Vector3d>& up_body) {
-    Quaterniond q = Quaterniond::FromTwoVectors(up_body.front(), Vector3d::UnitZ());
+    Quaterniond q = geometry::rotation_between(up_body.front(), Vector3d::UnitZ());
     hold(q, 2.0);
     for (std::size_t i = 1; i < up_body.size(); ++i) {
-      const Quaterniond next = Quaterniond::FromTwoVectors(up_body[i], Vector3d::UnitZ());
+      const Quaterniond next = geometry::rotation_between(up_body[i], Vector3d::UnitZ());
       turn(q, next);
       q = next;
       hold(q, 2.0);

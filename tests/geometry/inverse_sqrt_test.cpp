@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <type_traits>
 
-using namespace sonopose;
+namespace inverse_sqrt_test {
 
-namespace {
+using namespace sonopose;
 
 /// Over twelve decades, with 1000 values in each factor of two.
 template <class Scalar>
@@ -27,8 +27,6 @@ double largest_relative_error() {
 constexpr double guess_error = 0.0344;
 constexpr double after_one_step = 0.5 * 1.5 * guess_error * guess_error;
 constexpr double after_two_steps = 1.5 * after_one_step * after_one_step;
-
-}  // namespace
 
 TEST_CASE("the fast inverse square root is as near as two Newton steps bring it") {
   const double of_float = largest_relative_error<float>();
@@ -52,3 +50,5 @@ TEST_CASE("the build's option selects which inverse square root is used") {
 #endif
   STATIC_REQUIRE(std::is_same_v<decltype(geometry::inverse_sqrt(2.0F)), float>);
 }
+
+}  // namespace inverse_sqrt_test

@@ -4,19 +4,17 @@
 
 #include <catch2/catch.hpp>
 
+namespace rotation_test {
+
 using namespace sonopose;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-
-namespace {
 
 constexpr double pi = std::numbers::pi;
 
 double distance(const Quaterniond& a, const Quaterniond& b) {
   return a.angularDistance(b);
 }
-
-}  // namespace
 
 TEST_CASE("an angle wraps into half a turn either way") {
   CHECK(geometry::wrap_angle(0.0) == 0.0);
@@ -64,7 +62,8 @@ TEST_CASE("up in the body is world Z turned back") {
 }
 
 TEST_CASE("levelling puts a force at rest upright and keeps the yaw that was asked for") {
-  const Vector3d forces[] = {{0, 0, 9.81}, {3, -2, 8}, {9.7, 0.5, 0.1}, {0.1, -9.7, -0.3}, {1, 2, -9}};
+  const Vector3d forces[] = {{0, 0, 9.81},      {3, -2, 8}, {9.7, 0.5, 0.1},
+                             {0.1, -9.7, -0.3}, {1, 2, -9}, {0, 0, -9.81}};
   for (const Vector3d& force : forces) {
     const Quaterniond q = geometry::level_with(force, 1.2);
     INFO("force " << force.transpose());
@@ -72,3 +71,5 @@ TEST_CASE("levelling puts a force at rest upright and keeps the yaw that was ask
     CHECK(geometry::yaw_of(q) == Approx(1.2));
   }
 }
+
+}  // namespace rotation_test

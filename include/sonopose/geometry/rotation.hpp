@@ -98,12 +98,12 @@ Vector3<Scalar> up_in_body(const Quaternion<Scalar>& q_body_to_world) {
           1 - 2 * (q.x() * q.x() + q.y() * q.y())};
 }
 
+/// The shortest rotation that turns the direction of `from` into that of `to`: a half turn about some axis at
+/// right angles where they are opposite. Neither may be zero.
+Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
+
 /// The attitude with the given yaw whose up agrees with a specific force measured at rest.
 /// `specific_force_body` must not be zero.
-template <class Scalar>
-Quaternion<Scalar> level_with(const Vector3<Scalar>& specific_force_body, Scalar yaw_rad) {
-  const auto q_tilt = Quaternion<Scalar>::FromTwoVectors(specific_force_body, Vector3<Scalar>::UnitZ());
-  return rotation_about_z(yaw_rad - yaw_of(q_tilt)) * q_tilt;
-}
+Eigen::Quaterniond level_with(const Eigen::Vector3d& specific_force_body, double yaw_rad);
 
 }  // namespace sonopose::geometry
