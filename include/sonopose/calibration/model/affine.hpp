@@ -4,9 +4,7 @@
 /// settings, then used for every sample.
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 
-#include <algorithm>
 #include <array>
 
 namespace sonopose::calibration {
@@ -18,40 +16,21 @@ using Eigen::Vector3d;
 class Affine {
 public:
   /// v ↦ v.
-  Affine() : Affine(Matrix3d::Identity(), Vector3d::Zero(), Vector3d::Zero()) {}
+  Affine();
 
-  Affine(const Matrix3d& matrix, const Vector3d& before, const Vector3d& after)
-      : does_nothing_(matrix == Matrix3d::Identity() && before.isZero(0.0) && after.isZero(0.0)) {
-    std::copy_n(matrix.data(), 9, matrix_.begin());
-    std::copy_n(before.data(), 3, before_.begin());
-    std::copy_n(after.data(), 3, after_.begin());
-  }
+  Affine(const Matrix3d& matrix, const Vector3d& before, const Vector3d& after);
 
-  [[nodiscard]] Vector3d operator()(const Vector3d& vector) const noexcept {
-    if (does_nothing_) return vector;
-    return matrix() * (vector - before()) - after();
-  }
+  [[nodiscard]] Vector3d operator()(const Vector3d& vector) const noexcept;
 
-  /// What becomes of it is `vector`. Not finite where the matrix cannot be inverted.
-  [[nodiscard]] Vector3d inverse_of(const Vector3d& vector) const noexcept {
-    return matrix().inverse() * (vector + after()) + before();
-  }
+  /// The v that becomes `vector`. Not finite where the matrix cannot be inverted.
+  [[nodiscard]] Vector3d inverse_of(const Vector3d& vector) const noexcept;
 
   /// The same, then turned by `rotation`.
-  [[nodiscard]] Affine turned_by(const Matrix3d& rotation) const {
-    return {rotation * matrix(), before(), rotation * after()};
-  }
+  [[nodiscard]] Affine turned_by(const Matrix3d& rotation) const;
 
   bool operator==(const Affine&) const = default;
 
 private:
-  using Matrix = Eigen::Map<const Matrix3d>;
-  using Vector = Eigen::Map<const Vector3d>;
-
-  [[nodiscard]] Matrix matrix() const noexcept { return Matrix(matrix_.data()); }
-  [[nodiscard]] Vector before() const noexcept { return Vector(before_.data()); }
-  [[nodiscard]] Vector after() const noexcept { return Vector(after_.data()); }
-
   std::array<double, 9> matrix_{};  ///< by columns
   std::array<double, 3> before_{};
   std::array<double, 3> after_{};
