@@ -1,7 +1,5 @@
 #include "calibration/fit/ellipsoid.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <cmath>
@@ -76,15 +74,16 @@ VectorXd ellipsoid_start(const Points& points) {
     right += row;
     radius += m.norm() / static_cast<double>(points.size());
   }
-  const VectorXd quadric = normal.ldlt().solve(right);
+  const VectorXd quadric = solve_symmetric(normal, right);
   const Matrix3d q = soft_iron_of(quadric);
-  const Vector3d centre = -q.fullPivLu().solve(Vector3d(quadric.tail<3>()));
+  const Vector3d centre = -(q.inverse() * Vector3d(quadric.tail<3>()));
   const double size = 1.0 + centre.dot(q * centre);
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(Matrix3d(q / size));
-  const Vector3d squares = eigen.eigenvalues();
+  const SymmetricEigen eigen = eigen_of(q / size);
+  const Vector3d squares = eigen.values;
   const bool is_ellipsoid = squares.allFinite() && squares[0] * largest_ratio * largest_ratio > squares[2];
   if (!is_ellipsoid) return parameters_of(Matrix3d::Identity() / radius, mean / radius);
-  const Matrix3d root = eigen.operatorSqrt();
+  const Matrix3d axes = eigen.vectors;
+  const Matrix3d root = axes * squares.cwiseSqrt().asDiagonal() * axes.transpose();
   return parameters_of(root, root * (mean + centre));
 }
 

@@ -11,18 +11,32 @@
 namespace sonopose::calibration::fit::detail {
 namespace {
 
+using Eigen::MatrixXd;
+
+MatrixXd product(const MatrixXd& a, const MatrixXd& b) {
+  return a * b;
+}
+
+MatrixXd normal_of(const MatrixXd& jacobian) {
+  return product(jacobian.transpose(), jacobian);
+}
+
+void change_basis(MatrixXd& covariance, const MatrixXd& change) {
+  covariance = product(change, product(covariance, change.transpose()));
+}
+
 /// What the derivatives at the minimum say of the parameters' errors.
-void judge(const Eigen::MatrixXd& jacobian, double least_variance, Solution& solution) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(jacobian.transpose() * jacobian);
-  const Eigen::VectorXd& squares = eigen.eigenvalues();  // in rising order
+void judge(const MatrixXd& jacobian, double least_variance, Solution& solution) {
+  const SymmetricEigen eigen = eigen_of(normal_of(jacobian));
+  const Eigen::VectorXd& squares = eigen.values;
   const double infinity = std::numeric_limits<double>::infinity();
   solution.condition = squares[0] > 0.0 ? std::sqrt(squares[squares.size() - 1] / squares[0]) : infinity;
-  solution.weakest = eigen.eigenvectors().col(0);
+  solution.weakest = eigen.vectors.col(0);
   const Eigen::Index freedom = jacobian.rows() - jacobian.cols();
   const double scatter = freedom > 0 ? solution.residuals.squaredNorm() / static_cast<double>(freedom) : 0.0;
   const double variance = std::max(scatter, least_variance);
-  solution.covariance = variance * (eigen.eigenvectors() * squares.cwiseInverse().asDiagonal() *
-                                    eigen.eigenvectors().transpose());
+  solution.covariance = (variance * squares.cwiseInverse()).asDiagonal();
+  change_basis(solution.covariance, eigen.vectors);
 }
 
 }  // namespace
@@ -35,10 +49,10 @@ Solution minimise(const Model& model, Eigen::VectorXd start, double least_varian
   Linearisation here = model(solution.parameters);
   double damping = 1e-3;
   for (int step = 0; step < most_steps && damping < hopeless_damping; ++step) {
-    Eigen::MatrixXd normal = here.jacobian.transpose() * here.jacobian;
+    MatrixXd normal = normal_of(here.jacobian);
     const double least = 1e-12 * normal.diagonal().maxCoeff() + std::numeric_limits<double>::min();
     normal.diagonal() += damping * normal.diagonal().cwiseMax(least);
-    const Eigen::VectorXd change = normal.ldlt().solve(-here.jacobian.transpose() * here.residuals);
+    const Eigen::VectorXd change = solve_symmetric(normal, -here.jacobian.transpose() * here.residuals);
     Linearisation there = model(solution.parameters + change);
     // Written so that a NaN is no improvement.
     if (there.residuals.squaredNorm() <= here.residuals.squaredNorm()) {
@@ -53,6 +67,20 @@ Solution minimise(const Model& model, Eigen::VectorXd start, double least_varian
   solution.residuals = std::move(here.residuals);
   judge(here.jacobian, least_variance, solution);
   return solution;
+}
+
+void transform(Solution& solution, const MatrixXd& change) {
+  solution.parameters = product(change, solution.parameters);
+  change_basis(solution.covariance, change);
+}
+
+SymmetricEigen eigen_of(const MatrixXd& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(symmetric);
+  return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+Eigen::VectorXd solve_symmetric(const MatrixXd& symmetric, const Eigen::VectorXd& right) {
+  return symmetric.ldlt().solve(right);
 }
 
 Model differentiated(std::function<Eigen::VectorXd(const Eigen::VectorXd&)> residuals, double step) {

@@ -5,7 +5,6 @@
 #include "calibration/fit/magnetometer_readings.hpp"
 #include <sonopose/statistics/quantile.hpp>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <array>
@@ -104,15 +103,14 @@ void move_to_zero(Solution& solution, const Vector3d& middle) {
   Eigen::MatrixXd change = Eigen::MatrixXd::Identity(9, 9);
   change.bottomLeftCorner<3, 6>() << middle.x(), middle.y(), middle.z(), 0.0, 0.0, 0.0, 0.0, middle.x(), 0.0,
       middle.y(), middle.z(), 0.0, 0.0, 0.0, middle.x(), 0.0, middle.y(), middle.z();
-  solution.parameters = change * solution.parameters;
-  solution.covariance = change * solution.covariance * change.transpose();
+  detail::transform(solution, change);
 }
 
 /// The solution in µT. Readings are in units of `unit_ut`.
 void fill(MagnetometerFit& fit, const Solution& solution, double unit_ut, std::optional<double> field_ut) {
   const Matrix3d soft_iron = soft_iron_of(solution.parameters);
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(soft_iron);  // in rising order
-  fit.semi_axes_ut = unit_ut * eigen.eigenvalues().cwiseMax(0.0).cwiseInverse();
+  const Vector3d eigenvalues = detail::eigen_of(soft_iron).values;
+  fit.semi_axes_ut = unit_ut * eigenvalues.cwiseMax(0.0).cwiseInverse();
   const double rms =
       std::sqrt(solution.residuals.squaredNorm() / static_cast<double>(solution.residuals.size()));
   const double relative_rms = rms * std::cbrt(soft_iron.determinant());
