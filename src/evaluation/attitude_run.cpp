@@ -18,7 +18,7 @@ bool is_scored(const recording::AttitudeLog& log, TimeNs time_ns) {
 }
 
 double rmse_deg(const std::vector<double>& errors_rad) {
-  return summarise(errors_rad).rmse / geometry::radians_per_degree;
+  return error_summary_of(errors_rad).rmse / geometry::radians_per_degree;
 }
 
 std::string figure(double value_deg) {

@@ -21,8 +21,8 @@ public:
   void add(const FusedPose& pose);
 
   [[nodiscard]] Score fused() const { return scorer_.score(); }
-  [[nodiscard]] ErrorSummary last_fix_m() const { return summarise(last_fix_m_); }
-  [[nodiscard]] ErrorSummary extrapolated_m() const { return summarise(extrapolated_m_); }
+  [[nodiscard]] ErrorSummary last_fix_m() const { return error_summary_of(last_fix_m_); }
+  [[nodiscard]] ErrorSummary extrapolated_m() const { return error_summary_of(extrapolated_m_); }
 
 private:
   Scorer scorer_;

@@ -28,7 +28,7 @@ TruthSample between(const TruthSample& before, const TruthSample& after, double 
 
 }  // namespace
 
-ErrorSummary summarise(std::vector<double> errors) {
+ErrorSummary error_summary_of(std::vector<double> errors) {
   if (errors.empty()) return {none, none, none};
   const double rmse = root_mean_square(errors);
   const auto rank = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(errors.size()))) - 1;
@@ -83,7 +83,7 @@ void Scorer::add(const FusedPose& pose) {
 Score Scorer::score() const {
   return {.poses = position_m_.size(),
           .poses_without_truth = without_truth_,
-          .position_m = summarise(position_m_),
+          .position_m = error_summary_of(position_m_),
           .yaw_rmse_deg = root_mean_square(yaw_rad_) / geometry::radians_per_degree,
           .tilt_rmse_deg = root_mean_square(tilt_rad_) / geometry::radians_per_degree,
           .velocity_rmse_mps = root_mean_square(velocity_mps_),

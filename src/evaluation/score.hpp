@@ -20,7 +20,7 @@ struct ErrorSummary {
 };
 
 /// Summarises errors, in any order.
-ErrorSummary summarise(std::vector<double> errors);
+ErrorSummary error_summary_of(std::vector<double> errors);
 
 /// Error of one orientation, d = q_estimate ⊗ q_truth*.
 struct AttitudeError {

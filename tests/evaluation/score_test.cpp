@@ -6,10 +6,10 @@
 
 #include <limits>
 
+namespace score_test {
+
 using namespace sonopose;
 using evaluation::Scorer;
-
-namespace {
 
 constexpr double degree = geometry::radians_per_degree;
 
@@ -27,17 +27,15 @@ FusedPose pose_at(double time_s, const Vector3d& position_world_m) {
   return pose;
 }
 
-}  // namespace
-
 TEST_CASE("errors are summarised by root mean square, 95th percentile and maximum") {
   std::vector<double> errors;
   for (int i = 100; i >= 1; --i) errors.push_back(i);
-  const auto summary = evaluation::summarise(errors);
+  const auto summary = evaluation::error_summary_of(errors);
   CHECK(summary.p95 == 95.0);
   CHECK(summary.max == 100.0);
   CHECK(summary.rmse == Approx(std::sqrt(3383.5)));  // (n+1)(2n+1)/6
-  CHECK(evaluation::summarise({3.0}).p95 == 3.0);
-  CHECK(std::isnan(evaluation::summarise({}).rmse));
+  CHECK(evaluation::error_summary_of({3.0}).p95 == 3.0);
+  CHECK(std::isnan(evaluation::error_summary_of({}).rmse));
 }
 
 TEST_CASE("the position error is the distance to the interpolated truth, not aligned") {
@@ -101,3 +99,5 @@ TEST_CASE("the attitude error separates into heading and inclination") {
   const auto over = error_of(geometry::rotation_about_z(181.0 * degree));
   CHECK(over.yaw_rmse_deg == Approx(179.0));
 }
+
+}  // namespace score_test
