@@ -1,7 +1,7 @@
 // sonopose-bridge: reads beacons (or a recording, or the simulator) and publishes their samples.
 
 #include "bridge/bridge_node.hpp"
-#include "support/app.hpp"
+#include "support/bus_options.hpp"
 #include "support/realtime_option.hpp"
 #include "support/source_options.hpp"
 

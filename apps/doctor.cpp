@@ -2,7 +2,7 @@
 
 #include "doctor/probe/doctor_node.hpp"
 #include "doctor/rules/report.hpp"
-#include "support/app.hpp"
+#include "support/bus_options.hpp"
 
 #include <fmt/format.h>
 

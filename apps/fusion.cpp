@@ -1,7 +1,7 @@
 // sonopose-fusion: subscribes to the bridge's samples and publishes the fused pose of every beacon.
 
 #include "fusion/fusion_node.hpp"
-#include "support/app.hpp"
+#include "support/bus_options.hpp"
 #include "support/config_options.hpp"
 #include "support/realtime_option.hpp"
 

@@ -1,7 +1,7 @@
 // sonopose-monitor: a live table of every beacon on the bus.
 
 #include "monitor/monitor_node.hpp"
-#include "support/app.hpp"
+#include "support/bus_options.hpp"
 
 #include <unistd.h>
 

@@ -1,7 +1,7 @@
 // sonopose-ros2: a ROS 2 node without rclcpp that publishes poses and samples as ROS 2 messages, and reads
 // samples of ROS 2 drivers.
 
-#include "support/app.hpp"
+#include "support/bus_options.hpp"
 #include "support/ros2_options.hpp"
 
 #include <fmt/format.h>

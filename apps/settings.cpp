@@ -2,7 +2,7 @@
 
 #include "settings_client/settings_client.hpp"
 #include "settings_client/settings_report.hpp"
-#include "support/app.hpp"
+#include "support/bus_options.hpp"
 
 #include <fmt/format.h>
 

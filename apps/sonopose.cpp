@@ -2,6 +2,7 @@
 
 #include "support/nearest.hpp"
 #include "support/verbs.hpp"
+#include "support/version.hpp"
 
 #include <fmt/format.h>
 
@@ -77,7 +78,7 @@ int main(int argc, char** argv) {
   const std::string first = words.front();
   words.erase(words.begin());
   if (first == "--version") {
-    fmt::print("sonopose {}\n", SONOPOSE_VERSION);
+    fmt::print("sonopose {}\n", version());
     return std::fflush(stdout) == 0 ? 0 : failed;
   }
   if (first == "help" && !words.empty()) return become(words.front(), {"--help"});

@@ -2,6 +2,7 @@
 
 #include "nearest.hpp"
 #include "verbs.hpp"
+#include "version.hpp"
 
 #include <fmt/format.h>
 
@@ -80,8 +81,11 @@ void check_output() {
 Program::Program(std::string_view verb, const std::string& details)
     : CLI::App(description_of(verb) + (details.empty() ? "" : "\n" + details),
                fmt::format("sonopose-{}", verb)) {
-  set_version_flag("--version", get_name() + " " SONOPOSE_VERSION, "Print the version and exit");
+  set_version_flag("--version", get_name() + " " + std::string(apps::version()),
+                   "Print the version and exit");
 }
+
+Program::~Program() = default;
 
 CLI::Validator number_between(double least, double most) {
   const bool open = most == std::numeric_limits<double>::max();

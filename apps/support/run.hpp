@@ -15,6 +15,12 @@ class Program : public CLI::App {
 public:
   /// `details` follow the description in --help.
   explicit Program(std::string_view verb, const std::string& details = {});
+  // Defined in run.cpp, so that not every program compiles all of CLI11.
+  ~Program() override;
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+  Program(Program&&) = delete;
+  Program& operator=(Program&&) = delete;
 };
 
 /// A number between the two; unlike CLI::Range it refuses what is no number, such as nan.

@@ -1,4 +1,4 @@
-#include "app.hpp"
+#include "bus_options.hpp"
 
 #include "choice.hpp"
 
