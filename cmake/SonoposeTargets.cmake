@@ -9,6 +9,9 @@ function(sonopose_compile_options target)
     $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
                               -Wnon-virtual-dtor -Woverloaded-virtual -ffp-contract=off>
     $<$<AND:$<BOOL:${SONOPOSE_WARNINGS_AS_ERRORS}>,$<COMPILE_LANGUAGE:CXX>>:-Werror>)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)  # a tenth of the compile time for 200 MB: collect garbage less often
+    target_compile_options(${target} PRIVATE --param=ggc-min-expand=300 --param=ggc-min-heapsize=1048576)
+  endif()
   if(SONOPOSE_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${SONOPOSE_SANITIZE} -fno-omit-frame-pointer
       -Wno-maybe-uninitialized -Wno-stringop-overflow)  # g++ 12 is often wrong in instrumented code

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace dependencies_test {
 
 namespace fs = std::filesystem;
 using Names = std::set<std::string>;
@@ -173,8 +173,6 @@ bool reaches(const std::string& from, const std::string& to, Names& visited) {
   return false;
 }
 
-}  // namespace
-
 TEST_CASE("a module includes only itself and what its CMakeLists.txt lists") {
   Breaches breaches;
   for (const auto& [folder, module] : modules()) {
@@ -296,3 +294,5 @@ TEST_CASE("programs are thin: a command line over one process or one evaluation"
     CHECK(static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) <= most_lines);
   }
 }
+
+}  // namespace dependencies_test

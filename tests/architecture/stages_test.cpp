@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace stages_test {
 
 namespace fs = std::filesystem;
 
@@ -42,8 +42,6 @@ std::string stage_of(const std::string& group) {
   return group.substr(group.rfind('.') + 1);
 }
 
-}  // namespace
-
 TEST_CASE("each of the 37 items is read by its own stage and by no other") {
   const auto texts = sources();
   REQUIRE(texts.size() > 10);
@@ -64,3 +62,5 @@ TEST_CASE("each of the 37 items is read by its own stage and by no other") {
     }
   }
 }
+
+}  // namespace stages_test

@@ -11,10 +11,10 @@
 #include <numbers>
 #include <random>
 
+namespace adaptive_test {
+
 using namespace sonopose;
 using namespace sonopose::attitude;
-
-namespace {
 
 const Vector3d gravity_mps2(0, 0, 9.80665);
 
@@ -41,8 +41,6 @@ double tilt_when_shaken(const typename F::Settings& settings, double amplitude_m
   }
   return largest_deg;
 }
-
-}  // namespace
 
 TEST_CASE("acceleration to and fro hardly tilts it, where a Mahony of the same time constant leans") {
   MahonySettings mahony;
@@ -114,3 +112,5 @@ TEST_CASE("float and double agree") {
   const Vector3d up_float = geometry::up_in_body(in_float.orientation()).cast<double>();
   CHECK((up_double - up_float).norm() < 1e-3);
 }
+
+}  // namespace adaptive_test

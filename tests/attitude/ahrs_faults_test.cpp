@@ -5,11 +5,11 @@
 
 #include <catch2/catch.hpp>
 
+namespace ahrs_faults_test {
+
 using namespace sonopose;
 using namespace sonopose::testing;
 using attitude::Convention;
-
-namespace {
 
 /// Level and turning left; the gyroscope reads no more than its range.
 attitude::Measurement<double> turning(double rate_radps, double range_radps) {
@@ -23,8 +23,6 @@ AhrsSettings with_range(double range_dps) {
   settings.gyro_range_dps = range_dps;
   return settings;
 }
-
-}  // namespace
 
 TEST_CASE("a heading from outside is met however the body is pitched, in every convention") {
   const double heading_rad = 60 * degree;
@@ -126,3 +124,5 @@ TEST_CASE("a gain of 0 is the gyroscope alone from the first update") {
     CHECK(distance_rad(filter, start * geometry::rotation_by(turned)) < rounding_rad);
   }
 }
+
+}  // namespace ahrs_faults_test

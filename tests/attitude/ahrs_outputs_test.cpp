@@ -5,11 +5,11 @@
 
 #include <catch2/catch.hpp>
 
+namespace ahrs_outputs_test {
+
 using namespace sonopose;
 using namespace sonopose::testing;
 using attitude::Convention;
-
-namespace {
 
 const Eigen::Vector2d north_is_y(0, 1);
 const Eigen::Vector2d north_is_x(1, 0);
@@ -20,8 +20,6 @@ Vector3d angles_deg(const Quaterniond& q) {
   const auto angles = geometry::euler_angles_of(q);
   return Vector3d(angles.roll_rad, angles.pitch_rad, angles.yaw_rad) / degree;
 }
-
-}  // namespace
 
 TEST_CASE("north, east and up of the world stand where each convention has them") {
   const Vector3d north(0, 1, 0);
@@ -99,3 +97,5 @@ TEST_CASE("an acceleration to the north is one along body X where the nose point
   CHECK(attitude::vector_in(Convention::nwu, north_is_y, earth).isApprox(Vector3d(2, 0, 0), 1e-9));
   CHECK(attitude::vector_in(Convention::enu, north_is_y, earth).isApprox(Vector3d(0, 2, 0), 1e-9));
 }
+
+}  // namespace ahrs_outputs_test

@@ -4,10 +4,10 @@
 
 #include <catch2/catch.hpp>
 
+namespace ahrs_recovery_test {
+
 using namespace sonopose;
 using namespace sonopose::testing;
-
-namespace {
 
 const Quaterniond level = Quaterniond::Identity();
 const AhrsSettings default_settings;  // the default form
@@ -29,8 +29,6 @@ bool recovers(int ignored) {
   }
   return false;
 }
-
-}  // namespace
 
 TEST_CASE("recovery is the default") {
   CHECK(default_settings.rejection == RejectionForm::recovery);
@@ -131,3 +129,5 @@ TEST_CASE("a timeout comes after the same time at any step, a varying one too") 
     }
   }
 }
+
+}  // namespace ahrs_recovery_test

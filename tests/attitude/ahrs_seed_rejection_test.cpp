@@ -4,10 +4,10 @@
 
 #include <catch2/catch.hpp>
 
+namespace ahrs_seed_rejection_test {
+
 using namespace sonopose;
 using namespace sonopose::testing;
-
-namespace {
 
 const Quaterniond level = Quaterniond::Identity();
 
@@ -51,8 +51,6 @@ bool times_out(int ignored) {
   }
   return false;
 }
-
-}  // namespace
 
 TEST_CASE("a sensor is ignored beyond its threshold, in both forms, up to 180 degrees") {
   for (const RejectionForm form : {RejectionForm::seed, RejectionForm::recovery}) {
@@ -166,3 +164,5 @@ TEST_CASE("a magnetic timeout sets the heading at once and does not initialise")
   CHECK(tilt_error_rad(filter, level) < rounding_rad);
   CHECK_FALSE(filter.flags(settings).initialising);
 }
+
+}  // namespace ahrs_seed_rejection_test

@@ -4,10 +4,10 @@
 
 #include <catch2/catch.hpp>
 
+namespace ahrs_test {
+
 using namespace sonopose;
 using namespace sonopose::testing;
-
-namespace {
 
 const Quaterniond somewhere = geometry::rotation_about_z(2.0) * geometry::rotation_by({0.4, -0.7, 0.0});
 
@@ -18,8 +18,6 @@ Ahrs after_error(const AhrsSettings& settings, const Vector3d& error_world_rad, 
   run(filter, settings, at_rest(somewhere), seconds);
   return filter;
 }
-
-}  // namespace
 
 TEST_CASE("the AHRS is an attitude filter in both precisions") {
   STATIC_REQUIRE(attitude::Filter<attitude::BasicAhrs<float>>);
@@ -164,3 +162,5 @@ TEST_CASE("sensors may come at different rates: a step without one neither pulls
   CHECK(distance_rad(filter, somewhere) / 0.05 ==   // and at a tenth of it
         Approx(std::exp(-0.1 * 0.5 * 60.0)).epsilon(0.05));
 }
+
+}  // namespace ahrs_test

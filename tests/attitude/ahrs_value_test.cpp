@@ -9,10 +9,10 @@
 #include <type_traits>
 #include <variant>
 
+namespace ahrs_value_test {
+
 using namespace sonopose;
 using namespace sonopose::testing;
-
-namespace {
 
 /// A body that swings about all axes, in closed form.
 Quaterniond swinging(double t) {
@@ -61,8 +61,6 @@ Ahrs restored(const std::map<std::string, Field>& fields) {
   });
   return filter;
 }
-
-}  // namespace
 
 TEST_CASE("a steady step and one that varies end at the same orientation") {
   Ahrs steady;
@@ -188,3 +186,5 @@ TEST_CASE("a bias that is set is taken off, whether or not the filter learns") {
   CHECK(distance_rad(filter, Quaterniond::Identity()) < rounding_rad);
   CHECK(filter.gyro_bias_body_radps() == Vector3d(0.01, -0.02, 0.5));
 }
+
+}  // namespace ahrs_value_test

@@ -6,10 +6,10 @@
 
 #include <limits>
 
+namespace any_filter_test {
+
 using namespace sonopose;
 using namespace sonopose::attitude;
-
-namespace {
 
 ImuSample sample_at(double time_s, const Vector3d& rate_radps) {
   ImuSample imu;
@@ -18,8 +18,6 @@ ImuSample sample_at(double time_s, const Vector3d& rate_radps) {
   imu.specific_force_body_mps2 = {0, 0, standard_gravity_mps2};
   return imu;
 }
-
-}  // namespace
 
 TEST_CASE("every kind can be named, and another one goes on where the one before stood") {
   attitude::Settings settings;
@@ -80,3 +78,5 @@ TEST_CASE("a tracker starts level, and with a magnetometer pointing as it says")
   CHECK(geometry::up_in_body(without.filter().orientation()).dot(geometry::up_in_body(truth)) == Approx(1.0));
   CHECK(geometry::yaw_of(without.filter().orientation()) == Approx(0.0).margin(1e-9));
 }
+
+}  // namespace any_filter_test

@@ -7,10 +7,10 @@
 
 #include <cmath>
 
+namespace bias_test {
+
 using namespace sonopose;
 using namespace sonopose::attitude;
-
-namespace {
 
 const Vector3d gravity_mps2(0, 0, 9.80665);
 constexpr double dps = geometry::radians_per_degree;
@@ -36,8 +36,6 @@ Adaptive after(double duration_s, const Rate& rate) {
 Vector3d still(double /*time_s*/) {
   return Vector3d::Zero();
 }
-
-}  // namespace
 
 TEST_CASE("at rest the offset is found about all three axes, in seconds") {
   const Adaptive filter = after(10.0, still);
@@ -71,3 +69,5 @@ TEST_CASE("no offset beyond the limit is learned") {
   for (int i = 0; i < 6000; ++i) filter.update(settings, measurement);
   CHECK(filter.gyro_bias_body_radps().cwiseAbs().maxCoeff() <= 0.3 * dps + 1e-12);
 }
+
+}  // namespace bias_test

@@ -5,20 +5,18 @@
 
 #include <catch2/catch.hpp>
 
+namespace compass_test {
+
 using namespace sonopose;
 using namespace sonopose::testing;
 using attitude::compass_heading;
 using attitude::Convention;
-
-namespace {
 
 double degrees_of(Convention convention, const attitude::Measurement<double>& m) {
   const auto heading_rad = compass_heading(convention, m.specific_force_body_mps2, m.magnetic_field_body_t);
   REQUIRE(heading_rad);
   return *heading_rad / degree;
 }
-
-}  // namespace
 
 TEST_CASE("level and looking north, east, south: each convention's own angle") {
   // The world is ENU here, so that a yaw of 90° looks north.
@@ -77,3 +75,5 @@ TEST_CASE("a yaw of a convention is told in the world and back") {
     }
   }
 }
+
+}  // namespace compass_test

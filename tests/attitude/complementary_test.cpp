@@ -7,10 +7,10 @@
 
 #include <cmath>
 
+namespace complementary_test {
+
 using namespace sonopose;
 using namespace sonopose::attitude;
-
-namespace {
 
 Measurement<double> level(double dt_s) {
   Measurement<double> measurement;
@@ -25,8 +25,6 @@ ComplementarySettings with_alpha(double alpha, double step_s) {
   settings.alpha_step_s = step_s;
   return settings;
 }
-
-}  // namespace
 
 TEST_CASE("one step leaves alpha of a tilt and alpha of a heading error") {
   for (const double alpha : {0.0, 0.5, 0.98, 1.0}) {
@@ -72,3 +70,5 @@ TEST_CASE("roll and pitch are those of the document's formulas, yaw that of the 
   CHECK(seen.pitch_rad == Approx(-std::atan2(force.x(), std::hypot(force.y(), force.z()))).margin(1e-6));
   CHECK(seen.yaw_rad == Approx(2.0).margin(1e-6));
 }
+
+}  // namespace complementary_test

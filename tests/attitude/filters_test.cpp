@@ -8,10 +8,10 @@
 #include <cmath>
 #include <limits>
 
+namespace filters_test {
+
 using namespace sonopose;
 using namespace sonopose::attitude;
-
-namespace {
 
 template <class F>
 using Settings = typename F::Settings;
@@ -76,8 +76,6 @@ void reset(F& filter, const Quaterniond& q_body_to_world) {
 }
 
 const Quaterniond some_attitude = geometry::rotation_by({0.4, -0.9, 1.7});
-
-}  // namespace
 
 #define EVERY_FILTER                                                                                     \
   Mahony, Complementary, Ahrs, Gyro, Adaptive, AnyFilter, BasicMahony<float>, BasicComplementary<float>, \
@@ -234,3 +232,5 @@ TEMPLATE_TEST_CASE("a filter is a value, and its fields are all of it", "", EVER
     }
   }
 }
+
+}  // namespace filters_test

@@ -4,10 +4,10 @@
 
 #include <catch2/catch.hpp>
 
+namespace gyro_offset_test {
+
 using namespace sonopose;
 using namespace sonopose::testing;
-
-namespace {
 
 using Offset = attitude::GyroOffset<double>;
 
@@ -16,8 +16,6 @@ const attitude::GyroOffsetLimits<double> limits{3 * degree, 5.0, 0.02};
 void learn(Offset& offset, const Vector3d& rate_radps, double seconds, double dt_s = step_s) {
   for (long i = 0; i < std::lround(seconds / dt_s); ++i) offset.learn(limits, rate_radps, dt_s);
 }
-
-}  // namespace
 
 TEST_CASE("an offset is learned at rest, after 5 s, with the low-pass filter's time constant") {
   const Vector3d truth(1 * degree, -0.5 * degree, 0.2 * degree);
@@ -99,3 +97,5 @@ TEST_CASE("the filter's settings are the offset's limits") {
   run(filter, settings, m, 1.1);
   CHECK(filter.gyro_bias_body_radps().x() == Approx(8 * degree).epsilon(0.005));
 }
+
+}  // namespace gyro_offset_test

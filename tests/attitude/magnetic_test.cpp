@@ -7,10 +7,10 @@
 
 #include <cmath>
 
+namespace magnetic_test {
+
 using namespace sonopose;
 using namespace sonopose::attitude;
-
-namespace {
 
 const Vector3d earth_t(0, 20e-6, -40e-6);
 constexpr double turning_radps = 1.0;
@@ -33,8 +33,6 @@ Rig that_knows_earth() {
   rig.feed(10.0, earth_t, turning_radps);
   return rig;
 }
-
-}  // namespace
 
 TEST_CASE("a field that stays the same while the body turns becomes the reference") {
   Rig rig;
@@ -111,3 +109,5 @@ TEST_CASE("a magnet that comes near turns the heading by a small part of what it
   CHECK(heading_deg(MagneticSettings{}.norm_tolerance) < 3.0);
   CHECK(heading_deg(1.0) > 20.0);  // of 63°, with any field believed
 }
+
+}  // namespace magnetic_test

@@ -9,11 +9,11 @@
 #include <algorithm>
 #include <cmath>
 
+namespace mahony_test {
+
 using namespace sonopose;
 using attitude::Mahony;
 using attitude::MahonySettings;
-
-namespace {
 
 const Vector3d at_rest_mps2(0.0, 0.0, 9.81);
 
@@ -47,8 +47,6 @@ void rest(Mahony& filter, const MahonySettings& settings, const Vector3d& rate_r
     update(filter, settings, rate_radps, at_rest_mps2, 0.01);
   }
 }
-
-}  // namespace
 
 TEST_CASE("item 29: a tilt error decays with the time constant 1/kp, whatever its direction") {
   for (const Vector3d& tilt : {Vector3d(0.05, 0, 0), Vector3d(0, -0.05, 0), Vector3d(-0.03, 0.04, 0)}) {
@@ -121,8 +119,6 @@ TEST_CASE("no force, no correction; no time, no change") {
   CHECK(filter.orientation().angularDistance(before.orientation()) < 1e-15);
 }
 
-namespace {
-
 /// A level body at rest in a field of 20 µT to the north and 40 µT downwards, and something beside it.
 attitude::Measurement<double> in_field(const Vector3d& disturbance_t) {
   attitude::Measurement<double> measurement;
@@ -131,8 +127,6 @@ attitude::Measurement<double> in_field(const Vector3d& disturbance_t) {
   measurement.magnetic_field_body_t = Vector3d(0, 20e-6, -40e-6) + disturbance_t;
   return measurement;
 }
-
-}  // namespace
 
 TEST_CASE("the magnetometer's heading gain is a rate, apart from item 29") {
   MahonySettings settings = gains(5.0, 0.0);
@@ -200,3 +194,5 @@ TEST_CASE("a filter is a value: a copy goes on as the original does, a reset for
   copy.reset(Quaterniond::Identity());
   CHECK(copy == Mahony{});
 }
+
+}  // namespace mahony_test

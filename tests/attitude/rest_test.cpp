@@ -7,10 +7,10 @@
 
 #include <cmath>
 
+namespace rest_test {
+
 using namespace sonopose;
 using namespace sonopose::attitude;
-
-namespace {
 
 struct Rig {
   RestSettings settings;
@@ -31,8 +31,6 @@ struct Rig {
 };
 
 const auto quiet = [](Measurement<double>&, double) {};
-
-}  // namespace
 
 TEST_CASE("rest is told after its time, with the mean rate") {
   Rig rig;
@@ -65,3 +63,5 @@ TEST_CASE("a steady rate beyond any offset is a turn, however steady it is") {
   rig.feed(30.0, [](Measurement<double>& m, double) { m.angular_velocity_body_radps.z() = 0.05; });
   CHECK_FALSE(rig.resting());
 }
+
+}  // namespace rest_test

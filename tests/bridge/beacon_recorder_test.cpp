@@ -6,12 +6,12 @@
 
 #include <catch2/catch.hpp>
 
+namespace beacon_recorder_test {
+
 using namespace sonopose;
 using namespace sonopose::bridge;
 using sonopose::test::TemporaryFolder;
 using sonopose::test::write_text;
-
-namespace {
 
 ImuSample imu_of(BeaconAddress address, TimeNs time_ns) {
   ImuSample imu;
@@ -27,8 +27,6 @@ std::vector<Event> numbered(std::vector<Event> events) {
   for (Event& event : events) std::visit([&number](auto& sample) { sample.sequence = ++number; }, event);
   return events;
 }
-
-}  // namespace
 
 SCENARIO("each beacon has its own log: the first in the folder itself, the others in subfolders") {
   GIVEN("a recorder with interleaved samples of beacons 12 and 7") {
@@ -63,3 +61,5 @@ SCENARIO("a recording is never overwritten") {
     }
   }
 }
+
+}  // namespace beacon_recorder_test

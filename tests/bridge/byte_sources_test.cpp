@@ -13,14 +13,14 @@
 #include <fstream>
 #include <stdexcept>
 
+namespace byte_sources_test {
+
 using namespace sonopose;
 using namespace sonopose::bridge;
 using namespace sonopose::process;
 using namespace sonopose::marvelmind;
 using sonopose::test::CollectingSink;
 using sonopose::test::TemporaryFolder;
-
-namespace {
 
 constexpr TimeNs ms = 1'000'000;
 
@@ -76,8 +76,6 @@ CollectingSink& played(CollectingSink& sink, const BeaconFile& file, double rate
   make_stream_source({file.path(), rate})->run(sink, stop);
   return sink;
 }
-
-}  // namespace
 
 SCENARIO("a file of a beacon's bytes is played as samples") {
   const TemporaryFolder folder;
@@ -219,3 +217,5 @@ TEST_CASE("byte sources refuse unusable inputs by name") {
   CHECK_THROWS_AS(make_udp_source("nonsense", std::nullopt), std::invalid_argument);
   CHECK_THROWS_AS(make_serial_source({.device = folder.path().string()}, std::nullopt), files::IoError);
 }
+
+}  // namespace byte_sources_test

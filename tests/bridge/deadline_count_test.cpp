@@ -2,12 +2,12 @@
 
 #include <catch2/catch.hpp>
 
+namespace deadline_count_test {
+
 using namespace sonopose;
 using namespace sonopose::bridge;
 
-namespace {
 constexpr TimeNs ms = 1'000'000;
-}
 
 SCENARIO("whole periods without a sample are counted") {
   DeadlineCount count(100 * ms);
@@ -21,3 +21,5 @@ SCENARIO("whole periods without a sample are counted") {
   CHECK(count.count(SteadyTime{1'350 * ms}) == 2);
   CHECK(count.count(SteadyTime{1'440 * ms}) == 3);
 }
+
+}  // namespace deadline_count_test

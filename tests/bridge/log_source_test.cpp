@@ -9,13 +9,13 @@
 
 #include <catch2/catch.hpp>
 
+namespace log_source_test {
+
 using namespace sonopose;
 using namespace sonopose::bridge;
 using namespace sonopose::process;
 using sonopose::test::CollectingSink;
 using sonopose::test::TemporaryFolder;
-
-namespace {
 
 constexpr TimeNs recorded_ns = 1'600'000'000'000'000'000;
 constexpr TimeNs ms = 1'000'000;
@@ -46,8 +46,6 @@ void write_log(const std::filesystem::path& folder) {
   heading.valid = true;
   log.write(heading);
 }
-
-}  // namespace
 
 SCENARIO("a log folder as a source") {
   CollectingSink sink;
@@ -101,3 +99,5 @@ SCENARIO("a log folder as a source") {
     }
   }
 }
+
+}  // namespace log_source_test

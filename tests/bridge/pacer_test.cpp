@@ -9,18 +9,16 @@
 #include <stdexcept>
 #include <thread>
 
+namespace pacer_test {
+
 using namespace sonopose;
 using namespace sonopose::bridge;
 using namespace sonopose::process;
 using sonopose::test::CollectingSink;
 
-namespace {
-
 constexpr TimeNs begin_ns = 1'700'000'000'000'000'000;
 constexpr TimeNs ms = 1'000'000;
 constexpr TimeNs hour = 3'600'000 * ms;
-
-}  // namespace
 
 SCENARIO("a pacer plays recorded time at its rate") {
   CollectingSink sink;
@@ -99,3 +97,5 @@ TEST_CASE("an invalid rate is refused with its value") {
   CHECK_THROWS_AS(Pacer(std::numeric_limits<double>::quiet_NaN()), std::invalid_argument);
   CHECK_THROWS_AS(Pacer(std::numeric_limits<double>::infinity()), std::invalid_argument);
 }
+
+}  // namespace pacer_test

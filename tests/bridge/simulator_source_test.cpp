@@ -9,13 +9,13 @@
 #include <algorithm>
 #include <stdexcept>
 
+namespace simulator_source_test {
+
 using namespace sonopose;
 using namespace sonopose::bridge;
 using namespace sonopose::process;
 using sonopose::test::CollectingSink;
 using sonopose::test::TemporaryFolder;
-
-namespace {
 
 /// The simulator, as fast as possible; 0 s: unlimited.
 SimulatorOptions simulator(double duration_s) {
@@ -32,8 +32,6 @@ std::vector<ImuSample> imu_of(const CollectingSink& sink, BeaconAddress address)
   std::erase_if(samples, [address](const ImuSample& sample) { return sample.address != address; });
   return samples;
 }
-
-}  // namespace
 
 SCENARIO("the simulator as a source") {
   CollectingSink sink;
@@ -178,3 +176,5 @@ SCENARIO("beacons that cannot be simulated are refused") {
     }
   }
 }
+
+}  // namespace simulator_source_test

@@ -8,11 +8,11 @@
 #include <limits>
 #include <vector>
 
+namespace allan_test {
+
 using namespace sonopose;
 using namespace sonopose::calibration;
 using namespace sonopose::calibration::fit;
-
-namespace {
 
 constexpr double period_s = 0.01;
 
@@ -49,8 +49,6 @@ std::vector<ImuSample> uniform_samples(std::size_t count) {
   }
   return imu;
 }
-
-}  // namespace
 
 TEST_CASE("the deviation by hand: a sample that alternates, and a ramp") {
   // Neighbouring means of one sample differ by 2, so that the deviation is 2/√2; of two samples, by nothing.
@@ -176,3 +174,5 @@ TEST_CASE("too short a record, a gap, motion and a number that is none are refus
   imu[1500].angular_velocity_body_radps.y() = std::numeric_limits<double>::quiet_NaN();
   CHECK_THROWS_WITH(analyse_allan(imu), Catch::Contains("sample 1501") && Catch::Contains("not finite"));
 }
+
+}  // namespace allan_test

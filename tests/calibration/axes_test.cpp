@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+namespace axes_test {
+
 using namespace sonopose;
 using namespace sonopose::calibration;
-
-namespace {
 
 AxesSettings named(std::string_view name) {
   const auto names = choices_of(Axes{});
@@ -20,8 +20,6 @@ AxesSettings named(std::string_view name) {
   }
   return settings;
 }
-
-}  // namespace
 
 TEST_CASE("all 24 mountings are proper rotations by right angles, each another one") {
   std::vector<Matrix3d> seen;
@@ -68,3 +66,5 @@ TEST_CASE("offsets and factors are in the sensor's axes, whatever the mounting")
   CHECK(body.specific_force_body_mps2 == Vector3d(1.5, -1.0, 3.0));
   CHECK((body.magnetic_field_body_t.value() - Vector3d(10e-6, -30e-6, 0.0)).norm() < 1e-18);
 }
+
+}  // namespace axes_test

@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <limits>
 
+namespace calibration_test {
+
 using namespace sonopose;
 using namespace sonopose::calibration;
-
-namespace {
 
 void check_same_bits(const Vector3d& a, const Vector3d& b) {
   for (int i = 0; i < 3; ++i) {
@@ -28,8 +28,6 @@ ImuSample some_sample() {
   sample.magnetic_field_body_t = Vector3d(21e-6, -0.0, -43e-6);
   return sample;
 }
-
-}  // namespace
 
 TEST_CASE("a calibration that nobody has set returns the very same bits") {
   ImuSample raw = some_sample();
@@ -108,3 +106,5 @@ TEST_CASE("magnetometer: the hard iron is taken off after the soft-iron matrix")
   const ImuSample corrected = Calibration(settings).corrected(raw);
   CHECK((corrected.magnetic_field_body_t.value() - Vector3d(27e-6, 28e-6, 20e-6)).norm() < 1e-18);
 }
+
+}  // namespace calibration_test

@@ -9,12 +9,12 @@
 #include <limits>
 #include <tuple>
 
+namespace inertial_fit_test {
+
 using namespace sonopose;
 using namespace sonopose::calibration;
 using namespace sonopose::calibration::fit;
 using namespace sonopose::test;
-
-namespace {
 
 AccelerometerSettings true_accelerometer() {
   AccelerometerSettings truth;
@@ -77,8 +77,6 @@ void check_recovered(const Group& found, const Group& errors, const Group& truth
     CHECK(error <= largest_error);
   }
 }
-
-}  // namespace
 
 TEST_CASE("GIVEN a MEMS accelerometer in 14 orientations THEN all nine of its errors are recovered") {
   const auto truth = true_accelerometer();
@@ -233,3 +231,5 @@ TEST_CASE("a sensitivity that no setting may have is not estimated, and said") {
   CHECK(fit.settings.sensitivity_x == 1.0);
   CHECK(fit.settings.offset_x_radps == Approx(0.02).margin(0.001));
 }
+
+}  // namespace inertial_fit_test

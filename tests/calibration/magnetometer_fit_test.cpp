@@ -13,11 +13,11 @@
 #include <tuple>
 #include <vector>
 
+namespace magnetometer_fit_test {
+
 using namespace sonopose;
 using namespace sonopose::calibration;
 using namespace sonopose::calibration::fit;
-
-namespace {
 
 constexpr double tesla_per_ut = 1e-6;
 
@@ -47,8 +47,6 @@ std::vector<ImuSample> readings(
   }
   return imu;
 }
-
-}  // namespace
 
 TEST_CASE("h = S·c: a sphere of 50 uT about (10, -20, 30), stretched to double along Z, by hand") {
   // The semi-axes are 50, 50 and 100 µT; with a wanted field of 50 µT S = diag(1, 1, 1/2) and h = (10, −20,
@@ -231,3 +229,5 @@ TEST_CASE("a recording without a field, with a field of zero, or with the same o
   for (auto& sample : imu) sample.magnetic_field_body_t->setConstant(std::numeric_limits<double>::infinity());
   CHECK_THROWS_AS(fit_magnetometer(imu), CalibrationError);
 }
+
+}  // namespace magnetometer_fit_test

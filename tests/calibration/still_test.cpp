@@ -6,6 +6,8 @@
 
 #include <limits>
 
+namespace still_test {
+
 using namespace sonopose;
 using namespace sonopose::calibration;
 using namespace sonopose::calibration::fit;
@@ -86,3 +88,5 @@ TEST_CASE("the same orientation twice counts once") {
   REQUIRE(intervals.size() >= 3);
   CHECK(count_orientations(intervals, 0.15) == 2);
 }
+
+}  // namespace still_test

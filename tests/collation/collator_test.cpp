@@ -8,10 +8,10 @@
 #include <map>
 #include <vector>
 
+namespace collator_test {
+
 using namespace sonopose;
 using namespace sonopose::collation;
-
-namespace {
 
 constexpr TimeNs ms = 1'000'000;
 
@@ -40,8 +40,6 @@ struct Line {
 };
 
 using Numbers = std::vector<std::uint64_t>;
-
-}  // namespace
 
 TEST_CASE("events in order pass immediately, with any first number") {
   Line line;
@@ -194,3 +192,5 @@ TEST_CASE("a corrupt number does not block the following events") {
   for (std::uint64_t n = 11; n <= 40; ++n) line.push(n);
   CHECK(line.delivered.back() == 40);
 }
+
+}  // namespace collator_test

@@ -6,10 +6,10 @@
 
 #include <vector>
 
+namespace lossless_collator_test {
+
 using namespace sonopose;
 using namespace sonopose::collation;
-
-namespace {
 
 using Numbers = std::vector<std::uint64_t>;
 
@@ -30,8 +30,6 @@ struct Line {
     }
   }
 };
-
-}  // namespace
 
 TEST_CASE("a stream that is far ahead waits for the lagging one without a time limit") {
   Line line;
@@ -94,3 +92,5 @@ TEST_CASE("if more events wait than any transport buffers, the missing one is co
   CHECK(line.collator.counters().lost == 3);
   CHECK(line.delivered.size() == 2 + LosslessCollator::capacity);
 }
+
+}  // namespace lossless_collator_test

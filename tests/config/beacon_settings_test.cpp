@@ -4,11 +4,11 @@
 
 #include <catch2/catch.hpp>
 
+namespace beacon_settings_test {
+
 using namespace sonopose;
 using namespace sonopose::config;
 using Catch::Matchers::Contains;
-
-namespace {
 
 constexpr double default_sigma_m = settings::TrustSettings{}.sigma_m;
 
@@ -22,8 +22,6 @@ std::string refusal(const std::vector<SettingAssignment>& texts) {
   FAIL("accepted");
   return {};
 }
-
-}  // namespace
 
 TEST_CASE("typed values are read in the kind of their keys") {
   const Assignments values = parsed({{"drift.jump_alpha", "0.5"},
@@ -148,3 +146,5 @@ TEST_CASE("settings of a magnetometer that is not used are warned of") {
   settings.attitude.selection.magnetometer = true;
   CHECK(idle_filter_warnings(settings, given).empty());
 }
+
+}  // namespace beacon_settings_test

@@ -8,12 +8,12 @@
 #include <fstream>
 #include <unistd.h>
 
+namespace fusion_config_test {
+
 using namespace sonopose;
 using Catch::Matchers::Contains;
 using config::ConfigError;
 using config::FusionConfig;
-
-namespace {
 
 /// A file that lives as long as the object.
 class TemporaryFile {
@@ -59,8 +59,6 @@ bool same_everywhere(const settings::Settings& a, const settings::Settings& b) {
   }
   return true;
 }
-
-}  // namespace
 
 TEST_CASE("an empty file leaves every default") {
   CHECK(same_everywhere(loaded("").for_beacon(7), settings::Settings{}));
@@ -285,3 +283,5 @@ TEST_CASE("what is printed gives no warnings of its own when it is loaded") {
     CHECK(same_everywhere(loaded(config.to_toml()).for_beacon(1), config.for_beacon(1)));
   }
 }
+
+}  // namespace fusion_config_test

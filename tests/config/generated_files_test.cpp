@@ -7,9 +7,9 @@
 #include <fstream>
 #include <sstream>
 
-using namespace sonopose;
+namespace generated_files_test {
 
-namespace {
+using namespace sonopose;
 
 std::string text_of(const std::string& path_in_project) {
   const std::ifstream file(std::string(SONOPOSE_SOURCE_DIR) + "/" + path_in_project);
@@ -18,8 +18,6 @@ std::string text_of(const std::string& path_in_project) {
   text << file.rdbuf();
   return text.str();
 }
-
-}  // namespace
 
 TEST_CASE("config/fusion.toml is the defaults as --print-config prints them") {
   CHECK(text_of("config/fusion.toml") == config::FusionConfig{}.to_toml());
@@ -59,3 +57,5 @@ TEST_CASE("the page names every setting") {
     CHECK(page.find(row.sentence) != std::string::npos);
   }
 }
+
+}  // namespace generated_files_test

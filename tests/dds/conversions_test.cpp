@@ -12,8 +12,7 @@
 #include <string>
 #include <tuple>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::conversions_test {
 
 /// Every field has a value that no other one has: a field that the list forgets is zero afterwards, and one
 /// that it mixes up has the value of another.
@@ -302,5 +301,4 @@ TEST_CASE("The infinite age of a pose before its first fix survives") {
   CHECK(topics::from_idl(topics::to_idl(pose)).since_valid_fix_s == pose.since_valid_fix_s);
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::conversions_test

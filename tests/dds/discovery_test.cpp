@@ -7,8 +7,7 @@
 #include <cstdio>
 #include <thread>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::discovery_test {
 
 /// The endpoint on a topic, or nullptr.
 const FoundEndpoint* on_topic(const std::vector<FoundEndpoint>& endpoints, const std::string& topic) {
@@ -82,5 +81,4 @@ TEST_CASE("Discovery finds another process, its writer and its identity") {
   CHECK(process->process_id != static_cast<std::uint32_t>(getpid()));
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::discovery_test

@@ -10,8 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::domain_test {
 
 namespace fs = std::filesystem;
 
@@ -248,5 +247,4 @@ TEST_CASE("A process joins a domain with many others") {
   CHECK(matched(reader, 14));
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::domain_test

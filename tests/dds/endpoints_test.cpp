@@ -5,8 +5,7 @@
 #include <map>
 #include <set>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::endpoints_test {
 
 using Command = sonopose_ResetCommand;
 
@@ -233,5 +232,4 @@ TEST_CASE("Errors name the call, its object and the reason") {
   }
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::endpoints_test

@@ -7,8 +7,7 @@
 #include <mutex>
 #include <thread>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::listener_test {
 
 using Command = sonopose_ResetCommand;
 using std::chrono::milliseconds;
@@ -192,5 +191,4 @@ TEST_CASE("Destroying a reader waits for a running callback") {
   }
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::listener_test

@@ -6,8 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::loans_test {
 
 using Command = sonopose_ResetCommand;
 
@@ -81,5 +80,4 @@ TEST_CASE("A loan is returned when its owner is destroyed, and not earlier") {
   }
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::loans_test

@@ -5,8 +5,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::move_test {
 
 using Command = sonopose_ResetCommand;
 
@@ -96,5 +95,4 @@ TEST_CASE("A participant may be replaced by another domain's") {
   CHECK_NOTHROW(make_participant({.domain_id = test_domain(), .network = Network::lan}));
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::move_test

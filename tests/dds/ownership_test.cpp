@@ -2,8 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::ownership_test {
 
 using Command = sonopose_ResetCommand;
 
@@ -106,5 +105,4 @@ TEST_CASE("With the pose's profile a standby takes over from a hanging fusion, a
   CHECK(heard[1] > 2);  // the standby's first one came while the strong one was alive
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::ownership_test

@@ -13,8 +13,7 @@
 #include <tuple>
 #include <vector>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::qos_docs_test {
 
 const std::string library = "sonopose::";
 
@@ -169,5 +168,4 @@ TEST_CASE("Every profile sets every policy, and the general statements of docs/q
   }
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::qos_docs_test

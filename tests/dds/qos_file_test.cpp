@@ -5,8 +5,7 @@
 
 #include <string>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::qos_file_test {
 
 TEST_CASE("The project's QoS file has the policies that its streams need") {
   const qos::Provider provider = project_qos();
@@ -120,5 +119,4 @@ TEST_CASE("The profiles for ROS 2 match what ROS 2 nodes use by default") {
   }
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::qos_file_test

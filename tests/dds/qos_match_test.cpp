@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::qos_match_test {
 
 using std::chrono::milliseconds;
 
@@ -193,5 +192,4 @@ TEST_CASE("In the project's QoS file every profile matches itself, and live matc
   }
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::qos_match_test

@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::qos_overlay_test {
 
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
@@ -176,5 +175,4 @@ TEST_CASE("A user's file with a contradiction is rejected and changes nothing") 
   CHECK(depth_of(qos, "sonopose::Imu") == depth_of(project_qos(), "sonopose::Imu"));
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::qos_overlay_test

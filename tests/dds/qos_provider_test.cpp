@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::qos_provider_test {
 
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
@@ -214,5 +213,4 @@ TEST_CASE("An error in the structure of a file names file, line and element") {
   }
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::qos_provider_test

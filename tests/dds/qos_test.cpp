@@ -4,8 +4,7 @@
 
 #include <stdexcept>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::qos_test {
 
 using std::chrono::milliseconds;
 
@@ -81,5 +80,4 @@ TEST_CASE("Writer and reader match only in a common partition") {
   CHECK(reader.matched_publications() == std::vector<InstanceHandle>{same.instance_handle()});
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::qos_test

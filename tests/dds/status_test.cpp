@@ -4,8 +4,7 @@
 
 #include <chrono>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::status_test {
 
 using Command = sonopose_ResetCommand;
 using std::chrono::milliseconds;
@@ -189,5 +188,4 @@ TEST_CASE("A full reader makes a lossless writer wait, and nothing is lost") {
   }
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::status_test

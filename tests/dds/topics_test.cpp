@@ -9,8 +9,7 @@
 #include <tuple>
 #include <vector>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::topics_test {
 
 /// The key, or a part of it.
 auto& key_of(auto& sample) {
@@ -131,5 +130,4 @@ TEST_CASE("A settings request does not reach a late-joining fusion, and many in 
   CHECK(seen == expected);
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::topics_test

@@ -4,8 +4,7 @@
 
 #include <thread>
 
-namespace sonopose::dds::test {
-namespace {
+namespace sonopose::dds::test::waitset_test {
 
 using Command = sonopose_ResetCommand;
 using std::chrono::milliseconds;
@@ -69,5 +68,4 @@ TEST_CASE("A wait set wakes for a true condition and returns it") {
   }
 }
 
-}  // namespace
-}  // namespace sonopose::dds::test
+}  // namespace sonopose::dds::test::waitset_test

@@ -11,10 +11,10 @@
 #include <limits>
 #include <vector>
 
+namespace estimator_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation;
-
-namespace {
 
 struct AnyDocumented : AnyEstimator {
   explicit AnyDocumented(const settings::Settings& settings) : AnyEstimator(settings) {}
@@ -79,8 +79,6 @@ bool is_finite(const FusedPose& pose) {
          std::abs(pose.q_body_to_world.norm() - 1.0) < 1e-9 && pose.angular_velocity_body_radps.allFinite() &&
          pose.acceleration_world_mps2.allFinite();
 }
-
-}  // namespace
 
 TEMPLATE_TEST_CASE("the same events and settings give the same bits", "", documented::Engine,
                    strapdown::Engine, AnyDocumented, AnyStrapdown) {
@@ -229,3 +227,5 @@ TEST_CASE("AnyEstimator becomes the kind of the snapshot that it is restored fro
     CHECK(kind_of(initial_snapshot(kind)) == kind);
   }
 }
+
+}  // namespace estimator_test

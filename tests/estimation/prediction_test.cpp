@@ -7,10 +7,10 @@
 
 #include <cmath>
 
+namespace prediction_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation;
-
-namespace {
 
 constexpr TimeNs ms_ns = 1'000'000;
 
@@ -27,8 +27,6 @@ FusedPose on_circle(double angle_rad) {
   pose.q_body_to_world = geometry::rotation_about_z(angle_rad + geometry::radians_per_degree * 90.0);
   return pose;
 }
-
-}  // namespace
 
 SCENARIO("a pose between samples continues the motion") {
   GIVEN("a body on a circle") {
@@ -81,3 +79,5 @@ TEST_CASE("the period is the inverse of the rate, and 0 without one") {
   settings.output.rate_hz = 1000;
   CHECK(prediction_period_ns(settings.output) == ms_ns);
 }
+
+}  // namespace prediction_test

@@ -12,10 +12,10 @@
 #include <filesystem>
 #include <iostream>
 
+namespace attitude_run_test {
+
 using namespace sonopose;
 using evaluation::AttitudeResult;
-
-namespace {
 
 constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
 
@@ -36,8 +36,6 @@ recording::AttitudeLog standing(const Quaterniond& off) {
 }
 
 constexpr double degree = geometry::radians_per_degree;
-
-}  // namespace
 
 TEST_CASE("heading and inclination errors are separated, and both are part of the total error") {
   const auto scored = [](const Quaterniond& off) {
@@ -91,8 +89,6 @@ TEST_CASE("without truth the errors are unknown, and the mean excludes that log"
   CHECK(evaluation::attitude_text({known, unknown}).find("unknown") != std::string::npos);
 }
 
-namespace {
-
 /// The ten recorded trials; empty if they are missing.
 const std::vector<recording::AttitudeLog>& trials() {
   static const std::vector<recording::AttitudeLog> logs = [] {
@@ -115,8 +111,6 @@ AttitudeResult mean_over_trials(settings::Settings settings, bool magnetometer) 
     results.push_back(evaluation::run_attitude("", log, settings));
   return evaluation::mean_of(results);
 }
-
-}  // namespace
 
 TEST_CASE("recorded trials: the classic Mahony filter reproduces the benchmark's score") {
   if (trials().empty()) return;
@@ -146,3 +140,5 @@ TEST_CASE("recorded trials: the default filter is as accurate as the best public
   CHECK(with_field.total_rmse_deg < 2.67);
   CHECK(with_field.inclination_rmse_deg < 0.8);
 }
+
+}  // namespace attitude_run_test

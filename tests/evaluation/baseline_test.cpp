@@ -2,9 +2,9 @@
 
 #include <catch2/catch.hpp>
 
-using namespace sonopose;
+namespace baseline_test {
 
-namespace {
+using namespace sonopose;
 
 UltrasonicFix fix_at(double time_s, double x_m) {
   UltrasonicFix fix;
@@ -12,8 +12,6 @@ UltrasonicFix fix_at(double time_s, double x_m) {
   fix.position_world_m = {x_m, 0, 0};
   return fix;
 }
-
-}  // namespace
 
 TEST_CASE("the last fix stays constant, the extrapolated fix moves with its velocity") {
   evaluation::Baseline baseline;
@@ -34,3 +32,5 @@ TEST_CASE("fixes with a long gap between them are not extrapolated") {
   baseline.on(fix_at(3.0, 9.0));
   CHECK(baseline.extrapolated(to_ns(3.1))->x() == 9.0);
 }
+
+}  // namespace baseline_test

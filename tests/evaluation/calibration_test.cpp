@@ -19,12 +19,12 @@
 #include <iostream>
 #include <tuple>
 
+namespace calibration_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 using nlohmann::json;
-
-namespace {
 
 void write_log(const std::filesystem::path& folder, const std::vector<ImuSample>& imu) {
   recording::SensorLogWriter writer(folder);
@@ -59,8 +59,6 @@ void check_table(const toml::table* table, const Group& settings) {
   }
   CHECK(table->size() == terms.size());
 }
-
-}  // namespace
 
 TEST_CASE("the TOML tables contain every setting without loss") {
   const TemporaryFolder folder;
@@ -165,3 +163,5 @@ TEST_CASE("the Allan deviation of a minute at rest is printed as text and JSON a
   plot.draw(result);
   CHECK_THAT(read_text(folder / "a.svg"), Contains("Allan deviation of") && Contains("</svg>"));
 }
+
+}  // namespace calibration_test

@@ -2,10 +2,10 @@
 
 #include <catch2/catch.hpp>
 
+namespace digest_test {
+
 using namespace sonopose;
 using evaluation::Digest;
-
-namespace {
 
 std::uint64_t digest_of(const FusedPose& pose) {
   Digest digest;
@@ -18,8 +18,6 @@ std::uint64_t digest_of(const estimation::documented::State& state) {
   digest.add(estimation::AnySnapshot(estimation::documented::Snapshot{.state = state, .counters = {}}));
   return digest.value();
 }
-
-}  // namespace
 
 TEST_CASE("the smallest change of a pose changes its digest; its transport times do not") {
   FusedPose pose;
@@ -63,3 +61,5 @@ TEST_CASE("the order of the values counts, and the text has 16 digits") {
   CHECK(one.value() != two.value());
   CHECK(one.text().size() == 16);
 }
+
+}  // namespace digest_test

@@ -11,10 +11,10 @@
 #include <iostream>
 #include <map>
 
+namespace evaluation_test {
+
 using namespace sonopose;
 using evaluation::CaseResult;
-
-namespace {
 
 std::vector<CaseResult> runs_of(const std::string& scenario, std::uint64_t seeds = 5) {
   std::vector<CaseResult> runs;
@@ -32,8 +32,6 @@ evaluation::Case standing(double fix_offset_m) {
   }
   return standing;
 }
-
-}  // namespace
 
 TEST_CASE("with the default settings the position error stays within the documented limits") {
   const std::map<std::string, double> limits_m{
@@ -128,3 +126,5 @@ TEST_CASE("a missing folder is refused by name") {
   CHECK_THROWS_WITH(evaluation::recordings_with_truth("/nowhere/at/all"),
                     Catch::Matchers::Contains("/nowhere/at/all"));
 }
+
+}  // namespace evaluation_test

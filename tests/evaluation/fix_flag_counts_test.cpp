@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace fix_flag_counts_test {
+
 using namespace sonopose;
 
 TEST_CASE("fix flags are named in the order of their bits") {
@@ -18,3 +20,5 @@ TEST_CASE("each fix flag is counted separately") {
   CHECK(counts.of(fix_frozen) == 1);
   CHECK(counts.of(fix_first) == 0);
 }
+
+}  // namespace fix_flag_counts_test

@@ -5,11 +5,11 @@
 
 #include <catch2/catch.hpp>
 
+namespace output_folder_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 using evaluation::OutputFolder;
-
-namespace {
 
 FusedPose sample_pose() {
   FusedPose pose;
@@ -38,8 +38,6 @@ FixReport sample_report() {
   report.flags = fix_used | fix_outlier;
   return report;
 }
-
-}  // namespace
 
 TEST_CASE("both files contain a pose without loss of precision") {
   const TemporaryFolder folder;
@@ -104,3 +102,5 @@ TEST_CASE("a full disk and a folder that cannot be created are named") {
   write_text(folder / "file", "");
   CHECK_THROWS_WITH(OutputFolder(folder / "file/out"), Catch::Contains("file/out: cannot be created"));
 }
+
+}  // namespace output_folder_test

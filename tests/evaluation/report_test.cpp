@@ -5,6 +5,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+namespace report_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
@@ -60,3 +62,5 @@ TEST_CASE("without a true velocity only that figure is unknown") {
   const std::string text = evaluation::report_text(evaluation::run(log, {}), {});
   CHECK_THAT(text, Contains("not known") && Contains("m RMSE") && !Contains("nan"));
 }
+
+}  // namespace report_test

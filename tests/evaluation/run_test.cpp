@@ -7,11 +7,11 @@
 #include <cmath>
 #include <limits>
 
+namespace run_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 using evaluation::RunOptions;
-
-namespace {
 
 struct Outputs {
   std::vector<FusedPose> poses;
@@ -24,8 +24,6 @@ evaluation::RunResult run_and_record(const recording::SensorLog& log, const RunO
                          {[&outputs](const FusedPose& pose) { outputs.poses.push_back(pose); },
                           [&outputs](const FixReport& report) { outputs.reports.push_back(report); }});
 }
-
-}  // namespace
 
 TEST_CASE("the same recording and settings give the same bits, other settings give other bits") {
   const recording::SensorLog log = sample_log();
@@ -180,3 +178,5 @@ TEST_CASE("inputs that cannot be run are refused") {
   beyond.sequence = log.events.size() + 1;
   CHECK_THROWS_WITH(evaluation::run(log, {.start = beyond}), Catch::Contains("of another recording"));
 }
+
+}  // namespace run_test

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+namespace search_test {
+
 using namespace sonopose;
 using Catch::Matchers::Contains;
 
@@ -66,3 +68,5 @@ TEST_CASE("invalid search variables are refused with key, value and range") {
   CHECK_THROWS_WITH(evaluation::variable_of("trust.sigma_m=0.2..0.1"), Contains("0.2..0.1"));
   CHECK(evaluation::variable_of("trust.n_max").high == 1000);
 }
+
+}  // namespace search_test

@@ -9,12 +9,12 @@
 
 #include <limits>
 
+namespace state_file_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 using nlohmann::json;
-
-namespace {
 
 /// A state in which every group has changed.
 evaluation::SavedState busy_state() {
@@ -33,8 +33,6 @@ std::string complaint_after(const Change& change) {
   }
   return "no complaint";
 }
-
-}  // namespace
 
 TEST_CASE("a state comes back from its file to the last bit") {
   const TemporaryFolder folder;
@@ -166,3 +164,5 @@ TEST_CASE("a field that is missing, unknown, of the wrong kind or impossible is 
              }),
              Contains("body.history: has times that go backward"));
 }
+
+}  // namespace state_file_test

@@ -8,6 +8,8 @@
 #include <limits>
 #include <string>
 
+namespace csv_writer_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 using files::CsvWriter;
@@ -55,3 +57,5 @@ TEST_CASE("a write error names the file") {
   full.integer(1).end_row();
   CHECK_THROWS_WITH(full.flush(), Catch::Contains("/dev/full") && Catch::Contains("No space left"));
 }
+
+}  // namespace csv_writer_test

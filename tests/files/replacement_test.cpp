@@ -7,6 +7,8 @@
 
 #include <memory>
 
+namespace replacement_test {
+
 using sonopose::files::Replacement;
 using sonopose::test::read_text;
 using sonopose::test::TemporaryFolder;
@@ -63,3 +65,5 @@ SCENARIO("a link stays a link, and a special file is written directly") {
   device.commit();
   CHECK(fs::is_character_file("/dev/null"));
 }
+
+}  // namespace replacement_test

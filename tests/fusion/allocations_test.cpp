@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace allocations_test {
+
 using namespace sonopose;
 using namespace sonopose::fusion;
 using namespace sonopose::fusion::test;
@@ -58,3 +60,5 @@ SCENARIO("a live event does not allocate with any attitude filter") {
     CHECK(allocated == 0);
   }
 }
+
+}  // namespace allocations_test

@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <utility>
 
+namespace beacon_estimators_test {
+
 using namespace sonopose;
 using namespace sonopose::fusion;
 using namespace sonopose::fusion::test;
 
-namespace {
-
 constexpr TimeNs ms = 1'000'000;
-
-}  // namespace
 
 SCENARIO("each beacon has its own estimator") {
   const bool lossless = GENERATE(false, true);
@@ -148,3 +146,5 @@ SCENARIO("a bridge that restarts") {
     }
   }
 }
+
+}  // namespace beacon_estimators_test

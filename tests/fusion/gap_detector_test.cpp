@@ -4,15 +4,13 @@
 
 #include <catch2/catch.hpp>
 
+namespace gap_detector_test {
+
 using namespace sonopose;
 using Catch::Contains;
 using fusion::GapDetector;
 
-namespace {
-
 constexpr TimeNs second_ns = 1'000'000'000;
-
-}  // namespace
 
 SCENARIO("a wait for a missing event is text after five seconds, once") {
   GapDetector watch;
@@ -62,3 +60,5 @@ SCENARIO("a wait for a missing event is text after five seconds, once") {
     }
   }
 }
+
+}  // namespace gap_detector_test

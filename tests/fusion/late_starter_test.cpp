@@ -10,11 +10,11 @@
 #include <cmath>
 #include <map>
 
+namespace late_starter_test {
+
 using namespace sonopose;
 using namespace sonopose::fusion;
 using namespace sonopose::fusion::test;
-
-namespace {
 
 struct Difference {
   double position_m = 0;
@@ -48,8 +48,6 @@ Difference difference_after_warm_up(double late_by_s) {
   return most;
 }
 
-}  // namespace
-
 SCENARIO("a fusion that starts late agrees with the others when it claims a beacon") {
   for (const double late_by_s : {5.0, 12.3, 20.0}) {
     const Difference most = difference_after_warm_up(late_by_s);
@@ -60,3 +58,5 @@ SCENARIO("a fusion that starts late agrees with the others when it claims a beac
     CHECK(most.angle_rad < 0.4 * geometry::radians_per_degree);
   }
 }
+
+}  // namespace late_starter_test

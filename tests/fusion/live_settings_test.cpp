@@ -7,12 +7,12 @@
 
 #include <cmath>
 
+namespace live_settings_test {
+
 using namespace sonopose;
 using namespace sonopose::fusion;
 using namespace sonopose::fusion::test;
 using Catch::Contains;
-
-namespace {
 
 const std::vector<SettingAssignment> user_balance{
     {"fusion.imu_weight", "user"}, {"drift.jump_alpha", "0.9"}, {"velocity.blend_weight", "0.05"}};
@@ -33,8 +33,6 @@ void push_range(Feeder& feeder, const std::vector<Event>& events, std::uint64_t 
 }
 
 constexpr std::uint64_t to_the_end = UINT64_MAX;
-
-}  // namespace
 
 SCENARIO("a change applies exactly from the requested event on") {
   const bool lossless = GENERATE(false, true);
@@ -279,3 +277,5 @@ SCENARIO("a reset keeps the settings") {
   CHECK(feeder.changes.size() == 2);
   CHECK(feeder.changes.back().settings.trust.sigma_m == 0.5);
 }
+
+}  // namespace live_settings_test

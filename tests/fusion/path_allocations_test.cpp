@@ -9,11 +9,11 @@
 
 #include <catch2/catch.hpp>
 
+namespace path_allocations_test {
+
 using namespace sonopose;
 using namespace sonopose::fusion;
 using namespace sonopose::fusion::test;
-
-namespace {
 
 /// Counts, and nothing else.
 struct Counter final : dds::DataReaderListener<sonopose_FusedPose> {
@@ -22,8 +22,6 @@ struct Counter final : dds::DataReaderListener<sonopose_FusedPose> {
   }
   std::size_t poses = 0;
 };
-
-}  // namespace
 
 SCENARIO("the path from a sample to its pose allocates nothing") {
   // In one process the fusion's listener runs on the thread that writes: all of its work falls into the
@@ -65,3 +63,5 @@ SCENARIO("the path from a sample to its pose allocates nothing") {
     }
   }
 }
+
+}  // namespace path_allocations_test

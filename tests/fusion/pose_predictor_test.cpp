@@ -4,10 +4,10 @@
 
 #include <vector>
 
+namespace pose_predictor_test {
+
 using namespace sonopose;
 using namespace sonopose::fusion;
-
-namespace {
 
 constexpr TimeNs ms = 1'000'000;
 constexpr SteadyTime begin{5'000 * ms};
@@ -30,8 +30,6 @@ struct Predictions {
     return predictor.predict(begin + after_ns, [this](const FusedPose& pose) { poses.push_back(pose); });
   }
 };
-
-}  // namespace
 
 SCENARIO("poses are due on a clock of their own") {
   Predictions made;
@@ -89,3 +87,5 @@ SCENARIO("poses are due on a clock of their own") {
     }
   }
 }
+
+}  // namespace pose_predictor_test

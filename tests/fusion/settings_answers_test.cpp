@@ -6,6 +6,8 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+namespace settings_answers_test {
+
 using namespace sonopose;
 using namespace sonopose::fusion;
 using namespace sonopose::fusion::test;
@@ -78,3 +80,5 @@ SCENARIO("the reply to a request for all beacons names each one's event") {
   CHECK(ask(5000) == "7: event 5000, 9: event 5000");
   CHECK(feeder.estimators.change_settings(request(7, {{"trust.sigma_m", "0.5"}})).details.empty());
 }
+
+}  // namespace settings_answers_test

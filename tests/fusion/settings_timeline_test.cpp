@@ -4,11 +4,11 @@
 
 #include <catch2/catch.hpp>
 
+namespace settings_timeline_test {
+
 using namespace sonopose;
 using fusion::SettingsTimeline;
 using Scope = SettingsTimeline::Scope;
-
-namespace {
 
 config::Assignments sigma(double value_m) {
   return {{"trust.sigma_m", value_m}};
@@ -20,8 +20,6 @@ double sigma_m(const SettingsTimeline& timeline) {
 }
 
 constexpr double at_start_m = settings::TrustSettings{}.sigma_m;
-
-}  // namespace
 
 SCENARIO("a change applies from its event on") {
   GIVEN("a change from event 100 on") {
@@ -157,3 +155,5 @@ SCENARIO("the number of waiting changes is limited") {
     }
   }
 }
+
+}  // namespace settings_timeline_test

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
+namespace standby_test {
+
 using namespace sonopose;
 using namespace sonopose::fusion;
-
-namespace {
 
 constexpr TimeNs ms = 1'000'000;
 constexpr TimeNs stall_ns = 100 * ms;
@@ -35,8 +35,6 @@ struct Feed {
     return found;
   }
 };
-
-}  // namespace
 
 SCENARIO("a beacon is claimed when its pose has been good for the warm-up") {
   Feed feed;
@@ -143,3 +141,5 @@ SCENARIO("a process that steps down takes every claim back, with the beacon's ne
   CHECK(step.release);
   CHECK(feed.poses(1000).role == FusionRole::warming);
 }
+
+}  // namespace standby_test

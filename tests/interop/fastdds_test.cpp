@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <map>
 
+namespace fastdds_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-namespace {
 
 std::unique_ptr<Process> peer(const Bus& bus, const Arguments& arguments) {
   const Environment environment{{"ROS_DOMAIN_ID", std::to_string(bus.domain_id())}};
@@ -98,8 +98,6 @@ void compare(const Process& peer, const std::map<TimeNs, Sample>& natives, std::
   }
   CHECK(compared > 90);
 }
-
-}  // namespace
 
 TEST_CASE("Fast DDS hears what we write as ROS 2's messages") {
   check_heard<ros2::Imu>("imu", {0});
@@ -215,3 +213,5 @@ SCENARIO("the relay takes the samples of a driver in Fast DDS in") {
     }
   }
 }
+
+}  // namespace fastdds_test

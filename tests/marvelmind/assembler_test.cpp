@@ -6,6 +6,8 @@
 
 #include <numbers>
 
+namespace assembler_test {
+
 using namespace sonopose;
 using namespace sonopose::marvelmind;
 using namespace sonopose::marvelmind::testing;
@@ -211,3 +213,5 @@ TEST_CASE("Values that no beacon can mean are counted and kept back") {
   }
   CHECK(f.assembler.beacon(7)->status().samples_rejected == 1);
 }
+
+}  // namespace assembler_test

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <vector>
 
+namespace assembler_time_test {
+
 using namespace sonopose;
 using namespace sonopose::marvelmind;
 using namespace sonopose::marvelmind::testing;
@@ -159,3 +161,5 @@ TEST_CASE("The arrival of a file's packets follows from their content") {
   CHECK(arrival_ms(imu_at(15)) == 18);  // never back
   CHECK(arrival_ms(imu_at(20)) == 20);
 }
+
+}  // namespace assembler_time_test

@@ -11,10 +11,10 @@
 #include <random>
 #include <vector>
 
+namespace beacon_clock_test {
+
 using namespace sonopose;
 using namespace sonopose::marvelmind;
-
-namespace {
 
 constexpr TimeNs host_start_ns = 1'700'000'000'000'000'000;
 constexpr double ns_per_s = 1e9;
@@ -80,8 +80,6 @@ double worst_interval_error(const std::vector<Mapped>& mapped) {
   }
   return worst;
 }
-
-}  // namespace
 
 TEST_CASE("Ten minutes of drift and jitter: mapped times stay true, and intervals may be integrated over") {
   const double drift = GENERATE(-200e-6, -100e-6, 0.0, 100e-6, 200e-6);
@@ -273,3 +271,5 @@ TEST_CASE("The fixed clock knows the beacon's time alone") {
     CHECK(clock.resets() == 1);
   }
 }
+
+}  // namespace beacon_clock_test

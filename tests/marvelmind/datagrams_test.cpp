@@ -5,10 +5,10 @@
 
 #include <catch2/catch.hpp>
 
+namespace datagrams_test {
+
 using namespace sonopose::marvelmind;
 using namespace sonopose::marvelmind::testing;
-
-namespace {
 
 /// The golden position of packet 0x0011 as a datagram of beacon 12.
 Bytes position_datagram() {
@@ -18,8 +18,6 @@ Bytes position_datagram() {
   bytes[5 + 17] = 0;
   return bytes;
 }
-
-}  // namespace
 
 TEST_CASE("A position's datagram contains the address in its first byte") {
   DatagramDecoder decoder;
@@ -95,3 +93,5 @@ TEST_CASE("The encoder's datagram of a position is the one written by hand") {
   const Frame datagram = encode_datagram(position);
   CHECK(Bytes(datagram.bytes().begin(), datagram.bytes().end()) == position_datagram());
 }
+
+}  // namespace datagrams_test

@@ -8,10 +8,10 @@
 
 #include <random>
 
+namespace decoder_test {
+
 using namespace sonopose::marvelmind;
 using namespace sonopose::marvelmind::testing;
-
-namespace {
 
 Bytes garbage(std::size_t size, unsigned seed) {
   std::mt19937 random(seed);
@@ -32,8 +32,6 @@ Bytes with_payload(const Bytes& frame, const Bytes& payload) {
   return with_crc(Bytes{frame[0], frame[1], frame[2], frame[3], static_cast<std::uint8_t>(payload.size())} +
                   payload);
 }
-
-}  // namespace
 
 TEST_CASE("A frame cut off at any length is dropped without losing the next one") {
   for (const Bytes& frame : all_golden_frames()) {
@@ -181,3 +179,5 @@ TEST_CASE("Valid frames of unknown kind are counted and skipped") {
   CHECK(decode_all(decoder, unknown_code + unknown_user_code + quality_frame()).size() == 1);
   CHECK(decoder.counters() == DecoderCounters{.frames = 1, .unknown_frames = 2});
 }
+
+}  // namespace decoder_test

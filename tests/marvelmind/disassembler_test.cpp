@@ -14,10 +14,10 @@
 #include <random>
 #include <vector>
 
+namespace disassembler_test {
+
 using namespace sonopose;
 using namespace sonopose::marvelmind;
-
-namespace {
 
 constexpr TimeNs wake_up_ns = 1'700'000'000'000'000'000;
 
@@ -91,8 +91,6 @@ struct ExpectSame {
     FAIL("another kind of event came back");
   }
 };
-
-}  // namespace
 
 TEST_CASE("Events come back from the bytes that a beacon would have sent for them") {
   const auto time_base = GENERATE(TimeBase::uptime_ms, TimeBase::unix_ms);
@@ -168,3 +166,5 @@ TEST_CASE("An uptime wraps as the beacon's counter does") {
   CHECK(disassembler.stamp_of(wrap_ns - 1).ticks == 0xFFFFFFFF);
   CHECK(disassembler.stamp_of(wrap_ns).ticks == 0);
 }
+
+}  // namespace disassembler_test

@@ -6,10 +6,10 @@
 
 #include <catch2/catch.hpp>
 
+namespace golden_frames_test {
+
 using namespace sonopose::marvelmind;
 using namespace sonopose::marvelmind::testing;
-
-namespace {
 
 constexpr std::int64_t unix_ms = 1700000000123;
 
@@ -20,8 +20,6 @@ Kind decode_one(const Bytes& frame) {
   REQUIRE(std::holds_alternative<Kind>(packets.front()));
   return std::get<Kind>(packets.front());
 }
-
-}  // namespace
 
 TEST_CASE("The checksum is CRC-16/MODBUS") {
   // The catalogue's check value, for the ASCII digits 1 to 9.
@@ -139,3 +137,5 @@ TEST_CASE("The encoder reproduces every golden frame") {
     CHECK(Bytes(again.bytes().begin(), again.bytes().end()) == frame);
   }
 }
+
+}  // namespace golden_frames_test

@@ -17,10 +17,10 @@
 #include <string>
 #include <vector>
 
+namespace recording_test {
+
 using namespace sonopose;
 using namespace sonopose::marvelmind;
-
-namespace {
 
 const std::string folder = SONOPOSE_RECORDINGS "/beacons/car/";
 
@@ -59,8 +59,6 @@ std::vector<Sample> of_kind(const std::vector<Event>& events) {
   }
   return found;
 }
-
-}  // namespace
 
 TEST_CASE("The car's recorded bytes give every sample of its log folder") {
   const auto stream = read_stream();
@@ -151,3 +149,5 @@ TEST_CASE("The car's bytes over a line with jitter lose nothing, and keep the IM
   CHECK(std::is_sorted(samples.begin(), samples.end(),
                        [](const auto& a, const auto& b) { return a.sensor_time_ns < b.sensor_time_ns; }));
 }
+
+}  // namespace recording_test

@@ -8,10 +8,10 @@
 #include <limits>
 #include <random>
 
+namespace round_trip_test {
+
 using namespace sonopose::marvelmind;
 using namespace sonopose::marvelmind::testing;
-
-namespace {
 
 class RandomPackets {
 public:
@@ -134,8 +134,6 @@ private:
   std::mt19937_64 random_;
 };
 
-}  // namespace
-
 TEST_CASE("Random packets of every kind come back from a stream as they were sent") {
   RandomPackets packets(1);
   std::vector<Packet> sent;
@@ -179,3 +177,5 @@ TEST_CASE("Coordinates beyond 16 bits of centimetres saturate") {
   const auto packets = decode_all(encode(far).bytes());
   CHECK(std::get<Position>(packets.at(0)).xyz_mm == Vector3i32{327670, -327680, 10});
 }
+
+}  // namespace round_trip_test

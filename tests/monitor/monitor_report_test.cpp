@@ -10,12 +10,12 @@
 #include <limits>
 #include <set>
 
+namespace monitor_report_test {
+
 using namespace sonopose;
 using namespace sonopose::monitor;
 using namespace sonopose::observation;
 using Catch::Contains;
-
-namespace {
 
 constexpr TimeNs now_ns = 1'700'000'000'123'456'789;
 
@@ -73,8 +73,6 @@ BeaconView silent_view() {
 std::size_t lines_in(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
-
-}  // namespace
 
 TEST_CASE("every status bit has its own name") {
   CHECK(observation::status_words(0) == "ok");
@@ -212,3 +210,5 @@ SCENARIO("the summary describes a run") {
     CHECK(summary_of({}) == "no pose received\n");
   }
 }
+
+}  // namespace monitor_report_test

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+namespace beacon_observer_test {
+
 using namespace sonopose;
 using namespace sonopose::observation;
-
-namespace {
 
 constexpr TimeNs begin_ns = 1'700'000'000'000'000'000;
 constexpr TimeNs ms = 1'000'000;
@@ -32,8 +32,6 @@ TruthSample truth_at(TimeNs time_ns, double x_m) {
   truth.position_world_m.x() = x_m;
   return truth;
 }
-
-}  // namespace
 
 SCENARIO("an observer counts the poses of each second and of the whole run") {
   GIVEN("100 poses a second for two seconds, which take 2 ms in the first and 4 ms in the second") {
@@ -174,3 +172,5 @@ SCENARIO("poses are compared with the ground truth of the same instant") {
     }
   }
 }
+
+}  // namespace beacon_observer_test

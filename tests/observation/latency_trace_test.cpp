@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+namespace latency_trace_test {
+
 using namespace sonopose;
 using namespace sonopose::observation;
-
-namespace {
 
 constexpr TimeNs begin_ns = 1'700'000'000'000'000'000;
 constexpr TimeNs us = 1'000;
@@ -23,8 +23,6 @@ PoseTrace trace(std::uint64_t sequence, TimeNs last_ns) {
   pose.fusion_out_time_ns = begin_ns + 1060 * us;
   return trace_of(pose, begin_ns + 1060 * us + last_ns);
 }
-
-}  // namespace
 
 TEST_CASE("percentiles of durations") {
   SECTION("0 … 100 s in any order: the median is 50 s, the 99th percentile 99 s") {
@@ -79,3 +77,5 @@ SCENARIO("a collector has the distribution of each segment, and the slowest pose
   REQUIRE(collector.worst());
   CHECK(collector.worst()->sequence == 42);
 }
+
+}  // namespace latency_trace_test

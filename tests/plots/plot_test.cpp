@@ -10,11 +10,11 @@
 #include <cstdlib>
 #include <iostream>
 
+namespace plot_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 using plots::Plot;
-
-namespace {
 
 bool gnuplot_is_here() {
   if (std::system("gnuplot --version > /dev/null 2>&1") == 0) return true;
@@ -41,8 +41,6 @@ public:
 private:
   std::string before_;
 };
-
-}  // namespace
 
 TEST_CASE("any file name and title can be plotted, with and without truth") {
   if (!gnuplot_is_here()) return;
@@ -128,3 +126,5 @@ TEST_CASE("a plot that cannot be drawn is refused before the run") {
   if (!gnuplot_is_here()) return;
   CHECK_THROWS_AS(Plot(folder / "none/a.svg", "", log), files::IoError);
 }
+
+}  // namespace plot_test

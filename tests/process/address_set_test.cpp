@@ -4,6 +4,8 @@
 
 #include <stdexcept>
 
+namespace address_set_test {
+
 using namespace sonopose;
 using namespace sonopose::process;
 
@@ -33,3 +35,5 @@ TEST_CASE("a malformed list of addresses is reported") {
   CHECK_THROWS_WITH(AddressSet::parse("5,7-x"), Catch::Contains("'7-x'") && Catch::Contains("65534"));
   CHECK_THROWS_WITH(AddressSet::parse("9-7"), Catch::Contains("'9-7'") && Catch::Contains("before"));
 }
+
+}  // namespace address_set_test

@@ -9,10 +9,10 @@
 #include <stdexcept>
 #include <unistd.h>
 
+namespace realtime_test {
+
 using namespace sonopose::process;
 using Catch::Contains;
-
-namespace {
 
 /// A machine whose answers the test chooses; it remembers what it was asked.
 struct Machine {
@@ -55,8 +55,6 @@ std::string line_with(const std::vector<std::string>& lines, const std::string& 
   REQUIRE(std::count_if(lines.begin(), lines.end(), has) == 1);
   return *std::find_if(lines.begin(), lines.end(), has);
 }
-
-}  // namespace
 
 SCENARIO("real time where everything is allowed") {
   GIVEN("a machine that refuses nothing") {
@@ -158,3 +156,5 @@ TEST_CASE("Linux names the threads of this process") {
   CHECK(std::any_of(threads.begin(), threads.end(),
                     [](const NamedThread& thread) { return thread.id == ::getpid(); }));
 }
+
+}  // namespace realtime_test

@@ -8,10 +8,10 @@
 #include <csignal>
 #include <thread>
 
+namespace stop_signal_test {
+
 using namespace sonopose;
 using namespace sonopose::process;
-
-namespace {
 
 constexpr TimeNs ms = 1'000'000;
 constexpr TimeNs minute = 60'000 * ms;
@@ -34,8 +34,6 @@ private:
   struct sigaction interrupt_ {};
   struct sigaction terminate_ {};
 };
-
-}  // namespace
 
 SCENARIO("a wait ends at its deadline or at the stop") {
   GIVEN("a stop that was not requested") {
@@ -90,3 +88,5 @@ SCENARIO("Ctrl-C and SIGTERM set the stop that listens") {
     }
   }
 }
+
+}  // namespace stop_signal_test

@@ -8,13 +8,13 @@
 
 #include <string>
 
+namespace attitude_log_test {
+
 using namespace sonopose;
 using namespace sonopose::recording;
 using Catch::Contains;
 using sonopose::test::TemporaryFolder;
 using sonopose::test::write_text;
-
-namespace {
 
 const std::string imu_text =
     "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z,m_x,m_y,m_z\n5,0,0,0,0,0,9.8,20,0,-40\n";
@@ -27,8 +27,6 @@ std::string complaint_about(const TemporaryFolder& log) {
   }
   return "no complaint";
 }
-
-}  // namespace
 
 SCENARIO("an attitude log is read, with and without what may be absent") {
   const TemporaryFolder folder;
@@ -72,3 +70,5 @@ SCENARIO("an invalid attitude log is refused by name") {
                Contains("movement.csv:3") && Contains("19") && Contains("before the start"));
   }
 }
+
+}  // namespace attitude_log_test

@@ -7,13 +7,13 @@
 
 #include <string>
 
+namespace log_errors_test {
+
 using namespace sonopose;
 using namespace sonopose::recording;
 using Catch::Contains;
 using sonopose::test::TemporaryFolder;
 using sonopose::test::write_text;
-
-namespace {
 
 struct Files {
   std::string imu = "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z\n1,0,0,0,0,0,9.8\n";
@@ -36,8 +36,6 @@ std::string complaint_about(const Files& files) {
   }
   return "no complaint";
 }
-
-}  // namespace
 
 SCENARIO("a valid log is read") {
   CHECK(complaint_about({}) == "no complaint");
@@ -167,3 +165,5 @@ SCENARIO("lines are complete and counted anywhere in a long file") {
   files.imu += "wrong";
   CHECK_THAT(complaint_about(files), Contains("/imu.csv:50002: "));
 }
+
+}  // namespace log_errors_test

@@ -10,6 +10,8 @@
 #include <numbers>
 #include <string>
 
+namespace log_folder_test {
+
 using namespace sonopose;
 using namespace sonopose::recording;
 using sonopose::test::fix_at;
@@ -17,8 +19,6 @@ using sonopose::test::heading_at;
 using sonopose::test::imu_at;
 using sonopose::test::TemporaryFolder;
 using sonopose::test::write_text;
-
-namespace {
 
 const std::string imu_header = "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z\n";
 const std::string fix_header = "#timestamp [ns],received [ns],x [m],y [m],z [m],quality [%]\n";
@@ -38,8 +38,6 @@ std::string order_of(const std::vector<Event>& events) {
 bool all_nan(const Vector3d& v) {
   return std::isnan(v.x()) && std::isnan(v.y()) && std::isnan(v.z());
 }
-
-}  // namespace
 
 SCENARIO("a log's rows become SI samples") {
   GIVEN("a log with a magnetometer, an unknown quality and an unknown heading") {
@@ -200,3 +198,5 @@ SCENARIO("files written by other programs are accepted") {
     }
   }
 }
+
+}  // namespace log_folder_test

@@ -17,6 +17,8 @@
 #include <unistd.h>
 #include <vector>
 
+namespace log_writer_test {
+
 using namespace sonopose;
 using namespace sonopose::recording;
 using Catch::Contains;
@@ -25,8 +27,6 @@ using sonopose::test::heading_at;
 using sonopose::test::imu_at;
 using sonopose::test::read_text;
 using sonopose::test::TemporaryFolder;
-
-namespace {
 
 constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
 
@@ -52,8 +52,6 @@ bool same_bits(const TruthSample& a, const TruthSample& b) {
          a.q_body_to_world.coeffs() == b.q_body_to_world.coeffs() &&
          a.velocity_world_mps == b.velocity_world_mps;
 }
-
-}  // namespace
 
 SCENARIO("a log reads back to the same bits and in the same order") {
   GIVEN("a minute of the simulator") {
@@ -214,3 +212,5 @@ SCENARIO("a killed process loses at most its last second, and no line is torn") 
     }
   }
 }
+
+}  // namespace log_writer_test

@@ -10,10 +10,10 @@
 #include <iostream>
 #include <string>
 
+namespace recordings_test {
+
 using namespace sonopose;
 using namespace sonopose::recording;
-
-namespace {
 
 const std::filesystem::path recordings = SONOPOSE_RECORDINGS;
 
@@ -39,8 +39,6 @@ std::vector<Sample> only(const std::vector<Event>& events) {
   }
   return samples;
 }
-
-}  // namespace
 
 TEST_CASE("the beacon recordings are read completely and in order") {
   if (!recordings_are_here()) return;
@@ -101,3 +99,5 @@ TEST_CASE("the attitude recordings have a magnetometer, and truth without positi
   }
   CHECK(trials == 10);
 }
+
+}  // namespace recordings_test

@@ -9,10 +9,10 @@
 
 #include <string>
 
+namespace simulated_log_test {
+
 using namespace sonopose;
 using sonopose::test::TemporaryFolder;
-
-namespace {
 
 /// As a log can hold it: it has no flags.
 Event as_logged(Event event) {
@@ -20,8 +20,6 @@ Event as_logged(Event event) {
   if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->flags = 0;
   return event;
 }
-
-}  // namespace
 
 SCENARIO("every scenario's log reads back to the events in their order of arrival") {
   for (const sim::Scenario& scenario : sim::scenarios()) {
@@ -44,3 +42,5 @@ SCENARIO("every scenario's log reads back to the events in their order of arriva
     }
   }
 }
+
+}  // namespace simulated_log_test

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+namespace beacon_topics_test {
+
 using namespace sonopose::ros2;
 using Catch::Contains;
-
-namespace {
 
 NameResolver resolver(const std::vector<std::string>& rules = {}) {
   std::vector<RemapRule> parsed;
@@ -18,8 +18,6 @@ NameResolver resolver(const std::vector<std::string>& rules = {}) {
 }
 
 const std::string usual = "hedge_{address}";
-
-}  // namespace
 
 TEST_CASE("A beacon's topics stand behind its prefix, and in the node's namespace where there is none") {
   CHECK(topic_prefix(usual, 7) == "hedge_7/");
@@ -81,3 +79,5 @@ TEST_CASE("Remap rules that give two topics the same name are rejected, for any 
     CHECK_NOTHROW(check_outputs_differ(resolver(good), usual));
   }
 }
+
+}  // namespace beacon_topics_test

@@ -7,10 +7,10 @@
 
 #include <cstring>
 
+namespace cdr_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
-
-namespace {
 
 /// Serializes fields in XCDR1, little-endian: a number is aligned to its size, relative to the end of the
 /// encapsulation header; a string is its length including the terminating zero, then its characters and the
@@ -71,8 +71,6 @@ void check(const std::vector<std::uint32_t>& lengths = {1}) {
   topic.read(expected.bytes(), filled.message,
              [&](const Message& read) { CHECK((described(read) == described(filled.message))); });
 }
-
-}  // namespace
 
 TEST_CASE("Every message is serialized as in ROS 2, and deserialized") {
   check<ros2::PointStamped>();
@@ -138,3 +136,5 @@ TEST_CASE("Diagnostics, byte by byte") {
   RawTopic topic(dds::TopicTraits<ros2::DiagnosticArray>::descriptor());
   CHECK(difference(topic.bytes_of(&array), expected) == "");
 }
+
+}  // namespace cdr_test

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <random>
 
+namespace covariance_test {
+
 using namespace sonopose;
 using namespace sonopose::ros2;
-
-namespace {
 
 /// Symmetric and positive definite, with correlations between all components.
 template <int N>
@@ -81,8 +81,6 @@ void check_close(const Covariance6& computed, const Covariance6& sampled) {
   CHECK(Eigen::LLT<Eigen::Matrix<double, 6, 6>>(computed).info() == Eigen::Success);
 }
 
-}  // namespace
-
 SCENARIO("the covariance is the spread of the errors") {
   GIVEN("a moving robot, an IMU with lever arm and rotation, and a pose with correlated errors") {
     const FusedPose pose = pose_of_a_turning_robot();
@@ -150,3 +148,5 @@ SCENARIO("the covariance of a fix depends on its weight") {
     }
   }
 }
+
+}  // namespace covariance_test

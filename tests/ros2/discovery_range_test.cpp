@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace discovery_range_test {
 
 using namespace sonopose;
 using Command = sonopose_ResetCommand;
@@ -86,8 +86,6 @@ std::set<std::size_t> met(dds::Network network, const std::vector<std::string>& 
 
 const std::string native = dds::domain_configuration(0, {}, {});
 
-}  // namespace
-
 TEST_CASE("On loopback, a process discovers native processes and those of Humble with localhost only") {
   CHECK(met(dds::Network::loopback, {native, humble_localhost}) == std::set<std::size_t>{0, 1});
 }
@@ -106,3 +104,5 @@ TEST_CASE("In the range subnet, a process discovers native processes and ROS 2 n
   CHECK(met(dds::Network::ros_subnet, {native, humble_localhost, jazzy_localhost, jazzy_subnet, humble}) ==
         std::set<std::size_t>{0, 1, 2, 3, 4});
 }
+
+}  // namespace discovery_range_test

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+namespace environment_test {
+
 using namespace sonopose;
 using namespace sonopose::ros2;
 using dds::Network;
-
-namespace {
 
 Network network_for(const Variables& variables) {
   return with_discovery_range({}, variables).network;
@@ -23,8 +23,6 @@ std::vector<std::string> peers_for(const Variables& variables) {
 const std::string range = "ROS_AUTOMATIC_DISCOVERY_RANGE";
 const std::string localhost_only = "ROS_LOCALHOST_ONLY";
 const std::string static_peers = "ROS_STATIC_PEERS";
-
-}  // namespace
 
 TEST_CASE("The discovery range equals that of ROS 2 nodes in the same shell") {
   CHECK(network_for({}) == Network::ros_subnet);
@@ -86,3 +84,5 @@ TEST_CASE("An unknown distribution counts as the newest one, with a warning") {
   CHECK(found.distro == Distro::jazzy);
   CHECK_THAT(found.warning, Catch::Contains("ROS_DISTRO is 'lyrical'"));
 }
+
+}  // namespace environment_test

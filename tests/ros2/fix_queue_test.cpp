@@ -4,10 +4,10 @@
 
 #include <vector>
 
+namespace fix_queue_test {
+
 using namespace sonopose;
 using namespace sonopose::ros2;
-
-namespace {
 
 constexpr TimeNs ms = 1'000'000;
 
@@ -39,8 +39,6 @@ std::vector<std::pair<int, double>> of(const FixQueue::Ready& ready) {
 }
 
 using List = std::vector<std::pair<int, double>>;
-
-}  // namespace
 
 SCENARIO("each fix is released once, with the weight of the fusion") {
   GIVEN("a fusion that runs, and a fix") {
@@ -92,3 +90,5 @@ SCENARIO("each fix is released once, with the weight of the fusion") {
     }
   }
 }
+
+}  // namespace fix_queue_test

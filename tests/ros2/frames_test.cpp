@@ -6,18 +6,16 @@
 #include <numbers>
 #include <stdexcept>
 
+namespace frames_test {
+
 using namespace sonopose;
 using namespace sonopose::ros2;
-
-namespace {
 
 constexpr double pi = std::numbers::pi;
 
 Quaterniond about_z(double angle_rad) {
   return Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ()));
 }
-
-}  // namespace
 
 TEST_CASE("Each {address} in a pattern is replaced by the beacon's address") {
   CHECK(for_beacon("base_link", 7) == "base_link");
@@ -116,3 +114,5 @@ TEST_CASE("A transform and its inverse give the identity") {
   CHECK(((quarter * Transform{{2, 0, 0}, Quaterniond::Identity()}).translation_m - Vector3d(1, 2, 0)).norm() <
         1e-12);
 }
+
+}  // namespace frames_test

@@ -9,10 +9,10 @@
 #include <limits>
 #include <string>
 
+namespace messages_test {
+
 using namespace sonopose;
 using namespace sonopose::ros2;
-
-namespace {
 
 constexpr TimeNs stamp_ns = 1'700'000'000'250'000'000;
 
@@ -24,8 +24,6 @@ ImuSample at_rest() {
   sample.specific_force_body_mps2 = {0, 0, 9.81};
   return sample;
 }
-
-}  // namespace
 
 SCENARIO("an IMU sample becomes the two messages of REP-145") {
   GIVEN("a sample at rest, and the pose at this sample") {
@@ -148,3 +146,5 @@ TEST_CASE("The diagnostics message has order, texts and levels") {
   CHECK(std::string(message.status._buffer[0].values._buffer[1].value) == "3.91");
   CHECK(message.status._buffer[1].values._length == 0);
 }
+
+}  // namespace messages_test

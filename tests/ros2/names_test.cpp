@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-using namespace sonopose::ros2;
+namespace names_test {
 
-namespace {
+using namespace sonopose::ros2;
 
 /// The resolver of a node /robot/locator with these rules.
 NameResolver resolver(const std::vector<std::string>& rules = {}) {
@@ -16,8 +16,6 @@ NameResolver resolver(const std::vector<std::string>& rules = {}) {
   for (const std::string& rule : rules) parsed.push_back(parse_remap_rule(rule));
   return NameResolver({.name_space = "/robot", .name = "locator"}, parsed);
 }
-
-}  // namespace
 
 TEST_CASE("Names stand in the namespace, below the node, or by themselves") {
   // The examples of design.ros2.org, "Topic and Service Names".
@@ -117,3 +115,5 @@ TEST_CASE("A node's name, its namespace and its enclave follow ROS's rules") {
     CHECK_NOTHROW(check_namespace(path));
   }
 }
+
+}  // namespace names_test

@@ -18,7 +18,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace {
+namespace node_test {
 
 using namespace sonopose;
 using namespace test;
@@ -31,8 +31,6 @@ std::unique_ptr<Process> start_node(std::uint32_t domain_id) {
       SONOPOSE_TEST_ROS2_NODE,
       std::vector<std::string>{std::to_string(domain_id), humble ? "humble" : "jazzy"});
 }
-
-}  // namespace
 
 TEMPLATE_TEST_CASE("A node announces its readers and writers, and withdraws them when it ends", "",
                    ros2::HumbleParticipantEntitiesInfo, ros2::ParticipantEntitiesInfo) {
@@ -100,3 +98,5 @@ TEST_CASE("A node announces only changes") {
   CHECK(watcher.messages[1].nodes.at(0).writers == std::set<std::string>{key});
   CHECK(watcher.messages[2].nodes.at(0).writers.empty());
 }
+
+}  // namespace node_test

@@ -4,18 +4,16 @@
 
 #include <numbers>
 
+namespace odometry_buffer_test {
+
 using namespace sonopose;
 using namespace sonopose::ros2;
-
-namespace {
 
 constexpr TimeNs ms = 1'000'000;
 
 Transform driven(double way_m, double yaw_rad) {
   return {{way_m, 0, 0}, Quaterniond(Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ()))};
 }
-
-}  // namespace
 
 SCENARIO("the odometry is interpolated at the time of a pose") {
   GIVEN("odometry of 1 m at 100 ms, and 2 m and 0.2 rad at 150 ms") {
@@ -65,3 +63,5 @@ TEST_CASE("map → odom gives the base its fused pose") {
   CHECK((again.translation_m - base_in_map.translation_m).norm() < 1e-12);
   CHECK(again.rotation.angularDistance(base_in_map.rotation) < 1e-12);
 }
+
+}  // namespace odometry_buffer_test

@@ -4,6 +4,8 @@
 
 #include <optional>
 
+namespace time_test {
+
 using namespace sonopose;
 using namespace sonopose::ros2;
 
@@ -58,3 +60,5 @@ SCENARIO("stamps increase strictly") {
     }
   }
 }
+
+}  // namespace time_test

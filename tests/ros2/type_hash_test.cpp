@@ -6,16 +6,14 @@
 #include <stdexcept>
 #include <string>
 
-using namespace sonopose::ros2;
+namespace type_hash_test {
 
-namespace {
+using namespace sonopose::ros2;
 
 template <class T>
 std::string hash_of() {
   return type_hash(sonopose::dds::TopicTraits<T>::descriptor().m_typename);
 }
-
-}  // namespace
 
 TEST_CASE("Types have the hashes that ROS 2 publishes") {
   // From ROS 2, share/<package>/msg/<type>.json.
@@ -36,3 +34,5 @@ TEST_CASE("A type that is not in idl/ros2 is rejected by name") {
   CHECK_THROWS_AS(type_hash("sensor_msgs::msg::dds_::Imu"), std::invalid_argument);
   CHECK_THROWS_WITH(type_hash("a::b"), Catch::Contains("'a::b'"));
 }
+
+}  // namespace type_hash_test

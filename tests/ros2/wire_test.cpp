@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace wire_test {
 
 using namespace sonopose;
 using test::Process;
@@ -66,8 +66,6 @@ std::string shown(const std::string& user_data) {
   return "userData: " + hex;
 }
 
-}  // namespace
-
 TEST_CASE("On the wire, the topics of a node have names, types, QoS and hashes of ROS 2") {
   ::unsetenv("CYCLONEDDS_URI");
   const test::TestDomain domain;
@@ -104,3 +102,5 @@ TEST_CASE("On the wire, the topics of a node have names, types, QoS and hashes o
   CHECK_THAT(graph, Contains("TRANSIENT_LOCAL_DURABILITY_QOS"));
   CHECK_THAT(graph, Contains("typeName: rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_\n"));
 }
+
+}  // namespace wire_test

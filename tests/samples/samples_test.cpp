@@ -6,6 +6,8 @@
 
 #include <concepts>
 
+namespace samples_test {
+
 using namespace sonopose;
 
 // A time of one clock is never taken for one of the other.
@@ -70,3 +72,5 @@ TEST_CASE("steady times differ by durations") {
   CHECK(seconds_between(begin, begin + 2'500'000'000) == 2.5);
   CHECK(SteadyTime::max() > begin);
 }
+
+}  // namespace samples_test

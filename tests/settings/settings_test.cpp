@@ -8,10 +8,10 @@
 #include <map>
 #include <set>
 
+namespace settings_test {
+
 using namespace sonopose::settings;
 using Catch::Matchers::Contains;
-
-namespace {
 
 double number_of(const SettingValue& value) {
   if (const auto* whole = std::get_if<int>(&value)) return *whole;
@@ -41,8 +41,6 @@ std::string refusal(std::string_view key, const SettingValue& value) {
   FAIL("accepted: " << key << " = " << to_text(value));
   return {};
 }
-
-}  // namespace
 
 TEST_CASE("each of the document's 37 items is declared exactly once") {
   std::map<int, int> times;
@@ -225,3 +223,5 @@ TEST_CASE("a value as text reads back as itself") {
   CHECK(to_text(true) == "true");
   CHECK(to_text(7) == "7");
 }
+
+}  // namespace settings_test

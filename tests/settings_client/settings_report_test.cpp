@@ -13,11 +13,11 @@
 #include <stdexcept>
 #include <unistd.h>
 
+namespace settings_report_test {
+
 using namespace sonopose;
 using namespace sonopose::settings_client;
 using Catch::Contains;
-
-namespace {
 
 EffectiveSettings some() {
   return {7,
@@ -44,8 +44,6 @@ config::FusionConfig loaded(const std::string& text) {
   std::filesystem::remove(file);
   return config;
 }
-
-}  // namespace
 
 TEST_CASE("KEY=VALUE is parsed with any value; other forms are rejected") {
   CHECK(parse_assignment("drift.jump_alpha=0.5") == SettingAssignment{"drift.jump_alpha", "0.5"});
@@ -175,3 +173,5 @@ TEST_CASE("a reply states when it takes effect") {
   CHECK_THAT(effective_time_text({all_beacons, 1, true, "", 0, "7: event 812, 9: event 501"}),
              Contains("7: event 812, 9: event 501"));
 }
+
+}  // namespace settings_report_test

@@ -8,10 +8,10 @@
 #include <stdexcept>
 #include <string>
 
+namespace disturbances_test {
+
 using namespace sonopose;
 using namespace sonopose::sim;
-
-namespace {
 
 constexpr int many = 200'000;
 
@@ -56,8 +56,6 @@ std::string refusal(const Disturbances& disturbances) {
   }
   return "accepted";
 }
-
-}  // namespace
 
 SCENARIO("packet faults occur with the configured shares") {
   GIVEN("single losses, copies and late ones") {
@@ -145,3 +143,5 @@ SCENARIO("invalid disturbances are refused by name") {
   CHECK_THAT(refusal({.position_packets = {.late_share = 0.1, .late_by_s = {0.3, 0.1}}}),
              Catch::Contains("position_packets.late_by_s"));
 }
+
+}  // namespace disturbances_test

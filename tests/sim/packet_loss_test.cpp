@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <map>
 
+namespace packet_loss_test {
+
 using namespace sonopose;
 using namespace sonopose::sim;
-
-namespace {
 
 /// What arrived of the IMU's samples, by their stamps.
 struct ImuArrivals {
@@ -38,8 +38,6 @@ struct ImuArrivals {
     }
   }
 };
-
-}  // namespace
 
 SCENARIO("a bad line loses, duplicates and delays IMU samples") {
   constexpr double duration_s = 600.0;
@@ -120,3 +118,5 @@ SCENARIO("a bad line affects the fix and the heading of a position packet togeth
     CHECK(headings == fixes);
   }
 }
+
+}  // namespace packet_loss_test

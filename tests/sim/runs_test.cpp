@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
+namespace runs_test {
+
 using namespace sonopose;
 using namespace sonopose::sim;
-
-namespace {
 
 constexpr TimeNs start_ns = Run{}.start_time_ns;
 
@@ -52,8 +52,6 @@ double fix_rate_hz(const std::vector<UltrasonicFix>& fixes) {
   return static_cast<double>(fixes.size() - 1) /
          seconds_between(fixes.front().emission_time_ns, fixes.back().emission_time_ns);
 }
-
-}  // namespace
 
 SCENARIO("each run draws its fix rate and fix noise from the beacons' ranges") {
   GIVEN("forty seeds of the walk") {
@@ -295,3 +293,5 @@ SCENARIO("a whole run is recorded in order") {
     }
   }
 }
+
+}  // namespace runs_test

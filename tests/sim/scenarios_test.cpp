@@ -11,10 +11,10 @@
 #include <set>
 #include <string>
 
+namespace scenarios_test {
+
 using namespace sonopose;
 using namespace sonopose::sim;
-
-namespace {
 
 constexpr double gravity_mps2 = 9.80665;
 
@@ -56,8 +56,6 @@ Extremes extremes_of(const Scenario& scenario) {
   }
   return reached;
 }
-
-}  // namespace
 
 SCENARIO("the names of the scenarios are unique") {
   std::set<std::string> names;
@@ -253,3 +251,5 @@ SCENARIO("turning the world does not change the IMU samples") {
     }
   }
 }
+
+}  // namespace scenarios_test

@@ -6,10 +6,10 @@
 
 #include <vector>
 
+namespace simulator_test {
+
 using namespace sonopose;
 using namespace sonopose::sim;
-
-namespace {
 
 constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
 
@@ -26,8 +26,6 @@ std::vector<Event> events_of(const std::vector<Step>& steps) {
   for (const Step& step : steps) events.push_back(step.event);
   return events;
 }
-
-}  // namespace
 
 SCENARIO("events come in the order in which a bridge gets them") {
   GIVEN("20 s of a noisy walk, its fixes' delay longer than their period") {
@@ -162,3 +160,5 @@ SCENARIO("invalid sensor settings are refused") {
   CHECK_THAT(refusal([](auto& s) { s.fix_rate_hz = std::nan(""); }), Catch::Contains("fix_rate_hz"));
   CHECK(refusal([](auto&) {}) == "accepted");
 }
+
+}  // namespace simulator_test

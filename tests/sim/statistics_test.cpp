@@ -10,10 +10,10 @@
 #include <numbers>
 #include <vector>
 
+namespace statistics_test {
+
 using namespace sonopose;
 using namespace sonopose::sim;
-
-namespace {
 
 struct Statistics {
   std::vector<double> values;
@@ -38,8 +38,6 @@ struct Statistics {
 Statistics of(const std::vector<double>& values) {
   return Statistics{values};
 }
-
-}  // namespace
 
 SCENARIO("the normal distribution is correct") {
   GIVEN("a hundred thousand numbers") {
@@ -179,3 +177,5 @@ SCENARIO("the IMU is as coarse as the beacon's packet") {
     }
   }
 }
+
+}  // namespace statistics_test

@@ -7,10 +7,10 @@
 
 #include <string>
 
+namespace strapdown_test {
+
 using namespace sonopose;
 using namespace sonopose::sim;
-
-namespace {
 
 constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
 
@@ -72,8 +72,6 @@ Drift drift_after_20_s(const Scenario& scenario, double rate_hz, const Vector3d&
   }
   return drift;
 }
-
-}  // namespace
 
 SCENARIO("a perfect IMU integrates back to the truth") {
   for (Scenario scenario : scenarios()) {
@@ -140,3 +138,5 @@ SCENARIO("the IMU's signs are those of the log format") {
     }
   }
 }
+
+}  // namespace strapdown_test

@@ -8,10 +8,10 @@
 #include <numbers>
 #include <string>
 
+namespace trajectory_test {
+
 using namespace sonopose;
 using namespace sonopose::sim;
-
-namespace {
 
 /// Half the rotation between the attitudes before and after, per step: the body rate by central difference.
 Vector3d rate_between(const Quaterniond& before, const Quaterniond& after, double span_s) {
@@ -19,8 +19,6 @@ Vector3d rate_between(const Quaterniond& before, const Quaterniond& after, doubl
   const double angle = geometry::wrap_angle(turn.angle());
   return angle / span_s * turn.axis();
 }
-
-}  // namespace
 
 SCENARIO("the derivatives of each motion are consistent") {
   for (const Scenario& scenario : scenarios()) {
@@ -149,3 +147,5 @@ SCENARIO("scenarios are found by name") {
   CHECK_THROWS_WITH(find_scenario("wlak"),
                     Catch::Contains("\"wlak\"") && Catch::Contains("rest, walk, circle"));
 }
+
+}  // namespace trajectory_test

@@ -4,6 +4,8 @@
 
 #include <limits>
 
+namespace quantile_test {
+
 using sonopose::statistics::quantile;
 
 TEST_CASE("quantiles are values of the list, in whatever order it is") {
@@ -24,3 +26,5 @@ TEST_CASE("what is not finite does not count, and where nothing is left the quan
   CHECK(quantile({none, infinity}, 0.5) == 0.0);
   CHECK(quantile({}, 0.5) == 0.0);
 }
+
+}  // namespace quantile_test

@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
+namespace attitude_test {
+
 using namespace sonopose::test;
 using Catch::Contains;
 using nlohmann::json;
-
-namespace {
 
 /// A simulated walk, which has no magnetometer.
 std::string walk_in(const TemporaryFolder& folder) {
@@ -40,8 +40,6 @@ double inclination_of(const std::vector<std::string>& arguments) {
   REQUIRE(result.code == 0);
   return json::parse(result.output).at("mean").at("inclination_rmse_deg").get<double>();
 }
-
-}  // namespace
 
 SCENARIO("each filter processes a log, is scored and writes its trajectory") {
   const TemporaryFolder folder;
@@ -87,3 +85,5 @@ SCENARIO("sonopose-attitude refuses invalid requests") {
   CHECK_THAT(refusal({log, "--set", "attitude.ahrs.gain=11"}),
              Contains("attitude.ahrs.gain") && Contains("0 … 10"));
 }
+
+}  // namespace attitude_test

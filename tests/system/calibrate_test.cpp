@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
+namespace calibrate_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
-
-namespace {
 
 Result calibrate(const std::vector<std::string>& arguments) {
   return run(SONOPOSE_TEST_CALIBRATE, arguments);
@@ -29,8 +29,6 @@ std::string write_log(const std::filesystem::path& folder, const std::vector<Vec
   writer.flush();
   return folder.string();
 }
-
-}  // namespace
 
 SCENARIO("the tables go to standard output, or to a file with the report on standard output") {
   const TemporaryFolder folder;
@@ -85,3 +83,5 @@ SCENARIO("an invalid command line is refused before any file is read") {
   CHECK(calibrate({"allan", "log", "--out", "x"}).code != 0);
   CHECK_THAT(calibrate({"--help"}).output, Contains("magnetometer") && Contains("allan"));
 }
+
+}  // namespace calibrate_test

@@ -8,10 +8,10 @@
 #include <iostream>
 #include <iterator>
 
+namespace car_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
-
-namespace {
 
 constexpr TimeNs drives_from_ns = car_epoch_ns + 45'000'000'000;
 constexpr TimeNs drives_until_ns = car_epoch_ns + 94'000'000'000;
@@ -104,9 +104,7 @@ void print(const char* what, const RunDistance& distance) {
             << " m/s; yaw " << distance.yaw_rad.rms << ", " << distance.yaw_rad.max << " rad\n";
 }
 
-}  // namespace
-
-SCENARIO("the fused pose of the recorded car agrees with its wheel speed") {
+SCENARIO("the fused pose of the recorded car agrees with its wheel speed", "[car]") {
   if (!car_is_here()) return;
   GIVEN("the recording, played as fast as possible") {
     const CarRun run = play_car("log");
@@ -145,7 +143,7 @@ SCENARIO("the fused pose of the recorded car agrees with its wheel speed") {
   }
 }
 
-SCENARIO("the car's raw bytes give the poses of its log, up to the resolution of the protocol") {
+SCENARIO("the car's raw bytes give the poses of its log, up to the resolution of the protocol", "[car]") {
   if (!car_is_here()) return;
   GIVEN("the log and the raw bytes, played as fast as possible") {
     const CarRun log = play_car("log");
@@ -160,7 +158,7 @@ SCENARIO("the car's raw bytes give the poses of its log, up to the resolution of
   }
 }
 
-SCENARIO("the car's raw bytes over a serial line, in real time, give the poses of its log") {
+SCENARIO("the car's raw bytes over a serial line, in real time, give the poses of its log", "[car]") {
   if (!car_is_here()) return;
   GIVEN("a pseudo-terminal that carries the recorded bytes at the original rate") {
     const CarRun log = play_car("log");
@@ -176,3 +174,5 @@ SCENARIO("the car's raw bytes over a serial line, in real time, give the poses o
     }
   }
 }
+
+}  // namespace car_test

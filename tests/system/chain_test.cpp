@@ -9,11 +9,11 @@
 #include <functional>
 #include <map>
 
+namespace chain_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-namespace {
 
 bool is_ready(const FusedPose& pose) {
   return (pose.status & status_initialising) == 0U;
@@ -54,8 +54,6 @@ void check_way(const std::vector<FusedPose>& poses, const std::vector<TimeNs>& r
     REQUIRE(pose.fusion_out_time_ns <= received_ns[i]);
   }
 }
-
-}  // namespace
 
 SCENARIO("the fusion publishes a pose for every IMU sample of the simulated beacon") {
   GIVEN("fusion, consumers and a bridge with the simulator: 100 Hz, a walk that starts after 3 s") {
@@ -155,3 +153,5 @@ SCENARIO("programs use the domain of ROS_DOMAIN_ID") {
     }
   }
 }
+
+}  // namespace chain_test

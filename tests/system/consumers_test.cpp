@@ -7,11 +7,11 @@
 #include <csignal>
 #include <iterator>
 
+namespace consumers_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-namespace {
 
 TimeNs host_now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -27,8 +27,6 @@ bool without_a_gap(const std::vector<FusedPose>& poses) {
   }
   return true;
 }
-
-}  // namespace
 
 SCENARIO("a late consumer receives poses, and the last status at once") {
   GIVEN("a running chain with a consumer from the start") {
@@ -92,3 +90,5 @@ SCENARIO("two additional consumers at once are served like the first") {
     }
   }
 }
+
+}  // namespace consumers_test

@@ -8,19 +8,17 @@
 #include <csignal>
 #include <cstdlib>
 
+namespace deadlines_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-namespace {
 
 bool is_predicted(const FusedPose& pose) {
   return (pose.status & status_predicted) != 0U;
 }
 
 constexpr TimeNs imu_deadline_ns = 100'000'000;
-
-}  // namespace
 
 SCENARIO("poses are predicted between IMU samples, and only until the IMU's deadline") {
   GIVEN("an IMU at 100 Hz and an output rate of 500 Hz") {
@@ -171,3 +169,5 @@ SCENARIO("two fusions share the beacons by address") {
     }
   }
 }
+
+}  // namespace deadlines_test

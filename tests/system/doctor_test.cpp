@@ -6,12 +6,12 @@
 
 #include <csignal>
 
+namespace doctor_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 namespace topics = dds::topics;
-
-namespace {
 
 /// Runs the doctor until it exits.
 Result doctor(std::uint32_t domain_id, Arguments arguments = {}, const Environment& changes = {}) {
@@ -25,8 +25,6 @@ bool is_ready(const FusedPose& pose) {
   constexpr std::uint32_t not_yet = status_initialising | status_uncalibrated | status_heading_unknown;
   return (pose.status & not_yet) == 0U;
 }
-
-}  // namespace
 
 SCENARIO("the doctor finds no problem in a healthy system") {
   GIVEN("a running bridge, fusion and consumer") {
@@ -147,3 +145,5 @@ SCENARIO("the doctor refuses an invalid command line") {
   CHECK(doctor(bus.domain_id(), {"--duration", "0"}).code.value_or(0) > 1);
   CHECK(doctor(bus.domain_id(), {"--nonsense"}).code.value_or(0) > 1);
 }
+
+}  // namespace doctor_test

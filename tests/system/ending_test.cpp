@@ -5,12 +5,12 @@
 
 #include <csignal>
 
+namespace ending_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 using std::chrono::milliseconds;
-
-namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr milliseconds limit{5000};  // includes the work of a sanitizer at exit
@@ -28,8 +28,6 @@ void check_ending(Process& process, int signal) {
   CHECK(ending.code == 0);
   CHECK(ending.took <= limit);
 }
-
-}  // namespace
 
 SCENARIO("a running chain ends on a signal") {
   for (const int signal : {SIGINT, SIGTERM}) {
@@ -138,3 +136,5 @@ SCENARIO("a fusion that is blocked by a stopped consumer ends on a signal") {
     }
   }
 }
+
+}  // namespace ending_test

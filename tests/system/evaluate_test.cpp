@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+namespace evaluate_test {
+
 using namespace sonopose::test;
 using Catch::Contains;
 using nlohmann::json;
-
-namespace {
 
 /// The fused error on one run of one scenario.
 double rmse_of(std::vector<std::string> arguments) {
@@ -28,8 +28,6 @@ double rmse_of(std::vector<std::string> arguments) {
 Result into_full_disk(const std::string& program, const std::string& arguments) {
   return run("/bin/sh", {"-c", "\"$0\" " + arguments + " > /dev/full", program});
 }
-
-}  // namespace
 
 SCENARIO("--beacon selects the settings that are scored") {
   const double plain = rmse_of({});
@@ -74,3 +72,5 @@ SCENARIO("an output that cannot be written is an error") {
     CHECK_THAT(result.error, Contains("the output cannot be written: No space left on device"));
   }
 }
+
+}  // namespace evaluate_test

@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
+namespace front_door_test {
+
 using namespace sonopose::test;
 using Catch::Contains;
 namespace fs = std::filesystem;
-
-namespace {
 
 const std::string version_line = " " SONOPOSE_TEST_VERSION "\n";
 const fs::path front_door = SONOPOSE_TEST_SONOPOSE;
@@ -58,8 +58,6 @@ struct FrontDoorAlone {
     fs::permissions(verb, fs::perms::owner_all);
   }
 };
-
-}  // namespace
 
 TEST_CASE("The front door lists every program with the first sentence of its help") {
   const Result list = run(front_door, {"--help"});
@@ -154,3 +152,5 @@ TEST_CASE("Every program refuses an unknown option") {
                Contains(program + ": --hlep: unknown option; did you mean --help?"));
   }
 }
+
+}  // namespace front_door_test

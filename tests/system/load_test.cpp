@@ -4,11 +4,13 @@
 
 #include <csignal>
 
+namespace load_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
-SCENARIO("a stopped consumer does not delay others") {
+SCENARIO("a stopped consumer does not delay others", "[load]") {
   GIVEN("250 beacons and two consumers, one of which stops") {
     const Bus bus;
     PoseTap tap(bus);
@@ -33,3 +35,5 @@ SCENARIO("a stopped consumer does not delay others") {
     monitor->send(SIGCONT);
   }
 }
+
+}  // namespace load_test

@@ -10,11 +10,11 @@
 #include <algorithm>
 #include <csignal>
 
+namespace lossless_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-namespace {
 
 /// Twenty seconds of the simulator, recorded by the bridge itself.
 void record_simulation(const Bus& bus, const std::filesystem::path& folder) {
@@ -55,8 +55,6 @@ std::vector<Bits> replayed_rows(const std::filesystem::path& log, const std::fil
   REQUIRE(run(SONOPOSE_TEST_REPLAY, {log.string(), "--out", out.string()}).code == 0);
   return pose_rows(out / "pose.csv");
 }
-
-}  // namespace
 
 SCENARIO("a log played as fast as possible gives every pose once, identical to a replay without DDS") {
   GIVEN("a log of 20 s, a lossless fusion, and consumers that keep all samples") {
@@ -115,3 +113,5 @@ SCENARIO("a lossless fusion that missed the first events reports what it waits f
   CHECK(fusion->wait_for_line(Stream::error, "beacon 7: waiting for event 1,"));
   CHECK(fusion->end_by(SIGTERM).code == 0);
 }
+
+}  // namespace lossless_test

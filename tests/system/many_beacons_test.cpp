@@ -6,10 +6,10 @@
 #include <cstdlib>
 #include <map>
 
+namespace many_beacons_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
-
-namespace {
 
 using Tracks = std::map<BeaconAddress, std::vector<FusedPose>>;
 
@@ -18,8 +18,6 @@ Tracks tracks_of(const std::vector<FusedPose>& poses) {
   for (const FusedPose& pose : poses) tracks[pose.address].push_back(pose);
   return tracks;
 }
-
-}  // namespace
 
 SCENARIO("a bridge with five beacons") {
   GIVEN("five simulated beacons with addresses from 20, at 100 Hz each") {
@@ -47,3 +45,5 @@ SCENARIO("a bridge with five beacons") {
     }
   }
 }
+
+}  // namespace many_beacons_test

@@ -7,11 +7,11 @@
 #include <fstream>
 #include <sched.h>
 
+namespace realtime_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
-
-namespace {
 
 /// Scheduling policy of a process's thread by name; −1 if there is no such thread.
 int policy_of_thread(int pid, const std::string& name) {
@@ -27,8 +27,6 @@ int policy_of_thread(int pid, const std::string& name) {
 bool is_about_recv(const std::string& line) {
   return line.find("thread recv:") != std::string::npos;
 }
-
-}  // namespace
 
 SCENARIO("a fusion with and without --realtime") {
   const Bus bus;
@@ -64,3 +62,5 @@ SCENARIO("an invalid priority is refused") {
   CHECK(result.code.value_or(0) > 0);
   CHECK_THAT(result.error, Contains("--realtime") && Contains("100"));
 }
+
+}  // namespace realtime_test

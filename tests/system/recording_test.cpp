@@ -8,11 +8,11 @@
 #include <cmath>
 #include <map>
 
+namespace recording_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-namespace {
 
 /// Consumers of the three native input streams.
 struct Streams {
@@ -67,8 +67,6 @@ TimeNs time_spread_ns(const std::vector<Sample>& a, const std::vector<Sample>& b
   }
   return greatest - least;
 }
-
-}  // namespace
 
 SCENARIO("a recording of a live run contains what was published") {
   GIVEN("a bridge that plays and records four seconds of the simulator at twice real time") {
@@ -144,3 +142,5 @@ SCENARIO("a raw capture of the simulated beacon gives its samples up to the reso
     }
   }
 }
+
+}  // namespace recording_test

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 
+namespace refusal_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
-
-namespace {
 
 /// Runs a program in a private domain that must exit with an error; returns its message.
 std::string refusal(const char* program, const Arguments& arguments, const Environment& changes = {}) {
@@ -45,8 +45,6 @@ std::string refused_qos(const std::string& right, const std::string& wrong) {
   CHECK_THAT(said, Contains((folder / "qos.xml").string() + ":" + std::to_string(line) + ":"));
   return said;
 }
-
-}  // namespace
 
 SCENARIO("a fusion refuses an invalid configuration") {
   WHEN("a key is misspelt") {
@@ -190,3 +188,5 @@ SCENARIO("a bridge refuses an invalid input") {
     }
   }
 }
+
+}  // namespace refusal_test

@@ -14,12 +14,12 @@
 #include <string>
 #include <vector>
 
+namespace replay_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 using nlohmann::json;
-
-namespace {
 
 /// A folder with the recording `log`: 12 s of a scenario.
 class Recording {
@@ -72,8 +72,6 @@ std::size_t lines_of(const std::filesystem::path& file) {
   const std::string text = read_text(file);
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
-
-}  // namespace
 
 SCENARIO("a replay prints its result and writes three files") {
   const Recording recording;
@@ -261,3 +259,5 @@ SCENARIO("a replay does not use DDS") {
   REQUIRE(libraries.code == 0);
   CHECK_THAT(libraries.output, Contains("libstdc++") && !Contains("ddsc"));
 }
+
+}  // namespace replay_test

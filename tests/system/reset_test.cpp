@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
+namespace reset_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-namespace {
 
 class Commander {
 public:
@@ -40,8 +40,6 @@ auto ready(BeaconAddress address) {
     return pose.address == address && (pose.status & status_initialising) == 0U;
   };
 }
-
-}  // namespace
 
 SCENARIO("a reset re-initialises the engine of one beacon only") {
   GIVEN("a fusion that serves beacons 7 and 8") {
@@ -87,3 +85,5 @@ SCENARIO("a reset re-initialises the engine of one beacon only") {
     }
   }
 }
+
+}  // namespace reset_test

@@ -4,17 +4,15 @@
 
 #include <csignal>
 
+namespace restart_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
-namespace {
-
 bool is_ready(const FusedPose& pose) {
   return (pose.status & status_initialising) == 0U;
 }
-
-}  // namespace
 
 SCENARIO("a bridge is killed and restarted") {
   GIVEN("a running chain") {
@@ -74,3 +72,5 @@ SCENARIO("a fusion is killed and restarted") {
     }
   }
 }
+
+}  // namespace restart_test

@@ -7,11 +7,11 @@
 #include <map>
 #include <string>
 
+namespace ros2_fix_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-namespace {
 
 struct SeenFix {
   TimeNs stamp_ns = 0;
@@ -25,8 +25,6 @@ std::vector<SeenFix> fixes_seen(RosReader<ros2::PoseWithCovarianceStamped>& read
   }));
   return seen;
 }
-
-}  // namespace
 
 SCENARIO("each fix arrives once, with the variance that the fusion assigns to it") {
   GIVEN("a primary and a standby fusion, with fixes of 10 cm standard deviation") {
@@ -113,3 +111,5 @@ SCENARIO("a beacon with a magnetometer has a magnetic field topic") {
     }
   }
 }
+
+}  // namespace ros2_fix_test

@@ -9,11 +9,11 @@
 #include <string>
 #include <thread>
 
+namespace ros2_input_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-namespace {
 
 /// Drivers of a robot at rest at (1, 2, 0.5): 100 Hz and 10 Hz, until destruction.
 class Drivers {
@@ -49,8 +49,6 @@ private:
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };
-
-}  // namespace
 
 SCENARIO("any IMU and any positioning system with a ROS 2 driver feed the fusion") {
   GIVEN("a fusion, a relay that forwards both as beacon 42, and drivers") {
@@ -97,3 +95,5 @@ SCENARIO("any IMU and any positioning system with a ROS 2 driver feed the fusion
     }
   }
 }
+
+}  // namespace ros2_input_test

@@ -6,10 +6,10 @@
 #include <csignal>
 #include <type_traits>
 
+namespace ros2_node_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
-
-namespace {
 
 /// The writers of these topics, by key; fewer if some do not exist yet.
 std::set<std::string> writers_of(const dds::Discovery& discovery, const std::string& participant,
@@ -25,8 +25,6 @@ std::set<std::string> writers_of(const dds::Discovery& discovery, const std::str
 const std::vector<std::string> topics_of_beacon_7{
     "rt/robot/hedge_7/imu/data_raw", "rt/robot/hedge_7/imu/data", "rt/robot/hedge_7/odom",
     "rt/robot/hedge_7/pose",         "rt/robot/hedge_7/fix",      "rt/robot/kart/way"};
-
-}  // namespace
 
 TEMPLATE_TEST_CASE("ROS 2 lists the relay as a node with the topics of the beacons that it received", "",
                    ros2::HumbleParticipantEntitiesInfo, ros2::ParticipantEntitiesInfo) {
@@ -69,3 +67,5 @@ TEMPLATE_TEST_CASE("ROS 2 lists the relay as a node with the topics of the beaco
   CHECK(relay->end_by(SIGTERM).code == 0);
   CHECK(watcher.wait_until([&] { return watcher.messages.back().nodes.empty(); }));
 }
+
+}  // namespace ros2_node_test

@@ -3,11 +3,11 @@
 
 #include "support/bus.hpp"
 
+namespace ros2_options_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
-
-namespace {
 
 struct Wrong {
   Arguments arguments;
@@ -34,8 +34,6 @@ void check_refused(const char* program, const Wrong& wrong) {
 void check_all_refused(const std::vector<Wrong>& all) {
   for (const Wrong& wrong : all) check_refused(SONOPOSE_TEST_ROS2, wrong);
 }
-
-}  // namespace
 
 TEST_CASE("The relay refuses names that ROS 2 does not allow") {
   const std::string many(228, 'n');
@@ -128,3 +126,5 @@ SCENARIO("The relay runs with an unknown ROS 2 distribution") {
     }
   }
 }
+
+}  // namespace ros2_options_test

@@ -6,11 +6,11 @@
 #include <map>
 #include <string>
 
+namespace ros2_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-namespace {
 
 /// Finds the native sample with this stamp; waits for it if necessary.
 template <class T, class Time>
@@ -53,8 +53,6 @@ SeenOdometry seen(const ros2::Odometry& message) {
           message.header.frame_id,
           message.child_frame_id};
 }
-
-}  // namespace
 
 SCENARIO("a ROS 2 process receives the fused pose as Odometry, bit for bit") {
   GIVEN("a running chain, a relay, a default subscription and a sensor-data subscription") {
@@ -178,3 +176,5 @@ SCENARIO("names, frames and message types are configurable") {
     }
   }
 }
+
+}  // namespace ros2_test

@@ -8,11 +8,11 @@
 #include <string>
 #include <thread>
 
+namespace ros2_tf_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-namespace {
 
 struct SeenTransform {
   TimeNs stamp_ns = 0;
@@ -34,8 +34,6 @@ std::vector<SeenTransform> seen(const ros2::TFMessage& message) {
   }
   return all;
 }
-
-}  // namespace
 
 SCENARIO("the transform tree contains the robot and the mount of its IMU") {
   GIVEN("a running chain, and a relay that knows the mount") {
@@ -151,3 +149,5 @@ SCENARIO("two beacons do not publish the same frame") {
     }
   }
 }
+
+}  // namespace ros2_tf_test

@@ -10,11 +10,11 @@
 #include <filesystem>
 #include <optional>
 
+namespace serial_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-namespace {
 
 /// Position of the simulator's scenario "rest".
 const Vector3d resting_place_world_m{1.0, 2.0, 0.5};
@@ -53,8 +53,6 @@ Bytes bytes_of(std::span<const TimedFrame> frames) {
   for (const TimedFrame& frame : frames) bytes.insert(bytes.end(), frame.bytes.begin(), frame.bytes.end());
   return bytes;
 }
-
-}  // namespace
 
 SCENARIO("a beacon on a serial line is unplugged and plugged in again, and poses resume") {
   GIVEN("a fusion, a bridge on a device that does not exist yet, and a beacon") {
@@ -137,3 +135,5 @@ SCENARIO("a serial line is visible on the bus before any beacon address is known
     }
   }
 }
+
+}  // namespace serial_test

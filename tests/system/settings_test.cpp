@@ -12,12 +12,12 @@
 #include <algorithm>
 #include <csignal>
 
+namespace settings_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 namespace topics = dds::topics;
-
-namespace {
 
 std::string value_in(const EffectiveSettings& settings, const std::string& key) {
   const auto found = std::find_if(settings.values.begin(), settings.values.end(),
@@ -58,8 +58,6 @@ struct LiveSystem {
   std::unique_ptr<Process> seven;
   std::unique_ptr<Process> eight;
 };
-
-}  // namespace
 
 SCENARIO("settings are changed at run time, and late consumers receive the effective ones") {
   GIVEN("beacons 7 and 8, and an override for 8") {
@@ -243,3 +241,5 @@ SCENARIO("a change at a given event gives poses that are bit-identical to the re
     }
   }
 }
+
+}  // namespace settings_test

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
+namespace simulate_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
-
-namespace {
 
 Result simulate(const std::vector<std::string>& arguments) {
   return run(SONOPOSE_TEST_SIMULATE, arguments);
@@ -38,8 +38,6 @@ std::string bytes_of(const std::filesystem::path& folder) {
   }
   return bytes;
 }
-
-}  // namespace
 
 SCENARIO("a simulated run is written as a log with truth") {
   const TemporaryFolder folder;
@@ -116,3 +114,5 @@ SCENARIO("invalid requests are refused") {
     }
   }
 }
+
+}  // namespace simulate_test

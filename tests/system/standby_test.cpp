@@ -9,11 +9,11 @@
 #include <functional>
 #include <iostream>
 
+namespace standby_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-namespace {
 
 constexpr int kills = 20;
 constexpr double lease_ms = 100.0;
@@ -109,9 +109,7 @@ void check_one_stream(const std::vector<TappedPose>& poses, const Fusion& weak) 
   }
 }
 
-}  // namespace
-
-SCENARIO("a killed fusion is replaced within its lease") {
+SCENARIO("a killed fusion is replaced within its lease", "[standby]") {
   Pair pair;
   Fusion strong = pair.start("200");
   const Fusion weak = pair.start("100");
@@ -125,7 +123,7 @@ SCENARIO("a killed fusion is replaced within its lease") {
   report("kill -9", waits_ms);
 }
 
-SCENARIO("a stopped fusion is replaced within its lease, and serves again when it continues") {
+SCENARIO("a stopped fusion is replaced within its lease, and serves again when it continues", "[standby]") {
   Pair pair;
   Fusion strong = pair.start("200");
   const Fusion weak = pair.start("100");
@@ -136,7 +134,7 @@ SCENARIO("a stopped fusion is replaced within its lease, and serves again when i
   report("SIGSTOP", waits_ms);
 }
 
-SCENARIO("a fusion whose receive thread hangs is replaced, although its other threads run") {
+SCENARIO("a fusion whose receive thread hangs is replaced, although its other threads run", "[standby]") {
   Pair pair;
   Fusion strong = pair.start("200");
   const Fusion weak = pair.start("100");
@@ -148,7 +146,8 @@ SCENARIO("a fusion whose receive thread hangs is replaced, although its other th
   report("a thread that hangs", waits_ms);
 }
 
-SCENARIO("while the stronger fusion is alive, the weaker one delivers nothing and time never goes back") {
+SCENARIO("while the stronger fusion is alive, the weaker one delivers nothing and time never goes back",
+         "[standby]") {
   GIVEN("a pair with the stronger fusion serving") {
     Pair pair;
     const Fusion weak = pair.start("100");
@@ -171,7 +170,8 @@ SCENARIO("while the stronger fusion is alive, the weaker one delivers nothing an
 
 SCENARIO(
     "a stronger fusion takes over when it starts and hands over when it ends, without a missing sample or "
-    "a jump") {
+    "a jump",
+    "[standby]") {
   Pair pair({"--scenario", "walk", "--imu-rate", "200"});
   const Fusion weak = pair.start("100");
   pair.wait_until_served_by(weak);
@@ -206,7 +206,7 @@ SCENARIO(
   }
 }
 
-SCENARIO("with two beacons, each is served by the strongest fusion that has it") {
+SCENARIO("with two beacons, each is served by the strongest fusion that has it", "[standby]") {
   GIVEN("two beacons, and a pair in which the stronger fusion excludes one of them") {
     Pair pair({"--scenario", "rest", "--imu-rate", "200", "--address", "7"});
     const auto other = pair.bus.bridge({"--scenario", "rest", "--imu-rate", "200", "--address", "8"});
@@ -222,7 +222,7 @@ SCENARIO("with two beacons, each is served by the strongest fusion that has it")
   }
 }
 
-SCENARIO("a silent beacon is released, and claimed again when it returns") {
+SCENARIO("a silent beacon is released, and claimed again when it returns", "[standby]") {
   GIVEN("a fusion that claims two beacons of two bridges") {
     Pair pair({"--scenario", "rest", "--imu-rate", "200", "--address", "7"});
     const auto other = pair.bus.bridge({"--scenario", "rest", "--imu-rate", "200", "--address", "8"});
@@ -260,7 +260,8 @@ SCENARIO("a silent beacon is released, and claimed again when it returns") {
   }
 }
 
-SCENARIO("a beacon that only the stronger fusion has lost is taken over while that fusion is alive") {
+SCENARIO("a beacon that only the stronger fusion has lost is taken over while that fusion is alive",
+         "[standby]") {
   GIVEN("two fusions, each with its own bridge to the same beacon, and a consumer of both") {
     const Bus bus;
     const PoseTap tap(bus, "way-*");
@@ -292,3 +293,5 @@ SCENARIO("a beacon that only the stronger fusion has lost is taken over while th
     }
   }
 }
+
+}  // namespace standby_test

@@ -4,6 +4,8 @@
 
 #include <csignal>
 
+namespace two_bridges_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
@@ -43,3 +45,5 @@ SCENARIO("two bridges with the same address detect and report each other") {
     }
   }
 }
+
+}  // namespace two_bridges_test

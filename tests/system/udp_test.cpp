@@ -9,11 +9,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+namespace udp_test {
+
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-namespace {
 
 /// Sends datagrams to a port of this machine that was recently free.
 class Sender {
@@ -46,8 +46,6 @@ private:
   sockaddr_in to_{};
 };
 
-}  // namespace
-
 SCENARIO("the datagrams of a beacon give poses") {
   GIVEN("a fusion, a listening bridge, and a beacon at rest") {
     const Bus bus;
@@ -74,3 +72,5 @@ SCENARIO("the datagrams of a beacon give poses") {
     }
   }
 }
+
+}  // namespace udp_test

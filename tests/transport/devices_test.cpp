@@ -17,6 +17,8 @@
 #include <unistd.h>
 #include <vector>
 
+namespace devices_test {
+
 using namespace sonopose;
 using namespace sonopose::transport;
 using namespace sonopose::files;
@@ -25,8 +27,6 @@ using Catch::Contains;
 using sonopose::test::read_text;
 using sonopose::test::TemporaryFolder;
 using sonopose::test::write_text;
-
-namespace {
 
 /// Sends datagrams to a port of this machine.
 class Sender {
@@ -73,8 +73,6 @@ double milliseconds_to_stop(ByteSource& source) {
   CHECK(source.read(buffer, 60s).status == ReadStatus::stopped);
   return std::chrono::duration<double, std::milli>(ended_at - stopped_at).count();
 }
-
-}  // namespace
 
 SCENARIO("an address to listen on is parsed, or refused with the cause") {
   CHECK(parse_endpoint("0.0.0.0:49100") == Endpoint{"0.0.0.0", 49100});
@@ -192,3 +190,5 @@ SCENARIO("a capture appends bytes at once") {
                       Contains("/dev/full: cannot be written: No space left"));
   }
 }
+
+}  // namespace devices_test

@@ -20,6 +20,8 @@
 #include <unistd.h>
 #include <utility>
 
+namespace serial_port_test {
+
 using namespace sonopose;
 using namespace sonopose::transport;
 using namespace sonopose::files;
@@ -27,8 +29,6 @@ using namespace std::chrono_literals;
 using Catch::Contains;
 using sonopose::test::TemporaryFolder;
 using sonopose::test::write_text;
-
-namespace {
 
 /// The beacon's end of a line. Its destruction is the unplugging.
 class Beacon {
@@ -86,8 +86,6 @@ struct Host {
     return text;
   }
 };
-
-}  // namespace
 
 SCENARIO("bytes pass through a serial line unchanged") {
   GIVEN("a line at 500000 baud") {
@@ -237,3 +235,5 @@ SCENARIO("a serial port stops within well under a second") {
     CHECK(port.read(buffer, 60s).status == ReadStatus::stopped);
   }
 }
+
+}  // namespace serial_port_test

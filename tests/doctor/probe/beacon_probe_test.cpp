@@ -2,11 +2,11 @@
 
 #include <catch2/catch.hpp>
 
+namespace beacon_probe_test {
+
 using namespace sonopose;
 using namespace sonopose::doctor::rules;
 using namespace sonopose::doctor::probe;
-
-namespace {
 
 constexpr TimeNs begin_ns = 1'000'000'000'000;
 constexpr TimeNs period_ns = 10'000'000;
@@ -40,8 +40,6 @@ BeaconObservation observation_of(const BeaconProbe& probe) {
 bool none(std::uint64_t /*sequence*/) {
   return false;
 }
-
-}  // namespace
 
 TEST_CASE("A stream's rate and longest silence are those of the window") {
   const BeaconObservation beacon = observation_of(fed([](std::uint64_t n) { return n > 1100 && n <= 1120; }));
@@ -125,3 +123,5 @@ TEST_CASE("The calibration of the fusion is applied to the means") {
   CHECK(beacon.imu_means->mean_force_body_mps2.isApprox(Vector3d(0, -8.0, 0), 1e-9));
   CHECK(beacon.imu_means->force_std_mps2 < 1e-9);
 }
+
+}  // namespace beacon_probe_test

@@ -2,20 +2,18 @@
 
 #include <catch2/catch.hpp>
 
+namespace beacon_test {
+
 using namespace sonopose;
 using namespace sonopose::doctor::rules;
 using namespace sonopose::doctor::rules::test;
 using Catch::Contains;
-
-namespace {
 
 /// Severity of the finding with `text` after `change` of the healthy beacon.
 template <class Change>
 Severity severity(const std::string& text, const Change& change) {
   return found(findings_with(change), text).severity;
 }
-
-}  // namespace
 
 TEST_CASE("Missing streams and silences longer than the deadline are reported") {
   CHECK(severity("no IMU samples received", [](auto& b) { b.imu = {}; }) == Severity::error);
@@ -187,3 +185,5 @@ TEST_CASE("The magnitude of gravity and the gyro bias are checked at rest, and n
   });
   CHECK_FALSE(has_problems(moving));
 }
+
+}  // namespace beacon_test

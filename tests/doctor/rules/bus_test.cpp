@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+namespace bus_test {
+
 using namespace sonopose;
 using namespace sonopose::doctor::rules;
 using namespace sonopose::doctor::rules::test;
@@ -173,3 +175,5 @@ TEST_CASE("A process is named by its known fields") {
   CHECK(text_of(ProcessObservation{"", "h", {}}) == "a process (on h)");
   CHECK(text_of(ProcessObservation{}) == "an unknown process");
 }
+
+}  // namespace bus_test

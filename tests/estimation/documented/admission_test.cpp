@@ -5,12 +5,12 @@
 #include <limits>
 #include <support/engine_driver.hpp>
 
+namespace admission_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using test::epoch_ns;
-
-namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -27,8 +27,6 @@ UltrasonicFix good_fix() {
 std::uint32_t verdict_on(const UltrasonicFix& fix, AdmissionState state = {}) {
   return admission::rejection_flags(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns);
 }
-
-}  // namespace
 
 TEST_CASE("item 12: a fix below the least quality is kept out, one at it is not") {
   UltrasonicFix fix = good_fix();
@@ -213,3 +211,5 @@ TEST_CASE("stamps from the far future, or a clock set back, does not stop the po
   CHECK(engine.counters().samples_invalid == static_cast<std::uint64_t>(without_pose) + 1);
   CHECK(engine.predict(sample_at(now_ns + step_ns)));
 }
+
+}  // namespace admission_test

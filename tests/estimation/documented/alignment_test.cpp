@@ -7,11 +7,11 @@
 
 #include <support/engine_driver.hpp>
 
+namespace alignment_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
-
-namespace {
 
 constexpr double gain_hz = 0.5;
 
@@ -27,8 +27,6 @@ attitude::AnyFilter filter_at(const Quaterniond& q_body_to_world) {
   filter.reset(q_body_to_world);
   return filter;
 }
-
-}  // namespace
 
 TEST_CASE("a horizontal velocity correction tilts the attitude towards it") {
   GIVEN("a body at rest whose attitude is estimated level, and a fix that adds 0.2 m/s to the north-east") {
@@ -147,3 +145,5 @@ TEST_CASE("a start with a wrong tilt is levelled by the fixes, without the accel
     }
   }
 }
+
+}  // namespace alignment_test

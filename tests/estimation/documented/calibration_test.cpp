@@ -7,11 +7,11 @@
 
 #include <support/engine_driver.hpp>
 
+namespace calibration_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
-
-namespace {
 
 /// A sensor turned by 90° about Z in its housing, with offsets, and 2 % too sensitive along its x.
 ImuSample as_measured(ImuSample imu) {
@@ -33,8 +33,6 @@ Settings settings_of_the_sensor() {
   settings.calibration.accelerometer.offset_z_mps2 = 0.1;
   return settings;
 }
-
-}  // namespace
 
 TEST_CASE("a raw sensor and its calibration give the pose of an ideal one") {
   test::Sensors sensors;
@@ -69,3 +67,5 @@ TEST_CASE("another calibration applies to a running engine from the next sample 
   imu.sensor_time_ns += 10'000'000;
   CHECK(engine.predict(imu)->acceleration_world_mps2.z() == Approx(0.0).margin(1e-9));
 }
+
+}  // namespace calibration_test

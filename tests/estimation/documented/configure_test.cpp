@@ -8,12 +8,12 @@
 
 #include <numbers>
 
+namespace configure_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using test::EngineDriver;
-
-namespace {
 
 test::Sensors pair(double noise_m = 0.0) {
   test::Sensors sensors;
@@ -21,8 +21,6 @@ test::Sensors pair(double noise_m = 0.0) {
   sensors.noise_m = noise_m;
   return sensors;
 }
-
-}  // namespace
 
 TEST_CASE("the same settings again change no bit") {
   Settings settings;
@@ -87,3 +85,5 @@ TEST_CASE("item 1: a later preset is resolved, and `user` restores the user's va
   engine.configure(settings);
   CHECK(engine.settings().drift.jump_alpha == 0.77);
 }
+
+}  // namespace configure_test

@@ -4,12 +4,12 @@
 
 #include <support/engine_driver.hpp>
 
+namespace delay_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using test::epoch_ns;
-
-namespace {
 
 UltrasonicFix fix_with(double age_s, std::optional<double> own_delay_s) {
   UltrasonicFix fix;
@@ -26,8 +26,6 @@ DelaySettings settings_with(bool extrapolate, DelaySource source) {
   settings.source = source;
   return settings;
 }
-
-}  // namespace
 
 TEST_CASE("item 6: the delay is the fix's own or the fixed one") {
   const UltrasonicFix own = fix_with(0.104, 0.100);
@@ -143,3 +141,5 @@ TEST_CASE("item 6: a fix with its own, longer delay is extrapolated by that one"
   // The fixed 68 ms leave 82 ms unaccounted.
   CHECK(lag_m(DelaySource::fixed) == Approx(4.0 * 0.082).epsilon(0.2));
 }
+
+}  // namespace delay_test

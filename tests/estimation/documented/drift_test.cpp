@@ -4,11 +4,11 @@
 
 #include <support/engine_driver.hpp>
 
+namespace drift_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
-
-namespace {
 
 DriftSettings settings_with(double decay_hz, double alpha, double smooth_hz) {
   DriftSettings settings;
@@ -52,8 +52,6 @@ double left_of_one_metre(const DriftSettings& settings, double weight, double se
   REQUIRE(body.position_world_m.x() + state.offset_world_m.x() == Approx(1.0).margin(1e-12));
   return state.offset_world_m.x();
 }
-
-}  // namespace
 
 TEST_CASE("item 4: the step at the fix is alpha × weight × discrepancy, the rest waits") {
   DriftState state;
@@ -165,3 +163,5 @@ TEST_CASE("item 2, in the engine: at rest a small step of the fixes is followed 
   // A small step weighs nearly 1: 1 / (1 + (0.01/0.12)²).
   CHECK(left == Approx(second_order(1.0, 30.0, 1.0)).margin(0.02));
 }
+
+}  // namespace drift_test

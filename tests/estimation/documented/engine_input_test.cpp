@@ -5,12 +5,12 @@
 #include <limits>
 #include <support/engine_driver.hpp>
 
+namespace engine_input_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using test::EngineDriver;
-
-namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
@@ -26,8 +26,6 @@ test::Sensors with_headings(double noise_m = 0.0) {
   sensors.noise_m = noise_m;
   return sensors;
 }
-
-}  // namespace
 
 TEST_CASE("a fix before any IMU sample does no harm, even with a wrong time") {
   for (const double off_s : {0.0, -1e6, 1e6}) {
@@ -182,3 +180,5 @@ TEST_CASE("millisecond stamps cause no error beyond their rounding") {
   CHECK((fine.moments.back().pose.position_world_m - rounded.moments.back().pose.position_world_m).norm() <
         3.0 * 0.01 + 0.02);
 }
+
+}  // namespace engine_input_test

@@ -5,12 +5,12 @@
 #include <limits>
 #include <support/engine_driver.hpp>
 
+namespace engine_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using test::EngineDriver;
-
-namespace {
 
 bool is_finite(const FusedPose& pose) {
   return pose.position_world_m.allFinite() && pose.velocity_world_mps.allFinite() &&
@@ -35,8 +35,6 @@ double rms_error_m(const EngineDriver& driver, double from_s) {
   }
   return std::sqrt(squares / count);
 }
-
-}  // namespace
 
 TEST_CASE("perfect sensors give the true pose: rest, line and circle, slow and fast") {
   struct Case {
@@ -201,3 +199,5 @@ TEST_CASE("the time since the last valid fix is never negative") {
   REQUIRE((driver.engine.correct(fix).flags & fix_used) != 0);
   CHECK(driver.run(0.01).pose.since_valid_fix_s >= 0.0);
 }
+
+}  // namespace engine_test

@@ -7,12 +7,12 @@
 
 #include <support/engine_driver.hpp>
 
+namespace filters_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using attitude::FilterKind;
-
-namespace {
 
 constexpr std::size_t kinds = choices_of(FilterKind{}).size();
 
@@ -30,8 +30,6 @@ void add_field(ImuSample& imu, const test::Truth& truth) {
   const Vector3d field_world_t(20e-6 * std::cos(north_rad), 20e-6 * std::sin(north_rad), -40e-6);
   imu.magnetic_field_body_t = geometry::rotation_about_z(-truth.yaw_rad) * field_world_t;
 }
-
-}  // namespace
 
 TEST_CASE("with each filter the pose follows a bend, with paired headings and with the magnetometer") {
   const auto motion = test::departure(1.5, 0.3);
@@ -102,3 +100,5 @@ TEST_CASE("a long curve without fixes does not tilt the default filter within al
   CHECK(std::acos(geometry::up_in_body(moment.pose.q_body_to_world).z()) <
         1.0 * geometry::radians_per_degree);
 }
+
+}  // namespace filters_test

@@ -4,12 +4,12 @@
 
 #include <support/engine_driver.hpp>
 
+namespace frozen_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using test::EngineDriver;
-
-namespace {
 
 /// From `from_s` on every fix repeats this spot.
 auto freeze_at(const Vector3d& spot, double from_s) {
@@ -23,8 +23,6 @@ int count_verdict(const EngineDriver& driver, FixFlag bit) {
   for (const FixReport& report : driver.reports) count += (report.flags & bit) != 0 ? 1 : 0;
   return count;
 }
-
-}  // namespace
 
 TEST_CASE("fixes that repeat one spot while the body drives are a frozen track") {
   const double speed_mps = GENERATE(0.5, 2.0, 6.0);
@@ -123,3 +121,5 @@ TEST_CASE("a few equal coordinates in slow motion are the beacon's resolution") 
   driver.run(20.0);
   CHECK(count_verdict(driver, fix_frozen) == 0);
 }
+
+}  // namespace frozen_test

@@ -4,11 +4,11 @@
 
 #include <support/engine_driver.hpp>
 
+namespace heading_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
-
-namespace {
 
 constexpr double degree = geometry::radians_per_degree;
 
@@ -42,8 +42,6 @@ struct Rig {
                                         {displacement / 0.08, inertial, displacement});
   }
 };
-
-}  // namespace
 
 TEST_CASE("item 5: body yaw is the pair's heading minus the mount offset") {
   for (const double mount_deg : {0.0, 90.0, -45.0, 180.0}) {
@@ -223,3 +221,5 @@ TEST_CASE("heading unknown: before any heading, not while one is valid, and agai
     REQUIRE(moment.has(status_heading_unknown) == (seconds_between(last_ns, moment.pose.time_ns) > 0.5));
   }
 }
+
+}  // namespace heading_test

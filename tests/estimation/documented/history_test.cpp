@@ -6,18 +6,16 @@
 
 #include <cmath>
 
+namespace history_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
-
-namespace {
 
 constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
 
 InertialPoint point_at(double time_s) {
   return {start_ns + to_ns(time_s), Vector3d(2.0 * time_s, 0, -time_s), 0.5 * time_s};
 }
-
-}  // namespace
 
 TEST_CASE("the path is interpolated, and unknown before its beginning") {
   InertialHistory history;
@@ -84,3 +82,5 @@ TEST_CASE("a cleared history is empty") {
   CHECK(history.empty());
   CHECK_FALSE(history.at(start_ns + to_ns(0.01)).has_value());
 }
+
+}  // namespace history_test

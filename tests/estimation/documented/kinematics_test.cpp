@@ -4,6 +4,8 @@
 
 #include <support/engine_driver.hpp>
 
+namespace kinematics_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
@@ -65,3 +67,5 @@ TEST_CASE("the inertial path is independent of the velocity corrections") {
   CHECK(moved->x() == Approx(0.4).epsilon(0.1));
   CHECK(body.velocity_world_mps.x() == Approx(2.0).epsilon(0.1));
 }
+
+}  // namespace kinematics_test

@@ -6,11 +6,11 @@
 
 #include <support/engine_driver.hpp>
 
+namespace motion_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
-
-namespace {
 
 MotionSettings plain() {
   MotionSettings settings;
@@ -26,8 +26,6 @@ Kinematics turning_body(double rate_radps, const Vector3d& velocity_world_mps) {
   body.angular_velocity_body_radps = rate_radps * Vector3d(1, -2, 2) / 3.0;
   return body;
 }
-
-}  // namespace
 
 TEST_CASE("the strapdown equations are exact for constant acceleration") {
   Kinematics body;
@@ -114,3 +112,5 @@ TEST_CASE("items 35–37, in the engine: spinning with the IMU off the centre do
   CHECK(worst_m(true) < 0.05);
   CHECK(worst_m(false) > 0.5);
 }
+
+}  // namespace motion_test

@@ -4,12 +4,12 @@
 
 #include <support/engine_driver.hpp>
 
+namespace outage_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using test::EngineDriver;
-
-namespace {
 
 double speed_of(const test::Moment& moment) {
   return moment.pose.velocity_world_mps.norm();
@@ -23,8 +23,6 @@ EngineDriver driver_into_silence(const Settings& settings, double speed_mps = 3.
   driver.run(0.2);
   return driver;
 }
-
-}  // namespace
 
 TEST_CASE("item 11: stale mode begins the set time after the last valid fix") {
   for (const double stale_after_s : {0.5, 1.0, 3.0}) {
@@ -174,3 +172,5 @@ TEST_CASE("a few lost IMU samples are bridged") {
   CHECK(driver.engine.counters().imu_gaps == 0);
   CHECK(test::worst_error_m(driver.moments, 5.0) < 0.03);
 }
+
+}  // namespace outage_test

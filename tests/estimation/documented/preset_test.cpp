@@ -7,11 +7,11 @@
 
 #include <support/engine_driver.hpp>
 
+namespace preset_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
-
-namespace {
 
 struct Score {
   double distance_to_fixes_m;  ///< RMS, of the pose after a fix from that fix
@@ -48,8 +48,6 @@ Score score_of(ImuWeight weight) {
   }
   return {std::sqrt(distances / fixes), std::sqrt(bends / count)};
 }
-
-}  // namespace
 
 TEST_CASE("item 1: on one log low is closest to the fixes and high is smoothest") {
   const Score low = score_of(ImuWeight::low);
@@ -102,3 +100,5 @@ TEST_CASE("item 1: medium equals the defaults of user") {
     if (row.item != 1) CHECK(get(medium, row.key) == get(resolved(user), row.key));
   }
 }
+
+}  // namespace preset_test

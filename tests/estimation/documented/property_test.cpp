@@ -15,11 +15,11 @@
 #include <random>
 #include <string>
 
+namespace property_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
-
-namespace {
 
 constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
 
@@ -179,8 +179,6 @@ private:
   TimeNs now_ns_ = start_ns;
 };
 
-}  // namespace
-
 TEST_CASE("the state stays finite for any settings and any samples in any order") {
   constexpr unsigned cases = 10'000;
   constexpr int events = 250;
@@ -261,3 +259,5 @@ TEST_CASE("a body at rest stays bounded for any settings") {
     if (held) REQUIRE(most_turned_rad < 1.5);
   }
 }
+
+}  // namespace property_test

@@ -4,11 +4,11 @@
 
 #include <support/engine_driver.hpp>
 
+namespace runaway_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
-
-namespace {
 
 RunawaySettings plain() {
   RunawaySettings settings;
@@ -26,8 +26,6 @@ double damping_hz(double distance_m, const Vector3d& velocity_world_mps) {
   runaway::damp(plain(), state, body, 0.01);
   return -std::log(body.velocity_world_mps.norm() / velocity_world_mps.norm()) / 0.01;
 }
-
-}  // namespace
 
 TEST_CASE(
     "items 23 and 24: damping rises linearly from the threshold to its maximum at twice the threshold") {
@@ -79,3 +77,5 @@ TEST_CASE("items 23 and 24, in the engine: a gross accelerometer error is kept w
   CHECK(farthest_m(10.0) < 10.0);
   CHECK(farthest_m(0.0) > 50.0);
 }
+
+}  // namespace runaway_test

@@ -4,12 +4,12 @@
 
 #include <support/engine_driver.hpp>
 
+namespace startup_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using test::EngineDriver;
-
-namespace {
 
 const Vector3d offset_radps(0.01, -0.02, 0.015);
 
@@ -35,8 +35,6 @@ startup::Progress watch_for(const StartupSettings& settings, StartupState& state
   }
   return last;
 }
-
-}  // namespace
 
 TEST_CASE("at rest the offset is the mean rate over the set time") {
   StartupState state;
@@ -172,3 +170,5 @@ TEST_CASE("a body that left its rest long before the first fix has an unknown ve
   CHECK(moment.pose.velocity_world_mps.x() == Approx(5.0).epsilon(0.02));
   CHECK(moment.position_error_m() < 0.05);
 }
+
+}  // namespace startup_test

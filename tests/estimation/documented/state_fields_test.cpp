@@ -8,10 +8,10 @@
 #include <set>
 #include <string>
 
+namespace state_fields_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
-
-namespace {
 
 struct AnyField {
   template <class Field>
@@ -27,8 +27,6 @@ constexpr std::size_t field_count(Fields... fields) {
     return sizeof...(Fields);
   }
 }
-
-}  // namespace
 
 TEST_CASE("every field of every group is listed once, under its own name") {
   State state;
@@ -58,3 +56,5 @@ TEST_CASE("every field of every group is listed once, under its own name") {
   CHECK(found == expected);
   CHECK(field_count<State>() == expected.size());
 }
+
+}  // namespace state_fields_test

@@ -4,12 +4,12 @@
 
 #include <support/engine_driver.hpp>
 
+namespace trust_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using test::epoch_ns;
-
-namespace {
 
 constexpr double interval_s = 0.08;
 
@@ -56,8 +56,6 @@ private:
   TrustSettings settings_;
   TimeNs now_ns_ = epoch_ns;
 };
-
-}  // namespace
 
 TEST_CASE("item 13: the weight is one half exactly at sigma and falls with the distance") {
   for (const double sigma_m : {0.06, 0.12, 1.0}) {
@@ -265,3 +263,5 @@ TEST_CASE("items 20–22, in the engine: a wrong velocity is corrected while con
   CHECK(back.pose.velocity_world_mps.norm() < 0.2);
   CHECK_FALSE(driver.engine.state().trust.forced);
 }
+
+}  // namespace trust_test

@@ -4,6 +4,8 @@
 
 #include <support/engine_driver.hpp>
 
+namespace uncertainty_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
@@ -98,3 +100,5 @@ TEST_CASE("in the engine it grows without fixes, at least as fast as the error")
   CHECK(position_std_m(after.pose).x() > before_m + 0.05);
   CHECK(after.position_error_m() < 3.0 * std::sqrt(3.0) * position_std_m(after.pose).x());
 }
+
+}  // namespace uncertainty_test

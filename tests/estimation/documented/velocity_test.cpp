@@ -4,12 +4,12 @@
 
 #include <support/engine_driver.hpp>
 
+namespace velocity_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using test::epoch_ns;
-
-namespace {
 
 VelocitySettings plain() {
   VelocitySettings settings;
@@ -68,8 +68,6 @@ std::uint32_t verdict_after(const VelocitySettings& settings, const Vector3d& ul
   VelocityState run = settled();
   return velocity::correct(settings, run, body, between(ultrasonic, inertial), verdict_of(1.0)).flags;
 }
-
-}  // namespace
 
 TEST_CASE("item 3: one fix moves the velocity by blend × reliability × difference") {
   const Vector3d v_us(1.2, 0.3, 0);
@@ -284,3 +282,5 @@ TEST_CASE("the second fix after a pause sets the velocity") {
   CHECK((body.velocity_world_mps - Vector3d(6, 1, 0)).norm() < 1e-12);
   CHECK((change - Vector3d(6, 1, 0)).norm() < 1e-12);
 }
+
+}  // namespace velocity_test

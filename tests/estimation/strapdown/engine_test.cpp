@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
+namespace strapdown_engine_test {
+
 using namespace sonopose;
 using namespace sonopose::estimation::strapdown;
-
-namespace {
 
 constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
 
@@ -65,8 +65,6 @@ double angle_order(Rule rule) {
   };
   return std::log2(error_rad(1.0 / 256) / error_rad(1.0 / 512));
 }
-
-}  // namespace
 
 TEST_CASE("an ideal IMU's integral returns to the truth") {
   const State truth = Helix::state(8.0);
@@ -131,3 +129,5 @@ TEST_CASE("the first step begins at the start, not at the sample before it") {
   strapdown.predict(imu);
   CHECK(strapdown.state().position_world_m.x() == Approx(0.004));
 }
+
+}  // namespace strapdown_engine_test

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <string>
 
+namespace diagnostics_test {
+
 using namespace sonopose;
 using namespace sonopose::ros2::relay;
 using namespace sonopose::observation;
 using ros2::Level;
-
-namespace {
 
 constexpr TimeNs now_ns = 1'700'000'000'000'000'000;
 
@@ -44,8 +44,6 @@ std::string value_of(const ros2::Diagnostic& diagnostic, const std::string& key)
 bool says(const ros2::Diagnostic& diagnostic, const std::string& text) {
   return diagnostic.message.find(text) != std::string::npos;
 }
-
-}  // namespace
 
 SCENARIO("the diagnostic of a beacon") {
   GIVEN("a beacon that was healthy a second ago") {
@@ -142,3 +140,5 @@ SCENARIO("the diagnostic of a beacon") {
     }
   }
 }
+
+}  // namespace diagnostics_test

@@ -6,7 +6,7 @@
 
 #include <stdexcept>
 
-namespace {
+namespace input_option_test {
 
 using namespace sonopose;
 using ros2::relay::Input;
@@ -36,8 +36,6 @@ struct Log {
   InputMonitor monitor;
   InputMonitor::Lines lines;
 };
-
-}  // namespace
 
 SCENARIO("a beacon has one source of each kind in ROS 2") {
   GIVEN("two topics of IMU samples, or of fixes, for one address") {
@@ -180,3 +178,5 @@ SCENARIO("the clock offset is the minimum of the last second") {
   offset.add(0.005, SteadyTime{1150 * ms});  // 0.001 is now older than one second
   CHECK(offset.value_s() == 0.004);
 }
+
+}  // namespace input_option_test

@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-namespace {
+namespace parameter_server_test {
 
 using namespace sonopose;
 using Texts = std::vector<std::string>;
@@ -182,8 +182,6 @@ Texts errors_of(Client<ros2::SetParameters>& client, std::vector<ros2::Parameter
   return errors;
 }
 
-}  // namespace
-
 TEST_CASE("A client lists and reads the settings of all beacons and of each known beacon") {
   const System system;
   Client<ros2::ListParameters> list(system, "list_parameters");
@@ -299,3 +297,5 @@ TEST_CASE("A client without a reply reader does not block others") {
   Client<ros2::ListParameters> list(system, "list_parameters");
   list.call({}, [](const auto&) {});
 }
+
+}  // namespace parameter_server_test

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+namespace parameters_test {
+
 using namespace sonopose;
 using namespace sonopose::ros2::relay;
-
-namespace {
 
 using Texts = std::vector<std::string>;
 
@@ -21,8 +21,6 @@ SettingsByBeacon effective_settings() {
   }
   return effective;
 }
-
-}  // namespace
 
 TEST_CASE("A parameter names a setting of all beacons or of one") {
   CHECK(setting_named("drift.jump_alpha") == SettingName{all_beacons, "drift.jump_alpha"});
@@ -64,3 +62,5 @@ TEST_CASE("A parameter has the effective value, with the type of its setting") {
   CHECK(parameter_value(effective, "trust.n_max") == std::nullopt);
   CHECK(parameter_value(effective, "no.such") == std::nullopt);
 }
+
+}  // namespace parameters_test

@@ -18,7 +18,7 @@
 #include <thread>
 #include <vector>
 
-namespace {
+namespace source_test {
 
 using namespace sonopose;
 using ros2::relay::Input;
@@ -140,8 +140,6 @@ ros2::PointStamped fix_at(TimeNs stamp_ns, const ros2::FrameNames& frames) {
   return ros2::position_as_point({1, 2, 3}, stamp_ns, frames);
 }
 
-}  // namespace
-
 SCENARIO("a stalled input queues messages, and logs losses") {
   GIVEN("a source that does not run while an IMU writes 1500 samples without a stamp") {
     constexpr std::size_t written = 1500;
@@ -245,3 +243,5 @@ SCENARIO("a source does not mix two sensors") {
     }
   }
 }
+
+}  // namespace source_test
