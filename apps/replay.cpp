@@ -55,9 +55,9 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("FILE");
   auto* const engine = apps::add_choice<estimation::EstimatorKind>(
       app, "--engine", options.run.estimator,
-      {{"fusion", estimation::EstimatorKind::documented},
+      {{"documented", estimation::EstimatorKind::documented},
        {"strapdown", estimation::EstimatorKind::strapdown}},
-      "fusion: all sensors; strapdown: only the IMU, integrated from the truth");
+      "documented: all sensors; strapdown: only the IMU, integrated from the truth");
   app.add_option("--init", "Start of strapdown: the first complete truth of the log")
       ->check(CLI::IsMember({"truth"}))
       ->needs(engine);
@@ -79,9 +79,6 @@ double seconds_since(Clock::time_point begin) {
 
 int replay_log(const CLI::App& app, const Options& options) {
   evaluation::RunOptions run = options.run;
-  if (run.estimator == estimation::EstimatorKind::strapdown && (options.save_state || options.load_state)) {
-    throw CLI::ValidationError("--save-state and --load-state", "only work with --engine fusion");
-  }
   run.settings = apps::configuration(app, options.config).for_beacon(options.beacon);
   if (options.load_state) run.start = evaluation::load_state(*options.load_state);
 

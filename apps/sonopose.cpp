@@ -1,4 +1,4 @@
-// sonopose: the front door; `sonopose VERB ARGUMENTS…` becomes the program sonopose-VERB.
+// sonopose: starts the other programs; `sonopose VERB ARGUMENTS…` executes sonopose-VERB.
 
 #include "support/nearest.hpp"
 #include "support/verbs.hpp"

@@ -1,6 +1,6 @@
 #include "bare_chain.hpp"
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include "pulse.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -46,7 +46,7 @@ dds_entity_t imu_topic(dds_entity_t participant) {
 void on_imu(dds_entity_t reader, void* writer) {
   std::array<void*, 16> samples{};
   std::array<dds_sample_info_t, 16> infos{};
-  const std::int64_t in_ns = process::host_now();
+  const std::int64_t in_ns = clocks::host_now();
   const dds_return_t count = dds_take(reader, samples.data(), infos.data(), samples.size(), samples.size());
   for (dds_return_t i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);
@@ -58,7 +58,7 @@ void on_imu(dds_entity_t reader, void* writer) {
     pose.time = imu.sensor_time;
     pose.imu_bridge_time = imu.bridge_time;
     pose.fusion_in_time = in_ns;
-    pose.fusion_out_time = process::host_now();
+    pose.fusion_out_time = clocks::host_now();
     dds_write(*static_cast<dds_entity_t*>(writer), &pose);
   }
   if (count > 0) dds_return_loan(reader, samples.data(), count);

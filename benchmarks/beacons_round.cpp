@@ -81,10 +81,10 @@ BeaconsRound measure_beacons(const BeaconsOptions& options, std::uint32_t beacon
   for (const Child& fusion : fusions) fusion_before_ns.push_back(fusion.cpu_time_ns());
   const std::int64_t bridge_before_ns = bridge.cpu_time_ns();
   const std::uint64_t lost_before = lost.sum();
-  const SteadyTime began = process::steady_now();
+  const SteadyTime began = clocks::steady_now();
   poses.taken();
   sleep_s(options.round_s);
-  const double length_s = seconds_between(began, process::steady_now());
+  const double length_s = seconds_between(began, clocks::steady_now());
   const PoseCount count = poses.taken();
   BeaconsRound round;
   const auto samples = static_cast<double>(count.latencies_s.size());

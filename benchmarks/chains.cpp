@@ -1,9 +1,9 @@
 #include "chains.hpp"
 
 #include "bare_chain.hpp"
+#include "clocks/clocks.hpp"
 #include "own_realtime.hpp"
 #include "plain_chain.hpp"
-#include "process/clocks.hpp"
 #include "ros2_latency.hpp"
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -45,7 +45,7 @@ class PoseListener final : public dds::DataReaderListener<sonopose_FusedPose> {
 public:
   explicit PoseListener(LatencyCollector& latencies) : latencies_(latencies) {}
   void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
-    const TimeNs received_ns = process::host_now();
+    const TimeNs received_ns = clocks::host_now();
     reader.try_take_each(
         [&](const sonopose_FusedPose& pose, const dds::SampleInfo&) { latencies_.on(pose, received_ns); });
   }
@@ -61,8 +61,8 @@ void sleep_ns(TimeNs duration_ns) {
 /// Waits for the first poses and a warm-up, then measures.
 template <class LatencyCollector>
 Round measure(const RoundOptions& options, const Child& relay, LatencyCollector& latencies) {
-  const SteadyTime give_up = process::steady_now() + timeout_ns;
-  while (latencies.taken().empty() && process::steady_now() < give_up) sleep_ns(20'000'000);
+  const SteadyTime give_up = clocks::steady_now() + timeout_ns;
+  while (latencies.taken().empty() && clocks::steady_now() < give_up) sleep_ns(20'000'000);
   sleep_ns(warm_up_ns);
   const std::int64_t cpu_before_ns = relay.cpu_time_ns();
   latencies.taken();

@@ -1,6 +1,6 @@
 #include "plain_chain.hpp"
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include "pulse.hpp"
 #include <sonopose/idl/sonopose.h>
 
@@ -51,12 +51,12 @@ void run_plain_relay(const LoopbackSocket& in, const LoopbackSocket& out) {
   while (true) {
     if (::recv(in.file(), &imu, sizeof imu, 0) != sizeof imu) continue;
     sonopose_FusedPose pose{};
-    pose.fusion_in_time = process::host_now();
+    pose.fusion_in_time = clocks::host_now();
     pose.address = imu.address;
     pose.event_sequence = imu.event_sequence;
     pose.time = imu.sensor_time;
     pose.imu_bridge_time = imu.bridge_time;
-    pose.fusion_out_time = process::host_now();
+    pose.fusion_out_time = clocks::host_now();
     ::send(out.file(), &pose, sizeof pose, 0);
   }
 }
@@ -66,7 +66,7 @@ void take_plain_poses(const LoopbackSocket& in, const std::function<bool()>& end
   sonopose_FusedPose pose{};
   while (!ended()) {
     const bool received = ::recv(in.file(), &pose, sizeof pose, 0) == sizeof pose;
-    if (received) on_pose(pose, process::host_now());
+    if (received) on_pose(pose, clocks::host_now());
   }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // A consumer of the poses of many beacons, and its counters.
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <cmath>
@@ -25,7 +25,7 @@ public:
   explicit PoseStream(double imu_rate_hz) : imu_rate_hz_(imu_rate_hz), last_ns_(65536) {}
 
   void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
-    const TimeNs received_ns = process::host_now();
+    const TimeNs received_ns = clocks::host_now();
     const std::lock_guard lock(mutex_);
     reader.try_take_each(
         [&](const sonopose_FusedPose& pose, const dds::SampleInfo&) { on(pose, received_ns); });

@@ -1,7 +1,7 @@
 #pragma once
 // A steady clock for sources without a simulator.
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include <sonopose/idl/sonopose.h>
 
 #include <time.h>
@@ -12,7 +12,7 @@ namespace sonopose::benchmarks {
 class Pulse {
 public:
   explicit Pulse(double rate_hz)
-      : period_ns_(static_cast<TimeNs>(1e9 / rate_hz)), next_(process::steady_now()) {}
+      : period_ns_(static_cast<TimeNs>(1e9 / rate_hz)), next_(clocks::steady_now()) {}
 
   /// Sleeps until the next tick.
   void wait() {
@@ -36,7 +36,7 @@ template <class Send>
   while (true) {
     pulse.wait();
     ++imu.event_sequence;
-    imu.sensor_time = imu.bridge_time = process::host_now();
+    imu.sensor_time = imu.bridge_time = clocks::host_now();
     send(imu);
   }
 }

@@ -3,7 +3,7 @@
 // native pose with the same stamp provides the rest.
 
 #include "chains.hpp"
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/ros2/messages/names.hpp>
 #include <sonopose/ros2/messages/time.hpp>
@@ -23,7 +23,7 @@ public:
         [this](const sonopose_FusedPose& pose, const dds::SampleInfo&) { poses_[pose.time] = pose; });
   }
   void on_data_available(dds::DataReader<ros2::Odometry>& reader) noexcept override {
-    const TimeNs received_ns = process::host_now();
+    const TimeNs received_ns = clocks::host_now();
     const std::lock_guard lock(mutex_);
     reader.try_take_each([&](const ros2::Odometry& odometry, const dds::SampleInfo&) {
       received_ns_[ros2::from_ros(odometry.header.stamp).value_or(0)] = received_ns;

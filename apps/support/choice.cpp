@@ -5,7 +5,7 @@ namespace sonopose::apps {
 CLI::Validator one_of(const std::vector<std::string>& words) {
   return {[words](const std::string& text) {
             const bool known = std::find(words.begin(), words.end(), text) != words.end();
-            return known ? std::string() : "'" + text + "' is none of " + CLI::detail::join(words, ", ");
+            return known ? std::string() : "'" + text + "' is not one of " + CLI::detail::join(words, ", ");
           },
           "{" + CLI::detail::join(words, ",") + "}"};
 }

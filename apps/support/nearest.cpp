@@ -1,26 +1,11 @@
 #include "nearest.hpp"
 
+#include <sonopose/text/edit_distance.hpp>
+
 #include <algorithm>
-#include <numeric>
 
 namespace sonopose::apps {
 namespace {
-
-/// Levenshtein's distance.
-std::size_t edits_between(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0U : 1U);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
 
 /// The dashes in front do not count: all options have them.
 std::string_view letters_of(std::string_view word) {
@@ -31,7 +16,7 @@ std::string_view letters_of(std::string_view word) {
 /// How far two words are apart; the beginning of a word is near it.
 std::size_t distance(std::string_view word, std::string_view known) {
   const bool is_beginning = word.size() >= 3 && known.starts_with(word);
-  return is_beginning ? 1 : edits_between(word, known);
+  return is_beginning ? 1 : text::edit_distance(word, known);
 }
 
 }  // namespace

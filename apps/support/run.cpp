@@ -67,7 +67,7 @@ std::string mistake_in(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("{}: unknown command{}", unknown.front(), suggestion(unknown.front(), commands));
 }
 
-/// A pipe that was closed and a full disk show when the last lines leave the buffer, if not before.
+/// A closed pipe or a full disk is detected at the latest when the last lines are flushed.
 void check_output() {
   errno = 0;
   const bool flushed = std::fflush(stdout) == 0;

@@ -19,8 +19,6 @@ public:
   ~Program() override;
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
-  Program(Program&&) = delete;
-  Program& operator=(Program&&) = delete;
 };
 
 /// A number between the two; unlike CLI::Range it refuses what is no number, such as nan.

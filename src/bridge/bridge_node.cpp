@@ -3,7 +3,7 @@
 #include "bridge/beacon_recorder.hpp"
 #include "bridge/deadline_count.hpp"
 #include "bridge/other_bridges.hpp"
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include "process/endpoint_counters.hpp"
 #include "process/random_id.hpp"
 #include <sonopose/dds/binding/participant.hpp>
@@ -117,7 +117,7 @@ BridgeNode::Publisher::Publisher(const BridgeOptions& options)
       participant_(domain_options(options)),
       qos_(options.qos_file),
       others_(participant_, qos_),
-      status_last_(process::steady_now()) {
+      status_last_(clocks::steady_now()) {
   const auto delivery = lossless_ ? dds::topics::Delivery::lossless : dds::topics::Delivery::live;
   imu_writer_ = dds::topics::make_writer(participant_, qos_, topics::imu, &imu_listener_, delivery);
   fix_writer_ = dds::topics::make_writer(participant_, qos_, topics::fix, &fix_listener_, delivery);
@@ -178,7 +178,7 @@ BridgeNode::Publisher::Beacon& BridgeNode::Publisher::beacon_of(BeaconAddress ad
 
 void BridgeNode::Publisher::publish(ImuSample imu, Beacon& beacon) {
   beacon.imu.count_sample();
-  imu.bridge_time_ns = process::host_now();
+  imu.bridge_time_ns = clocks::host_now();
   write(imu_writer_, dds::topics::to_idl(imu));
 }
 
@@ -214,7 +214,7 @@ BridgeNode::Publisher::Stream::Stream(const dds::Entity& writer)
 
 void BridgeNode::Publisher::Stream::count_sample() {
   ++samples;
-  deadlines.on_sample(process::steady_now());
+  deadlines.on_sample(clocks::steady_now());
 }
 
 // Statuses
@@ -232,13 +232,13 @@ void BridgeNode::Publisher::on(const LineStatus& status) {
 }
 
 void BridgeNode::Publisher::publish(LineStatus& line) {
-  line.time_ns = process::host_now();
+  line.time_ns = clocks::host_now();
   write(line_writer_, dds::topics::to_idl(line));
 }
 
 void BridgeNode::Publisher::tick() {
   flush();
-  const SteadyTime now = process::steady_now();
+  const SteadyTime now = clocks::steady_now();
   if (now >= status_due_) publish_statuses(now);
 }
 
@@ -260,7 +260,7 @@ void BridgeNode::Publisher::publish_status(Beacon& beacon, SteadyTime now) {
     return elapsed_s > 0.0 ? samples / elapsed_s : 0.0;
   };
   BeaconStatus& status = beacon.status;
-  status.time_ns = process::host_now();
+  status.time_ns = clocks::host_now();
   status.imu_rate_hz = rate_hz(beacon.imu);
   status.fix_rate_hz = rate_hz(beacon.fix);
   status.heading_rate_hz = rate_hz(beacon.heading);
@@ -291,11 +291,11 @@ void BridgeNode::Publisher::wait_for_readers() {
   };
   constexpr TimeNs poll_period_ns = 20'000'000;
   constexpr TimeNs report_after_ns = 3'000'000'000;
-  const SteadyTime began = process::steady_now();
+  const SteadyTime began = clocks::steady_now();
   bool reported = false;
   while (!all_matched()) {
-    if (stop_->wait_until(process::steady_now() + poll_period_ns)) return;
-    if (!reported && process::steady_now() - began > report_after_ns) {
+    if (stop_->wait_until(clocks::steady_now() + poll_period_ns)) return;
+    if (!reported && clocks::steady_now() - began > report_after_ns) {
       fmt::print(stderr, "sonopose-bridge: waiting for a reader (is sonopose-fusion running?)\n");
       reported = true;
     }
@@ -323,7 +323,7 @@ void BridgeNode::run(Source& source, const process::StopSignal& stop) {
   publisher_->obey(stop);
   if (source.is_recording()) publisher_->wait_for_readers();
   source.run(*publisher_, stop);
-  publisher_->publish_statuses(process::steady_now());
+  publisher_->publish_statuses(clocks::steady_now());
   publisher_->flush();
   if (source.is_recording()) publisher_->wait_until_read();
 }

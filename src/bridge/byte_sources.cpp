@@ -1,9 +1,9 @@
 #include "bridge/byte_sources.hpp"
 
 #include "bridge/pacer.hpp"
+#include "clocks/clocks.hpp"
 #include "marvelmind/assembler.hpp"
 #include "marvelmind/decoder.hpp"
-#include "process/clocks.hpp"
 #include "transport/byte_file.hpp"
 #include "transport/serial_port.hpp"
 #include "transport/udp_listener.hpp"
@@ -52,7 +52,7 @@ public:
     const auto publish = [&sink](const Event& event) { sink.on(event); };
     Buffer buffer;
     report_line(sink);
-    SteadyTime reported = process::steady_now();
+    SteadyTime reported = clocks::steady_now();
     while (!stop.requested()) {
       const transport::ReadResult read = read_from_line(buffer, sink);
       if (read.status == ReadStatus::data) {
@@ -67,9 +67,9 @@ public:
       } else {
         log_change(read.status);
       }
-      assembler_.flush(process::host_now(), publish);
-      if (process::steady_now() - reported < report_period_ns) continue;
-      reported = process::steady_now();
+      assembler_.flush(clocks::host_now(), publish);
+      if (clocks::steady_now() - reported < report_period_ns) continue;
+      reported = clocks::steady_now();
       report(assembler_, decoder_.counters(), sink);
       report_line(sink);
       sink.tick();
@@ -87,7 +87,7 @@ private:
     if (!deadline_ns) return std::chrono::milliseconds(longest_ms);
     constexpr TimeNs ms = 1'000'000;
     return std::chrono::milliseconds(
-        std::clamp<std::int64_t>((*deadline_ns - process::host_now()) / ms + 1, 1, longest_ms));
+        std::clamp<std::int64_t>((*deadline_ns - clocks::host_now()) / ms + 1, 1, longest_ms));
   }
 
   /// A failure is visible on the bus before the bridge ends.
@@ -142,7 +142,7 @@ public:
   [[nodiscard]] bool is_recording() const override { return true; }
 
   void run(SampleSink& sink, const process::StopSignal& stop) override {
-    const TimeNs origin_ns = process::host_now();
+    const TimeNs origin_ns = clocks::host_now();
     bool stopped = false;
     // A sample is published at the time when its packet was sent, not when it was read from the file.
     const auto play = [&](const marvelmind::Packet& packet) {

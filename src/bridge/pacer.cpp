@@ -1,6 +1,6 @@
 #include "bridge/pacer.hpp"
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ Pacer::Pacer(double rate) : rate_(rate) {
 
 bool Pacer::wait_for(TimeNs time_ns, SampleSink& sink, const process::StopSignal& stop) {
   constexpr TimeNs tick_period_ns = 100'000'000;
-  SteadyTime now = process::steady_now();
+  SteadyTime now = clocks::steady_now();
   if (!begun_) {
     begun_ = true;
     first_ns_ = time_ns;
@@ -36,7 +36,7 @@ bool Pacer::wait_for(TimeNs time_ns, SampleSink& sink, const process::StopSignal
     if (now >= due) return true;
     sink.flush();
     if (stop.wait_until(std::min(due, ticked_ + tick_period_ns))) return false;
-    now = process::steady_now();
+    now = clocks::steady_now();
   }
 }
 

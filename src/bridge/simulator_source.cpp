@@ -2,9 +2,9 @@
 
 #include "bridge/pacer.hpp"
 #include "bridge/shifted.hpp"
+#include "clocks/clocks.hpp"
 #include "marvelmind/disassembler.hpp"
 #include "marvelmind/encoder.hpp"
-#include "process/clocks.hpp"
 #include "sim/scenario.hpp"
 #include "sim/simulator.hpp"
 #include "transport/byte_file.hpp"
@@ -110,7 +110,7 @@ private:
   struct Waiting {
     TimeNs available_ns;
     std::size_t beacon;
-    auto operator<=>(const Waiting&) const = default;
+    auto operator<=>(const Waiting&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14
   };
 
   void push(std::size_t index) {
@@ -134,7 +134,7 @@ public:
 
   void run(SampleSink& sink, const process::StopSignal& stop) override {
     // Shift the run to start now, after the set-up: at rate 1 each sample then appears at its own stamp.
-    const TimeNs shift_ns = process::host_now() - simulated_start_ns;
+    const TimeNs shift_ns = clocks::host_now() - simulated_start_ns;
     for (const sim::Step* step = beacons_.front(); step != nullptr; step = beacons_.front()) {
       if (!pacer_.wait_for(available_at_ns(step->event), sink, stop)) return;
       if (step->truth) sink.on(shifted(*step->truth, shift_ns));

@@ -1,8 +1,8 @@
 #include "monitor/monitor_node.hpp"
 
+#include "clocks/clocks.hpp"
 #include "monitor/monitor_report.hpp"
 #include "observation/beacon_observers.hpp"
-#include "process/clocks.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -31,7 +31,7 @@ struct Subscription {
 
 void print(const MonitorOptions& options, const std::vector<observation::BeaconView>& views) {
   if (options.json) {
-    fmt::print("{}\n", json_of(views, process::host_now()));
+    fmt::print("{}\n", json_of(views, clocks::host_now()));
   } else {
     // Cursor home, then clear to the end of the screen: the new table replaces the old one.
     fmt::print("{}{}", options.redraw ? "\x1b[H\x1b[J" : "", table_of(views));
@@ -88,21 +88,21 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
   const Subscription fusion_status(participant, qos, topics::fusion_status, observers, endpoints);
 
   constexpr TimeNs period_ns = 1'000'000'000;
-  SteadyTime next = process::steady_now() + period_ns;
+  SteadyTime next = clocks::steady_now() + period_ns;
   const SteadyTime end =
-      options.duration_s > 0 ? process::steady_now() + to_ns(options.duration_s) : SteadyTime::max();
+      options.duration_s > 0 ? clocks::steady_now() + to_ns(options.duration_s) : SteadyTime::max();
   if (options.redraw) fmt::print("\x1b[2J");
   constexpr TimeNs poll_period_ns = 20'000'000;
-  while (next <= end && !stop.wait_until(std::min(next, process::steady_now() + poll_period_ns))) {
+  while (next <= end && !stop.wait_until(std::min(next, clocks::steady_now() + poll_period_ns))) {
     log_silences(observers.silence_changes());
     endpoint_logger.log(endpoints);
-    if (process::steady_now() < next) continue;
-    print(options, observers.take_windows(process::host_now()));
+    if (clocks::steady_now() < next) continue;
+    print(options, observers.take_windows(clocks::host_now()));
     next += period_ns;
   }
   stop.wait_until(std::min(end, next));
 
-  const auto summaries = observers.summaries(process::host_now());
+  const auto summaries = observers.summaries(clocks::host_now());
   if (!options.json) fmt::print("\n{}", summary_of(summaries));
   std::uint64_t poses = 0;
   for (const observation::BeaconView& view : summaries) poses += view.poses;

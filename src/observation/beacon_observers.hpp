@@ -2,8 +2,8 @@
 /// \file
 /// Observations of all beacons, as needed by the monitor's table and the relay's diagnostics.
 
+#include "clocks/clocks.hpp"
 #include "observation/beacon_observer.hpp"
-#include "process/clocks.hpp"
 #include "process/endpoint_counters.hpp"
 #include "process/silence_detector.hpp"
 #include <sonopose/dds/binding/data_reader.hpp>
@@ -32,7 +32,7 @@ public:
     const std::lock_guard lock(mutex_);
     pose_writers_[pose.address] = writer;
     observers_[pose.address].on(pose, received_ns);
-    silences_.on_sample(pose.address, process::steady_now());
+    silences_.on_sample(pose.address, clocks::steady_now());
   }
 
   void on_deadline_missed(BeaconAddress address, std::uint64_t count) {
@@ -65,7 +65,7 @@ public:
   std::vector<process::SilenceDetector::Change> silence_changes() {
     std::vector<process::SilenceDetector::Change> changes;
     const std::lock_guard lock(mutex_);
-    silences_.find_changes(process::steady_now(), changes);
+    silences_.find_changes(clocks::steady_now(), changes);
     return changes;
   }
 
@@ -103,7 +103,7 @@ public:
       : process::CountingReaderListener<T>(endpoints), observers_(observers) {}
 
   void on_data_available(dds::DataReader<T>& reader) noexcept override {
-    const TimeNs received_ns = process::host_now();
+    const TimeNs received_ns = clocks::host_now();
     const auto on_data = [&](const T& sample, const dds::SampleInfo& info) {
       const Native native = dds::topics::from_idl(sample);
       on_sample(native);

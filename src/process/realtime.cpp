@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstdint>
@@ -50,8 +51,8 @@ int lock_memory(bool future_too) {
 /// Whether CAP_IPC_LOCK is among the effective capabilities.
 bool has_ipc_lock() {
   __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
-  __user_cap_data_struct data[_LINUX_CAPABILITY_U32S_3]{};
-  if (::syscall(SYS_capget, &header, data) != 0) return false;
+  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> data{};
+  if (::syscall(SYS_capget, &header, data.data()) != 0) return false;
   return (data[CAP_TO_INDEX(CAP_IPC_LOCK)].effective & CAP_TO_MASK(CAP_IPC_LOCK)) != 0;
 }
 
@@ -90,7 +91,7 @@ constexpr const char* memory_remedy =
     "and log in again";
 
 constexpr const char* awake_remedy =
-    "a udev rule KERNEL==\"cpu_dma_latency\", GROUP=\"realtime\", MODE=\"0660\" and the user in that group";
+    R"(a udev rule KERNEL=="cpu_dma_latency", GROUP="realtime", MODE="0660" and the user in that group)";
 
 }  // namespace
 

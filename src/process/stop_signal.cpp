@@ -1,6 +1,6 @@
 #include "process/stop_signal.hpp"
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -70,11 +70,11 @@ bool StopSignal::requested() const noexcept {
 }
 
 bool StopSignal::wait_until(SteadyTime deadline) const {
-  TimeNs left_ns = deadline - steady_now();
+  TimeNs left_ns = deadline - clocks::steady_now();
   if (left_ns <= 0) return requested();
   while (left_ns > 0) {
     if (is_readable(event_fd_, left_ns)) return true;
-    left_ns = deadline - steady_now();  // a signal may have cut the sleep short
+    left_ns = deadline - clocks::steady_now();  // a signal may have cut the sleep short
   }
   return false;
 }

@@ -1,11 +1,11 @@
 #include "settings/table_builder.hpp"
 #include <sonopose/settings/settings_table.hpp>
+#include <sonopose/text/edit_distance.hpp>
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <numeric>
 
 namespace sonopose::settings {
 namespace {
@@ -61,22 +61,6 @@ Value checked(const SettingInfo& info, const SettingValue& value) {
   return wanted;
 }
 
-/// The Levenshtein distance, which finds the key nearest to a misspelt one.
-std::size_t edits_between(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0U : 1U);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
 }  // namespace
 
 void detail::Builder::add(int item, std::string_view name, const void* field, SettingValue initial,
@@ -118,7 +102,7 @@ const SettingInfo& setting_info(std::string_view key) {
       std::find_if(table.begin(), table.end(), [key](const auto& row) { return row.key == key; });
   if (same != table.end()) return *same;
   const auto nearest = std::min_element(table.begin(), table.end(), [key](const auto& a, const auto& b) {
-    return edits_between(a.key, key) < edits_between(b.key, key);
+    return text::edit_distance(a.key, key) < text::edit_distance(b.key, key);
   });
   throw SettingError("there is no setting '" + std::string(key) + "'; the nearest is '" + nearest->key + "'");
 }

@@ -21,7 +21,7 @@ void add(Builder& table, const DriftSettings& settings) {
   table.real(4, "jump_alpha", settings.jump_alpha, {0.0, 1.0}, "",
              "Share of the discrepancy at a fix that is applied at once, scaled by the fix's weight.");
   table.real(9, "velocity_smooth_rate_hz", settings.velocity_smooth_rate_hz, {0.1, 200.0}, "1/s",
-             "Smoothing rate of the drift velocity, the inner loop of the decay; it rings where item 2 "
+             "Smoothing rate of the drift velocity, the inner loop of the decay; it oscillates if item 2 "
              "exceeds a quarter of it.");
 }
 
@@ -171,7 +171,7 @@ void add(Builder& table, const MotionSettings& settings) {
   table.real(25, "accel_linear_threshold_mps2", settings.accel_linear_threshold_mps2, {0.1, 1000.0}, "m/s^2",
              "World acceleration above which velocity is softly reduced.");
   table.flag(35, "gyro_gate", settings.gyro_gate,
-             "Hold acceleration back while the body turns too fast for it to be the acceleration of the "
+             "Suppress acceleration while the body turns too fast for it to be the acceleration of the "
              "tracked point.");
   table.real(36, "gyro_gate_projection_radps", settings.gyro_gate_projection_radps, {0.0, 100.0}, "rad/s",
              "Angular rate above which only the acceleration along the velocity is integrated.");
@@ -183,8 +183,8 @@ void add(Builder& table, const attitude::SelectionSettings& settings) {
   table.group("attitude");
   table.choice(no_item, "filter", settings.filter, "Attitude filter; items 29 and 30 belong to mahony.");
   table.flag(no_item, "magnetometer", settings.magnetometer,
-             "Take heading from the magnetometer, where samples have one; not beside paired beacons, whose "
-             "heading is better.");
+             "Use the magnetometer for the heading, if samples contain one; not with paired beacons, whose "
+             "heading is more accurate.");
   table.real(no_item, "north_deg", settings.north_deg, {-360.0, 360.0}, "deg",
              "Direction of magnetic north in the world, counter-clockwise from +X: 90 where X is east, 0 "
              "where X is north.");
@@ -243,8 +243,8 @@ void add(Builder& table, const attitude::BiasSettings& settings) {
   table.real(no_item, "motion_dps", settings.motion_dps, {1e-4, 100.0}, "deg/s",
              "Standard deviation of the offset after long motion; higher learns more slowly.");
   table.real(no_item, "unseen_dps", settings.unseen_dps, {1e-4, 1000.0}, "deg/s",
-             "The same about the vertical, where motion does not make the offset observable: how loosely it "
-             "is held at zero.");
+             "The same about the vertical, where the offset is not observable in motion; lower pulls it "
+             "towards zero more strongly.");
 }
 
 void add(Builder& table, const attitude::MagneticSettings& settings) {
@@ -316,7 +316,7 @@ void add(Builder& table, const StartupSettings& settings) {
   table.group("startup");
   table.real(
       no_item, "calibration_s", settings.calibration_s, {0.1, 30.0}, "s",
-      "How long the body must be still for the gyro's offset to be taken, and how long the start waits.");
+      "How long the body must be still for the gyro offset to be measured, and how long the start waits.");
   table.real(no_item, "still_gyro_std_radps", settings.still_gyro_std_radps, {0.0, 1.0}, "rad/s",
              "Spread of each gyro axis below which the body counts as still.");
   table.real(no_item, "still_accel_std_mps2", settings.still_accel_std_mps2, {0.0, 10.0}, "m/s^2",

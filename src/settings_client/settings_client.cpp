@@ -1,6 +1,6 @@
 #include "settings_client/settings_client.hpp"
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -19,11 +19,11 @@ namespace topics = dds::topics;
 
 /// Unique among clients, and never 0.
 std::uint64_t new_request_id() {
-  return static_cast<std::uint64_t>(process::host_now()) ^ (static_cast<std::uint64_t>(::getpid()) << 40U);
+  return static_cast<std::uint64_t>(clocks::host_now()) ^ (static_cast<std::uint64_t>(::getpid()) << 40U);
 }
 
 SteadyTime deadline_after(double timeout_s) {
-  return process::steady_now() + to_ns(timeout_s);
+  return clocks::steady_now() + to_ns(timeout_s);
 }
 
 /// Calls `on_sample(const T&, const SampleInfo&)` for each sample, until `done()` or the deadline. Returns
@@ -37,7 +37,7 @@ bool take_until(dds::DataReader<T>& reader, SteadyTime deadline, const OnSample&
   while (true) {
     reader.take_each(on_sample);
     if (done()) return true;
-    if (process::steady_now() >= deadline) return false;
+    if (clocks::steady_now() >= deadline) return false;
     waitset.wait(std::chrono::milliseconds(20));
   }
 }
@@ -46,10 +46,10 @@ bool take_until(dds::DataReader<T>& reader, SteadyTime deadline, const OnSample&
 /// for 0.3 s.
 class BurstDetector {
 public:
-  void on_sample() { last_ = process::steady_now(); }
+  void on_sample() { last_ = clocks::steady_now(); }
   [[nodiscard]] bool has_ended() const {
     constexpr TimeNs quiet_ns = 300'000'000;
-    return last_ != SteadyTime{} && process::steady_now() - last_ > quiet_ns;
+    return last_ != SteadyTime{} && clocks::steady_now() - last_ > quiet_ns;
   }
 
 private:
@@ -106,9 +106,9 @@ std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, dou
         // The fusion may discover the reader of the replies after the reader of the requests is matched here,
         // and its first reply may be lost. It answers a repeated request again.
         const bool matched = writer.publication_matched_status().current_count > 0;
-        if (!received && matched && process::steady_now() >= next_send) {
+        if (!received && matched && clocks::steady_now() >= next_send) {
           writer.write(sample.sample());
-          next_send = process::steady_now() + resend_period_ns;
+          next_send = clocks::steady_now() + resend_period_ns;
         }
         return received.has_value();
       });

@@ -56,7 +56,4 @@ public:
   [[nodiscard]] virtual std::string description() const { return name(); }
 };
 
-/// Now, by the host's clock.
-HostTime host_now();
-
 }  // namespace sonopose::transport

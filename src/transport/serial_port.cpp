@@ -1,5 +1,6 @@
 #include "transport/serial_port.hpp"
 
+#include "clocks/clocks.hpp"
 #include "files/error.hpp"
 #include "transport/serial_line.hpp"
 #include "transport/stoppable_loop.hpp"
@@ -63,7 +64,7 @@ private:
     const auto start = [&](auto finish) {
       port_.async_read_some(asio::buffer(buffer.data(), buffer.size()),
                             [&arrival_time_ns, finish](const asio::error_code& error, std::size_t size) {
-                              arrival_time_ns = host_now();
+                              arrival_time_ns = clocks::host_now();
                               finish(error, size);
                             });
     };

@@ -19,6 +19,8 @@ public:
   /// and is not a device.
   SerialPort(std::string device, unsigned baud);
   ~SerialPort() override;
+  SerialPort(const SerialPort&) = delete;
+  SerialPort& operator=(const SerialPort&) = delete;
 
   ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) override;
   void stop() override;

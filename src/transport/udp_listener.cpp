@@ -1,5 +1,6 @@
 #include "transport/udp_listener.hpp"
 
+#include "clocks/clocks.hpp"
 #include "files/error.hpp"
 #include "transport/stoppable_loop.hpp"
 
@@ -64,7 +65,7 @@ public:
     const auto start = [&](auto finish) {
       socket_.async_receive(asio::buffer(buffer.data(), buffer.size()),
                             [&result, finish](const asio::error_code& error, std::size_t size) {
-                              result.arrival_time_ns = host_now();
+                              result.arrival_time_ns = clocks::host_now();
                               finish(error, size);
                             });
     };

@@ -27,6 +27,8 @@ public:
   /// Port 0 lets the system choose. Throws files::IoError if the address cannot be bound.
   explicit UdpListener(const Endpoint& endpoint);
   ~UdpListener() override;
+  UdpListener(const UdpListener&) = delete;
+  UdpListener& operator=(const UdpListener&) = delete;
 
   ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) override;
   void stop() override;

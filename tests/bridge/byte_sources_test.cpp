@@ -3,9 +3,9 @@
 #include "bridge/collecting_sink.hpp"
 #include "bridge/log_source.hpp"
 #include "bridge/simulator_source.hpp"
+#include "clocks/clocks.hpp"
 #include "files/error.hpp"
 #include "marvelmind/encoder.hpp"
-#include "process/clocks.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
@@ -84,9 +84,9 @@ SCENARIO("a file of a beacon's bytes is played as samples") {
   GIVEN("IMU samples, a position with its quality, and telemetry") {
     file << imu_at(10'000) << Telemetry{.battery_mv = 3900, .rssi_dbm = -40, .address = 5} << imu_at(10'010)
          << position_at(9'950) << Quality{.address = 5, .quality_percent = 87} << imu_at(10'020);
-    const TimeNs before_ns = host_now();
+    const TimeNs before_ns = clocks::host_now();
     played(sink, file);
-    const TimeNs after_ns = host_now();
+    const TimeNs after_ns = clocks::host_now();
     const auto imu = sink.of_kind<ImuSample>();
     const auto fixes = sink.of_kind<UltrasonicFix>();
     const auto headings = sink.of_kind<PairHeading>();
@@ -161,10 +161,10 @@ SCENARIO("a file of a beacon's bytes is played as samples") {
   }
   GIVEN("two samples 100 ms apart, in real time") {
     file << imu_at(10'000) << imu_at(10'100);
-    const SteadyTime began = steady_now();
+    const SteadyTime began = clocks::steady_now();
     THEN("they take 100 ms") {
       CHECK(played(sink, file, 1.0).of_kind<ImuSample>().size() == 2);
-      CHECK(steady_now() - began >= 99 * ms);
+      CHECK(clocks::steady_now() - began >= 99 * ms);
     }
   }
 }

@@ -1,8 +1,8 @@
 #include "bridge/log_source.hpp"
 
 #include "bridge/collecting_sink.hpp"
+#include "clocks/clocks.hpp"
 #include "files/error.hpp"
-#include "process/clocks.hpp"
 #include "recording/log_folder.hpp"
 #include "recording/log_writer.hpp"
 #include "support/temporary_folder.hpp"
@@ -65,9 +65,9 @@ SCENARIO("a log folder as a source") {
     }
   }
   GIVEN("a shift to now") {
-    const TimeNs before_ns = host_now();
+    const TimeNs before_ns = clocks::host_now();
     make_log_source({.folder = folder / "log", .rate = 0.0, .restamp = true})->run(sink, stop);
-    const TimeNs after_ns = host_now();
+    const TimeNs after_ns = clocks::host_now();
     REQUIRE(sink.events.size() == 4);
     const auto imu = sink.of_kind<ImuSample>();
     const auto fix = sink.of_kind<UltrasonicFix>().front();
@@ -86,10 +86,10 @@ SCENARIO("a log folder as a source") {
     }
   }
   GIVEN("real time") {
-    const SteadyTime began = steady_now();
+    const SteadyTime began = clocks::steady_now();
     make_log_source({.folder = folder / "log", .rate = 1.0})->run(sink, stop);
     THEN("its 100 ms take 100 ms") {
-      CHECK(steady_now() - began >= 99 * ms);
+      CHECK(clocks::steady_now() - began >= 99 * ms);
     }
   }
   GIVEN("a folder that does not exist") {

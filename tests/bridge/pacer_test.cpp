@@ -1,7 +1,7 @@
 #include "bridge/pacer.hpp"
 
 #include "bridge/collecting_sink.hpp"
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -26,16 +26,16 @@ SCENARIO("a pacer plays recorded time at its rate") {
   GIVEN("real time") {
     Pacer pacer(1.0);
     REQUIRE(pacer.wait_for(begin_ns, sink, stop));
-    const SteadyTime began = steady_now();
+    const SteadyTime began = clocks::steady_now();
     THEN("150 ms of the recording take 150 ms, counted from the first moment, however it is divided") {
       for (TimeNs passed_ns = 0; passed_ns <= 150 * ms; passed_ns += 50 * ms) {
         REQUIRE(pacer.wait_for(begin_ns + passed_ns, sink, stop));
       }
-      CHECK(steady_now() - began >= 149 * ms);
+      CHECK(clocks::steady_now() - began >= 149 * ms);
     }
     THEN("times in the past are due at once") {
       REQUIRE(pacer.wait_for(begin_ns - hour, sink, stop));
-      CHECK(steady_now() - began < hour);
+      CHECK(clocks::steady_now() - began < hour);
     }
     THEN("the sink is ticked several times a second while nothing is due") {
       REQUIRE(pacer.wait_for(begin_ns + 450 * ms, sink, stop));
@@ -44,26 +44,26 @@ SCENARIO("a pacer plays recorded time at its rate") {
   }
   GIVEN("a thousand times real time") {
     Pacer pacer(1000.0);
-    const SteadyTime began = steady_now();
+    const SteadyTime began = clocks::steady_now();
     THEN("a minute of the recording takes 60 ms") {
       REQUIRE(pacer.wait_for(begin_ns, sink, stop));
       REQUIRE(pacer.wait_for(begin_ns + hour / 60, sink, stop));
-      CHECK(steady_now() - began >= 60 * ms);
-      CHECK(steady_now() - began < hour / 60);
+      CHECK(clocks::steady_now() - began >= 60 * ms);
+      CHECK(clocks::steady_now() - began < hour / 60);
     }
   }
   GIVEN("rate 0") {
     Pacer pacer(0.0);
-    const SteadyTime began = steady_now();
+    const SteadyTime began = clocks::steady_now();
     THEN("an hour of the recording is due at once") {
       REQUIRE(pacer.wait_for(begin_ns, sink, stop));
       REQUIRE(pacer.wait_for(begin_ns + hour, sink, stop));
-      CHECK(steady_now() - began < hour);
+      CHECK(clocks::steady_now() - began < hour);
     }
     THEN("the sink is still ticked several times a second") {
       TimeNs time_ns = begin_ns;
       while (sink.ticks < 3) REQUIRE(pacer.wait_for(++time_ns, sink, stop));
-      CHECK(steady_now() - began >= 300 * ms);
+      CHECK(clocks::steady_now() - began >= 300 * ms);
     }
   }
 }
@@ -86,8 +86,8 @@ SCENARIO("a pacer ends its wait at the stop") {
     REQUIRE(pacer.wait_for(begin_ns, sink, stop));
     stop.request();
     THEN("it is noticed within a quarter of a second") {
-      const SteadyTime began = steady_now();
-      while (pacer.wait_for(begin_ns, sink, stop)) REQUIRE(steady_now() - began < 250 * ms);
+      const SteadyTime began = clocks::steady_now();
+      while (pacer.wait_for(begin_ns, sink, stop)) REQUIRE(clocks::steady_now() - began < 250 * ms);
     }
   }
 }

@@ -1,7 +1,7 @@
 #include "bridge/simulator_source.hpp"
 
 #include "bridge/collecting_sink.hpp"
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
@@ -39,9 +39,9 @@ SCENARIO("the simulator as a source") {
   GIVEN("two seconds of it, as fast as possible") {
     const auto source = make_simulator_source(simulator(2.0));
     CHECK_FALSE(source->is_recording());
-    const TimeNs before_ns = host_now();
+    const TimeNs before_ns = clocks::host_now();
     source->run(sink, stop);
-    const TimeNs after_ns = host_now();
+    const TimeNs after_ns = clocks::host_now();
     THEN("it yields 200 IMU samples with truth, and fixes at 8 to 16 Hz with headings, and ends") {
       const auto imu = sink.of_kind<ImuSample>();
       CHECK(imu.size() == 200);
@@ -62,13 +62,13 @@ SCENARIO("the simulator as a source") {
     SimulatorOptions options = simulator(0.1);
     options.rate = 1.0;
     const auto source = make_simulator_source(options);
-    stop.wait_until(steady_now() + 20'000'000);
-    const TimeNs begun_ns = host_now();
+    stop.wait_until(clocks::steady_now() + 20'000'000);
+    const TimeNs begun_ns = clocks::host_now();
     source->run(sink, stop);
     THEN("no sample is older than the run or early") {
       REQUIRE(sink.of_kind<ImuSample>().size() == 10);
       CHECK(sink.of_kind<ImuSample>().front().sensor_time_ns >= begun_ns);
-      CHECK(sink.of_kind<ImuSample>().back().sensor_time_ns <= host_now());
+      CHECK(sink.of_kind<ImuSample>().back().sensor_time_ns <= clocks::host_now());
     }
   }
   GIVEN("an unlimited run") {
@@ -98,8 +98,8 @@ SCENARIO("the simulator as a source of several beacons") {
     make_simulator_source(options)->run(sink, stop);
     const auto imu = sink.of_kind<ImuSample>();
     THEN("each yields 200 IMU samples with their truth") {
-      CHECK(imu.size() == 5 * 200);
-      CHECK(sink.truth.size() == 5 * 200);
+      CHECK(imu.size() == std::size_t{5} * 200);
+      CHECK(sink.truth.size() == std::size_t{5} * 200);
       for (BeaconAddress address = 9; address < 14; ++address) CHECK(imu_of(sink, address).size() == 200);
     }
     THEN("the IMU samples of all are evenly spread, a fifth of the period apart") {

@@ -1,6 +1,6 @@
 #include "process/stop_signal.hpp"
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -40,32 +40,32 @@ SCENARIO("a wait ends at its deadline or at the stop") {
     StopSignal stop;
     CHECK_FALSE(stop.requested());
     THEN("a wait lasts until its deadline") {
-      const SteadyTime deadline = steady_now() + 30 * ms;
+      const SteadyTime deadline = clocks::steady_now() + 30 * ms;
       CHECK_FALSE(stop.wait_until(deadline));
-      CHECK(steady_now() >= deadline);
+      CHECK(clocks::steady_now() >= deadline);
     }
     THEN("a wait is not rounded up to milliseconds: of many, the best ends well within one") {
       TimeNs least_late_ns = minute;
       for (int i = 0; i < 100; ++i) {
-        const SteadyTime deadline = steady_now() + 300'000;
+        const SteadyTime deadline = clocks::steady_now() + 300'000;
         CHECK_FALSE(stop.wait_until(deadline));
-        least_late_ns = std::min(least_late_ns, steady_now() - deadline);
+        least_late_ns = std::min(least_late_ns, clocks::steady_now() - deadline);
       }
       CHECK(least_late_ns >= 0);
       CHECK(least_late_ns < ms / 2);
     }
     THEN("a deadline in the past returns at once") {
-      CHECK_FALSE(stop.wait_until(steady_now() - minute));
+      CHECK_FALSE(stop.wait_until(clocks::steady_now() - minute));
     }
     WHEN("another thread requests it during a wait") {
-      const SteadyTime deadline = steady_now() + minute;
+      const SteadyTime deadline = clocks::steady_now() + minute;
       const std::jthread other([&stop] { stop.request(); });
       THEN("the wait ends, and the stop stays requested") {
         CHECK(stop.wait_until(deadline));
-        CHECK(steady_now() < deadline);
+        CHECK(clocks::steady_now() < deadline);
         CHECK(stop.requested());
         CHECK(stop.wait_until(deadline));
-        CHECK(stop.wait_until(steady_now() - minute));
+        CHECK(stop.wait_until(clocks::steady_now() - minute));
       }
     }
   }
@@ -78,7 +78,7 @@ SCENARIO("Ctrl-C and SIGTERM set the stop that listens") {
     const StopSignal other;
     listening.listen_to_signals();
     REQUIRE(::raise(signal) == 0);
-    CHECK(listening.wait_until(steady_now() + minute));
+    CHECK(listening.wait_until(clocks::steady_now() + minute));
     CHECK_FALSE(other.requested());
   }
   GIVEN("a listening stop that was destroyed") {

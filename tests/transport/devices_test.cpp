@@ -1,3 +1,4 @@
+#include "clocks/clocks.hpp"
 #include "files/error.hpp"
 #include "support/temporary_folder.hpp"
 #include "transport/byte_file.hpp"
@@ -113,7 +114,7 @@ SCENARIO("datagrams are read one by one, with their arrival time") {
       }
     }
     WHEN("two datagrams and an empty one are sent") {
-      const TimeNs before_ns = host_now();
+      const TimeNs before_ns = clocks::host_now();
       sender.send("first");
       sender.send("");
       sender.send("second one");
@@ -122,7 +123,7 @@ SCENARIO("datagrams are read one by one, with their arrival time") {
         REQUIRE(first.status == ReadStatus::data);
         CHECK(text_of(std::span(buffer).first(first.size)) == "first");
         CHECK(first.arrival_time_ns >= before_ns);
-        CHECK(first.arrival_time_ns <= host_now());
+        CHECK(first.arrival_time_ns <= clocks::host_now());
         const ReadResult empty = listener.read(buffer, 5s);
         CHECK(empty.status == ReadStatus::data);
         CHECK(empty.size == 0);

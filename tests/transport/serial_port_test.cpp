@@ -2,6 +2,7 @@
 
 #include "transport/serial_port.hpp"
 
+#include "clocks/clocks.hpp"
 #include "files/error.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -98,7 +99,7 @@ SCENARIO("bytes pass through a serial line unchanged") {
     WHEN("every byte value is sent, including those with a meaning for terminals") {
       std::string all(256, '\0');
       for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<char>(i);
-      const TimeNs before_ns = host_now();
+      const TimeNs before_ns = clocks::host_now();
       beacon.send(all);
       THEN("they arrive unchanged, with a time, and nothing is echoed") {
         CHECK(host.bytes(256) == all);
@@ -106,7 +107,7 @@ SCENARIO("bytes pass through a serial line unchanged") {
         const ReadResult result = host.next();
         CHECK(result.size == 1);
         CHECK(result.arrival_time_ns >= before_ns);
-        CHECK(result.arrival_time_ns <= host_now());
+        CHECK(result.arrival_time_ns <= clocks::host_now());
         CHECK_FALSE(beacon.got_an_echo());
       }
     }

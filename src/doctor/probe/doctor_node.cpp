@@ -1,8 +1,8 @@
 #include "doctor/probe/doctor_node.hpp"
 
+#include "clocks/clocks.hpp"
 #include "doctor/probe/beacon_probe.hpp"
 #include "doctor/probe/survey.hpp"
-#include "process/clocks.hpp"
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -89,7 +89,7 @@ SystemObserver::SystemObserver(const DoctorOptions& options)
 
 template <class T>
 void SystemObserver::take(Subscription<T>& subscription) {
-  const TimeNs received_ns = process::host_now();
+  const TimeNs received_ns = clocks::host_now();
   subscription.reader.take_each([&](const T& sample, const dds::SampleInfo& info) {
     auto value = dds::topics::from_idl(sample);
     if constexpr (std::is_same_v<T, sonopose_EffectiveSettings>) {
@@ -122,8 +122,8 @@ void SystemObserver::take_all() {
 
 void SystemObserver::listen_until(SteadyTime end, const process::StopSignal& stop) {
   constexpr std::chrono::milliseconds poll_period(20);
-  while (process::steady_now() < end && !stop.requested()) {
-    waitset_.wait(std::min<dds::Duration>(poll_period, dds::Duration(end - process::steady_now())));
+  while (clocks::steady_now() < end && !stop.requested()) {
+    waitset_.wait(std::min<dds::Duration>(poll_period, dds::Duration(end - clocks::steady_now())));
     take_all();
   }
 }
@@ -170,11 +170,11 @@ rules::BeaconObservation SystemObserver::observation_of(BeaconAddress address, c
 rules::Observations SystemObserver::run(const process::StopSignal& stop) {
   // Sufficient for discovery over a network.
   constexpr TimeNs discovery_ns = 500'000'000;
-  listen_until(process::steady_now() + discovery_ns, stop);
-  began_ns_ = process::host_now();
+  listen_until(clocks::steady_now() + discovery_ns, stop);
+  began_ns_ = clocks::host_now();
   for (auto& entry : probes_) entry.second.begin(began_ns_);
-  listen_until(process::steady_now() + to_ns(options_.duration_s), stop);
-  const TimeNs ended_ns = process::host_now();
+  listen_until(clocks::steady_now() + to_ns(options_.duration_s), stop);
+  const TimeNs ended_ns = clocks::host_now();
 
   const Processes processes = processes_in(discovery_.participants());
   const std::string own_key = discovery_.own_key();

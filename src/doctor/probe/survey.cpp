@@ -1,6 +1,6 @@
 #include "doctor/probe/survey.hpp"
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -90,9 +90,8 @@ rules::DomainObservation observe_domain(const dds::DomainOptions& options, const
   rules::DomainObservation domain{.id = *options.domain_id};
   const dds::DomainParticipant participant(options);
   const dds::Discovery discovery(participant);
-  const SteadyTime end = process::steady_now() + timeout_ns;
-  while (!domain.beacons && process::steady_now() < end &&
-         !stop.wait_until(process::steady_now() + step_ns)) {
+  const SteadyTime end = clocks::steady_now() + timeout_ns;
+  while (!domain.beacons && clocks::steady_now() < end && !stop.wait_until(clocks::steady_now() + step_ns)) {
     for (const auto& writer : discovery.writers()) {
       domain.beacons = domain.beacons || writer.topic_name == dds::topics::imu.name;
       domain.poses = domain.poses || writer.topic_name == dds::topics::pose.name;

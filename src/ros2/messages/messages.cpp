@@ -21,7 +21,7 @@ Quaternion quaternion(const Quaterniond& q) {
 
 /// Both are row-major.
 template <class Covariance, std::size_t size>
-void copy(const Covariance& from, double (&to)[size]) {
+void copy(const Covariance& from, double (&to)[size]) {  // NOLINT(modernize-avoid-c-arrays): the IDL's
   static_assert(Covariance::SizeAtCompileTime == size);
   std::copy_n(from.data(), size, std::begin(to));
 }

@@ -1,6 +1,6 @@
 #include "ros2/relay/beacon_publishers.hpp"
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include <sonopose/ros2/messages/borrow.hpp>
 #include <sonopose/settings/settings.hpp>
 
@@ -62,7 +62,7 @@ void BeaconPublishers::on(const ImuSample& sample) {
 }
 
 void BeaconPublishers::on(const FusedPose& pose) {
-  fused_at_ = process::steady_now();
+  fused_at_ = clocks::steady_now();
   publish_odometry(pose);  // first, because vehicle control may depend on it
   publish_imu(pose);
 }
@@ -124,7 +124,7 @@ void BeaconPublishers::on_odometry(TimeNs time_ns, const ros2::Transform& base_i
 void BeaconPublishers::on(const UltrasonicFix& fix) {
   constexpr TimeNs fusion_gone_ns = 1'000'000'000;
   if (!fix.position_world_m.allFinite()) return;
-  const SteadyTime now = process::steady_now();
+  const SteadyTime now = clocks::steady_now();
   const SteadyTime fused_at = fused_at_;
   const bool fusion_runs = fused_at != SteadyTime{} && now - fused_at < fusion_gone_ns;
   ros2::FixQueue::Ready ready;
@@ -149,7 +149,7 @@ void BeaconPublishers::publish_overdue_fixes() {
   ros2::FixQueue::Ready ready;
   {
     const std::lock_guard lock(mutex_);
-    ready = fixes_.overdue(process::steady_now());
+    ready = fixes_.overdue(clocks::steady_now());
   }
   publish(ready);
 }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <type_traits>
 
 namespace sonopose::ros2::relay {
@@ -33,8 +34,8 @@ auto values_of(const Sequence& sequence) {
 }
 
 Type type_of(const settings::SettingValue& value) {
-  constexpr Type types[] = {boolean, integer, real, text};
-  return types[value.index()];
+  constexpr std::array types{boolean, integer, real, text};
+  return types.at(value.index());
 }
 
 /// `value` must outlive the message.
@@ -79,6 +80,7 @@ struct Description {
   }
   Description(const Description&) = delete;
   Description& operator=(const Description&) = delete;
+  ~Description() = default;
 
   void describe(const settings::SettingInfo& info) {
     sentence = info.unit.empty() ? info.sentence : info.sentence + " [" + info.unit + "]";

@@ -305,7 +305,7 @@ void Relay::Impl::publish_static_transforms() {
   for_each_beacon([&](BeaconPublishers& publishers) {
     if (!publishers.is_in_tree()) return;
     transforms.push_back(
-        ros2::transform(mount, process::host_now(), publishers.frames().base, publishers.frames().imu));
+        ros2::transform(mount, clocks::host_now(), publishers.frames().base, publishers.frames().imu));
   });
   if (transforms.empty()) return;
   ros2::TFMessage message{};
@@ -314,7 +314,7 @@ void Relay::Impl::publish_static_transforms() {
 }
 
 void Relay::Impl::publish_diagnostics() {
-  const TimeNs now_ns = process::host_now();
+  const TimeNs now_ns = clocks::host_now();
   std::vector<ros2::Diagnostic> diagnostics;
   for (const observation::BeaconView& view : observers_.take_windows(now_ns)) {
     if (!options_.addresses.contains(view.address)) continue;
@@ -365,16 +365,16 @@ void Relay::Impl::check_transforms(const BeaconPublishers& publishers, ros2::Dia
 
 /// Runs until the stop, or until `failed`.
 void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>& failed) {
-  SteadyTime next_status = process::steady_now() + status_period_ns;
-  while (!failed && !stop.wait_until(process::steady_now() + poll_period_ns)) {
+  SteadyTime next_status = clocks::steady_now() + status_period_ns;
+  while (!failed && !stop.wait_until(clocks::steady_now() + poll_period_ns)) {
     create_new_publishers();
     for_each_beacon([this](BeaconPublishers& publishers) {
       publishers.create_magnetic_writer(node_);
       publishers.publish_overdue_fixes();
     });
     node_.announce();
-    if (process::steady_now() < next_status) continue;
-    next_status = process::steady_now() + status_period_ns;
+    if (clocks::steady_now() < next_status) continue;
+    next_status = clocks::steady_now() + status_period_ns;
     publish_diagnostics();
     for_each_beacon([](BeaconPublishers& publishers) { publishers.publish_path(); });
   }
@@ -382,7 +382,7 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
 
 /// Runs on a separate thread, because it waits for replies of the fusion.
 void Relay::Impl::serve_parameters(const std::stop_token& end, const process::StopSignal& stop) {
-  while (!end.stop_requested() && !stop.wait_until(process::steady_now() + poll_period_ns)) {
+  while (!end.stop_requested() && !stop.wait_until(clocks::steady_now() + poll_period_ns)) {
     try {
       parameters_.serve();
     } catch (const dds::Error& error) {

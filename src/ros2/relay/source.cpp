@@ -1,6 +1,6 @@
 #include "ros2/relay/source.hpp"
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include "process/endpoint_counters.hpp"
 #include "ros2/relay/input_monitor.hpp"
 #include <sonopose/dds/binding/waitset.hpp>
@@ -29,7 +29,7 @@ struct InputState {
       : address(input.address),
         is_imu(input.kind == Input::Kind::imu),
         monitor(input, ros2::for_beacon(map_frame, input.address), is_imu ? timeouts.imu_ns : timeouts.fix_ns,
-                process::steady_now()) {}
+                clocks::steady_now()) {}
 
   [[nodiscard]] std::uint64_t samples_lost() const noexcept {
     return endpoints.samples_lost.load(std::memory_order_relaxed) +
@@ -149,7 +149,7 @@ private:
         ++beacon.status.samples_rejected;
         return;
       }
-      const SteadyTime now = process::steady_now();
+      const SteadyTime now = clocks::steady_now();
       if (input.is_imu == beacon.has_imu) {
         beacon.offset.add(seconds_between(measured_ns(*event), received_ns), now);
       }
@@ -160,13 +160,13 @@ private:
 
   /// The host's time, later than the previous one: it is the stamp of messages that have none.
   TimeNs next_reception_ns() {
-    const TimeNs time_ns = process::host_now();
+    const TimeNs time_ns = clocks::host_now();
     return reception_.next(time_ns).value_or(time_ns);
   }
 
   void check_inputs() {
     constexpr TimeNs period_ns = 20'000'000;
-    const SteadyTime now = process::steady_now();
+    const SteadyTime now = clocks::steady_now();
     if (now >= check_due_) {
       check_due_ = now + period_ns;
       for (const auto& input : inputs_) input->monitor.update(endpoints_of(*input), now, lines_);
@@ -188,11 +188,11 @@ private:
 
   void publish_statuses(bridge::SampleSink& sink) {
     constexpr TimeNs period_ns = 250'000'000;
-    if (process::steady_now() < statuses_due_) return;
-    statuses_due_ = process::steady_now() + period_ns;
+    if (clocks::steady_now() < statuses_due_) return;
+    statuses_due_ = clocks::steady_now() + period_ns;
     for (auto& [address, beacon] : beacons_) {
       if (beacon.status.frames == 0) continue;
-      beacon.status.time_ns = process::host_now();
+      beacon.status.time_ns = clocks::host_now();
       beacon.status.clock_offset_s = beacon.offset.value_s();
       sink.on(beacon.status);
     }

@@ -6,7 +6,7 @@
 
 #include <chrono>
 
-namespace sonopose::process {
+namespace sonopose::clocks {
 
 /// Now by the clock that stamps samples. It can be set, also backwards.
 inline HostTime host_now() {
@@ -21,4 +21,4 @@ inline SteadyTime steady_now() {
       duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count()};
 }
 
-}  // namespace sonopose::process
+}  // namespace sonopose::clocks
