@@ -5,8 +5,11 @@ namespace {
 
 std::variant<documented::Engine, strapdown::Engine> make(const settings::Settings& settings,
                                                          const EstimatorOptions& options) {
-  if (options.kind == EstimatorKind::strapdown) {
-    return strapdown::Engine(settings, options.strapdown_start, options.strapdown_rule);
+  switch (options.kind) {
+    case EstimatorKind::documented:
+      return documented::Engine(settings);
+    case EstimatorKind::strapdown:
+      return strapdown::Engine(settings, options.strapdown_start, options.strapdown_rule);
   }
   return documented::Engine(settings);
 }

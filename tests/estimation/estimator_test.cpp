@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include <limits>
+#include <tuple>
 #include <vector>
 
 namespace estimator_test {
@@ -80,8 +81,9 @@ bool is_finite(const FusedPose& pose) {
          pose.acceleration_world_mps2.allFinite();
 }
 
-TEMPLATE_TEST_CASE("the same events and settings give the same bits", "", documented::Engine,
-                   strapdown::Engine, AnyDocumented, AnyStrapdown) {
+using AllEstimators = std::tuple<documented::Engine, strapdown::Engine, AnyDocumented, AnyStrapdown>;
+
+TEMPLATE_LIST_TEST_CASE("the same events and settings give the same bits", "", AllEstimators) {
   const auto log = events(6.0);
   TestType one{settings::Settings{}};
   TestType two{settings::Settings{}};
@@ -97,8 +99,8 @@ TEMPLATE_TEST_CASE("the same events and settings give the same bits", "", docume
   CHECK(one.time_ns() == first.poses.back().time_ns);
 }
 
-TEMPLATE_TEST_CASE("an estimator that is restored from a snapshot continues with the same bits", "",
-                   documented::Engine, strapdown::Engine, AnyDocumented, AnyStrapdown) {
+TEMPLATE_LIST_TEST_CASE("an estimator that is restored from a snapshot continues with the same bits", "",
+                        AllEstimators) {
   const auto log = events(8.0);
   const std::size_t half = log.size() / 2;
   TestType whole{settings::Settings{}};
@@ -116,8 +118,7 @@ TEMPLATE_TEST_CASE("an estimator that is restored from a snapshot continues with
   CHECK(second.counters() == whole.counters());
 }
 
-TEMPLATE_TEST_CASE("samples that are not finite are counted and never reach a pose", "", documented::Engine,
-                   strapdown::Engine, AnyDocumented, AnyStrapdown) {
+TEMPLATE_LIST_TEST_CASE("samples that are not finite are counted and never reach a pose", "", AllEstimators) {
   const double bad =
       GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                -std::numeric_limits<double>::infinity());
@@ -141,8 +142,7 @@ TEMPLATE_TEST_CASE("samples that are not finite are counted and never reach a po
   CHECK(estimator.counters().samples_invalid == invalid);
 }
 
-TEMPLATE_TEST_CASE("a stamp that goes backward is counted and gives no pose", "", documented::Engine,
-                   strapdown::Engine, AnyDocumented, AnyStrapdown) {
+TEMPLATE_LIST_TEST_CASE("a stamp that goes backward is counted and gives no pose", "", AllEstimators) {
   TestType estimator{settings::Settings{}};
   const auto log = events(2.0);
   const Run before = run(estimator, log);
@@ -155,8 +155,8 @@ TEMPLATE_TEST_CASE("a stamp that goes backward is counted and gives no pose", ""
   CHECK(estimator.counters().samples_invalid == 2);
 }
 
-TEMPLATE_TEST_CASE("a reset discards the state, keeps the counters and raises reset_counter", "",
-                   documented::Engine, strapdown::Engine, AnyDocumented, AnyStrapdown) {
+TEMPLATE_LIST_TEST_CASE("a reset discards the state, keeps the counters and raises reset_counter", "",
+                        AllEstimators) {
   TestType estimator{settings::Settings{}};
   const auto log = events(4.0);
   const Run first = run(estimator, log);
@@ -171,8 +171,7 @@ TEMPLATE_TEST_CASE("a reset discards the state, keeps the counters and raises re
   CHECK(estimator.counters().imu_samples == 800);
 }
 
-TEMPLATE_TEST_CASE("settings are replaced without a change of the state", "", documented::Engine,
-                   strapdown::Engine, AnyDocumented, AnyStrapdown) {
+TEMPLATE_LIST_TEST_CASE("settings are replaced without a change of the state", "", AllEstimators) {
   TestType estimator{settings::Settings{}};
   run(estimator, events(3.0));
   const auto before = estimator.snapshot();
@@ -186,8 +185,7 @@ TEMPLATE_TEST_CASE("settings are replaced without a change of the state", "", do
   CHECK_FALSE(estimator.predict(strong));
 }
 
-TEMPLATE_TEST_CASE("a fix that is not used says so and names itself", "", documented::Engine,
-                   strapdown::Engine, AnyDocumented, AnyStrapdown) {
+TEMPLATE_LIST_TEST_CASE("a fix that is not used says so and names itself", "", AllEstimators) {
   TestType estimator{settings::Settings{}};
   UltrasonicFix fix;
   fix.address = 9;
@@ -203,8 +201,7 @@ TEMPLATE_TEST_CASE("a fix that is not used says so and names itself", "", docume
   CHECK(estimator.counters().fixes_used == 0);
 }
 
-TEMPLATE_TEST_CASE("events do not allocate", "", documented::Engine, strapdown::Engine, AnyDocumented,
-                   AnyStrapdown) {
+TEMPLATE_LIST_TEST_CASE("events do not allocate", "", AllEstimators) {
   const auto log = events(4.0);
   TestType estimator{settings::Settings{}};
   const std::size_t before = test::allocations();
@@ -226,6 +223,18 @@ TEST_CASE("AnyEstimator becomes the kind of the snapshot that it is restored fro
   for (const EstimatorKind kind : {EstimatorKind::documented, EstimatorKind::strapdown}) {
     CHECK(kind_of(initial_snapshot(kind)) == kind);
   }
+}
+
+TEST_CASE("strapdown continues from a snapshot with the start and rule of the snapshot") {
+  const strapdown::State start{.time_ns = 0, .position_world_m = {1, 2, 3}};
+  strapdown::Engine whole(settings::Settings{}, start, strapdown::Rule::mean);
+  const auto log = events(4.0);
+  run(whole, {log.begin(), log.begin() + 200});
+  strapdown::Engine rest{settings::Settings{}};
+  rest.restore(whole.snapshot());
+  CHECK(same_bits(run(rest, log, 200).poses, run(whole, log, 200).poses));
+  rest.reset();
+  CHECK(rest.state().position_world_m == start.position_world_m);
 }
 
 }  // namespace estimator_test

@@ -43,16 +43,24 @@ inline Bits bits_of(const FusedPose& pose) {
 }
 
 inline Bits bits_of(const FixReport& report) {
-  Bits bits{report.address, report.sequence, static_cast<std::uint64_t>(report.emission_time_ns),
-            static_cast<std::uint64_t>(report.applied_time_ns), report.flags};
+  Bits bits{report.address,
+            report.sequence,
+            static_cast<std::uint64_t>(report.emission_time_ns),
+            static_cast<std::uint64_t>(report.applied_time_ns),
+            report.hypothesis,
+            report.model,
+            report.flags};
   for (const Vector3d& vector :
        {report.position_world_m, report.shifted_position_world_m, report.innovation_world_m,
         report.jump_world_m, report.velocity_change_world_mps}) {
     detail::append(bits, vector);
   }
-  for (const double value :
-       {report.test_ratio.value_or(-1.0), report.weight, report.trust, report.yaw_change_rad}) {
-    detail::append(bits, value);
+  for (const double value : {report.weight, report.trust, report.yaw_change_rad}) detail::append(bits, value);
+  bits.push_back(report.test_ratio ? 1 : 0);
+  if (report.test_ratio) detail::append(bits, *report.test_ratio);
+  bits.push_back(report.innovation_covariance_m2 ? 1 : 0);
+  if (report.innovation_covariance_m2) {
+    for (const double value : report.innovation_covariance_m2->elements()) detail::append(bits, value);
   }
   return bits;
 }

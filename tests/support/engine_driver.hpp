@@ -107,6 +107,20 @@ struct Sensors {
   Vector3d accel_offset_body_mps2 = Vector3d::Zero();
 };
 
+/// A paired beacon.
+inline Sensors with_headings(double noise_m = 0.0) {
+  Sensors sensors;
+  sensors.headings = true;
+  sensors.noise_m = noise_m;
+  return sensors;
+}
+
+inline bool is_finite(const FusedPose& pose) {
+  return pose.position_world_m.allFinite() && pose.velocity_world_mps.allFinite() &&
+         pose.q_body_to_world.coeffs().allFinite() && pose.acceleration_world_mps2.allFinite() &&
+         pose.gyro_bias_body_radps.allFinite() && position_std_m(pose).allFinite();
+}
+
 inline ImuSample imu_on(const Truth& truth, TimeNs time_ns) {
   ImuSample imu;
   imu.address = 7;

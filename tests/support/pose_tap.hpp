@@ -2,7 +2,7 @@
 /// \file
 /// A live consumer of poses that records the arrival time and the writer of each.
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include "support/bus.hpp"
 
 #include <algorithm>
@@ -96,7 +96,7 @@ public:
 private:
   struct Listener final : dds::DataReaderListener<sonopose_FusedPose> {
     void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
-      const SteadyTime received = process::steady_now();
+      const SteadyTime received = clocks::steady_now();
       const std::lock_guard lock(mutex);
       reader.try_take_each([&](const sonopose_FusedPose& pose, const dds::SampleInfo& info) {
         poses.push_back({dds::topics::from_idl(pose), info.publication_handle().value, received});
@@ -108,7 +108,7 @@ private:
                                const dds::LivelinessChangedStatus& status) noexcept override {
       if (status.not_alive_count_change <= 0) return;
       const std::lock_guard lock(mutex);
-      lost_at = process::steady_now();
+      lost_at = clocks::steady_now();
       came.notify_all();
     }
 

@@ -39,7 +39,7 @@ std::vector<std::string> merged(const Environment& changes) {
   for (const auto& [name, value] : changes) variables[name] = value;
   std::vector<std::string> entries;
   for (const auto& [name, value] : variables) {
-    if (!value.empty()) entries.push_back(name + "=" + value);
+    if (!value.empty()) entries.emplace_back(name).append("=").append(value);
   }
   return entries;
 }

@@ -44,43 +44,119 @@ void visit_all(Visitor& visitor, Field&... fields) {
   (visit_field(visitor, fields), ...);
 }
 
-// clang-format off
-template <class V> void visit(V& v, ros2::Time& m) { visit_all(v, m.sec, m.nanosec); }
-template <class V> void visit(V& v, ros2::Header& m) { visit_all(v, m.stamp, m.frame_id); }
-template <class V> void visit(V& v, ros2::Vector3& m) { visit_all(v, m.x, m.y, m.z); }
-template <class V> void visit(V& v, ros2::Point& m) { visit_all(v, m.x, m.y, m.z); }
-template <class V> void visit(V& v, ros2::Quaternion& m) { visit_all(v, m.x, m.y, m.z, m.w); }
-template <class V> void visit(V& v, ros2::Pose& m) { visit_all(v, m.position, m.orientation); }
-template <class V> void visit(V& v, ros2::PoseStamped& m) { visit_all(v, m.header, m.pose); }
-template <class V> void visit(V& v, ros2::PointStamped& m) { visit_all(v, m.header, m.point); }
-template <class V> void visit(V& v, geometry_msgs_msg_dds__PoseWithCovariance_& m) { visit_all(v, m.pose, m.covariance); }
-template <class V> void visit(V& v, geometry_msgs_msg_dds__Twist_& m) { visit_all(v, m.linear, m.angular); }
-template <class V> void visit(V& v, geometry_msgs_msg_dds__TwistWithCovariance_& m) { visit_all(v, m.twist, m.covariance); }
-template <class V> void visit(V& v, geometry_msgs_msg_dds__Transform_& m) { visit_all(v, m.translation, m.rotation); }
-template <class V> void visit(V& v, ros2::PoseWithCovarianceStamped& m) { visit_all(v, m.header, m.pose); }
-template <class V> void visit(V& v, ros2::TransformStamped& m) { visit_all(v, m.header, m.child_frame_id, m.transform); }
-template <class V> void visit(V& v, ros2::Imu& m) {
-  visit_all(v, m.header, m.orientation, m.orientation_covariance, m.angular_velocity, m.angular_velocity_covariance,
-            m.linear_acceleration, m.linear_acceleration_covariance);
+template <class V>
+void visit(V& v, ros2::Time& m) {
+  visit_all(v, m.sec, m.nanosec);
 }
-template <class V> void visit(V& v, ros2::MagneticField& m) { visit_all(v, m.header, m.magnetic_field, m.magnetic_field_covariance); }
-template <class V> void visit(V& v, ros2::Odometry& m) { visit_all(v, m.header, m.child_frame_id, m.pose, m.twist); }
-template <class V> void visit(V& v, ros2::Path& m) { visit_all(v, m.header, m.poses); }
-template <class V> void visit(V& v, ros2::TFMessage& m) { visit_all(v, m.transforms); }
-template <class V> void visit(V& v, ros2::KeyValue& m) { visit_all(v, m.key, m.value); }
-template <class V> void visit(V& v, ros2::DiagnosticStatus& m) { visit_all(v, m.level, m.name, m.message, m.hardware_id, m.values); }
-template <class V> void visit(V& v, ros2::DiagnosticArray& m) { visit_all(v, m.header, m.status); }
-template <class V> void visit(V& v, rmw_dds_common_msg_dds__Gid_& m) { visit_all(v, m.data); }
-template <class V> void visit(V& v, rmw_dds_common_msg_dds__NodeEntitiesInfo_& m) {
+template <class V>
+void visit(V& v, ros2::Header& m) {
+  visit_all(v, m.stamp, m.frame_id);
+}
+template <class V>
+void visit(V& v, ros2::Vector3& m) {
+  visit_all(v, m.x, m.y, m.z);
+}
+template <class V>
+void visit(V& v, ros2::Point& m) {
+  visit_all(v, m.x, m.y, m.z);
+}
+template <class V>
+void visit(V& v, ros2::Quaternion& m) {
+  visit_all(v, m.x, m.y, m.z, m.w);
+}
+template <class V>
+void visit(V& v, ros2::Pose& m) {
+  visit_all(v, m.position, m.orientation);
+}
+template <class V>
+void visit(V& v, ros2::PoseStamped& m) {
+  visit_all(v, m.header, m.pose);
+}
+template <class V>
+void visit(V& v, ros2::PointStamped& m) {
+  visit_all(v, m.header, m.point);
+}
+template <class V>
+void visit(V& v, geometry_msgs_msg_dds__PoseWithCovariance_& m) {
+  visit_all(v, m.pose, m.covariance);
+}
+template <class V>
+void visit(V& v, geometry_msgs_msg_dds__Twist_& m) {
+  visit_all(v, m.linear, m.angular);
+}
+template <class V>
+void visit(V& v, geometry_msgs_msg_dds__TwistWithCovariance_& m) {
+  visit_all(v, m.twist, m.covariance);
+}
+template <class V>
+void visit(V& v, geometry_msgs_msg_dds__Transform_& m) {
+  visit_all(v, m.translation, m.rotation);
+}
+template <class V>
+void visit(V& v, ros2::PoseWithCovarianceStamped& m) {
+  visit_all(v, m.header, m.pose);
+}
+template <class V>
+void visit(V& v, ros2::TransformStamped& m) {
+  visit_all(v, m.header, m.child_frame_id, m.transform);
+}
+template <class V>
+void visit(V& v, ros2::Imu& m) {
+  visit_all(v, m.header, m.orientation, m.orientation_covariance, m.angular_velocity,
+            m.angular_velocity_covariance, m.linear_acceleration, m.linear_acceleration_covariance);
+}
+template <class V>
+void visit(V& v, ros2::MagneticField& m) {
+  visit_all(v, m.header, m.magnetic_field, m.magnetic_field_covariance);
+}
+template <class V>
+void visit(V& v, ros2::Odometry& m) {
+  visit_all(v, m.header, m.child_frame_id, m.pose, m.twist);
+}
+template <class V>
+void visit(V& v, ros2::Path& m) {
+  visit_all(v, m.header, m.poses);
+}
+template <class V>
+void visit(V& v, ros2::TFMessage& m) {
+  visit_all(v, m.transforms);
+}
+template <class V>
+void visit(V& v, ros2::KeyValue& m) {
+  visit_all(v, m.key, m.value);
+}
+template <class V>
+void visit(V& v, ros2::DiagnosticStatus& m) {
+  visit_all(v, m.level, m.name, m.message, m.hardware_id, m.values);
+}
+template <class V>
+void visit(V& v, ros2::DiagnosticArray& m) {
+  visit_all(v, m.header, m.status);
+}
+template <class V>
+void visit(V& v, rmw_dds_common_msg_dds__Gid_& m) {
+  visit_all(v, m.data);
+}
+template <class V>
+void visit(V& v, rmw_dds_common_msg_dds__NodeEntitiesInfo_& m) {
   visit_all(v, m.node_namespace, m.node_name, m.reader_gid_seq, m.writer_gid_seq);
 }
-template <class V> void visit(V& v, ros2::ParticipantEntitiesInfo& m) { visit_all(v, m.gid, m.node_entities_info_seq); }
-template <class V> void visit(V& v, rmw_dds_common_humble_msg_dds__Gid_& m) { visit_all(v, m.data); }
-template <class V> void visit(V& v, rmw_dds_common_humble_msg_dds__NodeEntitiesInfo_& m) {
+template <class V>
+void visit(V& v, ros2::ParticipantEntitiesInfo& m) {
+  visit_all(v, m.gid, m.node_entities_info_seq);
+}
+template <class V>
+void visit(V& v, rmw_dds_common_humble_msg_dds__Gid_& m) {
+  visit_all(v, m.data);
+}
+template <class V>
+void visit(V& v, rmw_dds_common_humble_msg_dds__NodeEntitiesInfo_& m) {
   visit_all(v, m.node_namespace, m.node_name, m.reader_gid_seq, m.writer_gid_seq);
 }
-template <class V> void visit(V& v, ros2::HumbleParticipantEntitiesInfo& m) { visit_all(v, m.gid, m.node_entities_info_seq); }
-// clang-format on
+template <class V>
+void visit(V& v, ros2::HumbleParticipantEntitiesInfo& m) {
+  visit_all(v, m.gid, m.node_entities_info_seq);
+}
 
 /// Gives every field a distinct value, including special ones. Strings and sequences are allocated with
 /// dds_alloc.

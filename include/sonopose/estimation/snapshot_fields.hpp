@@ -5,7 +5,10 @@
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/estimation/documented/state_fields.hpp>
 
+#include <concepts>
 #include <optional>
+#include <type_traits>
+#include <variant>
 
 namespace sonopose::estimation {
 
@@ -15,20 +18,22 @@ namespace sonopose::estimation {
 
 /// The snapshot of a new estimator of this kind.
 [[nodiscard]] inline AnySnapshot initial_snapshot(EstimatorKind kind) {
-  if (kind == EstimatorKind::strapdown) return strapdown::Snapshot{};
-  return documented::Snapshot{};
+  switch (kind) {
+    case EstimatorKind::documented:
+      return documented::Snapshot{};
+    case EstimatorKind::strapdown:
+      return strapdown::Snapshot{};
+  }
+  return {};
 }
 
 /// Calls `visit(name, field)` for each field of the state; `Snapshot` is AnySnapshot or const AnySnapshot.
 /// Fields are bool, int, TimeNs, double, Vector3d, Quaterniond, enumerations with `choices_of`,
 /// attitude::AnyFilter, and sequences of structs that have a `for_each_field` themselves.
 template <class Snapshot, class Visit>
+requires std::same_as<std::remove_const_t<Snapshot>, AnySnapshot>
 void for_each_field(Snapshot& snapshot, const Visit& visit) {
-  if (auto* state = std::get_if<documented::Snapshot>(&snapshot)) {
-    documented::for_each_field(state->state, visit);
-  } else {
-    strapdown::for_each_field(*std::get_if<strapdown::Snapshot>(&snapshot), visit);
-  }
+  std::visit([&](auto& any) { for_each_field(any, visit); }, snapshot);
 }
 
 /// The counters of a snapshot; `Snapshot` is AnySnapshot or const AnySnapshot.
@@ -45,9 +50,8 @@ template <class Snapshot>
 }
 
 /// The first field whose value no estimator can have although its type allows it.
-[[nodiscard]] inline std::optional<documented::FieldFault> find_fault(const AnySnapshot& snapshot) {
-  const auto* documented = std::get_if<documented::Snapshot>(&snapshot);
-  return documented == nullptr ? std::nullopt : documented::find_fault(documented->state);
+[[nodiscard]] inline std::optional<FieldFault> find_fault(const AnySnapshot& snapshot) {
+  return std::visit([](const auto& any) { return find_fault(any); }, snapshot);
 }
 
 }  // namespace sonopose::estimation

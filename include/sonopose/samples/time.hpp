@@ -20,7 +20,8 @@ using HostTime = TimeNs;
 struct SteadyTime {
   std::int64_t ns = 0;
 
-  constexpr auto operator<=>(const SteadyTime&) const = default;
+  constexpr auto operator<=>(const SteadyTime&) const =
+      default;  // NOLINT(modernize-use-nullptr): clang-tidy 14
   constexpr SteadyTime& operator+=(TimeNs duration_ns) {
     ns += duration_ns;
     return *this;

@@ -27,9 +27,9 @@ void apply_decay(const DriftSettings& settings, DriftState& state, Kinematics& b
   for (int i = 0; i < static_cast<int>(steps); ++i) {
     const Vector3d wanted_world_mps = settings.decay_rate_hz * state.weight * state.offset_world_m;
     state.velocity_world_mps += share * (wanted_world_mps - state.velocity_world_mps);
-    const Vector3d spent_world_m = state.velocity_world_mps * step_s;
-    body.position_world_m += spent_world_m;
-    state.offset_world_m -= spent_world_m;
+    const Vector3d applied_world_m = state.velocity_world_mps * step_s;
+    body.position_world_m += applied_world_m;
+    state.offset_world_m -= applied_world_m;
   }
 }
 

@@ -278,6 +278,7 @@ void Engine::correct_pose(const TimedFix& fix, FixReport& report) {
   Kinematics& body = state_.body;
   const FixAssessment assessment = trust::assess(settings_.trust, state_.trust, body, fix);  // 13–22
   report.innovation_world_m = assessment.innovation_world_m;
+  report.test_ratio = assessment.test_ratio;
   report.weight = assessment.weight;
   report.trust = state_.trust.trust;
   if (assessment.outlier) report.flags |= fix_outlier;

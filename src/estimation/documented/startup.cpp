@@ -45,8 +45,8 @@ Progress update(const StartupSettings& settings, StartupState& state, const ImuS
 
   // Fewer samples give no meaningful spread.
   constexpr int least_samples = 10;
-  const double watched_s = seconds_between(state.window_began_ns, imu.sensor_time_ns);
-  if (watched_s < settings.calibration_s || state.window_samples < least_samples) return Progress::none;
+  const double window_s = seconds_between(state.window_began_ns, imu.sensor_time_ns);
+  if (window_s < settings.calibration_s || state.window_samples < least_samples) return Progress::none;
 
   if (is_still(settings, state)) {
     state.waiting = false;

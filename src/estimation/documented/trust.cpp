@@ -84,7 +84,9 @@ FixAssessment assess(const TrustSettings& settings, TrustState& state, const Kin
   FixAssessment assessment;
   assessment.innovation_world_m = innovation_of(state, body, fix, against_imu);
   assessment.innovation_m = assessment.innovation_world_m.norm();
-  assessment.outlier = assessment.innovation_m > settings.outlier_sigmas * settings.sigma_m;
+  const double limit_m = settings.outlier_sigmas * settings.sigma_m;
+  assessment.outlier = assessment.innovation_m > limit_m;
+  assessment.test_ratio = (assessment.innovation_m / limit_m) * (assessment.innovation_m / limit_m);
 
   if (!settings.enabled) {
     regain(state);

@@ -34,8 +34,10 @@ FusedPose pose_at(const ImuSample& imu, const Snapshot& now) {
 }  // namespace
 
 Engine::Engine(const settings::Settings& settings, const State& start, Rule rule)
-    : settings_(settings::resolved(settings)), start_(normalised(start)), rule_(rule) {
-  now_.state = start_;
+    : settings_(settings::resolved(settings)) {
+  now_.start = normalised(start);
+  now_.rule = rule;
+  now_.state = now_.start;
 }
 
 void Engine::configure(const settings::Settings& settings) noexcept {
@@ -43,12 +45,11 @@ void Engine::configure(const settings::Settings& settings) noexcept {
 }
 
 void Engine::reset() noexcept {
-  const EstimatorCounters counters = now_.counters;
-  const std::uint32_t reset_counter = now_.reset_counter + 1;
-  now_ = Snapshot{};
-  now_.state = start_;
-  now_.counters = counters;
-  now_.reset_counter = reset_counter;
+  now_ = {.start = now_.start,
+          .rule = now_.rule,
+          .state = now_.start,
+          .counters = now_.counters,
+          .reset_counter = now_.reset_counter + 1};
 }
 
 std::optional<FusedPose> Engine::predict(const ImuSample& imu) noexcept {
@@ -77,7 +78,7 @@ void Engine::integrate(const ImuSample& imu) {
   const Vector3d& force = imu.specific_force_body_mps2;
   const Vector3d rate_before = now_.has_previous ? now_.previous_angular_velocity_body_radps : rate;
   const Vector3d force_before = now_.has_previous ? now_.previous_specific_force_body_mps2 : force;
-  const bool by_mean = rule_ == Rule::mean;
+  const bool by_mean = now_.rule == Rule::mean;
   const Vector3d& rate_after = by_mean ? rate : rate_before;
   const Vector3d& force_after = by_mean ? force : force_before;
 

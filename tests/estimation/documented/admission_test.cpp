@@ -24,20 +24,20 @@ UltrasonicFix good_fix() {
   return fix;
 }
 
-std::uint32_t verdict_on(const UltrasonicFix& fix, AdmissionState state = {}) {
+std::uint32_t flags_of(const UltrasonicFix& fix, AdmissionState state = {}) {
   return admission::rejection_flags(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns);
 }
 
 TEST_CASE("item 12: a fix below the least quality is kept out, one at it is not") {
   UltrasonicFix fix = good_fix();
   fix.quality_percent = AdmissionSettings{}.min_quality_percent;
-  CHECK(verdict_on(fix) == 0);
+  CHECK(flags_of(fix) == 0);
   fix.quality_percent = AdmissionSettings{}.min_quality_percent - 0.1;
-  CHECK(verdict_on(fix) == fix_low_quality);
+  CHECK(flags_of(fix) == fix_low_quality);
   fix.quality_percent = not_a_number;
-  CHECK(verdict_on(fix) == fix_low_quality);
+  CHECK(flags_of(fix) == fix_low_quality);
   fix.quality_percent = std::nullopt;
-  CHECK(verdict_on(fix) == 0);
+  CHECK(flags_of(fix) == 0);
 }
 
 TEST_CASE("item 12: a fix of low quality changes nothing but a counter and its report") {
@@ -76,26 +76,26 @@ TEST_CASE("a fix that cannot be a measurement of this time is invalid") {
       for (int axis = 0; axis < 3; ++axis) {
         fix = good_fix();
         fix.position_world_m[axis] = bad;
-        CHECK(verdict_on(fix) == fix_invalid);
+        CHECK(flags_of(fix) == fix_invalid);
       }
     }
   }
   SECTION("from the future, beyond what an IMU sample may still be under way") {
     fix.emission_time_ns = epoch_ns + to_ns(1.0);
     fix.received_time_ns = fix.emission_time_ns + to_ns(0.068);
-    CHECK(verdict_on(fix) == fix_invalid);
+    CHECK(flags_of(fix) == fix_invalid);
   }
   SECTION("too old") {
     fix.emission_time_ns = epoch_ns - to_ns(2.0);
-    CHECK(verdict_on(fix) == fix_invalid);
+    CHECK(flags_of(fix) == fix_invalid);
   }
   SECTION("received before it was emitted, or absurdly long after") {
     fix.received_time_ns = fix.emission_time_ns - 1;
-    CHECK(verdict_on(fix) == fix_invalid);
+    CHECK(flags_of(fix) == fix_invalid);
     fix.received_time_ns = 0;
-    CHECK(verdict_on(fix) == fix_invalid);
+    CHECK(flags_of(fix) == fix_invalid);
     fix.received_time_ns = epoch_ns + to_ns(1e6);
-    CHECK(verdict_on(fix) == fix_invalid);
+    CHECK(flags_of(fix) == fix_invalid);
   }
   SECTION("twice, or out of order") {
     AdmissionState state;

@@ -15,18 +15,11 @@ using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using test::EngineDriver;
 
-test::Sensors pair(double noise_m = 0.0) {
-  test::Sensors sensors;
-  sensors.headings = true;
-  sensors.noise_m = noise_m;
-  return sensors;
-}
-
 TEST_CASE("the same settings again change no bit") {
   Settings settings;
   settings.trust.sigma_m = 0.1;
-  EngineDriver left_alone(settings, test::departure(2.0, 0.2), pair(0.02));
-  EngineDriver configured(settings, test::departure(2.0, 0.2), pair(0.02));
+  EngineDriver left_alone(settings, test::departure(2.0, 0.2), test::with_headings(0.02));
+  EngineDriver configured(settings, test::departure(2.0, 0.2), test::with_headings(0.02));
   left_alone.run(6.0);
   configured.run(6.0);
   configured.engine.configure(settings);
@@ -40,7 +33,7 @@ TEST_CASE("the same settings again change no bit") {
 
 TEST_CASE("item 5: a later change of the mount offset turns the pose and does not move it") {
   const Vector3d place(5, -3, 2);
-  EngineDriver driver(Settings{}, test::at_rest(place), pair());
+  EngineDriver driver(Settings{}, test::at_rest(place), test::with_headings());
   driver.run(10.0);
   const double yaw_before_rad = geometry::yaw_of(driver.moments.back().pose.q_body_to_world);
   Settings turned;

@@ -22,7 +22,7 @@ TimedFix fix_at(const Vector3d& position_world_m) {
   return {0, position_world_m, position_world_m};
 }
 
-FixAssessment verdict_of(double weight) {
+FixAssessment assessment_with(double weight) {
   FixAssessment assessment;
   assessment.weight = weight;
   return assessment;
@@ -45,10 +45,10 @@ double second_order(double decay_hz, double smooth_hz, double seconds) {
 double left_of_one_metre(const DriftSettings& settings, double weight, double seconds, double rate_hz) {
   DriftState state;
   Kinematics body;
-  drift::correct(settings, state, body, fix_at(Vector3d::UnitX()), verdict_of(weight));
+  drift::correct(settings, state, body, fix_at(Vector3d::UnitX()), assessment_with(weight));
   const auto steps = static_cast<int>(std::lround(seconds * rate_hz));
   for (int i = 0; i < steps; ++i) drift::apply_decay(settings, state, body, 1.0 / rate_hz);
-  // What has been spent stands in the position, nothing is lost between them.
+  // Position and remaining offset add up to the whole offset.
   REQUIRE(body.position_world_m.x() + state.offset_world_m.x() == Approx(1.0).margin(1e-12));
   return state.offset_world_m.x();
 }
@@ -58,7 +58,7 @@ TEST_CASE("item 4: the step at the fix is alpha × weight × discrepancy, the re
   Kinematics body;
   body.position_world_m = {1, 1, 1};
   const Vector3d jump =
-      drift::correct(settings_with(3, 0.4, 15), state, body, fix_at({2, 3, 1}), verdict_of(0.5));
+      drift::correct(settings_with(3, 0.4, 15), state, body, fix_at({2, 3, 1}), assessment_with(0.5));
   CHECK((jump - 0.4 * 0.5 * Vector3d(1, 2, 0)).norm() < 1e-15);
   CHECK((body.position_world_m - Vector3d(1, 1, 1) - jump).norm() < 1e-15);
   CHECK((state.offset_world_m - 0.8 * Vector3d(1, 2, 0)).norm() < 1e-15);
@@ -68,7 +68,8 @@ TEST_CASE("item 2: a new fix replaces the offset, offsets never add up") {
   DriftState state;
   Kinematics body;
   const auto settings = settings_with(3, 0.0, 15);
-  for (int i = 0; i < 5; ++i) drift::correct(settings, state, body, fix_at({0.2, 0, 0}), verdict_of(1.0));
+  for (int i = 0; i < 5; ++i)
+    drift::correct(settings, state, body, fix_at({0.2, 0, 0}), assessment_with(1.0));
   CHECK(state.offset_world_m.x() == Approx(0.2));
 }
 
@@ -103,7 +104,7 @@ TEST_CASE("item 9: the drift velocity approaches its target with the time consta
     const auto settings = settings_with(1e-6, 0.0, rate_hz);
     DriftState state;
     Kinematics body;
-    drift::correct(settings, state, body, fix_at({1e6, 0, 0}), verdict_of(1.0));
+    drift::correct(settings, state, body, fix_at({1e6, 0, 0}), assessment_with(1.0));
     const auto steps = static_cast<int>(std::lround(1000.0 / rate_hz));
     for (int i = 0; i < steps; ++i) drift::apply_decay(settings, state, body, 0.001);
     CHECK(state.velocity_world_mps.x() == Approx(1.0 - std::exp(-1.0)).epsilon(0.01));
@@ -138,7 +139,7 @@ TEST_CASE("the decay is stable at slow IMU rates and at the limits of the ranges
 TEST_CASE("items 21 and 22: the floors of a forced convergence apply at any weight") {
   DriftState state;
   Kinematics body;
-  FixAssessment assessment = verdict_of(0.01);
+  FixAssessment assessment = assessment_with(0.01);
   assessment.jump_floor = 0.6;
   assessment.weight_floor = 0.5;
   drift::correct(settings_with(3, 0.35, 15), state, body, fix_at({10, 0, 0}), assessment);

@@ -14,19 +14,6 @@ using test::EngineDriver;
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-bool is_finite(const FusedPose& pose) {
-  return pose.position_world_m.allFinite() && pose.velocity_world_mps.allFinite() &&
-         pose.q_body_to_world.coeffs().allFinite() && pose.acceleration_world_mps2.allFinite() &&
-         pose.gyro_bias_body_radps.allFinite() && position_std_m(pose).allFinite();
-}
-
-test::Sensors with_headings(double noise_m = 0.0) {
-  test::Sensors sensors;
-  sensors.headings = true;
-  sensors.noise_m = noise_m;
-  return sensors;
-}
-
 TEST_CASE("a fix before any IMU sample does no harm, even with a wrong time") {
   for (const double off_s : {0.0, -1e6, 1e6}) {
     INFO("off by " << off_s << " s");
@@ -59,7 +46,7 @@ TEST_CASE("a fix from the future is counted and changes nothing") {
 }
 
 TEST_CASE("impossible samples are counted, and the state stays finite") {
-  EngineDriver driver(Settings{}, test::departure(2.0, 0.1), with_headings());
+  EngineDriver driver(Settings{}, test::departure(2.0, 0.1), test::with_headings());
   int bad = 0;
   int count = 0;
   driver.alter_imu = [&](ImuSample& imu, double) {
@@ -90,7 +77,7 @@ TEST_CASE("impossible samples are counted, and the state stays finite") {
   driver.run(10.0);
   CHECK(driver.engine.counters().samples_invalid == static_cast<std::uint64_t>(bad));
   CHECK(driver.engine.counters().imu_samples == driver.moments.size());
-  for (const auto& moment : driver.moments) REQUIRE(is_finite(moment.pose));
+  for (const auto& moment : driver.moments) REQUIRE(test::is_finite(moment.pose));
   CHECK(driver.moments.back().position_error_m() < 0.05);
 }
 
@@ -135,7 +122,7 @@ TEST_CASE("delay.source = fixed: an impossible recorded delay has no effect") {
 }
 
 TEST_CASE("21 samples with the same stamp are no duplicates") {
-  test::Sensors sensors = with_headings();
+  test::Sensors sensors = test::with_headings();
   sensors.imu_rate_hz = 1000.0;
   EngineDriver driver(Settings{}, test::departure(1.0), sensors);
   driver.alter_imu = [](ImuSample& imu, double time_s) {
@@ -169,8 +156,8 @@ TEST_CASE("with shared stamps the rates still integrate to the whole angle") {
 }
 
 TEST_CASE("millisecond stamps cause no error beyond their rounding") {
-  EngineDriver fine(Settings{}, test::departure(3.0, 0.1), with_headings());
-  EngineDriver rounded(Settings{}, test::departure(3.0, 0.1), with_headings());
+  EngineDriver fine(Settings{}, test::departure(3.0, 0.1), test::with_headings());
+  EngineDriver rounded(Settings{}, test::departure(3.0, 0.1), test::with_headings());
   const auto bursts = [](ImuSample& imu, double time_s) {
     imu.sensor_time_ns = EngineDriver::stamp(0.02 * std::floor(time_s / 0.02 + 1e-9));
   };

@@ -12,19 +12,6 @@ using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using test::EngineDriver;
 
-bool is_finite(const FusedPose& pose) {
-  return pose.position_world_m.allFinite() && pose.velocity_world_mps.allFinite() &&
-         pose.q_body_to_world.coeffs().allFinite() && pose.acceleration_world_mps2.allFinite() &&
-         pose.gyro_bias_body_radps.allFinite() && position_std_m(pose).allFinite();
-}
-
-test::Sensors with_headings(double noise_m = 0.0) {
-  test::Sensors sensors;
-  sensors.headings = true;
-  sensors.noise_m = noise_m;
-  return sensors;
-}
-
 double rms_error_m(const EngineDriver& driver, double from_s) {
   double squares = 0.0;
   int count = 0;
@@ -50,7 +37,7 @@ TEST_CASE("perfect sensors give the true pose: rest, line and circle, slow and f
                                      {"forklift", test::departure(3.0, 0.2)},
                                      {"kart", test::departure(6.0, 0.125)}}) {
     INFO(name);
-    EngineDriver driver(settings, motion, with_headings());
+    EngineDriver driver(settings, motion, test::with_headings());
     driver.run(20.0);
     CHECK(test::worst_error_m(driver.moments, 5.0) < 0.02);
     const auto& last = driver.moments.back();
@@ -64,7 +51,7 @@ TEST_CASE("perfect sensors give the true pose: rest, line and circle, slow and f
 TEST_CASE("noisy fixes are smoothed: the output is closer to the truth than the fixes") {
   for (const double speed_mps : {0.0, 3.0, 6.0}) {
     INFO("speed " << speed_mps);
-    EngineDriver driver(Settings{}, test::departure(speed_mps), with_headings(0.02));
+    EngineDriver driver(Settings{}, test::departure(speed_mps), test::with_headings(0.02));
     driver.run(60.0);
     CHECK(rms_error_m(driver, 5.0) < 0.02 * std::sqrt(3.0));
   }
@@ -90,7 +77,7 @@ TEST_CASE("before any fix the status says that there is no position") {
   CHECK((pose->status & status_initialising) != 0);
   CHECK((pose->status & status_heading_unknown) != 0);
   CHECK(std::isinf(pose->since_valid_fix_s));
-  CHECK(is_finite(*pose));
+  CHECK(test::is_finite(*pose));
 }
 
 TEST_CASE("item 3 at zero leaves the velocity to the IMU, from the first fix on") {
@@ -129,7 +116,7 @@ TEST_CASE("an accepted track gives no velocity across its jump") {
 }
 
 TEST_CASE("a reset discards the state, raises reset_counter and keeps the counters") {
-  EngineDriver driver(Settings{}, test::departure(2.0), with_headings());
+  EngineDriver driver(Settings{}, test::departure(2.0), test::with_headings());
   driver.run(6.0);
   const EstimatorCounters before = driver.engine.counters();
   REQUIRE(driver.moments.back().pose.reset_counter == 0);
@@ -146,9 +133,9 @@ TEST_CASE("a reset discards the state, raises reset_counter and keeps the counte
 }
 
 TEST_CASE("an engine after a reset equals a new one, to the bit") {
-  EngineDriver fresh(Settings{}, test::departure(2.0, 0.1), with_headings(0.02));
-  EngineDriver used(Settings{}, test::departure(2.0, 0.1), with_headings(0.02));
-  EngineDriver elsewhere(Settings{}, test::constant_velocity(4.0), with_headings(0.02));
+  EngineDriver fresh(Settings{}, test::departure(2.0, 0.1), test::with_headings(0.02));
+  EngineDriver used(Settings{}, test::departure(2.0, 0.1), test::with_headings(0.02));
+  EngineDriver elsewhere(Settings{}, test::constant_velocity(4.0), test::with_headings(0.02));
   elsewhere.run(5.0);
   used.engine = elsewhere.engine;
   used.engine.reset();
@@ -161,7 +148,7 @@ TEST_CASE("an engine after a reset equals a new one, to the bit") {
 }
 
 TEST_CASE("the same events give the same bits, also after a copy") {
-  EngineDriver one(Settings{}, test::departure(2.0, 0.1), with_headings(0.02));
+  EngineDriver one(Settings{}, test::departure(2.0, 0.1), test::with_headings(0.02));
   one.run(5.0);
   EngineDriver two = one;
   one.run(5.0);
@@ -173,7 +160,7 @@ TEST_CASE("the same events give the same bits, also after a copy") {
 }
 
 TEST_CASE("the report on every fix is consistent") {
-  EngineDriver driver(Settings{}, test::departure(2.0, 0.1), with_headings(0.02));
+  EngineDriver driver(Settings{}, test::departure(2.0, 0.1), test::with_headings(0.02));
   driver.run(10.0);
   REQUIRE_FALSE(driver.reports.empty());
   CHECK((driver.reports.front().flags & fix_first) != 0);

@@ -18,7 +18,7 @@ auto freeze_at(const Vector3d& spot, double from_s) {
   };
 }
 
-int count_verdict(const EngineDriver& driver, FixFlag bit) {
+int count_flag(const EngineDriver& driver, FixFlag bit) {
   int count = 0;
   for (const FixReport& report : driver.reports) count += (report.flags & bit) != 0 ? 1 : 0;
   return count;
@@ -29,7 +29,7 @@ TEST_CASE("fixes that repeat one spot while the body drives are a frozen track")
   INFO("speed " << speed_mps);
   EngineDriver driver(Settings{}, test::departure(speed_mps));
   driver.run(8.0);
-  REQUIRE(count_verdict(driver, fix_frozen) == 0);
+  REQUIRE(count_flag(driver, fix_frozen) == 0);
   driver.alter_fix = freeze_at(driver.moments.back().truth.position_world_m, driver.time_s());
   const auto moment = driver.run(1.2);
   CHECK(moment.has(status_frozen_track));
@@ -45,7 +45,7 @@ TEST_CASE("fixes that repeat one spot while the body drives are a frozen track")
       CHECK((later.pose.position_world_m - driver.reports.back().position_world_m).norm() < 4.0 * speed_mps);
     }
   }
-  WHEN("the track lives again") {
+  WHEN("the coordinates change again") {
     driver.alter_fix = nullptr;
     const auto later = driver.run(2.0);
     THEN("the first new coordinate ends it") {
@@ -59,7 +59,7 @@ TEST_CASE("fixes that repeat one spot while the body drives are a frozen track")
 TEST_CASE("at rest real beacons repeat coordinates too: not frozen") {
   EngineDriver driver(Settings{}, test::at_rest({1, 2, 0}));
   driver.run(60.0);
-  CHECK(count_verdict(driver, fix_frozen) == 0);
+  CHECK(count_flag(driver, fix_frozen) == 0);
   CHECK_FALSE(driver.moments.back().has(status_frozen_track));
 }
 
@@ -70,7 +70,7 @@ TEST_CASE("at rest with an imperfect accelerometer: not frozen") {
     if (time_s > 2.0) imu.specific_force_body_mps2.x() += 0.1;  // 0.6 degrees of tilt
   };
   driver.run(60.0);
-  CHECK(count_verdict(driver, fix_frozen) == 0);
+  CHECK(count_flag(driver, fix_frozen) == 0);
 }
 
 TEST_CASE("a drive that ends in a standstill is not frozen") {
@@ -87,7 +87,7 @@ TEST_CASE("a drive that ends in a standstill is not frozen") {
   };
   EngineDriver driver(Settings{}, brake);
   driver.run(12.0);
-  CHECK(count_verdict(driver, fix_frozen) == 0);
+  CHECK(count_flag(driver, fix_frozen) == 0);
   CHECK(driver.moments.back().position_error_m() < 0.02);
 }
 
@@ -102,13 +102,13 @@ TEST_CASE("a silence of the IMU is no motion: at rest it does not freeze the tra
   };
   driver.run(120.0);
   REQUIRE(driver.engine.state().body.velocity_corrections_world_mps.norm() > 0.5);
-  const int before = count_verdict(driver, fix_frozen);
+  const int before = count_flag(driver, fix_frozen);
   driver.imu_on_air = false;
   driver.run(5.0);
   driver.imu_on_air = true;
   driver.run(3.0);
   CHECK(before == 0);
-  CHECK(count_verdict(driver, fix_frozen) == 0);
+  CHECK(count_flag(driver, fix_frozen) == 0);
   CHECK(driver.moments.back().position_error_m() < 0.2);
 }
 
@@ -119,7 +119,7 @@ TEST_CASE("a few equal coordinates in slow motion are the beacon's resolution") 
     fix.position_world_m = (fix.position_world_m * 100.0).array().round().matrix() / 100.0;  // centimetres
   };
   driver.run(20.0);
-  CHECK(count_verdict(driver, fix_frozen) == 0);
+  CHECK(count_flag(driver, fix_frozen) == 0);
 }
 
 }  // namespace frozen_test

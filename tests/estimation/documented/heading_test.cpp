@@ -27,8 +27,8 @@ struct Rig {
                         body.time_ns - to_ns(0.068));
   }
 
-  /// The pull at 100 Hz; the heading, if given, is heard at every step.
-  void pull(double seconds, std::optional<double> heading_rad) {
+  /// Corrects at 100 Hz; the heading, if given, is received at every step.
+  void correct_from_pair(double seconds, std::optional<double> heading_rad) {
     for (int i = 0; i < static_cast<int>(std::lround(seconds * 100.0)); ++i) {
       body.time_ns += to_ns(0.01);
       heading::correct_from_pair(settings, state, body, filter, 0.01);
@@ -37,7 +37,7 @@ struct Rig {
     }
   }
 
-  double nudge(const Vector3d& displacement, const Vector3d& inertial) {
+  double correct_from_course(const Vector3d& displacement, const Vector3d& inertial) {
     return heading::correct_from_course(settings, state, body, filter,
                                         {displacement / 0.08, inertial, displacement});
   }
@@ -72,7 +72,7 @@ TEST_CASE("item 34: a yaw error decays with the time constant 1/gain") {
     rig.take(0.0);
     rig.take(0.2);
     CHECK(rig.yaw() == Approx(0.0).margin(1e-12));  // no jump: the pull is continuous
-    rig.pull(1.0 / gain_hz, 0.2);
+    rig.correct_from_pair(1.0 / gain_hz, 0.2);
     INFO("gain " << gain_hz);
     CHECK((0.2 - rig.yaw()) / 0.2 == Approx(std::exp(-1.0)).epsilon(0.03));
   }
@@ -82,7 +82,7 @@ TEST_CASE("item 34: the correction takes the shorter direction") {
   Rig rig;
   rig.take(175.0 * degree);
   rig.take(-175.0 * degree);
-  rig.pull(0.2, -175.0 * degree);
+  rig.correct_from_pair(0.2, -175.0 * degree);
   CHECK(std::abs(rig.yaw()) > 175.0 * degree);
 }
 
@@ -108,10 +108,10 @@ TEST_CASE("a heading expires half a second after its last sample") {
   CHECK(heading::is_valid(rig.settings, rig.state, heard_ns + to_ns(0.499)));
   CHECK_FALSE(heading::is_valid(rig.settings, rig.state, heard_ns + to_ns(0.501)));
   rig.take(0.3);
-  rig.pull(0.5, std::nullopt);
+  rig.correct_from_pair(0.5, std::nullopt);
   const double yaw = rig.yaw();
   rig.state.rate_offset_radps = 0.0;
-  rig.pull(1.0, std::nullopt);
+  rig.correct_from_pair(1.0, std::nullopt);
   CHECK(rig.yaw() == yaw);
 }
 
@@ -151,31 +151,32 @@ TEST_CASE(
   rig.settings.max_correction_deg = 2.0;
   rig.settings.error_gain = 0.1;
   SECTION("gain times the angle") {
-    const double turn = rig.nudge({0.1 * std::cos(10 * degree), 0.1 * std::sin(10 * degree), 0}, {1.2, 0, 0});
+    const double turn =
+        rig.correct_from_course({0.1 * std::cos(10 * degree), 0.1 * std::sin(10 * degree), 0}, {1.2, 0, 0});
     CHECK(turn == Approx(1.0 * degree));
     CHECK(rig.yaw() == Approx(1.0 * degree));
   }
   SECTION("to the right as well, and the short way round") {
-    CHECK(rig.nudge({0.1 * std::cos(10 * degree), -0.1 * std::sin(10 * degree), 0}, {1.2, 0, 0}) ==
-          Approx(-1.0 * degree));
+    CHECK(rig.correct_from_course({0.1 * std::cos(10 * degree), -0.1 * std::sin(10 * degree), 0},
+                                  {1.2, 0, 0}) == Approx(-1.0 * degree));
     const Vector3d back_left(0.1 * std::cos(175 * degree), 0.1 * std::sin(175 * degree), 0);
     const Vector3d back_right(std::cos(-175 * degree), std::sin(-175 * degree), 0);
-    CHECK(rig.nudge(back_left, back_right) == Approx(-1.0 * degree));
+    CHECK(rig.correct_from_course(back_left, back_right) == Approx(-1.0 * degree));
   }
   SECTION("not more than the cap") {
-    CHECK(rig.nudge({0, 0.1, 0}, {1.2, 0, 0}) == Approx(2.0 * degree));
-    CHECK(rig.nudge({0, -0.1, 0}, {1.2, 0, 0}) == Approx(-2.0 * degree));
+    CHECK(rig.correct_from_course({0, 0.1, 0}, {1.2, 0, 0}) == Approx(2.0 * degree));
+    CHECK(rig.correct_from_course({0, -0.1, 0}, {1.2, 0, 0}) == Approx(-2.0 * degree));
   }
   SECTION("not below the least displacement, in the plane") {
-    CHECK(rig.nudge({0, 0.079, 5.0}, {1.2, 0, 0}) == 0.0);
-    CHECK(rig.nudge({0, 0.081, 0}, {1.2, 0, 0}) > 0.0);
+    CHECK(rig.correct_from_course({0, 0.079, 5.0}, {1.2, 0, 0}) == 0.0);
+    CHECK(rig.correct_from_course({0, 0.081, 0}, {1.2, 0, 0}) > 0.0);
   }
   SECTION("not while the velocity has no direction") {
-    CHECK(rig.nudge({0, 0.1, 0}, Vector3d::Zero()) == 0.0);
+    CHECK(rig.correct_from_course({0, 0.1, 0}, Vector3d::Zero()) == 0.0);
   }
   SECTION("not while a paired heading is valid, which is absolute") {
     rig.take(0.0);
-    CHECK(rig.nudge({0, 0.1, 0}, {1.2, 0, 0}) == 0.0);
+    CHECK(rig.correct_from_course({0, 0.1, 0}, {1.2, 0, 0}) == 0.0);
   }
 }
 

@@ -197,7 +197,8 @@ TEST_CASE("the state stays finite for any settings and any samples in any order"
     }
     if (!poses_finite || !is_finite(engine.state())) FAIL("case " << seed << ": a number is not finite");
   }
-  CHECK(poses > cases * 85);  // most of the samples were taken, however strange their calibration
+  CHECK(poses >
+        std::size_t{cases} * 85);  // most of the samples were taken, however strange their calibration
 }
 
 TEST_CASE("a body at rest stays bounded for any settings") {

@@ -24,8 +24,8 @@ void rock(ImuSample& imu, double time_s) {
   imu.angular_velocity_body_radps.x() += 0.5 * std::sin(10.0 * time_s);
 }
 
-startup::Progress watch_for(const StartupSettings& settings, StartupState& state, double seconds,
-                            const std::function<void(ImuSample&, double)>& alter) {
+startup::Progress run_for(const StartupSettings& settings, StartupState& state, double seconds,
+                          const std::function<void(ImuSample&, double)>& alter) {
   auto last = startup::Progress::none;
   for (int i = 0; i <= static_cast<int>(std::lround(seconds * 100.0)); ++i) {
     ImuSample imu = test::imu_on(test::Truth{}, EngineDriver::stamp(0.01 * i));
@@ -39,24 +39,25 @@ startup::Progress watch_for(const StartupSettings& settings, StartupState& state
 TEST_CASE("at rest the offset is the mean rate over the set time") {
   StartupState state;
   const auto offset = [](ImuSample& imu, double) { imu.angular_velocity_body_radps += offset_radps; };
-  CHECK(watch_for(StartupSettings{}, state, 0.95, offset) == startup::Progress::none);
+  CHECK(run_for(StartupSettings{}, state, 0.95, offset) == startup::Progress::none);
   CHECK(state.waiting);
   state = {};
-  CHECK(watch_for(StartupSettings{}, state, 1.0, offset) == startup::Progress::calibrated);
+  CHECK(run_for(StartupSettings{}, state, 1.0, offset) == startup::Progress::calibrated);
   CHECK((state.gyro_offset_body_radps - offset_radps).norm() < 1e-12);
   CHECK_FALSE(state.waiting);
 }
 
 TEST_CASE("a body that turns, rocks or shakes is not at rest") {
-  const auto verdict_on = [](const std::function<void(ImuSample&, double)>& alter) {
+  const auto progress_with = [](const std::function<void(ImuSample&, double)>& alter) {
     StartupState state;
-    return watch_for(StartupSettings{}, state, 1.0, alter);
+    return run_for(StartupSettings{}, state, 1.0, alter);
   };
-  CHECK(verdict_on([](ImuSample& imu, double) { imu.angular_velocity_body_radps.z() = 0.3; }) ==
+  CHECK(progress_with([](ImuSample& imu, double) { imu.angular_velocity_body_radps.z() = 0.3; }) ==
         startup::Progress::gave_up);
-  CHECK(verdict_on(rock) == startup::Progress::gave_up);
-  CHECK(verdict_on([](ImuSample& imu, double t) { imu.specific_force_body_mps2.x() = std::sin(20.0 * t); }) ==
-        startup::Progress::gave_up);
+  CHECK(progress_with(rock) == startup::Progress::gave_up);
+  CHECK(progress_with([](ImuSample& imu, double t) {
+          imu.specific_force_body_mps2.x() = std::sin(20.0 * t);
+        }) == startup::Progress::gave_up);
 }
 
 TEST_CASE("a few samples are no calibration, over any time") {

@@ -86,6 +86,13 @@ TEST_CASE("an outlier is beyond the set number of sigmas") {
   CHECK(other.assess(0.201).outlier);
 }
 
+TEST_CASE("the test ratio is the squared distance over the limit of an outlier") {
+  JudgedTrack track(plain());
+  CHECK(track.assess(0.1).test_ratio == Approx(0.25));
+  JudgedTrack other(plain());
+  CHECK(other.assess(0.4).test_ratio == Approx(4.0));
+}
+
 TEST_CASE("item 14: no weight is below the floor") {
   TrustSettings settings = plain();
   settings.min_weight = 0.05;
@@ -262,6 +269,8 @@ TEST_CASE("items 20–22, in the engine: a wrong velocity is corrected while con
   CHECK(back.position_error_m() < 0.1);
   CHECK(back.pose.velocity_world_mps.norm() < 0.2);
   CHECK_FALSE(driver.engine.state().trust.forced);
+  REQUIRE(driver.reports.back().test_ratio);
+  CHECK(*driver.reports.back().test_ratio < 1.0);
 }
 
 }  // namespace trust_test

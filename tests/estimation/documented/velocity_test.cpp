@@ -18,7 +18,7 @@ VelocitySettings plain() {
   return settings;
 }
 
-FixAssessment verdict_of(double weight) {
+FixAssessment assessment_with(double weight) {
   FixAssessment assessment;
   assessment.weight = weight;
   return assessment;
@@ -58,15 +58,15 @@ Vector3d after_fix(const VelocitySettings& settings, const Vector3d& ultrasonic,
   auto body = test::moving_body(inertial);
   body.acceleration_world_mps2 = {0, acceleration_mps2, 0};
   VelocityState run = settled();
-  velocity::correct(settings, run, body, between(ultrasonic, inertial), verdict_of(weight));
+  velocity::correct(settings, run, body, between(ultrasonic, inertial), assessment_with(weight));
   return body.velocity_world_mps;
 }
 
-std::uint32_t verdict_after(const VelocitySettings& settings, const Vector3d& ultrasonic,
-                            const Vector3d& inertial) {
+std::uint32_t flags_after(const VelocitySettings& settings, const Vector3d& ultrasonic,
+                          const Vector3d& inertial) {
   auto body = test::moving_body(inertial);
   VelocityState run = settled();
-  return velocity::correct(settings, run, body, between(ultrasonic, inertial), verdict_of(1.0)).flags;
+  return velocity::correct(settings, run, body, between(ultrasonic, inertial), assessment_with(1.0)).flags;
 }
 
 TEST_CASE("item 3: one fix moves the velocity by blend × reliability × difference") {
@@ -97,7 +97,7 @@ TEST_CASE("item 3: the mean over the interval is compared and not the present ve
   CHECK(measured->ultrasonic_world_mps.x() == Approx(4.0 * 0.88));
   CHECK(measured->inertial_world_mps.x() == Approx(4.0 * 0.88));
   VelocityState run = settled();
-  velocity::correct(plain(), run, body, *measured, verdict_of(1.0));
+  velocity::correct(plain(), run, body, *measured, assessment_with(1.0));
   CHECK(body.velocity_world_mps.x() == Approx(4.0));  // nothing to correct
 }
 
@@ -165,43 +165,43 @@ TEST_CASE("an outlier is no endpoint of an interval") {
 
 TEST_CASE("item 7: an IMU more than twice as fast in the same direction takes the ultrasonic velocity") {
   const Vector3d slow(1.5, 0, 0);
-  CHECK(verdict_after(plain(), slow, {3.01, 0, 0}) == fix_snapped_over);
+  CHECK(flags_after(plain(), slow, {3.01, 0, 0}) == fix_snapped_over);
   CHECK((after_fix(plain(), slow, {3.01, 0, 0}) - slow).norm() < 1e-12);
-  CHECK(verdict_after(plain(), slow, {2.99, 0, 0}) == 0);
-  CHECK(verdict_after(plain(), slow, {-3.01, 0, 0}) == 0);  // the other direction
+  CHECK(flags_after(plain(), slow, {2.99, 0, 0}) == 0);
+  CHECK(flags_after(plain(), slow, {-3.01, 0, 0}) == 0);  // the other direction
   VelocitySettings off = plain();
   off.overshoot_fix = false;
-  CHECK(verdict_after(off, slow, {3.01, 0, 0}) == 0);
+  CHECK(flags_after(off, slow, {3.01, 0, 0}) == 0);
 }
 
 TEST_CASE("item 8: an ultrasonic velocity more than twice the IMU's is taken at once") {
   const Vector3d fast(3, 0, 0);
-  CHECK(verdict_after(plain(), fast, {1.49, 0, 0}) == fix_snapped_under);
+  CHECK(flags_after(plain(), fast, {1.49, 0, 0}) == fix_snapped_under);
   CHECK((after_fix(plain(), fast, {1.49, 0, 0}) - fast).norm() < 1e-12);
-  CHECK(verdict_after(plain(), fast, {1.51, 0, 0}) == 0);
+  CHECK(flags_after(plain(), fast, {1.51, 0, 0}) == 0);
   VelocitySettings off = plain();
   off.undershoot_fix = false;
-  CHECK(verdict_after(off, fast, {1.49, 0, 0}) == 0);
+  CHECK(flags_after(off, fast, {1.49, 0, 0}) == 0);
 }
 
 TEST_CASE("item 28: below the minimum ultrasonic speed neither acts") {
-  CHECK(verdict_after(plain(), {0.99, 0, 0}, {5, 0, 0}) == 0);
-  CHECK(verdict_after(plain(), {0.99, 0, 0}, Vector3d::Zero()) == 0);
-  CHECK(verdict_after(plain(), {1.01, 0, 0}, {5, 0, 0}) == fix_snapped_over);
-  CHECK(verdict_after(plain(), {1.01, 0, 0}, Vector3d::Zero()) == fix_snapped_under);
+  CHECK(flags_after(plain(), {0.99, 0, 0}, {5, 0, 0}) == 0);
+  CHECK(flags_after(plain(), {0.99, 0, 0}, Vector3d::Zero()) == 0);
+  CHECK(flags_after(plain(), {1.01, 0, 0}, {5, 0, 0}) == fix_snapped_over);
+  CHECK(flags_after(plain(), {1.01, 0, 0}, Vector3d::Zero()) == fix_snapped_under);
 }
 
 TEST_CASE("a stray fix, far from the extrapolation of the two before it, causes no snap") {
   VelocitySettings settings = plain();
   settings.snap_max_bend_m = 0.1;
-  const auto verdict_for = [&](double bend_m) {
+  const auto flags_for = [&](double bend_m) {
     auto body = test::moving_body({1, 0, 0});
     const auto measured = between({3, 0, 0}, {1, 0, 0}, bend_m);
     VelocityState run = settled();
-    return velocity::correct(settings, run, body, measured, verdict_of(1.0)).flags;
+    return velocity::correct(settings, run, body, measured, assessment_with(1.0)).flags;
   };
-  CHECK(verdict_for(0.09) == fix_snapped_under);
-  CHECK(verdict_for(0.11) == 0);
+  CHECK(flags_for(0.09) == fix_snapped_under);
+  CHECK(flags_for(0.11) == 0);
 
   GIVEN("fixes at 1 m/s along x") {
     const auto body = test::moving_body({1, 0, 0});
@@ -225,7 +225,7 @@ TEST_CASE("the first velocities of a run are averaged, until item 3 counts more"
   const FixVelocity measured = between({0.5, 0, 0}, Vector3d::Zero());
   const auto share_of_next = [&](VelocityState& state) {
     auto body = test::moving_body(Vector3d::Zero());
-    return velocity::correct(settings, state, body, measured, verdict_of(1.0)).share;
+    return velocity::correct(settings, state, body, measured, assessment_with(1.0)).share;
   };
   GIVEN("a run at a velocity that nobody knows") {
     VelocityState state = after(fix_at(-0.2, Vector3d::Zero()));
@@ -267,7 +267,7 @@ TEST_CASE("items 26 and 27: the acceleration gate halves at the threshold and cl
 
 TEST_CASE("items 20–22: forced convergence corrects the velocity at its own weight") {
   auto body = test::moving_body({4, 0, 0});
-  FixAssessment forced = verdict_of(0.002);
+  FixAssessment forced = assessment_with(0.002);
   forced.forced = true;
   forced.weight_floor = 0.5;
   VelocityState run = settled();

@@ -4,10 +4,10 @@
 /// hash. A test compares the number of names in each group with the number of its fields.
 
 #include <sonopose/estimation/documented/state.hpp>
+#include <sonopose/samples/field_fault.hpp>
 
 #include <concepts>
 #include <optional>
-#include <string_view>
 
 namespace sonopose::estimation::documented {
 
@@ -113,14 +113,14 @@ void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("in_imu_gap", state.in_imu_gap);
 }
 
-/// A field and what is impossible about its value.
-struct FieldFault {
-  std::string_view field;
-  std::string_view fault;
-};
+/// The fields of its state; the counters are listed elsewhere (samples/estimator_counters.hpp).
+void for_each_field(IsFieldsOf<Snapshot> auto& snapshot, const auto& visit) {
+  for_each_field(snapshot.state, visit);
+}
 
 /// The first field whose value no engine can have although its type allows it.
-inline std::optional<FieldFault> find_fault(const State& state) {
+inline std::optional<FieldFault> find_fault(const Snapshot& snapshot) {
+  const State& state = snapshot.state;
   if (!(state.trust.trust >= 0.0 && state.trust.trust <= 1.0)) {
     return FieldFault{"trust.trust", "is not between 0 and 1"};
   }

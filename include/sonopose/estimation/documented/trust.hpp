@@ -30,6 +30,7 @@ struct TrustState {
 struct FixAssessment {
   Vector3d innovation_world_m = Vector3d::Zero();
   double innovation_m = 0;  ///< its norm
+  double test_ratio = 0;    ///< (innovation_m / (outlier_sigmas · sigma_m))²: above 1 is an outlier
   double weight = 1;        ///< w_eff = max(item 14, w · trust)
   double jump_floor = 0;    ///< item 21 while convergence is forced
   double weight_floor = 0;  ///< item 22 while convergence is forced

@@ -5,12 +5,15 @@
 /// is worth without fixes.
 
 #include <sonopose/samples/estimator_counters.hpp>
+#include <sonopose/samples/field_fault.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/settings/settings.hpp>
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 namespace sonopose::estimation::strapdown {
 
@@ -30,8 +33,14 @@ enum class Rule : std::uint8_t {
   mean       ///< the mean of both samples, each force rotated by its own attitude: second order
 };
 
-/// Everything that an engine has besides its settings, its start and its rule.
+constexpr std::array<std::string_view, 2> choices_of(Rule /*rule*/) {
+  return {"previous", "mean"};
+}
+
+/// Everything that an engine has besides its settings.
 struct Snapshot {
+  State start;
+  Rule rule = Rule::previous;
   State state;
   bool has_previous = false;  ///< a sample has been processed: its rate and force follow
   Vector3d previous_angular_velocity_body_radps = Vector3d::Zero();
@@ -84,14 +93,17 @@ private:
   void integrate(const ImuSample& imu);
 
   settings::Settings settings_;
-  State start_;
-  Rule rule_;
   Snapshot now_;
 };
 
 /// Calls `visit(name, field)` for each field of the state; `AnySnapshot` is Snapshot or const Snapshot.
 template <class AnySnapshot, class Visit>
 void for_each_field(AnySnapshot& snapshot, const Visit& visit) {
+  visit("start.time_ns", snapshot.start.time_ns);
+  visit("start.position_world_m", snapshot.start.position_world_m);
+  visit("start.velocity_world_mps", snapshot.start.velocity_world_mps);
+  visit("start.q_body_to_world", snapshot.start.q_body_to_world);
+  visit("rule", snapshot.rule);
   visit("time_ns", snapshot.state.time_ns);
   visit("position_world_m", snapshot.state.position_world_m);
   visit("velocity_world_mps", snapshot.state.velocity_world_mps);
@@ -100,6 +112,11 @@ void for_each_field(AnySnapshot& snapshot, const Visit& visit) {
   visit("previous_angular_velocity_body_radps", snapshot.previous_angular_velocity_body_radps);
   visit("previous_specific_force_body_mps2", snapshot.previous_specific_force_body_mps2);
   visit("last_imu_ns", snapshot.last_imu_ns);
+}
+
+/// Any value that the types allow is possible.
+inline std::optional<FieldFault> find_fault(const Snapshot& /*snapshot*/) {
+  return std::nullopt;
 }
 
 }  // namespace sonopose::estimation::strapdown
