@@ -1,12 +1,12 @@
 #include "fusion/fusion_node.hpp"
 
+#include "clocks/clocks.hpp"
 #include "fusion/beacon_estimators.hpp"
 #include "fusion/gap_detector.hpp"
 #include "fusion/input_monitor.hpp"
 #include "fusion/pose_output.hpp"
-#include "process/clocks.hpp"
+#include "fusion/status_publisher.hpp"
 #include "process/endpoint_counters.hpp"
-#include "process/random_id.hpp"
 #include "process/silence_detector.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
@@ -62,13 +62,15 @@ class FusionNode::Impl {
 public:
   explicit Impl(const FusionOptions& options);
   ~Impl();
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
 
   void publish_statuses();
 
   /// Asserts liveliness, releases stalled beacons and publishes the status of beacons whose IMU fell silent
   /// or resumed.
   void poll();
-  [[nodiscard]] SteadyTime poll_by() const { return output_.poll_by(process::steady_now()); }
+  [[nodiscard]] SteadyTime poll_by() const { return output_.poll_by(clocks::steady_now()); }
 
   /// Lets a standby process take over without a missed pose.
   void hand_over();
@@ -82,15 +84,12 @@ private:
   void write(EventOutcome& outcome, TimeNs in_ns, SteadyTime steady) noexcept;
   void write(FusedPose& pose, SteadyTime steady) noexcept;
   void write(const SettingsChange& change) noexcept;
-  template <class T>
-  void write_to(dds::DataWriter<T>& writer, const T& sample) noexcept;
+  void write_until_accepted(const auto& attempt) noexcept;
   void serve_lossless(const std::stop_token& stop);
 
   void publish_status(BeaconAddress address);
   void publish_estimate(BeaconAddress address);
   void log_gaps();
-  void log_unwritten();
-  void log_incompatible();
 
   /// Passes on the samples and status changes of one topic, on the thread that receives them.
   template <class T>
@@ -118,7 +117,6 @@ private:
 
   bool lossless_;
   process::AddressSet addresses_;
-  std::uint64_t id_;
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
   dds::topics::Delivery delivery_;
@@ -132,8 +130,6 @@ private:
   std::map<BeaconAddress, std::uint64_t> last_reset_ids_;          // used by the receive thread
   std::vector<process::SilenceDetector::Change> silence_changes_;  // of poll(), kept for its capacity
   std::atomic<std::uint64_t> unwritten_ = 0;
-  std::uint64_t unwritten_reported_ = 0;
-  std::uint64_t incompatible_reported_ = 0;
   std::atomic<bool> working_ = false;  // an event is being processed
   std::atomic<bool> stopping_ = false;
   std::atomic<bool> waited_for_consumer_ = false;  // since the last log_gaps()
@@ -141,11 +137,9 @@ private:
 
   process::EndpointCounters endpoints_;
   process::CountingWriterListener<sonopose_FixReport> report_listener_{endpoints_};
-  process::CountingWriterListener<sonopose_FusionStatus> status_listener_{endpoints_};
   PoseOutput output_;
+  StatusPublisher status_publisher_;
   dds::DataWriter<sonopose_FixReport> report_writer_;
-  dds::DataWriter<sonopose_FusionStatus> status_writer_;
-  dds::DataWriter<sonopose_Estimate> estimate_writer_;
   dds::DataWriter<sonopose_SettingsReply> reply_writer_;
   dds::DataWriter<sonopose_EffectiveSettings> settings_writer_;
 
@@ -166,7 +160,6 @@ private:
 FusionNode::Impl::Impl(const FusionOptions& options)
     : lossless_(options.lossless),
       addresses_(options.addresses),
-      id_(process::random_id()),
       participant_(domain_options(options)),
       qos_(options.qos_file),
       delivery_(options.lossless ? dds::topics::Delivery::lossless : dds::topics::Delivery::live),
@@ -174,10 +167,9 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       estimators_(options.config, options.lossless),
       imu_silences_(input_deadline_ns_),
       output_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, endpoints_),
+      status_publisher_(participant_, qos_, endpoints_),
       report_writer_(
           dds::topics::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)),
-      status_writer_(dds::topics::make_writer(participant_, qos_, topics::fusion_status, &status_listener_)),
-      estimate_writer_(dds::topics::make_writer(participant_, qos_, topics::estimate)),
       reply_writer_(dds::topics::make_writer(participant_, qos_, topics::settings_reply)),
       settings_writer_(dds::topics::make_writer(participant_, qos_, topics::settings)) {
   write(estimators_.settings_for_all());
@@ -206,14 +198,7 @@ FusionNode::Impl::~Impl() {
   // there is space; their consumers learn it from the end of the writers.)
   for (const BeaconAddress address : estimators_.addresses()) {
     if (!lossless_) output_.unregister(address);
-    sonopose_FusionStatus status{};
-    status.address = address;
-    status.fusion_id = id_;
-    status_writer_.try_unregister_instance(status);
-    sonopose_Estimate estimate{};
-    estimate.address = address;
-    estimate.fusion_id = id_;
-    estimate_writer_.try_unregister_instance(estimate);
+    status_publisher_.unregister(address);
     sonopose_EffectiveSettings settings{};
     settings.address = address;
     settings_writer_.try_unregister_instance(settings);
@@ -225,8 +210,8 @@ FusionNode::Impl::~Impl() {
 
 template <class T>
 void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
-  const TimeNs in_ns = process::host_now();
-  const SteadyTime steady = process::steady_now();
+  const TimeNs in_ns = clocks::host_now();
+  const SteadyTime steady = clocks::steady_now();
   working_ = true;
   reader.try_take_each([&](const T& sample, const dds::SampleInfo& info) {
     if (stopping_ || !addresses_.contains(sample.address))
@@ -266,32 +251,33 @@ void FusionNode::Impl::write(EventOutcome& outcome, TimeNs in_ns, SteadyTime ste
     pose->fusion_in_time_ns = in_ns;
     write(*pose, steady);
   } else if (const auto* report = std::get_if<FixReport>(&outcome.result)) {
-    write_to(report_writer_, dds::topics::to_idl(*report));
+    const auto sample = dds::topics::to_idl(*report);
+    write_until_accepted([&] { return report_writer_.try_write(sample); });
   }
   if (outcome.settings) write(*outcome.settings);
 }
 
 void FusionNode::Impl::write(FusedPose& pose, SteadyTime steady) noexcept {
   auto& writer = output_.writer_for(pose, steady);
-  pose.fusion_out_time_ns = process::host_now();
-  write_to(writer, dds::topics::to_idl(pose));
+  write_until_accepted([&] { return PoseOutput::write(writer, pose); });
 }
 
 void FusionNode::Impl::write(const SettingsChange& change) noexcept {
   const EffectiveSettings settings{.address = change.address,
-                                   .time_ns = process::host_now(),
+                                   .time_ns = clocks::host_now(),
                                    .from_sequence = change.from_sequence,
                                    .values = config::texts_of(change.settings)};
-  write_to(settings_writer_, dds::topics::to_idl(settings).sample());
+  const auto sample = dds::topics::to_idl(settings);
+  write_until_accepted([&] { return settings_writer_.try_write(sample.sample()); });
 }
 
-template <class T>
-void FusionNode::Impl::write_to(dds::DataWriter<T>& writer, const T& sample) noexcept {
+/// In lossless mode `attempt` is repeated until a slow consumer has space.
+void FusionNode::Impl::write_until_accepted(const auto& attempt) noexcept {
   if (lossless_ && stopping_) return;  // each attempt may wait for a consumer
-  dds::ReturnCode code = writer.try_write(sample);
+  dds::ReturnCode code = attempt();
   while (lossless_ && dds::is_timeout(code) && !stopping_) {
     waited_for_consumer_ = true;
-    code = writer.try_write(sample);
+    code = attempt();
   }
   if (code < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
 }
@@ -360,7 +346,7 @@ void FusionNode::Impl::on_bridge_liveliness(const dds::LivelinessChangedStatus& 
 // Status
 
 void FusionNode::Impl::poll() {
-  const SteadyTime now = process::steady_now();
+  const SteadyTime now = clocks::steady_now();
   output_.poll(now, working_);
   silence_changes_.clear();
   {
@@ -374,8 +360,8 @@ void FusionNode::Impl::hand_over() {
   output_.hand_over();
   if (!output_.is_standby()) return;
   constexpr TimeNs longest_ns = 1'000'000'000;  // for a profile with a long lease or without one
-  const SteadyTime until = process::steady_now() + std::min(output_.lease_ns(), longest_ns);
-  for (SteadyTime now = process::steady_now(); now < until; now = process::steady_now()) {
+  const SteadyTime until = clocks::steady_now() + std::min(output_.lease_ns(), longest_ns);
+  for (SteadyTime now = clocks::steady_now(); now < until; now = clocks::steady_now()) {
     poll();
     std::this_thread::sleep_for(std::chrono::nanoseconds(std::min(poll_by(), until) - now));
   }
@@ -392,8 +378,7 @@ void FusionNode::Impl::publish_statuses() {
     publish_estimate(address);
   }
   if (lossless_) log_gaps();
-  log_unwritten();
-  log_incompatible();
+  status_publisher_.log_losses(unwritten_ + output_.unwritten());
 }
 
 void FusionNode::Impl::publish_status(BeaconAddress address) {
@@ -406,21 +391,9 @@ void FusionNode::Impl::publish_status(BeaconAddress address) {
     status->imu_silent = imu_silences_.is_silent(address);
     inputs = inputs_.counters(address);
   }
-  status->fusion_id = id_;
-  status->time_ns = process::host_now();
   status->role = output_.role(address);
   status->strength = output_.strength();
-  status->imu_deadlines_missed = inputs.imu_deadlines_missed;
-  status->fix_deadlines_missed = inputs.fix_deadlines_missed;
-  status->heading_deadlines_missed = inputs.heading_deadlines_missed;
-  status->bridge_losses = inputs.bridge_losses;
-  status->pose_deadlines_missed = endpoints_.offered_deadlines_missed;
-  status->liveliness_lost = endpoints_.liveliness_lost;
-  status->samples_lost = endpoints_.samples_lost;
-  status->samples_rejected = endpoints_.samples_rejected;
-  status->incompatible_qos = endpoints_.incompatible_qos;
-  status->poses_unwritten = unwritten_ + output_.unwritten();
-  if (status_writer_.try_write(dds::topics::to_idl(*status)) < 0) ++unwritten_;
+  if (!status_publisher_.publish(*status, inputs, unwritten_ + output_.unwritten())) ++unwritten_;
 }
 
 void FusionNode::Impl::publish_estimate(BeaconAddress address) {
@@ -429,27 +402,7 @@ void FusionNode::Impl::publish_estimate(BeaconAddress address) {
     const std::lock_guard lock(estimators_mutex_);
     estimate = estimators_.estimate(address);
   }
-  if (!estimate) return;
-  estimate->fusion_id = id_;
-  if (estimate_writer_.try_write(dds::topics::to_idl(*estimate)) < 0) ++unwritten_;
-}
-
-void FusionNode::Impl::log_unwritten() {
-  const std::uint64_t unwritten = unwritten_ + output_.unwritten();
-  if (unwritten == unwritten_reported_) return;
-  fmt::print(stderr, "sonopose-fusion: {} poses or reports could not be written: a consumer is too slow\n",
-             unwritten - unwritten_reported_);
-  unwritten_reported_ = unwritten;
-}
-
-void FusionNode::Impl::log_incompatible() {
-  const std::uint64_t incompatible = endpoints_.incompatible_qos;
-  if (incompatible == incompatible_reported_) return;
-  fmt::print(
-      stderr,
-      "sonopose-fusion: {} readers or writers with incompatible QoS; run sonopose-doctor to list them\n",
-      incompatible - incompatible_reported_);
-  incompatible_reported_ = incompatible;
+  if (estimate && !status_publisher_.publish(*estimate)) ++unwritten_;
 }
 
 void FusionNode::Impl::log_gaps() {
@@ -458,7 +411,7 @@ void FusionNode::Impl::log_gaps() {
   {
     const std::lock_guard lock(estimators_mutex_);
     for (const BeaconAddress address : estimators_.addresses()) {
-      if (auto text = gaps_.on(address, estimators_.gap(address), process::steady_now()))
+      if (auto text = gaps_.on(address, estimators_.gap(address), clocks::steady_now()))
         texts.push_back(*std::move(text));
     }
   }
@@ -470,10 +423,10 @@ FusionNode::~FusionNode() = default;
 
 void FusionNode::run(const process::StopSignal& stop) {
   constexpr TimeNs period_ns = 1'000'000'000;
-  SteadyTime status_due = process::steady_now();
+  SteadyTime status_due = clocks::steady_now();
   do {
     impl_->poll();
-    if (process::steady_now() < status_due) continue;
+    if (clocks::steady_now() < status_due) continue;
     impl_->publish_statuses();
     status_due += period_ns;
   } while (!stop.wait_until(std::min(status_due, impl_->poll_by())));

@@ -19,7 +19,7 @@ public:
   /// A longer wait is not explained by a slow transport.
   static constexpr TimeNs timeout_ns = 5'000'000'000;
 
-  /// What one beacon's events wait for at `now`. Returns what to tell the user, once for
+  /// What one beacon's events wait for at `now`. Returns a message for the user, once for
   /// each event that is waited for.
   std::optional<std::string> on(BeaconAddress address,
                                 const std::optional<collation::LosslessCollator::Gap>& gap, SteadyTime now);

@@ -1,6 +1,6 @@
 #include "fusion/pose_output.hpp"
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include "process/realtime.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
 
@@ -76,6 +76,11 @@ dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(const FusedPose& pos
   return writer_of(step.role);
 }
 
+dds::ReturnCode PoseOutput::write(dds::DataWriter<sonopose_FusedPose>& writer, FusedPose& pose) noexcept {
+  pose.fusion_out_time_ns = clocks::host_now();
+  return writer.try_write(dds::topics::to_idl(pose));
+}
+
 dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_of(FusionRole role) noexcept {
   return role == FusionRole::sole || role == FusionRole::serving ? writer_ : warming_writer_;
 }
@@ -126,7 +131,7 @@ void PoseOutput::serve_predictions(const std::stop_token& stop) {
   std::vector<FusedPose> due;
   while (!stop.stop_requested()) {
     constexpr TimeNs idle_ns = 100'000'000;  // nothing requested, or no sample since
-    const SteadyTime wake = write_predictions(due).value_or(process::steady_now() + idle_ns);
+    const SteadyTime wake = write_predictions(due).value_or(clocks::steady_now() + idle_ns);
     std::unique_lock lock(mutex_);
     wake_.wait_until(lock, stop, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(wake.ns)),
                      [this] { return std::exchange(periods_changed_, false); });
@@ -138,14 +143,12 @@ std::optional<SteadyTime> PoseOutput::write_predictions(std::vector<FusedPose>& 
   std::optional<SteadyTime> next;
   {
     const std::lock_guard lock(mutex_);
-    next = predictor_.predict(process::steady_now(), [&](const FusedPose& pose) { due.push_back(pose); });
+    next = predictor_.predict(clocks::steady_now(), [&](const FusedPose& pose) { due.push_back(pose); });
   }
   for (FusedPose& pose : due) {
     const FusionRole as = role(pose.address);
     if (as == FusionRole::stalled) continue;
-    pose.fusion_out_time_ns = process::host_now();
-    if (writer_of(as).try_write(dds::topics::to_idl(pose)) < 0)
-      unwritten_.fetch_add(1, std::memory_order_relaxed);
+    if (write(writer_of(as), pose) < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
   }
   return next;
 }

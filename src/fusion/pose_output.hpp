@@ -37,9 +37,12 @@ public:
   /// Predicts this beacon's poses every `period_ns` from its next pose on; 0: never.
   void set_period(BeaconAddress address, TimeNs period_ns) noexcept;
 
-  /// The writer for the pose of an IMU sample that was taken at `now`. Takes a claim back where it
-  /// must.
+  /// The writer for the pose of an IMU sample that was taken at `now`. Releases the beacon if
+  /// necessary.
   dds::DataWriter<sonopose_FusedPose>& writer_for(const FusedPose& pose, SteadyTime now) noexcept;
+
+  /// Stamps and writes a pose.
+  static dds::ReturnCode write(dds::DataWriter<sonopose_FusedPose>& writer, FusedPose& pose) noexcept;
 
   /// Asserts manual liveliness unless `busy`, and releases stalled beacons. Call it several times within a
   /// lease.
