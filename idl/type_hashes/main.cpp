@@ -30,7 +30,7 @@ struct Type {
 };
 using Types = std::map<std::string, Type>;  // by their names in ROS
 
-/// Stands in front of requests and replies, and is not ROS's.
+/// The header of requests and replies, which is not a type of ROS 2.
 const std::string middleware_header = "rmw_cyclonedds/srv/RequestHeader";
 
 /// The file's text with what it includes in front, each file once.

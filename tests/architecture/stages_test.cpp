@@ -49,7 +49,7 @@ TEST_CASE("each of the 37 items is read by its own stage and by no other") {
     const std::string stage = stage_of(row.group);
     // In its stage a group is called `settings`, the preset's `preset`.
     const std::regex own("\\b(settings|preset)\\." + row.name + "\\b");
-    const std::regex foreign("\\bsettings_?\\.\\w+\\." + row.name + "\\b");
+    const std::regex foreign(R"(\bsettings_?\.\w+\.)" + row.name + R"(\b)");
     INFO("item " << row.item << ", " << row.key);
     REQUIRE(texts.contains(stage));
     CHECK(std::regex_search(texts.at(stage), own));

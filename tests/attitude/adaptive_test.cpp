@@ -42,7 +42,7 @@ double tilt_when_shaken(const typename F::Settings& settings, double amplitude_m
   return largest_deg;
 }
 
-TEST_CASE("acceleration to and fro hardly tilts it, where a Mahony of the same time constant leans") {
+TEST_CASE("back-and-forth acceleration tilts it much less than a Mahony filter of the same time constant") {
   MahonySettings mahony;
   mahony.kp = 1.0 / AdaptiveSettings{}.accel_time_s;
   mahony.ki = 0;
@@ -64,10 +64,10 @@ TEST_CASE("a body that turns while it is accelerated in one direction of its own
 TEST_CASE("a tilt is corrected with the low-pass's time constant") {
   Adaptive filter;
   for (int i = 0; i < 2000; ++i) filter.update({}, level(gravity_mps2));
-  GIVEN("a turn of 5° that did not happen") {
+  GIVEN("a tilt error of 5°") {
     filter.turn_in_world({5.0 * geometry::radians_per_degree, 0, 0});
     const double time_s = AdaptiveSettings{}.accel_time_s;
-    THEN("after that time much of it is left, after thrice nearly nothing") {
+    THEN("after one time constant much of it remains, after three almost nothing") {
       for (int i = 0; i < static_cast<int>(100 * time_s); ++i) filter.update({}, level(gravity_mps2));
       const double early_deg = tilt_deg(filter.orientation());
       CHECK(early_deg < 4.0);

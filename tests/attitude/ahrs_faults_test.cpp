@@ -24,7 +24,7 @@ AhrsSettings with_range(double range_dps) {
   return settings;
 }
 
-TEST_CASE("a heading from outside is met however the body is pitched, in every convention") {
+TEST_CASE("the filter converges to an external heading at any pitch, in every convention") {
   const double heading_rad = 60 * degree;
   for (const Convention convention : {Convention::nwu, Convention::enu, Convention::ned}) {
     for (const Eigen::Vector2d& north : {Eigen::Vector2d(0, 1), Eigen::Vector2d(0.6, -0.8)}) {
@@ -56,7 +56,7 @@ TEST_CASE("a heading from outside in the world is the yaw there") {
   CHECK(distance_rad(filter, truth) < 1e-4);
 }
 
-TEST_CASE("a body that stands on its tail has no yaw to be pulled") {
+TEST_CASE("an external heading has no effect while body X is vertical") {
   const Quaterniond truth = geometry::rotation_by({0, -std::numbers::pi / 2, 0});
   Ahrs filter = settled_at(truth);
   const Quaterniond before = filter.orientation();
@@ -64,7 +64,7 @@ TEST_CASE("a body that stands on its tail has no yaw to be pulled") {
   CHECK(distance_rad(filter, before) < 1e-6);
 }
 
-TEST_CASE("a rate beyond the range costs no more heading than it hides, without a magnetometer") {
+TEST_CASE("without a magnetometer, a rate beyond the range loses only the clipped part of the heading") {
   const double range_radps = 500 * degree;
   const AhrsSettings settings = with_range(500.0);
   Ahrs filter = settled_at(Quaterniond::Identity(), settings);
@@ -84,7 +84,7 @@ TEST_CASE("a rate beyond the range costs no more heading than it hides, without 
   CHECK(tilt_error_rad(filter, Quaterniond::Identity()) < rounding_rad);
 }
 
-TEST_CASE("what a rate beyond the range hid of the tilt is made good by initialising") {
+TEST_CASE("initialising corrects the tilt error that a rate beyond the range caused") {
   // Turned by 60° about a horizontal axis in a moment that the gyroscope did not see.
   const Quaterniond truth = geometry::rotation_by({60 * degree, 0, 0});
   const AhrsSettings settings = with_range(500.0);

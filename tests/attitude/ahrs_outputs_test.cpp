@@ -42,10 +42,10 @@ TEST_CASE("an orientation is the same body in every convention") {
   const Quaterniond q = geometry::rotation_about_z(0.7) * geometry::rotation_by({0.3, -0.5, 0.2});
   const Vector3d in_body(0.2, -0.6, 0.9);
   for (const Convention convention : {Convention::nwu, Convention::enu, Convention::ned}) {
-    const Quaterniond told = attitude::orientation_in(convention, north_is_y, q);
+    const Quaterniond converted = attitude::orientation_in(convention, north_is_y, q);
     const Vector3d expected = attitude::vector_in(convention, north_is_y, Vector3d(q * in_body));
-    CHECK((told * in_body).isApprox(expected, 1e-12));
-    CHECK((told.toRotationMatrix() * in_body).isApprox(expected, 1e-12));
+    CHECK((converted * in_body).isApprox(expected, 1e-12));
+    CHECK((converted.toRotationMatrix() * in_body).isApprox(expected, 1e-12));
   }
 }
 
@@ -61,9 +61,10 @@ TEST_CASE("angles of known attitudes, as settled on from the sensors") {
     CHECK(std::abs(ned.z()) < 1e-3);
   }
   GIVEN("an aircraft in NED: Z down, climbing by 20°, heading 60° to the east of north") {
-    const Quaterniond told =
+    const Quaterniond converted =
         geometry::rotation_of(geometry::EulerAngles<double>{0.0, 20 * degree, 60 * degree});
-    const Quaterniond truth = attitude::world_to_convention(Convention::ned, north_is_y).conjugate() * told;
+    const Quaterniond truth =
+        attitude::world_to_convention(Convention::ned, north_is_y).conjugate() * converted;
     const auto m = at_rest(truth);
     // The nose is up: gravity's reaction shows along it, and against Z, which points down.
     CHECK(m.specific_force_body_mps2.isApprox(

@@ -1,4 +1,4 @@
-/// The AHRS document's algorithm: initialisation, the pull of the sensors and what each of them can tell.
+/// The AHRS document's algorithm: initialisation, and what each sensor corrects.
 
 #include "attitude/ahrs_support.hpp"
 
@@ -38,7 +38,7 @@ TEST_CASE("initialisation converges within its 3 s from any orientation") {
   }
 }
 
-TEST_CASE("exactly upside down and exactly backwards are no places to rest") {
+TEST_CASE("the filter also leaves an estimate that is exactly upside down or exactly backwards") {
   Ahrs filter;
   const Quaterniond upside_down(0, 1, 0, 0);
   run(filter, {}, at_rest(upside_down), 10.0);

@@ -19,7 +19,7 @@ ImuSample sample_at(double time_s, const Vector3d& rate_radps) {
   return imu;
 }
 
-TEST_CASE("every kind can be named, and another one goes on where the one before stood") {
+TEST_CASE("every kind can be selected, and a new one continues from the previous orientation") {
   attitude::Settings settings;
   AnyFilter filter;
   filter.reset(geometry::rotation_by({0.0, 0.0, 1.0}));

@@ -64,7 +64,7 @@ TEST_CASE("without a heading the compass returns none") {
   CHECK(compass_heading(Convention::nwu, up, field));
 }
 
-TEST_CASE("a yaw of a convention is told in the world and back") {
+TEST_CASE("a yaw converts from a convention to the world and back") {
   for (const Convention convention : {Convention::nwu, Convention::enu, Convention::ned}) {
     for (const double yaw_rad : {-3.0, -1.0, 0.0, 0.5, 2.0}) {
       const Eigen::Vector2d north(-0.28, 0.96);

@@ -174,7 +174,7 @@ TEMPLATE_TEST_CASE("what is known of the acceleration is not taken for gravity",
   CHECK(angle_between(filter, some_attitude) < 10 * tolerance_rad<TestType>);
 }
 
-TEMPLATE_TEST_CASE("a turn in the world turns the orientation, and no time changes nothing", "",
+TEMPLATE_TEST_CASE("turn_in_world rotates the estimate, and a step of zero changes nothing", "",
                    EVERY_FILTER) {
   using Vector = geometry::Vector3<typename TestType::Scalar>;
   TestType filter;

@@ -21,7 +21,7 @@ struct Rig {
 
   double feed(double duration_s, const Vector3d& field_world_t, double rate_radps) {
     double weight = 0;
-    for (int i = 0; i < static_cast<int>(duration_s * 100.0 + 0.5); ++i) {
+    for (int i = 0; i < std::lround(duration_s * 100.0); ++i) {
       weight = magnetic::weigh(settings, state, field_world_t, rate_radps, 0.01);
     }
     return weight;
@@ -71,7 +71,7 @@ TEST_CASE("after a disturbance the field is believed when it has been right for 
 }
 
 TEST_CASE(
-    "a disturbance that will not end is believed in part, and a new place's field becomes the reference") {
+    "a lasting disturbance is used with a reduced weight, and a new place's field becomes the reference") {
   const Vector3d elsewhere_t(0, 30e-6, -30e-6);
   GIVEN("a body that does not turn") {
     Rig rig = that_knows_earth();

@@ -19,11 +19,11 @@ struct Rig {
   /// Feeds 100 Hz samples for `duration_s`; `alter(measurement, t)` changes each.
   template <class Alter>
   void feed(double duration_s, const Alter& alter) {
-    for (int i = 0; i < static_cast<int>(duration_s * 100.0 + 0.5); ++i) {
+    for (int i = 0; i < std::lround(duration_s * 100.0); ++i) {
       Measurement<double> measurement;
       measurement.specific_force_body_mps2 = {0.5, -1.0, 9.7};
       alter(measurement, 0.01 * i);
-      rest::watch(settings, state, measurement, 0.01, 0.035);
+      rest::update(settings, state, measurement, 0.01, 0.035);
     }
   }
 
@@ -32,7 +32,7 @@ struct Rig {
 
 const auto quiet = [](Measurement<double>&, double) {};
 
-TEST_CASE("rest is told after its time, with the mean rate") {
+TEST_CASE("rest is detected after the set time, with the mean rate") {
   Rig rig;
   rig.feed(1.0, [](Measurement<double>& m, double) { m.angular_velocity_body_radps.x() = 0.01; });
   CHECK_FALSE(rig.resting());

@@ -85,7 +85,7 @@ TEST_CASE("GIVEN white noise THEN its density comes out, and nothing else is see
     CAPTURE(seed);
     const auto curve = allan_deviation(white(density, 100'000, seed), period_s);
     const auto numbers = allan_numbers(curve);
-    // 100 000 samples tell it to a few per mille.
+    // 100 000 samples determine it to a few per mille.
     REQUIRE(numbers.noise_density.has_value());
     CHECK(*numbers.noise_density == Approx(density).epsilon(0.02));
     seen_else += numbers.bias_instability.has_value() || numbers.rate_random_walk.has_value() ? 1 : 0;

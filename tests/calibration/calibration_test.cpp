@@ -41,7 +41,7 @@ TEST_CASE("a calibration that nobody has set returns the very same bits") {
   }
 }
 
-TEST_CASE("what is no measurement stays as it is, and a field that was not measured is none afterwards") {
+TEST_CASE("values that are not measurements do not change, and a field that was not measured stays empty") {
   Settings settings;
   settings.gyroscope.offset_x_radps = 0.05;
   settings.magnetometer.hard_iron_x_ut = 5.0;

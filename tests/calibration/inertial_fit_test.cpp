@@ -126,7 +126,7 @@ TEST_CASE("orientations about one axis do not determine the offset along it") {
 
 TEST_CASE("an accelerometer in another unit than m/s^2 is refused by its sensitivity") {
   AccelerometerSettings truth;
-  truth.sensitivity_x = truth.sensitivity_y = truth.sensitivity_z = 1000.0;  // told in km/s²
+  truth.sensitivity_x = truth.sensitivity_y = truth.sensitivity_z = 1000.0;  // in km/s²
   SensorErrors errors = errors_of(truth);
   errors.accel_noise_mps2 = 1e-5;
   const auto imu = SimulatedSensor(errors, 7).hold_in_turn(sides_and_corners_of_a_cube());
@@ -159,7 +159,7 @@ TEST_CASE("GIVEN turns between 14 orientations THEN the gyroscope's sensitivitie
   CHECK(fit.rms_after_rad < 0.002);
 }
 
-TEST_CASE("turns about one axis tell nothing of the others, and then only the offset is estimated") {
+TEST_CASE("turns about one axis do not determine the others, and then only the offset is estimated") {
   std::vector<Vector3d> directions;
   for (int i = 0; i < 12; ++i) directions.emplace_back(0.0, std::sin(0.9 * i), std::cos(0.9 * i));
   const auto imu = SimulatedSensor(errors_of({}, true_gyroscope()), 10).hold_in_turn(directions);
@@ -170,7 +170,7 @@ TEST_CASE("turns about one axis tell nothing of the others, and then only the of
   CHECK(fit.settings.offset_x_radps == Approx(0.02).margin(0.001));
 }
 
-TEST_CASE("GIVEN one wrong rate in a turn THEN that turn is left out, and the others tell the truth") {
+TEST_CASE("GIVEN one wrong rate in a turn THEN that turn is excluded, and the result is correct") {
   const auto truth = true_gyroscope();
   const auto clean =
       SimulatedSensor(errors_of(true_accelerometer(), truth), 9).hold_in_turn(sides_and_corners_of_a_cube());

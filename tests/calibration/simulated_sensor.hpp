@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace sonopose::test {
@@ -41,8 +42,8 @@ inline std::vector<Vector3d> sides_and_corners_of_a_cube() {
 /// At `rate_hz`: 2 s still with each of `up_body` upwards, and turns of 1 s between.
 class SimulatedSensor {
 public:
-  SimulatedSensor(const SensorErrors& errors, std::uint64_t seed, double rate_hz = 100.0)
-      : errors_(errors), random_(seed), dt_s_(1.0 / rate_hz) {}
+  SimulatedSensor(SensorErrors errors, std::uint64_t seed, double rate_hz = 100.0)
+      : errors_(std::move(errors)), random_(seed), dt_s_(1.0 / rate_hz) {}
 
   std::vector<ImuSample> hold_in_turn(const std::vector<Vector3d>& up_body) {
     Quaterniond q = geometry::rotation_between(up_body.front(), Vector3d::UnitZ());

@@ -50,7 +50,7 @@ TEST_CASE("a list with faults is refused with every one of them: key, value and 
   CHECK_THAT(said, !Contains("n_base"));
 }
 
-TEST_CASE("a key that is named twice is refused: nobody knows which was meant") {
+TEST_CASE("a key that occurs twice is refused as ambiguous") {
   CHECK_THAT(refusal({{"trust.n_base", "9"}, {"trust.n_base", "10"}}),
              Contains("trust.n_base") && Contains("twice"));
 }

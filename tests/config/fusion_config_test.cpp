@@ -258,13 +258,13 @@ TEST_CASE("settings that contradict each other are a warning that names both wit
              Contains("trust.stuck_n = 40") && Contains("trust.n_max = 40") && Contains("never forced"));
   CHECK_THAT(only({"motion.gyro_gate_projection_radps=7", "motion.gyro_gate_freeze_radps=6"}),
              Contains("projection_radps = 7") && Contains("freeze_radps = 6") && Contains("never projected"));
-  SECTION("what is just possible is none, nor what is switched off") {
+  SECTION("values at the limit and disabled features cause no warning") {
     CHECK(warnings_of({"velocity.interval_wanted_s=0.5", "velocity.interval_max_s=0.5"}).empty());
     CHECK(warnings_of({"trust.n_max=40", "trust.stuck_n=39", "trust.n_min=40"}).empty());
     CHECK(warnings_of({"trust.enabled=false", "trust.n_min=50"}).empty());
     CHECK(warnings_of({"motion.gyro_gate=false", "motion.gyro_gate_freeze_radps=1"}).empty());
   }
-  SECTION("it is told where it comes from: for all, or for the beacon that brings it about") {
+  SECTION("it names its origin: for all, or for the beacon that brings it about") {
     const auto warnings = warnings_of(
         {"trust.n_max=30", "trust.stuck_n=20", "beacon.7.trust.stuck_n=35", "beacon.8.trust.sigma_m=0.2"});
     REQUIRE(warnings.size() == 1);

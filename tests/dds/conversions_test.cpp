@@ -180,11 +180,9 @@ int member_count(const dds_topic_descriptor_t& type) {
     switch (DDS_OP_TYPE(*op)) {
       case DDS_OP_VAL_BST:
       case DDS_OP_VAL_EXT:
+      case DDS_OP_VAL_ARR:  // of numbers
         op += 3;
         break;
-      case DDS_OP_VAL_ARR:
-        op += 3;
-        break;  // of numbers
       case DDS_OP_VAL_BSQ:
         op += 5;
         break;  // of structs

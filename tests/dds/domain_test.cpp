@@ -62,7 +62,7 @@ TEST_CASE("Participants of one process share its domain") {
 }
 
 /// What Cyclone DDS says it is configured with when this process joins under the given CYCLONEDDS_URI.
-std::string configuration_in_force(const std::string& user_uri, Network network) {
+std::string effective_configuration(const std::string& user_uri, Network network) {
   const fs::path log = fs::temp_directory_path() / ("sonopose_trace_" + std::to_string(getpid()));
   fs::remove(log);
   const std::string uri = (user_uri.empty() ? "" : user_uri + ",") +
@@ -85,38 +85,39 @@ TEST_CASE("The user's CYCLONEDDS_URI takes precedence, except for the single rec
   const std::string self = "Peer[@Address]: 127.0.0.1";
 
   SECTION("without one: loopback, no multicast, peers by port") {
-    const std::string in_force = configuration_in_force("", Network::loopback);
-    CHECK_THAT(in_force, Contains(lo) && Contains(self) && Contains(one_thread));
-    CHECK_THAT(in_force, Contains("selected interfaces: lo (") && Contains("AllowMulticast/#text: false"));
-    CHECK_THAT(in_force, Contains("Discovery/ParticipantIndex/#text: auto"));
-    CHECK_THAT(in_force, Contains("MaxAutoParticipantIndex/#text: 119"));
+    const std::string effective = effective_configuration("", Network::loopback);
+    CHECK_THAT(effective, Contains(lo) && Contains(self) && Contains(one_thread));
+    CHECK_THAT(effective, Contains("selected interfaces: lo (") && Contains("AllowMulticast/#text: false"));
+    CHECK_THAT(effective, Contains("Discovery/ParticipantIndex/#text: auto"));
+    CHECK_THAT(effective, Contains("MaxAutoParticipantIndex/#text: 119"));
   }
   SECTION("lan: Cyclone DDS chooses, and local processes are still found") {
-    const std::string in_force = configuration_in_force("", Network::lan);
-    CHECK_THAT(in_force, !Contains(lo) && Contains(self) && Contains(one_thread));
-    CHECK_THAT(in_force, !Contains("AllowMulticast/#text: false"));
+    const std::string effective = effective_configuration("", Network::lan);
+    CHECK_THAT(effective, !Contains(lo) && Contains(self) && Contains(one_thread));
+    CHECK_THAT(effective, !Contains("AllowMulticast/#text: false"));
   }
   SECTION("for ROS 2: always loopback, and one more interface if there is one") {
     for (const Network network : {Network::ros_localhost, Network::ros_subnet}) {
-      const std::string in_force = configuration_in_force("", network);
-      CHECK_THAT(in_force, Contains(lo) && Contains(self) && Contains(one_thread));
-      CHECK_THAT(in_force, Contains("selected interfaces: lo ("));
+      const std::string effective = effective_configuration("", network);
+      CHECK_THAT(effective, Contains(lo) && Contains(self) && Contains(one_thread));
+      CHECK_THAT(effective, Contains("selected interfaces: lo ("));
     }
-    CHECK_THAT(configuration_in_force("", Network::ros_localhost), Contains("AllowMulticast/#text: false"));
+    CHECK_THAT(effective_configuration("", Network::ros_localhost), Contains("AllowMulticast/#text: false"));
   }
   SECTION("single values of the user's replace ours; the receive thread does not") {
-    const std::string in_force = configuration_in_force(
+    const std::string effective = effective_configuration(
         "<CycloneDDS><Domain><Discovery><MaxAutoParticipantIndex>33</MaxAutoParticipantIndex></Discovery>"
         "<Internal><MultipleReceiveThreads>true</MultipleReceiveThreads></Internal></Domain></CycloneDDS>",
         Network::loopback);
-    CHECK_THAT(in_force, Contains("MaxAutoParticipantIndex/#text: 33") && Contains(one_thread));
-    CHECK_THAT(in_force, Contains(lo) && Contains(self));
+    CHECK_THAT(effective, Contains("MaxAutoParticipantIndex/#text: 33") && Contains(one_thread));
+    CHECK_THAT(effective, Contains(lo) && Contains(self));
   }
   SECTION("peers of the user's replace ours") {
-    const std::string in_force = configuration_in_force(
-        R"(<cyclonedds><domain id="any"><discovery><peers><peer address="127.0.0.2"/></peers></discovery></domain></cyclonedds>)",
+    const std::string effective = effective_configuration(
+        R"(<cyclonedds><domain id="any"><discovery><peers><peer address="127.0.0.2"/></peers>)"
+        "</discovery></domain></cyclonedds>",
         Network::loopback);
-    CHECK_THAT(in_force, Contains("127.0.0.2") && !Contains(self) && Contains(lo));
+    CHECK_THAT(effective, Contains("127.0.0.2") && !Contains(self) && Contains(lo));
   }
   SECTION("interfaces of the user's replace ours, from a file") {
     const fs::path file = fs::temp_directory_path() / ("sonopose_uri_" + std::to_string(getpid()) + ".xml");
@@ -124,16 +125,17 @@ TEST_CASE("The user's CYCLONEDDS_URI takes precedence, except for the single rec
         << R"(<?xml version="1.0"?><CycloneDDS><Domain><General><Interfaces>)"
         << R"(<NetworkInterface address="127.0.0.1"/></Interfaces></General></Domain></CycloneDDS>)";
     for (const std::string prefix : {"file://", ""}) {
-      const std::string in_force = configuration_in_force(prefix + file.string(), Network::loopback);
-      CHECK_THAT(in_force, Contains("NetworkInterface[@address]: 127.0.0.1") && !Contains(lo));
+      const std::string effective = effective_configuration(prefix + file.string(), Network::loopback);
+      CHECK_THAT(effective, Contains("NetworkInterface[@address]: 127.0.0.1") && !Contains(lo));
     }
     fs::remove(file);
   }
   SECTION("settings of another domain do not change ours") {
-    const std::string in_force = configuration_in_force(
-        R"(<CycloneDDS><Domain id="5"><General><Interfaces><NetworkInterface name="nowhere"/></Interfaces></General></Domain></CycloneDDS>)",
+    const std::string effective = effective_configuration(
+        R"(<CycloneDDS><Domain id="5"><General><Interfaces><NetworkInterface name="nowhere"/>)"
+        "</Interfaces></General></Domain></CycloneDDS>",
         Network::loopback);
-    CHECK_THAT(in_force, Contains(lo) && !Contains("nowhere"));
+    CHECK_THAT(effective, Contains(lo) && !Contains("nowhere"));
   }
   SECTION("an invalid one is an error that names it") {
     const Environment environment("CYCLONEDDS_URI", "<CycloneDDS><Domain><Nonsense/></Domain></CycloneDDS>");

@@ -14,8 +14,8 @@ static_assert(!std::is_copy_constructible_v<LoanedSamples<Command>>);
 static_assert(std::is_nothrow_move_constructible_v<LoanedSamples<Command>>);
 static_assert(std::input_or_output_iterator<LoanedSamples<Command>::Iterator>);
 
-// Cyclone DDS lends one buffer of its own for a reader again and again. Where it lies says whether it came
-// back.
+// Cyclone DDS reuses one buffer per reader for loans. Its address shows whether a loan was
+// returned.
 TEST_CASE("A loan is returned when its owner is destroyed, and not earlier") {
   GIVEN("samples in a reader") {
     const DomainParticipant member = participant();

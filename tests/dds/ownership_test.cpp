@@ -21,7 +21,7 @@ TEST_CASE("Of two exclusive writers the stronger one is received, instance by in
     DataWriter<Command> strong(member, topic, exclusive(20));
     DataWriter<Command> weak(member, topic, exclusive(10));
     REQUIRE(matched(reader, 2));
-    const auto heard = [&] {
+    const auto received = [&] {
       std::vector<std::uint64_t> ids;
       reader.take_each([&](const Command& sample, const SampleInfo&) { ids.push_back(sample.request_id); });
       return ids;
@@ -33,15 +33,15 @@ TEST_CASE("Of two exclusive writers the stronger one is received, instance by in
       strong.write(command(7, 2));
       weak.write(command(7, 3));
       strong.write(command(7, 4));
-      THEN("the weak one is heard only before the strong one came") {
-        CHECK(heard() == Ids{1, 2, 4});
+      THEN("the weak one is received only until the strong one writes") {
+        CHECK(received() == Ids{1, 2, 4});
       }
     }
     WHEN("the strong one writes another instance only") {
       strong.write(command(8, 1));
       weak.write(command(7, 2));
-      THEN("both are heard") {
-        CHECK(heard() == Ids{1, 2});
+      THEN("both are received") {
+        CHECK(received() == Ids{1, 2});
       }
     }
     WHEN("the strong one unregisters its instance") {
@@ -50,7 +50,7 @@ TEST_CASE("Of two exclusive writers the stronger one is received, instance by in
       strong.unregister_instance(command(7, 0));
       weak.write(command(7, 3));
       THEN("the weak one takes over with its next sample") {
-        CHECK(heard() == Ids{1, 3});
+        CHECK(received() == Ids{1, 3});
       }
     }
     WHEN("the weak one is made the stronger") {
@@ -60,7 +60,7 @@ TEST_CASE("Of two exclusive writers the stronger one is received, instance by in
       weak.write(command(7, 2));
       strong.write(command(7, 3));
       THEN("it takes over while both live") {
-        CHECK(heard() == Ids{1, 2});
+        CHECK(received() == Ids{1, 2});
       }
     }
   }
@@ -80,15 +80,15 @@ TEST_CASE("With the pose's profile a standby takes over from a hanging fusion, a
     pose.event_sequence = number;
     writer.write(pose);
   };
-  std::vector<std::uint64_t> heard;
-  const auto hear = [&](Duration timeout) {
+  std::vector<std::uint64_t> received;
+  const auto receive = [&](Duration timeout) {
     return wait_for(
         reader, StatusMask::data_available(),
         [&] {
           reader.take_each([&](const sonopose_FusedPose& sample, const SampleInfo&) {
-            heard.push_back(sample.event_sequence);
+            received.push_back(sample.event_sequence);
           });
-          return heard.size() > 1;
+          return received.size() > 1;
         },
         timeout);
   };
@@ -97,12 +97,12 @@ TEST_CASE("With the pose's profile a standby takes over from a hanging fusion, a
   // From here on the strong one writes no more, while its process goes on.
   const auto give_up = std::chrono::steady_clock::now() + test_timeout;
   std::uint64_t number = 2;
-  while (!hear(std::chrono::milliseconds(10)) && std::chrono::steady_clock::now() < give_up) {
+  while (!receive(std::chrono::milliseconds(10)) && std::chrono::steady_clock::now() < give_up) {
     write_as(standby, ++number);
   }
-  REQUIRE(heard.size() > 1);
-  CHECK(heard[0] == 1);
-  CHECK(heard[1] > 2);  // the standby's first one came while the strong one was alive
+  REQUIRE(received.size() > 1);
+  CHECK(received[0] == 1);
+  CHECK(received[1] > 2);  // the standby's first one came while the strong one was alive
 }
 
 }  // namespace sonopose::dds::test::ownership_test

@@ -1,5 +1,5 @@
-// The other process of a two-process test: writes reset commands with rising ids to the domain that it is
-// told, on loopback or lan, until its standard input ends; then it leaves in good order.
+// The other process of a two-process test: writes reset commands with rising ids to the domain of its
+// arguments, on loopback or lan, until its standard input ends; then it leaves in good order.
 //
 //   test_dds_peer DOMAIN loopback|lan ADDRESS
 

@@ -41,12 +41,13 @@ TEST_CASE("The project's QoS file has the policies that its streams need") {
     for (const char* const name :
          {"sonopose::SettingsRequest", "sonopose::SettingsReply", "sonopose::Settings"}) {
       for (const Qos* const qos : {&provider.datawriter_qos(name), &provider.datareader_qos(name)}) {
-        const bool in_force = std::string(name) == "sonopose::Settings";
+        const bool is_settings = std::string(name) == "sonopose::Settings";
         CHECK(qos->policy<policy::Reliability>()->kind == policy::ReliabilityKind::reliable);
-        CHECK(qos->policy<policy::Durability>()->kind ==
-              (in_force ? policy::DurabilityKind::transient_local : policy::DurabilityKind::volatile_data));
+        CHECK(
+            qos->policy<policy::Durability>()->kind ==
+            (is_settings ? policy::DurabilityKind::transient_local : policy::DurabilityKind::volatile_data));
         CHECK(qos->policy<policy::History>()->kind == policy::HistoryKind::keep_last);
-        CHECK(qos->policy<policy::History>()->depth == (in_force ? 1 : 64));
+        CHECK(qos->policy<policy::History>()->depth == (is_settings ? 1 : 64));
         // nobody has to change settings ever again
         const auto deadline = qos->policy<policy::Deadline>();
         CHECK((!deadline || deadline->period == infinite));
@@ -71,7 +72,7 @@ TEST_CASE("The project's QoS file has the policies that its streams need") {
   }
 }
 
-/// What an end of a ROS 2 node's has that does not choose: rmw's defaults, with this of its own.
+/// QoS of an endpoint of a ROS 2 node: the defaults of rmw, with these policies.
 Qos ros_end(policy::ReliabilityKind reliability, policy::DurabilityKind durability, std::int32_t depth) {
   return Qos() << policy::Reliability{reliability} << policy::Durability{durability}
                << policy::History::keep_last(depth);

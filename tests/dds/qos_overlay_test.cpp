@@ -105,13 +105,13 @@ SCENARIO("a user's file changes what it says and nothing else") {
 }
 
 TEST_CASE("base_name in a user's file merges a profile of the project over another one") {
-  const qos::Provider qos = overlaid("<qos_profile name=\"Report\" base_name=\"Truth\"/>");
+  const qos::Provider qos = overlaid(R"(<qos_profile name="Report" base_name="Truth"/>)");
   CHECK(depth_of(qos, "sonopose::Report") == depth_of(project_qos(), "sonopose::Truth"));
 }
 
 TEST_CASE("base_name finds a profile of the user's file before the project's") {
   const qos::Provider qos =
-      overlaid(history("Truth", 703) + "<qos_profile name=\"Report\" base_name=\"Truth\"/>");
+      overlaid(history("Truth", 703) + R"(<qos_profile name="Report" base_name="Truth"/>)");
   CHECK(depth_of(qos, "sonopose::Report") == 703);
 }
 

@@ -136,11 +136,11 @@ TEST_CASE("An error in a policy names file, line and element") {
        "liveliness>",
        "file.xml:5: <lease_duration>: must be more than zero"},
       {"<history>\n<kind>KEEP_LAST</kind><depth>1</depth></history>",
-       "file.xml:5: <kind>: 'KEEP_LAST' is none of KEEP_ALL_HISTORY_QOS, KEEP_LAST_HISTORY_QOS"},
-      {"<reliability><kind>reliable</kind></reliability>", "file.xml:4: <kind>: 'reliable' is none of"},
+       "file.xml:5: <kind>: 'KEEP_LAST' is not one of KEEP_ALL_HISTORY_QOS, KEEP_LAST_HISTORY_QOS"},
+      {"<reliability><kind>reliable</kind></reliability>", "file.xml:4: <kind>: 'reliable' is not one of"},
       {"<reliability/>", "file.xml:4: <reliability>: <kind> is missing"},
       {"<durability><kind>PERSISTENT_DURABILITY_QOS</kind></durability>", "file.xml:4: <kind>: 'PERSISTENT"},
-      {"<ownership><kind>MINE</kind></ownership>", "file.xml:4: <kind>: 'MINE' is none of"},
+      {"<ownership><kind>MINE</kind></ownership>", "file.xml:4: <kind>: 'MINE' is not one of"},
       {"<history><kind>KEEP_LAST_HISTORY_QOS</kind>\n<depth>0</depth></history>",
        "file.xml:5: <depth>: '0' is no whole number from 1 to 2147483647"},
       {"<history><kind>KEEP_LAST_HISTORY_QOS</kind></history>", "file.xml:4: <history>: <depth> is missing"},
@@ -174,7 +174,7 @@ TEST_CASE("An error in a policy names file, line and element") {
 TEST_CASE("An error in the structure of a file names file, line and element") {
   const std::vector<Bad> cases{
       {"", "file.xml:1: not well-formed XML"},
-      {"<dds/>", "file.xml: holds no <qos_profile>"},
+      {"<dds/>", "file.xml: contains no <qos_profile>"},
       {"<ddx/>", "file.xml:1: <ddx>: unknown element"},
       {"<dds>\n<types/></dds>", "file.xml:2: <types>: unknown element in <dds>"},
       {"<dds version='1'/>", "file.xml:1: <dds>: unknown attribute 'version'"},

@@ -124,7 +124,7 @@ TEST_CASE("A writer that does not assert its liveliness is not alive until it wr
   CHECK(wait_for(writer, StatusMask::liveliness_lost(),
                  [&] { return writer.liveliness_lost_status().total_count == 1; }));
 
-  // Only who lives again can lose its life again.
+  // Liveliness can only be lost again after a write has restored it.
   writer.write(command(7, 1));
   CHECK(wait_for(writer, StatusMask::liveliness_lost(),
                  [&] { return writer.liveliness_lost_status().total_count == 2; }));
@@ -167,7 +167,7 @@ TEST_CASE("A full reader makes a lossless writer wait, and nothing is lost") {
         CHECK(reader.take().size() == 2);
       }
     }
-    WHEN("the writer is told to give up") {
+    WHEN("the caller cancels the write") {
       int asked = 0;
       CHECK_FALSE(writer.write_unless(command(7, 3), [&] { return ++asked == 3; }));
       THEN("it asked after each try") {

@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <array>
 #include <limits>
 #include <string>
 
@@ -18,7 +19,7 @@ TEST_CASE("each kind of cell reads back unchanged") {
   const TemporaryFolder folder;
   {
     CsvWriter rows(folder / "t.csv", CsvWriter::Existing::refuse);
-    const std::string_view columns[] = {"time [ns]", "x [m]", "word"};
+    const std::array<std::string_view, 3> columns{"time [ns]", "x [m]", "word"};
     rows.header(columns);
     rows.integer(-5).number(0.1).text("used|first").end_row();
     rows.empty().known_number(std::numeric_limits<double>::quiet_NaN()).known_number(2.0).end_row();

@@ -33,8 +33,7 @@ inline SettingsRequest request(BeaconAddress address, std::vector<SettingAssignm
 
 /// Feeds estimators and records their output.
 struct Feeder {
-  explicit Feeder(bool lossless, config::FusionConfig config = {})
-      : estimators(std::move(config), lossless) {}
+  explicit Feeder(bool lossless, const config::FusionConfig& config = {}) : estimators(config, lossless) {}
 
   /// An event that arrived when it became available.
   void push(const Event& event) { push(event, SteadyTime{available_at_ns(event)}); }

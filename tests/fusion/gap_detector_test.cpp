@@ -13,10 +13,11 @@ using fusion::GapDetector;
 constexpr TimeNs second_ns = 1'000'000'000;
 
 SCENARIO("a wait for a missing event is text after five seconds, once") {
-  GapDetector watch;
-  const auto at = [&watch](TimeNs time_s, std::uint64_t missing, std::size_t held,
-                           BeaconAddress address = 7) {
-    return watch.on(address, collation::LosslessCollator::Gap{missing, held}, SteadyTime{time_s * second_ns});
+  GapDetector detector;
+  const auto at = [&detector](TimeNs time_s, std::uint64_t missing, std::size_t held,
+                              BeaconAddress address = 7) {
+    return detector.on(address, collation::LosslessCollator::Gap{missing, held},
+                       SteadyTime{time_s * second_ns});
   };
   GIVEN("events that wait for the first one") {
     CHECK_FALSE(at(100, 1, 80));
@@ -37,14 +38,14 @@ SCENARIO("a wait for a missing event is text after five seconds, once") {
       }
     }
     WHEN("it comes") {
-      CHECK_FALSE(watch.on(7, std::nullopt, SteadyTime{104 * second_ns}));
+      CHECK_FALSE(detector.on(7, std::nullopt, SteadyTime{104 * second_ns}));
       THEN("a later wait starts from zero") {
         CHECK_FALSE(at(105, 1, 500));
         CHECK(at(110, 1, 500));
       }
     }
     WHEN("a consumer had to be waited for meanwhile") {
-      watch.start_over();
+      detector.start_over();
       THEN("that time does not count") {
         CHECK_FALSE(at(105, 1, 500));
         CHECK(at(110, 1, 500));

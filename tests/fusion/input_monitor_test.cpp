@@ -12,7 +12,7 @@ using namespace sonopose::process;
 
 constexpr TimeNs ms = 1'000'000;
 
-SCENARIO("missed deadlines are the beacon's own, a bridge's death that of all it serves") {
+SCENARIO("missed deadlines are counted per beacon, the loss of a bridge for each of its beacons") {
   InputMonitor monitor;
   monitor.on_imu(7, 100);
   monitor.on_imu(8, 100);
@@ -23,7 +23,7 @@ SCENARIO("missed deadlines are the beacon's own, a bridge's death that of all it
   CHECK(monitor.counters(7).imu_deadlines_missed == 2);
   CHECK(monitor.counters(7).fix_deadlines_missed == 1);
   CHECK(monitor.counters(8).imu_deadlines_missed == 0);
-  CHECK(monitor.counters(55).imu_deadlines_missed == 0);  // never heard of: no beacon of ours
+  CHECK(monitor.counters(55).imu_deadlines_missed == 0);  // unknown beacon
   monitor.on_bridge_lost(100);
   CHECK(monitor.counters(7).bridge_losses == 1);
   CHECK(monitor.counters(8).bridge_losses == 1);
@@ -35,7 +35,7 @@ SCENARIO("missed deadlines are the beacon's own, a bridge's death that of all it
   }
 }
 
-SCENARIO("a silence is told once when it begins and once when it ends") {
+SCENARIO("a silence is reported once when it begins and once when it ends") {
   SilenceDetector monitor(100 * ms);
   std::vector<SilenceDetector::Change> changes;
   const auto look = [&](TimeNs now_ns) {

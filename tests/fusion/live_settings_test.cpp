@@ -40,7 +40,7 @@ SCENARIO("a change applies exactly from the requested event on") {
   const std::uint64_t from = 700;
   const auto expected = poses_of_estimator(events, with_user_balance(), from);
   REQUIRE_FALSE(same(expected, poses_of_estimator(events, with_user_balance(), from + 50)));
-  GIVEN("a fusion that has heard nothing yet") {
+  GIVEN("a fusion without samples") {
     Feeder feeder(lossless);
     WHEN("the request comes before the beacon does") {
       const auto reply = feeder.estimators.change_settings(request(7, user_balance, from, 42));
@@ -58,7 +58,7 @@ SCENARIO("a change applies exactly from the requested event on") {
         CHECK(feeder.changes[1].settings.drift.jump_alpha == 0.9);
       }
     }
-    WHEN("it comes while the beacon is heard, well before its event") {
+    WHEN("it comes while the beacon sends, well before its event") {
       push_range(feeder, events, 1, 300);
       const auto reply = feeder.estimators.change_settings(request(7, user_balance, from));
       push_range(feeder, events, 301, to_the_end);
@@ -188,7 +188,7 @@ SCENARIO("requests apply to beacons that appear later") {
     REQUIRE(changes.size() == count);
     return changes.back().settings.trust;
   };
-  GIVEN("requests for all, and for one that has not been heard") {
+  GIVEN("requests for all, and for one without samples") {
     feeder.push_all(walk(7, 1.0));
     feeder.estimators.change_settings(request(all_beacons, {{"trust.sigma_m", "0.5"}}));
     const auto reply = feeder.estimators.change_settings(request(11, {{"trust.sigma_m", "0.6"}}));
@@ -223,7 +223,7 @@ SCENARIO("requests apply to beacons that appear later") {
   }
 }
 
-SCENARIO("a request that comes again is answered again and not carried out again") {
+SCENARIO("a repeated request gets the same reply and has no further effect") {
   Feeder feeder(false);
   feeder.push_all(walk(7, 1.0));
   const auto first = request(7, {{"trust.sigma_m", "0.5"}}, 0, 1);

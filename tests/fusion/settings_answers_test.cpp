@@ -63,7 +63,7 @@ SCENARIO("a contradiction to the present settings is accepted with a warning") {
 
 SCENARIO("the reply to a request for all beacons names each one's event") {
   config::FusionConfig config;
-  config.assign("beacon.8.trust.n_base=5");  // known, but not heard
+  config.assign("beacon.8.trust.n_base=5");  // configured, but without samples
   Feeder feeder(false, config);
   const auto ask = [&](std::uint64_t from) {
     return feeder.estimators.change_settings(request(all_beacons, {{"trust.sigma_m", "0.5"}}, from)).details;

@@ -57,7 +57,7 @@ SCENARIO("a beacon is claimed when its pose has been good for the warm-up") {
     }
   }
   WHEN("it never gets good") {
-    THEN("it is claimed after six warm-ups all the same: the others see no better") {
+    THEN("it is claimed after six warm-ups anyway: the others have no better pose") {
       CHECK(feed.poses(600, status_initialising).role == FusionRole::warming);
       CHECK(feed.poses(2, status_initialising).role == FusionRole::serving);
     }
@@ -79,7 +79,7 @@ SCENARIO("a beacon is claimed when its pose has been good for the warm-up") {
   }
 }
 
-SCENARIO("a beacon that has no poses any more is given up, and it alone") {
+SCENARIO("a beacon without further poses is released, and no other one") {
   Feed feed;
   for (int i = 0; i < 101; ++i) {
     feed.poses(1);
@@ -89,7 +89,7 @@ SCENARIO("a beacon that has no poses any more is given up, and it alone") {
   GIVEN("a silence of beacon 7") {
     feed.standby.on_pose(8, 0, 0, feed.now + stall_ns / 2);
     feed.now += stall_ns + 1;
-    THEN("it is named, twice for what was on its way, and then no more") {
+    THEN("it is listed twice, in case a pose was being written, and then no more") {
       CHECK(feed.stalled() == std::vector<BeaconAddress>{7});
       CHECK(feed.stalled() == std::vector<BeaconAddress>{7});
       CHECK(feed.stalled().empty());

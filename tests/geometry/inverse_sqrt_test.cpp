@@ -17,7 +17,7 @@ double largest_relative_error() {
   double largest = 0.0;
   for (double x = 1e-6; x < 1e6; x *= 1.000693) {
     const auto given = static_cast<Scalar>(x);
-    const double fast = static_cast<double>(geometry::fast_inverse_sqrt(given));
+    const auto fast = static_cast<double>(geometry::fast_inverse_sqrt(given));
     largest = std::max(largest, std::abs(fast * std::sqrt(static_cast<double>(given)) - 1.0));
   }
   return largest;

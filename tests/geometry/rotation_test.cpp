@@ -4,6 +4,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <vector>
+
 namespace rotation_test {
 
 using namespace sonopose;
@@ -62,8 +64,8 @@ TEST_CASE("up in the body is world Z turned back") {
 }
 
 TEST_CASE("levelling puts a force at rest upright and keeps the yaw that was asked for") {
-  const Vector3d forces[] = {{0, 0, 9.81},      {3, -2, 8}, {9.7, 0.5, 0.1},
-                             {0.1, -9.7, -0.3}, {1, 2, -9}, {0, 0, -9.81}};
+  const std::vector<Vector3d> forces{{0, 0, 9.81},      {3, -2, 8}, {9.7, 0.5, 0.1},
+                                     {0.1, -9.7, -0.3}, {1, 2, -9}, {0, 0, -9.81}};
   for (const Vector3d& force : forces) {
     const Quaterniond q = geometry::level_with(force, 1.2);
     INFO("force " << force.transpose());

@@ -1,4 +1,4 @@
-/// Another vendor's DDS hears us, and we hear it: bit for bit, from process to process.
+/// Interoperation with another vendor's DDS, in both directions: bit for bit, from process to process.
 
 #include "support/ros2.hpp"
 #include "support/ros2_fields.hpp"
@@ -39,16 +39,16 @@ template <class Message>
 void check_heard(const std::string& type, const std::vector<std::uint32_t>& lengths) {
   const Bus bus;
   RosWriter<Message> writer(bus, "/sent");
-  const auto heard = listener(bus, "rt/sent", type, 1);
+  const auto received = listener(bus, "rt/sent", type, 1);
   REQUIRE(writer.wait_for_reader());
   const Filled<Message> filled{Filler(lengths)};
   writer.write(filled.message);
-  REQUIRE(heard->wait_for_exit() == 0);
-  REQUIRE(heard->lines(Stream::output).size() == 1);
-  CHECK((heard->lines(Stream::output).front() == described(filled.message)));
+  REQUIRE(received->wait_for_exit() == 0);
+  REQUIRE(received->lines(Stream::output).size() == 1);
+  CHECK((received->lines(Stream::output).front() == described(filled.message)));
 }
 
-/// Not numbers that have something to say, -0, the least and the most there is, and an ordinary one.
+/// NaNs with a payload, -0, the smallest and the largest finite number, and ordinary ones.
 const Arguments awkward{"7ff8dead0000beef", "fff8000000000123", "8000000000000000", "0000000000000001",
                         "7fefffffffffffff", "c0091eb851eb851f", "3fd5555555555555"};
 
@@ -112,32 +112,32 @@ TEST_CASE("Our reliable writers reach Fast DDS readers of sensor data too") {
   const Bus bus;
   RosWriter<ros2::Imu> writer(bus, "/sent");
   const Filled<ros2::Imu> filled;
-  const auto heard = listener(bus, "rt/sent", "imu", 1, {"--bits", "--best-effort"});
+  const auto received = listener(bus, "rt/sent", "imu", 1, {"--bits", "--best-effort"});
   // What comes before it has found us is not sent again.
   const auto give_up = std::chrono::steady_clock::now() + timeout;
-  while (!heard->wait_for_lines(Stream::output, 1, std::chrono::milliseconds(10))) {
+  while (!received->wait_for_lines(Stream::output, 1, std::chrono::milliseconds(10))) {
     REQUIRE(std::chrono::steady_clock::now() < give_up);
     writer.write(filled.message);
   }
-  CHECK(heard->lines(Stream::output).front() == described(filled.message));
+  CHECK(received->lines(Stream::output).front() == described(filled.message));
 }
 
-TEST_CASE("We hear what Fast DDS writes as ROS 2's messages") {
+TEST_CASE("We receive the ROS 2 messages that Fast DDS writes") {
   const Bus bus;
   RosReader<ros2::Imu> reader(bus, "/sent");
   const auto sender = driver(bus, "rt/sent", awkward);
-  std::vector<std::string> heard;
-  REQUIRE(reader.wait_for_count(10, [&](const ros2::Imu& imu) { heard.push_back(described(imu)); }));
-  REQUIRE(sender->wait_for_line(Stream::output, heard.back()));
+  std::vector<std::string> received;
+  REQUIRE(reader.wait_for_count(10, [&](const ros2::Imu& imu) { received.push_back(described(imu)); }));
+  REQUIRE(sender->wait_for_line(Stream::output, received.back()));
   // What was sent before we knew each other is lost, and nothing later.
   const auto sent = sender->lines(Stream::output);
-  const auto first = std::find(sent.begin(), sent.end(), heard.front());
-  REQUIRE(static_cast<std::size_t>(sent.end() - first) >= heard.size());
-  CHECK(std::equal(heard.begin(), heard.end(), first));
-  for (const std::string& bits : awkward) CHECK(heard.front().find(bits) != std::string::npos);
+  const auto first = std::find(sent.begin(), sent.end(), received.front());
+  REQUIRE(static_cast<std::size_t>(sent.end() - first) >= received.size());
+  CHECK(std::equal(received.begin(), received.end(), first));
+  for (const std::string& bits : awkward) CHECK(received.front().find(bits) != std::string::npos);
 }
 
-SCENARIO("consumers in Fast DDS get of the relay what native ones get") {
+SCENARIO("consumers in Fast DDS receive the same values from the relay as native ones") {
   GIVEN("a beacon, its fusion, the relay, and consumers of both kinds") {
     const Bus bus;
     Consumer<sonopose_FusedPose> pose(bus, topics::pose);
@@ -150,8 +150,8 @@ SCENARIO("consumers in Fast DDS get of the relay what native ones get") {
     const auto fusion = bus.fusion();
     WHEN("the beacon moves") {
       const auto bridge = bus.bridge({});
-      for (const auto* const heard : {&odometry, &raw_imu, &tf, &diagnostics}) {
-        REQUIRE((*heard)->wait_for_exit() == 0);
+      for (const auto* const received : {&odometry, &raw_imu, &tf, &diagnostics}) {
+        REQUIRE((*received)->wait_for_exit() == 0);
       }
       pose.take();
       imu.take();

@@ -132,7 +132,7 @@ TEST_CASE("A fix waits for its quality") {
   REQUIRE(f.all<UltrasonicFix>().empty());
   CHECK(f.assembler.next_deadline_ns() == start_ns + 78 * ms);
 
-  SECTION("which comes: the fix goes out with it, the heading behind") {
+  SECTION("which arrives: the fix is emitted with it, followed by the heading") {
     f.on(imu_at(70), 70);
     CHECK(f.all<ImuSample>().size() == 2);  // passes the waiting fix
     f.on(Quality{7, 90, 0}, 72);
@@ -182,7 +182,7 @@ TEST_CASE("A fix waits for its quality") {
   }
 }
 
-TEST_CASE("Values that no beacon can mean are counted and kept back") {
+TEST_CASE("Impossible values are counted and not published") {
   Fixture f;
   SECTION("a position 20 km away") {
     Position position = position_at(0);

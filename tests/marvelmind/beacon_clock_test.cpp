@@ -156,10 +156,11 @@ TEST_CASE("A line that becomes slower for good moves the clock smoothly") {
   const auto mapped = run({.lateness_s = slower}, clock);
   CHECK(worst_interval_error(mapped) < 5e-3);
   CHECK(clock.resets() == 0);
-  CHECK(mapped.back().error_s == Approx(0.05).margin(2e-3));  // the delay cannot be told from an offset
+  CHECK(mapped.back().error_s ==
+        Approx(0.05).margin(2e-3));  // a delay cannot be distinguished from an offset
 }
 
-TEST_CASE("A line that becomes quicker for good is believed, smoothly") {
+TEST_CASE("A permanent decrease of the delay moves the clock smoothly") {
   const auto quicker = [jitter = exponential(1e-3, 8)](double sent_s) mutable {
     return jitter(sent_s) + (sent_s < 60 ? 0.06 : 0.0);
   };

@@ -38,7 +38,7 @@ SCENARIO("an observer counts the poses of each second and of the whole run") {
     BeaconObserver observer;
     const auto receive = [&observer](int from, int until, TimeNs latency_ns) {
       for (int i = from; i < until; ++i) {
-        const FusedPose pose = pose_at(begin_ns + i * 10 * ms, i);
+        const FusedPose pose = pose_at(begin_ns + TimeNs{10} * i * ms, i);
         observer.on(pose, pose.imu_bridge_time_ns + latency_ns);
       }
     };

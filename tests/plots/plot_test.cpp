@@ -46,7 +46,7 @@ TEST_CASE("any file name and title can be plotted, with and without truth") {
   if (!gnuplot_is_here()) return;
   const TemporaryFolder folder;
   recording::SensorLog log = sample_log("outlier_bursts");
-  const auto svg = folder / "it's a \"path\" $HOME `x` \\n %s.svg";
+  const auto svg = folder / R"(it's a "path" $HOME `x` \n %s.svg)";
   const auto png = folder / "b.png";
   {
     Plot plot(svg, "a 'title' with \"quotes\"", log);

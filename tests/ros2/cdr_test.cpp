@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <array>
 #include <cstring>
 
 namespace cdr_test {
@@ -20,9 +21,9 @@ public:
   template <class Number>
   void number(Number value) {
     while ((bytes_.size() - header_size) % sizeof(value) != 0) bytes_.push_back(0);
-    std::uint8_t raw[sizeof(value)];
-    std::memcpy(raw, &value, sizeof(value));  // little-endian, like this machine
-    bytes_.insert(bytes_.end(), raw, raw + sizeof(value));
+    std::array<std::uint8_t, sizeof(value)> raw{};
+    std::memcpy(raw.data(), &value, sizeof(value));  // little-endian, like this machine
+    bytes_.insert(bytes_.end(), raw.begin(), raw.end());
   }
   void text(const char* value) {
     number(static_cast<std::uint32_t>(std::strlen(value) + 1));

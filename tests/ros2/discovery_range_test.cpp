@@ -52,7 +52,8 @@ bool has_interface(unsigned flags) {
   return found;
 }
 
-/// Which of the processes with these configurations have heard us and were heard; they are numbered from 0.
+/// Which of the processes with these configurations exchange data with us, in both directions, numbered from
+/// 0.
 std::set<std::size_t> met(dds::Network network, const std::vector<std::string>& others) {
   const test::TestDomain domain;
   ::unsetenv("CYCLONEDDS_URI");

@@ -43,7 +43,7 @@ using List = std::vector<std::pair<int, double>>;
 SCENARIO("each fix is released once, with the weight of the fusion") {
   GIVEN("a fusion that runs, and a fix") {
     FixQueue queue;
-    CHECK(of(queue.on(fix_number(1), SteadyTime{0}, true)) == List{});
+    CHECK(of(queue.on(fix_number(1), SteadyTime{0}, true)).empty());
     WHEN("the fusion reports on it") {
       THEN("it is released with its weight") {
         CHECK(of(queue.on(report_on(1, 0.5))) == List{{1, 0.5}});
@@ -52,18 +52,18 @@ SCENARIO("each fix is released once, with the weight of the fusion") {
     WHEN("two fusions report on it, one of them on standby") {
       CHECK(of(queue.on(report_on(1, 0.5))).size() == 1);
       THEN("it is released once") {
-        CHECK(of(queue.on(report_on(1, 0.7))) == List{});
+        CHECK(of(queue.on(report_on(1, 0.7))).empty());
       }
     }
     WHEN("there is no report") {
       THEN("it is released once, after 0.1 s") {
-        CHECK(of(queue.overdue(SteadyTime{100 * ms})) == List{});
+        CHECK(of(queue.overdue(SteadyTime{100 * ms})).empty());
         CHECK(of(queue.overdue(SteadyTime{101 * ms})) == List{{1, -1}});
-        CHECK(of(queue.on(report_on(1, 0.5))) == List{});
+        CHECK(of(queue.on(report_on(1, 0.5))).empty());
       }
     }
     WHEN("the report on the next fix arrives first") {
-      CHECK(of(queue.on(fix_number(2), SteadyTime{50 * ms}, true)) == List{});
+      CHECK(of(queue.on(fix_number(2), SteadyTime{50 * ms}, true)).empty());
       THEN("both are released in order") {
         CHECK(of(queue.on(report_on(2, 0.9))) == List{{1, -1}, {2, 0.9}});
       }
@@ -75,7 +75,7 @@ SCENARIO("each fix is released once, with the weight of the fusion") {
     }
     WHEN("the queue is full") {
       for (std::uint64_t i = 2; i <= FixQueue::max_waiting; ++i) {
-        CHECK(of(queue.on(fix_number(i), SteadyTime{0}, true)) == List{});
+        CHECK(of(queue.on(fix_number(i), SteadyTime{0}, true)).empty());
       }
       THEN("the oldest fix is released") {
         CHECK(of(queue.on(fix_number(FixQueue::max_waiting + 1), SteadyTime{0}, true)) == List{{1, -1}});
@@ -86,7 +86,7 @@ SCENARIO("each fix is released once, with the weight of the fusion") {
     FixQueue queue;
     CHECK(of(queue.on(report_on(4, 0.25))) == List{{4, 0.25}});
     THEN("the fix is not released again") {
-      CHECK(of(queue.on(fix_number(4), SteadyTime{0}, true)) == List{});
+      CHECK(of(queue.on(fix_number(4), SteadyTime{0}, true)).empty());
     }
   }
 }

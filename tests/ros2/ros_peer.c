@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
   checked("dds_waitset_attach", dds_waitset_attach(waitset, news, 0));
   dds_attach_t triggered = 0;
   checked("dds_waitset_wait", dds_waitset_wait(waitset, &triggered, 1, DDS_INFINITY));
-  sonopose_ResetCommand heard = {.address = (uint16_t)strtoul(argv[3], NULL, 10)};
-  checked("dds_write", dds_write(writer, &heard));
+  sonopose_ResetCommand received = {.address = (uint16_t)strtoul(argv[3], NULL, 10)};
+  checked("dds_write", dds_write(writer, &received));
   for (;;) dds_sleepfor(DDS_SECS(1));
 }

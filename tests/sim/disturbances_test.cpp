@@ -88,7 +88,7 @@ SCENARIO("poor fixes occur with the configured share") {
   double second = 0;
   for (int i = 0; i < many; ++i) {
     const PoorFixes* kind = draw_poor_fix(disturbances, random);
-    if (kind == &disturbances.poor_fixes[0]) first += 1.0 / many;
+    if (kind == disturbances.poor_fixes.data()) first += 1.0 / many;
     if (kind == &disturbances.poor_fixes[1]) second += 1.0 / many;
   }
   CHECK(first == Approx(0.25).margin(margin_of(0.25)));

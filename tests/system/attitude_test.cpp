@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <cmath>
 #include <sstream>
 #include <string>
@@ -19,7 +20,7 @@ using nlohmann::json;
 
 /// A simulated walk, which has no magnetometer.
 std::string walk_in(const TemporaryFolder& folder) {
-  const std::string log = (folder / "walk").string();
+  std::string log = (folder / "walk").string();
   const Result made = run(SONOPOSE_TEST_SIMULATE, {"walk", "--out", log, "--seed", "3", "--duration", "30"});
   CAPTURE(made.error);
   REQUIRE(made.code == 0);
@@ -66,7 +67,7 @@ SCENARIO("each filter processes a log, is scored and writes its trajectory") {
     double x = 1;
     double y = 1;
     double z = 1;
-    double q[4];
+    std::array<double, 4> q{};
     row >> time_s >> x >> y >> z >> q[0] >> q[1] >> q[2] >> q[3];
     CHECK(!row.fail());
     CHECK(std::abs(x) + std::abs(y) + std::abs(z) == 0.0);

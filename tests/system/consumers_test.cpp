@@ -1,5 +1,6 @@
 /// Late consumers, and several at once.
 
+#include "clocks/clocks.hpp"
 #include "support/bus.hpp"
 
 #include <nlohmann/json.hpp>
@@ -12,12 +13,6 @@ namespace consumers_test {
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-TimeNs host_now() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 /// Whether each pose belongs to the next IMU sample, 10 ms after the previous one.
 bool without_a_gap(const std::vector<FusedPose>& poses) {
@@ -38,7 +33,7 @@ SCENARIO("a late consumer receives poses, and the last status at once") {
     REQUIRE(first.wait_for_count(50));
     REQUIRE(first_status.wait_for_count(1));
     WHEN("a second consumer starts") {
-      const TimeNs came_ns = host_now();
+      const TimeNs came_ns = clocks::host_now();
       Consumer<sonopose_FusedPose> second(bus, topics::pose);
       Consumer<sonopose_BeaconStatus> beacon(bus, topics::beacon_status);
       Consumer<sonopose_FusionStatus> engine(bus, topics::fusion_status);

@@ -121,7 +121,7 @@ SCENARIO("a consumer detects the death of a fusion within a lease") {
   for (int i = 0; i < 5; ++i) {
     const auto fusion = bus.fusion();
     REQUIRE(tap.wait_for_count(tap.count(), 20).size() >= 20);
-    const SteadyTime killed = process::steady_now();
+    const SteadyTime killed = clocks::steady_now();
     fusion->send(SIGKILL);
     const auto lost = tap.wait_for_loss(killed);
     REQUIRE(lost);

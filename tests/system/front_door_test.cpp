@@ -1,4 +1,4 @@
-/// The front door, and options of every program: --help, --version, suggestions for misspelt words.
+/// The program sonopose, and options of every program: --help, --version, suggestions for misspelt words.
 
 #include "support/process.hpp"
 #include "support/temporary_folder.hpp"
@@ -21,7 +21,7 @@ const std::string version_line = " " SONOPOSE_TEST_VERSION "\n";
 const fs::path front_door = SONOPOSE_TEST_SONOPOSE;
 const std::string prefix = "sonopose-";
 
-/// All programs except the front door: sonopose-bridge …
+/// All programs except sonopose: sonopose-bridge …
 std::vector<std::string> programs() {
   std::vector<std::string> names;
   std::istringstream list(SONOPOSE_TEST_PROGRAMS);
@@ -44,7 +44,7 @@ std::string refusal(const fs::path& program, const std::vector<std::string>& arg
   return result.error;
 }
 
-/// The front door alone in a folder, with a foreign verb on PATH.
+/// The program sonopose alone in a folder, with a foreign verb on PATH.
 struct FrontDoorAlone {
   TemporaryFolder folder;
   fs::path program = folder / "sonopose";
@@ -59,7 +59,7 @@ struct FrontDoorAlone {
   }
 };
 
-TEST_CASE("The front door lists every program with the first sentence of its help") {
+TEST_CASE("sonopose lists every program with the first sentence of its help") {
   const Result list = run(front_door, {"--help"});
   CHECK(list.code == 0);
   CHECK(run(front_door, {}).output == list.output);
@@ -88,8 +88,8 @@ TEST_CASE("Every program prints its name and version") {
 }
 
 SCENARIO("A verb runs its program") {
-  WHEN("the program is beside the front door") {
-    THEN("it gets the arguments, and its exit code is the front door's") {
+  WHEN("the program is beside sonopose") {
+    THEN("it gets the arguments, and its exit code is that of sonopose") {
       const Result through = run(front_door, {"simulate", "--list"});
       CHECK(through.code == 0);
       CHECK(through.output == run(beside_front_door("sonopose-simulate"), {"--list"}).output);
@@ -110,7 +110,7 @@ SCENARIO("A verb runs its program") {
   }
   WHEN("the program of a known verb is missing") {
     const FrontDoorAlone alone;
-    THEN("the front door says which one") {
+    THEN("sonopose says which one") {
       const Result result = run(alone.program, {"tune"}, alone.environment);
       CHECK(result.code.value_or(0) > 0);
       CHECK_THAT(result.error, Contains("sonopose-tune") && Contains("PATH"));

@@ -28,7 +28,7 @@ std::string refusal(const char* program, const Arguments& arguments, const Envir
 std::string refused_config(const std::string& toml) {
   const TemporaryFolder folder;
   write_text(folder / "fusion.toml", toml);
-  const std::string said = refusal(SONOPOSE_TEST_FUSION, {"--config", (folder / "fusion.toml").string()});
+  std::string said = refusal(SONOPOSE_TEST_FUSION, {"--config", (folder / "fusion.toml").string()});
   CHECK_THAT(said, Contains((folder / "fusion.toml").string()));
   return said;
 }
@@ -41,7 +41,7 @@ std::string refused_qos(const std::string& right, const std::string& wrong) {
   REQUIRE(place != std::string::npos);
   const auto line = 1 + std::count(xml.begin(), xml.begin() + static_cast<std::ptrdiff_t>(place), '\n');
   write_text(folder / "qos.xml", xml.replace(place, right.size(), wrong));
-  const std::string said = refusal(SONOPOSE_TEST_BRIDGE, {"--qos", (folder / "qos.xml").string()});
+  std::string said = refusal(SONOPOSE_TEST_BRIDGE, {"--qos", (folder / "qos.xml").string()});
   CHECK_THAT(said, Contains((folder / "qos.xml").string() + ":" + std::to_string(line) + ":"));
   return said;
 }

@@ -47,7 +47,7 @@ private:
   TemporaryFolder folder_;
 };
 
-Result replay(std::vector<std::string> arguments, const Environment& environment = {}) {
+Result replay(const std::vector<std::string>& arguments, const Environment& environment = {}) {
   return run(SONOPOSE_TEST_REPLAY, arguments, environment);
 }
 
@@ -167,8 +167,12 @@ SCENARIO("pure integration starts from the truth") {
   const json mean =
       report_of({recording.log(), "--engine", "strapdown", "--init", "truth", "--integration", "mean"});
   CHECK(mean["state_hash"] != previous["state_hash"]);
-  CHECK_THAT(refusal({recording.log(), "--engine", "strapdown", "--save-state", "x"}),
-             Contains("--save-state"));
+  const std::string state = (recording / "strapdown.json").string();
+  report_of({recording.log(), "--engine", "strapdown", "--integration", "mean", "--until", "2",
+             "--save-state", state});
+  const json rest = report_of({recording.log(), "--engine", "strapdown", "--load-state", state});
+  CHECK(rest["position_rmse_m"].is_number());
+  CHECK_THAT(refusal({recording.log(), "--load-state", state}), Contains("another kind of estimator"));
   const Recording without_truth(false);
   CHECK_THAT(refusal({without_truth.log(), "--engine", "strapdown", "--init", "truth"}),
              Contains("strapdown") && Contains("truth.csv"));

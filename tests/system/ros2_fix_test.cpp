@@ -1,6 +1,6 @@
 /// Fixes in ROS 2: each once, with the variance that the fusion assigns to it.
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include "support/ros2.hpp"
 
 #include <cmath>
@@ -98,7 +98,7 @@ SCENARIO("a beacon with a magnetometer has a magnetic field topic") {
       bool came = false;
       for (int i = 0; i < 1000 && !came; ++i) {
         sample.sequence = static_cast<std::uint64_t>(i) + 1;
-        sample.sensor_time_ns = process::host_now();
+        sample.sensor_time_ns = clocks::host_now();
         samples.write(dds::topics::to_idl(sample));
         came = field.wait_for_count(
             1, [&](const auto& message) { seen = message.magnetic_field; }, std::chrono::milliseconds(10));

@@ -1,6 +1,6 @@
 /// ROS 2 drivers feed the fusion through the relay.
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include "support/ros2.hpp"
 
 #include <atomic>
@@ -35,10 +35,10 @@ private:
     rest.specific_force_body_mps2 = {0, 0, standard_gravity_mps2};
     const ros2::FrameNames frames;
     for (int i = 0; !stop_; ++i) {
-      imu_.write(ros2::raw_imu(rest, process::host_now(), frames, {}));
+      imu_.write(ros2::raw_imu(rest, clocks::host_now(), frames, {}));
       if (i % 10 == 0) {
-        position_.write(ros2::position_as_pose({1, 2, 0.5}, ros2::fix_covariance(0.02, 1.0),
-                                               process::host_now(), frames));
+        position_.write(
+            ros2::position_as_pose({1, 2, 0.5}, ros2::fix_covariance(0.02, 1.0), clocks::host_now(), frames));
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }

@@ -56,7 +56,7 @@ TEMPLATE_TEST_CASE("ROS 2 lists the relay as a node with the topics of the beaco
   CHECK(info.nodes[0].name == "kart");
   // Native topics do not belong to the node.
   const auto all = endpoints_of(discovery.writers(), participant);
-  CHECK(info.nodes[0].writers.count(all.at("ros_discovery_info").key) == 0);
+  CHECK_FALSE(info.nodes[0].writers.contains(all.at("ros_discovery_info").key));
 
   const auto participants = discovery.participants();
   const auto found = std::find_if(participants.begin(), participants.end(),

@@ -1,6 +1,6 @@
 /// The relay's transforms.
 
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include "support/ros2.hpp"
 
 #include <atomic>
@@ -92,7 +92,7 @@ SCENARIO("with another odometry the relay publishes the transform of its frame")
       std::atomic<bool> enough = false;
       std::thread driver([&] {
         while (!enough) {
-          auto transform = ros2::transform(base_in_odom, process::host_now(), odom, base);
+          auto transform = ros2::transform(base_in_odom, clocks::host_now(), odom, base);
           wheels.write({{1, 1, &transform, false}});
           std::this_thread::sleep_for(std::chrono::milliseconds(20));
         }

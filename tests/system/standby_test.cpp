@@ -78,7 +78,7 @@ std::vector<double> takeovers_ms(Pair& pair, Fusion& strong, const Fusion& weak,
   for (int i = 0; i < kills; ++i) {
     pair.wait_until_served_by(strong);
     const std::size_t before = pair.tap.count();
-    const SteadyTime out = process::steady_now();
+    const SteadyTime out = clocks::steady_now();
     const auto bring_back = take_out();
     const auto first = pair.tap.wait_for_writer(weak.writers, before);
     REQUIRE(first);

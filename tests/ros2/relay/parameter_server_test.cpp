@@ -2,8 +2,8 @@
 
 #include "ros2/relay/parameter_server.hpp"
 
+#include "clocks/clocks.hpp"
 #include "fusion/fusion_node.hpp"
-#include "process/clocks.hpp"
 #include "support/test_domain.hpp"
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
@@ -49,7 +49,7 @@ public:
     REQUIRE(wait_until([&] { return imu_.publication_matched_status().current_count > 0; }));
     ImuSample sample;
     sample.address = 7;
-    sample.sensor_time_ns = process::host_now();
+    sample.sensor_time_ns = clocks::host_now();
     sample.sequence = 1;
     imu_.write(dds::topics::to_idl(sample));
   }
@@ -74,7 +74,7 @@ private:
   process::StopSignal stop_;
   std::jthread fusing_{[this] { fusion_.run(stop_); }};
   std::jthread serving_{[this] {
-    while (!stop_.wait_until(process::steady_now() + 2'000'000)) server_.serve();
+    while (!stop_.wait_until(clocks::steady_now() + 2'000'000)) server_.serve();
   }};
 };
 

@@ -3,7 +3,7 @@
 #include "ros2/relay/source.hpp"
 
 #include "bridge/collecting_sink.hpp"
-#include "process/clocks.hpp"
+#include "clocks/clocks.hpp"
 #include "support/test_domain.hpp"
 #include <sonopose/ros2/messages/messages.hpp>
 
@@ -181,9 +181,9 @@ SCENARIO("the clock offset of a beacon is the minimum age of its IMU samples") {
     Rig rig({{Kind::fix, "/tag", 7}, {Kind::imu, "/imu/data", 7}, {Kind::fix, "/tag", 8}});
     auto imu = rig.driver<ros2::Imu>("/imu/data");
     auto fixes = rig.driver<ros2::PointStamped>("/tag");
-    imu.write(imu_at(process::host_now() - 10 * second_ns));
-    imu.write(imu_at(process::host_now() - 500 * second_ns));
-    fixes.write(fix_at(process::host_now() - second_ns, {}));
+    imu.write(imu_at(clocks::host_now() - 10 * second_ns));
+    imu.write(imu_at(clocks::host_now() - 500 * second_ns));
+    fixes.write(fix_at(clocks::host_now() - second_ns, {}));
     rig.run();
     const auto offset_s = [&](BeaconAddress address) {
       double result = 0;
@@ -226,7 +226,7 @@ SCENARIO("fixes in an unexpected frame are used and logged") {
     auto fixes = rig.driver<ros2::PointStamped>("/tag");
     ros2::FrameNames frames;
     frames.map = "map_7";
-    fixes.write(fix_at(process::host_now(), frames));
+    fixes.write(fix_at(clocks::host_now(), frames));
     rig.run();
     THEN("only the second is logged, and both receive the fix") {
       REQUIRE(wait_until([&] { return rig.sink.count() == 2; }));
