@@ -26,12 +26,12 @@ void BasicAdaptive<Scalar>::update(const Settings& all, const Measurement<Scalar
   }
 }
 
-/// At rest the specific force is gravity's, whatever else is known of it.
+/// At rest the specific force is used even if the acceleration is unknown.
 template <class Scalar>
 void BasicAdaptive<Scalar>::take_force(const Settings& all, const Measurement<Scalar>& measurement) {
   const Scalar dt_s = since_force_s_;
   since_force_s_ = 0;
-  rest::watch(all.rest, rest_, measurement, dt_s, bias::limit_radps<Scalar>(all.bias));
+  rest::update(all.rest, rest_, measurement, dt_s, bias::limit_radps<Scalar>(all.bias));
   if (!measurement.force_shows_up && !rest::is_resting(all.rest, rest_)) return;
   const Matrix3<Scalar> rotation = q_body_to_world_.toRotationMatrix();
   const Vector3<Scalar> force_world_mps2 =
@@ -44,14 +44,14 @@ void BasicAdaptive<Scalar>::take_force(const Settings& all, const Measurement<Sc
 template <class Scalar>
 void BasicAdaptive<Scalar>::learn_bias(const Settings& all) {
   const AdaptiveSettings& settings = all.adaptive;
-  const Scalar accel_time_s = Scalar(settings.accel_time_s);
+  const auto accel_time_s = Scalar(settings.accel_time_s);
   bias::estimate(all.bias, bias_,
                  {rest::is_resting(all.rest, rest_), force_world_.is_settled(accel_time_s),
                   rest_.rate_mean_body_radps, accel_time_s});
 }
 
-/// Turns the estimate, and what the low-pass holds with it, until the low-passed force stands upright;
-/// returns the turn.
+/// Rotates the estimate and the state of the low-pass filter until the filtered force is vertical.
+/// Returns the rotation.
 template <class Scalar>
 Vector3<Scalar> BasicAdaptive<Scalar>::level(const AdaptiveSettings& settings,
                                              const Vector3<Scalar>& force_world_mps2, Scalar dt_s) {
@@ -78,8 +78,8 @@ void BasicAdaptive<Scalar>::point_north(const Settings& all, const Measurement<S
   const Scalar rate_radps = measurement.angular_velocity_body_radps.norm();
   const Scalar weight = magnetic::weigh(all.magnetic, magnetic_, field_world_t, rate_radps, dt_s);
   const AdaptiveSettings& settings = all.adaptive;
-  const Scalar time_s = Scalar(settings.heading_time_s);
-  // The n-th heading counts 1/n at least, until that is less than what it counts anyhow.
+  const auto time_s = Scalar(settings.heading_time_s);
+  // The n-th heading has a share of at least 1/n, until that is less than its usual share.
   const Scalar usual = weight * dt_s / (time_s + dt_s);
   const Scalar share = std::max(usual, heading_share_);
   heading_share_ /= 1 + heading_share_;

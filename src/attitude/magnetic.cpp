@@ -20,15 +20,15 @@ bool are_alike(const MagneticSettings& settings, const FieldShape<Scalar>& a, co
 }
 
 template <class Scalar>
-void follow(FieldShape<Scalar>& shape, const FieldShape<Scalar>& seen, Scalar share) {
+void move_towards(FieldShape<Scalar>& shape, const FieldShape<Scalar>& seen, Scalar share) {
   shape.level_t += share * (seen.level_t - shape.level_t);
   shape.up_t += share * (seen.up_t - shape.up_t);
 }
 
 /// A field that stays the same while the body turns belongs to the place and not to the body.
 template <class Scalar>
-void watch_candidate(const MagneticSettings& settings, MagneticState<Scalar>& state, Scalar rate_radps,
-                     Scalar dt_s) {
+void update_candidate(const MagneticSettings& settings, MagneticState<Scalar>& state, Scalar rate_radps,
+                      Scalar dt_s) {
   if (!are_alike(settings, state.mean, state.candidate)) {
     state.candidate = state.mean;
     state.candidate_age_s = 0;
@@ -37,7 +37,7 @@ void watch_candidate(const MagneticSettings& settings, MagneticState<Scalar>& st
   }
   // The mean of all at first: the first of them is on its way from one field to the other.
   const Scalar memory_s = state.candidate_age_s + dt_s;
-  follow(state.candidate, state.mean, memory_s > 0 ? dt_s / memory_s : Scalar(1));
+  move_towards(state.candidate, state.mean, memory_s > 0 ? dt_s / memory_s : Scalar(1));
   state.candidate_age_s = std::min(memory_s, Scalar(settings.reference_s));
   const double needed_s = state.has_reference ? settings.new_field_s : settings.first_field_s;
   if (rate_radps >= Scalar(settings.new_field_rate_dps * geometry::radians_per_degree)) {
@@ -58,7 +58,7 @@ Scalar weigh(const MagneticSettings& settings, MagneticState<Scalar>& state,
              const Vector3<Scalar>& field_world_t, Scalar rate_radps, Scalar dt_s) {
   const FieldShape<Scalar> seen{field_world_t.template head<2>().norm(), field_world_t.z()};
   const Scalar memory_s = state.mean_age_s + dt_s;
-  follow(state.mean, seen, memory_s > 0 ? dt_s / memory_s : Scalar(1));
+  move_towards(state.mean, seen, memory_s > 0 ? dt_s / memory_s : Scalar(1));
   state.mean_age_s = std::min(memory_s, Scalar(settings.smoothing_s));
 
   if (state.has_reference && are_alike(settings, state.mean, state.reference)) {
@@ -66,13 +66,13 @@ Scalar weigh(const MagneticSettings& settings, MagneticState<Scalar>& state,
     state.like_reference_s = std::min(state.like_reference_s + dt_s, enough_s);
     state.disturbed = state.disturbed && state.like_reference_s < enough_s;
     if (!state.disturbed) {
-      follow(state.reference, state.mean, std::min(dt_s / Scalar(settings.reference_s), Scalar(1)));
+      move_towards(state.reference, state.mean, std::min(dt_s / Scalar(settings.reference_s), Scalar(1)));
     }
   } else {
     state.like_reference_s = 0;
     state.disturbed = true;
   }
-  watch_candidate(settings, state, rate_radps, dt_s);
+  update_candidate(settings, state, rate_radps, dt_s);
 
   // Without any reference yet there is nothing better than what is seen.
   if (!state.has_reference) return Scalar(settings.late_share);

@@ -3,8 +3,8 @@
 namespace sonopose::attitude::rest {
 
 template <class Scalar>
-void watch(const RestSettings& settings, RestState<Scalar>& state, const Measurement<Scalar>& measurement,
-           Scalar dt_s, Scalar most_bias_radps) {
+void update(const RestSettings& settings, RestState<Scalar>& state, const Measurement<Scalar>& measurement,
+            Scalar dt_s, Scalar most_bias_radps) {
   // The mean of all at first, an exponential one from then on.
   const Scalar memory_s = state.age_s + dt_s;
   const Scalar share = memory_s > 0 ? dt_s / memory_s : Scalar(1);
@@ -28,8 +28,8 @@ bool is_resting(const RestSettings& settings, const RestState<Scalar>& state) {
   return state.still_for_s >= Scalar(settings.still_s);
 }
 
-template void watch(const RestSettings&, RestState<float>&, const Measurement<float>&, float, float);
-template void watch(const RestSettings&, RestState<double>&, const Measurement<double>&, double, double);
+template void update(const RestSettings&, RestState<float>&, const Measurement<float>&, float, float);
+template void update(const RestSettings&, RestState<double>&, const Measurement<double>&, double, double);
 template bool is_resting(const RestSettings&, const RestState<float>&);
 template bool is_resting(const RestSettings&, const RestState<double>&);
 

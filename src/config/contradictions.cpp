@@ -19,13 +19,13 @@ struct Order {
 
 constexpr std::array<Order, 5> orders{{
     {"velocity.interval_min_s", "velocity.interval_max_s", true, "",
-     "no two fixes lie so far apart and so near, and the velocity is never corrected"},
+     "no pair of fixes meets both limits, so the velocity is never corrected"},
     {"velocity.interval_wanted_s", "velocity.interval_max_s", true, "",
-     "what is wanted is never reached, and the velocity is measured over as much as the latter allows"},
+     "the wanted interval is never reached; the velocity is measured over the maximum interval"},
     {"trust.n_min", "trust.n_max", true, "trust.enabled",
-     "the latter ends a loss of trust before so many fixes have rebuilt it"},
+     "the track is accepted after trust.n_max fixes, before trust is rebuilt"},
     {"trust.stuck_n", "trust.n_max", false, "trust.enabled",
-     "the latter ends a loss of trust first, and convergence is never forced"},
+     "the track is accepted after trust.n_max fixes, so convergence is never forced"},
     {"motion.gyro_gate_projection_radps", "motion.gyro_gate_freeze_radps", true, "motion.gyro_gate",
      "the acceleration is ignored from the latter on and never projected"},
 }};

@@ -43,7 +43,7 @@ public:
   /// The beacons that have settings of their own.
   [[nodiscard]] std::vector<BeaconAddress> beacons() const;
 
-  /// What is allowed but surely not meant, in plain words: items 2–4 set beside a preset that replaces them,
+  /// Warnings about valid but probably unintended settings: items 2–4 with a preset that replaces them,
   /// and settings that contradict each other.
   [[nodiscard]] std::vector<std::string> warnings() const;
 

@@ -60,7 +60,7 @@ private:
 
 estimation::EstimatorOptions estimator_options(const recording::SensorLog& log, const RunOptions& options) {
   estimation::EstimatorOptions estimator{.kind = options.estimator, .strapdown_rule = options.strapdown_rule};
-  if (options.estimator == estimation::EstimatorKind::strapdown) {
+  if (options.estimator == estimation::EstimatorKind::strapdown && !options.start) {
     const auto start = first_complete_truth(log);
     if (!start) {
       throw std::invalid_argument(

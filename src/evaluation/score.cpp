@@ -39,7 +39,7 @@ ErrorSummary error_summary_of(std::vector<double> errors) {
 
 AttitudeError error_of(const Quaterniond& q_estimate, const Quaterniond& q_truth) {
   const Quaterniond off = q_estimate * q_truth.conjugate();
-  // In this order the minimum of a NaN is a NaN: what is no orientation has no error of zero.
+  // In this order the minimum with a NaN is NaN, so an invalid orientation does not have zero error.
   return {2.0 * std::acos(std::min(std::abs(off.w()), 1.0)),
           2.0 * std::atan2(std::abs(off.z()), std::abs(off.w())),
           2.0 * std::acos(std::min(std::hypot(off.w(), off.z()), 1.0))};

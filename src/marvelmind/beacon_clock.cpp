@@ -78,7 +78,7 @@ void BeaconClock::observe(const Stamp& stamp, std::int64_t ahead_ns, TimeNs arri
     return;
   }
   newest_ns_ = sent_ns;
-  unwrapper_.follow(stamp);
+  unwrapper_.set_newest(stamp);
   if (settled_) line_.advance(sent_ns, target_ns, envelope_.rate());
   measure_jitter(sent_ns, arrival_ns);
   advance_to(arrival_ns);
@@ -86,7 +86,7 @@ void BeaconClock::observe(const Stamp& stamp, std::int64_t ahead_ns, TimeNs arri
 
 void BeaconClock::begin(const Stamp& stamp, std::int64_t ahead_ns, TimeNs arrival_ns) {
   unwrapper_.restart();
-  unwrapper_.follow(stamp);
+  unwrapper_.set_newest(stamp);
   newest_ns_ = unwrapper_.beacon_ns(stamp) + ahead_ns;
   envelope_.clear();
   envelope_.add(newest_ns_, arrival_ns);
@@ -140,12 +140,12 @@ void FixedClock::observe(const Stamp& stamp, std::int64_t ahead_ns, TimeNs arriv
   const std::int64_t sent_ns = unwrapper_.beacon_ns(stamp) + ahead_ns;
   if (sent_ns < newest_ns_) return;
   newest_ns_ = sent_ns;
-  unwrapper_.follow(stamp);
+  unwrapper_.set_newest(stamp);
 }
 
 void FixedClock::begin(const Stamp& stamp, std::int64_t ahead_ns, TimeNs host_ns) {
   unwrapper_.restart();
-  unwrapper_.follow(stamp);
+  unwrapper_.set_newest(stamp);
   origin_ns_ = host_ns;
   first_ns_ = unwrapper_.beacon_ns(stamp) + ahead_ns;
   newest_ns_ = first_ns_;

@@ -29,7 +29,7 @@ public:
   std::int64_t beacon_ns(const Stamp& stamp) const;
 
   /// Sets the newest stamp.
-  void follow(const Stamp& stamp) { newest_ticks_ = unwrapped(stamp); }
+  void set_newest(const Stamp& stamp) { newest_ticks_ = unwrapped(stamp); }
 
   void restart() { newest_ticks_.reset(); }
 

@@ -114,8 +114,7 @@ const PoorFixes* draw_poor_fix(const Disturbances& disturbances, Random& random)
   return nullptr;
 }
 
-PacketChannel::PacketChannel(const PacketFaults& faults, Random random)
-    : faults_{faults}, random_{std::move(random)} {}
+PacketChannel::PacketChannel(const PacketFaults& faults, Random random) : faults_{faults}, random_{random} {}
 
 PacketFate PacketChannel::next() {
   if (still_to_lose_ > 0) {

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 namespace sonopose::sim {
 
@@ -111,7 +110,7 @@ ImuSample ImuModel::measure(const Motion& motion, const Vector3d& gyro_drift_bod
 
 UltrasonicModel::UltrasonicModel(const SensorSettings& settings, Random random)
     : settings_{settings},
-      random_{std::move(random)},
+      random_{random},
       fix_rate_hz_{random_.uniform_in(settings.fix_rate_hz)},
       fix_noise_m_{random_.uniform_in(settings.fix_noise_m)} {}
 

@@ -162,7 +162,7 @@ void Simulator::emit_one() {
   }
 }
 
-void Simulator::receive(Event event) {
+void Simulator::receive(const Event& event) {
   under_way_.insert(std::upper_bound(under_way_.begin(), under_way_.end(), event, earlier), event);
 }
 

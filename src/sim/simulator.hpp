@@ -59,7 +59,7 @@ private:
   void deliver(const ImuSample& sample, int copies);
   void emit_until(TimeNs time_ns);
   void emit_one();
-  void receive(Event event);
+  void receive(const Event& event);
 
   Scenario scenario_;
   SensorSettings sensors_;

@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// The filter that is best on recordings, beyond the documents: inclination from the specific force after a
-/// low-pass in a frame that does not turn, heading apart from it, and the gyroscope's offset learned at rest
-/// and in motion. The idea of each of these is that of D. Laidig and T. Seel, "VQF: Highly accurate IMU
+/// The default filter, not part of the specifications: inclination from the specific force, low-pass
+/// filtered in a frame that does not rotate; a separate heading; and a gyroscope offset learned at rest
+/// and in motion. Based on D. Laidig and T. Seel, "VQF: Highly accurate IMU
 /// orientation estimation with bias estimation and magnetic disturbance rejection" (Information Fusion 91,
 /// 2023).
 
@@ -26,17 +26,17 @@ public:
   void reset(const Quaternion<Scalar>& q_body_to_world);
 
   /// 1. q ← q ⊗ exp((ω − b)·dt).
-  /// 2. The specific force, turned into the world, passes the low-pass there: a to and fro of the body
-  ///    averages out, because the world does not turn as the body does. q is then turned so that the
-  ///    low-passed force points up.
-  /// 3. Heading turns by a share of the angle from the field's level part to north, of fields that are not
-  ///    disturbed; it never tilts.
+  /// 2. The specific force is low-pass filtered in world axes, where back-and-forth motion of the body
+  ///    averages out, because these axes do not rotate with it. q is then rotated so that the
+  ///    filtered force points up.
+  /// 3. The heading is corrected by a share of the angle from the horizontal field to north, unless the field
+  ///    is disturbed. This never changes the tilt.
   /// 4. Every 0.1 s the gyroscope's offset b is estimated again.
   /// Each sensor counts for the time since it was last measured, up to longest_wait_s.
   void update(const Settings& all, const Measurement<Scalar>& measurement);
 
-  /// What the low-pass knows of the vertical stays as it was: the accelerometer draws the estimate back to
-  /// it.
+  /// The vertical of the low-pass filter does not change, so the accelerometer later corrects a tilt by
+  /// this rotation.
   void turn_in_world(const Vector3<Scalar>& rotation_world_rad);
 
   [[nodiscard]] const Quaternion<Scalar>& orientation() const { return q_body_to_world_; }

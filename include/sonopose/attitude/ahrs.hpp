@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// The AHRS document's algorithm, the revised one of S. Madgwick's thesis (2014), chapter 7: the gyroscope
-/// integrated, with a pull towards the accelerometer's up and the magnetometer's heading, each of which is
-/// ignored while it contradicts the estimate by too much.
+/// The revised AHRS algorithm of S. Madgwick's thesis (2014), chapter 7: the gyroscope is integrated and
+/// corrected towards the vertical of the accelerometer and the heading of the magnetometer. Each sensor is
+/// ignored while it deviates too much from the estimate.
 
 #include <sonopose/attitude/ahrs_outputs.hpp>
 #include <sonopose/attitude/filter.hpp>
@@ -28,13 +28,13 @@ public:
   /// One step; with all sensors, without the magnetometer, or with the gyroscope alone.
   ///   e = up_measured × up_estimated + up_estimated · sin(heading_measured − heading_estimated)
   ///   q ← q ⊗ exp((ω − offset)·Δt + gain·Δt·e)
-  /// with both errors as rotations in the body's axes, each of length 1 beyond 90°, so that the pull does not
-  /// fade towards 180°. No step pulls further than its errors. A sensor that is not there (zero length) pulls
-  /// nothing and is counted as neither used nor ignored; one that comes with every n-th step pulls 1/n as
-  /// fast. The magnetometer acts on heading alone, and only after an accelerometer has shown where up is.
+  /// with both errors as rotations in body axes, each of length 1 beyond 90°, so that the correction does not
+  /// fade towards 180°. No step corrects more than its errors. A missing sensor (zero length) corrects
+  /// nothing and counts as neither used nor ignored; one that is present in every n-th step corrects 1/n as
+  /// fast. The magnetometer corrects only the heading, and only after the first accelerometer sample.
   void update(const Settings& settings, const Measurement<Scalar>& measurement);
 
-  /// One step with a heading from elsewhere in the magnetometer's place, and its rejection with it:
+  /// One step with an external heading instead of the magnetometer, with the same rejection:
   /// `heading_rad` is the body's yaw in the world, the direction of body X seen from above,
   /// counter-clockwise from world +X; it must be finite. It pulls nothing while body X is vertical.
   void update_external_heading(const Settings& settings, const Measurement<Scalar>& measurement,

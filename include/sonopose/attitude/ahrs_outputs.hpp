@@ -26,8 +26,8 @@ geometry::Vector3<Scalar> earth_acceleration_world_mps2(
          geometry::Vector3<Scalar>(0, 0, Scalar(standard_gravity_mps2));
 }
 
-/// What decides over the rejections. The heading may also be one from outside
-/// (`update_external_heading`): it takes the magnetometer's place.
+/// The inputs of the rejection. The heading may also be an external one
+/// (`update_external_heading`): it replaces that of the magnetometer.
 template <class Scalar>
 struct AhrsInternalStates {
   Scalar acceleration_error_deg = 0;   ///< from the accelerometer's up to the estimated one, 0…180

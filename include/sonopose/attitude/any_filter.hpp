@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The filter that is chosen at run time (setting attitude.filter). It is a Filter itself, so that whatever
-/// takes one takes the choice too.
+/// The filter that is selected at run time (setting attitude.filter). It satisfies Filter itself, so that it
+/// can be used like any other filter.
 
 #include <sonopose/attitude/adaptive.hpp>
 #include <sonopose/attitude/ahrs.hpp>
@@ -33,8 +33,8 @@ public:
   /// Keeps the kind.
   void reset(const Quaterniond& q_body_to_world);
 
-  /// Where the settings name another filter than the one that stood here, it begins with the orientation and
-  /// the gyroscope's offset of that one. The AHRS initialises then, as it does after every reset.
+  /// If the settings select another filter than before, the new one starts with the orientation and the
+  /// gyroscope offset of the previous one. The AHRS then initialises, as after every reset.
   void update(const Settings& all, const Measurement<double>& measurement);
 
   void turn_in_world(const Vector3d& rotation_world_rad);

@@ -1,8 +1,8 @@
 #pragma once
 /// \file
 /// The gyroscope's offset, estimated by a small Kalman filter: at rest from the mean rate; in motion from
-/// what the accelerometer must correct of the tilt again and again, which shows the two axes that are level
-/// just then.
+/// the repeated tilt corrections by the accelerometer, which make the offset about the two axes observable
+/// that are level at the time.
 
 #include <sonopose/attitude/filter.hpp>
 #include <sonopose/attitude/low_pass.hpp>
@@ -22,7 +22,7 @@ struct BiasState {
   Scalar span_s = 0;
   Matrix3<Scalar> rotation_s = Matrix3<Scalar>::Zero();        ///< ∫R(q) dt
   Vector3<Scalar> turned_world_rad = Vector3<Scalar>::Zero();  ///< corrections made
-  // As late as the corrections are: what has passed through the accelerometer's low-pass.
+  // Delayed like the corrections, by the same low-pass filter as the accelerometer.
   LowPass<Matrix3<Scalar>> late_rotation;    ///< R(q)
   LowPass<Vector3<Scalar>> late_bias_world;  ///< R(q)·bias
 
@@ -31,10 +31,10 @@ struct BiasState {
 
 namespace bias {
 
-/// How often an estimate is made: far oftener than any offset changes, far less often than samples come.
+/// Interval between estimates: much shorter than changes of an offset, much longer than the sample period.
 inline constexpr double period_s = 0.1;
 
-/// Takes in one step: the orientation, and the turn (rad, world) by which it was levelled.
+/// Adds one step: the orientation, and the rotation (rad, world) that levelled it.
 template <class Scalar>
 void collect(BiasState<Scalar>& state, const Matrix3<Scalar>& rotation_body_to_world,
              const Vector3<Scalar>& turn_world_rad, Scalar dt_s) {
@@ -48,8 +48,8 @@ bool is_due(const BiasState<Scalar>& state) {
   return state.span_s >= Scalar(period_s);
 }
 
-/// What the filter knows besides: the mean rate, where the body rests, and the low-pass that lies between a
-/// wrong tilt and its correction.
+/// Further inputs of an estimate: the mean rate, if the body is at rest, and the low-pass filter that delays
+/// the correction of a wrong tilt.
 template <class Scalar>
 struct BiasEvidence {
   bool at_rest = false;

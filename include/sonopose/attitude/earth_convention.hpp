@@ -26,7 +26,7 @@ geometry::Quaternion<Scalar> world_to_convention(Convention convention,
                                                  const Direction2<Scalar>& north_world) {
   if (convention == Convention::enu)
     return geometry::rotation_about_z(std::atan2(north_world.x(), north_world.y()));
-  const auto q_world_to_nwu = geometry::rotation_about_z(-std::atan2(north_world.y(), north_world.x()));
+  auto q_world_to_nwu = geometry::rotation_about_z(-std::atan2(north_world.y(), north_world.x()));
   if (convention == Convention::nwu) return q_world_to_nwu;
   return geometry::Quaternion<Scalar>(0, 1, 0, 0) * q_world_to_nwu;
 }

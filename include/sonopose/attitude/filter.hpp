@@ -19,7 +19,7 @@ using geometry::Vector3;
 /// One step of a filter. Its numbers must be finite.
 template <class Scalar>
 struct Measurement {
-  Scalar dt_s = 0;  ///< since the measurement before, ≥ 0; it may be another one every time
+  Scalar dt_s = 0;  ///< since the previous measurement, ≥ 0; may vary
   Vector3<Scalar> angular_velocity_body_radps = Vector3<Scalar>::Zero();
   Vector3<Scalar> specific_force_body_mps2 = Vector3<Scalar>::Zero();  ///< zero length: not measured
   Vector3<Scalar> magnetic_field_body_t = Vector3<Scalar>::Zero();     ///< zero length: not measured
@@ -31,7 +31,7 @@ struct Measurement {
   bool force_shows_up = true;
 };
 
-/// The part of the specific force that holds the body against gravity, as far as its acceleration is known.
+/// The specific force without the known acceleration of the body: the reaction to gravity.
 template <class Scalar>
 Vector3<Scalar> gravity_force_body(const Measurement<Scalar>& measurement,
                                    const Quaternion<Scalar>& q_body_to_world) {
@@ -46,7 +46,7 @@ bool shows_up(const Measurement<Scalar>& measurement) {
   return measurement.force_shows_up && !measurement.specific_force_body_mps2.isZero(0);
 }
 
-/// A vector in the world has a direction seen from above: its level part is more than what rounding leaves.
+/// Whether a world vector has a horizontal direction: its horizontal part exceeds rounding errors.
 template <class Scalar>
 bool has_level_part(const Vector3<Scalar>& vector_world) {
   constexpr Scalar least = 16 * std::numeric_limits<Scalar>::epsilon();

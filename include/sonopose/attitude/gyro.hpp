@@ -7,7 +7,7 @@
 
 namespace sonopose::attitude {
 
-/// It has none.
+/// This filter has no settings.
 struct GyroSettings {};
 
 /// Its offset is the one that was given: the filter learns none.

@@ -8,8 +8,8 @@
 namespace sonopose::attitude {
 
 /// y″ + √2·w·y′ + w²·y = w²·u with w = √2/time, a Butterworth low-pass, by the implicit Euler rule, which is
-/// stable at any step. For the first `time_s` it is the mean of what it has seen, so that it needs no guess
-/// to begin with. `Value` is an Eigen vector or matrix.
+/// stable at any step. For the first `time_s` it is the mean of its inputs, so that it needs no initial
+/// value. `Value` is an Eigen vector or matrix.
 template <class Value>
 struct LowPass {
   using Scalar = typename Value::Scalar;

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
 /// Which field is the Earth's: a reference of its norm and dip is learned, and a field that differs from it
-/// is not asked for north.
+/// is not used for the heading.
 
 #include <sonopose/attitude/filter.hpp>
 #include <sonopose/attitude/settings.hpp>
@@ -35,8 +35,8 @@ struct MagneticState {
 
 namespace magnetic {
 
-/// Takes one field in, turned into the world; `rate_radps` is how fast the body turns. Returns its weight for
-/// the heading: 1 undisturbed, 0 disturbed, `late_share` where the disturbance will not end.
+/// Adds one field in world axes; `rate_radps` is the angular rate of the body. Returns its weight for
+/// the heading: 1 undisturbed, 0 disturbed, `late_share` if the disturbance lasts too long.
 template <class Scalar>
 Scalar weigh(const MagneticSettings& settings, MagneticState<Scalar>& state,
              const Vector3<Scalar>& field_world_t, Scalar rate_radps, Scalar dt_s);

@@ -12,7 +12,7 @@
 
 namespace sonopose::attitude {
 
-/// Its offset of the gyroscope is the integral, with its sign turned.
+/// The gyroscope offset is the negative of the integral.
 template <class Number>
 class BasicMahony : public IntegratedAttitude<Number> {
 public:

@@ -46,14 +46,14 @@ struct Rejection {
   bool ignored = false;      ///< the last measurement was
   bool timed_out = false;    ///< recovery form: in recovery; seed form: as the flags say
 
-  /// Form `seed`, before a measurement is judged: it has been ignored for ten times as long as it was used,
-  /// and the timeout longer.
+  /// Form `seed`, before a measurement is assessed: the time ignored exceeds ten times the time used by more
+  /// than the timeout.
   [[nodiscard]] bool expired(const RejectionLimits<Scalar>& limits) const {
     return limits.active() && timer_s > limits.timeout_s;
   }
 
-  /// Form `seed`: judges a measurement of error `error` over `dt_s`. One that is used takes ten
-  /// times its duration off the timer, one that is ignored adds its own.
+  /// Form `seed`: assesses a measurement with the error `error` over `dt_s`. A used one takes ten
+  /// times its duration off the timer, an ignored one adds its duration.
   void judge_once(const RejectionLimits<Scalar>& limits, bool use_anyway, Scalar dt_s) {
     ignored = limits.active() && !use_anyway && !error.within(limits.threshold_rad);
     timer_s = ignored ? timer_s + dt_s : std::max(timer_s - 10 * dt_s, Scalar(0));

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Rest, as the adaptive filter sees it: rate and specific force have hardly left their own means for some
-/// time. Then the mean rate is the gyroscope's offset, the best estimate of it that there is.
+/// Rest detection of the adaptive filter: rate and specific force have stayed close to their means for some
+/// time. The mean rate is then the best estimate of the gyroscope offset.
 
 #include <sonopose/attitude/filter.hpp>
 #include <sonopose/attitude/settings.hpp>
@@ -23,8 +23,8 @@ namespace rest {
 /// Takes one measurement in, `dt_s` after the one before. `most_bias_radps`: a mean rate beyond it, about any
 /// axis, is a turn.
 template <class Scalar>
-void watch(const RestSettings& settings, RestState<Scalar>& state, const Measurement<Scalar>& measurement,
-           Scalar dt_s, Scalar most_bias_radps);
+void update(const RestSettings& settings, RestState<Scalar>& state, const Measurement<Scalar>& measurement,
+            Scalar dt_s, Scalar most_bias_radps);
 
 template <class Scalar>
 bool is_resting(const RestSettings& settings, const RestState<Scalar>& state);

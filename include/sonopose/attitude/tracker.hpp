@@ -46,7 +46,7 @@ class Tracker {
 public:
   Tracker(typename F::Settings settings, FieldUse field) : settings_(std::move(settings)), field_(field) {}
 
-  /// Takes one sample in. False for one that is no measurement, and does nothing then: not finite, beyond
+  /// Processes one sample. Returns false and does nothing if it is not a measurement: not finite, beyond
   /// what any sensor measures, or earlier than the one before.
   bool on(const ImuSample& imu) {
     if (!is_measurement(imu) || (started_ && imu.sensor_time_ns < time_ns_)) return false;

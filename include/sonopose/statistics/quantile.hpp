@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Quantiles of numbers among which some may be none.
+/// Quantiles of numbers, some of which may not be finite.
 
 #include <algorithm>
 #include <cmath>

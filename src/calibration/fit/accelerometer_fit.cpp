@@ -119,7 +119,7 @@ double rms_before(std::span<const StillInterval> intervals) {
       " degrees apart in which the sensor was held still: " + std::to_string(orientations) + " found, in " +
       std::to_string(periods) + " still periods; " + std::to_string(least_orientations) +
       " are needed for offset and sensitivity, " + std::to_string(least_orientations_with_misalignment) +
-      " for misalignment too: hold it still for 2 s in each, the more of them the better");
+      " for misalignment too: hold it still for 2 s in each; more orientations are more accurate");
 }
 
 /// All nine parameters, or nothing and the reason.

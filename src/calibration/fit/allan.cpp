@@ -41,9 +41,9 @@ double uniform_period_s(std::span<const ImuSample> imu) {
     const double dt_s = seconds_between(imu[k - 1].sensor_time_ns, imu[k].sensor_time_ns);
     if (std::abs(dt_s - usual_s) <= tolerance * usual_s) continue;
     throw CalibrationError("sample " + std::to_string(k + 1) + " (time " +
-                           std::to_string(imu[k].sensor_time_ns) + ") comes " + detail::text_of(dt_s) +
-                           " s after the one before, where " + detail::text_of(usual_s) +
-                           " s ± 50 % is usual: the Allan deviation needs samples without a gap");
+                           std::to_string(imu[k].sensor_time_ns) + ") is " + detail::text_of(dt_s) +
+                           " s after the previous one, but the usual period is " + detail::text_of(usual_s) +
+                           " s ± 50 %: the Allan deviation needs samples without gaps");
   }
   return seconds_between(imu.front().sensor_time_ns, imu.back().sensor_time_ns) /
          static_cast<double>(imu.size() - 1);
@@ -57,8 +57,8 @@ void check_rest(std::span<const ImuSample> imu) {
   const double share = static_cast<double>(still) / static_cast<double>(imu.size());
   if (share >= least_share) return;
   throw CalibrationError("the sensor was at rest for " + detail::text_of(std::floor(100.0 * share)) +
-                         " % of the record, where " + detail::text_of(100.0 * least_share) +
-                         " % is the least: lay it down where nothing shakes it");
+                         " % of the recording; at least " + detail::text_of(100.0 * least_share) +
+                         " % is required: place it where nothing vibrates");
 }
 
 void check_finite(std::span<const ImuSample> imu) {

@@ -56,8 +56,8 @@ Stretch longest_with_slope(std::span<const AllanPoint> curve, double wanted) {
   return longest;
 }
 
-/// Where the line of this slope that fits the stretch best stands at `tau_s`. A point counts by how well it
-/// is known.
+/// The value at `tau_s` of the line with this slope that fits the stretch best. Points are weighted by
+/// their accuracy.
 std::optional<double> line_at(std::span<const AllanPoint> curve, double slope, double tau_s) {
   const Stretch stretch = longest_with_slope(curve, slope);
   if (stretch.begin == stretch.end) return std::nullopt;

@@ -65,9 +65,9 @@ Eigen::ArrayXd misses_of(const VectorXd& residuals) {
   return residuals.reshaped(3, residuals.size() / 3).colwise().norm().transpose();
 }
 
-/// How far each turn deviates from the majority (rad). Least squares would share one bad turn's error
-/// among all; the least sum of the misses themselves leaves it where it is. It is found by least squares too,
-/// each turn weighted by one over its miss of the time before.
+/// How far each turn deviates from the majority (rad). Least squares would spread the error of one
+/// bad turn over all turns; the least sum of absolute errors does not. It is computed by iteratively
+/// reweighted least squares.
 Eigen::ArrayXd robust_misses(const std::vector<Turn>& turns, const GyroscopeSettings& settings) {
   constexpr int rounds = 10;
   constexpr double least_miss_rad = 0.05 * geometry::radians_per_degree;
@@ -111,10 +111,10 @@ std::string objection_to(const Solution& solution, const GyroscopeSettings& sett
   }
   const double rms_rad = rms_of(solution.residuals);
   if (!(rms_rad <= largest_rms_rad)) {
-    return "the rates miss gravity's direction after a turn by " +
-           detail::text_of(rms_rad / geometry::radians_per_degree) + " degrees RMS, where " +
+    return "the direction of gravity after a turn, integrated from the rates, is off by " +
+           detail::text_of(rms_rad / geometry::radians_per_degree) + " degrees RMS, more than " +
            detail::text_of(largest_rms_rad / geometry::radians_per_degree) +
-           " is the most: samples are missing or wrong, or a turn was too fast for the sensor's range";
+           " degrees: samples are missing or wrong, or a turn exceeded the range of the sensor";
   }
   return out_of_range(terms_of(settings));
 }
@@ -147,7 +147,7 @@ void refine_by_turns(std::vector<Turn> turns, GyroscopeFit& fit) {
 GyroscopeFit fit_gyroscope(std::span<const StillInterval> intervals) {
   if (intervals.empty()) {
     throw CalibrationError(
-        "the sensor was never still for a second: lay it down for 2 s at least once, better several times");
+        "the sensor was never still for a second: keep it still for 2 s, preferably several times");
   }
   Vector3d offset_radps = Vector3d::Zero();
   double samples = 0.0;

@@ -33,9 +33,9 @@ struct AccelerometerFit {
 };
 
 /// Minimises |M·s·(f − b)| − g over the periods' means. The misalignment is a lower triangle: the corrected X
-/// axis is the sensor's, and the corrected XY plane holds the sensor's Y. Gravity's strength cannot tell how
-/// the whole sensor is turned. Throws CalibrationError for fewer than six orientations, for orientations that
-/// do not determine offsets and sensitivities, and for values that no setting may have.
+/// axis is the sensor's, and the corrected XY plane holds the sensor's Y. The strength of gravity does not
+/// show how the whole sensor is turned. Throws CalibrationError for fewer than six orientations, for
+/// orientations that do not determine offsets and sensitivities, and for values that no setting may have.
 AccelerometerFit fit_accelerometer(std::span<const StillInterval> intervals);
 
 struct GyroscopeFit {

@@ -46,8 +46,8 @@ Points without_outliers(const Points& points, const VectorXd& parameters) {
 
 void check_coverage(const Solution& solution, double coverage) {
   if (solution.condition <= max_magnetometer_condition) return;
-  throw CalibrationError("the directions seen, " + detail::text_of(std::round(100.0 * coverage)) +
-                         " % of the sphere, do not determine the ellipsoid, least of all " +
+  throw CalibrationError("the measured directions cover " + detail::text_of(std::round(100.0 * coverage)) +
+                         " % of the sphere and do not determine the ellipsoid, least of all " +
                          std::string(detail::weakest_of(solution, magnetometer_names)) +
                          ": turn the sensor slowly about all of its axes, until each side has pointed in "
                          "every direction");
@@ -56,15 +56,15 @@ void check_coverage(const Solution& solution, double coverage) {
 void check_ellipsoid(const Vector3d& semi_axes_ut, double relative_rms) {
   const double ratio = semi_axes_ut[0] / semi_axes_ut[2];
   if (!(ratio <= largest_axis_ratio)) {
-    throw CalibrationError("the readings lie on no ellipsoid that iron can make: its axes would be " +
-                           detail::text_of(ratio) + " to 1, where " + detail::text_of(largest_axis_ratio) +
-                           " is the most: was the whole sphere seen, and is the sensor's range enough?");
+    throw CalibrationError("the readings lie on no ellipsoid that iron can cause: its axes have a ratio of " +
+                           detail::text_of(ratio) + " to 1, above " + detail::text_of(largest_axis_ratio) +
+                           " to 1: check that the readings cover the whole sphere within the sensor's range");
   }
   if (!(relative_rms <= largest_relative_rms)) {
-    throw CalibrationError("the readings lie on no ellipsoid: they miss the best one by " +
-                           detail::text_of(100.0 * relative_rms) + " % of the field, where " +
+    throw CalibrationError("the readings lie on no ellipsoid: they deviate from the best one by " +
+                           detail::text_of(100.0 * relative_rms) + " % of the field, more than " +
                            detail::text_of(100.0 * largest_relative_rms) +
-                           " % is the most: record where no iron, current or magnet is near, and turn the "
+                           " %: record where no iron, current or magnet is near, and turn the "
                            "sensor through all directions");
   }
 }

@@ -104,15 +104,17 @@ Points without_glitches(const Points& points_ut) {
 double coverage_of(const Points& points, const VectorXd& parameters) {
   constexpr int bands = 6;
   constexpr int sectors = 8;
-  std::array<bool, bands * sectors> seen{};
+  std::array<std::array<bool, sectors>, bands> seen{};
   for (const Vector3d& point : points) {
     const Vector3d d = (soft_iron_of(parameters) * point - parameters.tail<3>()).normalized();
     const double turn = (std::atan2(d.y(), d.x()) + std::numbers::pi) / (2.0 * std::numbers::pi);
     const int band = std::clamp(static_cast<int>(0.5 * (d.z() + 1.0) * bands), 0, bands - 1);
     const int sector = std::clamp(static_cast<int>(turn * sectors), 0, sectors - 1);
-    seen[static_cast<std::size_t>(band * sectors + sector)] = true;
+    seen[static_cast<std::size_t>(band)][static_cast<std::size_t>(sector)] = true;
   }
-  return static_cast<double>(std::count(seen.begin(), seen.end(), true)) / static_cast<double>(seen.size());
+  std::ptrdiff_t count = 0;
+  for (const auto& band : seen) count += std::count(band.begin(), band.end(), true);
+  return static_cast<double>(count) / (bands * sectors);
 }
 
 }  // namespace sonopose::calibration::fit::detail

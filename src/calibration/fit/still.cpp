@@ -48,8 +48,8 @@ Moments moments_of(std::span<const ImuSample> imu) {
   return found;
 }
 
-/// The recording in blocks of a third of a window; a block is judged by itself and its two neighbours, so
-/// that the blocks next to a motion fall away with it.
+/// The recording in blocks of a third of a window; a block is assessed together with its two neighbours, so
+/// that the blocks next to a motion are excluded.
 class Blocks {
 public:
   explicit Blocks(std::span<const ImuSample> imu) : imu_(imu), period_s_(usual_period_s(imu)) {

@@ -41,7 +41,7 @@ std::string out_of_range(const std::vector<Term>& terms) {
     if (value >= minimum && value <= maximum) continue;
     return info->key + " would be " + detail::text_of(value) + ", but only " + detail::text_of(minimum) +
            " … " + detail::text_of(maximum) +
-           " is allowed: the recording's numbers are not those of this sensor in " +
+           " is allowed: check that the recording has the values of this sensor in " +
            (info->unit.empty() ? "its unit" : info->unit);
   }
   return {};

@@ -141,7 +141,7 @@ Profiles read_file(const xml::Source& source, const Profiles& beneath = {}) {
       }
     }
   }
-  if (profiles.empty()) throw FileError(source.name() + ": holds no <qos_profile>");
+  if (profiles.empty()) throw FileError(source.name() + ": contains no <qos_profile>");
   return profiles;
 }
 

@@ -88,7 +88,7 @@ Kind kind_of(const Source& source, const Parent& parent, const std::map<std::str
   if (found == kinds.end()) {
     std::string allowed;
     for (const auto& [name, kind] : kinds) allowed += (allowed.empty() ? "" : ", ") + name;
-    source.fail(element, "'" + text + "' is none of " + allowed);
+    source.fail(element, "'" + text + "' is not one of " + allowed);
   }
   return found->second;
 }

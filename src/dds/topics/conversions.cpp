@@ -183,7 +183,7 @@ IdlView<sonopose_SettingsRequest> to_idl(const SettingsRequest& native) {
   return {write(native), write(native.assignments), &sonopose_SettingsRequest::assignments};
 }
 SettingsRequest from_idl(const sonopose_SettingsRequest& idl) {
-  SettingsRequest native = read<SettingsRequest>(idl);
+  auto native = read<SettingsRequest>(idl);
   native.assignments = read(idl.assignments);
   return native;
 }
@@ -192,7 +192,7 @@ IdlView<sonopose_EffectiveSettings> to_idl(const EffectiveSettings& native) {
   return {write(native), write(native.values), &sonopose_EffectiveSettings::values};
 }
 EffectiveSettings from_idl(const sonopose_EffectiveSettings& idl) {
-  EffectiveSettings native = read<EffectiveSettings>(idl);
+  auto native = read<EffectiveSettings>(idl);
   native.values = read(idl.values);
   return native;
 }

@@ -17,6 +17,8 @@
 #include <tuple>
 #include <type_traits>
 
+// The IDL's arrays are C arrays. NOLINTBEGIN(modernize-avoid-c-arrays)
+
 namespace sonopose::dds::topics::fields {
 
 // One value, native ↔ IDL.
@@ -217,3 +219,5 @@ constexpr int idl_members(const std::tuple<Fields...>& /*list*/) {
 }
 
 }  // namespace sonopose::dds::topics::fields
+
+// NOLINTEND(modernize-avoid-c-arrays)

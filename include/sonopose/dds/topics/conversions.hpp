@@ -28,8 +28,8 @@ public:
   }
   IdlView(const IdlView&) = delete;
   IdlView& operator=(const IdlView&) = delete;
-  IdlView(IdlView&&) = default;
-  IdlView& operator=(IdlView&&) = default;
+  IdlView(IdlView&&) noexcept = default;
+  IdlView& operator=(IdlView&&) noexcept = default;
   ~IdlView() = default;
 
   [[nodiscard]] const T& sample() const { return sample_; }

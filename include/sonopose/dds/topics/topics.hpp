@@ -21,33 +21,43 @@ struct Entry {
   const char* lossless_profile;  ///< for replaying a log at full speed; the live one if it suffices
 };
 
-// clang-format off
 /// bridge → fusion, recorder
 inline constexpr Entry<sonopose_ImuSample> imu{"sonopose/imu", "sonopose::Imu", "sonopose::LosslessImu"};
 inline constexpr Entry<sonopose_UltrasonicFix> fix{"sonopose/fix", "sonopose::Fix", "sonopose::LosslessFix"};
-inline constexpr Entry<sonopose_PairHeading> heading{"sonopose/heading", "sonopose::Heading", "sonopose::LosslessHeading"};
+inline constexpr Entry<sonopose_PairHeading> heading{"sonopose/heading", "sonopose::Heading",
+                                                     "sonopose::LosslessHeading"};
 /// wheel odometry and the like → fusion: reserved
-inline constexpr Entry<sonopose_TwistSample> twist{"sonopose/twist", "sonopose::Twist", "sonopose::LosslessTwist"};
-/// bridge → consumers
-inline constexpr Entry<sonopose_StationaryBeacon> stationary_beacon{"sonopose/stationary_beacon", "sonopose::StationaryBeacon", "sonopose::StationaryBeacon"};
+inline constexpr Entry<sonopose_TwistSample> twist{"sonopose/twist", "sonopose::Twist",
+                                                   "sonopose::LosslessTwist"};
+/// bridge → consumers: reserved
+inline constexpr Entry<sonopose_StationaryBeacon> stationary_beacon{
+    "sonopose/stationary_beacon", "sonopose::StationaryBeacon", "sonopose::StationaryBeacon"};
 /// fusion → consumers
 inline constexpr Entry<sonopose_FusedPose> pose{"sonopose/pose", "sonopose::Pose", "sonopose::LosslessPose"};
-inline constexpr Entry<sonopose_FixReport> report{"sonopose/report", "sonopose::Report", "sonopose::LosslessReport"};
-inline constexpr Entry<sonopose_Estimate> estimate{"sonopose/estimate", "sonopose::Status", "sonopose::Status"};
+inline constexpr Entry<sonopose_FixReport> report{"sonopose/report", "sonopose::Report",
+                                                  "sonopose::LosslessReport"};
+inline constexpr Entry<sonopose_Estimate> estimate{"sonopose/estimate", "sonopose::Status",
+                                                   "sonopose::Status"};
 /// bridge, fusion → monitor
-inline constexpr Entry<sonopose_LineStatus> line_status{"sonopose/line_status", "sonopose::Status", "sonopose::Status"};
-inline constexpr Entry<sonopose_BeaconStatus> beacon_status{"sonopose/beacon_status", "sonopose::Status", "sonopose::Status"};
-inline constexpr Entry<sonopose_FusionStatus> fusion_status{"sonopose/fusion_status", "sonopose::Status", "sonopose::Status"};
+inline constexpr Entry<sonopose_LineStatus> line_status{"sonopose/line_status", "sonopose::Status",
+                                                        "sonopose::Status"};
+inline constexpr Entry<sonopose_BeaconStatus> beacon_status{"sonopose/beacon_status", "sonopose::Status",
+                                                            "sonopose::Status"};
+inline constexpr Entry<sonopose_FusionStatus> fusion_status{"sonopose/fusion_status", "sonopose::Status",
+                                                            "sonopose::Status"};
 /// simulator → monitor, scoring
 inline constexpr Entry<sonopose_TruthSample> truth{"sonopose/truth", "sonopose::Truth", "sonopose::Truth"};
 /// any program → fusion
-inline constexpr Entry<sonopose_ResetCommand> reset{"sonopose/reset", "sonopose::Command", "sonopose::Command"};
-inline constexpr Entry<sonopose_SettingsRequest> settings_request{"sonopose/settings_request", "sonopose::SettingsRequest", "sonopose::SettingsRequest"};
+inline constexpr Entry<sonopose_ResetCommand> reset{"sonopose/reset", "sonopose::Command",
+                                                    "sonopose::Command"};
+inline constexpr Entry<sonopose_SettingsRequest> settings_request{
+    "sonopose/settings_request", "sonopose::SettingsRequest", "sonopose::SettingsRequest"};
 /// fusion → the requesting program
-inline constexpr Entry<sonopose_SettingsReply> settings_reply{"sonopose/settings_reply", "sonopose::SettingsReply", "sonopose::SettingsReply"};
+inline constexpr Entry<sonopose_SettingsReply> settings_reply{
+    "sonopose/settings_reply", "sonopose::SettingsReply", "sonopose::SettingsReply"};
 /// fusion → any program
-inline constexpr Entry<sonopose_EffectiveSettings> settings{"sonopose/settings", "sonopose::Settings", "sonopose::Settings"};
-// clang-format on
+inline constexpr Entry<sonopose_EffectiveSettings> settings{"sonopose/settings", "sonopose::Settings",
+                                                            "sonopose::Settings"};
 
 /// Every row.
 inline constexpr std::tuple all{imu,

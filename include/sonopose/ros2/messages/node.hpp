@@ -101,8 +101,8 @@ private:
   }
 
   template <class T>
-  static dds::Qos with_type_hash(dds::Qos qos, const std::string& prefix = {}) {
-    return add_type_hash(std::move(qos), dds::TopicTraits<T>::descriptor().m_typename, prefix);
+  static dds::Qos with_type_hash(const dds::Qos& qos, const std::string& prefix = {}) {
+    return add_type_hash(qos, dds::TopicTraits<T>::descriptor().m_typename, prefix);
   }
   static dds::Qos add_type_hash(dds::Qos qos, const char* type_name, const std::string& prefix);
   /// User data by which clients associate the two endpoints of a service: "serviceid=…;".
