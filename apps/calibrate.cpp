@@ -66,7 +66,6 @@ int analyse(const Options& options) {
 
 }  // namespace
 
-// Only two commands with the same name would throw. NOLINTNEXTLINE(bugprone-exception-escape)
 int main(int argc, char** argv) {
   Options options;
   apps::Program app("calibrate", "Recordings contain raw readings, so the fusion's settings do not matter.");

@@ -84,7 +84,6 @@ int serve(const CLI::App& app, const Options& options) {
 
 }  // namespace
 
-// Only an option that names itself as its condition would throw. NOLINTNEXTLINE(bugprone-exception-escape)
 int main(int argc, char** argv) {
   Options options;
   sonopose::apps::Program app("fusion");

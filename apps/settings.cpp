@@ -103,7 +103,6 @@ CLI::App* add_command(CLI::App& app, Options& options, const char* name, const c
 
 }  // namespace
 
-// CLI11 throws only for two commands of the same name. NOLINTNEXTLINE(bugprone-exception-escape)
 int main(int argc, char** argv) {
   Options options;
   apps::Program app("settings");

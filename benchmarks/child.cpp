@@ -3,10 +3,10 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 #include <exception>
 #include <sys/wait.h>
 #include <system_error>
-#include <time.h>
 #include <unistd.h>
 #include <utility>
 

@@ -3,6 +3,7 @@
 
 #include "clocks/clocks.hpp"
 #include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <cmath>
 #include <cstdint>

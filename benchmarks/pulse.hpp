@@ -4,7 +4,7 @@
 #include "clocks/clocks.hpp"
 #include <sonopose/idl/sonopose.h>
 
-#include <time.h>
+#include <ctime>
 
 namespace sonopose::benchmarks {
 

@@ -88,7 +88,7 @@ void BasicAhrs<Scalar>::step(const Settings& settings, const Measurement<Scalar>
                    Scalar(settings.gyro_offset_cutoff_hz)},
                   measured_radps, dt_s);
   }
-  const Scalar range_radps = radians<Scalar>(clipping_share * settings.gyro_range_dps);
+  const auto range_radps = radians<Scalar>(clipping_share * settings.gyro_range_dps);
   const bool clipped = range_radps > 0 && measured_radps.cwiseAbs().maxCoeff() > range_radps;
   if (clipped) initialise();
   const Scalar pull = std::min(advance_ramp(settings, dt_s) * dt_s, Scalar(1));

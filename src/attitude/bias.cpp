@@ -54,7 +54,7 @@ void estimate(const BiasSettings& settings, BiasState<Scalar>& state, const Bias
     const Scalar settled = radps<Scalar>(dps) * radps<Scalar>(dps);
     return settled * settled / wander + settled;
   };
-  const Scalar limit = limit_radps<Scalar>(settings);
+  const auto limit = limit_radps<Scalar>(settings);
   if (evidence.at_rest) {
     const Vector3<Scalar> error = evidence.rate_mean_body_radps - state.bias_body_radps;
     correct<Scalar>(state, Matrix3<Scalar>::Identity(), error,

@@ -62,7 +62,7 @@ Scalar weigh(const MagneticSettings& settings, MagneticState<Scalar>& state,
   state.mean_age_s = std::min(memory_s, Scalar(settings.smoothing_s));
 
   if (state.has_reference && are_alike(settings, state.mean, state.reference)) {
-    const Scalar enough_s = Scalar(settings.undisturbed_s);
+    const auto enough_s = Scalar(settings.undisturbed_s);
     state.like_reference_s = std::min(state.like_reference_s + dt_s, enough_s);
     state.disturbed = state.disturbed && state.like_reference_s < enough_s;
     if (!state.disturbed) {
@@ -76,7 +76,7 @@ Scalar weigh(const MagneticSettings& settings, MagneticState<Scalar>& state,
 
   // Without any reference yet there is nothing better than what is seen.
   if (!state.has_reference) return Scalar(settings.late_share);
-  const Scalar longest_s = Scalar(settings.longest_rejection_s);
+  const auto longest_s = Scalar(settings.longest_rejection_s);
   if (!state.disturbed) {
     state.rejected_s = std::max(state.rejected_s - 2 * dt_s, Scalar(0));
     return 1;

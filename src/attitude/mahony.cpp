@@ -35,8 +35,8 @@ Vector3<Scalar> heading_error(const Quaternion<Scalar>& q_body_to_world, const V
 template <class Scalar>
 void BasicMahony<Scalar>::update(const Settings& settings, const Measurement<Scalar>& measurement) {
   const Scalar dt_s = measurement.dt_s;
-  const Scalar kp = Scalar(settings.kp);
-  const Scalar ki = Scalar(settings.ki);
+  const auto kp = Scalar(settings.kp);
+  const auto ki = Scalar(settings.ki);
   const Quaternion<Scalar>& q_body_to_world = this->q_body_to_world_;
   const Vector3<Scalar> up_body = geometry::up_in_body(q_body_to_world);
   Vector3<Scalar> rate_body_radps = measurement.angular_velocity_body_radps;

@@ -14,8 +14,8 @@ void update(const RestSettings& settings, RestState<Scalar>& state, const Measur
   state.rate_mean_body_radps += share * rate_off;
   state.force_mean_body_mps2 += share * force_off;
 
-  const Scalar rate_limit_radps = Scalar(settings.rate_limit_dps * geometry::radians_per_degree);
-  const Scalar force_limit_mps2 = Scalar(settings.force_limit_mps2);
+  const auto rate_limit_radps = Scalar(settings.rate_limit_dps * geometry::radians_per_degree);
+  const auto force_limit_mps2 = Scalar(settings.force_limit_mps2);
   const bool still = rate_off.squaredNorm() <= rate_limit_radps * rate_limit_radps &&
                      force_off.squaredNorm() <= force_limit_mps2 * force_limit_mps2 &&
                      state.rate_mean_body_radps.cwiseAbs().maxCoeff() <= most_bias_radps;

@@ -39,6 +39,8 @@ class BridgeNode::Publisher final : public SampleSink {
 public:
   explicit Publisher(const BridgeOptions& options);
   ~Publisher() override;
+  Publisher(const Publisher&) = delete;
+  Publisher& operator=(const Publisher&) = delete;
 
   void on(const Event& event) override;
   void on(const TruthSample& truth) override;

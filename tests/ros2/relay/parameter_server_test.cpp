@@ -38,6 +38,8 @@ bool wait_until(const Done& done) {
 /// A fusion that has received beacon 7, and the node /sonopose with its services.
 class System {
 public:
+  System(const System&) = delete;
+  System& operator=(const System&) = delete;
   System()
       : environment_(::unsetenv("CYCLONEDDS_URI")),
         fusion_(fusion_options()),
