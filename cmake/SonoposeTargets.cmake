@@ -21,6 +21,9 @@ endfunction()
 
 # Code off the hot path compiles in half the time without optimisation. Releases optimise everything.
 function(sonopose_cold target)
+  if(SONOPOSE_SANITIZE)
+    return()  # instrumented code is slow enough
+  endif()
   target_compile_options(${target} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O0>)
 endfunction()
 
