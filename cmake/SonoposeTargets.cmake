@@ -27,6 +27,11 @@ function(sonopose_cold target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O0>)
 endfunction()
 
+# The sources of a target compile together where SONOPOSE_UNITY is on: what they include is read once.
+function(sonopose_unity target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SONOPOSE_UNITY} UNITY_BUILD_BATCH_SIZE 0)
+endfunction()
+
 # g++ 12 warns about system headers when they are precompiled.
 set(SONOPOSE_PRECOMPILED_OPTIONS -Wno-maybe-uninitialized -Wno-ignored-attributes -Wno-array-bounds -Wno-restrict
                                  -Wno-stringop-overflow -Wno-stringop-overread)
@@ -57,8 +62,8 @@ function(sonopose_module name)
     add_library(sonopose_${name} STATIC ${module_SOURCES})
     target_include_directories(sonopose_${name} PUBLIC ${includes})
     target_link_libraries(sonopose_${name} PUBLIC ${module_USES} PRIVATE ${module_PRIVATELY_USES})
-    set_target_properties(sonopose_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON UNITY_BUILD ${SONOPOSE_UNITY}
-                          UNITY_BUILD_BATCH_SIZE 0)
+    set_target_properties(sonopose_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    sonopose_unity(sonopose_${name})
     sonopose_compile_options(sonopose_${name})
     if(module_COLD)
       sonopose_cold(sonopose_${name})

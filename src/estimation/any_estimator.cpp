@@ -7,7 +7,7 @@ std::variant<documented::Engine, strapdown::Engine> make(const settings::Setting
                                                          const EstimatorOptions& options) {
   switch (options.kind) {
     case EstimatorKind::documented:
-      return documented::Engine(settings);
+      break;
     case EstimatorKind::strapdown:
       return strapdown::Engine(settings, options.strapdown_start, options.strapdown_rule);
   }

@@ -20,11 +20,11 @@ namespace sonopose::estimation {
 [[nodiscard]] inline AnySnapshot initial_snapshot(EstimatorKind kind) {
   switch (kind) {
     case EstimatorKind::documented:
-      return documented::Snapshot{};
+      break;
     case EstimatorKind::strapdown:
       return strapdown::Snapshot{};
   }
-  return {};
+  return documented::Snapshot{};
 }
 
 /// Calls `visit(name, field)` for each field of the state; `Snapshot` is AnySnapshot or const AnySnapshot.

@@ -86,7 +86,8 @@ FixAssessment assess(const TrustSettings& settings, TrustState& state, const Kin
   assessment.innovation_m = assessment.innovation_world_m.norm();
   const double limit_m = settings.outlier_sigmas * settings.sigma_m;
   assessment.outlier = assessment.innovation_m > limit_m;
-  assessment.test_ratio = (assessment.innovation_m / limit_m) * (assessment.innovation_m / limit_m);
+  const double ratio = assessment.innovation_m / limit_m;
+  assessment.test_ratio = ratio * ratio;
 
   if (!settings.enabled) {
     regain(state);
