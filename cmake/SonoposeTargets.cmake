@@ -51,8 +51,9 @@ function(sonopose_precompile target owner)
 endfunction()
 
 # sonopose_module(NAME [COLD] [SOURCES ...] [USES ...] [PRIVATELY_USES ...]): one library `sonopose::NAME` for the
-# folder of its CMakeLists.txt; without sources it is headers alone. USES and PRIVATELY_USES are the dependency rule: a module
-# includes only what is listed there (tests/architecture/dependencies_test.cpp). COLD: not on the path of a sample.
+# folder of its CMakeLists.txt; without sources it is headers alone. USES and PRIVATELY_USES are the dependency rule: a
+# module includes only what is listed there (tests/architecture/dependencies_test.cpp). COLD: not on the path of a
+# sample.
 function(sonopose_module name)
   cmake_parse_arguments(module "COLD" "" "SOURCES;USES;PRIVATELY_USES" ${ARGN})
   set(includes

@@ -1,4 +1,5 @@
 #include "monitor/monitor_report.hpp"
+#include "observation/status_counters.hpp"
 #include "observation/status_words.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
@@ -37,51 +38,30 @@ nlohmann::json trace_json(const observation::PoseTrace& trace) {
           {"here_time_ns", trace.here_ns}};
 }
 
+template <class Status, std::size_t Size>
+void add_counters(const std::array<observation::StatusCounter<Status>, Size>& counters, const Status& status,
+                  nlohmann::json& json) {
+  for (const auto& counter : counters) json[std::string(counter.name)] = status.*counter.value;
+}
+
 nlohmann::json bridge_json(const BeaconStatus& bridge) {
-  return {{"imu_rate_hz", bridge.imu_rate_hz},
-          {"fix_rate_hz", bridge.fix_rate_hz},
-          {"heading_rate_hz", bridge.heading_rate_hz},
-          {"battery_v", optional_json(bridge.battery_v)},
-          {"rssi_dbm", optional_json(bridge.rssi_dbm)},
-          {"clock_offset_s", bridge.clock_offset_s},
-          {"clock_jitter_s", bridge.clock_jitter_s},
-          {"frames", bridge.frames},
-          {"crc_errors", bridge.crc_errors},
-          {"bytes_lost", bridge.bytes_lost},
-          {"fixes_unavailable", bridge.fixes_unavailable},
-          {"other_bridges", bridge.other_bridges},
-          {"imu_deadlines_missed", bridge.imu_deadlines_missed},
-          {"fix_deadlines_missed", bridge.fix_deadlines_missed},
-          {"heading_deadlines_missed", bridge.heading_deadlines_missed},
-          {"liveliness_lost", bridge.liveliness_lost},
-          {"readers_incompatible", bridge.readers_incompatible},
-          {"samples_unwritten", bridge.samples_unwritten}};
+  nlohmann::json json{
+      {"imu_rate_hz", bridge.imu_rate_hz},          {"fix_rate_hz", bridge.fix_rate_hz},
+      {"heading_rate_hz", bridge.heading_rate_hz},  {"battery_v", optional_json(bridge.battery_v)},
+      {"rssi_dbm", optional_json(bridge.rssi_dbm)}, {"clock_offset_s", bridge.clock_offset_s},
+      {"clock_jitter_s", bridge.clock_jitter_s},    {"other_bridges", bridge.other_bridges}};
+  add_counters(observation::bridge_counters, bridge, json);
+  return json;
 }
 
 nlohmann::json fusion_json(const FusionStatus& fusion) {
   constexpr std::array<const char*, 4> roles{"sole", "warming", "serving", "stalled"};
-  return {{"fusion_id", fusion.fusion_id},
-          {"role", roles[static_cast<std::size_t>(fusion.role)]},
-          {"strength", fusion.strength},
-          {"imu_silent", fusion.imu_silent},
-          {"imu_samples", fusion.imu_samples},
-          {"fixes_used", fusion.fixes_used},
-          {"fixes_rejected", fusion.fixes_rejected},
-          {"headings", fusion.headings},
-          {"events_lost", fusion.events_lost},
-          {"events_duplicated", fusion.events_duplicated},
-          {"samples_invalid", fusion.samples_invalid},
-          {"imu_gaps", fusion.imu_gaps},
-          {"imu_deadlines_missed", fusion.imu_deadlines_missed},
-          {"fix_deadlines_missed", fusion.fix_deadlines_missed},
-          {"heading_deadlines_missed", fusion.heading_deadlines_missed},
-          {"bridge_losses", fusion.bridge_losses},
-          {"pose_deadlines_missed", fusion.pose_deadlines_missed},
-          {"liveliness_lost", fusion.liveliness_lost},
-          {"samples_lost", fusion.samples_lost},
-          {"samples_rejected", fusion.samples_rejected},
-          {"incompatible_qos", fusion.incompatible_qos},
-          {"poses_unwritten", fusion.poses_unwritten}};
+  nlohmann::json json{{"fusion_id", fusion.fusion_id},
+                      {"role", roles[static_cast<std::size_t>(fusion.role)]},
+                      {"strength", fusion.strength},
+                      {"imu_silent", fusion.imu_silent}};
+  add_counters(observation::fusion_counters, fusion, json);
+  return json;
 }
 
 nlohmann::json beacon_json(const observation::BeaconView& view) {

@@ -1,5 +1,6 @@
 #include "monitor/monitor_report.hpp"
 
+#include "observation/status_counters.hpp"
 #include "observation/status_words.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
@@ -59,29 +60,24 @@ std::string counted_words(const std::vector<Counted>& counts) {
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
+template <class Status, std::size_t Size>
+std::vector<Counted> problems_in(const Status& status,
+                                 const std::array<observation::StatusCounter<Status>, Size>& counters) {
+  std::vector<Counted> problems;
+  for (const auto& counter : counters) {
+    if (!counter.problem.empty()) problems.emplace_back(status.*counter.value, counter.problem);
+  }
+  return problems;
+}
+
 std::string bridge_problems(const BeaconStatus& bridge) {
-  return counted_words({{bridge.imu_deadlines_missed, "IMU deadlines missed"},
-                        {bridge.fix_deadlines_missed, "fix deadlines missed"},
-                        {bridge.heading_deadlines_missed, "heading deadlines missed"},
-                        {bridge.liveliness_lost, "liveliness losses"},
-                        {bridge.readers_incompatible, "incompatible readers"},
-                        {bridge.samples_unwritten, "samples not written"},
-                        {bridge.other_bridges, "other bridges"}});
+  std::vector<Counted> problems = problems_in(bridge, observation::bridge_counters);
+  problems.emplace_back(bridge.other_bridges, "other bridges");
+  return counted_words(problems);
 }
 
 std::string fusion_problems(const FusionStatus& fusion) {
-  return counted_words({{fusion.imu_deadlines_missed, "IMU deadlines missed"},
-                        {fusion.fix_deadlines_missed, "fix deadlines missed"},
-                        {fusion.heading_deadlines_missed, "heading deadlines missed"},
-                        {fusion.bridge_losses, "bridge losses"},
-                        {fusion.events_lost, "events lost"},
-                        {fusion.imu_gaps, "IMU gaps"},
-                        {fusion.pose_deadlines_missed, "pose deadlines missed"},
-                        {fusion.liveliness_lost, "liveliness losses"},
-                        {fusion.samples_lost, "samples lost"},
-                        {fusion.samples_rejected, "samples rejected"},
-                        {fusion.incompatible_qos, "incompatible endpoints"},
-                        {fusion.poses_unwritten, "poses not written"}});
+  return counted_words(problems_in(fusion, observation::fusion_counters));
 }
 
 /// The problem counters of one beacon, a line for each process with at least one.

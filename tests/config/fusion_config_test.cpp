@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <unistd.h>
 
 namespace fusion_config_test {
@@ -199,7 +200,7 @@ TEST_CASE("what is printed loads back to the same, beacons included") {
 }
 
 TEST_CASE("the printed configuration shows every setting with its item and range") {
-  const std::string text = FusionConfig{}.to_toml();
+  const std::string text = std::regex_replace(FusionConfig{}.to_toml(), std::regex("\n# "), " ");
   for (const auto& row : settings::setting_table()) {
     INFO(row.key);
     CHECK(text.find(row.sentence + " (" + row.allowed() + ")") != std::string::npos);

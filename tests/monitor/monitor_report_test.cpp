@@ -163,7 +163,7 @@ SCENARIO("the table has a row for each beacon") {
                             Contains("0.06/0.21") && Contains("2.00 = 0.50 + 0.25 + 1.25 (event 812)"));
     }
     THEN("the problem counters of each process follow, without processes that counted none") {
-      CHECK_THAT(table, Contains("7  bridge: 1 other bridges\n") &&
+      CHECK_THAT(table, Contains("7  bridge: 4 damaged frames, 1 other bridges\n") &&
                             Contains("7  fusion: 3 IMU deadlines missed, 17 events lost\n") &&
                             Contains("7  here: 8 pose deadlines missed, 2 pose stream losses\n") &&
                             !Contains("21  here"));

@@ -1,12 +1,15 @@
 #include "ros2/relay/diagnostics.hpp"
 
+#include "observation/status_counters.hpp"
 #include "observation/status_words.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
 #include <cmath>
+#include <string_view>
 
 namespace sonopose::ros2::relay {
 namespace {
@@ -68,6 +71,8 @@ void check_losses(const observation::BeaconView& view, const observation::Beacon
     const BeaconStatus& then = *before.bridge;
     problems.add_increase(now.imu_deadlines_missed, then.imu_deadlines_missed, "IMU deadlines missed");
     problems.add_increase(now.fix_deadlines_missed, then.fix_deadlines_missed, "fix deadlines missed");
+    problems.add_increase(now.heading_deadlines_missed, then.heading_deadlines_missed,
+                          "heading deadlines missed");
     problems.add_increase(now.crc_errors, then.crc_errors, "damaged frames");
     problems.add_increase(now.samples_unwritten, then.samples_unwritten, "samples not written");
     problems.add_increase(now.clock_resets, then.clock_resets, "resets of the beacon's clock");
@@ -101,12 +106,16 @@ class Values {
 public:
   explicit Values(std::vector<std::pair<std::string, std::string>>& values) : values_(values) {}
 
-  void add(const char* key, double value, int decimals) {
+  void add(std::string_view key, double value, int decimals) {
     if (std::isnan(value)) return;
-    values_.emplace_back(key, fmt::format("{:.{}f}", value, decimals));
+    values_.emplace_back(std::string(key), fmt::format("{:.{}f}", value, decimals));
   }
-  void add(const char* key, std::uint64_t count) { values_.emplace_back(key, std::to_string(count)); }
-  void add(const char* key, std::string text) { values_.emplace_back(key, std::move(text)); }
+  void add(std::string_view key, std::uint64_t count) {
+    values_.emplace_back(std::string(key), std::to_string(count));
+  }
+  void add(std::string_view key, std::string text) {
+    values_.emplace_back(std::string(key), std::move(text));
+  }
 
 private:
   std::vector<std::pair<std::string, std::string>>& values_;
@@ -126,29 +135,25 @@ void add_pose(const observation::BeaconView& view, Values& values) {
   values.add("reset_counter", std::uint64_t{view.pose.reset_counter});
 }
 
+/// Bridge and fusion have counters of the same names: `process` tells them apart.
+template <class Status, std::size_t Size>
+void add_counters(std::string_view process,
+                  const std::array<observation::StatusCounter<Status>, Size>& counters, const Status& status,
+                  Values& values) {
+  for (const auto& counter : counters) {
+    values.add(fmt::format("{}.{}", process, counter.name), status.*counter.value);
+  }
+}
+
 void add_bridge(const BeaconStatus& bridge, Values& values) {
   values.add("imu_rate_hz", bridge.imu_rate_hz, 1);
   values.add("fix_rate_hz", bridge.fix_rate_hz, 1);
   values.add("heading_rate_hz", bridge.heading_rate_hz, 1);
-  values.add("imu_deadlines_missed", bridge.imu_deadlines_missed);
-  values.add("fix_deadlines_missed", bridge.fix_deadlines_missed);
-  values.add("crc_errors", bridge.crc_errors);
-  values.add("bytes_lost", bridge.bytes_lost);
-  values.add("samples_unwritten", bridge.samples_unwritten);
   if (bridge.battery_v) values.add("battery_v", *bridge.battery_v, 2);
   if (bridge.rssi_dbm) values.add("rssi_dbm", *bridge.rssi_dbm, 0);
   values.add("clock_offset_s", bridge.clock_offset_s, 6);
   values.add("clock_jitter_s", bridge.clock_jitter_s, 6);
-  values.add("clock_resets", bridge.clock_resets);
-}
-
-void add_fusion(const FusionStatus& fusion, Values& values) {
-  values.add("fixes_used", fusion.fixes_used);
-  values.add("fixes_rejected", fusion.fixes_rejected);
-  values.add("events_lost", fusion.events_lost);
-  values.add("samples_invalid", fusion.samples_invalid);
-  values.add("imu_gaps", fusion.imu_gaps);
-  values.add("bridge_losses", fusion.bridge_losses);
+  add_counters("bridge", observation::bridge_counters, bridge, values);
 }
 
 }  // namespace
@@ -168,7 +173,7 @@ ros2::Diagnostic diagnostic_of(const std::string& node, const observation::Beaco
   Values values(diagnostic.values);
   add_pose(view, values);
   if (has_bridge(view, now_ns)) add_bridge(*view.bridge, values);
-  if (view.fusion) add_fusion(*view.fusion, values);
+  if (view.fusion) add_counters("fusion", observation::fusion_counters, *view.fusion, values);
   return diagnostic;
 }
 

@@ -60,8 +60,8 @@ SCENARIO("the diagnostic of a beacon") {
         CHECK(value_of(diagnostic, "trust") == "1.000");
         CHECK(value_of(diagnostic, "battery_v") == "3.90");
         CHECK(value_of(diagnostic, "clock_offset_s") == "12.500000");
-        CHECK(value_of(diagnostic, "imu_deadlines_missed") == "0");
-        CHECK(value_of(diagnostic, "events_lost") == "0");
+        CHECK(value_of(diagnostic, "bridge.imu_deadlines_missed") == "0");
+        CHECK(value_of(diagnostic, "fusion.events_lost") == "0");
       }
     }
     WHEN("deadlines were missed and events lost long ago") {
@@ -70,7 +70,7 @@ SCENARIO("the diagnostic of a beacon") {
       earlier.fusion->events_lost = now.fusion->events_lost = 3;
       THEN("it is OK") {
         CHECK(diagnose(now, earlier).level == Level::ok);
-        CHECK(value_of(diagnose(now, earlier), "imu_deadlines_missed") == "5");
+        CHECK(value_of(diagnose(now, earlier), "bridge.imu_deadlines_missed") == "5");
       }
     }
     WHEN("two more were missed in this second, and an event lost") {

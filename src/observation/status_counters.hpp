@@ -1,0 +1,65 @@
+#pragma once
+/// \file
+/// The counters of the statuses, listed once for every consumer that shows them.
+
+#include <sonopose/samples/status.hpp>
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace sonopose::observation {
+
+template <class Status>
+struct StatusCounter {
+  std::string_view name;  ///< of the field
+  std::uint64_t Status::*value;
+  std::string_view problem = {};  ///< what was counted, plural; empty if the count is no sign of a fault
+};
+
+inline constexpr std::array bridge_counters{
+    StatusCounter<BeaconStatus>{"frames", &BeaconStatus::frames},
+    StatusCounter<BeaconStatus>{"crc_errors", &BeaconStatus::crc_errors, "damaged frames"},
+    StatusCounter<BeaconStatus>{"bytes_lost", &BeaconStatus::bytes_lost},
+    StatusCounter<BeaconStatus>{"unknown_frames", &BeaconStatus::unknown_frames},
+    StatusCounter<BeaconStatus>{"fixes_unavailable", &BeaconStatus::fixes_unavailable},
+    StatusCounter<BeaconStatus>{"samples_rejected", &BeaconStatus::samples_rejected, "impossible values"},
+    StatusCounter<BeaconStatus>{"clock_resets", &BeaconStatus::clock_resets, "clock resets"},
+    StatusCounter<BeaconStatus>{"imu_deadlines_missed", &BeaconStatus::imu_deadlines_missed,
+                                "IMU deadlines missed"},
+    StatusCounter<BeaconStatus>{"fix_deadlines_missed", &BeaconStatus::fix_deadlines_missed,
+                                "fix deadlines missed"},
+    StatusCounter<BeaconStatus>{"heading_deadlines_missed", &BeaconStatus::heading_deadlines_missed,
+                                "heading deadlines missed"},
+    StatusCounter<BeaconStatus>{"liveliness_lost", &BeaconStatus::liveliness_lost, "liveliness losses"},
+    StatusCounter<BeaconStatus>{"readers_incompatible", &BeaconStatus::readers_incompatible,
+                                "incompatible readers"},
+    StatusCounter<BeaconStatus>{"samples_unwritten", &BeaconStatus::samples_unwritten,
+                                "samples not written"}};
+
+inline constexpr std::array fusion_counters{
+    StatusCounter<FusionStatus>{"imu_samples", &FusionStatus::imu_samples},
+    StatusCounter<FusionStatus>{"fixes_used", &FusionStatus::fixes_used},
+    StatusCounter<FusionStatus>{"fixes_rejected", &FusionStatus::fixes_rejected},
+    StatusCounter<FusionStatus>{"headings", &FusionStatus::headings},
+    StatusCounter<FusionStatus>{"imu_deadlines_missed", &FusionStatus::imu_deadlines_missed,
+                                "IMU deadlines missed"},
+    StatusCounter<FusionStatus>{"fix_deadlines_missed", &FusionStatus::fix_deadlines_missed,
+                                "fix deadlines missed"},
+    StatusCounter<FusionStatus>{"heading_deadlines_missed", &FusionStatus::heading_deadlines_missed,
+                                "heading deadlines missed"},
+    StatusCounter<FusionStatus>{"events_lost", &FusionStatus::events_lost, "events lost"},
+    StatusCounter<FusionStatus>{"events_duplicated", &FusionStatus::events_duplicated},
+    StatusCounter<FusionStatus>{"samples_invalid", &FusionStatus::samples_invalid, "samples invalid"},
+    StatusCounter<FusionStatus>{"imu_gaps", &FusionStatus::imu_gaps, "IMU gaps"},
+    StatusCounter<FusionStatus>{"bridge_losses", &FusionStatus::bridge_losses, "bridge losses"},
+    StatusCounter<FusionStatus>{"pose_deadlines_missed", &FusionStatus::pose_deadlines_missed,
+                                "pose deadlines missed"},
+    StatusCounter<FusionStatus>{"liveliness_lost", &FusionStatus::liveliness_lost, "liveliness losses"},
+    StatusCounter<FusionStatus>{"samples_lost", &FusionStatus::samples_lost, "samples lost"},
+    StatusCounter<FusionStatus>{"samples_rejected", &FusionStatus::samples_rejected, "samples rejected"},
+    StatusCounter<FusionStatus>{"incompatible_qos", &FusionStatus::incompatible_qos,
+                                "incompatible endpoints"},
+    StatusCounter<FusionStatus>{"poses_unwritten", &FusionStatus::poses_unwritten, "poses not written"}};
+
+}  // namespace sonopose::observation
