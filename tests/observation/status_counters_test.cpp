@@ -8,8 +8,10 @@
 #include <string_view>
 #include <tuple>
 
-namespace sonopose::observation {
 namespace status_counters_test {
+
+using namespace sonopose;
+using namespace sonopose::observation;
 
 template <class Pair>
 constexpr bool is_counter = false;
@@ -41,4 +43,3 @@ SCENARIO("consumers show every counter of the statuses") {
 }
 
 }  // namespace status_counters_test
-}  // namespace sonopose::observation
