@@ -14,7 +14,7 @@ function(sonopose_compile_options target)
   endif()
   if(SONOPOSE_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${SONOPOSE_SANITIZE} -fno-omit-frame-pointer
-      -Wno-maybe-uninitialized -Wno-stringop-overflow)  # g++ 12 is often wrong in instrumented code
+      -Wno-array-bounds -Wno-maybe-uninitialized -Wno-stringop-overflow)  # g++ 12 is often wrong in such code
     target_link_options(${target} PUBLIC -fsanitize=${SONOPOSE_SANITIZE})
   endif()
 endfunction()
