@@ -53,11 +53,12 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--plot", options.plot,
                  "Draw path, error, speed and fix flags to a .svg or .png file (needs gnuplot)")
       ->type_name("FILE");
-  auto* const engine = apps::add_choice<estimation::EstimatorKind>(
+  auto* const engine = apps::add_choice<std::optional<estimation::EstimatorKind>>(
       app, "--engine", options.run.estimator,
       {{"documented", estimation::EstimatorKind::documented},
+       {"kalman", estimation::EstimatorKind::kalman},
        {"strapdown", estimation::EstimatorKind::strapdown}},
-      "documented: all sensors; strapdown: only the IMU, integrated from the truth");
+      "Instead of fusion.engine; strapdown: only the IMU, integrated from the truth");
   app.add_option("--init", "Start of strapdown: the first complete truth of the log")
       ->check(CLI::IsMember({"truth"}))
       ->needs(engine);

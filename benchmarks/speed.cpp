@@ -1,4 +1,4 @@
-// Computation only: the decoder in MB/s, the engine in ns per IMU sample, and the Mahony update for
+// Computation only: the decoder in MB/s, the engines in ns per IMU sample, and the Mahony update for
 // comparison.
 
 #include "marvelmind/decoder.hpp"
@@ -56,11 +56,11 @@ void decoder(benchmark::State& state) {
 }
 BENCHMARK(decoder);
 
-void engine_per_imu_sample(benchmark::State& state) {
+void engine_per_imu_sample(benchmark::State& state, estimation::EstimatorKind kind) {
   const auto& events = recorded_events();
   std::int64_t samples = 0;
   for (auto run : state) {
-    estimation::AnyEstimator estimator{settings::Settings{}};
+    estimation::AnyEstimator estimator{settings::Settings{}, {.kind = kind}};
     for (const Event& event : events) {
       benchmark::DoNotOptimize(estimation::process(estimator, event));
       if (std::holds_alternative<ImuSample>(event)) ++samples;
@@ -72,7 +72,8 @@ void engine_per_imu_sample(benchmark::State& state) {
   state.counters["times_real_time"] =
       benchmark::Counter(static_cast<double>(samples) / 100.0, benchmark::Counter::kIsRate);
 }
-BENCHMARK(engine_per_imu_sample);
+BENCHMARK_CAPTURE(engine_per_imu_sample, documented, estimation::EstimatorKind::documented);
+BENCHMARK_CAPTURE(engine_per_imu_sample, kalman, estimation::EstimatorKind::kalman);
 
 void mahony_per_imu_sample(benchmark::State& state) {
   const auto& events = recorded_events();

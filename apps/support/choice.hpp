@@ -33,7 +33,8 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value, co
   };
   return app.add_option_function<std::string>(name, set, help)
       ->check(one_of(texts))
-      ->option_text(CLI::detail::join(texts, "|") + " (default: " + default_word + ")");
+      ->option_text(CLI::detail::join(texts, "|") +
+                    (default_word.empty() ? "" : " (default: " + default_word + ")"));
 }
 
 }  // namespace sonopose::apps

@@ -112,8 +112,25 @@ std::vector<std::string> idle_filter_warnings(const settings::Settings& settings
   return texts;
 }
 
+std::vector<std::string> idle_engine_warnings(const settings::Settings& settings, const Assignments& given,
+                                              std::string_view where) {
+  std::vector<std::string> texts;
+  if (settings.engine.engine == settings::EngineKind::documented) return texts;
+  for (const auto& entry : given) {
+    const settings::SettingInfo& info = settings::setting_info(entry.first);
+    if (info.read_by == settings::ReadBy::all) continue;
+    texts.push_back(fmt::format("{}{} has no effect: fusion.engine is {}, and only documented reads it",
+                                where, entry.first,
+                                settings::to_text(settings::get(settings, "fusion.engine"))));
+  }
+  return texts;
+}
+
 std::vector<std::string> warnings_for(const settings::Settings& settings, const Assignments& given,
                                       std::string_view where) {
+  if (settings.engine.engine != settings::EngineKind::documented) {
+    return idle_engine_warnings(settings, given, where);
+  }
   std::vector<std::string> texts = preset_warnings(settings, given, where);
   for (std::string& text : contradictions(settings, given, where)) texts.push_back(std::move(text));
   for (std::string& text : idle_filter_warnings(settings, given, where)) texts.push_back(std::move(text));

@@ -209,17 +209,20 @@ std::string settings_page() {
       "*Item* is the number in the fusion specification, if any. Set them in a TOML file (`--config`;\n"
       "`sonopose-fusion --print-config` prints one), or on the command line (`--set "
       "drift.decay_rate_hz=2`);\n"
-      "`beacon.7.` in front applies it to one beacon only.\n";
+      "`beacon.7.` in front applies it to one beacon only. *Engine* says which value of `fusion.engine` "
+      "reads it.\n";
   std::string group;
   for (const auto& row : settings::setting_table()) {
     if (row.group != group) {
-      text += fmt::format("\n## {}\n\n| Item | Key | Default | Allowed | Meaning |\n|---|---|---|---|---|\n",
-                          row.group);
+      text += fmt::format(
+          "\n## {}\n\n| Item | Key | Default | Allowed | Engine | Meaning |\n|---|---|---|---|---|---|\n",
+          row.group);
     }
     group = row.group;
-    text += fmt::format("| {} | `{}` | {} | {} | {} |\n",
+    const std::string_view engine = row.read_by == settings::ReadBy::all ? "all" : "documented";
+    text += fmt::format("| {} | `{}` | {} | {} | {} | {} |\n",
                         row.item == settings::no_item ? "" : std::to_string(row.item), row.key,
-                        settings::to_text(row.initial), row.allowed(), row.sentence);
+                        settings::to_text(row.initial), row.allowed(), engine, row.sentence);
   }
   return text;
 }

@@ -1,15 +1,18 @@
 #include <sonopose/estimation/any_estimator.hpp>
+#include <sonopose/estimation/snapshot_fields.hpp>
 
 namespace sonopose::estimation {
 namespace {
 
-std::variant<documented::Engine, strapdown::Engine> make(const settings::Settings& settings,
+std::variant<documented::Engine, strapdown::Engine, kalman::Engine> make(const settings::Settings& settings,
                                                          const EstimatorOptions& options) {
-  switch (options.kind) {
+  switch (options.kind.value_or(kind_of(settings.engine.engine))) {
     case EstimatorKind::documented:
       break;
     case EstimatorKind::strapdown:
       return strapdown::Engine(settings, options.strapdown_start, options.strapdown_rule);
+    case EstimatorKind::kalman:
+      return kalman::Engine(settings);
   }
   return documented::Engine(settings);
 }
@@ -32,6 +35,12 @@ void AnyEstimator::correct(const PairHeading& heading) noexcept {
 }
 
 void AnyEstimator::configure(const settings::Settings& settings) noexcept {
+  if (settings.engine.engine != this->settings().engine.engine) {
+    Snapshot fresh = initial_snapshot(kind_of(settings.engine.engine));
+    counters_of(fresh) = counters();
+    reset_counter_of(fresh) = reset_counter() + 1;
+    restore(fresh);
+  }
   std::visit([&](auto& estimator) { estimator.configure(settings); }, estimator_);
 }
 

@@ -27,13 +27,19 @@ struct FieldDigest {
   void operator()(const char* /*name*/, const Quaterniond& q) const {
     for (const double component : q.coeffs()) digest.add(component);
   }
-  void operator()(const char* /*name*/, const Eigen::Matrix3d& value) const {
+  template <int size>
+  void operator()(const char* /*name*/, const Eigen::Matrix<double, size, size>& value) const {
     for (const double component : value.reshaped()) digest.add(component);
   }
   void operator()(const char* name, attitude::AnyFilter filter) const {
     (*this)(name, static_cast<int>(filter.kind()));
     filter.for_each_field(*this);
   }
+  template <class Record>
+  requires requires(const Record& record) {
+    for_each_field(record, [](const char*, const auto&) {});
+  }
+  void operator()(const char* /*name*/, const Record& record) const { for_each_field(record, *this); }
   template <class Sequence>
   requires std::is_class_v<typename Sequence::value_type>
   void operator()(const char* /*name*/, const Sequence& records) const {

@@ -81,7 +81,8 @@ void check_start(const recording::SensorLog& log, const RunOptions& options) {
                                 ", but the recording has only " + std::to_string(log.events.size()) +
                                 " events: it is of another recording");
   }
-  if (estimation::kind_of(options.start->snapshot) != options.estimator) {
+  const auto kind = options.estimator.value_or(estimation::kind_of(options.settings.engine.engine));
+  if (estimation::kind_of(options.start->snapshot) != kind) {
     throw std::invalid_argument("the saved state is of another kind of estimator");
   }
 }

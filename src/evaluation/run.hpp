@@ -29,7 +29,7 @@ struct SavedState {
 
 struct RunOptions {
   settings::Settings settings{};
-  estimation::EstimatorKind estimator = estimation::EstimatorKind::documented;
+  std::optional<estimation::EstimatorKind> estimator{};  ///< empty: that of the setting fusion.engine
   estimation::strapdown::Rule strapdown_rule = estimation::strapdown::Rule::previous;
   double after_s = 0;               ///< score poses from this time after the recording's first event on
   std::optional<double> until_s{};  ///< stop before the first two consecutive events that are later than this

@@ -47,14 +47,25 @@ struct FieldWriter {
   void operator()(const char* name, const Quaterniond& q) const {
     object[name] = {finite(name, q.w()), finite(name, q.x()), finite(name, q.y()), finite(name, q.z())};
   }
-  void operator()(const char* name, const Eigen::Matrix3d& value) const {
+  template <int size>
+  void operator()(const char* name, const Eigen::Matrix<double, size, size>& value) const {
     object[name] = OrderedJson::array();
-    for (const Vector3d row : value.rowwise()) object[name].push_back(json_of(name, row));
+    for (const auto& row : value.rowwise()) {
+      OrderedJson& numbers = object[name].emplace_back(OrderedJson::array());
+      for (const double number : row) numbers.push_back(finite(name, number));
+    }
   }
   void operator()(const char* name, attitude::AnyFilter filter) const {
     OrderedJson& fields = object[name];
     fields["kind"] = choices_of(filter.kind()).at(static_cast<std::size_t>(filter.kind()));
     filter.for_each_field(FieldWriter{fields});
+  }
+  template <class Record>
+  requires requires(const Record& record) {
+    for_each_field(record, [](const char*, const auto&) {});
+  }
+  void operator()(const char* name, const Record& record) const {
+    for_each_field(record, FieldWriter{object[name]});
   }
   template <class Sequence>
   requires std::is_class_v<typename Sequence::value_type>

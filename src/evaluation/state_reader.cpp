@@ -120,14 +120,20 @@ void StateReader::read(const char* name, Quaterniond& q) {
   if (!(std::abs(q.norm() - 1.0) < tolerance)) fail(name, "is not a unit quaternion");
 }
 
-void StateReader::read(const char* name, Eigen::Matrix3d& value) {
+void StateReader::read_rows(const char* name, int size, double* by_columns) {
   const json rows = array(name);
-  if (rows.size() != 3) fail(name, kind_error(rows, "three rows"));
-  for (Eigen::Index row = 0; row < 3; ++row) {
-    StateReader reader(json{{name, rows[static_cast<std::size_t>(row)]}}, place_);
-    Vector3d numbers;
-    reader.read(name, numbers);
-    value.row(row) = numbers;
+  const auto count = static_cast<std::size_t>(size);
+  const std::string wanted = std::to_string(size) + " rows of " + std::to_string(size) + " numbers";
+  if (rows.size() != count) fail(name, kind_error(rows, wanted));
+  for (std::size_t row = 0; row < count; ++row) {
+    const json& numbers = rows[row];
+    const bool fits =
+        numbers.is_array() && numbers.size() == count &&
+        std::all_of(numbers.begin(), numbers.end(), [](const json& one) { return one.is_number(); });
+    if (!fits) fail(name, kind_error(numbers, wanted));
+    for (std::size_t column = 0; column < count; ++column) {
+      by_columns[column * count + row] = numbers[column].get<double>();
+    }
   }
 }
 

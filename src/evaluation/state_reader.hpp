@@ -14,6 +14,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 namespace sonopose::evaluation {
 
@@ -35,7 +36,10 @@ public:
   void read(const char* name, TimeNs& value);
   void read(const char* name, Vector3d& value);
   void read(const char* name, Quaterniond& q);  ///< a unit quaternion
-  void read(const char* name, Eigen::Matrix3d& value);
+  template <int size>
+  void read(const char* name, Eigen::Matrix<double, size, size>& value) {
+    read_rows(name, size, value.data());
+  }
   void read(const char* name, attitude::AnyFilter& filter);
 
   /// An enumeration by its name.
@@ -76,6 +80,20 @@ public:
     }
   }
 
+  /// A struct.
+  template <class Record>
+  requires requires(Record& record) {
+    for_each_field(record, [](const char*, auto&) {});
+  }
+  void read(const char* name, Record& record) { read_element(name, take(name), record); }
+
+  /// Any number of structs.
+  template <class Record>
+  void read(const char* name, std::vector<Record>& records) {
+    records.clear();
+    for (const nlohmann::json& element : array(name)) read_element(name, element, records.emplace_back());
+  }
+
   /// Call after the last field: any field that is left is unknown.
   void finish() const;
 
@@ -84,6 +102,7 @@ public:
 private:
   nlohmann::json take(const char* name);
   nlohmann::json array(const char* name);
+  void read_rows(const char* name, int size, double* by_columns);
   template <std::size_t Count>
   std::array<double, Count> take_numbers(const char* name, const char* wanted);
   /// The index of the word in `choices`.

@@ -110,7 +110,11 @@ void BeaconEstimators::carry_out(const SettingsRequest& request, SettingsReply& 
     after = timeline.settings_at(from);
     if (const auto last = last_sequence(request.address)) reply.from_sequence = std::max(from, *last + 1);
   }
-  reply.reason = fmt::format("{}", fmt::join(config::warnings_for(after, assignments), "; "));
+  std::vector<std::string> remarks = config::warnings_for(after, assignments);
+  if (assignments.contains("fusion.engine")) {
+    remarks.emplace_back("where fusion.engine changes, the estimate starts again and reset_counter rises");
+  }
+  reply.reason = fmt::format("{}", fmt::join(remarks, "; "));
 }
 
 SettingsChange BeaconEstimators::settings_for_all() const {

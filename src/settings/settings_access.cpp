@@ -74,7 +74,8 @@ void detail::Builder::add(int item, std::string_view name, const void* field, Se
                    std::move(range.maximum),
                    {},
                    std::string(unit),
-                   std::string(sentence)});
+                   std::string(sentence),
+                   read_by_});
   const auto* const begin = reinterpret_cast<const std::byte*>(defaults_);
   const auto offset = static_cast<std::size_t>(static_cast<const std::byte*>(field) - begin);
   fields.push_back({.offset = offset});

@@ -7,8 +7,15 @@ namespace {
 
 using detail::Builder;
 
-void add(Builder& table, const PresetSettings& settings) {
+void add(Builder& table, const EngineSettings& settings) {
   table.group("fusion");
+  table.choice(
+      no_item, "engine", settings.engine,
+      "Estimator: the one of the specification, or an error-state Kalman filter. A change starts the "
+      "beacon's estimate again.");
+}
+
+void add(Builder& table, const PresetSettings& settings) {
   table.choice(1, "imu_weight", settings.imu_weight,
                "Balance of IMU and ultrasound: low follows the fixes closely, high is smooth and corrects "
                "slowly; user takes items 2, 3 and 4 as they are set.");
@@ -78,9 +85,11 @@ void add(Builder& table, const AlignmentSettings& settings) {
 
 void add(Builder& table, const HeadingSettings& settings) {
   table.group("heading");
+  table.read_by(ReadBy::all);
   table.real(
       5, "mount_offset_deg", settings.mount_offset_deg, {-360.0, 360.0}, "deg",
       "Angle from the body's X axis to the axis of the paired beacons; 90 if the pair lies along body Y.");
+  table.read_by(ReadBy::documented);
   table.real(31, "min_displacement_m", settings.min_displacement_m, {0.0, 100.0}, "m",
              "Least distance between two fixes for a yaw correction from the direction of motion.");
   table.real(32, "max_correction_deg", settings.max_correction_deg, {0.0, 180.0}, "deg",
@@ -99,6 +108,7 @@ void add(Builder& table, const HeadingSettings& settings) {
 
 void add(Builder& table, const DelaySettings& settings) {
   table.group("delay");
+  table.read_by(ReadBy::all);
   table.flag(6, "extrapolate", settings.extrapolate,
              "Move a fix forward by its delay along the IMU's path, so that motion causes no step at a fix.");
   table.real(no_item, "processing_s", settings.processing_s, {0.0, 0.5}, "s",
@@ -109,8 +119,10 @@ void add(Builder& table, const DelaySettings& settings) {
 
 void add(Builder& table, const OutageSettings& settings) {
   table.group("outage");
+  table.read_by(ReadBy::documented);
   table.real(10, "velocity_decay_rate_hz", settings.velocity_decay_rate_hz, {0.0, 100.0}, "1/s",
              "Rate at which velocity falls to zero in stale mode.");
+  table.read_by(ReadBy::all);
   table.real(11, "stale_after_s", settings.stale_after_s, {0.1, 60.0}, "s",
              "Without a valid fix for this long, stale mode begins: acceleration is no longer integrated.");
   table.real(no_item, "imu_gap_s", settings.imu_gap_s, {0.01, 5.0}, "s",
@@ -438,6 +450,8 @@ void add(Builder& table, const calibration::MagnetometerSettings& settings) {
 }  // namespace
 
 void detail::add_all(Builder& table, const Settings& settings) {
+  add(table, settings.engine);
+  table.read_by(ReadBy::documented);
   add(table, settings.preset);
   add(table, settings.drift);
   add(table, settings.velocity);
@@ -445,7 +459,9 @@ void detail::add_all(Builder& table, const Settings& settings) {
   add(table, settings.heading);
   add(table, settings.delay);
   add(table, settings.outage);
+  table.read_by(ReadBy::all);
   add(table, settings.admission);
+  table.read_by(ReadBy::documented);
   add(table, settings.trust);
   add(table, settings.runaway);
   add(table, settings.motion);
@@ -458,8 +474,11 @@ void detail::add_all(Builder& table, const Settings& settings) {
   add(table, settings.attitude.complementary);
   add(table, settings.attitude.ahrs);
   add(table, settings.startup);
+  table.read_by(ReadBy::all);
   add(table, settings.frozen);
+  table.read_by(ReadBy::documented);
   add(table, settings.uncertainty);
+  table.read_by(ReadBy::all);
   add(table, settings.output);
   add(table, settings.calibration.axes);
   add(table, settings.calibration.gyroscope);

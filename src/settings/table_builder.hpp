@@ -34,6 +34,9 @@ public:
   /// The following rows belong to this group.
   void group(std::string_view name) { group_ = name; }
 
+  /// The following rows, whatever their group, are read by these engines.
+  void read_by(ReadBy engines) { read_by_ = engines; }
+
   void real(int item, std::string_view name, const double& field, Range<double> range, std::string_view unit,
             std::string_view sentence) {
     add(item, name, &field, field, {range.minimum, range.maximum}, unit, sentence);
@@ -68,6 +71,7 @@ private:
 
   const Settings* defaults_;
   std::string group_;
+  ReadBy read_by_ = ReadBy::all;
 };
 
 /// Adds every row, in the order of the groups in Settings.

@@ -147,4 +147,15 @@ TEST_CASE("settings of a magnetometer that is not used are warned of") {
   CHECK(idle_filter_warnings(settings, given).empty());
 }
 
+TEST_CASE("a setting that the chosen engine does not read is a warning that names the engine that does") {
+  settings::Settings settings;
+  settings.engine.engine = settings::EngineKind::kalman;
+  const Assignments given{{"trust.sigma_m", 0.2}, {"heading.mount_offset_deg", 90.0}};
+  const auto warnings = config::warnings_for(settings, given, "beacon.7.");
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], Contains("beacon.7.trust.sigma_m") && Contains("kalman") && Contains("documented"));
+  settings.engine.engine = settings::EngineKind::documented;
+  CHECK(config::warnings_for(settings, given, "").empty());
+}
+
 }  // namespace beacon_settings_test

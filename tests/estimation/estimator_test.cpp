@@ -21,6 +21,11 @@ struct AnyDocumented : AnyEstimator {
   explicit AnyDocumented(const settings::Settings& settings) : AnyEstimator(settings) {}
 };
 
+struct AnyKalman : AnyEstimator {
+  explicit AnyKalman(const settings::Settings& settings)
+      : AnyEstimator(settings, {.kind = EstimatorKind::kalman}) {}
+};
+
 struct AnyStrapdown : AnyEstimator {
   explicit AnyStrapdown(const settings::Settings& settings)
       : AnyEstimator(settings, {.kind = EstimatorKind::strapdown}) {}
@@ -81,7 +86,8 @@ bool is_finite(const FusedPose& pose) {
          pose.acceleration_world_mps2.allFinite();
 }
 
-using AllEstimators = std::tuple<documented::Engine, strapdown::Engine, AnyDocumented, AnyStrapdown>;
+using AllEstimators =
+    std::tuple<documented::Engine, kalman::Engine, strapdown::Engine, AnyDocumented, AnyKalman, AnyStrapdown>;
 
 TEMPLATE_LIST_TEST_CASE("the same events and settings give the same bits", "", AllEstimators) {
   const auto log = events(6.0);
@@ -220,9 +226,29 @@ TEST_CASE("AnyEstimator becomes the kind of the snapshot that it is restored fro
   CHECK(estimator.kind() == EstimatorKind::strapdown);
   CHECK(kind_of(estimator.snapshot()) == EstimatorKind::strapdown);
   CHECK(estimator.snapshot() == strapdown.snapshot());
-  for (const EstimatorKind kind : {EstimatorKind::documented, EstimatorKind::strapdown}) {
+  for (const EstimatorKind kind :
+       {EstimatorKind::documented, EstimatorKind::strapdown, EstimatorKind::kalman}) {
     CHECK(kind_of(initial_snapshot(kind)) == kind);
   }
+}
+
+TEST_CASE("another engine in the settings starts the estimate again") {
+  AnyEstimator estimator{settings::Settings{}};
+  const auto log = events(4.0);
+  run(estimator, log);
+  settings::Settings settings;
+  settings.engine.engine = settings::EngineKind::kalman;
+  estimator.configure(settings);
+  CHECK(estimator.kind() == EstimatorKind::kalman);
+  CHECK(estimator.time_ns() == 0);
+  CHECK(estimator.reset_counter() == 1);
+  CHECK(estimator.counters().imu_samples == 400);
+  AnyEstimator fresh{settings};
+  const Run after = run(estimator, log);
+  const Run expected = run(fresh, log);
+  CHECK(after.poses.back().position_world_m == expected.poses.back().position_world_m);
+  estimator.configure(settings);  // the same again
+  CHECK(estimator.reset_counter() == 1);
 }
 
 TEST_CASE("strapdown continues from a snapshot with the start and rule of the snapshot") {

@@ -52,6 +52,25 @@ TEST_CASE("a run that continues from a file ends like the whole run") {
   CHECK(rest.end == whole.end);
 }
 
+TEST_CASE("a run of the Kalman engine that continues from a file ends like the whole run") {
+  const TemporaryFolder folder;
+  const recording::SensorLog log = sample_log("no_heading");
+  evaluation::RunOptions options;
+  options.settings.engine.engine = settings::EngineKind::kalman;
+  const auto whole = evaluation::run(log, options);
+  for (const double until_s : {0.03, 1.0, 7.7}) {
+    CAPTURE(until_s);
+    evaluation::RunOptions first = options;
+    first.until_s = until_s;
+    evaluation::save_state(folder / "state.json", evaluation::run(log, first).end);
+    evaluation::RunOptions second = options;
+    second.start = evaluation::load_state(folder / "state.json");
+    const auto rest = evaluation::run(log, second);
+    CHECK(rest.end == whole.end);
+    CHECK(rest.fused.position_m.max <= whole.fused.position_m.max);
+  }
+}
+
 TEST_CASE("the state of a strapdown run comes back too, and continues like the whole run") {
   const recording::SensorLog log = sample_log("walk", 4.0);
   const evaluation::RunOptions whole{.estimator = estimation::EstimatorKind::strapdown};

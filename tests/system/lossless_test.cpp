@@ -6,6 +6,7 @@
 #include "support/temporary_folder.hpp"
 #include "system/replay_rows.hpp"
 #include <sonopose/estimation/any_estimator.hpp>
+#include <sonopose/settings/settings_table.hpp>
 
 #include <algorithm>
 #include <csignal>
@@ -29,9 +30,11 @@ struct Replay {
   std::vector<FixReport> reports;
 };
 
-Replay replay(const std::filesystem::path& folder) {
+Replay replay(const std::filesystem::path& folder, const std::string& engine = "documented") {
   Replay replay;
-  estimation::AnyEstimator estimator{settings::Settings{}};
+  settings::Settings settings;
+  settings::set(settings, "fusion.engine", engine);
+  estimation::AnyEstimator estimator{settings};
   for (const Event& event : recording::read_sensor_log(folder).events) {
     const auto output = estimation::process(estimator, event);
     if (const auto* pose = std::get_if<FusedPose>(&output)) replay.poses.push_back(*pose);
@@ -51,8 +54,9 @@ std::size_t differences(const std::vector<Sample>& a, const std::vector<Sample>&
 }
 
 /// Poses of sonopose-replay, from its files.
-std::vector<Bits> replayed_rows(const std::filesystem::path& log, const std::filesystem::path& out) {
-  REQUIRE(run(SONOPOSE_TEST_REPLAY, {log.string(), "--out", out.string()}).code == 0);
+std::vector<Bits> replayed_rows(const std::filesystem::path& log, const std::filesystem::path& out,
+                                const std::string& engine) {
+  REQUIRE(run(SONOPOSE_TEST_REPLAY, {log.string(), "--out", out.string(), "--engine", engine}).code == 0);
   return pose_rows(out / "pose.csv");
 }
 
@@ -61,12 +65,13 @@ SCENARIO("a log played as fast as possible gives every pose once, identical to a
     const Bus bus;
     const TemporaryFolder folder;
     record_simulation(bus, folder / "log");
-    const Replay expected = replay(folder / "log");
+    const std::string engine = GENERATE("documented", "kalman");
+    const Replay expected = replay(folder / "log", engine);
     REQUIRE(expected.poses.size() == 2000);
     REQUIRE(expected.reports.size() > 150);  // at least 8 Hz
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     Consumer<sonopose_FixReport> reports(bus, topics::report);
-    const auto fusion = bus.fusion({"--lossless"});
+    const auto fusion = bus.fusion({"--lossless", "--set", "fusion.engine=" + engine});
     REQUIRE(poses.wait_for_writers());
     REQUIRE(reports.wait_for_writers());
     const Arguments play{"--source", "log", "--input", (folder / "log").string(), "--rate", "0"};
@@ -84,7 +89,7 @@ SCENARIO("a log played as fast as possible gives every pose once, identical to a
         CHECK(differences(reports.samples, expected.reports) == 0);
         std::vector<Bits> live;
         for (const FusedPose& pose : poses.samples) live.push_back(row_bits_of(pose));
-        CHECK((live == replayed_rows(folder / "log", folder / "out")));
+        CHECK((live == replayed_rows(folder / "log", folder / "out", engine)));
       }
     }
     WHEN("the bridge plays the log twice") {

@@ -83,7 +83,8 @@ TEST_CASE("An option with a fixed set of values refuses others and lists them") 
                      {{"--network", "foo"}, {"--network: 'foo'", "loopback, lan"}},
                      {{"--network", "1"}, {"--network: '1'", "loopback, lan"}}});
   check_refused(SONOPOSE_TEST_MONITOR, {{"--network", "1"}, {"--network: '1'", "loopback, lan"}});
-  check_refused(SONOPOSE_TEST_REPLAY, {{"log", "--engine", "1"}, {"--engine: '1'", "documented, strapdown"}});
+  check_refused(SONOPOSE_TEST_REPLAY,
+                {{"log", "--engine", "1"}, {"--engine: '1'", "documented, kalman, strapdown"}});
   check_refused(SONOPOSE_TEST_REPLAY, {{"log", "--engine", "strapdown", "--integration", "1"},
                                        {"--integration: '1'", "previous, mean"}});
 }

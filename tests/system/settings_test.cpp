@@ -197,9 +197,14 @@ SCENARIO("a change at a given event gives poses that are bit-identical to the re
                         (folder / "log").string()})
                 ->wait_for_exit() == 0);
     constexpr std::uint64_t from = 1000;
+    const Arguments change = GENERATE(Arguments{"fusion.imu_weight=high", "trust.sigma_m=0.02"},
+                                      Arguments{"fusion.engine=kalman", "delay.source=fixed"});
+    const auto key_of = [](const std::string& text) { return text.substr(0, text.find('=')); };
+    const auto value_of = [](const std::string& text) { return text.substr(text.find('=') + 1); };
     settings::Settings other;
-    settings::set(other, "fusion.imu_weight", std::string("high"));
-    settings::set(other, "trust.sigma_m", 0.02);
+    for (const std::string& text : change) {
+      settings::set(other, key_of(text), settings::parse_value(key_of(text), value_of(text)));
+    }
     estimation::AnyEstimator estimator{settings::Settings{}};
     estimation::AnyEstimator unchanged{settings::Settings{}};
     std::vector<FusedPose> expected;
@@ -221,8 +226,8 @@ SCENARIO("a change at a given event gives poses that are bit-identical to the re
       Consumer<sonopose_EffectiveSettings> settings(bus, topics::settings, dds::topics::Delivery::live);
       const auto fusion = bus.fusion({"--lossless"});
       REQUIRE(poses.wait_for_writers());
-      const Result set = bus.settings({"set", "fusion.imu_weight=high", "trust.sigma_m=0.02", "--from-event",
-                                       std::to_string(from), "--beacon", GENERATE("7", "all")});
+      const Result set = bus.settings({"set", change[0], change[1], "--from-event", std::to_string(from),
+                                       "--beacon", GENERATE("7", "all")});
       CAPTURE(set.error);
       REQUIRE(set.code == 0);
       CHECK_THAT(set.output, Contains("event 1000"));
@@ -235,7 +240,7 @@ SCENARIO("a change at a given event gives poses that are bit-identical to the re
           if (bits_of(poses.samples[i]) != bits_of(expected[i])) ++wrong;
         }
         CHECK(wrong == 0);
-        REQUIRE(settings.wait_for(has(7, "trust.sigma_m", "0.02")));
+        REQUIRE(settings.wait_for(has(7, key_of(change[1]), value_of(change[1]))));
         CHECK(settings.samples.back().from_sequence == from);
       }
     }

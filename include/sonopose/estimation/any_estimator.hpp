@@ -4,10 +4,12 @@
 
 #include <sonopose/estimation/documented/engine.hpp>
 #include <sonopose/estimation/estimator.hpp>
+#include <sonopose/estimation/kalman/engine.hpp>
 #include <sonopose/estimation/strapdown/engine.hpp>
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <variant>
 
@@ -15,19 +17,24 @@ namespace sonopose::estimation {
 
 enum class EstimatorKind : std::uint8_t {
   documented,  ///< fuses IMU, fixes and headings as the settings document describes
-  strapdown    ///< integrates the IMU alone from a known state
+  strapdown,   ///< integrates the IMU alone from a known state
+  kalman       ///< fuses the same sensors in an error-state Kalman filter
 };
 
-constexpr std::array<std::string_view, 2> choices_of(EstimatorKind /*kind*/) {
-  return {"documented", "strapdown"};
+constexpr std::array<std::string_view, 3> choices_of(EstimatorKind /*kind*/) {
+  return {"documented", "strapdown", "kalman"};
 }
 
 /// The state of an estimator of either kind; the alternatives are in the order of EstimatorKind.
-using AnySnapshot = std::variant<documented::Snapshot, strapdown::Snapshot>;
+using AnySnapshot = std::variant<documented::Snapshot, strapdown::Snapshot, kalman::Snapshot>;
+
+[[nodiscard]] constexpr EstimatorKind kind_of(settings::EngineKind engine) {
+  return engine == settings::EngineKind::kalman ? EstimatorKind::kalman : EstimatorKind::documented;
+}
 
 /// An estimator, and what the strapdown estimator needs besides the settings.
 struct EstimatorOptions {
-  EstimatorKind kind = EstimatorKind::documented;
+  std::optional<EstimatorKind> kind{};  ///< empty: that of the setting fusion.engine
   strapdown::State strapdown_start{};
   strapdown::Rule strapdown_rule = strapdown::Rule::previous;
 };
@@ -41,6 +48,7 @@ public:
   std::optional<FusedPose> predict(const ImuSample& imu) noexcept;
   FixReport correct(const UltrasonicFix& fix) noexcept;
   void correct(const PairHeading& heading) noexcept;
+  /// Another fusion.engine than before starts again with that engine, which allocates its memory.
   void configure(const settings::Settings& settings) noexcept;
   void reset() noexcept;
 
@@ -56,11 +64,13 @@ public:
   [[nodiscard]] Estimate estimate() const;
 
 private:
-  std::variant<documented::Engine, strapdown::Engine> estimator_;  // in the order of EstimatorKind
+  std::variant<documented::Engine, strapdown::Engine, kalman::Engine>
+      estimator_;  // in the order of EstimatorKind
 };
 
 static_assert(Estimator<documented::Engine>);
 static_assert(Estimator<strapdown::Engine>);
+static_assert(Estimator<kalman::Engine>);
 static_assert(Estimator<AnyEstimator>);
 
 }  // namespace sonopose::estimation

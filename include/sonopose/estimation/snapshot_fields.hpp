@@ -4,6 +4,7 @@
 
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/estimation/documented/state_fields.hpp>
+#include <sonopose/estimation/kalman/state_fields.hpp>
 
 #include <concepts>
 #include <optional>
@@ -23,6 +24,8 @@ namespace sonopose::estimation {
       break;
     case EstimatorKind::strapdown:
       return strapdown::Snapshot{};
+    case EstimatorKind::kalman:
+      return kalman::Snapshot{};
   }
   return documented::Snapshot{};
 }

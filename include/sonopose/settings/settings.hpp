@@ -12,6 +12,12 @@
 
 namespace sonopose::settings {
 
+/// The estimator that fuses a beacon's events.
+enum class EngineKind { documented, kalman };
+constexpr std::array<std::string_view, 2> choices_of(EngineKind /*unused*/) {
+  return {"documented", "kalman"};
+}
+
 enum class ImuWeight { low, medium, high, user };
 constexpr std::array<std::string_view, 4> choices_of(ImuWeight /*unused*/) {
   return {"low", "medium", "high", "user"};
@@ -21,6 +27,11 @@ enum class DelaySource { measured, fixed };
 constexpr std::array<std::string_view, 2> choices_of(DelaySource /*unused*/) {
   return {"measured", "fixed"};
 }
+
+/// Which estimator is used.
+struct EngineSettings {
+  EngineKind engine = EngineKind::documented;
+};
 
 /// Item 1: the balance between the IMU and the ultrasound.
 struct PresetSettings {
@@ -152,6 +163,7 @@ struct OutputSettings {
 };
 
 struct Settings {
+  EngineSettings engine;
   PresetSettings preset;
   DriftSettings drift;
   VelocitySettings velocity;

@@ -18,6 +18,9 @@ inline constexpr int no_item = 0;
 /// A value of any type of setting; a choice is the name of its value.
 using SettingValue = std::variant<bool, int, double, std::string>;
 
+/// The engines that read a setting.
+enum class ReadBy { all, documented };
+
 /// One row of the table.
 struct SettingInfo {
   int item;           ///< number in the fusion document, or no_item
@@ -30,6 +33,7 @@ struct SettingInfo {
   std::vector<std::string_view> choices;  ///< empty unless the setting is a choice
   std::string unit;
   std::string sentence;
+  ReadBy read_by = ReadBy::all;
 
   /// The allowed values as text: "0 … 50 1/s", "true or false", "low, medium, high or user".
   [[nodiscard]] std::string allowed() const;

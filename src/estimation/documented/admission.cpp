@@ -62,17 +62,21 @@ bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading&
          is_recent(settings, now_ns, measured_ns, heading.received_time_ns);
 }
 
-std::uint32_t rejection_flags(const AdmissionSettings& settings, AdmissionState& state, TimeNs now_ns,
-                              const UltrasonicFix& fix, TimeNs measured_ns) {
+std::uint32_t fix_rejection_flags(const AdmissionSettings& settings, TimeNs now_ns, const UltrasonicFix& fix,
+                                  TimeNs measured_ns) {
   const bool possible = within(fix.position_world_m, settings.max_position_m) &&
-                        measured_ns > state.last_fix_measured_ns &&
                         is_recent(settings, now_ns, measured_ns, fix.received_time_ns);
   if (!possible) return fix_invalid;
-  if (fix.quality_percent && !(*fix.quality_percent >= settings.min_quality_percent)) {
-    return fix_low_quality;
-  }
-  state.last_fix_measured_ns = measured_ns;
-  return 0;
+  const bool poor = fix.quality_percent && !(*fix.quality_percent >= settings.min_quality_percent);
+  return poor ? std::uint32_t{fix_low_quality} : 0U;
+}
+
+std::uint32_t rejection_flags(const AdmissionSettings& settings, AdmissionState& state, TimeNs now_ns,
+                              const UltrasonicFix& fix, TimeNs measured_ns) {
+  if (measured_ns <= state.last_fix_measured_ns) return fix_invalid;
+  const std::uint32_t flags = fix_rejection_flags(settings, now_ns, fix, measured_ns);
+  if (flags == 0) state.last_fix_measured_ns = measured_ns;
+  return flags;
 }
 
 }  // namespace sonopose::estimation::documented::admission

@@ -52,7 +52,7 @@ double number_of(const SettingValue& value) {
 Settings random_settings(Dice& dice) {
   Settings settings;
   for (const SettingInfo& row : setting_table()) {
-    if (row.group == "output") continue;  // it is not the engine's
+    if (row.group == "output" || row.key == "fusion.engine") continue;  // they are not the engine's
     if (!row.choices.empty()) {
       set(settings, row.key,
           std::string(

@@ -40,7 +40,11 @@ namespace admission {
 [[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading,
                           TimeNs measured_ns);
 
-/// The bits of FixFlag that exclude a fix measured at `measured_ns`; 0 if it is admitted, which is recorded.
+/// The bits of FixFlag that exclude a fix measured at `measured_ns`, in whatever order fixes arrive; 0: none.
+[[nodiscard]] std::uint32_t fix_rejection_flags(const AdmissionSettings& settings, TimeNs now_ns,
+                                                const UltrasonicFix& fix, TimeNs measured_ns);
+
+/// The same for fixes in the order of their measurement. An admitted one is recorded.
 [[nodiscard]] std::uint32_t rejection_flags(const AdmissionSettings& settings, AdmissionState& state,
                                             TimeNs now_ns, const UltrasonicFix& fix, TimeNs measured_ns);
 

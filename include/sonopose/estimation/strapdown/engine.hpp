@@ -11,9 +11,11 @@
 #include <sonopose/settings/settings.hpp>
 
 #include <array>
+#include <concepts>
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <type_traits>
 
 namespace sonopose::estimation::strapdown {
 
@@ -98,6 +100,7 @@ private:
 
 /// Calls `visit(name, field)` for each field of the state; `AnySnapshot` is Snapshot or const Snapshot.
 template <class AnySnapshot, class Visit>
+requires std::same_as<std::remove_const_t<AnySnapshot>, Snapshot>
 void for_each_field(AnySnapshot& snapshot, const Visit& visit) {
   visit("start.time_ns", snapshot.start.time_ns);
   visit("start.position_world_m", snapshot.start.position_world_m);

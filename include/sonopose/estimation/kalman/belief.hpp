@@ -1,0 +1,176 @@
+#pragma once
+/// \file
+/// What the engine believes at one moment: a fold over the events in the order of their measurement. It
+/// depends on nothing else, so that events that arrive in another order give the same belief.
+
+#include <sonopose/estimation/kalman/filter.hpp>
+#include <sonopose/estimation/kalman/fix_noise.hpp>
+#include <sonopose/estimation/kalman/rest.hpp>
+#include <sonopose/samples/pose.hpp>
+#include <sonopose/settings/settings.hpp>
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace sonopose::estimation::kalman {
+
+inline constexpr int model_count = 3;   ///< of process noise
+inline constexpr int start_count = 12;  ///< directions from which an unknown yaw is searched
+
+enum class Phase : std::uint8_t {
+  waiting,        ///< for the first fix
+  searching_yaw,  ///< one filter per start
+  tracking        ///< one filter per noise model
+};
+
+constexpr std::array<std::string_view, 3> choices_of(Phase /*phase*/) {
+  return {"waiting", "searching_yaw", "tracking"};
+}
+
+/// A filter and how well it explained the recent fixes.
+struct Candidate {
+  Filter filter;
+  double score = 0;         ///< log-likelihood, with forgetting
+  int rejected_in_row = 0;  ///< fixes that it could not explain
+
+  bool operator==(const Candidate&) const = default;
+};
+
+/// The track that rejected fixes would form.
+struct Rival {
+  bool alive = false;
+  bool opened = false;  ///< began with an uncertain velocity and attitude
+  TimeNs began_ns = 0;
+  TimeNs last_fix_ns = 0;
+  int fixes = 0;
+  int misses_in_row = 0;
+  Filter filter;
+
+  bool operator==(const Rival&) const = default;
+};
+
+/// The track that was given up for the rival. It is predicted only.
+struct Former {
+  bool alive = false;
+  TimeNs left_ns = 0;
+  int fixes_in_row = 0;
+  Filter filter;
+
+  bool operator==(const Former&) const = default;
+};
+
+/// Coordinates that repeat.
+struct Repetition {
+  bool has_fix = false;
+  bool frozen = false;
+  int repeats = 0;
+  Vector3d coordinates_world_m = Vector3d::Zero();
+  TimeNs began_ns = 0;
+  Vector3d moved_world_m = Vector3d::Zero();       ///< inertial path since then, without corrections
+  Vector3d velocity_world_mps = Vector3d::Zero();  ///< along it
+
+  bool operator==(const Repetition&) const = default;
+};
+
+/// A calibrated IMU sample.
+struct ImuMeasurement {
+  TimeNs time_ns = 0;
+  Vector3d rate_body_radps = Vector3d::Zero();
+  Vector3d force_body_mps2 = Vector3d::Zero();
+  bool is_mean = false;  ///< over the time since the previous sample, not at an instant
+
+  bool operator==(const ImuMeasurement&) const = default;
+};
+
+/// A fix at the time of its measurement.
+struct FixMeasurement {
+  TimeNs time_ns = 0;
+  Vector3d position_world_m = Vector3d::Zero();
+  double quality_percent = -1;  ///< negative: unknown
+  bool has_covariance = false;
+  Matrix3d covariance_world_m2 = Matrix3d::Zero();  ///< if the source knows it
+
+  bool operator==(const FixMeasurement&) const = default;
+};
+
+struct HeadingMeasurement {
+  TimeNs time_ns = 0;
+  double heading_world_rad = 0;
+
+  bool operator==(const HeadingMeasurement&) const = default;
+};
+
+/// What became of a fix.
+struct FixOutcome {
+  Innovation innovation;
+  bool has_innovation = false;
+  double test_ratio = 0;  ///< squared norm over the rejection threshold
+  double weight = 0;      ///< 1: full; 0: rejected
+  // What the fix changed at its time:
+  Vector3d jump_world_m = Vector3d::Zero();
+  Vector3d velocity_change_world_mps = Vector3d::Zero();
+  double yaw_change_rad = 0;
+  std::uint32_t flags = 0;
+  std::uint32_t hypothesis = 0;  ///< 1: it agreed with a rival track
+};
+
+struct Belief {
+  Phase phase = Phase::waiting;
+  TimeNs time_ns = 0;                           ///< of the latest IMU sample; 0 before the first
+  Vector3d rate_body_radps = Vector3d::Zero();  ///< of that sample
+  Vector3d force_body_mps2 = Vector3d::Zero();
+  Vector3d mean_force_body_mps2 = Vector3d::Zero();  ///< low-passed until the first fix
+  bool in_imu_gap = false;
+  RestState rest;
+  MeasurementNoise noise;
+  Repetition repetition;
+  int best = 0;  ///< candidate
+  int candidate_count = 0;
+  std::array<Candidate, start_count> candidates;
+  Rival rival;
+  Former former;
+  TimeNs last_fix_ns = 0;      ///< measurement of the last fix that was used; 0: none
+  TimeNs last_heading_ns = 0;  ///< of the last heading that was used
+  double last_heading_rad = 0;
+  TimeNs heading_rejected_since_ns = 0;
+  TimeNs converging_until_ns = 0;
+  TimeNs slowed_ns = 0;  ///< last bound of dead reckoning
+  double trust = 1;      ///< share of recent fixes that were used
+
+  bool operator==(const Belief&) const = default;
+
+  [[nodiscard]] const Filter& filter() const { return candidates[static_cast<std::size_t>(best)].filter; }
+
+  /// Copies only what is in use.
+  void copy_from(const Belief& other);
+
+  void on_imu(const settings::Settings& settings, const ImuMeasurement& imu);
+  FixOutcome on_fix(const settings::Settings& settings, const FixMeasurement& fix);
+  void on_heading(const settings::Settings& settings, const HeadingMeasurement& heading);
+
+  /// P of every filter up to now.
+  void propagate();
+
+private:
+  template <class Visit>
+  void for_each_filter(const Visit& visit);
+  void start_at(const FixMeasurement& fix, const settings::Settings& settings);
+  void begin_tracking();
+  void coast_over_gap(double dt_s);
+  void update_rest(const ImuMeasurement& imu);
+  void bound_dead_reckoning();
+  FixOutcome judge(const FixMeasurement& fix);
+  void correct_candidates(const FixMeasurement& fix, const Matrix3d& covariance, double scale,
+                          double ahead_s);
+  void prune_starts();
+  void choose_model();
+  void reject(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s, FixOutcome& outcome);
+  void begin_rival(const FixMeasurement& fix, const Matrix3d& covariance);
+  void promote_rival();
+  bool take_back_former(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s);
+  void adopt(const Filter& track);
+  bool check_frozen(const settings::FrozenSettings& settings, const FixMeasurement& fix);
+};
+
+}  // namespace sonopose::estimation::kalman

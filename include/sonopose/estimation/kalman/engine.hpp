@@ -1,0 +1,70 @@
+#pragma once
+/// \file
+/// The error-state Kalman filter of one beacon.
+
+#include <sonopose/calibration/model/calibration.hpp>
+#include <sonopose/estimation/documented/admission.hpp>
+#include <sonopose/estimation/kalman/timeline.hpp>
+#include <sonopose/samples/estimator_counters.hpp>
+#include <sonopose/samples/pose.hpp>
+#include <sonopose/settings/settings.hpp>
+
+#include <cstdint>
+#include <optional>
+
+namespace sonopose::estimation::kalman {
+
+/// Everything that an engine has besides its settings.
+struct Snapshot {
+  History history;
+  documented::AdmissionState admission;
+  TimeNs last_used_received_ns = 0;                   ///< receipt of the last fix that was used; 0: none
+  Vector3d last_position_world_m = Vector3d::Zero();  ///< of the latest pose
+  EstimatorCounters counters;
+  std::uint32_t reset_counter = 0;
+
+  bool operator==(const Snapshot&) const = default;
+};
+
+/// Takes events in the order of their arrival and uses them in the order of their measurement. Satisfies
+/// estimation::Estimator.
+class Engine {
+public:
+  using Snapshot = kalman::Snapshot;
+
+  explicit Engine(const settings::Settings& settings);
+
+  void configure(const settings::Settings& settings) noexcept;
+  std::optional<FusedPose> predict(const ImuSample& raw) noexcept;
+  FixReport correct(const UltrasonicFix& fix) noexcept;
+  void correct(const PairHeading& heading) noexcept;
+  void reset() noexcept;
+  void restore(const Snapshot& snapshot) noexcept;
+  [[nodiscard]] Snapshot snapshot() const;
+
+  [[nodiscard]] const settings::Settings& settings() const { return settings_; }
+  [[nodiscard]] const Belief& belief() const { return timeline_.now(); }
+  [[nodiscard]] TimeNs time_ns() const { return timeline_.time_ns(); }
+  [[nodiscard]] Estimate estimate() const;
+  [[nodiscard]] const EstimatorCounters& counters() const { return counters_; }
+  [[nodiscard]] std::uint32_t reset_counter() const { return reset_counter_; }
+
+private:
+  bool admit(const ImuSample& imu);
+  template <class Sample>
+  [[nodiscard]] TimeNs measured_at(const Sample& sample) const;
+  [[nodiscard]] std::uint32_t rejection_flags(const UltrasonicFix& fix, const FixMeasurement& measured) const;
+  [[nodiscard]] FusedPose pose_at(const ImuSample& imu) const;
+  [[nodiscard]] std::uint32_t status() const;
+
+  settings::Settings settings_;
+  calibration::Calibration calibration_;
+  Timeline timeline_;
+  documented::AdmissionState admission_;
+  TimeNs last_used_received_ns_ = 0;
+  Vector3d last_position_world_m_ = Vector3d::Zero();
+  EstimatorCounters counters_;
+  std::uint32_t reset_counter_ = 0;
+};
+
+}  // namespace sonopose::estimation::kalman

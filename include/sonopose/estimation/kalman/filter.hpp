@@ -1,0 +1,132 @@
+#pragma once
+/// \file
+/// One error-state Kalman filter: a nominal state at the IMU and the covariance of its error. The equations
+/// are those of docs/kalman.md.
+
+#include <sonopose/samples/samples.hpp>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+namespace sonopose::estimation::kalman {
+
+using Eigen::Matrix3d;
+
+/// Rows of the error state. The attitude error is a rotation about the body axes.
+enum StateIndex : int {
+  at_position = 0,     ///< of the IMU, world
+  at_velocity = 3,     ///< of the IMU, world
+  at_attitude = 6,     ///< body
+  at_gyro_bias = 9,    ///< body
+  at_accel_bias = 12,  ///< body
+  at_lever_arm = 15,   ///< body
+  state_size = 18
+};
+
+using StateCovariance = Eigen::Matrix<double, state_size, state_size>;
+using StateVector = Eigen::Matrix<double, state_size, 1>;
+
+/// Spectral densities of the process noise.
+struct ProcessNoise {
+  double accel_mps2_rthz = 0.003;
+  double gyro_radps_rthz = 2e-4;
+  double accel_bias_mps2_rts = 4e-4;
+  double gyro_bias_radps_rts = 5e-5;
+};
+
+/// What a measurement of three components showed. The innovation is the measurement minus its prediction.
+struct Innovation {
+  Vector3d value = Vector3d::Zero();
+  Matrix3d covariance = Matrix3d::Identity();
+  double squared_norm = 0;  ///< normalised by the covariance
+  double log_determinant = 0;
+};
+
+/// The Jacobian of a composed transition by its blocks that differ from those of the identity.
+struct Transition {
+  double position_velocity_s = 0;  ///< times the identity
+  Matrix3d position_attitude = Matrix3d::Zero();
+  Matrix3d position_gyro_bias = Matrix3d::Zero();
+  Matrix3d position_accel_bias = Matrix3d::Zero();
+  Matrix3d velocity_attitude = Matrix3d::Zero();
+  Matrix3d velocity_gyro_bias = Matrix3d::Zero();
+  Matrix3d velocity_accel_bias = Matrix3d::Zero();
+  Matrix3d attitude_attitude = Matrix3d::Identity();
+  Matrix3d attitude_gyro_bias = Matrix3d::Zero();
+
+  bool operator==(const Transition&) const = default;
+};
+
+/// The nominal state and its covariance. A plain value; no function throws or allocates.
+class Filter {
+public:
+  Vector3d position_world_m = Vector3d::Zero();  ///< of the IMU
+  Vector3d velocity_world_mps = Vector3d::Zero();
+  Quaterniond q_body_to_world = Quaterniond::Identity();
+  Vector3d gyro_bias_body_radps = Vector3d::Zero();
+  Vector3d accel_bias_body_mps2 = Vector3d::Zero();
+  Vector3d lever_arm_body_m = Vector3d::Zero();  ///< from the tracked point to the IMU
+  StateCovariance covariance = StateCovariance::Zero();
+  Transition pending;                                       ///< since the covariance was propagated
+  Vector3d acceleration_world_mps2 = Vector3d::Zero();      ///< of the latest step, without gravity
+  Vector3d angular_velocity_body_radps = Vector3d::Zero();  ///< of the latest step, without the bias
+
+  bool operator==(const Filter&) const = default;
+
+  /// Moves the nominal state by one step with the mean rate and specific force over it, and composes the
+  /// transition. The covariance follows in `propagate`.
+  void predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s);
+
+  /// P ← Φ P Φᵀ + Q for all steps since the last call.
+  void propagate(const ProcessNoise& noise);
+
+  /// The innovation of a position of the tracked point, measured `ahead_s` after the latest step.
+  [[nodiscard]] Innovation fix_innovation(const Vector3d& position_world_m, const Matrix3d& fix_covariance_m2,
+                                          double ahead_s) const;
+
+  /// Applies it, with its covariance increased by `extra` times the identity of the fix's own.
+  void correct_fix(const Vector3d& position_world_m, const Matrix3d& fix_covariance_m2, double ahead_s);
+
+  /// The innovation of the direction of a horizontal body axis at `mount_rad` from body X, and its variance.
+  struct HeadingInnovation {
+    double value_rad = 0;
+    double variance_rad2 = 1;
+    bool observable = false;  ///< false: the axis is nearly vertical
+  };
+  [[nodiscard]] HeadingInnovation heading_innovation(double heading_world_rad, double mount_rad,
+                                                     double variance_rad2, double ahead_s) const;
+  void correct_heading(double heading_world_rad, double mount_rad, double variance_rad2, double ahead_s);
+
+  /// A direct measurement of three states that start at `index`.
+  void correct_states(StateIndex index, const Vector3d& measured, double variance);
+
+  /// Adds to the variance of three states.
+  void add_variance(StateIndex index, const Vector3d& variance);
+
+  /// Forgets three states' correlations and sets their variances.
+  void open_up(StateIndex index, const Vector3d& variance);
+
+  /// Adds yaw variance: a rotation about world Z.
+  void add_yaw_variance(double variance_rad2);
+
+  [[nodiscard]] Vector3d tracked_position_world_m() const {
+    return position_world_m - q_body_to_world * lever_arm_body_m;
+  }
+  [[nodiscard]] Vector3d tracked_velocity_world_mps() const {
+    return velocity_world_mps - q_body_to_world * angular_velocity_body_radps.cross(lever_arm_body_m);
+  }
+  /// Position of the tracked point and rotation about the fixed world axes.
+  [[nodiscard]] Covariance<6> pose_covariance() const;
+  [[nodiscard]] Covariance<3> velocity_covariance() const;
+  [[nodiscard]] double yaw_variance_rad2() const;
+  [[nodiscard]] bool is_finite() const;
+
+private:
+  using Columns3 = Eigen::Matrix<double, state_size, 3>;
+  [[nodiscard]] Columns3 fix_columns(double ahead_s) const;
+  [[nodiscard]] Matrix3d fix_covariance_of(const Columns3& columns, double ahead_s) const;
+  [[nodiscard]] Eigen::Matrix<double, 1, 3> heading_row(double mount_rad) const;
+  void inject(const StateVector& error);
+};
+
+}  // namespace sonopose::estimation::kalman

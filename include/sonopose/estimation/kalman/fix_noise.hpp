@@ -1,0 +1,45 @@
+#pragma once
+/// \file
+/// The measurement noise of fixes and headings, learned from what remains of their innovations.
+
+#include <sonopose/samples/samples.hpp>
+
+#include <Eigen/Core>
+
+#include <array>
+
+namespace sonopose::estimation::kalman {
+
+/// A running variance. It begins with a prior guess and forgets.
+struct AdaptiveVariance {
+  double variance = 0;
+  double samples = 0;  ///< behind it, up to the memory
+
+  void add(double sample, double memory, double least, double most);
+  bool operator==(const AdaptiveVariance&) const = default;
+};
+
+/// The variances of the fixes per range of the quality percentage, horizontal and vertical, and of headings.
+struct MeasurementNoise {
+  static constexpr int bin_count = 5;
+  struct Bin {
+    AdaptiveVariance horizontal_m2;
+    AdaptiveVariance vertical_m2;
+    bool operator==(const Bin&) const = default;
+  };
+  std::array<Bin, bin_count> bins;
+  AdaptiveVariance heading_rad2;
+
+  MeasurementNoise();
+
+  /// The covariance of a fix of this quality; negative: unknown.
+  [[nodiscard]] Eigen::Matrix3d fix_covariance_m2(double quality_percent) const;
+
+  /// Adds what remains of a fix's innovation after the correction, and how uncertain the prediction then is.
+  void add_fix(double quality_percent, const Vector3d& residual_m, const Vector3d& prediction_variance_m2);
+  void add_heading(double residual_rad, double prediction_variance_rad2);
+
+  bool operator==(const MeasurementNoise&) const = default;
+};
+
+}  // namespace sonopose::estimation::kalman

@@ -1,0 +1,86 @@
+#pragma once
+/// \file
+/// The events of the last second in the order of their measurement, and beliefs between them to go back to.
+
+#include <sonopose/estimation/kalman/belief.hpp>
+
+#include <variant>
+#include <vector>
+
+namespace sonopose::estimation::kalman {
+
+/// A fix or a heading.
+using Aiding = std::variant<FixMeasurement, HeadingMeasurement>;
+
+inline TimeNs time_of(const Aiding& aiding) {
+  return std::visit([](const auto& measurement) { return measurement.time_ns; }, aiding);
+}
+
+/// A belief after the sample at its time and before the fixes and headings of that time.
+struct Checkpoint {
+  Belief belief;
+  std::uint64_t next_imu = 0;  ///< number of the first sample that is not part of it
+};
+
+/// The oldest belief that is kept, and the events since then: enough to compute everything again.
+struct History {
+  Belief base;
+  std::vector<ImuMeasurement> imu;
+  std::vector<FixMeasurement> fixes;
+  std::vector<HeadingMeasurement> headings;
+
+  bool operator==(const History&) const = default;
+};
+
+/// Its memory is fixed when it is made.
+class Timeline {
+public:
+  Timeline();
+
+  /// Forgets everything.
+  void clear();
+
+  /// The belief after all events up to the latest sample or measurement that was added, whichever came last.
+  [[nodiscard]] const Belief& now() const { return now_; }
+
+  /// The time of the latest sample; 0 before the first.
+  [[nodiscard]] TimeNs time_ns() const { return time_ns_; }
+
+  /// Adds a sample that is not older than the latest one, and goes on to it.
+  void add(const settings::Settings& settings, const ImuMeasurement& imu);
+
+  /// Whether a measurement of this time can still be inserted.
+  [[nodiscard]] bool reaches(TimeNs time_ns) const;
+
+  /// Whether the same measurement is there already.
+  [[nodiscard]] bool contains(const Aiding& aiding) const;
+
+  /// Inserts a measurement where it belongs. What followed is repeated with the next sample, and only once
+  /// for measurements that arrive together. Returns the outcome of a fix.
+  FixOutcome add(const settings::Settings& settings, const Aiding& aiding);
+
+  [[nodiscard]] History history() const;
+  void restore(const settings::Settings& settings, const History& history);
+
+private:
+  std::size_t insert(const Aiding& aiding);
+  void rewind(TimeNs time_ns);
+  void fold_imu(const settings::Settings& settings, const ImuMeasurement& imu);
+  FixOutcome fold(const settings::Settings& settings, const Aiding* last);
+  void save_checkpoint();
+  void drop_oldest_checkpoint();
+
+  Belief now_;
+  TimeNs time_ns_ = 0;
+  std::uint64_t next_imu_ = 0;       // that is folded into now_
+  std::size_t next_aiding_ = 0;      // index into aiding_
+  std::vector<ImuMeasurement> imu_;  // ring
+  std::uint64_t first_imu_ = 0;
+  std::uint64_t end_imu_ = 0;
+  std::vector<Aiding> aiding_;           // sorted by time
+  std::vector<Checkpoint> checkpoints_;  // ring, the oldest at oldest_
+  std::size_t oldest_ = 0;
+  std::size_t checkpoint_count_ = 0;
+};
+
+}  // namespace sonopose::estimation::kalman

@@ -1,0 +1,227 @@
+#include <sonopose/estimation/documented/delay.hpp>
+#include <sonopose/estimation/kalman/engine.hpp>
+#include <sonopose/geometry/rotation.hpp>
+#include <sonopose/settings/preset.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sonopose::estimation::kalman {
+
+namespace admission = documented::admission;
+namespace delay = documented::delay;
+
+namespace {
+
+/// Whether a fix's own covariance is positive definite.
+bool is_usable(const Covariance<3>& covariance) {
+  const Matrix3d matrix = covariance.matrix();
+  const Eigen::LLT<Matrix3d> factor(matrix);
+  return matrix.allFinite() && factor.info() == Eigen::Success;
+}
+
+}  // namespace
+
+Engine::Engine(const settings::Settings& settings)
+    : settings_(settings::resolved(settings)), calibration_(settings.calibration) {}
+
+void Engine::configure(const settings::Settings& settings) noexcept {
+  settings_ = settings::resolved(settings);
+  calibration_ = calibration::Calibration(settings.calibration);
+}
+
+void Engine::reset() noexcept {
+  timeline_.clear();
+  admission_ = {};
+  last_used_received_ns_ = 0;
+  last_position_world_m_.setZero();
+  ++reset_counter_;
+}
+
+void Engine::restore(const Snapshot& snapshot) noexcept {
+  timeline_.restore(settings_, snapshot.history);
+  admission_ = snapshot.admission;
+  last_used_received_ns_ = snapshot.last_used_received_ns;
+  last_position_world_m_ = snapshot.last_position_world_m;
+  counters_ = snapshot.counters;
+  reset_counter_ = snapshot.reset_counter;
+}
+
+Snapshot Engine::snapshot() const {
+  return {.history = timeline_.history(),
+          .admission = admission_,
+          .last_used_received_ns = last_used_received_ns_,
+          .last_position_world_m = last_position_world_m_,
+          .counters = counters_,
+          .reset_counter = reset_counter_};
+}
+
+std::optional<FusedPose> Engine::predict(const ImuSample& raw) noexcept {
+  const ImuSample imu = calibration_.corrected(raw);
+  if (!admit(imu)) return std::nullopt;
+  timeline_.add(settings_, ImuMeasurement{.time_ns = imu.sensor_time_ns,
+                                          .rate_body_radps = imu.angular_velocity_body_radps,
+                                          .force_body_mps2 = imu.specific_force_body_mps2,
+                                          .is_mean = imu.meaning == ImuMeaning::mean_since_last});
+  if (belief().in_imu_gap) ++counters_.imu_gaps;
+  const FusedPose pose = pose_at(imu);
+  last_position_world_m_ = pose.position_world_m;
+  return pose;
+}
+
+bool Engine::admit(const ImuSample& imu) {
+  const TimeNs now_ns = time_ns();
+  if (!admission::admits(settings_.admission, now_ns, imu) ||
+      admission::is_time_jump(admission_, now_ns, imu)) {
+    ++counters_.samples_invalid;
+    if (admission::needs_time_reset(admission_, now_ns, imu)) reset();
+    return false;
+  }
+  admission_.backward_in_row = 0;
+  ++counters_.imu_samples;
+  return true;
+}
+
+FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
+  FixReport report;
+  report.address = fix.address;
+  report.sequence = fix.sequence;
+  report.emission_time_ns = fix.emission_time_ns;
+  report.applied_time_ns = time_ns();
+  report.position_world_m = fix.position_world_m;
+  report.shifted_position_world_m = fix.position_world_m;
+  report.trust = belief().trust;
+
+  FixMeasurement measured{.time_ns = measured_at(fix),
+                          .position_world_m = fix.position_world_m,
+                          .quality_percent = fix.quality_percent.value_or(-1.0)};
+  if (fix.covariance_world_m2 && is_usable(*fix.covariance_world_m2)) {
+    measured.has_covariance = true;
+    measured.covariance_world_m2 = fix.covariance_world_m2->matrix();
+  }
+  report.flags = rejection_flags(fix, measured);
+  if (report.flags != 0) {
+    ++counters_.fixes_rejected;
+    return report;
+  }
+  const FixOutcome outcome = timeline_.add(settings_, measured);
+  report.flags = outcome.flags;
+  report.weight = outcome.weight;
+  report.trust = belief().trust;
+  report.hypothesis = outcome.hypothesis;
+  report.model = belief().phase == Phase::tracking ? static_cast<std::uint32_t>(belief().best) : 0U;
+  if (outcome.has_innovation) {
+    report.innovation_world_m = outcome.innovation.value;
+    report.innovation_covariance_m2 = Covariance<3>::from_matrix(outcome.innovation.covariance);
+    report.test_ratio = outcome.test_ratio;
+    report.shifted_position_world_m = last_position_world_m_ + outcome.innovation.value;
+  }
+  report.jump_world_m = outcome.jump_world_m;
+  report.velocity_change_world_mps = outcome.velocity_change_world_mps;
+  report.yaw_change_rad = outcome.yaw_change_rad;
+  if ((outcome.flags & fix_used) != 0) {
+    ++counters_.fixes_used;
+    last_used_received_ns_ = std::max(last_used_received_ns_, fix.received_time_ns);
+  } else {
+    ++counters_.fixes_rejected;
+  }
+  return report;
+}
+
+/// Item 6: without compensation a measurement counts as one of now.
+template <class Sample>
+TimeNs Engine::measured_at(const Sample& sample) const {
+  return settings_.delay.extrapolate ? delay::measured_at(settings_.delay, sample) : time_ns();
+}
+
+std::uint32_t Engine::rejection_flags(const UltrasonicFix& fix, const FixMeasurement& measured) const {
+  const std::uint32_t flags =
+      admission::fix_rejection_flags(settings_.admission, time_ns(), fix, measured.time_ns);
+  if (flags != 0) return flags;
+  return timeline_.reaches(measured.time_ns) && !timeline_.contains(measured) ? 0U
+                                                                              : std::uint32_t{fix_invalid};
+}
+
+void Engine::correct(const PairHeading& heading) noexcept {
+  const HeadingMeasurement measured{.time_ns = measured_at(heading),
+                                    .heading_world_rad = heading.heading_world_rad};
+  if (!admission::admits(settings_.admission, time_ns(), heading, measured.time_ns)) {
+    ++counters_.samples_invalid;
+    return;
+  }
+  ++counters_.headings;
+  if (!heading.valid || !timeline_.reaches(measured.time_ns) || timeline_.contains(measured)) return;
+  timeline_.add(settings_, measured);
+}
+
+FusedPose Engine::pose_at(const ImuSample& imu) const {
+  const Belief& now = belief();
+  FusedPose pose;
+  pose.address = imu.address;
+  pose.sequence = imu.sequence;
+  pose.time_ns = now.time_ns;
+  if (now.phase == Phase::waiting) {
+    pose.q_body_to_world = geometry::level_with(now.mean_force_body_mps2, 0.0);
+    pose.angular_velocity_body_radps = imu.angular_velocity_body_radps;
+  } else {
+    const Filter& filter = now.filter();
+    pose.position_world_m = filter.tracked_position_world_m();
+    pose.q_body_to_world = filter.q_body_to_world;
+    pose.velocity_world_mps = filter.tracked_velocity_world_mps();
+    pose.angular_velocity_body_radps = imu.angular_velocity_body_radps - filter.gyro_bias_body_radps;
+    pose.acceleration_world_mps2 = filter.acceleration_world_mps2;
+    pose.gyro_bias_body_radps = filter.gyro_bias_body_radps;
+    pose.pose_covariance = filter.pose_covariance();
+    pose.velocity_covariance = filter.velocity_covariance();
+  }
+  pose.trust = now.trust;
+  pose.since_valid_fix_s = last_used_received_ns_ == 0
+                               ? std::numeric_limits<double>::infinity()
+                               : std::max(0.0, seconds_between(last_used_received_ns_, now.time_ns));
+  pose.reset_counter = reset_counter_;
+  pose.status = status();
+  pose.imu_sensor_time_ns = imu.sensor_time_ns;
+  pose.imu_bridge_time_ns = imu.bridge_time_ns;
+  return pose;
+}
+
+std::uint32_t Engine::status() const {
+  constexpr double unlearned_bias_radps = 0.01;
+  constexpr double unknown_yaw_rad = 10.0 * geometry::radians_per_degree;
+  constexpr double low_trust = 0.6;
+  const auto bit = [](bool applies, PoseStatus status) { return applies ? std::uint32_t{status} : 0U; };
+  const Belief& now = belief();
+  if (now.phase == Phase::waiting) return status_initialising | status_heading_unknown;
+  const Filter& filter = now.filter();
+  const double bias_std = std::sqrt(filter.covariance.diagonal().segment<3>(at_gyro_bias).maxCoeff());
+  const bool yaw_unknown =
+      now.phase == Phase::searching_yaw || filter.yaw_variance_rad2() > unknown_yaw_rad * unknown_yaw_rad;
+  const double since_fix_s = seconds_between(last_used_received_ns_, now.time_ns);
+  return bit(bias_std > unlearned_bias_radps, status_uncalibrated) |
+         bit(since_fix_s > settings_.outage.stale_after_s, status_stale) |
+         bit(now.time_ns < now.converging_until_ns, status_converging) |
+         bit(yaw_unknown, status_heading_unknown) | bit(now.repetition.frozen, status_frozen_track) |
+         bit(now.in_imu_gap, status_imu_gap) | bit(now.trust < low_trust, status_low_trust);
+}
+
+Estimate Engine::estimate() const {
+  Estimate estimate;
+  const Belief& now = belief();
+  estimate.time_ns = now.time_ns;
+  if (now.phase == Phase::waiting) return estimate;
+  const Filter& filter = now.filter();
+  const auto with_std = [&filter](const Vector3d& value, StateIndex index) {
+    return VectorEstimate{.value = value, .std = filter.covariance.diagonal().segment<3>(index).cwiseSqrt()};
+  };
+  estimate.gyro_bias_body_radps = with_std(filter.gyro_bias_body_radps, at_gyro_bias);
+  estimate.accelerometer_bias_body_mps2 = with_std(filter.accel_bias_body_mps2, at_accel_bias);
+  estimate.lever_arm_body_m = with_std(filter.lever_arm_body_m, at_lever_arm);
+  const double fix_std_m = std::sqrt(now.noise.fix_covariance_m2(-1.0)(0, 0));
+  estimate.fix_noise_m = ScalarEstimate{.value = fix_std_m, .std = -1.0};
+  estimate.heading_noise_rad =
+      ScalarEstimate{.value = std::sqrt(now.noise.heading_rad2.variance), .std = -1.0};
+  return estimate;
+}
+
+}  // namespace sonopose::estimation::kalman

@@ -1,0 +1,250 @@
+#include <sonopose/estimation/kalman/filter.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <cmath>
+
+namespace sonopose::estimation::kalman {
+namespace {
+
+const Vector3d gravity_world_mps2{0.0, 0.0, -standard_gravity_mps2};
+
+Matrix3d cross_matrix(const Vector3d& v) {
+  Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+void mirror(StateCovariance& covariance) {
+  for (int column = 0; column < state_size; ++column) {
+    for (int row = column + 1; row < state_size; ++row) covariance(row, column) = covariance(column, row);
+  }
+}
+
+}  // namespace
+
+void Filter::predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s) {
+  angular_velocity_body_radps = rate_body_radps - gyro_bias_body_radps;
+  const Vector3d force = specific_force_body_mps2 - accel_bias_body_mps2;
+  const Quaterniond half = geometry::rotation_by((0.5 * dt_s * angular_velocity_body_radps).eval());
+  const Quaterniond q_middle = q_body_to_world * half;
+  const Matrix3d rotation_middle = q_middle.toRotationMatrix();
+  acceleration_world_mps2 = rotation_middle * force + gravity_world_mps2;
+  position_world_m += dt_s * velocity_world_mps + 0.5 * dt_s * dt_s * acceleration_world_mps2;
+  velocity_world_mps += dt_s * acceleration_world_mps2;
+  q_body_to_world = (q_middle * half).normalized();
+
+  const Matrix3d turn_back = (half * half).conjugate().toRotationMatrix();
+  const Matrix3d velocity_by_attitude = -dt_s * rotation_middle * cross_matrix(force);
+  Transition& f = pending;
+  f.position_velocity_s += dt_s;
+  f.position_attitude += dt_s * f.velocity_attitude;
+  f.position_gyro_bias += dt_s * f.velocity_gyro_bias;
+  f.position_accel_bias += dt_s * f.velocity_accel_bias;
+  f.velocity_gyro_bias += velocity_by_attitude * f.attitude_gyro_bias;
+  f.velocity_attitude += velocity_by_attitude * f.attitude_attitude;
+  f.velocity_accel_bias -= dt_s * rotation_middle;
+  f.attitude_attitude = turn_back * f.attitude_attitude;
+  f.attitude_gyro_bias = turn_back * f.attitude_gyro_bias;
+  f.attitude_gyro_bias.diagonal().array() -= dt_s;
+}
+
+void Filter::propagate(const ProcessNoise& noise) {
+  const double t = pending.position_velocity_s;
+  if (!(t > 0.0)) return;
+  const Transition& f = pending;
+  StateCovariance& P = covariance;  // NOLINT(readability-identifier-naming): the symbol of the equations
+  // P Φᵀ by the columns of position, velocity and attitude.
+  const auto column = [&P](StateIndex index) { return P.middleCols<3>(index); };
+  const auto times = [](const auto& columns, const Matrix3d& block) {
+    return columns.lazyProduct(block.transpose());
+  };
+  const Columns3 position =
+      column(at_position) + t * column(at_velocity) + times(column(at_attitude), f.position_attitude) +
+      times(column(at_gyro_bias), f.position_gyro_bias) + times(column(at_accel_bias), f.position_accel_bias);
+  const Columns3 velocity = column(at_velocity) + times(column(at_attitude), f.velocity_attitude) +
+                            times(column(at_gyro_bias), f.velocity_gyro_bias) +
+                            times(column(at_accel_bias), f.velocity_accel_bias);
+  const Columns3 attitude =
+      times(column(at_attitude), f.attitude_attitude) + times(column(at_gyro_bias), f.attitude_gyro_bias);
+
+  // Φ (P Φᵀ): the blocks of the upper triangle that change.
+  const auto rows = [](const Columns3& columns, StateIndex index) { return columns.middleRows<3>(index); };
+  const auto by_position = [&](const Columns3& columns) -> Matrix3d {
+    return rows(columns, at_position) + t * rows(columns, at_velocity) +
+           f.position_attitude.lazyProduct(rows(columns, at_attitude)) +
+           f.position_gyro_bias.lazyProduct(rows(columns, at_gyro_bias)) +
+           f.position_accel_bias.lazyProduct(rows(columns, at_accel_bias));
+  };
+  const auto by_velocity = [&](const Columns3& columns) -> Matrix3d {
+    return rows(columns, at_velocity) + f.velocity_attitude.lazyProduct(rows(columns, at_attitude)) +
+           f.velocity_gyro_bias.lazyProduct(rows(columns, at_gyro_bias)) +
+           f.velocity_accel_bias.lazyProduct(rows(columns, at_accel_bias));
+  };
+  const auto by_attitude = [&](const Columns3& columns) -> Matrix3d {
+    return f.attitude_attitude.lazyProduct(rows(columns, at_attitude)) +
+           f.attitude_gyro_bias.lazyProduct(rows(columns, at_gyro_bias));
+  };
+  P.block<3, 3>(at_position, at_position) = by_position(position);
+  P.block<3, 3>(at_position, at_velocity) = by_position(velocity);
+  P.block<3, 3>(at_position, at_attitude) = by_position(attitude);
+  P.block<3, 3>(at_velocity, at_velocity) = by_velocity(velocity);
+  P.block<3, 3>(at_velocity, at_attitude) = by_velocity(attitude);
+  P.block<3, 3>(at_attitude, at_attitude) = by_attitude(attitude);
+  P.block<3, 9>(at_position, at_gyro_bias) = position.bottomRows<9>().transpose();
+  P.block<3, 9>(at_velocity, at_gyro_bias) = velocity.bottomRows<9>().transpose();
+  P.block<3, 9>(at_attitude, at_gyro_bias) = attitude.bottomRows<9>().transpose();
+
+  const double accel = noise.accel_mps2_rthz * noise.accel_mps2_rthz;
+  P.diagonal().segment<3>(at_position).array() += accel * t * t * t / 3.0;
+  for (int i = 0; i < 3; ++i) P(at_position + i, at_velocity + i) += 0.5 * accel * t * t;
+  P.diagonal().segment<3>(at_velocity).array() += accel * t;
+  P.diagonal().segment<3>(at_attitude).array() += noise.gyro_radps_rthz * noise.gyro_radps_rthz * t;
+  P.diagonal().segment<3>(at_gyro_bias).array() += noise.gyro_bias_radps_rts * noise.gyro_bias_radps_rts * t;
+  P.diagonal().segment<3>(at_accel_bias).array() += noise.accel_bias_mps2_rts * noise.accel_bias_mps2_rts * t;
+  mirror(P);
+  pending = Transition{};
+}
+
+/// P Hᵀ of a fix.
+Filter::Columns3 Filter::fix_columns(double ahead_s) const {
+  const Matrix3d rotation = q_body_to_world.toRotationMatrix();
+  const Matrix3d by_attitude = rotation * cross_matrix(lever_arm_body_m);
+  return covariance.middleCols<3>(at_position) + ahead_s * covariance.middleCols<3>(at_velocity) +
+         covariance.middleCols<3>(at_attitude) * by_attitude.transpose() -
+         covariance.middleCols<3>(at_lever_arm) * rotation.transpose();
+}
+
+/// H P Hᵀ of a fix.
+Matrix3d Filter::fix_covariance_of(const Columns3& columns, double ahead_s) const {
+  const Matrix3d rotation = q_body_to_world.toRotationMatrix();
+  const Matrix3d by_attitude = rotation * cross_matrix(lever_arm_body_m);
+  const Matrix3d whole = columns.middleRows<3>(at_position) + ahead_s * columns.middleRows<3>(at_velocity) +
+                         by_attitude * columns.middleRows<3>(at_attitude) -
+                         rotation * columns.middleRows<3>(at_lever_arm);
+  return 0.5 * (whole + whole.transpose());
+}
+
+Innovation Filter::fix_innovation(const Vector3d& fix_world_m, const Matrix3d& fix_covariance_m2,
+                                  double ahead_s) const {
+  Innovation innovation;
+  const Quaterniond q_then =
+      q_body_to_world * geometry::rotation_by((ahead_s * angular_velocity_body_radps).eval());
+  const Vector3d predicted = position_world_m + ahead_s * velocity_world_mps +
+                             0.5 * ahead_s * ahead_s * acceleration_world_mps2 - q_then * lever_arm_body_m;
+  innovation.value = fix_world_m - predicted;
+  innovation.covariance = fix_covariance_of(fix_columns(ahead_s), ahead_s) + fix_covariance_m2;
+  const Eigen::LLT<Matrix3d> factor(innovation.covariance);
+  innovation.squared_norm = factor.matrixL().solve(innovation.value).squaredNorm();
+  innovation.log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  return innovation;
+}
+
+void Filter::correct_fix(const Vector3d& fix_world_m, const Matrix3d& fix_covariance_m2, double ahead_s) {
+  const Innovation innovation = fix_innovation(fix_world_m, fix_covariance_m2, ahead_s);
+  const Eigen::LLT<Matrix3d> factor(innovation.covariance);
+  // W = P Hᵀ L⁻ᵀ with S = L Lᵀ: the gain times the innovation is W L⁻¹ ν, and P ← P − W Wᵀ.
+  const Columns3 columns = fix_columns(ahead_s);
+  const Columns3 w = factor.matrixL().solve(columns.transpose()).transpose();
+  const StateVector error = w * factor.matrixL().solve(innovation.value);
+  covariance -= w.lazyProduct(w.transpose());
+  inject(error);
+}
+
+/// H of a heading with respect to the attitude error. The direction of a body axis b = R a in the horizontal
+/// plane turns by φ_z − b_z (b_x φ_x + b_y φ_y) / (b_x² + b_y²) for a small rotation φ = R δθ of the world.
+Eigen::Matrix<double, 1, 3> Filter::heading_row(double mount_rad) const {
+  const Matrix3d rotation = q_body_to_world.toRotationMatrix();
+  const Vector3d axis = rotation * Vector3d(std::cos(mount_rad), std::sin(mount_rad), 0.0);
+  const double horizontal = axis.head<2>().squaredNorm();
+  const Vector3d by_world(-axis.z() * axis.x() / horizontal, -axis.z() * axis.y() / horizontal, 1.0);
+  return by_world.transpose() * rotation;
+}
+
+Filter::HeadingInnovation Filter::heading_innovation(double heading_world_rad, double mount_rad,
+                                                     double variance_rad2, double ahead_s) const {
+  constexpr double least_horizontal = 0.1;
+  const Quaterniond q_then =
+      q_body_to_world * geometry::rotation_by((ahead_s * angular_velocity_body_radps).eval());
+  const Vector3d axis = q_then * Vector3d(std::cos(mount_rad), std::sin(mount_rad), 0.0);
+  HeadingInnovation innovation;
+  innovation.observable = axis.head<2>().norm() > least_horizontal;
+  if (!innovation.observable) return innovation;
+  innovation.value_rad = geometry::wrap_angle(heading_world_rad - std::atan2(axis.y(), axis.x()));
+  const auto row = heading_row(mount_rad);
+  innovation.variance_rad2 =
+      (row * covariance.block<3, 3>(at_attitude, at_attitude) * row.transpose()).value() + variance_rad2;
+  return innovation;
+}
+
+void Filter::correct_heading(double heading_world_rad, double mount_rad, double variance_rad2,
+                             double ahead_s) {
+  const HeadingInnovation innovation =
+      heading_innovation(heading_world_rad, mount_rad, variance_rad2, ahead_s);
+  if (!innovation.observable) return;
+  const StateVector w = covariance.middleCols<3>(at_attitude) * heading_row(mount_rad).transpose() /
+                        std::sqrt(innovation.variance_rad2);
+  covariance -= w.lazyProduct(w.transpose());
+  inject(w * (innovation.value_rad / std::sqrt(innovation.variance_rad2)));
+}
+
+void Filter::correct_states(StateIndex index, const Vector3d& innovation, double variance) {
+  const Columns3 columns = covariance.middleCols<3>(index);
+  const Matrix3d s = columns.middleRows<3>(index) + variance * Matrix3d::Identity();
+  const Eigen::LLT<Matrix3d> factor(s);
+  const Columns3 w = factor.matrixL().solve(columns.transpose()).transpose();
+  const StateVector error = w * factor.matrixL().solve(innovation);
+  covariance -= w.lazyProduct(w.transpose());
+  inject(error);
+}
+
+void Filter::add_variance(StateIndex index, const Vector3d& variance) {
+  covariance.diagonal().segment<3>(index) += variance;
+}
+
+void Filter::open_up(StateIndex index, const Vector3d& variance) {
+  covariance.middleRows<3>(index).setZero();
+  covariance.middleCols<3>(index).setZero();
+  covariance.diagonal().segment<3>(index) = variance;
+}
+
+void Filter::add_yaw_variance(double variance_rad2) {
+  const Vector3d up_body = geometry::up_in_body(q_body_to_world);
+  covariance.block<3, 3>(at_attitude, at_attitude) += variance_rad2 * up_body * up_body.transpose();
+}
+
+void Filter::inject(const StateVector& error) {
+  position_world_m += error.segment<3>(at_position);
+  velocity_world_mps += error.segment<3>(at_velocity);
+  q_body_to_world =
+      (q_body_to_world * geometry::rotation_by(error.segment<3>(at_attitude).eval())).normalized();
+  gyro_bias_body_radps += error.segment<3>(at_gyro_bias);
+  accel_bias_body_mps2 += error.segment<3>(at_accel_bias);
+  lever_arm_body_m += error.segment<3>(at_lever_arm);
+}
+
+Covariance<6> Filter::pose_covariance() const {
+  const Matrix3d rotation = q_body_to_world.toRotationMatrix();
+  const Columns3 position = fix_columns(0.0);
+  Covariance<6>::Matrix result;
+  result.block<3, 3>(0, 0) = fix_covariance_of(position, 0.0);
+  result.block<3, 3>(0, 3) = (rotation * position.middleRows<3>(at_attitude)).transpose();
+  result.block<3, 3>(3, 3) =
+      rotation * covariance.block<3, 3>(at_attitude, at_attitude) * rotation.transpose();
+  return Covariance<6>::from_matrix(result);
+}
+
+Covariance<3> Filter::velocity_covariance() const {
+  return Covariance<3>::from_matrix(covariance.block<3, 3>(at_velocity, at_velocity));
+}
+
+double Filter::yaw_variance_rad2() const {
+  const Vector3d up_body = geometry::up_in_body(q_body_to_world);
+  return up_body.dot(covariance.block<3, 3>(at_attitude, at_attitude) * up_body);
+}
+
+bool Filter::is_finite() const {
+  return position_world_m.allFinite() && velocity_world_mps.allFinite() &&
+         q_body_to_world.coeffs().allFinite() && covariance.diagonal().allFinite();
+}
+
+}  // namespace sonopose::estimation::kalman

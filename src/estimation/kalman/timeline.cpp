@@ -1,0 +1,175 @@
+#include <sonopose/estimation/kalman/timeline.hpp>
+
+#include <algorithm>
+
+namespace sonopose::estimation::kalman {
+namespace {
+
+constexpr std::size_t imu_capacity = 2048;
+constexpr std::size_t aiding_capacity = 128;
+constexpr std::size_t checkpoint_capacity = 32;
+constexpr TimeNs checkpoint_spacing_ns = 40'000'000;
+
+}  // namespace
+
+Timeline::Timeline() : imu_(imu_capacity), checkpoints_(checkpoint_capacity) {
+  aiding_.reserve(aiding_capacity);
+}
+
+void Timeline::clear() {
+  now_ = Belief{};
+  time_ns_ = 0;
+  next_imu_ = first_imu_ = end_imu_ = 0;
+  next_aiding_ = 0;
+  aiding_.clear();
+  oldest_ = checkpoint_count_ = 0;
+}
+
+void Timeline::add(const settings::Settings& settings, const ImuMeasurement& imu) {
+  if (end_imu_ - first_imu_ == imu_capacity) drop_oldest_checkpoint();
+  imu_[end_imu_ % imu_capacity] = imu;
+  ++end_imu_;
+  time_ns_ = imu.time_ns;
+  if (next_aiding_ > 0 && imu.time_ns <= time_of(aiding_[next_aiding_ - 1])) rewind(imu.time_ns);
+  fold(settings, nullptr);
+}
+
+bool Timeline::reaches(TimeNs time_ns) const {
+  return checkpoint_count_ > 0 && checkpoints_[oldest_].belief.time_ns <= time_ns;
+}
+
+bool Timeline::contains(const Aiding& aiding) const {
+  return std::find(aiding_.begin(), aiding_.end(), aiding) != aiding_.end();
+}
+
+FixOutcome Timeline::add(const settings::Settings& settings, const Aiding& aiding) {
+  if (aiding_.size() == aiding_capacity) {
+    aiding_.erase(aiding_.begin());
+    if (next_aiding_ > 0) --next_aiding_;
+  }
+  const std::size_t index = insert(aiding);
+  const bool is_ahead = index >= next_aiding_ && time_of(aiding) >= now_.time_ns;
+  if (!is_ahead) rewind(time_of(aiding));
+  return fold(settings, &aiding_[index]);
+}
+
+/// Inserts it in the order of time; of one time, fixes come before headings, in whatever order they arrive.
+std::size_t Timeline::insert(const Aiding& aiding) {
+  const TimeNs time_ns = time_of(aiding);
+  const auto place = std::find_if(aiding_.begin(), aiding_.end(), [&](const Aiding& other) {
+    return time_ns < time_of(other) || (time_of(other) == time_ns && aiding.index() < other.index());
+  });
+  return static_cast<std::size_t>(aiding_.insert(place, aiding) - aiding_.begin());
+}
+
+/// Goes back to the last checkpoint that is not after this time.
+void Timeline::rewind(TimeNs time_ns) {
+  while (checkpoint_count_ > 1) {
+    const Checkpoint& last = checkpoints_[(oldest_ + checkpoint_count_ - 1) % checkpoint_capacity];
+    if (last.belief.time_ns <= time_ns) break;
+    --checkpoint_count_;
+  }
+  const Checkpoint& from = checkpoints_[(oldest_ + checkpoint_count_ - 1) % checkpoint_capacity];
+  now_.copy_from(from.belief);
+  next_imu_ = from.next_imu;
+  next_aiding_ = static_cast<std::size_t>(
+      std::find_if(aiding_.begin(), aiding_.end(),
+                   [&](const Aiding& aiding) { return time_of(aiding) >= from.belief.time_ns; }) -
+      aiding_.begin());
+}
+
+void Timeline::fold_imu(const settings::Settings& settings, const ImuMeasurement& imu) {
+  now_.on_imu(settings, imu);
+  ++next_imu_;
+  const bool due =
+      checkpoint_count_ == 0 ||
+      imu.time_ns - checkpoints_[(oldest_ + checkpoint_count_ - 1) % checkpoint_capacity].belief.time_ns >=
+          checkpoint_spacing_ns;
+  if (due) save_checkpoint();
+}
+
+/// Folds the events in their order, up to `last`, whose outcome it returns, or to the end.
+FixOutcome Timeline::fold(const settings::Settings& settings, const Aiding* last) {
+  while (next_imu_ < end_imu_ || next_aiding_ < aiding_.size()) {
+    if (next_imu_ < end_imu_) {
+      const ImuMeasurement& imu = imu_[next_imu_ % imu_capacity];
+      if (next_aiding_ == aiding_.size() || imu.time_ns <= time_of(aiding_[next_aiding_])) {
+        fold_imu(settings, imu);
+        continue;
+      }
+    }
+    const Aiding& aiding = aiding_[next_aiding_++];
+    FixOutcome outcome;
+    if (const auto* fix = std::get_if<FixMeasurement>(&aiding)) {
+      outcome = now_.on_fix(settings, *fix);
+    } else {
+      now_.on_heading(settings, *std::get_if<HeadingMeasurement>(&aiding));
+    }
+    if (&aiding == last) return outcome;
+  }
+  return {};
+}
+
+void Timeline::save_checkpoint() {
+  if (checkpoint_count_ == checkpoint_capacity) drop_oldest_checkpoint();
+  now_.propagate();
+  Checkpoint& next = checkpoints_[(oldest_ + checkpoint_count_) % checkpoint_capacity];
+  next.belief.copy_from(now_);
+  next.next_imu = next_imu_;
+  ++checkpoint_count_;
+}
+
+void Timeline::drop_oldest_checkpoint() {
+  if (checkpoint_count_ < 2) {
+    // More samples between two checkpoints than the ring has: begin again from now.
+    checkpoint_count_ = 0;
+    save_checkpoint();
+  } else {
+    oldest_ = (oldest_ + 1) % checkpoint_capacity;
+    --checkpoint_count_;
+  }
+  const Checkpoint& oldest = checkpoints_[oldest_];
+  first_imu_ = oldest.next_imu;
+  const auto kept = std::find_if(aiding_.begin(), aiding_.end(), [&](const Aiding& aiding) {
+    return time_of(aiding) >= oldest.belief.time_ns;
+  });
+  const auto dropped = static_cast<std::size_t>(kept - aiding_.begin());
+  aiding_.erase(aiding_.begin(), kept);
+  next_aiding_ -= std::min(next_aiding_, dropped);
+}
+
+History Timeline::history() const {
+  History history;
+  if (checkpoint_count_ == 0) return history;
+  history.base.copy_from(checkpoints_[oldest_].belief);
+  for (std::uint64_t i = first_imu_; i < end_imu_; ++i) history.imu.push_back(imu_[i % imu_capacity]);
+  for (const Aiding& aiding : aiding_) {
+    if (const auto* fix = std::get_if<FixMeasurement>(&aiding)) {
+      history.fixes.push_back(*fix);
+    } else {
+      history.headings.push_back(*std::get_if<HeadingMeasurement>(&aiding));
+    }
+  }
+  return history;
+}
+
+void Timeline::restore(const settings::Settings& settings, const History& history) {
+  clear();
+  if (history.base.time_ns == 0) return;
+  now_.copy_from(history.base);
+  save_checkpoint();
+  const std::size_t samples = std::min(history.imu.size(), imu_capacity);
+  std::copy_n(history.imu.end() - static_cast<std::ptrdiff_t>(samples), samples, imu_.begin());
+  end_imu_ = samples;
+  time_ns_ = samples == 0 ? history.base.time_ns : history.imu.back().time_ns;
+  const auto has_place = [this] { return aiding_.size() < aiding_capacity; };
+  for (const FixMeasurement& fix : history.fixes) {
+    if (has_place()) insert(fix);
+  }
+  for (const HeadingMeasurement& heading : history.headings) {
+    if (has_place()) insert(heading);
+  }
+  fold(settings, nullptr);
+}
+
+}  // namespace sonopose::estimation::kalman

@@ -1,0 +1,223 @@
+/// The Kalman engine on simulated runs: accuracy, and what arrives in another order or late.
+
+#include "sim/scenario.hpp"
+#include "sim/simulator.hpp"
+#include <sonopose/estimation/estimator.hpp>
+#include <sonopose/estimation/kalman/engine.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+namespace kalman_engine_test {
+
+using namespace sonopose;
+using namespace sonopose::estimation;
+
+sim::Recording record(const char* scenario, double duration_s, std::uint64_t seed = 5) {
+  return sim::record(sim::find_scenario(scenario), {.seed = seed, .duration_s = duration_s});
+}
+
+std::vector<FusedPose> poses_of(kalman::Engine& engine, const std::vector<Event>& events) {
+  std::vector<FusedPose> poses;
+  for (const Event& event : events) {
+    const EventResult result = process(engine, event);
+    if (const auto* pose = std::get_if<FusedPose>(&result)) poses.push_back(*pose);
+  }
+  return poses;
+}
+
+/// RMS of the position over the poses after `from_s`.
+double rms_m(const std::vector<FusedPose>& poses, const std::vector<TruthSample>& truth, double from_s) {
+  double squares = 0.0;
+  int count = 0;
+  auto next = truth.begin();
+  for (const FusedPose& pose : poses) {
+    while (next != truth.end() && next->time_ns < pose.time_ns) ++next;
+    if (next == truth.end() || next->time_ns != pose.time_ns) continue;
+    if (seconds_between(truth.front().time_ns, pose.time_ns) < from_s) continue;
+    squares += (pose.position_world_m - next->position_world_m).squaredNorm();
+    ++count;
+  }
+  REQUIRE(count > 100);
+  return std::sqrt(squares / count);
+}
+
+double apart_deg(const FusedPose& a, const FusedPose& b) {
+  return a.q_body_to_world.angularDistance(b.q_body_to_world) / geometry::radians_per_degree;
+}
+
+SCENARIO("the Kalman engine follows a walk within the noise of one fix") {
+  GIVEN("fixes with 2 cm of noise per axis") {
+    const sim::Recording walk = record("walk", 30.0);
+    WHEN("all sensors work") {
+      kalman::Engine engine{settings::Settings{}};
+      THEN("the position is better than a fix") {
+        CHECK(rms_m(poses_of(engine, walk.events), walk.truth, 6.0) < 0.02);
+      }
+    }
+    WHEN("no heading ever comes") {
+      std::vector<Event> events;
+      std::copy_if(walk.events.begin(), walk.events.end(), std::back_inserter(events),
+                   [](const Event& event) { return !std::holds_alternative<PairHeading>(event); });
+      kalman::Engine engine{settings::Settings{}};
+      const auto poses = poses_of(engine, events);
+      THEN("the motion alone shows the yaw") {
+        CHECK(rms_m(poses, walk.truth, 15.0) < 0.025);
+        CHECK((poses.back().status & status_heading_unknown) == 0);
+        CHECK(std::sqrt(engine.belief().filter().yaw_variance_rad2()) < 0.05);
+      }
+    }
+  }
+  GIVEN("wrong tracks of up to two seconds") {
+    const sim::Recording bursts = record("outlier_bursts", 60.0);
+    kalman::Engine engine{settings::Settings{}};
+    THEN("they do not move the pose by more than the IMU's own drift") {
+      CHECK(rms_m(poses_of(engine, bursts.events), bursts.truth, 6.0) < 0.03);
+    }
+  }
+  GIVEN("a body that is carried 2.5 m away") {
+    const sim::Recording moved = record("relocation", 40.0);
+    kalman::Engine engine{settings::Settings{}};
+    THEN("the pose is there within two seconds") {
+      CHECK(rms_m(poses_of(engine, moved.events), moved.truth, 27.0) < 0.03);
+    }
+  }
+}
+
+SCENARIO("the order of arrival does not matter") {
+  GIVEN("a walk whose fixes and headings arrive at random within 0.7 s") {
+    const sim::Recording walk = record("walk", 20.0);
+    std::mt19937 random{3};  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same numbers in every run
+    std::uniform_real_distribution<double> late_s(0.0, 0.7);
+    std::vector<std::pair<TimeNs, Event>> arrivals;
+    for (Event event : walk.events) {
+      TimeNs at_ns = available_at_ns(event);
+      const auto delay = [&](auto& sample) {
+        sample.received_time_ns =
+            std::max(sample.received_time_ns, sample.emission_time_ns + to_ns(late_s(random)));
+        at_ns = sample.received_time_ns;
+      };
+      if (auto* fix = std::get_if<UltrasonicFix>(&event)) delay(*fix);
+      if (auto* heading = std::get_if<PairHeading>(&event)) delay(*heading);
+      arrivals.emplace_back(at_ns, event);
+    }
+    std::stable_sort(arrivals.begin(), arrivals.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    kalman::Engine in_time{settings::Settings{}};
+    kalman::Engine late{settings::Settings{}};
+    WHEN("both engines have received everything") {
+      poses_of(in_time, walk.events);
+      for (const auto& arrival : arrivals) process(late, arrival.second);
+      const TimeNs end_ns = in_time.time_ns();
+      // The last fixes reach one of them only: compare after samples without any.
+      ImuSample imu =
+          std::get<ImuSample>(*std::find_if(walk.events.rbegin(), walk.events.rend(), [](const Event& event) {
+            return std::holds_alternative<ImuSample>(event);
+          }));
+      imu.sensor_time_ns = end_ns + 10'000'000;
+      const auto a = in_time.predict(imu);
+      const auto b = late.predict(imu);
+      THEN("their poses are the same") {
+        REQUIRE(a);
+        REQUIRE(b);
+        CHECK((a->position_world_m - b->position_world_m).norm() < 1e-3);
+        CHECK(apart_deg(*a, *b) < 0.01);
+        CHECK(late.counters().fixes_used == in_time.counters().fixes_used);
+      }
+    }
+  }
+}
+
+SCENARIO("a fix that is too old or known already says so") {
+  GIVEN("an engine in motion") {
+    const sim::Recording walk = record("walk", 10.0);
+    kalman::Engine engine{settings::Settings{}};
+    poses_of(engine, walk.events);
+    const auto last = std::find_if(walk.events.rbegin(), walk.events.rend(), [](const Event& event) {
+      return std::holds_alternative<UltrasonicFix>(event);
+    });
+    const auto before = engine.snapshot();
+    WHEN("the last fix comes again") {
+      const FixReport report = engine.correct(std::get<UltrasonicFix>(*last));
+      THEN("it is rejected and changes nothing") {
+        CHECK(report.flags == fix_invalid);
+        CHECK(engine.snapshot().history == before.history);
+      }
+    }
+    WHEN("a fix of 1.1 s ago arrives") {
+      UltrasonicFix old = std::get<UltrasonicFix>(*last);
+      old.emission_time_ns = engine.time_ns() - 1'100'000'000;
+      old.received_time_ns = engine.time_ns();
+      THEN("it is rejected as too old") {
+        CHECK(engine.correct(old).flags == fix_invalid);
+      }
+    }
+  }
+}
+
+SCENARIO("stamps that jitter by a microsecond change nothing that matters") {
+  GIVEN("a walk with wrong tracks, and the same with jittered stamps") {
+    const sim::Recording walk = record("outlier_bursts", 24.0);
+    kalman::Engine exact{settings::Settings{}};
+    const auto expected = poses_of(exact, walk.events);
+    int moved = 0;
+    for (unsigned run = 0; run < 20; ++run) {
+      std::mt19937 random{run};
+      std::uniform_int_distribution<TimeNs> jitter_ns(-1000, 1000);
+      std::vector<Event> events = walk.events;
+      for (Event& event : events) {
+        if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->emission_time_ns += jitter_ns(random);
+        if (auto* heading = std::get_if<PairHeading>(&event)) heading->emission_time_ns += jitter_ns(random);
+      }
+      kalman::Engine engine{settings::Settings{}};
+      const auto poses = poses_of(engine, events);
+      REQUIRE(poses.size() == expected.size());
+      double worst_m = 0.0;
+      for (std::size_t i = 200; i < poses.size(); ++i) {
+        worst_m = std::max(worst_m, (poses[i].position_world_m - expected[i].position_world_m).norm());
+      }
+      if (worst_m > 1e-3) ++moved;
+    }
+    THEN("at most one run differs by more than 1 mm") {
+      CHECK(moved <= 1);
+    }
+  }
+}
+
+SCENARIO("the reported deviations are those of the errors") {
+  GIVEN("twelve walks") {
+    double position = 0.0;
+    double velocity = 0.0;
+    int count = 0;
+    for (std::uint64_t seed = 31; seed < 43; ++seed) {
+      const sim::Recording walk = record("walk", 30.0, seed);
+      kalman::Engine engine{settings::Settings{}};
+      auto truth = walk.truth.begin();
+      for (const FusedPose& pose : poses_of(engine, walk.events)) {
+        while (truth != walk.truth.end() && truth->time_ns < pose.time_ns) ++truth;
+        if (truth == walk.truth.end()) break;
+        if (truth->time_ns != pose.time_ns) continue;
+        if (seconds_between(walk.truth.front().time_ns, pose.time_ns) < 6.0) continue;
+        const Vector3d error_m = pose.position_world_m - truth->position_world_m;
+        const Eigen::Matrix3d covariance = pose.pose_covariance.matrix().topLeftCorner<3, 3>();
+        position += error_m.dot(covariance.ldlt().solve(error_m)) / 3.0;
+        const Vector3d error_mps = pose.velocity_world_mps - truth->velocity_world_mps;
+        const Eigen::Matrix3d spread = pose.velocity_covariance.matrix();
+        velocity += error_mps.dot(spread.ldlt().solve(error_mps)) / 3.0;
+        ++count;
+      }
+    }
+    THEN("the normalised squared errors are about one per degree of freedom") {
+      CHECK(position / count > 0.6);
+      CHECK(position / count < 1.5);
+      CHECK(velocity / count > 0.5);
+      CHECK(velocity / count < 1.5);
+    }
+  }
+}
+
+}  // namespace kalman_engine_test

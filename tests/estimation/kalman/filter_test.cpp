@@ -1,0 +1,148 @@
+/// The equations of the filter against numerical derivatives, and its covariance over long random runs.
+
+#include <sonopose/estimation/kalman/filter.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <Eigen/Eigenvalues>
+#include <catch2/catch.hpp>
+
+#include <random>
+
+namespace kalman_filter_test {
+
+using namespace sonopose;
+using namespace sonopose::estimation::kalman;
+
+class Dice {
+public:
+  double between(double low, double high) { return std::uniform_real_distribution(low, high)(engine_); }
+  Vector3d vector(double size) { return {between(-size, size), between(-size, size), between(-size, size)}; }
+
+private:
+  std::mt19937 engine_{7};  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same numbers in every run
+};
+
+Filter random_filter(Dice& dice) {
+  Filter filter;
+  filter.position_world_m = dice.vector(5.0);
+  filter.velocity_world_mps = dice.vector(3.0);
+  filter.q_body_to_world = geometry::rotation_by(dice.vector(1.5));
+  filter.gyro_bias_body_radps = dice.vector(0.05);
+  filter.accel_bias_body_mps2 = dice.vector(0.2);
+  filter.lever_arm_body_m = dice.vector(0.1);
+  filter.covariance = 1e-4 * StateCovariance::Identity();
+  return filter;
+}
+
+/// The state that differs from `filter` by `error`.
+Filter moved_by(Filter filter, const StateVector& error) {
+  filter.position_world_m += error.segment<3>(at_position);
+  filter.velocity_world_mps += error.segment<3>(at_velocity);
+  filter.q_body_to_world =
+      filter.q_body_to_world * geometry::rotation_by(error.segment<3>(at_attitude).eval());
+  filter.gyro_bias_body_radps += error.segment<3>(at_gyro_bias);
+  filter.accel_bias_body_mps2 += error.segment<3>(at_accel_bias);
+  filter.lever_arm_body_m += error.segment<3>(at_lever_arm);
+  return filter;
+}
+
+StateVector difference(const Filter& a, const Filter& b) {
+  StateVector error;
+  error.segment<3>(at_position) = a.position_world_m - b.position_world_m;
+  error.segment<3>(at_velocity) = a.velocity_world_mps - b.velocity_world_mps;
+  const Eigen::AngleAxisd turn(b.q_body_to_world.conjugate() * a.q_body_to_world);
+  error.segment<3>(at_attitude) = turn.angle() * turn.axis();
+  error.segment<3>(at_gyro_bias) = a.gyro_bias_body_radps - b.gyro_bias_body_radps;
+  error.segment<3>(at_accel_bias) = a.accel_bias_body_mps2 - b.accel_bias_body_mps2;
+  error.segment<3>(at_lever_arm) = a.lever_arm_body_m - b.lever_arm_body_m;
+  return error;
+}
+
+TEST_CASE("the composed transition is the derivative of the nominal state") {
+  Dice dice;
+  constexpr int steps = 4;
+  constexpr double step_s = 0.01;
+  constexpr double size = 1e-5;
+  const Filter start = random_filter(dice);
+  std::array<Vector3d, steps> rates;
+  std::array<Vector3d, steps> forces;
+  for (int i = 0; i < steps; ++i) {
+    rates[static_cast<std::size_t>(i)] = dice.vector(2.0);
+    forces[static_cast<std::size_t>(i)] = Vector3d(0, 0, 9.8) + dice.vector(3.0);
+  }
+  const auto run = [&](Filter filter) {
+    for (std::size_t i = 0; i < steps; ++i) filter.predict(rates[i], forces[i], step_s);
+    return filter;
+  };
+  const Filter end = run(start);
+  const StateCovariance derivative = [&] {
+    StateCovariance result;
+    for (int i = 0; i < state_size; ++i) {
+      const StateVector error = size * StateVector::Unit(i);
+      result.col(i) = difference(run(moved_by(start, error)), run(moved_by(start, -error))) / (2.0 * size);
+    }
+    return result;
+  }();
+
+  Filter propagated = end;
+  propagated.covariance = start.covariance;
+  propagated.propagate(
+      {.accel_mps2_rthz = 0, .gyro_radps_rthz = 0, .accel_bias_mps2_rts = 0, .gyro_bias_radps_rts = 0});
+  const StateCovariance expected = derivative * start.covariance * derivative.transpose();
+  // The error state is of first order in the step.
+  CHECK((propagated.covariance - expected).cwiseAbs().maxCoeff() < 0.01 * expected.cwiseAbs().maxCoeff());
+}
+
+TEST_CASE("a fix and a heading move the state as their derivatives demand") {
+  Dice dice;
+  for (int i = 0; i < 50; ++i) {
+    Filter filter = random_filter(dice);
+    filter.angular_velocity_body_radps = dice.vector(1.0);
+    const Matrix3d noise = 1e-4 * Matrix3d::Identity();
+    const Vector3d fix = filter.tracked_position_world_m() + dice.vector(0.01);
+    const double before_m = filter.fix_innovation(fix, noise, 0.0).value.norm();
+    Filter by_fix = filter;
+    by_fix.correct_fix(fix, noise, 0.0);
+    const double after_m = by_fix.fix_innovation(fix, noise, 0.0).value.norm();
+    // The variances of position, lever arm and fix are equal: a third remains; less, since tilt helps.
+    CHECK(after_m < 0.34 * before_m);
+    CHECK(after_m > 0.31 * before_m);
+
+    const double yaw = geometry::yaw_of(filter.q_body_to_world) + 0.01;
+    const auto innovation = filter.heading_innovation(yaw, 0.0, 1e-4, 0.0);
+    if (!innovation.observable) continue;
+    Filter by_heading = filter;
+    by_heading.correct_heading(yaw, 0.0, 1e-4, 0.0);
+    const double share = by_heading.heading_innovation(yaw, 0.0, 1e-4, 0.0).value_rad / innovation.value_rad;
+    CHECK(share == Approx(1e-4 / innovation.variance_rad2).margin(0.03));
+  }
+}
+
+TEST_CASE("the covariance stays symmetric and positive over a million random steps") {
+  Dice dice;
+  Filter filter = random_filter(dice);
+  filter.covariance = StateCovariance::Identity();
+  for (int i = 1; i <= 1'000'000; ++i) {
+    filter.predict(dice.vector(3.0), Vector3d(0, 0, 9.8) + dice.vector(5.0), 0.01);
+    if (i % 4 == 0) filter.propagate({});
+    if (i % 8 == 0) {
+      filter.correct_fix(filter.tracked_position_world_m() + dice.vector(0.05),
+                         dice.between(1e-6, 1e-2) * Matrix3d::Identity(), dice.between(0.0, 0.01));
+    }
+    if (i % 12 == 0) {
+      filter.correct_heading(geometry::yaw_of(filter.q_body_to_world) + dice.between(-0.1, 0.1), 0.3,
+                             dice.between(1e-6, 1e-2), 0.0);
+    }
+    if (i % 1000 == 0) {
+      filter.correct_states(at_gyro_bias, dice.vector(1e-3), 1e-8);
+      filter.correct_states(at_velocity, dice.vector(1e-3), 1e-6);
+    }
+    if (i % 10'000 != 0) continue;
+    REQUIRE(filter.covariance == filter.covariance.transpose());
+    const Eigen::SelfAdjointEigenSolver<StateCovariance> solver(filter.covariance, Eigen::EigenvaluesOnly);
+    REQUIRE(solver.eigenvalues().minCoeff() > 0.0);
+    REQUIRE(filter.is_finite());
+  }
+}
+
+}  // namespace kalman_filter_test
