@@ -59,6 +59,7 @@ private:
   void deliver(const ImuSample& sample, int copies);
   void emit_until(TimeNs time_ns);
   void emit_one();
+  UltrasonicFix measure_fix(const Motion& motion, double time_s);
   void receive(const Event& event);
 
   Scenario scenario_;
