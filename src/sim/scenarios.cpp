@@ -137,10 +137,12 @@ std::span<const Scenario> scenarios() {
 
 const Scenario& find_scenario(std::string_view name) {
   std::string known;
-  for (const Scenario& scenario : scenarios()) {
-    if (scenario.name == name) return scenario;
-    known += known.empty() ? "" : ", ";
-    known += scenario.name;
+  for (const auto& group : {scenarios(), harder_scenarios()}) {
+    for (const Scenario& scenario : group) {
+      if (scenario.name == name) return scenario;
+      known += known.empty() ? "" : ", ";
+      known += scenario.name;
+    }
   }
   throw std::invalid_argument("unknown scenario \"" + std::string(name) + "\"; known are " + known);
 }

@@ -18,7 +18,8 @@ enum Stream : std::uint64_t {
   start_yaw_stream = 4,
   imu_packet_stream = 5,
   position_packet_stream = 6,
-  poor_fix_stream = 7
+  poor_fix_stream = 7,
+  variation_stream = 8
 };
 
 Random stream_of(const Run& run, Stream stream) {
@@ -30,7 +31,7 @@ const SensorSettings& checked(const SensorSettings& settings) {
   return settings;
 }
 
-const Scenario& checked(const Scenario& scenario) {
+Scenario checked(Scenario scenario) {
   check(scenario.disturbances);
   return scenario;
 }
@@ -42,10 +43,21 @@ bool earlier(const Event& a, const Event& b) {
 
 }  // namespace
 
-Simulator::Simulator(const Scenario& scenario, const Run& run) : Simulator(scenario, scenario.sensors, run) {}
+Scenario drawn(const Scenario& scenario, const Run& run) {
+  Scenario result = scenario;
+  if (result.vary != nullptr) {
+    Random random = stream_of(run, variation_stream);
+    result.vary(result, random);
+    result.vary = nullptr;
+  }
+  return result;
+}
+
+Simulator::Simulator(const Scenario& scenario, const Run& run)
+    : Simulator(scenario, drawn(scenario, run).sensors, run) {}
 
 Simulator::Simulator(const Scenario& scenario, const SensorSettings& sensors, const Run& run)
-    : scenario_{checked(scenario)},
+    : scenario_{checked(drawn(scenario, run))},
       sensors_{checked(sensors)},
       run_{run},
       imu_{sensors, stream_of(run, imu_stream)},
