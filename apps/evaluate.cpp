@@ -1,4 +1,4 @@
-// sonopose-evaluate: scores the fusion on every scenario of the simulator and on recordings with truth.
+// sonopose-evaluate: scores the fusion on the scenarios of the simulator and on recordings with truth.
 
 #include "recording/log_folder.hpp"
 #include "support/case_options.hpp"

@@ -37,8 +37,10 @@ void add_options(CLI::App& app, Options& options) {
 }
 
 int list() {
-  for (const sim::Scenario& scenario : sim::scenarios()) {
-    fmt::print("{:<15} {:>3} s  {}\n", scenario.name, scenario.duration_s, scenario.summary);
+  for (const auto& group : {sim::scenarios(), sim::harder_scenarios()}) {
+    for (const sim::Scenario& scenario : group) {
+      fmt::print("{:<16} {:>3} s  {}\n", scenario.name, scenario.duration_s, scenario.summary);
+    }
   }
   return 0;
 }

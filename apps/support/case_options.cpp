@@ -3,7 +3,10 @@
 namespace sonopose::apps {
 
 void add_case_options(CLI::App& app, CaseOptions& options) {
-  app.add_option("SCENARIO", options.scenarios, "Scenarios to score (default: all)")->type_name("");
+  app.add_option("SCENARIO", options.scenarios, "Scenarios to score (default: all but the harder ones)")
+      ->type_name("");
+  app.add_flag("--harder", options.harder,
+               "Score the harder scenarios, which differ from run to run, and SCENARIO if any");
   app.add_option("--seeds", options.seeds, "Number of runs of each scenario")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -20,6 +23,9 @@ void for_each_case(const CaseOptions& options,
                    const std::function<void(std::vector<evaluation::Case>)>& use) {
   std::vector<const sim::Scenario*> chosen;
   for (const std::string& name : options.scenarios) chosen.push_back(&sim::find_scenario(name));
+  if (options.harder) {
+    for (const sim::Scenario& scenario : sim::harder_scenarios()) chosen.push_back(&scenario);
+  }
   if (chosen.empty()) {
     for (const sim::Scenario& scenario : sim::scenarios()) chosen.push_back(&scenario);
   }

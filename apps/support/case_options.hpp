@@ -17,12 +17,13 @@ namespace sonopose::apps {
 /// Scenarios, each with some seeds, and recordings.
 struct CaseOptions {
   std::vector<std::string> scenarios;
+  bool harder = false;  ///< the harder scenarios, in addition to the named ones
   std::uint64_t seeds = 5;
   std::uint64_t first_seed = 1;
   std::optional<std::filesystem::path> recordings;
 };
 
-/// Adds SCENARIO..., --seeds, --first-seed and --recordings.
+/// Adds SCENARIO..., --harder, --seeds, --first-seed and --recordings.
 void add_case_options(CLI::App& app, CaseOptions& options);
 
 /// Calls `use(runs)` with the runs of one scenario after the other, then with each recording.

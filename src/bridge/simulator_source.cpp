@@ -58,8 +58,8 @@ const SimulatorOptions& checked(const SimulatorOptions& options) {
   return options;
 }
 
-sim::SensorSettings sensors_of(const SimulatorOptions& options) {
-  sim::SensorSettings sensors = sim::find_scenario(options.scenario).sensors;
+sim::SensorSettings sensors_of(const SimulatorOptions& options, const sim::Scenario& scenario) {
+  sim::SensorSettings sensors = scenario.sensors;
   if (options.imu_rate_hz) sensors.imu_rate_hz = *options.imu_rate_hz;
   return sensors;
 }
@@ -77,18 +77,19 @@ struct SimulatedBeacon {
 class MergedBeacons {
 public:
   MergedBeacons(const SimulatorOptions& options, TimeNs start_ns) {
-    const sim::SensorSettings sensors = sensors_of(options);
     const sim::Scenario& scenario = sim::find_scenario(options.scenario);
+    const double imu_rate_hz = sensors_of(options, scenario).imu_rate_hz;
     const double endless_s = std::numeric_limits<double>::infinity();
     beacons_.reserve(options.beacons);
     for (std::uint32_t i = 0; i < options.beacons; ++i) {
       // Spread over one period, so that samples do not come in bursts.
-      const double phase_s = i / (options.beacons * sensors.imu_rate_hz);
-      beacons_.emplace_back(scenario, sensors,
-                            sim::Run{.seed = options.seed + i,
-                                     .start_time_ns = start_ns + to_ns(phase_s),
-                                     .address = static_cast<BeaconAddress>(options.address + i),
-                                     .duration_s = options.duration_s > 0 ? options.duration_s : endless_s});
+      const double phase_s = i / (options.beacons * imu_rate_hz);
+      const sim::Run run{.seed = options.seed + i,
+                         .start_time_ns = start_ns + to_ns(phase_s),
+                         .address = static_cast<BeaconAddress>(options.address + i),
+                         .duration_s = options.duration_s > 0 ? options.duration_s : endless_s};
+      const sim::Scenario drawn = sim::drawn(scenario, run);
+      beacons_.emplace_back(drawn, sensors_of(options, drawn), run);
       push(i);
     }
   }

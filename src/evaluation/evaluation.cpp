@@ -159,13 +159,15 @@ std::string seconds_or_none(const std::optional<double>& seconds) {
 }  // namespace
 
 Case simulated_case(const sim::Scenario& scenario, std::uint64_t seed) {
-  sim::Recording recording = sim::record(scenario, {.seed = seed});
-  return {.name = std::string(scenario.name),
+  const sim::Run run{.seed = seed};
+  const sim::Scenario drawn = sim::drawn(scenario, run);
+  sim::Recording recording = sim::record(drawn, run);
+  return {.name = std::string(drawn.name),
           .events = std::move(recording.events),
           .truth = std::move(recording.truth),
-          .score_after_s = scenario.score_after_s,
-          .outages = scenario.disturbances.outages,
-          .relocations = scenario.disturbances.relocations};
+          .score_after_s = drawn.score_after_s,
+          .outages = drawn.disturbances.outages,
+          .relocations = drawn.disturbances.relocations};
 }
 
 Case recorded_case(const std::filesystem::path& folder) {
@@ -258,17 +260,19 @@ double cost_of(const std::vector<std::vector<Case>>& cases, const settings::Sett
 }
 
 std::string table_of(const std::vector<Summary>& summaries) {
+  std::size_t width = 15;
+  for (const Summary& row : summaries) width = std::max(width, row.name.size());
   std::string text = fmt::format(
-      "{:<15} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n"
-      "{:<15} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n",
-      "case", "runs", "pose", "worst", "p95", "last fix", "extrap.", "velocity", "yaw", "tilt", "recovery",
-      "", "", "cm", "cm", "cm", "cm", "cm", "m/s", "deg", "deg", "s");
+      "{:<{}} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n"
+      "{:<{}} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n",
+      "case", width, "runs", "pose", "worst", "p95", "last fix", "extrap.", "velocity", "yaw", "tilt",
+      "recovery", "", width, "", "cm", "cm", "cm", "cm", "cm", "m/s", "deg", "deg", "s");
   for (const Summary& row : summaries) {
     text += fmt::format(
-        "{:<15} {:>4} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.1f} {:>8.1f} {:>8.3f} {:>8.2f} {:>9.2f} {:>9}\n",
-        row.name, row.runs, 100 * row.position_rmse_m, 100 * row.worst_rmse_m, 100 * row.position_p95_m,
-        100 * row.last_fix_rmse_m, 100 * row.extrapolated_rmse_m, row.velocity_rmse_mps, row.yaw_rmse_deg,
-        row.tilt_rmse_deg, seconds_or_none(row.slowest_recovery_s));
+        "{:<{}} {:>4} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.1f} {:>8.1f} {:>8.3f} {:>8.2f} {:>9.2f} {:>9}\n",
+        row.name, width, row.runs, 100 * row.position_rmse_m, 100 * row.worst_rmse_m,
+        100 * row.position_p95_m, 100 * row.last_fix_rmse_m, 100 * row.extrapolated_rmse_m,
+        row.velocity_rmse_mps, row.yaw_rmse_deg, row.tilt_rmse_deg, seconds_or_none(row.slowest_recovery_s));
   }
   return text;
 }

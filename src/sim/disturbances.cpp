@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -26,6 +27,18 @@ void check_vector(const std::string& field, const Vector3d& value) {
   for (const double x : value) require(std::isfinite(x), field, x);
 }
 
+void check_range(const std::string& field, const Range& range) {
+  check_time(field, range.least);
+  check_time(field, range.most - range.least);
+}
+
+void check_wall(const std::string& field, const Wall& wall) {
+  check_vector(field + ".point_world_m", wall.point_world_m);
+  const double norm = wall.normal_world.norm();
+  require(std::abs(norm - 1.0) < 1e-9, field + ".normal_world: its length", norm);
+  require(wall.normal_world.z() == 0.0, field + ".normal_world.z", wall.normal_world.z());
+}
+
 void check_packets(const std::string& field, const PacketFaults& faults) {
   check_share(field + ".dropped_share", faults.dropped_share);
   check_share(field + ".lost_runs_share", faults.lost_runs_share);
@@ -33,8 +46,16 @@ void check_packets(const std::string& field, const PacketFaults& faults) {
   check_share(field + ".late_share", faults.late_share);
   check_share(field + ": the sum of the shares",
               faults.dropped_share + faults.lost_runs_share + faults.duplicated_share + faults.late_share);
-  check_time(field + ".late_by_s", faults.late_by_s.least);
-  check_time(field + ".late_by_s", faults.late_by_s.most - faults.late_by_s.least);
+  check_range(field + ".late_by_s", faults.late_by_s);
+}
+
+/// Anything with a begin and a duration.
+template <typename Span>
+void check_spans(const std::string& field, const std::vector<Span>& spans) {
+  for (const Span& span : spans) {
+    check_time(field + ".begin_s", span.begin_s);
+    check_time(field + ".duration_s", span.duration_s);
+  }
 }
 
 template <typename Span>
@@ -42,21 +63,32 @@ bool holds(const Span& span, double time_s) {
   return time_s >= span.begin_s && time_s < span.begin_s + span.duration_s;
 }
 
+template <typename Span>
+bool any_holds(const std::vector<Span>& spans, double time_s) {
+  return std::any_of(spans.begin(), spans.end(), [time_s](const Span& span) { return holds(span, time_s); });
+}
+
 }  // namespace
 
 void check(const Disturbances& disturbances) {
-  for (const Outage& outage : disturbances.outages) {
-    check_time("outages.begin_s", outage.begin_s);
-    check_time("outages.duration_s", outage.duration_s);
-  }
+  check_spans("outages", disturbances.outages);
+  check_spans("imu_outages", disturbances.imu_outages);
+  check_spans("halved_fix_rates", disturbances.halved_fix_rates);
+  check_spans("outlier_bursts", disturbances.outlier_bursts);
   for (const OutlierBurst& burst : disturbances.outlier_bursts) {
-    check_time("outlier_bursts.begin_s", burst.begin_s);
-    check_time("outlier_bursts.duration_s", burst.duration_s);
     check_vector("outlier_bursts.offset_world_m", burst.offset_world_m);
+    check_vector("outlier_bursts.drift_world_mps", burst.drift_world_mps);
+    if (burst.mirror) check_wall("outlier_bursts.mirror", *burst.mirror);
   }
   for (const Relocation& relocation : disturbances.relocations) {
     check_time("relocations.at_s", relocation.at_s);
     check_vector("relocations.by_world_m", relocation.by_world_m);
+    require(std::isfinite(relocation.turn_rad), "relocations.turn_rad", relocation.turn_rad);
+    check_vector("relocations.pivot_world_m", relocation.pivot_world_m);
+  }
+  check_spans("heading_errors", disturbances.heading_errors);
+  for (const HeadingError& error : disturbances.heading_errors) {
+    require(std::isfinite(error.peak_rad), "heading_errors.peak_rad", error.peak_rad);
   }
   if (const auto& drift = disturbances.gyro_drift) {
     check_time("gyro_drift.begin_s", drift->begin_s);
@@ -68,34 +100,57 @@ void check(const Disturbances& disturbances) {
     check_share("poor_fixes.share", kind.share);
     poor_share += kind.share;
     check_time("poor_fixes.noise_factor", kind.noise_factor);
-    for (const double percent : {kind.quality_percent.least, kind.quality_percent.most}) {
+    const Range quality_percent = kind.quality_percent.value_or(Range{});
+    for (const double percent : {quality_percent.least, quality_percent.most}) {
       require(percent >= 0 && percent <= 100, "poor_fixes.quality_percent", percent);
     }
+    check_range("poor_fixes.offset_m", kind.offset_m);
   }
   check_share("poor_fixes: the sum of the shares", poor_share);
   check_packets("imu_packets", disturbances.imu_packets);
   check_packets("position_packets", disturbances.position_packets);
 }
 
-bool is_outage(const Disturbances& disturbances, double time_s) {
-  return std::any_of(disturbances.outages.begin(), disturbances.outages.end(),
-                     [time_s](const Outage& outage) { return holds(outage, time_s); });
+bool is_outage(const std::vector<Outage>& outages, double time_s) {
+  return any_holds(outages, time_s);
 }
 
-Vector3d track_offset_world_m(const Disturbances& disturbances, double time_s) {
+bool is_left_out(const Disturbances& disturbances, double time_s, std::uint64_t emission) {
+  return emission % 2 == 1 && any_holds(disturbances.halved_fix_rates, time_s);
+}
+
+Vector3d track_offset_world_m(const Disturbances& disturbances, double time_s,
+                              const Vector3d& position_world_m) {
   Vector3d offset_world_m = Vector3d::Zero();
   for (const OutlierBurst& burst : disturbances.outlier_bursts) {
-    if (holds(burst, time_s)) offset_world_m += burst.offset_world_m;
+    if (!holds(burst, time_s)) continue;
+    offset_world_m += burst.offset_world_m + (time_s - burst.begin_s) * burst.drift_world_mps;
+    if (burst.mirror) {
+      const Vector3d& normal = burst.mirror->normal_world;
+      offset_world_m += 2.0 * normal.dot(burst.mirror->point_world_m - position_world_m) * normal;
+    }
   }
   return offset_world_m;
 }
 
-Vector3d relocated_by_world_m(const Disturbances& disturbances, double time_s) {
-  Vector3d by_world_m = Vector3d::Zero();
+Motion relocated(const Disturbances& disturbances, double time_s, const Motion& motion) {
+  Motion result = motion;
   for (const Relocation& relocation : disturbances.relocations) {
-    if (time_s >= relocation.at_s) by_world_m += relocation.by_world_m;
+    if (time_s < relocation.at_s) continue;
+    if (relocation.turn_rad != 0.0) result = turned(result, relocation.pivot_world_m, relocation.turn_rad);
+    result.position_world_m += relocation.by_world_m;
   }
-  return by_world_m;
+  return result;
+}
+
+double heading_error_rad(const Disturbances& disturbances, double time_s) {
+  double error_rad = 0;
+  for (const HeadingError& error : disturbances.heading_errors) {
+    if (!holds(error, time_s)) continue;
+    const double rise = std::sin(std::numbers::pi * (time_s - error.begin_s) / error.duration_s);
+    error_rad += error.peak_rad * rise * rise;
+  }
+  return error_rad;
 }
 
 Vector3d gyro_drift_body_radps(const Disturbances& disturbances, double time_s) {
@@ -112,6 +167,17 @@ const PoorFixes* draw_poor_fix(const Disturbances& disturbances, Random& random)
     left -= kind.share;
   }
   return nullptr;
+}
+
+Vector3d draw_offset_world_m(const PoorFixes& kind, Random& random) {
+  if (kind.offset_m.most == 0.0) return Vector3d::Zero();
+  const double distance_m = random.uniform_in(kind.offset_m);
+  return distance_m * random.direction();
+}
+
+std::vector<PoorFixes> poor_reception() {
+  return {{.share = 0.25, .quality_percent = Range{10.0, 48.0}, .noise_factor = 12.0},
+          {.share = 0.20, .quality_percent = Range{55.0, 75.0}, .noise_factor = 2.0}};
 }
 
 PacketChannel::PacketChannel(const PacketFaults& faults, Random random) : faults_{faults}, random_{random} {}

@@ -4,6 +4,7 @@
 /// functions that evaluate them at a time.
 
 #include "sim/random.hpp"
+#include "sim/trajectory.hpp"
 #include <sonopose/samples/samples.hpp>
 
 #include <optional>
@@ -11,24 +12,50 @@
 
 namespace sonopose::sim {
 
-/// No fix and no heading is emitted in [begin, begin + duration).
+/// A sensor emits nothing in [begin, begin + duration).
 struct Outage {
   double begin_s = 0;
   double duration_s = 0;
 };
 
-/// Fixes emitted in [begin, begin + duration) are on a wrong, parallel track, as after a reflection. The
-/// heading stays correct, since both beacons of the pair receive the reflection.
+/// Every other fix is left out in [begin, begin + duration), with its heading.
+struct HalvedFixRate {
+  double begin_s = 0;
+  double duration_s = 0;
+};
+
+/// A vertical plane.
+struct Wall {
+  Vector3d point_world_m = Vector3d::Zero();  ///< on the plane
+  Vector3d normal_world = Vector3d::UnitX();  ///< horizontal unit vector
+};
+
+/// Fixes emitted in [begin, begin + duration) are on a wrong track, as after a reflection: parallel to the
+/// true one, drifting away from it, or mirrored. The heading stays correct, since both beacons of the pair
+/// receive the reflection.
 struct OutlierBurst {
   double begin_s = 0;
   double duration_s = 0;
-  Vector3d offset_world_m = Vector3d::Zero();
+  Vector3d offset_world_m = Vector3d::Zero();   ///< at `begin_s`
+  Vector3d drift_world_mps = Vector3d::Zero();  ///< growth of the offset
+  std::optional<Wall> mirror{};                 ///< mirrors the true track, in addition to the offset
 };
 
-/// At `at_s` the body moves to another place without its IMU measuring it.
+/// At `at_s` the body moves to another place without its IMU measuring it, or, what is the same, the map of
+/// the fixes moves: it turns about a vertical axis, then it shifts.
 struct Relocation {
   double at_s = 0;
   Vector3d by_world_m = Vector3d::Zero();
+  double turn_rad = 0;
+  Vector3d pivot_world_m = Vector3d::Zero();  ///< of the turn
+};
+
+/// The heading's error rises smoothly to `peak_rad` and falls again over [begin, begin + duration), as when
+/// the pair passes iron.
+struct HeadingError {
+  double begin_s = 0;
+  double duration_s = 0;
+  double peak_rad = 0;
 };
 
 /// The gyro's bias grows linearly by this much over [begin, begin + duration), as when an IMU warms up.
@@ -38,11 +65,12 @@ struct GyroDrift {
   Vector3d by_body_radps = Vector3d::Zero();
 };
 
-/// A share of the fixes that is worse than the others and reports it.
+/// A share of the fixes that is worse than the others.
 struct PoorFixes {
-  double share = 0;         ///< 0…1
-  Range quality_percent{};  ///< reported, uniform
-  double noise_factor = 1;  ///< standard deviation in units of the run's fix noise
+  double share = 0;                        ///< 0…1
+  std::optional<Range> quality_percent{};  ///< reported, uniform; empty: that of the other fixes
+  double noise_factor = 1;                 ///< standard deviation in units of the run's fix noise
+  Range offset_m{};                        ///< distance from the true place in a random direction, uniform
 };
 
 /// Faults of the packets' transport to the host; shares are 0…1, and each packet has at most one fault.
@@ -56,9 +84,12 @@ struct PacketFaults {
 
 /// All disturbances of one scenario; none by default.
 struct Disturbances {
-  std::vector<Outage> outages{};
+  std::vector<Outage> outages{};  ///< of fixes and headings
+  std::vector<Outage> imu_outages{};
+  std::vector<HalvedFixRate> halved_fix_rates{};
   std::vector<OutlierBurst> outlier_bursts{};
   std::vector<Relocation> relocations{};
+  std::vector<HeadingError> heading_errors{};
   std::optional<GyroDrift> gyro_drift{};
   std::vector<PoorFixes> poor_fixes{};  ///< for disjoint sets of fixes: the shares add up
   PacketFaults imu_packets{};
@@ -68,20 +99,33 @@ struct Disturbances {
 /// Throws std::invalid_argument that names the invalid field and its value.
 void check(const Disturbances& disturbances);
 
-/// Whether no fix is emitted at this time.
-bool is_outage(const Disturbances& disturbances, double time_s);
+/// Whether one of the outages holds at this time.
+bool is_outage(const std::vector<Outage>& outages, double time_s);
 
-/// The offset of the fixes' track.
-Vector3d track_offset_world_m(const Disturbances& disturbances, double time_s);
+/// Whether the emission of this number is left out because the fix rate is halved.
+bool is_left_out(const Disturbances& disturbances, double time_s, std::uint64_t emission);
 
-/// The sum of the relocations until this time.
-Vector3d relocated_by_world_m(const Disturbances& disturbances, double time_s);
+/// The offset of the fixes' track from the true position.
+Vector3d track_offset_world_m(const Disturbances& disturbances, double time_s,
+                              const Vector3d& position_world_m);
+
+/// The motion after the relocations until this time, one after the other.
+Motion relocated(const Disturbances& disturbances, double time_s, const Motion& motion);
+
+/// The sum of the heading's errors.
+double heading_error_rad(const Disturbances& disturbances, double time_s);
 
 /// The growth of the gyro's bias until this time.
 Vector3d gyro_drift_body_radps(const Disturbances& disturbances, double time_s);
 
 /// The kind of the next fix if it is a poor one, else null. Always draws one number.
 const PoorFixes* draw_poor_fix(const Disturbances& disturbances, Random& random);
+
+/// The error of a poor fix of this kind, in addition to its noise. Draws only if the kind has an offset.
+Vector3d draw_offset_world_m(const PoorFixes& kind, Random& random);
+
+/// A quarter of the fixes is bad, a fifth is mediocre.
+std::vector<PoorFixes> poor_reception();
 
 /// The fate of one packet.
 struct PacketFate {

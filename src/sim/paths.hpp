@@ -3,7 +3,10 @@
 /// The paths of the scenarios. Each rests until `departure_s`, so that gyros can be calibrated, and then
 /// continues without end; positions in metres, angles in radians.
 
+#include "sim/laps.hpp"
 #include "sim/trajectory.hpp"
+
+#include <span>
 
 namespace sonopose::sim {
 
@@ -25,6 +28,12 @@ Path kart_path(double time_s);
 
 /// A forklift between shelves of 10 m × 8 m: up to 2 m/s, stops, quarter turns nearly on the spot.
 Path forklift_path(double time_s);
+
+/// The legs of its lap.
+std::span<const Leg> forklift_legs();
+
+/// Where the forklift carries its beacon.
+inline constexpr double beacon_ahead_of_pivot_m = 0.2;
 
 /// Turns about the tracked point at 9 rad/s to either side, and drives at 1 m/s between the turns.
 Path spin_path(double time_s);

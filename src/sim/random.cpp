@@ -27,6 +27,10 @@ double Random::uniform_in(const Range& range) {
   return range.least + (range.most - range.least) * uniform();
 }
 
+int Random::integer_in(int least, int most) {
+  return least + static_cast<int>(static_cast<double>(most - least + 1) * uniform());
+}
+
 double Random::normal() {
   if (has_spare_) {
     has_spare_ = false;
@@ -44,6 +48,15 @@ Vector3d Random::normal_vector() {
   const double y = normal();
   const double z = normal();
   return {x, y, z};
+}
+
+Vector3d Random::direction() {
+  return normal_vector().normalized();
+}
+
+Vector3d Random::horizontal_direction() {
+  const double yaw_rad = uniform_in({-std::numbers::pi, std::numbers::pi});
+  return {std::cos(yaw_rad), std::sin(yaw_rad), 0.0};
 }
 
 }  // namespace sonopose::sim

@@ -31,11 +31,20 @@ public:
   /// Uniform in the range; the exact value if the range has only one.
   double uniform_in(const Range& range);
 
+  /// Uniform over the whole numbers from `least` to `most`.
+  int integer_in(int least, int most);
+
   /// Gaussian with mean 0 and standard deviation 1 (Box-Muller).
   double normal();
 
   /// Three independent Gaussians.
   Vector3d normal_vector();
+
+  /// A unit vector, uniform over all directions in space.
+  Vector3d direction();
+
+  /// A unit vector, uniform over all horizontal directions.
+  Vector3d horizontal_direction();
 
 private:
   std::mt19937_64 generator_;

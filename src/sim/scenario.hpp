@@ -6,6 +6,7 @@
 #include "sim/sensors.hpp"
 #include "sim/trajectory.hpp"
 
+#include <functional>
 #include <span>
 #include <string_view>
 
@@ -15,21 +16,26 @@ namespace sonopose::sim {
 struct Scenario {
   std::string_view name;
   std::string_view summary;  ///< one sentence for the programs' help
-  Path (*path)(double time_s) = nullptr;
+  std::function<Path(double time_s)> path;
   SensorSettings sensors{};
   Disturbances disturbances{};
   bool random_start_yaw = false;  ///< each seed turns the whole path by a random angle
   double duration_s = 60;         ///< default length; every path continues beyond it
   double score_after_s = 6;       ///< poses before this are not scored
+  /// Draws the path, sensors and disturbances of one run; null: all runs have the same.
+  void (*vary)(Scenario& scenario, Random& random) = nullptr;
 
   /// The exact state on the path `time_s` after the start, before any turn and relocation.
   [[nodiscard]] Motion motion(double time_s) const { return motion_on(path(time_s)); }
 };
 
-/// All scenarios.
+/// The scenarios with one difficulty each and the same motion in every run.
 std::span<const Scenario> scenarios();
 
-/// The scenario of that name. Throws std::invalid_argument, which lists the known names.
+/// The scenarios whose difficulties differ from run to run.
+std::span<const Scenario> harder_scenarios();
+
+/// The scenario of that name, of either kind. Throws std::invalid_argument, which lists the known names.
 const Scenario& find_scenario(std::string_view name);
 
 }  // namespace sonopose::sim

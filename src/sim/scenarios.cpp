@@ -49,12 +49,6 @@ Disturbances silences() {
   return {.outages = {{15.0, 2.0}, {30.0, 4.0}, {48.0, 8.0}}};
 }
 
-/// A quarter of the fixes is bad, a fifth is mediocre.
-Disturbances poor_reception() {
-  return {.poor_fixes = {{.share = 0.25, .quality_percent = {10.0, 48.0}, .noise_factor = 12.0},
-                         {.share = 0.20, .quality_percent = {55.0, 75.0}, .noise_factor = 2.0}}};
-}
-
 /// 2.5 m away.
 Disturbances carried_away() {
   return {.relocations = {{25.0, {2.0, 1.5, 0.0}}}};
@@ -107,7 +101,7 @@ std::vector<Scenario> make_scenarios() {
       {.name = "low_quality",
        .summary = "walks while a quarter of the fixes is bad and a fifth is mediocre",
        .path = walk_path,
-       .disturbances = poor_reception()},
+       .disturbances = {.poor_fixes = poor_reception()}},
       {.name = "relocation",
        .summary = "walks slowly and is relocated by 2.5 m after 25 s",
        .path = stroll_path,
@@ -143,10 +137,12 @@ std::span<const Scenario> scenarios() {
 
 const Scenario& find_scenario(std::string_view name) {
   std::string known;
-  for (const Scenario& scenario : scenarios()) {
-    if (scenario.name == name) return scenario;
-    known += known.empty() ? "" : ", ";
-    known += scenario.name;
+  for (const auto& group : {scenarios(), harder_scenarios()}) {
+    for (const Scenario& scenario : group) {
+      if (scenario.name == name) return scenario;
+      known += known.empty() ? "" : ", ";
+      known += scenario.name;
+    }
   }
   throw std::invalid_argument("unknown scenario \"" + std::string(name) + "\"; known are " + known);
 }

@@ -63,10 +63,15 @@ void check(const SensorSettings& settings) {
   not_negative(settings.gyro_bias_radps, "gyro_bias_radps");
   not_negative(settings.accel_bias_walk_mps2_rts, "accel_bias_walk_mps2_rts");
   not_negative(settings.gyro_bias_walk_radps_rts, "gyro_bias_walk_radps_rts");
+  for (const double error : settings.gyro_scale_error) {
+    require(std::isfinite(error), "gyro_scale_error", error);
+  }
   range(settings.fix_rate_hz, "fix_rate_hz");
   range(settings.fix_noise_m, "fix_noise_m");
   not_negative(settings.fix_delay_s, "fix_delay_s");
   not_negative(settings.fix_delay_jitter_s, "fix_delay_jitter_s");
+  require(std::isfinite(settings.reported_delay_error_s), "reported_delay_error_s",
+          settings.reported_delay_error_s);
   not_negative(settings.quality_percent, "quality_percent");
   not_negative(settings.quality_noise_percent, "quality_noise_percent");
   not_negative(settings.heading_noise_rad, "heading_noise_rad");
@@ -96,6 +101,8 @@ ImuModel::ImuModel(const SensorSettings& settings, const Random& random)
 ImuSample ImuModel::measure(const Motion& motion, const Vector3d& gyro_drift_body_radps) {
   ImuSample sample = ideal_imu_sample(motion, settings_.imu_from_tracked_point_body_m);
   sample.specific_force_body_mps2 += accel_bias_mps2_ + settings_.accel_noise_mps2 * random_.normal_vector();
+  sample.angular_velocity_body_radps +=
+      settings_.gyro_scale_error.cwiseProduct(motion.angular_velocity_body_radps);
   sample.angular_velocity_body_radps +=
       gyro_bias_radps_ + gyro_drift_body_radps + settings_.gyro_noise_radps * random_.normal_vector();
   if (settings_.imu_quantised) {
@@ -131,11 +138,11 @@ UltrasonicFix UltrasonicModel::measure_fix(const Motion& motion, const FixCondit
   return fix;
 }
 
-PairHeading UltrasonicModel::measure_heading(const Motion& motion) {
+PairHeading UltrasonicModel::measure_heading(const Motion& motion, double error_rad) {
   PairHeading heading;
   heading.heading_world_rad =
       geometry::wrap_angle(geometry::yaw_of(motion.q_body_to_world) + settings_.pair_mount_offset_rad +
-                           settings_.heading_noise_rad * random_.normal());
+                           settings_.heading_noise_rad * random_.normal() + error_rad);
   heading.valid = true;
   return heading;
 }

@@ -16,19 +16,21 @@ namespace sonopose::sim {
 /// once per run.
 struct SensorSettings {
   double imu_rate_hz = 100.0;
-  double accel_noise_mps2 = 0.02;            ///< per sample and axis
-  double gyro_noise_radps = 0.002;           ///< per sample and axis
-  double accel_bias_mps2 = 0.03;             ///< spread of the constant bias over the seeds, per axis
-  double gyro_bias_radps = 0.01;             ///< spread of the constant bias over the seeds, per axis
-  double accel_bias_walk_mps2_rts = 0.0005;  ///< growth of the bias, per √s
-  double gyro_bias_walk_radps_rts = 0.0001;  ///< growth of the bias, per √s
-  bool imu_quantised = true;                 ///< 1 mg and 0.0175 deg/s in 16 bits, as the beacon sends it
+  double accel_noise_mps2 = 0.02;                ///< per sample and axis
+  double gyro_noise_radps = 0.002;               ///< per sample and axis
+  double accel_bias_mps2 = 0.03;                 ///< spread of the constant bias over the seeds, per axis
+  double gyro_bias_radps = 0.01;                 ///< spread of the constant bias over the seeds, per axis
+  double accel_bias_walk_mps2_rts = 0.0005;      ///< growth of the bias, per √s
+  double gyro_bias_walk_radps_rts = 0.0001;      ///< growth of the bias, per √s
+  Vector3d gyro_scale_error = Vector3d::Zero();  ///< the gyro reads 1 + this times the rate, per axis
+  bool imu_quantised = true;                     ///< 1 mg and 0.0175 deg/s in 16 bits, as the beacon sends it
   Vector3d imu_from_tracked_point_body_m = Vector3d::Zero();  ///< lever arm of the IMU
 
   Range fix_rate_hz{8.0, 16.0};     ///< 0: no fixes and no headings
   Range fix_noise_m{0.015, 0.025};  ///< per axis
   double fix_delay_s = 0.068;
   double fix_delay_jitter_s = 0.003;
+  double reported_delay_error_s = 0.0;  ///< the reported delay minus the true one
   double quality_percent = 90.0;
   double quality_noise_percent = 3.0;
 
@@ -82,8 +84,8 @@ public:
   /// A fix for this motion, without times and address.
   UltrasonicFix measure_fix(const Motion& motion, const FixCondition& condition = {});
 
-  /// Its heading, without times and address.
-  PairHeading measure_heading(const Motion& motion);
+  /// Its heading, without times and address. `error_rad` is added to the noise.
+  PairHeading measure_heading(const Motion& motion, double error_rad = 0.0);
 
 private:
   SensorSettings settings_;

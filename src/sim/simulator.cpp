@@ -18,7 +18,8 @@ enum Stream : std::uint64_t {
   start_yaw_stream = 4,
   imu_packet_stream = 5,
   position_packet_stream = 6,
-  poor_fix_stream = 7
+  poor_fix_stream = 7,
+  variation_stream = 8
 };
 
 Random stream_of(const Run& run, Stream stream) {
@@ -30,7 +31,7 @@ const SensorSettings& checked(const SensorSettings& settings) {
   return settings;
 }
 
-const Scenario& checked(const Scenario& scenario) {
+Scenario checked(Scenario scenario) {
   check(scenario.disturbances);
   return scenario;
 }
@@ -42,19 +43,30 @@ bool earlier(const Event& a, const Event& b) {
 
 }  // namespace
 
-Simulator::Simulator(const Scenario& scenario, const Run& run) : Simulator(scenario, scenario.sensors, run) {}
+Scenario drawn(const Scenario& scenario, const Run& run) {
+  Scenario result = scenario;
+  if (result.vary != nullptr) {
+    Random random = stream_of(run, variation_stream);
+    result.vary(result, random);
+    result.vary = nullptr;
+  }
+  return result;
+}
+
+Simulator::Simulator(const Scenario& scenario, const Run& run)
+    : Simulator(scenario, drawn(scenario, run).sensors, run) {}
 
 Simulator::Simulator(const Scenario& scenario, const SensorSettings& sensors, const Run& run)
-    : scenario_{checked(scenario)},
+    : scenario_{checked(drawn(scenario, run))},
       sensors_{checked(sensors)},
       run_{run},
       imu_{sensors, stream_of(run, imu_stream)},
       ultrasonic_{sensors, stream_of(run, ultrasonic_stream)},
-      imu_packets_{scenario.disturbances.imu_packets, stream_of(run, imu_packet_stream)},
-      position_packets_{scenario.disturbances.position_packets, stream_of(run, position_packet_stream)},
+      imu_packets_{scenario_.disturbances.imu_packets, stream_of(run, imu_packet_stream)},
+      position_packets_{scenario_.disturbances.position_packets, stream_of(run, position_packet_stream)},
       poor_fixes_{stream_of(run, poor_fix_stream)},
       fix_phase_{stream_of(run, phase_stream).uniform()},
-      start_yaw_rad_{scenario.random_start_yaw
+      start_yaw_rad_{scenario_.random_start_yaw
                          ? stream_of(run, start_yaw_stream).uniform_in({-std::numbers::pi, std::numbers::pi})
                          : 0.0} {
   if (std::isnan(run.duration_s)) throw std::invalid_argument("simulator: the duration is not a number");
@@ -85,8 +97,7 @@ Motion Simulator::motion_at(TimeNs time_ns) const {
   if (scenario_.random_start_yaw) {
     motion = turned(motion, scenario_.motion(0.0).position_world_m, start_yaw_rad_);
   }
-  motion.position_world_m += relocated_by_world_m(scenario_.disturbances, time_s);
-  return motion;
+  return relocated(scenario_.disturbances, time_s, motion);
 }
 
 TimeNs Simulator::time_of_sample(std::uint64_t index, double rate_hz, double phase) const {
@@ -104,13 +115,13 @@ Step Simulator::arrived(Event event) {
 
 void Simulator::take_imu_sample(TimeNs time_ns) {
   ++imu_count_;
+  const double time_s = since_start_s(time_ns);
   const Motion motion = motion_at(time_ns);
-  ImuSample sample =
-      imu_.measure(motion, gyro_drift_body_radps(scenario_.disturbances, since_start_s(time_ns)));
+  ImuSample sample = imu_.measure(motion, gyro_drift_body_radps(scenario_.disturbances, time_s));
   sample.address = run_.address;
   sample.sensor_time_ns = time_ns;
   const PacketFate fate = imu_packets_.next();
-  if (fate.copies == 0) return;
+  if (fate.copies == 0 || is_outage(scenario_.disturbances.imu_outages, time_s)) return;
   if (fate.late_s > 0) {
     late_imu_.push_back({time_ns + to_ns(fate.late_s), sample});
     return;
@@ -136,30 +147,40 @@ void Simulator::emit_until(TimeNs time_ns) {
 }
 
 void Simulator::emit_one() {
-  const TimeNs emission_ns = time_of_sample(emission_count_++, ultrasonic_.fix_rate_hz(), fix_phase_);
+  const std::uint64_t number = emission_count_++;
+  const TimeNs emission_ns = time_of_sample(number, ultrasonic_.fix_rate_hz(), fix_phase_);
   const double time_s = since_start_s(emission_ns);
-  if (is_outage(scenario_.disturbances, time_s)) return;
+  if (is_outage(scenario_.disturbances.outages, time_s)) return;
+  if (is_left_out(scenario_.disturbances, time_s, number)) return;
   const TimeNs usually_received_ns = emission_ns + to_ns(ultrasonic_.next_delay_s());
   const Motion motion = motion_at(emission_ns);
-  FixCondition condition;
-  if (const PoorFixes* kind = draw_poor_fix(scenario_.disturbances, poor_fixes_)) {
-    condition = {kind->noise_factor, kind->quality_percent};
-  }
-  UltrasonicFix fix = ultrasonic_.measure_fix(motion, condition);
-  fix.position_world_m += track_offset_world_m(scenario_.disturbances, time_s);
-  PairHeading heading = ultrasonic_.measure_heading(motion);
+  UltrasonicFix fix = measure_fix(motion, time_s);
+  PairHeading heading =
+      ultrasonic_.measure_heading(motion, heading_error_rad(scenario_.disturbances, time_s));
   fix.address = heading.address = run_.address;
-  fix.emission_time_ns = heading.emission_time_ns = emission_ns;
+  fix.emission_time_ns = heading.emission_time_ns = emission_ns - to_ns(sensors_.reported_delay_error_s);
 
   constexpr TimeNs copy_after_ns = 1'000'000;
   const PacketFate fate = position_packets_.next();
   for (int i = 0; i < fate.copies; ++i) {
     const TimeNs received_ns = usually_received_ns + to_ns(fate.late_s) + i * copy_after_ns;
     fix.received_time_ns = heading.received_time_ns = received_ns;
-    fix.measured_delay_s = seconds_between(emission_ns, received_ns);
+    fix.measured_delay_s = seconds_between(fix.emission_time_ns, received_ns);
     receive(fix);
     if (sensors_.pair_heading) receive(heading);
   }
+}
+
+UltrasonicFix Simulator::measure_fix(const Motion& motion, double time_s) {
+  FixCondition condition;
+  Vector3d offset_world_m = track_offset_world_m(scenario_.disturbances, time_s, motion.position_world_m);
+  if (const PoorFixes* kind = draw_poor_fix(scenario_.disturbances, poor_fixes_)) {
+    condition = {kind->noise_factor, kind->quality_percent};
+    offset_world_m += draw_offset_world_m(*kind, poor_fixes_);
+  }
+  UltrasonicFix fix = ultrasonic_.measure_fix(motion, condition);
+  fix.position_world_m += offset_world_m;
+  return fix;
 }
 
 void Simulator::receive(const Event& event) {

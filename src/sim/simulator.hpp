@@ -21,6 +21,9 @@ struct Run {
   double duration_s = std::numeric_limits<double>::infinity();  ///< all IMU samples are before this
 };
 
+/// The scenario as this run has it, with its variation drawn. Drawing again changes nothing.
+Scenario drawn(const Scenario& scenario, const Run& run);
+
 /// One event, as it becomes available.
 struct Step {
   Event event;
@@ -34,8 +37,8 @@ struct Step {
 /// received after the last IMU sample are dropped.
 class Simulator {
 public:
-  /// The scenario's motion and disturbances, with its own sensors or these. Throws std::invalid_argument for
-  /// invalid settings.
+  /// The scenario's motion and disturbances, as drawn for this run, with its own sensors or these. Throws
+  /// std::invalid_argument for invalid settings.
   Simulator(const Scenario& scenario, const Run& run);
   Simulator(const Scenario& scenario, const SensorSettings& sensors, const Run& run);
 
@@ -59,6 +62,7 @@ private:
   void deliver(const ImuSample& sample, int copies);
   void emit_until(TimeNs time_ns);
   void emit_one();
+  UltrasonicFix measure_fix(const Motion& motion, double time_s);
   void receive(const Event& event);
 
   Scenario scenario_;

@@ -129,6 +129,31 @@ SCENARIO("the simulator as a source of several beacons") {
       }
     }
   }
+  GIVEN("a scenario that draws path and sensors from the seed") {
+    SimulatorOptions options = simulator(20.0);
+    options.scenario = "moving_start";
+    options.beacons = 3;
+    make_simulator_source(options)->run(sink, stop);
+    SimulatorOptions alone = options;
+    alone.beacons = 1;
+    alone.address = static_cast<BeaconAddress>(options.address + 2);
+    alone.seed = options.seed + 2;
+    CollectingSink single;
+    make_simulator_source(alone)->run(single, stop);
+    THEN("each beacon has its own") {
+      const auto expected = single.of_kind<ImuSample>();
+      const auto third = imu_of(sink, alone.address);
+      const auto first = imu_of(sink, options.address);
+      REQUIRE(third.size() == expected.size());
+      double difference_mps2 = 0;
+      for (std::size_t i = 0; i < third.size(); ++i) {
+        REQUIRE(third[i].specific_force_body_mps2 == expected[i].specific_force_body_mps2);
+        const Vector3d apart = third[i].specific_force_body_mps2 - first[i].specific_force_body_mps2;
+        difference_mps2 = std::max(difference_mps2, apart.norm());
+      }
+      CHECK(difference_mps2 > 0.5);
+    }
+  }
   GIVEN("a line that loses, duplicates and delays packets") {
     SimulatorOptions options = simulator(20.0);
     options.scenario = "packet_loss";

@@ -127,4 +127,32 @@ TEST_CASE("a missing folder is refused by name") {
                     Catch::Matchers::Contains("/nowhere/at/all"));
 }
 
+SCENARIO("a case of a scenario that varies has the disturbances of its run") {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const evaluation::Case hall = evaluation::simulated_case(sim::find_scenario("hall"), seed);
+    const evaluation::Case moved = evaluation::simulated_case(sim::find_scenario("moved_map"), seed);
+    THEN("no fix of seed " + std::to_string(seed) + " was emitted in one of its outages") {
+      REQUIRE_FALSE(hall.outages.empty());
+      for (const Event& event : hall.events) {
+        const auto* fix = std::get_if<UltrasonicFix>(&event);
+        if (fix == nullptr) continue;
+        const double time_s = seconds_between(available_at_ns(hall.events.front()), fix->emission_time_ns);
+        for (const sim::Outage& outage : hall.outages) {
+          REQUIRE((time_s < outage.begin_s || time_s >= outage.begin_s + outage.duration_s));
+        }
+      }
+    }
+    THEN("the map of seed " + std::to_string(seed) + " moves where its truth jumps") {
+      REQUIRE(moved.relocations.size() == 1);
+      const TimeNs at_ns = moved.truth.front().time_ns + to_ns(moved.relocations.front().at_s);
+      for (std::size_t i = 1; i < moved.truth.size(); ++i) {
+        const double step_m = (moved.truth[i].position_world_m - moved.truth[i - 1].position_world_m).norm();
+        if (step_m < 0.05) continue;
+        CHECK(moved.truth[i - 1].time_ns < at_ns);
+        CHECK(moved.truth[i].time_ns >= at_ns);
+      }
+    }
+  }
+}
+
 }  // namespace evaluation_test

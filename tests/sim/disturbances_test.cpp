@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -96,27 +97,100 @@ SCENARIO("poor fixes occur with the configured share") {
   CHECK(draw_poor_fix({}, random) == nullptr);
 }
 
+SCENARIO("spikes lie at the configured distance in any direction") {
+  GIVEN("spikes of 0.3 to 3 m") {
+    const PoorFixes kind{.share = 0.03, .offset_m = {0.3, 3.0}};
+    Random random(1);
+    constexpr int count = 20'000;
+    Vector3d mean_m = Vector3d::Zero();
+    double mean_distance_m = 0;
+    for (int i = 0; i < count; ++i) {
+      const Vector3d offset_m = draw_offset_world_m(kind, random);
+      REQUIRE(offset_m.norm() >= 0.3);
+      REQUIRE(offset_m.norm() <= 3.0);
+      mean_m += offset_m / count;
+      mean_distance_m += offset_m.norm() / count;
+    }
+    CHECK(mean_distance_m == Approx(1.65).margin(0.03));
+    CHECK(mean_m.norm() < 0.05);
+  }
+  GIVEN("a kind without an offset") {
+    Random random(1);
+    CHECK(draw_offset_world_m({.share = 0.5}, random) == Vector3d::Zero());
+    THEN("nothing was drawn") {
+      CHECK(random.uniform() == Random(1).uniform());
+    }
+  }
+}
+
 SCENARIO("disturbances begin and end on time") {
   GIVEN("an outage from 5 to 7 s") {
     const Disturbances disturbances{.outages = {{5.0, 2.0}}};
-    CHECK_FALSE(is_outage(disturbances, 4.999));
-    CHECK(is_outage(disturbances, 5.0));
-    CHECK(is_outage(disturbances, 6.999));
-    CHECK_FALSE(is_outage(disturbances, 7.0));
+    CHECK_FALSE(is_outage(disturbances.outages, 4.999));
+    CHECK(is_outage(disturbances.outages, 5.0));
+    CHECK(is_outage(disturbances.outages, 6.999));
+    CHECK_FALSE(is_outage(disturbances.outages, 7.0));
     CHECK_FALSE(is_outage({}, 6.0));
+  }
+  GIVEN("a halved fix rate from 5 to 7 s") {
+    const Disturbances disturbances{.halved_fix_rates = {{5.0, 2.0}}};
+    CHECK_FALSE(is_left_out(disturbances, 4.999, 51));
+    CHECK(is_left_out(disturbances, 5.0, 51));
+    CHECK_FALSE(is_left_out(disturbances, 5.1, 52));
+    CHECK(is_left_out(disturbances, 6.999, 53));
+    CHECK_FALSE(is_left_out(disturbances, 7.0, 53));
   }
   GIVEN("a burst from 5 to 7 s") {
     const Vector3d offset(1.0, -2.0, 0.5);
     const Disturbances disturbances{.outlier_bursts = {{5.0, 2.0, offset}}};
-    CHECK(track_offset_world_m(disturbances, 4.999) == Vector3d::Zero());
-    CHECK(track_offset_world_m(disturbances, 5.0) == offset);
-    CHECK(track_offset_world_m(disturbances, 7.0) == Vector3d::Zero());
+    const Vector3d anywhere(3.0, 4.0, 5.0);
+    CHECK(track_offset_world_m(disturbances, 4.999, anywhere) == Vector3d::Zero());
+    CHECK(track_offset_world_m(disturbances, 5.0, anywhere) == offset);
+    CHECK(track_offset_world_m(disturbances, 7.0, anywhere) == Vector3d::Zero());
+  }
+  GIVEN("a track that drifts away by 0.5 m/s from 5 to 9 s") {
+    const Disturbances disturbances{
+        .outlier_bursts = {{.begin_s = 5.0, .duration_s = 4.0, .drift_world_mps = {0.3, 0.0, -0.4}}}};
+    CHECK(track_offset_world_m(disturbances, 5.0, Vector3d::Zero()) == Vector3d::Zero());
+    CHECK((track_offset_world_m(disturbances, 7.0, Vector3d::Zero()) - Vector3d(0.6, 0.0, -0.8)).norm() <
+          1e-12);
+    CHECK(track_offset_world_m(disturbances, 9.0, Vector3d::Zero()) == Vector3d::Zero());
+  }
+  GIVEN("a track that a wall at 45° through the origin mirrors") {
+    const Wall wall{Vector3d::Zero(), Vector3d(1.0, -1.0, 0.0).normalized()};
+    const Disturbances disturbances{.outlier_bursts = {{.duration_s = 9.0, .mirror = wall}}};
+    THEN("x and y change places and the height stays") {
+      const Vector3d position(1.0, 3.0, 0.7);
+      const Vector3d mirrored = position + track_offset_world_m(disturbances, 5.0, position);
+      CHECK((mirrored - Vector3d(3.0, 1.0, 0.7)).norm() < 1e-12);
+    }
   }
   GIVEN("two relocations") {
     const Disturbances disturbances{.relocations = {{5.0, {1, 0, 0}}, {9.0, {0, 2, 0}}}};
-    CHECK(relocated_by_world_m(disturbances, 4.999) == Vector3d::Zero());
-    CHECK(relocated_by_world_m(disturbances, 5.0) == Vector3d(1, 0, 0));
-    CHECK(relocated_by_world_m(disturbances, 100.0) == Vector3d(1, 2, 0));
+    CHECK(relocated(disturbances, 4.999, {}).position_world_m == Vector3d::Zero());
+    CHECK(relocated(disturbances, 5.0, {}).position_world_m == Vector3d(1, 0, 0));
+    CHECK(relocated(disturbances, 100.0, {}).position_world_m == Vector3d(1, 2, 0));
+  }
+  GIVEN("a map that turns by 90° about (1, 0) and shifts by 5 m along X") {
+    const Disturbances disturbances{.relocations = {{5.0, {5, 0, 0}, std::numbers::pi / 2, {1, 0, 0}}}};
+    Motion motion;
+    motion.position_world_m = {3, 0, 1};
+    motion.velocity_world_mps = {2, 0, 0};
+    const Motion after = relocated(disturbances, 6.0, motion);
+    THEN("position, velocity and yaw turn with it") {
+      CHECK((after.position_world_m - Vector3d(6, 2, 1)).norm() < 1e-12);
+      CHECK((after.velocity_world_mps - Vector3d(0, 2, 0)).norm() < 1e-12);
+      CHECK((after.q_body_to_world * Vector3d::UnitX() - Vector3d::UnitY()).norm() < 1e-12);
+    }
+  }
+  GIVEN("a heading that is off by up to 0.5 rad from 5 to 9 s") {
+    const Disturbances disturbances{.heading_errors = {{5.0, 4.0, 0.5}}};
+    CHECK(heading_error_rad(disturbances, 4.999) == 0.0);
+    CHECK(heading_error_rad(disturbances, 5.0) == 0.0);
+    CHECK(heading_error_rad(disturbances, 6.0) == Approx(0.25));
+    CHECK(heading_error_rad(disturbances, 7.0) == Approx(0.5));
+    CHECK(heading_error_rad(disturbances, 8.999) < 1e-6);
+    CHECK(heading_error_rad(disturbances, 9.0) == 0.0);
   }
   GIVEN("a gyro that drifts from 5 to 9 s") {
     const Disturbances disturbances{.gyro_drift = GyroDrift{5.0, 4.0, {0.4, 0.0, -0.8}}};
@@ -136,8 +210,19 @@ SCENARIO("invalid disturbances are refused by name") {
              Catch::Contains("relocations.by_world_m"));
   CHECK_THAT(refusal({.poor_fixes = {{.share = 1.5}}}), Catch::Contains("poor_fixes.share"));
   CHECK_THAT(refusal({.poor_fixes = {{.share = 0.6}, {.share = 0.6}}}), Catch::Contains("sum of the shares"));
-  CHECK_THAT(refusal({.poor_fixes = {{.share = 0.5, .quality_percent = {50.0, 120.0}}}}),
+  CHECK_THAT(refusal({.poor_fixes = {{.share = 0.5, .quality_percent = Range{50.0, 120.0}}}}),
              Catch::Contains("quality_percent") && Catch::Contains("120"));
+  CHECK_THAT(refusal({.poor_fixes = {{.share = 0.5, .offset_m = {3.0, 0.3}}}}),
+             Catch::Contains("poor_fixes.offset_m"));
+  CHECK_THAT(refusal({.imu_outages = {{1.0, -2.0}}}), Catch::Contains("imu_outages.duration_s"));
+  CHECK_THAT(refusal({.outlier_bursts = {{.mirror = Wall{Vector3d::Zero(), {2, 0, 0}}}}}),
+             Catch::Contains("mirror.normal_world"));
+  CHECK_THAT(refusal({.outlier_bursts = {{.mirror = Wall{Vector3d::Zero(), {0, 0, 1}}}}}),
+             Catch::Contains("mirror.normal_world.z"));
+  CHECK_THAT(refusal({.relocations = {{.at_s = 1.0, .turn_rad = std::nan("")}}}),
+             Catch::Contains("relocations.turn_rad"));
+  CHECK_THAT(refusal({.heading_errors = {{1.0, 2.0, std::nan("")}}}),
+             Catch::Contains("heading_errors.peak_rad"));
   CHECK_THAT(refusal({.imu_packets = {.dropped_share = std::nan("")}}),
              Catch::Contains("imu_packets.dropped_share"));
   CHECK_THAT(refusal({.position_packets = {.late_share = 0.1, .late_by_s = {0.3, 0.1}}}),

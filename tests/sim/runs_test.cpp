@@ -284,12 +284,15 @@ SCENARIO("a whole run is recorded in order") {
     }
   }
   GIVEN("every scenario, twice") {
-    for (const Scenario& scenario : scenarios()) {
-      CAPTURE(scenario.name);
-      const Recording once = record(scenario, {.seed = 3});
-      CHECK(once.events == record(scenario, {.seed = 3}).events);
-      CHECK(once.events != record(scenario, {.seed = 4}).events);
-      for (std::size_t i = 0; i < once.events.size(); ++i) REQUIRE(sequence_of(once.events[i]) == i + 1);
+    for (const auto& group : {scenarios(), harder_scenarios()}) {
+      for (const Scenario& scenario : group) {
+        CAPTURE(scenario.name);
+        const Recording once = record(scenario, {.seed = 3});
+        CHECK(once.events == record(scenario, {.seed = 3}).events);
+        CHECK(once.events == record(drawn(scenario, {.seed = 3}), {.seed = 3}).events);
+        CHECK(once.events != record(scenario, {.seed = 4}).events);
+        for (std::size_t i = 0; i < once.events.size(); ++i) REQUIRE(sequence_of(once.events[i]) == i + 1);
+      }
     }
   }
 }

@@ -59,11 +59,14 @@ Extremes extremes_of(const Scenario& scenario) {
 
 SCENARIO("the names of the scenarios are unique") {
   std::set<std::string> names;
-  for (const Scenario& scenario : scenarios()) {
-    CHECK(names.insert(std::string(scenario.name)).second);
-    CHECK_FALSE(scenario.summary.empty());
-    CHECK(scenario.score_after_s >= 6.0);
-    CHECK(scenario.duration_s >= scenario.score_after_s + 30.0);
+  for (const auto& group : {scenarios(), harder_scenarios()}) {
+    for (const Scenario& scenario : group) {
+      CHECK(names.insert(std::string(scenario.name)).second);
+      CHECK_FALSE(scenario.summary.empty());
+      CHECK(scenario.score_after_s >= 6.0);
+      CHECK(scenario.duration_s >= scenario.score_after_s + 30.0);
+      CHECK(&find_scenario(scenario.name) == &scenario);
+    }
   }
   for (const char* name : {"rest", "walk", "forklift", "kart", "spin", "drone", "outlier_bursts", "outages",
                            "low_quality", "relocation", "no_heading", "gyro_bias", "jitter", "packet_loss"}) {

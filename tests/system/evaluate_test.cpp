@@ -49,6 +49,17 @@ SCENARIO("another first seed gives other runs") {
   CHECK(rmse_of({"--first-seed", "101"}) != first);
 }
 
+SCENARIO("--harder scores the harder scenarios, and those that are named") {
+  const Result result = run(SONOPOSE_TEST_EVALUATE, {"rest", "--harder", "--seeds", "1", "--json"});
+  CAPTURE(result.error);
+  REQUIRE(result.code == 0);
+  const json rows = json::parse(result.output);
+  REQUIRE(rows.size() == 13);
+  CHECK(rows.at(0).at("case") == "rest");
+  CHECK(rows.at(1).at("case") == "wrong_tracks");
+  for (const json& row : rows) CHECK(row.at("position_rmse_m").is_number());
+}
+
 SCENARIO("a search prints settings that are effective for the selected beacon") {
   const Result result =
       run(SONOPOSE_TEST_TUNE, {"walk", "--seeds", "1", "--rounds", "1", "--beacon", "9", "--set",

@@ -79,9 +79,11 @@ SCENARIO("a simulated run is written as a log with truth") {
   GIVEN("--list") {
     const Result result = simulate({"--list"});
     CHECK(result.code == 0);
-    for (const sim::Scenario& scenario : sim::scenarios()) {
-      CHECK_THAT(result.output,
-                 Contains(std::string(scenario.name)) && Contains(std::string(scenario.summary)));
+    for (const auto& group : {sim::scenarios(), sim::harder_scenarios()}) {
+      for (const sim::Scenario& scenario : group) {
+        CHECK_THAT(result.output,
+                   Contains(std::string(scenario.name)) && Contains(std::string(scenario.summary)));
+      }
     }
   }
 }
