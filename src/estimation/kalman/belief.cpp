@@ -38,6 +38,7 @@ void Belief::copy_from(const Belief& other) {
   force_body_mps2 = other.force_body_mps2;
   mean_force_body_mps2 = other.mean_force_body_mps2;
   in_imu_gap = other.in_imu_gap;
+  restart_pending = other.restart_pending;
   rest = other.rest;
   noise = other.noise;
   repetition = other.repetition;
@@ -92,14 +93,14 @@ void Belief::on_imu(const settings::Settings& settings, const ImuMeasurement& im
     constexpr double time_constant_s = 0.5;
     const double share = time_ns == 0 ? 1.0 : std::min(1.0, std::max(dt_s, 0.005) / time_constant_s);
     mean_force_body_mps2 += share * (imu.force_body_mps2 - mean_force_body_mps2);
+  } else if (in_imu_gap) {
+    coast_over_gap(dt_s);
   } else if (dt_s > 0.0) {
     for_each_filter([&](Filter& each, const ProcessNoise&) { each.predict(rate, force, dt_s); });
     repetition.moved_world_m += dt_s * repetition.velocity_world_mps;
     repetition.velocity_world_mps += dt_s * filter().acceleration_world_mps2;
     constexpr double regular_step_s = 0.025;
-    if (in_imu_gap) {
-      coast_over_gap(dt_s);
-    } else if (dt_s > regular_step_s) {
+    if (dt_s > regular_step_s) {
       // The mean of the two ends is not that of what lies between.
       const double accel = dt_s * (0.3 * (imu.force_body_mps2 - force_body_mps2).norm() + 0.3);
       const double turn = dt_s * (0.3 * (imu.rate_body_radps - rate_body_radps).norm() + 0.03);
@@ -118,21 +119,31 @@ void Belief::on_imu(const settings::Settings& settings, const ImuMeasurement& im
   bound_dead_reckoning();
 }
 
-/// The motion during the gap is unknown.
+/// The motion during the gap is unknown. After a short one the filters go on with more uncertainty; after a
+/// long one the next fix starts them again.
 void Belief::coast_over_gap(double dt_s) {
-  propagate();
+  constexpr double long_gap_s = 0.5;
+  constexpr double slowing_s = 1.0;
   const double speed = std::min(1.5 * dt_s, 3.0);
-  const double turn = std::min(0.6 * dt_s, 1.0);
-  const double tilt = std::min(0.1 * dt_s, 0.2);
-  for_each_filter([&](Filter& each, const ProcessNoise&) {
+  propagate();
+  for_each_filter([&](Filter& each, const ProcessNoise& model) {
+    each.coast(dt_s, slowing_s);
+    each.propagate(model);
     each.add_variance(at_velocity, Vector3d::Constant(square(speed)));
     each.add_variance(at_position, Vector3d::Constant(square(speed * dt_s) / 3.0));
-    each.add_variance(at_attitude, Vector3d::Constant(square(tilt)));
-    each.add_yaw_variance(square(turn));
+    each.add_variance(at_attitude, Vector3d::Constant(square(std::min(0.1 * dt_s, 0.2))));
+    each.add_yaw_variance(square(std::min(0.6 * dt_s, 1.5)));
   });
+  if (dt_s > long_gap_s) restart_pending = true;
+  rival.alive = former.alive = false;
   rest::restart(rest);
-  repetition.has_fix = false;
-  repetition.frozen = false;
+  repetition = Repetition{};
+}
+
+/// Whether the IMU was silent between its latest sample and a measurement, which is then no correction of a
+/// known motion.
+bool Belief::is_beyond_imu(const settings::Settings& settings, TimeNs measured_ns) const {
+  return seconds_between(time_ns, measured_ns) > settings.outage.imu_gap_s;
 }
 
 void Belief::update_rest(const ImuMeasurement& imu) {
@@ -162,14 +173,16 @@ void Belief::update_rest(const ImuMeasurement& imu) {
 void Belief::bound_dead_reckoning() {
   constexpr TimeNs after_ns = 1'000'000'000;
   constexpr TimeNs period_ns = 100'000'000;
-  constexpr double speed_mps_rts = 1.5;
+  // The rougher the IMU that the fixes showed, the sooner its integral is worth nothing.
+  constexpr std::array<double, model_count> speed_mps_rts{1.5, 1.0, 0.3};
+  const auto model = static_cast<std::size_t>(phase == Phase::tracking ? best : 0);
   if (phase == Phase::waiting || time_ns - last_fix_ns < after_ns || time_ns - slowed_ns < period_ns) return;
   slowed_ns = time_ns;
   propagate();
   for (int i = 0; i < candidate_count; ++i) {
     Filter& each = candidates[static_cast<std::size_t>(i)].filter;
     each.correct_states(at_velocity, -each.velocity_world_mps,
-                        square(speed_mps_rts) / (1e-9 * static_cast<double>(period_ns)));
+                        square(speed_mps_rts[model]) / (1e-9 * static_cast<double>(period_ns)));
   }
 }
 
@@ -177,8 +190,11 @@ void Belief::bound_dead_reckoning() {
 
 void Belief::start_at(const FixMeasurement& fix, const settings::Settings& settings) {
   const bool at_rest = rest.still_windows >= 1;
+  const bool again = phase != Phase::waiting;
   Filter start;
-  const Vector3d& up = at_rest ? rest.still_accel_mean : mean_force_body_mps2;
+  const Vector3d up = at_rest ? rest.still_accel_mean
+                      : again ? geometry::up_in_body(filter().q_body_to_world)
+                              : mean_force_body_mps2;
   const double tilt_std = at_rest ? radians(1.7) : radians(5.0);
   const double speed_std = at_rest ? 0.1 : 2.0;
   start.covariance.setZero();
@@ -189,6 +205,15 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
   variances.segment<3>(at_gyro_bias).setConstant(square(0.02));
   variances.segment<3>(at_accel_bias).setConstant(square(0.1));
   variances.segment<3>(at_lever_arm).setConstant(square(0.05));
+  if (again) {
+    const Filter& before = filter();
+    start.gyro_bias_body_radps = before.gyro_bias_body_radps;
+    start.accel_bias_body_mps2 = before.accel_bias_body_mps2;
+    start.lever_arm_body_m = before.lever_arm_body_m;
+    for (const StateIndex index : {at_gyro_bias, at_accel_bias, at_lever_arm}) {
+      start.covariance.block<3, 3>(index, index) = before.covariance.block<3, 3>(index, index);
+    }
+  }
 
   constexpr TimeNs recent_ns = 500'000'000;
   const bool has_heading = last_heading_ns != 0 && fix.time_ns - last_heading_ns < recent_ns;
@@ -201,12 +226,14 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
     candidate.filter = start;
     candidate.filter.q_body_to_world =
         geometry::level_with(up, first_yaw + i * 2.0 * std::numbers::pi / start_count);
-    candidate.filter.position_world_m = fix.position_world_m;
+    candidate.filter.position_world_m =
+        fix.position_world_m + candidate.filter.q_body_to_world * start.lever_arm_body_m;
     candidate.filter.angular_velocity_body_radps = rate_body_radps;
     candidate.filter.add_yaw_variance(square(yaw_std));
   }
   best = 0;
   rival.alive = former.alive = false;
+  restart_pending = false;
   phase = Phase::searching_yaw;
   trust = 1.0;
   last_fix_ns = fix.time_ns;
@@ -235,14 +262,15 @@ void Belief::adopt(const Filter& track) {
 FixOutcome Belief::on_fix(const settings::Settings& settings, const FixMeasurement& fix) {
   FixOutcome outcome;
   if (time_ns == 0) return outcome;
+  if (phase != Phase::waiting && is_beyond_imu(settings, fix.time_ns)) return outcome;
   propagate();
   if (check_frozen(settings.frozen, fix)) {
     outcome.flags = fix_frozen;
     return outcome;
   }
-  if (phase == Phase::waiting) {
+  if (phase == Phase::waiting || restart_pending) {
+    outcome.flags = fix_used | (phase == Phase::waiting ? fix_first : fix_stale_recovered);
     start_at(fix, settings);
-    outcome.flags = fix_used | fix_first;
     outcome.weight = 1.0;
     return outcome;
   }
@@ -382,13 +410,14 @@ void Belief::reject(const FixMeasurement& fix, const Matrix3d& covariance, doubl
     outcome.weight = 1.0;
     return;
   }
-  constexpr int most_misses = 3;
   if (!rival.alive) {
     begin_rival(fix, covariance);
     return;
   }
   const Innovation innovation = rival.filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
   if (innovation.squared_norm > rejected_above) {
+    // A track that many fixes support survives a short spike.
+    const int most_misses = 3 + std::min(rival.fixes / 2, 9);
     if (++rival.misses_in_row >= most_misses) begin_rival(fix, covariance);
     return;
   }
@@ -400,7 +429,8 @@ void Belief::reject(const FixMeasurement& fix, const Matrix3d& covariance, doubl
   ++rival.fixes;
   const double jump_m =
       (rival.filter.tracked_position_world_m() - filter().tracked_position_world_m()).norm();
-  const double needed_s = std::clamp(2.2 - (jump_m - 1.5) / 0.5 * 1.2, 1.0, 2.2);
+  const bool map_turned = heading_rejected_since_ns != 0;  // a wrong track turns no heading
+  const double needed_s = map_turned ? 1.0 : std::clamp(2.2 - (jump_m - 1.5) / 0.5 * 1.2, 1.0, 2.2);
   const double alone_s = seconds_between(std::max(last_fix_ns, rival.began_ns), fix.time_ns);
   const bool enough_fixes = rival.fixes >= 8 || (rival.fixes >= 3 && alone_s > 3.0);
   if (alone_s < needed_s || !enough_fixes) return;
@@ -419,7 +449,7 @@ void Belief::begin_rival(const FixMeasurement& fix, const Matrix3d& covariance) 
   rival.last_fix_ns = fix.time_ns;
   rival.fixes = 1;
   rival.misses_in_row = 0;
-  rival.opened = seconds_between(last_fix_ns, fix.time_ns) > lost_s;
+  rival.opened = seconds_between(last_fix_ns, fix.time_ns) > lost_s || heading_rejected_since_ns != 0;
   rival.filter = filter();
   Filter& f = rival.filter;
   f.position_world_m = fix.position_world_m + f.q_body_to_world * f.lever_arm_body_m;
@@ -434,11 +464,21 @@ void Belief::begin_rival(const FixMeasurement& fix, const Matrix3d& covariance) 
 
 void Belief::promote_rival() {
   constexpr TimeNs converging_ns = 500'000'000;
-  former.alive = true;
-  former.left_ns = rival.last_fix_ns;
-  former.fixes_in_row = 0;
-  former.filter = filter();
+  // A track that replaced the former a moment ago is less credible than the former itself.
+  constexpr double established_s = 4.0;
+  const bool keep_former = former.alive && seconds_between(former.left_ns, rival.last_fix_ns) < established_s;
+  if (!keep_former) {
+    former.alive = true;
+    former.left_ns = rival.last_fix_ns;
+    former.fixes_in_row = 0;
+    former.filter = filter();
+  }
   adopt(rival.filter);
+  if (heading_rejected_since_ns != 0) {
+    // The headings contradict the former track too: the map has turned.
+    for_each_filter([](Filter& each, const ProcessNoise&) { each.add_yaw_variance(square(radians(40.0))); });
+    heading_rejected_since_ns = 0;
+  }
   phase = Phase::tracking;
   rival.alive = false;
   converging_until_ns = time_ns + converging_ns;
@@ -447,7 +487,7 @@ void Belief::promote_rival() {
 
 /// Whether the third fix in a row lies on the track that was given up, which is then followed again.
 bool Belief::take_back_former(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s) {
-  constexpr double coasts_s = 6.0;
+  constexpr double coasts_s = 8.0;
   constexpr int enough = 3;
   if (!former.alive) return false;
   if (seconds_between(former.left_ns, fix.time_ns) > coasts_s) {
@@ -517,7 +557,8 @@ bool Belief::check_frozen(const settings::FrozenSettings& settings, const FixMea
 
 void Belief::on_heading(const settings::Settings& settings, const HeadingMeasurement& heading) {
   last_heading_rad = heading.heading_world_rad;
-  if (phase == Phase::waiting || repetition.frozen) {
+  if (phase == Phase::waiting || repetition.frozen || restart_pending ||
+      is_beyond_imu(settings, heading.time_ns)) {
     last_heading_ns = heading.time_ns;
     return;
   }

@@ -48,6 +48,14 @@ void Filter::predict(const Vector3d& rate_body_radps, const Vector3d& specific_f
   f.attitude_gyro_bias.diagonal().array() -= dt_s;
 }
 
+void Filter::coast(double duration_s, double slowing_s) {
+  const double left = std::exp(-duration_s / slowing_s);
+  const double moving_s = slowing_s * (1.0 - left);
+  position_world_m += moving_s * velocity_world_mps;
+  velocity_world_mps *= left;
+  pending.position_velocity_s += moving_s;
+}
+
 void Filter::propagate(const ProcessNoise& noise) {
   const double t = pending.position_velocity_s;
   if (!(t > 0.0)) return;

@@ -88,6 +88,33 @@ SCENARIO("the Kalman engine follows a walk within the noise of one fix") {
   }
 }
 
+SCENARIO("the Kalman engine recovers from what nobody could predict") {
+  const auto longest_off_s = [](const char* scenario, std::uint64_t seed) {
+    const sim::Recording recording = record(scenario, 60.0, seed);
+    kalman::Engine engine{settings::Settings{}};
+    auto truth = recording.truth.begin();
+    double longest_s = 0.0;
+    TimeNs since_ns = 0;
+    for (const FusedPose& pose : poses_of(engine, recording.events)) {
+      while (truth != recording.truth.end() && truth->time_ns < pose.time_ns) ++truth;
+      if (truth == recording.truth.end()) break;
+      const bool off = (pose.position_world_m - truth->position_world_m).norm() > 1.0;
+      if (!off) since_ns = 0;
+      if (off && since_ns == 0) since_ns = pose.time_ns;
+      if (off) longest_s = std::max(longest_s, seconds_between(since_ns, pose.time_ns));
+    }
+    return longest_s;
+  };
+  GIVEN("gaps of the IMU of up to 5 s, corners and pauses with spikes, or a map that turns") {
+    const char* const scenario = GENERATE("imu_gaps", "hall", "moved_map", "hard_stops", "sparse_fixes");
+    const std::uint64_t seed = GENERATE(61U, 62U);
+    CAPTURE(scenario, seed);
+    THEN("the pose is never more than a metre off for longer than 3 s") {
+      CHECK(longest_off_s(scenario, seed) < 3.0);
+    }
+  }
+}
+
 SCENARIO("the order of arrival does not matter") {
   GIVEN("a walk whose fixes and headings arrive at random within 0.7 s") {
     const sim::Recording walk = record("walk", 20.0);

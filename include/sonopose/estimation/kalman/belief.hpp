@@ -122,6 +122,7 @@ struct Belief {
   Vector3d force_body_mps2 = Vector3d::Zero();
   Vector3d mean_force_body_mps2 = Vector3d::Zero();  ///< low-passed until the first fix
   bool in_imu_gap = false;
+  bool restart_pending = false;  ///< after a long gap of the IMU: the next fix starts the estimate again
   RestState rest;
   MeasurementNoise noise;
   Repetition repetition;
@@ -158,6 +159,7 @@ private:
   void start_at(const FixMeasurement& fix, const settings::Settings& settings);
   void begin_tracking();
   void coast_over_gap(double dt_s);
+  [[nodiscard]] bool is_beyond_imu(const settings::Settings& settings, TimeNs measured_ns) const;
   void update_rest(const ImuMeasurement& imu);
   void bound_dead_reckoning();
   FixOutcome judge(const FixMeasurement& fix);

@@ -77,6 +77,9 @@ public:
   /// transition. The covariance follows in `propagate`.
   void predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s);
 
+  /// Moves the position over a time without samples, at a velocity that falls with this time constant.
+  void coast(double duration_s, double slowing_s);
+
   /// P ← Φ P Φᵀ + Q for all steps since the last call.
   void propagate(const ProcessNoise& noise);
 

@@ -84,6 +84,7 @@ void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
   visit("force_body_mps2", belief.force_body_mps2);
   visit("mean_force_body_mps2", belief.mean_force_body_mps2);
   visit("in_imu_gap", belief.in_imu_gap);
+  visit("restart_pending", belief.restart_pending);
 
   visit("rest.window_began_ns", belief.rest.window_began_ns);
   visit("rest.samples", belief.rest.samples);
