@@ -5,7 +5,7 @@ namespace sonopose::estimation {
 namespace {
 
 std::variant<documented::Engine, strapdown::Engine, kalman::Engine> make(const settings::Settings& settings,
-                                                         const EstimatorOptions& options) {
+                                                                         const EstimatorOptions& options) {
   switch (options.kind.value_or(kind_of(settings.engine.engine))) {
     case EstimatorKind::documented:
       break;
