@@ -3,12 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 namespace sonopose::estimation::kalman {
 namespace {
 
 constexpr double full_weight_below = 7.8;  // χ², 3 degrees of freedom: 5 % are above
 constexpr double rejected_above = 30.0;
+constexpr TimeNs converging_ns = 500'000'000;  // after a jump
+constexpr double former_s = 8.0;               // for which a track that was given up is kept
 constexpr double heading_full_below = 6.6;
 constexpr double heading_rejected_above = 25.0;
 
@@ -59,6 +63,9 @@ void Belief::copy_from(const Belief& other) {
   last_heading_ns = other.last_heading_ns;
   last_heading_rad = other.last_heading_rad;
   heading_rejected_since_ns = other.heading_rejected_since_ns;
+  heading_rejected_ns = other.heading_rejected_ns;
+  headings_rejected_in_row = other.headings_rejected_in_row;
+  quality_percent = other.quality_percent;
   converging_until_ns = other.converging_until_ns;
   slowed_ns = other.slowed_ns;
   trust = other.trust;
@@ -100,7 +107,7 @@ void Belief::on_imu(const settings::Settings& settings, const ImuMeasurement& im
     repetition.moved_world_m += dt_s * repetition.velocity_world_mps;
     repetition.velocity_world_mps += dt_s * filter().acceleration_world_mps2;
     constexpr double regular_step_s = 0.025;
-    if (dt_s > regular_step_s) {
+    if (!imu.is_mean && dt_s > regular_step_s) {
       // The mean of the two ends is not that of what lies between.
       const double accel = dt_s * (0.3 * (imu.force_body_mps2 - force_body_mps2).norm() + 0.3);
       const double turn = dt_s * (0.3 * (imu.rate_body_radps - rate_body_radps).norm() + 0.03);
@@ -117,6 +124,7 @@ void Belief::on_imu(const settings::Settings& settings, const ImuMeasurement& im
   force_body_mps2 = imu.force_body_mps2;
   update_rest(imu);
   bound_dead_reckoning();
+  if (former.alive && seconds_between(former.left_ns, time_ns) > former_s) former.alive = false;
 }
 
 /// The motion during the gap is unknown. After a short one the filters go on with more uncertainty; after a
@@ -161,7 +169,7 @@ void Belief::update_rest(const ImuMeasurement& imu) {
     each.correct_states(at_gyro_bias, rest.still_gyro_mean - each.gyro_bias_body_radps,
                         square(mean_rate_std_radps));
   });
-  const double fix_std_m = std::sqrt(noise.fix_covariance_m2(-1.0).diagonal().maxCoeff());
+  const double fix_std_m = std::sqrt(noise.fix_covariance_m2(quality_percent).diagonal().maxCoeff());
   if (!rest::fixes_stand_still(rest, fix_std_m) || filter().velocity_world_mps.norm() > 0.1) return;
   for (int i = 0; i < candidate_count; ++i) {
     Filter& each = candidates[static_cast<std::size_t>(i)].filter;
@@ -238,6 +246,9 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
   trust = 1.0;
   last_fix_ns = fix.time_ns;
   slowed_ns = fix.time_ns;
+  heading_rejected_since_ns = 0;
+  headings_rejected_in_row = 0;
+  quality_percent = fix.quality_percent;
   if (has_heading) begin_tracking();
 }
 
@@ -249,10 +260,10 @@ void Belief::begin_tracking() {
 }
 
 void Belief::adopt(const Filter& track) {
-  const Filter copy = track;  // may be one of those
+  // `track` may be one of the candidates: each assignment leaves its value as it is.
   candidate_count = model_count;
   for (int i = 0; i < model_count; ++i) {
-    candidates[static_cast<std::size_t>(i)] = Candidate{.filter = copy};
+    candidates[static_cast<std::size_t>(i)] = Candidate{.filter = track};
   }
   best = std::min(best, model_count - 1);
 }
@@ -262,7 +273,10 @@ void Belief::adopt(const Filter& track) {
 FixOutcome Belief::on_fix(const settings::Settings& settings, const FixMeasurement& fix) {
   FixOutcome outcome;
   if (time_ns == 0) return outcome;
-  if (phase != Phase::waiting && is_beyond_imu(settings, fix.time_ns)) return outcome;
+  if (phase != Phase::waiting && is_beyond_imu(settings, fix.time_ns)) {
+    outcome.flags = fix_invalid;
+    return outcome;
+  }
   propagate();
   if (check_frozen(settings.frozen, fix)) {
     outcome.flags = fix_frozen;
@@ -275,13 +289,25 @@ FixOutcome Belief::on_fix(const settings::Settings& settings, const FixMeasureme
     return outcome;
   }
   const Vector3d position_before = filter().tracked_position_world_m();
-  const Vector3d velocity_before = filter().velocity_world_mps;
+  const Vector3d velocity_before = filter().tracked_velocity_world_mps();
   const double yaw_before = geometry::yaw_of(filter().q_body_to_world);
   outcome = judge(fix);
+  recover_if_not_finite();
   outcome.jump_world_m = filter().tracked_position_world_m() - position_before;
-  outcome.velocity_change_world_mps = filter().velocity_world_mps - velocity_before;
+  outcome.velocity_change_world_mps = filter().tracked_velocity_world_mps() - velocity_before;
   outcome.yaw_change_rad = geometry::wrap_angle(geometry::yaw_of(filter().q_body_to_world) - yaw_before);
   return outcome;
+}
+
+/// Nothing can be learned from numbers that are not finite: the next fix starts the estimate.
+void Belief::recover_if_not_finite() {
+  if (phase == Phase::waiting || filter().is_finite()) return;
+  candidates[0] = Candidate{};
+  candidate_count = 0;
+  best = 0;
+  rival.alive = former.alive = false;
+  mean_force_body_mps2 = force_body_mps2;
+  phase = Phase::waiting;
 }
 
 FixOutcome Belief::judge(const FixMeasurement& fix) {
@@ -325,6 +351,7 @@ FixOutcome Belief::judge(const FixMeasurement& fix) {
   former.fixes_in_row = 0;
   correct_candidates(fix, covariance, scale, ahead_s);
   last_fix_ns = fix.time_ns;
+  quality_percent = fix.quality_percent;
   slowed_ns = std::max(slowed_ns, fix.time_ns);
   rest::add_fix(rest, fix.time_ns, fix.position_world_m);
   return outcome;
@@ -393,6 +420,10 @@ void Belief::prune_starts() {
   }
   candidate_count = kept;
   best = 0;
+  if (kept == 0) {
+    candidates[0].filter.position_world_m.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return;  // none is finite: recover_if_not_finite starts again
+  }
   for (int i = 1; i < kept; ++i) {
     if (candidates[static_cast<std::size_t>(i)].score > candidates[static_cast<std::size_t>(best)].score)
       best = i;
@@ -415,7 +446,7 @@ void Belief::reject(const FixMeasurement& fix, const Matrix3d& covariance, doubl
     return;
   }
   const Innovation innovation = rival.filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
-  if (innovation.squared_norm > rejected_above) {
+  if (!(innovation.squared_norm <= rejected_above)) {
     // A track that many fixes support survives a short spike.
     const int most_misses = 3 + std::min(rival.fixes / 2, 9);
     if (++rival.misses_in_row >= most_misses) begin_rival(fix, covariance);
@@ -429,8 +460,8 @@ void Belief::reject(const FixMeasurement& fix, const Matrix3d& covariance, doubl
   ++rival.fixes;
   const double jump_m =
       (rival.filter.tracked_position_world_m() - filter().tracked_position_world_m()).norm();
-  const bool map_turned = heading_rejected_since_ns != 0;  // a wrong track turns no heading
-  const double needed_s = map_turned ? 1.0 : std::clamp(2.2 - (jump_m - 1.5) / 0.5 * 1.2, 1.0, 2.2);
+  const double needed_s =
+      map_has_turned(fix.time_ns) ? 1.0 : std::clamp(2.2 - (jump_m - 1.5) / 0.5 * 1.2, 1.0, 2.2);
   const double alone_s = seconds_between(std::max(last_fix_ns, rival.began_ns), fix.time_ns);
   const bool enough_fixes = rival.fixes >= 8 || (rival.fixes >= 3 && alone_s > 3.0);
   if (alone_s < needed_s || !enough_fixes) return;
@@ -449,12 +480,12 @@ void Belief::begin_rival(const FixMeasurement& fix, const Matrix3d& covariance) 
   rival.last_fix_ns = fix.time_ns;
   rival.fixes = 1;
   rival.misses_in_row = 0;
-  rival.opened = seconds_between(last_fix_ns, fix.time_ns) > lost_s || heading_rejected_since_ns != 0;
+  const bool open = seconds_between(last_fix_ns, fix.time_ns) > lost_s || map_has_turned(fix.time_ns);
   rival.filter = filter();
   Filter& f = rival.filter;
   f.position_world_m = fix.position_world_m + f.q_body_to_world * f.lever_arm_body_m;
   f.open_up(at_position, 2.0 * covariance.diagonal());
-  if (!rival.opened) return;
+  if (!open) return;
   f.open_up(at_velocity, Vector3d::Constant(square(2.0)));
   f.add_variance(at_attitude, Vector3d::Constant(square(radians(5.0))));
   f.add_yaw_variance(square(radians(15.0)));
@@ -463,7 +494,6 @@ void Belief::begin_rival(const FixMeasurement& fix, const Matrix3d& covariance) 
 }
 
 void Belief::promote_rival() {
-  constexpr TimeNs converging_ns = 500'000'000;
   // A track that replaced the former a moment ago is less credible than the former itself.
   constexpr double established_s = 4.0;
   const bool keep_former = former.alive && seconds_between(former.left_ns, rival.last_fix_ns) < established_s;
@@ -474,10 +504,10 @@ void Belief::promote_rival() {
     former.filter = filter();
   }
   adopt(rival.filter);
-  if (heading_rejected_since_ns != 0) {
-    // The headings contradict the former track too: the map has turned.
+  if (map_has_turned(rival.last_fix_ns)) {
     for_each_filter([](Filter& each, const ProcessNoise&) { each.add_yaw_variance(square(radians(40.0))); });
     heading_rejected_since_ns = 0;
+    headings_rejected_in_row = 0;
   }
   phase = Phase::tracking;
   rival.alive = false;
@@ -487,15 +517,10 @@ void Belief::promote_rival() {
 
 /// Whether the third fix in a row lies on the track that was given up, which is then followed again.
 bool Belief::take_back_former(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s) {
-  constexpr double coasts_s = 8.0;
   constexpr int enough = 3;
   if (!former.alive) return false;
-  if (seconds_between(former.left_ns, fix.time_ns) > coasts_s) {
-    former.alive = false;
-    return false;
-  }
   const Innovation innovation = former.filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
-  if (innovation.squared_norm > rejected_above) {
+  if (!(innovation.squared_norm <= rejected_above)) {
     former.fixes_in_row = 0;
     return false;
   }
@@ -505,6 +530,8 @@ bool Belief::take_back_former(const FixMeasurement& fix, const Matrix3d& covaria
   former.alive = false;
   rival.alive = false;
   last_fix_ns = fix.time_ns;
+  converging_until_ns = time_ns + converging_ns;
+  rest::restart(rest);
   return true;
 }
 
@@ -556,10 +583,10 @@ bool Belief::check_frozen(const settings::FrozenSettings& settings, const FixMea
 // One heading
 
 void Belief::on_heading(const settings::Settings& settings, const HeadingMeasurement& heading) {
-  last_heading_rad = heading.heading_world_rad;
   if (phase == Phase::waiting || repetition.frozen || restart_pending ||
       is_beyond_imu(settings, heading.time_ns)) {
     last_heading_ns = heading.time_ns;
+    last_heading_rad = heading.heading_world_rad;
     return;
   }
   propagate();
@@ -568,6 +595,7 @@ void Belief::on_heading(const settings::Settings& settings, const HeadingMeasure
   const double variance = noise.heading_rad2.variance;
   if (phase == Phase::searching_yaw) {
     last_heading_ns = heading.time_ns;
+    last_heading_rad = heading.heading_world_rad;
     for (int i = 0; i < candidate_count; ++i) {
       Candidate& candidate = candidates[static_cast<std::size_t>(i)];
       const auto innovation =
@@ -579,6 +607,7 @@ void Belief::on_heading(const settings::Settings& settings, const HeadingMeasure
                                        std::max(1.0, d / heading_full_below) * variance, ahead_s);
     }
     prune_starts();
+    recover_if_not_finite();
     return;
   }
   const auto innovation =
@@ -586,13 +615,11 @@ void Belief::on_heading(const settings::Settings& settings, const HeadingMeasure
   if (!innovation.observable) return;
   const double d = square(innovation.value_rad) / innovation.variance_rad2;
   const bool rejected = d > heading_rejected_above;
-  if (rejected) {
-    constexpr double believed_after_s = 4.0;
-    if (heading_rejected_since_ns == 0) heading_rejected_since_ns = heading.time_ns;
-    if (seconds_between(heading_rejected_since_ns, heading.time_ns) < believed_after_s) return;
-  }
+  if (rejected && !reject_heading(heading.time_ns)) return;
   heading_rejected_since_ns = 0;
+  headings_rejected_in_row = 0;
   last_heading_ns = heading.time_ns;
+  last_heading_rad = heading.heading_world_rad;
   for_each_filter([&](Filter& each, const ProcessNoise&) {
     if (rejected) each.add_yaw_variance(square(innovation.value_rad));
     const auto own = each.heading_innovation(heading.heading_world_rad, mount_rad, variance, ahead_s);
@@ -602,6 +629,27 @@ void Belief::on_heading(const settings::Settings& settings, const HeadingMeasure
   });
   const auto after = filter().heading_innovation(heading.heading_world_rad, mount_rad, variance, ahead_s);
   noise.add_heading(after.value_rad, after.variance_rad2 - variance);
+  recover_if_not_finite();
+}
+
+/// Registers a rejected heading. True if headings have been rejected for so long that they must be believed.
+bool Belief::reject_heading(TimeNs now_ns) {
+  constexpr double believed_after_s = 4.0;
+  constexpr double run_ends_after_s = 1.0;
+  if (heading_rejected_since_ns == 0 || seconds_between(heading_rejected_ns, now_ns) > run_ends_after_s) {
+    heading_rejected_since_ns = now_ns;
+    headings_rejected_in_row = 0;
+  }
+  heading_rejected_ns = now_ns;
+  ++headings_rejected_in_row;
+  return seconds_between(heading_rejected_since_ns, now_ns) >= believed_after_s;
+}
+
+/// Whether headings are rejected as well as fixes: a wrong track turns no heading, a turned map does.
+bool Belief::map_has_turned(TimeNs now_ns) const {
+  constexpr int enough = 2;
+  constexpr double recent_s = 1.0;
+  return headings_rejected_in_row >= enough && seconds_between(heading_rejected_ns, now_ns) < recent_s;
 }
 
 }  // namespace sonopose::estimation::kalman

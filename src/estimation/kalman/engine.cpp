@@ -98,7 +98,8 @@ FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
                           .quality_percent = fix.quality_percent.value_or(-1.0)};
   if (fix.covariance_world_m2 && is_usable(*fix.covariance_world_m2)) {
     measured.has_covariance = true;
-    measured.covariance_world_m2 = fix.covariance_world_m2->matrix();
+    constexpr double least_m2 = 1e-8;  // 0.1 mm: below, numbers would no longer be positive
+    measured.covariance_world_m2 = fix.covariance_world_m2->matrix() + least_m2 * Matrix3d::Identity();
   }
   report.flags = rejection_flags(fix, measured);
   if (report.flags != 0) {
@@ -217,7 +218,7 @@ Estimate Engine::estimate() const {
   estimate.gyro_bias_body_radps = with_std(filter.gyro_bias_body_radps, at_gyro_bias);
   estimate.accelerometer_bias_body_mps2 = with_std(filter.accel_bias_body_mps2, at_accel_bias);
   estimate.lever_arm_body_m = with_std(filter.lever_arm_body_m, at_lever_arm);
-  const double fix_std_m = std::sqrt(now.noise.fix_covariance_m2(-1.0)(0, 0));
+  const double fix_std_m = std::sqrt(now.noise.fix_covariance_m2(now.quality_percent)(0, 0));
   estimate.fix_noise_m = ScalarEstimate{.value = fix_std_m, .std = -1.0};
   estimate.heading_noise_rad =
       ScalarEstimate{.value = std::sqrt(now.noise.heading_rad2.variance), .std = -1.0};

@@ -2,6 +2,7 @@
 #include <sonopose/geometry/rotation.hpp>
 
 #include <cmath>
+#include <limits>
 
 namespace sonopose::estimation::kalman {
 namespace {
@@ -36,6 +37,7 @@ void Filter::predict(const Vector3d& rate_body_radps, const Vector3d& specific_f
   const Matrix3d turn_back = (half * half).conjugate().toRotationMatrix();
   const Matrix3d velocity_by_attitude = -dt_s * rotation_middle * cross_matrix(force);
   Transition& f = pending;
+  f.duration_s += dt_s;
   f.position_velocity_s += dt_s;
   f.position_attitude += dt_s * f.velocity_attitude;
   f.position_gyro_bias += dt_s * f.velocity_gyro_bias;
@@ -53,12 +55,15 @@ void Filter::coast(double duration_s, double slowing_s) {
   const double moving_s = slowing_s * (1.0 - left);
   position_world_m += moving_s * velocity_world_mps;
   velocity_world_mps *= left;
+  acceleration_world_mps2.setZero();
   pending.position_velocity_s += moving_s;
+  pending.duration_s += duration_s;
 }
 
 void Filter::propagate(const ProcessNoise& noise) {
   const double t = pending.position_velocity_s;
-  if (!(t > 0.0)) return;
+  const double duration_s = pending.duration_s;
+  if (!(duration_s > 0.0)) return;
   const Transition& f = pending;
   StateCovariance& P = covariance;  // NOLINT(readability-identifier-naming): the symbol of the equations
   // P Φᵀ by the columns of position, velocity and attitude.
@@ -105,10 +110,12 @@ void Filter::propagate(const ProcessNoise& noise) {
   const double accel = noise.accel_mps2_rthz * noise.accel_mps2_rthz;
   P.diagonal().segment<3>(at_position).array() += accel * t * t * t / 3.0;
   for (int i = 0; i < 3; ++i) P(at_position + i, at_velocity + i) += 0.5 * accel * t * t;
-  P.diagonal().segment<3>(at_velocity).array() += accel * t;
-  P.diagonal().segment<3>(at_attitude).array() += noise.gyro_radps_rthz * noise.gyro_radps_rthz * t;
-  P.diagonal().segment<3>(at_gyro_bias).array() += noise.gyro_bias_radps_rts * noise.gyro_bias_radps_rts * t;
-  P.diagonal().segment<3>(at_accel_bias).array() += noise.accel_bias_mps2_rts * noise.accel_bias_mps2_rts * t;
+  P.diagonal().segment<3>(at_velocity).array() += accel * duration_s;
+  P.diagonal().segment<3>(at_attitude).array() += noise.gyro_radps_rthz * noise.gyro_radps_rthz * duration_s;
+  P.diagonal().segment<3>(at_gyro_bias).array() +=
+      noise.gyro_bias_radps_rts * noise.gyro_bias_radps_rts * duration_s;
+  P.diagonal().segment<3>(at_accel_bias).array() +=
+      noise.accel_bias_mps2_rts * noise.accel_bias_mps2_rts * duration_s;
   mirror(P);
   pending = Transition{};
 }
@@ -142,6 +149,10 @@ Innovation Filter::fix_innovation(const Vector3d& fix_world_m, const Matrix3d& f
   innovation.value = fix_world_m - predicted;
   innovation.covariance = fix_covariance_of(fix_columns(ahead_s), ahead_s) + fix_covariance_m2;
   const Eigen::LLT<Matrix3d> factor(innovation.covariance);
+  if (factor.info() != Eigen::Success) {
+    innovation.squared_norm = std::numeric_limits<double>::infinity();  // rejects it
+    return innovation;
+  }
   innovation.squared_norm = factor.matrixL().solve(innovation.value).squaredNorm();
   innovation.log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
   return innovation;
@@ -150,6 +161,7 @@ Innovation Filter::fix_innovation(const Vector3d& fix_world_m, const Matrix3d& f
 void Filter::correct_fix(const Vector3d& fix_world_m, const Matrix3d& fix_covariance_m2, double ahead_s) {
   const Innovation innovation = fix_innovation(fix_world_m, fix_covariance_m2, ahead_s);
   const Eigen::LLT<Matrix3d> factor(innovation.covariance);
+  if (factor.info() != Eigen::Success) return;
   // W = P Hᵀ L⁻ᵀ with S = L Lᵀ: the gain times the innovation is W L⁻¹ ν, and P ← P − W Wᵀ.
   const Columns3 columns = fix_columns(ahead_s);
   const Columns3 w = factor.matrixL().solve(columns.transpose()).transpose();
@@ -160,25 +172,29 @@ void Filter::correct_fix(const Vector3d& fix_world_m, const Matrix3d& fix_covari
 
 /// H of a heading with respect to the attitude error. The direction of a body axis b = R a in the horizontal
 /// plane turns by φ_z − b_z (b_x φ_x + b_y φ_y) / (b_x² + b_y²) for a small rotation φ = R δθ of the world.
-Eigen::Matrix<double, 1, 3> Filter::heading_row(double mount_rad) const {
-  const Matrix3d rotation = q_body_to_world.toRotationMatrix();
-  const Vector3d axis = rotation * Vector3d(std::cos(mount_rad), std::sin(mount_rad), 0.0);
-  const double horizontal = axis.head<2>().squaredNorm();
-  const Vector3d by_world(-axis.z() * axis.x() / horizontal, -axis.z() * axis.y() / horizontal, 1.0);
-  return by_world.transpose() * rotation;
+Eigen::Matrix<double, 1, 3> Filter::heading_row(const Vector3d& axis_world) const {
+  const double horizontal = axis_world.head<2>().squaredNorm();
+  const Vector3d by_world(-axis_world.z() * axis_world.x() / horizontal,
+                          -axis_world.z() * axis_world.y() / horizontal, 1.0);
+  return by_world.transpose() * q_body_to_world.toRotationMatrix();
+}
+
+/// The direction of the pair's axis after `ahead_s`.
+Vector3d Filter::axis_world(double mount_rad, double ahead_s) const {
+  const Quaterniond q_then =
+      q_body_to_world * geometry::rotation_by((ahead_s * angular_velocity_body_radps).eval());
+  return q_then * Vector3d(std::cos(mount_rad), std::sin(mount_rad), 0.0);
 }
 
 Filter::HeadingInnovation Filter::heading_innovation(double heading_world_rad, double mount_rad,
                                                      double variance_rad2, double ahead_s) const {
   constexpr double least_horizontal = 0.1;
-  const Quaterniond q_then =
-      q_body_to_world * geometry::rotation_by((ahead_s * angular_velocity_body_radps).eval());
-  const Vector3d axis = q_then * Vector3d(std::cos(mount_rad), std::sin(mount_rad), 0.0);
+  const Vector3d axis = axis_world(mount_rad, ahead_s);
   HeadingInnovation innovation;
   innovation.observable = axis.head<2>().norm() > least_horizontal;
   if (!innovation.observable) return innovation;
   innovation.value_rad = geometry::wrap_angle(heading_world_rad - std::atan2(axis.y(), axis.x()));
-  const auto row = heading_row(mount_rad);
+  const auto row = heading_row(axis);
   innovation.variance_rad2 =
       (row * covariance.block<3, 3>(at_attitude, at_attitude) * row.transpose()).value() + variance_rad2;
   return innovation;
@@ -189,7 +205,8 @@ void Filter::correct_heading(double heading_world_rad, double mount_rad, double 
   const HeadingInnovation innovation =
       heading_innovation(heading_world_rad, mount_rad, variance_rad2, ahead_s);
   if (!innovation.observable) return;
-  const StateVector w = covariance.middleCols<3>(at_attitude) * heading_row(mount_rad).transpose() /
+  const StateVector w = covariance.middleCols<3>(at_attitude) *
+                        heading_row(axis_world(mount_rad, ahead_s)).transpose() /
                         std::sqrt(innovation.variance_rad2);
   covariance -= w.lazyProduct(w.transpose());
   inject(w * (innovation.value_rad / std::sqrt(innovation.variance_rad2)));
@@ -199,6 +216,7 @@ void Filter::correct_states(StateIndex index, const Vector3d& innovation, double
   const Columns3 columns = covariance.middleCols<3>(index);
   const Matrix3d s = columns.middleRows<3>(index) + variance * Matrix3d::Identity();
   const Eigen::LLT<Matrix3d> factor(s);
+  if (factor.info() != Eigen::Success) return;
   const Columns3 w = factor.matrixL().solve(columns.transpose()).transpose();
   const StateVector error = w * factor.matrixL().solve(innovation);
   covariance -= w.lazyProduct(w.transpose());

@@ -13,8 +13,9 @@ constexpr double heading_memory = 60;
 
 std::size_t bin_of(double quality_percent) {
   // Below 60 %, then steps of 10 %; sources without a quality share the first.
-  const int bin = static_cast<int>((quality_percent - 50.0) / 10.0);
-  return static_cast<std::size_t>(std::clamp(bin, 0, MeasurementNoise::bin_count - 1));
+  const double bin =
+      std::clamp((quality_percent - 50.0) / 10.0, 0.0, double{MeasurementNoise::bin_count - 1});
+  return static_cast<std::size_t>(bin);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@ namespace sonopose::estimation::kalman {
 namespace {
 
 constexpr std::size_t imu_capacity = 2048;
-constexpr std::size_t aiding_capacity = 128;
+constexpr std::size_t aiding_capacity = 512;
 constexpr std::size_t checkpoint_capacity = 32;
 constexpr TimeNs checkpoint_spacing_ns = 40'000'000;
 
@@ -26,7 +26,10 @@ void Timeline::clear() {
 }
 
 void Timeline::add(const settings::Settings& settings, const ImuMeasurement& imu) {
-  if (end_imu_ - first_imu_ == imu_capacity) drop_oldest_checkpoint();
+  if (end_imu_ - first_imu_ == imu_capacity) {
+    fold(settings, nullptr);
+    drop_oldest_checkpoint();
+  }
   imu_[end_imu_ % imu_capacity] = imu;
   ++end_imu_;
   time_ns_ = imu.time_ns;
@@ -35,7 +38,8 @@ void Timeline::add(const settings::Settings& settings, const ImuMeasurement& imu
 }
 
 bool Timeline::reaches(TimeNs time_ns) const {
-  return checkpoint_count_ > 0 && checkpoints_[oldest_].belief.time_ns <= time_ns;
+  return checkpoint_count_ > 0 && checkpoints_[oldest_].belief.time_ns <= time_ns &&
+         aiding_.size() < aiding_capacity;
 }
 
 bool Timeline::contains(const Aiding& aiding) const {
@@ -43,10 +47,6 @@ bool Timeline::contains(const Aiding& aiding) const {
 }
 
 FixOutcome Timeline::add(const settings::Settings& settings, const Aiding& aiding) {
-  if (aiding_.size() == aiding_capacity) {
-    aiding_.erase(aiding_.begin());
-    if (next_aiding_ > 0) --next_aiding_;
-  }
   const std::size_t index = insert(aiding);
   const bool is_ahead = index >= next_aiding_ && time_of(aiding) >= now_.time_ns;
   if (!is_ahead) rewind(time_of(aiding));
@@ -123,6 +123,8 @@ void Timeline::drop_oldest_checkpoint() {
   if (checkpoint_count_ < 2) {
     // More samples between two checkpoints than the ring has: begin again from now.
     checkpoint_count_ = 0;
+    aiding_.clear();
+    next_aiding_ = 0;
     save_checkpoint();
   } else {
     oldest_ = (oldest_ + 1) % checkpoint_capacity;

@@ -140,7 +140,7 @@ SCENARIO("the order of arrival does not matter") {
       poses_of(in_time, walk.events);
       for (const auto& arrival : arrivals) process(late, arrival.second);
       const TimeNs end_ns = in_time.time_ns();
-      // The last fixes reach one of them only: compare after samples without any.
+      // A late fix leaves the estimate at its time until the next sample: compare after one more.
       ImuSample imu =
           std::get<ImuSample>(*std::find_if(walk.events.rbegin(), walk.events.rend(), [](const Event& event) {
             return std::holds_alternative<ImuSample>(event);

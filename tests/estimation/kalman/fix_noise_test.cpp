@@ -10,7 +10,7 @@ using namespace sonopose;
 using namespace sonopose::estimation::kalman;
 
 SCENARIO("the noise of fixes is learned for each range of the quality") {
-  GIVEN("residuals of 1 cm along and 4 cm across the horizontal at 90 %, with a known prediction") {
+  GIVEN("residuals of 1 cm horizontally and 4 cm vertically at 90 %, with an exact prediction") {
     MeasurementNoise noise;
     const double before_m2 = noise.fix_covariance_m2(65.0)(0, 0);
     std::mt19937 random{5};  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same numbers in every run

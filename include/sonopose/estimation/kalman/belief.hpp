@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What the engine believes at one moment: a fold over the events in the order of their measurement. It
+/// The state of the engine at one moment, computed from the events in the order of their measurement. It
 /// depends on nothing else, so that events that arrive in another order give the same belief.
 
 #include <sonopose/estimation/kalman/filter.hpp>
@@ -15,7 +15,7 @@
 
 namespace sonopose::estimation::kalman {
 
-inline constexpr int model_count = 3;   ///< of process noise
+inline constexpr int model_count = 3;   ///< models of process noise
 inline constexpr int start_count = 12;  ///< directions from which an unknown yaw is searched
 
 enum class Phase : std::uint8_t {
@@ -37,10 +37,9 @@ struct Candidate {
   bool operator==(const Candidate&) const = default;
 };
 
-/// The track that rejected fixes would form.
+/// A second track, through the fixes that the best filter rejects.
 struct Rival {
   bool alive = false;
-  bool opened = false;  ///< began with an uncertain velocity and attitude
   TimeNs began_ns = 0;
   TimeNs last_fix_ns = 0;
   int fixes = 0;
@@ -50,7 +49,7 @@ struct Rival {
   bool operator==(const Rival&) const = default;
 };
 
-/// The track that was given up for the rival. It is predicted only.
+/// The track that was given up for the rival. Only fixes that the best filter rejects correct it.
 struct Former {
   bool alive = false;
   TimeNs left_ns = 0;
@@ -60,7 +59,7 @@ struct Former {
   bool operator==(const Former&) const = default;
 };
 
-/// Coordinates that repeat.
+/// Detects a track that repeats its coordinates.
 struct Repetition {
   bool has_fix = false;
   bool frozen = false;
@@ -112,7 +111,7 @@ struct FixOutcome {
   Vector3d velocity_change_world_mps = Vector3d::Zero();
   double yaw_change_rad = 0;
   std::uint32_t flags = 0;
-  std::uint32_t hypothesis = 0;  ///< 1: it agreed with a rival track
+  std::uint32_t hypothesis = 0;  ///< 1: it agreed with the rival track
 };
 
 struct Belief {
@@ -134,7 +133,10 @@ struct Belief {
   TimeNs last_fix_ns = 0;      ///< measurement of the last fix that was used; 0: none
   TimeNs last_heading_ns = 0;  ///< of the last heading that was used
   double last_heading_rad = 0;
-  TimeNs heading_rejected_since_ns = 0;
+  TimeNs heading_rejected_since_ns = 0;  ///< first rejected heading of the present run of them; 0: none
+  TimeNs heading_rejected_ns = 0;        ///< last rejected heading
+  int headings_rejected_in_row = 0;
+  double quality_percent = -1;  ///< of the last fix that was used; negative: unknown
   TimeNs converging_until_ns = 0;
   TimeNs slowed_ns = 0;  ///< last bound of dead reckoning
   double trust = 1;      ///< share of recent fixes that were used
@@ -150,7 +152,7 @@ struct Belief {
   FixOutcome on_fix(const settings::Settings& settings, const FixMeasurement& fix);
   void on_heading(const settings::Settings& settings, const HeadingMeasurement& heading);
 
-  /// P of every filter up to now.
+  /// Propagates the covariance of every filter to the time of the latest sample.
   void propagate();
 
 private:
@@ -160,6 +162,9 @@ private:
   void begin_tracking();
   void coast_over_gap(double dt_s);
   [[nodiscard]] bool is_beyond_imu(const settings::Settings& settings, TimeNs measured_ns) const;
+  void recover_if_not_finite();
+  [[nodiscard]] bool map_has_turned(TimeNs now_ns) const;
+  bool reject_heading(TimeNs now_ns);
   void update_rest(const ImuMeasurement& imu);
   void bound_dead_reckoning();
   FixOutcome judge(const FixMeasurement& fix);

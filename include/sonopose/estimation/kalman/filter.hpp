@@ -44,6 +44,7 @@ struct Innovation {
 
 /// The Jacobian of a composed transition by its blocks that differ from those of the identity.
 struct Transition {
+  double duration_s = 0;           ///< of the steps
   double position_velocity_s = 0;  ///< times the identity
   Matrix3d position_attitude = Matrix3d::Zero();
   Matrix3d position_gyro_bias = Matrix3d::Zero();
@@ -87,7 +88,7 @@ public:
   [[nodiscard]] Innovation fix_innovation(const Vector3d& position_world_m, const Matrix3d& fix_covariance_m2,
                                           double ahead_s) const;
 
-  /// Applies it, with its covariance increased by `extra` times the identity of the fix's own.
+  /// Corrects the state by that fix.
   void correct_fix(const Vector3d& position_world_m, const Matrix3d& fix_covariance_m2, double ahead_s);
 
   /// The innovation of the direction of a horizontal body axis at `mount_rad` from body X, and its variance.
@@ -100,8 +101,9 @@ public:
                                                      double variance_rad2, double ahead_s) const;
   void correct_heading(double heading_world_rad, double mount_rad, double variance_rad2, double ahead_s);
 
-  /// A direct measurement of three states that start at `index`.
-  void correct_states(StateIndex index, const Vector3d& measured, double variance);
+  /// Corrects by a direct measurement of three states that start at `index`. `innovation` is measured minus
+  /// estimated, `variance` that of each component.
+  void correct_states(StateIndex index, const Vector3d& innovation, double variance);
 
   /// Adds to the variance of three states.
   void add_variance(StateIndex index, const Vector3d& variance);
@@ -120,6 +122,7 @@ public:
   }
   /// Position of the tracked point and rotation about the fixed world axes.
   [[nodiscard]] Covariance<6> pose_covariance() const;
+  /// Of the IMU's velocity, world.
   [[nodiscard]] Covariance<3> velocity_covariance() const;
   [[nodiscard]] double yaw_variance_rad2() const;
   [[nodiscard]] bool is_finite() const;
@@ -128,7 +131,8 @@ private:
   using Columns3 = Eigen::Matrix<double, state_size, 3>;
   [[nodiscard]] Columns3 fix_columns(double ahead_s) const;
   [[nodiscard]] Matrix3d fix_covariance_of(const Columns3& columns, double ahead_s) const;
-  [[nodiscard]] Eigen::Matrix<double, 1, 3> heading_row(double mount_rad) const;
+  [[nodiscard]] Eigen::Matrix<double, 1, 3> heading_row(const Vector3d& axis_world) const;
+  [[nodiscard]] Vector3d axis_world(double mount_rad, double ahead_s) const;
   void inject(const StateVector& error);
 };
 

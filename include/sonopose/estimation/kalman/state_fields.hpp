@@ -5,8 +5,10 @@
 #include <sonopose/estimation/kalman/engine.hpp>
 #include <sonopose/samples/field_fault.hpp>
 
+#include <algorithm>
 #include <concepts>
 #include <optional>
+#include <type_traits>
 
 namespace sonopose::estimation::kalman {
 
@@ -56,7 +58,6 @@ void for_each_field(IsFieldsOf<Candidate> auto& candidate, const auto& visit) {
 void for_each_field(IsFieldsOf<Rival> auto& rival, const auto& visit) {
   for_each_field(rival.filter, visit);
   visit("alive", rival.alive);
-  visit("opened", rival.opened);
   visit("began_ns", rival.began_ns);
   visit("last_fix_ns", rival.last_fix_ns);
   visit("fixes", rival.fixes);
@@ -123,6 +124,9 @@ void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
   visit("last_heading_ns", belief.last_heading_ns);
   visit("last_heading_rad", belief.last_heading_rad);
   visit("heading_rejected_since_ns", belief.heading_rejected_since_ns);
+  visit("heading_rejected_ns", belief.heading_rejected_ns);
+  visit("headings_rejected_in_row", belief.headings_rejected_in_row);
+  visit("quality_percent", belief.quality_percent);
   visit("converging_until_ns", belief.converging_until_ns);
   visit("slowed_ns", belief.slowed_ns);
   visit("trust", belief.trust);
@@ -143,11 +147,15 @@ void for_each_field(IsFieldsOf<Snapshot> auto& snapshot, const auto& visit) {
 /// The first field whose value no engine can have although its type allows it.
 inline std::optional<FieldFault> find_fault(const Snapshot& snapshot) {
   const Belief& base = snapshot.history.base;
-  if (base.candidate_count < 0 || base.candidate_count > start_count) {
+  if (base.candidate_count > start_count) {
     return FieldFault{"candidate_count", "is more than the number of starts"};
   }
-  if (base.best < 0 || base.best >= std::max(base.candidate_count, 1)) {
-    return FieldFault{"best", "is no candidate"};
+  if (base.phase != Phase::waiting && base.candidate_count == 0) {
+    return FieldFault{"candidate_count", "is 0 although the estimate has begun"};
+  }
+  if (!(base.trust >= 0.0 && base.trust <= 1.0)) return FieldFault{"trust", "is not between 0 and 1"};
+  if (base.best >= std::max(base.candidate_count, 1)) {
+    return FieldFault{"best", "is not the index of a candidate"};
   }
   if (base.phase == Phase::tracking && base.candidate_count != model_count) {
     return FieldFault{"candidate_count", "is not the number of models"};

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The events of the last second in the order of their measurement, and beliefs between them to go back to.
+/// The events of about the last 1.2 s in the order of their measurement, and earlier beliefs to go back to.
 
 #include <sonopose/estimation/kalman/belief.hpp>
 
@@ -32,7 +32,7 @@ struct History {
   bool operator==(const History&) const = default;
 };
 
-/// Its memory is fixed when it is made.
+/// Its memory is allocated at construction.
 class Timeline {
 public:
   Timeline();
@@ -49,7 +49,7 @@ public:
   /// Adds a sample that is not older than the latest one, and goes on to it.
   void add(const settings::Settings& settings, const ImuMeasurement& imu);
 
-  /// Whether a measurement of this time can still be inserted.
+  /// Whether a measurement of this time can still be inserted: it is not too old, and there are not too many.
   [[nodiscard]] bool reaches(TimeNs time_ns) const;
 
   /// Whether the same measurement is there already.
