@@ -2,9 +2,15 @@
 /// \file
 /// What is wrong with a saved state.
 
+#include <concepts>
 #include <string_view>
+#include <type_traits>
 
 namespace sonopose {
+
+/// `Group` or `const Group`: for functions that visit the fields of either.
+template <class T, class Group>
+concept IsFieldsOf = std::same_as<std::remove_const_t<T>, Group>;
 
 /// A field of a state, and what is impossible about its value.
 struct FieldFault {

@@ -4,6 +4,7 @@
 #include <sonopose/estimation/documented/engine.hpp>
 #include <sonopose/estimation/documented/motion.hpp>
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/samples/outputs.hpp>
 #include <sonopose/settings/preset.hpp>
 
 #include <algorithm>
@@ -185,7 +186,8 @@ void Engine::record_path() {
 // One fix
 
 FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
-  FixReport report = report_on(fix);
+  FixReport report = report_on(fix, state_.body.time_ns);
+  report.trust = state_.trust.trust;
   report.flags = reject(fix);  // 12
   if (report.flags != 0) {
     ++counters_.fixes_rejected;
@@ -203,17 +205,6 @@ FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
   state_.runaway = {true, timed.shifted_position_world_m};
   report.flags |= fix_used;
   ++counters_.fixes_used;
-  return report;
-}
-
-FixReport Engine::report_on(const UltrasonicFix& fix) const {
-  FixReport report;
-  report.address = fix.address;
-  report.sequence = fix.sequence;
-  report.emission_time_ns = fix.emission_time_ns;
-  report.applied_time_ns = state_.body.time_ns;
-  report.position_world_m = fix.position_world_m;
-  report.trust = state_.trust.trust;
   return report;
 }
 

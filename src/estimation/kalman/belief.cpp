@@ -1,4 +1,4 @@
-#include <sonopose/estimation/kalman/belief.hpp>
+#include "estimation/kalman/belief_parts.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
@@ -8,25 +8,6 @@
 
 namespace sonopose::estimation::kalman {
 namespace {
-
-constexpr double full_weight_below = 7.8;  // χ², 3 degrees of freedom: 5 % are above
-constexpr double rejected_above = 30.0;
-constexpr TimeNs converging_ns = 500'000'000;  // after a jump
-constexpr double former_s = 8.0;               // for which a track that was given up is kept
-constexpr double heading_full_below = 6.6;
-constexpr double heading_rejected_above = 25.0;
-
-constexpr std::array<ProcessNoise, model_count> models{
-    ProcessNoise{}, ProcessNoise{.gyro_radps_rthz = 12 * 2e-4, .gyro_bias_radps_rts = 1e-3},
-    ProcessNoise{.accel_mps2_rthz = 50 * 0.003, .gyro_radps_rthz = 12 * 2e-4}};
-
-double square(double x) {
-  return x * x;
-}
-
-double radians(double degrees) {
-  return degrees * geometry::radians_per_degree;
-}
 
 /// Student's t with six degrees of freedom over three dimensions, up to a constant.
 double log_likelihood(const Innovation& innovation) {
@@ -71,17 +52,6 @@ void Belief::copy_from(const Belief& other) {
   trust = other.trust;
 }
 
-template <class Visit>
-void Belief::for_each_filter(const Visit& visit) {
-  for (int i = 0; i < candidate_count; ++i) {
-    const int model = phase == Phase::tracking ? i : 0;
-    visit(candidates[static_cast<std::size_t>(i)].filter, models[static_cast<std::size_t>(model)]);
-  }
-  const auto& best_model = models[static_cast<std::size_t>(phase == Phase::tracking ? best : 0)];
-  if (rival.alive) visit(rival.filter, best_model);
-  if (former.alive) visit(former.filter, best_model);
-}
-
 void Belief::propagate() {
   for_each_filter([](Filter& each, const ProcessNoise& model) { each.propagate(model); });
 }
@@ -89,16 +59,16 @@ void Belief::propagate() {
 // One IMU sample
 
 void Belief::on_imu(const settings::Settings& settings, const ImuMeasurement& imu) {
-  const double dt_s = time_ns == 0 ? 0.0 : seconds_between(time_ns, imu.time_ns);
-  in_imu_gap = time_ns != 0 && dt_s > settings.outage.imu_gap_s;
   const bool is_first = time_ns == 0;
+  const double dt_s = is_first ? 0.0 : seconds_between(time_ns, imu.time_ns);
+  in_imu_gap = dt_s > settings.outage.imu_gap_s;
   const Vector3d rate =
       imu.is_mean || is_first ? imu.rate_body_radps : 0.5 * (rate_body_radps + imu.rate_body_radps);
   const Vector3d force =
       imu.is_mean || is_first ? imu.force_body_mps2 : 0.5 * (force_body_mps2 + imu.force_body_mps2);
   if (phase == Phase::waiting) {
     constexpr double time_constant_s = 0.5;
-    const double share = time_ns == 0 ? 1.0 : std::min(1.0, std::max(dt_s, 0.005) / time_constant_s);
+    const double share = is_first ? 1.0 : std::min(1.0, std::max(dt_s, 0.005) / time_constant_s);
     mean_force_body_mps2 += share * (imu.force_body_mps2 - mean_force_body_mps2);
   } else if (in_imu_gap) {
     coast_over_gap(dt_s);
@@ -249,18 +219,13 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
   heading_rejected_since_ns = 0;
   headings_rejected_in_row = 0;
   quality_percent = fix.quality_percent;
-  if (has_heading) begin_tracking();
+  if (has_heading) adopt(filter());
 }
 
-/// One filter per noise model, all as the best start.
-void Belief::begin_tracking() {
-  const Filter start = filter();
-  phase = Phase::tracking;
-  adopt(start);
-}
-
+/// One filter per noise model, all on this track.
 void Belief::adopt(const Filter& track) {
   // `track` may be one of the candidates: each assignment leaves its value as it is.
+  phase = Phase::tracking;
   candidate_count = model_count;
   for (int i = 0; i < model_count; ++i) {
     candidates[static_cast<std::size_t>(i)] = Candidate{.filter = track};
@@ -428,228 +393,7 @@ void Belief::prune_starts() {
     if (candidates[static_cast<std::size_t>(i)].score > candidates[static_cast<std::size_t>(best)].score)
       best = i;
   }
-  if (kept == 1) begin_tracking();
-}
-
-// Wrong tracks
-
-void Belief::reject(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s,
-                    FixOutcome& outcome) {
-  outcome.flags = fix_outlier;
-  if (take_back_former(fix, covariance, ahead_s)) {
-    outcome.flags = fix_used;
-    outcome.weight = 1.0;
-    return;
-  }
-  if (!rival.alive) {
-    begin_rival(fix, covariance);
-    return;
-  }
-  const Innovation innovation = rival.filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
-  if (!(innovation.squared_norm <= rejected_above)) {
-    // A track that many fixes support survives a short spike.
-    const int most_misses = 3 + std::min(rival.fixes / 2, 9);
-    if (++rival.misses_in_row >= most_misses) begin_rival(fix, covariance);
-    return;
-  }
-  outcome.hypothesis = 1;
-  rival.misses_in_row = 0;
-  rival.filter.correct_fix(fix.position_world_m,
-                           std::max(1.0, innovation.squared_norm / full_weight_below) * covariance, ahead_s);
-  rival.last_fix_ns = fix.time_ns;
-  ++rival.fixes;
-  const double jump_m =
-      (rival.filter.tracked_position_world_m() - filter().tracked_position_world_m()).norm();
-  const double needed_s =
-      map_has_turned(fix.time_ns) ? 1.0 : std::clamp(2.2 - (jump_m - 1.5) / 0.5 * 1.2, 1.0, 2.2);
-  const double alone_s = seconds_between(std::max(last_fix_ns, rival.began_ns), fix.time_ns);
-  const bool enough_fixes = rival.fixes >= 8 || (rival.fixes >= 3 && alone_s > 3.0);
-  if (alone_s < needed_s || !enough_fixes) return;
-  promote_rival();
-  last_fix_ns = fix.time_ns;
-  outcome.flags = fix_used | fix_stuck_forced;
-  outcome.weight = 1.0;
-}
-
-/// The track through this fix with the motion of the best filter; where no track has explained the fixes for
-/// a while, with an unknown motion.
-void Belief::begin_rival(const FixMeasurement& fix, const Matrix3d& covariance) {
-  constexpr double lost_s = 1.0;
-  rival.alive = true;
-  rival.began_ns = fix.time_ns;
-  rival.last_fix_ns = fix.time_ns;
-  rival.fixes = 1;
-  rival.misses_in_row = 0;
-  const bool open = seconds_between(last_fix_ns, fix.time_ns) > lost_s || map_has_turned(fix.time_ns);
-  rival.filter = filter();
-  Filter& f = rival.filter;
-  f.position_world_m = fix.position_world_m + f.q_body_to_world * f.lever_arm_body_m;
-  f.open_up(at_position, 2.0 * covariance.diagonal());
-  if (!open) return;
-  f.open_up(at_velocity, Vector3d::Constant(square(2.0)));
-  f.add_variance(at_attitude, Vector3d::Constant(square(radians(5.0))));
-  f.add_yaw_variance(square(radians(15.0)));
-  f.add_variance(at_gyro_bias, Vector3d::Constant(square(0.01)));
-  f.add_variance(at_accel_bias, Vector3d::Constant(square(0.1)));
-}
-
-void Belief::promote_rival() {
-  // A track that replaced the former a moment ago is less credible than the former itself.
-  constexpr double established_s = 4.0;
-  const bool keep_former = former.alive && seconds_between(former.left_ns, rival.last_fix_ns) < established_s;
-  if (!keep_former) {
-    former.alive = true;
-    former.left_ns = rival.last_fix_ns;
-    former.fixes_in_row = 0;
-    former.filter = filter();
-  }
-  adopt(rival.filter);
-  if (map_has_turned(rival.last_fix_ns)) {
-    for_each_filter([](Filter& each, const ProcessNoise&) { each.add_yaw_variance(square(radians(40.0))); });
-    heading_rejected_since_ns = 0;
-    headings_rejected_in_row = 0;
-  }
-  phase = Phase::tracking;
-  rival.alive = false;
-  converging_until_ns = time_ns + converging_ns;
-  rest::restart(rest);
-}
-
-/// Whether the third fix in a row lies on the track that was given up, which is then followed again.
-bool Belief::take_back_former(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s) {
-  constexpr int enough = 3;
-  if (!former.alive) return false;
-  const Innovation innovation = former.filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
-  if (!(innovation.squared_norm <= rejected_above)) {
-    former.fixes_in_row = 0;
-    return false;
-  }
-  former.filter.correct_fix(fix.position_world_m, covariance, ahead_s);
-  if (++former.fixes_in_row < enough) return false;
-  adopt(former.filter);
-  former.alive = false;
-  rival.alive = false;
-  last_fix_ns = fix.time_ns;
-  converging_until_ns = time_ns + converging_ns;
-  rest::restart(rest);
-  return true;
-}
-
-// Frozen track
-
-/// Whether the coordinates only repeat while the IMU measures a motion.
-bool Belief::check_frozen(const settings::FrozenSettings& settings, const FixMeasurement& fix) {
-  constexpr double same_coordinate_m = 0.0005;  // half the finest resolution of a beacon
-  const auto begin_window = [&] {
-    repetition.began_ns = time_ns;
-    repetition.moved_world_m.setZero();
-    repetition.velocity_world_mps =
-        phase == Phase::waiting ? Vector3d::Zero() : filter().tracked_velocity_world_mps();
-  };
-  const bool repeated =
-      repetition.has_fix &&
-      (fix.position_world_m - repetition.coordinates_world_m).cwiseAbs().maxCoeff() < same_coordinate_m;
-  if (!repeated) {
-    repetition.has_fix = true;
-    repetition.frozen = false;
-    repetition.repeats = 0;
-    repetition.coordinates_world_m = fix.position_world_m;
-    begin_window();
-    return false;
-  }
-  ++repetition.repeats;
-  if (repetition.frozen) return true;
-  repetition.frozen =
-      repetition.repeats >= settings.repeats && repetition.moved_world_m.norm() > settings.moved_m;
-  if (repetition.frozen) {
-    // The repeated fixes before the detection slowed the filters down.
-    const Vector3d lost_mps = repetition.velocity_world_mps - filter().tracked_velocity_world_mps();
-    const Vector3d lost_m =
-        repetition.coordinates_world_m + repetition.moved_world_m - filter().tracked_position_world_m();
-    for (int i = 0; i < candidate_count; ++i) {
-      Filter& each = candidates[static_cast<std::size_t>(i)].filter;
-      each.velocity_world_mps += lost_mps;
-      each.position_world_m += lost_m;
-      each.add_variance(at_velocity, Vector3d::Constant(square(0.3)));
-      each.add_variance(at_position, Vector3d::Constant(square(0.1)));
-    }
-    rival.alive = false;
-  } else if (seconds_between(repetition.began_ns, time_ns) > settings.window_s) {
-    begin_window();
-  }
-  return repetition.frozen;
-}
-
-// One heading
-
-void Belief::on_heading(const settings::Settings& settings, const HeadingMeasurement& heading) {
-  if (phase == Phase::waiting || repetition.frozen || restart_pending ||
-      is_beyond_imu(settings, heading.time_ns)) {
-    last_heading_ns = heading.time_ns;
-    last_heading_rad = heading.heading_world_rad;
-    return;
-  }
-  propagate();
-  const double mount_rad = radians(settings.heading.mount_offset_deg);
-  const double ahead_s = seconds_between(time_ns, heading.time_ns);
-  const double variance = noise.heading_rad2.variance;
-  if (phase == Phase::searching_yaw) {
-    last_heading_ns = heading.time_ns;
-    last_heading_rad = heading.heading_world_rad;
-    for (int i = 0; i < candidate_count; ++i) {
-      Candidate& candidate = candidates[static_cast<std::size_t>(i)];
-      const auto innovation =
-          candidate.filter.heading_innovation(heading.heading_world_rad, mount_rad, variance, ahead_s);
-      if (!innovation.observable) continue;
-      const double d = square(innovation.value_rad) / innovation.variance_rad2;
-      candidate.score += -3.5 * std::log1p(d / 6.0) - 0.5 * std::log(innovation.variance_rad2);
-      candidate.filter.correct_heading(heading.heading_world_rad, mount_rad,
-                                       std::max(1.0, d / heading_full_below) * variance, ahead_s);
-    }
-    prune_starts();
-    recover_if_not_finite();
-    return;
-  }
-  const auto innovation =
-      filter().heading_innovation(heading.heading_world_rad, mount_rad, variance, ahead_s);
-  if (!innovation.observable) return;
-  const double d = square(innovation.value_rad) / innovation.variance_rad2;
-  const bool rejected = d > heading_rejected_above;
-  if (rejected && !reject_heading(heading.time_ns)) return;
-  heading_rejected_since_ns = 0;
-  headings_rejected_in_row = 0;
-  last_heading_ns = heading.time_ns;
-  last_heading_rad = heading.heading_world_rad;
-  for_each_filter([&](Filter& each, const ProcessNoise&) {
-    if (rejected) each.add_yaw_variance(square(innovation.value_rad));
-    const auto own = each.heading_innovation(heading.heading_world_rad, mount_rad, variance, ahead_s);
-    const double own_d = square(own.value_rad) / own.variance_rad2;
-    each.correct_heading(heading.heading_world_rad, mount_rad,
-                         std::max(1.0, own_d / heading_full_below) * variance, ahead_s);
-  });
-  const auto after = filter().heading_innovation(heading.heading_world_rad, mount_rad, variance, ahead_s);
-  noise.add_heading(after.value_rad, after.variance_rad2 - variance);
-  recover_if_not_finite();
-}
-
-/// Registers a rejected heading. True if headings have been rejected for so long that they must be believed.
-bool Belief::reject_heading(TimeNs now_ns) {
-  constexpr double believed_after_s = 4.0;
-  constexpr double run_ends_after_s = 1.0;
-  if (heading_rejected_since_ns == 0 || seconds_between(heading_rejected_ns, now_ns) > run_ends_after_s) {
-    heading_rejected_since_ns = now_ns;
-    headings_rejected_in_row = 0;
-  }
-  heading_rejected_ns = now_ns;
-  ++headings_rejected_in_row;
-  return seconds_between(heading_rejected_since_ns, now_ns) >= believed_after_s;
-}
-
-/// Whether headings are rejected as well as fixes: a wrong track turns no heading, a turned map does.
-bool Belief::map_has_turned(TimeNs now_ns) const {
-  constexpr int enough = 2;
-  constexpr double recent_s = 1.0;
-  return headings_rejected_in_row >= enough && seconds_between(heading_rejected_ns, now_ns) < recent_s;
+  if (kept == 1) adopt(filter());
 }
 
 }  // namespace sonopose::estimation::kalman

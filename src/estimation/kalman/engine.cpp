@@ -1,6 +1,7 @@
 #include <sonopose/estimation/documented/delay.hpp>
 #include <sonopose/estimation/kalman/engine.hpp>
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/samples/outputs.hpp>
 #include <sonopose/settings/preset.hpp>
 
 #include <algorithm>
@@ -84,12 +85,7 @@ bool Engine::admit(const ImuSample& imu) {
 }
 
 FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
-  FixReport report;
-  report.address = fix.address;
-  report.sequence = fix.sequence;
-  report.emission_time_ns = fix.emission_time_ns;
-  report.applied_time_ns = time_ns();
-  report.position_world_m = fix.position_world_m;
+  FixReport report = report_on(fix, time_ns());
   report.shifted_position_world_m = fix.position_world_m;
   report.trust = belief().trust;
 

@@ -1,6 +1,7 @@
 #include <sonopose/estimation/documented/admission.hpp>
 #include <sonopose/estimation/strapdown/engine.hpp>
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/samples/outputs.hpp>
 #include <sonopose/settings/preset.hpp>
 
 #include <limits>
@@ -103,12 +104,7 @@ Estimate Engine::estimate() const {
 }
 
 FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
-  FixReport report;
-  report.address = fix.address;
-  report.sequence = fix.sequence;
-  report.emission_time_ns = fix.emission_time_ns;
-  report.applied_time_ns = now_.state.time_ns;
-  report.position_world_m = fix.position_world_m;
+  FixReport report = report_on(fix, now_.state.time_ns);
   report.shifted_position_world_m = fix.position_world_m;
   return report;
 }

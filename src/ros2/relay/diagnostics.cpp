@@ -135,7 +135,7 @@ void add_pose(const observation::BeaconView& view, Values& values) {
   values.add("reset_counter", std::uint64_t{view.pose.reset_counter});
 }
 
-/// Bridge and fusion have counters of the same names: `process` tells them apart.
+/// Adds the counters as "process.name": bridge and fusion have counters of the same names.
 template <class Status, std::size_t Size>
 void add_counters(std::string_view process,
                   const std::array<observation::StatusCounter<Status>, Size>& counters, const Status& status,

@@ -63,7 +63,6 @@ private:
   void record_path();
   [[nodiscard]] Vector3d world_acceleration(const ImuSample& imu) const;
 
-  [[nodiscard]] FixReport report_on(const UltrasonicFix& fix) const;
   std::uint32_t reject(const UltrasonicFix& fix);
   void reset_position(const TimedFix& fix, FixReport& report);
   bool reset_velocity(TimedFix& fix, FixReport& report);

@@ -11,10 +11,6 @@
 
 namespace sonopose::estimation::documented {
 
-/// `Group` or `const Group`.
-template <class T, class Group>
-concept IsFieldsOf = std::same_as<std::remove_const_t<T>, Group>;
-
 void for_each_field(IsFieldsOf<PastFix> auto& fix, const auto& visit) {
   visit("measured_ns", fix.measured_ns);
   visit("position_world_m", fix.position_world_m);

@@ -159,7 +159,6 @@ private:
   template <class Visit>
   void for_each_filter(const Visit& visit);
   void start_at(const FixMeasurement& fix, const settings::Settings& settings);
-  void begin_tracking();
   void coast_over_gap(double dt_s);
   [[nodiscard]] bool is_beyond_imu(const settings::Settings& settings, TimeNs measured_ns) const;
   void recover_if_not_finite();

@@ -12,10 +12,6 @@
 
 namespace sonopose::estimation::kalman {
 
-/// `Group` or `const Group`.
-template <class T, class Group>
-concept IsFieldsOf = std::same_as<std::remove_const_t<T>, Group>;
-
 void for_each_field(IsFieldsOf<ImuMeasurement> auto& imu, const auto& visit) {
   visit("time_ns", imu.time_ns);
   visit("rate_body_radps", imu.rate_body_radps);
