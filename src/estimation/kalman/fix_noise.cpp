@@ -42,7 +42,7 @@ Eigen::Matrix3d MeasurementNoise::fix_covariance_m2(double quality_percent) cons
 
 void MeasurementNoise::add_fix(double quality_percent, const Vector3d& residual_m,
                                const Vector3d& prediction_variance_m2) {
-  constexpr double least_m2 = 0.004 * 0.004;
+  constexpr double least_m2 = 0.01 * 0.01;
   constexpr double most_m2 = 0.5 * 0.5;
   Bin& bin = bins[bin_of(quality_percent)];
   const Vector3d sample = residual_m.cwiseAbs2() + prediction_variance_m2;
