@@ -13,6 +13,8 @@
 #include <exception>
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace {
 
@@ -21,6 +23,7 @@ using namespace sonopose::benchmarks;
 
 struct Options : BeaconsOptions {
   std::vector<std::uint32_t> beacons{1, 10, 50, 100, 250};
+  std::vector<std::string> engines{"documented", "kalman"};
   int rounds = 5;
 };
 
@@ -33,14 +36,16 @@ double median_of(const Rounds& rounds, const Part& part) {
   return median(values);
 }
 
+/// The number of beacons and the engine.
+using Case = std::pair<std::uint32_t, std::string>;
+
 /// Median over the rounds of the ratio of the cost per sample; `-` if the reference was not measured.
-std::string cost_ratio(const std::map<std::uint32_t, Rounds>& all, std::uint32_t beacons,
-                       std::uint32_t reference) {
+std::string cost_ratio(const std::map<Case, Rounds>& all, const Case& of, const Case& reference) {
   const auto found = all.find(reference);
   if (found == all.end()) return "-";
   std::vector<double> ratios;
   for (std::size_t i = 0; i < found->second.size(); ++i) {
-    ratios.push_back(all.at(beacons)[i].fusion_per_sample_s / found->second[i].fusion_per_sample_s);
+    ratios.push_back(all.at(of)[i].fusion_per_sample_s / found->second[i].fusion_per_sample_s);
   }
   return fmt::format("{:.2f}", median(ratios));
 }
@@ -51,14 +56,15 @@ double sum(const std::vector<double>& values) {
   return total;
 }
 
-void print_table(const Options& options, const std::map<std::uint32_t, Rounds>& all) {
+void print_table(const Options& options, const std::map<Case, Rounds>& all) {
   fmt::print("{} interleaved rounds of {} s, {:.0f} Hz each, {}; medians; lost and missing are sums\n",
              options.rounds, options.round_s, beacon_imu_rate_hz,
              options.share ? "two fusions share the beacons" : "one fusion");
   fmt::print(
-      "beacons  poses/s  lost  missing  fusion CPU  most of one  us/sample  of 1's  of 10's  bridge CPU"
-      "  p50 us  p99 us\n");
-  for (const auto& [beacons, rounds] : all) {
+      "beacons  engine      poses/s  lost  missing  fusion CPU  most of one  us/sample  of 1's  of 10's"
+      "  of documented  memory MB  bridge CPU  p50 us  p99 us\n");
+  for (const auto& [which, rounds] : all) {
+    const auto& [beacons, engine] = which;
     double lost = 0.0;
     double missing = 0.0;
     for (const BeaconsRound& round : rounds) {
@@ -69,13 +75,16 @@ void print_table(const Options& options, const std::map<std::uint32_t, Rounds>& 
       return *std::max_element(round.fusion_shares.begin(), round.fusion_shares.end());
     };
     fmt::print(
-        "{:>7} {:>8.0f} {:>5.0f} {:>8.0f} {:>9.1f} % {:>10.1f} % {:>10.1f} {:>7} {:>8} {:>9.1f} % {:>7.0f} "
-        "{:>7.0f}\n",
-        beacons, median_of(rounds, [](const BeaconsRound& round) { return round.poses_hz; }), lost, missing,
+        "{:>7}  {:<10} {:>8.0f} {:>5.0f} {:>8.0f} {:>9.1f} % {:>10.1f} % {:>10.1f} {:>7} {:>8} {:>14} "
+        "{:>10.0f} {:>9.1f} % {:>7.0f} {:>7.0f}\n",
+        beacons, engine, median_of(rounds, [](const BeaconsRound& round) { return round.poses_hz; }), lost,
+        missing,
         100.0 * median_of(rounds, [](const BeaconsRound& round) { return sum(round.fusion_shares); }),
         100.0 * median_of(rounds, most),
         1e6 * median_of(rounds, [](const BeaconsRound& round) { return round.fusion_per_sample_s; }),
-        cost_ratio(all, beacons, 1), cost_ratio(all, beacons, 10),
+        cost_ratio(all, which, {1, engine}), cost_ratio(all, which, {10, engine}),
+        cost_ratio(all, which, {beacons, "documented"}),
+        1e-6 * median_of(rounds, [](const BeaconsRound& round) { return round.fusion_memory_bytes; }),
         100.0 * median_of(rounds, [](const BeaconsRound& round) { return round.bridge_share; }),
         1e6 * median_of(rounds, [](const BeaconsRound& round) { return round.p50_s; }),
         1e6 * median_of(rounds, [](const BeaconsRound& round) { return round.p99_s; }));
@@ -91,6 +100,9 @@ int main(int argc, char** argv) {
   app.add_option("--beacons", options.beacons, "Numbers of beacons")
       ->check(CLI::Range(1U, 1000U))
       ->capture_default_str();
+  app.add_option("--engines", options.engines, "Engines of the fusion")
+      ->check(CLI::IsMember({"documented", "kalman"}))
+      ->capture_default_str();
   app.add_option("--rounds", options.rounds, "Rounds of each number")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -103,10 +115,14 @@ int main(int argc, char** argv) {
   try {
     process::StopSignal stop;
     stop.listen_to_signals();
-    std::map<std::uint32_t, Rounds> all;
+    std::map<Case, Rounds> all;
     for (int round = 0; round < options.rounds && !stop.requested(); ++round) {
-      for (const std::uint32_t beacons : options.beacons)
-        all[beacons].push_back(measure_beacons(options, beacons));
+      for (const std::uint32_t beacons : options.beacons) {
+        for (const std::string& engine : options.engines) {
+          options.engine = engine;
+          all[{beacons, engine}].push_back(measure_beacons(options, beacons));
+        }
+      }
     }
     print_table(options, all);
   } catch (const std::exception& error) {

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <stdexcept>
@@ -27,6 +28,7 @@ void sleep_s(double seconds) {
 std::vector<Child> start_fusions(const BeaconsOptions& options, std::uint32_t beacons) {
   std::vector<std::string> command{SONOPOSE_FUSION, "--domain", std::to_string(options.domain)};
   if (options.realtime) command.emplace_back("--realtime");
+  if (!options.engine.empty()) command.insert(command.end(), {"--set", "fusion.engine=" + options.engine});
   std::vector<Child> fusions;
   if (!options.share) {
     fusions.push_back(Child::execute(command));
@@ -92,6 +94,8 @@ BeaconsRound measure_beacons(const BeaconsOptions& options, std::uint32_t beacon
     const double cpu_s = seconds_between(fusion_before_ns[i], fusions[i].cpu_time_ns());
     round.fusion_shares.push_back(cpu_s / length_s);
     round.fusion_per_sample_s += cpu_s / samples;
+    round.fusion_memory_bytes =
+        std::max(round.fusion_memory_bytes, static_cast<double>(fusions[i].memory_bytes()));
   }
   round.bridge_share = seconds_between(bridge_before_ns, bridge.cpu_time_ns()) / length_s;
   sleep_s(1.2);  // for the statuses of the last second of the round

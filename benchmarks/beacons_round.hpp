@@ -2,6 +2,7 @@
 // One bridge with many beacons → one or two fusions → one consumer, which is this process.
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace sonopose::benchmarks {
@@ -11,6 +12,7 @@ inline constexpr double beacon_imu_rate_hz = 100.0;
 struct BeaconsOptions {
   std::uint32_t domain = 144;
   double round_s = 4.0;
+  std::string engine;     ///< fusion.engine; empty: the default
   bool share = false;     ///< two fusions, each with half of the addresses
   bool realtime = false;  ///< --realtime for bridge and fusion, the same for the consumer
 };
@@ -22,6 +24,7 @@ struct BeaconsRound {
   double missing = 0;                 ///< poses that did not reach the consumer
   std::vector<double> fusion_shares;  ///< CPU share of each fusion process, in cores
   double fusion_per_sample_s = 0;     ///< CPU time of all fusion processes
+  double fusion_memory_bytes = 0;     ///< resident, of the largest fusion process
   double bridge_share = 0;
   double p50_s = 0;
   double p99_s = 0;

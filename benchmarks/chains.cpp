@@ -153,6 +153,7 @@ Round real_round(const RoundOptions& options, const Tuning& tuning) {
   std::vector<std::string> fusion{SONOPOSE_FUSION, "--domain", std::to_string(options.domain)};
   std::vector<std::string> bridge{SONOPOSE_BRIDGE, "--domain", std::to_string(options.domain), "--imu-rate",
                                   fmt::format("{}", options.rate_hz)};
+  if (!tuning.engine.empty()) fusion.insert(fusion.end(), {"--set", "fusion.engine=" + tuning.engine});
   if (tuning.realtime) {
     fusion.emplace_back("--realtime");
     bridge.emplace_back("--realtime");

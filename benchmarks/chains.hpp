@@ -41,9 +41,10 @@ struct Chain {
 
 /// Variations of the real chain.
 struct Tuning {
-  bool realtime = false;               ///< --realtime for bridge and fusion, the same for the consumer
-  bool awake = false;                  ///< a process of the lowest priority keeps each core awake
-  std::optional<unsigned> fusion_cpu;  ///< the core reserved for the fusion
+  std::string engine;                    ///< fusion.engine; empty: the default
+  bool realtime = false;                 ///< --realtime for bridge and fusion, the same for the consumer
+  bool awake = false;                    ///< a process of the lowest priority keeps each core awake
+  std::optional<unsigned> fusion_cpu{};  ///< the core reserved for the fusion
   bool ros2 = false;  ///< with sonopose-ros2 before the consumer; the CPU time is that of sonopose-ros2
 };
 

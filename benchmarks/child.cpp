@@ -1,10 +1,14 @@
 #include "child.hpp"
 
+#include <fmt/format.h>
+
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <exception>
+#include <fstream>
+#include <stdexcept>
 #include <sys/wait.h>
 #include <system_error>
 #include <unistd.h>
@@ -53,6 +57,14 @@ std::int64_t Child::cpu_time_ns() const {
   if (::clock_gettime(clock, &time) != 0)
     throw std::system_error(errno, std::generic_category(), "clock_gettime");
   return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
+}
+
+std::int64_t Child::memory_bytes() const {
+  std::ifstream file(fmt::format("/proc/{}/statm", pid_));
+  std::int64_t whole_pages = 0;
+  std::int64_t resident_pages = 0;
+  if (!(file >> whole_pages >> resident_pages)) throw std::runtime_error("a process of the chain ended");
+  return resident_pages * ::sysconf(_SC_PAGESIZE);
 }
 
 }  // namespace sonopose::benchmarks

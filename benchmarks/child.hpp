@@ -28,6 +28,9 @@ public:
   /// User and system time of all its threads, ns. Throws std::system_error if it has ended.
   [[nodiscard]] std::int64_t cpu_time_ns() const;
 
+  /// Its resident memory, bytes. Throws std::runtime_error if it has ended.
+  [[nodiscard]] std::int64_t memory_bytes() const;
+
 private:
   explicit Child(pid_t pid) : pid_(pid) {}
   pid_t pid_;

@@ -27,7 +27,10 @@ struct Options {
 };
 
 std::vector<Chain> chains_of(const Options& options) {
-  std::vector<Chain> chains{plain_chain(), bare_chain(), real_chain("sonopose")};
+  std::vector<Chain> chains{plain_chain(), bare_chain()};
+  for (const std::string engine : {"documented", "kalman"}) {
+    chains.push_back(real_chain(engine, {.engine = engine}));
+  }
   for (const std::string& variant : options.variants) {
     Tuning tuning;
     tuning.realtime = variant == "realtime";
@@ -66,7 +69,7 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option(
          "--variants", options.variants,
-         "Variants of the real chain, compared with the default one: realtime (with --realtime), awake "
+         "Variants of the chain with the Kalman engine, compared with it: realtime (with --realtime), awake "
          "(cores never sleep), pinned (the fusion on a reserved core), ros2 (through sonopose-ros2)")
       ->check(CLI::IsMember({"realtime", "awake", "pinned", "ros2"}));
   app.add_option("--fusion-cpu", options.fusion_cpu, "Core for the variant pinned")->capture_default_str();

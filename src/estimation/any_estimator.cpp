@@ -34,6 +34,10 @@ void AnyEstimator::correct(const PairHeading& heading) noexcept {
   std::visit([&](auto& estimator) { estimator.correct(heading); }, estimator_);
 }
 
+void AnyEstimator::catch_up() noexcept {
+  std::visit([](auto& estimator) { estimator.catch_up(); }, estimator_);
+}
+
 void AnyEstimator::configure(const settings::Settings& settings) noexcept {
   if (settings.engine.engine != this->settings().engine.engine) {
     Snapshot fresh = initial_snapshot(kind_of(settings.engine.engine));

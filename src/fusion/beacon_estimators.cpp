@@ -60,6 +60,11 @@ EventOutcome BeaconEstimators::process(const collation::CollatedEvent& collated)
   return outcome;
 }
 
+void BeaconEstimators::catch_up(BeaconAddress address) noexcept {
+  const auto found = beacons_.find(address);
+  if (found != beacons_.end()) found->second->estimator.catch_up();
+}
+
 void BeaconEstimators::reset(BeaconAddress address) {
   for (auto& [known, beacon] : beacons_) {
     if (known == address || address == all_beacons) beacon->estimator.reset();

@@ -51,6 +51,9 @@ public:
   /// allocate.
   EventOutcome process(const collation::CollatedEvent& collated) noexcept;
 
+  /// Does what a fix or heading has left to do, once its result is written.
+  void catch_up(BeaconAddress address) noexcept;
+
   /// Resets the estimator of one beacon, or of all for all_beacons. Settings are kept.
   void reset(BeaconAddress address);
 

@@ -239,6 +239,10 @@ void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, Time
       outcome = estimators_.process(next);
     }
     write(outcome, in_ns, steady);
+    if (!std::holds_alternative<ImuSample>(next.event)) {
+      const std::lock_guard lock(estimators_mutex_);
+      estimators_.catch_up(address_of(next.event));
+    }
   }
 }
 

@@ -48,6 +48,7 @@ public:
   std::optional<FusedPose> predict(const ImuSample& imu) noexcept;
   FixReport correct(const UltrasonicFix& fix) noexcept;
   void correct(const PairHeading& heading) noexcept;
+  void catch_up() noexcept;
   /// Another fusion.engine than before starts again with that engine, which allocates its memory.
   void configure(const settings::Settings& settings) noexcept;
   void reset() noexcept;

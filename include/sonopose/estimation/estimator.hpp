@@ -24,6 +24,8 @@ namespace sonopose::estimation {
 /// - `predict` integrates an IMU sample and returns the pose at it. It returns nothing for a sample that it
 ///   does not use; an impossible one it counts in `samples_invalid`. A pose is always finite.
 /// - `correct` with a fix returns a report on it; FixFlag::fix_used is not set if the fix changed nothing.
+/// - `catch_up` does at once what the next `predict` would have to do first, after a late fix. It changes no
+///   result.
 /// - `configure` replaces the settings and keeps the state. `settings` are the effective ones.
 /// - `reset` discards the state, keeps the counters and increments `reset_counter`.
 /// - `time_ns` is the time of the state; 0 before the first sample.
@@ -38,6 +40,8 @@ concept Estimator = std::copyable<T> && std::equality_comparable<typename T::Sna
   { estimator.correct(fix) }
   noexcept->std::same_as<FixReport>;
   { estimator.correct(heading) }
+  noexcept->std::same_as<void>;
+  { estimator.catch_up() }
   noexcept->std::same_as<void>;
   { estimator.configure(settings) }
   noexcept->std::same_as<void>;

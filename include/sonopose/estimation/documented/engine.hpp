@@ -36,6 +36,7 @@ public:
   void correct(const PairHeading& heading) noexcept;
 
   /// Discards the state. Counters are kept and reset_counter rises.
+  static void catch_up() noexcept {}  // a correction is complete at once
   void reset() noexcept;
 
   /// Continues from a snapshot of another engine.

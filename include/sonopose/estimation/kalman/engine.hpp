@@ -38,6 +38,7 @@ public:
   std::optional<FusedPose> predict(const ImuSample& raw) noexcept;
   FixReport correct(const UltrasonicFix& fix) noexcept;
   void correct(const PairHeading& heading) noexcept;
+  void catch_up() noexcept { timeline_.catch_up(settings_); }
   void reset() noexcept;
   void restore(const Snapshot& snapshot) noexcept;
   [[nodiscard]] Snapshot snapshot() const;

@@ -59,6 +59,9 @@ public:
   /// for measurements that arrive together. Returns the outcome of a fix.
   FixOutcome add(const settings::Settings& settings, const Aiding& aiding);
 
+  /// Repeats at once what followed the last measurement, so that the next sample need not wait for it.
+  void catch_up(const settings::Settings& settings) { fold(settings, nullptr); }
+
   [[nodiscard]] History history() const;
   void restore(const settings::Settings& settings, const History& history);
 

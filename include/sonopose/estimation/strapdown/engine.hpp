@@ -80,6 +80,7 @@ public:
   void correct(const PairHeading& /*heading*/) noexcept {}
 
   /// Returns to the start.
+  static void catch_up() noexcept {}  // a correction is complete at once
   void reset() noexcept;
   void restore(const Snapshot& snapshot) noexcept { now_ = snapshot; }
   [[nodiscard]] Snapshot snapshot() const { return now_; }
