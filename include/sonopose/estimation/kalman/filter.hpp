@@ -31,7 +31,7 @@ struct ProcessNoise {
   double accel_mps2_rthz = 0.003;
   double gyro_radps_rthz = 2e-4;
   double accel_bias_mps2_rts = 4e-4;
-  double gyro_bias_radps_rts = 5e-5;
+  double gyro_bias_radps_rts = 1e-4;
 };
 
 /// What a measurement of three components showed. The innovation is the measurement minus its prediction.

@@ -1,0 +1,132 @@
+/// The standard deviations of the Kalman engine against its errors, over many simulated runs.
+
+#include "sim/scenario.hpp"
+#include "sim/simulator.hpp"
+#include <sonopose/estimation/estimator.hpp>
+#include <sonopose/estimation/kalman/engine.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <Eigen/Cholesky>
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+
+namespace consistency_test {
+
+using namespace sonopose;
+
+/// Mean of a squared, normalised error per degree of freedom: 1 if the covariance is right.
+struct NormalisedMean {
+  double sum = 0;
+  int count = 0;
+
+  void add(double squared_norm, int degrees) {
+    sum += squared_norm / degrees;
+    ++count;
+  }
+  [[nodiscard]] double value() const { return sum / count; }
+};
+
+struct Consistency {
+  NormalisedMean position;
+  NormalisedMean velocity;
+  NormalisedMean yaw;
+  NormalisedMean innovation;
+  /// Innovations above the χ² quantile with 3 degrees of freedom that 5, 1 and 0.1 % exceed.
+  std::array<int, 3> above{};
+
+  [[nodiscard]] double share_above(std::size_t which) const {
+    return static_cast<double>(above[which]) / innovation.count;
+  }
+  [[nodiscard]] std::string text() const {
+    return fmt::format(
+        "position {:.2f}, velocity {:.2f}, yaw {:.2f}; innovations {:.3f}, above 5 / 1 / 0.1 %: {:.2f} / "
+        "{:.2f} / {:.3f} %",
+        position.value(), velocity.value(), yaw.value(), innovation.value(), 100.0 * share_above(0),
+        100.0 * share_above(1), 100.0 * share_above(2));
+  }
+};
+
+double squared_norm(const Eigen::Matrix3d& covariance, const Vector3d& error) {
+  return error.dot(covariance.llt().solve(error));
+}
+
+void add(Consistency& consistency, const FusedPose& pose, const TruthSample& truth) {
+  const auto pose_covariance = pose.pose_covariance.matrix();
+  consistency.position.add(
+      squared_norm(pose_covariance.topLeftCorner<3, 3>(), pose.position_world_m - truth.position_world_m), 3);
+  consistency.velocity.add(squared_norm(pose.velocity_covariance.matrix(),
+                                        pose.velocity_world_mps - truth.velocity_world_mps),
+                           3);
+  const double yaw_error_rad = geometry::wrap_angle(geometry::yaw_of(pose.q_body_to_world) -
+                                                    geometry::yaw_of(truth.q_body_to_world));
+  consistency.yaw.add(yaw_error_rad * yaw_error_rad / pose_covariance(5, 5), 1);
+}
+
+void add(Consistency& consistency, const FixReport& report) {
+  constexpr std::array quantiles{7.815, 11.345, 16.266};
+  if (!report.innovation_covariance_m2) return;
+  const double norm = squared_norm(report.innovation_covariance_m2->matrix(), report.innovation_world_m);
+  consistency.innovation.add(norm, 3);
+  for (std::size_t i = 0; i < quantiles.size(); ++i) consistency.above[i] += norm > quantiles[i] ? 1 : 0;
+}
+
+/// The fix noise of a run is known to the fixes themselves if `known_noise`, else learned.
+void add_run(Consistency& consistency, const sim::Scenario& scenario, std::uint64_t seed, bool known_noise) {
+  constexpr double settled_s = 10.0;
+  constexpr int decimation = 25;  // neighbouring poses have the same error
+  sim::SensorSettings sensors = scenario.sensors;
+  sim::Random draw(seed);
+  const double noise_m = draw.uniform_in(sensors.fix_noise_m);
+  sensors.fix_noise_m = noise_m;
+  sim::Simulator simulator(scenario, sensors, {.seed = seed, .duration_s = 30.0});
+  estimation::kalman::Engine engine{settings::Settings{}};
+  TimeNs begin_ns = 0;
+  int poses = 0;
+  while (auto step = simulator.next()) {
+    if (auto* fix = std::get_if<UltrasonicFix>(&step->event); fix != nullptr && known_noise) {
+      fix->covariance_world_m2 =
+          Covariance<3>::from_matrix(noise_m * noise_m * Eigen::Matrix3d::Identity());
+    }
+    const auto result = estimation::process(engine, step->event);
+    if (const auto* pose = std::get_if<FusedPose>(&result)) {
+      if (begin_ns == 0) begin_ns = pose->time_ns;
+      if (seconds_between(begin_ns, pose->time_ns) < settled_s || ++poses % decimation != 0) continue;
+      add(consistency, *pose, *step->truth);
+    } else if (const auto* report = std::get_if<FixReport>(&result)) {
+      if (seconds_between(begin_ns, report->emission_time_ns) >= settled_s) add(consistency, *report);
+    }
+  }
+}
+
+SCENARIO("the Kalman engine knows how uncertain it is") {
+  GIVEN("50 runs of ordinary motion that nothing was tuned on") {
+    const std::string name = GENERATE("walk", "forklift", "kart", "drone");
+    const bool known_noise = GENERATE(false, true);
+    Consistency consistency;
+    for (std::uint64_t seed = 2001; seed <= 2050; ++seed) {
+      add_run(consistency, sim::find_scenario(name), seed, known_noise);
+    }
+    fmt::print("{}, fix noise {}: {}\n", name, known_noise ? "known" : "learned", consistency.text());
+    THEN("its errors are as large as their standard deviations say, within 15 %") {
+      for (const auto& mean : {consistency.position, consistency.velocity, consistency.yaw}) {
+        CHECK(mean.value() > 0.7);
+        CHECK(mean.value() < 1.3);
+      }
+      AND_THEN("so are its innovations, and outliers are as rare as in a normal distribution") {
+        CHECK(consistency.innovation.value() == Approx(1.0).margin(0.05));
+        constexpr std::array expected{0.05, 0.01, 0.001};
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+          CAPTURE(expected[i]);
+          CHECK(consistency.share_above(i) < 2.0 * expected[i]);
+          CHECK(consistency.share_above(i) > 0.5 * expected[i]);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace consistency_test
