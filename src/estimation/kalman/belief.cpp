@@ -280,21 +280,17 @@ FixOutcome Belief::judge(const FixMeasurement& fix) {
   const double ahead_s = seconds_between(time_ns, fix.time_ns);
   const Matrix3d covariance =
       fix.has_covariance ? fix.covariance_world_m2 : noise.fix_covariance_m2(fix.quality_percent);
-  if (phase == Phase::searching_yaw) {
+  Innovations innovations;
+  for (int i = 0; i < candidate_count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    innovations[at] = candidates[at].filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
     // The start that explains this fix best speaks for all of them.
-    double least = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < candidate_count; ++i) {
-      const auto& candidate = candidates[static_cast<std::size_t>(i)];
-      const double d =
-          candidate.filter.fix_innovation(fix.position_world_m, covariance, ahead_s).squared_norm;
-      if (d < least) {
-        least = d;
-        best = i;
-      }
+    if (phase == Phase::searching_yaw &&
+        (i == 0 || innovations[at].squared_norm < innovations[static_cast<std::size_t>(best)].squared_norm)) {
+      best = i;
     }
   }
-  Candidate& chosen = candidates[static_cast<std::size_t>(best)];
-  outcome.innovation = chosen.filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
+  outcome.innovation = innovations[static_cast<std::size_t>(best)];
   outcome.has_innovation = true;
   const double d = outcome.innovation.squared_norm;
   outcome.test_ratio = d / rejected_above;
@@ -305,7 +301,7 @@ FixOutcome Belief::judge(const FixMeasurement& fix) {
     return outcome;
   }
   trust += (1.0 - trust) / trust_memory;
-  const double scale = std::max(1.0, d / full_weight_below);
+  const double scale = scale_of(outcome.innovation);
   outcome.weight = 1.0 / scale;
   outcome.flags = fix_used;
   if (rival.alive) {
@@ -314,7 +310,7 @@ FixOutcome Belief::judge(const FixMeasurement& fix) {
     if (fix.time_ns - rival.last_fix_ns > idle_ns) rival.alive = false;
   }
   former.fixes_in_row = 0;
-  correct_candidates(fix, covariance, scale, ahead_s);
+  correct_candidates(fix, covariance, innovations, ahead_s);
   last_fix_ns = fix.time_ns;
   quality_percent = fix.quality_percent;
   slowed_ns = std::max(slowed_ns, fix.time_ns);
@@ -322,17 +318,18 @@ FixOutcome Belief::judge(const FixMeasurement& fix) {
   return outcome;
 }
 
-void Belief::correct_candidates(const FixMeasurement& fix, const Matrix3d& covariance, double scale,
-                                double ahead_s) {
+void Belief::correct_candidates(const FixMeasurement& fix, const Matrix3d& covariance,
+                                const Innovations& innovations, double ahead_s) {
   constexpr double forgetting = 1.0 / 60.0;
+  const Matrix3d more_covariance = (scale_of(innovations[static_cast<std::size_t>(best)]) - 1.0) * covariance;
   for (int i = 0; i < candidate_count; ++i) {
     Candidate& candidate = candidates[static_cast<std::size_t>(i)];
-    const Innovation innovation = candidate.filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
+    const Innovation& innovation = innovations[static_cast<std::size_t>(i)];
     if (phase == Phase::tracking) candidate.score *= 1.0 - forgetting;
     candidate.score += log_likelihood(innovation);
     const bool rejected = phase == Phase::tracking && innovation.squared_norm > 2.0 * rejected_above;
     candidate.rejected_in_row = rejected ? candidate.rejected_in_row + 1 : 0;
-    if (!rejected) candidate.filter.correct_fix(fix.position_world_m, scale * covariance, ahead_s);
+    if (!rejected) candidate.filter.correct_fix(innovation, more_covariance);
   }
   if (phase == Phase::searching_yaw) {
     prune_starts();
@@ -341,7 +338,7 @@ void Belief::correct_candidates(const FixMeasurement& fix, const Matrix3d& covar
   choose_model();
   if (fix.has_covariance) return;
   const Innovation after = filter().fix_innovation(fix.position_world_m, covariance, ahead_s);
-  noise.add_fix(fix.quality_percent, after.value, (after.covariance - covariance).diagonal());
+  noise.add_fix(fix.quality_percent, after.value_world_m, (after.covariance_m2 - covariance).diagonal());
 }
 
 void Belief::choose_model() {

@@ -4,6 +4,7 @@
 #include <sonopose/estimation/kalman/belief.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
+#include <algorithm>
 #include <array>
 
 namespace sonopose::estimation::kalman {
@@ -15,6 +16,11 @@ inline constexpr double former_s = 8.0;  // for which a track that was given up 
 inline constexpr std::array<ProcessNoise, model_count> models{
     ProcessNoise{}, ProcessNoise{.gyro_radps_rthz = 12 * 2e-4, .gyro_bias_radps_rts = 1e-3},
     ProcessNoise{.accel_mps2_rthz = 50 * 0.003, .gyro_radps_rthz = 12 * 2e-4}};
+
+/// By how much the covariance of a fix grows with its innovation.
+inline double scale_of(const Innovation& innovation) {
+  return std::max(1.0, innovation.squared_norm / full_weight_below);
+}
 
 constexpr double square(double x) {
   return x * x;

@@ -109,10 +109,10 @@ FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
   report.hypothesis = outcome.hypothesis;
   report.model = belief().phase == Phase::tracking ? static_cast<std::uint32_t>(belief().best) : 0U;
   if (outcome.has_innovation) {
-    report.innovation_world_m = outcome.innovation.value;
-    report.innovation_covariance_m2 = Covariance<3>::from_matrix(outcome.innovation.covariance);
+    report.innovation_world_m = outcome.innovation.value_world_m;
+    report.innovation_covariance_m2 = Covariance<3>::from_matrix(outcome.innovation.covariance_m2);
     report.test_ratio = outcome.test_ratio;
-    report.shifted_position_world_m = last_position_world_m_ + outcome.innovation.value;
+    report.shifted_position_world_m = last_position_world_m_ + outcome.innovation.value_world_m;
   }
   report.jump_world_m = outcome.jump_world_m;
   report.velocity_change_world_mps = outcome.velocity_change_world_mps;

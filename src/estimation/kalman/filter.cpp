@@ -71,29 +71,31 @@ void Filter::propagate(const ProcessNoise& noise) {
   const auto times = [](const auto& columns, const Matrix3d& block) {
     return columns.lazyProduct(block.transpose());
   };
-  const Columns3 position =
+  const StateColumns position =
       column(at_position) + t * column(at_velocity) + times(column(at_attitude), f.position_attitude) +
       times(column(at_gyro_bias), f.position_gyro_bias) + times(column(at_accel_bias), f.position_accel_bias);
-  const Columns3 velocity = column(at_velocity) + times(column(at_attitude), f.velocity_attitude) +
-                            times(column(at_gyro_bias), f.velocity_gyro_bias) +
-                            times(column(at_accel_bias), f.velocity_accel_bias);
-  const Columns3 attitude =
+  const StateColumns velocity = column(at_velocity) + times(column(at_attitude), f.velocity_attitude) +
+                                times(column(at_gyro_bias), f.velocity_gyro_bias) +
+                                times(column(at_accel_bias), f.velocity_accel_bias);
+  const StateColumns attitude =
       times(column(at_attitude), f.attitude_attitude) + times(column(at_gyro_bias), f.attitude_gyro_bias);
 
   // Φ (P Φᵀ): the blocks of the upper triangle that change.
-  const auto rows = [](const Columns3& columns, StateIndex index) { return columns.middleRows<3>(index); };
-  const auto by_position = [&](const Columns3& columns) -> Matrix3d {
+  const auto rows = [](const StateColumns& columns, StateIndex index) {
+    return columns.middleRows<3>(index);
+  };
+  const auto by_position = [&](const StateColumns& columns) -> Matrix3d {
     return rows(columns, at_position) + t * rows(columns, at_velocity) +
            f.position_attitude.lazyProduct(rows(columns, at_attitude)) +
            f.position_gyro_bias.lazyProduct(rows(columns, at_gyro_bias)) +
            f.position_accel_bias.lazyProduct(rows(columns, at_accel_bias));
   };
-  const auto by_velocity = [&](const Columns3& columns) -> Matrix3d {
+  const auto by_velocity = [&](const StateColumns& columns) -> Matrix3d {
     return rows(columns, at_velocity) + f.velocity_attitude.lazyProduct(rows(columns, at_attitude)) +
            f.velocity_gyro_bias.lazyProduct(rows(columns, at_gyro_bias)) +
            f.velocity_accel_bias.lazyProduct(rows(columns, at_accel_bias));
   };
-  const auto by_attitude = [&](const Columns3& columns) -> Matrix3d {
+  const auto by_attitude = [&](const StateColumns& columns) -> Matrix3d {
     return f.attitude_attitude.lazyProduct(rows(columns, at_attitude)) +
            f.attitude_gyro_bias.lazyProduct(rows(columns, at_gyro_bias));
   };
@@ -121,7 +123,7 @@ void Filter::propagate(const ProcessNoise& noise) {
 }
 
 /// P Hᵀ of a fix.
-Filter::Columns3 Filter::fix_columns(double ahead_s) const {
+StateColumns Filter::fix_columns(double ahead_s) const {
   const Matrix3d rotation = q_body_to_world.toRotationMatrix();
   const Matrix3d by_attitude = rotation * cross_matrix(lever_arm_body_m);
   return covariance.middleCols<3>(at_position) + ahead_s * covariance.middleCols<3>(at_velocity) +
@@ -130,7 +132,7 @@ Filter::Columns3 Filter::fix_columns(double ahead_s) const {
 }
 
 /// H P Hᵀ of a fix.
-Matrix3d Filter::fix_covariance_of(const Columns3& columns, double ahead_s) const {
+Matrix3d Filter::fix_covariance_of(const StateColumns& columns, double ahead_s) const {
   const Matrix3d rotation = q_body_to_world.toRotationMatrix();
   const Matrix3d by_attitude = rotation * cross_matrix(lever_arm_body_m);
   const Matrix3d whole = columns.middleRows<3>(at_position) + ahead_s * columns.middleRows<3>(at_velocity) +
@@ -146,26 +148,25 @@ Innovation Filter::fix_innovation(const Vector3d& fix_world_m, const Matrix3d& f
       q_body_to_world * geometry::rotation_by((ahead_s * angular_velocity_body_radps).eval());
   const Vector3d predicted = position_world_m + ahead_s * velocity_world_mps +
                              0.5 * ahead_s * ahead_s * acceleration_world_mps2 - q_then * lever_arm_body_m;
-  innovation.value = fix_world_m - predicted;
-  innovation.covariance = fix_covariance_of(fix_columns(ahead_s), ahead_s) + fix_covariance_m2;
-  const Eigen::LLT<Matrix3d> factor(innovation.covariance);
+  innovation.value_world_m = fix_world_m - predicted;
+  innovation.columns = fix_columns(ahead_s);
+  innovation.covariance_m2 = fix_covariance_of(innovation.columns, ahead_s) + fix_covariance_m2;
+  const Eigen::LLT<Matrix3d> factor(innovation.covariance_m2);
   if (factor.info() != Eigen::Success) {
     innovation.squared_norm = std::numeric_limits<double>::infinity();  // rejects it
     return innovation;
   }
-  innovation.squared_norm = factor.matrixL().solve(innovation.value).squaredNorm();
+  innovation.squared_norm = factor.matrixL().solve(innovation.value_world_m).squaredNorm();
   innovation.log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
   return innovation;
 }
 
-void Filter::correct_fix(const Vector3d& fix_world_m, const Matrix3d& fix_covariance_m2, double ahead_s) {
-  const Innovation innovation = fix_innovation(fix_world_m, fix_covariance_m2, ahead_s);
-  const Eigen::LLT<Matrix3d> factor(innovation.covariance);
+void Filter::correct_fix(const Innovation& innovation, const Matrix3d& more_covariance_m2) {
+  const Eigen::LLT<Matrix3d> factor(innovation.covariance_m2 + more_covariance_m2);
   if (factor.info() != Eigen::Success) return;
   // W = P Hᵀ L⁻ᵀ with S = L Lᵀ: the gain times the innovation is W L⁻¹ ν, and P ← P − W Wᵀ.
-  const Columns3 columns = fix_columns(ahead_s);
-  const Columns3 w = factor.matrixL().solve(columns.transpose()).transpose();
-  const StateVector error = w * factor.matrixL().solve(innovation.value);
+  const StateColumns w = factor.matrixL().solve(innovation.columns.transpose()).transpose();
+  const StateVector error = w * factor.matrixL().solve(innovation.value_world_m);
   covariance -= w.lazyProduct(w.transpose());
   inject(error);
 }
@@ -213,11 +214,11 @@ void Filter::correct_heading(double heading_world_rad, double mount_rad, double 
 }
 
 void Filter::correct_states(StateIndex index, const Vector3d& innovation, double variance) {
-  const Columns3 columns = covariance.middleCols<3>(index);
+  const StateColumns columns = covariance.middleCols<3>(index);
   const Matrix3d s = columns.middleRows<3>(index) + variance * Matrix3d::Identity();
   const Eigen::LLT<Matrix3d> factor(s);
   if (factor.info() != Eigen::Success) return;
-  const Columns3 w = factor.matrixL().solve(columns.transpose()).transpose();
+  const StateColumns w = factor.matrixL().solve(columns.transpose()).transpose();
   const StateVector error = w * factor.matrixL().solve(innovation);
   covariance -= w.lazyProduct(w.transpose());
   inject(error);
@@ -250,7 +251,7 @@ void Filter::inject(const StateVector& error) {
 
 Covariance<6> Filter::pose_covariance() const {
   const Matrix3d rotation = q_body_to_world.toRotationMatrix();
-  const Columns3 position = fix_columns(0.0);
+  const StateColumns position = fix_columns(0.0);
   Covariance<6>::Matrix result;
   result.block<3, 3>(0, 0) = fix_covariance_of(position, 0.0);
   result.block<3, 3>(0, 3) = (rotation * position.middleRows<3>(at_attitude)).transpose();

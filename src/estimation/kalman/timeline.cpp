@@ -7,8 +7,8 @@ namespace {
 
 constexpr std::size_t imu_capacity = 2048;
 constexpr std::size_t aiding_capacity = 512;
-constexpr std::size_t checkpoint_capacity = 32;
-constexpr TimeNs checkpoint_spacing_ns = 40'000'000;
+constexpr std::size_t checkpoint_capacity = 16;
+constexpr TimeNs checkpoint_spacing_ns = 80'000'000;
 
 }  // namespace
 

@@ -32,8 +32,7 @@ void Belief::reject(const FixMeasurement& fix, const Matrix3d& covariance, doubl
   }
   outcome.hypothesis = 1;
   rival.misses_in_row = 0;
-  rival.filter.correct_fix(fix.position_world_m,
-                           std::max(1.0, innovation.squared_norm / full_weight_below) * covariance, ahead_s);
+  rival.filter.correct_fix(innovation, (scale_of(innovation) - 1.0) * covariance);
   rival.last_fix_ns = fix.time_ns;
   ++rival.fixes;
   const double jump_m =
@@ -101,7 +100,7 @@ bool Belief::take_back_former(const FixMeasurement& fix, const Matrix3d& covaria
     former.fixes_in_row = 0;
     return false;
   }
-  former.filter.correct_fix(fix.position_world_m, covariance, ahead_s);
+  former.filter.correct_fix(innovation);
   if (++former.fixes_in_row < enough) return false;
   adopt(former.filter);
   former.alive = false;

@@ -58,11 +58,10 @@ void add(Consistency& consistency, const FusedPose& pose, const TruthSample& tru
   const auto pose_covariance = pose.pose_covariance.matrix();
   consistency.position.add(
       squared_norm(pose_covariance.topLeftCorner<3, 3>(), pose.position_world_m - truth.position_world_m), 3);
-  consistency.velocity.add(squared_norm(pose.velocity_covariance.matrix(),
-                                        pose.velocity_world_mps - truth.velocity_world_mps),
-                           3);
-  const double yaw_error_rad = geometry::wrap_angle(geometry::yaw_of(pose.q_body_to_world) -
-                                                    geometry::yaw_of(truth.q_body_to_world));
+  consistency.velocity.add(
+      squared_norm(pose.velocity_covariance.matrix(), pose.velocity_world_mps - truth.velocity_world_mps), 3);
+  const double yaw_error_rad =
+      geometry::wrap_angle(geometry::yaw_of(pose.q_body_to_world) - geometry::yaw_of(truth.q_body_to_world));
   consistency.yaw.add(yaw_error_rad * yaw_error_rad / pose_covariance(5, 5), 1);
 }
 
@@ -88,8 +87,7 @@ void add_run(Consistency& consistency, const sim::Scenario& scenario, std::uint6
   int poses = 0;
   while (auto step = simulator.next()) {
     if (auto* fix = std::get_if<UltrasonicFix>(&step->event); fix != nullptr && known_noise) {
-      fix->covariance_world_m2 =
-          Covariance<3>::from_matrix(noise_m * noise_m * Eigen::Matrix3d::Identity());
+      fix->covariance_world_m2 = Covariance<3>::from_matrix(noise_m * noise_m * Eigen::Matrix3d::Identity());
     }
     const auto result = estimation::process(engine, step->event);
     if (const auto* pose = std::get_if<FusedPose>(&result)) {

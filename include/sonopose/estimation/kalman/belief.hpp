@@ -166,9 +166,10 @@ private:
   bool reject_heading(TimeNs now_ns);
   void update_rest(const ImuMeasurement& imu);
   void bound_dead_reckoning();
+  using Innovations = std::array<Innovation, start_count>;  ///< of each candidate
   FixOutcome judge(const FixMeasurement& fix);
-  void correct_candidates(const FixMeasurement& fix, const Matrix3d& covariance, double scale,
-                          double ahead_s);
+  void correct_candidates(const FixMeasurement& fix, const Matrix3d& covariance,
+                          const Innovations& innovations, double ahead_s);
   void prune_starts();
   void choose_model();
   void reject(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s, FixOutcome& outcome);

@@ -25,6 +25,7 @@ enum StateIndex : int {
 
 using StateCovariance = Eigen::Matrix<double, state_size, state_size>;
 using StateVector = Eigen::Matrix<double, state_size, 1>;
+using StateColumns = Eigen::Matrix<double, state_size, 3>;
 
 /// Spectral densities of the process noise.
 struct ProcessNoise {
@@ -34,12 +35,13 @@ struct ProcessNoise {
   double gyro_bias_radps_rts = 1e-4;
 };
 
-/// What a measurement of three components showed. The innovation is the measurement minus its prediction.
+/// What a fix showed of a filter: the fix minus its prediction.
 struct Innovation {
-  Vector3d value = Vector3d::Zero();
-  Matrix3d covariance = Matrix3d::Identity();
-  double squared_norm = 0;  ///< normalised by the covariance
-  double log_determinant = 0;
+  Vector3d value_world_m = Vector3d::Zero();
+  Matrix3d covariance_m2 = Matrix3d::Identity();  ///< S = H P Hᵀ + R
+  StateColumns columns = StateColumns::Zero();    ///< P Hᵀ
+  double squared_norm = 0;                        ///< normalised by S
+  double log_determinant = 0;                     ///< of S
 };
 
 /// The Jacobian of a composed transition by its blocks that differ from those of the identity.
@@ -88,8 +90,9 @@ public:
   [[nodiscard]] Innovation fix_innovation(const Vector3d& position_world_m, const Matrix3d& fix_covariance_m2,
                                           double ahead_s) const;
 
-  /// Corrects the state by that fix.
-  void correct_fix(const Vector3d& position_world_m, const Matrix3d& fix_covariance_m2, double ahead_s);
+  /// Corrects the state by a fix with this innovation, as `fix_innovation` of this state has returned it.
+  /// `more_covariance_m2` is added to the covariance of the fix.
+  void correct_fix(const Innovation& innovation, const Matrix3d& more_covariance_m2 = Matrix3d::Zero());
 
   /// The innovation of the direction of a horizontal body axis at `mount_rad` from body X, and its variance.
   struct HeadingInnovation {
@@ -128,9 +131,8 @@ public:
   [[nodiscard]] bool is_finite() const;
 
 private:
-  using Columns3 = Eigen::Matrix<double, state_size, 3>;
-  [[nodiscard]] Columns3 fix_columns(double ahead_s) const;
-  [[nodiscard]] Matrix3d fix_covariance_of(const Columns3& columns, double ahead_s) const;
+  [[nodiscard]] StateColumns fix_columns(double ahead_s) const;
+  [[nodiscard]] Matrix3d fix_covariance_of(const StateColumns& columns, double ahead_s) const;
   [[nodiscard]] Eigen::Matrix<double, 1, 3> heading_row(const Vector3d& axis_world) const;
   [[nodiscard]] Vector3d axis_world(double mount_rad, double ahead_s) const;
   void inject(const StateVector& error);
