@@ -364,21 +364,23 @@ void Belief::prune_starts() {
     most = std::max(most, candidates[static_cast<std::size_t>(i)].score);
   }
   int kept = 0;
+  std::array<double, start_count> kept_yaw_rad{};
   for (int i = 0; i < candidate_count; ++i) {
     const Candidate& candidate = candidates[static_cast<std::size_t>(i)];
-    bool keep = candidate.score > most - contradicted && candidate.filter.is_finite();
-    const double yaw = geometry::yaw_of(candidate.filter.q_body_to_world);
-    for (int j = 0; j < kept && keep; ++j) {
-      Candidate& other = candidates[static_cast<std::size_t>(j)];
-      if (std::abs(geometry::wrap_angle(geometry::yaw_of(other.filter.q_body_to_world) - yaw)) < merged_rad) {
-        if (candidate.score > other.score) other = candidate;
-        keep = false;
-      }
-    }
-    if (keep) {
-      if (kept != i) candidates[static_cast<std::size_t>(kept)] = candidate;
+    if (!(candidate.score > most - contradicted && candidate.filter.is_finite())) continue;
+    const double yaw_rad = geometry::yaw_of(candidate.filter.q_body_to_world);
+    const auto end = kept_yaw_rad.begin() + kept;
+    const auto equal = std::find_if(kept_yaw_rad.begin(), end, [yaw_rad](double other_rad) {
+      return std::abs(geometry::wrap_angle(other_rad - yaw_rad)) < merged_rad;
+    });
+    const auto place = static_cast<std::size_t>(equal - kept_yaw_rad.begin());
+    if (equal == end) {
       ++kept;
+    } else if (!(candidate.score > candidates[place].score)) {
+      continue;
     }
+    if (place != static_cast<std::size_t>(i)) candidates[place] = candidate;
+    kept_yaw_rad[place] = yaw_rad;
   }
   candidate_count = kept;
   best = 0;

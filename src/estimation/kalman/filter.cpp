@@ -15,6 +15,12 @@ Matrix3d cross_matrix(const Vector3d& v) {
   return m;
 }
 
+/// The columns times L⁻ᵀ.
+StateColumns whitened(const StateColumns& columns, const Eigen::LLT<Matrix3d>& factor) {
+  const Matrix3d inverse = factor.matrixL().solve(Matrix3d::Identity());
+  return columns.lazyProduct(inverse.transpose());
+}
+
 void mirror(StateCovariance& covariance) {
   for (int column = 0; column < state_size; ++column) {
     for (int row = column + 1; row < state_size; ++row) covariance(row, column) = covariance(column, row);
@@ -25,32 +31,36 @@ void mirror(StateCovariance& covariance) {
 
 void Filter::predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s) {
   angular_velocity_body_radps = rate_body_radps - gyro_bias_body_radps;
-  const Vector3d force = specific_force_body_mps2 - accel_bias_body_mps2;
   const Quaterniond half = geometry::rotation_by((0.5 * dt_s * angular_velocity_body_radps).eval());
   const Quaterniond q_middle = q_body_to_world * half;
   const Matrix3d rotation_middle = q_middle.toRotationMatrix();
-  acceleration_world_mps2 = rotation_middle * force + gravity_world_mps2;
+  const Vector3d force_world_mps2 = rotation_middle * (specific_force_body_mps2 - accel_bias_body_mps2);
+  acceleration_world_mps2 = force_world_mps2 + gravity_world_mps2;
   position_world_m += dt_s * velocity_world_mps + 0.5 * dt_s * dt_s * acceleration_world_mps2;
   velocity_world_mps += dt_s * acceleration_world_mps2;
-  q_body_to_world = (q_middle * half).normalized();
 
-  const Matrix3d turn_back = (half * half).conjugate().toRotationMatrix();
-  const Matrix3d velocity_by_attitude = -dt_s * rotation_middle * cross_matrix(force);
+  // In the world frame an attitude error stays as it is but for the gyro bias.
+  begin_transition();
   Transition& f = pending;
   f.duration_s += dt_s;
   f.position_velocity_s += dt_s;
-  f.position_attitude += dt_s * f.velocity_attitude;
+  f.impulse_sum_m += dt_s * f.impulse_mps;
+  f.rotation_double_sum_s2 += dt_s * f.rotation_sum_s;
   f.position_gyro_bias += dt_s * f.velocity_gyro_bias;
-  f.position_accel_bias += dt_s * f.velocity_accel_bias;
-  f.velocity_gyro_bias += velocity_by_attitude * f.attitude_gyro_bias;
-  f.velocity_attitude += velocity_by_attitude * f.attitude_attitude;
-  f.velocity_accel_bias -= dt_s * rotation_middle;
-  f.attitude_attitude = turn_back * f.attitude_attitude;
-  f.attitude_gyro_bias = turn_back * f.attitude_gyro_bias;
-  f.attitude_gyro_bias.diagonal().array() -= dt_s;
+  for (int i = 0; i < 3; ++i) {
+    f.velocity_gyro_bias.col(i) += dt_s * force_world_mps2.cross(f.rotation_sum_s.col(i));
+  }
+  f.impulse_mps += dt_s * force_world_mps2;
+  f.rotation_sum_s += dt_s * rotation_middle;
+  q_body_to_world = (q_middle * half).normalized();
+}
+
+void Filter::begin_transition() {
+  if (pending.duration_s == 0.0) pending.rotation_start = q_body_to_world.toRotationMatrix();
 }
 
 void Filter::coast(double duration_s, double slowing_s) {
+  begin_transition();
   const double left = std::exp(-duration_s / slowing_s);
   const double moving_s = slowing_s * (1.0 - left);
   position_world_m += moving_s * velocity_world_mps;
@@ -64,7 +74,15 @@ void Filter::propagate(const ProcessNoise& noise) {
   const double t = pending.position_velocity_s;
   const double duration_s = pending.duration_s;
   if (!(duration_s > 0.0)) return;
-  const Transition& f = pending;
+  const Matrix3d to_body = q_body_to_world.toRotationMatrix().transpose();
+  const Matrix3d attitude_attitude = to_body * pending.rotation_start;
+  const Matrix3d attitude_gyro_bias = -to_body * pending.rotation_sum_s;
+  const Matrix3d velocity_attitude = -cross_matrix(pending.impulse_mps) * pending.rotation_start;
+  const Matrix3d position_attitude = -cross_matrix(pending.impulse_sum_m) * pending.rotation_start;
+  const Matrix3d velocity_accel_bias = -pending.rotation_sum_s;
+  const Matrix3d position_accel_bias = -pending.rotation_double_sum_s2;
+  const Matrix3d& velocity_gyro_bias = pending.velocity_gyro_bias;
+  const Matrix3d& position_gyro_bias = pending.position_gyro_bias;
   StateCovariance& P = covariance;  // NOLINT(readability-identifier-naming): the symbol of the equations
   // P Φᵀ by the columns of position, velocity and attitude.
   const auto column = [&P](StateIndex index) { return P.middleCols<3>(index); };
@@ -72,13 +90,13 @@ void Filter::propagate(const ProcessNoise& noise) {
     return columns.lazyProduct(block.transpose());
   };
   const StateColumns position =
-      column(at_position) + t * column(at_velocity) + times(column(at_attitude), f.position_attitude) +
-      times(column(at_gyro_bias), f.position_gyro_bias) + times(column(at_accel_bias), f.position_accel_bias);
-  const StateColumns velocity = column(at_velocity) + times(column(at_attitude), f.velocity_attitude) +
-                                times(column(at_gyro_bias), f.velocity_gyro_bias) +
-                                times(column(at_accel_bias), f.velocity_accel_bias);
+      column(at_position) + t * column(at_velocity) + times(column(at_attitude), position_attitude) +
+      times(column(at_gyro_bias), position_gyro_bias) + times(column(at_accel_bias), position_accel_bias);
+  const StateColumns velocity = column(at_velocity) + times(column(at_attitude), velocity_attitude) +
+                                times(column(at_gyro_bias), velocity_gyro_bias) +
+                                times(column(at_accel_bias), velocity_accel_bias);
   const StateColumns attitude =
-      times(column(at_attitude), f.attitude_attitude) + times(column(at_gyro_bias), f.attitude_gyro_bias);
+      times(column(at_attitude), attitude_attitude) + times(column(at_gyro_bias), attitude_gyro_bias);
 
   // Φ (P Φᵀ): the blocks of the upper triangle that change.
   const auto rows = [](const StateColumns& columns, StateIndex index) {
@@ -86,18 +104,18 @@ void Filter::propagate(const ProcessNoise& noise) {
   };
   const auto by_position = [&](const StateColumns& columns) -> Matrix3d {
     return rows(columns, at_position) + t * rows(columns, at_velocity) +
-           f.position_attitude.lazyProduct(rows(columns, at_attitude)) +
-           f.position_gyro_bias.lazyProduct(rows(columns, at_gyro_bias)) +
-           f.position_accel_bias.lazyProduct(rows(columns, at_accel_bias));
+           position_attitude.lazyProduct(rows(columns, at_attitude)) +
+           position_gyro_bias.lazyProduct(rows(columns, at_gyro_bias)) +
+           position_accel_bias.lazyProduct(rows(columns, at_accel_bias));
   };
   const auto by_velocity = [&](const StateColumns& columns) -> Matrix3d {
-    return rows(columns, at_velocity) + f.velocity_attitude.lazyProduct(rows(columns, at_attitude)) +
-           f.velocity_gyro_bias.lazyProduct(rows(columns, at_gyro_bias)) +
-           f.velocity_accel_bias.lazyProduct(rows(columns, at_accel_bias));
+    return rows(columns, at_velocity) + velocity_attitude.lazyProduct(rows(columns, at_attitude)) +
+           velocity_gyro_bias.lazyProduct(rows(columns, at_gyro_bias)) +
+           velocity_accel_bias.lazyProduct(rows(columns, at_accel_bias));
   };
   const auto by_attitude = [&](const StateColumns& columns) -> Matrix3d {
-    return f.attitude_attitude.lazyProduct(rows(columns, at_attitude)) +
-           f.attitude_gyro_bias.lazyProduct(rows(columns, at_gyro_bias));
+    return attitude_attitude.lazyProduct(rows(columns, at_attitude)) +
+           attitude_gyro_bias.lazyProduct(rows(columns, at_gyro_bias));
   };
   P.block<3, 3>(at_position, at_position) = by_position(position);
   P.block<3, 3>(at_position, at_velocity) = by_position(velocity);
@@ -165,7 +183,7 @@ void Filter::correct_fix(const Innovation& innovation, const Matrix3d& more_cova
   const Eigen::LLT<Matrix3d> factor(innovation.covariance_m2 + more_covariance_m2);
   if (factor.info() != Eigen::Success) return;
   // W = P Hᵀ L⁻ᵀ with S = L Lᵀ: the gain times the innovation is W L⁻¹ ν, and P ← P − W Wᵀ.
-  const StateColumns w = factor.matrixL().solve(innovation.columns.transpose()).transpose();
+  const StateColumns w = whitened(innovation.columns, factor);
   const StateVector error = w * factor.matrixL().solve(innovation.value_world_m);
   covariance -= w.lazyProduct(w.transpose());
   inject(error);
@@ -218,7 +236,7 @@ void Filter::correct_states(StateIndex index, const Vector3d& innovation, double
   const Matrix3d s = columns.middleRows<3>(index) + variance * Matrix3d::Identity();
   const Eigen::LLT<Matrix3d> factor(s);
   if (factor.info() != Eigen::Success) return;
-  const StateColumns w = factor.matrixL().solve(columns.transpose()).transpose();
+  const StateColumns w = whitened(columns, factor);
   const StateVector error = w * factor.matrixL().solve(innovation);
   covariance -= w.lazyProduct(w.transpose());
   inject(error);

@@ -44,18 +44,17 @@ struct Innovation {
   double log_determinant = 0;                     ///< of S
 };
 
-/// The Jacobian of a composed transition by its blocks that differ from those of the identity.
+/// What the Jacobian Φ of several steps consists of: sums over the steps, in the world frame.
 struct Transition {
-  double duration_s = 0;           ///< of the steps
-  double position_velocity_s = 0;  ///< times the identity
-  Matrix3d position_attitude = Matrix3d::Zero();
-  Matrix3d position_gyro_bias = Matrix3d::Zero();
-  Matrix3d position_accel_bias = Matrix3d::Zero();
-  Matrix3d velocity_attitude = Matrix3d::Zero();
-  Matrix3d velocity_gyro_bias = Matrix3d::Zero();
-  Matrix3d velocity_accel_bias = Matrix3d::Zero();
-  Matrix3d attitude_attitude = Matrix3d::Identity();
-  Matrix3d attitude_gyro_bias = Matrix3d::Zero();
+  double duration_s = 0;                               ///< of the steps
+  double position_velocity_s = 0;                      ///< ∂p/∂v
+  Matrix3d rotation_start = Matrix3d::Identity();      ///< body to world, before the first step
+  Vector3d impulse_mps = Vector3d::Zero();             ///< Σ Δt f
+  Vector3d impulse_sum_m = Vector3d::Zero();           ///< Σ Δt impulse
+  Matrix3d rotation_sum_s = Matrix3d::Zero();          ///< Σ Δt R
+  Matrix3d rotation_double_sum_s2 = Matrix3d::Zero();  ///< Σ Δt rotation_sum
+  Matrix3d velocity_gyro_bias = Matrix3d::Zero();      ///< ∂v/∂b_g
+  Matrix3d position_gyro_bias = Matrix3d::Zero();      ///< ∂p/∂b_g
 
   bool operator==(const Transition&) const = default;
 };
@@ -131,6 +130,7 @@ public:
   [[nodiscard]] bool is_finite() const;
 
 private:
+  void begin_transition();
   [[nodiscard]] StateColumns fix_columns(double ahead_s) const;
   [[nodiscard]] Matrix3d fix_covariance_of(const StateColumns& columns, double ahead_s) const;
   [[nodiscard]] Eigen::Matrix<double, 1, 3> heading_row(const Vector3d& axis_world) const;
