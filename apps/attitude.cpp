@@ -93,6 +93,7 @@ settings::Settings settings_of(const CLI::App& app, const Options& options) {
     config.assignments.push_back(key + "=" + value);
     config.assignments.push_back(own + key + "=" + value);
   };
+  set("fusion.engine", "documented");  // whose attitude filters these are
   if (options.filter) set("attitude.filter", *options.filter);
   if (options.magnetometer) set("attitude.magnetometer", *options.magnetometer == "on" ? "true" : "false");
   return apps::configuration(app, config).for_beacon(options.beacon);

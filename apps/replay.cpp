@@ -78,9 +78,21 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
+/// The settings, with --engine instead of fusion.engine.
+settings::Settings settings_of(const CLI::App& app, const Options& options) {
+  apps::ConfigOptions config = options.config;
+  if (options.run.estimator && *options.run.estimator != estimation::EstimatorKind::strapdown) {
+    const auto name = choices_of(*options.run.estimator)[static_cast<std::size_t>(*options.run.estimator)];
+    const std::string engine = fmt::format("fusion.engine={}", name);
+    config.assignments.push_back(engine);
+    config.assignments.push_back(fmt::format("beacon.{}.{}", options.beacon, engine));
+  }
+  return apps::configuration(app, config).for_beacon(options.beacon);
+}
+
 int replay_log(const CLI::App& app, const Options& options) {
   evaluation::RunOptions run = options.run;
-  run.settings = apps::configuration(app, options.config).for_beacon(options.beacon);
+  run.settings = settings_of(app, options);
   if (options.load_state) run.start = evaluation::load_state(*options.load_state);
 
   evaluation::Timing timing;

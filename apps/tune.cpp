@@ -41,10 +41,22 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--search-seed", options.search_seed, "Seed of the search")->capture_default_str();
 }
 
+/// Throws ConfigError for a setting that the chosen engine does not read.
+void check_read(const std::vector<evaluation::Variable>& variables, const settings::Settings& settings) {
+  if (settings.engine.engine == settings::EngineKind::documented) return;
+  for (const evaluation::Variable& variable : variables) {
+    if (settings::setting_info(variable.key).read_by == settings::ReadBy::all) continue;
+    throw config::ConfigError(fmt::format(
+        "--vary {}: fusion.engine is {}, and only documented reads it; add --set fusion.engine=documented",
+        variable.key, settings::to_text(settings::get(settings, "fusion.engine"))));
+  }
+}
+
 int tune(const CLI::App& app, const Options& options) {
   config::FusionConfig config = apps::configuration(app, options.config);
   std::vector<evaluation::Variable> variables;
   for (const std::string& text : options.vary) variables.push_back(evaluation::variable_of(text));
+  check_read(variables, config.for_beacon(options.beacon));
   std::vector<std::vector<evaluation::Case>> cases;
   apps::for_each_case(options.cases,
                       [&](std::vector<evaluation::Case> runs) { cases.push_back(std::move(runs)); });

@@ -24,6 +24,7 @@ void add_beacon_option(CLI::App& app, BeaconAddress& beacon) {
 config::FusionConfig configuration(const CLI::App& app, const ConfigOptions& options) {
   auto config = options.file ? config::FusionConfig::load(*options.file) : config::FusionConfig();
   for (const std::string& assignment : options.assignments) config.assign(assignment);
+  config.check();
   for (const std::string& warning : config.warnings()) {
     fmt::print(stderr, "{}: warning: {}\n", app.get_name(), warning);
   }

@@ -41,7 +41,10 @@ std::vector<std::string> contradictions(const settings::Settings& settings, cons
 std::vector<std::string> idle_filter_warnings(const settings::Settings& settings, const Assignments& given,
                                               std::string_view where = "");
 
-/// All of these: what is allowed but hardly intended.
+/// Why an estimator cannot work with these settings, in plain words; empty if it can.
+std::string fault_of(const settings::Settings& settings);
+
+/// All of the warnings: what is allowed but hardly intended.
 std::vector<std::string> warnings_for(const settings::Settings& settings, const Assignments& given,
                                       std::string_view where = "");
 

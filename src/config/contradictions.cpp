@@ -126,6 +126,14 @@ std::vector<std::string> idle_engine_warnings(const settings::Settings& settings
   return texts;
 }
 
+std::string fault_of(const settings::Settings& settings) {
+  if (settings.engine.engine == settings::EngineKind::kalman && settings.attitude.selection.magnetometer) {
+    return "attitude.magnetometer = true, but fusion.engine is kalman, which uses no magnetometer; set "
+           "fusion.engine = documented or attitude.magnetometer = false";
+  }
+  return {};
+}
+
 std::vector<std::string> warnings_for(const settings::Settings& settings, const Assignments& given,
                                       std::string_view where) {
   if (settings.engine.engine != settings::EngineKind::documented) {

@@ -161,6 +161,16 @@ std::vector<BeaconAddress> FusionConfig::beacons() const {
   return addresses;
 }
 
+void FusionConfig::check() const {
+  const auto throw_on = [](const std::string& fault, const std::string& whose) {
+    if (!fault.empty()) throw ConfigError(whose + fault);
+  };
+  throw_on(fault_of(settings_), "");
+  for (const BeaconAddress address : beacons()) {
+    throw_on(fault_of(for_beacon(address)), fmt::format("beacon {}: ", address));
+  }
+}
+
 std::vector<std::string> FusionConfig::warnings() const {
   std::vector<std::string> texts = warnings_for(settings_, given_);
   for (const auto& [address, own] : overrides_) {

@@ -43,6 +43,9 @@ public:
   /// The beacons that have settings of their own.
   [[nodiscard]] std::vector<BeaconAddress> beacons() const;
 
+  /// Throws ConfigError if an estimator cannot work with the settings of a beacon.
+  void check() const;
+
   /// Warnings about valid but probably unintended settings: items 2–4 with a preset that replaces them,
   /// and settings that contradict each other.
   [[nodiscard]] std::vector<std::string> warnings() const;

@@ -101,7 +101,12 @@ void BeaconEstimators::carry_out(const SettingsRequest& request, SettingsReply& 
   reply.from_sequence = from;
   settings::Settings after;
   if (request.address == all_beacons) {
-    for (const auto& [address, timeline] : timelines_) check_capacity(timeline, address, from);
+    for (const auto& [address, timeline] : timelines_) {
+      check_capacity(timeline, address, from);
+      check_possible(timeline, fmt::format("beacon {}: ", address), SettingsTimeline::Scope::for_all,
+                     assignments);
+    }
+    check_possible(default_timeline_, "", SettingsTimeline::Scope::for_all, assignments);
     for (auto& [address, timeline] : timelines_) {
       timeline.add(ahead(address, from), SettingsTimeline::Scope::for_all, assignments);
     }
@@ -111,6 +116,7 @@ void BeaconEstimators::carry_out(const SettingsRequest& request, SettingsReply& 
   } else {
     SettingsTimeline& timeline = timeline_of(request.address);
     check_capacity(timeline, request.address, from);
+    check_possible(timeline, "", SettingsTimeline::Scope::own, assignments);
     timeline.add(ahead(request.address, from), SettingsTimeline::Scope::own, assignments);
     after = timeline.settings_at(from);
     if (const auto last = last_sequence(request.address)) reply.from_sequence = std::max(from, *last + 1);
@@ -152,6 +158,14 @@ void BeaconEstimators::check_capacity(const SettingsTimeline& timeline, BeaconAd
   if (timeline.can_add(ahead(address, from_sequence))) return;
   throw settings::SettingError(fmt::format("beacon {}: already {} changes wait for their events", address,
                                            SettingsTimeline::capacity));
+}
+
+/// Throws SettingError if no estimator could work with the settings that the assignments lead to.
+void BeaconEstimators::check_possible(SettingsTimeline timeline, const std::string& whose,
+                                      SettingsTimeline::Scope scope, const config::Assignments& assignments) {
+  timeline.add(0, scope, assignments);
+  const std::string fault = config::fault_of(timeline.settings_at(0));
+  if (!fault.empty()) throw settings::SettingError(whose + fault);
 }
 
 std::optional<FusionStatus> BeaconEstimators::status(BeaconAddress address) const {

@@ -98,6 +98,8 @@ private:
   [[nodiscard]] std::uint64_t ahead(BeaconAddress address, std::uint64_t sequence) const;
   void check_capacity(const SettingsTimeline& timeline, BeaconAddress address,
                       std::uint64_t from_sequence) const;
+  static void check_possible(SettingsTimeline timeline, const std::string& whose,
+                             SettingsTimeline::Scope scope, const config::Assignments& assignments);
   void carry_out(const SettingsRequest& request, SettingsReply& reply);
 
   bool lossless_;

@@ -30,7 +30,7 @@ constexpr std::array<std::string_view, 2> choices_of(DelaySource /*unused*/) {
 
 /// Which estimator is used.
 struct EngineSettings {
-  EngineKind engine = EngineKind::documented;
+  EngineKind engine = EngineKind::kalman;
 };
 
 /// Item 1: the balance between the IMU and the ultrasound.
