@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 struct Options {
   Path log;
   apps::ConfigOptions config;
-  BeaconAddress beacon = recording::default_log_address;
+  std::optional<BeaconAddress> beacon;
   std::optional<Path> out;
   std::optional<Path> plot;
   std::optional<Path> save_state;
@@ -80,13 +80,14 @@ double seconds_since(Clock::time_point begin) {
 
 int replay_log(const CLI::App& app, const Options& options) {
   evaluation::RunOptions run = options.run;
-  run.settings = apps::configuration(app, options.config).for_beacon(options.beacon);
+  const config::FusionConfig config = apps::configuration(app, options.config);
   if (options.load_state) run.start = evaluation::load_state(*options.load_state);
 
   evaluation::Timing timing;
   const auto reading = Clock::now();
   const recording::SensorLog log = recording::read_sensor_log(options.log, options.beacon);
   timing.reading_s = seconds_since(reading);
+  run.settings = config.for_beacon(log.address);
   if (run.start) evaluation::check_fits(*run.start, log, options.load_state->string());
   std::optional<evaluation::OutputFolder> out;
   std::optional<plots::Plot> plot;
