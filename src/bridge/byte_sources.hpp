@@ -33,7 +33,7 @@ struct SerialOptions {
 
 /// What the sources of a live line have in common.
 struct LiveOptions {
-  std::optional<std::filesystem::path> capture;  ///< file for the raw bytes
+  std::optional<std::filesystem::path> capture = {};  ///< file for the raw bytes
   ImuMeaning imu_meaning = default_imu_meaning;
 };
 

@@ -21,8 +21,8 @@ namespace sonopose::recording {
 
 struct LogMeta {
   ImuMeaning imu_meaning = ImuMeaning::unknown;
-  std::optional<BeaconAddress> beacon_address;  ///< empty if the folder does not name it
-  std::string program_version;                  ///< empty if the folder does not name it
+  std::optional<BeaconAddress> beacon_address = {};  ///< empty if the folder does not name it
+  std::string program_version = {};                  ///< empty if the folder does not name it
 
   bool operator==(const LogMeta&) const = default;
 };

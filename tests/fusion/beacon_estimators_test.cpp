@@ -97,6 +97,7 @@ SCENARIO("each beacon has its own estimator") {
     late.sequence = events.size() + 1;
     late.received_time_ns = available_at_ns(events.back());
     late.emission_time_ns = late.received_time_ns - 2000 * ms;
+    late.measured_delay_s = 2.0;
     feeder.push(late);
     UltrasonicFix impossible = late;
     impossible.sequence = late.sequence + 1;

@@ -41,14 +41,15 @@ struct Item {
 std::vector<Item> items() {
   const std::vector<Assignment> user{{"fusion.imu_weight", "user"}};
   const std::vector<Assignment> mahony{{"attitude.filter", "mahony"}};
+  const std::vector<Assignment> slow{{"velocity.snap_min_speed_mps", "0.05"}};
   return {{1, "high"},
           {2, "0.9", "outlier_bursts", user},
           {3, "0.3", "outlier_bursts", user},
           {4, "0.7", "outlier_bursts", user},
           {5, "90"},
           {6, "false"},
-          {7, "true", "drifting_tracks"},
-          {8, "true", "drifting_tracks"},
+          {7, "false", "drifting_tracks", slow},
+          {8, "false", "drifting_tracks", slow},
           {9, "25"},
           {10, "5", "outages"},
           {11, "1.5", "outages"},
@@ -59,7 +60,7 @@ std::vector<Item> items() {
           {16, "0.3"},
           {17, "12"},
           {18, "5"},
-          {19, "12"},
+          {19, "12", "outlier_bursts", {{"trust.stuck_n", "5"}}},
           {20, "3"},
           {21, "0.9", "relocation"},
           {22, "0.9", "relocation"},
@@ -67,7 +68,7 @@ std::vector<Item> items() {
           {24, "9", "outages", {{"runaway.position_error_m", "0.1"}}},
           {25, "2", "kart"},
           {26, "true"},
-          {27, "3", "outlier_bursts", {{"velocity.accel_gate", "true"}}},
+          {27, "1", "outlier_bursts", {{"velocity.accel_gate", "true"}}},
           {28, "0.05", "drifting_tracks"},
           {29, "0.9", "outlier_bursts", mahony},
           {30, "0.009", "outlier_bursts", mahony},

@@ -214,10 +214,8 @@ SCENARIO("the table has a row for each beacon") {
     THEN("no line of it is longer than 80 columns, even without any value") {
       view.estimate = Estimate{};
       const std::string nothing = table_of({view});
-      CHECK_THAT(
-          nothing,
-          Contains("     7  not estimated: gyro bias, accelerometer bias, lever arm, delay, fix noise,\n"
-                   "          heading noise, heading offset\n"));
+      CHECK_THAT(nothing, Contains("     7  not estimated: gyro bias, accelerometer bias, lever arm, delay,\n"
+                                   "          fix noise, heading noise, heading offset\n"));
     }
   }
   GIVEN("a beacon without a pose writer, and one with a silent IMU") {

@@ -196,6 +196,7 @@ SCENARIO("a fix that is too old or known already says so") {
     WHEN("a fix from before that sample arrives") {
       fix.emission_time_ns = engine.time_ns() - 50'000'000;
       fix.received_time_ns = engine.time_ns();
+      fix.measured_delay_s = 0.05;
       THEN("it is too late: the engine remembers nothing so old") {
         CHECK(engine.correct(fix).flags == fix_too_late);
       }
