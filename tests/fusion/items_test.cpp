@@ -60,7 +60,7 @@ std::vector<Item> items() {
           {16, "0.3"},
           {17, "12"},
           {18, "5"},
-          {19, "12", "outlier_bursts", {{"trust.stuck_n", "5"}}},
+          {19, "3", "outlier_bursts", {{"trust.n_base", "20"}, {"trust.stuck_n", "1"}}},
           {20, "3"},
           {21, "0.9", "relocation"},
           {22, "0.9", "relocation"},
@@ -73,10 +73,10 @@ std::vector<Item> items() {
           {29, "0.9", "outlier_bursts", mahony},
           {30, "0.009", "outlier_bursts", mahony},
           {31, "1", "no_heading"},
-          {32, "1", "no_heading"},
+          {32, "0.02", "no_heading"},
           {33, "0.9", "no_heading"},
           {34, "3"},
-          {35, "true", "spin"},
+          {35, "false", "spin"},
           {36, "0.5", "spin", {{"motion.gyro_gate", "true"}}},
           {37, "2", "spin", {{"motion.gyro_gate", "true"}, {"motion.gyro_gate_projection_radps", "1"}}}};
 }
