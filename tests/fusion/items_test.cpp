@@ -60,7 +60,7 @@ std::vector<Item> items() {
           {16, "0.3"},
           {17, "12"},
           {18, "5"},
-          {19, "3", "outlier_bursts", {{"trust.n_base", "20"}, {"trust.stuck_n", "1"}}},
+          {19, "16", "outlier_bursts", {{"trust.n_base", "30"}, {"trust.stuck_n", "15"}}},
           {20, "3"},
           {21, "0.9", "relocation"},
           {22, "0.9", "relocation"},
