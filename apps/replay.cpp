@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 struct Options {
   Path log;
   apps::ConfigOptions config;
-  BeaconAddress beacon = recording::default_log_address;
+  std::optional<BeaconAddress> beacon;
   std::optional<Path> out;
   std::optional<Path> plot;
   std::optional<Path> save_state;
@@ -78,27 +78,26 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// The settings, with --engine instead of fusion.engine.
-settings::Settings settings_of(const CLI::App& app, const Options& options) {
+/// The configuration, with --engine instead of fusion.engine.
+config::FusionConfig configuration(const CLI::App& app, const Options& options) {
   apps::ConfigOptions config = options.config;
   if (options.run.estimator && *options.run.estimator != estimation::EstimatorKind::strapdown) {
-    const auto name = choices_of(*options.run.estimator)[static_cast<std::size_t>(*options.run.estimator)];
-    const std::string engine = fmt::format("fusion.engine={}", name);
-    config.assignments.push_back(engine);
-    config.assignments.push_back(fmt::format("beacon.{}.{}", options.beacon, engine));
+    const auto index = static_cast<std::size_t>(*options.run.estimator);
+    config.assignments.push_back(fmt::format("fusion.engine={}", choices_of(*options.run.estimator)[index]));
   }
-  return apps::configuration(app, config).for_beacon(options.beacon);
+  return apps::configuration(app, config);
 }
 
 int replay_log(const CLI::App& app, const Options& options) {
   evaluation::RunOptions run = options.run;
-  run.settings = settings_of(app, options);
+  const config::FusionConfig config = configuration(app, options);
   if (options.load_state) run.start = evaluation::load_state(*options.load_state);
 
   evaluation::Timing timing;
   const auto reading = Clock::now();
   const recording::SensorLog log = recording::read_sensor_log(options.log, options.beacon);
   timing.reading_s = seconds_since(reading);
+  run.settings = config.for_beacon(log.address);
   if (run.start) evaluation::check_fits(*run.start, log, options.load_state->string());
   std::optional<evaluation::OutputFolder> out;
   std::optional<plots::Plot> plot;

@@ -16,9 +16,15 @@ void add_config_options(CLI::App& app, ConfigOptions& options) {
 }
 
 void add_beacon_option(CLI::App& app, BeaconAddress& beacon) {
-  app.add_option("--beacon", beacon, "Beacon whose own settings apply; a log does not name its beacon")
+  app.add_option("--beacon", beacon, "Beacon whose own settings apply")
       ->check(CLI::Range(0, 65534))
       ->capture_default_str();
+}
+
+void add_beacon_option(CLI::App& app, std::optional<BeaconAddress>& beacon) {
+  app.add_option("--beacon", beacon,
+                 "Beacon whose own settings apply (default: the one in meta.toml of the log, else 7)")
+      ->check(CLI::Range(0, 65534));
 }
 
 config::FusionConfig configuration(const CLI::App& app, const ConfigOptions& options) {

@@ -24,6 +24,8 @@ void add_config_options(CLI::App& app, ConfigOptions& options);
 
 /// Adds --beacon: whose own settings apply where events name no beacon.
 void add_beacon_option(CLI::App& app, BeaconAddress& beacon);
+/// The same where a log may name its beacon, which is the default.
+void add_beacon_option(CLI::App& app, std::optional<BeaconAddress>& beacon);
 
 /// Reads them, --set above --config; warnings go to stderr. Throws config::ConfigError.
 config::FusionConfig configuration(const CLI::App& app, const ConfigOptions& options);

@@ -1,6 +1,7 @@
 #include "ros2_options.hpp"
 
 #include "choice.hpp"
+#include "imu_meaning_option.hpp"
 #include "run.hpp"
 
 namespace sonopose::apps {
@@ -90,6 +91,11 @@ void add_input_options(CLI::App& app, Ros2Options& options) {
   app.add_option("--imu-in", options.imu_in,
                  "Use a driver's sensor_msgs/Imu as the samples of a beacon: /imu/data=7")
       ->type_name("TOPIC=ADDRESS")
+      ->group(group);
+  add_choice<std::optional<ImuMeaning>>(
+      app, "--imu-meaning", options.imu_meaning, imu_meaning_choices(),
+      "What the samples of --imu-in are: the value at their instant, or the mean since the previous one; "
+      "the message does not say (default: unknown)")
       ->group(group);
   app.add_option("--fix-in", options.fix_in,
                  "Use PointStamped or PoseWithCovarianceStamped as the fixes of a beacon: /tag/pose=7")

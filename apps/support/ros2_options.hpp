@@ -23,6 +23,7 @@ struct Ros2Options {
   std::array<double, 6> mount{};  ///< x, y, z in m; roll, pitch, yaw in degrees
   std::vector<std::string> imu_in;
   std::vector<std::string> fix_in;
+  std::optional<ImuMeaning> imu_meaning;
 };
 
 /// Call this after add_bus_options(): it changes the description of --network.

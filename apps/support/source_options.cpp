@@ -1,5 +1,7 @@
 #include "source_options.hpp"
 
+#include "imu_meaning_option.hpp"
+
 #include <stdexcept>
 
 namespace sonopose::apps {
@@ -23,9 +25,9 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
       ->check(CLI::Range(0.0, 1e6).description("[0 - 1e6]"))
       ->capture_default_str();
   app.add_flag("--restamp", options.restamp, "Shift the time stamps of a log so that it starts now");
-  app.add_option("--address", options.address, "Beacon address of sim and log")
-      ->check(CLI::Range(0, 65534))
-      ->capture_default_str();
+  app.add_option("--address", options.address,
+                 "Beacon address of sim and log (default: the one in meta.toml of a log, else 7)")
+      ->check(CLI::Range(0, 65534));
   app.add_option("--beacons", options.sim.beacons,
                  "Number of beacons of sim, each with the next address and seed")
       ->check(CLI::Range(1U, bridge::max_simulated_beacons))
@@ -36,6 +38,10 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
   app.add_option("--baud", options.serial.baud, "Baud rate; USB devices ignore it")
       ->check(CLI::Range(1200U, 4'000'000U))
       ->capture_default_str();
+  add_choice<std::optional<ImuMeaning>>(
+      app, "--imu-meaning", options.imu_meaning, imu_meaning_choices(),
+      "What an IMU sample of serial, udp and stream is: the value at its instant, or the mean since the "
+      "previous one; the beacons do not say (default: unknown)");
   app.add_option("--listen", options.listen, "UDP address and port to listen on")
       ->type_name("ADDR:PORT")
       ->capture_default_str();
@@ -60,16 +66,22 @@ std::unique_ptr<bridge::Source> make_source(const SourceOptions& options) {
     throw std::invalid_argument("--capture only works with --source sim, serial or udp, not with " +
                                 options.source);
   }
+  if (options.imu_meaning && (options.source == "sim" || options.source == "log")) {
+    throw std::invalid_argument("--imu-meaning only works with --source serial, udp or stream, not with " +
+                                options.source + ", which says it itself");
+  }
+  const ImuMeaning imu_meaning = options.imu_meaning.value_or(bridge::default_imu_meaning);
   if (options.source == "log") {
     return bridge::make_log_source({required_input(options), options.address, options.rate, options.restamp});
   }
   if (options.source == "stream") {
-    return bridge::make_stream_source({required_input(options), options.rate});
+    return bridge::make_stream_source({required_input(options), options.rate, imu_meaning});
   }
-  if (options.source == "serial") return bridge::make_serial_source(options.serial, options.capture);
-  if (options.source == "udp") return bridge::make_udp_source(options.listen, options.capture);
+  const bridge::LiveOptions live{options.capture, imu_meaning};
+  if (options.source == "serial") return bridge::make_serial_source(options.serial, live);
+  if (options.source == "udp") return bridge::make_udp_source(options.listen, live);
   bridge::SimulatorOptions sim = options.sim;
-  sim.address = options.address;
+  sim.address = options.address.value_or(sim.address);
   sim.rate = options.rate;
   sim.capture = options.capture;
   return bridge::make_simulator_source(sim);

@@ -22,7 +22,8 @@ struct SourceOptions {
   bridge::SerialOptions serial;
   std::string listen = "0.0.0.0:49100";
   std::optional<std::filesystem::path> capture;
-  BeaconAddress address = 7;
+  std::optional<BeaconAddress> address;
+  std::optional<ImuMeaning> imu_meaning;
   double rate = 1;
   bool restamp = false;
 

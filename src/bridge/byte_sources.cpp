@@ -37,19 +37,24 @@ void report(const Assembler& assembler, const marvelmind::DecoderCounters& line,
   }
 }
 
+/// Passes an event on; IMU samples with what the user declares about them.
+void pass_on(Event event, ImuMeaning imu_meaning, SampleSink& sink) {
+  if (auto* imu = std::get_if<ImuSample>(&event)) imu->meaning = imu_meaning;
+  sink.on(event);
+}
+
 /// A live line: `Decoder` finds the packets, and the assembler turns them into samples by their arrival
 /// times.
 template <class Decoder>
 class LiveSource final : public Source {
 public:
-  LiveSource(std::unique_ptr<transport::ByteSource> bytes,
-             const std::optional<std::filesystem::path>& capture)
-      : bytes_(std::move(bytes)) {
-    if (capture) capture_.emplace(*capture);
+  LiveSource(std::unique_ptr<transport::ByteSource> bytes, const LiveOptions& options)
+      : imu_meaning_(options.imu_meaning), bytes_(std::move(bytes)) {
+    if (options.capture) capture_.emplace(*options.capture);
   }
 
   void run(SampleSink& sink, const process::StopSignal& stop) override {
-    const auto publish = [&sink](const Event& event) { sink.on(event); };
+    const auto publish = [this, &sink](const Event& event) { pass_on(event, imu_meaning_, sink); };
     Buffer buffer;
     report_line(sink);
     SteadyTime reported = clocks::steady_now();
@@ -127,6 +132,7 @@ private:
     }
   }
 
+  ImuMeaning imu_meaning_;
   std::unique_ptr<transport::ByteSource> bytes_;
   std::optional<transport::CaptureFile> capture_;
   Decoder decoder_;
@@ -137,19 +143,21 @@ private:
 /// A file of bytes, timed by the beacons' own clock.
 class StreamSource final : public Source {
 public:
-  explicit StreamSource(const StreamOptions& options) : file_(options.file), pacer_(options.rate) {}
+  explicit StreamSource(const StreamOptions& options)
+      : imu_meaning_(options.imu_meaning), file_(options.file), pacer_(options.rate) {}
 
   [[nodiscard]] bool is_recording() const override { return true; }
 
   void run(SampleSink& sink, const process::StopSignal& stop) override {
     const TimeNs origin_ns = clocks::host_now();
+    const auto publish = [this, &sink](const Event& event) { pass_on(event, imu_meaning_, sink); };
     bool stopped = false;
     // A sample is published at the time when its packet was sent, not when it was read from the file.
     const auto play = [&](const marvelmind::Packet& packet) {
       if (stopped) return;
       const TimeNs arrival_ns = assembler_.replay_arrival_ns(packet, origin_ns);
       stopped = !pacer_.wait_for(arrival_ns, sink, stop);
-      if (!stopped) assembler_.on(packet, arrival_ns, [&sink](const Event& event) { sink.on(event); });
+      if (!stopped) assembler_.on(packet, arrival_ns, publish);
       report_sometimes(sink);
     };
     Buffer buffer;
@@ -159,7 +167,7 @@ public:
       decoder_.feed(std::span(buffer).first(read.size), play);
     }
     decoder_.finish(play);
-    if (!stopped) assembler_.finish([&sink](const Event& event) { sink.on(event); });
+    if (!stopped) assembler_.finish(publish);
     report(assembler_, decoder_.counters(), sink);
   }
 
@@ -169,6 +177,7 @@ private:
     if (++played_ % packets == 0) report(assembler_, decoder_.counters(), sink);
   }
 
+  ImuMeaning imu_meaning_;
   transport::ByteFile file_;
   Pacer pacer_;
   marvelmind::Decoder decoder_;
@@ -182,16 +191,14 @@ std::unique_ptr<Source> make_stream_source(const StreamOptions& options) {
   return std::make_unique<StreamSource>(options);
 }
 
-std::unique_ptr<Source> make_serial_source(const SerialOptions& options,
-                                           const std::optional<std::filesystem::path>& capture) {
+std::unique_ptr<Source> make_serial_source(const SerialOptions& options, const LiveOptions& live) {
   return std::make_unique<LiveSource<marvelmind::Decoder>>(
-      std::make_unique<transport::SerialPort>(options.device, options.baud), capture);
+      std::make_unique<transport::SerialPort>(options.device, options.baud), live);
 }
 
-std::unique_ptr<Source> make_udp_source(const std::string& listen,
-                                        const std::optional<std::filesystem::path>& capture) {
+std::unique_ptr<Source> make_udp_source(const std::string& listen, const LiveOptions& live) {
   return std::make_unique<LiveSource<marvelmind::DatagramDecoder>>(
-      std::make_unique<transport::UdpListener>(transport::parse_endpoint(listen)), capture);
+      std::make_unique<transport::UdpListener>(transport::parse_endpoint(listen)), live);
 }
 
 }  // namespace sonopose::bridge

@@ -12,9 +12,13 @@
 
 namespace sonopose::bridge {
 
+/// The protocol does not say what an IMU sample refers to, and firmware may differ.
+inline constexpr ImuMeaning default_imu_meaning = ImuMeaning::unknown;
+
 struct StreamOptions {
   std::filesystem::path file;
   double rate = 1;
+  ImuMeaning imu_meaning = default_imu_meaning;
 };
 
 /// A file of raw bytes as received from a serial line. The beacons' own clock gives the time of each packet,
@@ -27,14 +31,18 @@ struct SerialOptions {
   std::uint32_t baud = 500'000;
 };
 
-/// A serial line. Waits for a device that is absent or unplugged. Writes the raw bytes to `capture`. Throws
-/// files::IoError for a path that is no device.
-std::unique_ptr<Source> make_serial_source(const SerialOptions& options,
-                                           const std::optional<std::filesystem::path>& capture);
+/// What the sources of a live line have in common.
+struct LiveOptions {
+  std::optional<std::filesystem::path> capture = {};  ///< file for the raw bytes
+  ImuMeaning imu_meaning = default_imu_meaning;
+};
 
-/// Datagrams received at `listen` (ADDR:PORT), written to `capture` one after the other. Throws
-/// std::invalid_argument for a malformed address, files::IoError if it cannot be bound.
-std::unique_ptr<Source> make_udp_source(const std::string& listen,
-                                        const std::optional<std::filesystem::path>& capture);
+/// A serial line. Waits for a device that is absent or unplugged. Throws files::IoError for a path that is no
+/// device.
+std::unique_ptr<Source> make_serial_source(const SerialOptions& options, const LiveOptions& live);
+
+/// Datagrams received at `listen` (ADDR:PORT), captured one after the other. Throws std::invalid_argument for
+/// a malformed address, files::IoError if it cannot be bound.
+std::unique_ptr<Source> make_udp_source(const std::string& listen, const LiveOptions& live);
 
 }  // namespace sonopose::bridge

@@ -6,14 +6,15 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 namespace sonopose::bridge {
 
 struct LogOptions {
   std::filesystem::path folder;
-  BeaconAddress address = 7;
-  double rate = 1;       ///< of time: see Pacer
-  bool restamp = false;  ///< shift the stamps so that the recording begins now
+  std::optional<BeaconAddress> address = {};  ///< instead of the log's
+  double rate = 1;                            ///< of time: see Pacer
+  bool restamp = false;                       ///< shift the stamps so that the recording begins now
 };
 
 /// The events of a sensor-log folder, with its ground truth where it has one. Throws files::IoError.

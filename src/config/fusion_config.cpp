@@ -1,14 +1,14 @@
 #include "config/fusion_config.hpp"
 
+#include "files/toml/toml_leaves.hpp"
 #include <sonopose/settings/preset.hpp>
 
 #include <fmt/format.h>
-#define TOML_EXCEPTIONS 1
-#include <toml++/toml.h>
 
 #include <charconv>
 #include <limits>
 #include <sstream>
+#include <utility>
 
 namespace sonopose::config {
 namespace {
@@ -18,28 +18,23 @@ using settings::SettingValue;
 
 constexpr std::string_view beacon_prefix = "beacon.";
 
-/// A leaf of the TOML tree as a setting's value.
-SettingValue value_of(const toml::node& node, std::string_view key) {
-  if (const auto flag = node.value_exact<bool>()) return *flag;
-  if (const auto whole = node.value_exact<std::int64_t>()) {
+/// A value of the TOML file as a setting's value.
+SettingValue value_of(const files::toml::Leaf& leaf) {
+  if (const auto* flag = std::get_if<bool>(&leaf.value)) return *flag;
+  if (const auto* whole = std::get_if<std::int64_t>(&leaf.value)) {
     if (std::in_range<int>(*whole)) return static_cast<int>(*whole);
     return static_cast<double>(*whole);  // beyond every range: refused as such
   }
-  if (const auto real = node.value_exact<double>()) return *real;
-  if (auto text = node.value_exact<std::string>()) return *std::move(text);
-  throw SettingError(fmt::format("{}: neither a number, true or false, nor a text", key));
+  if (const auto* real = std::get_if<double>(&leaf.value)) return *real;
+  if (const auto* text = std::get_if<std::string>(&leaf.value)) return *text;
+  throw SettingError(fmt::format("{}: neither a number, true or false, nor a text", leaf.key));
 }
 
-/// Calls `visit(key, node)` for every leaf, in the order of the keys.
-template <class Visit>
-void for_each_leaf(const toml::table& table, const std::string& prefix, const Visit& visit) {
-  for (const auto& [name, node] : table) {
-    const std::string key = prefix + std::string(name.str());
-    if (const auto* inner = node.as_table()) {
-      for_each_leaf(*inner, key + ".", visit);
-    } else {
-      visit(key, node);
-    }
+std::vector<files::toml::Leaf> leaves_of(const std::filesystem::path& file) {
+  try {
+    return files::toml::read_leaves(file);
+  } catch (const files::IoError& error) {
+    throw ConfigError(error.what());
   }
 }
 
@@ -97,22 +92,14 @@ std::string table_header(const std::string& prefix, const std::string& group) {
 }  // namespace
 
 FusionConfig FusionConfig::load(const std::filesystem::path& file) {
-  toml::table tree;
-  try {
-    tree = toml::parse_file(file.string());
-  } catch (const toml::parse_error& error) {
-    const auto line = error.source().begin.line;
-    throw ConfigError(line == 0 ? fmt::format("{}: {}", file.string(), error.description())
-                                : fmt::format("{}:{}: {}", file.string(), line, error.description()));
-  }
   FusionConfig config;
-  for_each_leaf(tree, "", [&](const std::string& key, const toml::node& node) {
+  for (const files::toml::Leaf& leaf : leaves_of(file)) {
     try {
-      config.set(key, value_of(node, key));
+      config.set(leaf.key, value_of(leaf));
     } catch (const SettingError& error) {
-      throw ConfigError(fmt::format("{}:{}: {}", file.string(), node.source().begin.line, error.what()));
+      throw ConfigError(fmt::format("{}:{}: {}", file.string(), leaf.line, error.what()));
     }
-  });
+  }
   return config;
 }
 

@@ -1,6 +1,7 @@
 #include "evaluation/allan.hpp"
 
 #include "evaluation/calibration.hpp"
+#include "recording/log_folder.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <fmt/format.h>
@@ -17,7 +18,7 @@ std::string cell(const std::optional<double>& value, double factor = 1.0) {
 }  // namespace
 
 AllanResult analyse_allan(const std::filesystem::path& log) {
-  const auto imu = read_imu_log(log);
+  const auto imu = recording::read_imu_log(log);
   try {
     return {log, imu.size(), calibration::fit::analyse_allan(imu)};
   } catch (const calibration::fit::CalibrationError& error) {

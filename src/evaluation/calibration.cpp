@@ -32,7 +32,7 @@ void find_still(const std::vector<ImuSample>& imu, CalibrationResult& result) {
 /// Adds the file name to a CalibrationError of `work`.
 template <class Work>
 CalibrationResult from_log(const fs::path& log, const Work& work) {
-  const auto imu = read_imu_log(log);
+  const auto imu = recording::read_imu_log(log);
   try {
     CalibrationResult result = summary_of(log, imu);
     work(imu, result);
@@ -43,11 +43,6 @@ CalibrationResult from_log(const fs::path& log, const Work& work) {
 }
 
 }  // namespace
-
-std::vector<ImuSample> read_imu_log(const fs::path& log) {
-  if (!fs::is_directory(log)) throw files::IoError(log.string() + ": is not a folder");
-  return recording::read_imu_csv(log / imu_file, recording::default_log_address);
-}
 
 CalibrationResult calibrate_imu(const fs::path& log) {
   return from_log(log, [](const std::vector<ImuSample>& imu, CalibrationResult& result) {

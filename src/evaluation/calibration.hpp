@@ -28,9 +28,6 @@ struct CalibrationResult {
   std::optional<calibration::fit::MagnetometerFit> magnetometer;
 };
 
-/// The IMU samples of a log folder. Only imu.csv is read. Throws files::IoError.
-std::vector<ImuSample> read_imu_log(const std::filesystem::path& log);
-
 // Each function reads the log and throws files::IoError, and a CalibrationError that names the file.
 
 /// Accelerometer and gyroscope, from orientations in which the sensor was still.

@@ -17,7 +17,7 @@ struct FixFlagName {
 };
 
 /// In ascending order of bits.
-inline constexpr std::array<FixFlagName, 10> fix_flag_names{{{fix_used, "used"},
+inline constexpr std::array<FixFlagName, 11> fix_flag_names{{{fix_used, "used"},
                                                              {fix_outlier, "outlier"},
                                                              {fix_low_quality, "low_quality"},
                                                              {fix_invalid, "invalid"},
@@ -26,7 +26,8 @@ inline constexpr std::array<FixFlagName, 10> fix_flag_names{{{fix_used, "used"},
                                                              {fix_snapped_under, "snapped_under"},
                                                              {fix_stale_recovered, "stale_recovered"},
                                                              {fix_frozen, "frozen"},
-                                                             {fix_first, "first"}}};
+                                                             {fix_first, "first"},
+                                                             {fix_too_late, "too_late"}}};
 
 /// The names of all set bits, joined by `|`; "none" if no bit is set.
 std::string fix_flag_text(std::uint32_t flags);

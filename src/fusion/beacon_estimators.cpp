@@ -57,6 +57,8 @@ EventOutcome BeaconEstimators::process(const collation::CollatedEvent& collated)
     outcome.settings = SettingsChange{address_of(event), sequence, beacon.estimator.settings()};
   }
   outcome.result = estimation::process(beacon.estimator, event);
+  const auto* report = std::get_if<FixReport>(&outcome.result);
+  if (report != nullptr && (report->flags & fix_too_late) != 0) ++beacon.fixes_late;
   return outcome;
 }
 
@@ -179,6 +181,7 @@ std::optional<FusionStatus> BeaconEstimators::status(BeaconAddress address) cons
   status.imu_samples = counted.imu_samples;
   status.fixes_used = counted.fixes_used;
   status.fixes_rejected = counted.fixes_rejected;
+  status.fixes_late = beacon.fixes_late;
   status.headings = counted.headings;
   status.events_lost = order.lost;
   status.events_duplicated = order.duplicated;

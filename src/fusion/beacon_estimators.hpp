@@ -87,6 +87,7 @@ private:
     estimation::AnyEstimator estimator;
     std::variant<collation::Collator, collation::LosslessCollator> collator;
     std::optional<std::uint64_t> last_sequence;  ///< of the latest event that the estimator processed
+    std::uint64_t fixes_late = 0;
   };
 
   Beacon& beacon_of(BeaconAddress address);

@@ -64,6 +64,32 @@ nlohmann::json fusion_json(const FusionStatus& fusion) {
   return json;
 }
 
+/// {"value": …, "std": …}, with null for an unknown standard deviation; null if it is not estimated.
+nlohmann::json value_json(const std::optional<ScalarEstimate>& estimate) {
+  if (!estimate) return {};
+  const bool known = estimate->std >= 0.0;
+  return {{"value", estimate->value}, {"std", known ? nlohmann::json(estimate->std) : nlohmann::json()}};
+}
+
+nlohmann::json value_json(const std::optional<VectorEstimate>& estimate) {
+  if (!estimate) return {};
+  const bool known = estimate->std.minCoeff() >= 0.0;
+  return {{"value", vector_json(estimate->value)},
+          {"std", known ? vector_json(estimate->std) : nlohmann::json()}};
+}
+
+nlohmann::json estimate_json(const Estimate& estimate) {
+  return {{"fusion_id", estimate.fusion_id},
+          {"time_ns", estimate.time_ns},
+          {"gyro_bias_radps", value_json(estimate.gyro_bias_body_radps)},
+          {"accelerometer_bias_mps2", value_json(estimate.accelerometer_bias_body_mps2)},
+          {"lever_arm_m", value_json(estimate.lever_arm_body_m)},
+          {"delay_s", value_json(estimate.delay_s)},
+          {"fix_noise_m", value_json(estimate.fix_noise_m)},
+          {"heading_noise_rad", value_json(estimate.heading_noise_rad)},
+          {"heading_offset_rad", value_json(estimate.heading_offset_rad)}};
+}
+
 nlohmann::json beacon_json(const observation::BeaconView& view) {
   const FusedPose& pose = view.pose;
   nlohmann::json json{{"address", view.address},
@@ -95,6 +121,7 @@ nlohmann::json beacon_json(const observation::BeaconView& view) {
                       {"position_error_max_m", optional_json(view.position_error_max_m)}};
   if (view.bridge) json["bridge"] = bridge_json(*view.bridge);
   if (view.fusion) json["fusion"] = fusion_json(*view.fusion);
+  if (view.estimate) json["estimate"] = estimate_json(*view.estimate);
   json["fusions"] = nlohmann::json::array();
   for (const FusionStatus& fusion : view.fusions) json["fusions"].push_back(fusion_json(fusion));
   return json;

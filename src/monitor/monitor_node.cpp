@@ -85,6 +85,7 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
   const Subscription pose(participant, qos, topics::pose, observers, endpoints);
   const Subscription truth(participant, qos, topics::truth, observers, endpoints);
   const Subscription beacon_status(participant, qos, topics::beacon_status, observers, endpoints);
+  const Subscription estimate(participant, qos, topics::estimate, observers, endpoints);
   const Subscription fusion_status(participant, qos, topics::fusion_status, observers, endpoints);
 
   constexpr TimeNs period_ns = 1'000'000'000;

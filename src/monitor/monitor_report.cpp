@@ -1,5 +1,6 @@
 #include "monitor/monitor_report.hpp"
 
+#include "monitor/estimate_table.hpp"
 #include "observation/status_counters.hpp"
 #include "observation/status_words.hpp"
 #include <sonopose/geometry/rotation.hpp>
@@ -130,6 +131,7 @@ std::string table_of(const std::vector<observation::BeaconView>& views) {
         ms(view.latency.p99_s), lost_events(view), stream_words(view));
   }
   text += segments_table_of(views);
+  text += estimate_table_of(views);
   for (const observation::BeaconView& view : views) text += problems_of(view);
   return text;
 }
@@ -157,8 +159,8 @@ std::string summary_of(const std::vector<observation::BeaconView>& views) {
                       *view.position_error_rms_m * 1e2, *view.position_error_max_m * 1e2);
     }
     if (view.fusion) {
-      text += fmt::format("  fixes            {} used, {} rejected\n", view.fusion->fixes_used,
-                          view.fusion->fixes_rejected);
+      text += fmt::format("  fixes            {} used, {} rejected ({} too late)\n", view.fusion->fixes_used,
+                          view.fusion->fixes_rejected, view.fusion->fixes_late);
     }
     text += fmt::format("  lost             {} events, {} pose deadlines missed\n", lost_events(view),
                         view.deadlines_missed);

@@ -9,8 +9,8 @@
 
 namespace sonopose::monitor {
 
-/// A table of poses with a row per beacon, a table of latency segments, and a line for each process that
-/// counted problems. Each line ends with a newline.
+/// A table of poses with a row per beacon, a table of latency segments, what the fusions have estimated, and
+/// a line for each process that counted problems. Each line ends with a newline.
 std::string table_of(const std::vector<observation::BeaconView>& views);
 
 /// {"time_ns": …, "beacons": [{…}]}, on one line without a newline. Unknown values are null.

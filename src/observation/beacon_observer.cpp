@@ -87,7 +87,11 @@ BeaconView BeaconObserver::view_of(const Span& span, BeaconAddress address, Time
   view.bridge = bridge_;
   for (const auto& entry : fusions_) view.fusions.push_back(entry.second);
   std::sort(view.fusions.begin(), view.fusions.end(), serves_before);
-  if (!view.fusions.empty()) view.fusion = view.fusions.front();
+  if (!view.fusions.empty()) {
+    view.fusion = view.fusions.front();
+    const auto estimate = estimates_.find(view.fusion->fusion_id);
+    if (estimate != estimates_.end()) view.estimate = estimate->second;
+  }
   view.losses = losses_;
   view.lost = lost_;
   view.deadlines_missed = deadlines_missed_;

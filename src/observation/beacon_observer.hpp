@@ -28,6 +28,7 @@ struct BeaconView {
   std::optional<BeaconStatus> bridge;
   std::optional<FusionStatus> fusion;          ///< of the strongest fusion that serves the beacon
   std::vector<FusionStatus> fusions;           ///< of all fusions of the beacon, ordered by serves_before
+  std::optional<Estimate> estimate;            ///< of the same fusion as `fusion`
   std::uint64_t deadlines_missed = 0;          ///< of the pose stream, since the start
   std::uint64_t losses = 0;                    ///< times that the pose stream lost its last writer
   bool lost = false;                           ///< the pose stream has no writer now
@@ -48,10 +49,14 @@ public:
   void on(const TruthSample& truth);
   void on(const BeaconStatus& status) { bridge_ = status; }
   void on(const FusionStatus& status) { fusions_[status.fusion_id] = status; }
+  void on(const Estimate& estimate) { estimates_[estimate.fusion_id] = estimate; }
   void on_deadline_missed(std::uint64_t count) { deadlines_missed_ += count; }
   /// The pose stream has lost its last writer. The next pose ends this state.
   void on_pose_lost();
-  void on_fusion_gone(std::uint64_t fusion_id) { fusions_.erase(fusion_id); }
+  void on_fusion_gone(std::uint64_t fusion_id) {
+    fusions_.erase(fusion_id);
+    estimates_.erase(fusion_id);
+  }
 
   /// The observations since the last call; starts a new window.
   BeaconView take_window(BeaconAddress address, TimeNs now_ns);
@@ -79,6 +84,7 @@ private:
   FusedPose latest_;
   std::optional<BeaconStatus> bridge_;
   std::map<std::uint64_t, FusionStatus> fusions_;
+  std::map<std::uint64_t, Estimate> estimates_;
   std::uint64_t losses_ = 0;
   bool lost_ = false;
   std::uint64_t deadlines_missed_ = 0;

@@ -29,9 +29,10 @@ struct FlagRow {
   std::string_view colour;
 };
 
-constexpr std::array<FlagRow, 7> flag_rows{{{"outlier", fix_outlier, outlier_colour},
+constexpr std::array<FlagRow, 8> flag_rows{{{"outlier", fix_outlier, outlier_colour},
                                             {"low quality", fix_low_quality, rejected_colour},
                                             {"invalid", fix_invalid, rejected_colour},
+                                            {"too late", fix_too_late, rejected_colour},
                                             {"frozen", fix_frozen, rejected_colour},
                                             {"snapped", fix_snapped_over | fix_snapped_under, "#CC79A7"},
                                             {"forced", fix_stuck_forced, "#CC79A7"},

@@ -5,11 +5,13 @@
 
 namespace sonopose::recording {
 
-AttitudeLog read_attitude_log(const std::filesystem::path& folder, BeaconAddress address) {
+AttitudeLog read_attitude_log(const std::filesystem::path& folder, std::optional<BeaconAddress> address) {
   AttitudeLog log;
-  log.imu = read_imu_csv(folder / imu_file, address);
+  log.imu = read_imu_log(folder, address);
   if (log.imu.empty()) throw files::IoError((folder / imu_file).string() + ": no sample");
-  if (exists(folder / truth_file)) log.truth = read_truth_csv(folder / truth_file, address);
+  if (exists(folder / truth_file)) {
+    log.truth = read_truth_csv(folder / truth_file, log.imu.front().address);
+  }
   if (exists(folder / movement_file)) log.movements = read_movement_csv(folder / movement_file);
   return log;
 }

@@ -12,6 +12,7 @@
 #include <sonopose/samples/samples.hpp>
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 namespace sonopose::recording {
@@ -31,8 +32,7 @@ struct AttitudeLog {
 };
 
 /// Throws files::IoError that names file, line, column and value, also if imu.csv has no sample.
-AttitudeLog read_attitude_log(const std::filesystem::path& folder,
-                              BeaconAddress address = default_log_address);
+AttitudeLog read_attitude_log(const std::filesystem::path& folder, std::optional<BeaconAddress> address = {});
 
 std::vector<TimeSpan> read_movement_csv(const std::filesystem::path& file);
 

@@ -13,6 +13,7 @@ inline constexpr std::string_view ultrasonic_file = "ultrasonic.csv";
 inline constexpr std::string_view heading_file = "heading.csv";
 inline constexpr std::string_view truth_file = "truth.csv";
 inline constexpr std::string_view movement_file = "movement.csv";
+inline constexpr std::string_view meta_file = "meta.toml";
 
 inline constexpr std::array<std::string_view, 10> imu_columns{
     "timestamp [ns]", "w_x [rad s^-1]", "w_y [rad s^-1]", "w_z [rad s^-1]", "a_x [m s^-2]",

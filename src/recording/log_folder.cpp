@@ -3,6 +3,7 @@
 #include "files/csv_reader.hpp"
 #include "files/units.hpp"
 #include "recording/log_columns.hpp"
+#include "recording/log_meta.hpp"
 
 #include <algorithm>
 #include <deque>
@@ -19,9 +20,10 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 /// The rows of imu.csv, one at a time.
 class ImuRows {
 public:
-  ImuRows(const std::filesystem::path& file, BeaconAddress address)
+  ImuRows(const std::filesystem::path& file, BeaconAddress address, ImuMeaning meaning)
       : rows_{file, {imu_columns, imu_columns_without_magnetometer}} {
     sample_.address = address;
+    sample_.meaning = meaning;
     step();
   }
 
@@ -145,19 +147,35 @@ std::vector<Event> merged(ImuSamples imu_samples, Samples<UltrasonicFix> fixes,
   return events;
 }
 
+/// With the address that the samples get.
+LogMeta meta_of(const std::filesystem::path& folder, std::optional<BeaconAddress> given_address) {
+  if (!std::filesystem::is_directory(folder)) throw files::IoError(folder.string() + ": is not a folder");
+  LogMeta meta = read_log_meta(folder);
+  if (!meta.beacon_address) meta.beacon_address = default_log_address;
+  if (given_address) meta.beacon_address = given_address;
+  return meta;
+}
+
 }  // namespace
 
-SensorLog read_sensor_log(const std::filesystem::path& folder, BeaconAddress address) {
-  if (!std::filesystem::is_directory(folder)) throw files::IoError(folder.string() + ": is not a folder");
-  // Most events are IMU samples: merge each as soon as it is read instead of storing them twice.
-  ImuRows imu(folder / imu_file, address);
-  const auto fixes = read_ultrasonic_csv(folder / ultrasonic_file, address);
-  std::vector<PairHeading> headings;
-  if (exists(folder / heading_file)) headings = read_heading_csv(folder / heading_file, address);
+SensorLog read_sensor_log(const std::filesystem::path& folder, std::optional<BeaconAddress> address) {
+  const LogMeta meta = meta_of(folder, address);
   SensorLog log;
+  log.address = *meta.beacon_address;
+  // Most events are IMU samples: merge each as soon as it is read instead of storing them twice.
+  ImuRows imu(folder / imu_file, log.address, meta.imu_meaning);
+  const auto fixes = read_ultrasonic_csv(folder / ultrasonic_file, log.address);
+  std::vector<PairHeading> headings;
+  if (exists(folder / heading_file)) headings = read_heading_csv(folder / heading_file, log.address);
   log.events = merged(std::move(imu), Samples(fixes), Samples(headings));
-  if (exists(folder / truth_file)) log.truth = read_truth_csv(folder / truth_file, address);
+  if (exists(folder / truth_file)) log.truth = read_truth_csv(folder / truth_file, log.address);
   return log;
+}
+
+std::vector<ImuSample> read_imu_log(const std::filesystem::path& folder,
+                                    std::optional<BeaconAddress> address) {
+  const LogMeta meta = meta_of(folder, address);
+  return read_imu_csv(folder / imu_file, *meta.beacon_address, meta.imu_meaning);
 }
 
 std::vector<Event> merge_by_availability(const std::vector<ImuSample>& imu,
@@ -166,9 +184,10 @@ std::vector<Event> merge_by_availability(const std::vector<ImuSample>& imu,
   return merged(Samples(imu), Samples(fixes), Samples(headings));
 }
 
-std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address) {
+std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address,
+                                    ImuMeaning meaning) {
   std::vector<ImuSample> samples;
-  for (ImuRows rows(file, address); rows.current() != nullptr; rows.step())
+  for (ImuRows rows(file, address, meaning); rows.current() != nullptr; rows.step())
     samples.push_back(*rows.current());
   return samples;
 }

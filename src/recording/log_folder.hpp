@@ -9,6 +9,7 @@
 /// | `ultrasonic.csv` | timestamp (emission), received, x, y, z [m], quality [%] |
 /// | `heading.csv`    | timestamp (emission), received, heading [deg]; optional file |
 /// | `truth.csv`      | timestamp, p(3) [m], q_w, q_x, q_y, q_z, v(3) [m/s], …; optional file |
+/// | `meta.toml`      | what these files do not say (log_meta.hpp); optional file |
 ///
 /// A time is at least 1 and below 2^62. An empty cell is an unknown value. Columns are identified by
 /// position, as in EuRoC's files; the header's text is ignored. Errors are files::IoError that name file,
@@ -18,22 +19,29 @@
 #include <sonopose/samples/samples.hpp>
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 namespace sonopose::recording {
 
-/// The default address of a log's beacon: a log contains one beacon but not its address.
+/// The address of a log's beacon if neither its meta.toml nor the user names one.
 inline constexpr BeaconAddress default_log_address = 7;
 
 /// A whole recording.
 struct SensorLog {
   std::vector<Event> events;       ///< in the order in which a causal consumer receives them
   std::vector<TruthSample> truth;  ///< as in the file; NaN for unknown values; empty without a file
+  BeaconAddress address = default_log_address;  ///< of all samples
 };
 
-/// Reads a folder. Bridge and replay share this function, so that both deliver the same events. Throws
-/// files::IoError.
-SensorLog read_sensor_log(const std::filesystem::path& folder, BeaconAddress address = default_log_address);
+/// Reads a folder. Bridge and replay share this function, so that both deliver the same events. `address`
+/// replaces that of meta.toml. Throws files::IoError.
+SensorLog read_sensor_log(const std::filesystem::path& folder, std::optional<BeaconAddress> address = {});
+
+/// The IMU samples of a folder in file order and without sequence numbers, for readers that use nothing else.
+/// Throws files::IoError.
+std::vector<ImuSample> read_imu_log(const std::filesystem::path& folder,
+                                    std::optional<BeaconAddress> address = {});
 
 /// Merges the three streams, numbered from 1: an IMU sample at its time, a fix and a heading at their
 /// receipt; at equal times IMU, fix, heading. Each stream keeps its order: a row that is earlier than the row
@@ -48,7 +56,8 @@ std::vector<Event> merge_by_availability(const std::vector<ImuSample>& imu,
                                          const std::vector<PairHeading>& headings);
 
 /// Single files, in file order and without sequence numbers. Each throws files::IoError.
-std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address);
+std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address,
+                                    ImuMeaning meaning = ImuMeaning::unknown);
 
 /// `measured_delay_s` is received − timestamp.
 std::vector<UltrasonicFix> read_ultrasonic_csv(const std::filesystem::path& file, BeaconAddress address);

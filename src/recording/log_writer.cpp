@@ -24,7 +24,7 @@ std::unique_ptr<files::CsvWriter> new_file(const std::filesystem::path& file) {
 
 SensorLogWriter::SensorLogWriter(std::filesystem::path folder)
     : folder_{std::move(folder)}, last_flush_{std::chrono::steady_clock::now()} {
-  for (const std::string_view name : {imu_file, ultrasonic_file, heading_file, truth_file}) {
+  for (const std::string_view name : {imu_file, ultrasonic_file, heading_file, truth_file, meta_file}) {
     if (exists(folder_ / name)) {
       throw files::IoError(folder_.string() + ": already contains a recording (" + std::string(name) +
                            "), which is not overwritten");
@@ -38,6 +38,8 @@ SensorLogWriter::SensorLogWriter(std::filesystem::path folder)
   heading_ = new_file(folder_ / heading_file);
   ultrasonic_->header(ultrasonic_columns);
   heading_->header(heading_columns);
+  meta_.program_version = program_version();
+  write_log_meta(folder_, meta_);
 }
 
 SensorLogWriter::~SensorLogWriter() {
@@ -50,6 +52,7 @@ SensorLogWriter::~SensorLogWriter() {
 
 void SensorLogWriter::write(const ImuSample& sample) {
   admit(sample.address);
+  admit(sample.meaning);
   if (!with_magnetometer_) write_imu_header(sample.magnetic_field_body_t.has_value());
   imu_->integer(sample.sensor_time_ns);
   imu_->vector(sample.angular_velocity_body_radps).vector(sample.specific_force_body_mps2);
@@ -119,11 +122,22 @@ void SensorLogWriter::flush() {
 }
 
 void SensorLogWriter::admit(BeaconAddress address) {
-  if (address_.value_or(address) != address) {
-    throw files::IoError(folder_.string() + ": is the recording of beacon " + std::to_string(*address_) +
-                         ", beacon " + std::to_string(address) + " needs another folder");
+  if (meta_.beacon_address == address) return;
+  if (meta_.beacon_address) {
+    throw files::IoError(folder_.string() + ": is the recording of beacon " +
+                         std::to_string(*meta_.beacon_address) + ", beacon " + std::to_string(address) +
+                         " needs another folder");
   }
-  address_ = address;
+  meta_.beacon_address = address;
+  write_log_meta(folder_, meta_);
+}
+
+void SensorLogWriter::admit(ImuMeaning meaning) {
+  if (meta_.imu_meaning == meaning) return;
+  const bool is_first = !with_magnetometer_;
+  if (!is_first && meta_.imu_meaning == ImuMeaning::unknown) return;
+  meta_.imu_meaning = is_first ? meaning : ImuMeaning::unknown;
+  write_log_meta(folder_, meta_);
 }
 
 void SensorLogWriter::write_imu_header(bool with_magnetometer) {

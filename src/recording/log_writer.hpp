@@ -2,6 +2,7 @@
 /// \file
 /// Writes a sensor-log folder (see log_folder.hpp) that reads back to the same bits.
 
+#include "recording/log_meta.hpp"
 #include <sonopose/samples/samples.hpp>
 
 #include <chrono>
@@ -20,6 +21,9 @@ namespace sonopose::recording {
 ///
 /// The format does not contain sequence numbers (the reader numbers again), the flags of a fix, a measured
 /// delay other than receipt − emission, and the value of a heading that is not valid.
+///
+/// `meta.toml` follows the samples: the address of the first one, and the meaning that all IMU samples have,
+/// or unknown if they differ.
 ///
 /// Not thread-safe. Every member throws files::IoError if a file cannot be written.
 class SensorLogWriter {
@@ -49,6 +53,7 @@ public:
 
 private:
   void admit(BeaconAddress address);
+  void admit(ImuMeaning meaning);
   void write_imu_header(bool with_magnetometer);
   void flush_when_due();
 
@@ -57,8 +62,8 @@ private:
   std::unique_ptr<files::CsvWriter> ultrasonic_;
   std::unique_ptr<files::CsvWriter> heading_;
   std::unique_ptr<files::CsvWriter> truth_;  ///< null until the first truth
-  std::optional<BeaconAddress> address_;
-  std::optional<bool> with_magnetometer_;  ///< empty until the first IMU sample
+  LogMeta meta_;                             ///< as written
+  std::optional<bool> with_magnetometer_;    ///< empty until the first IMU sample
   std::uint64_t magnetic_fields_dropped_ = 0;
   std::chrono::steady_clock::time_point last_flush_;
 };

@@ -143,7 +143,7 @@ const std::vector<Restriction> restrictions{
      {"clocks"},
      {dds_headers, file_headers, socket_headers, thread_headers, command_line_headers}},
     {"files alone: no DDS, sockets, threads, command lines",
-     {"files", "recording", "config"},
+     {"files", "files/toml", "recording", "config"},
      {dds_headers, socket_headers, thread_headers, command_line_headers}},
     {"offline: no DDS, sockets, clocks, threads, command lines",
      {"evaluation", "plots"},

@@ -55,6 +55,7 @@ TEST_CASE("each of the 37 items is read by its own stage and by no other") {
     REQUIRE(texts.contains(stage));
     CHECK(std::regex_search(texts.at(stage), own));
     for (const auto& [stem, text] : texts) {
+      if (text.find(row.name) == std::string::npos) continue;  // much faster than a regular expression
       INFO("in " << stem << ".cpp");
       if (stem != "preset") CHECK_FALSE(std::regex_search(text, foreign));  // it replaces items 2, 3 and 4
       if (stem != stage)

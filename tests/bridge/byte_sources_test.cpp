@@ -104,6 +104,15 @@ SCENARIO("a file of a beacon's bytes is played as samples") {
       CHECK(headings[0].valid);
       CHECK(headings[0].heading_world_rad == Approx(M_PI / 2));
     }
+    THEN("the meaning of IMU samples is unknown, unless the user declares it") {
+      for (const ImuSample& sample : imu) CHECK(sample.meaning == ImuMeaning::unknown);
+      CollectingSink declared;
+      make_stream_source({file.path(), 0.0, ImuMeaning::mean_since_last})->run(declared, StopSignal());
+      REQUIRE(declared.of_kind<ImuSample>().size() == 3);
+      for (const ImuSample& sample : declared.of_kind<ImuSample>()) {
+        CHECK(sample.meaning == ImuMeaning::mean_since_last);
+      }
+    }
     THEN("the first packet is stamped now, and the others by the beacon's clock") {
       const TimeNs first_ns = imu[0].sensor_time_ns;
       CHECK(first_ns >= before_ns - 100 * ms);
@@ -214,8 +223,8 @@ TEST_CASE("byte sources refuse unusable inputs by name") {
   const TemporaryFolder folder;
   CHECK_THROWS_WITH(make_stream_source({folder / "none.bin"}), Catch::Contains("none.bin"));
   CHECK_THROWS_AS(make_stream_source({folder.path()}), files::IoError);
-  CHECK_THROWS_AS(make_udp_source("nonsense", std::nullopt), std::invalid_argument);
-  CHECK_THROWS_AS(make_serial_source({.device = folder.path().string()}, std::nullopt), files::IoError);
+  CHECK_THROWS_AS(make_udp_source("nonsense", {}), std::invalid_argument);
+  CHECK_THROWS_AS(make_serial_source({.device = folder.path().string()}, {}), files::IoError);
 }
 
 }  // namespace byte_sources_test

@@ -21,26 +21,27 @@ constexpr TimeNs recorded_ns = 1'600'000'000'000'000'000;
 constexpr TimeNs ms = 1'000'000;
 
 /// A log of 2020: an IMU sample, a fix and a heading that came 68 ms later, an IMU sample, all with truth.
-void write_log(const std::filesystem::path& folder) {
+void write_log(const std::filesystem::path& folder, BeaconAddress address = 7) {
   recording::SensorLogWriter log(folder);
   for (const TimeNs after_ns : {TimeNs{0}, 100 * ms}) {
     ImuSample imu;
-    imu.address = 7;
+    imu.address = address;
+    imu.meaning = ImuMeaning::mean_since_last;
     imu.sensor_time_ns = recorded_ns + after_ns;
     imu.specific_force_body_mps2 = {0.0, 0.0, 9.81};
     log.write(imu);
     TruthSample truth;
-    truth.address = 7;
+    truth.address = address;
     truth.time_ns = imu.sensor_time_ns;
     log.write(truth);
   }
   UltrasonicFix fix;
-  fix.address = 7;
+  fix.address = address;
   fix.emission_time_ns = recorded_ns;
   fix.received_time_ns = recorded_ns + 68 * ms;
   log.write(fix);
   PairHeading heading;
-  heading.address = 7;
+  heading.address = address;
   heading.emission_time_ns = fix.emission_time_ns;
   heading.received_time_ns = fix.received_time_ns;
   heading.valid = true;
@@ -62,6 +63,16 @@ SCENARIO("a log folder as a source") {
       REQUIRE(sink.truth.size() == 2);
       CHECK(sink.truth.front().time_ns == recorded_ns);
       CHECK(sink.truth.front().address == 12);
+    }
+  }
+  GIVEN("no address") {
+    write_log(folder / "other", 131);
+    make_log_source({.folder = folder / "other", .rate = 0.0})->run(sink, stop);
+    THEN("the samples have the one that the log names, and its meaning") {
+      REQUIRE(sink.events.size() == 4);
+      for (const Event& event : sink.events) CHECK(address_of(event) == 131);
+      CHECK(sink.truth.front().address == 131);
+      for (const auto& imu : sink.of_kind<ImuSample>()) CHECK(imu.meaning == ImuMeaning::mean_since_last);
     }
   }
   GIVEN("a shift to now") {

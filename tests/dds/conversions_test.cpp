@@ -128,7 +128,7 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
   SECTION("fusion status") {
     FusionStatus sample;
     fill.all(sample.address, sample.fusion_id, sample.time_ns, sample.strength, sample.imu_silent,
-             sample.imu_samples, sample.fixes_used, sample.fixes_rejected, sample.headings,
+             sample.imu_samples, sample.fixes_used, sample.fixes_rejected, sample.fixes_late, sample.headings,
              sample.events_lost, sample.events_duplicated, sample.samples_invalid, sample.imu_gaps,
              sample.reset_counter, sample.imu_deadlines_missed, sample.fix_deadlines_missed,
              sample.heading_deadlines_missed, sample.bridge_losses, sample.pose_deadlines_missed,

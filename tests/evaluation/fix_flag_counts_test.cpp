@@ -10,6 +10,7 @@ TEST_CASE("fix flags are named in the order of their bits") {
   CHECK(evaluation::fix_flag_text(0) == "none");
   CHECK(evaluation::fix_flag_text(fix_first | fix_used) == "used|first");
   CHECK(evaluation::fix_flag_text(fix_low_quality) == "low_quality");
+  CHECK(evaluation::fix_flag_text(fix_too_late) == "too_late");
 }
 
 TEST_CASE("each fix flag is counted separately") {

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 namespace beacon_estimators_test {
@@ -60,6 +61,55 @@ SCENARIO("each beacon has its own estimator") {
         CHECK(feeder.estimators.status(7)->reset_counter == 1);
         CHECK(feeder.estimators.status(8)->reset_counter == 1);
       }
+    }
+  }
+  GIVEN("another engine for one beacon") {
+    config::FusionConfig config;
+    config.assign("beacon.8.fusion.engine=kalman");
+    Feeder feeder(lossless, config);
+    feeder.push_all(walk(7, 5.0));
+    feeder.push_all(walk(8, 5.0));
+    THEN("that one alone has its poses, and estimates what only that engine does") {
+      settings::Settings kalman;
+      kalman.engine.engine = settings::EngineKind::kalman;
+      CHECK(same(feeder.poses_of(7), poses_of_estimator(walk(7, 5.0))));
+      std::vector<FusedPose> expected;
+      estimation::AnyEstimator estimator{kalman};
+      for (const Event& event : walk(8, 5.0)) {
+        const auto output = estimation::process(estimator, event);
+        if (const auto* pose = std::get_if<FusedPose>(&output)) expected.push_back(*pose);
+      }
+      CHECK(same(feeder.poses_of(8), expected));
+      CHECK_FALSE(feeder.estimators.estimate(7)->lever_arm_body_m);
+      CHECK(feeder.estimators.estimate(8)->lever_arm_body_m);
+    }
+  }
+  GIVEN("a fix that comes two seconds after its measurement, and an impossible one") {
+    const std::string engine = GENERATE("documented", "kalman");
+    config::FusionConfig config;
+    config.assign("fusion.engine=" + engine);
+    Feeder feeder(lossless, config);
+    const auto events = walk(7, 5.0);
+    feeder.push_all(events);
+    const auto before = feeder.estimators.status(7);
+    UltrasonicFix late;
+    late.address = 7;
+    late.sequence = events.size() + 1;
+    late.received_time_ns = available_at_ns(events.back());
+    late.emission_time_ns = late.received_time_ns - 2000 * ms;
+    late.measured_delay_s = 2.0;
+    feeder.push(late);
+    UltrasonicFix impossible = late;
+    impossible.sequence = late.sequence + 1;
+    impossible.position_world_m.x() = 1e9;
+    feeder.push(impossible);
+    THEN("reports and counters tell the two apart") {
+      REQUIRE(feeder.reports.size() >= 2);
+      CHECK(feeder.reports.rbegin()[1].flags == fix_too_late);
+      CHECK(feeder.reports.back().flags == fix_invalid);
+      CHECK(before->fixes_late == 0);
+      CHECK(feeder.estimators.status(7)->fixes_late == 1);
+      CHECK(feeder.estimators.status(7)->fixes_rejected == before->fixes_rejected + 2);
     }
   }
   GIVEN("a setting that differs for one beacon: its pair stands across") {

@@ -42,6 +42,7 @@ BeaconView good_view() {
   view.fusion.emplace();
   view.fusion->fixes_used = 110;
   view.fusion->fixes_rejected = 6;
+  view.fusion->fixes_late = 2;
   view.fusion->events_lost = 17;
   view.fusion->imu_deadlines_missed = 3;
   view.fusions = {*view.fusion};
@@ -58,6 +59,17 @@ BeaconView good_view() {
   view.position_error_rms_m = 0.021;
   view.position_error_max_m = 0.055;
   return view;
+}
+
+/// What a fusion that estimates all but the delay has found.
+Estimate estimate() {
+  Estimate estimate;
+  estimate.gyro_bias_body_radps = {Vector3d(0.001, -0.002, 0.0305), Vector3d::Constant(0.0004)};
+  estimate.accelerometer_bias_body_mps2 = {Vector3d(0.05, 0, 0), Vector3d::Constant(0.01)};
+  estimate.lever_arm_body_m = {Vector3d(0.1, 0.02, -12.5), Vector3d(0.003, 10.25, 0.003)};
+  estimate.fix_noise_m = {0.021, -1.0};
+  estimate.heading_noise_rad = {0.0174532925199433, 0.00174532925199433};
+  return estimate;
 }
 
 /// A beacon of which only the address is known.
@@ -128,6 +140,21 @@ SCENARIO("the JSON object has the documented keys") {
       CHECK(good["fusion"]["imu_deadlines_missed"] == 3);
       CHECK(good["fusions"].size() == 1);
     }
+    THEN("it has what the fusion has estimated, with null for what it does not") {
+      BeaconView view = good_view();
+      CHECK_FALSE(good.contains("estimate"));
+      view.estimate = estimate();
+      const auto estimated = nlohmann::json::parse(json_of({view}, now_ns))["beacons"][0]["estimate"];
+      CHECK(estimated["gyro_bias_radps"]["value"] == nlohmann::json({0.001, -0.002, 0.0305}));
+      CHECK(estimated["gyro_bias_radps"]["std"] == nlohmann::json({0.0004, 0.0004, 0.0004}));
+      CHECK(estimated["accelerometer_bias_mps2"]["value"][0] == 0.05);
+      CHECK(estimated["lever_arm_m"]["std"][1] == 10.25);
+      CHECK(estimated["fix_noise_m"]["value"] == 0.021);
+      CHECK(estimated["fix_noise_m"]["std"].is_null());
+      CHECK(estimated["heading_noise_rad"]["value"] == 0.0174532925199433);
+      CHECK(estimated["delay_s"].is_null());
+      CHECK(estimated["heading_offset_rad"].is_null());
+    }
     THEN("unknown values of the silent one are null or absent") {
       CHECK(silent["address"] == 21);
       CHECK(silent["latency_p50_s"].is_null());
@@ -163,10 +190,32 @@ SCENARIO("the table has a row for each beacon") {
                             Contains("0.06/0.21") && Contains("2.00 = 0.50 + 0.25 + 1.25 (event 812)"));
     }
     THEN("the problem counters of each process follow, without processes that counted none") {
-      CHECK_THAT(table, Contains("7  bridge: 4 damaged frames, 1 other bridges\n") &&
-                            Contains("7  fusion: 3 IMU deadlines missed, 17 events lost\n") &&
-                            Contains("7  here: 8 pose deadlines missed, 2 pose stream losses\n") &&
-                            !Contains("21  here"));
+      CHECK_THAT(table,
+                 Contains("7  bridge: 4 damaged frames, 1 other bridges\n") &&
+                     Contains("7  fusion: 2 fixes too late, 3 IMU deadlines missed, 17 events lost\n") &&
+                     Contains("7  here: 8 pose deadlines missed, 2 pose stream losses\n") &&
+                     !Contains("21  here"));
+    }
+  }
+  GIVEN("a beacon whose fusion estimates the sensors") {
+    BeaconView view = good_view();
+    view.estimate = estimate();
+    const std::string table = table_of({view, silent_view()});
+    THEN("each value has its unit and standard deviation, and what is not estimated is listed") {
+      CHECK_THAT(table,
+                 Contains("beacon  estimated                        x               y               z\n"
+                          "     7  gyro bias            0.0010±0.0004  -0.0020±0.0004   0.0305±0.0004 rad/s\n"
+                          "     7  accelerometer bias   0.0500±0.0100   0.0000±0.0100   0.0000±0.0100 m/s²\n"
+                          "     7  lever arm            0.1000±0.0030  0.0200±10.2500 -12.5000±0.0030 m\n"
+                          "     7  fix noise                   0.0210 m\n"
+                          "     7  heading noise        1.0000±0.1000 deg\n"
+                          "     7  not estimated: delay, heading offset\n"));
+    }
+    THEN("no line of it is longer than 80 columns, even without any value") {
+      view.estimate = Estimate{};
+      const std::string nothing = table_of({view});
+      CHECK_THAT(nothing, Contains("     7  not estimated: gyro bias, accelerometer bias, lever arm, delay,\n"
+                                   "          fix noise, heading noise, heading offset\n"));
     }
   }
   GIVEN("a beacon without a pose writer, and one with a silent IMU") {
@@ -189,7 +238,7 @@ SCENARIO("the table has a row for each beacon") {
     standby.imu_gaps = 1;
     view.fusions.push_back(standby);
     THEN("the counters of each fusion are listed with its strength") {
-      CHECK_THAT(table_of({view}), Contains("fusion of strength 200 (serving): 3 IMU deadlines missed") &&
+      CHECK_THAT(table_of({view}), Contains("fusion of strength 200 (serving): 2 fixes too late, 3 IMU") &&
                                        Contains("fusion of strength 100 (serving): 1 IMU gaps"));
     }
   }
@@ -200,7 +249,7 @@ SCENARIO("the summary describes a run") {
     const std::string summary = summary_of({good_view()});
     CHECK_THAT(summary, Contains("beacon 7") && Contains("100.0 Hz") && Contains("p50 0.12 ms") &&
                             Contains("p99 0.34 ms") && Contains("2.1 cm RMS") && Contains("5.5 cm at most") &&
-                            Contains("110 used, 6 rejected") && Contains("17 events") &&
+                            Contains("110 used, 6 rejected (2 too late)") && Contains("17 events") &&
                             Contains("8 pose deadlines"));
   }
   THEN("a beacon without ground truth: no error") {

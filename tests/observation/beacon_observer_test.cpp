@@ -91,6 +91,32 @@ SCENARIO("an observer counts the poses of each second and of the whole run") {
   }
 }
 
+SCENARIO("the estimate shown is that of the fusion that serves the beacon") {
+  BeaconObserver observer;
+  const auto status_of = [](std::uint64_t fusion_id, std::int32_t strength) {
+    FusionStatus status;
+    status.fusion_id = fusion_id;
+    status.role = FusionRole::serving;
+    status.strength = strength;
+    return status;
+  };
+  const auto estimate_of = [](std::uint64_t fusion_id) {
+    Estimate estimate;
+    estimate.fusion_id = fusion_id;
+    return estimate;
+  };
+  observer.on(estimate_of(1));
+  observer.on(estimate_of(2));
+  CHECK_FALSE(observer.take_window(7, begin_ns).estimate);  // whose are they?
+  observer.on(status_of(1, 100));
+  observer.on(status_of(2, 200));
+  CHECK(observer.take_window(7, begin_ns).estimate->fusion_id == 2);
+  observer.on_fusion_gone(2);
+  CHECK(observer.take_window(7, begin_ns).estimate->fusion_id == 1);
+  observer.on(status_of(3, 300));
+  CHECK_FALSE(observer.take_window(7, begin_ns).estimate);  // it has sent none yet
+}
+
 SCENARIO("poses between samples are counted separately and excluded from the latency") {
   BeaconObserver observer;
   observer.on(pose_at(begin_ns), begin_ns + 2 * ms);

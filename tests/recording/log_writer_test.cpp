@@ -30,8 +30,7 @@ using sonopose::test::TemporaryFolder;
 
 constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
 
-/// Writes what the simulator gives and returns the events as a log can store them: without flags and without
-/// the meaning of IMU samples.
+/// Writes what the simulator gives and returns the events as a log can store them: without flags.
 std::vector<Event> record_walk(const std::filesystem::path& folder, double duration_s) {
   sim::Simulator simulator(sim::find_scenario("walk"), {},
                            {.start_time_ns = start_ns, .duration_s = duration_s});
@@ -41,7 +40,6 @@ std::vector<Event> record_walk(const std::filesystem::path& folder, double durat
     writer.write(step->event);
     if (step->truth) writer.write(*step->truth);
     if (auto* fix = std::get_if<UltrasonicFix>(&step->event)) fix->flags = 0;
-    if (auto* imu = std::get_if<ImuSample>(&step->event)) imu->meaning = ImuMeaning::unknown;
     events.push_back(step->event);
   }
   return events;

@@ -17,7 +17,6 @@ using sonopose::test::TemporaryFolder;
 
 /// As a log can hold it: it has no flags.
 Event as_logged(Event event) {
-  if (auto* imu = std::get_if<ImuSample>(&event)) imu->meaning = {};  // a log does not state it
   if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->flags = 0;
   return event;
 }

@@ -25,7 +25,9 @@ SCENARIO("poses are predicted between IMU samples, and only until the IMU's dead
     const Bus bus;
     PoseTap tap(bus);
     Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::topics::Delivery::live);
-    const auto fusion = bus.fusion({"--set", "output.rate_hz=500"});
+    const std::string engine = GENERATE("documented", "kalman");
+    CAPTURE(engine);
+    const auto fusion = bus.fusion({"--set", "output.rate_hz=500", "--set", "fusion.engine=" + engine});
     const auto bridge = bus.bridge({});
     REQUIRE(tap.wait_for([](const TappedPose& tapped) { return is_predicted(tapped.pose); }, 0));
     WHEN("the chain runs") {

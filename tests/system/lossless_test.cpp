@@ -1,6 +1,7 @@
 /// A log played as fast as possible: nothing is lost, and live equals replay.
 
 #include "recording/log_folder.hpp"
+#include "recording/log_meta.hpp"
 #include "support/bits.hpp"
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
@@ -65,7 +66,15 @@ SCENARIO("a log played as fast as possible gives every pose once, identical to a
     const Bus bus;
     const TemporaryFolder folder;
     record_simulation(bus, folder / "log");
-    const std::string engine = GENERATE("documented", "kalman");
+    const auto [engine, meaning] =
+        GENERATE(table<std::string, ImuMeaning>({{"documented", ImuMeaning::instant},
+                                                 {"kalman", ImuMeaning::instant},
+                                                 {"kalman", ImuMeaning::mean_since_last}}));
+    CAPTURE(engine, meaning);
+    auto meta = recording::read_log_meta(folder / "log");
+    CHECK(meta.imu_meaning == ImuMeaning::instant);
+    meta.imu_meaning = meaning;
+    recording::write_log_meta(folder / "log", meta);
     const Replay expected = replay(folder / "log", engine);
     REQUIRE(expected.poses.size() == 2000);
     REQUIRE(expected.reports.size() > 150);  // at least 8 Hz

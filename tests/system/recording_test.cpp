@@ -38,10 +38,7 @@ struct Streams {
 
 /// Clears the fields without a column in the format: publication time and fix flags.
 Event as_recorded(Event event) {
-  if (auto* imu = std::get_if<ImuSample>(&event)) {
-    imu->bridge_time_ns = 0;
-    imu->meaning = {};
-  }
+  if (auto* imu = std::get_if<ImuSample>(&event)) imu->bridge_time_ns = 0;
   if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->flags = 0;
   return event;
 }

@@ -143,6 +143,26 @@ SCENARIO("a bridge refuses an invalid input") {
                  Contains("imu.csv:2") && Contains("zero"));
     }
   }
+  WHEN("the meta.toml of a log has a wrong value") {
+    write_text(folder / "imu.csv", "#t,w,w,w,a,a,a\n");
+    write_text(folder / "ultrasonic.csv", "#t,r,x,y,z,q\n");
+    write_text(folder / "meta.toml", "imu_meaning = \"average\"\n");
+    const std::string said = "meta.toml:1: imu_meaning: \"average\" is not one of unknown, instant, mean";
+    THEN("file, line, key, value and the allowed values are named, by the programs that read logs") {
+      const std::string log = folder.path().string();
+      CHECK_THAT(refused({"--source", "log", "--input", log}), Contains(said));
+      CHECK_THAT(refusal(SONOPOSE_TEST_REPLAY, {log}), Contains(said));
+      CHECK_THAT(refusal(SONOPOSE_TEST_ATTITUDE, {log}), Contains(said));
+    }
+  }
+  WHEN("--imu-meaning is no meaning, or the source says it itself") {
+    THEN("option, value and what is allowed are named") {
+      CHECK_THAT(refused({"--source", "udp", "--imu-meaning", "average"}),
+                 Contains("--imu-meaning: 'average' is not one of unknown, instant, mean"));
+      CHECK_THAT(refused({"--imu-meaning", "mean"}), Contains("--imu-meaning") && Contains("not with sim"));
+      CHECK_THAT(refused({"--source", "log", "--imu-meaning", "mean"}), Contains("not with log"));
+    }
+  }
   WHEN("the stream file cannot be read") {
     THEN("it is named") {
       CHECK_THAT(refused({"--source", "stream", "--input", "/no/such.bin"}), Contains("/no/such.bin"));

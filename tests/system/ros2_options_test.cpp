@@ -70,7 +70,8 @@ TEST_CASE("The relay refuses invalid frames, mounts and numbers") {
        {{"--addresses", "x"}, {"--addresses: 'x'", "65534"}},
        {{"--addresses", "7-3"}, {"--addresses: ", "'7-3'", "write the lower address first"}},
        {{"--imu-in", "/imu"}, {"--imu-in /imu"}},
-       {{"--fix-in", "/tag=70000"}, {"'70000' is not an address"}}});
+       {{"--fix-in", "/tag=70000"}, {"'70000' is not an address"}},
+       {{"--fix-in", "/tag=7", "--imu-meaning", "mean"}, {"--imu-meaning only works with --imu-in"}}});
 }
 
 TEST_CASE("An option with a fixed set of values refuses others and lists them") {
@@ -78,6 +79,7 @@ TEST_CASE("An option with a fixed set of values refuses others and lists them") 
                      {{"--tf", "1"}, {"--tf: '1'", "map_base, map_odom, off"}},
                      {{"--fix-message", "foo"}, {"--fix-message: 'foo'", "pose, point"}},
                      {{"--fix-message", "0"}, {"--fix-message: '0'", "pose, point"}},
+                     {{"--imu-meaning", "average"}, {"--imu-meaning: 'average'", "unknown, instant, mean"}},
                      {{"--ros-distro", "humbug"}, {"--ros-distro: 'humbug'", "humble, iron, jazzy"}},
                      {{"--ros-distro", "1"}, {"--ros-distro: '1'", "humble, iron, jazzy"}},
                      {{"--network", "foo"}, {"--network: 'foo'", "loopback, lan"}},

@@ -78,7 +78,8 @@ enum FixFlag : std::uint32_t {
   fix_snapped_under = 1U << 6U,
   fix_stale_recovered = 1U << 7U,
   fix_frozen = 1U << 8U,
-  fix_first = 1U << 9U  ///< set the position directly: the first of a run
+  fix_first = 1U << 9U,     ///< set the position directly: the first of a run
+  fix_too_late = 1U << 10U  ///< measured longer ago than the engine can still correct
 };
 
 /// What the engine did with one fix, and why.

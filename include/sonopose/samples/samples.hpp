@@ -10,8 +10,10 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <variant>
 
 namespace sonopose {
@@ -34,6 +36,9 @@ enum class ImuMeaning : std::uint32_t {
   instant,         ///< the moment `sensor_time_ns`
   mean_since_last  ///< the mean over the interval from the previous sample
 };
+
+/// The words for them in options and files, in the order of the values.
+inline constexpr std::array<std::string_view, 3> imu_meaning_words{"unknown", "instant", "mean"};
 
 /// One inertial measurement.
 struct ImuSample {

@@ -82,6 +82,7 @@ struct FusionStatus {
   std::uint64_t imu_samples = 0;
   std::uint64_t fixes_used = 0;
   std::uint64_t fixes_rejected = 0;
+  std::uint64_t fixes_late = 0;  ///< of the rejected ones: fix_too_late
   std::uint64_t headings = 0;
   std::uint64_t events_lost = 0;        ///< gaps in the event sequence that were never filled
   std::uint64_t events_duplicated = 0;  ///< events with a repeated sequence number, or too late

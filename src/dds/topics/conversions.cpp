@@ -43,6 +43,7 @@ static_assert(fix_snapped_under == sonopose_FIX_SNAPPED_UNDER);
 static_assert(fix_stale_recovered == sonopose_FIX_STALE_RECOVERED);
 static_assert(fix_frozen == sonopose_FIX_FROZEN);
 static_assert(fix_first == sonopose_FIX_FIRST);
+static_assert(fix_too_late == sonopose_FIX_TOO_LATE);
 static_assert(static_cast<std::uint32_t>(LineState::closed) == sonopose_LINE_CLOSED);
 static_assert(static_cast<std::uint32_t>(LineState::waiting) == sonopose_LINE_WAITING);
 static_assert(static_cast<std::uint32_t>(LineState::open) == sonopose_LINE_OPEN);

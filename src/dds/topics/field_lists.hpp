@@ -198,6 +198,7 @@ struct Pairs<FusionStatus> {
                                    field(&N::imu_samples, &I::imu_samples),
                                    field(&N::fixes_used, &I::fixes_used),
                                    field(&N::fixes_rejected, &I::fixes_rejected),
+                                   field(&N::fixes_late, &I::fixes_late),
                                    field(&N::headings, &I::headings),
                                    field(&N::events_lost, &I::events_lost),
                                    field(&N::events_duplicated, &I::events_duplicated),

@@ -22,6 +22,12 @@ bool is_recent(const AdmissionSettings& settings, TimeNs now_ns, TimeNs measured
          delay_s <= settings.max_fix_age_s;
 }
 
+/// Whether a measurement is possible but older than the limit.
+bool is_too_late(const AdmissionSettings& settings, TimeNs now_ns, TimeNs measured_ns, TimeNs received_ns) {
+  return is_time(measured_ns) && is_time(received_ns) && received_ns >= measured_ns &&
+         seconds_between(measured_ns, now_ns) > settings.max_fix_age_s;
+}
+
 }  // namespace
 
 bool is_time(TimeNs stamp_ns) {
@@ -64,17 +70,18 @@ bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading&
 
 std::uint32_t fix_rejection_flags(const AdmissionSettings& settings, TimeNs now_ns, const UltrasonicFix& fix,
                                   TimeNs measured_ns) {
-  const bool possible = within(fix.position_world_m, settings.max_position_m) &&
-                        is_recent(settings, now_ns, measured_ns, fix.received_time_ns);
-  if (!possible) return fix_invalid;
+  if (!within(fix.position_world_m, settings.max_position_m)) return fix_invalid;
+  if (is_too_late(settings, now_ns, measured_ns, fix.received_time_ns)) return fix_too_late;
+  if (!is_recent(settings, now_ns, measured_ns, fix.received_time_ns)) return fix_invalid;
   const bool poor = fix.quality_percent && !(*fix.quality_percent >= settings.min_quality_percent);
   return poor ? std::uint32_t{fix_low_quality} : 0U;
 }
 
 std::uint32_t rejection_flags(const AdmissionSettings& settings, AdmissionState& state, TimeNs now_ns,
                               const UltrasonicFix& fix, TimeNs measured_ns) {
-  if (measured_ns <= state.last_fix_measured_ns) return fix_invalid;
   const std::uint32_t flags = fix_rejection_flags(settings, now_ns, fix, measured_ns);
+  // A late fix mostly comes after newer ones: its age says more than its order.
+  if (measured_ns <= state.last_fix_measured_ns && flags != fix_too_late) return fix_invalid;
   if (flags == 0) state.last_fix_measured_ns = measured_ns;
   return flags;
 }

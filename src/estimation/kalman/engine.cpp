@@ -136,8 +136,10 @@ std::uint32_t Engine::rejection_flags(const UltrasonicFix& fix, const FixMeasure
   const std::uint32_t flags =
       admission::fix_rejection_flags(settings_.admission, time_ns(), fix, measured.time_ns);
   if (flags != 0) return flags;
-  return timeline_.reaches(measured.time_ns) && !timeline_.contains(measured) ? 0U
-                                                                              : std::uint32_t{fix_invalid};
+  if (timeline_.contains(measured)) return fix_invalid;
+  if (timeline_.reaches(measured.time_ns)) return 0U;
+  // Unless the timeline is empty or full, it reaches the present, and the fix is older than all of it.
+  return timeline_.reaches(time_ns()) ? fix_too_late : fix_invalid;
 }
 
 void Engine::correct(const PairHeading& heading) noexcept {

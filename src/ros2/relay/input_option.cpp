@@ -37,7 +37,9 @@ Input Input::parse(Kind kind, std::string_view text) {
   if (error != std::errc() || rest != number.data() + number.size() || address >= all_beacons) {
     fail(fmt::format("'{}' is not an address from 0 to {}", number, all_beacons - 1));
   }
-  return {kind, std::string(text.substr(0, equals)), static_cast<BeaconAddress>(address)};
+  return {.kind = kind,
+          .topic = std::string(text.substr(0, equals)),
+          .address = static_cast<BeaconAddress>(address)};
 }
 
 void check(const std::vector<Input>& inputs) {

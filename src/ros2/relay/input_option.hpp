@@ -17,6 +17,7 @@ struct Input {
   Kind kind = Kind::imu;
   std::string topic;
   BeaconAddress address = 0;
+  ImuMeaning imu_meaning = ImuMeaning::unknown;  ///< sensor_msgs/Imu does not say it
 
   /// Parses "/imu/data=7". Throws std::invalid_argument.
   static Input parse(Kind kind, std::string_view text);

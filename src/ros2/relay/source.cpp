@@ -28,6 +28,7 @@ struct InputState {
   InputState(const Input& input, const InputTimeouts& timeouts, const std::string& map_frame)
       : address(input.address),
         is_imu(input.kind == Input::Kind::imu),
+        imu_meaning(input.imu_meaning),
         monitor(input, ros2::for_beacon(map_frame, input.address), is_imu ? timeouts.imu_ns : timeouts.fix_ns,
                 clocks::steady_now()) {}
 
@@ -38,6 +39,7 @@ struct InputState {
 
   BeaconAddress address;
   bool is_imu;
+  ImuMeaning imu_meaning;
   process::EndpointCounters endpoints;
   InputMonitor monitor;
 };
@@ -57,12 +59,14 @@ struct Stream {
   dds::ReadCondition has_data;
 };
 
-std::optional<Event> event_of(const ros2::Imu& imu, BeaconAddress address, TimeNs received_ns) {
-  return ros2::imu_sample(imu, address, received_ns);
+std::optional<Event> event_of(const ros2::Imu& imu, const InputState& input, TimeNs received_ns) {
+  auto sample = ros2::imu_sample(imu, input.address, received_ns);
+  if (sample) sample->meaning = input.imu_meaning;
+  return sample;
 }
 template <class Position>
-std::optional<Event> event_of(const Position& position, BeaconAddress address, TimeNs received_ns) {
-  return ros2::fix(position, address, received_ns);
+std::optional<Event> event_of(const Position& position, const InputState& input, TimeNs received_ns) {
+  return ros2::fix(position, input.address, received_ns);
 }
 
 /// The time of measurement in the sender's clock.
@@ -144,7 +148,7 @@ private:
     stream.reader.try_take_each([&](const T& message, const dds::SampleInfo&) {
       const TimeNs received_ns = next_reception_ns();
       ++beacon.status.frames;
-      const auto event = event_of(message, input.address, received_ns);
+      const auto event = event_of(message, input, received_ns);
       if (!event) {
         ++beacon.status.samples_rejected;
         return;

@@ -85,10 +85,6 @@ TEST_CASE("a fix that cannot be a measurement of this time is invalid") {
     fix.received_time_ns = fix.emission_time_ns + to_ns(0.068);
     CHECK(flags_of(fix) == fix_invalid);
   }
-  SECTION("too old") {
-    fix.emission_time_ns = epoch_ns - to_ns(2.0);
-    CHECK(flags_of(fix) == fix_invalid);
-  }
   SECTION("received before it was emitted, or absurdly long after") {
     fix.received_time_ns = fix.emission_time_ns - 1;
     CHECK(flags_of(fix) == fix_invalid);
@@ -110,6 +106,37 @@ TEST_CASE("a fix that cannot be a measurement of this time is invalid") {
     AdmissionState state;
     CHECK(admission::rejection_flags(AdmissionSettings{}, state, 0, fix, fix.emission_time_ns) ==
           fix_invalid);
+  }
+}
+
+TEST_CASE("a fix that is older than the limit is too late, which is not the same as invalid") {
+  const TimeNs limit_ns = to_ns(AdmissionSettings{}.max_fix_age_s);
+  UltrasonicFix fix = good_fix();
+  fix.emission_time_ns = epoch_ns - limit_ns - 1'000'000;
+  CHECK(flags_of(fix) == fix_too_late);
+  SECTION("at the limit it is not too late") {
+    fix.emission_time_ns = epoch_ns - limit_ns;
+    CHECK(flags_of(fix) == 0);
+  }
+  SECTION("whatever its order and its quality") {
+    fix.quality_percent = 1.0;
+    CHECK(flags_of(fix, {.last_fix_measured_ns = epoch_ns}) == fix_too_late);
+  }
+  SECTION("unless it cannot be a measurement at all") {
+    fix.position_world_m.x() = not_a_number;
+    CHECK(flags_of(fix) == fix_invalid);
+    fix = good_fix();
+    fix.emission_time_ns = epoch_ns - to_ns(2.0);
+    fix.received_time_ns = fix.emission_time_ns - 1;
+    CHECK(flags_of(fix) == fix_invalid);
+    fix.emission_time_ns = 0;
+    CHECK(flags_of(fix) == fix_invalid);
+  }
+  SECTION("and it leaves the order of the others as it is") {
+    AdmissionState state;
+    CHECK(admission::rejection_flags(AdmissionSettings{}, state, epoch_ns, fix, fix.emission_time_ns) ==
+          fix_too_late);
+    CHECK(state == AdmissionState{});
   }
 }
 

@@ -179,8 +179,33 @@ SCENARIO("a fix that is too old or known already says so") {
       UltrasonicFix old = std::get<UltrasonicFix>(*last);
       old.emission_time_ns = engine.time_ns() - 1'100'000'000;
       old.received_time_ns = engine.time_ns();
-      THEN("it is rejected as too old") {
-        CHECK(engine.correct(old).flags == fix_invalid);
+      THEN("it is rejected as too late, counted, and changes nothing") {
+        const auto rejected = engine.counters().fixes_rejected;
+        CHECK(engine.correct(old).flags == fix_too_late);
+        CHECK(engine.counters().fixes_rejected == rejected + 1);
+        CHECK(engine.snapshot().history == before.history);
+      }
+    }
+  }
+  GIVEN("an engine whose first IMU sample was just now") {
+    const sim::Recording walk = record("walk", 1.0);
+    kalman::Engine engine{settings::Settings{}};
+    engine.predict(std::get<ImuSample>(walk.events.front()));
+    UltrasonicFix fix;
+    fix.position_world_m = {1, 2, 3};
+    WHEN("a fix from before that sample arrives") {
+      fix.emission_time_ns = engine.time_ns() - 50'000'000;
+      fix.received_time_ns = engine.time_ns();
+      fix.measured_delay_s = 0.05;
+      THEN("it is too late: the engine remembers nothing so old") {
+        CHECK(engine.correct(fix).flags == fix_too_late);
+      }
+    }
+    WHEN("a fix from the future arrives") {
+      fix.emission_time_ns = engine.time_ns() + 60'000'000'000;
+      fix.received_time_ns = fix.emission_time_ns;
+      THEN("it is invalid") {
+        CHECK(engine.correct(fix).flags == fix_invalid);
       }
     }
   }

@@ -143,7 +143,7 @@ ros2::PointStamped fix_at(TimeNs stamp_ns, const ros2::FrameNames& frames) {
 SCENARIO("a stalled input queues messages, and logs losses") {
   GIVEN("a source that does not run while an IMU writes 1500 samples without a stamp") {
     constexpr std::size_t written = 1500;
-    Rig rig({{Kind::imu, "/imu/data", 7}, {Kind::imu, "/other", 8}});
+    Rig rig({{Kind::imu, "/imu/data", 7, ImuMeaning::mean_since_last}, {Kind::imu, "/other", 8}});
     auto imu = rig.driver<ros2::Imu>("/imu/data");
     for (std::size_t i = 0; i < written; ++i) imu.write(imu_at(0));
     WHEN("it runs") {
@@ -157,9 +157,10 @@ SCENARIO("a stalled input queues messages, and logs losses") {
         CHECK(rig.source->samples_lost(9) == 0);
         CHECK(rig.has_logged("beacon 7: " + std::to_string(rig.source->samples_lost(7)) + " IMU samples"));
       }
-      THEN("each has a unique time") {
+      THEN("each has a unique time, and the meaning that the user declares") {
         REQUIRE(wait_until([&] { return rig.sink.count() >= 64; }));
         const auto samples = rig.sink.imu_samples();
+        for (const ImuSample& sample : samples) CHECK(sample.meaning == ImuMeaning::mean_since_last);
         CHECK(std::adjacent_find(samples.begin(), samples.end(), [](const auto& one, const auto& next) {
                 return next.sensor_time_ns <= one.sensor_time_ns;
               }) == samples.end());

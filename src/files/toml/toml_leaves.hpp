@@ -1,0 +1,35 @@
+#pragma once
+/// \file
+/// The values of a TOML file as one list.
+
+#include "files/error.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace sonopose::files::toml {
+
+/// A date, an array or another value that no file of this project has.
+struct OtherValue {};
+
+using Value = std::variant<OtherValue, bool, std::int64_t, double, std::string>;
+
+/// One value, where it is, and the names of its tables and its own, joined by dots: "drift.decay_rate_hz".
+struct Leaf {
+  std::string key;
+  Value value;
+  std::size_t line = 0;
+};
+
+/// All values in the order of their keys. Throws IoError that names file and line if the file cannot be read
+/// or is not TOML.
+std::vector<Leaf> read_leaves(const std::filesystem::path& file);
+
+/// The value as a file has it: texts in quotes.
+std::string text_of(const Value& value);
+
+}  // namespace sonopose::files::toml

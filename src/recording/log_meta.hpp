@@ -1,0 +1,40 @@
+#pragma once
+/// \file
+/// `meta.toml` of a sensor-log folder: what its CSV files do not say.
+///
+/// | Key               | Value |
+/// |-------------------|-------|
+/// | `imu_meaning`     | "unknown", "instant" or "mean": ImuSample::meaning of all samples |
+/// | `beacon_address`  | 0 … 65534: the address of all samples |
+/// | `program_version` | the version that wrote the folder, as text |
+///
+/// The file and each key are optional. Another key is an error, as in the fusion's configuration.
+
+#include "files/error.hpp"
+#include <sonopose/samples/samples.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace sonopose::recording {
+
+struct LogMeta {
+  ImuMeaning imu_meaning = ImuMeaning::unknown;
+  std::optional<BeaconAddress> beacon_address = {};  ///< empty if the folder does not name it
+  std::string program_version = {};                  ///< empty if the folder does not name it
+
+  bool operator==(const LogMeta&) const = default;
+};
+
+/// The version of this program.
+std::string program_version();
+
+/// All values at their defaults for a folder without the file. Throws files::IoError that names file, line,
+/// key, value and what is allowed.
+LogMeta read_log_meta(const std::filesystem::path& folder);
+
+/// Replaces the file of the folder. Throws files::IoError.
+void write_log_meta(const std::filesystem::path& folder, const LogMeta& meta);
+
+}  // namespace sonopose::recording

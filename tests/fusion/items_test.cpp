@@ -1,0 +1,198 @@
+/// The presets and the 37 items of the settings document: the documented engine reads each of them, and the
+/// Kalman engine those of hardware and policy. Any other is answered with a warning there.
+
+#include "config/beacon_settings.hpp"
+#include "fusion/estimators_feeder.hpp"
+#include "sim/simulator.hpp"
+#include <sonopose/settings/preset.hpp>
+#include <sonopose/settings/settings_table.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace items_test {
+
+using namespace sonopose;
+using Catch::Contains;
+using config::Assignments;
+using settings::EngineKind;
+using settings::ReadBy;
+using settings::Settings;
+
+struct Assignment {
+  std::string_view key;
+  std::string_view value;
+};
+
+/// An item with another value than its default, what makes it effective, and a run in which it is.
+struct Item {
+  int number;
+  std::string_view value;
+  std::string_view scenario = "outlier_bursts";
+  std::vector<Assignment> with = {};
+};
+
+std::vector<Item> items() {
+  const std::vector<Assignment> user{{"fusion.imu_weight", "user"}};
+  const std::vector<Assignment> mahony{{"attitude.filter", "mahony"}};
+  const std::vector<Assignment> slow{{"velocity.snap_min_speed_mps", "0.05"}};
+  return {{1, "high"},
+          {2, "0.9", "outlier_bursts", user},
+          {3, "0.3", "outlier_bursts", user},
+          {4, "0.7", "outlier_bursts", user},
+          {5, "90"},
+          {6, "false"},
+          {7, "false", "drifting_tracks", slow},
+          {8, "false", "drifting_tracks", slow},
+          {9, "25"},
+          {10, "5", "outages"},
+          {11, "1.5", "outages"},
+          {12, "80", "low_quality"},
+          {13, "0.07"},
+          {14, "0.2"},
+          {15, "false"},
+          {16, "0.3"},
+          {17, "12"},
+          {18, "5"},
+          {19, "16", "outlier_bursts", {{"trust.n_base", "30"}, {"trust.stuck_n", "15"}}},
+          {20, "3"},
+          {21, "0.9", "relocation"},
+          {22, "0.9", "relocation"},
+          {23, "0.1", "outages"},
+          {24, "9", "outages", {{"runaway.position_error_m", "0.1"}}},
+          {25, "2", "kart"},
+          {26, "true"},
+          {27, "1", "outlier_bursts", {{"velocity.accel_gate", "true"}}},
+          {28, "0.05", "drifting_tracks"},
+          {29, "0.9", "outlier_bursts", mahony},
+          {30, "0.009", "outlier_bursts", mahony},
+          {31, "1", "no_heading"},
+          {32, "0.02", "no_heading"},
+          {33, "0.9", "no_heading"},
+          {34, "3"},
+          {35, "false", "spin"},
+          {36, "0.5", "spin", {{"motion.gyro_gate", "true"}}},
+          {37, "2", "spin", {{"motion.gyro_gate", "true"}, {"motion.gyro_gate_projection_radps", "1"}}}};
+}
+
+const settings::SettingInfo& row_of(int item) {
+  for (const auto& row : settings::setting_table()) {
+    if (row.item == item) return row;
+  }
+  FAIL("no item " << item);
+  throw std::logic_error("not reached");
+}
+
+void assign(Settings& settings, std::string_view key, std::string_view value) {
+  settings::set(settings, key, settings::parse_value(key, value));
+}
+
+Settings settings_with(EngineKind engine, const std::vector<Assignment>& assignments) {
+  Settings settings;
+  settings.engine.engine = engine;
+  for (const Assignment& each : assignments) assign(settings, each.key, each.value);
+  return settings;
+}
+
+/// 40 s of a scenario, made once.
+const std::vector<Event>& run_of(std::string_view scenario) {
+  static std::map<std::string_view, std::vector<Event>> runs;
+  auto& run = runs[scenario];
+  if (run.empty()) run = sim::record(sim::find_scenario(scenario), {.seed = 2, .duration_s = 40.0}).events;
+  return run;
+}
+
+std::vector<FusedPose> poses_of(const Settings& settings, std::string_view scenario) {
+  estimation::AnyEstimator estimator{settings};
+  std::vector<FusedPose> poses;
+  for (const Event& event : run_of(scenario)) {
+    const auto output = estimation::process(estimator, event);
+    if (const auto* pose = std::get_if<FusedPose>(&output)) poses.push_back(*pose);
+  }
+  return poses;
+}
+
+/// The settings with and without the item at its other value.
+struct Change {
+  Settings before;
+  Settings after;
+  Assignments given;  ///< what a user sets
+};
+
+Change change_of(const Item& item, EngineKind engine) {
+  const settings::SettingInfo& row = row_of(item.number);
+  Change change;
+  change.before = settings_with(engine, item.with);
+  change.after = change.before;
+  assign(change.after, row.key, item.value);
+  REQUIRE(settings::get(change.after, row.key) != settings::get(change.before, row.key));
+  change.given.emplace(row.key, settings::get(change.after, row.key));
+  if (engine == EngineKind::documented) {
+    for (const Assignment& each : item.with) {
+      change.given.emplace(each.key, settings::get(change.after, each.key));
+    }
+  }
+  return change;
+}
+
+bool changes_poses(const Change& change, std::string_view scenario) {
+  return !fusion::test::same(poses_of(change.before, scenario), poses_of(change.after, scenario));
+}
+
+TEST_CASE("the documented engine reads each of the 37 items, without a warning") {
+  const auto all = items();
+  REQUIRE(all.size() == 37);
+  for (const Item& item : all) {
+    CAPTURE(item.number, row_of(item.number).key);
+    const Change change = change_of(item, EngineKind::documented);
+    CHECK(config::warnings_for(change.after, change.given).empty());
+    CHECK(changes_poses(change, item.scenario));
+  }
+}
+
+TEST_CASE("the Kalman engine reads items 5, 6, 11 and 12; any other changes nothing and is warned of") {
+  const std::set<int> read{5, 6, 11, 12};
+  for (const Item& item : items()) {
+    const std::string key = row_of(item.number).key;
+    CAPTURE(item.number, key);
+    const Change change = change_of(item, EngineKind::kalman);
+    const auto warnings = config::warnings_for(change.after, change.given);
+    CHECK((row_of(item.number).read_by == ReadBy::all) == read.contains(item.number));
+    if (read.contains(item.number)) {
+      CHECK(warnings.empty());
+      CHECK(changes_poses(change, item.scenario));
+    } else {
+      REQUIRE(warnings.size() == 1);
+      CHECK_THAT(warnings[0], Contains(key) && Contains("kalman") && Contains("documented"));
+    }
+  }
+}
+
+TEST_CASE("item 1: each preset is resolved and replays; user at the defaults is medium") {
+  std::map<std::string, std::vector<FusedPose>> poses;
+  for (const std::string preset : {"low", "medium", "high", "user"}) {
+    CAPTURE(preset);
+    const Settings settings = settings_with(EngineKind::documented, {{"fusion.imu_weight", preset}});
+    CHECK(config::warnings_for(settings, {{"fusion.imu_weight", preset}}).empty());
+    const auto balance = settings::balance_of(settings.preset.imu_weight);
+    const Settings used = estimation::AnyEstimator{settings}.settings();
+    CHECK(used.drift.decay_rate_hz == balance.decay_rate_hz);
+    CHECK(used.velocity.blend_weight == balance.blend_weight);
+    CHECK(used.drift.jump_alpha == balance.jump_alpha);
+    poses[preset] = poses_of(settings, "walk");
+    CHECK(poses[preset].size() == 4000);
+    for (const FusedPose& pose : poses[preset]) REQUIRE(pose.position_world_m.allFinite());
+    CHECK((poses[preset].back().status & (status_initialising | status_stale)) == 0);
+  }
+  CHECK_FALSE(fusion::test::same(poses["low"], poses["medium"]));
+  CHECK_FALSE(fusion::test::same(poses["medium"], poses["high"]));
+  CHECK(fusion::test::same(poses["medium"], poses["user"]));
+}
+
+}  // namespace items_test

@@ -1,0 +1,146 @@
+/// Two beacons with an engine each, and what the engines publish about the sensors.
+
+#include "support/bus.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <csignal>
+#include <map>
+#include <sstream>
+
+namespace engines_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+namespace topics = dds::topics;
+
+constexpr BeaconAddress documented_beacon = 7;
+constexpr BeaconAddress kalman_beacon = 8;
+
+/// Two simulated beacons; the fusion has the default engine for the first and the Kalman engine for the
+/// other.
+struct Chain {
+  Bus bus;
+  Consumer<sonopose_Estimate> estimates{bus, topics::estimate, dds::topics::Delivery::live};
+  Consumer<sonopose_FusedPose> poses{bus, topics::pose};
+  Consumer<sonopose_TruthSample> truth{bus, topics::truth};
+  std::unique_ptr<Process> fusion = bus.fusion({"--set", "beacon.8.fusion.engine=kalman"});
+  std::unique_ptr<Process> bridge = bus.bridge({"--address", "7", "--beacons", "2"});
+
+  /// What is known when the gyro bias was measured at rest and the first fixes were used.
+  bool wait_until_estimated() {
+    const auto is_known = [](BeaconAddress address) {
+      return [address](const Estimate& estimate) {
+        return estimate.address == address && estimate.gyro_bias_body_radps;
+      };
+    };
+    return estimates.wait_for(is_known(documented_beacon)) && estimates.wait_for(is_known(kalman_beacon));
+  }
+
+  std::vector<std::size_t> indices_of(BeaconAddress address) const {
+    std::vector<std::size_t> indices;
+    for (std::size_t i = 0; i < estimates.samples.size(); ++i) {
+      if (estimates.samples[i].address == address) indices.push_back(i);
+    }
+    return indices;
+  }
+
+  [[nodiscard]] Estimate latest_of(BeaconAddress address) const {
+    return estimates.samples.at(indices_of(address).back());
+  }
+};
+
+SCENARIO("each beacon has the engine that is set for it, and its estimates come once a second") {
+  GIVEN("one beacon with the documented engine and one with the Kalman engine") {
+    Chain chain;
+    REQUIRE(chain.wait_until_estimated());
+    WHEN("three more estimates of each have come") {
+      const std::size_t first = chain.estimates.samples.size();
+      REQUIRE(chain.estimates.wait_for_more(6));
+      THEN("they are a second apart") {
+        for (const BeaconAddress address : {documented_beacon, kalman_beacon}) {
+          CAPTURE(address);
+          std::vector<TimeNs> at_ns;
+          for (const std::size_t i : chain.indices_of(address)) {
+            if (i >= first) at_ns.push_back(chain.estimates.received_ns[i]);
+          }
+          REQUIRE(at_ns.size() >= 2);
+          const double span_s = seconds_between(at_ns.front(), at_ns.back());
+          CHECK(span_s == Approx(static_cast<double>(at_ns.size() - 1)).margin(0.4));
+        }
+      }
+      THEN("each names the same fusion, and the engines differ in what they estimate") {
+        const Estimate documented = chain.latest_of(documented_beacon);
+        const Estimate kalman = chain.latest_of(kalman_beacon);
+        CHECK(documented.fusion_id == kalman.fusion_id);
+        CHECK(documented.gyro_bias_body_radps);
+        CHECK_FALSE(documented.accelerometer_bias_body_mps2);
+        CHECK_FALSE(documented.lever_arm_body_m);
+        CHECK_FALSE(documented.fix_noise_m);
+        REQUIRE(kalman.gyro_bias_body_radps);
+        REQUIRE(kalman.accelerometer_bias_body_mps2);
+        REQUIRE(kalman.lever_arm_body_m);
+        CHECK(kalman.gyro_bias_body_radps->std.minCoeff() > 0.0);
+        CHECK(kalman.accelerometer_bias_body_mps2->std.minCoeff() > 0.0);
+        CHECK(kalman.lever_arm_body_m->std.minCoeff() > 0.0);
+        REQUIRE(kalman.fix_noise_m);
+        CHECK(kalman.fix_noise_m->value == Approx(0.02).margin(0.02));
+        CHECK(kalman.heading_noise_rad);
+        CHECK_FALSE(kalman.delay_s);
+      }
+      THEN("both follow their beacons") {
+        chain.truth.take();
+        chain.poses.take();
+        std::map<std::pair<BeaconAddress, TimeNs>, Vector3d> true_position_m;
+        for (const TruthSample& sample : chain.truth.samples) {
+          true_position_m[{sample.address, sample.time_ns}] = sample.position_world_m;
+        }
+        std::map<BeaconAddress, std::size_t> compared;
+        for (const FusedPose& pose : chain.poses.samples) {
+          const auto found = true_position_m.find({pose.address, pose.time_ns});
+          if (found == true_position_m.end() || (pose.status & status_initialising) != 0) continue;
+          CAPTURE(pose.address, pose.sequence);
+          REQUIRE((pose.position_world_m - found->second).norm() < 0.15);
+          ++compared[pose.address];
+        }
+        CHECK(compared[documented_beacon] > 200);
+        CHECK(compared[kalman_beacon] > 200);
+      }
+    }
+  }
+}
+
+SCENARIO("the monitor shows what each engine has estimated") {
+  GIVEN("one beacon with the documented engine and one with the Kalman engine") {
+    Chain chain;
+    REQUIRE(chain.wait_until_estimated());
+    THEN("its JSON has the values, with null for what an engine does not estimate") {
+      const auto monitor = chain.bus.monitor({"--json", "--duration", "2.5"});
+      REQUIRE(monitor->wait_for_exit() == 0);
+      const auto report = nlohmann::json::parse(monitor->lines(Stream::output).back());
+      REQUIRE(report["beacons"].size() == 2);
+      const auto& documented = report["beacons"][0]["estimate"];
+      const auto& kalman = report["beacons"][1]["estimate"];
+      CHECK(documented["gyro_bias_radps"]["value"].size() == 3);
+      CHECK(documented["gyro_bias_radps"]["std"].is_null());
+      CHECK(documented["lever_arm_m"].is_null());
+      CHECK(kalman["gyro_bias_radps"]["std"].size() == 3);
+      CHECK(kalman["lever_arm_m"]["value"].size() == 3);
+      CHECK(kalman["fix_noise_m"]["value"].get<double>() > 0.0);
+      CHECK(kalman["delay_s"].is_null());
+    }
+    THEN("its table has them with units, and lists what is not estimated") {
+      const auto monitor = chain.bus.monitor({});
+      REQUIRE(monitor->wait_for_line(Stream::output, "     8  not estimated: delay, heading offset"));
+      CHECK(monitor->end_by(SIGINT).code == 0);
+      const std::string text = monitor->text(Stream::output);
+      CHECK_THAT(text, Catch::Contains("     7  gyro bias") && Catch::Contains(" rad/s\n") &&
+                           Catch::Contains("     7  not estimated: accelerometer bias, lever arm") &&
+                           Catch::Contains("     8  accelerometer bias") && Catch::Contains(" m/s²\n") &&
+                           Catch::Contains("     8  heading noise"));
+    }
+  }
+}
+
+}  // namespace engines_test
