@@ -41,8 +41,8 @@ double draw_begin_s(const Scenario& scenario, Random& random) {
 }
 
 /// A wrong track of 1 to `most_fixes` fixes, parallel to the true one.
-OutlierBurst draw_parallel_track(const Scenario& scenario, Random& random, double fix_rate_hz,
-                                 int most_fixes, const Range& distance_m) {
+OutlierBurst draw_parallel_track(const Scenario& scenario, Random& random, double fix_rate_hz, int most_fixes,
+                                 const Range& distance_m) {
   const double begin_s = draw_begin_s(scenario, random);
   const double duration_s = random.integer_in(1, most_fixes) / fix_rate_hz;
   const double off_m = random.uniform_in(distance_m);
