@@ -121,7 +121,7 @@ struct TrustSettings {
 
 /// Damping of a velocity that leads away from the fixes.
 struct RunawaySettings {
-  double position_error_m = 6.0;       ///< item 23
+  double position_error_m = 5.0;       ///< item 23
   double velocity_damp_max_hz = 10.0;  ///< item 24
 };
 

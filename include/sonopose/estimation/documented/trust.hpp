@@ -10,6 +10,7 @@
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/settings/settings.hpp>
 
+#include <limits>
 #include <optional>
 
 namespace sonopose::estimation::documented {
@@ -46,8 +47,8 @@ struct FixAssessment {
   double weight_floor = 0;  ///< item 22 while convergence is forced
   bool outlier = false;
   bool forced = false;
-  double sigma_m = 0;  ///< item 13 as it applies to this fix
-  int rivals = 0;      ///< the outliers that agree with each other, up to this one; 0: it is not one of them
+  double sigma_m = std::numeric_limits<double>::infinity();  ///< item 13 as it applies to this fix
+  int rivals = 0;  ///< the outliers that agree with each other, up to this one; 0: it is not one of them
   double rival_residual_m = 0;                     ///< its distance to where they lead
   Vector3d rival_step_world_m = Vector3d::Zero();  ///< from the one before it, if they agree on the way
   bool trusted = true;                             ///< trust in the track is full
