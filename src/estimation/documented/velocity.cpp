@@ -92,6 +92,16 @@ double agreement_of(const FixVelocity& measured, double sigma_m) {
   return trust::weight_of(excess_world_mps.norm() * measured.interval_s, sigma_m);
 }
 
+/// The weight of the difference between the excesses over the IMU's velocity since the earlier fix and since
+/// the last one. Both are the same where the IMU is wrong; they differ where one fix between them was aside.
+double agreement_of(const FixVelocity& measured, const std::optional<FixVelocity>& since_last,
+                    double sigma_m) {
+  if (!since_last) return 1.0;
+  const Vector3d excess_world_mps = measured.ultrasonic_world_mps - measured.inertial_world_mps;
+  const Vector3d latest_world_mps = since_last->ultrasonic_world_mps - since_last->inertial_world_mps;
+  return trust::weight_of((excess_world_mps - latest_world_mps).norm() * measured.interval_s, sigma_m);
+}
+
 /// The velocity between outliers that agree with each other. From three on they agree on a velocity even
 /// where it is far from the IMU's.
 std::optional<FixVelocity> measure_rivals(const VelocitySettings& settings, VelocityState& state,
@@ -149,7 +159,9 @@ std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocitySta
   auto measured = measure_from(reference_for(settings, state.fixes, state.count, fix), body, fix);
   if (measured) {
     measured->bend_m = bend_of(state, fix);
-    measured->agreement = agreement_of(*measured, assessment.sigma_m);
+    measured->agreement =
+        std::max(agreement_of(*measured, assessment.sigma_m),
+                 agreement_of(*measured, measure_from(&state.fixes[0], body, fix), assessment.sigma_m));
   }
   remember(state.fixes, state.count, fix);
   return measured;
