@@ -40,12 +40,17 @@ double draw_begin_s(const Scenario& scenario, Random& random) {
   return random.uniform_in({first_disturbed_s, scenario.duration_s});
 }
 
-/// A wrong track of 1 to 30 fixes, parallel to the true one.
-OutlierBurst draw_parallel_track(const Scenario& scenario, Random& random, double fix_rate_hz) {
+/// A wrong track of 1 to `most_fixes` fixes, parallel to the true one.
+OutlierBurst draw_parallel_track(const Scenario& scenario, Random& random, double fix_rate_hz, int most_fixes,
+                                 const Range& distance_m) {
   const double begin_s = draw_begin_s(scenario, random);
-  const double duration_s = random.integer_in(1, 30) / fix_rate_hz;
-  const double distance_m = random.uniform_in({0.1, 3.0});
-  return {begin_s, duration_s, distance_m * random.direction()};
+  const double duration_s = random.integer_in(1, most_fixes) / fix_rate_hz;
+  const double off_m = random.uniform_in(distance_m);
+  return {begin_s, duration_s, off_m * random.direction()};
+}
+
+OutlierBurst draw_parallel_track(const Scenario& scenario, Random& random, double fix_rate_hz) {
+  return draw_parallel_track(scenario, random, fix_rate_hz, 30, {0.1, 3.0});
 }
 
 /// The fix rate of the run, drawn here because the length of a track depends on it.
@@ -60,6 +65,16 @@ void vary_wrong_tracks(Scenario& scenario, Random& random) {
   const int count = draw_track_count(scenario, random);
   for (int i = 0; i < count; ++i) {
     scenario.disturbances.outlier_bursts.push_back(draw_parallel_track(scenario, random, fix_rate_hz));
+  }
+}
+
+/// A dozen a minute.
+void vary_short_tracks(Scenario& scenario, Random& random) {
+  const double fix_rate_hz = draw_fix_rate_hz(scenario, random);
+  const int count = static_cast<int>(scenario.duration_s / 5.0);
+  for (int i = 0; i < count; ++i) {
+    scenario.disturbances.outlier_bursts.push_back(
+        draw_parallel_track(scenario, random, fix_rate_hz, 10, {0.2, 1.5}));
   }
 }
 
@@ -228,6 +243,10 @@ std::vector<Scenario> make_harder_scenarios() {
        .summary = "walks while the fixes jump to a dozen wrong tracks, by 0.1 to 3 m",
        .path = walk_path,
        .vary = vary_wrong_tracks},
+      {.name = "short_tracks",
+       .summary = "walks while the fixes jump to a dozen wrong tracks of up to ten fixes",
+       .path = walk_path,
+       .vary = vary_short_tracks},
       {.name = "drifting_tracks",
        .summary = "walks while the fixes drift off the track, are mirrored or jump",
        .path = walk_path,

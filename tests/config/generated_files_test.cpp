@@ -28,7 +28,6 @@ TEST_CASE("config/tuned.toml loads, without a warning, and leaves the typical ra
   CHECK(config.warnings().empty());
   const settings::Settings tuned = config.for_beacon(7);
   CHECK(tuned.trust.sigma_m > 0.15);
-  CHECK(tuned.attitude.mahony.ki < 0.001);
   CHECK(tuned.drift.velocity_smooth_rate_hz < 10.0);
 }
 

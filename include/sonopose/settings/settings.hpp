@@ -110,18 +110,18 @@ struct TrustSettings {
   double min_weight = 0.003;            ///< item 14
   bool enabled = true;                  ///< item 15
   double reference_innovation_m = 1.0;  ///< item 16
-  int n_base = 2;                       ///< item 17
+  int n_base = 1;                       ///< item 17
   int n_min = 2;                        ///< item 18
   int n_max = 40;                       ///< item 19
   int stuck_n = 32;                     ///< item 20
   double stuck_jump_scale = 0.6;        ///< item 21
   double stuck_weight_floor = 0.5;      ///< item 22
-  double outlier_sigmas = 1.75;
+  double outlier_sigmas = 1.6;
 };
 
 /// Damping of a velocity that leads away from the fixes.
 struct RunawaySettings {
-  double position_error_m = 1.5;       ///< item 23
+  double position_error_m = 5.0;       ///< item 23
   double velocity_damp_max_hz = 10.0;  ///< item 24
 };
 
@@ -129,8 +129,8 @@ struct RunawaySettings {
 struct MotionSettings {
   double accel_linear_threshold_mps2 = 30.0;  ///< item 25
   bool gyro_gate = true;                      ///< item 35
-  double gyro_gate_projection_radps = 3.0;    ///< item 36
-  double gyro_gate_freeze_radps = 6.0;        ///< item 37
+  double gyro_gate_projection_radps = 4.0;    ///< item 36
+  double gyro_gate_freeze_radps = 4.5;        ///< item 37
 };
 
 /// Calibration of the gyroscope at rest before the first pose.

@@ -202,7 +202,6 @@ FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
   }
   report.shifted_position_world_m = timed.shifted_position_world_m;
   state_.outage.last_valid_fix_ns = fix.received_time_ns;
-  state_.runaway = {true, timed.shifted_position_world_m};
   report.flags |= fix_used;
   ++counters_.fixes_used;
   return report;
@@ -231,6 +230,7 @@ void Engine::reset_position(const TimedFix& fix, FixReport& report) {
   report.trust = 1.0;
   state_.body.position_world_m = fix.shifted_position_world_m;
   state_.drift = DriftState{};
+  state_.runaway = {true, fix.shifted_position_world_m};
   trust::restart(state_.trust, fix);
   uncertainty::reset_position(settings_.uncertainty, state_.uncertainty);
   // Just after a start at rest the velocity is known: zero.
@@ -258,6 +258,7 @@ bool Engine::reset_velocity(TimedFix& fix, FixReport& report) {
   report.trust = 1.0;
   state_.body.position_world_m = fix.shifted_position_world_m;
   state_.drift = DriftState{};
+  state_.runaway = {true, fix.shifted_position_world_m};
   trust::restart(state_.trust, fix);
   uncertainty::correct(settings_.uncertainty, state_.uncertainty, 1.0, 1.0, 1.0, measured->interval_s);
   state_.outage.init_phase = InitPhase::tracking;
@@ -267,7 +268,15 @@ bool Engine::reset_velocity(TimedFix& fix, FixReport& report) {
 /// Every later fix corrects position, velocity and yaw according to its weight.
 void Engine::correct_pose(const TimedFix& fix, FixReport& report) {
   Kinematics& body = state_.body;
-  const FixAssessment assessment = trust::assess(settings_.trust, state_.trust, body, fix);  // 13–22
+  const std::optional<int> velocities =
+      state_.velocity.settled() ? std::nullopt : std::optional(state_.velocity.velocities);
+  const FixAssessment assessment =
+      trust::assess(settings_.trust, state_.trust, body, fix, velocities);  // 13–22
+  // A velocity from two fixes may be grossly wrong: at the second outlier the run begins again.
+  if (velocities && assessment.outlier && state_.trust.outliers_in_row > 1) {
+    reset_position(fix, report);
+    return;
+  }
   report.innovation_world_m = assessment.innovation_world_m;
   report.test_ratio = assessment.test_ratio;
   report.weight = assessment.weight;
@@ -275,6 +284,7 @@ void Engine::correct_pose(const TimedFix& fix, FixReport& report) {
   if (assessment.outlier) report.flags |= fix_outlier;
   if (assessment.forced) report.flags |= fix_stuck_forced;
 
+  runaway::follow(state_.runaway, fix, assessment);
   report.jump_world_m = drift::correct(settings_.drift, state_.drift, body, fix, assessment);  // 2, 4, 9
   const auto measured = velocity::measure(settings_.velocity, state_.velocity, body, fix, assessment);
   double interval_s = 0.0;
@@ -284,9 +294,13 @@ void Engine::correct_pose(const TimedFix& fix, FixReport& report) {
                                           assessment);  // 3, 7, 8, 26–28
     report.velocity_change_world_mps = change.change_world_mps;
     report.flags |= change.flags;
-    align(*measured, change, report);
-    report.yaw_change_rad += heading::correct_from_course(settings_.heading, state_.heading, body,
-                                                          state_.filter, *measured);  // 31–33
+    if (measured->by_rivals) {
+      state_.alignment.gained_world_mps *= 1.0 - change.share;  // they may lead astray: no lesson on attitude
+    } else {
+      align(*measured, change, report);
+      report.yaw_change_rad += heading::correct_from_course(settings_.heading, state_.heading, body,
+                                                            state_.filter, *measured);  // 31–33
+    }
     interval_s = measured->interval_s;
     velocity_share = change.share;
   }

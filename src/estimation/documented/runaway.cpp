@@ -5,6 +5,14 @@
 
 namespace sonopose::estimation::documented::runaway {
 
+void follow(RunawayState& state, const TimedFix& fix, const FixAssessment& assessment) {
+  if (assessment.outlier) {
+    state.fix_position_world_m += assessment.rival_step_world_m;
+  } else {
+    state = {true, fix.shifted_position_world_m};
+  }
+}
+
 void damp(const RunawaySettings& settings, const RunawayState& state, Kinematics& body, double dt_s) {
   if (!state.has_fix) return;
   const Vector3d away_world_m = body.position_world_m - state.fix_position_world_m;

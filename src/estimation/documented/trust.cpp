@@ -16,6 +16,90 @@ Vector3d innovation_of(const TrustState& state, const Kinematics& body, const Ti
   return fix.measured_position_world_m - state.last_position_world_m - *moved_world_m;
 }
 
+void begin_rivals(TrustState& state, const Kinematics& body, const TimedFix& fix) {
+  state.rivals = 1;
+  state.strays = 0;
+  state.rival_measured_ns = fix.measured_ns;
+  state.rival_position_world_m = fix.measured_position_world_m;
+  state.rival_excess_world_mps.setZero();
+  state.rival_offset_world_m = fix.shifted_position_world_m - body.position_world_m;
+}
+
+/// Adds an outlier that agrees with the latest one. One deviation of the velocity is mostly noise.
+void add_rival(TrustState& state, const TimedFix& fix, const Vector3d& excess_world_mps) {
+  constexpr double share_of_one = 0.5;
+  ++state.rivals;
+  state.strays = 0;
+  state.rival_excess_world_mps +=
+      (state.rivals == 2 ? 1.0 : share_of_one) * (excess_world_mps - state.rival_excess_world_mps);
+  state.rival_measured_ns = fix.measured_ns;
+  state.rival_position_world_m = fix.measured_position_world_m;
+}
+
+/// Counts the outliers in a row that agree with each other along the IMU's path, up to a constant velocity:
+/// that is what an IMU gets wrong. The third shows whether the first two were on a track. A single stray does
+/// not end it.
+void follow_rivals(TrustState& state, const Kinematics& body, const TimedFix& fix, double limit_m,
+                   FixAssessment& assessment) {
+  if (!assessment.outlier) {
+    state.rivals = 0;
+    return;
+  }
+  const auto moved_world_m = body.moved(state.rival_measured_ns, fix.measured_ns);
+  if (state.rivals == 0 || !moved_world_m) {
+    begin_rivals(state, body, fix);
+    assessment.rivals = 1;
+    return;
+  }
+  const double interval_s = seconds_between(state.rival_measured_ns, fix.measured_ns);
+  const Vector3d step_world_m = fix.measured_position_world_m - state.rival_position_world_m;
+  const Vector3d excess_world_m = step_world_m - *moved_world_m;
+  const bool same_path = excess_world_m.norm() <= limit_m;
+  double residual_m = (excess_world_m - interval_s * state.rival_excess_world_mps).norm();
+  const bool same_velocity = residual_m <= limit_m;
+  if (!same_velocity && state.rivals > 1) {
+    if (!same_path && state.rivals > 2 && state.strays == 0) {
+      ++state.strays;
+      return;
+    }
+    // The latest and this one may begin a track.
+    begin_rivals(state, body, fix);
+    if (!same_path) {
+      assessment.rivals = 1;
+      return;
+    }
+    residual_m = excess_world_m.norm();
+  }
+  add_rival(state, fix, excess_world_m / interval_s);
+  assessment.rivals = state.rivals;
+  assessment.rival_residual_m = residual_m;
+  if (same_path || state.rivals > 2) assessment.rival_step_world_m = step_world_m;
+}
+
+/// Whether the pose moves away from a track of outliers that agree with each other. A wrong track jumps away
+/// and then keeps its distance, because the IMU measures its motion; a growing distance means a wrong
+/// velocity.
+bool moves_away(const TrustState& state, const Kinematics& body, const TimedFix& fix, double limit_m,
+                const FixAssessment& assessment) {
+  constexpr int enough_rivals = 5;
+  if (assessment.rivals < enough_rivals) return false;
+  const Vector3d offset_world_m = fix.shifted_position_world_m - body.position_world_m;
+  return (offset_world_m - state.rival_offset_world_m).norm() > limit_m;
+}
+
+/// By how much less is known than usual where a fix should be: after a pause of the fixes, and while the
+/// velocity is an average of a few. 1 on an ordinary track.
+double tolerance_for(const TrustState& state, const TimedFix& fix, std::optional<int> velocities) {
+  constexpr double ordinary_pause_s = 0.25;
+  constexpr double growth_hz = 4.0;
+  constexpr double first_velocity = 4.0;
+  double tolerance = 1.0;
+  if (velocities) tolerance += first_velocity / (1 + *velocities);
+  if (!state.has_last) return tolerance;
+  const double pause_s = seconds_between(state.last_measured_ns, fix.measured_ns);
+  return tolerance + growth_hz * std::max(0.0, pause_s - ordinary_pause_s);
+}
+
 /// Items 16–19: N = clamp(n_base · jump / reference, n_min, n_max).
 int rebuild_count(const TrustSettings& settings, double jump_m) {
   const double scaled = std::round(settings.n_base * jump_m / settings.reference_innovation_m);
@@ -78,16 +162,18 @@ void restart(TrustState& state, const TimedFix& fix) {
 }
 
 FixAssessment assess(const TrustSettings& settings, TrustState& state, const Kinematics& body,
-                     const TimedFix& fix) {
+                     const TimedFix& fix, std::optional<int> velocities) {
   const bool against_imu = settings.enabled && state.trust < 1.0;
   const bool was_forced = state.forced;
   FixAssessment assessment;
   assessment.innovation_world_m = innovation_of(state, body, fix, against_imu);
   assessment.innovation_m = assessment.innovation_world_m.norm();
-  const double limit_m = settings.outlier_sigmas * settings.sigma_m;
+  assessment.sigma_m = tolerance_for(state, fix, velocities) * settings.sigma_m;
+  const double limit_m = settings.outlier_sigmas * assessment.sigma_m;
   assessment.outlier = assessment.innovation_m > limit_m;
   const double ratio = assessment.innovation_m / limit_m;
   assessment.test_ratio = ratio * ratio;
+  follow_rivals(state, body, fix, limit_m, assessment);
 
   if (!settings.enabled) {
     regain(state);
@@ -95,6 +181,7 @@ FixAssessment assess(const TrustSettings& settings, TrustState& state, const Kin
     if (assessment.innovation_m < settings.sigma_m) regain(state);
   } else {
     update(settings, state, assessment.innovation_m, assessment.outlier);
+    if (moves_away(state, body, fix, limit_m, assessment)) state.forced = true;
   }
   assessment.track_accepted =
       (state.forced && !was_forced) || (assessment.outlier && state.trust >= 1.0 && against_imu);
@@ -102,7 +189,7 @@ FixAssessment assess(const TrustSettings& settings, TrustState& state, const Kin
   assessment.trusted = state.trust >= 1.0;
   assessment.forced = state.forced;
   assessment.weight =
-      std::max(settings.min_weight, weight_of(assessment.innovation_m, settings.sigma_m) * state.trust);
+      std::max(settings.min_weight, weight_of(assessment.innovation_m, assessment.sigma_m) * state.trust);
   if (state.forced) {
     assessment.jump_floor = settings.stuck_jump_scale;
     assessment.weight_floor = settings.stuck_weight_floor;

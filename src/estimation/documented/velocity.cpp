@@ -7,6 +7,8 @@
 namespace sonopose::estimation::documented::velocity {
 namespace {
 
+using PastFixes = std::array<PastFix, VelocityState::capacity>;
+
 /// Items 7, 8 and 28.
 std::uint32_t snap_for(const VelocitySettings& settings, const FixVelocity& measured,
                        const FixAssessment& assessment) {
@@ -36,11 +38,11 @@ double accel_gate(const VelocitySettings& settings, double acceleration_mps2) {
 }
 
 /// The earlier fix to measure from: the latest that is old enough, or else the oldest.
-const PastFix* reference_for(const VelocitySettings& settings, const VelocityState& state,
+const PastFix* reference_for(const VelocitySettings& settings, const PastFixes& fixes, int count,
                              const TimedFix& fix) {
   const PastFix* reference = nullptr;
-  for (int i = 0; i < state.count; ++i) {
-    const PastFix& past = state.fixes[static_cast<std::size_t>(i)];
+  for (int i = 0; i < count; ++i) {
+    const PastFix& past = fixes[static_cast<std::size_t>(i)];
     const double interval_s = seconds_between(past.measured_ns, fix.measured_ns);
     if (interval_s > settings.interval_max_s) break;
     if (interval_s < settings.interval_min_s) continue;
@@ -78,10 +80,53 @@ std::optional<FixVelocity> measure_from(const PastFix* reference, const Kinemati
   return measured;
 }
 
-void remember(VelocityState& state, const TimedFix& fix) {
-  std::copy_backward(state.fixes.begin(), state.fixes.end() - 1, state.fixes.end());
-  state.fixes[0] = {fix.measured_ns, fix.measured_position_world_m};
-  state.count = std::min(state.count + 1, VelocityState::capacity);
+void remember(PastFixes& fixes, int& count, const TimedFix& fix) {
+  std::copy_backward(fixes.begin(), fixes.end() - 1, fixes.end());
+  fixes[0] = {fix.measured_ns, fix.measured_position_world_m};
+  count = std::min(count + 1, VelocityState::capacity);
+}
+
+/// The weight of the two fixes' distance from the IMU's path.
+double agreement_of(const FixVelocity& measured, double sigma_m) {
+  const Vector3d excess_world_mps = measured.ultrasonic_world_mps - measured.inertial_world_mps;
+  return trust::weight_of(excess_world_mps.norm() * measured.interval_s, sigma_m);
+}
+
+/// The weight of the difference between the excesses over the IMU's velocity since the earlier fix and since
+/// the last one. Both are the same where the IMU is wrong; they differ where one fix between them was aside.
+double agreement_of(const FixVelocity& measured, const std::optional<FixVelocity>& since_last,
+                    double sigma_m) {
+  if (!since_last) return 1.0;
+  const Vector3d excess_world_mps = measured.ultrasonic_world_mps - measured.inertial_world_mps;
+  const Vector3d latest_world_mps = since_last->ultrasonic_world_mps - since_last->inertial_world_mps;
+  return trust::weight_of((excess_world_mps - latest_world_mps).norm() * measured.interval_s, sigma_m);
+}
+
+/// The velocity between outliers that agree with each other. From three on they agree on a velocity even
+/// where it is far from the IMU's.
+std::optional<FixVelocity> measure_rivals(const VelocitySettings& settings, VelocityState& state,
+                                          const Kinematics& body, const TimedFix& fix,
+                                          const FixAssessment& assessment) {
+  if (assessment.rivals == 0) return std::nullopt;
+  state.rival_count = std::min(state.rival_count, assessment.rivals - 1);
+  auto measured = measure_from(reference_for(settings, state.rivals, state.rival_count, fix), body, fix);
+  remember(state.rivals, state.rival_count, fix);
+  if (!measured) return std::nullopt;
+  measured->by_rivals = true;
+  measured->bend_m = std::numeric_limits<double>::infinity();
+  measured->agreement = assessment.rivals > 2
+                            ? trust::weight_of(assessment.rival_residual_m, assessment.sigma_m)
+                            : agreement_of(*measured, assessment.sigma_m);
+  return measured;
+}
+
+/// How far the velocity between the two fixes counts. A fix that was pushed aside by less than an outlier
+/// agrees badly with the others. While trust is being rebuilt, fixes that agree with each other show the
+/// velocity even if the position is in doubt.
+double reliability_of(const FixVelocity& measured, const FixAssessment& assessment) {
+  if (measured.by_rivals) return measured.agreement;
+  if (assessment.trusted) return std::min(assessment.weight, measured.agreement);
+  return std::max(assessment.weight, measured.agreement);
 }
 
 }  // namespace
@@ -89,21 +134,36 @@ void remember(VelocityState& state, const TimedFix& fix) {
 void restart(VelocityState& state, const TimedFix& fix, bool velocity_known) {
   state.fixes[0] = {fix.measured_ns, fix.measured_position_world_m};
   state.count = 1;
+  state.rival_count = 0;
   velocity_known ? state.settle() : state.unsettle();
 }
 
 std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocityState& state,
                                    const Kinematics& body, const TimedFix& fix,
                                    const FixAssessment& assessment) {
+  const auto by_rivals = measure_rivals(settings, state, body, fix, assessment);
   if (assessment.new_track) {
-    // If the track is accepted against the IMU, the velocity was most likely wrong.
-    restart(state, fix, !assessment.track_accepted && state.settled());
+    constexpr int enough_rivals = 3;
+    if (state.rival_count >= enough_rivals) {
+      // They have corrected the velocity all the while: it is known, and so are the fixes to go on from.
+      state.fixes = state.rivals;
+      state.count = state.rival_count;
+    } else {
+      // If the track is accepted against the IMU, the velocity was most likely wrong.
+      restart(state, fix, !assessment.track_accepted && state.settled());
+    }
+    state.rival_count = 0;
     return std::nullopt;
   }
-  if (assessment.outlier && !assessment.forced) return std::nullopt;
-  auto measured = measure_from(reference_for(settings, state, fix), body, fix);
-  if (measured) measured->bend_m = bend_of(state, fix);
-  remember(state, fix);
+  if (assessment.outlier && !assessment.forced) return by_rivals;
+  auto measured = measure_from(reference_for(settings, state.fixes, state.count, fix), body, fix);
+  if (measured) {
+    measured->bend_m = bend_of(state, fix);
+    measured->agreement =
+        std::max(agreement_of(*measured, assessment.sigma_m),
+                 agreement_of(*measured, measure_from(&state.fixes[0], body, fix), assessment.sigma_m));
+  }
+  remember(state.fixes, state.count, fix);
   return measured;
 }
 
@@ -115,7 +175,7 @@ VelocityChange correct(const VelocitySettings& settings, VelocityState& state, K
     done.change_world_mps = measured.ultrasonic_world_mps - body.velocity_world_mps;
   } else {
     // A forced convergence would not end without a correction of the velocity.
-    const double reliability = std::max(assessment.weight, assessment.weight_floor);
+    const double reliability = std::max(reliability_of(measured, assessment), assessment.weight_floor);
     done.share =
         blend_of(settings, state) * reliability * accel_gate(settings, body.acceleration_world_mps2.norm());
     done.change_world_mps = done.share * (measured.ultrasonic_world_mps - measured.inertial_world_mps);

@@ -52,6 +52,43 @@ TEST_CASE("item 23: before any fix nothing is damped") {
   CHECK(body.velocity_world_mps == Vector3d(3, 0, 0));
 }
 
+TEST_CASE("the reference is the last fix that was no outlier, carried along by outliers that agree") {
+  RunawayState state;
+  TimedFix fix;
+  fix.shifted_position_world_m = {1, 0, 0};
+  runaway::follow(state, fix, FixAssessment{});
+  CHECK(state.has_fix);
+  CHECK(state.fix_position_world_m == Vector3d(1, 0, 0));
+  FixAssessment outlier;
+  outlier.outlier = true;
+  fix.shifted_position_world_m = {1, 9, 0};
+  runaway::follow(state, fix, outlier);
+  CHECK(state.fix_position_world_m == Vector3d(1, 0, 0));
+  outlier.rival_step_world_m = {0.5, 0, 0};
+  runaway::follow(state, fix, outlier);
+  CHECK(state.fix_position_world_m == Vector3d(1.5, 0, 0));
+}
+
+TEST_CASE("item 23: a wrong track does not slow a body that moves away from it") {
+  for (const double speed_mps : {1.2, 6.0}) {
+    Settings settings;
+    settings.runaway.position_error_m = 1.5;
+    test::EngineDriver driver(settings, test::departure(speed_mps), test::with_headings(0.02));
+    driver.run(6.0);
+    driver.alter_fix = [](UltrasonicFix& fix, double time_s) {
+      if (time_s > 6.0 && time_s < 7.5) fix.position_world_m.x() -= 2.0;
+    };
+    driver.run(3.0);
+    double slowest_mps = speed_mps;
+    for (const auto& moment : driver.moments) {
+      if (moment.time_s > 6.0) slowest_mps = std::min(slowest_mps, moment.pose.velocity_world_mps.x());
+    }
+    INFO(speed_mps << " m/s");
+    CHECK(slowest_mps > speed_mps - 0.2);
+    CHECK(test::worst_error_m(driver.moments, 6.0) < 0.15);
+  }
+}
+
 TEST_CASE("item 23 by default exceeds the lag of real motion: it does not slow a kart") {
   Settings off;
   off.runaway.velocity_damp_max_hz = 0.0;

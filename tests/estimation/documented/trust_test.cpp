@@ -35,16 +35,18 @@ public:
   }
 
   FixAssessment assess(const Vector3d& position_world_m) {
-    now_ns_ += to_ns(interval_s);
+    now_ns_ += to_ns(interval_s + pause_s);
     body = test::moving_body(velocity_world_mps, now_ns_);
     body.position_world_m = fused_world_m;
-    return trust::assess(settings_, state, body, fix_at(position_world_m));
+    return trust::assess(settings_, state, body, fix_at(position_world_m), velocities);
   }
 
   FixAssessment assess(double offset_m) { return assess(Vector3d(offset_m, 0, 0)); }
 
   Vector3d fused_world_m = Vector3d::Zero();
   Vector3d velocity_world_mps = Vector3d::Zero();
+  double pause_s = 0.0;  ///< in addition to the interval
+  std::optional<int> velocities;
   Kinematics body;
   TrustState state;
 
@@ -222,6 +224,57 @@ TEST_CASE("item 20: a good fix between them restarts the count") {
   for (int i = 0; i < 5; ++i) CHECK_FALSE(track.assess(3.0).forced);
 }
 
+TEST_CASE(
+    "outliers that keep their distance along the IMU's path are a wrong track; a growing one is a pose "
+    "astray") {
+  JudgedTrack track(plain());
+  track.velocity_world_mps = {1, 0, 0};
+  track.fused_world_m = {interval_s, 0, 0};
+  const auto next_is_forced = [&](double speed_mps, int fixes, double offset_m) {
+    bool forced = false;
+    double fix_m = offset_m + track.fused_world_m.x();
+    for (int i = 0; i < fixes; ++i) {
+      forced = track.assess(fix_m).forced || forced;
+      track.fused_world_m.x() += interval_s;  // the pose follows the IMU
+      fix_m += speed_mps * interval_s;
+    }
+    return forced;
+  };
+  WHEN("the fixes are 0.5 m ahead and move as the IMU says") {
+    CHECK_FALSE(next_is_forced(1.0, 19, 0.5));  // one less than item 19
+    THEN("they are counted, and not believed") {
+      CHECK(track.state.rivals == 19);
+      CHECK(track.state.trust == 0.0);
+    }
+  }
+  WHEN("they move by 2 m/s faster than the IMU says") {
+    THEN("convergence is forced within a second, whatever item 20 says") {
+      CHECK(next_is_forced(3.0, 12, 0.5));
+    }
+  }
+}
+
+TEST_CASE("a single stray among outliers does not end their track, two begin another") {
+  JudgedTrack track(plain());
+  for (int i = 0; i < 4; ++i) track.assess(1.0);
+  CHECK(track.state.rivals == 4);
+  CHECK(track.assess(-2.0).rivals == 0);
+  CHECK(track.assess(1.0).rivals == 5);
+  track.assess(-2.0);
+  CHECK(track.assess(-3.0).rivals == 1);
+}
+
+TEST_CASE("after a pause of the fixes, and early in a run, a fix may be farther from its prediction") {
+  JudgedTrack soon(plain());
+  CHECK(soon.assess(0.3).outlier);
+  JudgedTrack late(plain());
+  late.pause_s = 0.8;
+  CHECK_FALSE(late.assess(0.3).outlier);
+  JudgedTrack early(plain());
+  early.velocities = 1;
+  CHECK_FALSE(early.assess(0.3).outlier);
+}
+
 TEST_CASE("items 4, 14, 15, in the engine: a burst of outliers hardly moves the output") {
   test::EngineDriver driver(Settings{}, test::at_rest());
   driver.run(4.0);
@@ -271,6 +324,29 @@ TEST_CASE("items 20–22, in the engine: a wrong velocity is corrected while con
   CHECK_FALSE(driver.engine.state().trust.forced);
   REQUIRE(driver.reports.back().test_ratio);
   CHECK(*driver.reports.back().test_ratio < 1.0);
+}
+
+TEST_CASE("honest fixes win the pose back within a second from a wrong velocity") {
+  // A spike has removed the trust when the IMU loses 1.5 m/s of a drive at 2 m/s.
+  test::Sensors sensors = test::with_headings(0.02);
+  test::EngineDriver driver(Settings{}, test::departure(2.0), sensors);
+  driver.run(6.0);
+  driver.alter_fix = [](UltrasonicFix& fix, double time_s) {
+    if (time_s > 6.0 && time_s < 6.1) fix.position_world_m.y() += 2.0;
+  };
+  driver.alter_imu = [](ImuSample& imu, double time_s) {
+    if (time_s > 6.1 && time_s < 6.4) imu.specific_force_body_mps2.x() -= 5.0;
+  };
+  driver.run(0.5);
+  REQUIRE(driver.moments.back().pose.velocity_world_mps.x() < 1.0);
+  driver.run(3.5);
+  CHECK(test::worst_error_m(driver.moments, 5.0) < 1.0);
+  double last_far_s = 0.0;
+  for (const auto& moment : driver.moments) {
+    if (moment.time_s > 6.5 && moment.position_error_m() > 0.3) last_far_s = moment.time_s;
+  }
+  CHECK(last_far_s < 7.5);
+  CHECK(driver.moments.back().position_error_m() < 0.1);
 }
 
 }  // namespace trust_test

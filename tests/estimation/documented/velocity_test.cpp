@@ -163,6 +163,46 @@ TEST_CASE("an outlier is no endpoint of an interval") {
   CHECK(measured->ultrasonic_world_mps.x() == Approx(1.0));
 }
 
+TEST_CASE("outliers that agree with each other measure a velocity among themselves") {
+  const auto body = test::moving_body({1, 0, 0});
+  FixAssessment assessment = outlier();
+  assessment.sigma_m = 0.1;
+  VelocityState state = after(fix_at(-0.4, Vector3d::Zero()));
+  assessment.rivals = 1;
+  CHECK_FALSE(velocity::measure(plain(), state, body, fix_at(-0.3, {5.0, 0, 0}), assessment).has_value());
+  assessment.rivals = 2;
+  auto measured = velocity::measure(plain(), state, body, fix_at(-0.2, {5.11, 0, 0}), assessment);
+  REQUIRE(measured.has_value());
+  CHECK(measured->by_rivals);
+  CHECK(measured->ultrasonic_world_mps.x() == Approx(1.1));
+  CHECK(measured->agreement == Approx(trust::weight_of(0.01, 0.1)));
+  AND_WHEN("a good fix follows") {
+    assessment = FixAssessment{};
+    measured = velocity::measure(plain(), state, body, fix_at(-0.1, {0.33, 0, 0}), assessment);
+    THEN("it is compared with the good one before them") {
+      REQUIRE(measured.has_value());
+      CHECK_FALSE(measured->by_rivals);
+      CHECK(measured->ultrasonic_world_mps.x() == Approx(1.1));
+    }
+  }
+}
+
+TEST_CASE("item 3: a fix that is aside by less than an outlier turns the velocity by less") {
+  // Both fixes have full weight; the second is 0.2 m off the IMU's path.
+  FixVelocity measured = between({0, 2.5, 0}, Vector3d::Zero());
+  VelocitySettings settings = plain();
+  settings.undershoot_fix = false;
+  const auto changed_mps = [&](double agreement) {
+    auto body = test::moving_body(Vector3d::Zero());
+    measured.agreement = agreement;
+    VelocityState run = settled();
+    velocity::correct(settings, run, body, measured, assessment_with(1.0));
+    return body.velocity_world_mps.norm();
+  };
+  CHECK(changed_mps(1.0) == Approx(0.4 * 2.5));
+  CHECK(changed_mps(trust::weight_of(0.2, 0.1)) == Approx(0.4 * 2.5 * 0.2));
+}
+
 TEST_CASE("item 7: an IMU more than twice as fast in the same direction takes the ultrasonic velocity") {
   const Vector3d slow(1.5, 0, 0);
   CHECK(flags_after(plain(), slow, {3.01, 0, 0}) == fix_snapped_over);

@@ -2,7 +2,9 @@
 /// \file
 /// Items 23 and 24: emergency damping of a velocity that points away from the last valid fix.
 
+#include <sonopose/estimation/documented/delay.hpp>
 #include <sonopose/estimation/documented/kinematics.hpp>
+#include <sonopose/estimation/documented/trust.hpp>
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/settings/settings.hpp>
 
@@ -12,12 +14,16 @@ using settings::RunawaySettings;
 
 struct RunawayState {
   bool has_fix = false;
-  Vector3d fix_position_world_m = Vector3d::Zero();  ///< last valid fix
+  Vector3d fix_position_world_m = Vector3d::Zero();  ///< last valid fix that was no outlier
 
   bool operator==(const RunawayState&) const = default;
 };
 
 namespace runaway {
+
+/// A fix that is no outlier is the new reference. On a wrong track the body moves as on the right one, so
+/// outliers that agree with each other carry the reference along.
+void follow(RunawayState& state, const TimedFix& fix, const FixAssessment& assessment);
 
 /// Damps the velocity over one IMU step if the body is far from the last valid fix and moves away from it.
 void damp(const RunawaySettings& settings, const RunawayState& state, Kinematics& body, double dt_s);

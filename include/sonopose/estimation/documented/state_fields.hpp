@@ -73,6 +73,12 @@ void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("trust.has_last", state.trust.has_last);
   visit("trust.last_measured_ns", state.trust.last_measured_ns);
   visit("trust.last_position_world_m", state.trust.last_position_world_m);
+  visit("trust.rivals", state.trust.rivals);
+  visit("trust.strays", state.trust.strays);
+  visit("trust.rival_measured_ns", state.trust.rival_measured_ns);
+  visit("trust.rival_position_world_m", state.trust.rival_position_world_m);
+  visit("trust.rival_excess_world_mps", state.trust.rival_excess_world_mps);
+  visit("trust.rival_offset_world_m", state.trust.rival_offset_world_m);
 
   visit("drift.offset_world_m", state.drift.offset_world_m);
   visit("drift.velocity_world_mps", state.drift.velocity_world_mps);
@@ -80,6 +86,8 @@ void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
 
   visit("velocity.fixes", state.velocity.fixes);
   visit("velocity.count", state.velocity.count);
+  visit("velocity.rivals", state.velocity.rivals);
+  visit("velocity.rival_count", state.velocity.rival_count);
   visit("velocity.velocities", state.velocity.velocities);
 
   visit("alignment.vertical_offset_mps2", state.alignment.vertical_offset_mps2);
@@ -122,6 +130,9 @@ inline std::optional<FieldFault> find_fault(const Snapshot& snapshot) {
   }
   if (state.velocity.count < 0 || state.velocity.count > VelocityState::capacity) {
     return FieldFault{"velocity.count", "is more than the number of fixes"};
+  }
+  if (state.velocity.rival_count < 0 || state.velocity.rival_count > VelocityState::capacity) {
+    return FieldFault{"velocity.rival_count", "is more than the number of fixes"};
   }
   return std::nullopt;
 }

@@ -1,12 +1,17 @@
 #pragma once
 /// \file
 /// Items 13–22: the weight of a fix. It follows from the fix's innovation and from the trust in the track,
-/// which an outlier removes and consistent fixes rebuild. A diverged engine is forced to converge.
+/// which an outlier removes and consistent fixes rebuild. A diverged engine is forced to converge. Outliers
+/// that agree with each other along the IMU's path are rivals of the pose: they show its velocity, and
+/// whether it is the pose that moves away.
 
 #include <sonopose/estimation/documented/delay.hpp>
 #include <sonopose/estimation/documented/kinematics.hpp>
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/settings/settings.hpp>
+
+#include <limits>
+#include <optional>
 
 namespace sonopose::estimation::documented {
 
@@ -22,6 +27,12 @@ struct TrustState {
   bool has_last = false;
   TimeNs last_measured_ns = 0;  ///< the track's latest fix
   Vector3d last_position_world_m = Vector3d::Zero();
+  int rivals = 0;                ///< outliers that agree with each other along the IMU's path
+  int strays = 0;                ///< outliers after the latest of them that do not agree with them
+  TimeNs rival_measured_ns = 0;  ///< the latest of them
+  Vector3d rival_position_world_m = Vector3d::Zero();
+  Vector3d rival_excess_world_mps = Vector3d::Zero();  ///< their velocity minus the IMU's
+  Vector3d rival_offset_world_m = Vector3d::Zero();    ///< from the pose to the first of them
 
   bool operator==(const TrustState&) const = default;
 };
@@ -36,7 +47,11 @@ struct FixAssessment {
   double weight_floor = 0;  ///< item 22 while convergence is forced
   bool outlier = false;
   bool forced = false;
-  bool trusted = true;          ///< trust in the track is full
+  double sigma_m = std::numeric_limits<double>::infinity();  ///< item 13 as it applies to this fix
+  int rivals = 0;  ///< the outliers that agree with each other, up to this one; 0: it is not one of them
+  double rival_residual_m = 0;                     ///< its distance to where they lead
+  Vector3d rival_step_world_m = Vector3d::Zero();  ///< from the one before it, if they agree on the way
+  bool trusted = true;                             ///< trust in the track is full
   bool track_accepted = false;  ///< with this fix the track is accepted against the IMU: items 19 and 20
   bool new_track = false;       ///< no velocity can be measured between the previous fixes and this one
 };
@@ -51,9 +66,11 @@ namespace trust {
 [[nodiscard]] bool is_far(const TrustSettings& settings, double distance_m);
 
 /// Assesses a fix by its innovation: its distance to the position predicted from the previous fix and the
-/// IMU's velocity or, while trust is not full, to the fused position (item 15).
+/// IMU's velocity or, while trust is not full, to the fused position (item 15). `velocities` is the number of
+/// velocity corrections of this run if the velocity still averages them: the fewer, the less is known where
+/// the fix should be.
 FixAssessment assess(const TrustSettings& settings, TrustState& state, const Kinematics& body,
-                     const TimedFix& fix);
+                     const TimedFix& fix, std::optional<int> velocities = std::nullopt);
 
 /// Restarts at `fix` with full trust: at the start and after stale mode.
 void restart(TrustState& state, const TimedFix& fix);

@@ -29,6 +29,8 @@ struct VelocityState {
   static constexpr int capacity = 8;
   std::array<PastFix, capacity> fixes;
   int count = 0;
+  std::array<PastFix, capacity> rivals;  ///< the latest outliers that agree with each other, newest first
+  int rival_count = 0;
   int velocities = 0;  ///< velocity corrections of this run, up to enough_velocities
 
   /// Whether the velocity no longer averages the first velocities of the run.
@@ -48,6 +50,9 @@ struct FixVelocity {
   double interval_s = 0;                             ///< between the two fixes
   double bend_m =
       0;  ///< distance to the linear extrapolation of the two previous fixes; infinite without them
+  double agreement =
+      1;  ///< of the two fixes along the IMU's path: the weight (item 13) of their distance to it
+  bool by_rivals = false;  ///< between two outliers that agree with each other
 };
 
 /// The velocity correction by one fix.
@@ -62,15 +67,16 @@ namespace velocity {
 /// Begins a run of fixes with this one.
 void restart(VelocityState& state, const TimedFix& fix, bool velocity_known);
 
-/// Measures the velocity from an earlier good fix to this one. Stores this one if it is no outlier or if
-/// convergence is forced. Empty if no earlier fix has a suitable distance in time, and at the first fix of a
-/// new track: the step between two tracks is no motion.
+/// Measures the velocity from an earlier good fix to this one, or between outliers that agree with each
+/// other. Stores this one with its kind. Empty if no earlier fix has a suitable distance in time, and at the
+/// first fix of a new track: the step between two tracks is no motion.
 [[nodiscard]] std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocityState& state,
                                                  const Kinematics& body, const TimedFix& fix,
                                                  const FixAssessment& assessment);
 
 /// Corrects the velocity: v += blend · reliability · (v_us − mean v_imu), or completely if a snap applies.
-/// The first velocities of a run are averaged.
+/// The first velocities of a run are averaged. Outliers that agree with each other correct it like any other
+/// fixes: on a wrong track the body moves as on the right one.
 VelocityChange correct(const VelocitySettings& settings, VelocityState& state, Kinematics& body,
                        const FixVelocity& measured, const FixAssessment& assessment);
 
