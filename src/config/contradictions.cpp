@@ -118,7 +118,8 @@ std::vector<std::string> idle_engine_warnings(const settings::Settings& settings
   if (settings.engine.engine == settings::EngineKind::documented) return texts;
   for (const auto& entry : given) {
     const settings::SettingInfo& info = settings::setting_info(entry.first);
-    if (info.read_by == settings::ReadBy::all) continue;
+    if (info.read_by == settings::ReadBy::all || settings::get(settings, entry.first) == info.initial)
+      continue;
     texts.push_back(fmt::format("{}{} has no effect: fusion.engine is {}, and only documented reads it",
                                 where, entry.first,
                                 settings::to_text(settings::get(settings, "fusion.engine"))));

@@ -185,10 +185,10 @@ TEST_CASE("an assignment (--set) refuses with key, value and what is allowed, an
 TEST_CASE("what is printed loads back to the same, beacons included") {
   FusionConfig config;
   for (const auto* assignment :
-       {"fusion.imu_weight=user", "drift.jump_alpha=1", "drift.decay_rate_hz=1e-05", "trust.n_base=7",
-        "trust.enabled=false", "delay.source=fixed", "admission.max_position_m=1e+06",
-        "beacon.7.drift.jump_alpha=0.125", "beacon.7.attitude.mahony.kp=3", "beacon.12.fusion.imu_weight=low",
-        "beacon.7.drift.jump_alpha=0.25"}) {
+       {"fusion.engine=documented", "fusion.imu_weight=user", "drift.jump_alpha=1",
+        "drift.decay_rate_hz=1e-05", "trust.n_base=7", "trust.enabled=false", "delay.source=fixed",
+        "admission.max_position_m=1e+06", "beacon.7.drift.jump_alpha=0.125", "beacon.7.attitude.mahony.kp=3",
+        "beacon.12.fusion.imu_weight=low", "beacon.7.drift.jump_alpha=0.25"}) {
     config.assign(assignment);
   }
   const FusionConfig again = loaded(config.to_toml());
@@ -213,33 +213,39 @@ TEST_CASE("the printed configuration shows every setting with its item and range
 
 TEST_CASE("item 1: a preset beside items 2, 3 or 4 is a warning that names them") {
   SECTION("for all") {
-    const auto warnings = loaded("[fusion]\nimu_weight = \"low\"\n[drift]\njump_alpha = 0.9\n").warnings();
+    const auto warnings =
+        loaded("[fusion]\nengine = \"documented\"\nimu_weight = \"low\"\n[drift]\njump_alpha = 0.9\n")
+            .warnings();
     REQUIRE(warnings.size() == 1);
     CHECK_THAT(warnings[0], Contains("drift.jump_alpha") && Contains("low") && Contains("user"));
   }
   SECTION("also beside the preset that holds by default") {
-    CHECK(loaded("[drift]\njump_alpha = 0.9\ndecay_rate_hz = 1.0\n[velocity]\nblend_weight = 0.1\n")
+    CHECK(loaded("[fusion]\nengine = \"documented\"\n[drift]\njump_alpha = 0.9\ndecay_rate_hz = "
+                 "1.0\n[velocity]\nblend_weight = 0.1\n")
               .warnings()
               .size() == 3);
   }
   SECTION("for one beacon") {
     const auto warnings =
         loaded(
-            "[fusion]\nimu_weight = \"user\"\n[drift]\njump_alpha = 0.9\n"
+            "[fusion]\nengine = \"documented\"\nimu_weight = \"user\"\n[drift]\njump_alpha = 0.9\n"
             "[beacon.7.fusion]\nimu_weight = \"low\"\n[beacon.7.velocity]\nblend_weight = 0.9\n")
             .warnings();
     REQUIRE(warnings.size() == 1);
     CHECK_THAT(warnings[0], Contains("beacon.7.velocity.blend_weight"));
   }
   SECTION("none where the user's values are used, or where there are none") {
-    CHECK(loaded("[fusion]\nimu_weight = \"user\"\n[drift]\njump_alpha = 0.9\n").warnings().empty());
-    CHECK(loaded("[fusion]\nimu_weight = \"low\"\n").warnings().empty());
+    CHECK(loaded("[fusion]\nengine = \"documented\"\nimu_weight = \"user\"\n[drift]\njump_alpha = 0.9\n")
+              .warnings()
+              .empty());
+    CHECK(loaded("[fusion]\nengine = \"documented\"\nimu_weight = \"low\"\n").warnings().empty());
   }
 }
 
 TEST_CASE("settings that contradict each other are a warning that names both with their values") {
   const auto warnings_of = [](std::initializer_list<const char*> assignments) {
     FusionConfig config;
+    config.assign("fusion.engine=documented");
     for (const char* assignment : assignments) config.assign(assignment);
     return config.warnings();
   };

@@ -220,7 +220,7 @@ TEMPLATE_LIST_TEST_CASE("events do not allocate", "", AllEstimators) {
 TEST_CASE("AnyEstimator becomes the kind of the snapshot that it is restored from") {
   AnyStrapdown strapdown{settings::Settings{}};
   run(strapdown, events(2.0));
-  AnyEstimator estimator{settings::Settings{}};
+  AnyEstimator estimator{settings::Settings{}, {.kind = EstimatorKind::documented}};
   CHECK(estimator.kind() == EstimatorKind::documented);
   estimator.restore(strapdown.snapshot());
   CHECK(estimator.kind() == EstimatorKind::strapdown);
@@ -233,10 +233,11 @@ TEST_CASE("AnyEstimator becomes the kind of the snapshot that it is restored fro
 }
 
 TEST_CASE("another engine in the settings starts the estimate again") {
-  AnyEstimator estimator{settings::Settings{}};
+  settings::Settings settings;
+  settings.engine.engine = settings::EngineKind::documented;
+  AnyEstimator estimator{settings};
   const auto log = events(4.0);
   run(estimator, log);
-  settings::Settings settings;
   settings.engine.engine = settings::EngineKind::kalman;
   estimator.configure(settings);
   CHECK(estimator.kind() == EstimatorKind::kalman);

@@ -18,10 +18,19 @@ namespace evaluation_test {
 using namespace sonopose;
 using evaluation::CaseResult;
 
-std::vector<CaseResult> runs_of(const std::string& scenario, std::uint64_t seeds = 5) {
+/// Of the documented engine.
+settings::Settings documented() {
+  settings::Settings settings;
+  settings.engine.engine = settings::EngineKind::documented;
+  return settings;
+}
+
+std::vector<CaseResult> runs_of(const std::string& scenario, std::uint64_t seeds = 5,
+                                const settings::Settings& settings = documented()) {
   std::vector<CaseResult> runs;
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-    runs.push_back(evaluation::evaluate(evaluation::simulated_case(sim::find_scenario(scenario), seed), {}));
+    runs.push_back(
+        evaluation::evaluate(evaluation::simulated_case(sim::find_scenario(scenario), seed), settings));
   }
   return runs;
 }
@@ -59,7 +68,7 @@ struct OutsideOfGaps {
 OutsideOfGaps outside_of_gaps(const evaluation::Case& run) {
   constexpr double first_fixes_s = 0.5;
   constexpr double lost_m = 1.0;
-  const CaseResult result = evaluation::evaluate(run, {});
+  const CaseResult result = evaluation::evaluate(run, documented());
   const TimeNs start_ns = available_at_ns(run.events.front());
   const auto in_gap = [&](double time_s) {
     return std::any_of(run.outages.begin(), run.outages.end(), [&](const sim::Outage& outage) {
@@ -100,7 +109,7 @@ TEST_CASE("short wrong tracks and hard stops cost little") {
     if (!path.empty()) varied.path = sim::find_scenario(path).path;
     std::vector<CaseResult> runs;
     for (std::uint64_t seed = 801; seed <= 809; ++seed) {
-      runs.push_back(evaluation::evaluate(evaluation::simulated_case(varied, seed), {}));
+      runs.push_back(evaluation::evaluate(evaluation::simulated_case(varied, seed), documented()));
     }
     return evaluation::summarise(runs).position_rmse_m;
   };

@@ -16,9 +16,12 @@ using namespace sonopose::test;
 using Catch::Contains;
 using nlohmann::json;
 
-/// A state in which every group has changed.
+/// A state of the documented engine in which every group has changed.
 evaluation::SavedState busy_state() {
-  return evaluation::run(sample_log("outlier_bursts"), {.until_s = 13.0}).end;
+  evaluation::RunOptions options;
+  options.estimator = estimation::EstimatorKind::documented;
+  options.until_s = 13.0;
+  return evaluation::run(sample_log("outlier_bursts"), options).end;
 }
 
 /// The error after `change` was made to the file.

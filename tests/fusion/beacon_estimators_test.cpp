@@ -64,7 +64,7 @@ SCENARIO("each beacon has its own estimator") {
     }
   }
   GIVEN("another engine for one beacon") {
-    config::FusionConfig config;
+    config::FusionConfig config = documented_config();
     config.assign("beacon.8.fusion.engine=kalman");
     Feeder feeder(lossless, config);
     feeder.push_all(walk(7, 5.0));

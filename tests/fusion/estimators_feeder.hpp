@@ -31,9 +31,23 @@ inline SettingsRequest request(BeaconAddress address, std::vector<SettingAssignm
           .assignments = std::move(assignments)};
 }
 
+/// The documented engine, which reads every setting, so that each change shows.
+inline settings::Settings documented() {
+  settings::Settings settings;
+  settings.engine.engine = settings::EngineKind::documented;
+  return settings;
+}
+
+inline config::FusionConfig documented_config() {
+  config::FusionConfig config;
+  config.assign("fusion.engine=documented");
+  return config;
+}
+
 /// Feeds estimators and records their output.
 struct Feeder {
-  explicit Feeder(bool lossless, const config::FusionConfig& config = {}) : estimators(config, lossless) {}
+  explicit Feeder(bool lossless, const config::FusionConfig& config = documented_config())
+      : estimators(config, lossless) {}
 
   /// An event that arrived when it became available.
   void push(const Event& event) { push(event, SteadyTime{available_at_ns(event)}); }
@@ -77,9 +91,9 @@ inline bool same(const std::vector<FusedPose>& a, const std::vector<FusedPose>& 
 
 /// The poses of a single estimator, configured with `settings` before event number `from`.
 inline std::vector<FusedPose> poses_of_estimator(const std::vector<Event>& events,
-                                                 const settings::Settings& settings = {},
+                                                 const settings::Settings& settings = documented(),
                                                  std::uint64_t from = UINT64_MAX) {
-  estimation::AnyEstimator estimator{settings::Settings{}};
+  estimation::AnyEstimator estimator{documented()};
   std::vector<FusedPose> poses;
   for (const Event& event : events) {
     if (sequence_of(event) == from) estimator.configure(settings);

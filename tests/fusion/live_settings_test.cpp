@@ -18,7 +18,7 @@ const std::vector<SettingAssignment> user_balance{
     {"fusion.imu_weight", "user"}, {"drift.jump_alpha", "0.9"}, {"velocity.blend_weight", "0.05"}};
 
 settings::Settings with_user_balance() {
-  settings::Settings settings;
+  settings::Settings settings = documented();
   settings.preset.imu_weight = settings::ImuWeight::user;
   settings.drift.jump_alpha = 0.9;
   settings.velocity.blend_weight = 0.05;

@@ -88,6 +88,7 @@ TEST_CASE("the settings of all beacons are at the top level") {
 
 TEST_CASE("items 2, 3 and 4 under a preset are comments, so that loading the file gives no warning") {
   settings::Settings low;
+  low.engine.engine = settings::EngineKind::documented;
   low.preset.imu_weight = settings::ImuWeight::low;
   const auto texts = config::texts_of(settings::resolved(low));
   const std::vector<EffectiveSettings> settings{{all_beacons, 0, 0, texts}, {7, 0, 1, texts}};

@@ -45,12 +45,18 @@ private:
   std::size_t count_ = 0;
 };
 
+Arguments settings_of(const std::string& engine) {
+  Arguments settings = car_settings;
+  settings.insert(settings.end(), {"--set", "fusion.engine=" + engine});
+  return settings;
+}
+
 }  // namespace
 
-CarRun play_car(const std::string& source) {
+CarRun play_car(const std::string& source, const std::string& engine) {
   const Bus bus;
   Listeners listeners(bus);
-  Arguments settings = car_settings;
+  Arguments settings = settings_of(engine);
   settings.emplace_back("--lossless");
   const auto fusion = bus.fusion(settings);
   REQUIRE(listeners.poses.wait_for_writers());
@@ -62,10 +68,10 @@ CarRun play_car(const std::string& source) {
   return run;
 }
 
-CarRun play_car_over_serial_line() {
+CarRun play_car_over_serial_line(const std::string& engine) {
   const Bus bus;
   Listeners listeners(bus);
-  const auto fusion = bus.fusion(car_settings);
+  const auto fusion = bus.fusion(settings_of(engine));
   REQUIRE(listeners.poses.wait_for_writers());
   REQUIRE(listeners.reports.wait_for_writers());
   const auto frames = timed_frames(read_bytes(car_folder / "stream.bin"));

@@ -27,10 +27,10 @@ struct CarRun {
 };
 
 /// Plays the log folder (`source` "log") or the bytes ("stream") as fast as possible.
-CarRun play_car(const std::string& source);
+CarRun play_car(const std::string& source, const std::string& engine);
 
 /// Sends the bytes over a serial line at the rate of their contents, like a beacon.
-CarRun play_car_over_serial_line();
+CarRun play_car_over_serial_line(const std::string& engine);
 
 /// Difference between two runs, the k-th pose of one against the k-th of the other.
 struct Distance {

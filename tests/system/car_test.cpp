@@ -106,19 +106,21 @@ void print(const char* what, const RunDistance& distance) {
 
 SCENARIO("the fused pose of the recorded car agrees with its wheel speed", "[car]") {
   if (!car_is_here()) return;
-  GIVEN("the recording, played as fast as possible") {
-    const CarRun run = play_car("log");
+  GIVEN("the recording, played as fast as possible to either engine") {
+    const std::string engine = GENERATE("documented", "kalman");
+    CAPTURE(engine);
+    const CarRun run = play_car("log", engine);
     REQUIRE(run.poses.size() == car_imu_samples);
     THEN("the fused speed follows the wheel speed between 45 s and 94 s") {
       const SpeedCheck speed = compare_with_wheels(run.poses);
-      std::cout << "speed against the wheels: " << speed.difference_rms_mps << " m/s RMS, fastest "
-                << speed.fastest_mps << " m/s\n";
+      std::cout << engine << ": speed against the wheels: " << speed.difference_rms_mps
+                << " m/s RMS, fastest " << speed.fastest_mps << " m/s\n";
       CHECK(speed.difference_rms_mps <= 0.25);
       CHECK(speed.fastest_mps <= 2.5);
     }
     THEN("the pose stays near the delay-compensated fixes") {
       const double distance_m = distance_to_fixes_m(run);
-      std::cout << "pose against the shifted fixes: " << distance_m << " m RMS\n";
+      std::cout << engine << ": pose against the shifted fixes: " << distance_m << " m RMS\n";
       CHECK(distance_m <= 0.10);
     }
     THEN("after the fixes freeze, the pose stays finite and bounded, and the status reports it") {
@@ -135,7 +137,7 @@ SCENARIO("the fused pose of the recorded car agrees with its wheel speed", "[car
         if (is_frozen && reported_ns == 0) reported_ns = pose.time_ns;
         farthest_m = std::max(farthest_m, (pose.position_world_m - spot_world_m).norm());
       }
-      std::cout << "farthest from the frozen spot: " << farthest_m << " m\n";
+      std::cout << engine << ": farthest from the frozen spot: " << farthest_m << " m\n";
       REQUIRE(reported_ns != 0);
       CHECK(seconds_between(freezes_ns, reported_ns) < 3.0);  // the car is almost still when they freeze
       CHECK(farthest_m <= 5.0);
@@ -145,9 +147,9 @@ SCENARIO("the fused pose of the recorded car agrees with its wheel speed", "[car
 
 SCENARIO("the car's raw bytes give the poses of its log, up to the resolution of the protocol", "[car]") {
   if (!car_is_here()) return;
-  GIVEN("the log and the raw bytes, played as fast as possible") {
-    const CarRun log = play_car("log");
-    const CarRun stream = play_car("stream");
+  GIVEN("the log and the raw bytes, played as fast as possible to the documented engine") {
+    const CarRun log = play_car("log", "documented");
+    const CarRun stream = play_car("stream", "documented");
     THEN("the poses are equal up to the resolution of the protocol") {
       REQUIRE(log.poses.size() == car_imu_samples);
       REQUIRE(stream.poses.size() == car_imu_samples);
@@ -161,8 +163,8 @@ SCENARIO("the car's raw bytes give the poses of its log, up to the resolution of
 SCENARIO("the car's raw bytes over a serial line, in real time, give the poses of its log", "[car]") {
   if (!car_is_here()) return;
   GIVEN("a pseudo-terminal that carries the recorded bytes at the original rate") {
-    const CarRun log = play_car("log");
-    const CarRun live = play_car_over_serial_line();
+    const CarRun log = play_car("log", "documented");
+    const CarRun live = play_car_over_serial_line("documented");
     THEN("the poses are equal up to the resolution of the protocol, despite the arrival jitter") {
       REQUIRE(log.poses.size() == car_imu_samples);
       REQUIRE(live.poses.size() == car_imu_samples);

@@ -34,6 +34,7 @@ double farthest_from_truth_m(const std::vector<FusedPose>& poses, const std::vec
   double farthest_m = 0;
   std::size_t compared = 0;
   for (const FusedPose& pose : poses) {
+    if (seconds_between(poses.front().time_ns, pose.time_ns) < 1.0) continue;  // the speed is not known yet
     const auto found = true_position_m.find(pose.time_ns);
     if (found == true_position_m.end() || !is_ready(pose)) continue;
     farthest_m = std::max(farthest_m, (pose.position_world_m - found->second).norm());

@@ -18,14 +18,14 @@ namespace topics = dds::topics;
 constexpr BeaconAddress documented_beacon = 7;
 constexpr BeaconAddress kalman_beacon = 8;
 
-/// Two simulated beacons; the fusion has the default engine for the first and the Kalman engine for the
+/// Two simulated beacons; the fusion has the documented engine for the first and the default for the
 /// other.
 struct Chain {
   Bus bus;
   Consumer<sonopose_Estimate> estimates{bus, topics::estimate, dds::topics::Delivery::live};
   Consumer<sonopose_FusedPose> poses{bus, topics::pose};
   Consumer<sonopose_TruthSample> truth{bus, topics::truth};
-  std::unique_ptr<Process> fusion = bus.fusion({"--set", "beacon.8.fusion.engine=kalman"});
+  std::unique_ptr<Process> fusion = bus.fusion({"--set", "beacon.7.fusion.engine=documented"});
   std::unique_ptr<Process> bridge = bus.bridge({"--address", "7", "--beacons", "2"});
 
   /// What is known when the gyro bias was measured at rest and the first fixes were used.

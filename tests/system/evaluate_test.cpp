@@ -17,7 +17,8 @@ using nlohmann::json;
 
 /// The fused error on one run of one scenario.
 double rmse_of(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), {"walk", "--seeds", "1", "--json"});
+  arguments.insert(arguments.begin(),
+                   {"walk", "--seeds", "1", "--json", "--set", "fusion.engine=documented"});
   const Result result = run(SONOPOSE_TEST_EVALUATE, arguments);
   CAPTURE(result.error);
   REQUIRE(result.code == 0);
@@ -54,7 +55,7 @@ SCENARIO("--harder scores the harder scenarios, and those that are named") {
   CAPTURE(result.error);
   REQUIRE(result.code == 0);
   const json rows = json::parse(result.output);
-  REQUIRE(rows.size() == 13);
+  REQUIRE(rows.size() == 14);
   CHECK(rows.at(0).at("case") == "rest");
   CHECK(rows.at(1).at("case") == "wrong_tracks");
   for (const json& row : rows) CHECK(row.at("position_rmse_m").is_number());
@@ -62,8 +63,9 @@ SCENARIO("--harder scores the harder scenarios, and those that are named") {
 
 SCENARIO("a search prints settings that are effective for the selected beacon") {
   const Result result =
-      run(SONOPOSE_TEST_TUNE, {"walk", "--seeds", "1", "--rounds", "1", "--beacon", "9", "--set",
-                               "beacon.9.trust.sigma_m=0.3", "--vary", "trust.sigma_m=0.1..0.2"});
+      run(SONOPOSE_TEST_TUNE,
+          {"walk", "--seeds", "1", "--rounds", "1", "--beacon", "9", "--set", "fusion.engine=documented",
+           "--set", "beacon.9.trust.sigma_m=0.3", "--vary", "trust.sigma_m=0.1..0.2"});
   CAPTURE(result.error);
   REQUIRE(result.code == 0);
   const TemporaryFolder folder;

@@ -100,7 +100,7 @@ SCENARIO("settings are changed at run time, and late consumers receive the effec
       }
     }
     WHEN("a setting that a preset replaces is set") {
-      const Result set = bus.settings({"set", "drift.jump_alpha=0.9"});
+      const Result set = bus.settings({"set", "fusion.engine=documented", "drift.jump_alpha=0.9"});
       THEN("it is accepted with a warning") {
         CHECK(set.code == 0);
         CHECK_THAT(set.error, Contains("warning") && Contains("drift.jump_alpha") && Contains("user"));
@@ -197,8 +197,8 @@ SCENARIO("a change at a given event gives poses that are bit-identical to the re
                         (folder / "log").string()})
                 ->wait_for_exit() == 0);
     constexpr std::uint64_t from = 1000;
-    const Arguments change = GENERATE(Arguments{"fusion.imu_weight=high", "trust.sigma_m=0.02"},
-                                      Arguments{"fusion.engine=kalman", "delay.source=fixed"});
+    const Arguments change = GENERATE(Arguments{"heading.mount_offset_deg=3", "delay.source=fixed"},
+                                      Arguments{"fusion.engine=documented", "trust.sigma_m=0.02"});
     const auto key_of = [](const std::string& text) { return text.substr(0, text.find('=')); };
     const auto value_of = [](const std::string& text) { return text.substr(text.find('=') + 1); };
     settings::Settings other;
