@@ -151,6 +151,7 @@ TEST_CASE("a setting that the chosen engine does not read is a warning that name
   settings::Settings settings;
   settings.engine.engine = settings::EngineKind::kalman;
   const Assignments given{{"trust.sigma_m", 0.2}, {"heading.mount_offset_deg", 90.0}};
+  for (const auto& [key, value] : given) settings::set(settings, key, value);
   const auto warnings = config::warnings_for(settings, given, "beacon.7.");
   REQUIRE(warnings.size() == 1);
   CHECK_THAT(warnings[0], Contains("beacon.7.trust.sigma_m") && Contains("kalman") && Contains("documented"));

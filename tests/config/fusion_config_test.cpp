@@ -283,12 +283,28 @@ TEST_CASE("settings that contradict each other are a warning that names both wit
 
 TEST_CASE("what is printed gives no warnings of its own when it is loaded") {
   FusionConfig config;
+  config.assign("fusion.engine=documented");
   for (const auto* weight : {"low", "medium", "high", "user"}) {
     config.assign(std::string("fusion.imu_weight=") + weight);
     INFO(weight);
     CHECK(loaded(config.to_toml()).warnings().empty());
     CHECK(same_everywhere(loaded(config.to_toml()).for_beacon(1), config.for_beacon(1)));
   }
+}
+
+TEST_CASE("the printed defaults give no warning although the engine does not read all of them") {
+  CHECK(loaded(FusionConfig{}.to_toml()).warnings().empty());
+}
+
+TEST_CASE("a magnetometer is refused with an engine that uses none") {
+  FusionConfig config;
+  config.assign("attitude.magnetometer=true");
+  CHECK_THROWS_WITH(config.check(), Contains("attitude.magnetometer = true") && Contains("kalman") &&
+                                        Contains("fusion.engine = documented"));
+  config.assign("fusion.engine=documented");
+  CHECK_NOTHROW(config.check());
+  config.assign("beacon.9.fusion.engine=kalman");
+  CHECK_THROWS_WITH(config.check(), Contains("beacon 9: "));
 }
 
 }  // namespace fusion_config_test

@@ -113,7 +113,7 @@ SCENARIO("each beacon has its own estimator") {
     }
   }
   GIVEN("a setting that differs for one beacon: its pair stands across") {
-    config::FusionConfig config;
+    config::FusionConfig config = documented_config();
     config.assign("beacon.8.heading.mount_offset_deg=90");
     Feeder feeder(lossless, config);
     feeder.push_all(walk(7, 5.0));

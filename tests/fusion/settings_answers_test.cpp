@@ -47,6 +47,18 @@ SCENARIO("item 1: a setting that a preset replaces is accepted with a warning") 
   CHECK(feeder.changes.back().settings.drift.jump_alpha == 0.9);
 }
 
+SCENARIO("a magnetometer that the engine would ignore is refused") {
+  Feeder feeder(false, {});
+  const BeaconAddress address = GENERATE(BeaconAddress{7}, all_beacons);
+  const auto reply = feeder.estimators.change_settings(request(address, {{"attitude.magnetometer", "true"}}));
+  CHECK_FALSE(reply.accepted);
+  CHECK_THAT(reply.reason, Contains("attitude.magnetometer") && Contains("kalman"));
+  CHECK(feeder.estimators
+            .change_settings(
+                request(address, {{"attitude.magnetometer", "true"}, {"fusion.engine", "documented"}}))
+            .accepted);
+}
+
 SCENARIO("a contradiction to the present settings is accepted with a warning") {
   Feeder feeder(false);
   const BeaconAddress address = GENERATE(BeaconAddress{7}, all_beacons);
