@@ -17,17 +17,23 @@ struct Options {
   apps::ConfigOptions config;
   apps::CaseOptions cases;
   BeaconAddress beacon = recording::default_log_address;
+  std::vector<std::string> engines;  ///< empty: that of the settings
   bool json = false;
 };
 
 int evaluate(const CLI::App& app, const Options& options) {
-  const settings::Settings settings = apps::configuration(app, options.config).for_beacon(options.beacon);
+  settings::Settings settings = apps::configuration(app, options.config).for_beacon(options.beacon);
+  std::vector<std::string> engines = options.engines;
+  if (engines.empty()) engines.push_back(settings::to_text(settings::get(settings, "fusion.engine")));
   std::vector<evaluation::Summary> summaries;
   apps::for_each_case(options.cases, [&](const std::vector<evaluation::Case>& runs) {
-    std::vector<evaluation::CaseResult> results;
-    results.reserve(runs.size());
-    for (const evaluation::Case& run : runs) results.push_back(evaluation::evaluate(run, settings));
-    summaries.push_back(evaluation::summarise(results));
+    for (const std::string& engine : engines) {
+      settings::set(settings, "fusion.engine", engine);
+      std::vector<evaluation::CaseResult> results;
+      results.reserve(runs.size());
+      for (const evaluation::Case& run : runs) results.push_back(evaluation::evaluate(run, settings));
+      summaries.push_back(evaluation::summarise(results));
+    }
   });
   fmt::print("{}", options.json ? evaluation::json_of(summaries) : evaluation::table_of(summaries));
   return 0;
@@ -43,6 +49,9 @@ int main(int argc, char** argv) {
   apps::add_case_options(app, options.cases);
   apps::add_config_options(app, options.config);
   apps::add_beacon_option(app, options.beacon);
+  app.add_option("--engine", options.engines,
+                 "Engines to score, each in rows of its own, instead of fusion.engine")
+      ->check(CLI::IsMember({"documented", "kalman"}));
   app.add_flag("--json", options.json, "Print a JSON array instead of the table");
   return apps::run(app, argc, argv, [&] { return evaluate(app, options); });
 }

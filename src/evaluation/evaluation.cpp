@@ -202,6 +202,7 @@ std::vector<std::filesystem::path> recordings_with_truth(const std::filesystem::
 CaseResult evaluate(const Case& test_case, const settings::Settings& settings) {
   CaseResult result;
   result.name = test_case.name;
+  result.engine = settings::to_text(settings::get(settings, "fusion.engine"));
   estimation::AnyEstimator estimator(settings);
   CaseRun run(test_case);
   for (const Event& event : test_case.events) {
@@ -218,6 +219,7 @@ CaseResult evaluate(const Case& test_case, const settings::Settings& settings) {
 Summary summarise(const std::vector<CaseResult>& runs) {
   Summary summary;
   summary.name = runs.front().name;
+  summary.engine = runs.front().engine;
   summary.runs = runs.size();
   const auto position = [](const CaseResult& run) {
     return std::isnan(run.fused.position_m.rmse) ? std::numeric_limits<double>::infinity()
@@ -263,14 +265,14 @@ std::string table_of(const std::vector<Summary>& summaries) {
   std::size_t width = 15;
   for (const Summary& row : summaries) width = std::max(width, row.name.size());
   std::string text = fmt::format(
-      "{:<{}} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n"
-      "{:<{}} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n",
-      "case", width, "runs", "pose", "worst", "p95", "last fix", "extrap.", "velocity", "yaw", "tilt",
-      "recovery", "", width, "", "cm", "cm", "cm", "cm", "cm", "m/s", "deg", "deg", "s");
+      "{:<{}} {:<10} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n"
+      "{:<{}} {:<10} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n",
+      "case", width, "engine", "runs", "pose", "worst", "p95", "last fix", "extrap.", "velocity", "yaw",
+      "tilt", "recovery", "", width, "", "", "cm", "cm", "cm", "cm", "cm", "m/s", "deg", "deg", "s");
   for (const Summary& row : summaries) {
     text += fmt::format(
-        "{:<{}} {:>4} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.1f} {:>8.1f} {:>8.3f} {:>8.2f} {:>9.2f} {:>9}\n",
-        row.name, width, row.runs, 100 * row.position_rmse_m, 100 * row.worst_rmse_m,
+        "{:<{}} {:<10} {:>4} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.1f} {:>8.1f} {:>8.3f} {:>8.2f} {:>9.2f} {:>9}\n",
+        row.name, width, row.engine, row.runs, 100 * row.position_rmse_m, 100 * row.worst_rmse_m,
         100 * row.position_p95_m, 100 * row.last_fix_rmse_m, 100 * row.extrapolated_rmse_m,
         row.velocity_rmse_mps, row.yaw_rmse_deg, row.tilt_rmse_deg, seconds_or_none(row.slowest_recovery_s));
   }
@@ -281,6 +283,7 @@ std::string json_of(const std::vector<Summary>& summaries) {
   auto rows = nlohmann::ordered_json::array();
   for (const Summary& row : summaries) {
     nlohmann::ordered_json object{{"case", row.name},
+                                  {"engine", row.engine},
                                   {"runs", row.runs},
                                   {"position_rmse_m", row.position_rmse_m},
                                   {"position_rmse_worst_m", row.worst_rmse_m},

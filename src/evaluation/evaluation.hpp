@@ -58,6 +58,7 @@ inline constexpr double recovery_window_s = 0.5;
 /// Result of one case with one set of settings.
 struct CaseResult {
   std::string name;
+  std::string engine;  ///< the value of fusion.engine
   Score fused;
   ErrorSummary last_fix_m;      ///< error of the latest fix at the same times
   ErrorSummary extrapolated_m;  ///< error of the extrapolated fix at the same times
@@ -72,6 +73,7 @@ CaseResult evaluate(const Case& test_case, const settings::Settings& settings);
 /// Summary over several runs of one case.
 struct Summary {
   std::string name;
+  std::string engine;
   std::size_t runs = 0;
   double position_rmse_m = 0;  ///< median over the runs, like the values that follow
   double worst_rmse_m = 0;     ///< of the worst run

@@ -63,6 +63,7 @@ void PoseOutput::set_period(BeaconAddress address, TimeNs period_ns) noexcept {
 }
 
 dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(const FusedPose& pose, SteadyTime now) noexcept {
+  written_ns_.store(now.ns, std::memory_order_relaxed);
   Standby::Step step{FusionRole::sole, false};
   {
     const std::lock_guard lock(mutex_);
@@ -90,7 +91,9 @@ void PoseOutput::release(BeaconAddress address) noexcept {
 }
 
 void PoseOutput::poll(SteadyTime now, bool busy) noexcept {
-  if (is_manual_ && !busy) {
+  // A pose asserts the liveliness of its writer, and saves the message and its acknowledgement.
+  const bool written = !standby_ && now.ns - written_ns_.load(std::memory_order_relaxed) < tick_ns();
+  if (is_manual_ && !busy && !written) {
     writer_.try_assert_liveliness();
     if (standby_) warming_writer_.try_assert_liveliness();
   }
@@ -103,12 +106,15 @@ void PoseOutput::poll(SteadyTime now, bool busy) noexcept {
   for (const BeaconAddress address : stalled_) release(address);
 }
 
-SteadyTime PoseOutput::poll_by(SteadyTime now) const noexcept {
+TimeNs PoseOutput::tick_ns() const noexcept {
   constexpr TimeNs longest_ns = 20'000'000;
-  const TimeNs tick_ns = is_manual_ ? std::min(longest_ns, lease_ns_ / 5) : longest_ns;
-  if (!standby_) return now + tick_ns;
+  return is_manual_ ? std::min(longest_ns, lease_ns_ / 5) : longest_ns;
+}
+
+SteadyTime PoseOutput::poll_by(SteadyTime now) const noexcept {
+  if (!standby_) return now + tick_ns();
   const std::lock_guard lock(mutex_);
-  return std::min(now + tick_ns, std::max(standby_->next_stall(), now + 1'000'000));
+  return std::min(now + tick_ns(), std::max(standby_->next_stall(), now + 1'000'000));
 }
 
 void PoseOutput::hand_over() noexcept {

@@ -44,8 +44,8 @@ public:
   /// Stamps and writes a pose.
   static dds::ReturnCode write(dds::DataWriter<sonopose_FusedPose>& writer, FusedPose& pose) noexcept;
 
-  /// Asserts manual liveliness unless `busy`, and releases stalled beacons. Call it several times within a
-  /// lease.
+  /// Asserts manual liveliness unless `busy` or a pose has done so, and releases stalled beacons. Call it
+  /// several times within a lease.
   void poll(SteadyTime now, bool busy) noexcept;
 
   /// When `poll` must be called the latest.
@@ -65,6 +65,7 @@ public:
   [[nodiscard]] std::uint64_t unwritten() const { return unwritten_; }
 
 private:
+  [[nodiscard]] TimeNs tick_ns() const noexcept;
   void serve_predictions(const std::stop_token& stop);
   std::optional<SteadyTime> write_predictions(std::vector<FusedPose>& due);
   void release(BeaconAddress address) noexcept;
@@ -77,6 +78,7 @@ private:
   bool periods_changed_ = false;
   std::vector<BeaconAddress> stalled_;  // of poll(), kept for its capacity
   std::atomic<std::uint64_t> unwritten_ = 0;
+  std::atomic<std::int64_t> written_ns_ = 0;  // steady time of the latest pose
 
   process::CountingWriterListener<sonopose_FusedPose> listener_;
   dds::DataWriter<sonopose_FusedPose> writer_;

@@ -44,6 +44,20 @@ SCENARIO("--beacon selects the settings that are scored") {
                  "beacon.7.attitude.adaptive.accel_time_s=1"}) == worse);
 }
 
+SCENARIO("--engine scores each engine in a row of its own") {
+  const Result result = run(SONOPOSE_TEST_EVALUATE,
+                            {"no_heading", "--seeds", "1", "--json", "--engine", "documented", "kalman"});
+  CAPTURE(result.error);
+  REQUIRE(result.code == 0);
+  const json rows = json::parse(result.output);
+  REQUIRE(rows.size() == 2);
+  CHECK(rows.at(0).at("engine") == "documented");
+  CHECK(rows.at(1).at("engine") == "kalman");
+  // Without a pair only the Kalman engine finds the yaw.
+  CHECK(rows.at(1).at("yaw_rmse_deg").get<double>() < 0.5 * rows.at(0).at("yaw_rmse_deg").get<double>());
+  CHECK(run(SONOPOSE_TEST_EVALUATE, {"walk", "--engine", "strapdown"}).code != 0);
+}
+
 SCENARIO("another first seed gives other runs") {
   const double first = rmse_of({});
   CHECK(rmse_of({"--first-seed", "1"}) == first);
