@@ -21,14 +21,24 @@ struct Options {
   bool json = false;
 };
 
+/// One for each engine.
+std::vector<settings::Settings> settings_of(const CLI::App& app, const Options& options) {
+  if (options.engines.empty()) return {apps::configuration(app, options.config).for_beacon(options.beacon)};
+  std::vector<settings::Settings> all;
+  for (const std::string& engine : options.engines) {
+    apps::ConfigOptions config = options.config;
+    config.assignments.push_back("fusion.engine=" + engine);
+    config.assignments.push_back(fmt::format("beacon.{}.fusion.engine={}", options.beacon, engine));
+    all.push_back(apps::configuration(app, config).for_beacon(options.beacon));
+  }
+  return all;
+}
+
 int evaluate(const CLI::App& app, const Options& options) {
-  settings::Settings settings = apps::configuration(app, options.config).for_beacon(options.beacon);
-  std::vector<std::string> engines = options.engines;
-  if (engines.empty()) engines.push_back(settings::to_text(settings::get(settings, "fusion.engine")));
+  const std::vector<settings::Settings> engines = settings_of(app, options);
   std::vector<evaluation::Summary> summaries;
   apps::for_each_case(options.cases, [&](const std::vector<evaluation::Case>& runs) {
-    for (const std::string& engine : engines) {
-      settings::set(settings, "fusion.engine", engine);
+    for (const settings::Settings& settings : engines) {
       std::vector<evaluation::CaseResult> results;
       results.reserve(runs.size());
       for (const evaluation::Case& run : runs) results.push_back(evaluation::evaluate(run, settings));

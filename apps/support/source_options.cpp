@@ -68,7 +68,7 @@ std::unique_ptr<bridge::Source> make_source(const SourceOptions& options) {
   }
   if (options.imu_meaning && (options.source == "sim" || options.source == "log")) {
     throw std::invalid_argument("--imu-meaning only works with --source serial, udp or stream, not with " +
-                                options.source + ", which says it itself");
+                                options.source + ", which declares it itself");
   }
   const ImuMeaning imu_meaning = options.imu_meaning.value_or(bridge::default_imu_meaning);
   if (options.source == "log") {

@@ -105,10 +105,10 @@ void BeaconEstimators::carry_out(const SettingsRequest& request, SettingsReply& 
   if (request.address == all_beacons) {
     for (const auto& [address, timeline] : timelines_) {
       check_capacity(timeline, address, from);
-      check_possible(timeline, fmt::format("beacon {}: ", address), SettingsTimeline::Scope::for_all,
-                     assignments);
+      check_possible(timeline, fmt::format("beacon {}: ", address), ahead(address, from),
+                     SettingsTimeline::Scope::for_all, assignments);
     }
-    check_possible(default_timeline_, "", SettingsTimeline::Scope::for_all, assignments);
+    check_possible(default_timeline_, "", from, SettingsTimeline::Scope::for_all, assignments);
     for (auto& [address, timeline] : timelines_) {
       timeline.add(ahead(address, from), SettingsTimeline::Scope::for_all, assignments);
     }
@@ -118,7 +118,7 @@ void BeaconEstimators::carry_out(const SettingsRequest& request, SettingsReply& 
   } else {
     SettingsTimeline& timeline = timeline_of(request.address);
     check_capacity(timeline, request.address, from);
-    check_possible(timeline, "", SettingsTimeline::Scope::own, assignments);
+    check_possible(timeline, "", ahead(request.address, from), SettingsTimeline::Scope::own, assignments);
     timeline.add(ahead(request.address, from), SettingsTimeline::Scope::own, assignments);
     after = timeline.settings_at(from);
     if (const auto last = last_sequence(request.address)) reply.from_sequence = std::max(from, *last + 1);
@@ -162,12 +162,15 @@ void BeaconEstimators::check_capacity(const SettingsTimeline& timeline, BeaconAd
                                            SettingsTimeline::capacity));
 }
 
-/// Throws SettingError if no estimator could work with the settings that the assignments lead to.
+/// Throws SettingError if no estimator could work with the settings that this change leads to.
 void BeaconEstimators::check_possible(SettingsTimeline timeline, const std::string& whose,
-                                      SettingsTimeline::Scope scope, const config::Assignments& assignments) {
-  timeline.add(0, scope, assignments);
-  const std::string fault = config::fault_of(timeline.settings_at(0));
-  if (!fault.empty()) throw settings::SettingError(whose + fault);
+                                      std::uint64_t from_sequence, SettingsTimeline::Scope scope,
+                                      const config::Assignments& assignments) {
+  timeline.add(from_sequence, scope, assignments);
+  timeline.for_each_from(from_sequence, [&whose](const settings::Settings& settings) {
+    const std::string fault = config::fault_of(settings);
+    if (!fault.empty()) throw settings::SettingError(whose + fault);
+  });
 }
 
 std::optional<FusionStatus> BeaconEstimators::status(BeaconAddress address) const {

@@ -99,7 +99,7 @@ private:
   [[nodiscard]] std::uint64_t ahead(BeaconAddress address, std::uint64_t sequence) const;
   void check_capacity(const SettingsTimeline& timeline, BeaconAddress address,
                       std::uint64_t from_sequence) const;
-  static void check_possible(SettingsTimeline timeline, const std::string& whose,
+  static void check_possible(SettingsTimeline timeline, const std::string& whose, std::uint64_t from_sequence,
                              SettingsTimeline::Scope scope, const config::Assignments& assignments);
   void carry_out(const SettingsRequest& request, SettingsReply& reply);
 

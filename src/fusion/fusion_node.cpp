@@ -263,7 +263,7 @@ void FusionNode::Impl::write(EventOutcome& outcome, TimeNs in_ns, SteadyTime ste
 
 void FusionNode::Impl::write(FusedPose& pose, SteadyTime steady) noexcept {
   auto& writer = output_.writer_for(pose, steady);
-  write_until_accepted([&] { return PoseOutput::write(writer, pose); });
+  write_until_accepted([&] { return output_.write(writer, pose); });
 }
 
 void FusionNode::Impl::write(const SettingsChange& change) noexcept {

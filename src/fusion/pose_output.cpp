@@ -63,7 +63,6 @@ void PoseOutput::set_period(BeaconAddress address, TimeNs period_ns) noexcept {
 }
 
 dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(const FusedPose& pose, SteadyTime now) noexcept {
-  written_ns_.store(now.ns, std::memory_order_relaxed);
   Standby::Step step{FusionRole::sole, false};
   {
     const std::lock_guard lock(mutex_);
@@ -79,7 +78,9 @@ dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(const FusedPose& pos
 
 dds::ReturnCode PoseOutput::write(dds::DataWriter<sonopose_FusedPose>& writer, FusedPose& pose) noexcept {
   pose.fusion_out_time_ns = clocks::host_now();
-  return writer.try_write(dds::topics::to_idl(pose));
+  const dds::ReturnCode code = writer.try_write(dds::topics::to_idl(pose));
+  if (code >= 0) written_ns_.store(clocks::steady_now().ns, std::memory_order_relaxed);
+  return code;
 }
 
 dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_of(FusionRole role) noexcept {

@@ -42,7 +42,7 @@ public:
   dds::DataWriter<sonopose_FusedPose>& writer_for(const FusedPose& pose, SteadyTime now) noexcept;
 
   /// Stamps and writes a pose.
-  static dds::ReturnCode write(dds::DataWriter<sonopose_FusedPose>& writer, FusedPose& pose) noexcept;
+  dds::ReturnCode write(dds::DataWriter<sonopose_FusedPose>& writer, FusedPose& pose) noexcept;
 
   /// Asserts manual liveliness unless `busy` or a pose has done so, and releases stalled beacons. Call it
   /// several times within a lease.

@@ -33,6 +33,14 @@ public:
   /// The settings at an event that may lie ahead.
   [[nodiscard]] const settings::Settings& settings_at(std::uint64_t sequence) const;
 
+  /// Calls `visit(settings)` for the settings at an event and after each later change.
+  void for_each_from(std::uint64_t sequence, const auto& visit) const {
+    visit(settings_at(sequence));
+    for (std::size_t i = reached_; i < steps_.size(); ++i) {
+      if (steps_[i].from_sequence > sequence) visit(steps_[i].after.settings());
+    }
+  }
+
   /// The event number of the last change; 0 if there is none.
   [[nodiscard]] std::uint64_t last_from_sequence() const {
     return steps_.empty() ? 0 : steps_.back().from_sequence;

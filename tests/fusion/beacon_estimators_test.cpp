@@ -103,7 +103,7 @@ SCENARIO("each beacon has its own estimator") {
     impossible.sequence = late.sequence + 1;
     impossible.position_world_m.x() = 1e9;
     feeder.push(impossible);
-    THEN("reports and counters tell the two apart") {
+    THEN("reports and counters distinguish them") {
       REQUIRE(feeder.reports.size() >= 2);
       CHECK(feeder.reports.rbegin()[1].flags == fix_too_late);
       CHECK(feeder.reports.back().flags == fix_invalid);

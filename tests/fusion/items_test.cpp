@@ -170,6 +170,7 @@ TEST_CASE("the Kalman engine reads items 5, 6, 11 and 12; any other changes noth
     } else {
       REQUIRE(warnings.size() == 1);
       CHECK_THAT(warnings[0], Contains(key) && Contains("kalman") && Contains("documented"));
+      CHECK_FALSE(changes_poses(change, item.scenario));
     }
   }
 }

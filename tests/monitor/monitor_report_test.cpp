@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <sstream>
 
 namespace monitor_report_test {
 
@@ -214,6 +215,16 @@ SCENARIO("the table has a row for each beacon") {
     THEN("no line of it is longer than 80 columns, even without any value") {
       view.estimate = Estimate{};
       const std::string nothing = table_of({view});
+      for (const std::string& text : {table, nothing}) {
+        std::istringstream lines(text.substr(text.find("beacon  estimated")));
+        for (std::string line; std::getline(lines, line) && !line.empty();) {
+          CAPTURE(line);
+          const auto is_first_byte = [](char byte) {
+            return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
+          };
+          CHECK(std::count_if(line.begin(), line.end(), is_first_byte) <= 80);
+        }
+      }
       CHECK_THAT(nothing, Contains("     7  not estimated: gyro bias, accelerometer bias, lever arm, delay,\n"
                                    "          fix noise, heading noise, heading offset\n"));
     }

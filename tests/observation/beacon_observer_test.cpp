@@ -107,7 +107,7 @@ SCENARIO("the estimate shown is that of the fusion that serves the beacon") {
   };
   observer.on(estimate_of(1));
   observer.on(estimate_of(2));
-  CHECK_FALSE(observer.take_window(7, begin_ns).estimate);  // whose are they?
+  CHECK_FALSE(observer.take_window(7, begin_ns).estimate);  // no fusion is known yet
   observer.on(status_of(1, 100));
   observer.on(status_of(2, 200));
   CHECK(observer.take_window(7, begin_ns).estimate->fusion_id == 2);

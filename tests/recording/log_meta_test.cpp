@@ -101,7 +101,7 @@ TEST_CASE("a meta.toml with an error is refused with file, line, key, value and 
   CHECK_THAT(refusal("beacon_address = 65535"),
              Contains("/meta.toml:1: beacon_address: 65535 is not a whole number from 0 to 65534"));
   CHECK_THAT(refusal("beacon_address = -1"), Contains("beacon_address: -1 is not a whole number"));
-  CHECK_THAT(refusal("beacon_address = 7.0"), Contains("beacon_address: 7 is not a whole number"));
+  CHECK_THAT(refusal("beacon_address = 7.0"), Contains("beacon_address: 7.0 is not a whole number"));
   CHECK_THAT(refusal("beacon_address = \"7\""), Contains("beacon_address: \"7\" is not a whole number"));
   CHECK_THAT(refusal("program_version = [1]"), Contains("program_version: this value is not a text"));
   CHECK_THAT(refusal("[imu]\nmeaning = \"mean\""),

@@ -155,7 +155,7 @@ SCENARIO("a bridge refuses an invalid input") {
       CHECK_THAT(refusal(SONOPOSE_TEST_ATTITUDE, {log}), Contains(said));
     }
   }
-  WHEN("--imu-meaning is no meaning, or the source says it itself") {
+  WHEN("--imu-meaning is no meaning, or the source declares it") {
     THEN("option, value and what is allowed are named") {
       CHECK_THAT(refused({"--source", "udp", "--imu-meaning", "average"}),
                  Contains("--imu-meaning: 'average' is not one of unknown, instant, mean"));

@@ -275,6 +275,7 @@ void Engine::correct_pose(const TimedFix& fix, FixReport& report) {
   // A velocity from two fixes may be grossly wrong: at the second outlier the run begins again.
   if (velocities && assessment.outlier && state_.trust.outliers_in_row > 1) {
     reset_position(fix, report);
+    report.flags = (report.flags & ~std::uint32_t{fix_stale_recovered}) | fix_outlier;
     return;
   }
   report.innovation_world_m = assessment.innovation_world_m;
@@ -295,7 +296,7 @@ void Engine::correct_pose(const TimedFix& fix, FixReport& report) {
     report.velocity_change_world_mps = change.change_world_mps;
     report.flags |= change.flags;
     if (measured->by_rivals) {
-      state_.alignment.gained_world_mps *= 1.0 - change.share;  // they may lead astray: no lesson on attitude
+      state_.alignment.gained_world_mps *= 1.0 - change.share;  // they may be wrong
     } else {
       align(*measured, change, report);
       report.yaw_change_rad += heading::correct_from_course(settings_.heading, state_.heading, body,

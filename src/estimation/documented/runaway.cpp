@@ -6,7 +6,7 @@
 namespace sonopose::estimation::documented::runaway {
 
 void follow(RunawayState& state, const TimedFix& fix, const FixAssessment& assessment) {
-  if (assessment.outlier) {
+  if (assessment.outlier && !assessment.forced) {
     state.fix_position_world_m += assessment.rival_step_world_m;
   } else {
     state = {true, fix.shifted_position_world_m};

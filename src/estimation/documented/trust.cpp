@@ -181,7 +181,7 @@ FixAssessment assess(const TrustSettings& settings, TrustState& state, const Kin
     if (assessment.innovation_m < settings.sigma_m) regain(state);
   } else {
     update(settings, state, assessment.innovation_m, assessment.outlier);
-    if (moves_away(state, body, fix, limit_m, assessment)) state.forced = true;
+    if (state.trust < 1.0 && moves_away(state, body, fix, limit_m, assessment)) state.forced = true;
   }
   assessment.track_accepted =
       (state.forced && !was_forced) || (assessment.outlier && state.trust >= 1.0 && against_imu);

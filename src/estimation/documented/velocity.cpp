@@ -145,7 +145,7 @@ std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocitySta
   if (assessment.new_track) {
     constexpr int enough_rivals = 3;
     if (state.rival_count >= enough_rivals) {
-      // They have corrected the velocity all the while: it is known, and so are the fixes to go on from.
+      // They have corrected the velocity since they began: it is known, and so are the fixes to go on from.
       state.fixes = state.rivals;
       state.count = state.rival_count;
     } else {

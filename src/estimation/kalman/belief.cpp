@@ -281,12 +281,13 @@ FixOutcome Belief::judge(const FixMeasurement& fix) {
   const Matrix3d covariance =
       fix.has_covariance ? fix.covariance_world_m2 : noise.fix_covariance_m2(fix.quality_percent);
   Innovations innovations;
+  double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < candidate_count; ++i) {
     const auto at = static_cast<std::size_t>(i);
     innovations[at] = candidates[at].filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
     // The start that explains this fix best speaks for all of them.
-    if (phase == Phase::searching_yaw &&
-        (i == 0 || innovations[at].squared_norm < innovations[static_cast<std::size_t>(best)].squared_norm)) {
+    if (phase == Phase::searching_yaw && innovations[at].squared_norm < least) {
+      least = innovations[at].squared_norm;
       best = i;
     }
   }

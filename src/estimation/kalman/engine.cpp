@@ -28,6 +28,7 @@ Engine::Engine(const settings::Settings& settings)
     : settings_(settings::resolved(settings)), calibration_(settings.calibration) {}
 
 void Engine::configure(const settings::Settings& settings) noexcept {
+  catch_up();  // what happened before must not depend on the new settings
   settings_ = settings::resolved(settings);
   calibration_ = calibration::Calibration(settings.calibration);
 }

@@ -51,7 +51,7 @@ std::string text_of(const Value& value) {
     std::string operator()(const OtherValue&) const { return "this value"; }
     std::string operator()(bool flag) const { return flag ? "true" : "false"; }
     std::string operator()(std::int64_t whole) const { return std::to_string(whole); }
-    std::string operator()(double real) const { return fmt::format("{}", real); }
+    std::string operator()(double real) const { return fmt::format("{:#}", real); }
     std::string operator()(const std::string& text) const { return fmt::format("\"{}\"", text); }
   };
   return std::visit(Visitor{}, value);

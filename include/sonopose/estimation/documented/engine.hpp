@@ -35,8 +35,8 @@ public:
   /// Sets the yaw to which the following IMU samples turn the body.
   void correct(const PairHeading& heading) noexcept;
 
-  /// Discards the state. Counters are kept and reset_counter rises.
   static void catch_up() noexcept {}  // a correction is complete at once
+  /// Discards the state. Counters are kept and reset_counter rises.
   void reset() noexcept;
 
   /// Continues from a snapshot of another engine.

@@ -55,8 +55,8 @@ public:
   /// Whether the same measurement is there already.
   [[nodiscard]] bool contains(const Aiding& aiding) const;
 
-  /// Inserts a measurement where it belongs. What followed is repeated with the next sample, and only once
-  /// for measurements that arrive together. Returns the outcome of a fix.
+  /// Inserts a measurement where it belongs. What followed is repeated by `catch_up`, or with the next sample.
+  /// Returns the outcome of a fix.
   FixOutcome add(const settings::Settings& settings, const Aiding& aiding);
 
   /// Repeats at once what followed the last measurement, so that the next sample need not wait for it.

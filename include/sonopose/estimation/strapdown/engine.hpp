@@ -79,8 +79,8 @@ public:
   FixReport correct(const UltrasonicFix& fix) noexcept;
   void correct(const PairHeading& /*heading*/) noexcept {}
 
-  /// Returns to the start.
   static void catch_up() noexcept {}  // a correction is complete at once
+  /// Returns to the start.
   void reset() noexcept;
   void restore(const Snapshot& snapshot) noexcept { now_ = snapshot; }
   [[nodiscard]] Snapshot snapshot() const { return now_; }

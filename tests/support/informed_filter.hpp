@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// A plain Kalman filter that is told what no engine knows: the start, and the noise of the sensors. It rejects
-/// nothing, and is the yardstick where nothing is wrong with the measurements.
+/// A plain Kalman filter that knows what no engine knows: the start, and the noise of the sensors. It rejects
+/// nothing: a reference for runs whose measurements are all right.
 
 #include "sim/simulator.hpp"
 #include <sonopose/estimation/kalman/filter.hpp>
@@ -12,12 +12,12 @@
 
 namespace sonopose::test {
 
-class ToldFilter {
+class InformedFilter {
 public:
   using Filter = estimation::kalman::Filter;
 
   /// Starts from this state. `sensors.fix_noise_m` must be a single value.
-  ToldFilter(const sim::SensorSettings& sensors, const TruthSample& start) : sensors_(sensors) {
+  InformedFilter(const sim::SensorSettings& sensors, const TruthSample& start) : sensors_(sensors) {
     filter_.position_world_m = start.position_world_m;
     filter_.velocity_world_mps = start.velocity_world_mps;
     filter_.q_body_to_world = start.q_body_to_world;
@@ -47,8 +47,8 @@ public:
   void correct(const UltrasonicFix& fix) {
     const double noise_m = sensors_.fix_noise_m.most;
     repeat_after(fix.emission_time_ns, [&](double ahead_s) {
-      filter_.correct_fix(filter_.fix_innovation(
-          fix.position_world_m, noise_m * noise_m * Eigen::Matrix3d::Identity(), ahead_s));
+      filter_.correct_fix(filter_.fix_innovation(fix.position_world_m,
+                                                 noise_m * noise_m * Eigen::Matrix3d::Identity(), ahead_s));
     });
   }
 
