@@ -76,7 +76,7 @@ void Belief::on_imu(const settings::Settings& settings, const ImuMeasurement& im
     for_each_filter([&](Filter& each, const ProcessNoise&) { each.predict(rate, force, dt_s); });
     repetition.moved_world_m += dt_s * repetition.velocity_world_mps;
     repetition.velocity_world_mps += dt_s * filter().acceleration_world_mps2;
-    constexpr double regular_step_s = 0.025;
+    constexpr double regular_step_s = 0.0275;
     if (!imu.is_mean && dt_s > regular_step_s) {
       // The mean of the two ends is not that of what lies between.
       const double accel = dt_s * (0.3 * (imu.force_body_mps2 - force_body_mps2).norm() + 0.3);
@@ -150,7 +150,7 @@ void Belief::update_rest(const ImuMeasurement& imu) {
 /// Without fixes a weak measurement of no velocity.
 void Belief::bound_dead_reckoning() {
   constexpr TimeNs after_ns = 1'000'000'000;
-  constexpr TimeNs period_ns = 100'000'000;
+  constexpr TimeNs period_ns = 97'500'000;  // no multiple of a usual sample interval
   // The rougher the IMU that the fixes showed, the sooner its integral is worth nothing.
   constexpr std::array<double, model_count> speed_mps_rts{1.5, 1.0, 0.3};
   const auto model = static_cast<std::size_t>(phase == Phase::tracking ? best : 0);

@@ -6,7 +6,9 @@
 namespace sonopose::estimation::kalman::rest {
 namespace {
 
-constexpr double window_s = 0.5;
+// No multiple of a usual sample interval: a microsecond in a stamp must not decide which sample ends a
+// window.
+constexpr double window_s = 0.4975;
 constexpr int least_samples = 8;
 constexpr double still_accel_std_mps2 = 0.06;
 constexpr double still_gyro_std_radps = 0.006;

@@ -8,7 +8,7 @@ namespace {
 constexpr std::size_t imu_capacity = 2048;
 constexpr std::size_t aiding_capacity = 512;
 constexpr std::size_t checkpoint_capacity = 16;
-constexpr TimeNs checkpoint_spacing_ns = 80'000'000;
+constexpr TimeNs checkpoint_spacing_ns = 77'500'000;  // no multiple of a usual sample interval
 
 }  // namespace
 
@@ -33,7 +33,7 @@ void Timeline::add(const settings::Settings& settings, const ImuMeasurement& imu
   imu_[end_imu_ % imu_capacity] = imu;
   ++end_imu_;
   time_ns_ = imu.time_ns;
-  if (next_aiding_ > 0 && imu.time_ns <= time_of(aiding_[next_aiding_ - 1])) rewind(imu.time_ns);
+  if (next_aiding_ > 0 && imu.time_ns <= turn_of(aiding_[next_aiding_ - 1])) rewind(imu.time_ns);
   fold(settings, nullptr);
 }
 
@@ -48,16 +48,16 @@ bool Timeline::contains(const Aiding& aiding) const {
 
 FixOutcome Timeline::add(const settings::Settings& settings, const Aiding& aiding) {
   const std::size_t index = insert(aiding);
-  const bool is_ahead = index >= next_aiding_ && time_of(aiding) >= now_.time_ns;
-  if (!is_ahead) rewind(time_of(aiding));
+  const bool is_ahead = index >= next_aiding_ && turn_of(aiding) >= now_.time_ns;
+  if (!is_ahead) rewind(turn_of(aiding));
   return fold(settings, &aiding_[index]);
 }
 
-/// Inserts it in the order of time; of one time, fixes come before headings, in whatever order they arrive.
+/// Inserts it at its turn; of one turn, fixes come before headings, in whatever order they arrive.
 std::size_t Timeline::insert(const Aiding& aiding) {
-  const TimeNs time_ns = time_of(aiding);
+  const TimeNs turn_ns = turn_of(aiding);
   const auto place = std::find_if(aiding_.begin(), aiding_.end(), [&](const Aiding& other) {
-    return time_ns < time_of(other) || (time_of(other) == time_ns && aiding.index() < other.index());
+    return turn_ns < turn_of(other) || (turn_of(other) == turn_ns && aiding.index() < other.index());
   });
   return static_cast<std::size_t>(aiding_.insert(place, aiding) - aiding_.begin());
 }
@@ -74,7 +74,7 @@ void Timeline::rewind(TimeNs time_ns) {
   next_imu_ = from.next_imu;
   next_aiding_ = static_cast<std::size_t>(
       std::find_if(aiding_.begin(), aiding_.end(),
-                   [&](const Aiding& aiding) { return time_of(aiding) >= from.belief.time_ns; }) -
+                   [&](const Aiding& aiding) { return turn_of(aiding) >= from.belief.time_ns; }) -
       aiding_.begin());
 }
 
@@ -93,7 +93,7 @@ FixOutcome Timeline::fold(const settings::Settings& settings, const Aiding* last
   while (next_imu_ < end_imu_ || next_aiding_ < aiding_.size()) {
     if (next_imu_ < end_imu_) {
       const ImuMeasurement& imu = imu_[next_imu_ % imu_capacity];
-      if (next_aiding_ == aiding_.size() || imu.time_ns <= time_of(aiding_[next_aiding_])) {
+      if (next_aiding_ == aiding_.size() || imu.time_ns <= turn_of(aiding_[next_aiding_])) {
         fold_imu(settings, imu);
         continue;
       }
@@ -133,7 +133,7 @@ void Timeline::drop_oldest_checkpoint() {
   const Checkpoint& oldest = checkpoints_[oldest_];
   first_imu_ = oldest.next_imu;
   const auto kept = std::find_if(aiding_.begin(), aiding_.end(), [&](const Aiding& aiding) {
-    return time_of(aiding) >= oldest.belief.time_ns;
+    return turn_of(aiding) >= oldest.belief.time_ns;
   });
   const auto dropped = static_cast<std::size_t>(kept - aiding_.begin());
   aiding_.erase(aiding_.begin(), kept);

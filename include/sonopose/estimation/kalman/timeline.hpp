@@ -12,8 +12,11 @@ namespace sonopose::estimation::kalman {
 /// A fix or a heading.
 using Aiding = std::variant<FixMeasurement, HeadingMeasurement>;
 
-inline TimeNs time_of(const Aiding& aiding) {
-  return std::visit([](const auto& measurement) { return measurement.time_ns; }, aiding);
+/// When its turn is. A heading follows the fix of the same emission, even if their stamps differ a little.
+inline TimeNs turn_of(const Aiding& aiding) {
+  constexpr TimeNs after_fix_ns = 500'000;
+  const auto* fix = std::get_if<FixMeasurement>(&aiding);
+  return fix != nullptr ? fix->time_ns : std::get<HeadingMeasurement>(aiding).time_ns + after_fix_ns;
 }
 
 /// A belief after the sample at its time and before the fixes and headings of that time.
@@ -55,8 +58,8 @@ public:
   /// Whether the same measurement is there already.
   [[nodiscard]] bool contains(const Aiding& aiding) const;
 
-  /// Inserts a measurement where it belongs. What followed is repeated by `catch_up`, or with the next sample.
-  /// Returns the outcome of a fix.
+  /// Inserts a measurement where it belongs. What followed is repeated by `catch_up`, or with the next
+  /// sample. Returns the outcome of a fix.
   FixOutcome add(const settings::Settings& settings, const Aiding& aiding);
 
   /// Repeats at once what followed the last measurement, so that the next sample need not wait for it.
