@@ -171,7 +171,7 @@ std::string FusionConfig::to_toml() const {
   std::string text =
       "# Settings of sonopose-fusion. Every value below is what is used; delete what you do not change.\n"
       "# Items 2, 3 and 4 are commented out if the preset (item 1) sets them.\n"
-      "# Settings of a single beacon: [beacon.7.drift] and so on.\n";
+      "# Settings of a single beacon: [beacon.7.heading] and so on.\n";
   const bool has_preset = settings_.preset.imu_weight != settings::ImuWeight::user;
   const settings::Settings used = settings::resolved(settings_);
   std::string group;
@@ -205,7 +205,7 @@ std::string settings_page() {
       "compares both.\n"
       "*Item* is the number in the fusion specification, if any. Set them in a TOML file (`--config`;\n"
       "`sonopose-fusion --print-config` prints one), or on the command line (`--set "
-      "drift.decay_rate_hz=2`);\n"
+      "heading.mount_offset_deg=90`);\n"
       "`beacon.7.` in front applies it to one beacon only. *Engine* says which value of `fusion.engine` "
       "reads it.\n";
   std::string group;

@@ -124,7 +124,8 @@ void add(Builder& table, const OutageSettings& settings) {
              "Rate at which velocity falls to zero in stale mode.");
   table.read_by(ReadBy::all);
   table.real(11, "stale_after_s", settings.stale_after_s, {0.1, 60.0}, "s",
-             "Without a valid fix for this long, stale mode begins: acceleration is no longer integrated.");
+             "Without a valid fix for this long, stale mode begins. The documented engine no longer "
+             "integrates the acceleration then.");
   table.real(no_item, "imu_gap_s", settings.imu_gap_s, {0.01, 5.0}, "s",
              "An IMU gap longer than this is not integrated over; the velocity only decays.");
 }

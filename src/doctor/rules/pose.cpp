@@ -17,7 +17,7 @@ constexpr std::array lasting_bits{
     LastingBit{status_initialising, "its fusion is still initialising",
                "keep the beacon still for some seconds, and check that fixes arrive"},
     LastingBit{
-        status_uncalibrated, "its gyro bias has never been estimated, because the beacon was never at rest",
+        status_uncalibrated, "its gyro bias is not known yet: the beacon was never at rest",
         "let it stand still for a second; if it never can, measure the bias: sonopose-calibrate gyroscope "
         "(docs/calibration.md)"},
     LastingBit{status_stale, "its fusion has had no valid fix for longer than outage.stale_after_s",
@@ -30,7 +30,7 @@ constexpr std::array lasting_bits{
         "stands still, increase frozen.moved_m"},
     LastingBit{status_imu_gap, "its IMU stream has gaps", "check the line to the beacon"},
     LastingBit{status_low_trust, "its fusion has low trust in the fixes",
-               "check for reflections and a wrong map; see docs/tuning.md, trust.sigma_m"},
+               "check for reflections and a wrong map; see docs/tuning.md"},
 };
 
 }  // namespace
