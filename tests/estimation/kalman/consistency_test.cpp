@@ -1,5 +1,7 @@
 /// The standard deviations of the Kalman engine against its errors, over many simulated runs.
 
+#include "evaluation/score.hpp"
+#include "recording/log_folder.hpp"
 #include "sim/scenario.hpp"
 #include "sim/simulator.hpp"
 #include <sonopose/estimation/estimator.hpp>
@@ -12,6 +14,8 @@
 
 #include <array>
 #include <cmath>
+#include <filesystem>
+#include <iostream>
 #include <string>
 
 namespace consistency_test {
@@ -123,6 +127,40 @@ SCENARIO("the Kalman engine knows how uncertain it is") {
           CHECK(consistency.share_above(i) > 0.5 * expected[i]);
         }
       }
+    }
+  }
+}
+
+SCENARIO("the Kalman engine knows how uncertain it is on real flights") {
+  const std::string name = GENERATE("drone_a", "drone_b");
+  const std::filesystem::path folder = std::filesystem::path(SONOPOSE_RECORDINGS) / "beacons" / name;
+  if (!exists(folder)) {
+    std::cout << "skipped: no recordings\n";
+    return;
+  }
+  GIVEN("a flight with motion capture") {
+    const recording::SensorLog log = recording::read_sensor_log(folder);
+    evaluation::TruthTrack truth(log.truth);
+    estimation::kalman::Engine engine{settings::Settings{}};
+    NormalisedMean position;
+    TimeNs begin_ns = 0;
+    for (const Event& event : log.events) {
+      const auto result = estimation::process(engine, event);
+      const auto* pose = std::get_if<FusedPose>(&result);
+      if (pose == nullptr) continue;
+      if (begin_ns == 0) begin_ns = pose->time_ns;
+      const auto true_pose = truth.at(pose->time_ns);
+      if (!true_pose || !true_pose->position_world_m.allFinite() ||
+          seconds_between(begin_ns, pose->time_ns) < 10.0)
+        continue;
+      position.add(squared_norm(pose->pose_covariance.matrix().topLeftCorner<3, 3>(),
+                                pose->position_world_m - true_pose->position_world_m),
+                   3);
+    }
+    fmt::print("{}: position {:.2f}\n", name, position.value());
+    THEN("its errors are as large as its standard deviations say, within a factor of √2") {
+      CHECK(position.value() > 0.5);
+      CHECK(position.value() < 2.0);
     }
   }
 }
