@@ -88,10 +88,8 @@ evaluation::AttitudeResult run_log(const Path& folder, const Options& options,
 /// The settings, overridden by --filter and --magnetometer.
 settings::Settings settings_of(const CLI::App& app, const Options& options) {
   apps::ConfigOptions config = options.config;
-  const std::string own = fmt::format("beacon.{}.", options.beacon);
   const auto set = [&](const std::string& key, const std::string& value) {
-    config.assignments.push_back(key + "=" + value);
-    config.assignments.push_back(own + key + "=" + value);
+    apps::assign_everywhere(config, options.beacon, key, value);
   };
   set("fusion.engine", "documented");  // whose attitude filters these are
   if (options.filter) set("attitude.filter", *options.filter);

@@ -27,8 +27,7 @@ std::vector<settings::Settings> settings_of(const CLI::App& app, const Options& 
   std::vector<settings::Settings> all;
   for (const std::string& engine : options.engines) {
     apps::ConfigOptions config = options.config;
-    config.assignments.push_back("fusion.engine=" + engine);
-    config.assignments.push_back(fmt::format("beacon.{}.fusion.engine={}", options.beacon, engine));
+    apps::assign_everywhere(config, options.beacon, "fusion.engine", engine);
     all.push_back(apps::configuration(app, config).for_beacon(options.beacon));
   }
   return all;

@@ -27,6 +27,12 @@ void add_beacon_option(CLI::App& app, std::optional<BeaconAddress>& beacon) {
       ->check(CLI::Range(0, 65534));
 }
 
+void assign_everywhere(ConfigOptions& options, BeaconAddress beacon, const std::string& key,
+                       const std::string& value) {
+  options.assignments.push_back(fmt::format("{}={}", key, value));
+  options.assignments.push_back(fmt::format("beacon.{}.{}={}", beacon, key, value));
+}
+
 config::FusionConfig configuration(const CLI::App& app, const ConfigOptions& options) {
   auto config = options.file ? config::FusionConfig::load(*options.file) : config::FusionConfig();
   for (const std::string& assignment : options.assignments) config.assign(assignment);

@@ -22,6 +22,10 @@ struct ConfigOptions {
 /// Adds --config and --set.
 void add_config_options(CLI::App& app, ConfigOptions& options);
 
+/// Sets a key for all beacons and for this one, above --set.
+void assign_everywhere(ConfigOptions& options, BeaconAddress beacon, const std::string& key,
+                       const std::string& value);
+
 /// Adds --beacon: whose own settings apply where events name no beacon.
 void add_beacon_option(CLI::App& app, BeaconAddress& beacon);
 /// The same where a log may name its beacon, which is the default.
