@@ -44,8 +44,8 @@ public:
   /// Stamps and writes a pose.
   dds::ReturnCode write(dds::DataWriter<sonopose_FusedPose>& writer, FusedPose& pose) noexcept;
 
-  /// Asserts manual liveliness unless `busy` or a pose has done so, and releases stalled beacons. Call it
-  /// several times within a lease.
+  /// Asserts manual liveliness unless `busy` or a pose has done so, and releases stalled beacons. Call it by
+  /// `poll_by`.
   void poll(SteadyTime now, bool busy) noexcept;
 
   /// When `poll` must be called the latest.
@@ -66,6 +66,7 @@ public:
 
 private:
   [[nodiscard]] TimeNs tick_ns() const noexcept;
+  [[nodiscard]] TimeNs written_before_ns(SteadyTime now) const noexcept;
   void serve_predictions(const std::stop_token& stop);
   std::optional<SteadyTime> write_predictions(std::vector<FusedPose>& due);
   void release(BeaconAddress address) noexcept;
@@ -75,7 +76,7 @@ private:
   std::optional<Standby> standby_;
   PosePredictor predictor_;
   std::condition_variable_any wake_;  // wakes the predicting thread early
-  bool periods_changed_ = false;
+  bool dues_changed_ = false;
   std::vector<BeaconAddress> stalled_;  // of poll(), kept for its capacity
   std::atomic<std::uint64_t> unwritten_ = 0;
   std::atomic<std::int64_t> written_ns_ = 0;  // steady time of the latest pose
