@@ -396,6 +396,7 @@ void FusionNode::Impl::publish_status(BeaconAddress address) {
     inputs = inputs_.counters(address);
   }
   status->role = output_.role(address);
+  status->poses_late = output_.poses_late(address);
   status->strength = output_.strength();
   if (!status_publisher_.publish(*status, inputs, unwritten_ + output_.unwritten())) ++unwritten_;
 }

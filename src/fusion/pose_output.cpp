@@ -46,7 +46,8 @@ PoseOutput::PoseOutput(const dds::DomainParticipant& participant, const dds::qos
   const auto liveliness = effective.policy<Liveliness>().value_or(Liveliness{});
   is_manual_ = liveliness.kind == LivelinessKind::manual_by_topic;
   lease_ns_ = liveliness.lease_duration.count();
-  if (delivery == dds::topics::Delivery::lossless) return;  // the time of a log is not the time of the clock
+  is_live_ = delivery != dds::topics::Delivery::lossless;
+  if (!is_live_) return;
   predicting_thread_ = std::jthread([this](const std::stop_token& stop) { serve_predictions(stop); });
   ::pthread_setname_np(predicting_thread_.native_handle(), process::predicting_thread_name);
 }
@@ -62,17 +63,22 @@ void PoseOutput::set_period(BeaconAddress address, TimeNs period_ns) noexcept {
   wake_.notify_one();
 }
 
-dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(const FusedPose& pose, SteadyTime now) noexcept {
+dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(FusedPose& pose, SteadyTime now) noexcept {
   Standby::Step step{FusionRole::sole, false};
   bool first_due = false;
   {
     const std::lock_guard lock(mutex_);
+    Delay& delay = delays_[pose.address];
+    // Of the steady clock, so that a step of this host's clock delays nothing.
+    const TimeNs late_ns =
+        is_live_ ? delay.lateness.on_sample(saturated_difference(now.ns, pose.imu_bridge_time_ns), now) : 0;
+    if (late_ns > to_ns(late_after_s)) {
+      pose.status |= status_late;
+      ++delay.poses_late;
+    }
     first_due = predictor_.on_pose(pose, now);
     dues_changed_ |= first_due;
-    if (standby_) {
-      const TimeNs age_ns = pose.fusion_in_time_ns - pose.imu_bridge_time_ns;
-      step = standby_->on_pose(pose.address, pose.status, age_ns, now);
-    }
+    if (standby_) step = standby_->on_pose(pose.address, pose.status, late_ns, now);
   }
   if (first_due) wake_.notify_one();
   if (step.release) release(pose.address);
@@ -143,6 +149,12 @@ void PoseOutput::unregister(BeaconAddress address) noexcept {
 FusionRole PoseOutput::role(BeaconAddress address) const noexcept {
   const std::lock_guard lock(mutex_);
   return standby_ ? standby_->role(address) : FusionRole::sole;
+}
+
+std::uint64_t PoseOutput::poses_late(BeaconAddress address) const noexcept {
+  const std::lock_guard lock(mutex_);
+  const auto found = delays_.find(address);
+  return found == delays_.end() ? 0 : found->second.poses_late;
 }
 
 void PoseOutput::serve_predictions(const std::stop_token& stop) {
