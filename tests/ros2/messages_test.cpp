@@ -116,6 +116,16 @@ SCENARIO("messages of ROS 2 drivers become samples") {
         CHECK(taken->position_world_m == where);
         CHECK(taken->emission_time_ns == stamp_ns);
         CHECK(taken->received_time_ns == received_ns);
+        CHECK(taken->measured_delay_s.value_or(-1) == Approx(0.04));
+      }
+    }
+    WHEN("it has no stamp") {
+      pose.header.stamp = {0, 0};
+      THEN("it was measured when it arrived, and no fixed delay applies") {
+        const auto taken = fix(pose, 9, received_ns);
+        REQUIRE(taken);
+        CHECK(taken->emission_time_ns == received_ns);
+        CHECK(taken->measured_delay_s.value_or(-1) == 0.0);
       }
     }
     WHEN("it is infinite") {

@@ -19,6 +19,7 @@ std::optional<UltrasonicFix> fix_at(const Header& header, const Point& position,
   if (!emission_ns || !fix.position_world_m.allFinite()) return std::nullopt;
   fix.emission_time_ns = *emission_ns;
   fix.received_time_ns = received_ns;
+  fix.measured_delay_s = seconds_between(*emission_ns, received_ns);
   return fix;
 }
 

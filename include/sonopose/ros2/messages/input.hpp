@@ -16,8 +16,8 @@ namespace sonopose::ros2 {
 /// of the sensor; the orientation is not used. Empty for a non-finite value or an invalid stamp.
 std::optional<ImuSample> imu_sample(const Imu& imu, BeaconAddress address, TimeNs received_ns);
 
-/// A position in the map (m); orientation and covariance are not used. Empty for a non-finite value or an
-/// invalid stamp.
+/// A position in the map (m), with the measured delay from its stamp to `received_ns`; orientation and
+/// covariance are not used. Empty for a non-finite value or an invalid stamp.
 std::optional<UltrasonicFix> fix(const PointStamped& point, BeaconAddress address, TimeNs received_ns);
 std::optional<UltrasonicFix> fix(const PoseWithCovarianceStamped& pose, BeaconAddress address,
                                  TimeNs received_ns);
