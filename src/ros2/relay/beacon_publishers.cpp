@@ -48,10 +48,16 @@ void BeaconPublishers::create_magnetic_writer(ros2::Node& node) {
 }
 
 void BeaconPublishers::on(const ImuSample& sample) {
+  std::optional<FusedPose> early_pose;
   {
     const std::lock_guard lock(mutex_);
-    samples_[next_sample_++ % samples_.size()] = sample;
+    early_pose = pairing_.on(sample);
   }
+  publish_raw(sample);
+  if (early_pose) publish_imu(sample, *early_pose);
+}
+
+void BeaconPublishers::publish_raw(const ImuSample& sample) {
   const auto stamp_ns = next_stamp(raw_stamp_, sample.sensor_time_ns);
   if (!stamp_ns) return;
   raw_imu_.try_write(ros2::raw_imu(sample, *stamp_ns, frames_, output_.noise));
@@ -63,8 +69,14 @@ void BeaconPublishers::on(const ImuSample& sample) {
 
 void BeaconPublishers::on(const FusedPose& pose) {
   fused_at_ = clocks::steady_now();
-  publish_odometry(pose);  // first, because vehicle control may depend on it
-  publish_imu(pose);
+  publish_odometry(pose);                             // first, because vehicle control may depend on it
+  if ((pose.status & status_predicted) != 0) return;  // it has no IMU sample
+  std::optional<ImuSample> sample;
+  {
+    const std::lock_guard lock(mutex_);
+    sample = pairing_.on(pose, clocks::steady_now());
+  }
+  if (sample) publish_imu(*sample, pose);
 }
 
 void BeaconPublishers::publish_odometry(const FusedPose& pose) {
@@ -78,22 +90,14 @@ void BeaconPublishers::publish_odometry(const FusedPose& pose) {
   if (!path_.is_nil()) add_to_path(odometry, *stamp_ns);
 }
 
-/// Predicted poses have no IMU sample and are skipped.
-void BeaconPublishers::publish_imu(const FusedPose& pose) {
-  if ((pose.status & status_predicted) != 0) return;
-  const auto sample = sample_of(pose.sequence);
-  if (!sample) return;
-  const auto stamp_ns = next_stamp(imu_stamp_, sample->sensor_time_ns);
-  if (stamp_ns) imu_.try_write(ros2::fused_imu(*sample, pose, *stamp_ns, frames_, output_.noise));
+void BeaconPublishers::publish_imu(const ImuSample& sample, const FusedPose& pose) {
+  const auto stamp_ns = next_stamp(imu_stamp_, sample.sensor_time_ns);
+  if (stamp_ns) imu_.try_write(ros2::fused_imu(sample, pose, *stamp_ns, frames_, output_.noise));
 }
 
-std::optional<ImuSample> BeaconPublishers::sample_of(std::uint64_t sequence) const {
+std::uint64_t BeaconPublishers::imu_data_lost() const {
   const std::lock_guard lock(mutex_);
-  const auto found = std::find_if(samples_.begin(), samples_.end(), [sequence](const ImuSample& sample) {
-    return sample.sequence == sequence;
-  });
-  if (found == samples_.end()) return std::nullopt;
-  return *found;
+  return pairing_.given_up();
 }
 
 void BeaconPublishers::publish_transform(const ros2::Odometry& odometry, TimeNs stamp_ns) {
@@ -145,11 +149,12 @@ void BeaconPublishers::on(const FixReport& report) {
   publish(ready);
 }
 
-void BeaconPublishers::publish_overdue_fixes() {
+void BeaconPublishers::handle_overdue() {
   ros2::FixQueue::Ready ready;
   {
     const std::lock_guard lock(mutex_);
     ready = fixes_.overdue(clocks::steady_now());
+    pairing_.drop_overdue(clocks::steady_now());
   }
   publish(ready);
 }

@@ -4,6 +4,7 @@
 #include "ros2/relay/relay.hpp"
 #include <sonopose/ros2/messages/beacon_topics.hpp>
 #include <sonopose/ros2/messages/fix_queue.hpp>
+#include <sonopose/ros2/messages/imu_pairing.hpp>
 #include <sonopose/ros2/messages/messages.hpp>
 #include <sonopose/ros2/messages/odometry_buffer.hpp>
 #include <sonopose/ros2/messages/time.hpp>
@@ -11,7 +12,6 @@
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
 
-#include <array>
 #include <atomic>
 #include <deque>
 #include <mutex>
@@ -40,24 +40,27 @@ public:
 
   /// Main thread only. Creates the writer of the magnetic field after the first sample with one.
   void create_magnetic_writer(ros2::Node& node);
-  /// Main thread only, periodically. Publishes fixes without a report of the fusion.
-  void publish_overdue_fixes();
+  /// Main thread only, periodically. Publishes fixes without a report of the fusion, and gives up poses
+  /// without an IMU sample.
+  void handle_overdue();
   /// Main thread only, once per second.
   void publish_path();
 
+  /// Messages of `imu/data` that were not published, because the sample of the pose did not arrive.
+  [[nodiscard]] std::uint64_t imu_data_lost() const;
   [[nodiscard]] const ros2::FrameNames& frames() const { return frames_; }
   [[nodiscard]] bool is_in_tree() const { return in_tree_; }
   /// In mode map_odom: whether there was no odometry at the time of the latest pose.
   [[nodiscard]] bool lacks_odometry() const { return lacks_odometry_; }
 
 private:
+  void publish_raw(const ImuSample& sample);
   void publish_odometry(const FusedPose& pose);
-  void publish_imu(const FusedPose& pose);
+  void publish_imu(const ImuSample& sample, const FusedPose& pose);
   void publish(const ros2::FixQueue::Ready& fixes);
   std::optional<TimeNs> next_stamp(ros2::RisingStamp& stamp, TimeNs time_ns);
   void publish_transform(const ros2::Odometry& odometry, TimeNs stamp_ns);
   void add_to_path(const ros2::Odometry& odometry, TimeNs stamp_ns);
-  [[nodiscard]] std::optional<ImuSample> sample_of(std::uint64_t sequence) const;
 
   const Output& output_;
   std::string prefix_;  ///< of the topic names
@@ -80,8 +83,7 @@ private:
   std::atomic<bool> has_magnetic_writer_ = false;  ///< and its writer exists
 
   mutable std::mutex mutex_;  ///< guards the members below
-  std::array<ImuSample, 64> samples_{};
-  std::size_t next_sample_ = 0;
+  ros2::ImuPairing pairing_;
   ros2::RisingStamp raw_stamp_;
   ros2::RisingStamp imu_stamp_;
   ros2::RisingStamp pose_stamp_{0};  ///< no slack: a pose that is older than a published one is useless

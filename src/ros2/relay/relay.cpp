@@ -132,7 +132,7 @@ private:
   bool is_in_tree(BeaconAddress address);
   void publish_static_transforms();
   void publish_diagnostics();
-  [[nodiscard]] ros2::Diagnostic own_diagnostic(std::size_t beacons) const;
+  [[nodiscard]] ros2::Diagnostic own_diagnostic(std::size_t beacons);
   void check_transforms(const BeaconPublishers& publishers, ros2::Diagnostic& diagnostic) const;
   void serve(const process::StopSignal& stop, const std::atomic<bool>& failed);
   void bridge_while(const std::function<void()>& serve, std::atomic<bool>& failed);
@@ -151,6 +151,7 @@ private:
   std::optional<BeaconAddress>
       tree_owner_;  ///< the beacon with transforms, if all beacons have the same frames
   bool reported_shared_frames_ = false;
+  std::uint64_t reported_imu_data_lost_ = 0;
   std::unique_ptr<Source> source_;  ///< null without inputs
   observation::BeaconObservers observers_;
   process::EndpointCounters endpoints_;
@@ -329,14 +330,22 @@ void Relay::Impl::publish_diagnostics() {
   diagnostics_writer_.try_write(ros2::DiagnosticMessage(diagnostics, now_ns).message());
 }
 
-ros2::Diagnostic Relay::Impl::own_diagnostic(std::size_t beacons) const {
+ros2::Diagnostic Relay::Impl::own_diagnostic(std::size_t beacons) {
+  std::uint64_t imu_data_lost = 0;
+  for_each_beacon([&](const BeaconPublishers& publishers) { imu_data_lost += publishers.imu_data_lost(); });
   ros2::Diagnostic own;
   own.name = node_name() + ": relay";
   own.level = beacons == 0 ? ros2::Level::stale : ros2::Level::ok;
   own.message = beacons == 0 ? "no beacon received" : fmt::format("{} beacons", beacons);
   own.values = {{"samples_lost", std::to_string(endpoints_.samples_lost)},
                 {"samples_rejected", std::to_string(endpoints_.samples_rejected)},
-                {"incompatible_qos", std::to_string(endpoints_.incompatible_qos)}};
+                {"incompatible_qos", std::to_string(endpoints_.incompatible_qos)},
+                {"imu_data_lost", std::to_string(imu_data_lost)}};
+  if (imu_data_lost > std::exchange(reported_imu_data_lost_, imu_data_lost)) {
+    own.level = ros2::Level::warning;
+    own.message +=
+        fmt::format("; {} messages of imu/data lost, whose IMU samples did not arrive", imu_data_lost);
+  }
   for (const Input& input : options_.inputs) {
     if (!source_ || input.kind != Input::Kind::imu) continue;
     own.values.emplace_back(fmt::format("beacon_{}_input_samples_lost", input.address),
@@ -370,7 +379,7 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
     create_new_publishers();
     for_each_beacon([this](BeaconPublishers& publishers) {
       publishers.create_magnetic_writer(node_);
-      publishers.publish_overdue_fixes();
+      publishers.handle_overdue();
     });
     node_.announce();
     if (clocks::steady_now() < next_status) continue;
