@@ -97,9 +97,11 @@ void add_input_options(CLI::App& app, Ros2Options& options) {
       "What the samples of --imu-in are: the value at their instant, or the mean since the previous one; "
       "the message does not say (default: unknown)")
       ->group(group);
-  app.add_option("--fix-in", options.fix_in,
-                 "Use PointStamped or PoseWithCovarianceStamped as the fixes of a beacon: /tag/pose=7")
-      ->type_name("TOPIC=ADDRESS")
+  app.add_option(
+         "--fix-in", options.fix_in,
+         "Use PointStamped or PoseWithCovarianceStamped as the fixes of a beacon: /tag/pose=7; the type is "
+         "that of the topic's first publisher, or TYPE")
+      ->type_name("TOPIC[:TYPE]=ADDRESS")
       ->group(group);
 }
 

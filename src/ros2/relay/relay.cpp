@@ -377,6 +377,7 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
   SteadyTime next_status = clocks::steady_now() + status_period_ns;
   while (!failed && !stop.wait_until(clocks::steady_now() + poll_period_ns)) {
     create_new_publishers();
+    if (source_) source_->update_readers();
     for_each_beacon([this](BeaconPublishers& publishers) {
       publishers.create_magnetic_writer(node_);
       publishers.handle_overdue();

@@ -3,9 +3,11 @@
 #include "clocks/clocks.hpp"
 #include "process/endpoint_counters.hpp"
 #include "ros2/relay/input_monitor.hpp"
+#include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
 #include <sonopose/ros2/messages/input.hpp>
+#include <sonopose/ros2/messages/names.hpp>
 #include <sonopose/ros2/messages/time.hpp>
 
 #include <fmt/format.h>
@@ -13,7 +15,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <iterator>
 #include <map>
+#include <mutex>
+#include <set>
 
 namespace sonopose::ros2::relay {
 namespace {
@@ -23,10 +28,11 @@ constexpr dds::StatusMask counted_statuses = dds::StatusMask::requested_incompat
                                              dds::StatusMask::sample_lost() |
                                              dds::StatusMask::sample_rejected();
 
-/// One input topic, which has a reader for each possible type.
+/// One input topic.
 struct InputState {
   InputState(const Input& input, const InputTimeouts& timeouts, const std::string& map_frame)
-      : address(input.address),
+      : option(input),
+        address(input.address),
         is_imu(input.kind == Input::Kind::imu),
         imu_meaning(input.imu_meaning),
         monitor(input, ros2::for_beacon(map_frame, input.address), is_imu ? timeouts.imu_ns : timeouts.fix_ns,
@@ -37,6 +43,8 @@ struct InputState {
            endpoints.samples_rejected.load(std::memory_order_relaxed);
   }
 
+  Input option;                       ///< its type is set by update_readers(), on that thread only
+  std::set<std::string> other_types;  ///< of publishers, logged; likewise
   BeaconAddress address;
   bool is_imu;
   ImuMeaning imu_meaning;
@@ -44,7 +52,7 @@ struct InputState {
   InputMonitor monitor;
 };
 
-/// The reader of one of an input's types.
+/// The reader of an input.
 template <class T>
 struct Stream {
   Stream(ros2::Node& node, const std::string& topic, InputState& state)
@@ -84,17 +92,25 @@ class TopicsSource final : public Source {
 public:
   TopicsSource(ros2::Node& node, const std::vector<Input>& inputs, const InputTimeouts& timeouts,
                const std::string& map_frame, LineLogger log)
-      : log_(std::move(log)) {
+      : log_(std::move(log)), node_(node), discovery_(node.participant()) {
     for (const Input& option : inputs) {
       InputState& input = *inputs_.emplace_back(std::make_unique<InputState>(option, timeouts, map_frame));
       Beacon& beacon = beacons_[option.address];
       beacon.status.address = option.address;
       beacon.has_imu = beacon.has_imu || input.is_imu;
-      if (input.is_imu) {
-        subscribe(imus_, node, option.topic, input);
-      } else {
-        subscribe(points_, node, option.topic, input);
-        subscribe(poses_, node, option.topic, input);
+      if (input.is_imu || option.fix_type) subscribe(input);
+    }
+  }
+
+  void update_readers() override {
+    constexpr TimeNs period_ns = 100'000'000;
+    if (clocks::steady_now() < search_due_) return;
+    search_due_ = clocks::steady_now() + period_ns;
+    for (const dds::FoundEndpoint& writer : discovery_.writers()) {
+      for (const auto& input : inputs_) {
+        if (writer.topic_name == ros2::name_in_dds(node_.names().topic(input->option.topic))) {
+          on_writer(writer.type_name, *input);
+        }
       }
     }
   }
@@ -103,6 +119,7 @@ public:
     constexpr std::chrono::milliseconds poll_period{100};
     while (!stop.requested()) {
       waitset_.wait(poll_period);
+      add_new_streams();
       for_all_streams([&](auto& stream) { take(stream, sink); });
       check_inputs();
       publish_statuses(sink);
@@ -128,17 +145,59 @@ private:
     SmallestOffset offset;  ///< of the IMU's samples, or of fixes without an IMU
   };
 
+  struct AllStreams {
+    Streams<ros2::Imu> imus;
+    Streams<ros2::PointStamped> points;
+    Streams<ros2::PoseWithCovarianceStamped> poses;
+  };
+
+  void on_writer(const std::string& type, InputState& input) {
+    if (!input.is_imu && !input.option.fix_type) {
+      input.option.fix_type = fix_type_named(type);
+      if (input.option.fix_type) subscribe(input);
+    }
+    const std::string used = dds_type_of(input.option);
+    if (type == used || !input.other_types.insert(type).second) return;
+    log_(fmt::format(
+        "beacon {}: a publisher of {} is ignored, because its type is {}, not {}", input.address,
+        input.option.topic, ros2::type_name_in_ros(type),
+        used.empty() ? "PointStamped or PoseWithCovarianceStamped" : ros2::type_name_in_ros(used)));
+  }
+
+  void subscribe(InputState& input) {
+    if (input.is_imu) {
+      subscribe(&AllStreams::imus, input);
+    } else if (input.option.fix_type == FixType::point) {
+      subscribe(&AllStreams::points, input);
+    } else {
+      subscribe(&AllStreams::poses, input);
+    }
+  }
+
   template <class T>
-  void subscribe(Streams<T>& streams, ros2::Node& node, const std::string& topic, InputState& input) {
-    streams.push_back(std::make_unique<Stream<T>>(node, topic, input));
-    waitset_ += streams.back()->has_data;
+  void subscribe(Streams<T> AllStreams::*streams, InputState& input) {
+    auto created = std::make_unique<Stream<T>>(node_, input.option.topic, input);
+    waitset_ += created->has_data;
+    const std::lock_guard lock(mutex_);
+    (new_streams_.*streams).push_back(std::move(created));
+  }
+
+  void add_new_streams() {
+    const auto move = [](auto& from, auto& to) {
+      std::move(from.begin(), from.end(), std::back_inserter(to));
+      from.clear();
+    };
+    const std::lock_guard lock(mutex_);
+    move(new_streams_.imus, streams_.imus);
+    move(new_streams_.points, streams_.points);
+    move(new_streams_.poses, streams_.poses);
   }
 
   template <class Action>
   void for_all_streams(const Action& action) {
-    for (const auto& stream : imus_) action(*stream);
-    for (const auto& stream : points_) action(*stream);
-    for (const auto& stream : poses_) action(*stream);
+    for (const auto& stream : streams_.imus) action(*stream);
+    for (const auto& stream : streams_.points) action(*stream);
+    for (const auto& stream : streams_.poses) action(*stream);
   }
 
   template <class T>
@@ -203,10 +262,13 @@ private:
   }
 
   LineLogger log_;
+  ros2::Node& node_;                                 ///< on the thread of update_readers() only
+  dds::Discovery discovery_;                         ///< likewise
+  SteadyTime search_due_;                            ///< likewise
   std::vector<std::unique_ptr<InputState>> inputs_;  ///< constant after construction
-  Streams<ros2::Imu> imus_;
-  Streams<ros2::PointStamped> points_;
-  Streams<ros2::PoseWithCovarianceStamped> poses_;
+  std::mutex mutex_;                                 ///< guards new_streams_
+  AllStreams new_streams_;                           ///< not yet used by run()
+  AllStreams streams_;                               ///< of run() only
   dds::WaitSet waitset_;
   std::map<BeaconAddress, Beacon> beacons_;
   ros2::RisingStamp reception_;

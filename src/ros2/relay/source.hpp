@@ -30,15 +30,20 @@ public:
   /// Messages of this beacon that were lost since the start because the queue of a reader was full. Messages
   /// that the network lost are not known and not included. 0 for a beacon without an input. Thread-safe.
   [[nodiscard]] virtual std::uint64_t samples_lost(BeaconAddress address) const noexcept = 0;
+
+  /// Creates the reader of each topic of fixes as soon as a publisher shows its type, and logs publishers of
+  /// other types. Call it periodically on the thread of the node, and Node::announce() after it; it searches
+  /// up to ten times per second. Throws dds::Error.
+  virtual void update_readers() = 0;
 };
 
 /// Receives a line without a newline: "beacon 7: no IMU samples from ROS 2 yet: …". Called on the thread that
-/// runs the source.
+/// runs the source, and on that of update_readers().
 using LineLogger = std::function<void(const std::string& line)>;
 
-/// Subscribes immediately. The readers are best effort, which matches every writer, and queue messages until
-/// run() takes them (profile ros2::Input). A topic of fixes may have the type PointStamped or
-/// PoseWithCovarianceStamped; both are subscribed to.
+/// The readers are best effort, which matches every writer, and queue messages until run() takes them
+/// (profile ros2::Input). Topics whose type is known are subscribed to immediately, the others in
+/// update_readers(): two readers of different types would make a topic unusable for the tools of ROS 2.
 ///
 /// The time of reception is the time of processing, and for a message without a stamp also the time of
 /// measurement; these times are unique. Fixes are used as positions in the map, and IMU samples as readings

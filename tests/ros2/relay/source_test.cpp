@@ -5,6 +5,7 @@
 #include "bridge/collecting_sink.hpp"
 #include "clocks/clocks.hpp"
 #include "support/test_domain.hpp"
+#include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/ros2/messages/messages.hpp>
 
 #include <catch2/catch.hpp>
@@ -95,10 +96,15 @@ public:
   dds::DataWriter<T> driver(const std::string& topic, dds::Qos qos = {}, bool matches = true) {
     dds::DataWriter<T> writer(drivers_, dds::Topic<T>(drivers_, ros2::name_in_dds(topic)), qos);
     if (matches) {
-      REQUIRE(wait_until([&] { return writer.publication_matched_status().current_count > 0; }));
+      REQUIRE(wait_until([&] {
+        source->update_readers();
+        return writer.publication_matched_status().current_count > 0;
+      }));
     }
     return writer;
   }
+
+  [[nodiscard]] const dds::DomainParticipant& drivers() const { return drivers_; }
 
   [[nodiscard]] bool has_logged(const std::string& text) const {
     const std::lock_guard lock(mutex_);
@@ -233,6 +239,52 @@ SCENARIO("fixes in an unexpected frame are used and logged") {
       REQUIRE(wait_until([&] { return rig.sink.count() == 2; }));
       CHECK(rig.logs("beacon 8: fixes on /tag are in frame 'map_7': they are used as if in 'map_8'"));
       CHECK_FALSE(rig.has_logged("beacon 7: fixes on /tag are in frame"));
+    }
+  }
+}
+
+/// Types of the readers that discovery finds on a topic.
+std::vector<std::string> reader_types(const Rig& rig, const std::string& topic) {
+  std::vector<std::string> types;
+  for (const auto& reader : dds::Discovery(rig.drivers()).readers()) {
+    if (reader.topic_name == ros2::name_in_dds(topic)) types.push_back(reader.type_name);
+  }
+  return types;
+}
+
+SCENARIO("a topic of fixes has one reader, of the type of its publisher") {
+  const std::string point_type = "geometry_msgs::msg::dds_::PointStamped_";
+  GIVEN("a topic without a publisher") {
+    Rig rig({{Kind::fix, "/tag", 7}});
+    rig.source->update_readers();
+    THEN("it has no reader, which would give the topic a type") {
+      CHECK(reader_types(rig, "/tag").empty());
+    }
+    WHEN("a publisher of points appears, then one of poses, then one of odometry") {
+      auto points = rig.driver<ros2::PointStamped>("/tag");
+      const auto poses = rig.driver<ros2::PoseWithCovarianceStamped>("/tag", {}, false);
+      const auto odometry = rig.driver<ros2::Odometry>("/tag", {}, false);
+      THEN("the only reader has the first type, and the others are logged with theirs") {
+        rig.run();
+        points.write(fix_at(clocks::host_now(), {}));
+        CHECK(wait_until([&] { return rig.sink.count() == 1; }));
+        const auto logs = [&](const std::string& type) {
+          return wait_until([&] {
+            rig.source->update_readers();
+            return rig.has_logged("a publisher of /tag is ignored, because its type is " + type +
+                                  ", not geometry_msgs/msg/PointStamped");
+          });
+        };
+        CHECK(logs("geometry_msgs/msg/PoseWithCovarianceStamped"));
+        CHECK(logs("nav_msgs/msg/Odometry"));
+        CHECK(reader_types(rig, "/tag") == std::vector{point_type});
+      }
+    }
+  }
+  GIVEN("a topic whose type the user declares") {
+    const Rig rig({Input::parse(Kind::fix, "/tag:geometry_msgs/msg/PointStamped=7")});
+    THEN("it has a reader before any publisher") {
+      CHECK(wait_until([&] { return reader_types(rig, "/tag") == std::vector{point_type}; }));
     }
   }
 }
