@@ -16,10 +16,16 @@ namespace sonopose::ros2 {
 /// of the sensor; the orientation is not used. Empty for a non-finite value or an invalid stamp.
 std::optional<ImuSample> imu_sample(const Imu& imu, BeaconAddress address, TimeNs received_ns);
 
-/// A position in the map (m), with the measured delay from its stamp to `received_ns`; orientation and
-/// covariance are not used. Empty for a non-finite value or an invalid stamp.
+/// A position in the map (m), with the measured delay from its stamp to `received_ns`; the orientation is not
+/// used. Empty for a non-finite position or an invalid stamp.
 std::optional<UltrasonicFix> fix(const PointStamped& point, BeaconAddress address, TimeNs received_ns);
+/// With the covariance of the position, unless no variance is positive, which means unknown. Each standard
+/// deviation is at least `least_fix_std_m`.
 std::optional<UltrasonicFix> fix(const PoseWithCovarianceStamped& pose, BeaconAddress address,
                                  TimeNs received_ns);
+
+/// Drivers leave single variances 0 or state the resolution of their output, which no positioning system
+/// reaches.
+inline constexpr double least_fix_std_m = 0.005;
 
 }  // namespace sonopose::ros2
