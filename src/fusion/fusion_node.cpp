@@ -91,6 +91,7 @@ private:
 
   void publish_status(BeaconAddress address);
   void publish_estimate(BeaconAddress address);
+  void log_fix_refusals(BeaconAddress address);
   void log_gaps();
 
   /// Passes on the samples and status changes of one topic, on the thread that receives them.
@@ -381,6 +382,7 @@ void FusionNode::Impl::publish_statuses() {
   for (const BeaconAddress address : addresses) {
     publish_status(address);
     publish_estimate(address);
+    log_fix_refusals(address);
   }
   if (lossless_) log_gaps();
   status_publisher_.log_losses(unwritten());
@@ -409,6 +411,15 @@ void FusionNode::Impl::publish_estimate(BeaconAddress address) {
     estimate = estimators_.estimate(address);
   }
   if (estimate && !status_publisher_.publish(*estimate)) ++unwritten_;
+}
+
+void FusionNode::Impl::log_fix_refusals(BeaconAddress address) {
+  std::optional<std::string> text;
+  {
+    const std::lock_guard lock(estimators_mutex_);
+    text = estimators_.fix_refusals(address, clocks::steady_now());
+  }
+  if (text) fmt::print(stderr, "sonopose-fusion: beacon {}: {}\n", address, *text);
 }
 
 void FusionNode::Impl::log_gaps() {

@@ -121,6 +121,14 @@ SCENARIO("messages of ROS 2 drivers become samples") {
         CHECK(taken->measured_delay_s.value_or(-1) == Approx(0.04));
       }
     }
+    WHEN("its clock is ahead, so that it arrives before its stamp") {
+      const auto taken = fix(pose, 9, stamp_ns - 2'000'000);
+      THEN("it was measured at its stamp, without a delay") {
+        CHECK(taken->emission_time_ns == stamp_ns);
+        CHECK(taken->received_time_ns == stamp_ns);
+        CHECK(taken->measured_delay_s.value_or(-1) == 0.0);
+      }
+    }
     WHEN("it has no stamp") {
       pose.header.stamp = {0, 0};
       THEN("it was measured when it arrived, and no fixed delay applies") {

@@ -18,6 +18,7 @@ namespace ros2_input_test {
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
+using Catch::Contains;
 
 /// A robot on a level circle around (1, 2, 0.5) that looks along its path; at rest at the centre if the
 /// radius is 0.
@@ -41,8 +42,10 @@ struct Motion {
 
 /// What the drivers of a robot do.
 struct Driving {
-  Motion motion;
+  Motion motion{};
   TimeNs fix_delay_ns = 0;  ///< from the stamp of a fix to its message
+  TimeNs fix_age_ns = 0;    ///< of the stamps of fixes, relative to those of the IMU
+  TimeNs age_ns = 0;        ///< of all stamps, as in a recording that is played again
 };
 
 /// Drivers of an IMU at 100 Hz and of fixes with 2 cm noise at 10 Hz, until destruction.
@@ -67,12 +70,12 @@ private:
     std::deque<std::pair<TimeNs, Vector3d>> measured;
     for (int i = 0; !stop_; ++i) {
       const TimeNs now_ns = clocks::host_now();
-      imu_.write(ros2::raw_imu(driving_.motion.imu(), now_ns, frames_, {}));
+      imu_.write(ros2::raw_imu(driving_.motion.imu(), now_ns - driving_.age_ns, frames_, {}));
       if (i % 10 == 0) measured.emplace_back(now_ns, driving_.motion.position_m(now_ns) + noise_m());
       while (!measured.empty() && now_ns - measured.front().first >= driving_.fix_delay_ns) {
         const auto& [stamp_ns, position_m] = measured.front();
-        position_.write(
-            ros2::position_as_pose(position_m, ros2::fix_covariance(noise_std_m, 1.0), stamp_ns, frames_));
+        position_.write(ros2::position_as_pose(position_m, ros2::fix_covariance(noise_std_m, 1.0),
+                                               stamp_ns - driving_.fix_age_ns - driving_.age_ns, frames_));
         measured.pop_front();
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -111,6 +114,78 @@ SCENARIO("a late fix is placed at its stamp") {
         }
         CHECK(std::sqrt(squared_m2 / static_cast<double>(last)) < 0.06);
       }
+    }
+  }
+}
+
+SCENARIO("a recording that is played again is fused like live sensors") {
+  GIVEN("a fusion, and the drivers of a robot at rest with stamps of yesterday") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2({"--imu-in", "/imu/data=42", "--fix-in", "/tag/pose=42"});
+    const Drivers drivers(bus, {.age_ns = 86'400'000'000'000});
+    THEN("the pose follows them, in the time of the recording") {
+      REQUIRE(poses.wait_for([](const FusedPose& pose) {
+        return (pose.status & (status_initialising | status_converging)) == 0;
+      }));
+      const FusedPose& pose = poses.samples.back();
+      CHECK((pose.position_world_m - Vector3d(1, 2, 0.5)).norm() < 0.05);
+      CHECK(seconds_between(pose.time_ns, clocks::host_now()) == Approx(86'400).margin(60));
+    }
+  }
+}
+
+/// A reader that has not matched yet does not receive the first messages of a volatile writer.
+template <class Write, class Done>
+bool repeat_until(const Write& write, const Done& done) {
+  for (int i = 0; i < 200; ++i) {
+    write();
+    if (done()) return true;
+  }
+  return false;
+}
+
+SCENARIO("with simulated time, messages have the time of /clock") {
+  GIVEN("a relay that uses simulated time, and a simulator whose time has just begun") {
+    const Bus bus;
+    Consumer<sonopose_UltrasonicFix> fixes(bus, topics::fix);
+    RosReader<ros2::DiagnosticArray> diagnostics(bus, "/diagnostics");
+    const auto relay = bus.ros2({"--use-sim-time", "--fix-in", "/tag:PointStamped=42"});
+    RosWriter<ros2::Clock> clock(bus, "/clock");
+    RosWriter<ros2::PointStamped> position(bus, "/tag");
+    constexpr TimeNs now_ns = 12'345'000'000;
+    const auto is_now = [](TimeNs time_ns) { return time_ns >= now_ns && time_ns < now_ns + 1'000'000; };
+    REQUIRE(repeat_until([&] { clock.write({ros2::to_ros(now_ns)}); },
+                         [&] {
+                           return diagnostics.wait_for(
+                               [&](const auto& message) { return is_now(stamp_of(message.header)); },
+                               std::chrono::milliseconds(100));
+                         }));
+    WHEN("a position without a stamp arrives") {
+      THEN("it was measured at this time") {
+        REQUIRE(repeat_until(
+            [&] {
+              position.write(ros2::position_as_point({1, 2, 3}, 0, {}));
+            },
+            [&] { return fixes.wait_for_count(1, std::chrono::milliseconds(100)); }));
+        CHECK(is_now(fixes.samples.front().emission_time_ns));
+      }
+    }
+  }
+}
+
+SCENARIO("fixes of another clock than the IMU's are refused with the reason") {
+  GIVEN("a fusion, and drivers whose fixes are stamped an hour before their IMU samples") {
+    const Bus bus;
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2({"--imu-in", "/imu/data=42", "--fix-in", "/tag/pose=42"});
+    const Drivers drivers(bus, {.fix_age_ns = 3'600'000'000'000});
+    THEN("the fusion reports it, and the doctor too") {
+      REQUIRE(fusion->wait_for_line(Stream::error, "beacon 42: all fixes are refused"));
+      const Result doctor =
+          run(SONOPOSE_TEST_DOCTOR, {"--domain", std::to_string(bus.domain_id()), "--duration", "2.5"});
+      CHECK_THAT(doctor.output, Contains("its fusion uses none of its"));
     }
   }
 }

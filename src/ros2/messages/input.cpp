@@ -4,6 +4,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include <algorithm>
+
 namespace sonopose::ros2 {
 namespace {
 
@@ -21,8 +23,8 @@ std::optional<UltrasonicFix> fix_at(const Header& header, const Point& position,
   fix.position_world_m = {position.x, position.y, position.z};
   if (!emission_ns || !fix.position_world_m.allFinite()) return std::nullopt;
   fix.emission_time_ns = *emission_ns;
-  fix.received_time_ns = received_ns;
-  fix.measured_delay_s = seconds_between(*emission_ns, received_ns);
+  fix.received_time_ns = std::max(*emission_ns, received_ns);
+  fix.measured_delay_s = seconds_between(*emission_ns, fix.received_time_ns);
   return fix;
 }
 

@@ -59,7 +59,7 @@ std::string text_of(const Input& input) {
   return fmt::format("{} {}{}={}", option_name(input.kind), input.topic, type, input.address);
 }
 
-std::string dds_type_of(const Input& input) {
+std::string message_type_of(const Input& input) {
   if (input.kind == Input::Kind::imu) return dds::TopicTraits<Imu>::descriptor().m_typename;
   for (const FixTypeName& known : fix_type_names()) {
     if (input.fix_type == known.type) return known.dds_name;

@@ -32,7 +32,7 @@ struct Input {
 std::string text_of(const Input& input);
 
 /// The type of its messages in DDS; empty if it is not known yet.
-std::string dds_type_of(const Input& input);
+std::string message_type_of(const Input& input);
 
 /// The type of fixes with this name in DDS; empty for any other type.
 std::optional<FixType> fix_type_named(std::string_view dds_type_name);

@@ -5,6 +5,7 @@
 #include "ros2/relay/beacon_publishers.hpp"
 #include "ros2/relay/diagnostics.hpp"
 #include "ros2/relay/parameter_server.hpp"
+#include "ros2/relay/ros_clock.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -144,6 +145,7 @@ private:
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
   ros2::Node node_;
+  RosClock clock_;
   ParameterServer parameters_;
   dds::DataWriter<ros2::DiagnosticArray> diagnostics_writer_;
   dds::DataWriter<ros2::TFMessage> tf_writer_;
@@ -187,6 +189,7 @@ Relay::Impl::Impl(const RelayOptions& options)
       participant_(options.domain, ros2::participant_qos(options.enclave)),
       qos_(options.qos_file),
       node_(participant_, qos_, options.names, options.distro),
+      clock_(node_, options.use_sim_time),
       parameters_(node_, participant_, options.domain, options.qos_file),
       diagnostics_writer_(node_.make_writer<ros2::DiagnosticArray>("/diagnostics", "ros2::Diagnostics")),
       observers_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()) {
@@ -306,7 +309,7 @@ void Relay::Impl::publish_static_transforms() {
   for_each_beacon([&](BeaconPublishers& publishers) {
     if (!publishers.is_in_tree()) return;
     transforms.push_back(
-        ros2::transform(mount, clocks::host_now(), publishers.frames().base, publishers.frames().imu));
+        ros2::transform(mount, clock_.now_ns(), publishers.frames().base, publishers.frames().imu));
   });
   if (transforms.empty()) return;
   ros2::TFMessage message{};
@@ -327,7 +330,7 @@ void Relay::Impl::publish_diagnostics() {
     }
   }
   diagnostics.push_back(own_diagnostic(diagnostics.size()));
-  diagnostics_writer_.try_write(ros2::DiagnosticMessage(diagnostics, now_ns).message());
+  diagnostics_writer_.try_write(ros2::DiagnosticMessage(diagnostics, clock_.now_ns()).message());
 }
 
 ros2::Diagnostic Relay::Impl::own_diagnostic(std::size_t beacons) {
@@ -341,6 +344,10 @@ ros2::Diagnostic Relay::Impl::own_diagnostic(std::size_t beacons) {
                 {"samples_rejected", std::to_string(endpoints_.samples_rejected)},
                 {"incompatible_qos", std::to_string(endpoints_.incompatible_qos)},
                 {"imu_data_lost", std::to_string(imu_data_lost)}};
+  if (clock_.now_ns() == 0) {
+    own.level = ros2::Level::warning;
+    own.message += "; /clock, the time of ROS 2 with use_sim_time, has not been received";
+  }
   if (imu_data_lost > std::exchange(reported_imu_data_lost_, imu_data_lost)) {
     own.level = ros2::Level::warning;
     own.message +=
@@ -414,7 +421,7 @@ void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<b
     return std::min(status_period_ns * 10, dds::deadline_of(qos_.datareader_qos(entry.profile)).count());
   };
   source_ = make_source(node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)},
-                        options_.output.frames.map);
+                        options_.output.frames.map, {}, [this] { return clock_.now_ns(); });
   bridge::BridgeNode bridge({.domain = options_.domain, .qos_file = options_.qos_file, .record_folder = {}});
   process::StopSignal bridge_stop;
   std::exception_ptr failure;

@@ -50,6 +50,7 @@ struct RelayOptions {
   process::AddressSet addresses;
   Output output;
   std::vector<Input> inputs;
+  bool use_sim_time = false;  ///< the time of ROS 2 is that of /clock
 };
 
 /// Samples and poses are published on Cyclone's receive thread as they arrive. The main thread creates the

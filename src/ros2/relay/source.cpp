@@ -3,6 +3,7 @@
 #include "clocks/clocks.hpp"
 #include "process/endpoint_counters.hpp"
 #include "ros2/relay/input_monitor.hpp"
+#include "ros2/relay/stamp_clock.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
@@ -67,14 +68,18 @@ struct Stream {
   dds::ReadCondition has_data;
 };
 
-std::optional<Event> event_of(const ros2::Imu& imu, const InputState& input, TimeNs received_ns) {
+std::optional<Event> event_of(const ros2::Imu& imu, const InputState& input, StampClock& clock,
+                              TimeNs received_ns) {
   auto sample = ros2::imu_sample(imu, input.address, received_ns);
-  if (sample) sample->meaning = input.imu_meaning;
+  if (!sample) return std::nullopt;
+  sample->meaning = input.imu_meaning;
+  clock.on_imu(sample->sensor_time_ns, received_ns);
   return sample;
 }
 template <class Position>
-std::optional<Event> event_of(const Position& position, const InputState& input, TimeNs received_ns) {
-  return ros2::fix(position, input.address, received_ns);
+std::optional<Event> event_of(const Position& position, const InputState& input, const StampClock& clock,
+                              TimeNs received_ns) {
+  return ros2::fix(position, input.address, clock.at(received_ns));
 }
 
 /// The time of measurement in the sender's clock.
@@ -91,8 +96,8 @@ void log_to_stderr(const std::string& line) {
 class TopicsSource final : public Source {
 public:
   TopicsSource(ros2::Node& node, const std::vector<Input>& inputs, const InputTimeouts& timeouts,
-               const std::string& map_frame, LineLogger log)
-      : log_(std::move(log)), node_(node), discovery_(node.participant()) {
+               const std::string& map_frame, LineLogger log, TimeSource now)
+      : log_(std::move(log)), now_(std::move(now)), node_(node), discovery_(node.participant()) {
     for (const Input& option : inputs) {
       InputState& input = *inputs_.emplace_back(std::make_unique<InputState>(option, timeouts, map_frame));
       Beacon& beacon = beacons_[option.address];
@@ -142,6 +147,7 @@ private:
   struct Beacon {
     BeaconStatus status;
     bool has_imu = false;
+    StampClock stamp_clock;
     SmallestOffset offset;  ///< of the IMU's samples, or of fixes without an IMU
   };
 
@@ -156,7 +162,7 @@ private:
       input.option.fix_type = fix_type_named(type);
       if (input.option.fix_type) subscribe(input);
     }
-    const std::string used = dds_type_of(input.option);
+    const std::string used = message_type_of(input.option);
     if (type == used || !input.other_types.insert(type).second) return;
     log_(fmt::format(
         "beacon {}: a publisher of {} is ignored, because its type is {}, not {}", input.address,
@@ -207,7 +213,7 @@ private:
     stream.reader.try_take_each([&](const T& message, const dds::SampleInfo&) {
       const TimeNs received_ns = next_reception_ns();
       ++beacon.status.frames;
-      const auto event = event_of(message, input, received_ns);
+      const auto event = event_of(message, input, beacon.stamp_clock, received_ns);
       if (!event) {
         ++beacon.status.samples_rejected;
         return;
@@ -221,9 +227,9 @@ private:
     });
   }
 
-  /// The host's time, later than the previous one: it is the stamp of messages that have none.
+  /// The time of ROS 2, later than the previous one: it is the stamp of messages that have none.
   TimeNs next_reception_ns() {
-    const TimeNs time_ns = clocks::host_now();
+    const TimeNs time_ns = now_();
     return reception_.next(time_ns).value_or(time_ns);
   }
 
@@ -262,6 +268,7 @@ private:
   }
 
   LineLogger log_;
+  TimeSource now_;
   ros2::Node& node_;                                 ///< on the thread of update_readers() only
   dds::Discovery discovery_;                         ///< likewise
   SteadyTime search_due_;                            ///< likewise
@@ -281,10 +288,10 @@ private:
 
 std::unique_ptr<Source> make_source(ros2::Node& node, const std::vector<Input>& inputs,
                                     const InputTimeouts& timeouts, const std::string& map_frame,
-                                    LineLogger log) {
+                                    LineLogger log, TimeSource now) {
   check(inputs);
   if (!log) log = log_to_stderr;
-  return std::make_unique<TopicsSource>(node, inputs, timeouts, map_frame, std::move(log));
+  return std::make_unique<TopicsSource>(node, inputs, timeouts, map_frame, std::move(log), std::move(now));
 }
 
 }  // namespace sonopose::ros2::relay

@@ -56,6 +56,10 @@ public:
     const std::lock_guard lock(mutex_);
     return kept_.of_kind<ImuSample>();
   }
+  [[nodiscard]] std::vector<UltrasonicFix> fixes() const {
+    const std::lock_guard lock(mutex_);
+    return kept_.of_kind<UltrasonicFix>();
+  }
   [[nodiscard]] std::vector<BeaconStatus> statuses() const {
     const std::lock_guard lock(mutex_);
     return kept_.statuses;
@@ -208,6 +212,37 @@ SCENARIO("the clock offset of a beacon is the minimum age of its IMU samples") {
       CHECK(offset_s(7) < 400);
       CHECK(offset_s(8) >= 1);
       CHECK(offset_s(8) < 10);
+    }
+  }
+}
+
+SCENARIO("the delay of a fix is measured in the clock of the stamps") {
+  GIVEN("a recording of a day ago that is played again: fixes arrive 200 ms after their stamps") {
+    constexpr TimeNs day_ns = 86'400 * second_ns;
+    Rig rig({{Kind::imu, "/imu/data", 7}, {Kind::fix, "/tag", 7}});
+    auto imu = rig.driver<ros2::Imu>("/imu/data");
+    auto fixes = rig.driver<ros2::PointStamped>("/tag");
+    rig.run();
+    imu.write(imu_at(clocks::host_now() - day_ns));
+    REQUIRE(wait_until([&] { return rig.sink.count() == 1; }));
+    const TimeNs stamp_ns = clocks::host_now() - day_ns - second_ns / 5;
+    WHEN("one has a stamp") {
+      fixes.write(fix_at(stamp_ns, {}));
+      REQUIRE(wait_until([&] { return rig.sink.count() == 2; }));
+      const UltrasonicFix fix = rig.sink.fixes().front();
+      THEN("its delay is these 200 ms, not a day") {
+        CHECK(fix.emission_time_ns == stamp_ns);
+        CHECK(fix.measured_delay_s.value_or(-1) == Approx(0.2).margin(0.15));
+      }
+    }
+    WHEN("one has no stamp") {
+      fixes.write(fix_at(0, {}));
+      REQUIRE(wait_until([&] { return rig.sink.count() == 2; }));
+      THEN("it was measured at its reception, in the clock of the IMU") {
+        const UltrasonicFix fix = rig.sink.fixes().front();
+        CHECK(seconds_between(stamp_ns, fix.emission_time_ns) == Approx(0.2).margin(0.15));
+        CHECK(fix.measured_delay_s.value_or(-1) == 0.0);
+      }
     }
   }
 }

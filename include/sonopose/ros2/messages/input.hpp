@@ -17,7 +17,8 @@ namespace sonopose::ros2 {
 std::optional<ImuSample> imu_sample(const Imu& imu, BeaconAddress address, TimeNs received_ns);
 
 /// A position in the map (m), with the measured delay from its stamp to `received_ns`; the orientation is not
-/// used. Empty for a non-finite position or an invalid stamp.
+/// used. A stamp after `received_ns`, of a clock that is slightly ahead, means no delay. Empty for a
+/// non-finite position or an invalid stamp.
 std::optional<UltrasonicFix> fix(const PointStamped& point, BeaconAddress address, TimeNs received_ns);
 /// With the covariance of the position, unless no variance is positive, which means unknown. Each standard
 /// deviation is at least `least_fix_std_m`.
