@@ -50,6 +50,7 @@ public:
   [[nodiscard]] std::uint64_t imu_data_lost() const;
   [[nodiscard]] const ros2::FrameNames& frames() const { return frames_; }
   [[nodiscard]] bool is_in_tree() const { return in_tree_; }
+  void set_in_tree(bool in_tree) { in_tree_ = in_tree; }
   /// In mode map_odom: whether there was no odometry at the time of the latest pose.
   [[nodiscard]] bool lacks_odometry() const { return lacks_odometry_; }
 
@@ -66,7 +67,7 @@ private:
   std::string prefix_;  ///< of the topic names
   ros2::FrameNames frames_;
   dds::DataWriter<ros2::TFMessage>& tf_;
-  bool in_tree_;
+  std::atomic<bool> in_tree_;
   dds::DataWriter<ros2::Imu> raw_imu_;
   dds::DataWriter<ros2::Imu> imu_;
   dds::DataWriter<ros2::MagneticField> magnetic_;

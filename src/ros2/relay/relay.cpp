@@ -5,6 +5,7 @@
 #include "ros2/relay/beacon_publishers.hpp"
 #include "ros2/relay/diagnostics.hpp"
 #include "ros2/relay/parameter_server.hpp"
+#include "ros2/relay/presence.hpp"
 #include "ros2/relay/ros_clock.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
@@ -13,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdio>
@@ -131,6 +133,7 @@ private:
   void for_each_beacon(const Action& action);
   void create_new_publishers();
   bool is_in_tree(BeaconAddress address);
+  void replace_tree_owner();
   void publish_static_transforms();
   void publish_diagnostics();
   [[nodiscard]] ros2::Diagnostic own_diagnostic(std::size_t beacons);
@@ -158,6 +161,8 @@ private:
   observation::BeaconObservers observers_;
   process::EndpointCounters endpoints_;
   std::map<BeaconAddress, observation::BeaconView> previous_views_;  ///< of the previous diagnostics
+  std::map<BeaconAddress, Presence> presences_;
+  SteadyTime started_ = clocks::steady_now();
 
   std::mutex mutex_;  ///< guards the members below
   std::map<BeaconAddress, std::unique_ptr<BeaconPublishers>>
@@ -302,6 +307,29 @@ bool Relay::Impl::is_in_tree(BeaconAddress address) {
   return false;
 }
 
+/// A beacon with the same frames takes over the transforms of one that is gone, or that has not appeared.
+void Relay::Impl::replace_tree_owner() {
+  const SteadyTime now = clocks::steady_now();
+  const auto is_gone = [&](BeaconAddress address) {
+    const auto found = presences_.find(address);
+    if (found == presences_.end()) return now - started_ > Presence::gone_after_ns;
+    return found->second.state(now) == Presence::State::gone;
+  };
+  const bool shares_frames =
+      !ros2::has_frames_per_beacon(options_.output.frames, options_.output.tf == TfMode::map_odom);
+  if (!tree_owner_ || !shares_frames || !is_gone(*tree_owner_)) return;
+  const auto next = std::find_if(presences_.begin(), presences_.end(), [&](const auto& entry) {
+    return entry.second.state(now) == Presence::State::present && find_publishers(entry.first) != nullptr;
+  });
+  if (next == presences_.end()) return;
+  fmt::print(stderr, "sonopose-ros2: beacon {} has the transforms now, because beacon {} is gone\n",
+             next->first, *tree_owner_);
+  if (auto* const before = find_publishers(*tree_owner_)) before->set_in_tree(false);
+  tree_owner_ = next->first;
+  find_publishers(next->first)->set_in_tree(true);
+  publish_static_transforms();
+}
+
 /// One message with all transforms, because a late subscriber receives only the last message.
 void Relay::Impl::publish_static_transforms() {
   const ros2::Transform mount{options_.output.mount.imu_in_base_m, options_.output.mount.q_imu_to_base};
@@ -322,11 +350,22 @@ void Relay::Impl::publish_diagnostics() {
   std::vector<ros2::Diagnostic> diagnostics;
   for (const observation::BeaconView& view : observers_.take_windows(now_ns)) {
     if (!options_.addresses.contains(view.address)) continue;
+    const SteadyTime now = clocks::steady_now();
+    Presence& presence = presences_.try_emplace(view.address, now).first->second;
+    presence.update(view, has_bridge(view, now_ns), now);
     observation::BeaconView& previous = previous_views_[view.address];
+    if (presence.state(now) == Presence::State::gone) {
+      previous = view;
+      continue;
+    }
     diagnostics.push_back(diagnostic_of(node_name(), view, previous, now_ns));
     previous = view;
     if (const auto* const publishers = find_publishers(view.address)) {
       check_transforms(*publishers, diagnostics.back());
+    }
+    if (presence.state(now) == Presence::State::stale) {
+      diagnostics.back().level = ros2::Level::stale;
+      diagnostics.back().message = fmt::format("no samples for {:.0f} s", presence.silent_s(now));
     }
   }
   diagnostics.push_back(own_diagnostic(diagnostics.size()));
@@ -393,6 +432,7 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
     if (clocks::steady_now() < next_status) continue;
     next_status = clocks::steady_now() + status_period_ns;
     publish_diagnostics();
+    replace_tree_owner();
     for_each_beacon([](BeaconPublishers& publishers) { publishers.publish_path(); });
   }
 }
