@@ -166,10 +166,16 @@ void BeaconPublishers::publish(const ros2::FixQueue::Ready& fixes) {
     if (output_.fix == FixMessage::point) {
       fix_as_point_.try_write(ros2::position_as_point(fix.position_world_m, *stamp_ns, frames_));
     } else {
-      fix_as_pose_.try_write(ros2::position_as_pose(
-          fix.position_world_m, ros2::fix_covariance(fix_std_m_, fix.weight), *stamp_ns, frames_));
+      fix_as_pose_.try_write(
+          ros2::position_as_pose(fix.position_world_m, covariance_of(fix), *stamp_ns, frames_));
     }
   }
+}
+
+ros2::Covariance3 BeaconPublishers::covariance_of(const ros2::ReadyFix& fix) const {
+  if (fix.covariance_world_m2) return ros2::fix_covariance(fix.covariance_world_m2->matrix(), fix.weight);
+  const double learned_m = learned_fix_std_m_;
+  return ros2::fix_covariance(learned_m > 0 ? learned_m : fix_std_m_.load(), fix.weight);
 }
 
 std::optional<TimeNs> BeaconPublishers::next_stamp(ros2::RisingStamp& stamp, TimeNs time_ns) {
@@ -184,6 +190,10 @@ void BeaconPublishers::on(const EffectiveSettings& settings) {
     std::from_chars(value.data(), value.data() + value.size(), std_m);
     if (std_m > 0) fix_std_m_ = std_m;
   }
+}
+
+void BeaconPublishers::on(const Estimate& estimate) {
+  learned_fix_std_m_ = estimate.fix_noise_m ? estimate.fix_noise_m->value : 0.0;
 }
 
 void BeaconPublishers::add_to_path(const ros2::Odometry& odometry, TimeNs stamp_ns) {

@@ -35,6 +35,7 @@ public:
   void on(const UltrasonicFix& fix);
   void on(const FixReport& report);
   void on(const EffectiveSettings& settings);
+  void on(const Estimate& estimate);
   /// A transform odom → base_link of another odometry source.
   void on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom);
 
@@ -77,7 +78,10 @@ private:
   dds::DataWriter<ros2::PointStamped> fix_as_point_;
   dds::DataWriter<ros2::Path> path_;
 
-  std::atomic<double> fix_std_m_;
+  [[nodiscard]] ros2::Covariance3 covariance_of(const ros2::ReadyFix& fix) const;
+
+  std::atomic<double> fix_std_m_;                    ///< setting of the fusion
+  std::atomic<double> learned_fix_std_m_{};          ///< by the engine; 0: it does not
   std::atomic<SteadyTime> fused_at_ = SteadyTime{};  ///< reception of the latest pose
   std::atomic<bool> lacks_odometry_ = false;
   std::atomic<bool> has_magnetic_ = false;         ///< a sample had a magnetic field

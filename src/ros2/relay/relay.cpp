@@ -117,7 +117,7 @@ private:
   template <class T>
   using ObservedTopic = Subscription<T, observation::ObservingListener<T>>;
 
-  /// Samples, fixes, reports and poses.
+  /// Samples, fixes, reports, poses and estimates.
   template <class Sample>
   void on(const Sample& sample) {
     if (BeaconPublishers* const publishers = find_or_request_publishers(sample.address))
@@ -178,6 +178,7 @@ private:
   Subscription<sonopose_FusedPose, PoseListener> pose_{*this};
   PublishedTopic<sonopose_FixReport> report_{*this};
   PublishedTopic<sonopose_EffectiveSettings> settings_{*this};
+  PublishedTopic<sonopose_Estimate> estimate_{*this};
   ObservedTopic<sonopose_BeaconStatus> beacon_status_{observers_, endpoints_};
   ObservedTopic<sonopose_FusionStatus> fusion_status_{observers_, endpoints_};
 };
@@ -213,6 +214,7 @@ Relay::Impl::Impl(const RelayOptions& options)
   subscribe(pose_, topics::pose);
   subscribe(report_, topics::report);
   subscribe(settings_, topics::settings);
+  subscribe(estimate_, topics::estimate);
   subscribe(beacon_status_, topics::beacon_status);
   subscribe(fusion_status_, topics::fusion_status);
 }
