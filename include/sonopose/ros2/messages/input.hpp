@@ -27,6 +27,6 @@ std::optional<UltrasonicFix> fix(const PoseWithCovarianceStamped& pose, BeaconAd
 
 /// Drivers leave single variances 0 or state the resolution of their output, which no positioning system
 /// reaches.
-inline constexpr double least_fix_std_m = 0.005;
+inline constexpr double least_fix_std_m = 0.01;
 
 }  // namespace sonopose::ros2
