@@ -107,10 +107,9 @@ public:
     }
   }
 
-  void update_readers() override {
-    constexpr TimeNs period_ns = 100'000'000;
-    if (clocks::steady_now() < search_due_) return;
-    search_due_ = clocks::steady_now() + period_ns;
+  SteadyTime update_readers() override {
+    const SteadyTime now = clocks::steady_now();
+    if (now < search_due_) return search_due_;
     for (const dds::FoundEndpoint& writer : discovery_.writers()) {
       for (const auto& input : inputs_) {
         if (writer.topic_name == ros2::name_in_dds(node_.names().topic(input->option.topic))) {
@@ -118,6 +117,11 @@ public:
         }
       }
     }
+    const bool all_subscribed = std::all_of(inputs_.begin(), inputs_.end(), [](const auto& input) {
+      return input->is_imu || input->option.fix_type;
+    });
+    search_due_ = now + (all_subscribed ? TimeNs{1'000'000'000} : TimeNs{100'000'000});
+    return search_due_;
   }
 
   void run(bridge::SampleSink& sink, const process::StopSignal& stop) override {

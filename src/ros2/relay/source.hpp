@@ -33,9 +33,9 @@ public:
   [[nodiscard]] virtual std::uint64_t samples_lost(BeaconAddress address) const noexcept = 0;
 
   /// Creates the reader of each topic of fixes as soon as a publisher shows its type, and logs publishers of
-  /// other types. Call it periodically on the thread of the node, and Node::announce() after it; it searches
-  /// up to ten times per second. Throws dds::Error.
-  virtual void update_readers() = 0;
+  /// other types. Call it on the thread of the node, and Node::announce() after it. Returns when it next has
+  /// something to do; before, it does nothing. Throws dds::Error.
+  virtual SteadyTime update_readers() = 0;
 };
 
 /// Receives a line without a newline: "beacon 7: no IMU samples from ROS 2 yet: …". Called on the thread that
