@@ -54,8 +54,8 @@ void check_frames(const ros2::FrameNames& frames) {
 }
 
 /// The option has precedence over the variable, which is then not validated.
-ros2::Distro select_distro(const Ros2Options& options, const ros2::Variables& environment) {
-  if (options.distro) return *options.distro;
+std::optional<ros2::Distro> select_distro(const Ros2Options& options, const ros2::Variables& environment) {
+  if (options.distro) return options.distro;
   const ros2::FoundDistro found = ros2::distro_of(environment);
   if (!found.warning.empty()) {
     fmt::print(stderr, "sonopose-ros2: warning: {}; use --ros-distro to choose another\n", found.warning);

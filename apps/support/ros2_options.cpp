@@ -23,7 +23,7 @@ void add_node_options(CLI::App& app, Ros2Options& options) {
   app.add_option_function<std::string>(
          "--ros-distro", [&options](const std::string& name) { options.distro = ros2::distro_named(name); },
          "ROS 2 distribution to be compatible with: humble, or jazzy for Iron and later; the names of other "
-         "distributions work too (default: ROS_DISTRO, else jazzy)")
+         "distributions work too (default: ROS_DISTRO, else that of the other nodes)")
       ->check(one_of(ros2::distro_names()))
       ->option_text("humble|jazzy")
       ->group(group);

@@ -13,7 +13,6 @@
 namespace sonopose::ros2 {
 namespace {
 
-constexpr const char* discovery_topic = "ros_discovery_info";
 constexpr const char* discovery_profile = "ros2::Discovery";
 
 dds::policy::UserData user_data(const std::string& text) {
@@ -72,31 +71,51 @@ dds::Qos participant_qos(const std::string& enclave) {
 }
 
 Node::Node(const dds::DomainParticipant& participant, const dds::qos::Provider& qos, NameResolver names,
-           Distro distro)
-    : participant_(participant), qos_(qos), names_(std::move(names)) {
-  const dds::Qos& topic_qos = qos.topic_qos(discovery_profile);
-  const dds::Qos& writer_qos = qos.datawriter_qos(discovery_profile);
-  if (distro == Distro::humble) {
-    discovery_ = discovery_writer<HumbleParticipantEntitiesInfo>(participant, topic_qos, writer_qos);
-  } else {
-    discovery_ = discovery_writer<ParticipantEntitiesInfo>(
-        participant, topic_qos, with_type_hash<ParticipantEntitiesInfo>(writer_qos));
-  }
+           Distro layout)
+    : participant_(participant), qos_(qos), names_(std::move(names)), layout_(layout) {
+  create_discovery_writer();
 }
 
 Node::~Node() {
   try {
-    std::visit([&](auto& writer) { write(writer, dds::guid_of(participant_), nullptr, {}, {}); }, discovery_);
+    write_info(nullptr);
   } catch (const std::exception&) {
     // Usually the participant is deleted next, which has the same effect.
   }
 }
 
+void Node::create_discovery_writer() {
+  const dds::Qos& topic_qos = qos_.topic_qos(discovery_profile);
+  const dds::Qos& writer_qos = qos_.datawriter_qos(discovery_profile);
+  discovery_ = std::monostate();  // the two layouts cannot exist at the same time
+  if (layout_ == Distro::humble) {
+    discovery_ = discovery_writer<HumbleParticipantEntitiesInfo>(participant_, topic_qos, writer_qos);
+  } else {
+    discovery_ = discovery_writer<ParticipantEntitiesInfo>(
+        participant_, topic_qos, with_type_hash<ParticipantEntitiesInfo>(writer_qos));
+  }
+  changed_ = true;
+}
+
+bool Node::use_layout(Distro layout) {
+  if (std::exchange(layout_, layout) == layout) return false;
+  create_discovery_writer();
+  return true;
+}
+
 void Node::announce() {
-  if (!std::exchange(changed_, false)) return;
-  std::visit(
-      [&](auto& writer) { write(writer, dds::guid_of(participant_), &names_.node(), readers_, writers_); },
-      discovery_);
+  if (std::exchange(changed_, false)) write_info(&names_.node());
+}
+
+/// Without a node: that there is none.
+void Node::write_info(const NodeName* node) {
+  const auto write_to = [&](auto& writer) {
+    if constexpr (!std::is_same_v<std::remove_cvref_t<decltype(writer)>, std::monostate>) {
+      node == nullptr ? write(writer, dds::guid_of(participant_), nullptr, {}, {})
+                      : write(writer, dds::guid_of(participant_), node, readers_, writers_);
+    }
+  };
+  std::visit(write_to, discovery_);
 }
 
 void Node::remove(const dds::Entity& endpoint) {

@@ -22,12 +22,14 @@ ros2::TFMessage message_of(ros2::TransformStamped& transform) {
 }  // namespace
 
 BeaconPublishers::BeaconPublishers(ros2::Node& node, const Output& output, BeaconAddress address,
-                                   dds::DataWriter<ros2::TFMessage>& tf, bool in_tree)
+                                   dds::DataWriter<ros2::TFMessage>& tf, bool in_tree,
+                                   process::Wakeup& wakeup)
     : output_(output),
       prefix_(ros2::topic_prefix(output.beacon_namespace, address)),
       frames_(ros2::for_beacon(output.frames, address)),
       tf_(tf),
       in_tree_(in_tree),
+      wakeup_(wakeup),
       fix_std_m_(settings::UncertaintySettings{}.fix_std_m) {
   raw_imu_ = node.make_writer<ros2::Imu>(prefix_ + "imu/data_raw", profile);
   imu_ = node.make_writer<ros2::Imu>(prefix_ + "imu/data", profile);
@@ -48,16 +50,19 @@ void BeaconPublishers::create_magnetic_writer(ros2::Node& node) {
 }
 
 void BeaconPublishers::on(const ImuSample& sample) {
+  bool has_overdue_fix = false;
   {
     const std::lock_guard lock(mutex_);
     samples_[next_sample_++ % samples_.size()] = sample;
+    has_overdue_fix = fixes_.has_overdue(clocks::steady_now());
   }
+  if (has_overdue_fix) publish_overdue_fixes();
   const auto stamp_ns = next_stamp(raw_stamp_, sample.sensor_time_ns);
   if (!stamp_ns) return;
   raw_imu_.try_write(ros2::raw_imu(sample, *stamp_ns, frames_, output_.noise));
   const auto field = ros2::magnetic_field(sample, *stamp_ns, frames_, output_.noise);
   if (!field) return;
-  has_magnetic_ = true;
+  if (!has_magnetic_.exchange(true)) wakeup_.wake();
   if (has_magnetic_writer_) magnetic_.try_write(*field);
 }
 

@@ -26,9 +26,9 @@ namespace sonopose::ros2::relay {
 class BeaconPublishers {
 public:
   /// Creates the writers. `tf`: writer of transforms, nil in mode off; must outlive this object. `in_tree`:
-  /// whether to publish transforms of this beacon.
+  /// whether to publish transforms of this beacon. `wakeup`: of the main thread; must outlive it, too.
   BeaconPublishers(ros2::Node& node, const Output& output, BeaconAddress address,
-                   dds::DataWriter<ros2::TFMessage>& tf, bool in_tree);
+                   dds::DataWriter<ros2::TFMessage>& tf, bool in_tree, process::Wakeup& wakeup);
 
   void on(const ImuSample& sample);
   void on(const FusedPose& pose);
@@ -38,9 +38,10 @@ public:
   /// A transform odom → base_link of another odometry source.
   void on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom);
 
-  /// Main thread only. Creates the writer of the magnetic field after the first sample with one.
+  /// Main thread only. Creates the writer of the magnetic field after the first sample with one, which wakes
+  /// that thread.
   void create_magnetic_writer(ros2::Node& node);
-  /// Main thread only, periodically. Publishes fixes without a report of the fusion.
+  /// Publishes fixes without a report of the fusion. Each IMU sample does this, too.
   void publish_overdue_fixes();
   /// Main thread only, once per second.
   void publish_path();
@@ -64,6 +65,7 @@ private:
   ros2::FrameNames frames_;
   dds::DataWriter<ros2::TFMessage>& tf_;
   bool in_tree_;
+  process::Wakeup& wakeup_;
   dds::DataWriter<ros2::Imu> raw_imu_;
   dds::DataWriter<ros2::Imu> imu_;
   dds::DataWriter<ros2::MagneticField> magnetic_;

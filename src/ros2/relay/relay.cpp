@@ -9,6 +9,7 @@
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/ros2/messages/borrow.hpp>
+#include <sonopose/ros2/messages/graph.hpp>
 
 #include <fmt/format.h>
 
@@ -30,6 +31,8 @@ namespace topics = dds::topics;
 
 constexpr TimeNs status_period_ns = 1'000'000'000;
 constexpr TimeNs poll_period_ns = 20'000'000;
+/// Harms no other process (ros2::layout_for).
+constexpr auto layout_without_others = ros2::Distro::humble;
 
 /// Throws std::invalid_argument if an input is an output of the relay.
 void check_inputs(const RelayOptions& options) {
@@ -129,6 +132,7 @@ private:
   template <class Action>
   void for_each_beacon(const Action& action);
   void create_new_publishers();
+  void observe_graph();
   bool is_in_tree(BeaconAddress address);
   void publish_static_transforms();
   void publish_diagnostics();
@@ -144,6 +148,9 @@ private:
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
   ros2::Node node_;
+  process::Wakeup wakeup_;  ///< of the main thread
+  std::atomic<bool> graph_changed_ = true;
+  ros2::GraphObserver graph_;
   ParameterServer parameters_;
   dds::DataWriter<ros2::DiagnosticArray> diagnostics_writer_;
   dds::DataWriter<ros2::TFMessage> tf_writer_;
@@ -185,7 +192,12 @@ Relay::Impl::Impl(const RelayOptions& options)
     : options_(options),
       participant_(options.domain, ros2::participant_qos(options.enclave)),
       qos_(options.qos_file),
-      node_(participant_, qos_, options.names, options.distro),
+      node_(participant_, qos_, options.names, options.distro.value_or(layout_without_others)),
+      graph_(participant_,
+             [this] {
+               graph_changed_ = true;
+               wakeup_.wake();
+             }),
       parameters_(node_, participant_, options.domain, options.qos_file),
       diagnostics_writer_(node_.make_writer<ros2::DiagnosticArray>("/diagnostics", "ros2::Diagnostics")),
       observers_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()) {
@@ -212,7 +224,10 @@ BeaconPublishers* Relay::Impl::find_or_request_publishers(BeaconAddress address)
   if (!options_.addresses.contains(address)) return nullptr;
   const std::lock_guard lock(mutex_);
   const auto [found, is_new] = publishers_.try_emplace(address);
-  if (is_new) has_new_beacon_ = true;
+  if (is_new) {
+    has_new_beacon_ = true;
+    wakeup_.wake();
+  }
   return found->second.get();
 }
 
@@ -269,8 +284,8 @@ void Relay::Impl::create_new_publishers() {
     }
   }
   for (const BeaconAddress address : missing) {
-    auto created =
-        std::make_unique<BeaconPublishers>(node_, options_.output, address, tf_writer_, is_in_tree(address));
+    auto created = std::make_unique<BeaconPublishers>(node_, options_.output, address, tf_writer_,
+                                                      is_in_tree(address), wakeup_);
     const std::lock_guard lock(mutex_);
     if (const auto known = effective_settings_.find(address); known != effective_settings_.end()) {
       created->on(known->second);
@@ -363,20 +378,33 @@ void Relay::Impl::check_transforms(const BeaconPublishers& publishers, ros2::Dia
   }
 }
 
+/// Main thread only. Selects the layout of the node's announcement by the other processes.
+void Relay::Impl::observe_graph() {
+  if (!graph_changed_.exchange(false)) return;
+  const ros2::Graph graph = graph_.look(clocks::steady_now());
+  graph_changed_ = graph_changed_ || graph.is_undecided;
+  if (options_.distro) return;
+  const auto layout = ros2::layout_for(graph);
+  if (!layout || !node_.use_layout(*layout)) return;
+  fmt::print(stderr, "sonopose-ros2: announced as in {}, like the other ROS 2 processes\n",
+             *layout == ros2::Distro::humble ? "Humble" : "Iron and later");
+}
+
 /// Runs until the stop, or until `failed`.
 void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>& failed) {
   SteadyTime next_status = clocks::steady_now() + status_period_ns;
-  while (!failed && !stop.wait_until(clocks::steady_now() + poll_period_ns)) {
+  while (!failed && !stop.wait_until(next_status, wakeup_)) {
     create_new_publishers();
-    for_each_beacon([this](BeaconPublishers& publishers) {
-      publishers.create_magnetic_writer(node_);
-      publishers.publish_overdue_fixes();
-    });
+    for_each_beacon([this](BeaconPublishers& publishers) { publishers.create_magnetic_writer(node_); });
+    observe_graph();
     node_.announce();
     if (clocks::steady_now() < next_status) continue;
     next_status = clocks::steady_now() + status_period_ns;
     publish_diagnostics();
-    for_each_beacon([](BeaconPublishers& publishers) { publishers.publish_path(); });
+    for_each_beacon([](BeaconPublishers& publishers) {
+      publishers.publish_overdue_fixes();
+      publishers.publish_path();
+    });
   }
 }
 
@@ -415,6 +443,7 @@ void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<b
       } catch (...) {
         failure = std::current_exception();
         failed = true;
+        wakeup_.wake();
       }
     });
     const std::unique_ptr<process::StopSignal, void (*)(process::StopSignal*)> stop_at_exit(

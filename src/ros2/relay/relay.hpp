@@ -45,7 +45,7 @@ struct RelayOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
   ros2::NameResolver names;
-  ros2::Distro distro = ros2::Distro::jazzy;
+  std::optional<ros2::Distro> distro;  ///< empty: that of the other ROS 2 processes
   std::string enclave = "/";
   process::AddressSet addresses;
   Output output;

@@ -18,8 +18,11 @@
 
 namespace sonopose::ros2 {
 
-/// The layout of `ros_discovery_info`: a `Gid` has 24 bytes up to Humble and 16 bytes later. With the wrong
-/// layout, topics work, but `ros2 node list` does not show the node.
+inline constexpr const char* discovery_topic = "ros_discovery_info";
+
+/// The layout of `ros_discovery_info`: a `Gid` has 24 bytes up to Humble and 16 bytes later. A process of
+/// Iron or later does not list a node that is announced in Humble's layout; one of Humble fails to list any
+/// node if one is announced in the later layout.
 enum class Distro : std::uint8_t {
   humble,  ///< and earlier
   jazzy    ///< Iron and later
@@ -33,7 +36,7 @@ class Node {
 public:
   /// `participant` and `qos` must outlive the node.
   Node(const dds::DomainParticipant& participant, const dds::qos::Provider& qos, NameResolver names,
-       Distro distro);
+       Distro layout);
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
   Node(Node&&) = delete;
@@ -67,6 +70,9 @@ public:
     return {make_reader_in_dds<typename S::Request>("rq" + service + "Request", profile, id),
             make_writer_in_dds<typename S::Response>("rr" + service + "Reply", profile, id)};
   }
+
+  /// Changes the layout from the next announce() on. Returns whether it was another one. Throws dds::Error.
+  bool use_layout(Distro layout);
 
   /// Publishes node and endpoints if they have changed since the last call.
   void announce();
@@ -108,15 +114,19 @@ private:
   /// User data by which clients associate the two endpoints of a service: "serviceid=…;".
   std::string next_service_id();
   void add(Guids& guids, const dds::Entity& endpoint);
+  void create_discovery_writer();
+  void write_info(const NodeName* node);
 
   const dds::DomainParticipant& participant_;
   const dds::qos::Provider& qos_;
   NameResolver names_;
+  Distro layout_;
   Guids readers_;
   Guids writers_;
   bool changed_ = true;
   std::uint32_t service_count_ = 0;
-  std::variant<dds::DataWriter<ParticipantEntitiesInfo>, dds::DataWriter<HumbleParticipantEntitiesInfo>>
+  std::variant<std::monostate, dds::DataWriter<ParticipantEntitiesInfo>,
+               dds::DataWriter<HumbleParticipantEntitiesInfo>>
       discovery_;
 };
 
