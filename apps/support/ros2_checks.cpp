@@ -65,6 +65,10 @@ std::optional<ros2::Distro> select_distro(const Ros2Options& options, const ros2
 
 }  // namespace
 
+ros2::NodeName node_name(const Ros2Options& options) {
+  return resolver_of(options).node();
+}
+
 ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::Variables& environment) {
   check_frames(options.output.frames);
   ros2::relay::RelayOptions relay{.domain = {},
@@ -74,7 +78,9 @@ ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::
                                   .enclave = options.enclave,
                                   .addresses = {},
                                   .output = options.output,
-                                  .inputs = {}};
+                                  .inputs = {},
+                                  .services = options.services,
+                                  .startup_settings = {}};
   relay.output.mount = with_option("--mount", [&] { return ros2::mount_at(options.mount); });
   if (options.addresses) {
     relay.addresses =

@@ -29,6 +29,16 @@ void add_node_options(CLI::App& app, Ros2Options& options) {
       ->group(group);
 }
 
+void add_services_option(CLI::App& app, Ros2Options& options) {
+  using ros2::relay::ServicesMode;
+  add_choice<ServicesMode>(
+      app, "--services", options.services,
+      {{"auto", ServicesMode::automatic}, {"on", ServicesMode::on}, {"off", ServicesMode::off}},
+      "Offer the parameter services, which only clients on Cyclone DDS can use; auto: unless a process on "
+      "Fast DDS is present")
+      ->group("ROS 2 node");
+}
+
 void add_frame_options(CLI::App& app, Ros2Options& options) {
   const char* const group = "Frames";
   const auto frame = [&](const char* name, std::string& value, const char* what) {
@@ -49,6 +59,13 @@ void add_frame_options(CLI::App& app, Ros2Options& options) {
        {"off", ros2::relay::TfMode::off}},
       "Transform to publish: map to base; map to odom, if another source publishes odom to base; or none")
       ->group(group);
+}
+
+void add_static_option(CLI::App& app, Ros2Options& options) {
+  add_choice<std::optional<bool>>(app, "--tf-static", options.output.tf_static,
+                                  {{"on", true}, {"off", false}},
+                                  "Publish the mount, base to IMU (default: unless --tf is off)")
+      ->group("Frames");
 }
 
 void add_message_options(CLI::App& app, Ros2Options& options) {
@@ -117,8 +134,10 @@ void describe_network(CLI::App& app) {
 void add_ros2_options(CLI::App& app, Ros2Options& options) {
   describe_network(app);
   add_node_options(app, options);
+  add_services_option(app, options);
   add_message_options(app, options);
   add_frame_options(app, options);
+  add_static_option(app, options);
   add_input_options(app, options);
 }
 

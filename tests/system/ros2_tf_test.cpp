@@ -2,8 +2,10 @@
 
 #include "clocks/clocks.hpp"
 #include "support/ros2.hpp"
+#include <sonopose/dds/binding/discovery.hpp>
 
 #include <atomic>
+#include <csignal>
 #include <set>
 #include <string>
 #include <thread>
@@ -119,6 +121,41 @@ SCENARIO("with another odometry the relay publishes the transform of its frame")
         CHECK((through.translation_m - base_in_map.translation_m).norm() < 1e-9);
         CHECK(through.rotation.angularDistance(base_in_map.rotation) < 1e-7);
       }
+    }
+  }
+}
+
+SCENARIO("the mount is published unless another node has the transform tree") {
+  GIVEN("a running chain") {
+    const Bus bus;
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({});
+    const dds::DomainParticipant participant = dds::make_participant({.domain_id = bus.domain_id()});
+    const dds::Discovery discovery(participant);
+    const auto wait_for_odometry = [&](bool present) {
+      std::set<std::string> topics;
+      for (int attempt = 0; attempt < 2000; ++attempt) {
+        topics.clear();
+        for (const auto& writer : discovery.writers()) topics.insert(writer.topic_name);
+        if (topics.contains("rt/hedge_7/odom") == present) return topics;
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      }
+      FAIL("the writers of beacon 7 did not appear, or disappear");
+      return topics;
+    };
+    const auto publishes_mount = [&](const Arguments& arguments) {
+      const auto relay = bus.ros2(arguments);
+      // The node creates its own writers before those of a beacon.
+      const bool found = wait_for_odometry(true).contains("rt/tf_static");
+      CHECK(relay->end_by(SIGTERM).code == 0);
+      wait_for_odometry(false);
+      return found;
+    };
+    THEN("it is with transforms, and not without; --tf-static decides otherwise") {
+      CHECK(publishes_mount({}));
+      CHECK_FALSE(publishes_mount({"--tf", "off"}));
+      CHECK(publishes_mount({"--tf", "off", "--tf-static", "on"}));
+      CHECK_FALSE(publishes_mount({"--tf-static", "off"}));
     }
   }
 }

@@ -4,18 +4,20 @@
 #include "observation/beacon_observers.hpp"
 #include "ros2/relay/beacon_publishers.hpp"
 #include "ros2/relay/diagnostics.hpp"
+#include "ros2/relay/log.hpp"
 #include "ros2/relay/parameter_server.hpp"
+#include "ros2/relay/surroundings.hpp"
+#include "ros2/relay/transform_tree.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/ros2/messages/borrow.hpp>
-#include <sonopose/ros2/messages/graph.hpp>
 
 #include <fmt/format.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <exception>
 #include <functional>
 #include <map>
@@ -30,9 +32,14 @@ namespace {
 namespace topics = dds::topics;
 
 constexpr TimeNs status_period_ns = 1'000'000'000;
-constexpr TimeNs poll_period_ns = 20'000'000;
-/// Harms no other process (ros2::layout_for).
-constexpr auto layout_without_others = ros2::Distro::humble;
+
+/// A killed relay disappears from the graph after this time.
+constexpr std::chrono::seconds lease{4};
+
+RelayOptions with_lease(RelayOptions options) {
+  options.domain.lease = lease;
+  return options;
+}
 
 /// Throws std::invalid_argument if an input is an output of the relay.
 void check_inputs(const RelayOptions& options) {
@@ -117,6 +124,11 @@ private:
   template <class T>
   using ObservedTopic = Subscription<T, observation::ObservingListener<T>>;
 
+  template <class T, class Listener>
+  static bool has_writer(Subscription<T, Listener>& subscription) {
+    return subscription.reader.subscription_matched_status().current_count > 0;
+  }
+
   /// Samples, fixes, reports and poses.
   template <class Sample>
   void on(const Sample& sample) {
@@ -132,9 +144,6 @@ private:
   template <class Action>
   void for_each_beacon(const Action& action);
   void create_new_publishers();
-  void observe_graph();
-  bool is_in_tree(BeaconAddress address);
-  void publish_static_transforms();
   void publish_diagnostics();
   [[nodiscard]] ros2::Diagnostic own_diagnostic(std::size_t beacons) const;
   void check_transforms(const BeaconPublishers& publishers, ros2::Diagnostic& diagnostic) const;
@@ -145,19 +154,17 @@ private:
   [[nodiscard]] const std::string& node_name() const { return options_.names.node().name; }
 
   RelayOptions options_;
+  Log log_;
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
   ros2::Node node_;
   process::Wakeup wakeup_;  ///< of the main thread
-  std::atomic<bool> graph_changed_ = true;
-  ros2::GraphObserver graph_;
+  process::Wakeup parameters_wakeup_;
   ParameterServer parameters_;
+  Surroundings surroundings_;
   dds::DataWriter<ros2::DiagnosticArray> diagnostics_writer_;
   dds::DataWriter<ros2::TFMessage> tf_writer_;
-  dds::DataWriter<ros2::TFMessage> static_tf_writer_;
-  std::optional<BeaconAddress>
-      tree_owner_;  ///< the beacon with transforms, if all beacons have the same frames
-  bool reported_shared_frames_ = false;
+  TransformTree tree_;
   std::unique_ptr<Source> source_;  ///< null without inputs
   observation::BeaconObservers observers_;
   process::EndpointCounters endpoints_;
@@ -189,20 +196,22 @@ void Relay::run(const process::StopSignal& stop) {
 }
 
 Relay::Impl::Impl(const RelayOptions& options)
-    : options_(options),
-      participant_(options.domain, ros2::participant_qos(options.enclave)),
+    : options_(with_lease(options)),
+      log_(options.log_level),
+      participant_(options_.domain, ros2::participant_qos(options.enclave)),
       qos_(options.qos_file),
-      node_(participant_, qos_, options.names, options.distro.value_or(layout_without_others)),
-      graph_(participant_,
-             [this] {
-               graph_changed_ = true;
-               wakeup_.wake();
-             }),
-      parameters_(node_, participant_, options.domain, options.qos_file),
+      node_(participant_, qos_, options.names, options.distro.value_or(ros2::layout_without_others)),
+      parameters_(node_, participant_,
+                  {.domain = options_.domain,
+                   .qos_file = options.qos_file,
+                   .startup_settings = options.startup_settings},
+                  log_, [this] { parameters_wakeup_.wake(); }),
+      surroundings_(options_, participant_, node_, parameters_, log_, [this] { wakeup_.wake(); }),
       diagnostics_writer_(node_.make_writer<ros2::DiagnosticArray>("/diagnostics", "ros2::Diagnostics")),
+      tree_(options_, node_, log_),
       observers_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()) {
   check_inputs(options);
-  static_tf_writer_ = node_.make_writer<ros2::TFMessage>("/tf_static", "ros2::TfStatic");
+  if (options.rosout) log_.publish_as(node_);
   if (options.output.tf != TfMode::off) tf_writer_ = node_.make_writer<ros2::TFMessage>("/tf", "ros2::Tf");
   if (options.output.tf == TfMode::map_odom) {
     tf_reader_ = node_.make_reader<ros2::TFMessage>("/tf", "ros2::Tf", &tf_listener_);
@@ -285,47 +294,18 @@ void Relay::Impl::create_new_publishers() {
   }
   for (const BeaconAddress address : missing) {
     auto created = std::make_unique<BeaconPublishers>(node_, options_.output, address, tf_writer_,
-                                                      is_in_tree(address), wakeup_);
+                                                      tree_.admits(address), wakeup_);
     const std::lock_guard lock(mutex_);
     if (const auto known = effective_settings_.find(address); known != effective_settings_.end()) {
       created->on(known->second);
     }
     publishers_[address] = std::move(created);
   }
-  publish_static_transforms();
-}
-
-/// With shared frames, transforms of two beacons would conflict, so only one beacon publishes them.
-bool Relay::Impl::is_in_tree(BeaconAddress address) {
-  const ros2::FrameNames& frames = options_.output.frames;
-  if (!tree_owner_) tree_owner_ = options_.addresses.first().value_or(address);
-  if (tree_owner_ == address || ros2::has_frames_per_beacon(frames, options_.output.tf == TfMode::map_odom)) {
-    return true;
-  }
-  if (options_.output.tf != TfMode::off && !std::exchange(reported_shared_frames_, true)) {
-    fmt::print(stderr,
-               "sonopose-ros2: beacon {} has no transforms, because it has the same frames as beacon {}. Use "
-               "different frames for each beacon (--base-frame hedge_{{address}}/base_link --imu-frame "
-               "hedge_{{address}}/imu_link, and --odom-frame with --tf map_odom), or select one beacon "
-               "(--addresses)\n",
-               address, *tree_owner_);
-  }
-  return false;
-}
-
-/// One message with all transforms, because a late subscriber receives only the last message.
-void Relay::Impl::publish_static_transforms() {
-  const ros2::Transform mount{options_.output.mount.imu_in_base_m, options_.output.mount.q_imu_to_base};
-  std::vector<ros2::TransformStamped> transforms;
-  for_each_beacon([&](BeaconPublishers& publishers) {
-    if (!publishers.is_in_tree()) return;
-    transforms.push_back(
-        ros2::transform(mount, clocks::host_now(), publishers.frames().base, publishers.frames().imu));
+  std::vector<ros2::FrameNames> in_tree;
+  for_each_beacon([&](const BeaconPublishers& publishers) {
+    if (publishers.is_in_tree()) in_tree.push_back(publishers.frames());
   });
-  if (transforms.empty()) return;
-  ros2::TFMessage message{};
-  ros2::borrow_sequence(message.transforms, transforms);
-  static_tf_writer_.try_write(message);
+  tree_.publish_mounts(in_tree);
 }
 
 void Relay::Impl::publish_diagnostics() {
@@ -378,28 +358,19 @@ void Relay::Impl::check_transforms(const BeaconPublishers& publishers, ros2::Dia
   }
 }
 
-/// Main thread only. Selects the layout of the node's announcement by the other processes.
-void Relay::Impl::observe_graph() {
-  if (!graph_changed_.exchange(false)) return;
-  const ros2::Graph graph = graph_.look(clocks::steady_now());
-  graph_changed_ = graph_changed_ || graph.is_undecided;
-  if (options_.distro) return;
-  const auto layout = ros2::layout_for(graph);
-  if (!layout || !node_.use_layout(*layout)) return;
-  fmt::print(stderr, "sonopose-ros2: announced as in {}, like the other ROS 2 processes\n",
-             *layout == ros2::Distro::humble ? "Humble" : "Iron and later");
-}
-
 /// Runs until the stop, or until `failed`.
 void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>& failed) {
+  surroundings_.observe();
+  node_.announce();
   SteadyTime next_status = clocks::steady_now() + status_period_ns;
   while (!failed && !stop.wait_until(next_status, wakeup_)) {
     create_new_publishers();
     for_each_beacon([this](BeaconPublishers& publishers) { publishers.create_magnetic_writer(node_); });
-    observe_graph();
+    surroundings_.observe();
     node_.announce();
     if (clocks::steady_now() < next_status) continue;
     next_status = clocks::steady_now() + status_period_ns;
+    surroundings_.check_processes(has_writer(imu_), has_writer(pose_));
     publish_diagnostics();
     for_each_beacon([](BeaconPublishers& publishers) {
       publishers.publish_overdue_fixes();
@@ -410,16 +381,22 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
 
 /// Runs on a separate thread, because it waits for replies of the fusion.
 void Relay::Impl::serve_parameters(const std::stop_token& end, const process::StopSignal& stop) {
-  while (!end.stop_requested() && !stop.wait_until(clocks::steady_now() + poll_period_ns)) {
+  constexpr TimeNs retry_period_ns = 20'000'000;
+  constexpr TimeNs hour_ns = 3'600'000'000'000;
+  const std::stop_callback wake_to_end(end, [this] { parameters_wakeup_.wake(); });
+  bool waits = false;
+  do {
     try {
-      parameters_.serve();
+      waits = parameters_.serve();
     } catch (const dds::Error& error) {
-      fmt::print(stderr, "sonopose-ros2: parameters: {}\n", error.what());
+      log_.error(fmt::format("parameters: {}", error.what()));
     }
-  }
+  } while (!stop.wait_until(clocks::steady_now() + (waits ? retry_period_ns : hour_ns), parameters_wakeup_) &&
+           !end.stop_requested());
 }
 
 void Relay::Impl::run(const process::StopSignal& stop) {
+  log_.info("relaying as " + ros2::full_name(options_.names.node()));
   const std::jthread parameters([&](const std::stop_token& end) { serve_parameters(end, stop); });
   std::atomic<bool> failed = false;
   if (options_.inputs.empty()) return serve(stop, failed);
@@ -432,7 +409,7 @@ void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<b
     return std::min(status_period_ns * 10, dds::deadline_of(qos_.datareader_qos(entry.profile)).count());
   };
   source_ = make_source(node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)},
-                        options_.output.frames.map);
+                        options_.output.frames.map, [this](const std::string& line) { log_.warning(line); });
   bridge::BridgeNode bridge({.domain = options_.domain, .qos_file = options_.qos_file, .record_folder = {}});
   process::StopSignal bridge_stop;
   std::exception_ptr failure;

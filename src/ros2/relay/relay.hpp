@@ -5,7 +5,9 @@
 
 #include "process/address_set.hpp"
 #include "process/stop_signal.hpp"
+#include "ros2/arguments/arguments.hpp"
 #include "ros2/relay/source.hpp"
+#include "ros2/relay/startup_settings.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 #include <sonopose/ros2/messages/covariance.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
@@ -28,6 +30,13 @@ enum class TfMode : std::uint8_t {
   off
 };
 
+/// Whether the parameter services are offered.
+enum class ServicesMode : std::uint8_t {
+  automatic,  ///< unless a process uses Fast DDS: it would wait for a reply forever
+  on,
+  off
+};
+
 enum class FixMessage : std::uint8_t { pose, point };
 
 /// The messages of a beacon.
@@ -37,8 +46,12 @@ struct Output {
   ros2::Mount mount;
   ros2::Noise noise;
   TfMode tf = TfMode::map_base;
+  std::optional<bool> tf_static = std::nullopt;  ///< empty: unless `tf` is off
   FixMessage fix = FixMessage::pose;
   double path_s = 0;  ///< length of `path` in seconds; 0: no path
+
+  /// Whether the transform from the base to the IMU is published. Without `tf`, another node has the tree.
+  [[nodiscard]] bool publishes_mount() const { return tf_static.value_or(tf != TfMode::off); }
 };
 
 struct RelayOptions {
@@ -50,6 +63,10 @@ struct RelayOptions {
   process::AddressSet addresses;
   Output output;
   std::vector<Input> inputs;
+  ServicesMode services = ServicesMode::automatic;
+  std::vector<StartupSetting> startup_settings;  ///< for each fusion that appears
+  arguments::LogLevel log_level = arguments::LogLevel::info;
+  bool rosout = true;  ///< whether log lines are published
 };
 
 /// Samples and poses are published on Cyclone's receive thread as they arrive. The main thread creates the

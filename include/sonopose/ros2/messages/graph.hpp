@@ -25,6 +25,7 @@ struct Graph {
 /// process of Iron or later reads Humble's layout as a participant without nodes. A process of Humble that
 /// reads the later layout cannot list any node.
 std::optional<Distro> layout_for(const Graph& graph);
+inline constexpr Distro layout_without_others = Distro::humble;
 
 /// Not thread-safe.
 class GraphObserver {

@@ -12,7 +12,10 @@
 #include <sonopose/ros2/messages/service.hpp>
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -61,13 +64,18 @@ public:
     return make_reader_in_dds<T>(name_in_dds(names_.topic(name)), profile, {}, listener, mask);
   }
 
-  /// A service by its ROS name, which is resolved like that of a topic.
+  /// A service by its ROS name, which is resolved like that of a topic. `on_request` is called when a request
+  /// arrives, under the rules of a listener.
   template <class S>
-  Service<S> make_service(const std::string& name) {
+  Service<S> make_service(const std::string& name, std::function<void()> on_request = {}) {
+    using Listener = typename Service<S>::RequestListener;
     const char* const profile = "ros2::Default";
     const std::string service = names_.topic(name);
     const std::string id = next_service_id();
-    return {make_reader_in_dds<typename S::Request>("rq" + service + "Request", profile, id),
+    auto listener = on_request ? std::make_unique<Listener>(std::move(on_request)) : nullptr;
+    auto requests =
+        make_reader_in_dds<typename S::Request>("rq" + service + "Request", profile, id, listener.get());
+    return {std::move(listener), std::move(requests),
             make_writer_in_dds<typename S::Response>("rr" + service + "Reply", profile, id)};
   }
 
@@ -79,9 +87,26 @@ public:
 
   /// Removes a reader or writer: call this before closing it, and announce() after.
   void remove(const dds::Entity& endpoint);
+  /// The same for both endpoints of a service.
+  template <class S>
+  void remove(const Service<S>& service) {
+    remove(service.requests());
+    remove(service.replies());
+  }
+
+  /// Whether, since the last call, another participant announced a node of the same name. ROS 2 then shows
+  /// only one of them.
+  bool found_namesake();
 
 private:
   using Guids = std::vector<dds_guid_t>;
+
+  /// The endpoints of `ros_discovery_info`.
+  template <class Info>
+  struct Discovery {
+    dds::DataWriter<Info> writer;
+    dds::DataReader<Info> reader;
+  };
 
   /// `prefix`: user data before the hash of the type.
   template <class T>
@@ -114,7 +139,11 @@ private:
   /// User data by which clients associate the two endpoints of a service: "serviceid=…;".
   std::string next_service_id();
   void add(Guids& guids, const dds::Entity& endpoint);
-  void create_discovery_writer();
+  void join_discovery();
+  template <class Info>
+  Discovery<Info> make_discovery(const dds::Qos& writer_qos, const dds::Qos& reader_qos) const;
+  template <class Action>
+  void with_discovery(const Action& action);
   void write_info(const NodeName* node);
 
   const dds::DomainParticipant& participant_;
@@ -125,8 +154,7 @@ private:
   Guids writers_;
   bool changed_ = true;
   std::uint32_t service_count_ = 0;
-  std::variant<std::monostate, dds::DataWriter<ParticipantEntitiesInfo>,
-               dds::DataWriter<HumbleParticipantEntitiesInfo>>
+  std::variant<std::monostate, Discovery<ParticipantEntitiesInfo>, Discovery<HumbleParticipantEntitiesInfo>>
       discovery_;
 };
 
