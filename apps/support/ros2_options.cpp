@@ -78,6 +78,22 @@ void add_message_options(CLI::App& app, Ros2Options& options) {
                  "Namespace of a beacon's topics; '' (for a single beacon): the node's namespace")
       ->capture_default_str()
       ->group(group);
+  app.add_option_function<std::vector<std::string>>(
+         "--topics",
+         [&options](const std::vector<std::string>& topics) {
+           options.output.topics = {topics.begin(), topics.end()};
+         },
+         "Topics of a beacon to publish (default: all); --tf, --tf-static and --path select the others")
+      ->delimiter(',')
+      ->check(one_of(ros2::beacon_topics()))
+      ->option_text(CLI::detail::join(ros2::beacon_topics(), ","))
+      ->group(group);
+  app.add_option("--rate", options.output.rate_hz,
+                 "Thin poses (odom, pose) and transforms to this rate, Hz; 0 publishes each one")
+      ->check(number_between(0.0, 1e6))
+      ->capture_default_str()
+      ->type_name("HZ")
+      ->group(group);
   add_choice<ros2::relay::FixMessage>(
       app, "--fix-message", options.output.fix,
       {{"pose", ros2::relay::FixMessage::pose}, {"point", ros2::relay::FixMessage::point}},

@@ -77,6 +77,8 @@ TEST_CASE("The relay refuses invalid frames, mounts and numbers") {
 TEST_CASE("An option with a fixed set of values refuses others and lists them") {
   check_all_refused({{{"--tf", "foo"}, {"--tf: 'foo'", "map_base, map_odom, off"}},
                      {{"--tf", "1"}, {"--tf: '1'", "map_base, map_odom, off"}},
+                     {{"--topics", "odom,foo"}, {"--topics: 'foo'", "imu/data_raw, imu/data, imu/mag, odom"}},
+                     {{"--rate", "-1"}, {"--rate: ", "-1"}},
                      {{"--tf-static", "foo"}, {"--tf-static: 'foo'", "on, off"}},
                      {{"--services", "foo"}, {"--services: 'foo'", "auto, on, off"}},
                      {{"--fix-message", "foo"}, {"--fix-message: 'foo'", "pose, point"}},

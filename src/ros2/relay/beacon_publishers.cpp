@@ -30,15 +30,20 @@ BeaconPublishers::BeaconPublishers(ros2::Node& node, const Output& output, Beaco
       tf_(tf),
       in_tree_(in_tree),
       wakeup_(wakeup),
+      publishes_mag_(output.topics.contains("imu/mag")),
+      pose_rate_(output.rate_hz),
       fix_std_m_(settings::UncertaintySettings{}.fix_std_m) {
-  raw_imu_ = node.make_writer<ros2::Imu>(prefix_ + "imu/data_raw", profile);
-  imu_ = node.make_writer<ros2::Imu>(prefix_ + "imu/data", profile);
-  odometry_ = node.make_writer<ros2::Odometry>(prefix_ + "odom", profile);
-  pose_ = node.make_writer<ros2::PoseWithCovarianceStamped>(prefix_ + "pose", profile);
+  const auto publish = [&]<class T>(dds::DataWriter<T>& writer, const char* topic) {
+    if (output.topics.contains(topic)) writer = node.make_writer<T>(prefix_ + topic, profile);
+  };
+  publish(raw_imu_, "imu/data_raw");
+  publish(imu_, "imu/data");
+  publish(odometry_, "odom");
+  publish(pose_, "pose");
   if (output.fix == FixMessage::pose) {
-    fix_as_pose_ = node.make_writer<ros2::PoseWithCovarianceStamped>(prefix_ + "fix", profile);
+    publish(fix_as_pose_, "fix");
   } else {
-    fix_as_point_ = node.make_writer<ros2::PointStamped>(prefix_ + "fix", profile);
+    publish(fix_as_point_, "fix");
   }
   if (output.path_s > 0) path_ = node.make_writer<ros2::Path>(prefix_ + "path", profile);
 }
@@ -59,7 +64,8 @@ void BeaconPublishers::on(const ImuSample& sample) {
   if (has_overdue_fix) publish_overdue_fixes();
   const auto stamp_ns = next_stamp(raw_stamp_, sample.sensor_time_ns);
   if (!stamp_ns) return;
-  raw_imu_.try_write(ros2::raw_imu(sample, *stamp_ns, frames_, output_.noise));
+  if (!raw_imu_.is_nil()) raw_imu_.try_write(ros2::raw_imu(sample, *stamp_ns, frames_, output_.noise));
+  if (!publishes_mag_) return;
   const auto field = ros2::magnetic_field(sample, *stamp_ns, frames_, output_.noise);
   if (!field) return;
   if (!has_magnetic_.exchange(true)) wakeup_.wake();
@@ -75,17 +81,17 @@ void BeaconPublishers::on(const FusedPose& pose) {
 void BeaconPublishers::publish_odometry(const FusedPose& pose) {
   if ((pose.status & status_initialising) != 0) return;  // no position yet
   const auto stamp_ns = next_stamp(pose_stamp_, pose.time_ns);
-  if (!stamp_ns) return;
+  if (!stamp_ns || !pose_rate_.admits(*stamp_ns)) return;
   const ros2::Odometry odometry = ros2::odometry(pose, *stamp_ns, frames_, output_.mount, output_.noise);
   publish_transform(odometry, *stamp_ns);
-  odometry_.try_write(odometry);
-  pose_.try_write(ros2::pose_of(odometry));
+  if (!odometry_.is_nil()) odometry_.try_write(odometry);
+  if (!pose_.is_nil()) pose_.try_write(ros2::pose_of(odometry));
   if (!path_.is_nil()) add_to_path(odometry, *stamp_ns);
 }
 
 /// Predicted poses have no IMU sample and are skipped.
 void BeaconPublishers::publish_imu(const FusedPose& pose) {
-  if ((pose.status & status_predicted) != 0) return;
+  if (imu_.is_nil() || (pose.status & status_predicted) != 0) return;
   const auto sample = sample_of(pose.sequence);
   if (!sample) return;
   const auto stamp_ns = next_stamp(imu_stamp_, sample->sensor_time_ns);
@@ -160,6 +166,7 @@ void BeaconPublishers::publish_overdue_fixes() {
 }
 
 void BeaconPublishers::publish(const ros2::FixQueue::Ready& fixes) {
+  if (fix_as_pose_.is_nil() && fix_as_point_.is_nil()) return;
   for (const ros2::ReadyFix& fix : fixes) {
     const auto stamp_ns = next_stamp(fix_stamp_, fix.emission_time_ns);
     if (!stamp_ns) continue;

@@ -66,6 +66,8 @@ private:
   dds::DataWriter<ros2::TFMessage>& tf_;
   bool in_tree_;
   process::Wakeup& wakeup_;
+  bool publishes_mag_;
+  ros2::RateLimit pose_rate_;  ///< used where poses arrive, on one thread
   dds::DataWriter<ros2::Imu> raw_imu_;
   dds::DataWriter<ros2::Imu> imu_;
   dds::DataWriter<ros2::MagneticField> magnetic_;

@@ -9,6 +9,7 @@
 #include "ros2/relay/source.hpp"
 #include "ros2/relay/startup_settings.hpp"
 #include <sonopose/dds/binding/domain.hpp>
+#include <sonopose/ros2/messages/beacon_topics.hpp>
 #include <sonopose/ros2/messages/covariance.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
 #include <sonopose/ros2/messages/names.hpp>
@@ -18,6 +19,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -48,7 +50,9 @@ struct Output {
   TfMode tf = TfMode::map_base;
   std::optional<bool> tf_static = std::nullopt;  ///< empty: unless `tf` is off
   FixMessage fix = FixMessage::pose;
-  double path_s = 0;  ///< length of `path` in seconds; 0: no path
+  std::set<std::string> topics{ros2::beacon_topics().begin(), ros2::beacon_topics().end()};
+  double rate_hz = 0;  ///< most poses and transforms per second; 0: all
+  double path_s = 0;   ///< length of `path` in seconds; 0: no path
 
   /// Whether the transform from the base to the IMU is published. Without `tf`, another node has the tree.
   [[nodiscard]] bool publishes_mount() const { return tf_static.value_or(tf != TfMode::off); }
