@@ -45,6 +45,16 @@ void check_topics(const ros2::relay::RelayOptions& relay) {
   with_option("--remap", [&] { ros2::check_outputs_differ(relay.names, pattern); });
 }
 
+void check_mount(const Ros2Options& options) {
+  if (!options.output.mount_from_tf) return;
+  const auto refuse = [](const char* other) {
+    throw std::invalid_argument(std::string("--mount-from-tf: another node publishes the mount, so ") +
+                                other + " has no meaning");
+  };
+  if (options.mount != decltype(options.mount){}) refuse("--mount");
+  if (options.output.tf_static == true) refuse("--tf-static on");
+}
+
 void check_frames(const ros2::FrameNames& frames) {
   try {
     check(frames);
@@ -71,6 +81,7 @@ ros2::NodeName node_name(const Ros2Options& options) {
 
 ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::Variables& environment) {
   check_frames(options.output.frames);
+  check_mount(options);
   ros2::relay::RelayOptions relay{.domain = {},
                                   .qos_file = {},
                                   .names = resolver_of(options),

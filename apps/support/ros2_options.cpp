@@ -52,6 +52,9 @@ void add_frame_options(CLI::App& app, Ros2Options& options) {
   app.add_option("--mount", options.mount, "Pose of the IMU on the robot: x y z (m) roll pitch yaw (deg)")
       ->type_name("N")
       ->group(group);
+  app.add_flag("--mount-from-tf", options.output.mount_from_tf,
+               "Use the transform from base to IMU that another node publishes on /tf_static")
+      ->group(group);
   add_choice<ros2::relay::TfMode>(
       app, "--tf", options.output.tf,
       {{"map_base", ros2::relay::TfMode::map_base},
@@ -62,9 +65,9 @@ void add_frame_options(CLI::App& app, Ros2Options& options) {
 }
 
 void add_static_option(CLI::App& app, Ros2Options& options) {
-  add_choice<std::optional<bool>>(app, "--tf-static", options.output.tf_static,
-                                  {{"on", true}, {"off", false}},
-                                  "Publish the mount, base to IMU (default: unless --tf is off)")
+  add_choice<std::optional<bool>>(
+      app, "--tf-static", options.output.tf_static, {{"on", true}, {"off", false}},
+      "Publish the mount, base to IMU (default: unless --tf is off, or with --mount-from-tf)")
       ->group("Frames");
 }
 

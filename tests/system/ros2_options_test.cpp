@@ -65,6 +65,8 @@ TEST_CASE("The relay refuses invalid frames, mounts and numbers") {
        {{"--mount", "0", "0", "nan", "0", "0", "0"}, {"--mount: z is nan", "1000 m"}},
        {{"--mount", "0", "-1001", "0", "0", "0", "0"}, {"--mount: y is -1001", "1000 m"}},
        {{"--mount", "0", "0", "0", "0", "0", "inf"}, {"--mount: yaw is inf", "360 deg"}},
+       {{"--mount-from-tf", "--tf-static", "on"}, {"--mount-from-tf: ", "--tf-static on"}},
+       {{"--mount-from-tf", "--mount", "1", "0", "0", "0", "0", "0"}, {"--mount-from-tf: ", "--mount has"}},
        {{"--gyro-std", "0"}, {"--gyro-std: ", "0", "1000"}},
        {{"--tilt-std", "181"}, {"--tilt-std: ", "181", "180"}},
        {{"--addresses", "x"}, {"--addresses: 'x'", "65534"}},

@@ -160,6 +160,52 @@ SCENARIO("the mount is published unless another node has the transform tree") {
   }
 }
 
+SCENARIO("the mount can come from the robot's own description") {
+  GIVEN("a running chain, and a relay that reads the mount from /tf_static") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    RosReader<ros2::Odometry> odometry(bus, "/hedge_7/odom");
+    RosReader<ros2::DiagnosticArray> diagnostics(bus, "/diagnostics");
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2({"--mount-from-tf"});
+    const auto bridge = bus.bridge({});
+    const auto reports = [](const ros2::DiagnosticArray& message, const std::string& text) {
+      for (std::uint32_t i = 0; i < message.status._length; ++i) {
+        const std::string said = message.status._buffer[i].message;
+        if (said.find(text) != std::string::npos) return true;
+      }
+      return false;
+    };
+    REQUIRE(diagnostics.wait_for(
+        [&](const auto& message) { return reports(message, "/tf_static has no base_link -> imu_link"); }));
+    WHEN("another node publishes it") {
+      const std::string base = "base_link";
+      const std::string imu = "imu_link";
+      const ros2::Transform mount{{0.3, 0.1, 0.8}, Quaterniond(Eigen::AngleAxisd(1.5, Vector3d::UnitZ()))};
+      const dds::DomainParticipant participant = dds::make_participant({.domain_id = bus.domain_id()});
+      dds::DataWriter<ros2::TFMessage> robot(participant,
+                                             dds::Topic<ros2::TFMessage>(participant, "rt/tf_static"),
+                                             qos_of(Subscription::latched));
+      auto transform = ros2::transform(mount, clocks::host_now(), base, imu);
+      robot.write({{1, 1, &transform, false}});
+      THEN("the odometry is that of the base") {
+        CHECK(relay->wait_for_line(Stream::error,
+                                   "/tf_static has imu_link in base_link at (0.300, 0.100, 0.800)"));
+        ros2::Odometry message{};
+        REQUIRE(odometry.wait_for_count(1, [&](const auto& one) { message = one; }));
+        const ros2::Transform imu_in_map = ros2::base_in_map(message) * mount;
+        const bool compared = poses.wait_for([&](const FusedPose& pose) {
+          if (pose.time_ns != stamp_of(message.header)) return false;
+          CHECK((imu_in_map.translation_m - pose.position_world_m).norm() < 1e-9);
+          CHECK(imu_in_map.rotation.angularDistance(pose.q_body_to_world) < 1e-7);
+          return true;
+        });
+        CHECK(compared);
+      }
+    }
+  }
+}
+
 SCENARIO("two beacons do not publish the same frame") {
   GIVEN("two beacons and a relay whose frame names do not contain the address") {
     const Bus bus;

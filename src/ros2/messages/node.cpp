@@ -13,6 +13,7 @@
 namespace sonopose::ros2 {
 namespace {
 
+constexpr std::int32_t max_unread_messages = 256;
 constexpr const char* discovery_profile = "ros2::Discovery";
 
 dds::policy::UserData user_data(const std::string& text) {
@@ -88,7 +89,9 @@ Node::~Node() {
 
 void Node::join_discovery() {
   const dds::Qos& writer_qos = qos_.datawriter_qos(discovery_profile);
-  const dds::Qos& reader_qos = qos_.datareader_qos(discovery_profile);
+  // Messages wait for found_namesake(), which an application may never call.
+  dds::Qos reader_qos = qos_.datareader_qos(discovery_profile);
+  reader_qos << dds::policy::History::keep_last(max_unread_messages);
   discovery_ = std::monostate();  // the two layouts cannot exist at the same time
   if (layout_ == Distro::humble) {
     discovery_ = make_discovery<HumbleParticipantEntitiesInfo>(writer_qos, reader_qos);

@@ -33,6 +33,7 @@ BeaconPublishers::BeaconPublishers(ros2::Node& node, const Output& output, Beaco
       publishes_mag_(output.topics.contains("imu/mag")),
       pose_rate_(output.rate_hz),
       fix_std_m_(settings::UncertaintySettings{}.fix_std_m) {
+  if (!output.mount_from_tf) mount_ = output.mount;
   const auto publish = [&]<class T>(dds::DataWriter<T>& writer, const char* topic) {
     if (output.topics.contains(topic)) writer = node.make_writer<T>(prefix_ + topic, profile);
   };
@@ -82,11 +83,26 @@ void BeaconPublishers::publish_odometry(const FusedPose& pose) {
   if ((pose.status & status_initialising) != 0) return;  // no position yet
   const auto stamp_ns = next_stamp(pose_stamp_, pose.time_ns);
   if (!stamp_ns || !pose_rate_.admits(*stamp_ns)) return;
-  const ros2::Odometry odometry = ros2::odometry(pose, *stamp_ns, frames_, output_.mount, output_.noise);
+  const auto known_mount = mount();
+  if (!known_mount) return;
+  const ros2::Odometry odometry = ros2::odometry(pose, *stamp_ns, frames_, *known_mount, output_.noise);
   publish_transform(odometry, *stamp_ns);
   if (!odometry_.is_nil()) odometry_.try_write(odometry);
   if (!pose_.is_nil()) pose_.try_write(ros2::pose_of(odometry));
   if (!path_.is_nil()) add_to_path(odometry, *stamp_ns);
+}
+
+std::optional<ros2::Mount> BeaconPublishers::mount() const {
+  const std::lock_guard lock(mutex_);
+  return mount_;
+}
+
+bool BeaconPublishers::set_mount(const ros2::Mount& mount) {
+  const std::lock_guard lock(mutex_);
+  const bool is_same = mount_ && mount_->imu_in_base_m == mount.imu_in_base_m &&
+                       mount_->q_imu_to_base.coeffs() == mount.q_imu_to_base.coeffs();
+  mount_ = mount;
+  return !is_same;
 }
 
 /// Predicted poses have no IMU sample and are skipped.

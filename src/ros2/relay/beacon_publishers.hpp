@@ -46,12 +46,17 @@ public:
   /// Main thread only, once per second.
   void publish_path();
 
+  /// Sets the mount of the IMU; there are no poses without one. Returns whether it is another one.
+  bool set_mount(const ros2::Mount& mount);
+  [[nodiscard]] bool has_mount() const { return mount().has_value(); }
+
   [[nodiscard]] const ros2::FrameNames& frames() const { return frames_; }
   [[nodiscard]] bool is_in_tree() const { return in_tree_; }
   /// In mode map_odom: whether there was no odometry at the time of the latest pose.
   [[nodiscard]] bool lacks_odometry() const { return lacks_odometry_; }
 
 private:
+  [[nodiscard]] std::optional<ros2::Mount> mount() const;
   void publish_odometry(const FusedPose& pose);
   void publish_imu(const FusedPose& pose);
   void publish(const ros2::FixQueue::Ready& fixes);
@@ -84,6 +89,7 @@ private:
   std::atomic<bool> has_magnetic_writer_ = false;  ///< and its writer exists
 
   mutable std::mutex mutex_;  ///< guards the members below
+  std::optional<ros2::Mount> mount_;
   std::array<ImuSample, 64> samples_{};
   std::size_t next_sample_ = 0;
   ros2::RisingStamp raw_stamp_;

@@ -25,7 +25,9 @@ const SettingAssignment* find(const Assignments& values, const std::string& key)
 /// Messages of parameters, and what they borrow.
 class Messages {
 public:
+  /// A setting of a fusion of another version may be unknown here: it is not a parameter.
   void add(BeaconAddress address, const SettingAssignment& setting) {
+    if (!setting_named(parameter_name({address, setting.key}))) return;
     Parameter& added = parameters_.emplace_back();
     added.name = parameter_name({address, setting.key});
     added.value = settings::parse_value(setting.key, setting.value);

@@ -5,19 +5,19 @@
 #include "ros2/relay/beacon_publishers.hpp"
 #include "ros2/relay/diagnostics.hpp"
 #include "ros2/relay/log.hpp"
+#include "ros2/relay/mount_finder.hpp"
 #include "ros2/relay/parameter_server.hpp"
 #include "ros2/relay/surroundings.hpp"
 #include "ros2/relay/transform_tree.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
-#include <sonopose/ros2/messages/borrow.hpp>
+#include <sonopose/ros2/messages/static_transforms.hpp>
 
 #include <fmt/format.h>
 
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <exception>
 #include <functional>
 #include <map>
@@ -53,11 +53,6 @@ void check_inputs(const RelayOptions& options) {
       }
     }
   }
-}
-
-/// A norm slightly different from 1 is a rounding error.
-bool is_rotation(const Quaterniond& q) {
-  return std::abs(q.squaredNorm() - 1) < 0.02;  // false for NaN
 }
 
 }  // namespace
@@ -179,6 +174,7 @@ private:
   // Readers are last, so that they are destroyed first and no callback uses a destroyed member.
   TfListener tf_listener_{*this};
   dds::DataReader<ros2::TFMessage> tf_reader_;
+  std::unique_ptr<MountFinder> mount_finder_;  ///< null if the mount is known
   PublishedTopic<sonopose_ImuSample> imu_{*this};
   PublishedTopic<sonopose_UltrasonicFix> fix_{*this};
   Subscription<sonopose_FusedPose, PoseListener> pose_{*this};
@@ -215,6 +211,9 @@ Relay::Impl::Impl(const RelayOptions& options)
   if (options.output.tf != TfMode::off) tf_writer_ = node_.make_writer<ros2::TFMessage>("/tf", "ros2::Tf");
   if (options.output.tf == TfMode::map_odom) {
     tf_reader_ = node_.make_reader<ros2::TFMessage>("/tf", "ros2::Tf", &tf_listener_);
+  }
+  if (options.output.mount_from_tf) {
+    mount_finder_ = std::make_unique<MountFinder>(node_, log_, [this] { wakeup_.wake(); });
   }
   node_.announce();
   const auto subscribe = [this](auto& subscription, const auto& topic) {
@@ -270,15 +269,12 @@ void Relay::Impl::on(const EffectiveSettings& settings) {
 void Relay::Impl::on_transform(const ros2::TransformStamped& transform) {
   const auto time_ns = ros2::from_ros(transform.header.stamp);
   if (!time_ns) return;
-  const auto& [x, y, z] = transform.transform.translation;
-  const ros2::Quaternion& q = transform.transform.rotation;
-  ros2::Transform base_in_odom{{x, y, z}, Quaterniond(q.w, q.x, q.y, q.z)};
-  if (!base_in_odom.translation_m.allFinite() || !is_rotation(base_in_odom.rotation)) return;
-  base_in_odom.rotation.normalize();
+  const auto base_in_odom = ros2::transform_of(transform);
+  if (!base_in_odom) return;
   for_each_beacon([&](BeaconPublishers& publishers) {
     const ros2::FrameNames& frames = publishers.frames();
     if (frames.odom != transform.header.frame_id || frames.base != transform.child_frame_id) return;
-    publishers.on_odometry(*time_ns, base_in_odom);
+    publishers.on_odometry(*time_ns, *base_in_odom);
   });
 }
 
@@ -345,6 +341,10 @@ void Relay::Impl::check_transforms(const BeaconPublishers& publishers, ros2::Dia
   if (options_.output.tf != TfMode::off && !publishers.is_in_tree()) {
     problem = "no transforms: another beacon has the same frames";
   }
+  if (!publishers.has_mount()) {
+    problem = fmt::format("no poses: /tf_static has no {} -> {}", publishers.frames().base,
+                          publishers.frames().imu);
+  }
   if (publishers.lacks_odometry()) {
     problem =
         fmt::format("no transforms: /tf has no {} -> {}", publishers.frames().odom, publishers.frames().base);
@@ -365,7 +365,10 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
   SteadyTime next_status = clocks::steady_now() + status_period_ns;
   while (!failed && !stop.wait_until(next_status, wakeup_)) {
     create_new_publishers();
-    for_each_beacon([this](BeaconPublishers& publishers) { publishers.create_magnetic_writer(node_); });
+    for_each_beacon([this](BeaconPublishers& publishers) {
+      publishers.create_magnetic_writer(node_);
+      if (mount_finder_) mount_finder_->assign_to(publishers);
+    });
     surroundings_.observe();
     node_.announce();
     if (clocks::steady_now() < next_status) continue;
@@ -388,7 +391,7 @@ void Relay::Impl::serve_parameters(const std::stop_token& end, const process::St
   do {
     try {
       waits = parameters_.serve();
-    } catch (const dds::Error& error) {
+    } catch (const std::exception& error) {  // also settings of a fusion of another version
       log_.error(fmt::format("parameters: {}", error.what()));
     }
   } while (!stop.wait_until(clocks::steady_now() + (waits ? retry_period_ns : hour_ns), parameters_wakeup_) &&

@@ -46,6 +46,7 @@ struct Output {
   std::string beacon_namespace = "hedge_{address}";  ///< of its topics, relative to the node's namespace
   ros2::FrameNames frames;
   ros2::Mount mount;
+  bool mount_from_tf = false;  ///< the mount is that of /tf_static
   ros2::Noise noise;
   TfMode tf = TfMode::map_base;
   std::optional<bool> tf_static = std::nullopt;  ///< empty: unless `tf` is off
@@ -55,7 +56,9 @@ struct Output {
   double path_s = 0;   ///< length of `path` in seconds; 0: no path
 
   /// Whether the transform from the base to the IMU is published. Without `tf`, another node has the tree.
-  [[nodiscard]] bool publishes_mount() const { return tf_static.value_or(tf != TfMode::off); }
+  [[nodiscard]] bool publishes_mount() const {
+    return tf_static.value_or(tf != TfMode::off && !mount_from_tf);
+  }
 };
 
 struct RelayOptions {
