@@ -1,46 +1,52 @@
 // sonopose-ros2: a ROS 2 node without rclcpp that publishes poses and samples as ROS 2 messages, and reads
 // samples of ROS 2 drivers.
 
-#include "support/bus_options.hpp"
-#include "support/ros2_options.hpp"
+#include "support/ros2_command_line.hpp"
 
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <exception>
 
 namespace {
 
 using namespace sonopose;
 
 /// Without --network, the discovery range follows the environment variables of ROS 2.
-ros2::relay::RelayOptions node_options(const CLI::App& app, const apps::BusOptions& bus,
-                                       const apps::Ros2Options& ros2) {
+ros2::relay::RelayOptions relay_options(const apps::Ros2Program& program) {
   const ros2::Variables environment = dds::environment_variables(ros2::variable_names());
-  auto options = apps::relay_options(ros2, environment);
-  options.domain = bus.domain;
-  if (app.count("--network") == 0) options.domain = ros2::with_discovery_range(bus.domain, environment);
-  options.qos_file = bus.qos_file;
+  auto options = apps::relay_options(program.ros2, environment);
+  options.domain = program.bus.domain;
+  if (program.app.count("--network") == 0) {
+    options.domain = ros2::with_discovery_range(program.bus.domain, environment);
+  }
+  options.qos_file = program.bus.qos_file;
   return options;
 }
 
-int serve(const CLI::App& app, const apps::BusOptions& bus, const apps::Ros2Options& ros2) {
-  const auto options = node_options(app, bus, ros2);
-  if (!options.inputs.empty()) apps::check_publisher(bus);
+int serve(const ros2::arguments::Arguments& arguments, const apps::Ros2Program& given) {
+  const apps::AppliedParameters parameters = apps::apply_parameters(arguments, given);
+  apps::Ros2Program program;  // with the parameters
+  apps::parse(program.app, apps::own_arguments(arguments), parameters.arguments);
+  auto options = relay_options(program);
+  options.startup_settings = parameters.settings;
+  options.log_level = apps::log_level(arguments, options.names.node());
+  options.rosout = arguments.rosout;
+  if (!options.inputs.empty()) apps::check_publisher(program.bus);
   process::StopSignal stop;
   stop.listen_to_signals();
   ros2::relay::Relay relay(options);
-  fmt::print(stderr, "sonopose-ros2: relaying as {}\n", ros2::full_name(options.names.node()));
   relay.run(stop);
   return 0;
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  apps::BusOptions bus;
-  apps::Ros2Options ros2;
-  apps::Program app("ros2");
-  apps::add_bus_options(app, bus);
-  apps::add_ros2_options(app, ros2);
-  return apps::run(app, argc, argv, [&] { return serve(app, bus, ros2); });
+int main(int argc, char** argv) try {
+  const auto arguments = ros2::arguments::split({argv + 1, argv + argc});
+  apps::Ros2Program given;
+  return apps::run(given.app, apps::own_arguments(arguments), [&] { return serve(arguments, given); });
+} catch (const std::exception& error) {
+  fmt::print(stderr, "sonopose-ros2: {}\n", error.what());
+  return 1;
 }

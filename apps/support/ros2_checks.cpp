@@ -45,6 +45,16 @@ void check_topics(const ros2::relay::RelayOptions& relay) {
   with_option("--remap", [&] { ros2::check_outputs_differ(relay.names, pattern); });
 }
 
+void check_mount(const Ros2Options& options) {
+  if (!options.output.mount_from_tf) return;
+  const auto refuse = [](const char* other) {
+    throw std::invalid_argument(std::string("--mount-from-tf: another node publishes the mount, so ") +
+                                other + " has no meaning");
+  };
+  if (options.mount != decltype(options.mount){}) refuse("--mount");
+  if (options.output.tf_static == true) refuse("--tf-static on");
+}
+
 void check_frames(const ros2::FrameNames& frames) {
   try {
     check(frames);
@@ -54,8 +64,8 @@ void check_frames(const ros2::FrameNames& frames) {
 }
 
 /// The option has precedence over the variable, which is then not validated.
-ros2::Distro select_distro(const Ros2Options& options, const ros2::Variables& environment) {
-  if (options.distro) return *options.distro;
+std::optional<ros2::Distro> select_distro(const Ros2Options& options, const ros2::Variables& environment) {
+  if (options.distro) return options.distro;
   const ros2::FoundDistro found = ros2::distro_of(environment);
   if (!found.warning.empty()) {
     fmt::print(stderr, "sonopose-ros2: warning: {}; use --ros-distro to choose another\n", found.warning);
@@ -65,8 +75,13 @@ ros2::Distro select_distro(const Ros2Options& options, const ros2::Variables& en
 
 }  // namespace
 
+ros2::NodeName node_name(const Ros2Options& options) {
+  return resolver_of(options).node();
+}
+
 ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::Variables& environment) {
   check_frames(options.output.frames);
+  check_mount(options);
   ros2::relay::RelayOptions relay{.domain = {},
                                   .qos_file = {},
                                   .names = resolver_of(options),
@@ -74,7 +89,9 @@ ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::
                                   .enclave = options.enclave,
                                   .addresses = {},
                                   .output = options.output,
-                                  .inputs = {}};
+                                  .inputs = {},
+                                  .services = options.services,
+                                  .startup_settings = {}};
   relay.output.mount = with_option("--mount", [&] { return ros2::mount_at(options.mount); });
   if (options.addresses) {
     relay.addresses =

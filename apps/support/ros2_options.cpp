@@ -26,10 +26,20 @@ void add_node_options(CLI::App& app, Ros2Options& options) {
   app.add_option_function<std::string>(
          "--ros-distro", [&options](const std::string& name) { options.distro = ros2::distro_named(name); },
          "ROS 2 distribution to be compatible with: humble, or jazzy for Iron and later; the names of other "
-         "distributions work too (default: ROS_DISTRO, else jazzy)")
+         "distributions work too (default: ROS_DISTRO, else that of the other nodes)")
       ->check(one_of(ros2::distro_names()))
       ->option_text("humble|jazzy")
       ->group(group);
+}
+
+void add_services_option(CLI::App& app, Ros2Options& options) {
+  using ros2::relay::ServicesMode;
+  add_choice<ServicesMode>(
+      app, "--services", options.services,
+      {{"auto", ServicesMode::automatic}, {"on", ServicesMode::on}, {"off", ServicesMode::off}},
+      "Offer the parameter services, which only clients on Cyclone DDS can use; auto: unless a process on "
+      "Fast DDS is present")
+      ->group("ROS 2 node");
 }
 
 void add_frame_options(CLI::App& app, Ros2Options& options) {
@@ -45,6 +55,9 @@ void add_frame_options(CLI::App& app, Ros2Options& options) {
   app.add_option("--mount", options.mount, "Pose of the IMU on the robot: x y z (m) roll pitch yaw (deg)")
       ->type_name("N")
       ->group(group);
+  app.add_flag("--mount-from-tf", options.output.mount_from_tf,
+               "Use the transform from base to IMU that another node publishes on /tf_static")
+      ->group(group);
   add_choice<ros2::relay::TfMode>(
       app, "--tf", options.output.tf,
       {{"map_base", ros2::relay::TfMode::map_base},
@@ -52,6 +65,13 @@ void add_frame_options(CLI::App& app, Ros2Options& options) {
        {"off", ros2::relay::TfMode::off}},
       "Transform to publish: map to base; map to odom, if another source publishes odom to base; or none")
       ->group(group);
+}
+
+void add_static_option(CLI::App& app, Ros2Options& options) {
+  add_choice<std::optional<bool>>(
+      app, "--tf-static", options.output.tf_static, {{"on", true}, {"off", false}},
+      "Publish the mount, base to IMU (default: unless --tf is off, or with --mount-from-tf)")
+      ->group("Frames");
 }
 
 void add_message_options(CLI::App& app, Ros2Options& options) {
@@ -63,6 +83,22 @@ void add_message_options(CLI::App& app, Ros2Options& options) {
   app.add_option("--beacon-namespace", options.output.beacon_namespace,
                  "Namespace of a beacon's topics; '' (for a single beacon): the node's namespace")
       ->capture_default_str()
+      ->group(group);
+  app.add_option_function<std::vector<std::string>>(
+         "--topics",
+         [&options](const std::vector<std::string>& topics) {
+           options.output.topics = {topics.begin(), topics.end()};
+         },
+         "Topics of a beacon to publish (default: all); --tf, --tf-static and --path select the others")
+      ->delimiter(',')
+      ->check(one_of(ros2::beacon_topics()))
+      ->option_text(CLI::detail::join(ros2::beacon_topics(), ","))
+      ->group(group);
+  app.add_option("--rate", options.output.rate_hz,
+                 "Thin poses (odom, pose) and transforms to this rate, Hz; 0 publishes each one")
+      ->check(number_between(0.0, 1e6))
+      ->capture_default_str()
+      ->type_name("HZ")
       ->group(group);
   add_choice<ros2::relay::FixMessage>(
       app, "--fix-message", options.output.fix,
@@ -122,8 +158,10 @@ void describe_network(CLI::App& app) {
 void add_ros2_options(CLI::App& app, Ros2Options& options) {
   describe_network(app);
   add_node_options(app, options);
+  add_services_option(app, options);
   add_message_options(app, options);
   add_frame_options(app, options);
+  add_static_option(app, options);
   add_input_options(app, options);
 }
 

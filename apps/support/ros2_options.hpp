@@ -25,10 +25,14 @@ struct Ros2Options {
   std::vector<std::string> fix_in;
   std::optional<ImuMeaning> imu_meaning;
   bool use_sim_time = false;
+  ros2::relay::ServicesMode services = ros2::relay::ServicesMode::automatic;
 };
 
 /// Call this after add_bus_options(): it changes the description of --network.
 void add_ros2_options(CLI::App& app, Ros2Options& options);
+
+/// The name of the node after remapping. Throws std::invalid_argument with the option.
+ros2::NodeName node_name(const Ros2Options& options);
 
 /// The options of the relay without those of the bus. Logs a warning for an unknown ROS_DISTRO. Throws
 /// std::invalid_argument with the option or variable.

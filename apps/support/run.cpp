@@ -98,9 +98,19 @@ CLI::Validator number_between(double least, double most) {
           "[" + range + "]"};
 }
 
+void parse(CLI::App& app, std::vector<std::string> arguments, const std::vector<std::string>& more) {
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+  app.parse(std::move(arguments));
+}
+
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
+  return run(app, {argv + 1, argv + argc}, body);
+}
+
+int run(CLI::App& app, const std::vector<std::string>& arguments, const std::function<int()>& body) {
   try {
-    app.parse(argc, argv);
+    parse(app, arguments);
   } catch (const CLI::Success& asked) {  // --help, --version
     return app.exit(asked);
   } catch (const CLI::ParseError& error) {

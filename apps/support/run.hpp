@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace sonopose::apps {
 
@@ -28,5 +29,10 @@ CLI::Validator number_between(double least, double most = std::numeric_limits<do
 /// the command line's own errors as CLI11 numbers them; 1 for any exception and for an output that cannot be
 /// written. The reason goes to stderr; for an unknown option or command it names the nearest known one.
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
+/// The same for arguments without the name of the program.
+int run(CLI::App& app, const std::vector<std::string>& arguments, const std::function<int()>& body);
+
+/// Parses arguments, and those of another source after them. Throws CLI::ParseError.
+void parse(CLI::App& app, std::vector<std::string> arguments, const std::vector<std::string>& more = {});
 
 }  // namespace sonopose::apps

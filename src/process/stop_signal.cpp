@@ -3,11 +3,13 @@
 #include "clocks/clocks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
 #include <poll.h>
+#include <span>
 #include <sys/eventfd.h>
 #include <system_error>
 #include <unistd.h>
@@ -30,18 +32,37 @@ extern "C" void sonopose_on_stop_signal(int /*signal*/) {
   errno = saved_errno;
 }
 
-bool is_readable(int fd, TimeNs timeout_ns) {
+int make_event() {
+  const int fd = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  if (fd < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+  return fd;
+}
+
+/// Waits until one of `events` is readable.
+bool wait_for(std::span<pollfd> events, TimeNs timeout_ns) {
   const TimeNs whole_s = timeout_ns / 1'000'000'000;
   const timespec timeout{static_cast<std::time_t>(whole_s), static_cast<long>(timeout_ns % 1'000'000'000)};
-  pollfd waited{fd, POLLIN, 0};
-  return ::ppoll(&waited, 1, &timeout, nullptr) > 0;
+  return ::ppoll(events.data(), events.size(), &timeout, nullptr) > 0;
+}
+
+bool is_readable(int fd, TimeNs timeout_ns) {
+  pollfd event{fd, POLLIN, 0};
+  return wait_for({&event, 1}, timeout_ns);
 }
 
 }  // namespace
 
-StopSignal::StopSignal() : event_fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (event_fd_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+Wakeup::Wakeup() : event_fd_(make_event()) {}
+
+Wakeup::~Wakeup() {
+  ::close(event_fd_);
 }
+
+void Wakeup::wake() noexcept {
+  raise_event(event_fd_);
+}
+
+StopSignal::StopSignal() : event_fd_(make_event()) {}
 
 StopSignal::~StopSignal() {
   int mine = event_fd_;
@@ -77,6 +98,15 @@ bool StopSignal::wait_until(SteadyTime deadline) const {
     left_ns = deadline - clocks::steady_now();  // a signal may have cut the sleep short
   }
   return false;
+}
+
+bool StopSignal::wait_until(SteadyTime deadline, Wakeup& wakeup) const {
+  // A signal that cuts the sleep short only wakes the caller early.
+  std::array<pollfd, 2> events{{{event_fd_, POLLIN, 0}, {wakeup.event_fd_, POLLIN, 0}}};
+  wait_for(events, std::max<TimeNs>(deadline - clocks::steady_now(), 0));
+  std::uint64_t count = 0;
+  [[maybe_unused]] const auto consumed = ::read(wakeup.event_fd_, &count, sizeof count);
+  return requested();
 }
 
 }  // namespace sonopose::process

@@ -1,10 +1,27 @@
 #pragma once
 /// \file
-/// A request to end the process, from Ctrl-C, SIGTERM or the program itself.
+/// A request to end the process, from Ctrl-C, SIGTERM or the program itself, and what else wakes its threads.
 
 #include <sonopose/samples/samples.hpp>
 
 namespace sonopose::process {
+
+/// Wakes a thread that sleeps in StopSignal::wait_until. An event before the sleep counts.
+class Wakeup {
+public:
+  Wakeup();
+  Wakeup(const Wakeup&) = delete;
+  Wakeup& operator=(const Wakeup&) = delete;
+  ~Wakeup();
+
+  /// Any thread may call this, also a listener of Cyclone DDS: it does not block.
+  void wake() noexcept;
+
+private:
+  friend class StopSignal;
+
+  int event_fd_;
+};
 
 /// At most one per process listens to signals; others, as in tests, are requested by hand.
 class StopSignal {
@@ -22,6 +39,8 @@ public:
 
   /// Sleeps until `deadline`, or until the stop. Returns whether the stop came.
   bool wait_until(SteadyTime deadline) const;
+  /// The same, but it also returns, once, after `wakeup`. One thread per wakeup.
+  bool wait_until(SteadyTime deadline, Wakeup& wakeup) const;
 
 private:
   int event_fd_;

@@ -143,7 +143,7 @@ const std::vector<Restriction> restrictions{
      {"clocks"},
      {dds_headers, file_headers, socket_headers, thread_headers, command_line_headers}},
     {"files alone: no DDS, sockets, threads, command lines",
-     {"files", "files/toml", "recording", "config"},
+     {"files", "files/toml", "recording", "config", "ros2/arguments"},
      {dds_headers, socket_headers, thread_headers, command_line_headers}},
     {"offline: no DDS, sockets, clocks, threads, command lines",
      {"evaluation", "plots"},
@@ -156,7 +156,7 @@ const std::vector<Restriction> restrictions{
     {"no Cyclone DDS of their own, command lines, or libraries that an edge module wraps",
      {"process", "observation", "bridge", "fusion", "monitor", "doctor/rules", "doctor/probe",
       "settings_client", "ros2/relay"},
-     {"dds/.*|ddsc/.*", command_line_headers, "asio.*", "toml.*", "pugixml.*"}},
+     {"dds/.*|ddsc/.*", command_line_headers, "asio.*", "toml.*", "pugixml.*", "yaml-cpp/.*"}},
 };
 
 bool is_forbidden(const Restriction& restriction, const std::string& header) {

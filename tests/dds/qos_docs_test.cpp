@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <chrono>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -164,7 +165,8 @@ TEST_CASE("Every profile sets every policy, and the general statements of docs/q
         CHECK(end->policy<policy::Ownership>().value().kind == policy::OwnershipKind::shared);
       }
     }
-    CHECK(writer.policy<policy::Lifespan>().value().duration == infinite);
+    const Duration lifespan = profile == "ros2::Rosout" ? Duration(std::chrono::seconds(10)) : infinite;
+    CHECK(writer.policy<policy::Lifespan>().value().duration == lifespan);
   }
 }
 

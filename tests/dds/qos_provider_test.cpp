@@ -28,6 +28,7 @@ TEST_CASE("Every policy of a QoS file is read") {
       <max_blocking_time><sec>0</sec><nanosec>2000000</nanosec></max_blocking_time></reliability>
     <history><kind>KEEP_LAST_HISTORY_QOS</kind><depth>64</depth></history>
     <durability><kind>TRANSIENT_LOCAL_DURABILITY_QOS</kind></durability>
+    <durability_service><history_depth>12</history_depth></durability_service>
     <liveliness><kind>MANUAL_BY_TOPIC_LIVELINESS_QOS</kind>
       <lease_duration><sec>DURATION_INFINITE_SEC</sec><nanosec>DURATION_INFINITE_NSEC</nanosec></lease_duration>
     </liveliness>
@@ -47,6 +48,7 @@ TEST_CASE("Every policy of a QoS file is read") {
   CHECK(qos.policy<policy::Reliability>()->kind == policy::ReliabilityKind::reliable);
   CHECK(qos.policy<policy::Reliability>()->max_blocking_time == milliseconds(2));
   CHECK(qos.policy<policy::History>()->depth == 64);
+  CHECK(qos.policy<policy::DurabilityService>()->history_depth == 12);
   CHECK(qos.policy<policy::Durability>()->kind == policy::DurabilityKind::transient_local);
   CHECK(qos.policy<policy::Liveliness>()->kind == policy::LivelinessKind::manual_by_topic);
   CHECK(qos.policy<policy::Liveliness>()->lease_duration == infinite);

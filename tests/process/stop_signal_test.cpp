@@ -89,4 +89,38 @@ SCENARIO("Ctrl-C and SIGTERM set the stop that listens") {
   }
 }
 
+SCENARIO("a wakeup ends one wait, and is not a stop") {
+  GIVEN("a stop and a wakeup") {
+    const StopSignal stop;
+    Wakeup wakeup;
+    const SteadyTime start = clocks::steady_now();
+    WHEN("the wakeup comes before the wait, twice") {
+      wakeup.wake();
+      wakeup.wake();
+      THEN("the first wait returns at once, and the second one lasts") {
+        CHECK_FALSE(stop.wait_until(start + minute, wakeup));
+        CHECK(clocks::steady_now() < start + minute);
+        CHECK_FALSE(stop.wait_until(clocks::steady_now() + 20 * ms, wakeup));
+        CHECK(clocks::steady_now() >= start + 20 * ms);
+      }
+    }
+    WHEN("it comes during the wait") {
+      std::thread other([&] { wakeup.wake(); });
+      THEN("the wait ends") {
+        CHECK_FALSE(stop.wait_until(start + minute, wakeup));
+        CHECK(clocks::steady_now() < start + minute);
+      }
+      other.join();
+    }
+  }
+  GIVEN("a stop that was requested") {
+    StopSignal stop;
+    Wakeup wakeup;
+    stop.request();
+    THEN("the wait returns it") {
+      CHECK(stop.wait_until(clocks::steady_now() + minute, wakeup));
+    }
+  }
+}
+
 }  // namespace stop_signal_test

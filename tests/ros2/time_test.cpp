@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <cstdlib>
 #include <optional>
 
 namespace time_test {
@@ -57,6 +58,36 @@ SCENARIO("stamps increase strictly") {
       CHECK(stamps.next(1'000) == std::nullopt);
       CHECK(stamps.next(999) == std::nullopt);
       CHECK(stamps.next(1'001) == 1'001);
+    }
+  }
+}
+
+SCENARIO("a stream is thinned to a rate on average") {
+  constexpr TimeNs ms = 1'000'000;
+  const auto admitted = [](RateLimit& limit, TimeNs from_ns, TimeNs step_ns, int count) {
+    int published = 0;
+    for (int i = 0; i < count; ++i) published += limit.admits(from_ns + i * step_ns) ? 1 : 0;
+    return published;
+  };
+  const TimeNs ten_s = 10'000 * ms;
+  GIVEN("ten seconds at 100 Hz") {
+    THEN("30 Hz, which is no divisor, gives 300 messages, and a higher rate all of them") {
+      RateLimit thirty(30);
+      CHECK(std::abs(admitted(thirty, ten_s, 10 * ms, 1000) - 300) <= 1);
+      RateLimit high(400);
+      CHECK(admitted(high, ten_s, 10 * ms, 1000) == 1000);
+      RateLimit none(0);
+      CHECK(admitted(none, ten_s, 10 * ms, 1000) == 1000);
+    }
+  }
+  GIVEN("a stream at 1 Hz") {
+    RateLimit one(1);
+    REQUIRE(one.admits(ten_s));
+    THEN("a gap is not made up for") {
+      CHECK(admitted(one, ten_s + 60'000 * ms, 10 * ms, 100) == 1);
+    }
+    THEN("the stream continues after the clock is set back") {
+      CHECK(admitted(one, ten_s - 5'000 * ms, 10 * ms, 300) == 3);
     }
   }
 }

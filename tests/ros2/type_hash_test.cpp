@@ -1,4 +1,5 @@
 #include <sonopose/ros2/messages/idl_types.hpp>
+#include <sonopose/ros2/messages/service_types.hpp>
 #include <sonopose/ros2/messages/type_hash.hpp>
 
 #include <catch2/catch.hpp>
@@ -29,6 +30,9 @@ TEST_CASE("Types have the hashes that ROS 2 publishes") {
   CHECK(hash_of<Clock>() == "RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564");
   CHECK(hash_of<ParticipantEntitiesInfo>() ==
         "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e");
+  CHECK(hash_of<ParameterEvent>() ==
+        "RIHS01_043e627780fcad87a22d225bc2a037361dba713fca6a6b9f4b869a5aa0393204");
+  CHECK(hash_of<LogMessage>() == "RIHS01_e28ce254ca8abc06abf92773b74602cdbf116ed34fbaf294fb9f81da9f318eac");
 }
 
 TEST_CASE("A type that is not in idl/ros2 is rejected by name") {

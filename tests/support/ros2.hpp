@@ -12,8 +12,8 @@
 namespace sonopose::test {
 
 /// Best effort, keep-last 5, like sensor-data subscriptions; reliable like the default, but with a deeper
-/// history for a delayed test; or transient local.
-enum class Subscription : std::uint8_t { standard, sensor_data, latched };
+/// history for a delayed test; or transient local, with one message or many.
+enum class Subscription : std::uint8_t { standard, sensor_data, latched, latched_log };
 
 inline dds::Qos qos_of(Subscription kind) {
   using namespace dds::policy;
@@ -24,8 +24,9 @@ inline dds::Qos qos_of(Subscription kind) {
     case Subscription::sensor_data:
       return qos << Reliability::best_effort() << History::keep_last(5);
     case Subscription::latched:
+    case Subscription::latched_log:
       return qos << Reliability::reliable() << Durability{DurabilityKind::transient_local}
-                 << History::keep_last(1);
+                 << History::keep_last(kind == Subscription::latched ? 1 : 1000);
   }
   return qos;
 }

@@ -15,6 +15,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sonopose::test {
@@ -101,6 +102,32 @@ private:
   dds::DomainParticipant participant_;
   dds::DataReader<Info> reader_;
 };
+
+/// A ROS 2 process as others see it: a participant with an enclave, and writers by topic with their user
+/// data.
+class RosProcess {
+public:
+  using Writers = std::vector<std::pair<std::string, std::string>>;
+
+  RosProcess(std::uint32_t domain_id, const Writers& writers, const std::string& user_data = "enclave=/;")
+      : participant_(dds::make_participant({.domain_id = domain_id}, with_user_data(user_data))) {
+    for (const auto& [topic, text] : writers) {
+      writers_.emplace_back(participant_, dds::Topic<ros2::Imu>(participant_, topic), with_user_data(text));
+    }
+  }
+
+private:
+  static dds::Qos with_user_data(const std::string& text) {
+    return dds::Qos() << dds::policy::UserData{{text.begin(), text.end()}};
+  }
+
+  dds::DomainParticipant participant_;
+  std::vector<dds::DataWriter<ros2::Imu>> writers_;
+};
+
+inline const std::string a_type_hash = "typehash=RIHS01_00;";
+inline const RosProcess::Writers humble_writers{{"ros_discovery_info", ""}, {"rt/odom", ""}};
+inline const RosProcess::Writers jazzy_writers{{"ros_discovery_info", a_type_hash}, {"rt/odom", a_type_hash}};
 
 inline std::string text_of(const std::vector<std::uint8_t>& bytes) {
   return {bytes.begin(), bytes.end()};

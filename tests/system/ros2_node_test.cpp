@@ -68,4 +68,46 @@ TEMPLATE_TEST_CASE("ROS 2 lists the relay as a node with the topics of the beaco
   CHECK(watcher.wait_until([&] { return watcher.messages.back().nodes.empty(); }));
 }
 
+/// Whether the latest message that a process of this distribution received lists the relay.
+template <class Info>
+bool lists_relay(Watcher<Info>& watcher) {
+  return watcher.wait_until([&] {
+    return !watcher.messages.empty() && watcher.messages.back().nodes.size() == 1 &&
+           watcher.messages.back().nodes[0].name == "sonopose";
+  });
+}
+
+SCENARIO("without ROS_DISTRO, the relay learns the layout of its announcement from the other processes") {
+  using Humble = ros2::HumbleParticipantEntitiesInfo;
+  using Jazzy = ros2::ParticipantEntitiesInfo;
+  GIVEN("a relay that does not know the distribution") {
+    const Bus bus;
+    const auto relay = bus.ros2();
+    const auto humble_lists_it = [&] {
+      Watcher<Humble> watcher(bus.domain_id());
+      return lists_relay(watcher);
+    };
+    const auto jazzy_lists_it = [&] {
+      Watcher<Jazzy> watcher(bus.domain_id());
+      return lists_relay(watcher);
+    };
+    THEN("a process of Humble lists it from the start, and one of Jazzy reads no node") {
+      CHECK(humble_lists_it());
+      Watcher<Jazzy> watcher(bus.domain_id());
+      REQUIRE(watcher.wait_for_count(1));
+      CHECK(watcher.messages.back().nodes.empty());
+    }
+    WHEN("a process of Jazzy appears, and then one of Humble") {
+      auto newer = std::make_unique<RosProcess>(bus.domain_id(), jazzy_writers);
+      THEN("each lists the relay as long as it is alone") {
+        CHECK(jazzy_lists_it());
+        CHECK(relay->wait_for_line(Stream::error, "announced as in Iron and later"));
+        const RosProcess older(bus.domain_id(), humble_writers);
+        CHECK(relay->wait_for_line(Stream::error, "announced as in Humble"));
+        CHECK(humble_lists_it());
+      }
+    }
+  }
+}
+
 }  // namespace ros2_node_test

@@ -2,10 +2,13 @@
 
 #include "support/ros2.hpp"
 
+#include <sonopose/dds/binding/discovery.hpp>
+
 #include <csignal>
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace ros2_test {
 
@@ -202,6 +205,43 @@ SCENARIO("names, frames and message types are configurable") {
       CHECK(frame == "hall");
       CHECK(fix.wait_for_count(2, [](const auto&) {}));
       CHECK(path.wait_for([](const auto& message) { return message.poses._length > 5; }));
+    }
+  }
+}
+
+SCENARIO("the relay publishes the selected topics at the selected rate") {
+  GIVEN("a chain at 100 Hz, and a relay with two topics and 10 Hz") {
+    const Bus bus;
+    RosReader<ros2::Imu> raw(bus, "/hedge_7/imu/data_raw");
+    RosReader<ros2::Odometry> odom(bus, "/hedge_7/odom");
+    RosReader<ros2::TFMessage> tf(bus, "/tf");
+    const dds::DomainParticipant participant = dds::make_participant({.domain_id = bus.domain_id()});
+    const dds::Discovery discovery(participant);
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2({"--topics", "odom,imu/data_raw", "--rate", "10"});
+    const auto bridge = bus.bridge({"--imu-rate", "100"});
+    const auto seconds_of = [](const std::vector<TimeNs>& stamps) {
+      return seconds_between(stamps.front(), stamps.back());
+    };
+    THEN("poses and transforms come at 10 Hz, and samples at 100 Hz") {
+      std::vector<TimeNs> stamps;
+      REQUIRE(odom.wait_for_count(21, [&](const auto& m) { stamps.push_back(stamp_of(m.header)); }));
+      CHECK(seconds_of(stamps) == Approx(0.1 * static_cast<double>(stamps.size() - 1)).epsilon(0.1));
+      stamps.clear();
+      REQUIRE(tf.wait_for_count(
+          11, [&](const auto& m) { stamps.push_back(stamp_of(m.transforms._buffer[0].header)); }));
+      CHECK(seconds_of(stamps) == Approx(0.1 * static_cast<double>(stamps.size() - 1)).epsilon(0.1));
+      stamps.clear();
+      REQUIRE(raw.wait_for_count(101, [&](const auto& m) { stamps.push_back(stamp_of(m.header)); }));
+      CHECK(seconds_of(stamps) == Approx(0.01 * static_cast<double>(stamps.size() - 1)).epsilon(0.1));
+    }
+    THEN("there are no other topics of the beacon") {
+      REQUIRE(odom.wait_for_count(5, [](const auto&) {}));
+      std::set<std::string> topics;
+      for (const auto& writer : discovery.writers()) {
+        if (writer.topic_name.starts_with("rt/hedge_7/")) topics.insert(writer.topic_name);
+      }
+      CHECK(topics == std::set<std::string>{"rt/hedge_7/odom", "rt/hedge_7/imu/data_raw"});
     }
   }
 }

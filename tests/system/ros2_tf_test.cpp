@@ -2,8 +2,10 @@
 
 #include "clocks/clocks.hpp"
 #include "support/ros2.hpp"
+#include <sonopose/dds/binding/discovery.hpp>
 
 #include <atomic>
+#include <csignal>
 #include <set>
 #include <string>
 #include <thread>
@@ -118,6 +120,87 @@ SCENARIO("with another odometry the relay publishes the transform of its frame")
         const ros2::Transform through = map_to_odom.transform * base_in_odom;
         CHECK((through.translation_m - base_in_map.translation_m).norm() < 1e-9);
         CHECK(through.rotation.angularDistance(base_in_map.rotation) < 1e-7);
+      }
+    }
+  }
+}
+
+SCENARIO("the mount is published unless another node has the transform tree") {
+  GIVEN("a running chain") {
+    const Bus bus;
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({});
+    const dds::DomainParticipant participant = dds::make_participant({.domain_id = bus.domain_id()});
+    const dds::Discovery discovery(participant);
+    const auto wait_for_odometry = [&](bool present) {
+      std::set<std::string> topics;
+      for (int attempt = 0; attempt < 2000; ++attempt) {
+        topics.clear();
+        for (const auto& writer : discovery.writers()) topics.insert(writer.topic_name);
+        if (topics.contains("rt/hedge_7/odom") == present) return topics;
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      }
+      FAIL("the writers of beacon 7 did not appear, or disappear");
+      return topics;
+    };
+    const auto publishes_mount = [&](const Arguments& arguments) {
+      const auto relay = bus.ros2(arguments);
+      // The node creates its own writers before those of a beacon.
+      const bool found = wait_for_odometry(true).contains("rt/tf_static");
+      CHECK(relay->end_by(SIGTERM).code == 0);
+      wait_for_odometry(false);
+      return found;
+    };
+    THEN("it is with transforms, and not without; --tf-static decides otherwise") {
+      CHECK(publishes_mount({}));
+      CHECK_FALSE(publishes_mount({"--tf", "off"}));
+      CHECK(publishes_mount({"--tf", "off", "--tf-static", "on"}));
+      CHECK_FALSE(publishes_mount({"--tf-static", "off"}));
+    }
+  }
+}
+
+SCENARIO("the mount can come from the robot's own description") {
+  GIVEN("a running chain, and a relay that reads the mount from /tf_static") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    RosReader<ros2::Odometry> odometry(bus, "/hedge_7/odom");
+    RosReader<ros2::DiagnosticArray> diagnostics(bus, "/diagnostics");
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2({"--mount-from-tf"});
+    const auto bridge = bus.bridge({});
+    const auto reports = [](const ros2::DiagnosticArray& message, const std::string& text) {
+      for (std::uint32_t i = 0; i < message.status._length; ++i) {
+        const std::string said = message.status._buffer[i].message;
+        if (said.find(text) != std::string::npos) return true;
+      }
+      return false;
+    };
+    REQUIRE(diagnostics.wait_for(
+        [&](const auto& message) { return reports(message, "/tf_static has no base_link -> imu_link"); }));
+    WHEN("another node publishes it") {
+      const std::string base = "base_link";
+      const std::string imu = "imu_link";
+      const ros2::Transform mount{{0.3, 0.1, 0.8}, Quaterniond(Eigen::AngleAxisd(1.5, Vector3d::UnitZ()))};
+      const dds::DomainParticipant participant = dds::make_participant({.domain_id = bus.domain_id()});
+      dds::DataWriter<ros2::TFMessage> robot(participant,
+                                             dds::Topic<ros2::TFMessage>(participant, "rt/tf_static"),
+                                             qos_of(Subscription::latched));
+      auto transform = ros2::transform(mount, clocks::host_now(), base, imu);
+      robot.write({{1, 1, &transform, false}});
+      THEN("the odometry is that of the base") {
+        CHECK(relay->wait_for_line(Stream::error,
+                                   "/tf_static has imu_link in base_link at (0.300, 0.100, 0.800)"));
+        ros2::Odometry message{};
+        REQUIRE(odometry.wait_for_count(1, [&](const auto& one) { message = one; }));
+        const ros2::Transform imu_in_map = ros2::base_in_map(message) * mount;
+        const bool compared = poses.wait_for([&](const FusedPose& pose) {
+          if (pose.time_ns != stamp_of(message.header)) return false;
+          CHECK((imu_in_map.translation_m - pose.position_world_m).norm() < 1e-9);
+          CHECK(imu_in_map.rotation.angularDistance(pose.q_body_to_world) < 1e-7);
+          return true;
+        });
+        CHECK(compared);
       }
     }
   }

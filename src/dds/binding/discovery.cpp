@@ -1,6 +1,7 @@
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/error.hpp>
+#include <sonopose/dds/binding/listener.hpp>
 
 #include <charconv>
 #include <string_view>
@@ -63,17 +64,29 @@ auto all_in(dds_entity_t handle) {
   return result;
 }
 
+detail::CListener change_listener(std::function<void()>* on_change) {
+  if (on_change == nullptr) return nullptr;
+  detail::CListener listener(dds_create_listener(on_change));
+  dds_lset_data_available(listener.get(), [](dds_entity_t /*reader*/, void* arg) noexcept {
+    (*static_cast<std::function<void()>*>(arg))();
+  });
+  return listener;
+}
+
 }  // namespace
 
-Discovery::BuiltinReader::BuiltinReader(const DomainParticipant& participant, dds_entity_t topic)
-    : Entity(check("dds_create_reader", "a built-in topic",
-                   dds_create_reader(participant.handle(), topic, nullptr, nullptr))) {}
+Discovery::BuiltinReader::BuiltinReader(const DomainParticipant& participant, dds_entity_t topic,
+                                        std::function<void()>* on_change)
+    : Entity(
+          check("dds_create_reader", "a built-in topic",
+                dds_create_reader(participant.handle(), topic, nullptr, change_listener(on_change).get()))) {}
 
-Discovery::Discovery(const DomainParticipant& participant)
+Discovery::Discovery(const DomainParticipant& participant, std::function<void()> on_change)
     : participant_(participant.handle()),
-      participants_(participant, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT),
-      writers_(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION),
-      readers_(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION) {}
+      on_change_(on_change ? std::make_unique<std::function<void()>>(std::move(on_change)) : nullptr),
+      participants_(participant, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, on_change_.get()),
+      writers_(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, on_change_.get()),
+      readers_(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, on_change_.get()) {}
 
 std::vector<FoundParticipant> Discovery::participants() const {
   return all_in<dds_builtintopic_participant_t>(participants_.handle());

@@ -25,8 +25,8 @@ struct OpenDomain {
 
 /// Whether a domain that was opened with these options can be shared.
 bool same_configuration(const DomainOptions& a, const DomainOptions& b) {
-  return a.network == b.network && a.peers == b.peers && a.wait_for_readers == b.wait_for_readers &&
-         a.batch_writes == b.batch_writes;
+  return a.network == b.network && a.peers == b.peers && a.lease == b.lease &&
+         a.wait_for_readers == b.wait_for_readers && a.batch_writes == b.batch_writes;
 }
 
 struct Registry {

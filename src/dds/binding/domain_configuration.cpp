@@ -101,12 +101,17 @@ std::string peers(const DomainOptions& options, const UserNetwork& user) {
   return list.empty() ? list : "<Peers>" + list + "</Peers>";
 }
 
+std::string lease(const DomainOptions& options) {
+  if (!options.lease) return {};
+  return "<LeaseDuration>" + std::to_string(options.lease->count()) + " s</LeaseDuration>";
+}
+
 std::string defaults(std::uint32_t domain_id, const DomainOptions& options, const UserNetwork& user) {
   // If the user lists interfaces, Cyclone DDS decides about multicast as usual.
   const bool ours = options.network != Network::lan && user.interfaces.empty();
   const std::string discovery = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
                                 std::to_string(max_participant_index(domain_id)) +
-                                "</MaxAutoParticipantIndex>" + peers(options, user);
+                                "</MaxAutoParticipantIndex>" + lease(options) + peers(options, user);
   // How long a deleted writer waits for readers that do not respond. The default of 1 s, one writer
   // after the other, would delay the exit of a process by seconds.
   std::string internal = "<WriterLingerDuration>100 ms</WriterLingerDuration>";

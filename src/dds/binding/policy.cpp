@@ -133,6 +133,20 @@ std::optional<ResourceLimits> ResourceLimits::from(const dds_qos_t* qos) {
   return limits;
 }
 
+void DurabilityService::apply(dds_qos_t* qos) const {
+  require(history_depth > 0, "a history depth must be positive");
+  dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_LAST, history_depth, DDS_LENGTH_UNLIMITED,
+                              DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
+}
+std::optional<DurabilityService> DurabilityService::from(const dds_qos_t* qos) {
+  DurabilityService service;
+  if (!dds_qget_durability_service(qos, nullptr, nullptr, &service.history_depth, nullptr, nullptr,
+                                   nullptr)) {
+    return std::nullopt;
+  }
+  return service;
+}
+
 void TransportPriority::apply(dds_qos_t* qos) const {
   dds_qset_transport_priority(qos, value);
 }

@@ -56,6 +56,11 @@ void durability(const Source& s, const pugi::xml_node& element, Qos& qos) {
        {"TRANSIENT_LOCAL_DURABILITY_QOS", policy::DurabilityKind::transient_local}})};
 }
 
+void durability_service(const Source& s, const pugi::xml_node& element, Qos& qos) {
+  qos << policy::DurabilityService{
+      number32(s, Parent(s, element, {"history_depth"}).need("history_depth"), 1)};
+}
+
 void liveliness(const Source& s, const pugi::xml_node& element, Qos& qos) {
   const Parent parent(s, element, {"kind", "lease_duration"});
   policy::Liveliness value;
@@ -136,6 +141,7 @@ constexpr std::array policies{
     PolicyRow{"reliability", writer | reader | topic, reliability},
     PolicyRow{"history", writer | reader | topic, history},
     PolicyRow{"durability", writer | reader | topic, durability},
+    PolicyRow{"durability_service", writer | topic, durability_service},
     PolicyRow{"liveliness", writer | reader | topic, liveliness},
     PolicyRow{"ownership", writer | reader | topic, ownership},
     PolicyRow{"ownership_strength", writer, ownership_strength},

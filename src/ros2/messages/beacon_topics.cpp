@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::array<const char*, 7> beacon_outputs{"imu/data_raw", "imu/data", "imu/mag", "odom",
                                                     "pose",         "fix",      "path"};
-constexpr std::array<const char*, 3> node_outputs{"/tf", "/tf_static", "/diagnostics"};
+constexpr std::array<const char*, 5> node_outputs{"/tf", "/tf_static", "/diagnostics", "/rosout",
+                                                  "/parameter_events"};
 constexpr BeaconAddress last_address = all_beacons - 1;
 
 /// The addresses whose digits occur in `name`: only topics of these beacons can have this name.
@@ -47,6 +48,11 @@ void check_outputs_of(const NameResolver& names, const std::string& prefix) {
 }
 
 }  // namespace
+
+const std::vector<std::string>& beacon_topics() {
+  static const std::vector<std::string> topics(beacon_outputs.begin(), beacon_outputs.end() - 1);
+  return topics;
+}
 
 std::string topic_prefix(const std::string& pattern, BeaconAddress address) {
   return pattern.empty() ? std::string() : for_beacon(pattern, address) + "/";

@@ -110,8 +110,8 @@ std::optional<Distro> distro_named(const std::string& name) {
 FoundDistro distro_of(const Variables& variables) {
   const std::string name = value_of(variables, ros_distro);
   if (name.empty()) return {};
-  if (const auto known = distro_named(name)) return {.distro = *known, .warning = {}};
-  return {.distro = newest_layout,
+  if (const auto known = distro_named(name)) return {.distro = known, .warning = {}};
+  return {.distro = Distro::jazzy,
           .warning = std::string(ros_distro) + " is '" + name +
                      "', which is unknown: the node is announced as in Iron and later"};
 }

@@ -37,8 +37,12 @@ FixQueue::Ready FixQueue::on(const FixReport& report) {
 
 FixQueue::Ready FixQueue::overdue(SteadyTime now) {
   Ready ready;
-  while (waiting_count_ > 0 && now - waiting_[0].since > timeout_ns) release_first(ready);
+  while (has_overdue(now)) release_first(ready);
   return ready;
+}
+
+bool FixQueue::has_overdue(SteadyTime now) const {
+  return waiting_count_ > 0 && now - waiting_[0].since > timeout_ns;
 }
 
 void FixQueue::remove_first() {

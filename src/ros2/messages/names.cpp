@@ -90,6 +90,12 @@ std::string full_name(const NodeName& node) {
   return (node.name_space == "/" ? "" : node.name_space) + "/" + node.name;
 }
 
+std::string logger_name(const NodeName& node) {
+  std::string name = full_name(node).substr(1);
+  std::replace(name.begin(), name.end(), '/', '.');
+  return name;
+}
+
 void check_node_name(const std::string& name) {
   const char* const what = "node name";
   if (name.empty()) refuse(what, name, "it is empty");

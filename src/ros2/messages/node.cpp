@@ -13,18 +13,11 @@
 namespace sonopose::ros2 {
 namespace {
 
-constexpr const char* discovery_topic = "ros_discovery_info";
+constexpr std::int32_t max_unread_messages = 256;
 constexpr const char* discovery_profile = "ros2::Discovery";
 
 dds::policy::UserData user_data(const std::string& text) {
   return {{text.begin(), text.end()}};
-}
-
-template <class Info>
-dds::DataWriter<Info> discovery_writer(const dds::DomainParticipant& participant, const dds::Qos& topic_qos,
-                                       const dds::Qos& writer_qos) {
-  const dds::Topic<Info> topic(participant, discovery_topic, topic_qos);
-  return dds::DataWriter<Info>(participant, topic, writer_qos);
 }
 
 /// The GUID, padded with zeros.
@@ -65,6 +58,15 @@ void write(dds::DataWriter<Info>& writer, const dds_guid_t& participant, const N
   writer.write(info);
 }
 
+/// Whether a participant has a node of this name.
+template <class Info>
+bool has_node(const Info& info, const NodeName& node) {
+  const auto& nodes = info.node_entities_info_seq;
+  return std::any_of(nodes._buffer, nodes._buffer + nodes._length, [&](const auto& each) {
+    return node == NodeName{.name_space = each.node_namespace, .name = each.node_name};
+  });
+}
+
 }  // namespace
 
 dds::Qos participant_qos(const std::string& enclave) {
@@ -72,31 +74,79 @@ dds::Qos participant_qos(const std::string& enclave) {
 }
 
 Node::Node(const dds::DomainParticipant& participant, const dds::qos::Provider& qos, NameResolver names,
-           Distro distro)
-    : participant_(participant), qos_(qos), names_(std::move(names)) {
-  const dds::Qos& topic_qos = qos.topic_qos(discovery_profile);
-  const dds::Qos& writer_qos = qos.datawriter_qos(discovery_profile);
-  if (distro == Distro::humble) {
-    discovery_ = discovery_writer<HumbleParticipantEntitiesInfo>(participant, topic_qos, writer_qos);
-  } else {
-    discovery_ = discovery_writer<ParticipantEntitiesInfo>(
-        participant, topic_qos, with_type_hash<ParticipantEntitiesInfo>(writer_qos));
-  }
+           Distro layout)
+    : participant_(participant), qos_(qos), names_(std::move(names)), layout_(layout) {
+  join_discovery();
 }
 
 Node::~Node() {
   try {
-    std::visit([&](auto& writer) { write(writer, dds::guid_of(participant_), nullptr, {}, {}); }, discovery_);
+    write_info(nullptr);
   } catch (const std::exception&) {
     // Usually the participant is deleted next, which has the same effect.
   }
 }
 
+void Node::join_discovery() {
+  const dds::Qos& writer_qos = qos_.datawriter_qos(discovery_profile);
+  // Messages wait for found_namesake(), which an application may never call.
+  dds::Qos reader_qos = qos_.datareader_qos(discovery_profile);
+  reader_qos << dds::policy::History::keep_last(max_unread_messages);
+  discovery_ = std::monostate();  // the two layouts cannot exist at the same time
+  if (layout_ == Distro::humble) {
+    discovery_ = make_discovery<HumbleParticipantEntitiesInfo>(writer_qos, reader_qos);
+  } else {
+    discovery_ = make_discovery<ParticipantEntitiesInfo>(with_type_hash<ParticipantEntitiesInfo>(writer_qos),
+                                                         with_type_hash<ParticipantEntitiesInfo>(reader_qos));
+  }
+  changed_ = true;
+}
+
+template <class Info>
+Node::Discovery<Info> Node::make_discovery(const dds::Qos& writer_qos, const dds::Qos& reader_qos) const {
+  const dds::Topic<Info> topic(participant_, discovery_topic, qos_.topic_qos(discovery_profile));
+  return {dds::DataWriter<Info>(participant_, topic, writer_qos),
+          dds::DataReader<Info>(participant_, topic, reader_qos)};
+}
+
+bool Node::use_layout(Distro layout) {
+  if (std::exchange(layout_, layout) == layout) return false;
+  join_discovery();
+  return true;
+}
+
 void Node::announce() {
-  if (!std::exchange(changed_, false)) return;
-  std::visit(
-      [&](auto& writer) { write(writer, dds::guid_of(participant_), &names_.node(), readers_, writers_); },
-      discovery_);
+  if (std::exchange(changed_, false)) write_info(&names_.node());
+}
+
+/// Calls `action` with the writer and the reader of `ros_discovery_info`.
+template <class Action>
+void Node::with_discovery(const Action& action) {
+  const auto unless_none = [&](auto& discovery) {
+    if constexpr (!std::is_same_v<std::remove_cvref_t<decltype(discovery)>, std::monostate>)
+      action(discovery);
+  };
+  std::visit(unless_none, discovery_);
+}
+
+/// Without a node: that there is none.
+void Node::write_info(const NodeName* node) {
+  with_discovery([&](auto& discovery) {
+    node == nullptr ? write(discovery.writer, dds::guid_of(participant_), nullptr, {}, {})
+                    : write(discovery.writer, dds::guid_of(participant_), node, readers_, writers_);
+  });
+}
+
+bool Node::found_namesake() {
+  const dds_guid_t own = dds::guid_of(participant_);
+  bool found = false;
+  with_discovery([&](auto& discovery) {
+    discovery.reader.try_take_each([&](const auto& info, const dds::SampleInfo&) {
+      if (std::equal(std::begin(own.v), std::end(own.v), std::begin(info.gid.data))) return;
+      found = found || has_node(info, names_.node());
+    });
+  });
+  return found;
 }
 
 void Node::remove(const dds::Entity& endpoint) {

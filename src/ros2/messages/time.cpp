@@ -31,4 +31,13 @@ std::optional<TimeNs> RisingStamp::next(TimeNs time_ns) {
   return time_ns;
 }
 
+bool RateLimit::admits(TimeNs stamp_ns) {
+  const TimeNs early_ns = due_ns_ - stamp_ns;
+  if (early_ns > 0 && early_ns <= period_ns_) return false;
+  // After a gap, and after a step of the clock, the period starts with this message.
+  const bool in_step = early_ns <= 0 && -early_ns < period_ns_;
+  due_ns_ = (in_step ? due_ns_ : stamp_ns) + period_ns_;
+  return true;
+}
+
 }  // namespace sonopose::ros2

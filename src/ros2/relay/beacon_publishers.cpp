@@ -22,21 +22,29 @@ ros2::TFMessage message_of(ros2::TransformStamped& transform) {
 }  // namespace
 
 BeaconPublishers::BeaconPublishers(ros2::Node& node, const Output& output, BeaconAddress address,
-                                   dds::DataWriter<ros2::TFMessage>& tf, bool in_tree)
+                                   dds::DataWriter<ros2::TFMessage>& tf, bool in_tree,
+                                   process::Wakeup& wakeup)
     : output_(output),
       prefix_(ros2::topic_prefix(output.beacon_namespace, address)),
       frames_(ros2::for_beacon(output.frames, address)),
       tf_(tf),
       in_tree_(in_tree),
+      wakeup_(wakeup),
+      publishes_mag_(output.topics.contains("imu/mag")),
+      pose_rate_(output.rate_hz),
       fix_std_m_(settings::UncertaintySettings{}.fix_std_m) {
-  raw_imu_ = node.make_writer<ros2::Imu>(prefix_ + "imu/data_raw", profile);
-  imu_ = node.make_writer<ros2::Imu>(prefix_ + "imu/data", profile);
-  odometry_ = node.make_writer<ros2::Odometry>(prefix_ + "odom", profile);
-  pose_ = node.make_writer<ros2::PoseWithCovarianceStamped>(prefix_ + "pose", profile);
+  if (!output.mount_from_tf) mount_ = output.mount;
+  const auto publish = [&]<class T>(dds::DataWriter<T>& writer, const char* topic) {
+    if (output.topics.contains(topic)) writer = node.make_writer<T>(prefix_ + topic, profile);
+  };
+  publish(raw_imu_, "imu/data_raw");
+  publish(imu_, "imu/data");
+  publish(odometry_, "odom");
+  publish(pose_, "pose");
   if (output.fix == FixMessage::pose) {
-    fix_as_pose_ = node.make_writer<ros2::PoseWithCovarianceStamped>(prefix_ + "fix", profile);
+    publish(fix_as_pose_, "fix");
   } else {
-    fix_as_point_ = node.make_writer<ros2::PointStamped>(prefix_ + "fix", profile);
+    publish(fix_as_point_, "fix");
   }
   if (output.path_s > 0) path_ = node.make_writer<ros2::Path>(prefix_ + "path", profile);
 }
@@ -49,10 +57,13 @@ void BeaconPublishers::create_magnetic_writer(ros2::Node& node) {
 
 void BeaconPublishers::on(const ImuSample& sample) {
   std::optional<FusedPose> early_pose;
+  bool has_overdue_fix = false;
   {
     const std::lock_guard lock(mutex_);
     early_pose = pairing_.on(sample);
+    has_overdue_fix = fixes_.has_overdue(clocks::steady_now());
   }
+  if (has_overdue_fix) handle_overdue();
   publish_raw(sample);
   if (early_pose) publish_imu(sample, *early_pose);
 }
@@ -60,10 +71,11 @@ void BeaconPublishers::on(const ImuSample& sample) {
 void BeaconPublishers::publish_raw(const ImuSample& sample) {
   const auto stamp_ns = next_stamp(raw_stamp_, sample.sensor_time_ns);
   if (!stamp_ns) return;
-  raw_imu_.try_write(ros2::raw_imu(sample, *stamp_ns, frames_, output_.noise));
+  if (!raw_imu_.is_nil()) raw_imu_.try_write(ros2::raw_imu(sample, *stamp_ns, frames_, output_.noise));
+  if (!publishes_mag_) return;
   const auto field = ros2::magnetic_field(sample, *stamp_ns, frames_, output_.noise);
   if (!field) return;
-  has_magnetic_ = true;
+  if (!has_magnetic_.exchange(true)) wakeup_.wake();
   if (has_magnetic_writer_) magnetic_.try_write(*field);
 }
 
@@ -82,17 +94,33 @@ void BeaconPublishers::on(const FusedPose& pose) {
 void BeaconPublishers::publish_odometry(const FusedPose& pose) {
   if ((pose.status & status_initialising) != 0) return;  // no position yet
   const auto stamp_ns = next_stamp(pose_stamp_, pose.time_ns);
-  if (!stamp_ns) return;
-  const ros2::Odometry odometry = ros2::odometry(pose, *stamp_ns, frames_, output_.mount, output_.noise);
+  if (!stamp_ns || !pose_rate_.admits(*stamp_ns)) return;
+  const auto known_mount = mount();
+  if (!known_mount) return;
+  const ros2::Odometry odometry = ros2::odometry(pose, *stamp_ns, frames_, *known_mount, output_.noise);
   publish_transform(odometry, *stamp_ns);
-  odometry_.try_write(odometry);
-  pose_.try_write(ros2::pose_of(odometry));
+  if (!odometry_.is_nil()) odometry_.try_write(odometry);
+  if (!pose_.is_nil()) pose_.try_write(ros2::pose_of(odometry));
   if (!path_.is_nil()) add_to_path(odometry, *stamp_ns);
 }
 
 void BeaconPublishers::publish_imu(const ImuSample& sample, const FusedPose& pose) {
+  if (imu_.is_nil()) return;
   const auto stamp_ns = next_stamp(imu_stamp_, sample.sensor_time_ns);
   if (stamp_ns) imu_.try_write(ros2::fused_imu(sample, pose, *stamp_ns, frames_, output_.noise));
+}
+
+std::optional<ros2::Mount> BeaconPublishers::mount() const {
+  const std::lock_guard lock(mutex_);
+  return mount_;
+}
+
+bool BeaconPublishers::set_mount(const ros2::Mount& mount) {
+  const std::lock_guard lock(mutex_);
+  const bool is_same = mount_ && mount_->imu_in_base_m == mount.imu_in_base_m &&
+                       mount_->q_imu_to_base.coeffs() == mount.q_imu_to_base.coeffs();
+  mount_ = mount;
+  return !is_same;
 }
 
 std::uint64_t BeaconPublishers::imu_data_lost() const {
@@ -160,6 +188,7 @@ void BeaconPublishers::handle_overdue() {
 }
 
 void BeaconPublishers::publish(const ros2::FixQueue::Ready& fixes) {
+  if (fix_as_pose_.is_nil() && fix_as_point_.is_nil()) return;
   for (const ros2::ReadyFix& fix : fixes) {
     const auto stamp_ns = next_stamp(fix_stamp_, fix.emission_time_ns);
     if (!stamp_ns) continue;

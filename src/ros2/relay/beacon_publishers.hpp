@@ -26,9 +26,9 @@ namespace sonopose::ros2::relay {
 class BeaconPublishers {
 public:
   /// Creates the writers. `tf`: writer of transforms, nil in mode off; must outlive this object. `in_tree`:
-  /// whether to publish transforms of this beacon.
+  /// whether to publish transforms of this beacon. `wakeup`: of the main thread; must outlive it, too.
   BeaconPublishers(ros2::Node& node, const Output& output, BeaconAddress address,
-                   dds::DataWriter<ros2::TFMessage>& tf, bool in_tree);
+                   dds::DataWriter<ros2::TFMessage>& tf, bool in_tree, process::Wakeup& wakeup);
 
   void on(const ImuSample& sample);
   void on(const FusedPose& pose);
@@ -39,16 +39,22 @@ public:
   /// A transform odom → base_link of another odometry source.
   void on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom);
 
-  /// Main thread only. Creates the writer of the magnetic field after the first sample with one.
+  /// Main thread only. Creates the writer of the magnetic field after the first sample with one, which wakes
+  /// that thread.
   void create_magnetic_writer(ros2::Node& node);
-  /// Main thread only, periodically. Publishes fixes without a report of the fusion, and gives up poses
-  /// without an IMU sample.
+  /// Publishes fixes without a report of the fusion, and gives up poses without an IMU sample. Each IMU
+  /// sample does this, too.
   void handle_overdue();
   /// Main thread only, once per second.
   void publish_path();
 
   /// Messages of `imu/data` that were not published, because the sample of the pose did not arrive.
   [[nodiscard]] std::uint64_t imu_data_lost() const;
+
+  /// Sets the mount of the IMU; there are no poses without one. Returns whether it is another one.
+  bool set_mount(const ros2::Mount& mount);
+  [[nodiscard]] bool has_mount() const { return mount().has_value(); }
+
   [[nodiscard]] const ros2::FrameNames& frames() const { return frames_; }
   [[nodiscard]] bool is_in_tree() const { return in_tree_; }
   void set_in_tree(bool in_tree) { in_tree_ = in_tree; }
@@ -57,6 +63,7 @@ public:
 
 private:
   void publish_raw(const ImuSample& sample);
+  [[nodiscard]] std::optional<ros2::Mount> mount() const;
   void publish_odometry(const FusedPose& pose);
   void publish_imu(const ImuSample& sample, const FusedPose& pose);
   void publish(const ros2::FixQueue::Ready& fixes);
@@ -69,6 +76,9 @@ private:
   ros2::FrameNames frames_;
   dds::DataWriter<ros2::TFMessage>& tf_;
   std::atomic<bool> in_tree_;
+  process::Wakeup& wakeup_;
+  bool publishes_mag_;
+  ros2::RateLimit pose_rate_;  ///< used where poses arrive, on one thread
   dds::DataWriter<ros2::Imu> raw_imu_;
   dds::DataWriter<ros2::Imu> imu_;
   dds::DataWriter<ros2::MagneticField> magnetic_;
@@ -88,6 +98,7 @@ private:
   std::atomic<bool> has_magnetic_writer_ = false;  ///< and its writer exists
 
   mutable std::mutex mutex_;  ///< guards the members below
+  std::optional<ros2::Mount> mount_;
   ros2::ImuPairing pairing_;
   ros2::RisingStamp raw_stamp_;
   ros2::RisingStamp imu_stamp_;

@@ -1,5 +1,6 @@
 #include "ros2/relay/parameter_server.hpp"
 
+#include "ros2/relay/parameter_messages.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/ros2/messages/borrow.hpp>
@@ -13,9 +14,6 @@ namespace sonopose::ros2::relay {
 namespace {
 
 constexpr double reply_timeout_s = 2.0;
-
-/// rcl_interfaces/msg/ParameterType.
-enum Type : std::uint8_t { not_set = 0, boolean = 1, integer = 2, real = 3, text = 4 };
 
 using ros2::borrow_sequence;
 using ros2::borrow_string;
@@ -31,41 +29,6 @@ auto values_of(const Sequence& sequence) {
   using Value = std::remove_pointer_t<decltype(sequence._buffer)>;
   using Copy = std::conditional_t<std::is_same_v<Value, char*>, std::string, Value>;
   return std::vector<Copy>(sequence._buffer, sequence._buffer + sequence._length);
-}
-
-Type type_of(const settings::SettingValue& value) {
-  constexpr std::array types{boolean, integer, real, text};
-  return types.at(value.index());
-}
-
-/// `value` must outlive the message.
-ros2::ParameterValue message_of(const std::optional<settings::SettingValue>& value) {
-  static const std::string nothing;
-  ros2::ParameterValue message{};
-  message.string_value = borrow_string(nothing);
-  if (!value) return message;
-  message.type = type_of(*value);
-  if (const auto* const flag = std::get_if<bool>(&*value)) message.bool_value = *flag;
-  if (const auto* const count = std::get_if<int>(&*value)) message.integer_value = *count;
-  if (const auto* const number = std::get_if<double>(&*value)) message.double_value = *number;
-  if (const auto* const word = std::get_if<std::string>(&*value)) message.string_value = borrow_string(*word);
-  return message;
-}
-
-/// The value as text; empty for a type that no setting has.
-std::optional<std::string> text_of(const ros2::ParameterValue& message) {
-  switch (message.type) {
-    case boolean:
-      return message.bool_value ? "true" : "false";
-    case integer:
-      return std::to_string(message.integer_value);
-    case real:
-      return settings::to_text(message.double_value);
-    case text:
-      return message.string_value;
-    default:
-      return std::nullopt;
-  }
 }
 
 /// The description of a parameter, and the strings and ranges that its message borrows.
@@ -85,11 +48,12 @@ struct Description {
   void describe(const settings::SettingInfo& info) {
     sentence = info.unit.empty() ? info.sentence : info.sentence + " [" + info.unit + "]";
     allowed = info.allowed();
-    message.type = type_of(info.initial);
-    if (message.type == integer) {
+    const ParameterType type = type_of(info.initial);
+    message.type = static_cast<std::uint8_t>(type);
+    if (type == ParameterType::integer) {
       integers.push_back({std::get<int>(info.minimum), std::get<int>(info.maximum), 1});
     }
-    if (message.type == real) {
+    if (type == ParameterType::real) {
       reals.push_back({std::get<double>(info.minimum), std::get<double>(info.maximum), 0});
     }
   }
@@ -104,38 +68,85 @@ struct Description {
 
 }  // namespace
 
-ParameterServer::ParameterServer(ros2::Node& node, const dds::DomainParticipant& participant,
-                                 const dds::DomainOptions& domain,
-                                 const std::optional<std::filesystem::path>& qos_file)
-    : client_(domain, qos_file),
-      settings_(dds::topics::make_reader(participant, dds::qos::Provider(qos_file), dds::topics::settings)),
-      list_(node.make_service<ros2::ListParameters>("~/list_parameters")),
-      get_(node.make_service<ros2::GetParameters>("~/get_parameters")),
-      get_types_(node.make_service<ros2::GetParameterTypes>("~/get_parameter_types")),
-      describe_(node.make_service<ros2::DescribeParameters>("~/describe_parameters")),
-      set_(node.make_service<ros2::SetParameters>("~/set_parameters")),
-      set_atomically_(node.make_service<ros2::SetParametersAtomically>("~/set_parameters_atomically")),
-      reset_(node.make_service<ros2::Trigger>("~/reset")) {}
+ParameterServer::Services::Services(ros2::Node& node, const std::function<void()>& wake)
+    : list(node.make_service<ros2::ListParameters>("~/list_parameters", wake)),
+      get(node.make_service<ros2::GetParameters>("~/get_parameters", wake)),
+      get_types(node.make_service<ros2::GetParameterTypes>("~/get_parameter_types", wake)),
+      describe(node.make_service<ros2::DescribeParameters>("~/describe_parameters", wake)),
+      set(node.make_service<ros2::SetParameters>("~/set_parameters", wake)),
+      set_atomically(node.make_service<ros2::SetParametersAtomically>("~/set_parameters_atomically", wake)),
+      reset(node.make_service<ros2::Trigger>("~/reset", wake)) {}
 
-void ParameterServer::serve() {
+ParameterServer::ParameterServer(ros2::Node& node, const dds::DomainParticipant& participant,
+                                 const ParameterServerOptions& options, Log& log, std::function<void()> wake)
+    : log_(log),
+      wake_(std::move(wake)),
+      client_(options.domain, options.qos_file),
+      startup_requests_(requests_of(options.startup_settings)),
+      events_(node),
+      settings_listener_(wake_),
+      settings_(dds::topics::make_reader(participant, dds::qos::Provider(options.qos_file),
+                                         dds::topics::settings, wake_ ? &settings_listener_ : nullptr)) {}
+
+void ParameterServer::offer_services(ros2::Node& node, bool offered) {
+  const std::lock_guard lock(services_mutex_);
+  if (offered == services_.has_value()) return;
+  if (offered) {
+    services_.emplace(node, wake_);
+    return;
+  }
+  services_->for_each([&](const auto& service) { node.remove(service); });
+  services_.reset();
+}
+
+bool ParameterServer::serve() {
   take_settings();
-  list_.serve([this](const auto& request, const auto& reply) { list(request, reply); });
-  get_.serve([this](const auto& request, const auto& reply) { get(request, reply); });
-  get_types_.serve([this](const auto& request, const auto& reply) { get_types(request, reply); });
-  describe_.serve([this](const auto& request, const auto& reply) { describe(request, reply); });
-  set_.serve([this](const auto& request, const auto& reply) { set(request, reply); });
-  set_atomically_.serve([this](const auto& request, const auto& reply) { set_atomically(request, reply); });
-  reset_.serve([this](const auto& /*request*/, const auto& reply) { reset(reply); });
+  apply_startup_settings();
+  const std::lock_guard lock(services_mutex_);
+  if (!services_) return false;
+  Services& of = *services_;
+  bool waits = of.list.serve([this](const auto& request, const auto& reply) { list(request, reply); });
+  waits |= of.get.serve([this](const auto& request, const auto& reply) { get(request, reply); });
+  waits |= of.get_types.serve([this](const auto& request, const auto& reply) { get_types(request, reply); });
+  waits |= of.describe.serve([this](const auto& request, const auto& reply) { describe(request, reply); });
+  waits |= of.set.serve([this](const auto& request, const auto& reply) { set(request, reply); });
+  waits |= of.set_atomically.serve(
+      [this](const auto& request, const auto& reply) { set_atomically(request, reply); });
+  waits |= of.reset.serve([this](const auto& /*request*/, const auto& reply) { reset(reply); });
+  return waits;
 }
 
 void ParameterServer::take_settings() {
-  settings_.take_each(
-      [this](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
-        effective_[sample.address] = dds::topics::from_idl(sample);
-      },
-      [this](const sonopose_EffectiveSettings& key, const dds::SampleInfo& info) {
-        if (!info.alive()) effective_.erase(key.address);
-      });
+  const auto replace = [this](const EffectiveSettings& settings) {
+    EffectiveSettings& known = effective_[settings.address];
+    events_.publish(known, settings);
+    known = settings;
+  };
+  settings_.take_each([&](const sonopose_EffectiveSettings& sample,
+                          const dds::SampleInfo&) { replace(dds::topics::from_idl(sample)); },
+                      [&](const sonopose_EffectiveSettings& key, const dds::SampleInfo& info) {
+                        if (info.alive()) return;
+                        replace({.address = key.address, .values = {}});
+                        effective_.erase(key.address);
+                      });
+}
+
+/// Once for each fusion that appears.
+void ParameterServer::apply_startup_settings() {
+  if (effective_.empty()) applied_startup_ = false;
+  if (applied_startup_ || !effective_.contains(all_beacons)) return;
+  applied_startup_ = true;
+  for (const SettingsRequest& request : startup_requests_) {
+    const auto reply = client_.change(request, reply_timeout_s);
+    if (!reply) {
+      log_.error(fmt::format("no fusion replied within {} s to the parameters of the command line",
+                             reply_timeout_s));
+    } else if (!reply->accepted) {
+      log_.error("the fusion refused the parameters of the command line: " + reply->reason);
+    } else if (!reply->reason.empty()) {
+      log_.warning("parameters of the command line: " + reply->reason);
+    }
+  }
 }
 
 void ParameterServer::list(const ros2::ListParameters::Request& request, const auto& reply) {
@@ -154,7 +165,7 @@ void ParameterServer::get(const ros2::GetParameters::Request& request, const aut
     values.push_back(parameter_value(effective_, name));
   }
   std::vector<ros2::ParameterValue> messages;
-  for (const auto& value : values) messages.push_back(message_of(value));
+  for (const auto& value : values) messages.push_back(value_message(value));
   ros2::GetParameters::Response response{};
   borrow_sequence(response.values, messages);
   reply(response);
@@ -164,7 +175,7 @@ void ParameterServer::get_types(const ros2::GetParameterTypes::Request& request,
   std::vector<std::uint8_t> types;
   for (const std::string& name : values_of(request.names)) {
     const auto value = parameter_value(effective_, name);
-    types.push_back(value ? type_of(*value) : not_set);
+    types.push_back(static_cast<std::uint8_t>(value ? type_of(*value) : ParameterType::not_set));
   }
   ros2::GetParameterTypes::Response response{};
   borrow_sequence(response.types, types);
@@ -208,7 +219,7 @@ std::string ParameterServer::change(const std::vector<ros2::Parameter>& paramete
   for (const ros2::Parameter& parameter : parameters) {
     const auto setting = setting_named(parameter.name);
     if (!setting) return fmt::format("unknown parameter '{}'", parameter.name);
-    const auto value = text_of(parameter.value);
+    const auto value = value_text(parameter.value);
     if (!value) return fmt::format("{}: must be a bool, an integer, a double or a string", parameter.name);
     if (!settings_request.assignments.empty() && settings_request.address != setting->address) {
       return "parameters of several beacons cannot be set atomically";

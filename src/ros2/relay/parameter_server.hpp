@@ -2,7 +2,10 @@
 /// \file
 /// The parameter services of the relay's node (`ros2 param`), and `~/reset`, for clients with rmw_cyclonedds.
 
+#include "ros2/relay/log.hpp"
+#include "ros2/relay/parameter_events.hpp"
 #include "ros2/relay/parameters.hpp"
+#include "ros2/relay/startup_settings.hpp"
 #include "settings_client/settings_client.hpp"
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -10,25 +13,70 @@
 #include <sonopose/ros2/messages/service_types.hpp>
 
 #include <filesystem>
+#include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace sonopose::ros2::relay {
 
+struct ParameterServerOptions {
+  dds::DomainOptions domain;
+  std::optional<std::filesystem::path> qos_file;
+  std::vector<StartupSetting> startup_settings;  ///< for each fusion that appears
+};
+
 /// Uses the settings topics of the fusion, like sonopose-settings. `serve` must run on a thread that may
-/// block; construct the server on the thread of the node.
+/// block; all other members are for the thread of the node.
 class ParameterServer {
 public:
-  /// Throws dds::Error, dds::qos::FileError. `participant` must outlive it.
+  /// `wake`, if given, is called when there is something to serve, under the rules of a listener. Throws
+  /// dds::Error, dds::qos::FileError. `participant` and `log` must outlive it.
   ParameterServer(ros2::Node& node, const dds::DomainParticipant& participant,
-                  const dds::DomainOptions& domain, const std::optional<std::filesystem::path>& qos_file);
+                  const ParameterServerOptions& options, Log& log, std::function<void()> wake = {});
 
-  /// Replies to all pending requests. Waits for the fusion at most two seconds per change or reset.
-  void serve();
+  /// Creates or withdraws the services, of which there are none at first. The node announces the change. May
+  /// wait for `serve`.
+  void offer_services(ros2::Node& node, bool offered);
+
+  /// Replies to all pending requests, and publishes changes of parameters. Waits for the fusion at most two
+  /// seconds per change or reset. Returns whether a request could not be replied to yet: call it again after
+  /// 20 ms.
+  bool serve();
 
 private:
+  struct Services {
+    Services(ros2::Node& node, const std::function<void()>& wake);
+    template <class Action>
+    void for_each(const Action& action) const {
+      std::apply([&](const auto&... service) { (action(service), ...); },
+                 std::tie(list, get, get_types, describe, set, set_atomically, reset));
+    }
+
+    ros2::Service<ros2::ListParameters> list;
+    ros2::Service<ros2::GetParameters> get;
+    ros2::Service<ros2::GetParameterTypes> get_types;
+    ros2::Service<ros2::DescribeParameters> describe;
+    ros2::Service<ros2::SetParameters> set;
+    ros2::Service<ros2::SetParametersAtomically> set_atomically;
+    ros2::Service<ros2::Trigger> reset;
+  };
+
+  class SettingsListener final : public dds::DataReaderListener<sonopose_EffectiveSettings> {
+  public:
+    explicit SettingsListener(const std::function<void()>& wake) : wake_(wake) {}
+    void on_data_available(dds::DataReader<sonopose_EffectiveSettings>& /*reader*/) noexcept override {
+      wake_();
+    }
+
+  private:
+    const std::function<void()>& wake_;
+  };
+
   void take_settings();
+  void apply_startup_settings();
   void list(const ros2::ListParameters::Request& request, const auto& reply);
   void get(const ros2::GetParameters::Request& request, const auto& reply);
   void get_types(const ros2::GetParameterTypes::Request& request, const auto& reply);
@@ -38,16 +86,18 @@ private:
   void reset(const auto& reply);
   std::string change(const std::vector<ros2::Parameter>& parameters);
 
+  Log& log_;
+  std::function<void()> wake_;
   settings_client::SettingsClient client_;
+  std::vector<SettingsRequest> startup_requests_;
+  bool applied_startup_ = false;
   SettingsByBeacon effective_;
+  ParameterEvents events_;
+  std::mutex services_mutex_;
+  std::optional<Services> services_;
+  // The reader is last, so that its listener is destroyed after it.
+  SettingsListener settings_listener_;
   dds::DataReader<sonopose_EffectiveSettings> settings_;
-  ros2::Service<ros2::ListParameters> list_;
-  ros2::Service<ros2::GetParameters> get_;
-  ros2::Service<ros2::GetParameterTypes> get_types_;
-  ros2::Service<ros2::DescribeParameters> describe_;
-  ros2::Service<ros2::SetParameters> set_;
-  ros2::Service<ros2::SetParametersAtomically> set_atomically_;
-  ros2::Service<ros2::Trigger> reset_;
 };
 
 }  // namespace sonopose::ros2::relay

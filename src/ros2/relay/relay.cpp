@@ -4,20 +4,23 @@
 #include "observation/beacon_observers.hpp"
 #include "ros2/relay/beacon_publishers.hpp"
 #include "ros2/relay/diagnostics.hpp"
+#include "ros2/relay/log.hpp"
+#include "ros2/relay/mount_finder.hpp"
 #include "ros2/relay/parameter_server.hpp"
 #include "ros2/relay/presence.hpp"
 #include "ros2/relay/ros_clock.hpp"
+#include "ros2/relay/surroundings.hpp"
+#include "ros2/relay/transform_tree.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
-#include <sonopose/ros2/messages/borrow.hpp>
+#include <sonopose/ros2/messages/static_transforms.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <cstdio>
+#include <chrono>
 #include <exception>
 #include <functional>
 #include <map>
@@ -32,7 +35,14 @@ namespace {
 namespace topics = dds::topics;
 
 constexpr TimeNs status_period_ns = 1'000'000'000;
-constexpr TimeNs poll_period_ns = 20'000'000;
+
+/// A killed relay disappears from the graph after this time.
+constexpr std::chrono::seconds lease{4};
+
+RelayOptions with_lease(RelayOptions options) {
+  options.domain.lease = lease;
+  return options;
+}
 
 /// Throws std::invalid_argument if an input is an output of the relay.
 void check_inputs(const RelayOptions& options) {
@@ -46,11 +56,6 @@ void check_inputs(const RelayOptions& options) {
       }
     }
   }
-}
-
-/// A norm slightly different from 1 is a rounding error.
-bool is_rotation(const Quaterniond& q) {
-  return std::abs(q.squaredNorm() - 1) < 0.02;  // false for NaN
 }
 
 }  // namespace
@@ -117,6 +122,11 @@ private:
   template <class T>
   using ObservedTopic = Subscription<T, observation::ObservingListener<T>>;
 
+  template <class T, class Listener>
+  static bool has_writer(Subscription<T, Listener>& subscription) {
+    return subscription.reader.subscription_matched_status().current_count > 0;
+  }
+
   /// Samples, fixes, reports, poses and estimates.
   template <class Sample>
   void on(const Sample& sample) {
@@ -132,9 +142,8 @@ private:
   template <class Action>
   void for_each_beacon(const Action& action);
   void create_new_publishers();
-  bool is_in_tree(BeaconAddress address);
   void replace_tree_owner();
-  void publish_static_transforms();
+  void publish_mounts();
   void publish_diagnostics();
   [[nodiscard]] ros2::Diagnostic own_diagnostic(std::size_t beacons);
   void check_transforms(const BeaconPublishers& publishers, ros2::Diagnostic& diagnostic) const;
@@ -145,18 +154,19 @@ private:
   [[nodiscard]] const std::string& node_name() const { return options_.names.node().name; }
 
   RelayOptions options_;
+  Log log_;
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
   ros2::Node node_;
   RosClock clock_;
+  process::Wakeup wakeup_;  ///< of the main thread
+  process::Wakeup parameters_wakeup_;
   ParameterServer parameters_;
+  Surroundings surroundings_;
   dds::DataWriter<ros2::DiagnosticArray> diagnostics_writer_;
   dds::DataWriter<ros2::TFMessage> tf_writer_;
-  dds::DataWriter<ros2::TFMessage> static_tf_writer_;
-  std::optional<BeaconAddress>
-      tree_owner_;  ///< the beacon with transforms, if all beacons have the same frames
-  bool reported_shared_frames_ = false;
   std::uint64_t reported_imu_data_lost_ = 0;
+  TransformTree tree_;
   std::unique_ptr<Source> source_;  ///< null without inputs
   observation::BeaconObservers observers_;
   process::EndpointCounters endpoints_;
@@ -173,6 +183,7 @@ private:
   // Readers are last, so that they are destroyed first and no callback uses a destroyed member.
   TfListener tf_listener_{*this};
   dds::DataReader<ros2::TFMessage> tf_reader_;
+  std::unique_ptr<MountFinder> mount_finder_;  ///< null if the mount is known
   PublishedTopic<sonopose_ImuSample> imu_{*this};
   PublishedTopic<sonopose_UltrasonicFix> fix_{*this};
   Subscription<sonopose_FusedPose, PoseListener> pose_{*this};
@@ -191,19 +202,29 @@ void Relay::run(const process::StopSignal& stop) {
 }
 
 Relay::Impl::Impl(const RelayOptions& options)
-    : options_(options),
-      participant_(options.domain, ros2::participant_qos(options.enclave)),
+    : options_(with_lease(options)),
+      log_(options.log_level),
+      participant_(options_.domain, ros2::participant_qos(options.enclave)),
       qos_(options.qos_file),
-      node_(participant_, qos_, options.names, options.distro),
+      node_(participant_, qos_, options.names, options.distro.value_or(ros2::layout_without_others)),
       clock_(node_, options.use_sim_time),
-      parameters_(node_, participant_, options.domain, options.qos_file),
+      parameters_(node_, participant_,
+                  {.domain = options_.domain,
+                   .qos_file = options.qos_file,
+                   .startup_settings = options.startup_settings},
+                  log_, [this] { parameters_wakeup_.wake(); }),
+      surroundings_(options_, participant_, node_, parameters_, log_, [this] { wakeup_.wake(); }),
       diagnostics_writer_(node_.make_writer<ros2::DiagnosticArray>("/diagnostics", "ros2::Diagnostics")),
+      tree_(options_, node_, log_),
       observers_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()) {
   check_inputs(options);
-  static_tf_writer_ = node_.make_writer<ros2::TFMessage>("/tf_static", "ros2::TfStatic");
+  if (options.rosout) log_.publish_as(node_);
   if (options.output.tf != TfMode::off) tf_writer_ = node_.make_writer<ros2::TFMessage>("/tf", "ros2::Tf");
   if (options.output.tf == TfMode::map_odom) {
     tf_reader_ = node_.make_reader<ros2::TFMessage>("/tf", "ros2::Tf", &tf_listener_);
+  }
+  if (options.output.mount_from_tf) {
+    mount_finder_ = std::make_unique<MountFinder>(node_, log_, [this] { wakeup_.wake(); });
   }
   node_.announce();
   const auto subscribe = [this](auto& subscription, const auto& topic) {
@@ -223,7 +244,10 @@ BeaconPublishers* Relay::Impl::find_or_request_publishers(BeaconAddress address)
   if (!options_.addresses.contains(address)) return nullptr;
   const std::lock_guard lock(mutex_);
   const auto [found, is_new] = publishers_.try_emplace(address);
-  if (is_new) has_new_beacon_ = true;
+  if (is_new) {
+    has_new_beacon_ = true;
+    wakeup_.wake();
+  }
   return found->second.get();
 }
 
@@ -257,15 +281,12 @@ void Relay::Impl::on(const EffectiveSettings& settings) {
 void Relay::Impl::on_transform(const ros2::TransformStamped& transform) {
   const auto time_ns = ros2::from_ros(transform.header.stamp);
   if (!time_ns) return;
-  const auto& [x, y, z] = transform.transform.translation;
-  const ros2::Quaternion& q = transform.transform.rotation;
-  ros2::Transform base_in_odom{{x, y, z}, Quaterniond(q.w, q.x, q.y, q.z)};
-  if (!base_in_odom.translation_m.allFinite() || !is_rotation(base_in_odom.rotation)) return;
-  base_in_odom.rotation.normalize();
+  const auto base_in_odom = ros2::transform_of(transform);
+  if (!base_in_odom) return;
   for_each_beacon([&](BeaconPublishers& publishers) {
     const ros2::FrameNames& frames = publishers.frames();
     if (frames.odom != transform.header.frame_id || frames.base != transform.child_frame_id) return;
-    publishers.on_odometry(*time_ns, base_in_odom);
+    publishers.on_odometry(*time_ns, *base_in_odom);
   });
 }
 
@@ -280,33 +301,15 @@ void Relay::Impl::create_new_publishers() {
     }
   }
   for (const BeaconAddress address : missing) {
-    auto created =
-        std::make_unique<BeaconPublishers>(node_, options_.output, address, tf_writer_, is_in_tree(address));
+    auto created = std::make_unique<BeaconPublishers>(node_, options_.output, address, tf_writer_,
+                                                      tree_.admits(address), wakeup_);
     const std::lock_guard lock(mutex_);
     if (const auto known = effective_settings_.find(address); known != effective_settings_.end()) {
       created->on(known->second);
     }
     publishers_[address] = std::move(created);
   }
-  publish_static_transforms();
-}
-
-/// With shared frames, transforms of two beacons would conflict, so only one beacon publishes them.
-bool Relay::Impl::is_in_tree(BeaconAddress address) {
-  const ros2::FrameNames& frames = options_.output.frames;
-  if (!tree_owner_) tree_owner_ = options_.addresses.first().value_or(address);
-  if (tree_owner_ == address || ros2::has_frames_per_beacon(frames, options_.output.tf == TfMode::map_odom)) {
-    return true;
-  }
-  if (options_.output.tf != TfMode::off && !std::exchange(reported_shared_frames_, true)) {
-    fmt::print(stderr,
-               "sonopose-ros2: beacon {} has no transforms, because it has the same frames as beacon {}. Use "
-               "different frames for each beacon (--base-frame hedge_{{address}}/base_link --imu-frame "
-               "hedge_{{address}}/imu_link, and --odom-frame with --tf map_odom), or select one beacon "
-               "(--addresses)\n",
-               address, *tree_owner_);
-  }
-  return false;
+  publish_mounts();
 }
 
 /// A beacon with the same frames takes over the transforms of one that is gone, or that has not appeared.
@@ -317,34 +320,26 @@ void Relay::Impl::replace_tree_owner() {
     if (found == presences_.end()) return now - started_ > Presence::gone_after_ns;
     return found->second.state(now) == Presence::State::gone;
   };
-  const bool shares_frames =
-      !ros2::has_frames_per_beacon(options_.output.frames, options_.output.tf == TfMode::map_odom);
-  if (!tree_owner_ || !shares_frames || !is_gone(*tree_owner_)) return;
+  const auto owner = tree_.only_beacon();
+  if (!owner || !is_gone(*owner)) return;
   const auto next = std::find_if(presences_.begin(), presences_.end(), [&](const auto& entry) {
     return entry.second.state(now) == Presence::State::present && find_publishers(entry.first) != nullptr;
   });
   if (next == presences_.end()) return;
-  fmt::print(stderr, "sonopose-ros2: beacon {} has the transforms now, because beacon {} is gone\n",
-             next->first, *tree_owner_);
-  if (auto* const before = find_publishers(*tree_owner_)) before->set_in_tree(false);
-  tree_owner_ = next->first;
+  log_.warning(
+      fmt::format("beacon {} has the transforms now, because beacon {} is gone", next->first, *owner));
+  if (auto* const before = find_publishers(*owner)) before->set_in_tree(false);
+  tree_.admit_only(next->first);
   find_publishers(next->first)->set_in_tree(true);
-  publish_static_transforms();
+  publish_mounts();
 }
 
-/// One message with all transforms, because a late subscriber receives only the last message.
-void Relay::Impl::publish_static_transforms() {
-  const ros2::Transform mount{options_.output.mount.imu_in_base_m, options_.output.mount.q_imu_to_base};
-  std::vector<ros2::TransformStamped> transforms;
-  for_each_beacon([&](BeaconPublishers& publishers) {
-    if (!publishers.is_in_tree()) return;
-    transforms.push_back(
-        ros2::transform(mount, clock_.now_ns(), publishers.frames().base, publishers.frames().imu));
+void Relay::Impl::publish_mounts() {
+  std::vector<ros2::FrameNames> in_tree;
+  for_each_beacon([&](const BeaconPublishers& publishers) {
+    if (publishers.is_in_tree()) in_tree.push_back(publishers.frames());
   });
-  if (transforms.empty()) return;
-  ros2::TFMessage message{};
-  ros2::borrow_sequence(message.transforms, transforms);
-  static_tf_writer_.try_write(message);
+  tree_.publish_mounts(in_tree, clock_.now_ns());
 }
 
 void Relay::Impl::publish_diagnostics() {
@@ -407,6 +402,10 @@ void Relay::Impl::check_transforms(const BeaconPublishers& publishers, ros2::Dia
   if (options_.output.tf != TfMode::off && !publishers.is_in_tree()) {
     problem = "no transforms: another beacon has the same frames";
   }
+  if (!publishers.has_mount()) {
+    problem = fmt::format("no poses: /tf_static has no {} -> {}", publishers.frames().base,
+                          publishers.frames().imu);
+  }
   if (publishers.lacks_odometry()) {
     problem =
         fmt::format("no transforms: /tf has no {} -> {}", publishers.frames().odom, publishers.frames().base);
@@ -422,35 +421,49 @@ void Relay::Impl::check_transforms(const BeaconPublishers& publishers, ros2::Dia
 
 /// Runs until the stop, or until `failed`.
 void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>& failed) {
+  surroundings_.observe();
+  node_.announce();
   SteadyTime next_status = clocks::steady_now() + status_period_ns;
-  while (!failed && !stop.wait_until(clocks::steady_now() + poll_period_ns)) {
+  SteadyTime next_readers = source_ ? source_->update_readers() : SteadyTime::max();
+  while (!failed && !stop.wait_until(std::min(next_status, next_readers), wakeup_)) {
     create_new_publishers();
-    if (source_) source_->update_readers();
+    if (source_) next_readers = source_->update_readers();
     for_each_beacon([this](BeaconPublishers& publishers) {
       publishers.create_magnetic_writer(node_);
-      publishers.handle_overdue();
+      if (mount_finder_) mount_finder_->assign_to(publishers);
     });
+    surroundings_.observe();
     node_.announce();
     if (clocks::steady_now() < next_status) continue;
     next_status = clocks::steady_now() + status_period_ns;
+    surroundings_.check_processes(has_writer(imu_), has_writer(pose_));
     publish_diagnostics();
     replace_tree_owner();
-    for_each_beacon([](BeaconPublishers& publishers) { publishers.publish_path(); });
+    for_each_beacon([](BeaconPublishers& publishers) {
+      publishers.handle_overdue();
+      publishers.publish_path();
+    });
   }
 }
 
 /// Runs on a separate thread, because it waits for replies of the fusion.
 void Relay::Impl::serve_parameters(const std::stop_token& end, const process::StopSignal& stop) {
-  while (!end.stop_requested() && !stop.wait_until(clocks::steady_now() + poll_period_ns)) {
+  constexpr TimeNs retry_period_ns = 20'000'000;
+  constexpr TimeNs hour_ns = 3'600'000'000'000;
+  const std::stop_callback wake_to_end(end, [this] { parameters_wakeup_.wake(); });
+  bool waits = false;
+  do {
     try {
-      parameters_.serve();
-    } catch (const dds::Error& error) {
-      fmt::print(stderr, "sonopose-ros2: parameters: {}\n", error.what());
+      waits = parameters_.serve();
+    } catch (const std::exception& error) {  // also settings of a fusion of another version
+      log_.error(fmt::format("parameters: {}", error.what()));
     }
-  }
+  } while (!stop.wait_until(clocks::steady_now() + (waits ? retry_period_ns : hour_ns), parameters_wakeup_) &&
+           !end.stop_requested());
 }
 
 void Relay::Impl::run(const process::StopSignal& stop) {
+  log_.info("relaying as " + ros2::full_name(options_.names.node()));
   const std::jthread parameters([&](const std::stop_token& end) { serve_parameters(end, stop); });
   std::atomic<bool> failed = false;
   if (options_.inputs.empty()) return serve(stop, failed);
@@ -462,8 +475,9 @@ void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<b
   const auto timeout_ns = [this](const auto& entry) {
     return std::min(status_period_ns * 10, dds::deadline_of(qos_.datareader_qos(entry.profile)).count());
   };
-  source_ = make_source(node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)},
-                        options_.output.frames.map, {}, [this] { return clock_.now_ns(); });
+  source_ = make_source(
+      node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)}, options_.output.frames.map,
+      [this](const std::string& line) { log_.warning(line); }, [this] { return clock_.now_ns(); });
   bridge::BridgeNode bridge({.domain = options_.domain, .qos_file = options_.qos_file, .record_folder = {}});
   process::StopSignal bridge_stop;
   std::exception_ptr failure;
@@ -474,6 +488,7 @@ void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<b
       } catch (...) {
         failure = std::current_exception();
         failed = true;
+        wakeup_.wake();
       }
     });
     const std::unique_ptr<process::StopSignal, void (*)(process::StopSignal*)> stop_at_exit(

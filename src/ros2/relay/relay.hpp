@@ -5,8 +5,11 @@
 
 #include "process/address_set.hpp"
 #include "process/stop_signal.hpp"
+#include "ros2/arguments/arguments.hpp"
 #include "ros2/relay/source.hpp"
+#include "ros2/relay/startup_settings.hpp"
 #include <sonopose/dds/binding/domain.hpp>
+#include <sonopose/ros2/messages/beacon_topics.hpp>
 #include <sonopose/ros2/messages/covariance.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
 #include <sonopose/ros2/messages/names.hpp>
@@ -16,6 +19,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -28,6 +32,13 @@ enum class TfMode : std::uint8_t {
   off
 };
 
+/// Whether the parameter services are offered.
+enum class ServicesMode : std::uint8_t {
+  automatic,  ///< unless a process uses Fast DDS: it would wait for a reply forever
+  on,
+  off
+};
+
 enum class FixMessage : std::uint8_t { pose, point };
 
 /// The messages of a beacon.
@@ -35,22 +46,35 @@ struct Output {
   std::string beacon_namespace = "hedge_{address}";  ///< of its topics, relative to the node's namespace
   ros2::FrameNames frames;
   ros2::Mount mount;
+  bool mount_from_tf = false;  ///< the mount is that of /tf_static
   ros2::Noise noise;
   TfMode tf = TfMode::map_base;
+  std::optional<bool> tf_static = std::nullopt;  ///< empty: unless `tf` is off
   FixMessage fix = FixMessage::pose;
-  double path_s = 0;  ///< length of `path` in seconds; 0: no path
+  std::set<std::string> topics{ros2::beacon_topics().begin(), ros2::beacon_topics().end()};
+  double rate_hz = 0;  ///< most poses and transforms per second; 0: all
+  double path_s = 0;   ///< length of `path` in seconds; 0: no path
+
+  /// Whether the transform from the base to the IMU is published. Without `tf`, another node has the tree.
+  [[nodiscard]] bool publishes_mount() const {
+    return tf_static.value_or(tf != TfMode::off && !mount_from_tf);
+  }
 };
 
 struct RelayOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
   ros2::NameResolver names;
-  ros2::Distro distro = ros2::Distro::jazzy;
+  std::optional<ros2::Distro> distro;  ///< empty: that of the other ROS 2 processes
   std::string enclave = "/";
   process::AddressSet addresses;
   Output output;
   std::vector<Input> inputs;
   bool use_sim_time = false;  ///< the time of ROS 2 is that of /clock
+  ServicesMode services = ServicesMode::automatic;
+  std::vector<StartupSetting> startup_settings;  ///< for each fusion that appears
+  arguments::LogLevel log_level = arguments::LogLevel::info;
+  bool rosout = true;  ///< whether log lines are published
 };
 
 /// Samples and poses are published on Cyclone's receive thread as they arrive. The main thread creates the

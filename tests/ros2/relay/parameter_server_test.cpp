@@ -46,7 +46,8 @@ public:
         participant_(dds::make_participant(options())),
         imu_(dds::topics::make_writer(participant_, qos_, dds::topics::imu)),
         node_(participant_, qos_, ros2::NameResolver({}), ros2::Distro::jazzy),
-        server_(node_, participant_, options(), {}) {
+        server_(node_, participant_, {.domain = options(), .qos_file = {}, .startup_settings = {}}, log_) {
+    server_.offer_services(node_, true);
     node_.announce();
     REQUIRE(wait_until([&] { return imu_.publication_matched_status().current_count > 0; }));
     ImuSample sample;
@@ -72,6 +73,7 @@ private:
   dds::DomainParticipant participant_;
   dds::DataWriter<sonopose_ImuSample> imu_;
   ros2::Node node_;
+  ros2::relay::Log log_;
   ros2::relay::ParameterServer server_;
   process::StopSignal stop_;
   std::jthread fusing_{[this] { fusion_.run(stop_); }};

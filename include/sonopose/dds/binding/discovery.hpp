@@ -7,6 +7,8 @@
 #include <sonopose/dds/binding/qos.hpp>
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,8 +37,9 @@ struct FoundEndpoint {
 /// Reads what discovery has found so far. Every member throws `Error`.
 class Discovery {
 public:
-  /// `participant` must outlive it.
-  explicit Discovery(const DomainParticipant& participant);
+  /// `participant` must outlive it. `on_change` is called after every change, under the rules of a listener:
+  /// it must not block, nor use this object.
+  explicit Discovery(const DomainParticipant& participant, std::function<void()> on_change = {});
 
   /// All that currently exist, including our own.
   std::vector<FoundParticipant> participants() const;
@@ -49,10 +52,12 @@ public:
 private:
   class BuiltinReader : public Entity {
   public:
-    BuiltinReader(const DomainParticipant& participant, dds_entity_t topic);
+    /// `on_change` may be null.
+    BuiltinReader(const DomainParticipant& participant, dds_entity_t topic, std::function<void()>* on_change);
   };
 
   dds_entity_t participant_;
+  std::unique_ptr<std::function<void()>> on_change_;  ///< may be null; the readers call it
   BuiltinReader participants_;
   BuiltinReader writers_;
   BuiltinReader readers_;

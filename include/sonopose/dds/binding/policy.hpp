@@ -86,6 +86,13 @@ struct Ownership {
   static std::optional<Ownership> from(const dds_qos_t* qos);
 };
 
+/// How many samples of an instance a transient-local writer keeps for late readers; the DDS default is 1.
+struct DurabilityService {
+  std::int32_t history_depth = 1;
+  void apply(dds_qos_t* qos) const;
+  static std::optional<DurabilityService> from(const dds_qos_t* qos);
+};
+
 /// The writer with the highest strength owns the instance. Changeable on an existing writer.
 struct OwnershipStrength {
   std::int32_t value = 0;

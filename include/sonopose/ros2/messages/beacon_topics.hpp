@@ -6,8 +6,12 @@
 #include <sonopose/samples/samples.hpp>
 
 #include <string>
+#include <vector>
 
 namespace sonopose::ros2 {
+
+/// The topics of a beacon: "odom", "imu/data", … The path is not one of them: it has an option of its own.
+const std::vector<std::string>& beacon_topics();
 
 /// The prefix of the names of a beacon's topics: "hedge_{address}" → "hedge_7/". Empty for an empty pattern:
 /// the topics are then in the node's namespace.
@@ -21,7 +25,7 @@ bool has_topics_per_beacon(const std::string& pattern);
 void check_beacon_namespace(const NameResolver& names, const std::string& pattern);
 
 /// Throws std::invalid_argument, with both topics, if the remap rules give the same name to two topics of one
-/// beacon, or to one of them and /tf, /tf_static or /diagnostics.
+/// beacon, or to one of them and a topic of the node, such as /tf.
 void check_outputs_differ(const NameResolver& names, const std::string& pattern);
 
 }  // namespace sonopose::ros2

@@ -30,11 +30,9 @@ std::vector<std::string> distro_names();
 /// The discovery layout of a distribution by its name, such as "foxy". Empty for an unknown name.
 std::optional<Distro> distro_named(const std::string& name);
 
-inline constexpr Distro newest_layout = Distro::jazzy;
-
 struct FoundDistro {
-  Distro distro = newest_layout;
-  std::string warning = {};  ///< with variable and value; may be empty
+  std::optional<Distro> distro = std::nullopt;  ///< empty: the variable is not set
+  std::string warning = {};                     ///< with variable and value; may be empty
 };
 
 /// The distribution by ROS_DISTRO, which the setup files of ROS 2 set. An unknown name counts as a newer

@@ -40,6 +40,7 @@ public:
   Ready on(const FixReport& report);
   /// The fixes without a report for `timeout_ns`.
   Ready overdue(SteadyTime now);
+  [[nodiscard]] bool has_overdue(SteadyTime now) const;
 
   static constexpr TimeNs timeout_ns = 100'000'000;
 

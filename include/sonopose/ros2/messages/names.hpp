@@ -17,6 +17,9 @@ struct NodeName {
 /// The node's full name: "/a/b/sonopose".
 std::string full_name(const NodeName& node);
 
+/// The name of the node's logger: "a.b.sonopose".
+std::string logger_name(const NodeName& node);
+
 /// Each throws std::invalid_argument, with name and reason, for a name that ROS 2 does not allow.
 void check_node_name(const std::string& name);
 void check_namespace(const std::string& name_space);

@@ -12,14 +12,20 @@
 #include <sonopose/ros2/messages/service.hpp>
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
 namespace sonopose::ros2 {
 
-/// The layout of `ros_discovery_info`: a `Gid` has 24 bytes up to Humble and 16 bytes later. With the wrong
-/// layout, topics work, but `ros2 node list` does not show the node.
+inline constexpr const char* discovery_topic = "ros_discovery_info";
+
+/// The layout of `ros_discovery_info`: a `Gid` has 24 bytes up to Humble and 16 bytes later. A process of
+/// Iron or later does not list a node that is announced in Humble's layout; one of Humble fails to list any
+/// node if one is announced in the later layout.
 enum class Distro : std::uint8_t {
   humble,  ///< and earlier
   jazzy    ///< Iron and later
@@ -33,7 +39,7 @@ class Node {
 public:
   /// `participant` and `qos` must outlive the node.
   Node(const dds::DomainParticipant& participant, const dds::qos::Provider& qos, NameResolver names,
-       Distro distro);
+       Distro layout);
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
   Node(Node&&) = delete;
@@ -59,24 +65,49 @@ public:
     return make_reader_in_dds<T>(name_in_dds(names_.topic(name)), profile, {}, listener, mask);
   }
 
-  /// A service by its ROS name, which is resolved like that of a topic.
+  /// A service by its ROS name, which is resolved like that of a topic. `on_request` is called when a request
+  /// arrives, under the rules of a listener.
   template <class S>
-  Service<S> make_service(const std::string& name) {
+  Service<S> make_service(const std::string& name, std::function<void()> on_request = {}) {
+    using Listener = typename Service<S>::RequestListener;
     const char* const profile = "ros2::Default";
     const std::string service = names_.topic(name);
     const std::string id = next_service_id();
-    return {make_reader_in_dds<typename S::Request>("rq" + service + "Request", profile, id),
+    auto listener = on_request ? std::make_unique<Listener>(std::move(on_request)) : nullptr;
+    auto requests =
+        make_reader_in_dds<typename S::Request>("rq" + service + "Request", profile, id, listener.get());
+    return {std::move(listener), std::move(requests),
             make_writer_in_dds<typename S::Response>("rr" + service + "Reply", profile, id)};
   }
+
+  /// Changes the layout from the next announce() on. Returns whether it was another one. Throws dds::Error.
+  bool use_layout(Distro layout);
 
   /// Publishes node and endpoints if they have changed since the last call.
   void announce();
 
   /// Removes a reader or writer: call this before closing it, and announce() after.
   void remove(const dds::Entity& endpoint);
+  /// The same for both endpoints of a service.
+  template <class S>
+  void remove(const Service<S>& service) {
+    remove(service.requests());
+    remove(service.replies());
+  }
+
+  /// Whether, since the last call, another participant announced a node of the same name. ROS 2 then shows
+  /// only one of them.
+  bool found_namesake();
 
 private:
   using Guids = std::vector<dds_guid_t>;
+
+  /// The endpoints of `ros_discovery_info`.
+  template <class Info>
+  struct Discovery {
+    dds::DataWriter<Info> writer;
+    dds::DataReader<Info> reader;
+  };
 
   /// `prefix`: user data before the hash of the type.
   template <class T>
@@ -109,15 +140,22 @@ private:
   /// User data by which clients associate the two endpoints of a service: "serviceid=…;".
   std::string next_service_id();
   void add(Guids& guids, const dds::Entity& endpoint);
+  void join_discovery();
+  template <class Info>
+  Discovery<Info> make_discovery(const dds::Qos& writer_qos, const dds::Qos& reader_qos) const;
+  template <class Action>
+  void with_discovery(const Action& action);
+  void write_info(const NodeName* node);
 
   const dds::DomainParticipant& participant_;
   const dds::qos::Provider& qos_;
   NameResolver names_;
+  Distro layout_;
   Guids readers_;
   Guids writers_;
   bool changed_ = true;
   std::uint32_t service_count_ = 0;
-  std::variant<dds::DataWriter<ParticipantEntitiesInfo>, dds::DataWriter<HumbleParticipantEntitiesInfo>>
+  std::variant<std::monostate, Discovery<ParticipantEntitiesInfo>, Discovery<HumbleParticipantEntitiesInfo>>
       discovery_;
 };
 

@@ -7,7 +7,10 @@
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/binding/data_writer.hpp>
 
+#include <functional>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sonopose::ros2 {
@@ -22,17 +25,30 @@ public:
   using Request = typename S::Request;
   using Response = typename S::Response;
 
-  Service(dds::DataReader<Request> requests, dds::DataWriter<Response> replies)
-      : requests_(std::move(requests)), replies_(std::move(replies)) {}
+  /// Calls `on_request` when a request arrives, under the rules of a listener.
+  class RequestListener final : public dds::DataReaderListener<Request> {
+  public:
+    explicit RequestListener(std::function<void()> on_request) : on_request_(std::move(on_request)) {}
+    void on_data_available(dds::DataReader<Request>& /*requests*/) noexcept override { on_request_(); }
+
+  private:
+    std::function<void()> on_request_;
+  };
+
+  /// `listener`: of `requests`; may be null.
+  Service(std::unique_ptr<RequestListener> listener, dds::DataReader<Request> requests,
+          dds::DataWriter<Response> replies)
+      : listener_(std::move(listener)), requests_(std::move(requests)), replies_(std::move(replies)) {}
 
   /// Calls `handle(const Request&, reply)` for every pending request. `handle` calls `reply(Response)` once;
   /// the header is filled in here. If the reply reader of a client is not discovered yet, requests wait for
-  /// later calls, at most `max_waits`, so that a client without a reader does not block others.
+  /// later calls, at most `max_waits`, so that a client without a reader does not block others. Returns
+  /// whether requests wait.
   template <class Handle>
-  void serve(const Handle& handle) {
+  bool serve(const Handle& handle) {
     for (const auto sample : requests_.read(max_pending)) {
       const bool waits = sample.info().valid() && !has_reply_reader(sample.info().publication_handle());
-      if (waits && ++waits_ < max_waits) return;
+      if (waits && ++waits_ < max_waits) return true;
     }
     waits_ = 0;
     requests_.take_each([&](const Request& request, const dds::SampleInfo&) {
@@ -41,7 +57,11 @@ public:
         replies_.try_write(response);
       });
     });
+    return false;
   }
+
+  const dds::DataReader<Request>& requests() const { return requests_; }
+  const dds::DataWriter<Response>& replies() const { return replies_; }
 
 private:
   static constexpr std::size_t max_pending = 32;
@@ -61,6 +81,7 @@ private:
     }
   }
 
+  std::unique_ptr<RequestListener> listener_;
   dds::DataReader<Request> requests_;
   dds::DataWriter<Response> replies_;
   int waits_ = 0;

@@ -35,4 +35,18 @@ private:
   std::optional<TimeNs> last_ns_;
 };
 
+/// Thins a stream to a rate on average.
+class RateLimit {
+public:
+  /// `rate_hz`: 0 for no limit.
+  explicit RateLimit(double rate_hz) : period_ns_(rate_hz > 0 ? to_ns(1 / rate_hz) : 0) {}
+
+  /// Whether the message with this stamp is to be published.
+  bool admits(TimeNs stamp_ns);
+
+private:
+  TimeNs period_ns_;
+  TimeNs due_ns_ = 0;
+};
+
 }  // namespace sonopose::ros2

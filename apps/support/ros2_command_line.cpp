@@ -1,0 +1,106 @@
+#include "ros2_command_line.hpp"
+
+#include "ros2/relay/parameters.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <stdexcept>
+
+namespace sonopose::apps {
+namespace {
+
+using ros2::arguments::Arguments;
+using ros2::arguments::Parameter;
+
+/// "map_frame" → "--map-frame".
+std::string option_name(const std::string& parameter) {
+  std::string name = "--" + parameter;
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
+
+/// The option of a parameter; null if there is none, or if ROS 2 has another argument for it.
+const CLI::Option* option_of(const Ros2Program& program, const Parameter& parameter) {
+  constexpr std::array others{"--help", "--version", "--name", "--namespace", "--remap", "--enclave"};
+  const std::string name = option_name(parameter.name);
+  if (std::find(others.begin(), others.end(), name) != others.end()) return nullptr;
+  return program.app.get_option_no_throw(name);
+}
+
+void add_option(const CLI::Option& option, const Parameter& parameter, std::vector<std::string>& arguments) {
+  const std::string name = option_name(parameter.name);
+  if (option.get_type_size() > 1) {
+    arguments.push_back(name);
+    arguments.insert(arguments.end(), parameter.values.begin(), parameter.values.end());
+  } else {
+    for (const std::string& value : parameter.values) arguments.push_back(name + "=" + value);
+  }
+}
+
+ros2::relay::StartupSetting setting_of(const Parameter& parameter) {
+  if (parameter.values.size() != 1) {
+    throw std::invalid_argument(
+        fmt::format("{}: {} must have a single value", parameter.origin, parameter.name));
+  }
+  ros2::relay::StartupSetting setting{.parameter = parameter.name, .value = parameter.values.front()};
+  try {
+    check(setting);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(parameter.origin + ": " + error.what());
+  }
+  return setting;
+}
+
+/// ROS 2 gives this parameter to every node. The relay has stamps of the sensors and no clock of its own.
+bool is_host_time(const Parameter& parameter) {
+  return parameter.name == "use_sim_time" && parameter.values == std::vector<std::string>{"false"};
+}
+
+}  // namespace
+
+Ros2Program::Ros2Program() {
+  add_bus_options(app, bus);
+  add_ros2_options(app, ros2);
+}
+
+std::vector<std::string> own_arguments(const Arguments& arguments) {
+  std::vector<std::string> own = arguments.own;
+  for (const std::string& rule : arguments.remap) own.push_back("--remap=" + rule);
+  if (arguments.enclave) own.push_back("--enclave=" + *arguments.enclave);
+  return own;
+}
+
+AppliedParameters apply_parameters(const Arguments& arguments, const Ros2Program& given) {
+  const std::string node = ros2::full_name(node_name(given.ros2));
+  std::vector<Parameter> selected;
+  for (const Parameter& parameter : arguments.parameters) {
+    if (!ros2::arguments::selects(parameter.node, node)) continue;
+    std::erase_if(selected, [&](const Parameter& earlier) { return earlier.name == parameter.name; });
+    selected.push_back(parameter);
+  }
+  AppliedParameters applied;
+  for (const Parameter& parameter : selected) {
+    if (const CLI::Option* const option = option_of(given, parameter)) {
+      if (option->count() == 0) add_option(*option, parameter, applied.arguments);
+    } else if (ros2::relay::setting_named(parameter.name)) {
+      applied.settings.push_back(setting_of(parameter));
+    } else if (!is_host_time(parameter)) {
+      fmt::print(stderr, "sonopose-ros2: warning: {}: {} is neither a setting nor an option of the relay\n",
+                 parameter.origin, parameter.name);
+    }
+  }
+  return applied;
+}
+
+ros2::arguments::LogLevel log_level(const Arguments& arguments, const ros2::NodeName& node) {
+  auto level = ros2::arguments::LogLevel::info;
+  for (const ros2::arguments::LogRule& rule : arguments.log_rules) {
+    if (rule.logger.empty() || rule.logger == ros2::logger_name(node)) level = rule.level;
+  }
+  return level;
+}
+
+}  // namespace sonopose::apps

@@ -1,0 +1,37 @@
+#pragma once
+// The command line of the relay: its own options, and those of every ROS 2 node (--ros-args).
+
+#include "bus_options.hpp"
+#include "ros2/arguments/arguments.hpp"
+#include "ros2_options.hpp"
+
+#include <string>
+#include <vector>
+
+namespace sonopose::apps {
+
+/// The program and the values of its options. Not copyable: the options refer to the values.
+struct Ros2Program {
+  Ros2Program();
+
+  BusOptions bus;
+  Ros2Options ros2;
+  Program app{"ros2"};
+};
+
+/// The own arguments, with the remap rules and the enclave of --ros-args as own options.
+std::vector<std::string> own_arguments(const ros2::arguments::Arguments& arguments);
+
+/// The parameters that `given`, already parsed, does not override: relay options as arguments, the others as
+/// settings of the fusion. A warning goes to standard error for a parameter that is neither. Throws
+/// std::invalid_argument with the origin of the parameter.
+struct AppliedParameters {
+  std::vector<std::string> arguments;
+  std::vector<ros2::relay::StartupSetting> settings;
+};
+AppliedParameters apply_parameters(const ros2::arguments::Arguments& arguments, const Ros2Program& given);
+
+/// The least level of the lines that the node logs.
+ros2::arguments::LogLevel log_level(const ros2::arguments::Arguments& arguments, const ros2::NodeName& node);
+
+}  // namespace sonopose::apps

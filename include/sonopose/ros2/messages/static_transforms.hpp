@@ -1,0 +1,33 @@
+#pragma once
+/// \file
+/// The fixed part of a transform tree, from the messages of /tf_static.
+
+#include <sonopose/ros2/messages/frames.hpp>
+#include <sonopose/ros2/messages/idl_types.hpp>
+
+#include <map>
+#include <optional>
+#include <string>
+
+namespace sonopose::ros2 {
+
+/// Empty unless the numbers are finite and the quaternion has the norm 1, apart from rounding.
+std::optional<Transform> transform_of(const TransformStamped& message);
+
+class StaticTransforms {
+public:
+  /// Adds valid transforms. The latest one of a child frame counts.
+  void add(const TFMessage& message);
+
+  /// The pose of `child` in `parent`, over any number of frames in between; empty if they are not connected.
+  std::optional<Transform> find(const std::string& parent, const std::string& child) const;
+
+private:
+  struct Edge {
+    std::string parent;
+    Transform child_in_parent;
+  };
+  std::map<std::string, Edge> edges_;  ///< by child frame
+};
+
+}  // namespace sonopose::ros2

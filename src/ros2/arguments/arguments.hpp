@@ -1,0 +1,38 @@
+#pragma once
+/// \file
+/// The arguments that every ROS 2 node takes, as `ros2 run` and `ros2 launch` pass them: `--ros-args … --`.
+/// Source: design.ros2.org, "ROS Command Line Arguments"; rcl.
+
+#include "ros2/arguments/parameter_file.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::ros2::arguments {
+
+/// rcl_interfaces/msg/Log.
+enum class LogLevel : std::uint8_t { debug = 10, info = 20, warning = 30, error = 40, fatal = 50 };
+
+/// The least level of one logger; without a name, of all.
+struct LogRule {
+  std::string logger;
+  LogLevel level = LogLevel::info;
+  bool operator==(const LogRule&) const = default;
+};
+
+struct Arguments {
+  std::vector<std::string> own;       ///< those outside `--ros-args … --`
+  std::vector<std::string> remap;     ///< "from:=to"
+  std::vector<Parameter> parameters;  ///< of files and single ones, in order: the last one counts
+  std::optional<std::string> enclave;
+  std::vector<LogRule> log_rules;
+  bool rosout = true;  ///< not disabled
+};
+
+/// Reads parameter files as well. Throws std::invalid_argument with argument and reason for one that ROS 2
+/// refuses too, ParameterFileError.
+Arguments split(const std::vector<std::string>& arguments);
+
+}  // namespace sonopose::ros2::arguments

@@ -1,0 +1,54 @@
+#include "ros2/relay/transform_tree.hpp"
+
+#include <sonopose/ros2/messages/borrow.hpp>
+#include <sonopose/ros2/messages/messages.hpp>
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace sonopose::ros2::relay {
+
+TransformTree::TransformTree(const RelayOptions& options, ros2::Node& node, Log& log)
+    : options_(options), log_(log) {
+  if (options.output.publishes_mount()) {
+    static_writer_ = node.make_writer<ros2::TFMessage>("/tf_static", "ros2::TfStatic");
+  }
+}
+
+bool TransformTree::admits(BeaconAddress address) {
+  if (!owner_) owner_ = options_.addresses.first().value_or(address);
+  if (owner_ == address || has_frames_per_beacon()) return true;
+  if (options_.output.tf != TfMode::off && !std::exchange(reported_shared_frames_, true)) {
+    log_.warning(fmt::format(
+        "beacon {} has no transforms, because it has the same frames as beacon {}. Use different frames for "
+        "each beacon (--base-frame hedge_{{address}}/base_link --imu-frame hedge_{{address}}/imu_link, and "
+        "--odom-frame with --tf map_odom), or select one beacon (--addresses)",
+        address, *owner_));
+  }
+  return false;
+}
+
+std::optional<BeaconAddress> TransformTree::only_beacon() const {
+  return has_frames_per_beacon() ? std::nullopt : owner_;
+}
+
+bool TransformTree::has_frames_per_beacon() const {
+  return ros2::has_frames_per_beacon(options_.output.frames, options_.output.tf == TfMode::map_odom);
+}
+
+void TransformTree::publish_mounts(const std::vector<ros2::FrameNames>& beacons, TimeNs stamp_ns) {
+  if (static_writer_.is_nil() || beacons.empty()) return;
+  const ros2::Transform mount{options_.output.mount.imu_in_base_m, options_.output.mount.q_imu_to_base};
+  std::vector<ros2::TransformStamped> transforms;
+  transforms.reserve(beacons.size());
+  for (const ros2::FrameNames& frames : beacons) {
+    transforms.push_back(ros2::transform(mount, stamp_ns, frames.base, frames.imu));
+  }
+  // One message with all transforms, because a late subscriber receives only the last message.
+  ros2::TFMessage message{};
+  ros2::borrow_sequence(message.transforms, transforms);
+  static_writer_.try_write(message);
+}
+
+}  // namespace sonopose::ros2::relay
