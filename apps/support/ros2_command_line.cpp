@@ -36,7 +36,7 @@ void add_option(const CLI::Option& option, const Parameter& parameter, std::vect
     arguments.push_back(name);
     arguments.insert(arguments.end(), parameter.values.begin(), parameter.values.end());
   } else {
-    for (const std::string& value : parameter.values) arguments.push_back(name + "=" + value);
+    for (const std::string& value : parameter.values) arguments.push_back(fmt::format("{}={}", name, value));
   }
 }
 
