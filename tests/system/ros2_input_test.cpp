@@ -151,7 +151,11 @@ SCENARIO("with simulated time, messages have the time of /clock") {
     const Bus bus;
     Consumer<sonopose_UltrasonicFix> fixes(bus, topics::fix);
     RosReader<ros2::DiagnosticArray> diagnostics(bus, "/diagnostics");
-    const auto relay = bus.ros2({"--use-sim-time", "--fix-in", "/tag:PointStamped=42"});
+    Arguments arguments{"--fix-in", "/tag:PointStamped=42"};
+    const Arguments use =
+        GENERATE(Arguments{"--use-sim-time"}, Arguments{"--ros-args", "-p", "use_sim_time:=true", "--"});
+    arguments.insert(arguments.end(), use.begin(), use.end());
+    const auto relay = bus.ros2(arguments);
     RosWriter<ros2::Clock> clock(bus, "/clock");
     RosWriter<ros2::PointStamped> position(bus, "/tag");
     constexpr TimeNs now_ns = 12'345'000'000;

@@ -104,12 +104,6 @@ void BeaconPublishers::publish_odometry(const FusedPose& pose) {
   if (!path_.is_nil()) add_to_path(odometry, *stamp_ns);
 }
 
-void BeaconPublishers::publish_imu(const ImuSample& sample, const FusedPose& pose) {
-  if (imu_.is_nil()) return;
-  const auto stamp_ns = next_stamp(imu_stamp_, sample.sensor_time_ns);
-  if (stamp_ns) imu_.try_write(ros2::fused_imu(sample, pose, *stamp_ns, frames_, output_.noise));
-}
-
 std::optional<ros2::Mount> BeaconPublishers::mount() const {
   const std::lock_guard lock(mutex_);
   return mount_;
@@ -121,6 +115,12 @@ bool BeaconPublishers::set_mount(const ros2::Mount& mount) {
                        mount_->q_imu_to_base.coeffs() == mount.q_imu_to_base.coeffs();
   mount_ = mount;
   return !is_same;
+}
+
+void BeaconPublishers::publish_imu(const ImuSample& sample, const FusedPose& pose) {
+  if (imu_.is_nil()) return;
+  const auto stamp_ns = next_stamp(imu_stamp_, sample.sensor_time_ns);
+  if (stamp_ns) imu_.try_write(ros2::fused_imu(sample, pose, *stamp_ns, frames_, output_.noise));
 }
 
 std::uint64_t BeaconPublishers::imu_data_lost() const {

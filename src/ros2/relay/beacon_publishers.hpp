@@ -43,14 +43,13 @@ public:
   /// that thread.
   void create_magnetic_writer(ros2::Node& node);
   /// Publishes fixes without a report of the fusion, and gives up poses without an IMU sample. Each IMU
-  /// sample does this, too.
+  /// sample does the first, too.
   void handle_overdue();
   /// Main thread only, once per second.
   void publish_path();
 
   /// Messages of `imu/data` that were not published, because the sample of the pose did not arrive.
   [[nodiscard]] std::uint64_t imu_data_lost() const;
-
   /// Sets the mount of the IMU; there are no poses without one. Returns whether it is another one.
   bool set_mount(const ros2::Mount& mount);
   [[nodiscard]] bool has_mount() const { return mount().has_value(); }

@@ -215,7 +215,7 @@ Relay::Impl::Impl(const RelayOptions& options)
                   log_, [this] { parameters_wakeup_.wake(); }),
       surroundings_(options_, participant_, node_, parameters_, log_, [this] { wakeup_.wake(); }),
       diagnostics_writer_(node_.make_writer<ros2::DiagnosticArray>("/diagnostics", "ros2::Diagnostics")),
-      tree_(options_, node_, log_),
+      tree_(options_, node_, clock_, log_),
       observers_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()) {
   check_inputs(options);
   if (options.rosout) log_.publish_as(node_);
@@ -314,22 +314,19 @@ void Relay::Impl::create_new_publishers() {
 
 /// A beacon with the same frames takes over the transforms of one that is gone, or that has not appeared.
 void Relay::Impl::replace_tree_owner() {
+  const auto owner = tree_.owner();
+  if (!owner) return;
   const SteadyTime now = clocks::steady_now();
-  const auto is_gone = [&](BeaconAddress address) {
-    const auto found = presences_.find(address);
-    if (found == presences_.end()) return now - started_ > Presence::gone_after_ns;
-    return found->second.state(now) == Presence::State::gone;
-  };
-  const auto owner = tree_.only_beacon();
-  if (!owner || !is_gone(*owner)) return;
+  const auto found = presences_.find(*owner);
+  const bool is_gone = found == presences_.end() ? now - started_ > Presence::gone_after_ns
+                                                 : found->second.state(now) == Presence::State::gone;
+  if (!is_gone) return;
   const auto next = std::find_if(presences_.begin(), presences_.end(), [&](const auto& entry) {
     return entry.second.state(now) == Presence::State::present && find_publishers(entry.first) != nullptr;
   });
   if (next == presences_.end()) return;
-  log_.warning(
-      fmt::format("beacon {} has the transforms now, because beacon {} is gone", next->first, *owner));
   if (auto* const before = find_publishers(*owner)) before->set_in_tree(false);
-  tree_.admit_only(next->first);
+  tree_.hand_over(next->first);
   find_publishers(next->first)->set_in_tree(true);
   publish_mounts();
 }
@@ -339,7 +336,7 @@ void Relay::Impl::publish_mounts() {
   for_each_beacon([&](const BeaconPublishers& publishers) {
     if (publishers.is_in_tree()) in_tree.push_back(publishers.frames());
   });
-  tree_.publish_mounts(in_tree, clock_.now_ns());
+  tree_.publish_mounts(in_tree);
 }
 
 void Relay::Impl::publish_diagnostics() {
@@ -424,10 +421,10 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
   surroundings_.observe();
   node_.announce();
   SteadyTime next_status = clocks::steady_now() + status_period_ns;
-  SteadyTime next_readers = source_ ? source_->update_readers() : SteadyTime::max();
-  while (!failed && !stop.wait_until(std::min(next_status, next_readers), wakeup_)) {
+  SteadyTime readers_due = next_status;
+  while (!failed && !stop.wait_until(std::min(next_status, readers_due), wakeup_)) {
     create_new_publishers();
-    if (source_) next_readers = source_->update_readers();
+    if (source_) readers_due = source_->update_readers();
     for_each_beacon([this](BeaconPublishers& publishers) {
       publishers.create_magnetic_writer(node_);
       if (mount_finder_) mount_finder_->assign_to(publishers);
@@ -436,6 +433,7 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
     node_.announce();
     if (clocks::steady_now() < next_status) continue;
     next_status = clocks::steady_now() + status_period_ns;
+    if (!source_) readers_due = next_status;
     surroundings_.check_processes(has_writer(imu_), has_writer(pose_));
     publish_diagnostics();
     replace_tree_owner();

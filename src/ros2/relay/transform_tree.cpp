@@ -9,17 +9,18 @@
 
 namespace sonopose::ros2::relay {
 
-TransformTree::TransformTree(const RelayOptions& options, ros2::Node& node, Log& log)
-    : options_(options), log_(log) {
+TransformTree::TransformTree(const RelayOptions& options, ros2::Node& node, const RosClock& clock, Log& log)
+    : options_(options), clock_(clock), log_(log) {
   if (options.output.publishes_mount()) {
     static_writer_ = node.make_writer<ros2::TFMessage>("/tf_static", "ros2::TfStatic");
   }
 }
 
 bool TransformTree::admits(BeaconAddress address) {
+  const Output& output = options_.output;
   if (!owner_) owner_ = options_.addresses.first().value_or(address);
   if (owner_ == address || has_frames_per_beacon()) return true;
-  if (options_.output.tf != TfMode::off && !std::exchange(reported_shared_frames_, true)) {
+  if (output.tf != TfMode::off && !std::exchange(reported_shared_frames_, true)) {
     log_.warning(fmt::format(
         "beacon {} has no transforms, because it has the same frames as beacon {}. Use different frames for "
         "each beacon (--base-frame hedge_{{address}}/base_link --imu-frame hedge_{{address}}/imu_link, and "
@@ -29,21 +30,27 @@ bool TransformTree::admits(BeaconAddress address) {
   return false;
 }
 
-std::optional<BeaconAddress> TransformTree::only_beacon() const {
+std::optional<BeaconAddress> TransformTree::owner() const {
   return has_frames_per_beacon() ? std::nullopt : owner_;
+}
+
+void TransformTree::hand_over(BeaconAddress address) {
+  log_.warning(fmt::format("beacon {} has the transforms now, because beacon {} is gone", address,
+                           owner_.value_or(address)));
+  owner_ = address;
 }
 
 bool TransformTree::has_frames_per_beacon() const {
   return ros2::has_frames_per_beacon(options_.output.frames, options_.output.tf == TfMode::map_odom);
 }
 
-void TransformTree::publish_mounts(const std::vector<ros2::FrameNames>& beacons, TimeNs stamp_ns) {
+void TransformTree::publish_mounts(const std::vector<ros2::FrameNames>& beacons) {
   if (static_writer_.is_nil() || beacons.empty()) return;
   const ros2::Transform mount{options_.output.mount.imu_in_base_m, options_.output.mount.q_imu_to_base};
   std::vector<ros2::TransformStamped> transforms;
   transforms.reserve(beacons.size());
   for (const ros2::FrameNames& frames : beacons) {
-    transforms.push_back(ros2::transform(mount, stamp_ns, frames.base, frames.imu));
+    transforms.push_back(ros2::transform(mount, clock_.now_ns(), frames.base, frames.imu));
   }
   // One message with all transforms, because a late subscriber receives only the last message.
   ros2::TFMessage message{};

@@ -4,6 +4,7 @@
 
 #include "ros2/relay/log.hpp"
 #include "ros2/relay/relay.hpp"
+#include "ros2/relay/ros_clock.hpp"
 
 #include <optional>
 #include <vector>
@@ -14,23 +15,25 @@ namespace sonopose::ros2::relay {
 /// thread only.
 class TransformTree {
 public:
-  /// `options`, `node` and `log` must outlive it. Throws dds::Error.
-  TransformTree(const RelayOptions& options, ros2::Node& node, Log& log);
+  /// All arguments must outlive it. Throws dds::Error.
+  TransformTree(const RelayOptions& options, ros2::Node& node, const RosClock& clock, Log& log);
 
   /// Whether to publish transforms of this beacon. Logs the first one that is not in the tree.
   bool admits(BeaconAddress address);
 
-  /// The only beacon with transforms; empty before the first one, and if each has frames of its own.
-  [[nodiscard]] std::optional<BeaconAddress> only_beacon() const;
-  void admit_only(BeaconAddress address) { owner_ = address; }
+  /// The only beacon with transforms; empty if each has its own frames, or before the first.
+  [[nodiscard]] std::optional<BeaconAddress> owner() const;
+  /// This beacon is the one with transforms from now on. Logs it.
+  void hand_over(BeaconAddress address);
 
   /// Publishes the mount of each beacon in the tree, unless the options leave it to others.
-  void publish_mounts(const std::vector<ros2::FrameNames>& beacons, TimeNs stamp_ns);
+  void publish_mounts(const std::vector<ros2::FrameNames>& beacons);
 
 private:
   [[nodiscard]] bool has_frames_per_beacon() const;
 
   const RelayOptions& options_;
+  const RosClock& clock_;
   Log& log_;
   std::optional<BeaconAddress> owner_;  ///< the only beacon with transforms, if all have the same frames
   bool reported_shared_frames_ = false;
