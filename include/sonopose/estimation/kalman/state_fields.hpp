@@ -32,7 +32,8 @@ void for_each_field(IsFieldsOf<HeadingMeasurement> auto& heading, const auto& vi
   visit("heading_world_rad", heading.heading_world_rad);
 }
 
-/// The covariance has been propagated in every belief that is kept: no transition is pending.
+/// The covariance has been propagated in every belief that is kept: no transition is pending, and the state
+/// is that of the latest sample.
 void for_each_field(IsFieldsOf<Filter> auto& filter, const auto& visit) {
   visit("position_world_m", filter.position_world_m);
   visit("velocity_world_mps", filter.velocity_world_mps);
@@ -134,6 +135,7 @@ void for_each_field(IsFieldsOf<Snapshot> auto& snapshot, const auto& visit) {
   visit("imu", snapshot.history.imu);
   visit("fixes", snapshot.history.fixes);
   visit("headings", snapshot.history.headings);
+  visit("stamps_are_ahead", snapshot.history.stamps_are_ahead);
   visit("admission.backward_in_row", snapshot.admission.backward_in_row);
   visit("admission.announced_ns", snapshot.admission.announced_ns);
   visit("last_used_received_ns", snapshot.last_used_received_ns);

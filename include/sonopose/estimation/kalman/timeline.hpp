@@ -4,6 +4,7 @@
 
 #include <sonopose/estimation/kalman/belief.hpp>
 
+#include <limits>
 #include <variant>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct History {
   std::vector<ImuMeasurement> imu;
   std::vector<FixMeasurement> fixes;
   std::vector<HeadingMeasurement> headings;
+  bool stamps_are_ahead = false;  ///< the last fix or heading was removed as one from the future
 
   bool operator==(const History&) const = default;
 };
@@ -52,6 +54,10 @@ public:
   /// Adds a sample that is not older than the latest one, and goes on to it.
   void add(const settings::Settings& settings, const ImuMeasurement& imu);
 
+  /// How far ahead of the latest sample a measurement may be. A silent IMU explains seconds, unless samples
+  /// showed that the stamps of fixes and headings are wrong.
+  [[nodiscard]] double ahead_s() const;
+
   /// Whether a measurement of this time can still be inserted: it is not too old, and there are not too many.
   [[nodiscard]] bool reaches(TimeNs time_ns) const;
 
@@ -72,7 +78,9 @@ private:
   std::size_t insert(const Aiding& aiding);
   void rewind(TimeNs time_ns);
   void fold_imu(const settings::Settings& settings, const ImuMeasurement& imu);
-  FixOutcome fold(const settings::Settings& settings, const Aiding* last);
+  void drop_future(TimeNs now_ns);
+  FixOutcome fold(const settings::Settings& settings, const Aiding* last,
+                  TimeNs until_ns = std::numeric_limits<TimeNs>::max());
   void save_checkpoint();
   void drop_oldest_checkpoint();
 
@@ -87,6 +95,7 @@ private:
   std::vector<Checkpoint> checkpoints_;  // ring, the oldest at oldest_
   std::size_t oldest_ = 0;
   std::size_t checkpoint_count_ = 0;
+  bool stamps_are_ahead_ = false;
 };
 
 }  // namespace sonopose::estimation::kalman
