@@ -100,6 +100,7 @@ void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
   visit("rest.position_mean_m", belief.rest.position_mean_m);
   visit("rest.products_m_s", belief.rest.products_m_s);
 
+  visit("noise.any_quality", belief.noise.any_quality);
   visit("noise.bins", belief.noise.bins);
   visit("noise.heading_rad2", belief.noise.heading_rad2.variance);
   visit("noise.heading_samples", belief.noise.heading_rad2.samples);
