@@ -261,7 +261,7 @@ void Filter::add_variance(StateIndex index, const Vector3d& variance) {
   covariance.diagonal().segment<3>(index) += variance;
 }
 
-void Filter::open_up(StateIndex index, const Vector3d& variance) {
+void Filter::decorrelate(StateIndex index, const Vector3d& variance) {
   covariance.middleRows<3>(index).setZero();
   covariance.middleCols<3>(index).setZero();
   covariance.diagonal().segment<3>(index) = variance;

@@ -119,8 +119,8 @@ public:
   /// Adds to the variance of three states.
   void add_variance(StateIndex index, const Vector3d& variance);
 
-  /// Forgets three states' correlations and sets their variances.
-  void open_up(StateIndex index, const Vector3d& variance);
+  /// Removes three states' correlations and sets their variances.
+  void decorrelate(StateIndex index, const Vector3d& variance);
 
   /// Adds yaw variance: a rotation about world Z.
   void add_yaw_variance(double variance_rad2);

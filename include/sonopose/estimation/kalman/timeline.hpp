@@ -10,6 +10,9 @@
 
 namespace sonopose::estimation::kalman {
 
+inline constexpr std::size_t imu_capacity = 2048;
+inline constexpr std::size_t aiding_capacity = 512;  ///< fixes and headings
+
 /// A fix or a heading.
 using Aiding = std::variant<FixMeasurement, HeadingMeasurement>;
 
