@@ -10,15 +10,14 @@ bool within(const Vector3d& value, double limit) {
   return value.allFinite() && value.cwiseAbs().maxCoeff() <= limit;
 }
 
-/// Whether a measurement is not older than the limit and not from the future. The tolerance covers an IMU
-/// sample that arrives after the fix. Before the first IMU sample the state's time is 0 and no measurement is
-/// recent.
-bool is_recent(const AdmissionSettings& settings, TimeNs now_ns, TimeNs measured_ns, TimeNs received_ns) {
+/// Whether a measurement is not older than the limit and not from the future. Before the first IMU sample the
+/// state's time is 0 and no measurement is recent.
+bool is_recent(const AdmissionSettings& settings, TimeNs now_ns, TimeNs measured_ns, TimeNs received_ns,
+               double ahead_s) {
   if (!is_time(measured_ns) || !is_time(received_ns)) return false;
-  constexpr double future_tolerance_s = 0.3;
   const double age_s = seconds_between(measured_ns, now_ns);
   const double delay_s = seconds_between(measured_ns, received_ns);
-  return age_s <= settings.max_fix_age_s && age_s >= -future_tolerance_s && delay_s >= 0.0 &&
+  return age_s <= settings.max_fix_age_s && age_s >= -ahead_s && delay_s >= 0.0 &&
          delay_s <= settings.max_fix_age_s;
 }
 
@@ -62,17 +61,17 @@ bool needs_time_reset(AdmissionState& state, TimeNs now_ns, const ImuSample& imu
   return state.backward_in_row >= enough;
 }
 
-bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading,
-            TimeNs measured_ns) {
+bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading, TimeNs measured_ns,
+            double ahead_s) {
   return std::isfinite(heading.heading_world_rad) &&
-         is_recent(settings, now_ns, measured_ns, heading.received_time_ns);
+         is_recent(settings, now_ns, measured_ns, heading.received_time_ns, ahead_s);
 }
 
 std::uint32_t fix_rejection_flags(const AdmissionSettings& settings, TimeNs now_ns, const UltrasonicFix& fix,
-                                  TimeNs measured_ns) {
+                                  TimeNs measured_ns, double ahead_s) {
   if (!within(fix.position_world_m, settings.max_position_m)) return fix_invalid;
   if (is_too_late(settings, now_ns, measured_ns, fix.received_time_ns)) return fix_too_late;
-  if (!is_recent(settings, now_ns, measured_ns, fix.received_time_ns)) return fix_invalid;
+  if (!is_recent(settings, now_ns, measured_ns, fix.received_time_ns, ahead_s)) return fix_invalid;
   const bool poor = fix.quality_percent && !(*fix.quality_percent >= settings.min_quality_percent);
   return poor ? std::uint32_t{fix_low_quality} : 0U;
 }

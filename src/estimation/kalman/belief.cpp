@@ -19,6 +19,7 @@ double log_likelihood(const Innovation& innovation) {
 void Belief::copy_from(const Belief& other) {
   phase = other.phase;
   time_ns = other.time_ns;
+  state_ns = other.state_ns;
   rate_body_radps = other.rate_body_radps;
   force_body_mps2 = other.force_body_mps2;
   mean_force_body_mps2 = other.mean_force_body_mps2;
@@ -76,7 +77,7 @@ void Belief::on_imu(const settings::Settings& settings, const ImuMeasurement& im
     const double share = is_first ? 1.0 : std::min(1.0, std::max(dt_s, 0.005) / time_constant_s);
     mean_force_body_mps2 += share * (imu.force_body_mps2 - mean_force_body_mps2);
   } else if (in_imu_gap) {
-    coast_over_gap(dt_s);
+    end_imu_gap(imu.time_ns);
   } else if (dt_s > 0.0) {
     for_each_filter([&](Filter& each, const ProcessNoise&) { each.predict(rate, force, dt_s); });
     repetition.moved_world_m += dt_s * repetition.velocity_world_mps;
@@ -94,39 +95,12 @@ void Belief::on_imu(const settings::Settings& settings, const ImuMeasurement& im
       });
     }
   }
-  time_ns = imu.time_ns;
+  time_ns = state_ns = imu.time_ns;
   rate_body_radps = imu.rate_body_radps;
   force_body_mps2 = imu.force_body_mps2;
   update_rest(imu);
   bound_dead_reckoning();
   if (former.alive && seconds_between(former.left_ns, time_ns) > former_s) former.alive = false;
-}
-
-/// The motion during the gap is unknown. After a short one the filters go on with more uncertainty; after a
-/// long one the next fix starts them again.
-void Belief::coast_over_gap(double dt_s) {
-  constexpr double long_gap_s = 0.5;
-  constexpr double slowing_s = 1.0;
-  const double speed = std::min(1.5 * dt_s, 3.0);
-  propagate();
-  for_each_filter([&](Filter& each, const ProcessNoise& model) {
-    each.coast(dt_s, slowing_s);
-    each.propagate(model);
-    each.add_variance(at_velocity, Vector3d::Constant(square(speed)));
-    each.add_variance(at_position, Vector3d::Constant(square(speed * dt_s) / 3.0));
-    each.add_variance(at_attitude, Vector3d::Constant(square(std::min(0.1 * dt_s, 0.2))));
-    each.add_yaw_variance(square(std::min(0.6 * dt_s, 1.5)));
-  });
-  if (dt_s > long_gap_s) restart_pending = true;
-  rival.alive = former.alive = false;
-  rest::restart(rest);
-  repetition = Repetition{};
-}
-
-/// Whether the IMU was silent between its latest sample and a measurement, which is then no correction of a
-/// known motion.
-bool Belief::is_beyond_imu(const settings::Settings& settings, TimeNs measured_ns) const {
-  return seconds_between(time_ns, measured_ns) > settings.outage.imu_gap_s;
 }
 
 void Belief::update_rest(const ImuMeasurement& imu) {
@@ -243,11 +217,8 @@ void Belief::adopt(const Filter& track) {
 FixOutcome Belief::on_fix(const settings::Settings& settings, const FixMeasurement& fix) {
   FixOutcome outcome;
   if (time_ns == 0) return outcome;
-  if (phase != Phase::waiting && is_beyond_imu(settings, fix.time_ns)) {
-    outcome.flags = fix_invalid;
-    return outcome;
-  }
   propagate();
+  coast_if_silent(settings, fix.time_ns);
   if (check_frozen(settings.frozen, fix)) {
     outcome.flags = fix_frozen;
     return outcome;
@@ -282,7 +253,7 @@ void Belief::recover_if_not_finite() {
 
 FixOutcome Belief::judge(const FixMeasurement& fix) {
   FixOutcome outcome;
-  const double ahead_s = seconds_between(time_ns, fix.time_ns);
+  const double ahead_s = seconds_between(state_ns, fix.time_ns);
   const Matrix3d covariance =
       fix.has_covariance ? fix.covariance_world_m2 : noise.fix_covariance_m2(fix.quality_percent);
   Innovations innovations;

@@ -134,8 +134,8 @@ TimeNs Engine::measured_at(const Sample& sample) const {
 }
 
 std::uint32_t Engine::rejection_flags(const UltrasonicFix& fix, const FixMeasurement& measured) const {
-  const std::uint32_t flags =
-      admission::fix_rejection_flags(settings_.admission, time_ns(), fix, measured.time_ns);
+  const std::uint32_t flags = admission::fix_rejection_flags(settings_.admission, time_ns(), fix,
+                                                             measured.time_ns, timeline_.ahead_s());
   if (flags != 0) return flags;
   if (timeline_.contains(measured)) return fix_invalid;
   if (timeline_.reaches(measured.time_ns)) return 0U;
@@ -146,7 +146,7 @@ std::uint32_t Engine::rejection_flags(const UltrasonicFix& fix, const FixMeasure
 void Engine::correct(const PairHeading& heading) noexcept {
   const HeadingMeasurement measured{.time_ns = measured_at(heading),
                                     .heading_world_rad = heading.heading_world_rad};
-  if (!admission::admits(settings_.admission, time_ns(), heading, measured.time_ns)) {
+  if (!admission::admits(settings_.admission, time_ns(), heading, measured.time_ns, timeline_.ahead_s())) {
     ++counters_.samples_invalid;
     return;
   }

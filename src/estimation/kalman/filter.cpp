@@ -21,7 +21,8 @@ StateColumns whitened(const StateColumns& columns, const Eigen::LLT<Matrix3d>& f
   return columns.lazyProduct(inverse.transpose());
 }
 
-void mirror(StateCovariance& covariance) {
+/// Copies the upper triangle to the lower one.
+void mirror_upper(StateCovariance& covariance) {
   for (int column = 0; column < state_size; ++column) {
     for (int row = column + 1; row < state_size; ++row) covariance(row, column) = covariance(column, row);
   }
@@ -59,15 +60,29 @@ void Filter::begin_transition() {
   if (pending.duration_s == 0.0) pending.rotation_start = q_body_to_world.toRotationMatrix();
 }
 
-void Filter::coast(double duration_s, double slowing_s) {
-  begin_transition();
-  const double left = std::exp(-duration_s / slowing_s);
-  const double moving_s = slowing_s * (1.0 - left);
+void Filter::coast(double duration_s, const UnknownMotion& motion) {
+  const double tau_s = motion.slowing_s;
+  const double left = std::exp(-duration_s / tau_s);
+  const double moving_s = tau_s * (1.0 - left);
   position_world_m += moving_s * velocity_world_mps;
   velocity_world_mps *= left;
   acceleration_world_mps2.setZero();
-  pending.position_velocity_s += moving_s;
-  pending.duration_s += duration_s;
+  angular_velocity_body_radps.setZero();
+
+  StateCovariance& P = covariance;  // NOLINT(readability-identifier-naming): the symbol of the equations
+  P.middleRows<3>(at_position) += moving_s * P.middleRows<3>(at_velocity);
+  P.middleRows<3>(at_velocity) *= left;
+  P.middleCols<3>(at_position) += moving_s * P.middleCols<3>(at_velocity);
+  P.middleCols<3>(at_velocity) *= left;
+  // The integrals of white acceleration whose velocity falls.
+  const double accel = motion.accel_mps2_rthz * motion.accel_mps2_rthz;
+  P.diagonal().segment<3>(at_position).array() +=
+      accel * tau_s * tau_s * (duration_s - 2.0 * moving_s + 0.5 * tau_s * (1.0 - left * left));
+  for (int i = 0; i < 3; ++i) P(at_position + i, at_velocity + i) += 0.5 * accel * moving_s * moving_s;
+  P.diagonal().segment<3>(at_velocity).array() += 0.5 * accel * tau_s * (1.0 - left * left);
+  P.diagonal().segment<3>(at_attitude).array() += motion.tilt_rad_rts * motion.tilt_rad_rts * duration_s;
+  add_yaw_variance(motion.yaw_rad_rts * motion.yaw_rad_rts * duration_s);
+  mirror_upper(P);
 }
 
 void Filter::propagate(const ProcessNoise& noise) {
@@ -136,7 +151,7 @@ void Filter::propagate(const ProcessNoise& noise) {
       noise.gyro_bias_radps_rts * noise.gyro_bias_radps_rts * duration_s;
   P.diagonal().segment<3>(at_accel_bias).array() +=
       noise.accel_bias_mps2_rts * noise.accel_bias_mps2_rts * duration_s;
-  mirror(P);
+  mirror_upper(P);
   pending = Transition{};
 }
 
@@ -246,7 +261,7 @@ void Filter::add_variance(StateIndex index, const Vector3d& variance) {
   covariance.diagonal().segment<3>(index) += variance;
 }
 
-void Filter::open_up(StateIndex index, const Vector3d& variance) {
+void Filter::decorrelate(StateIndex index, const Vector3d& variance) {
   covariance.middleRows<3>(index).setZero();
   covariance.middleCols<3>(index).setZero();
   covariance.diagonal().segment<3>(index) = variance;
@@ -269,9 +284,11 @@ void Filter::inject(const StateVector& error) {
 
 Covariance<6> Filter::pose_covariance() const {
   const Matrix3d rotation = q_body_to_world.toRotationMatrix();
-  const StateColumns position = fix_columns(0.0);
+  // The covariance may be older than the state: the velocity's share has grown since.
+  const double since_s = pending.position_velocity_s;
+  const StateColumns position = fix_columns(since_s);
   Covariance<6>::Matrix result;
-  result.block<3, 3>(0, 0) = fix_covariance_of(position, 0.0);
+  result.block<3, 3>(0, 0) = fix_covariance_of(position, since_s);
   result.block<3, 3>(0, 3) = (rotation * position.middleRows<3>(at_attitude)).transpose();
   result.block<3, 3>(3, 3) =
       rotation * covariance.block<3, 3>(at_attitude, at_attitude) * rotation.transpose();

@@ -5,9 +5,11 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-constexpr double initial_fix_variance_m2 = 0.02 * 0.02;
+// A large guess that the first fixes overrule: too small a one rejects the fixes that would correct it.
+constexpr double initial_fix_variance_m2 = 0.05 * 0.05;
+constexpr double prior_fixes = 0.5;
 constexpr double initial_heading_variance_rad2 = 0.026 * 0.026;  // 1.5°
-constexpr double prior_samples = 8;
+constexpr double prior_headings = 8;
 constexpr double fix_memory = 40;
 constexpr double heading_memory = 60;
 
@@ -20,41 +22,55 @@ std::size_t bin_of(double quality_percent) {
 
 }  // namespace
 
-void AdaptiveVariance::add(double sample, double memory, double least, double most) {
-  samples = std::min(samples + 1.0, memory);
-  const double clipped = std::min(sample, 9.0 * variance);
-  variance = std::clamp(variance + (clipped - variance) / samples, least, most);
+VarianceSample::VarianceSample(double squared_residual, double prediction_variance, double noise_variance)
+    : variance(std::min(squared_residual + prediction_variance, 9.0 * noise_variance)) {
+  const double left = std::max(0.0, 1.0 - prediction_variance / noise_variance);
+  weight = left * left;
+}
+
+void AdaptiveVariance::add(const VarianceSample& sample, double memory, double least, double most) {
+  if (!(sample.weight > 0.0)) return;
+  samples = std::min(samples + sample.weight, memory);
+  variance = std::clamp(variance + (sample.variance - variance) * sample.weight / samples, least, most);
 }
 
 MeasurementNoise::MeasurementNoise() {
-  for (Bin& bin : bins) {
-    bin.horizontal_m2 = {initial_fix_variance_m2, prior_samples};
-    bin.vertical_m2 = {initial_fix_variance_m2, prior_samples};
-  }
-  heading_rad2 = {initial_heading_variance_rad2, prior_samples};
+  any_quality.horizontal_m2 = {initial_fix_variance_m2, prior_fixes};
+  any_quality.vertical_m2 = {initial_fix_variance_m2, prior_fixes};
+  heading_rad2 = {initial_heading_variance_rad2, prior_headings};
 }
 
 Eigen::Matrix3d MeasurementNoise::fix_covariance_m2(double quality_percent) const {
+  // The fewer fixes a range has seen, the more it is like the others.
+  constexpr double common_fixes = 8;
+  const auto mean = [](const AdaptiveVariance& own, const AdaptiveVariance& common) {
+    return (own.samples * own.variance + common_fixes * common.variance) / (own.samples + common_fixes);
+  };
   const Bin& bin = bins[bin_of(quality_percent)];
-  return Vector3d(bin.horizontal_m2.variance, bin.horizontal_m2.variance, bin.vertical_m2.variance)
-      .asDiagonal();
+  const double horizontal_m2 = mean(bin.horizontal_m2, any_quality.horizontal_m2);
+  return Vector3d(horizontal_m2, horizontal_m2, mean(bin.vertical_m2, any_quality.vertical_m2)).asDiagonal();
 }
 
 void MeasurementNoise::add_fix(double quality_percent, const Vector3d& residual_m,
                                const Vector3d& prediction_variance_m2) {
   constexpr double least_m2 = 0.01 * 0.01;
   constexpr double most_m2 = 0.5 * 0.5;
-  Bin& bin = bins[bin_of(quality_percent)];
-  const Vector3d sample = residual_m.cwiseAbs2() + prediction_variance_m2;
-  bin.horizontal_m2.add(0.5 * (sample.x() + sample.y()), fix_memory, least_m2, most_m2);
-  bin.vertical_m2.add(sample.z(), fix_memory, least_m2, most_m2);
+  const Vector3d variance_m2 = fix_covariance_m2(quality_percent).diagonal();
+  const Vector3d squares_m2 = residual_m.cwiseAbs2();
+  const VarianceSample horizontal(squares_m2.head<2>().mean(), prediction_variance_m2.head<2>().mean(),
+                                  variance_m2.x());
+  const VarianceSample vertical(squares_m2.z(), prediction_variance_m2.z(), variance_m2.z());
+  for (Bin* bin : {&any_quality, &bins[bin_of(quality_percent)]}) {
+    bin->horizontal_m2.add(horizontal, fix_memory, least_m2, most_m2);
+    bin->vertical_m2.add(vertical, fix_memory, least_m2, most_m2);
+  }
 }
 
 void MeasurementNoise::add_heading(double residual_rad, double prediction_variance_rad2) {
   constexpr double least_rad2 = 0.003 * 0.003;
   constexpr double most_rad2 = 0.35 * 0.35;
-  heading_rad2.add(residual_rad * residual_rad + prediction_variance_rad2, heading_memory, least_rad2,
-                   most_rad2);
+  heading_rad2.add({residual_rad * residual_rad, prediction_variance_rad2, heading_rad2.variance},
+                   heading_memory, least_rad2, most_rad2);
 }
 
 }  // namespace sonopose::estimation::kalman

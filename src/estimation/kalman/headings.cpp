@@ -14,15 +14,15 @@ constexpr double heading_rejected_above = 25.0;
 }  // namespace
 
 void Belief::on_heading(const settings::Settings& settings, const HeadingMeasurement& heading) {
-  if (phase == Phase::waiting || repetition.frozen || restart_pending ||
-      is_beyond_imu(settings, heading.time_ns)) {
+  if (phase == Phase::waiting || repetition.frozen || restart_pending) {
     last_heading_ns = heading.time_ns;
     last_heading_rad = heading.heading_world_rad;
     return;
   }
   propagate();
+  coast_if_silent(settings, heading.time_ns);
   const double mount_rad = radians(settings.heading.mount_offset_deg);
-  const double ahead_s = seconds_between(time_ns, heading.time_ns);
+  const double ahead_s = seconds_between(state_ns, heading.time_ns);
   const double variance = noise.heading_rad2.variance;
   if (phase == Phase::searching_yaw) {
     last_heading_ns = heading.time_ns;

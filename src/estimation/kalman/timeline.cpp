@@ -1,13 +1,16 @@
+#include <sonopose/estimation/documented/admission.hpp>
 #include <sonopose/estimation/kalman/timeline.hpp>
 
 #include <algorithm>
 
 namespace sonopose::estimation::kalman {
+
+using documented::admission::future_tolerance_s;
+
 namespace {
 
-constexpr std::size_t imu_capacity = 2048;
-constexpr std::size_t aiding_capacity = 512;
 constexpr std::size_t checkpoint_capacity = 16;
+constexpr double longest_silence_s = 10.0;            // of the IMU, over which fixes and headings are kept
 constexpr TimeNs checkpoint_spacing_ns = 77'500'000;  // no multiple of a usual sample interval
 
 }  // namespace
@@ -23,6 +26,7 @@ void Timeline::clear() {
   next_aiding_ = 0;
   aiding_.clear();
   oldest_ = checkpoint_count_ = 0;
+  stamps_are_ahead_ = false;
 }
 
 void Timeline::add(const settings::Settings& settings, const ImuMeasurement& imu) {
@@ -34,7 +38,21 @@ void Timeline::add(const settings::Settings& settings, const ImuMeasurement& imu
   ++end_imu_;
   time_ns_ = imu.time_ns;
   if (next_aiding_ > 0 && imu.time_ns <= turn_of(aiding_[next_aiding_ - 1])) rewind(imu.time_ns);
-  fold(settings, nullptr);
+  drop_future(imu.time_ns);
+  fold(settings, nullptr, imu.time_ns + to_ns(settings.outage.imu_gap_s));
+}
+
+/// Removes what claims to be from long after the sample that just came: the IMU was not silent, the stamp is
+/// wrong.
+void Timeline::drop_future(TimeNs now_ns) {
+  while (!aiding_.empty() && turn_of(aiding_.back()) - now_ns > to_ns(future_tolerance_s)) {
+    aiding_.pop_back();
+    stamps_are_ahead_ = true;
+  }
+}
+
+double Timeline::ahead_s() const {
+  return stamps_are_ahead_ ? future_tolerance_s : longest_silence_s;
 }
 
 bool Timeline::reaches(TimeNs time_ns) const {
@@ -47,6 +65,7 @@ bool Timeline::contains(const Aiding& aiding) const {
 }
 
 FixOutcome Timeline::add(const settings::Settings& settings, const Aiding& aiding) {
+  stamps_are_ahead_ = false;
   const std::size_t index = insert(aiding);
   const bool is_ahead = index >= next_aiding_ && turn_of(aiding) >= now_.time_ns;
   if (!is_ahead) rewind(turn_of(aiding));
@@ -88,8 +107,8 @@ void Timeline::fold_imu(const settings::Settings& settings, const ImuMeasurement
   if (due) save_checkpoint();
 }
 
-/// Folds the events in their order, up to `last`, whose outcome it returns, or to the end.
-FixOutcome Timeline::fold(const settings::Settings& settings, const Aiding* last) {
+/// Folds the events in their order, up to `last`, whose outcome it returns, or all until a time.
+FixOutcome Timeline::fold(const settings::Settings& settings, const Aiding* last, TimeNs until_ns) {
   while (next_imu_ < end_imu_ || next_aiding_ < aiding_.size()) {
     if (next_imu_ < end_imu_) {
       const ImuMeasurement& imu = imu_[next_imu_ % imu_capacity];
@@ -98,6 +117,7 @@ FixOutcome Timeline::fold(const settings::Settings& settings, const Aiding* last
         continue;
       }
     }
+    if (turn_of(aiding_[next_aiding_]) > until_ns) break;
     const Aiding& aiding = aiding_[next_aiding_++];
     FixOutcome outcome;
     if (const auto* fix = std::get_if<FixMeasurement>(&aiding)) {
@@ -142,6 +162,7 @@ void Timeline::drop_oldest_checkpoint() {
 
 History Timeline::history() const {
   History history;
+  history.stamps_are_ahead = stamps_are_ahead_;
   if (checkpoint_count_ == 0) return history;
   history.base.copy_from(checkpoints_[oldest_].belief);
   for (std::uint64_t i = first_imu_; i < end_imu_; ++i) history.imu.push_back(imu_[i % imu_capacity]);
@@ -158,7 +179,9 @@ History Timeline::history() const {
 void Timeline::restore(const settings::Settings& settings, const History& history) {
   clear();
   if (history.base.time_ns == 0) return;
+  stamps_are_ahead_ = history.stamps_are_ahead;
   now_.copy_from(history.base);
+  now_.state_ns = now_.time_ns;
   save_checkpoint();
   const std::size_t samples = std::min(history.imu.size(), imu_capacity);
   std::copy_n(history.imu.end() - static_cast<std::ptrdiff_t>(samples), samples, imu_.begin());

@@ -61,9 +61,9 @@ void Belief::begin_rival(const FixMeasurement& fix, const Matrix3d& covariance) 
   rival.filter = filter();
   Filter& f = rival.filter;
   f.position_world_m = fix.position_world_m + f.q_body_to_world * f.lever_arm_body_m;
-  f.open_up(at_position, 2.0 * covariance.diagonal());
+  f.decorrelate(at_position, 2.0 * covariance.diagonal());
   if (!open) return;
-  f.open_up(at_velocity, Vector3d::Constant(square(2.0)));
+  f.decorrelate(at_velocity, Vector3d::Constant(square(2.0)));
   f.add_variance(at_attitude, Vector3d::Constant(square(radians(5.0))));
   f.add_yaw_variance(square(radians(15.0)));
   f.add_variance(at_gyro_bias, Vector3d::Constant(square(0.01)));

@@ -89,6 +89,22 @@ SCENARIO("the Kalman engine follows a walk within the noise of one fix") {
   }
 }
 
+SCENARIO("the Kalman engine starts with any noise of the fixes") {
+  GIVEN("a walk with three fixes per second and a noise of 1, 5 or 10 cm") {
+    const double noise_m = GENERATE(0.01, 0.05, 0.1);
+    const std::uint64_t seed = GENERATE(range(81U, 91U));
+    CAPTURE(noise_m, seed);
+    sim::Scenario walk = sim::find_scenario("walk");
+    walk.sensors.fix_rate_hz = {3.0, 3.0};
+    walk.sensors.fix_noise_m = {noise_m, noise_m};
+    const sim::Recording noisy = sim::record(walk, {.seed = seed, .duration_s = 30.0});
+    kalman::Engine engine{settings::Settings{}};
+    THEN("the position is soon better than a fix on all three axes") {
+      CHECK(rms_m(poses_of(engine, noisy.events), noisy.truth, 6.0) < std::max(0.03, 1.7 * noise_m));
+    }
+  }
+}
+
 SCENARIO("the Kalman engine recovers from what nobody could predict") {
   const auto longest_off_s = [](const char* scenario, std::uint64_t seed) {
     const sim::Recording recording = record(scenario, 60.0, seed);

@@ -119,6 +119,23 @@ TEST_CASE("a fix and a heading move the state as their derivatives demand") {
   }
 }
 
+TEST_CASE("a time without samples may be crossed at once or in pieces") {
+  Dice dice;
+  const Filter start = random_filter(dice);
+  Filter at_once = start;
+  at_once.coast(2.0, {});
+  Filter in_pieces = start;
+  for (int i = 0; i < 20; ++i) in_pieces.coast(0.1, {});
+  CHECK((at_once.position_world_m - in_pieces.position_world_m).norm() < 1e-12);
+  CHECK((at_once.velocity_world_mps - in_pieces.velocity_world_mps).norm() < 1e-12);
+  CHECK((at_once.covariance - in_pieces.covariance).cwiseAbs().maxCoeff() < 1e-12);
+  CHECK(at_once.covariance == at_once.covariance.transpose());
+  // Short of the slowing, the velocity is a random walk.
+  Filter shortly = start;
+  shortly.coast(0.01, {.slowing_s = 1e6, .accel_mps2_rthz = 2.0});
+  CHECK(shortly.covariance(at_velocity, at_velocity) - 1e-4 == Approx(0.01 * 4.0));
+}
+
 TEST_CASE("the covariance stays symmetric and positive over a million random steps") {
   Dice dice;
   Filter filter = random_filter(dice);
@@ -138,6 +155,10 @@ TEST_CASE("the covariance stays symmetric and positive over a million random ste
     if (i % 1000 == 0) {
       filter.correct_states(at_gyro_bias, dice.vector(1e-3), 1e-8);
       filter.correct_states(at_velocity, dice.vector(1e-3), 1e-6);
+    }
+    if (i % 5000 == 0) {
+      filter.propagate({});
+      filter.coast(0.3, {});
     }
     if (i % 10'000 != 0) continue;
     REQUIRE(filter.covariance == filter.covariance.transpose());

@@ -21,6 +21,9 @@ struct AdmissionState {
 
 namespace admission {
 
+/// How far ahead of the latest IMU sample a measurement may be: the sample may arrive after it.
+inline constexpr double future_tolerance_s = 0.3;
+
 /// Whether a stamp is in the valid range, in which differences do not overflow.
 [[nodiscard]] bool is_time(TimeNs stamp_ns);
 
@@ -38,11 +41,12 @@ namespace admission {
 
 /// Whether a heading that was measured at `measured_ns` is a possible and recent measurement.
 [[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading,
-                          TimeNs measured_ns);
+                          TimeNs measured_ns, double ahead_s = future_tolerance_s);
 
 /// The bits of FixFlag that exclude a fix measured at `measured_ns`, in whatever order fixes arrive; 0: none.
 [[nodiscard]] std::uint32_t fix_rejection_flags(const AdmissionSettings& settings, TimeNs now_ns,
-                                                const UltrasonicFix& fix, TimeNs measured_ns);
+                                                const UltrasonicFix& fix, TimeNs measured_ns,
+                                                double ahead_s = future_tolerance_s);
 
 /// The same for fixes in the order of their measurement. An admitted one is recorded.
 [[nodiscard]] std::uint32_t rejection_flags(const AdmissionSettings& settings, AdmissionState& state,

@@ -120,8 +120,9 @@ struct Belief {
   Vector3d rate_body_radps = Vector3d::Zero();  ///< of that sample
   Vector3d force_body_mps2 = Vector3d::Zero();
   Vector3d mean_force_body_mps2 = Vector3d::Zero();  ///< low-passed until the first fix
+  TimeNs state_ns = 0;  ///< of the filters: that sample, or a later measurement in a silence of the IMU
   bool in_imu_gap = false;
-  bool restart_pending = false;  ///< after a long gap of the IMU: the next fix starts the estimate again
+  bool restart_pending = false;  ///< a gap left the yaw unknown: the next fix starts the estimate again
   RestState rest;
   MeasurementNoise noise;
   Repetition repetition;
@@ -162,8 +163,9 @@ private:
   template <class Visit>
   void for_each_filter(const Visit& visit);
   void start_at(const FixMeasurement& fix, const settings::Settings& settings);
-  void coast_over_gap(double dt_s);
-  [[nodiscard]] bool is_beyond_imu(const settings::Settings& settings, TimeNs measured_ns) const;
+  void coast_to(TimeNs to_ns);
+  void coast_if_silent(const settings::Settings& settings, TimeNs measured_ns);
+  void end_imu_gap(TimeNs to_ns);
   void recover_if_not_finite();
   [[nodiscard]] bool map_has_turned(TimeNs now_ns) const;
   bool reject_heading(TimeNs now_ns);

@@ -35,6 +35,14 @@ struct ProcessNoise {
   double gyro_bias_radps_rts = 1e-4;
 };
 
+/// A motion that nobody measured: white acceleration and angular rate, and a velocity that falls.
+struct UnknownMotion {
+  double slowing_s = 1.0;  ///< time constant of the velocity
+  double accel_mps2_rthz = 2.0;
+  double tilt_rad_rts = 0.1;
+  double yaw_rad_rts = 0.6;
+};
+
 /// What a fix showed of a filter: the fix minus its prediction.
 struct Innovation {
   Vector3d value_world_m = Vector3d::Zero();
@@ -79,8 +87,9 @@ public:
   /// transition. The covariance follows in `propagate`.
   void predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s);
 
-  /// Moves the position over a time without samples, at a velocity that falls with this time constant.
-  void coast(double duration_s, double slowing_s);
+  /// Moves the state and its covariance over a time without samples. The covariance must have been
+  /// propagated.
+  void coast(double duration_s, const UnknownMotion& motion);
 
   /// P ← Φ P Φᵀ + Q for all steps since the last call.
   void propagate(const ProcessNoise& noise);
@@ -110,8 +119,8 @@ public:
   /// Adds to the variance of three states.
   void add_variance(StateIndex index, const Vector3d& variance);
 
-  /// Forgets three states' correlations and sets their variances.
-  void open_up(StateIndex index, const Vector3d& variance);
+  /// Removes three states' correlations and sets their variances.
+  void decorrelate(StateIndex index, const Vector3d& variance);
 
   /// Adds yaw variance: a rotation about world Z.
   void add_yaw_variance(double variance_rad2);

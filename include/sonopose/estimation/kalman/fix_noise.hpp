@@ -10,12 +10,22 @@
 
 namespace sonopose::estimation::kalman {
 
+/// What remains of an innovation after the correction, as a sample of the noise.
+struct VarianceSample {
+  double variance = 0;
+  double weight =
+      0;  ///< (1 − K)²: with the gain K of the correction, 1 − K of the noise is left in the residual
+
+  /// `prediction_variance` is that after the correction. A stray residual counts as one of three deviations.
+  VarianceSample(double squared_residual, double prediction_variance, double noise_variance);
+};
+
 /// A running variance. It begins with a prior guess and forgets.
 struct AdaptiveVariance {
   double variance = 0;
   double samples = 0;  ///< behind it, up to the memory
 
-  void add(double sample, double memory, double least, double most);
+  void add(const VarianceSample& sample, double memory, double least, double most);
   bool operator==(const AdaptiveVariance&) const = default;
 };
 
@@ -27,6 +37,7 @@ struct MeasurementNoise {
     AdaptiveVariance vertical_m2;
     bool operator==(const Bin&) const = default;
   };
+  Bin any_quality;
   std::array<Bin, bin_count> bins;
   AdaptiveVariance heading_rad2;
 

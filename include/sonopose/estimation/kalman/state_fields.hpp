@@ -5,7 +5,6 @@
 #include <sonopose/estimation/kalman/engine.hpp>
 #include <sonopose/samples/field_fault.hpp>
 
-#include <algorithm>
 #include <concepts>
 #include <optional>
 #include <type_traits>
@@ -44,6 +43,7 @@ void for_each_field(IsFieldsOf<Transition> auto& transition, const auto& visit) 
   visit("position_gyro_bias", transition.position_gyro_bias);
 }
 
+/// In every belief that is kept, the state is that of the latest sample.
 void for_each_field(IsFieldsOf<Filter> auto& filter, const auto& visit) {
   visit("position_world_m", filter.position_world_m);
   visit("velocity_world_mps", filter.velocity_world_mps);
@@ -111,6 +111,7 @@ void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
   visit("rest.position_mean_m", belief.rest.position_mean_m);
   visit("rest.products_m_s", belief.rest.products_m_s);
 
+  visit("noise.any_quality", belief.noise.any_quality);
   visit("noise.bins", belief.noise.bins);
   visit("noise.heading_rad2", belief.noise.heading_rad2.variance);
   visit("noise.heading_samples", belief.noise.heading_rad2.samples);
@@ -146,6 +147,7 @@ void for_each_field(IsFieldsOf<Snapshot> auto& snapshot, const auto& visit) {
   visit("imu", snapshot.history.imu);
   visit("fixes", snapshot.history.fixes);
   visit("headings", snapshot.history.headings);
+  visit("stamps_are_ahead", snapshot.history.stamps_are_ahead);
   visit("admission.backward_in_row", snapshot.admission.backward_in_row);
   visit("admission.announced_ns", snapshot.admission.announced_ns);
   visit("last_used_received_ns", snapshot.last_used_received_ns);
@@ -153,33 +155,6 @@ void for_each_field(IsFieldsOf<Snapshot> auto& snapshot, const auto& visit) {
 }
 
 /// The first field whose value no engine can have although its type allows it.
-inline std::optional<FieldFault> find_fault(const Snapshot& snapshot) {
-  const Belief& base = snapshot.history.base;
-  if (base.candidate_count > start_count) {
-    return FieldFault{"candidate_count", "is more than the number of starts"};
-  }
-  if (base.phase != Phase::waiting && base.candidate_count == 0) {
-    return FieldFault{"candidate_count", "is 0 although the estimate has begun"};
-  }
-  if (!(base.trust >= 0.0 && base.trust <= 1.0)) return FieldFault{"trust", "is not between 0 and 1"};
-  if (base.best >= std::max(base.candidate_count, 1)) {
-    return FieldFault{"best", "is not the index of a candidate"};
-  }
-  if (base.phase == Phase::tracking && base.candidate_count != model_count) {
-    return FieldFault{"candidate_count", "is not the number of models"};
-  }
-  TimeNs before_ns = base.time_ns;
-  for (const ImuMeasurement& imu : snapshot.history.imu) {
-    if (imu.time_ns < before_ns) return FieldFault{"imu", "has times that go backward"};
-    before_ns = imu.time_ns;
-  }
-  for (int i = 0; i < base.candidate_count; ++i) {
-    const auto& filter = base.candidates[static_cast<std::size_t>(i)].filter;
-    if (!(filter.covariance.diagonal().minCoeff() >= 0.0)) {
-      return FieldFault{"candidates", "have a negative variance"};
-    }
-  }
-  return std::nullopt;
-}
+[[nodiscard]] std::optional<FieldFault> find_fault(const Snapshot& snapshot);
 
 }  // namespace sonopose::estimation::kalman

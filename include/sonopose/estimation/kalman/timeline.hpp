@@ -4,10 +4,14 @@
 
 #include <sonopose/estimation/kalman/belief.hpp>
 
+#include <limits>
 #include <variant>
 #include <vector>
 
 namespace sonopose::estimation::kalman {
+
+inline constexpr std::size_t imu_capacity = 2048;
+inline constexpr std::size_t aiding_capacity = 512;  ///< fixes and headings
 
 /// A fix or a heading.
 using Aiding = std::variant<FixMeasurement, HeadingMeasurement>;
@@ -31,6 +35,7 @@ struct History {
   std::vector<ImuMeasurement> imu;
   std::vector<FixMeasurement> fixes;
   std::vector<HeadingMeasurement> headings;
+  bool stamps_are_ahead = false;  ///< the last fix or heading was removed as one from the future
 
   bool operator==(const History&) const = default;
 };
@@ -52,6 +57,10 @@ public:
   /// Adds a sample that is not older than the latest one, and goes on to it.
   void add(const settings::Settings& settings, const ImuMeasurement& imu);
 
+  /// How far ahead of the latest sample a measurement may be. A silent IMU explains seconds, unless samples
+  /// showed that the stamps of fixes and headings are wrong.
+  [[nodiscard]] double ahead_s() const;
+
   /// Whether a measurement of this time can still be inserted: it is not too old, and there are not too many.
   [[nodiscard]] bool reaches(TimeNs time_ns) const;
 
@@ -72,7 +81,9 @@ private:
   std::size_t insert(const Aiding& aiding);
   void rewind(TimeNs time_ns);
   void fold_imu(const settings::Settings& settings, const ImuMeasurement& imu);
-  FixOutcome fold(const settings::Settings& settings, const Aiding* last);
+  void drop_future(TimeNs now_ns);
+  FixOutcome fold(const settings::Settings& settings, const Aiding* last,
+                  TimeNs until_ns = std::numeric_limits<TimeNs>::max());
   void save_checkpoint();
   void drop_oldest_checkpoint();
 
@@ -87,6 +98,7 @@ private:
   std::vector<Checkpoint> checkpoints_;  // ring, the oldest at oldest_
   std::size_t oldest_ = 0;
   std::size_t checkpoint_count_ = 0;
+  bool stamps_are_ahead_ = false;
 };
 
 }  // namespace sonopose::estimation::kalman

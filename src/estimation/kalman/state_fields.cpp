@@ -1,0 +1,125 @@
+#include <sonopose/estimation/documented/admission.hpp>
+#include <sonopose/estimation/kalman/state_fields.hpp>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace sonopose::estimation::kalman {
+namespace {
+
+/// Looks for counts and times with which arithmetic could overflow, in all records.
+struct RangeCheck {
+  std::optional<FieldFault>& fault;
+
+  void operator()(const char* name, int count) const {
+    constexpr int most = 1'000'000'000;
+    if (count < 0 || count > most) report(name, "is not between 0 and 1e9");
+  }
+  void operator()(const char* name, TimeNs time_ns) const {
+    if (time_ns != 0 && !documented::admission::is_time(time_ns)) report(name, "is no possible time");
+  }
+  template <class Record>
+  void operator()(const char* /*name*/, const std::vector<Record>& records) const {
+    for (const Record& record : records) for_each_field(record, *this);
+  }
+  template <class Record, std::size_t count>
+  void operator()(const char* /*name*/, const std::array<Record, count>& records) const {
+    for (const Record& record : records) for_each_field(record, *this);
+  }
+  template <class Field>
+  void operator()(const char* /*name*/, const Field& field) const {
+    if constexpr (requires { for_each_field(field, *this); }) for_each_field(field, *this);
+  }
+
+private:
+  void report(const char* name, const char* what) const {
+    if (!fault) fault = FieldFault{name, what};
+  }
+};
+
+bool is_covariance(const StateCovariance& covariance) {
+  if (covariance != covariance.transpose() || !(covariance.diagonal().minCoeff() >= 0.0)) return false;
+  // The correlations, with a margin for what rounding leaves.
+  constexpr double margin = 1e-9;
+  const StateVector scale = covariance.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
+  StateCovariance correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
+  correlation.diagonal().array() += margin;
+  return Eigen::LLT<StateCovariance>(correlation).info() == Eigen::Success;
+}
+
+std::optional<FieldFault> find_fault(const Belief& base) {
+  if (base.candidate_count > start_count) {
+    return FieldFault{"candidate_count", "is more than the number of starts"};
+  }
+  if (base.phase != Phase::waiting && base.candidate_count == 0) {
+    return FieldFault{"candidate_count", "is 0 although the estimate has begun"};
+  }
+  if (base.phase == Phase::tracking && base.candidate_count != model_count) {
+    return FieldFault{"candidate_count", "is not the number of models"};
+  }
+  if (base.best >= std::max(base.candidate_count, 1)) {
+    return FieldFault{"best", "is not the index of a candidate"};
+  }
+  if (!(base.trust >= 0.0 && base.trust <= 1.0)) return FieldFault{"trust", "is not between 0 and 1"};
+  const auto candidates_end = base.candidates.begin() + base.candidate_count;
+  if (!std::all_of(base.candidates.begin(), candidates_end,
+                   [](const Candidate& candidate) { return is_covariance(candidate.filter.covariance); })) {
+    return FieldFault{"candidates", "have a covariance that is none"};
+  }
+  if (base.rival.alive && !is_covariance(base.rival.filter.covariance)) {
+    return FieldFault{"rival", "has a covariance that is none"};
+  }
+  if (base.former.alive && !is_covariance(base.former.filter.covariance)) {
+    return FieldFault{"former", "has a covariance that is none"};
+  }
+  const auto is_variance = [](const AdaptiveVariance& any) {
+    return any.variance >= 0.0 && any.samples >= 0.0;
+  };
+  const auto is_noise = [&](const MeasurementNoise::Bin& bin) {
+    return is_variance(bin.horizontal_m2) && is_variance(bin.vertical_m2);
+  };
+  const MeasurementNoise& noise = base.noise;
+  if (!std::all_of(noise.bins.begin(), noise.bins.end(), is_noise)) {
+    return FieldFault{"noise.bins", "have a negative variance"};
+  }
+  if (!is_noise(noise.any_quality) || !(noise.any_quality.horizontal_m2.variance > 0.0) ||
+      !(noise.any_quality.vertical_m2.variance > 0.0)) {
+    return FieldFault{"noise.any_quality", "has a variance that is not positive"};
+  }
+  if (!is_variance(noise.heading_rad2) || !(noise.heading_rad2.variance > 0.0)) {
+    return FieldFault{"noise.heading_rad2", "is not positive"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<FieldFault> find_fault(const Snapshot& snapshot) {
+  std::optional<FieldFault> fault;
+  for_each_field(snapshot, RangeCheck{fault});
+  if (!fault) fault = find_fault(snapshot.history.base);
+  if (fault) return fault;
+  const History& history = snapshot.history;
+  if (history.imu.size() > imu_capacity) return FieldFault{"imu", "are more than an engine keeps"};
+  if (history.fixes.size() + history.headings.size() > aiding_capacity) {
+    return FieldFault{"fixes", "and headings are more than an engine keeps"};
+  }
+  TimeNs before_ns = history.base.time_ns;
+  for (const ImuMeasurement& imu : history.imu) {
+    if (imu.time_ns < before_ns) return FieldFault{"imu", "has times that go backward"};
+    before_ns = imu.time_ns;
+  }
+  for (const FixMeasurement& fix : history.fixes) {
+    if (turn_of(fix) < history.base.time_ns) return FieldFault{"fixes", "begin before the state"};
+    if (fix.has_covariance && Eigen::LLT<Matrix3d>(fix.covariance_world_m2).info() != Eigen::Success) {
+      return FieldFault{"fixes", "have a covariance that is none"};
+    }
+  }
+  for (const HeadingMeasurement& heading : history.headings) {
+    if (turn_of(heading) < history.base.time_ns) return FieldFault{"headings", "begin before the state"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace sonopose::estimation::kalman
