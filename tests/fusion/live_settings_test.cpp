@@ -260,7 +260,7 @@ SCENARIO("more changes than the capacity are refused, and the waiting ones still
   for (const BeaconAddress address : {BeaconAddress{7}, all_beacons}) {
     const auto reply = feeder.estimators.change_settings(request(address, {{"trust.n_base", "9"}}, 200'000));
     CHECK_FALSE(reply.accepted);
-    CHECK_THAT(reply.reason, Contains("beacon 7") && Contains("64"));
+    CHECK_THAT(reply.reason, Contains("beacon 7") && Contains(std::to_string(SettingsTimeline::capacity)));
     CHECK(feeder.estimators.change_settings(request(address, {{"trust.n_base", "8"}}, 100'000)).accepted);
   }
   CHECK(feeder.estimators.change_settings(request(8, {{"trust.n_base", "9"}}, 200'000)).accepted);
