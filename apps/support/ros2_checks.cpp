@@ -103,6 +103,7 @@ ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::
   for (auto& input : relay.inputs) input.imu_meaning = options.imu_meaning.value_or(input.imu_meaning);
   for (const auto& text : options.fix_in) relay.inputs.push_back(ros2::relay::Input::parse(Kind::fix, text));
   check(relay.inputs);
+  relay.use_sim_time = options.use_sim_time;
   if (options.imu_meaning && options.imu_in.empty()) {
     throw std::invalid_argument("--imu-meaning only works with --imu-in");
   }

@@ -20,6 +20,9 @@ void add_node_options(CLI::App& app, Ros2Options& options) {
   app.add_option("--enclave", options.enclave, "Security enclave to announce")
       ->capture_default_str()
       ->group(group);
+  app.add_flag("--use-sim-time", options.use_sim_time,
+               "Use the time of the topic /clock, of a simulator or of a recording that is played again")
+      ->group(group);
   app.add_option_function<std::string>(
          "--ros-distro", [&options](const std::string& name) { options.distro = ros2::distro_named(name); },
          "ROS 2 distribution to be compatible with: humble, or jazzy for Iron and later; the names of other "
@@ -133,9 +136,11 @@ void add_input_options(CLI::App& app, Ros2Options& options) {
       "What the samples of --imu-in are: the value at their instant, or the mean since the previous one; "
       "the message does not say (default: unknown)")
       ->group(group);
-  app.add_option("--fix-in", options.fix_in,
-                 "Use PointStamped or PoseWithCovarianceStamped as the fixes of a beacon: /tag/pose=7")
-      ->type_name("TOPIC=ADDRESS")
+  app.add_option(
+         "--fix-in", options.fix_in,
+         "Use PointStamped or PoseWithCovarianceStamped as the fixes of a beacon: /tag/pose=7; the type is "
+         "that of the topic's first publisher, or TYPE")
+      ->type_name("TOPIC[:TYPE]=ADDRESS")
       ->group(group);
 }
 

@@ -24,6 +24,7 @@ struct Ros2Options {
   std::vector<std::string> imu_in;
   std::vector<std::string> fix_in;
   std::optional<ImuMeaning> imu_meaning;
+  bool use_sim_time = false;
   ros2::relay::ServicesMode services = ros2::relay::ServicesMode::automatic;
 };
 

@@ -4,12 +4,15 @@
 
 #include "diagnostic_msgs.h"
 #include "nav_msgs.h"
+#include "rmw_dds_common.h"
+#include "rosgraph_msgs.h"
 #include "sensor_msgs.h"
 #include "tf2_msgs.h"
 
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <fastrtps/utils/fixed_size_string.hpp>
 #include <iomanip>
 #include <sstream>
 #include <string>
@@ -41,8 +44,12 @@ private:
   void add(std::uint8_t value) { out_ << ' ' << +value; }
   void add(const std::string& value) { out_ << " \"" << value << '"'; }
   template <std::size_t n>
-  void add(const std::array<double, n>& values) {
-    for (const double value : values) add(value);
+  void add(const eprosima::fastrtps::fixed_string<n>& value) {
+    add(value.to_string());
+  }
+  template <class Number, std::size_t n>
+  void add(const std::array<Number, n>& values) {
+    for (const Number value : values) add(value);
   }
   template <class Element>
   void add(const std::vector<Element>& elements) {
@@ -50,15 +57,12 @@ private:
     for (const Element& element : elements) add(element);
   }
 
-  void add(const std_msgs::msg::dds_::Header_& m) {
-    fields(m.stamp().sec(), m.stamp().nanosec(), m.frame_id());
-  }
+  void add(const builtin_interfaces::msg::dds_::Time_& m) { fields(m.sec(), m.nanosec()); }
+  void add(const std_msgs::msg::dds_::Header_& m) { fields(m.stamp(), m.frame_id()); }
   void add(const geometry_msgs::msg::dds_::Vector3_& m) { fields(m.x(), m.y(), m.z()); }
   void add(const geometry_msgs::msg::dds_::Point_& m) { fields(m.x(), m.y(), m.z()); }
   void add(const geometry_msgs::msg::dds_::Quaternion_& m) { fields(m.x(), m.y(), m.z(), m.w()); }
-  void add(const geometry_msgs::msg::dds_::PoseWithCovariance_& m) {
-    fields(m.pose().position(), m.pose().orientation(), m.covariance());
-  }
+  void add(const geometry_msgs::msg::dds_::PoseWithCovariance_& m) { fields(m.pose(), m.covariance()); }
   void add(const geometry_msgs::msg::dds_::TwistWithCovariance_& m) {
     fields(m.twist().linear(), m.twist().angular(), m.covariance());
   }
@@ -75,6 +79,22 @@ private:
   }
   void add(const nav_msgs::msg::dds_::Odometry_& m) {
     fields(m.header(), m.child_frame_id(), m.pose(), m.twist());
+  }
+  void add(const geometry_msgs::msg::dds_::Pose_& m) { fields(m.position(), m.orientation()); }
+  void add(const geometry_msgs::msg::dds_::PoseStamped_& m) { fields(m.header(), m.pose()); }
+  void add(const geometry_msgs::msg::dds_::PoseWithCovarianceStamped_& m) { fields(m.header(), m.pose()); }
+  void add(const geometry_msgs::msg::dds_::PointStamped_& m) { fields(m.header(), m.point()); }
+  void add(const sensor_msgs::msg::dds_::MagneticField_& m) {
+    fields(m.header(), m.magnetic_field(), m.magnetic_field_covariance());
+  }
+  void add(const nav_msgs::msg::dds_::Path_& m) { fields(m.header(), m.poses()); }
+  void add(const rosgraph_msgs::msg::dds_::Clock_& m) { fields(m.clock()); }
+  void add(const rmw_dds_common::msg::dds_::Gid_& m) { fields(m.data()); }
+  void add(const rmw_dds_common::msg::dds_::NodeEntitiesInfo_& m) {
+    fields(m.node_namespace(), m.node_name(), m.reader_gid_seq(), m.writer_gid_seq());
+  }
+  void add(const rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_& m) {
+    fields(m.gid(), m.node_entities_info_seq());
   }
   void add(const tf2_msgs::msg::dds_::TFMessage_& m) { fields(m.transforms()); }
   void add(const diagnostic_msgs::msg::dds_::DiagnosticArray_& m) { fields(m.header(), m.status()); }

@@ -14,13 +14,20 @@ constexpr std::array<std::string_view, 3> preset_keys{"drift.decay_rate_hz", "ve
 }  // namespace
 
 Assignments parsed(const std::vector<SettingAssignment>& texts) {
+  constexpr int most_reasons = 8;  // each may search the nearest key
   Assignments assignments;
   std::string reasons;
-  const auto refuse = [&reasons](const std::string& reason) {
+  int refused = 0;
+  const auto refuse = [&](const std::string& reason) {
     reasons += (reasons.empty() ? "" : "; also: ") + reason;
+    ++refused;
   };
   settings::Settings trial;
   for (const auto& [key, text] : texts) {
+    if (refused == most_reasons) {
+      reasons += "; the rest was not checked";
+      break;
+    }
     try {
       const settings::SettingValue value = settings::parse_value(key, text);
       settings::set(trial, key, value);

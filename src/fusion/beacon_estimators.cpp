@@ -58,7 +58,10 @@ EventOutcome BeaconEstimators::process(const collation::CollatedEvent& collated)
   }
   outcome.result = estimation::process(beacon.estimator, event);
   const auto* report = std::get_if<FixReport>(&outcome.result);
-  if (report != nullptr && (report->flags & fix_too_late) != 0) ++beacon.fixes_late;
+  if (report != nullptr) {
+    if ((report->flags & fix_too_late) != 0) ++beacon.fixes_late;
+    beacon.refusals.on(*report);
+  }
   return outcome;
 }
 
@@ -192,6 +195,12 @@ std::optional<FusionStatus> BeaconEstimators::status(BeaconAddress address) cons
   status.imu_gaps = counted.imu_gaps;
   status.reset_counter = beacon.estimator.reset_counter();
   return status;
+}
+
+std::optional<std::string> BeaconEstimators::fix_refusals(BeaconAddress address, SteadyTime now) {
+  const auto found = beacons_.find(address);
+  if (found == beacons_.end()) return std::nullopt;
+  return found->second->refusals.update(now);
 }
 
 std::optional<Estimate> BeaconEstimators::estimate(BeaconAddress address) const {

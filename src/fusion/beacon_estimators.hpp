@@ -4,6 +4,7 @@
 /// and applies requested changes of settings.
 
 #include "config/fusion_config.hpp"
+#include "fusion/fix_refusals.hpp"
 #include "fusion/settings_timeline.hpp"
 #include <sonopose/collation/collator.hpp>
 #include <sonopose/collation/lossless_collator.hpp>
@@ -68,6 +69,9 @@ public:
   /// The counters of one beacon; empty for an unknown address.
   [[nodiscard]] std::optional<FusionStatus> status(BeaconAddress address) const;
 
+  /// What the user has to know about refused fixes of one beacon (see FixRefusals). Call it once a second.
+  [[nodiscard]] std::optional<std::string> fix_refusals(BeaconAddress address, SteadyTime now);
+
   /// What one beacon's estimator has learned about the sensors; empty for an unknown address.
   [[nodiscard]] std::optional<Estimate> estimate(BeaconAddress address) const;
 
@@ -88,6 +92,7 @@ private:
     std::variant<collation::Collator, collation::LosslessCollator> collator;
     std::optional<std::uint64_t> last_sequence;  ///< of the latest event that the estimator processed
     std::uint64_t fixes_late = 0;
+    FixRefusals refusals;
   };
 
   Beacon& beacon_of(BeaconAddress address);

@@ -5,6 +5,7 @@
 #include "fusion/gap_detector.hpp"
 #include "fusion/input_monitor.hpp"
 #include "fusion/pose_output.hpp"
+#include "fusion/request_server.hpp"
 #include "fusion/status_publisher.hpp"
 #include "process/endpoint_counters.hpp"
 #include "process/silence_detector.hpp"
@@ -79,16 +80,18 @@ private:
   template <class T>
   void take(dds::DataReader<T>& reader) noexcept;
   void take(dds::DataReader<sonopose_ResetCommand>& reader) noexcept;
-  void take(dds::DataReader<sonopose_SettingsRequest>& reader) noexcept;
   void feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, SteadyTime steady) noexcept;
   void write(EventOutcome& outcome, TimeNs in_ns, SteadyTime steady) noexcept;
   void write(FusedPose& pose, SteadyTime steady) noexcept;
   void write(const SettingsChange& change) noexcept;
+  std::optional<SettingsReply> answer(const SettingsRequest& request) noexcept;
+  [[nodiscard]] std::uint64_t unwritten() const;
   void write_until_accepted(const auto& attempt) noexcept;
   void serve_lossless(const std::stop_token& stop);
 
   void publish_status(BeaconAddress address);
   void publish_estimate(BeaconAddress address);
+  void log_fix_refusals(BeaconAddress address);
   void log_gaps();
 
   /// Passes on the samples and status changes of one topic, on the thread that receives them.
@@ -140,20 +143,18 @@ private:
   PoseOutput output_;
   StatusPublisher status_publisher_;
   dds::DataWriter<sonopose_FixReport> report_writer_;
-  dds::DataWriter<sonopose_SettingsReply> reply_writer_;
   dds::DataWriter<sonopose_EffectiveSettings> settings_writer_;
 
   Listener<sonopose_ImuSample> imu_listener_{*this};
   Listener<sonopose_UltrasonicFix> fix_listener_{*this};
   Listener<sonopose_PairHeading> heading_listener_{*this};
   Listener<sonopose_ResetCommand> reset_listener_{*this};
-  Listener<sonopose_SettingsRequest> request_listener_{*this};
   // Readers last: their listeners may be called while the constructor still runs.
   dds::DataReader<sonopose_ImuSample> imu_reader_;
   dds::DataReader<sonopose_UltrasonicFix> fix_reader_;
   dds::DataReader<sonopose_PairHeading> heading_reader_;
   dds::DataReader<sonopose_ResetCommand> reset_reader_;
-  dds::DataReader<sonopose_SettingsRequest> request_reader_;
+  std::unique_ptr<RequestServer> requests_;
   std::jthread lossless_thread_;
 };
 
@@ -170,7 +171,6 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       status_publisher_(participant_, qos_, endpoints_),
       report_writer_(
           dds::topics::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)),
-      reply_writer_(dds::topics::make_writer(participant_, qos_, topics::settings_reply)),
       settings_writer_(dds::topics::make_writer(participant_, qos_, topics::settings)) {
   write(estimators_.settings_for_all());
   const auto live = [this](auto& listener) { return lossless_ ? nullptr : &listener; };
@@ -179,8 +179,8 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       dds::topics::make_reader(participant_, qos_, topics::heading, live(heading_listener_), delivery_);
   imu_reader_ = dds::topics::make_reader(participant_, qos_, topics::imu, live(imu_listener_), delivery_);
   reset_reader_ = dds::topics::make_reader(participant_, qos_, topics::reset, &reset_listener_);
-  request_reader_ =
-      dds::topics::make_reader(participant_, qos_, topics::settings_request, &request_listener_);
+  requests_ = std::make_unique<RequestServer>(
+      participant_, qos_, [this](const SettingsRequest& request) { return answer(request); });
   if (lossless_) {
     lossless_thread_ = std::jthread([this](const std::stop_token& stop) { serve_lossless(stop); });
   }
@@ -193,7 +193,7 @@ FusionNode::Impl::~Impl() {
   fix_reader_.close();
   heading_reader_.close();
   reset_reader_.close();
-  request_reader_.close();
+  requests_.reset();
   // Unregister, so that consumers learn immediately that the poses end. (Lossless writers would block until
   // there is space; their consumers learn it from the end of the writers.)
   for (const BeaconAddress address : estimators_.addresses()) {
@@ -296,20 +296,22 @@ void FusionNode::Impl::take(dds::DataReader<sonopose_ResetCommand>& reader) noex
   });
 }
 
-void FusionNode::Impl::take(dds::DataReader<sonopose_SettingsRequest>& reader) noexcept {
-  reader.try_take_each([this](const sonopose_SettingsRequest& sample, const dds::SampleInfo&) {
-    if (sample.address != all_beacons && !addresses_.contains(sample.address)) return;
-    const SettingsRequest request = dds::topics::from_idl(sample);
-    SettingsReply reply;
-    std::optional<SettingsChange> for_all;
-    {
-      const std::lock_guard lock(estimators_mutex_);
-      reply = estimators_.change_settings(request);
-      if (reply.accepted && reply.address == all_beacons) for_all = estimators_.settings_for_all();
-    }
-    if (for_all) write(*for_all);  // before the reply, so that the client reads the new settings
-    if (reply_writer_.try_write(dds::topics::to_idl(reply)) < 0) ++unwritten_;
-  });
+/// On the thread of the requests.
+std::optional<SettingsReply> FusionNode::Impl::answer(const SettingsRequest& request) noexcept {
+  if (request.address != all_beacons && !addresses_.contains(request.address)) return std::nullopt;
+  SettingsReply reply;
+  std::optional<SettingsChange> for_all;
+  {
+    const std::lock_guard lock(estimators_mutex_);
+    reply = estimators_.change_settings(request);
+    if (reply.accepted && reply.address == all_beacons) for_all = estimators_.settings_for_all();
+  }
+  if (for_all) write(*for_all);  // before the reply, so that the client reads the new settings
+  return reply;
+}
+
+std::uint64_t FusionNode::Impl::unwritten() const {
+  return unwritten_ + output_.unwritten() + (requests_ ? requests_->unwritten() : 0);
 }
 
 void FusionNode::Impl::serve_lossless(const std::stop_token& stop) {
@@ -380,9 +382,10 @@ void FusionNode::Impl::publish_statuses() {
   for (const BeaconAddress address : addresses) {
     publish_status(address);
     publish_estimate(address);
+    log_fix_refusals(address);
   }
   if (lossless_) log_gaps();
-  status_publisher_.log_losses(unwritten_ + output_.unwritten());
+  status_publisher_.log_losses(unwritten());
 }
 
 void FusionNode::Impl::publish_status(BeaconAddress address) {
@@ -396,8 +399,9 @@ void FusionNode::Impl::publish_status(BeaconAddress address) {
     inputs = inputs_.counters(address);
   }
   status->role = output_.role(address);
+  status->poses_late = output_.poses_late(address);
   status->strength = output_.strength();
-  if (!status_publisher_.publish(*status, inputs, unwritten_ + output_.unwritten())) ++unwritten_;
+  if (!status_publisher_.publish(*status, inputs, unwritten())) ++unwritten_;
 }
 
 void FusionNode::Impl::publish_estimate(BeaconAddress address) {
@@ -407,6 +411,15 @@ void FusionNode::Impl::publish_estimate(BeaconAddress address) {
     estimate = estimators_.estimate(address);
   }
   if (estimate && !status_publisher_.publish(*estimate)) ++unwritten_;
+}
+
+void FusionNode::Impl::log_fix_refusals(BeaconAddress address) {
+  std::optional<std::string> text;
+  {
+    const std::lock_guard lock(estimators_mutex_);
+    text = estimators_.fix_refusals(address, clocks::steady_now());
+  }
+  if (text) fmt::print(stderr, "sonopose-fusion: beacon {}: {}\n", address, *text);
 }
 
 void FusionNode::Impl::log_gaps() {

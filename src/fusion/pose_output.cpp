@@ -46,7 +46,8 @@ PoseOutput::PoseOutput(const dds::DomainParticipant& participant, const dds::qos
   const auto liveliness = effective.policy<Liveliness>().value_or(Liveliness{});
   is_manual_ = liveliness.kind == LivelinessKind::manual_by_topic;
   lease_ns_ = liveliness.lease_duration.count();
-  if (delivery == dds::topics::Delivery::lossless) return;  // the time of a log is not the time of the clock
+  is_live_ = delivery != dds::topics::Delivery::lossless;
+  if (!is_live_) return;
   predicting_thread_ = std::jthread([this](const std::stop_token& stop) { serve_predictions(stop); });
   ::pthread_setname_np(predicting_thread_.native_handle(), process::predicting_thread_name);
 }
@@ -57,21 +58,29 @@ void PoseOutput::set_period(BeaconAddress address, TimeNs period_ns) noexcept {
   {
     const std::lock_guard lock(mutex_);
     if (!predictor_.set_period(address, period_ns)) return;
-    periods_changed_ = true;
+    dues_changed_ = true;
   }
   wake_.notify_one();
 }
 
-dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(const FusedPose& pose, SteadyTime now) noexcept {
+dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(FusedPose& pose, SteadyTime now) noexcept {
   Standby::Step step{FusionRole::sole, false};
+  bool first_due = false;
   {
     const std::lock_guard lock(mutex_);
-    predictor_.on_pose(pose, now);
-    if (standby_) {
-      const TimeNs age_ns = pose.fusion_in_time_ns - pose.imu_bridge_time_ns;
-      step = standby_->on_pose(pose.address, pose.status, age_ns, now);
+    Delay& delay = delays_[pose.address];
+    // Of the steady clock, so that a step of this host's clock delays nothing.
+    const TimeNs late_ns =
+        is_live_ ? delay.lateness.on_sample(saturated_difference(now.ns, pose.imu_bridge_time_ns), now) : 0;
+    if (late_ns > to_ns(late_after_s)) {
+      pose.status |= status_late;
+      ++delay.poses_late;
     }
+    first_due = predictor_.on_pose(pose, now);
+    dues_changed_ |= first_due;
+    if (standby_) step = standby_->on_pose(pose.address, pose.status, late_ns, now);
   }
+  if (first_due) wake_.notify_one();
   if (step.release) release(pose.address);
   return writer_of(step.role);
 }
@@ -93,7 +102,7 @@ void PoseOutput::release(BeaconAddress address) noexcept {
 
 void PoseOutput::poll(SteadyTime now, bool busy) noexcept {
   // A pose asserts the liveliness of its writer, and saves the message and its acknowledgement.
-  const bool written = !standby_ && now.ns - written_ns_.load(std::memory_order_relaxed) < tick_ns();
+  const bool written = !standby_ && written_before_ns(now) < tick_ns();
   if (is_manual_ && !busy && !written) {
     writer_.try_assert_liveliness();
     if (standby_) warming_writer_.try_assert_liveliness();
@@ -112,8 +121,16 @@ TimeNs PoseOutput::tick_ns() const noexcept {
   return is_manual_ ? std::min(longest_ns, lease_ns_ / 5) : longest_ns;
 }
 
+TimeNs PoseOutput::written_before_ns(SteadyTime now) const noexcept {
+  return now.ns - written_ns_.load(std::memory_order_relaxed);
+}
+
 SteadyTime PoseOutput::poll_by(SteadyTime now) const noexcept {
-  if (!standby_) return now + tick_ns();
+  if (!standby_) {
+    // While poses flow there is usually nothing to do: half a lease is left when they end.
+    const TimeNs before_ns = written_before_ns(now);
+    return before_ns < tick_ns() ? now + (5 * tick_ns() / 2 - before_ns) : now + tick_ns();
+  }
   const std::lock_guard lock(mutex_);
   return std::min(now + tick_ns(), std::max(standby_->next_stall(), now + 1'000'000));
 }
@@ -134,14 +151,24 @@ FusionRole PoseOutput::role(BeaconAddress address) const noexcept {
   return standby_ ? standby_->role(address) : FusionRole::sole;
 }
 
+std::uint64_t PoseOutput::poses_late(BeaconAddress address) const noexcept {
+  const std::lock_guard lock(mutex_);
+  const auto found = delays_.find(address);
+  return found == delays_.end() ? 0 : found->second.poses_late;
+}
+
 void PoseOutput::serve_predictions(const std::stop_token& stop) {
   std::vector<FusedPose> due;
   while (!stop.stop_requested()) {
-    constexpr TimeNs idle_ns = 100'000'000;  // nothing requested, or no sample since
-    const SteadyTime wake = write_predictions(due).value_or(clocks::steady_now() + idle_ns);
+    const std::optional<SteadyTime> next = write_predictions(due);
+    const auto dues_changed = [this] { return std::exchange(dues_changed_, false); };
     std::unique_lock lock(mutex_);
-    wake_.wait_until(lock, stop, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(wake.ns)),
-                     [this] { return std::exchange(periods_changed_, false); });
+    if (!next) {
+      wake_.wait(lock, stop, dues_changed);
+    } else {
+      wake_.wait_until(lock, stop, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(next->ns)),
+                       dues_changed);
+    }
   }
 }
 

@@ -3,6 +3,7 @@
 /// Writes the poses of a fusion process: selects the ownership strength of each pose, asserts liveliness, and
 /// writes predicted poses between IMU samples.
 
+#include "fusion/lateness.hpp"
 #include "fusion/pose_predictor.hpp"
 #include "fusion/standby.hpp"
 #include "process/endpoint_counters.hpp"
@@ -14,6 +15,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <unordered_map>
 #include <vector>
 
 namespace sonopose::fusion {
@@ -38,14 +40,15 @@ public:
   void set_period(BeaconAddress address, TimeNs period_ns) noexcept;
 
   /// The writer for the pose of an IMU sample that was taken at `now`. Releases the beacon if
-  /// necessary.
-  dds::DataWriter<sonopose_FusedPose>& writer_for(const FusedPose& pose, SteadyTime now) noexcept;
+  /// necessary. Live, marks and counts a pose whose sample arrived more than `late_after_s` later than usual.
+  dds::DataWriter<sonopose_FusedPose>& writer_for(FusedPose& pose, SteadyTime now) noexcept;
+  static constexpr double late_after_s = sonopose_LATE_AFTER;
 
   /// Stamps and writes a pose.
   dds::ReturnCode write(dds::DataWriter<sonopose_FusedPose>& writer, FusedPose& pose) noexcept;
 
-  /// Asserts manual liveliness unless `busy` or a pose has done so, and releases stalled beacons. Call it
-  /// several times within a lease.
+  /// Asserts manual liveliness unless `busy` or a pose has done so, and releases stalled beacons. Call it by
+  /// `poll_by`.
   void poll(SteadyTime now, bool busy) noexcept;
 
   /// When `poll` must be called the latest.
@@ -60,22 +63,30 @@ public:
 
   [[nodiscard]] bool is_standby() const { return standby_.has_value(); }
   [[nodiscard]] FusionRole role(BeaconAddress address) const noexcept;
+  [[nodiscard]] std::uint64_t poses_late(BeaconAddress address) const noexcept;
   [[nodiscard]] std::int32_t strength() const { return strength_; }
   [[nodiscard]] TimeNs lease_ns() const { return lease_ns_; }
   [[nodiscard]] std::uint64_t unwritten() const { return unwritten_; }
 
 private:
   [[nodiscard]] TimeNs tick_ns() const noexcept;
+  [[nodiscard]] TimeNs written_before_ns(SteadyTime now) const noexcept;
   void serve_predictions(const std::stop_token& stop);
   std::optional<SteadyTime> write_predictions(std::vector<FusedPose>& due);
   void release(BeaconAddress address) noexcept;
   dds::DataWriter<sonopose_FusedPose>& writer_of(FusionRole role) noexcept;
 
-  mutable std::mutex mutex_;  // guards standby_ and predictor_; not held during a write
+  struct Delay {
+    Lateness lateness;
+    std::uint64_t poses_late = 0;
+  };
+
+  mutable std::mutex mutex_;  // guards standby_, predictor_ and delays_; not held during a write
   std::optional<Standby> standby_;
   PosePredictor predictor_;
+  std::unordered_map<BeaconAddress, Delay> delays_;
   std::condition_variable_any wake_;  // wakes the predicting thread early
-  bool periods_changed_ = false;
+  bool dues_changed_ = false;
   std::vector<BeaconAddress> stalled_;  // of poll(), kept for its capacity
   std::atomic<std::uint64_t> unwritten_ = 0;
   std::atomic<std::int64_t> written_ns_ = 0;  // steady time of the latest pose
@@ -86,6 +97,7 @@ private:
   std::int32_t strength_ = 0;
   TimeNs lease_ns_ = 0;
   bool is_manual_ = false;
+  bool is_live_ = true;  // otherwise the time of a log is not the time of the clock
   std::jthread predicting_thread_;
 };
 

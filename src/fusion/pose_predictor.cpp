@@ -12,13 +12,15 @@ bool PosePredictor::set_period(BeaconAddress address, TimeNs period_ns) {
   return true;
 }
 
-void PosePredictor::on_pose(const FusedPose& pose, SteadyTime now) {
+bool PosePredictor::on_pose(const FusedPose& pose, SteadyTime now) {
   const auto found = lanes_.find(pose.address);
-  if (found == lanes_.end() || found->second.period_ns == 0) return;
+  if (found == lanes_.end() || found->second.period_ns == 0) return false;
   Lane& lane = found->second;
-  if (lane.due == SteadyTime{}) lane.due = now + lane.period_ns;
+  const bool first = lane.due == SteadyTime{};
+  if (first) lane.due = now + lane.period_ns;
   lane.taken = now;
   lane.pose = pose;
+  return first;
 }
 
 std::optional<FusedPose> PosePredictor::predicted(const Lane& lane, SteadyTime now) const {

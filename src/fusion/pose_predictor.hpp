@@ -19,8 +19,9 @@ public:
   /// one period after the next sample.
   bool set_period(BeaconAddress address, TimeNs period_ns);
 
-  /// The pose of an IMU sample that was taken at `now`.
-  void on_pose(const FusedPose& pose, SteadyTime now);
+  /// The pose of an IMU sample that was taken at `now`. Returns whether it is the first since the period was
+  /// set, which makes predicted poses due.
+  bool on_pose(const FusedPose& pose, SteadyTime now);
 
   /// Calls `on_due(const FusedPose&)` with every predicted pose that is due at `now`: at most one per beacon.
   /// Returns when the next one is due; empty if never.

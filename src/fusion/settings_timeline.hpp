@@ -14,7 +14,7 @@ namespace sonopose::fusion {
 class SettingsTimeline {
 public:
   /// Number of changes with different event numbers that can wait.
-  static constexpr std::size_t capacity = 64;
+  static constexpr std::size_t capacity = 16;
 
   enum class Scope : bool { for_all, own };
 

@@ -8,12 +8,11 @@ namespace sonopose::fusion {
 Standby::Standby(const StandbyOptions& options, TimeNs stall_ns)
     : warm_up_ns_(to_ns(options.warm_up_s)), stall_ns_(stall_ns) {}
 
-Standby::Step Standby::on_pose(BeaconAddress address, std::uint32_t status, TimeNs age_ns, SteadyTime now) {
+Standby::Step Standby::on_pose(BeaconAddress address, std::uint32_t status, TimeNs late_ns, SteadyTime now) {
   const auto [found, is_new] = lanes_.try_emplace(address);
   Lane& lane = found->second;
   const bool claimed = lane.role == FusionRole::serving;
-  lane.age_ns = age_ns;
-  lane.least_age_ns = std::min(lane.least_age_ns, age_ns);
+  lane.late_ns = late_ns;
   if (is_new || lane.role == FusionRole::stalled || now - lane.latest > stall_ns_) {
     if (is_late(lane)) lane.warm = false;
     begin_warm_up(lane, now);
@@ -38,7 +37,7 @@ Standby::Step Standby::on_pose(BeaconAddress address, std::uint32_t status, Time
 
 /// Samples are delayed on their way to this process: its poses would be older than those of the others.
 bool Standby::is_late(const Lane& lane) const {
-  return lane.age_ns - lane.least_age_ns > stall_ns_ / 4;
+  return lane.late_ns > stall_ns_ / 4;
 }
 
 bool Standby::is_warm(const Lane& lane, SteadyTime now) const {

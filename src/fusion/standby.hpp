@@ -33,11 +33,10 @@ public:
     bool release = false;                   ///< release the beacon first
   };
 
-  /// A pose that is about to be written at `now`, whose sample the bridge published
-  /// `age_ns` ago (by clocks that need not agree). If the input was silent, a stalled beacon is claimed again
-  /// with its first good pose. If its samples are older than before, this process was suspended and has
-  /// missed samples: it warms up again.
-  Step on_pose(BeaconAddress address, std::uint32_t status, TimeNs age_ns, SteadyTime now);
+  /// A pose that is about to be written at `now`, whose sample arrived `late_ns` later than usual. If the
+  /// input was silent, a stalled beacon is claimed again with its first good pose. If its samples are late,
+  /// this process was suspended and has missed samples: it warms up again.
+  Step on_pose(BeaconAddress address, std::uint32_t status, TimeNs late_ns, SteadyTime now);
 
   /// Adds to `stalled` the beacons to release at `now`. Each, and each that
   /// on_pose released, is listed twice, in case a pose was being written at the time.
@@ -58,9 +57,8 @@ private:
     SteadyTime latest;         ///< of the last pose
     SteadyTime warming_since;  ///< first pose of this warm-up
     SteadyTime good_since;     ///< first good pose of the present run of them; 0: the last was bad
-    TimeNs least_age_ns = std::numeric_limits<TimeNs>::max();
-    TimeNs age_ns = 0;  ///< of the last pose's sample
-    bool warm = false;  ///< it was claimed and has missed no samples since
+    TimeNs late_ns = 0;        ///< of the last pose's sample
+    bool warm = false;         ///< it was claimed and has missed no samples since
     bool list_again = false;
   };
 

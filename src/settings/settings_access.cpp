@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 namespace sonopose::settings {
 namespace {
@@ -102,9 +103,14 @@ const SettingInfo& setting_info(std::string_view key) {
   const auto same =
       std::find_if(table.begin(), table.end(), [key](const auto& row) { return row.key == key; });
   if (same != table.end()) return *same;
-  const auto nearest = std::min_element(table.begin(), table.end(), [key](const auto& a, const auto& b) {
-    return text::edit_distance(a.key, key) < text::edit_distance(b.key, key);
-  });
+  const SettingInfo* nearest = &table.front();
+  std::size_t least = std::numeric_limits<std::size_t>::max();
+  for (const SettingInfo& row : table) {
+    const std::size_t distance = text::edit_distance(row.key, key);
+    if (distance >= least) continue;
+    nearest = &row;
+    least = distance;
+  }
   throw SettingError("there is no setting '" + std::string(key) + "'; the nearest is '" + nearest->key + "'");
 }
 

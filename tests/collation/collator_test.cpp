@@ -185,12 +185,14 @@ TEST_CASE("of two bridges with the same address, the first stays complete and in
   CHECK(line.collator.counters().duplicated == 200);
 }
 
-TEST_CASE("a corrupt number does not block the following events") {
+TEST_CASE("a corrupt number neither blocks the following events nor counts as a loss") {
   Line line;
   for (std::uint64_t n = 1; n <= 10; ++n) line.push(n);
-  line.push(UINT64_MAX);
+  line.push(GENERATE(UINT64_MAX, UINT64_MAX - 1, std::uint64_t{1} << 63U, most_lost + 12));
   for (std::uint64_t n = 11; n <= 40; ++n) line.push(n);
   CHECK(line.delivered.back() == 40);
+  CHECK(line.collator.counters().lost <= 11);  // at most those before the numbering is followed again
+  CHECK(line.collator.counters().restarts >= 1);
 }
 
 }  // namespace collator_test

@@ -37,6 +37,8 @@ TEST_CASE("Every policy of a QoS file is read") {
     <resource_limits><max_samples>LENGTH_UNLIMITED</max_samples><max_instances>9</max_instances>
       <max_samples_per_instance>64</max_samples_per_instance></resource_limits>
     <transport_priority><value>11</value></transport_priority>
+    <writer_data_lifecycle>
+      <autodispose_unregistered_instances>false</autodispose_unregistered_instances></writer_data_lifecycle>
     <partition><name><element>a</element><element>b</element></name></partition>
     <user_data><value>AP8Q</value></user_data>)");
   const Qos& qos = provider.datawriter_qos("L::P");
@@ -55,6 +57,7 @@ TEST_CASE("Every policy of a QoS file is read") {
   CHECK(qos.policy<policy::ResourceLimits>()->max_samples == policy::length_unlimited);
   CHECK(qos.policy<policy::ResourceLimits>()->max_instances == 9);
   CHECK(qos.policy<policy::TransportPriority>()->value == 11);
+  CHECK_FALSE(qos.policy<policy::WriterDataLifecycle>()->autodispose_unregistered_instances);
   CHECK(qos.policy<policy::Partition>()->names == std::vector<std::string>{"a", "b"});
   CHECK(qos.policy<policy::UserData>()->value == std::vector<std::uint8_t>{0x00, 0xFF, 0x10});
 }
@@ -157,6 +160,9 @@ TEST_CASE("An error in a policy names file, line and element") {
        "file.xml:5: <ownership_strength>: occurs twice"},
       {"<deadline><period><sec>1</sec></period>\n<period><sec>2</sec></period></deadline>",
        "file.xml:5: <period>: occurs twice"},
+      {"<writer_data_lifecycle><autodispose_unregistered_instances>no</autodispose_unregistered_instances>"
+       "</writer_data_lifecycle>",
+       "file.xml:4: <autodispose_unregistered_instances>: must be true or false, not 'no'"},
       {"<transport_priority><value>99999999999</value></transport_priority>",
        "file.xml:4: <value>: '99999999999'"},
       {"<partition><name/></partition>", "file.xml:4: <name>: <element> is missing"},

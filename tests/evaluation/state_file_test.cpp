@@ -61,7 +61,7 @@ TEST_CASE("a run of the Kalman engine that continues from a file ends like the w
   evaluation::RunOptions options;
   options.settings.engine.engine = settings::EngineKind::kalman;
   const auto whole = evaluation::run(log, options);
-  for (const double until_s : {0.03, 1.0, 7.7}) {
+  for (const double until_s : {0.03, 1.0, 4.62, 5.01, 7.7, 7.73, 7.77}) {
     CAPTURE(until_s);
     evaluation::RunOptions first = options;
     first.until_s = until_s;

@@ -16,14 +16,14 @@ constexpr TimeNs stall_ns = 100 * ms;
 struct Feed {
   Standby standby{{.strength = 100, .warm_up_s = 1.0}, stall_ns};
   SteadyTime now{1'000'000'000'000};
-  TimeNs age_ns = -3'000 * ms;  // the bridge's clock goes ahead
+  TimeNs late_ns = 0;
 
   /// The last of `count` poses' steps.
   Standby::Step poses(int count, std::uint32_t status = 0) {
     Standby::Step step;
     for (int i = 0; i < count; ++i) {
       now += 10 * ms;
-      step = standby.on_pose(7, status, age_ns, now);
+      step = standby.on_pose(7, status, late_ns, now);
     }
     return step;
   }
@@ -64,10 +64,10 @@ SCENARIO("a beacon is claimed when its pose has been good for the warm-up") {
   }
   WHEN("its samples lag behind when it is warm") {
     feed.poses(100);
-    feed.age_ns += stall_ns / 2;
+    feed.late_ns += stall_ns / 2;
     THEN("it is claimed as soon as they have caught up") {
       CHECK(feed.poses(50).role == FusionRole::warming);
-      feed.age_ns -= stall_ns / 2;
+      feed.late_ns -= stall_ns / 2;
       CHECK(feed.poses(1).role == FusionRole::serving);
     }
   }
@@ -108,9 +108,9 @@ SCENARIO("a beacon without further poses is released, and no other one") {
     }
     WHEN("poses come again, of samples that are older than they used to be") {
       feed.stalled();
-      feed.age_ns += stall_ns;
+      feed.late_ns += stall_ns;
       feed.poses(1);
-      feed.age_ns -= stall_ns;
+      feed.late_ns -= stall_ns;
       THEN("the process was suspended and warms up again") {
         CHECK(feed.poses(99).role == FusionRole::warming);
         CHECK(feed.poses(1).role == FusionRole::serving);
@@ -119,9 +119,9 @@ SCENARIO("a beacon without further poses is released, and no other one") {
   }
   GIVEN("a process that was stopped as a whole, so that poses come before the silence was noticed") {
     feed.now += 5 * stall_ns;
-    feed.age_ns += 5 * stall_ns;
+    feed.late_ns += 5 * stall_ns;
     const auto step = feed.poses(1);
-    feed.age_ns -= 5 * stall_ns;
+    feed.late_ns -= 5 * stall_ns;
     THEN("the claim is taken back before that pose is written, and once more for one on its way") {
       CHECK(step.role == FusionRole::warming);
       CHECK(step.release);

@@ -27,9 +27,10 @@ std::unique_ptr<Process> listener(const Bus& bus, const std::string& topic, cons
   return process;
 }
 
-/// A peer that writes IMU samples of these numbers until it is killed.
-std::unique_ptr<Process> driver(const Bus& bus, const std::string& topic, const Arguments& bits) {
-  Arguments arguments{"send-imu", topic, "1000000"};
+/// A peer that writes messages of these numbers until it is killed.
+std::unique_ptr<Process> driver(const Bus& bus, const std::string& topic, const std::string& type,
+                                const Arguments& bits) {
+  Arguments arguments{"send", topic, type, "1000000"};
   arguments.insert(arguments.end(), bits.begin(), bits.end());
   return peer(bus, arguments);
 }
@@ -105,7 +106,12 @@ TEST_CASE("Fast DDS hears what we write as ROS 2's messages") {
   for (const std::uint32_t length : {0U, 1U, 400U}) check_heard<ros2::TFMessage>("tf", {length});
   for (const auto& lengths : {std::vector<std::uint32_t>{0}, {3, 0, 1, 5}, {40, 9, 0}}) {
     check_heard<ros2::DiagnosticArray>("diagnostics", lengths);
+    check_heard<ros2::ParticipantEntitiesInfo>("discovery", lengths);
   }
+  check_heard<ros2::PoseWithCovarianceStamped>("pose", {0});
+  check_heard<ros2::PointStamped>("point", {0});
+  check_heard<ros2::MagneticField>("mag", {0});
+  for (const std::uint32_t length : {0U, 1U, 100U}) check_heard<ros2::Path>("path", {length});
 }
 
 TEST_CASE("Our reliable writers reach Fast DDS readers of sensor data too") {
@@ -122,19 +128,31 @@ TEST_CASE("Our reliable writers reach Fast DDS readers of sensor data too") {
   CHECK(received->lines(Stream::output).front() == described(filled.message));
 }
 
-TEST_CASE("We receive the ROS 2 messages that Fast DDS writes") {
+/// What we receive of a message that a peer writes. Returns the first line.
+template <class Message>
+std::string check_received(const std::string& type) {
   const Bus bus;
-  RosReader<ros2::Imu> reader(bus, "/sent");
-  const auto sender = driver(bus, "rt/sent", awkward);
+  RosReader<Message> reader(bus, "/sent");
+  const auto sender = driver(bus, "rt/sent", type, awkward);
   std::vector<std::string> received;
-  REQUIRE(reader.wait_for_count(10, [&](const ros2::Imu& imu) { received.push_back(described(imu)); }));
+  REQUIRE(reader.wait_for_count(10, [&](const Message& message) { received.push_back(described(message)); }));
   REQUIRE(sender->wait_for_line(Stream::output, received.back()));
   // What was sent before we knew each other is lost, and nothing later.
   const auto sent = sender->lines(Stream::output);
   const auto first = std::find(sent.begin(), sent.end(), received.front());
   REQUIRE(static_cast<std::size_t>(sent.end() - first) >= received.size());
   CHECK(std::equal(received.begin(), received.end(), first));
-  for (const std::string& bits : awkward) CHECK(received.front().find(bits) != std::string::npos);
+  return received.front();
+}
+
+TEST_CASE("We receive the ROS 2 messages that Fast DDS writes") {
+  for (const std::string& line :
+       {check_received<ros2::Imu>("imu"), check_received<ros2::PoseWithCovarianceStamped>("pose"),
+        check_received<ros2::TFMessage>("tf")}) {
+    for (const std::string& bits : awkward) CHECK(line.find(bits) != std::string::npos);
+  }
+  check_received<ros2::PointStamped>("point");
+  check_received<ros2::Clock>("clock");
 }
 
 SCENARIO("consumers in Fast DDS receive the same values from the relay as native ones") {
@@ -194,7 +212,8 @@ SCENARIO("the relay takes the samples of a driver in Fast DDS in") {
     const auto relay = bus.ros2({"--imu-in", "/driver/imu=9"});
     REQUIRE(imu.wait_for_writers());
     WHEN("the driver sends") {
-      const auto sender = driver(bus, "rt/driver/imu", {awkward.begin() + 2, awkward.end()});  // finite ones
+      const auto sender =
+          driver(bus, "rt/driver/imu", "imu", {awkward.begin() + 2, awkward.end()});  // finite ones
       REQUIRE(imu.wait_for_count(100));
       THEN("the consumer gets its samples as that beacon's, bit for bit") {
         std::map<TimeNs, ImuSample> samples;
@@ -209,6 +228,29 @@ SCENARIO("the relay takes the samples of a driver in Fast DDS in") {
                     std::stoull(fields.at(28 + i), nullptr, 16));
           }
         });
+      }
+    }
+  }
+}
+
+SCENARIO("the relay takes the positions of a driver in Fast DDS, with their covariance") {
+  GIVEN("a relay with an input whose type it learns from the driver, and a native consumer") {
+    const Bus bus;
+    Consumer<sonopose_UltrasonicFix> fixes(bus, topics::fix);
+    const auto relay = bus.ros2({"--fix-in", "/driver/tag=9"});
+    REQUIRE(fixes.wait_for_writers());
+    const std::string type = GENERATE("pose", "point");
+    WHEN("the driver sends") {
+      const auto sender = driver(bus, "rt/driver/tag", type, {"3fd5555555555555"});  // a third everywhere
+      THEN("the consumer gets its positions as that beacon's fixes") {
+        REQUIRE(fixes.wait_for_count(50));
+        const UltrasonicFix& fix = fixes.samples.back();
+        CHECK(fix.address == 9);
+        CHECK(fix.position_world_m == Vector3d::Constant(std::bit_cast<double>(0x3fd5555555555555)));
+        CHECK(fix.covariance_world_m2.has_value() == (type == "pose"));
+        if (fix.covariance_world_m2) CHECK(fix.covariance_world_m2->at(2, 2) == fix.position_world_m.x());
+        CHECK(fix.measured_delay_s.value_or(-1) >= 0);
+        CHECK(fix.measured_delay_s.value_or(-1) < 1);
       }
     }
   }

@@ -91,4 +91,26 @@ SCENARIO("each fix is released once, with the weight of the fusion") {
   }
 }
 
+SCENARIO("a fix keeps its own covariance") {
+  FixQueue queue;
+  UltrasonicFix fix = fix_number(1);
+  fix.covariance_world_m2 = Covariance<3>::from_diagonal({0.01, 0.04, 0.09});
+  WHEN("it waits for its report") {
+    CHECK(queue.on(fix, SteadyTime{}, true).count == 0);
+    const FixQueue::Ready ready = queue.on(report_on(1, 0.5));
+    THEN("it has both") {
+      REQUIRE(ready.count == 1);
+      CHECK(ready.fixes[0].covariance_world_m2 == fix.covariance_world_m2);
+      CHECK(ready.fixes[0].weight == 0.5);
+    }
+  }
+  WHEN("no fusion runs") {
+    const FixQueue::Ready ready = queue.on(fix, SteadyTime{}, false);
+    THEN("it has it too") {
+      REQUIRE(ready.count == 1);
+      CHECK(ready.fixes[0].covariance_world_m2 == fix.covariance_world_m2);
+    }
+  }
+}
+
 }  // namespace fix_queue_test

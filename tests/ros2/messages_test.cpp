@@ -5,7 +5,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <string>
 
@@ -116,6 +118,49 @@ SCENARIO("messages of ROS 2 drivers become samples") {
         CHECK(taken->position_world_m == where);
         CHECK(taken->emission_time_ns == stamp_ns);
         CHECK(taken->received_time_ns == received_ns);
+        CHECK(taken->measured_delay_s.value_or(-1) == Approx(0.04));
+      }
+    }
+    WHEN("its clock is ahead, so that it arrives before its stamp") {
+      const auto taken = fix(pose, 9, stamp_ns - 2'000'000);
+      THEN("it was measured at its stamp, without a delay") {
+        CHECK(taken->emission_time_ns == stamp_ns);
+        CHECK(taken->received_time_ns == stamp_ns);
+        CHECK(taken->measured_delay_s.value_or(-1) == 0.0);
+      }
+    }
+    WHEN("it has no stamp") {
+      pose.header.stamp = {0, 0};
+      THEN("it was measured when it arrived, and no fixed delay applies") {
+        const auto taken = fix(pose, 9, received_ns);
+        REQUIRE(taken);
+        CHECK(taken->emission_time_ns == received_ns);
+        CHECK(taken->measured_delay_s.value_or(-1) == 0.0);
+      }
+    }
+    WHEN("the pose states the covariance of its position") {
+      const auto std_m = [&](int axis) {
+        return fix(pose, 9, received_ns)->covariance_world_m2->std_dev(axis);
+      };
+      auto& covariance = pose.pose.covariance;
+      THEN("the fix has it, with the correlations") {
+        covariance[0] = 0.04;
+        covariance[1] = covariance[6] = 0.01;
+        CHECK(std_m(0) == Approx(0.2));
+        CHECK(std_m(1) == Approx(0.02));
+        covariance[7] = 0.09;
+        CHECK(fix(pose, 9, received_ns)->covariance_world_m2->at(0, 1) == 0.01);
+      }
+      THEN("a variance that no system reaches is raised, for this axis alone") {
+        covariance[14] = 0;
+        CHECK(std_m(1) == Approx(0.02));
+        CHECK(std_m(2) == Approx(least_fix_std_m));
+      }
+      THEN("zeros and values that are not finite mean that it is unknown") {
+        covariance[1] = std::numeric_limits<double>::quiet_NaN();
+        CHECK_FALSE(fix(pose, 9, received_ns)->covariance_world_m2);
+        std::fill(std::begin(covariance), std::end(covariance), 0.0);
+        CHECK_FALSE(fix(pose, 9, received_ns)->covariance_world_m2);
       }
     }
     WHEN("it is infinite") {

@@ -116,4 +116,10 @@ TEST_CASE("A node's name, its namespace and its enclave follow ROS's rules") {
   }
 }
 
+TEST_CASE("Names of types in DDS are those of ROS 2 with other separators") {
+  CHECK(type_name_in_ros("sensor_msgs::msg::dds_::Imu_") == "sensor_msgs/msg/Imu");
+  CHECK(type_name_in_ros("std_srvs::srv::dds_::Trigger_Request_") == "std_srvs/srv/Trigger_Request");
+  CHECK(type_name_in_ros("sonopose::FusedPose") == "sonopose::FusedPose");
+}
+
 }  // namespace names_test

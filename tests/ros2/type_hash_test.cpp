@@ -27,6 +27,7 @@ TEST_CASE("Types have the hashes that ROS 2 publishes") {
         "RIHS01_5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e");
   CHECK(hash_of<MagneticField>() ==
         "RIHS01_e80f32f56a20486c9923008fc1a1db07bbb273cbbf6a5b3bfa00835ee00e4dff");
+  CHECK(hash_of<Clock>() == "RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564");
   CHECK(hash_of<ParticipantEntitiesInfo>() ==
         "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e");
   CHECK(hash_of<ParameterEvent>() ==

@@ -49,6 +49,10 @@ void visit(V& v, ros2::Time& m) {
   visit_all(v, m.sec, m.nanosec);
 }
 template <class V>
+void visit(V& v, ros2::Clock& m) {
+  visit_all(v, m.clock);
+}
+template <class V>
 void visit(V& v, ros2::Header& m) {
   visit_all(v, m.stamp, m.frame_id);
 }

@@ -4,22 +4,58 @@
 #include "support/ros2.hpp"
 
 #include <atomic>
+#include <cmath>
 #include <csignal>
+#include <deque>
 #include <memory>
+#include <random>
 #include <string>
 #include <thread>
+#include <utility>
 
 namespace ros2_input_test {
 
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
+using Catch::Contains;
 
-/// Drivers of a robot at rest at (1, 2, 0.5): 100 Hz and 10 Hz, until destruction.
+/// A robot on a level circle around (1, 2, 0.5) that looks along its path; at rest at the centre if the
+/// radius is 0.
+struct Motion {
+  double radius_m = 0;
+  double rate_radps = 0;
+
+  [[nodiscard]] Vector3d position_m(TimeNs time_ns) const {
+    const double angle = rate_radps * seconds_between(start_ns, time_ns);
+    return Vector3d(1, 2, 0.5) + radius_m * Vector3d(std::cos(angle), std::sin(angle), 0);
+  }
+  [[nodiscard]] ImuSample imu() const {
+    ImuSample sample;
+    sample.angular_velocity_body_radps = {0, 0, rate_radps};
+    sample.specific_force_body_mps2 = {0, radius_m * rate_radps * rate_radps, standard_gravity_mps2};
+    return sample;
+  }
+
+  TimeNs start_ns = clocks::host_now();
+};
+
+/// What the drivers of a robot do.
+struct Driving {
+  Motion motion{};
+  TimeNs fix_delay_ns = 0;  ///< from the stamp of a fix to its message
+  TimeNs fix_age_ns = 0;    ///< of the stamps of fixes, relative to those of the IMU
+  TimeNs age_ns = 0;        ///< of all stamps, as in a recording that is played again
+};
+
+/// Drivers of an IMU at 100 Hz and of fixes with 2 cm noise at 10 Hz, until destruction.
 class Drivers {
 public:
-  explicit Drivers(const Bus& bus)
-      : imu_(bus, "/imu/data", false), position_(bus, "/tag/pose"), thread_([this] { drive(); }) {}
+  explicit Drivers(const Bus& bus, Driving driving = {})
+      : driving_(driving),
+        imu_(bus, "/imu/data", false),
+        position_(bus, "/tag/pose"),
+        thread_([this] { drive(); }) {}
   Drivers(const Drivers&) = delete;
   Drivers& operator=(const Drivers&) = delete;
   Drivers(Drivers&&) = delete;
@@ -31,24 +67,128 @@ public:
 
 private:
   void drive() {
-    ImuSample rest;
-    rest.specific_force_body_mps2 = {0, 0, standard_gravity_mps2};
-    const ros2::FrameNames frames;
+    std::deque<std::pair<TimeNs, Vector3d>> measured;
     for (int i = 0; !stop_; ++i) {
-      imu_.write(ros2::raw_imu(rest, clocks::host_now(), frames, {}));
-      if (i % 10 == 0) {
-        position_.write(
-            ros2::position_as_pose({1, 2, 0.5}, ros2::fix_covariance(0.02, 1.0), clocks::host_now(), frames));
+      const TimeNs now_ns = clocks::host_now();
+      imu_.write(ros2::raw_imu(driving_.motion.imu(), now_ns - driving_.age_ns, frames_, {}));
+      if (i % 10 == 0) measured.emplace_back(now_ns, driving_.motion.position_m(now_ns) + noise_m());
+      while (!measured.empty() && now_ns - measured.front().first >= driving_.fix_delay_ns) {
+        const auto& [stamp_ns, position_m] = measured.front();
+        position_.write(ros2::position_as_pose(position_m, ros2::fix_covariance(noise_std_m, 1.0),
+                                               stamp_ns - driving_.fix_age_ns - driving_.age_ns, frames_));
+        measured.pop_front();
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
 
+  Vector3d noise_m() { return {normal_(random_), normal_(random_), normal_(random_)}; }
+
+  static constexpr double noise_std_m = 0.02;
+  Driving driving_;
+  ros2::FrameNames frames_;
+  std::mt19937 random_{1};
+  std::normal_distribution<double> normal_{0.0, noise_std_m};
   RosWriter<ros2::Imu> imu_;
   RosWriter<ros2::PoseWithCovarianceStamped> position_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };
+
+SCENARIO("a late fix is placed at its stamp") {
+  GIVEN("a fusion, and a robot at 1 m/s whose fixes arrive 300 ms after their stamps") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2({"--imu-in", "/imu/data=42", "--fix-in", "/tag/pose=42"});
+    const Driving driving{{.radius_m = 2, .rate_radps = 0.5}, 300'000'000};
+    const Drivers drivers(bus, driving);
+    WHEN("the pose has converged") {
+      REQUIRE(poses.wait_for_count(1500));
+      THEN("it is where the robot is, not 30 cm behind it") {
+        double squared_m2 = 0;
+        constexpr std::size_t last = 500;
+        for (std::size_t i = poses.samples.size() - last; i < poses.samples.size(); ++i) {
+          const FusedPose& pose = poses.samples[i];
+          squared_m2 += (pose.position_world_m - driving.motion.position_m(pose.time_ns)).squaredNorm();
+        }
+        CHECK(std::sqrt(squared_m2 / static_cast<double>(last)) < 0.06);
+      }
+    }
+  }
+}
+
+SCENARIO("a recording that is played again is fused like live sensors") {
+  GIVEN("a fusion, and the drivers of a robot at rest with stamps of yesterday") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2({"--imu-in", "/imu/data=42", "--fix-in", "/tag/pose=42"});
+    const Drivers drivers(bus, {.age_ns = 86'400'000'000'000});
+    THEN("the pose follows them, in the time of the recording") {
+      REQUIRE(poses.wait_for([](const FusedPose& pose) {
+        return (pose.status & (status_initialising | status_converging)) == 0;
+      }));
+      const FusedPose& pose = poses.samples.back();
+      CHECK((pose.position_world_m - Vector3d(1, 2, 0.5)).norm() < 0.05);
+      CHECK(seconds_between(pose.time_ns, clocks::host_now()) == Approx(86'400).margin(60));
+    }
+  }
+}
+
+/// A reader that has not matched yet does not receive the first messages of a volatile writer.
+template <class Write, class Done>
+bool repeat_until(const Write& write, const Done& done) {
+  for (int i = 0; i < 200; ++i) {
+    write();
+    if (done()) return true;
+  }
+  return false;
+}
+
+SCENARIO("with simulated time, messages have the time of /clock") {
+  GIVEN("a relay that uses simulated time, and a simulator whose time has just begun") {
+    const Bus bus;
+    Consumer<sonopose_UltrasonicFix> fixes(bus, topics::fix);
+    RosReader<ros2::DiagnosticArray> diagnostics(bus, "/diagnostics");
+    const auto relay = bus.ros2({"--use-sim-time", "--fix-in", "/tag:PointStamped=42"});
+    RosWriter<ros2::Clock> clock(bus, "/clock");
+    RosWriter<ros2::PointStamped> position(bus, "/tag");
+    constexpr TimeNs now_ns = 12'345'000'000;
+    const auto is_now = [](TimeNs time_ns) { return time_ns >= now_ns && time_ns < now_ns + 1'000'000; };
+    REQUIRE(repeat_until([&] { clock.write({ros2::to_ros(now_ns)}); },
+                         [&] {
+                           return diagnostics.wait_for(
+                               [&](const auto& message) { return is_now(stamp_of(message.header)); },
+                               std::chrono::milliseconds(100));
+                         }));
+    WHEN("a position without a stamp arrives") {
+      THEN("it was measured at this time") {
+        REQUIRE(repeat_until(
+            [&] {
+              position.write(ros2::position_as_point({1, 2, 3}, 0, {}));
+            },
+            [&] { return fixes.wait_for_count(1, std::chrono::milliseconds(100)); }));
+        CHECK(is_now(fixes.samples.front().emission_time_ns));
+      }
+    }
+  }
+}
+
+SCENARIO("fixes of another clock than the IMU's are refused with the reason") {
+  GIVEN("a fusion, and drivers whose fixes are stamped an hour before their IMU samples") {
+    const Bus bus;
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2({"--imu-in", "/imu/data=42", "--fix-in", "/tag/pose=42"});
+    const Drivers drivers(bus, {.fix_age_ns = 3'600'000'000'000});
+    THEN("the fusion reports it, and the doctor too") {
+      REQUIRE(fusion->wait_for_line(Stream::error, "beacon 42: all fixes are refused"));
+      const Result doctor =
+          run(SONOPOSE_TEST_DOCTOR, {"--domain", std::to_string(bus.domain_id()), "--duration", "2.5"});
+      CHECK_THAT(doctor.output, Contains("its fusion uses none of its"));
+    }
+  }
+}
 
 SCENARIO("any IMU and any positioning system with a ROS 2 driver feed the fusion") {
   GIVEN("a fusion, a relay that forwards both as beacon 42, and drivers") {

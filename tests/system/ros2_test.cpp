@@ -130,6 +130,34 @@ SCENARIO("a ROS 2 process receives the IMU, raw and with orientation, and the fi
   }
 }
 
+SCENARIO("imu/data has every sample, also where its pose arrives first") {
+  GIVEN("a running chain at 200 Hz, and a relay that starts last, so that it receives last") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    RosReader<ros2::Imu> raw(bus, "/hedge_7/imu/data_raw");
+    RosReader<ros2::Imu> fused(bus, "/hedge_7/imu/data");
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({"--imu-rate", "200"});
+    REQUIRE(poses.wait_for_count(200));
+    const auto relay = bus.ros2();
+    THEN("each sample as measured has its counterpart with the orientation") {
+      std::set<TimeNs> fused_ns;
+      REQUIRE(fused.wait_for_count(1000, [&](const auto& imu) { fused_ns.insert(stamp_of(imu.header)); }));
+      std::set<TimeNs> raw_ns;
+      const TimeNs last_ns = *fused_ns.rbegin();
+      REQUIRE(raw.wait_for([&](const auto& imu) {
+        raw_ns.insert(stamp_of(imu.header));
+        return stamp_of(imu.header) >= last_ns;
+      }));
+      int missing = 0;
+      for (const TimeNs time_ns : raw_ns) {
+        if (time_ns > *fused_ns.begin() && time_ns < last_ns && !fused_ns.contains(time_ns)) ++missing;
+      }
+      CHECK(missing == 0);
+    }
+  }
+}
+
 SCENARIO("ROS 2 diagnostics report the state of each beacon") {
   GIVEN("a relay without a beacon") {
     const Bus bus;

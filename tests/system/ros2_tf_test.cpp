@@ -233,4 +233,42 @@ SCENARIO("two beacons do not publish the same frame") {
   }
 }
 
+SCENARIO("another beacon takes over the transforms of one that was switched off") {
+  GIVEN("two beacons with the same frames, of which the first one has the transforms") {
+    const Bus bus;
+    RosReader<ros2::TFMessage> tf(bus, "/tf");
+    RosReader<ros2::DiagnosticArray> diagnostics(bus, "/diagnostics");
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2();
+    auto first = bus.bridge({"--address", "7"});
+    REQUIRE(tf.wait_for([](const auto&) { return true; }));
+    const auto second = bus.bridge({"--address", "8"});
+    REQUIRE(relay->wait_for_line(Stream::error, "beacon 8 has no transforms"));
+    WHEN("the first one is switched off") {
+      first.reset();
+      const auto levels_of_first = [&](const ros2::DiagnosticArray& message) {
+        std::set<int> levels;
+        for (std::uint32_t i = 0; i < message.status._length; ++i) {
+          const auto& status = message.status._buffer[i];
+          if (std::string(status.hardware_id) == "7") levels.insert(status.level);
+        }
+        return levels;
+      };
+      THEN("its diagnostic becomes stale and then leaves, and the second one gets the transforms") {
+        constexpr std::chrono::seconds limit{60};
+        constexpr int stale = 3;
+        CHECK(diagnostics.wait_for(
+            [&](const auto& message) { return levels_of_first(message).contains(stale); }, limit));
+        CHECK(diagnostics.wait_for([&](const auto& message) { return levels_of_first(message).empty(); },
+                                   limit));
+        REQUIRE(
+            relay->wait_for_line(Stream::error, "beacon 8 has the transforms now, because beacon 7 is gone"));
+        tf.wait_for([](const auto&) { return false; },
+                    std::chrono::milliseconds(1));  // those of the first one
+        CHECK(tf.wait_for([](const auto&) { return true; }));
+      }
+    }
+  }
+}
+
 }  // namespace ros2_tf_test

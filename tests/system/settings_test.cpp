@@ -3,14 +3,20 @@
 #include "recording/log_folder.hpp"
 #include "support/bits.hpp"
 #include "support/bus.hpp"
+#include "support/pose_tap.hpp"
 #include "support/temporary_folder.hpp"
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/settings/settings_table.hpp>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <csignal>
+#include <iostream>
+#include <thread>
 
 namespace settings_test {
 
@@ -242,6 +248,82 @@ SCENARIO("a change at a given event gives poses that are bit-identical to the re
         CHECK(wrong == 0);
         REQUIRE(settings.wait_for(has(7, key_of(change[1]), value_of(change[1]))));
         CHECK(settings.samples.back().from_sequence == from);
+      }
+    }
+  }
+}
+
+/// Requests of all kinds, as fast as 1,600 a second.
+class RequestFlood {
+public:
+  explicit RequestFlood(const Bus& bus)
+      : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
+        writer_(dds::topics::make_writer(participant_, dds::qos::Provider(), topics::settings_request)),
+        thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+  [[nodiscard]] std::uint64_t sent() const { return sent_; }
+
+private:
+  void run(const std::stop_token& stop) {
+    const auto begin = std::chrono::steady_clock::now();
+    while (!stop.stop_requested()) {
+      SettingsRequest request{.address = BeaconAddress{7}, .request_id = ++sent_, .assignments = {}};
+      if (sent_ % 3 == 0) request.address = all_beacons;
+      request.from_sequence = sent_ % 5 == 0 ? 1'000'000 + sent_ : 0;  // waits
+      if (sent_ % 2 == 0) {
+        request.assignments.assign(sonopose_MAX_ASSIGNMENTS, {std::string(sonopose_MAX_SETTING_KEY, 'x'),
+                                                              std::string(sonopose_MAX_SETTING_VALUE, '9')});
+      } else {
+        request.assignments = {{"trust.n_base", std::to_string(5 + sent_ % 20)}, {"trust.sigma_m", "0.3"}};
+      }
+      writer_.write(dds::topics::to_idl(request).sample());
+      std::this_thread::sleep_until(begin + std::chrono::microseconds(625 * sent_.load()));
+    }
+  }
+
+  dds::DomainParticipant participant_;
+  dds::DataWriter<sonopose_SettingsRequest> writer_;
+  std::atomic<std::uint64_t> sent_ = 0;
+  std::jthread thread_;
+};
+
+struct Waits {
+  double longest_ms = 0;
+  double above_20_ms = 0;  ///< share of the time that was spent in waits above 20 ms
+};
+
+Waits waits_between(const std::vector<TappedPose>& poses) {
+  Waits waits;
+  const auto total_ns = static_cast<double>(poses.back().received - poses.front().received);
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const auto wait_ns = static_cast<double>(poses[i].received - poses[i - 1].received);
+    waits.longest_ms = std::max(waits.longest_ms, wait_ns * 1e-6);
+    if (wait_ns > 20e6) waits.above_20_ms += wait_ns / total_ns;
+  }
+  return waits;
+}
+
+SCENARIO("a flood of requests delays no pose") {
+  GIVEN("a fusion that serves twenty beacons at 100 Hz") {
+    const Bus bus;
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({"--scenario", "rest", "--address", "7", "--beacons", "20"});
+    const PoseTap tap(bus);
+    REQUIRE(tap.wait_for_count(0, 2000).size() >= 2000);
+    WHEN("1,600 requests a second arrive for three seconds") {
+      const Waits quiet = waits_between(tap.since(0));
+      const RequestFlood flood(bus);
+      const std::size_t before = tap.count();
+      const auto poses = tap.wait_for_count(before, 6000);
+      REQUIRE(poses.size() >= 6000);
+      THEN("the poses come as before") {
+        const Waits waits = waits_between(poses);
+        std::cout << fmt::format(
+            "{} requests: longest wait for a pose {:.1f} ms, {:.1f} % of the time above 20 ms; "
+            "without them {:.1f} ms, {:.1f} %\n",
+            flood.sent(), waits.longest_ms, 100 * waits.above_20_ms, quiet.longest_ms,
+            100 * quiet.above_20_ms);
+        CHECK(waits.above_20_ms <= quiet.above_20_ms + 0.1);
       }
     }
   }

@@ -138,6 +138,75 @@ SCENARIO("a stopped fusion is replaced within its lease, and serves again when i
   report("SIGSTOP", waits_ms);
 }
 
+/// How old the IMU sample of a pose was when the consumer received it. Bridge and consumer share a clock.
+double age_s(const TappedPose& tapped, TimeNs steady_to_host_ns) {
+  return seconds_between(tapped.pose.imu_bridge_time_ns, tapped.received.ns + steady_to_host_ns);
+}
+
+TimeNs steady_to_host_ns() {
+  return clocks::host_now() - clocks::steady_now().ns;
+}
+
+SCENARIO("a fusion that was stopped for seconds passes nothing old off as live", "[standby]") {
+  const double late_s = slowness * sonopose_LATE_AFTER;
+  const auto stop_for_two_seconds = [](const Process& fusion) {
+    fusion.send(SIGSTOP);
+    std::this_thread::sleep_for(std::chrono::seconds(2));  // what it will find is 2 s old
+    fusion.send(SIGCONT);
+  };
+  GIVEN("a standby that serves meanwhile") {
+    Pair pair({"--scenario", "walk"});
+    const Fusion strong = pair.start("200");
+    const Fusion weak = pair.start("100");
+    pair.wait_until_served_by(strong);
+    WHEN("the stronger one continues") {
+      const std::size_t before = pair.tap.count();
+      stop_for_two_seconds(*strong.process);
+      const auto weak_from = pair.tap.wait_for_writer(weak.writers, before);
+      REQUIRE(weak_from);
+      REQUIRE(pair.tap.wait_for_writer({strong.claim}, pair.tap.count()));
+      THEN("the consumer receives no old pose, and time never goes back") {
+        const TimeNs offset_ns = steady_to_host_ns();
+        TimeNs latest_ns = 0;
+        for (const TappedPose& tapped : pair.tap.since(before)) {
+          CHECK(age_s(tapped, offset_ns) < late_s);
+          CHECK(tapped.pose.time_ns >= latest_ns);
+          latest_ns = tapped.pose.time_ns;
+        }
+      }
+    }
+  }
+  GIVEN("no standby") {
+    const Bus bus;
+    const PoseTap tap(bus);
+    const auto bridge = bus.bridge({"--scenario", "walk"});
+    const auto fusion = bus.fusion();
+    Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::topics::Delivery::live);
+    REQUIRE(tap.wait_for_count(0, 100).size() >= 100);
+    WHEN("the fusion continues") {
+      const std::size_t before = tap.count();
+      stop_for_two_seconds(*fusion);
+      const auto is_live = [before_ns = clocks::steady_now()](const TappedPose& tapped) {
+        return tapped.received > before_ns + 200'000'000;
+      };
+      REQUIRE(tap.wait_for(is_live, before));
+      THEN("its old poses are marked, counted, and nothing else is") {
+        const TimeNs offset_ns = steady_to_host_ns();
+        std::uint64_t marked = 0;
+        for (const TappedPose& tapped : tap.since(before)) {
+          CAPTURE(age_s(tapped, offset_ns));
+          const bool late = (tapped.pose.status & status_late) != 0U;
+          if (late) ++marked;
+          if (age_s(tapped, offset_ns) > late_s + 0.05) CHECK(late);
+          if (age_s(tapped, offset_ns) < sonopose_LATE_AFTER) CHECK_FALSE(late);
+        }
+        CHECK(marked > 0);
+        CHECK(status.wait_for([&](const FusionStatus& latest) { return latest.poses_late >= marked; }, 0));
+      }
+    }
+  }
+}
+
 SCENARIO("a fusion whose receive thread hangs is replaced, although its other threads run", "[standby]") {
   Pair pair;
   Fusion strong = pair.start("200");

@@ -16,8 +16,21 @@ namespace sonopose::collation {
 struct CollatorCounters {
   std::uint64_t lost = 0;        ///< event numbers that never arrived
   std::uint64_t duplicated = 0;  ///< arrived twice, or after they had been given up
-  std::uint64_t restarts = 0;    ///< the numbering started again
+  std::uint64_t restarts = 0;    ///< the numbering started again, or jumped ahead
 };
+
+/// The most events that can be lost in succession: hours of one beacon. A number further ahead is corrupt or
+/// from another numbering.
+inline constexpr std::uint64_t most_lost = 10'000'000;
+
+/// Counts the numbers from `from` to before `to`, which never arrived.
+inline void count_gap(CollatorCounters& counters, std::uint64_t from, std::uint64_t to) {
+  if (to - from > most_lost) {
+    ++counters.restarts;
+  } else {
+    counters.lost += to - from;
+  }
+}
 
 /// An event that is next in line.
 struct CollatedEvent {
@@ -117,8 +130,8 @@ private:
   /// Counts everything before `sequence` that has not arrived as lost.
   void give_up_to(std::uint64_t sequence, SteadyTime now) {
     if (sequence == next_) return;
-    constexpr std::uint64_t widest = 1024;  // a wider gap is a corrupt number or another numbering
-    counters_.lost += sequence - next_;
+    constexpr std::uint64_t widest = 1024;  // a wider gap is not filled any more
+    count_gap(counters_, next_, sequence);
     if (sequence - next_ <= widest) {
       given_up_[given_up_count_++ % given_up_.size()] = {next_, sequence, now};
     }

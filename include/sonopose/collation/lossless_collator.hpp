@@ -39,7 +39,7 @@ public:
       ++counters_.duplicated;
     }
     if (waiting_.size() > capacity) {
-      counters_.lost += waiting_.begin()->first - next_;
+      count_gap(counters_, next_, waiting_.begin()->first);
       next_ = waiting_.begin()->first;
     }
     while (!waiting_.empty() && waiting_.begin()->first == next_) {

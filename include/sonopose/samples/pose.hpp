@@ -22,7 +22,7 @@ enum PoseStatus : std::uint32_t {
   status_imu_gap = 1U << 7U,          ///< the IMU was silent just before this pose
   status_low_trust = 1U << 8U,        ///< the ultrasonic track is doubted (settings 15–22)
   status_rotating_fast = 1U << 9U,    ///< the gyro-rate gate suppresses acceleration (settings 35–37)
-  status_late = 1U << 10U,            ///< written later than its IMU sample should allow; not set yet
+  status_late = 1U << 10U,            ///< its IMU sample arrived much later than usual
   status_overloaded = 1U << 11U       ///< the fusion cannot keep up with its input; not set yet
 };
 

@@ -93,6 +93,7 @@ struct FusionStatus {
   std::uint64_t fix_deadlines_missed = 0;
   std::uint64_t heading_deadlines_missed = 0;
   std::uint64_t bridge_losses = 0;  ///< times that the bridge of this beacon was lost
+  std::uint64_t poses_late = 0;     ///< poses with status_late
   // Of the whole process, the same for all of its beacons:
   std::uint64_t pose_deadlines_missed = 0;
   std::uint64_t liveliness_lost = 0;   ///< expired leases of its pose writers

@@ -44,6 +44,13 @@ constexpr TimeNs operator-(SteadyTime to, SteadyTime from) {
   return to.ns - from.ns;
 }
 
+/// `to` − `from`, limited to what a TimeNs can represent: stamps from the bus may have any value.
+constexpr TimeNs saturated_difference(TimeNs to, TimeNs from) {
+  TimeNs difference = 0;
+  if (!__builtin_sub_overflow(to, from, &difference)) return difference;
+  return to < from ? std::numeric_limits<TimeNs>::min() : std::numeric_limits<TimeNs>::max();
+}
+
 /// Seconds from `from` to `to`.
 constexpr double seconds_between(TimeNs from, TimeNs to) {
   return static_cast<double>(to - from) * 1e-9;

@@ -156,6 +156,16 @@ std::optional<TransportPriority> TransportPriority::from(const dds_qos_t* qos) {
   return priority;
 }
 
+void WriterDataLifecycle::apply(dds_qos_t* qos) const {
+  dds_qset_writer_data_lifecycle(qos, autodispose_unregistered_instances);
+}
+std::optional<WriterDataLifecycle> WriterDataLifecycle::from(const dds_qos_t* qos) {
+  WriterDataLifecycle lifecycle;
+  if (!dds_qget_writer_data_lifecycle(qos, &lifecycle.autodispose_unregistered_instances))
+    return std::nullopt;
+  return lifecycle;
+}
+
 void Partition::apply(dds_qos_t* qos) const {
   std::vector<const char*> pointers;
   pointers.reserve(names.size());

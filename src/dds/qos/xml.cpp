@@ -89,6 +89,14 @@ void transport_priority(const Source& s, const pugi::xml_node& element, Qos& qos
   qos << policy::TransportPriority{number32(s, Parent(s, element, {"value"}).need("value"), int32_min)};
 }
 
+void writer_data_lifecycle(const Source& s, const pugi::xml_node& element, Qos& qos) {
+  const pugi::xml_node value =
+      Parent(s, element, {"autodispose_unregistered_instances"}).need("autodispose_unregistered_instances");
+  const std::string text = text_of(s, value);
+  if (text != "true" && text != "false") s.fail(value, "must be true or false, not '" + text + "'");
+  qos << policy::WriterDataLifecycle{text == "true"};
+}
+
 void resource_limits(const Source& s, const pugi::xml_node& element, Qos& qos) {
   const Parent parent(s, element, {"max_samples", "max_instances", "max_samples_per_instance"});
   const auto limit = [&](const char* name) {
@@ -139,6 +147,7 @@ constexpr std::array policies{
     PolicyRow{"ownership_strength", writer, ownership_strength},
     PolicyRow{"resource_limits", writer | reader | topic, resource_limits},
     PolicyRow{"transport_priority", writer | topic, transport_priority},
+    PolicyRow{"writer_data_lifecycle", writer, writer_data_lifecycle},
     PolicyRow{"partition", writer | reader, partition},
     PolicyRow{"user_data", writer | reader | participant, user_data},
 };

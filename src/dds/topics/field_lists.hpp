@@ -209,6 +209,7 @@ struct Pairs<FusionStatus> {
                                    field(&N::fix_deadlines_missed, &I::fix_deadlines_missed),
                                    field(&N::heading_deadlines_missed, &I::heading_deadlines_missed),
                                    field(&N::bridge_losses, &I::bridge_losses),
+                                   field(&N::poses_late, &I::poses_late),
                                    field(&N::pose_deadlines_missed, &I::pose_deadlines_missed),
                                    field(&N::liveliness_lost, &I::liveliness_lost),
                                    field(&N::samples_lost, &I::samples_lost),

@@ -58,6 +58,16 @@ public:
     }
   }
 
+  void refused_fixes() const {
+    const auto refused = increase_of(&FusionStatus::fixes_rejected);
+    if (refused < 2 || increase_of(&FusionStatus::fixes_used) > 0 || fusion_lacks_imu()) return;
+    add(Severity::warning,
+        fmt::format("its fusion uses none of its {} fixes; {} are too old", refused,
+                    increase_of(&FusionStatus::fixes_late)),
+        "the output of sonopose-fusion has the reason; the stamps of fixes and IMU samples must come from "
+        "one clock");
+  }
+
   void headings() const {
     if (beacon_.heading.samples == 0) {
       add(Severity::note, "no pair headings received: a single beacon estimates its heading from motion", "");
@@ -236,6 +246,7 @@ void check_beacon(const Observations& observations, const BeaconObservation& bea
   if (!on_topic(observations.writers, "sonopose/imu").empty()) {  // else missing streams are a consequence
     check.imu();
     check.fixes();
+    check.refused_fixes();
     check.headings();
     check.poses(!on_topic(observations.writers, "sonopose/pose").empty());
   }

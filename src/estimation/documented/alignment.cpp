@@ -50,22 +50,32 @@ void aid(const AlignmentSettings& settings, const AlignmentState& state, TimeNs 
   measurement.force_shows_up = state.aiding || !held;
 }
 
-double turn(const AlignmentSettings& settings, AlignmentState& state, Kinematics& body,
-            attitude::AnyFilter& filter, const FixVelocity& measured, double share) {
+YawTurn turn(const AlignmentSettings& settings, AlignmentState& state, Kinematics& body,
+             attitude::AnyFilter& filter, const FixVelocity& measured, double share) {
   const Eigen::Vector2d by_imu = state.gained_world_mps.head<2>();
   const Eigen::Vector2d by_fixes =
       by_imu + (measured.ultrasonic_world_mps - measured.inertial_world_mps).head<2>();
   const double cross = by_imu.x() * by_fixes.y() - by_imu.y() * by_fixes.x();
   const double angle_rad = std::atan2(cross, by_imu.dot(by_fixes));
   const double signal = by_imu.squaredNorm();
-  const double certainty = signal / (signal + settings.yaw_noise_mps * settings.yaw_noise_mps);
+  const double yaw_noise_m2ps2 = settings.yaw_noise_mps * settings.yaw_noise_mps;
+  const double certainty = signal / (signal + yaw_noise_m2ps2);
   const double turn_rad = settings.yaw_gain * certainty * angle_rad;
+  YawTurn result{.turn_rad = turn_rad};
+  // Noise in the IMU's gain alone is no signal: only what both gains have in common measures yaw.
+  const double common = std::min(signal, by_imu.dot(by_fixes));
+  if (common > 0.0) {
+    result.share = settings.yaw_gain * common / (common + yaw_noise_m2ps2);
+    // Consecutive fixes measure the same gain, so their errors are not independent.
+    constexpr double correlation = 1.5;
+    result.std_rad = correlation * std::sqrt(yaw_noise_m2ps2 / common);
+  }
 
   heading::turn(body, filter, turn_rad);
   const Vector3d gained_world_mps = geometry::rotation_about_z(turn_rad) * state.gained_world_mps;
   body.correct_velocity(gained_world_mps - state.gained_world_mps);
   state.gained_world_mps = (1.0 - share) * gained_world_mps;
-  return turn_rad;
+  return result;
 }
 
 }  // namespace sonopose::estimation::documented::alignment

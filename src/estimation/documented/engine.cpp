@@ -321,8 +321,10 @@ void Engine::align(const FixVelocity& measured, const VelocityChange& change, Fi
       attitude::has_magnetic_heading(settings_.attitude.selection)) {
     state_.alignment.gained_world_mps *= 1.0 - change.share;
   } else {
-    report.yaw_change_rad = alignment::turn(settings_.alignment, state_.alignment, state_.body, state_.filter,
-                                            measured, change.share);
+    const YawTurn yaw = alignment::turn(settings_.alignment, state_.alignment, state_.body, state_.filter,
+                                        measured, change.share);
+    report.yaw_change_rad = yaw.turn_rad;
+    uncertainty::align_yaw(state_.uncertainty, yaw.share, yaw.std_rad);
   }
 }
 

@@ -40,6 +40,11 @@ void correct_yaw(const UncertaintySettings& settings, UncertaintyState& state, d
   state.yaw_std_rad = std::max(heading_std_rad, blended(state.yaw_std_rad, heading_std_rad, share));
 }
 
+void align_yaw(UncertaintyState& state, double share, double measurement_std_rad) {
+  if (share <= 0.0) return;
+  state.yaw_std_rad = std::min(state.yaw_std_rad, blended(state.yaw_std_rad, measurement_std_rad, share));
+}
+
 void reset_position(const UncertaintySettings& settings, UncertaintyState& state) {
   state.position_std_m = settings.fix_std_m;
 }

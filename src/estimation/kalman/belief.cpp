@@ -56,6 +56,11 @@ void Belief::propagate() {
   for_each_filter([](Filter& each, const ProcessNoise& model) { each.propagate(model); });
 }
 
+bool Belief::covariance_is_old() const {
+  constexpr double longest_s = 0.2;
+  return filter().pending.duration_s > longest_s;
+}
+
 // One IMU sample
 
 void Belief::on_imu(const settings::Settings& settings, const ImuMeasurement& imu) {

@@ -112,7 +112,7 @@ FixOutcome Timeline::fold(const settings::Settings& settings, const Aiding* last
 
 void Timeline::save_checkpoint() {
   if (checkpoint_count_ == checkpoint_capacity) drop_oldest_checkpoint();
-  now_.propagate();
+  if (now_.covariance_is_old()) now_.propagate();
   Checkpoint& next = checkpoints_[(oldest_ + checkpoint_count_) % checkpoint_capacity];
   next.belief.copy_from(now_);
   next.next_imu = next_imu_;

@@ -95,8 +95,12 @@ Covariance6 twist_covariance(const FusedPose& pose, const Mount& mount, const No
   return propagated(jacobian, block_diagonal(of_velocity, diagonal(noise.gyro_std_radps)));
 }
 
+Covariance3 fix_covariance(const Covariance3& full_weight, std::optional<double> weight) {
+  return full_weight / std::clamp(weight.value_or(1.0), least_weight, 1.0);
+}
+
 Covariance3 fix_covariance(double fix_std_m, std::optional<double> weight) {
-  return diagonal(fix_std_m) / std::clamp(weight.value_or(1.0), least_weight, 1.0);
+  return fix_covariance(diagonal(fix_std_m), weight);
 }
 
 Covariance6 without_orientation(const Covariance3& position) {

@@ -6,15 +6,15 @@ namespace sonopose::ros2 {
 
 FixQueue::Ready FixQueue::on(const UltrasonicFix& fix, SteadyTime now, bool fusion_runs) {
   Ready ready;
-  const Key key{fix.sequence, fix.emission_time_ns};
-  if (is_released(key)) return ready;  // the report arrived first
+  const Waiting one{{fix.sequence, fix.emission_time_ns}, fix.position_world_m, fix.covariance_world_m2, now};
+  if (is_released(one.key)) return ready;  // the report arrived first
   if (!fusion_runs) {
     while (waiting_count_ > 0) release_first(ready);
-    release(key, fix.position_world_m, std::nullopt, ready);
+    release(one, std::nullopt, ready);
     return ready;
   }
   if (waiting_count_ == max_waiting) release_first(ready);
-  waiting_[waiting_count_++] = {key, fix.position_world_m, now};
+  waiting_[waiting_count_++] = one;
   return ready;
 }
 
@@ -25,11 +25,13 @@ FixQueue::Ready FixQueue::on(const FixReport& report) {
   const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_);
   const auto found =
       std::find_if(waiting_.begin(), end, [&key](const Waiting& one) { return one.key == key; });
+  Waiting reported{key, report.position_world_m, std::nullopt, {}};
   if (found != end) {
+    reported = *found;
     for (auto before = found - waiting_.begin(); before > 0; --before) release_first(ready);
     remove_first();
   }
-  release(key, report.position_world_m, report.weight, ready);
+  release(reported, report.weight, ready);
   return ready;
 }
 
@@ -52,14 +54,14 @@ void FixQueue::remove_first() {
 void FixQueue::release_first(Ready& ready) {
   const Waiting first = waiting_[0];
   remove_first();
-  release(first.key, first.position_world_m, std::nullopt, ready);
+  release(first, std::nullopt, ready);
 }
 
-void FixQueue::release(const Key& key, const Vector3d& position_world_m, std::optional<double> weight,
-                       Ready& ready) {
-  released_[next_released_] = key;
+void FixQueue::release(const Waiting& fix, std::optional<double> weight, Ready& ready) {
+  released_[next_released_] = fix.key;
   next_released_ = (next_released_ + 1) % released_.size();
-  ready.fixes[ready.count++] = {position_world_m, key.emission_time_ns, weight};
+  ready.fixes[ready.count++] = {fix.position_world_m, fix.key.emission_time_ns, fix.covariance_world_m2,
+                                weight};
 }
 
 bool FixQueue::is_released(const Key& key) const {

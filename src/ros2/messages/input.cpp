@@ -1,6 +1,11 @@
 #include <sonopose/ros2/messages/input.hpp>
 #include <sonopose/ros2/messages/time.hpp>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include <algorithm>
+
 namespace sonopose::ros2 {
 namespace {
 
@@ -18,8 +23,21 @@ std::optional<UltrasonicFix> fix_at(const Header& header, const Point& position,
   fix.position_world_m = {position.x, position.y, position.z};
   if (!emission_ns || !fix.position_world_m.allFinite()) return std::nullopt;
   fix.emission_time_ns = *emission_ns;
-  fix.received_time_ns = received_ns;
+  fix.received_time_ns = std::max(*emission_ns, received_ns);
+  fix.measured_delay_s = seconds_between(*emission_ns, fix.received_time_ns);
   return fix;
+}
+
+/// Empty if the sender does not know it.
+std::optional<Covariance<3>> position_covariance(const PoseWithCovarianceStamped& pose) {
+  const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> all(&pose.pose.covariance[0]);
+  const Eigen::Matrix3d stated = all.topLeftCorner<3, 3>();
+  if (!stated.allFinite() || !(stated.diagonal().maxCoeff() > 0)) return std::nullopt;
+  const Vector3d variances = stated.diagonal().cwiseMax(least_fix_std_m * least_fix_std_m);
+  Eigen::Matrix3d bounded = stated;
+  bounded.diagonal() = variances;
+  const bool is_covariance = Eigen::LLT<Eigen::Matrix3d>(bounded).info() == Eigen::Success;
+  return is_covariance ? Covariance<3>::from_matrix(bounded) : Covariance<3>::from_diagonal(variances);
 }
 
 }  // namespace
@@ -46,7 +64,9 @@ std::optional<UltrasonicFix> fix(const PointStamped& point, BeaconAddress addres
 
 std::optional<UltrasonicFix> fix(const PoseWithCovarianceStamped& pose, BeaconAddress address,
                                  TimeNs received_ns) {
-  return fix_at(pose.header, pose.pose.pose.position, address, received_ns);
+  auto fix = fix_at(pose.header, pose.pose.pose.position, address, received_ns);
+  if (fix) fix->covariance_world_m2 = position_covariance(pose);
+  return fix;
 }
 
 }  // namespace sonopose::ros2

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 namespace sonopose::ros2 {
@@ -160,6 +161,18 @@ std::string NameResolver::topic(const std::string& name) const {
 
 std::string name_in_dds(const std::string& topic) {
   return "rt" + topic;
+}
+
+std::string type_name_in_ros(const std::string& dds_type_name) {
+  constexpr std::string_view infix = "::dds_::";
+  const std::size_t found = dds_type_name.find(infix);
+  const std::size_t package_end = dds_type_name.find("::");
+  if (found == std::string::npos || package_end >= found || !dds_type_name.ends_with('_'))
+    return dds_type_name;
+  const std::size_t name_begin = found + infix.size();
+  return dds_type_name.substr(0, package_end) + '/' +
+         dds_type_name.substr(package_end + 2, found - package_end - 2) + '/' +
+         dds_type_name.substr(name_begin, dds_type_name.size() - name_begin - 1);
 }
 
 }  // namespace sonopose::ros2

@@ -56,13 +56,19 @@ void BeaconPublishers::create_magnetic_writer(ros2::Node& node) {
 }
 
 void BeaconPublishers::on(const ImuSample& sample) {
+  std::optional<FusedPose> early_pose;
   bool has_overdue_fix = false;
   {
     const std::lock_guard lock(mutex_);
-    samples_[next_sample_++ % samples_.size()] = sample;
+    early_pose = pairing_.on(sample);
     has_overdue_fix = fixes_.has_overdue(clocks::steady_now());
   }
-  if (has_overdue_fix) publish_overdue_fixes();
+  if (has_overdue_fix) handle_overdue();
+  publish_raw(sample);
+  if (early_pose) publish_imu(sample, *early_pose);
+}
+
+void BeaconPublishers::publish_raw(const ImuSample& sample) {
   const auto stamp_ns = next_stamp(raw_stamp_, sample.sensor_time_ns);
   if (!stamp_ns) return;
   if (!raw_imu_.is_nil()) raw_imu_.try_write(ros2::raw_imu(sample, *stamp_ns, frames_, output_.noise));
@@ -75,8 +81,14 @@ void BeaconPublishers::on(const ImuSample& sample) {
 
 void BeaconPublishers::on(const FusedPose& pose) {
   fused_at_ = clocks::steady_now();
-  publish_odometry(pose);  // first, because vehicle control may depend on it
-  publish_imu(pose);
+  publish_odometry(pose);                             // first, because vehicle control may depend on it
+  if ((pose.status & status_predicted) != 0) return;  // it has no IMU sample
+  std::optional<ImuSample> sample;
+  {
+    const std::lock_guard lock(mutex_);
+    sample = pairing_.on(pose, clocks::steady_now());
+  }
+  if (sample) publish_imu(*sample, pose);
 }
 
 void BeaconPublishers::publish_odometry(const FusedPose& pose) {
@@ -92,6 +104,12 @@ void BeaconPublishers::publish_odometry(const FusedPose& pose) {
   if (!path_.is_nil()) add_to_path(odometry, *stamp_ns);
 }
 
+void BeaconPublishers::publish_imu(const ImuSample& sample, const FusedPose& pose) {
+  if (imu_.is_nil()) return;
+  const auto stamp_ns = next_stamp(imu_stamp_, sample.sensor_time_ns);
+  if (stamp_ns) imu_.try_write(ros2::fused_imu(sample, pose, *stamp_ns, frames_, output_.noise));
+}
+
 std::optional<ros2::Mount> BeaconPublishers::mount() const {
   const std::lock_guard lock(mutex_);
   return mount_;
@@ -105,22 +123,9 @@ bool BeaconPublishers::set_mount(const ros2::Mount& mount) {
   return !is_same;
 }
 
-/// Predicted poses have no IMU sample and are skipped.
-void BeaconPublishers::publish_imu(const FusedPose& pose) {
-  if (imu_.is_nil() || (pose.status & status_predicted) != 0) return;
-  const auto sample = sample_of(pose.sequence);
-  if (!sample) return;
-  const auto stamp_ns = next_stamp(imu_stamp_, sample->sensor_time_ns);
-  if (stamp_ns) imu_.try_write(ros2::fused_imu(*sample, pose, *stamp_ns, frames_, output_.noise));
-}
-
-std::optional<ImuSample> BeaconPublishers::sample_of(std::uint64_t sequence) const {
+std::uint64_t BeaconPublishers::imu_data_lost() const {
   const std::lock_guard lock(mutex_);
-  const auto found = std::find_if(samples_.begin(), samples_.end(), [sequence](const ImuSample& sample) {
-    return sample.sequence == sequence;
-  });
-  if (found == samples_.end()) return std::nullopt;
-  return *found;
+  return pairing_.given_up();
 }
 
 void BeaconPublishers::publish_transform(const ros2::Odometry& odometry, TimeNs stamp_ns) {
@@ -172,11 +177,12 @@ void BeaconPublishers::on(const FixReport& report) {
   publish(ready);
 }
 
-void BeaconPublishers::publish_overdue_fixes() {
+void BeaconPublishers::handle_overdue() {
   ros2::FixQueue::Ready ready;
   {
     const std::lock_guard lock(mutex_);
     ready = fixes_.overdue(clocks::steady_now());
+    pairing_.drop_overdue(clocks::steady_now());
   }
   publish(ready);
 }
@@ -189,10 +195,16 @@ void BeaconPublishers::publish(const ros2::FixQueue::Ready& fixes) {
     if (output_.fix == FixMessage::point) {
       fix_as_point_.try_write(ros2::position_as_point(fix.position_world_m, *stamp_ns, frames_));
     } else {
-      fix_as_pose_.try_write(ros2::position_as_pose(
-          fix.position_world_m, ros2::fix_covariance(fix_std_m_, fix.weight), *stamp_ns, frames_));
+      fix_as_pose_.try_write(
+          ros2::position_as_pose(fix.position_world_m, covariance_of(fix), *stamp_ns, frames_));
     }
   }
+}
+
+ros2::Covariance3 BeaconPublishers::covariance_of(const ros2::ReadyFix& fix) const {
+  if (fix.covariance_world_m2) return ros2::fix_covariance(fix.covariance_world_m2->matrix(), fix.weight);
+  const double learned_m = learned_fix_std_m_;
+  return ros2::fix_covariance(learned_m > 0 ? learned_m : fix_std_m_.load(), fix.weight);
 }
 
 std::optional<TimeNs> BeaconPublishers::next_stamp(ros2::RisingStamp& stamp, TimeNs time_ns) {
@@ -207,6 +219,10 @@ void BeaconPublishers::on(const EffectiveSettings& settings) {
     std::from_chars(value.data(), value.data() + value.size(), std_m);
     if (std_m > 0) fix_std_m_ = std_m;
   }
+}
+
+void BeaconPublishers::on(const Estimate& estimate) {
+  learned_fix_std_m_ = estimate.fix_noise_m ? estimate.fix_noise_m->value : 0.0;
 }
 
 void BeaconPublishers::add_to_path(const ros2::Odometry& odometry, TimeNs stamp_ns) {

@@ -4,6 +4,7 @@
 #include "ros2/relay/relay.hpp"
 #include <sonopose/ros2/messages/beacon_topics.hpp>
 #include <sonopose/ros2/messages/fix_queue.hpp>
+#include <sonopose/ros2/messages/imu_pairing.hpp>
 #include <sonopose/ros2/messages/messages.hpp>
 #include <sonopose/ros2/messages/odometry_buffer.hpp>
 #include <sonopose/ros2/messages/time.hpp>
@@ -11,7 +12,6 @@
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
 
-#include <array>
 #include <atomic>
 #include <deque>
 #include <mutex>
@@ -35,16 +35,21 @@ public:
   void on(const UltrasonicFix& fix);
   void on(const FixReport& report);
   void on(const EffectiveSettings& settings);
+  void on(const Estimate& estimate);
   /// A transform odom → base_link of another odometry source.
   void on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom);
 
   /// Main thread only. Creates the writer of the magnetic field after the first sample with one, which wakes
   /// that thread.
   void create_magnetic_writer(ros2::Node& node);
-  /// Publishes fixes without a report of the fusion. Each IMU sample does this, too.
-  void publish_overdue_fixes();
+  /// Publishes fixes without a report of the fusion, and gives up poses without an IMU sample. Each IMU
+  /// sample does this, too.
+  void handle_overdue();
   /// Main thread only, once per second.
   void publish_path();
+
+  /// Messages of `imu/data` that were not published, because the sample of the pose did not arrive.
+  [[nodiscard]] std::uint64_t imu_data_lost() const;
 
   /// Sets the mount of the IMU; there are no poses without one. Returns whether it is another one.
   bool set_mount(const ros2::Mount& mount);
@@ -52,24 +57,25 @@ public:
 
   [[nodiscard]] const ros2::FrameNames& frames() const { return frames_; }
   [[nodiscard]] bool is_in_tree() const { return in_tree_; }
+  void set_in_tree(bool in_tree) { in_tree_ = in_tree; }
   /// In mode map_odom: whether there was no odometry at the time of the latest pose.
   [[nodiscard]] bool lacks_odometry() const { return lacks_odometry_; }
 
 private:
+  void publish_raw(const ImuSample& sample);
   [[nodiscard]] std::optional<ros2::Mount> mount() const;
   void publish_odometry(const FusedPose& pose);
-  void publish_imu(const FusedPose& pose);
+  void publish_imu(const ImuSample& sample, const FusedPose& pose);
   void publish(const ros2::FixQueue::Ready& fixes);
   std::optional<TimeNs> next_stamp(ros2::RisingStamp& stamp, TimeNs time_ns);
   void publish_transform(const ros2::Odometry& odometry, TimeNs stamp_ns);
   void add_to_path(const ros2::Odometry& odometry, TimeNs stamp_ns);
-  [[nodiscard]] std::optional<ImuSample> sample_of(std::uint64_t sequence) const;
 
   const Output& output_;
   std::string prefix_;  ///< of the topic names
   ros2::FrameNames frames_;
   dds::DataWriter<ros2::TFMessage>& tf_;
-  bool in_tree_;
+  std::atomic<bool> in_tree_;
   process::Wakeup& wakeup_;
   bool publishes_mag_;
   ros2::RateLimit pose_rate_;  ///< used where poses arrive, on one thread
@@ -82,7 +88,10 @@ private:
   dds::DataWriter<ros2::PointStamped> fix_as_point_;
   dds::DataWriter<ros2::Path> path_;
 
-  std::atomic<double> fix_std_m_;
+  [[nodiscard]] ros2::Covariance3 covariance_of(const ros2::ReadyFix& fix) const;
+
+  std::atomic<double> fix_std_m_;                    ///< setting of the fusion
+  std::atomic<double> learned_fix_std_m_{};          ///< by the engine; 0: it does not
   std::atomic<SteadyTime> fused_at_ = SteadyTime{};  ///< reception of the latest pose
   std::atomic<bool> lacks_odometry_ = false;
   std::atomic<bool> has_magnetic_ = false;         ///< a sample had a magnetic field
@@ -90,8 +99,7 @@ private:
 
   mutable std::mutex mutex_;  ///< guards the members below
   std::optional<ros2::Mount> mount_;
-  std::array<ImuSample, 64> samples_{};
-  std::size_t next_sample_ = 0;
+  ros2::ImuPairing pairing_;
   ros2::RisingStamp raw_stamp_;
   ros2::RisingStamp imu_stamp_;
   ros2::RisingStamp pose_stamp_{0};  ///< no slack: a pose that is older than a published one is useless

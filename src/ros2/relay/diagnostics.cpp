@@ -84,12 +84,6 @@ void check_losses(const observation::BeaconView& view, const observation::Beacon
   }
 }
 
-/// A bridge publishes the status of its beacons once per second.
-bool has_bridge(const observation::BeaconView& view, TimeNs now_ns) {
-  constexpr TimeNs timeout_ns = 3'000'000'000;
-  return view.bridge && now_ns - view.bridge->time_ns < timeout_ns;
-}
-
 void check_bridge(const observation::BeaconView& view, TimeNs now_ns, ProblemList& problems) {
   if (!has_bridge(view, now_ns)) {
     problems.add(Level::error, "no status of its bridge");
@@ -157,6 +151,11 @@ void add_bridge(const BeaconStatus& bridge, Values& values) {
 }
 
 }  // namespace
+
+bool has_bridge(const observation::BeaconView& view, TimeNs now_ns) {
+  constexpr TimeNs timeout_ns = 3'000'000'000;  // a bridge publishes it once per second
+  return view.bridge && now_ns - view.bridge->time_ns < timeout_ns;
+}
 
 ros2::Diagnostic diagnostic_of(const std::string& node, const observation::BeaconView& view,
                                const observation::BeaconView& before, TimeNs now_ns) {

@@ -14,6 +14,9 @@ namespace sonopose::ros2::relay {
 /// published no status for three seconds (the bridge's timestamp against `now_ns`, so the clocks of the two
 /// machines must agree). STALE: no poses in the window, without a known cause. WARN: warnings in the pose's
 /// status, and increases of counters.
+/// Whether the latest status of the beacon's bridge is recent.
+bool has_bridge(const observation::BeaconView& view, TimeNs now_ns);
+
 ros2::Diagnostic diagnostic_of(const std::string& node, const observation::BeaconView& view,
                                const observation::BeaconView& before, TimeNs now_ns);
 

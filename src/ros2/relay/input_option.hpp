@@ -5,11 +5,15 @@
 #include <sonopose/samples/samples.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace sonopose::ros2::relay {
+
+/// The type of a topic of fixes: PointStamped or PoseWithCovarianceStamped of geometry_msgs.
+enum class FixType : std::uint8_t { point, pose };
 
 /// One input topic, and the address of its beacon.
 struct Input {
@@ -18,13 +22,20 @@ struct Input {
   std::string topic;
   BeaconAddress address = 0;
   ImuMeaning imu_meaning = ImuMeaning::unknown;  ///< sensor_msgs/Imu does not say it
+  std::optional<FixType> fix_type = {};          ///< empty: that of the topic's first publisher
 
-  /// Parses "/imu/data=7". Throws std::invalid_argument.
+  /// Parses "/imu/data=7", or for a fix also "/tag/pose:PointStamped=7". Throws std::invalid_argument.
   static Input parse(Kind kind, std::string_view text);
 };
 
 /// As on the command line: "--imu-in /imu/data=7".
 std::string text_of(const Input& input);
+
+/// The type of its messages in DDS; empty if it is not known yet.
+std::string message_type_of(const Input& input);
+
+/// The type of fixes with this name in DDS; empty for any other type.
+std::optional<FixType> fix_type_named(std::string_view dds_type_name);
 
 /// Throws std::invalid_argument for two topics of one kind and one beacon, whose samples would be mixed.
 void check(const std::vector<Input>& inputs);

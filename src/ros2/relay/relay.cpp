@@ -7,6 +7,8 @@
 #include "ros2/relay/log.hpp"
 #include "ros2/relay/mount_finder.hpp"
 #include "ros2/relay/parameter_server.hpp"
+#include "ros2/relay/presence.hpp"
+#include "ros2/relay/ros_clock.hpp"
 #include "ros2/relay/surroundings.hpp"
 #include "ros2/relay/transform_tree.hpp"
 #include <sonopose/dds/binding/participant.hpp>
@@ -16,6 +18,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <exception>
@@ -124,7 +127,7 @@ private:
     return subscription.reader.subscription_matched_status().current_count > 0;
   }
 
-  /// Samples, fixes, reports and poses.
+  /// Samples, fixes, reports, poses and estimates.
   template <class Sample>
   void on(const Sample& sample) {
     if (BeaconPublishers* const publishers = find_or_request_publishers(sample.address))
@@ -139,8 +142,10 @@ private:
   template <class Action>
   void for_each_beacon(const Action& action);
   void create_new_publishers();
+  void replace_tree_owner();
+  void publish_mounts();
   void publish_diagnostics();
-  [[nodiscard]] ros2::Diagnostic own_diagnostic(std::size_t beacons) const;
+  [[nodiscard]] ros2::Diagnostic own_diagnostic(std::size_t beacons);
   void check_transforms(const BeaconPublishers& publishers, ros2::Diagnostic& diagnostic) const;
   void serve(const process::StopSignal& stop, const std::atomic<bool>& failed);
   void bridge_while(const std::function<void()>& serve, std::atomic<bool>& failed);
@@ -153,17 +158,21 @@ private:
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
   ros2::Node node_;
+  RosClock clock_;
   process::Wakeup wakeup_;  ///< of the main thread
   process::Wakeup parameters_wakeup_;
   ParameterServer parameters_;
   Surroundings surroundings_;
   dds::DataWriter<ros2::DiagnosticArray> diagnostics_writer_;
   dds::DataWriter<ros2::TFMessage> tf_writer_;
+  std::uint64_t reported_imu_data_lost_ = 0;
   TransformTree tree_;
   std::unique_ptr<Source> source_;  ///< null without inputs
   observation::BeaconObservers observers_;
   process::EndpointCounters endpoints_;
   std::map<BeaconAddress, observation::BeaconView> previous_views_;  ///< of the previous diagnostics
+  std::map<BeaconAddress, Presence> presences_;
+  SteadyTime started_ = clocks::steady_now();
 
   std::mutex mutex_;  ///< guards the members below
   std::map<BeaconAddress, std::unique_ptr<BeaconPublishers>>
@@ -180,6 +189,7 @@ private:
   Subscription<sonopose_FusedPose, PoseListener> pose_{*this};
   PublishedTopic<sonopose_FixReport> report_{*this};
   PublishedTopic<sonopose_EffectiveSettings> settings_{*this};
+  PublishedTopic<sonopose_Estimate> estimate_{*this};
   ObservedTopic<sonopose_BeaconStatus> beacon_status_{observers_, endpoints_};
   ObservedTopic<sonopose_FusionStatus> fusion_status_{observers_, endpoints_};
 };
@@ -197,6 +207,7 @@ Relay::Impl::Impl(const RelayOptions& options)
       participant_(options_.domain, ros2::participant_qos(options.enclave)),
       qos_(options.qos_file),
       node_(participant_, qos_, options.names, options.distro.value_or(ros2::layout_without_others)),
+      clock_(node_, options.use_sim_time),
       parameters_(node_, participant_,
                   {.domain = options_.domain,
                    .qos_file = options.qos_file,
@@ -224,6 +235,7 @@ Relay::Impl::Impl(const RelayOptions& options)
   subscribe(pose_, topics::pose);
   subscribe(report_, topics::report);
   subscribe(settings_, topics::settings);
+  subscribe(estimate_, topics::estimate);
   subscribe(beacon_status_, topics::beacon_status);
   subscribe(fusion_status_, topics::fusion_status);
 }
@@ -297,11 +309,37 @@ void Relay::Impl::create_new_publishers() {
     }
     publishers_[address] = std::move(created);
   }
+  publish_mounts();
+}
+
+/// A beacon with the same frames takes over the transforms of one that is gone, or that has not appeared.
+void Relay::Impl::replace_tree_owner() {
+  const SteadyTime now = clocks::steady_now();
+  const auto is_gone = [&](BeaconAddress address) {
+    const auto found = presences_.find(address);
+    if (found == presences_.end()) return now - started_ > Presence::gone_after_ns;
+    return found->second.state(now) == Presence::State::gone;
+  };
+  const auto owner = tree_.only_beacon();
+  if (!owner || !is_gone(*owner)) return;
+  const auto next = std::find_if(presences_.begin(), presences_.end(), [&](const auto& entry) {
+    return entry.second.state(now) == Presence::State::present && find_publishers(entry.first) != nullptr;
+  });
+  if (next == presences_.end()) return;
+  log_.warning(
+      fmt::format("beacon {} has the transforms now, because beacon {} is gone", next->first, *owner));
+  if (auto* const before = find_publishers(*owner)) before->set_in_tree(false);
+  tree_.admit_only(next->first);
+  find_publishers(next->first)->set_in_tree(true);
+  publish_mounts();
+}
+
+void Relay::Impl::publish_mounts() {
   std::vector<ros2::FrameNames> in_tree;
   for_each_beacon([&](const BeaconPublishers& publishers) {
     if (publishers.is_in_tree()) in_tree.push_back(publishers.frames());
   });
-  tree_.publish_mounts(in_tree);
+  tree_.publish_mounts(in_tree, clock_.now_ns());
 }
 
 void Relay::Impl::publish_diagnostics() {
@@ -309,25 +347,48 @@ void Relay::Impl::publish_diagnostics() {
   std::vector<ros2::Diagnostic> diagnostics;
   for (const observation::BeaconView& view : observers_.take_windows(now_ns)) {
     if (!options_.addresses.contains(view.address)) continue;
+    const SteadyTime now = clocks::steady_now();
+    Presence& presence = presences_.try_emplace(view.address, now).first->second;
+    presence.update(view, has_bridge(view, now_ns), now);
     observation::BeaconView& previous = previous_views_[view.address];
+    if (presence.state(now) == Presence::State::gone) {
+      previous = view;
+      continue;
+    }
     diagnostics.push_back(diagnostic_of(node_name(), view, previous, now_ns));
     previous = view;
     if (const auto* const publishers = find_publishers(view.address)) {
       check_transforms(*publishers, diagnostics.back());
     }
+    if (presence.state(now) == Presence::State::stale) {
+      diagnostics.back().level = ros2::Level::stale;
+      diagnostics.back().message = fmt::format("no samples for {:.0f} s", presence.silent_s(now));
+    }
   }
   diagnostics.push_back(own_diagnostic(diagnostics.size()));
-  diagnostics_writer_.try_write(ros2::DiagnosticMessage(diagnostics, now_ns).message());
+  diagnostics_writer_.try_write(ros2::DiagnosticMessage(diagnostics, clock_.now_ns()).message());
 }
 
-ros2::Diagnostic Relay::Impl::own_diagnostic(std::size_t beacons) const {
+ros2::Diagnostic Relay::Impl::own_diagnostic(std::size_t beacons) {
+  std::uint64_t imu_data_lost = 0;
+  for_each_beacon([&](const BeaconPublishers& publishers) { imu_data_lost += publishers.imu_data_lost(); });
   ros2::Diagnostic own;
   own.name = node_name() + ": relay";
   own.level = beacons == 0 ? ros2::Level::stale : ros2::Level::ok;
   own.message = beacons == 0 ? "no beacon received" : fmt::format("{} beacons", beacons);
   own.values = {{"samples_lost", std::to_string(endpoints_.samples_lost)},
                 {"samples_rejected", std::to_string(endpoints_.samples_rejected)},
-                {"incompatible_qos", std::to_string(endpoints_.incompatible_qos)}};
+                {"incompatible_qos", std::to_string(endpoints_.incompatible_qos)},
+                {"imu_data_lost", std::to_string(imu_data_lost)}};
+  if (clock_.now_ns() == 0) {
+    own.level = ros2::Level::warning;
+    own.message += "; /clock, the time of ROS 2 with use_sim_time, has not been received";
+  }
+  if (imu_data_lost > std::exchange(reported_imu_data_lost_, imu_data_lost)) {
+    own.level = ros2::Level::warning;
+    own.message +=
+        fmt::format("; {} messages of imu/data lost, whose IMU samples did not arrive", imu_data_lost);
+  }
   for (const Input& input : options_.inputs) {
     if (!source_ || input.kind != Input::Kind::imu) continue;
     own.values.emplace_back(fmt::format("beacon_{}_input_samples_lost", input.address),
@@ -363,8 +424,10 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
   surroundings_.observe();
   node_.announce();
   SteadyTime next_status = clocks::steady_now() + status_period_ns;
-  while (!failed && !stop.wait_until(next_status, wakeup_)) {
+  SteadyTime next_readers = source_ ? source_->update_readers() : SteadyTime::max();
+  while (!failed && !stop.wait_until(std::min(next_status, next_readers), wakeup_)) {
     create_new_publishers();
+    if (source_) next_readers = source_->update_readers();
     for_each_beacon([this](BeaconPublishers& publishers) {
       publishers.create_magnetic_writer(node_);
       if (mount_finder_) mount_finder_->assign_to(publishers);
@@ -375,8 +438,9 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
     next_status = clocks::steady_now() + status_period_ns;
     surroundings_.check_processes(has_writer(imu_), has_writer(pose_));
     publish_diagnostics();
+    replace_tree_owner();
     for_each_beacon([](BeaconPublishers& publishers) {
-      publishers.publish_overdue_fixes();
+      publishers.handle_overdue();
       publishers.publish_path();
     });
   }
@@ -411,8 +475,9 @@ void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<b
   const auto timeout_ns = [this](const auto& entry) {
     return std::min(status_period_ns * 10, dds::deadline_of(qos_.datareader_qos(entry.profile)).count());
   };
-  source_ = make_source(node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)},
-                        options_.output.frames.map, [this](const std::string& line) { log_.warning(line); });
+  source_ = make_source(
+      node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)}, options_.output.frames.map,
+      [this](const std::string& line) { log_.warning(line); }, [this] { return clock_.now_ns(); });
   bridge::BridgeNode bridge({.domain = options_.domain, .qos_file = options_.qos_file, .record_folder = {}});
   process::StopSignal bridge_stop;
   std::exception_ptr failure;

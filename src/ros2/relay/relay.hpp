@@ -70,6 +70,7 @@ struct RelayOptions {
   process::AddressSet addresses;
   Output output;
   std::vector<Input> inputs;
+  bool use_sim_time = false;  ///< the time of ROS 2 is that of /clock
   ServicesMode services = ServicesMode::automatic;
   std::vector<StartupSetting> startup_settings;  ///< for each fusion that appears
   arguments::LogLevel log_level = arguments::LogLevel::info;

@@ -3,9 +3,12 @@
 #include "clocks/clocks.hpp"
 #include "process/endpoint_counters.hpp"
 #include "ros2/relay/input_monitor.hpp"
+#include "ros2/relay/stamp_clock.hpp"
+#include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
 #include <sonopose/ros2/messages/input.hpp>
+#include <sonopose/ros2/messages/names.hpp>
 #include <sonopose/ros2/messages/time.hpp>
 
 #include <fmt/format.h>
@@ -13,7 +16,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <iterator>
 #include <map>
+#include <mutex>
+#include <set>
 
 namespace sonopose::ros2::relay {
 namespace {
@@ -23,10 +29,11 @@ constexpr dds::StatusMask counted_statuses = dds::StatusMask::requested_incompat
                                              dds::StatusMask::sample_lost() |
                                              dds::StatusMask::sample_rejected();
 
-/// One input topic, which has a reader for each possible type.
+/// One input topic.
 struct InputState {
   InputState(const Input& input, const InputTimeouts& timeouts, const std::string& map_frame)
-      : address(input.address),
+      : option(input),
+        address(input.address),
         is_imu(input.kind == Input::Kind::imu),
         imu_meaning(input.imu_meaning),
         monitor(input, ros2::for_beacon(map_frame, input.address), is_imu ? timeouts.imu_ns : timeouts.fix_ns,
@@ -37,6 +44,8 @@ struct InputState {
            endpoints.samples_rejected.load(std::memory_order_relaxed);
   }
 
+  Input option;                       ///< its type is set by update_readers(), on that thread only
+  std::set<std::string> other_types;  ///< of publishers, logged; likewise
   BeaconAddress address;
   bool is_imu;
   ImuMeaning imu_meaning;
@@ -44,7 +53,7 @@ struct InputState {
   InputMonitor monitor;
 };
 
-/// The reader of one of an input's types.
+/// The reader of an input.
 template <class T>
 struct Stream {
   Stream(ros2::Node& node, const std::string& topic, InputState& state)
@@ -59,14 +68,18 @@ struct Stream {
   dds::ReadCondition has_data;
 };
 
-std::optional<Event> event_of(const ros2::Imu& imu, const InputState& input, TimeNs received_ns) {
+std::optional<Event> event_of(const ros2::Imu& imu, const InputState& input, StampClock& clock,
+                              TimeNs received_ns) {
   auto sample = ros2::imu_sample(imu, input.address, received_ns);
-  if (sample) sample->meaning = input.imu_meaning;
+  if (!sample) return std::nullopt;
+  sample->meaning = input.imu_meaning;
+  clock.on_imu(sample->sensor_time_ns, received_ns);
   return sample;
 }
 template <class Position>
-std::optional<Event> event_of(const Position& position, const InputState& input, TimeNs received_ns) {
-  return ros2::fix(position, input.address, received_ns);
+std::optional<Event> event_of(const Position& position, const InputState& input, const StampClock& clock,
+                              TimeNs received_ns) {
+  return ros2::fix(position, input.address, clock.at(received_ns));
 }
 
 /// The time of measurement in the sender's clock.
@@ -83,26 +96,39 @@ void log_to_stderr(const std::string& line) {
 class TopicsSource final : public Source {
 public:
   TopicsSource(ros2::Node& node, const std::vector<Input>& inputs, const InputTimeouts& timeouts,
-               const std::string& map_frame, LineLogger log)
-      : log_(std::move(log)) {
+               const std::string& map_frame, LineLogger log, TimeSource now)
+      : log_(std::move(log)), now_(std::move(now)), node_(node), discovery_(node.participant()) {
     for (const Input& option : inputs) {
       InputState& input = *inputs_.emplace_back(std::make_unique<InputState>(option, timeouts, map_frame));
       Beacon& beacon = beacons_[option.address];
       beacon.status.address = option.address;
       beacon.has_imu = beacon.has_imu || input.is_imu;
-      if (input.is_imu) {
-        subscribe(imus_, node, option.topic, input);
-      } else {
-        subscribe(points_, node, option.topic, input);
-        subscribe(poses_, node, option.topic, input);
+      if (input.is_imu || option.fix_type) subscribe(input);
+    }
+  }
+
+  SteadyTime update_readers() override {
+    const SteadyTime now = clocks::steady_now();
+    if (now < search_due_) return search_due_;
+    for (const dds::FoundEndpoint& writer : discovery_.writers()) {
+      for (const auto& input : inputs_) {
+        if (writer.topic_name == ros2::name_in_dds(node_.names().topic(input->option.topic))) {
+          on_writer(writer.type_name, *input);
+        }
       }
     }
+    const bool all_subscribed = std::all_of(inputs_.begin(), inputs_.end(), [](const auto& input) {
+      return input->is_imu || input->option.fix_type;
+    });
+    search_due_ = now + (all_subscribed ? TimeNs{1'000'000'000} : TimeNs{100'000'000});
+    return search_due_;
   }
 
   void run(bridge::SampleSink& sink, const process::StopSignal& stop) override {
     constexpr std::chrono::milliseconds poll_period{100};
     while (!stop.requested()) {
       waitset_.wait(poll_period);
+      add_new_streams();
       for_all_streams([&](auto& stream) { take(stream, sink); });
       check_inputs();
       publish_statuses(sink);
@@ -125,20 +151,63 @@ private:
   struct Beacon {
     BeaconStatus status;
     bool has_imu = false;
+    StampClock stamp_clock;
     SmallestOffset offset;  ///< of the IMU's samples, or of fixes without an IMU
   };
 
+  struct AllStreams {
+    Streams<ros2::Imu> imus;
+    Streams<ros2::PointStamped> points;
+    Streams<ros2::PoseWithCovarianceStamped> poses;
+  };
+
+  void on_writer(const std::string& type, InputState& input) {
+    if (!input.is_imu && !input.option.fix_type) {
+      input.option.fix_type = fix_type_named(type);
+      if (input.option.fix_type) subscribe(input);
+    }
+    const std::string used = message_type_of(input.option);
+    if (type == used || !input.other_types.insert(type).second) return;
+    log_(fmt::format(
+        "beacon {}: a publisher of {} is ignored, because its type is {}, not {}", input.address,
+        input.option.topic, ros2::type_name_in_ros(type),
+        used.empty() ? "PointStamped or PoseWithCovarianceStamped" : ros2::type_name_in_ros(used)));
+  }
+
+  void subscribe(InputState& input) {
+    if (input.is_imu) {
+      subscribe(&AllStreams::imus, input);
+    } else if (input.option.fix_type == FixType::point) {
+      subscribe(&AllStreams::points, input);
+    } else {
+      subscribe(&AllStreams::poses, input);
+    }
+  }
+
   template <class T>
-  void subscribe(Streams<T>& streams, ros2::Node& node, const std::string& topic, InputState& input) {
-    streams.push_back(std::make_unique<Stream<T>>(node, topic, input));
-    waitset_ += streams.back()->has_data;
+  void subscribe(Streams<T> AllStreams::*streams, InputState& input) {
+    auto created = std::make_unique<Stream<T>>(node_, input.option.topic, input);
+    waitset_ += created->has_data;
+    const std::lock_guard lock(mutex_);
+    (new_streams_.*streams).push_back(std::move(created));
+  }
+
+  void add_new_streams() {
+    const auto move = [](auto& from, auto& to) {
+      std::move(from.begin(), from.end(), std::back_inserter(to));
+      from.clear();
+    };
+    const std::lock_guard lock(mutex_);
+    move(new_streams_.imus, streams_.imus);
+    move(new_streams_.points, streams_.points);
+    move(new_streams_.poses, streams_.poses);
   }
 
   template <class Action>
   void for_all_streams(const Action& action) {
-    for (const auto& stream : imus_) action(*stream);
-    for (const auto& stream : points_) action(*stream);
-    for (const auto& stream : poses_) action(*stream);
+    for (const auto& stream : streams_.imus) action(*stream);
+    for (const auto& stream : streams_.points) action(*stream);
+    for (const auto& stream : streams_.poses) action(*stream);
   }
 
   template <class T>
@@ -148,7 +217,7 @@ private:
     stream.reader.try_take_each([&](const T& message, const dds::SampleInfo&) {
       const TimeNs received_ns = next_reception_ns();
       ++beacon.status.frames;
-      const auto event = event_of(message, input, received_ns);
+      const auto event = event_of(message, input, beacon.stamp_clock, received_ns);
       if (!event) {
         ++beacon.status.samples_rejected;
         return;
@@ -162,9 +231,9 @@ private:
     });
   }
 
-  /// The host's time, later than the previous one: it is the stamp of messages that have none.
+  /// The time of ROS 2, later than the previous one: it is the stamp of messages that have none.
   TimeNs next_reception_ns() {
-    const TimeNs time_ns = clocks::host_now();
+    const TimeNs time_ns = now_();
     return reception_.next(time_ns).value_or(time_ns);
   }
 
@@ -203,10 +272,14 @@ private:
   }
 
   LineLogger log_;
+  TimeSource now_;
+  ros2::Node& node_;                                 ///< on the thread of update_readers() only
+  dds::Discovery discovery_;                         ///< likewise
+  SteadyTime search_due_;                            ///< likewise
   std::vector<std::unique_ptr<InputState>> inputs_;  ///< constant after construction
-  Streams<ros2::Imu> imus_;
-  Streams<ros2::PointStamped> points_;
-  Streams<ros2::PoseWithCovarianceStamped> poses_;
+  std::mutex mutex_;                                 ///< guards new_streams_
+  AllStreams new_streams_;                           ///< not yet used by run()
+  AllStreams streams_;                               ///< of run() only
   dds::WaitSet waitset_;
   std::map<BeaconAddress, Beacon> beacons_;
   ros2::RisingStamp reception_;
@@ -219,10 +292,10 @@ private:
 
 std::unique_ptr<Source> make_source(ros2::Node& node, const std::vector<Input>& inputs,
                                     const InputTimeouts& timeouts, const std::string& map_frame,
-                                    LineLogger log) {
+                                    LineLogger log, TimeSource now) {
   check(inputs);
   if (!log) log = log_to_stderr;
-  return std::make_unique<TopicsSource>(node, inputs, timeouts, map_frame, std::move(log));
+  return std::make_unique<TopicsSource>(node, inputs, timeouts, map_frame, std::move(log), std::move(now));
 }
 
 }  // namespace sonopose::ros2::relay

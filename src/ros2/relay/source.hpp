@@ -3,6 +3,7 @@
 /// ROS 2 drivers (any IMU, any positioning system) as a source of a bridge.
 
 #include "bridge/source.hpp"
+#include "clocks/clocks.hpp"
 #include "ros2/relay/input_option.hpp"
 #include <sonopose/ros2/messages/node.hpp>
 
@@ -30,25 +31,35 @@ public:
   /// Messages of this beacon that were lost since the start because the queue of a reader was full. Messages
   /// that the network lost are not known and not included. 0 for a beacon without an input. Thread-safe.
   [[nodiscard]] virtual std::uint64_t samples_lost(BeaconAddress address) const noexcept = 0;
+
+  /// Creates the reader of each topic of fixes as soon as a publisher shows its type, and logs publishers of
+  /// other types. Call it on the thread of the node, and Node::announce() after it. Returns when it next has
+  /// something to do; before, it does nothing. Throws dds::Error.
+  virtual SteadyTime update_readers() = 0;
 };
 
 /// Receives a line without a newline: "beacon 7: no IMU samples from ROS 2 yet: …". Called on the thread that
-/// runs the source.
+/// runs the source, and on that of update_readers().
 using LineLogger = std::function<void(const std::string& line)>;
 
-/// Subscribes immediately. The readers are best effort, which matches every writer, and queue messages until
-/// run() takes them (profile ros2::Input). A topic of fixes may have the type PointStamped or
-/// PoseWithCovarianceStamped; both are subscribed to.
+/// The present time in the clock of ROS 2, in nanoseconds. Called on the thread that runs the source.
+using TimeSource = std::function<TimeNs()>;
+
+/// The readers are best effort, which matches every writer, and queue messages until run() takes them
+/// (profile ros2::Input). Topics whose type is known are subscribed to immediately, the others in
+/// update_readers(): two readers of different types would make a topic unusable for the tools of ROS 2.
 ///
 /// The time of reception is the time of processing, and for a message without a stamp also the time of
-/// measurement; these times are unique. Fixes are used as positions in the map, and IMU samples as readings
+/// measurement; these times are unique. That of a fix is in the clock of the stamps of its beacon's IMU (see
+/// StampClock). Fixes are used as positions in the map, and IMU samples as readings
 /// in body axes, regardless of their frames; a frame of fixes other than `map_frame` (`{address}` is
-/// replaced), and a change of an IMU's frame, are logged. `log`: by default writes to standard error.
+/// replaced), and a change of an IMU's frame, are logged. `log`: by default writes to standard error. `now`:
+/// the time of reception.
 ///
 /// `node` must outlive the source, and its owner must announce the new endpoints. Throws
 /// std::invalid_argument for conflicting inputs (see check), dds::Error.
 std::unique_ptr<Source> make_source(ros2::Node& node, const std::vector<Input>& inputs,
                                     const InputTimeouts& timeouts, const std::string& map_frame = "map",
-                                    LineLogger log = {});
+                                    LineLogger log = {}, TimeSource now = clocks::host_now);
 
 }  // namespace sonopose::ros2::relay

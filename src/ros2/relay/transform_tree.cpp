@@ -1,6 +1,5 @@
 #include "ros2/relay/transform_tree.hpp"
 
-#include "clocks/clocks.hpp"
 #include <sonopose/ros2/messages/borrow.hpp>
 #include <sonopose/ros2/messages/messages.hpp>
 
@@ -18,12 +17,9 @@ TransformTree::TransformTree(const RelayOptions& options, ros2::Node& node, Log&
 }
 
 bool TransformTree::admits(BeaconAddress address) {
-  const Output& output = options_.output;
   if (!owner_) owner_ = options_.addresses.first().value_or(address);
-  if (owner_ == address || ros2::has_frames_per_beacon(output.frames, output.tf == TfMode::map_odom)) {
-    return true;
-  }
-  if (output.tf != TfMode::off && !std::exchange(reported_shared_frames_, true)) {
+  if (owner_ == address || has_frames_per_beacon()) return true;
+  if (options_.output.tf != TfMode::off && !std::exchange(reported_shared_frames_, true)) {
     log_.warning(fmt::format(
         "beacon {} has no transforms, because it has the same frames as beacon {}. Use different frames for "
         "each beacon (--base-frame hedge_{{address}}/base_link --imu-frame hedge_{{address}}/imu_link, and "
@@ -33,13 +29,21 @@ bool TransformTree::admits(BeaconAddress address) {
   return false;
 }
 
-void TransformTree::publish_mounts(const std::vector<ros2::FrameNames>& beacons) {
+std::optional<BeaconAddress> TransformTree::only_beacon() const {
+  return has_frames_per_beacon() ? std::nullopt : owner_;
+}
+
+bool TransformTree::has_frames_per_beacon() const {
+  return ros2::has_frames_per_beacon(options_.output.frames, options_.output.tf == TfMode::map_odom);
+}
+
+void TransformTree::publish_mounts(const std::vector<ros2::FrameNames>& beacons, TimeNs stamp_ns) {
   if (static_writer_.is_nil() || beacons.empty()) return;
   const ros2::Transform mount{options_.output.mount.imu_in_base_m, options_.output.mount.q_imu_to_base};
   std::vector<ros2::TransformStamped> transforms;
   transforms.reserve(beacons.size());
   for (const ros2::FrameNames& frames : beacons) {
-    transforms.push_back(ros2::transform(mount, clocks::host_now(), frames.base, frames.imu));
+    transforms.push_back(ros2::transform(mount, stamp_ns, frames.base, frames.imu));
   }
   // One message with all transforms, because a late subscriber receives only the last message.
   ros2::TFMessage message{};

@@ -20,10 +20,16 @@ public:
   /// Whether to publish transforms of this beacon. Logs the first one that is not in the tree.
   bool admits(BeaconAddress address);
 
+  /// The only beacon with transforms; empty before the first one, and if each has frames of its own.
+  [[nodiscard]] std::optional<BeaconAddress> only_beacon() const;
+  void admit_only(BeaconAddress address) { owner_ = address; }
+
   /// Publishes the mount of each beacon in the tree, unless the options leave it to others.
-  void publish_mounts(const std::vector<ros2::FrameNames>& beacons);
+  void publish_mounts(const std::vector<ros2::FrameNames>& beacons, TimeNs stamp_ns);
 
 private:
+  [[nodiscard]] bool has_frames_per_beacon() const;
+
   const RelayOptions& options_;
   Log& log_;
   std::optional<BeaconAddress> owner_;  ///< the only beacon with transforms, if all have the same frames

@@ -80,6 +80,18 @@ TEST_CASE("Only increases of counters are reported") {
         Severity::warning);
 }
 
+TEST_CASE("Fixes of which the fusion uses none are reported, with the number of those that are too old") {
+  CHECK(severity("uses none of its 20 fixes; 18 are too old", [](auto& b) {
+          b.fusion->fixes_used = b.fusion_before->fixes_used;
+          b.fusion->fixes_rejected = b.fusion_before->fixes_rejected + 20;
+          b.fusion->fixes_late = b.fusion_before->fixes_late + 18;
+        }) == Severity::warning);
+  CHECK(severity("uses none", [](auto& b) {
+          b.fusion->fixes_used = b.fusion_before->fixes_used + 1;
+          b.fusion->fixes_rejected = b.fusion_before->fixes_rejected + 20;
+        }) == Severity::ok);
+}
+
 TEST_CASE("A nearly empty battery is reported, an unknown voltage is not") {
   CHECK(severity("battery is at 3.45 V", [](auto& b) { b.status->battery_v = 3.45; }) == Severity::warning);
   CHECK(severity("battery", [](auto& b) { b.status->battery_v = 3.6; }) == Severity::ok);

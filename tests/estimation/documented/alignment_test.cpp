@@ -79,7 +79,8 @@ TEST_CASE("an acceleration that the fixes measure in another direction turns yaw
     FixVelocity measured;
     measured.ultrasonic_world_mps = {0, 0.4, 0};
     measured.inertial_world_mps = {0.4, 0, 0};
-    const double turned_rad = alignment::turn(settings, state, body, filter, measured, 0.25);
+    const YawTurn yaw = alignment::turn(settings, state, body, filter, measured, 0.25);
+    const double turned_rad = yaw.turn_rad;
     THEN("yaw turns by the gain's share of 90 degrees, as far as the gain in speed stands out from noise") {
       const double certainty = 0.16 / (0.16 + 0.09);
       CHECK(turned_rad == Approx(0.5 * certainty * std::numbers::pi / 2));
@@ -87,15 +88,29 @@ TEST_CASE("an acceleration that the fixes measure in another direction turns yaw
       CHECK(body.velocity_world_mps.x() == Approx(0.4 * std::cos(turned_rad)));
       CHECK(body.velocity_world_mps.y() == Approx(0.4 * std::sin(turned_rad)));
     }
+    THEN("yaw is not known better, because the two gains have nothing in common") {
+      CHECK(yaw.share == 0.0);
+    }
     THEN("what the fix has corrected is forgotten") {
       CHECK(state.gained_world_mps.norm() == Approx(0.75 * 0.4));
+    }
+  }
+  GIVEN("0.4 m/s gained along x by the IMU, which the fixes have seen too") {
+    state.gained_world_mps = {0.4, 0, 0};
+    const YawTurn yaw = alignment::turn(settings, state, body, filter, {}, 0.25);
+    THEN("yaw does not turn, and it is known better by the gain's share") {
+      CHECK(yaw.turn_rad == 0.0);
+      CHECK(yaw.share == Approx(0.5 * 0.16 / (0.16 + 0.09)));
+      CHECK(yaw.std_rad > 0.3 / 0.4);
     }
   }
   GIVEN("no acceleration") {
     FixVelocity measured;
     measured.ultrasonic_world_mps = {0, 0.4, 0};
     THEN("nothing is learned") {
-      CHECK(alignment::turn(settings, state, body, filter, measured, 0.25) == 0.0);
+      const YawTurn yaw = alignment::turn(settings, state, body, filter, measured, 0.25);
+      CHECK(yaw.turn_rad == 0.0);
+      CHECK(yaw.share == 0.0);
       CHECK(geometry::yaw_of(filter.orientation()) == Approx(0.2));
     }
   }

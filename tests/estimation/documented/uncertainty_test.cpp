@@ -1,6 +1,11 @@
 /// The standard deviations that come with a pose: no decoration, they must fit the errors.
 
+#include "sim/scenario.hpp"
+#include "sim/simulator.hpp"
+#include <sonopose/estimation/estimator.hpp>
+
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include <support/engine_driver.hpp>
 
@@ -52,6 +57,70 @@ TEST_CASE("the correction to a heading reduces yaw's deviation to that of the he
   UncertaintyState state{1.0, 1.0, 1.0};
   for (int i = 0; i < 1000; ++i) uncertainty::correct_yaw(settings, state, 0.02);
   CHECK(state.yaw_std_rad == Approx(settings.heading_std_deg * geometry::radians_per_degree));
+}
+
+TEST_CASE("in-motion alignment reduces yaw's deviation, and never increases it") {
+  UncertaintyState state;
+  uncertainty::align_yaw(state, 0.0, 0.0);
+  CHECK(state.yaw_std_rad == UncertaintyState::unknown_yaw_rad);
+  for (int i = 0; i < 100; ++i) uncertainty::align_yaw(state, 0.1, 0.5);
+  CHECK(state.yaw_std_rad < 0.25);
+  const double before_rad = state.yaw_std_rad;
+  uncertainty::align_yaw(state, 0.1, 10.0);
+  CHECK(state.yaw_std_rad == before_rad);
+}
+
+/// Mean over runs of 30 s without pair headings, of their last 10 s.
+struct YawConsistency {
+  double squared_error_rad2 = 0;
+  double variance_rad2 = 0;
+  double normalised = 0;  ///< squared error by its variance
+};
+
+YawConsistency yaw_consistency(const std::string& name) {
+  YawConsistency mean;
+  int count = 0;
+  for (std::uint64_t seed = 7001; seed <= 7010; ++seed) {
+    const sim::Scenario& scenario = sim::find_scenario(name);
+    sim::SensorSettings sensors = scenario.sensors;
+    sensors.pair_heading = false;
+    sim::Simulator simulator(scenario, sensors, {.seed = seed, .duration_s = 30.0});
+    Engine engine{Settings{}};
+    TimeNs begin_ns = 0;
+    while (auto step = simulator.next()) {
+      const auto result = estimation::process(engine, step->event);
+      const auto* pose = std::get_if<FusedPose>(&result);
+      if (pose == nullptr) continue;
+      if (begin_ns == 0) begin_ns = pose->time_ns;
+      if (seconds_between(begin_ns, pose->time_ns) < 20.0) continue;
+      const double error_rad = geometry::wrap_angle(geometry::yaw_of(pose->q_body_to_world) -
+                                                    geometry::yaw_of(step->truth->q_body_to_world));
+      const double std_rad = yaw_std_rad(*pose);
+      mean.squared_error_rad2 += error_rad * error_rad;
+      mean.variance_rad2 += std_rad * std_rad;
+      mean.normalised += error_rad * error_rad / (std_rad * std_rad);
+      ++count;
+    }
+  }
+  mean.squared_error_rad2 /= count;
+  mean.variance_rad2 /= count;
+  mean.normalised /= count;
+  return mean;
+}
+
+TEST_CASE("in the engine motion makes yaw known without a pair heading, within its standard deviation") {
+  const std::string name = GENERATE("walk", "forklift", "kart", "drone", "no_heading");
+  const YawConsistency yaw = yaw_consistency(name);
+  fmt::print("{}: yaw error {:.1f} deg, standard deviation {:.1f} deg, normalised {:.2f}\n", name,
+             std::sqrt(yaw.squared_error_rad2) / geometry::radians_per_degree,
+             std::sqrt(yaw.variance_rad2) / geometry::radians_per_degree, yaw.normalised);
+  CHECK(std::sqrt(yaw.variance_rad2) < 20.0 * geometry::radians_per_degree);
+  CHECK(yaw.normalised < 1.0);
+}
+
+TEST_CASE("in the engine yaw remains unknown at rest without a pair heading") {
+  const YawConsistency yaw = yaw_consistency("rest");
+  CHECK(std::sqrt(yaw.variance_rad2) > 1.5);
 }
 
 TEST_CASE("in the engine it is unknown before the first fix, and centimetres soon after") {

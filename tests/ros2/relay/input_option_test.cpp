@@ -55,6 +55,20 @@ SCENARIO("a beacon has one source of each kind in ROS 2") {
   }
 }
 
+SCENARIO("the type of a topic of fixes may be declared") {
+  for (const char* const text : {"/tag:PointStamped=7", "/tag:geometry_msgs/PointStamped=7",
+                                 "/tag:geometry_msgs/msg/PointStamped=7"}) {
+    const Input input = Input::parse(Kind::fix, text);
+    CHECK(input.topic == "/tag");
+    CHECK(input.fix_type == ros2::relay::FixType::point);
+    CHECK(text_of(input) == "--fix-in /tag:PointStamped=7");
+  }
+  CHECK(Input::parse(Kind::fix, "/tag:PoseWithCovarianceStamped=7").fix_type == ros2::relay::FixType::pose);
+  CHECK_FALSE(Input::parse(Kind::fix, "/tag=7").fix_type);
+  CHECK_THROWS_WITH(Input::parse(Kind::fix, "/tag:Odometry=7"),
+                    Contains("'Odometry' is not PointStamped or PoseWithCovarianceStamped"));
+}
+
 SCENARIO("an input without any sample is logged, with the cause") {
   GIVEN("an IMU topic without samples") {
     Log log(Kind::imu);

@@ -5,6 +5,7 @@
 #include "bridge/collecting_sink.hpp"
 #include "clocks/clocks.hpp"
 #include "support/test_domain.hpp"
+#include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/ros2/messages/messages.hpp>
 
 #include <catch2/catch.hpp>
@@ -55,6 +56,10 @@ public:
     const std::lock_guard lock(mutex_);
     return kept_.of_kind<ImuSample>();
   }
+  [[nodiscard]] std::vector<UltrasonicFix> fixes() const {
+    const std::lock_guard lock(mutex_);
+    return kept_.of_kind<UltrasonicFix>();
+  }
   [[nodiscard]] std::vector<BeaconStatus> statuses() const {
     const std::lock_guard lock(mutex_);
     return kept_.statuses;
@@ -95,10 +100,15 @@ public:
   dds::DataWriter<T> driver(const std::string& topic, dds::Qos qos = {}, bool matches = true) {
     dds::DataWriter<T> writer(drivers_, dds::Topic<T>(drivers_, ros2::name_in_dds(topic)), qos);
     if (matches) {
-      REQUIRE(wait_until([&] { return writer.publication_matched_status().current_count > 0; }));
+      REQUIRE(wait_until([&] {
+        source->update_readers();
+        return writer.publication_matched_status().current_count > 0;
+      }));
     }
     return writer;
   }
+
+  [[nodiscard]] const dds::DomainParticipant& drivers() const { return drivers_; }
 
   [[nodiscard]] bool has_logged(const std::string& text) const {
     const std::lock_guard lock(mutex_);
@@ -206,6 +216,37 @@ SCENARIO("the clock offset of a beacon is the minimum age of its IMU samples") {
   }
 }
 
+SCENARIO("the delay of a fix is measured in the clock of the stamps") {
+  GIVEN("a recording of a day ago that is played again: fixes arrive 200 ms after their stamps") {
+    constexpr TimeNs day_ns = 86'400 * second_ns;
+    Rig rig({{Kind::imu, "/imu/data", 7}, {Kind::fix, "/tag", 7}});
+    auto imu = rig.driver<ros2::Imu>("/imu/data");
+    auto fixes = rig.driver<ros2::PointStamped>("/tag");
+    rig.run();
+    imu.write(imu_at(clocks::host_now() - day_ns));
+    REQUIRE(wait_until([&] { return rig.sink.count() == 1; }));
+    const TimeNs stamp_ns = clocks::host_now() - day_ns - second_ns / 5;
+    WHEN("one has a stamp") {
+      fixes.write(fix_at(stamp_ns, {}));
+      REQUIRE(wait_until([&] { return rig.sink.count() == 2; }));
+      const UltrasonicFix fix = rig.sink.fixes().front();
+      THEN("its delay is these 200 ms, not a day") {
+        CHECK(fix.emission_time_ns == stamp_ns);
+        CHECK(fix.measured_delay_s.value_or(-1) == Approx(0.2).margin(0.15));
+      }
+    }
+    WHEN("one has no stamp") {
+      fixes.write(fix_at(0, {}));
+      REQUIRE(wait_until([&] { return rig.sink.count() == 2; }));
+      THEN("it was measured at its reception, in the clock of the IMU") {
+        const UltrasonicFix fix = rig.sink.fixes().front();
+        CHECK(seconds_between(stamp_ns, fix.emission_time_ns) == Approx(0.2).margin(0.15));
+        CHECK(fix.measured_delay_s.value_or(-1) == 0.0);
+      }
+    }
+  }
+}
+
 SCENARIO("inputs without samples are logged, each with its cause") {
   GIVEN("an IMU with incompatible QoS, a silent one, and a position without a publisher") {
     Rig rig({{Kind::imu, "/refused", 7}, {Kind::imu, "/mute", 8}, {Kind::fix, "/tag", 7}});
@@ -233,6 +274,52 @@ SCENARIO("fixes in an unexpected frame are used and logged") {
       REQUIRE(wait_until([&] { return rig.sink.count() == 2; }));
       CHECK(rig.logs("beacon 8: fixes on /tag are in frame 'map_7': they are used as if in 'map_8'"));
       CHECK_FALSE(rig.has_logged("beacon 7: fixes on /tag are in frame"));
+    }
+  }
+}
+
+/// Types of the readers that discovery finds on a topic.
+std::vector<std::string> reader_types(const Rig& rig, const std::string& topic) {
+  std::vector<std::string> types;
+  for (const auto& reader : dds::Discovery(rig.drivers()).readers()) {
+    if (reader.topic_name == ros2::name_in_dds(topic)) types.push_back(reader.type_name);
+  }
+  return types;
+}
+
+SCENARIO("a topic of fixes has one reader, of the type of its publisher") {
+  const std::string point_type = "geometry_msgs::msg::dds_::PointStamped_";
+  GIVEN("a topic without a publisher") {
+    Rig rig({{Kind::fix, "/tag", 7}});
+    rig.source->update_readers();
+    THEN("it has no reader, which would give the topic a type") {
+      CHECK(reader_types(rig, "/tag").empty());
+    }
+    WHEN("a publisher of points appears, then one of poses, then one of odometry") {
+      auto points = rig.driver<ros2::PointStamped>("/tag");
+      const auto poses = rig.driver<ros2::PoseWithCovarianceStamped>("/tag", {}, false);
+      const auto odometry = rig.driver<ros2::Odometry>("/tag", {}, false);
+      THEN("the only reader has the first type, and the others are logged with theirs") {
+        rig.run();
+        points.write(fix_at(clocks::host_now(), {}));
+        CHECK(wait_until([&] { return rig.sink.count() == 1; }));
+        const auto logs = [&](const std::string& type) {
+          return wait_until([&] {
+            rig.source->update_readers();
+            return rig.has_logged("a publisher of /tag is ignored, because its type is " + type +
+                                  ", not geometry_msgs/msg/PointStamped");
+          });
+        };
+        CHECK(logs("geometry_msgs/msg/PoseWithCovarianceStamped"));
+        CHECK(logs("nav_msgs/msg/Odometry"));
+        CHECK(reader_types(rig, "/tag") == std::vector{point_type});
+      }
+    }
+  }
+  GIVEN("a topic whose type the user declares") {
+    const Rig rig({Input::parse(Kind::fix, "/tag:geometry_msgs/msg/PointStamped=7")});
+    THEN("it has a reader before any publisher") {
+      CHECK(wait_until([&] { return reader_types(rig, "/tag") == std::vector{point_type}; }));
     }
   }
 }

@@ -116,6 +116,13 @@ struct TransportPriority {
   static std::optional<TransportPriority> from(const dds_qos_t* qos);
 };
 
+/// What the end of an instance means to its readers.
+struct WriterDataLifecycle {
+  bool autodispose_unregistered_instances = true;  ///< unregistering an instance also disposes it
+  void apply(dds_qos_t* qos) const;
+  static std::optional<WriterDataLifecycle> from(const dds_qos_t* qos);
+};
+
 /// Reader and writer match only if they share a partition; no name is the partition "".
 struct Partition {
   std::vector<std::string> names;

@@ -28,6 +28,13 @@ struct AlignmentState {
   bool operator==(const AlignmentState&) const = default;
 };
 
+/// A correction of yaw by a fix.
+struct YawTurn {
+  double turn_rad = 0;
+  double share = 0;    ///< of the yaw error that it has removed for certain; 0: unknown
+  double std_rad = 0;  ///< standard deviation of the measured yaw, if `share` is positive
+};
+
 namespace alignment {
 
 /// A horizontal velocity change dv by a fix turns the attitude by gain · dv / g about the horizontal axis
@@ -49,9 +56,9 @@ void aid(const AlignmentSettings& settings, const AlignmentState& state, TimeNs 
 
 /// Turns yaw by a share of the angle from the gained velocity g to g + (v_us − v_imu), the gain that the
 /// fixes have measured, and the velocity with it. `share` is the share of v_us − v_imu that the fix has
-/// corrected. Returns the turn (rad), which is small without acceleration.
-double turn(const AlignmentSettings& settings, AlignmentState& state, Kinematics& body,
-            attitude::AnyFilter& filter, const FixVelocity& measured, double share);
+/// corrected. The turn is small without acceleration.
+YawTurn turn(const AlignmentSettings& settings, AlignmentState& state, Kinematics& body,
+             attitude::AnyFilter& filter, const FixVelocity& measured, double share);
 
 }  // namespace alignment
 }  // namespace sonopose::estimation::documented

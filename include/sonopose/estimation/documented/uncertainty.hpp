@@ -40,6 +40,9 @@ void correct(const UncertaintySettings& settings, UncertaintyState& state, doubl
 /// One IMU step of the correction to a heading, which removes this share of the yaw error.
 void correct_yaw(const UncertaintySettings& settings, UncertaintyState& state, double share);
 
+/// In-motion alignment removes this share of the yaw error, measured with this standard deviation.
+void align_yaw(UncertaintyState& state, double share, double measurement_std_rad);
+
 /// The first fix of a run sets the position.
 void reset_position(const UncertaintySettings& settings, UncertaintyState& state);
 

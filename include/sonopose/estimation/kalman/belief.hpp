@@ -155,6 +155,9 @@ struct Belief {
   /// Propagates the covariance of every filter to the time of the latest sample.
   void propagate();
 
+  /// Whether no fix or heading has made that necessary for a while.
+  [[nodiscard]] bool covariance_is_old() const;
+
 private:
   template <class Visit>
   void for_each_filter(const Visit& visit);

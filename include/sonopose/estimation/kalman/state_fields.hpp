@@ -32,7 +32,18 @@ void for_each_field(IsFieldsOf<HeadingMeasurement> auto& heading, const auto& vi
   visit("heading_world_rad", heading.heading_world_rad);
 }
 
-/// The covariance has been propagated in every belief that is kept: no transition is pending.
+void for_each_field(IsFieldsOf<Transition> auto& transition, const auto& visit) {
+  visit("duration_s", transition.duration_s);
+  visit("position_velocity_s", transition.position_velocity_s);
+  visit("rotation_start", transition.rotation_start);
+  visit("impulse_mps", transition.impulse_mps);
+  visit("impulse_sum_m", transition.impulse_sum_m);
+  visit("rotation_sum_s", transition.rotation_sum_s);
+  visit("rotation_double_sum_s2", transition.rotation_double_sum_s2);
+  visit("velocity_gyro_bias", transition.velocity_gyro_bias);
+  visit("position_gyro_bias", transition.position_gyro_bias);
+}
+
 void for_each_field(IsFieldsOf<Filter> auto& filter, const auto& visit) {
   visit("position_world_m", filter.position_world_m);
   visit("velocity_world_mps", filter.velocity_world_mps);
@@ -41,6 +52,7 @@ void for_each_field(IsFieldsOf<Filter> auto& filter, const auto& visit) {
   visit("accel_bias_body_mps2", filter.accel_bias_body_mps2);
   visit("lever_arm_body_m", filter.lever_arm_body_m);
   visit("covariance", filter.covariance);
+  for_each_field(filter.pending, visit);
   visit("acceleration_world_mps2", filter.acceleration_world_mps2);
   visit("angular_velocity_body_radps", filter.angular_velocity_body_radps);
 }

@@ -38,8 +38,9 @@ Covariance6 pose_covariance(const FusedPose& pose, const Mount& mount, const Noi
 /// because the velocity of the pose is in world axes.
 Covariance6 twist_covariance(const FusedPose& pose, const Mount& mount, const Noise& noise);
 
-/// Of a fix with the weight (0…1) that the fusion applied, which includes noise, doubt and trust; without a
-/// report, full weight. A rejected fix has `least_weight`.
+/// Of a fix of this covariance with the weight (0…1) that the fusion applied, which includes doubt and trust;
+/// without a report, full weight. A rejected fix has `least_weight`.
+Covariance3 fix_covariance(const Covariance3& full_weight, std::optional<double> weight);
 Covariance3 fix_covariance(double fix_std_m, std::optional<double> weight);
 inline constexpr double least_weight = 1e-4;
 

@@ -15,7 +15,8 @@ namespace sonopose::ros2 {
 struct ReadyFix {
   Vector3d position_world_m = Vector3d::Zero();
   TimeNs emission_time_ns = 0;
-  std::optional<double> weight;  ///< from the report of a fusion; empty without a report
+  std::optional<Covariance<3>> covariance_world_m2;  ///< its own, if its source knows it
+  std::optional<double> weight;                      ///< from the report of a fusion; empty without a report
 };
 
 /// Returns each fix of one beacon once and in order, regardless of the number of fusions that report on it.
@@ -52,10 +53,11 @@ private:
   struct Waiting {
     Key key;
     Vector3d position_world_m = Vector3d::Zero();
+    std::optional<Covariance<3>> covariance_world_m2;
     SteadyTime since;
   };
 
-  void release(const Key& key, const Vector3d& position_world_m, std::optional<double> weight, Ready& ready);
+  void release(const Waiting& fix, std::optional<double> weight, Ready& ready);
   void remove_first();
   void release_first(Ready& ready);
   [[nodiscard]] bool is_released(const Key& key) const;

@@ -8,12 +8,14 @@
 #include <sonopose/idl/ros2/nav_msgs.h>
 #include <sonopose/idl/ros2/rmw_dds_common.h>
 #include <sonopose/idl/ros2/rmw_dds_common_humble.h>
+#include <sonopose/idl/ros2/rosgraph_msgs.h>
 #include <sonopose/idl/ros2/sensor_msgs.h>
 #include <sonopose/idl/ros2/tf2_msgs.h>
 
 namespace sonopose::ros2 {
 
 using Time = builtin_interfaces_msg_dds__Time_;
+using Clock = rosgraph_msgs_msg_dds__Clock_;
 using Header = std_msgs_msg_dds__Header_;
 using Vector3 = geometry_msgs_msg_dds__Vector3_;
 using Point = geometry_msgs_msg_dds__Point_;
@@ -37,6 +39,11 @@ using HumbleParticipantEntitiesInfo = rmw_dds_common_humble_msg_dds__Participant
 }  // namespace sonopose::ros2
 
 namespace sonopose::dds {
+
+template <>
+struct TopicTraits<ros2::Clock> {
+  static const dds_topic_descriptor_t& descriptor() { return rosgraph_msgs_msg_dds__Clock__desc; }
+};
 
 template <>
 struct TopicTraits<ros2::PointStamped> {

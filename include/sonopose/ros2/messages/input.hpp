@@ -16,10 +16,17 @@ namespace sonopose::ros2 {
 /// of the sensor; the orientation is not used. Empty for a non-finite value or an invalid stamp.
 std::optional<ImuSample> imu_sample(const Imu& imu, BeaconAddress address, TimeNs received_ns);
 
-/// A position in the map (m); orientation and covariance are not used. Empty for a non-finite value or an
-/// invalid stamp.
+/// A position in the map (m), with the measured delay from its stamp to `received_ns`; the orientation is not
+/// used. A stamp after `received_ns`, of a clock that is slightly ahead, means no delay. Empty for a
+/// non-finite position or an invalid stamp.
 std::optional<UltrasonicFix> fix(const PointStamped& point, BeaconAddress address, TimeNs received_ns);
+/// With the covariance of the position, unless no variance is positive, which means unknown. Each standard
+/// deviation is at least `least_fix_std_m`.
 std::optional<UltrasonicFix> fix(const PoseWithCovarianceStamped& pose, BeaconAddress address,
                                  TimeNs received_ns);
+
+/// A moving body is hardly ever located better: a stamp that is off by 10 ms gives 1 cm at 1 m/s. Drivers
+/// also leave single variances 0, or state the resolution of their output.
+inline constexpr double least_fix_std_m = 0.01;
 
 }  // namespace sonopose::ros2

@@ -63,4 +63,8 @@ private:
 /// The name of a topic in DDS: "/imu" → "rt/imu".
 std::string name_in_dds(const std::string& topic);
 
+/// The name of a type in ROS 2: "sensor_msgs::msg::dds_::Imu_" → "sensor_msgs/msg/Imu". A name that is not
+/// one of ROS 2 is returned as it is.
+std::string type_name_in_ros(const std::string& dds_type_name);
+
 }  // namespace sonopose::ros2

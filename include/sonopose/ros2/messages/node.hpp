@@ -47,6 +47,7 @@ public:
   ~Node();
 
   const NameResolver& names() const noexcept { return names_; }
+  const dds::DomainParticipant& participant() const noexcept { return participant_; }
 
   /// A writer of a topic by its ROS name, which is resolved, with a profile of the QoS file
   /// ("ros2::Default"). `listener` must outlive it. The next announce() assigns it to this node.

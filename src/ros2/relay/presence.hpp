@@ -1,0 +1,37 @@
+#pragma once
+/// \file
+/// Whether a beacon is there, or was switched off or carried away.
+
+#include "observation/beacon_observer.hpp"
+#include <sonopose/samples/samples.hpp>
+
+#include <cstdint>
+
+namespace sonopose::ros2::relay {
+
+/// Of one beacon, updated about once per second.
+class Presence {
+public:
+  enum class State : std::uint8_t {
+    present,
+    stale,  ///< no sample for `stale_after_ns`
+    gone    ///< no sample for `gone_after_ns`; present again at the next one
+  };
+
+  static constexpr TimeNs stale_after_ns = 5'000'000'000;
+  static constexpr TimeNs gone_after_ns = 30'000'000'000;
+
+  explicit Presence(SteadyTime now) : active_at_(now) {}
+
+  /// `view`: the observations since the last update. A beacon is active if it has poses, or samples by the
+  /// status of its bridge. `has_bridge`: whether this status is recent.
+  void update(const observation::BeaconView& view, bool has_bridge, SteadyTime now);
+
+  [[nodiscard]] State state(SteadyTime now) const;
+  [[nodiscard]] double silent_s(SteadyTime now) const { return seconds_between(active_at_, now); }
+
+private:
+  SteadyTime active_at_;
+};
+
+}  // namespace sonopose::ros2::relay
