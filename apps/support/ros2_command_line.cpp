@@ -54,11 +54,6 @@ ros2::relay::StartupSetting setting_of(const Parameter& parameter) {
   return setting;
 }
 
-/// ROS 2 gives this parameter to every node. The relay has stamps of the sensors and no clock of its own.
-bool is_host_time(const Parameter& parameter) {
-  return parameter.name == "use_sim_time" && parameter.values == std::vector<std::string>{"false"};
-}
-
 }  // namespace
 
 Ros2Program::Ros2Program() {
@@ -87,7 +82,7 @@ AppliedParameters apply_parameters(const Arguments& arguments, const Ros2Program
       if (option->count() == 0) add_option(*option, parameter, applied.arguments);
     } else if (ros2::relay::setting_named(parameter.name)) {
       applied.settings.push_back(setting_of(parameter));
-    } else if (!is_host_time(parameter)) {
+    } else {
       fmt::print(stderr, "sonopose-ros2: warning: {}: {} is neither a setting nor an option of the relay\n",
                  parameter.origin, parameter.name);
     }
