@@ -115,14 +115,14 @@ std::vector<std::string> idle_filter_warnings(const settings::Settings& settings
 std::vector<std::string> idle_engine_warnings(const settings::Settings& settings, const Assignments& given,
                                               std::string_view where) {
   std::vector<std::string> texts;
-  if (settings.engine.engine == settings::EngineKind::documented) return texts;
+  const bool is_documented = settings.engine.engine == settings::EngineKind::documented;
+  const settings::ReadBy other = is_documented ? settings::ReadBy::kalman : settings::ReadBy::documented;
   for (const auto& entry : given) {
     const settings::SettingInfo& info = settings::setting_info(entry.first);
-    if (info.read_by == settings::ReadBy::all || settings::get(settings, entry.first) == info.initial)
-      continue;
-    texts.push_back(fmt::format("{}{} has no effect: fusion.engine is {}, and only documented reads it",
-                                where, entry.first,
-                                settings::to_text(settings::get(settings, "fusion.engine"))));
+    if (info.read_by != other || settings::get(settings, entry.first) == info.initial) continue;
+    texts.push_back(fmt::format("{}{} has no effect: fusion.engine is {}, and only {} reads it", where,
+                                entry.first, settings::to_text(settings::get(settings, "fusion.engine")),
+                                is_documented ? "kalman" : "documented"));
   }
   return texts;
 }
@@ -137,10 +137,9 @@ std::string fault_of(const settings::Settings& settings) {
 
 std::vector<std::string> warnings_for(const settings::Settings& settings, const Assignments& given,
                                       std::string_view where) {
-  if (settings.engine.engine != settings::EngineKind::documented) {
-    return idle_engine_warnings(settings, given, where);
-  }
-  std::vector<std::string> texts = preset_warnings(settings, given, where);
+  std::vector<std::string> texts = idle_engine_warnings(settings, given, where);
+  if (settings.engine.engine != settings::EngineKind::documented) return texts;
+  for (std::string& text : preset_warnings(settings, given, where)) texts.push_back(std::move(text));
   for (std::string& text : contradictions(settings, given, where)) texts.push_back(std::move(text));
   for (std::string& text : idle_filter_warnings(settings, given, where)) texts.push_back(std::move(text));
   return texts;

@@ -216,7 +216,8 @@ std::string settings_page() {
           row.group);
     }
     group = row.group;
-    const std::string_view engine = row.read_by == settings::ReadBy::all ? "all" : "documented";
+    constexpr std::array<std::string_view, 3> engines{"all", "documented", "kalman"};
+    const std::string_view engine = engines.at(static_cast<std::size_t>(row.read_by));
     text += fmt::format("| {} | `{}` | {} | {} | {} | {} |\n",
                         row.item == settings::no_item ? "" : std::to_string(row.item), row.key,
                         settings::to_text(row.initial), row.allowed(), engine, row.sentence);

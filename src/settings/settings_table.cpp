@@ -115,6 +115,10 @@ void add(Builder& table, const DelaySettings& settings) {
              "Delay from ultrasound emission to receipt where the fix does not carry its own.");
   table.choice(no_item, "source", settings.source,
                "Which delay applies where a fix carries its own: that one, or the fixed one.");
+  table.read_by(ReadBy::kalman);
+  table.flag(no_item, "estimate", settings.estimate,
+             "Estimate a constant error of that delay, of up to 60 ms. It is observable only while the speed "
+             "or the direction changes.");
 }
 
 void add(Builder& table, const OutageSettings& settings) {

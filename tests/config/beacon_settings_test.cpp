@@ -157,6 +157,14 @@ TEST_CASE("a setting that the chosen engine does not read is a warning that name
   CHECK_THAT(warnings[0], Contains("beacon.7.trust.sigma_m") && Contains("kalman") && Contains("documented"));
   settings.engine.engine = settings::EngineKind::documented;
   CHECK(config::warnings_for(settings, given, "").empty());
+
+  settings.delay.estimate = true;
+  const Assignments for_kalman{{"delay.estimate", true}};
+  const auto other = config::warnings_for(settings, for_kalman, "");
+  REQUIRE(other.size() == 1);
+  CHECK_THAT(other[0], Contains("delay.estimate") && Contains("only kalman reads it"));
+  settings.engine.engine = settings::EngineKind::kalman;
+  CHECK(config::warnings_for(settings, for_kalman, "").empty());
 }
 
 }  // namespace beacon_settings_test

@@ -19,7 +19,7 @@ inline constexpr int no_item = 0;
 using SettingValue = std::variant<bool, int, double, std::string>;
 
 /// The engines that read a setting.
-enum class ReadBy { all, documented };
+enum class ReadBy { all, documented, kalman };
 
 /// One row of the table.
 struct SettingInfo {

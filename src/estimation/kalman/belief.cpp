@@ -167,6 +167,8 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
     start.gyro_bias_body_radps = before.gyro_bias_body_radps;
     start.accel_bias_body_mps2 = before.accel_bias_body_mps2;
     start.lever_arm_body_m = before.lever_arm_body_m;
+    start.delay_error_s = before.delay_error_s;
+    start.delay_variance_s2 = before.delay_variance_s2;
     for (const StateIndex index : {at_gyro_bias, at_accel_bias, at_lever_arm}) {
       start.covariance.block<3, 3>(index, index) = before.covariance.block<3, 3>(index, index);
     }
@@ -229,6 +231,7 @@ FixOutcome Belief::on_fix(const settings::Settings& settings, const FixMeasureme
     outcome.weight = 1.0;
     return outcome;
   }
+  estimate_delay(settings.delay);
   const Vector3d position_before = filter().tracked_position_world_m();
   const Vector3d velocity_before = filter().tracked_velocity_world_mps();
   const double yaw_before = geometry::yaw_of(filter().q_body_to_world);
@@ -238,6 +241,15 @@ FixOutcome Belief::on_fix(const settings::Settings& settings, const FixMeasureme
   outcome.velocity_change_world_mps = filter().tracked_velocity_world_mps() - velocity_before;
   outcome.yaw_change_rad = geometry::wrap_angle(geometry::yaw_of(filter().q_body_to_world) - yaw_before);
   return outcome;
+}
+
+/// Begins or ends the estimation of the delay, as the settings demand.
+void Belief::estimate_delay(const settings::DelaySettings& settings) {
+  constexpr double initial_std_s = 0.02;
+  if (filter().estimates_delay() == settings.estimate) return;
+  for_each_filter([&](Filter& each, const ProcessNoise&) {
+    each.estimate_delay(settings.estimate ? square(initial_std_s) : 0.0);
+  });
 }
 
 /// Nothing can be learned from numbers that are not finite: the next fix starts the estimate.

@@ -37,6 +37,7 @@ void Engine::reset() noexcept {
   timeline_.clear();
   admission_ = {};
   last_used_received_ns_ = 0;
+  last_delay_s_ = 0;
   last_position_world_m_.setZero();
   ++reset_counter_;
 }
@@ -45,6 +46,7 @@ void Engine::restore(const Snapshot& snapshot) noexcept {
   timeline_.restore(settings_, snapshot.history);
   admission_ = snapshot.admission;
   last_used_received_ns_ = snapshot.last_used_received_ns;
+  last_delay_s_ = snapshot.last_delay_s;
   last_position_world_m_ = snapshot.last_position_world_m;
   counters_ = snapshot.counters;
   reset_counter_ = snapshot.reset_counter;
@@ -54,6 +56,7 @@ Snapshot Engine::snapshot() const {
   return {.history = timeline_.history(),
           .admission = admission_,
           .last_used_received_ns = last_used_received_ns_,
+          .last_delay_s = last_delay_s_,
           .last_position_world_m = last_position_world_m_,
           .counters = counters_,
           .reset_counter = reset_counter_};
@@ -121,6 +124,7 @@ FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
   if ((outcome.flags & fix_used) != 0) {
     ++counters_.fixes_used;
     last_used_received_ns_ = std::max(last_used_received_ns_, fix.received_time_ns);
+    last_delay_s_ = seconds_between(measured.time_ns, fix.received_time_ns);
   } else {
     ++counters_.fixes_rejected;
   }
@@ -217,6 +221,10 @@ Estimate Engine::estimate() const {
   estimate.gyro_bias_body_radps = with_std(filter.gyro_bias_body_radps, at_gyro_bias);
   estimate.accelerometer_bias_body_mps2 = with_std(filter.accel_bias_body_mps2, at_accel_bias);
   estimate.lever_arm_body_m = with_std(filter.lever_arm_body_m, at_lever_arm);
+  if (filter.estimates_delay()) {
+    estimate.delay_s = ScalarEstimate{.value = last_delay_s_ + filter.delay_error_s,
+                                      .std = std::sqrt(filter.delay_variance_s2)};
+  }
   const double fix_std_m = std::sqrt(now.noise.fix_covariance_m2(now.quality_percent)(0, 0));
   estimate.fix_noise_m = ScalarEstimate{.value = fix_std_m, .std = -1.0};
   estimate.heading_noise_rad =

@@ -1,11 +1,14 @@
 #include <sonopose/estimation/kalman/filter.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace sonopose::estimation::kalman {
 namespace {
+
+using Scalar = Eigen::Matrix<double, 1, 1>;
 
 const Vector3d gravity_world_mps2{0.0, 0.0, -standard_gravity_mps2};
 
@@ -74,6 +77,8 @@ void Filter::coast(double duration_s, const UnknownMotion& motion) {
   P.middleRows<3>(at_velocity) *= left;
   P.middleCols<3>(at_position) += moving_s * P.middleCols<3>(at_velocity);
   P.middleCols<3>(at_velocity) *= left;
+  delay_covariance.segment<3>(at_position) += moving_s * delay_covariance.segment<3>(at_velocity);
+  delay_covariance.segment<3>(at_velocity) *= left;
   // The integrals of white acceleration whose velocity falls.
   const double accel = motion.accel_mps2_rthz * motion.accel_mps2_rthz;
   P.diagonal().segment<3>(at_position).array() +=
@@ -114,21 +119,27 @@ void Filter::propagate(const ProcessNoise& noise) {
       times(column(at_attitude), attitude_attitude) + times(column(at_gyro_bias), attitude_gyro_bias);
 
   // Φ (P Φᵀ): the blocks of the upper triangle that change.
-  const auto rows = [](const StateColumns& columns, StateIndex index) {
-    return columns.middleRows<3>(index);
+  const auto rows = [](const auto& columns, StateIndex index) {
+    return columns.template middleRows<3>(index);
   };
-  const auto by_position = [&](const StateColumns& columns) -> Matrix3d {
+  const auto by_position =
+      [&]<int count>(
+          const Eigen::Matrix<double, state_size, count>& columns) -> Eigen::Matrix<double, 3, count> {
     return rows(columns, at_position) + t * rows(columns, at_velocity) +
            position_attitude.lazyProduct(rows(columns, at_attitude)) +
            position_gyro_bias.lazyProduct(rows(columns, at_gyro_bias)) +
            position_accel_bias.lazyProduct(rows(columns, at_accel_bias));
   };
-  const auto by_velocity = [&](const StateColumns& columns) -> Matrix3d {
+  const auto by_velocity =
+      [&]<int count>(
+          const Eigen::Matrix<double, state_size, count>& columns) -> Eigen::Matrix<double, 3, count> {
     return rows(columns, at_velocity) + velocity_attitude.lazyProduct(rows(columns, at_attitude)) +
            velocity_gyro_bias.lazyProduct(rows(columns, at_gyro_bias)) +
            velocity_accel_bias.lazyProduct(rows(columns, at_accel_bias));
   };
-  const auto by_attitude = [&](const StateColumns& columns) -> Matrix3d {
+  const auto by_attitude =
+      [&]<int count>(
+          const Eigen::Matrix<double, state_size, count>& columns) -> Eigen::Matrix<double, 3, count> {
     return attitude_attitude.lazyProduct(rows(columns, at_attitude)) +
            attitude_gyro_bias.lazyProduct(rows(columns, at_gyro_bias));
   };
@@ -152,6 +163,13 @@ void Filter::propagate(const ProcessNoise& noise) {
   P.diagonal().segment<3>(at_accel_bias).array() +=
       noise.accel_bias_mps2_rts * noise.accel_bias_mps2_rts * duration_s;
   mirror_upper(P);
+  if (estimates_delay()) {
+    const StateVector before = delay_covariance;
+    delay_covariance.segment<3>(at_position) = by_position(before);
+    delay_covariance.segment<3>(at_velocity) = by_velocity(before);
+    delay_covariance.segment<3>(at_attitude) = by_attitude(before);
+    delay_variance_s2 += noise.delay_s_rts * noise.delay_s_rts * duration_s;
+  }
   pending = Transition{};
 }
 
@@ -164,26 +182,45 @@ StateColumns Filter::fix_columns(double ahead_s) const {
          covariance.middleCols<3>(at_lever_arm) * rotation.transpose();
 }
 
-/// H P Hᵀ of a fix.
-Matrix3d Filter::fix_covariance_of(const StateColumns& columns, double ahead_s) const {
+/// H of a fix times columns of the state.
+template <int count>
+Eigen::Matrix<double, 3, count> Filter::times_columns(const Eigen::Matrix<double, state_size, count>& columns,
+                                                      double ahead_s) const {
   const Matrix3d rotation = q_body_to_world.toRotationMatrix();
   const Matrix3d by_attitude = rotation * cross_matrix(lever_arm_body_m);
-  const Matrix3d whole = columns.middleRows<3>(at_position) + ahead_s * columns.middleRows<3>(at_velocity) +
-                         by_attitude * columns.middleRows<3>(at_attitude) -
-                         rotation * columns.middleRows<3>(at_lever_arm);
+  return columns.template middleRows<3>(at_position) + ahead_s * columns.template middleRows<3>(at_velocity) +
+         by_attitude * columns.template middleRows<3>(at_attitude) -
+         rotation * columns.template middleRows<3>(at_lever_arm);
+}
+
+/// H P Hᵀ of a fix.
+Matrix3d Filter::fix_covariance_of(const StateColumns& columns, double ahead_s) const {
+  const Matrix3d whole = times_columns(columns, ahead_s);
   return 0.5 * (whole + whole.transpose());
 }
 
 Innovation Filter::fix_innovation(const Vector3d& fix_world_m, const Matrix3d& fix_covariance_m2,
                                   double ahead_s) const {
   Innovation innovation;
+  ahead_s -= delay_error_s;
   const Quaterniond q_then =
       q_body_to_world * geometry::rotation_by((ahead_s * angular_velocity_body_radps).eval());
   const Vector3d predicted = position_world_m + ahead_s * velocity_world_mps +
                              0.5 * ahead_s * ahead_s * acceleration_world_mps2 - q_then * lever_arm_body_m;
   innovation.value_world_m = fix_world_m - predicted;
   innovation.columns = fix_columns(ahead_s);
-  innovation.covariance_m2 = fix_covariance_of(innovation.columns, ahead_s) + fix_covariance_m2;
+  if (estimates_delay()) {
+    // H of the delay is minus the velocity of the tracked point.
+    const Vector3d h = q_then * angular_velocity_body_radps.cross(lever_arm_body_m) - velocity_world_mps -
+                       ahead_s * acceleration_world_mps2;
+    innovation.delay_row = times_columns(delay_covariance, ahead_s) + delay_variance_s2 * h;
+    innovation.columns += delay_covariance * h.transpose();
+    const Matrix3d by_delay = h * innovation.delay_row.transpose();
+    innovation.covariance_m2 = 0.5 * (by_delay + by_delay.transpose());
+  } else {
+    innovation.covariance_m2.setZero();
+  }
+  innovation.covariance_m2 += fix_covariance_of(innovation.columns, ahead_s) + fix_covariance_m2;
   const Eigen::LLT<Matrix3d> factor(innovation.covariance_m2);
   if (factor.info() != Eigen::Success) {
     innovation.squared_norm = std::numeric_limits<double>::infinity();  // rejects it
@@ -199,24 +236,25 @@ void Filter::correct_fix(const Innovation& innovation, const Matrix3d& more_cova
   if (factor.info() != Eigen::Success) return;
   // W = P Hᵀ L⁻ᵀ with S = L Lᵀ: the gain times the innovation is W L⁻¹ ν, and P ← P − W Wᵀ.
   const StateColumns w = whitened(innovation.columns, factor);
-  const StateVector error = w * factor.matrixL().solve(innovation.value_world_m);
-  covariance -= w.lazyProduct(w.transpose());
-  inject(error);
+  const Vector3d whitened_innovation = factor.matrixL().solve(innovation.value_world_m);
+  const Vector3d w_delay = factor.matrixL().solve(innovation.delay_row);
+  correct(w, whitened_innovation, w_delay);
 }
 
 /// H of a heading with respect to the attitude error. The direction of a body axis b = R a in the horizontal
 /// plane turns by φ_z − b_z (b_x φ_x + b_y φ_y) / (b_x² + b_y²) for a small rotation φ = R δθ of the world.
-Eigen::Matrix<double, 1, 3> Filter::heading_row(const Vector3d& axis_world) const {
+Filter::HeadingRow Filter::heading_row(const Vector3d& axis_world) const {
   const double horizontal = axis_world.head<2>().squaredNorm();
   const Vector3d by_world(-axis_world.z() * axis_world.x() / horizontal,
                           -axis_world.z() * axis_world.y() / horizontal, 1.0);
   return by_world.transpose() * q_body_to_world.toRotationMatrix();
 }
 
-/// The direction of the pair's axis after `ahead_s`.
+/// The direction of the pair's axis at a stamp `ahead_s` after the latest step.
 Vector3d Filter::axis_world(double mount_rad, double ahead_s) const {
   const Quaterniond q_then =
-      q_body_to_world * geometry::rotation_by((ahead_s * angular_velocity_body_radps).eval());
+      q_body_to_world *
+      geometry::rotation_by(((ahead_s - delay_error_s) * angular_velocity_body_radps).eval());
   return q_then * Vector3d(std::cos(mount_rad), std::sin(mount_rad), 0.0);
 }
 
@@ -228,9 +266,15 @@ Filter::HeadingInnovation Filter::heading_innovation(double heading_world_rad, d
   innovation.observable = axis.head<2>().norm() > least_horizontal;
   if (!innovation.observable) return innovation;
   innovation.value_rad = geometry::wrap_angle(heading_world_rad - std::atan2(axis.y(), axis.x()));
-  const auto row = heading_row(axis);
+  const HeadingRow row = heading_row(axis);
+  const double h = -row.dot(angular_velocity_body_radps);  // of the delay
+  innovation.column = covariance.middleCols<3>(at_attitude) * row.transpose();
+  if (estimates_delay()) {
+    innovation.column += h * delay_covariance;
+    innovation.delay_row = row.dot(delay_covariance.segment<3>(at_attitude)) + h * delay_variance_s2;
+  }
   innovation.variance_rad2 =
-      (row * covariance.block<3, 3>(at_attitude, at_attitude) * row.transpose()).value() + variance_rad2;
+      row.dot(innovation.column.segment<3>(at_attitude)) + h * innovation.delay_row + variance_rad2;
   return innovation;
 }
 
@@ -239,11 +283,9 @@ void Filter::correct_heading(double heading_world_rad, double mount_rad, double 
   const HeadingInnovation innovation =
       heading_innovation(heading_world_rad, mount_rad, variance_rad2, ahead_s);
   if (!innovation.observable) return;
-  const StateVector w = covariance.middleCols<3>(at_attitude) *
-                        heading_row(axis_world(mount_rad, ahead_s)).transpose() /
-                        std::sqrt(innovation.variance_rad2);
-  covariance -= w.lazyProduct(w.transpose());
-  inject(w * (innovation.value_rad / std::sqrt(innovation.variance_rad2)));
+  const double std_rad = std::sqrt(innovation.variance_rad2);
+  correct<1>(innovation.column / std_rad, Scalar(innovation.value_rad / std_rad),
+             Scalar(innovation.delay_row / std_rad));
 }
 
 void Filter::correct_states(StateIndex index, const Vector3d& innovation, double variance) {
@@ -252,9 +294,9 @@ void Filter::correct_states(StateIndex index, const Vector3d& innovation, double
   const Eigen::LLT<Matrix3d> factor(s);
   if (factor.info() != Eigen::Success) return;
   const StateColumns w = whitened(columns, factor);
-  const StateVector error = w * factor.matrixL().solve(innovation);
-  covariance -= w.lazyProduct(w.transpose());
-  inject(error);
+  const Vector3d whitened_innovation = factor.matrixL().solve(innovation);
+  const Vector3d w_delay = factor.matrixL().solve(delay_covariance.segment<3>(index));
+  correct(w, whitened_innovation, w_delay);
 }
 
 void Filter::add_variance(StateIndex index, const Vector3d& variance) {
@@ -265,11 +307,37 @@ void Filter::decorrelate(StateIndex index, const Vector3d& variance) {
   covariance.middleRows<3>(index).setZero();
   covariance.middleCols<3>(index).setZero();
   covariance.diagonal().segment<3>(index) = variance;
+  delay_covariance.segment<3>(index).setZero();
+}
+
+void Filter::estimate_delay(double variance_s2) {
+  delay_covariance.setZero();
+  delay_variance_s2 = variance_s2;
+  if (variance_s2 == 0.0) delay_error_s = 0.0;
 }
 
 void Filter::add_yaw_variance(double variance_rad2) {
   const Vector3d up_body = geometry::up_in_body(q_body_to_world);
   covariance.block<3, 3>(at_attitude, at_attitude) += variance_rad2 * up_body * up_body.transpose();
+}
+
+/// P ← P − W Wᵀ, and the error W e is injected, where e is the innovation times L⁻¹. `w_delay` is the row of
+/// W of the delay.
+template <int rows>
+void Filter::correct(const Eigen::Matrix<double, state_size, rows>& w,
+                     const Eigen::Matrix<double, rows, 1>& innovation,
+                     const Eigen::Matrix<double, rows, 1>& w_delay) {
+  constexpr double most_delay_error_s = 0.06;
+  constexpr double least_delay_std_s = 1e-5;
+  const StateVector error = w * innovation;
+  covariance -= w.lazyProduct(w.transpose());
+  inject(error);
+  if (!estimates_delay()) return;
+  delay_covariance -= w * w_delay;
+  delay_variance_s2 =
+      std::max(delay_variance_s2 - w_delay.squaredNorm(), least_delay_std_s * least_delay_std_s);
+  delay_error_s =
+      std::clamp(delay_error_s + w_delay.dot(innovation), -most_delay_error_s, most_delay_error_s);
 }
 
 void Filter::inject(const StateVector& error) {

@@ -38,14 +38,18 @@ private:
   }
 };
 
-bool is_covariance(const StateCovariance& covariance) {
-  if (covariance != covariance.transpose() || !(covariance.diagonal().minCoeff() >= 0.0)) return false;
+bool is_covariance(const Filter& filter) {
+  using Joint = Eigen::Matrix<double, state_size + 1, state_size + 1>;  // with the delay
+  Joint joint;
+  joint << filter.covariance, filter.delay_covariance, filter.delay_covariance.transpose(),
+      filter.delay_variance_s2;
+  if (joint != joint.transpose() || !(joint.diagonal().minCoeff() >= 0.0)) return false;
   // The correlations, with a margin for what rounding leaves.
   constexpr double margin = 1e-9;
-  const StateVector scale = covariance.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
-  StateCovariance correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
+  const Joint scale = joint.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse().asDiagonal();
+  Joint correlation = scale * joint * scale;
   correlation.diagonal().array() += margin;
-  return Eigen::LLT<StateCovariance>(correlation).info() == Eigen::Success;
+  return Eigen::LLT<Joint>(correlation).info() == Eigen::Success;
 }
 
 std::optional<FieldFault> find_fault(const Belief& base) {
@@ -64,13 +68,13 @@ std::optional<FieldFault> find_fault(const Belief& base) {
   if (!(base.trust >= 0.0 && base.trust <= 1.0)) return FieldFault{"trust", "is not between 0 and 1"};
   const auto candidates_end = base.candidates.begin() + base.candidate_count;
   if (!std::all_of(base.candidates.begin(), candidates_end,
-                   [](const Candidate& candidate) { return is_covariance(candidate.filter.covariance); })) {
+                   [](const Candidate& candidate) { return is_covariance(candidate.filter); })) {
     return FieldFault{"candidates", "have a covariance that is none"};
   }
-  if (base.rival.alive && !is_covariance(base.rival.filter.covariance)) {
+  if (base.rival.alive && !is_covariance(base.rival.filter)) {
     return FieldFault{"rival", "has a covariance that is none"};
   }
-  if (base.former.alive && !is_covariance(base.former.filter.covariance)) {
+  if (base.former.alive && !is_covariance(base.former.filter)) {
     return FieldFault{"former", "has a covariance that is none"};
   }
   const auto is_variance = [](const AdaptiveVariance& any) {

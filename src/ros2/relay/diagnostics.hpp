@@ -9,14 +9,14 @@
 
 namespace sonopose::ros2::relay {
 
+/// Whether the latest status of the beacon's bridge is recent.
+bool has_bridge(const observation::BeaconView& view, TimeNs now_ns);
+
 /// `node` is the part of the name before the colon. `before` is the view of the previous second; increases of
 /// counters since then are reported. ERROR: no fusion serves the beacon, its IMU is silent, or its bridge has
 /// published no status for three seconds (the bridge's timestamp against `now_ns`, so the clocks of the two
 /// machines must agree). STALE: no poses in the window, without a known cause. WARN: warnings in the pose's
 /// status, and increases of counters.
-/// Whether the latest status of the beacon's bridge is recent.
-bool has_bridge(const observation::BeaconView& view, TimeNs now_ns);
-
 ros2::Diagnostic diagnostic_of(const std::string& node, const observation::BeaconView& view,
                                const observation::BeaconView& before, TimeNs now_ns);
 

@@ -105,6 +105,52 @@ SCENARIO("the Kalman engine starts with any noise of the fixes") {
   }
 }
 
+SCENARIO("the Kalman engine finds an error of the reported delay") {
+  GIVEN("a kart whose fixes report a delay that is wrong by 20 ms") {
+    const double reported_minus_true_s = GENERATE(-0.02, 0.02);
+    sim::Scenario kart = sim::find_scenario("kart");
+    kart.sensors.reported_delay_error_s = reported_minus_true_s;
+    const sim::Recording run = sim::record(kart, {.seed = 7, .duration_s = 60.0});
+    settings::Settings settings;
+    WHEN("the delay is estimated") {
+      settings.delay.estimate = true;
+      kalman::Engine engine{settings};
+      const auto poses = poses_of(engine, run.events);
+      THEN("the error of the delay is known to 3 ms, and the position is nearly as good as without one") {
+        CHECK(engine.belief().filter().delay_error_s == Approx(-reported_minus_true_s).margin(0.003));
+        CHECK(rms_m(poses, run.truth, 10.0) < 0.02);
+        REQUIRE(engine.estimate().delay_s);
+        CHECK(engine.estimate().delay_s->std < 0.003);
+      }
+      AND_WHEN("that is switched off") {
+        settings.delay.estimate = false;
+        engine.configure(settings);
+        process(engine, *std::find_if(run.events.rbegin(), run.events.rend(), [](const Event& event) {
+                  return std::holds_alternative<ImuSample>(event);
+                }));
+        THEN("the estimate of the running engine ends with the next fix") {
+          UltrasonicFix fix;
+          fix.position_world_m = engine.belief().filter().tracked_position_world_m();
+          fix.emission_time_ns = engine.time_ns();
+          fix.received_time_ns = engine.time_ns();
+          fix.measured_delay_s = 0.0;
+          engine.correct(fix);
+          CHECK(!engine.estimate().delay_s);
+          CHECK(engine.belief().filter().delay_error_s == 0.0);
+        }
+      }
+    }
+    WHEN("it is not") {
+      kalman::Engine engine{settings};
+      const auto poses = poses_of(engine, run.events);
+      THEN("the speed times the error stays") {
+        CHECK(rms_m(poses, run.truth, 10.0) > 0.04);
+        CHECK(!engine.estimate().delay_s);
+      }
+    }
+  }
+}
+
 SCENARIO("the Kalman engine recovers from what nobody could predict") {
   const auto longest_off_s = [](const char* scenario, std::uint64_t seed) {
     const sim::Recording recording = record(scenario, 60.0, seed);

@@ -119,6 +119,35 @@ TEST_CASE("a fix and a heading move the state as their derivatives demand") {
   }
 }
 
+TEST_CASE("the delay moves fixes and headings as their derivatives demand") {
+  Dice dice;
+  constexpr double size_s = 1e-5;
+  for (int i = 0; i < 20; ++i) {
+    Filter filter = random_filter(dice);
+    filter.angular_velocity_body_radps = dice.vector(1.0);
+    filter.acceleration_world_mps2 = dice.vector(2.0);
+    filter.covariance.setZero();
+    filter.estimate_delay(1.0);
+    const auto fix_after = [&](double delay_error_s) {
+      filter.delay_error_s = delay_error_s;
+      return filter.fix_innovation(Vector3d::Zero(), Matrix3d::Identity(), 0.005);
+    };
+    const auto heading_after = [&](double delay_error_s) {
+      filter.delay_error_s = delay_error_s;
+      return filter.heading_innovation(0.0, 0.3, 1e-4, 0.005);
+    };
+    // An innovation is minus the prediction.
+    const Vector3d by_delay_mps =
+        (fix_after(-size_s).value_world_m - fix_after(size_s).value_world_m) / (2.0 * size_s);
+    CHECK((fix_after(0.0).delay_row - by_delay_mps).norm() < 1e-3);
+    if (!heading_after(0.0).observable) continue;
+    const double by_delay_radps =
+        geometry::wrap_angle(heading_after(-size_s).value_rad - heading_after(size_s).value_rad) /
+        (2.0 * size_s);
+    CHECK(heading_after(0.0).delay_row == Approx(by_delay_radps).margin(1e-3));
+  }
+}
+
 TEST_CASE("a time without samples may be crossed at once or in pieces") {
   Dice dice;
   const Filter start = random_filter(dice);
@@ -140,6 +169,7 @@ TEST_CASE("the covariance stays symmetric and positive over a million random ste
   Dice dice;
   Filter filter = random_filter(dice);
   filter.covariance = StateCovariance::Identity();
+  filter.estimate_delay(1e-4);
   for (int i = 1; i <= 1'000'000; ++i) {
     filter.predict(dice.vector(3.0), Vector3d(0, 0, 9.8) + dice.vector(5.0), 0.01);
     if (i % 4 == 0) filter.propagate({});
@@ -162,7 +192,11 @@ TEST_CASE("the covariance stays symmetric and positive over a million random ste
     }
     if (i % 10'000 != 0) continue;
     REQUIRE(filter.covariance == filter.covariance.transpose());
-    const Eigen::SelfAdjointEigenSolver<StateCovariance> solver(filter.covariance, Eigen::EigenvaluesOnly);
+    using Joint = Eigen::Matrix<double, state_size + 1, state_size + 1>;  // with the delay
+    Joint joint;
+    joint << filter.covariance, filter.delay_covariance, filter.delay_covariance.transpose(),
+        filter.delay_variance_s2;
+    const Eigen::SelfAdjointEigenSolver<Joint> solver(joint, Eigen::EigenvaluesOnly);
     REQUIRE(solver.eigenvalues().minCoeff() > 0.0);
     REQUIRE(filter.is_finite());
   }

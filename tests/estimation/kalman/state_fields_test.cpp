@@ -89,6 +89,7 @@ SCENARIO("an impossible state is refused by the field at fault") {
       CHECK(fault_after([&](Snapshot& s) {
               filter_of(s).covariance(0, 9) = filter_of(s).covariance(9, 0) = 10.0;
             }) == "candidates");
+      CHECK(fault_after([&](Snapshot& s) { filter_of(s).delay_variance_s2 = -1.0; }) == "candidates");
       CHECK(fault_after([&](Snapshot& s) {
               s.history.base.rival.alive = true;
               s.history.base.rival.filter.covariance = -StateCovariance::Identity();

@@ -166,6 +166,7 @@ private:
   void coast_to(TimeNs to_ns);
   void coast_if_silent(const settings::Settings& settings, TimeNs measured_ns);
   void end_imu_gap(TimeNs to_ns);
+  void estimate_delay(const settings::DelaySettings& settings);
   void recover_if_not_finite();
   [[nodiscard]] bool map_has_turned(TimeNs now_ns) const;
   bool reject_heading(TimeNs now_ns);

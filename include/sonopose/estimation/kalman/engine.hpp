@@ -19,6 +19,7 @@ struct Snapshot {
   History history;
   documented::AdmissionState admission;
   TimeNs last_used_received_ns = 0;                   ///< receipt of the last fix that was used; 0: none
+  double last_delay_s = 0;                            ///< of that fix, from its stamp to its receipt
   Vector3d last_position_world_m = Vector3d::Zero();  ///< of the latest pose
   EstimatorCounters counters;
   std::uint32_t reset_counter = 0;
@@ -63,6 +64,7 @@ private:
   Timeline timeline_;
   documented::AdmissionState admission_;
   TimeNs last_used_received_ns_ = 0;
+  double last_delay_s_ = 0;
   Vector3d last_position_world_m_ = Vector3d::Zero();
   EstimatorCounters counters_;
   std::uint32_t reset_counter_ = 0;

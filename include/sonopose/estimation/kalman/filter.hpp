@@ -33,6 +33,7 @@ struct ProcessNoise {
   double gyro_radps_rthz = 2e-4;
   double accel_bias_mps2_rts = 4e-4;
   double gyro_bias_radps_rts = 1e-4;
+  double delay_s_rts = 1e-4;  ///< if the delay is estimated
 };
 
 /// A motion that nobody measured: white acceleration and angular rate, and a velocity that falls.
@@ -48,6 +49,7 @@ struct Innovation {
   Vector3d value_world_m = Vector3d::Zero();
   Matrix3d covariance_m2 = Matrix3d::Identity();  ///< S = H P Hᵀ + R
   StateColumns columns = StateColumns::Zero();    ///< P Hᵀ
+  Vector3d delay_row = Vector3d::Zero();          ///< the row of P Hᵀ of the delay
   double squared_norm = 0;                        ///< normalised by S
   double log_determinant = 0;                     ///< of S
 };
@@ -77,6 +79,11 @@ public:
   Vector3d accel_bias_body_mps2 = Vector3d::Zero();
   Vector3d lever_arm_body_m = Vector3d::Zero();  ///< from the tracked point to the IMU
   StateCovariance covariance = StateCovariance::Zero();
+  // The error of the delay is an optional further row and column, kept apart so that it costs nothing when
+  // off.
+  double delay_error_s = 0;      ///< by which fixes and headings are older than their stamps
+  double delay_variance_s2 = 0;  ///< 0: not estimated
+  StateVector delay_covariance = StateVector::Zero();       ///< of the state with the delay
   Transition pending;                                       ///< since the covariance was propagated
   Vector3d acceleration_world_mps2 = Vector3d::Zero();      ///< of the latest step, without gravity
   Vector3d angular_velocity_body_radps = Vector3d::Zero();  ///< of the latest step, without the bias
@@ -106,7 +113,9 @@ public:
   struct HeadingInnovation {
     double value_rad = 0;
     double variance_rad2 = 1;
-    bool observable = false;  ///< false: the axis is nearly vertical
+    bool observable = false;                   ///< false: the axis is nearly vertical
+    StateVector column = StateVector::Zero();  ///< P Hᵀ
+    double delay_row = 0;                      ///< the row of P Hᵀ of the delay
   };
   [[nodiscard]] HeadingInnovation heading_innovation(double heading_world_rad, double mount_rad,
                                                      double variance_rad2, double ahead_s) const;
@@ -121,6 +130,10 @@ public:
 
   /// Removes three states' correlations and sets their variances.
   void decorrelate(StateIndex index, const Vector3d& variance);
+
+  /// Estimates the error of the delay from now on, with this variance; 0: takes the stamps as they are.
+  void estimate_delay(double variance_s2);
+  [[nodiscard]] bool estimates_delay() const { return delay_variance_s2 > 0.0; }
 
   /// Adds yaw variance: a rotation about world Z.
   void add_yaw_variance(double variance_rad2);
@@ -141,9 +154,17 @@ public:
 private:
   void begin_transition();
   [[nodiscard]] StateColumns fix_columns(double ahead_s) const;
+  template <int count>
+  [[nodiscard]] Eigen::Matrix<double, 3, count> times_columns(
+      const Eigen::Matrix<double, state_size, count>& columns, double ahead_s) const;
   [[nodiscard]] Matrix3d fix_covariance_of(const StateColumns& columns, double ahead_s) const;
-  [[nodiscard]] Eigen::Matrix<double, 1, 3> heading_row(const Vector3d& axis_world) const;
+  using HeadingRow = Eigen::Matrix<double, 1, 3>;
+  [[nodiscard]] HeadingRow heading_row(const Vector3d& axis_world) const;
   [[nodiscard]] Vector3d axis_world(double mount_rad, double ahead_s) const;
+  template <int rows>
+  void correct(const Eigen::Matrix<double, state_size, rows>& w,
+               const Eigen::Matrix<double, rows, 1>& innovation,
+               const Eigen::Matrix<double, rows, 1>& w_delay);
   void inject(const StateVector& error);
 };
 

@@ -51,6 +51,21 @@ void for_each_field(IsFieldsOf<Filter> auto& filter, const auto& visit) {
   visit("gyro_bias_body_radps", filter.gyro_bias_body_radps);
   visit("accel_bias_body_mps2", filter.accel_bias_body_mps2);
   visit("lever_arm_body_m", filter.lever_arm_body_m);
+  visit("delay_error_s", filter.delay_error_s);
+  visit("delay_variance_s2", filter.delay_variance_s2);
+  const auto visit_part = [&](const char* name, StateIndex index) {
+    Vector3d part = filter.delay_covariance.template segment<3>(index);
+    visit(name, part);
+    if constexpr (!std::is_const_v<std::remove_reference_t<decltype(filter)>>) {
+      filter.delay_covariance.template segment<3>(index) = part;
+    }
+  };
+  visit_part("delay_covariance.position", at_position);
+  visit_part("delay_covariance.velocity", at_velocity);
+  visit_part("delay_covariance.attitude", at_attitude);
+  visit_part("delay_covariance.gyro_bias", at_gyro_bias);
+  visit_part("delay_covariance.accel_bias", at_accel_bias);
+  visit_part("delay_covariance.lever_arm", at_lever_arm);
   visit("covariance", filter.covariance);
   for_each_field(filter.pending, visit);
   visit("acceleration_world_mps2", filter.acceleration_world_mps2);
@@ -151,6 +166,7 @@ void for_each_field(IsFieldsOf<Snapshot> auto& snapshot, const auto& visit) {
   visit("admission.backward_in_row", snapshot.admission.backward_in_row);
   visit("admission.announced_ns", snapshot.admission.announced_ns);
   visit("last_used_received_ns", snapshot.last_used_received_ns);
+  visit("last_delay_s", snapshot.last_delay_s);
   visit("last_position_world_m", snapshot.last_position_world_m);
 }
 
