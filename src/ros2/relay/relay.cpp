@@ -3,11 +3,10 @@
 #include "bridge/bridge_node.hpp"
 #include "observation/beacon_observers.hpp"
 #include "ros2/relay/beacon_publishers.hpp"
-#include "ros2/relay/diagnostics.hpp"
+#include "ros2/relay/diagnostics_publisher.hpp"
 #include "ros2/relay/log.hpp"
 #include "ros2/relay/mount_finder.hpp"
 #include "ros2/relay/parameter_server.hpp"
-#include "ros2/relay/presence.hpp"
 #include "ros2/relay/ros_clock.hpp"
 #include "ros2/relay/surroundings.hpp"
 #include "ros2/relay/transform_tree.hpp"
@@ -141,17 +140,13 @@ private:
   BeaconPublishers* find_publishers(BeaconAddress address);
   template <class Action>
   void for_each_beacon(const Action& action);
+  std::map<BeaconAddress, BeaconPublishers*> beacons();
   void create_new_publishers();
   void replace_tree_owner();
   void publish_mounts();
-  void publish_diagnostics();
-  [[nodiscard]] ros2::Diagnostic own_diagnostic(std::size_t beacons);
-  void check_transforms(const BeaconPublishers& publishers, ros2::Diagnostic& diagnostic) const;
   void serve(const process::StopSignal& stop, const std::atomic<bool>& failed);
   void bridge_while(const std::function<void()>& serve, std::atomic<bool>& failed);
   void serve_parameters(const std::stop_token& end, const process::StopSignal& stop);
-
-  [[nodiscard]] const std::string& node_name() const { return options_.names.node().name; }
 
   RelayOptions options_;
   Log log_;
@@ -163,16 +158,12 @@ private:
   process::Wakeup parameters_wakeup_;
   ParameterServer parameters_;
   Surroundings surroundings_;
-  dds::DataWriter<ros2::DiagnosticArray> diagnostics_writer_;
   dds::DataWriter<ros2::TFMessage> tf_writer_;
-  std::uint64_t reported_imu_data_lost_ = 0;
   TransformTree tree_;
   std::unique_ptr<Source> source_;  ///< null without inputs
   observation::BeaconObservers observers_;
   process::EndpointCounters endpoints_;
-  std::map<BeaconAddress, observation::BeaconView> previous_views_;  ///< of the previous diagnostics
-  std::map<BeaconAddress, Presence> presences_;
-  SteadyTime started_ = clocks::steady_now();
+  DiagnosticsPublisher diagnostics_;
 
   std::mutex mutex_;  ///< guards the members below
   std::map<BeaconAddress, std::unique_ptr<BeaconPublishers>>
@@ -214,9 +205,9 @@ Relay::Impl::Impl(const RelayOptions& options)
                    .startup_settings = options.startup_settings},
                   log_, [this] { parameters_wakeup_.wake(); }),
       surroundings_(options_, participant_, node_, parameters_, log_, [this] { wakeup_.wake(); }),
-      diagnostics_writer_(node_.make_writer<ros2::DiagnosticArray>("/diagnostics", "ros2::Diagnostics")),
       tree_(options_, node_, clock_, log_),
-      observers_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()) {
+      observers_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()),
+      diagnostics_(options_, node_, clock_, observers_, endpoints_) {
   check_inputs(options);
   if (options.rosout) log_.publish_as(node_);
   if (options.output.tf != TfMode::off) tf_writer_ = node_.make_writer<ros2::TFMessage>("/tf", "ros2::Tf");
@@ -257,17 +248,20 @@ BeaconPublishers* Relay::Impl::find_publishers(BeaconAddress address) {
   return found == publishers_.end() ? nullptr : found->second.get();
 }
 
-/// Calls `action` without the lock: publishers are never destroyed before the relay.
+/// Calls `action` without the lock.
 template <class Action>
 void Relay::Impl::for_each_beacon(const Action& action) {
-  std::vector<BeaconPublishers*> all;
-  {
-    const std::lock_guard lock(mutex_);
-    for (const auto& [address, publishers] : publishers_) {
-      if (publishers) all.push_back(publishers.get());
-    }
+  for (const auto& [address, publishers] : beacons()) action(*publishers);
+}
+
+/// Those that exist. They are never destroyed before the relay.
+std::map<BeaconAddress, BeaconPublishers*> Relay::Impl::beacons() {
+  std::map<BeaconAddress, BeaconPublishers*> all;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [address, publishers] : publishers_) {
+    if (publishers) all.emplace(address, publishers.get());
   }
-  for (BeaconPublishers* const publishers : all) action(*publishers);
+  return all;
 }
 
 void Relay::Impl::on(const EffectiveSettings& settings) {
@@ -315,19 +309,14 @@ void Relay::Impl::create_new_publishers() {
 /// A beacon with the same frames takes over the transforms of one that is gone, or that has not appeared.
 void Relay::Impl::replace_tree_owner() {
   const auto owner = tree_.owner();
-  if (!owner) return;
-  const SteadyTime now = clocks::steady_now();
-  const auto found = presences_.find(*owner);
-  const bool is_gone = found == presences_.end() ? now - started_ > Presence::gone_after_ns
-                                                 : found->second.state(now) == Presence::State::gone;
-  if (!is_gone) return;
-  const auto next = std::find_if(presences_.begin(), presences_.end(), [&](const auto& entry) {
-    return entry.second.state(now) == Presence::State::present && find_publishers(entry.first) != nullptr;
-  });
-  if (next == presences_.end()) return;
+  if (!owner || !diagnostics_.is_gone(*owner)) return;
+  const auto known = beacons();
+  const auto next = std::find_if(known.begin(), known.end(),
+                                 [&](const auto& entry) { return diagnostics_.is_present(entry.first); });
+  if (next == known.end()) return;
   if (auto* const before = find_publishers(*owner)) before->set_in_tree(false);
   tree_.hand_over(next->first);
-  find_publishers(next->first)->set_in_tree(true);
+  next->second->set_in_tree(true);
   publish_mounts();
 }
 
@@ -337,83 +326,6 @@ void Relay::Impl::publish_mounts() {
     if (publishers.is_in_tree()) in_tree.push_back(publishers.frames());
   });
   tree_.publish_mounts(in_tree);
-}
-
-void Relay::Impl::publish_diagnostics() {
-  const TimeNs now_ns = clocks::host_now();
-  std::vector<ros2::Diagnostic> diagnostics;
-  for (const observation::BeaconView& view : observers_.take_windows(now_ns)) {
-    if (!options_.addresses.contains(view.address)) continue;
-    const SteadyTime now = clocks::steady_now();
-    Presence& presence = presences_.try_emplace(view.address, now).first->second;
-    presence.update(view, has_bridge(view, now_ns), now);
-    observation::BeaconView& previous = previous_views_[view.address];
-    if (presence.state(now) == Presence::State::gone) {
-      previous = view;
-      continue;
-    }
-    diagnostics.push_back(diagnostic_of(node_name(), view, previous, now_ns));
-    previous = view;
-    if (const auto* const publishers = find_publishers(view.address)) {
-      check_transforms(*publishers, diagnostics.back());
-    }
-    if (presence.state(now) == Presence::State::stale) {
-      diagnostics.back().level = ros2::Level::stale;
-      diagnostics.back().message = fmt::format("no samples for {:.0f} s", presence.silent_s(now));
-    }
-  }
-  diagnostics.push_back(own_diagnostic(diagnostics.size()));
-  diagnostics_writer_.try_write(ros2::DiagnosticMessage(diagnostics, clock_.now_ns()).message());
-}
-
-ros2::Diagnostic Relay::Impl::own_diagnostic(std::size_t beacons) {
-  std::uint64_t imu_data_lost = 0;
-  for_each_beacon([&](const BeaconPublishers& publishers) { imu_data_lost += publishers.imu_data_lost(); });
-  ros2::Diagnostic own;
-  own.name = node_name() + ": relay";
-  own.level = beacons == 0 ? ros2::Level::stale : ros2::Level::ok;
-  own.message = beacons == 0 ? "no beacon received" : fmt::format("{} beacons", beacons);
-  own.values = {{"samples_lost", std::to_string(endpoints_.samples_lost)},
-                {"samples_rejected", std::to_string(endpoints_.samples_rejected)},
-                {"incompatible_qos", std::to_string(endpoints_.incompatible_qos)},
-                {"imu_data_lost", std::to_string(imu_data_lost)}};
-  if (clock_.now_ns() == 0) {
-    own.level = ros2::Level::warning;
-    own.message += "; /clock, the time of ROS 2 with use_sim_time, has not been received";
-  }
-  if (imu_data_lost > std::exchange(reported_imu_data_lost_, imu_data_lost)) {
-    own.level = ros2::Level::warning;
-    own.message +=
-        fmt::format("; {} messages of imu/data lost, whose IMU samples did not arrive", imu_data_lost);
-  }
-  for (const Input& input : options_.inputs) {
-    if (!source_ || input.kind != Input::Kind::imu) continue;
-    own.values.emplace_back(fmt::format("beacon_{}_input_samples_lost", input.address),
-                            std::to_string(source_->samples_lost(input.address)));
-  }
-  return own;
-}
-
-void Relay::Impl::check_transforms(const BeaconPublishers& publishers, ros2::Diagnostic& diagnostic) const {
-  std::string problem;
-  if (options_.output.tf != TfMode::off && !publishers.is_in_tree()) {
-    problem = "no transforms: another beacon has the same frames";
-  }
-  if (!publishers.has_mount()) {
-    problem = fmt::format("no poses: /tf_static has no {} -> {}", publishers.frames().base,
-                          publishers.frames().imu);
-  }
-  if (publishers.lacks_odometry()) {
-    problem =
-        fmt::format("no transforms: /tf has no {} -> {}", publishers.frames().odom, publishers.frames().base);
-  }
-  if (problem.empty()) return;
-  if (diagnostic.level == ros2::Level::ok) {
-    diagnostic.level = ros2::Level::warning;
-    diagnostic.message = problem;
-  } else {
-    diagnostic.message += "; " + problem;
-  }
 }
 
 /// Runs until the stop, or until `failed`.
@@ -435,7 +347,7 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
     next_status = clocks::steady_now() + status_period_ns;
     if (!source_) readers_due = next_status;
     surroundings_.check_processes(has_writer(imu_), has_writer(pose_));
-    publish_diagnostics();
+    diagnostics_.publish(beacons(), source_.get());
     replace_tree_owner();
     for_each_beacon([](BeaconPublishers& publishers) {
       publishers.handle_overdue();
