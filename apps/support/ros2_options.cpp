@@ -21,7 +21,7 @@ void add_node_options(CLI::App& app, Ros2Options& options) {
       ->capture_default_str()
       ->group(group);
   app.add_flag("--use-sim-time", options.use_sim_time,
-               "Use the time of the topic /clock, of a simulator or of a recording that is played again")
+               "Use the time of the topic /clock, of a simulator or of a recording that is played back")
       ->group(group);
   app.add_option_function<std::string>(
          "--ros-distro", [&options](const std::string& name) { options.distro = ros2::distro_named(name); },

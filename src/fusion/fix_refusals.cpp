@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace sonopose::fusion {
 
 void FixRefusals::on(const FixReport& report) noexcept {
   constexpr std::uint32_t refusals = fix_too_late | fix_invalid | fix_low_quality;
   if ((report.flags & refusals) == 0) {
     refused_ = 0;
+    since_.reset();
     return;
   }
   ++refused_;
@@ -15,13 +18,11 @@ void FixRefusals::on(const FixReport& report) noexcept {
 }
 
 std::optional<std::string> FixRefusals::update(SteadyTime now) {
-  if (refused_ == 0) {
-    since_.reset();
-    if (!reported_) return std::nullopt;
-    reported_ = false;
+  if (!since_) {  // none was refused, or one was accepted since the last call
+    if (refused_ > 0) since_ = now;
+    if (!std::exchange(reported_, false)) return std::nullopt;
     return "fixes are accepted again";
   }
-  if (!since_) since_ = now;
   if (reported_ || refused_ < 2 || now - *since_ < timeout_ns) return std::nullopt;
   reported_ = true;
   return fmt::format("all fixes are refused, {} until now: {}", refused_, reason());

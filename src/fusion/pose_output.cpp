@@ -58,7 +58,7 @@ void PoseOutput::set_period(BeaconAddress address, TimeNs period_ns) noexcept {
   {
     const std::lock_guard lock(mutex_);
     if (!predictor_.set_period(address, period_ns)) return;
-    dues_changed_ = true;
+    due_times_changed_ = true;
   }
   wake_.notify_one();
 }
@@ -77,7 +77,7 @@ dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(FusedPose& pose, Ste
       ++delay.poses_late;
     }
     first_due = predictor_.on_pose(pose, now);
-    dues_changed_ |= first_due;
+    due_times_changed_ |= first_due;
     if (standby_) step = standby_->on_pose(pose.address, pose.status, late_ns, now);
   }
   if (first_due) wake_.notify_one();
@@ -161,13 +161,13 @@ void PoseOutput::serve_predictions(const std::stop_token& stop) {
   std::vector<FusedPose> due;
   while (!stop.stop_requested()) {
     const std::optional<SteadyTime> next = write_predictions(due);
-    const auto dues_changed = [this] { return std::exchange(dues_changed_, false); };
+    const auto due_times_changed = [this] { return std::exchange(due_times_changed_, false); };
     std::unique_lock lock(mutex_);
     if (!next) {
-      wake_.wait(lock, stop, dues_changed);
+      wake_.wait(lock, stop, due_times_changed);
     } else {
       wake_.wait_until(lock, stop, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(next->ns)),
-                       dues_changed);
+                       due_times_changed);
     }
   }
 }

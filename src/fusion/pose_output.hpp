@@ -86,7 +86,7 @@ private:
   PosePredictor predictor_;
   std::unordered_map<BeaconAddress, Delay> delays_;
   std::condition_variable_any wake_;  // wakes the predicting thread early
-  bool dues_changed_ = false;
+  bool due_times_changed_ = false;
   std::vector<BeaconAddress> stalled_;  // of poll(), kept for its capacity
   std::atomic<std::uint64_t> unwritten_ = 0;
   std::atomic<std::int64_t> written_ns_ = 0;  // steady time of the latest pose

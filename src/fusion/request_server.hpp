@@ -15,7 +15,7 @@
 
 namespace sonopose::fusion {
 
-/// Takes requests on a thread of its own. After each it pauses for as long as the answer took, so that a
+/// Takes requests on a separate thread. After each it pauses for as long as the answer took, so that a
 /// flood of requests leaves what they lock to the poses; the reader keeps the latest requests meanwhile.
 class RequestServer {
 public:

@@ -21,7 +21,7 @@ FixReport report(std::uint32_t flags, double age_s) {
   return report;
 }
 
-SCENARIO("fixes that are all refused are text after a second, once") {
+SCENARIO("refused fixes are reported once, after a second") {
   FixRefusals refusals;
   const auto at = [&refusals](TimeNs time_s) { return refusals.update(SteadyTime{time_s * second_ns}); };
   GIVEN("fixes of a clock that is an hour behind") {
@@ -41,6 +41,16 @@ SCENARIO("fixes that are all refused are text after a second, once") {
         REQUIRE(end);
         CHECK_THAT(*end, Contains("accepted again"));
         CHECK_FALSE(at(14));
+      }
+    }
+    WHEN("one in a while is accepted") {
+      THEN("nothing is reported, although more are refused") {
+        for (TimeNs time_s = 11; time_s < 20; ++time_s) {
+          refusals.on(report(fix_used, 0.1));
+          refusals.on(report(fix_too_late, 3600));
+          refusals.on(report(fix_too_late, 3600));
+          CHECK_FALSE(at(time_s));
+        }
       }
     }
     WHEN("one is accepted, or is an outlier") {

@@ -45,7 +45,7 @@ struct Driving {
   Motion motion{};
   TimeNs fix_delay_ns = 0;  ///< from the stamp of a fix to its message
   TimeNs fix_age_ns = 0;    ///< of the stamps of fixes, relative to those of the IMU
-  TimeNs age_ns = 0;        ///< of all stamps, as in a recording that is played again
+  TimeNs age_ns = 0;        ///< of all stamps, as in a recording that is played back
 };
 
 /// Drivers of an IMU at 100 Hz and of fixes with 2 cm noise at 10 Hz, until destruction.
@@ -118,7 +118,7 @@ SCENARIO("a late fix is placed at its stamp") {
   }
 }
 
-SCENARIO("a recording that is played again is fused like live sensors") {
+SCENARIO("a recording that is played back is fused like live sensors") {
   GIVEN("a fusion, and the drivers of a robot at rest with stamps of yesterday") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);

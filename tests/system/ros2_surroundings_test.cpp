@@ -7,6 +7,8 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
+#include <set>
 #include <string>
 
 namespace ros2_surroundings_test {
@@ -59,9 +61,9 @@ SCENARIO("a killed relay leaves the graph soon") {
     WHEN("it is killed") {
       relay->send(SIGKILL);
       const auto killed = std::chrono::steady_clock::now();
-      THEN("it is gone after half the default lease of 10 s") {
+      THEN("it is gone before the default lease of 10 s ends") {
         CHECK(watcher.wait_until([&] { return watcher.writer_count() == 0; }));
-        CHECK(std::chrono::steady_clock::now() - killed < std::chrono::milliseconds(6500));
+        CHECK(std::chrono::steady_clock::now() - killed < std::chrono::seconds(9));
       }
     }
   }

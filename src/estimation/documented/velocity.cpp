@@ -161,7 +161,7 @@ std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocitySta
     measured->bend_m = bend_of(state, fix);
     measured->agreement =
         std::max(agreement_of(*measured, assessment.sigma_m),
-                 agreement_of(*measured, measure_from(&state.fixes[0], body, fix), assessment.sigma_m));
+                 agreement_of(*measured, measure_from(state.fixes.data(), body, fix), assessment.sigma_m));
   }
   remember(state.fixes, state.count, fix);
   return measured;

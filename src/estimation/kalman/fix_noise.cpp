@@ -5,7 +5,7 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-// A large guess that the first fixes overrule: too small a one rejects the fixes that would correct it.
+// A large guess that the first fixes overrule: with a small one the fixes that would correct it are rejected.
 constexpr double initial_fix_variance_m2 = 0.05 * 0.05;
 constexpr double prior_fixes = 0.5;
 constexpr double initial_heading_variance_rad2 = 0.026 * 0.026;  // 1.5°

@@ -17,7 +17,7 @@ struct RangeCheck {
     if (count < 0 || count > most) report(name, "is not between 0 and 1e9");
   }
   void operator()(const char* name, TimeNs time_ns) const {
-    if (time_ns != 0 && !documented::admission::is_time(time_ns)) report(name, "is no possible time");
+    if (time_ns != 0 && !documented::admission::is_time(time_ns)) report(name, "is not a valid time");
   }
   template <class Record>
   void operator()(const char* /*name*/, const std::vector<Record>& records) const {
@@ -69,13 +69,13 @@ std::optional<FieldFault> find_fault(const Belief& base) {
   const auto candidates_end = base.candidates.begin() + base.candidate_count;
   if (!std::all_of(base.candidates.begin(), candidates_end,
                    [](const Candidate& candidate) { return is_covariance(candidate.filter); })) {
-    return FieldFault{"candidates", "have a covariance that is none"};
+    return FieldFault{"candidates", "have a matrix that is not a covariance"};
   }
   if (base.rival.alive && !is_covariance(base.rival.filter)) {
-    return FieldFault{"rival", "has a covariance that is none"};
+    return FieldFault{"rival", "has a matrix that is not a covariance"};
   }
   if (base.former.alive && !is_covariance(base.former.filter)) {
-    return FieldFault{"former", "has a covariance that is none"};
+    return FieldFault{"former", "has a matrix that is not a covariance"};
   }
   const auto is_variance = [](const AdaptiveVariance& any) {
     return any.variance >= 0.0 && any.samples >= 0.0;
@@ -117,7 +117,7 @@ std::optional<FieldFault> find_fault(const Snapshot& snapshot) {
   for (const FixMeasurement& fix : history.fixes) {
     if (turn_of(fix) < history.base.time_ns) return FieldFault{"fixes", "begin before the state"};
     if (fix.has_covariance && Eigen::LLT<Matrix3d>(fix.covariance_world_m2).info() != Eigen::Success) {
-      return FieldFault{"fixes", "have a covariance that is none"};
+      return FieldFault{"fixes", "have a matrix that is not a covariance"};
     }
   }
   for (const HeadingMeasurement& heading : history.headings) {

@@ -42,8 +42,7 @@ void Timeline::add(const settings::Settings& settings, const ImuMeasurement& imu
   fold(settings, nullptr, imu.time_ns + to_ns(settings.outage.imu_gap_s));
 }
 
-/// Removes what claims to be from long after the sample that just came: the IMU was not silent, the stamp is
-/// wrong.
+/// Removes fixes and headings long after this sample: the IMU was not silent, so their stamps are wrong.
 void Timeline::drop_future(TimeNs now_ns) {
   while (!aiding_.empty() && turn_of(aiding_.back()) - now_ns > to_ns(future_tolerance_s)) {
     aiding_.pop_back();

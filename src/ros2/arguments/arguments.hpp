@@ -15,7 +15,7 @@ namespace sonopose::ros2::arguments {
 /// rcl_interfaces/msg/Log.
 enum class LogLevel : std::uint8_t { debug = 10, info = 20, warning = 30, error = 40, fatal = 50 };
 
-/// The least level of one logger; without a name, of all.
+/// The lowest level that a logger publishes; without a name, that of all loggers.
 struct LogRule {
   std::string logger;
   LogLevel level = LogLevel::info;
@@ -31,8 +31,8 @@ struct Arguments {
   bool rosout = true;  ///< not disabled
 };
 
-/// Reads parameter files as well. Throws std::invalid_argument with argument and reason for one that ROS 2
-/// refuses too, ParameterFileError.
+/// Also reads the parameter files. Throws std::invalid_argument, with argument and reason, for an invalid
+/// argument, and ParameterFileError.
 Arguments split(const std::vector<std::string>& arguments);
 
 }  // namespace sonopose::ros2::arguments

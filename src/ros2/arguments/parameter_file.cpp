@@ -119,9 +119,12 @@ Parameter parse_parameter(const std::string& text) {
   Parameter parameter{.node = node, .name = name, .values = {}, .origin = "-p " + text};
   try {
     const YAML::Node value = YAML::Load(text.substr(assignment + 2));
+    if (!value.IsScalar() && !value.IsSequence()) refuse_text("a parameter needs a value");
     parameter.values = values_of(value, parameter.origin);
   } catch (const YAML::Exception& error) {
     refuse_text(error.msg);
+  } catch (const ParameterFileError& error) {
+    throw std::invalid_argument(error.what());
   }
   return parameter;
 }

@@ -27,7 +27,7 @@ void StaticTransforms::add(const TFMessage& message) {
 std::optional<Transform> StaticTransforms::find(const std::string& parent, const std::string& child) const {
   Transform found;
   std::string frame = child;
-  // A path is not longer than the number of edges, unless invalid messages form a circle.
+  // A path is not longer than the number of edges, unless invalid messages form a cycle.
   for (std::size_t steps = 0; frame != parent; ++steps) {
     const auto edge = edges_.find(frame);
     if (edge == edges_.end() || steps == edges_.size()) return std::nullopt;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -55,8 +56,10 @@ void DiagnosticsPublisher::publish(const Beacons& beacons, const Source* source)
       check_transforms(*found->second, diagnostics.back());
     }
     if (presence.state(now) == Presence::State::stale) {
-      diagnostics.back().level = ros2::Level::stale;
-      diagnostics.back().message = fmt::format("no samples for {:.0f} s", presence.silent_s(now));
+      ros2::Diagnostic& latest = diagnostics.back();
+      const std::string silent = fmt::format("no samples for {:.0f} s", presence.silent_s(now));
+      latest.message = latest.level == ros2::Level::ok ? silent : silent + "; " + latest.message;
+      latest.level = ros2::Level::stale;
     }
   }
   diagnostics.push_back(own_diagnostic(diagnostics.size(), beacons, source));

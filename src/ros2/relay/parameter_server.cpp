@@ -131,7 +131,7 @@ void ParameterServer::take_settings() {
                       });
 }
 
-/// Once for each fusion that appears.
+/// Once when a fusion appears and no other is known.
 void ParameterServer::apply_startup_settings() {
   if (effective_.empty()) applied_startup_ = false;
   if (applied_startup_ || !effective_.contains(all_beacons)) return;

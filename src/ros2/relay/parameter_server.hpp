@@ -25,7 +25,7 @@ namespace sonopose::ros2::relay {
 struct ParameterServerOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
-  std::vector<StartupSetting> startup_settings;  ///< for each fusion that appears
+  std::vector<StartupSetting> startup_settings;  ///< sent when a fusion appears and no other is known
 };
 
 /// Uses the settings topics of the fusion, like sonopose-settings. `serve` must run on a thread that may

@@ -149,10 +149,10 @@ private:
   void serve_parameters(const std::stop_token& end, const process::StopSignal& stop);
 
   RelayOptions options_;
-  Log log_;
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
   ros2::Node node_;
+  Log log_;
   RosClock clock_;
   process::Wakeup wakeup_;  ///< of the main thread
   process::Wakeup parameters_wakeup_;
@@ -194,10 +194,10 @@ void Relay::run(const process::StopSignal& stop) {
 
 Relay::Impl::Impl(const RelayOptions& options)
     : options_(with_lease(options)),
-      log_(options.log_level),
       participant_(options_.domain, ros2::participant_qos(options.enclave)),
       qos_(options.qos_file),
       node_(participant_, qos_, options.names, options.distro.value_or(ros2::layout_without_others)),
+      log_(options.log_level),
       clock_(node_, options.use_sim_time),
       parameters_(node_, participant_,
                   {.domain = options_.domain,
@@ -367,6 +367,7 @@ void Relay::Impl::serve_parameters(const std::stop_token& end, const process::St
       waits = parameters_.serve();
     } catch (const std::exception& error) {  // also settings of a fusion of another version
       log_.error(fmt::format("parameters: {}", error.what()));
+      waits = true;  // requests may be pending
     }
   } while (!stop.wait_until(clocks::steady_now() + (waits ? retry_period_ns : hour_ns), parameters_wakeup_) &&
            !end.stop_requested());

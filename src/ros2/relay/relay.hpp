@@ -72,7 +72,7 @@ struct RelayOptions {
   std::vector<Input> inputs;
   bool use_sim_time = false;  ///< the time of ROS 2 is that of /clock
   ServicesMode services = ServicesMode::automatic;
-  std::vector<StartupSetting> startup_settings;  ///< for each fusion that appears
+  std::vector<StartupSetting> startup_settings;  ///< sent when a fusion appears and no other is known
   arguments::LogLevel log_level = arguments::LogLevel::info;
   bool rosout = true;  ///< whether log lines are published
 };

@@ -8,7 +8,7 @@
 
 namespace sonopose::ros2::relay {
 
-/// A recording that is played again has stamps of another time than the host's. The delay of a fix is then
+/// A recording that is played back has stamps of another time than the host's. The delay of a fix is then
 /// measured in the clock of the IMU's stamps, because the engines also compare a fix with these.
 class StampClock {
 public:

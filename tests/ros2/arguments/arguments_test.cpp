@@ -82,6 +82,9 @@ TEST_CASE("A single parameter has a YAML value, and may name its node") {
         std::vector<Row>{{"/kart", "mount", "0.2,0,-0.5,0,0,90"}});
   CHECK(rows({parse_parameter("flag:=True")}) == std::vector<Row>{{"/**", "flag", "true"}});
   CHECK_THROWS_WITH(parse_parameter("a:=[1"), Contains("-p a:=[1"));
+  for (const std::string text : {"a:=", "a:={b: 1}", "a:=[[1]]"}) {
+    CHECK_THROWS_AS(parse_parameter(text), std::invalid_argument);
+  }
 }
 
 TEST_CASE("A pattern selects nodes by the parts of their names") {

@@ -217,7 +217,7 @@ SCENARIO("the clock offset of a beacon is the minimum age of its IMU samples") {
 }
 
 SCENARIO("the delay of a fix is measured in the clock of the stamps") {
-  GIVEN("a recording of a day ago that is played again: fixes arrive 200 ms after their stamps") {
+  GIVEN("a recording of a day ago that is played back: fixes arrive 200 ms after their stamps") {
     constexpr TimeNs day_ns = 86'400 * second_ns;
     Rig rig({{Kind::imu, "/imu/data", 7}, {Kind::fix, "/tag", 7}});
     auto imu = rig.driver<ros2::Imu>("/imu/data");

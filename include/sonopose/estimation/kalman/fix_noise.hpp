@@ -13,8 +13,8 @@ namespace sonopose::estimation::kalman {
 /// What remains of an innovation after the correction, as a sample of the noise.
 struct VarianceSample {
   double variance = 0;
-  double weight =
-      0;  ///< (1 − K)²: with the gain K of the correction, 1 − K of the noise is left in the residual
+  /// (1 − K)² with the gain K of the correction: 1 − K of the noise is left in the residual.
+  double weight = 0;
 
   /// `prediction_variance` is that after the correction. A stray residual counts as one of three deviations.
   VarianceSample(double squared_residual, double prediction_variance, double noise_variance);

@@ -5,6 +5,7 @@
 #include <sonopose/ros2/messages/idl_types.hpp>
 #include <sonopose/samples/samples.hpp>
 
+#include <algorithm>
 #include <optional>
 
 namespace sonopose::ros2 {
@@ -39,7 +40,7 @@ private:
 class RateLimit {
 public:
   /// `rate_hz`: 0 for no limit.
-  explicit RateLimit(double rate_hz) : period_ns_(rate_hz > 0 ? to_ns(1 / rate_hz) : 0) {}
+  explicit RateLimit(double rate_hz) : period_ns_(rate_hz > 0 ? to_ns(std::min(1 / rate_hz, 1e6)) : 0) {}
 
   /// Whether the message with this stamp is to be published.
   bool admits(TimeNs stamp_ns);
