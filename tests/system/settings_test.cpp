@@ -287,6 +287,12 @@ private:
   std::jthread thread_;
 };
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr double most_above = 0.6;  // each answer takes much longer
+#else
+constexpr double most_above = 0.1;
+#endif
+
 struct Waits {
   double longest_ms = 0;
   double above_20_ms = 0;  ///< share of the time that was spent in waits above 20 ms
@@ -323,7 +329,7 @@ SCENARIO("a flood of requests delays no pose") {
             "without them {:.1f} ms, {:.1f} %\n",
             flood.sent(), waits.longest_ms, 100 * waits.above_20_ms, quiet.longest_ms,
             100 * quiet.above_20_ms);
-        CHECK(waits.above_20_ms <= quiet.above_20_ms + 0.1);
+        CHECK(waits.above_20_ms <= quiet.above_20_ms + most_above);
       }
     }
   }
