@@ -2,30 +2,25 @@
 
 #include "clocks/clocks.hpp"
 #include "fusion/beacon_estimators.hpp"
-#include "fusion/gap_detector.hpp"
-#include "fusion/input_monitor.hpp"
 #include "fusion/pose_output.hpp"
-#include "fusion/request_server.hpp"
+#include "fusion/settings_server.hpp"
 #include "fusion/status_publisher.hpp"
 #include "process/endpoint_counters.hpp"
-#include "process/silence_detector.hpp"
+#include "process/guarded.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/estimation/prediction.hpp>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <cstdio>
-#include <map>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
-#include <string>
 #include <thread>
 #include <vector>
 
@@ -47,14 +42,14 @@ dds::DomainOptions domain_options(const FusionOptions& options) {
   return domain;
 }
 
-constexpr std::uint64_t InputCounters::*counter_of(const sonopose_ImuSample& /*stream*/) {
-  return &InputCounters::imu_deadlines_missed;
+constexpr std::uint64_t FusionStatus::*counter_of(const sonopose_ImuSample& /*stream*/) {
+  return &FusionStatus::imu_deadlines_missed;
 }
-constexpr std::uint64_t InputCounters::*counter_of(const sonopose_UltrasonicFix& /*stream*/) {
-  return &InputCounters::fix_deadlines_missed;
+constexpr std::uint64_t FusionStatus::*counter_of(const sonopose_UltrasonicFix& /*stream*/) {
+  return &FusionStatus::fix_deadlines_missed;
 }
-constexpr std::uint64_t InputCounters::*counter_of(const sonopose_PairHeading& /*stream*/) {
-  return &InputCounters::heading_deadlines_missed;
+constexpr std::uint64_t FusionStatus::*counter_of(const sonopose_PairHeading& /*stream*/) {
+  return &FusionStatus::heading_deadlines_missed;
 }
 
 }  // namespace
@@ -81,18 +76,11 @@ private:
   void take(dds::DataReader<T>& reader) noexcept;
   void take(dds::DataReader<sonopose_ResetCommand>& reader) noexcept;
   void feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, SteadyTime steady) noexcept;
-  void write(EventOutcome& outcome, TimeNs in_ns, SteadyTime steady) noexcept;
+  void write(EventOutcome& outcome, BeaconAddress address, TimeNs in_ns, SteadyTime steady) noexcept;
   void write(FusedPose& pose, SteadyTime steady) noexcept;
-  void write(const SettingsChange& change) noexcept;
-  std::optional<SettingsReply> answer(const SettingsRequest& request) noexcept;
   [[nodiscard]] std::uint64_t unwritten() const;
   void write_until_accepted(const auto& attempt) noexcept;
   void serve_lossless(const std::stop_token& stop);
-
-  void publish_status(BeaconAddress address);
-  void publish_estimate(BeaconAddress address);
-  void log_fix_refusals(BeaconAddress address);
-  void log_gaps();
 
   /// Passes on the samples and status changes of one topic, on the thread that receives them.
   template <class T>
@@ -125,25 +113,20 @@ private:
   dds::topics::Delivery delivery_;
   TimeNs input_deadline_ns_;
 
-  // Guards the estimators and the state of their inputs. Not held while anything is read or written.
-  std::mutex estimators_mutex_;
-  BeaconEstimators estimators_;
-  InputMonitor inputs_;
-  process::SilenceDetector imu_silences_;
-  std::map<BeaconAddress, std::uint64_t> last_reset_ids_;          // used by the receive thread
-  std::vector<process::SilenceDetector::Change> silence_changes_;  // of poll(), kept for its capacity
+  process::Guarded<BeaconEstimators> estimators_;
+  // Cyclone's receive thread alone takes samples, unless writers in this process deliver theirs themselves.
+  std::mutex taking_;
   std::atomic<std::uint64_t> unwritten_ = 0;
   std::atomic<bool> working_ = false;  // an event is being processed
   std::atomic<bool> stopping_ = false;
-  std::atomic<bool> waited_for_consumer_ = false;  // since the last log_gaps()
-  GapDetector gaps_;
+  std::atomic<bool> waited_for_consumer_ = false;  // since the last status
 
   process::EndpointCounters endpoints_;
   process::CountingWriterListener<sonopose_FixReport> report_listener_{endpoints_};
   PoseOutput output_;
   StatusPublisher status_publisher_;
+  SettingsServer settings_server_;
   dds::DataWriter<sonopose_FixReport> report_writer_;
-  dds::DataWriter<sonopose_EffectiveSettings> settings_writer_;
 
   Listener<sonopose_ImuSample> imu_listener_{*this};
   Listener<sonopose_UltrasonicFix> fix_listener_{*this};
@@ -154,7 +137,6 @@ private:
   dds::DataReader<sonopose_UltrasonicFix> fix_reader_;
   dds::DataReader<sonopose_PairHeading> heading_reader_;
   dds::DataReader<sonopose_ResetCommand> reset_reader_;
-  std::unique_ptr<RequestServer> requests_;
   std::jthread lossless_thread_;
 };
 
@@ -166,21 +148,17 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       delivery_(options.lossless ? dds::topics::Delivery::lossless : dds::topics::Delivery::live),
       input_deadline_ns_(input_deadline_ns(qos_)),
       estimators_(options.config, options.lossless),
-      imu_silences_(input_deadline_ns_),
       output_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, endpoints_),
-      status_publisher_(participant_, qos_, endpoints_),
+      status_publisher_(participant_, qos_, estimators_, output_, endpoints_),
+      settings_server_(participant_, qos_, estimators_, addresses_),
       report_writer_(
-          dds::topics::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)),
-      settings_writer_(dds::topics::make_writer(participant_, qos_, topics::settings)) {
-  write(estimators_.settings_for_all());
+          dds::topics::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)) {
   const auto live = [this](auto& listener) { return lossless_ ? nullptr : &listener; };
   fix_reader_ = dds::topics::make_reader(participant_, qos_, topics::fix, live(fix_listener_), delivery_);
   heading_reader_ =
       dds::topics::make_reader(participant_, qos_, topics::heading, live(heading_listener_), delivery_);
   imu_reader_ = dds::topics::make_reader(participant_, qos_, topics::imu, live(imu_listener_), delivery_);
   reset_reader_ = dds::topics::make_reader(participant_, qos_, topics::reset, &reset_listener_);
-  requests_ = std::make_unique<RequestServer>(
-      participant_, qos_, [this](const SettingsRequest& request) { return answer(request); });
   if (lossless_) {
     lossless_thread_ = std::jthread([this](const std::stop_token& stop) { serve_lossless(stop); });
   }
@@ -193,23 +171,18 @@ FusionNode::Impl::~Impl() {
   fix_reader_.close();
   heading_reader_.close();
   reset_reader_.close();
-  requests_.reset();
   // Unregister, so that consumers learn immediately that the poses end. (Lossless writers would block until
   // there is space; their consumers learn it from the end of the writers.)
-  for (const BeaconAddress address : estimators_.addresses()) {
+  const auto addresses = estimators_.with([](auto& all) { return all.addresses(); });
+  for (const BeaconAddress address : addresses) {
     if (!lossless_) output_.unregister(address);
     status_publisher_.unregister(address);
-    sonopose_EffectiveSettings settings{};
-    settings.address = address;
-    settings_writer_.try_unregister_instance(settings);
   }
-  sonopose_EffectiveSettings for_all{};
-  for_all.address = all_beacons;
-  settings_writer_.try_unregister_instance(for_all);
 }
 
 template <class T>
 void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
+  const std::lock_guard lock(taking_);
   const TimeNs in_ns = clocks::host_now();
   const SteadyTime steady = clocks::steady_now();
   working_ = true;
@@ -223,34 +196,23 @@ void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
 
 void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns,
                             SteadyTime steady) noexcept {
-  std::span<const collation::CollatedEvent> in_line;
-  {
-    const std::lock_guard lock(estimators_mutex_);
-    if (std::holds_alternative<ImuSample>(event)) {
-      inputs_.on_imu(address_of(event), bridge.value);
-      imu_silences_.on_sample(address_of(event), steady);
-    }
-    in_line = estimators_.collate(event, steady);
-  }
+  std::shared_ptr<BeaconEstimator> estimator;
+  const auto in_line = estimators_.with([&](auto& all) {
+    estimator = all.find_or_make(address_of(event));
+    return estimator->collate(event, bridge.value, steady);
+  });
   for (const collation::CollatedEvent& next : in_line) {
-    EventOutcome outcome;
-    {
-      const std::lock_guard lock(estimators_mutex_);
-      outcome = estimators_.process(next);
-    }
-    write(outcome, in_ns, steady);
+    EventOutcome outcome = estimators_.with([&](auto&) { return estimator->process(next); });
+    write(outcome, address_of(event), in_ns, steady);
     if (!std::holds_alternative<ImuSample>(next.event)) {
-      const std::lock_guard lock(estimators_mutex_);
-      estimators_.catch_up(address_of(next.event));
+      estimators_.with([&](auto&) { estimator->catch_up(); });
     }
   }
 }
 
-void FusionNode::Impl::write(EventOutcome& outcome, TimeNs in_ns, SteadyTime steady) noexcept {
-  if (outcome.settings) {
-    output_.set_period(outcome.settings->address,
-                       estimation::prediction_period_ns(outcome.settings->settings.output));
-  }
+void FusionNode::Impl::write(EventOutcome& outcome, BeaconAddress address, TimeNs in_ns,
+                             SteadyTime steady) noexcept {
+  if (outcome.prediction_period_ns) output_.set_period(address, *outcome.prediction_period_ns);
   if (auto* pose = std::get_if<FusedPose>(&outcome.result)) {
     pose->fusion_in_time_ns = in_ns;
     write(*pose, steady);
@@ -258,21 +220,12 @@ void FusionNode::Impl::write(EventOutcome& outcome, TimeNs in_ns, SteadyTime ste
     const auto sample = dds::topics::to_idl(*report);
     write_until_accepted([&] { return report_writer_.try_write(sample); });
   }
-  if (outcome.settings) write(*outcome.settings);
+  if (outcome.prediction_period_ns) settings_server_.on_change();
 }
 
 void FusionNode::Impl::write(FusedPose& pose, SteadyTime steady) noexcept {
   auto& writer = output_.writer_for(pose, steady);
   write_until_accepted([&] { return output_.write(writer, pose); });
-}
-
-void FusionNode::Impl::write(const SettingsChange& change) noexcept {
-  const EffectiveSettings settings{.address = change.address,
-                                   .time_ns = clocks::host_now(),
-                                   .from_sequence = change.from_sequence,
-                                   .values = config::texts_of(change.settings)};
-  const auto sample = dds::topics::to_idl(settings);
-  write_until_accepted([&] { return settings_writer_.try_write(sample.sample()); });
 }
 
 /// In lossless mode `attempt` is repeated until a slow consumer has space.
@@ -288,30 +241,12 @@ void FusionNode::Impl::write_until_accepted(const auto& attempt) noexcept {
 
 void FusionNode::Impl::take(dds::DataReader<sonopose_ResetCommand>& reader) noexcept {
   reader.try_take_each([this](const sonopose_ResetCommand& command, const dds::SampleInfo&) {
-    std::uint64_t& last_id = last_reset_ids_[command.address];
-    if (command.request_id != 0 && command.request_id == last_id) return;
-    last_id = command.request_id;
-    const std::lock_guard lock(estimators_mutex_);
-    estimators_.reset(command.address);
+    estimators_.with([&](auto& all) { all.reset(command.address, command.request_id); });
   });
 }
 
-/// On the thread of the requests.
-std::optional<SettingsReply> FusionNode::Impl::answer(const SettingsRequest& request) noexcept {
-  if (request.address != all_beacons && !addresses_.contains(request.address)) return std::nullopt;
-  SettingsReply reply;
-  std::optional<SettingsChange> for_all;
-  {
-    const std::lock_guard lock(estimators_mutex_);
-    reply = estimators_.change_settings(request);
-    if (reply.accepted && reply.address == all_beacons) for_all = estimators_.settings_for_all();
-  }
-  if (for_all) write(*for_all);  // before the reply, so that the client reads the new settings
-  return reply;
-}
-
 std::uint64_t FusionNode::Impl::unwritten() const {
-  return unwritten_ + output_.unwritten() + (requests_ ? requests_->unwritten() : 0);
+  return unwritten_ + output_.unwritten() + settings_server_.unwritten();
 }
 
 void FusionNode::Impl::serve_lossless(const std::stop_token& stop) {
@@ -337,16 +272,21 @@ void FusionNode::Impl::on_deadline_missed(dds::DataReader<T>& reader,
     T key{};
     if (status.total_count_change <= 0 || reader.try_key_value(key, {status.last_instance_handle}) < 0)
       return;
-    const std::lock_guard lock(estimators_mutex_);
-    inputs_.on_deadline_missed(key.address, counter_of(key),
-                               static_cast<std::uint64_t>(status.total_count_change));
+    estimators_.with([&](auto& all) {
+      BeaconEstimator* const estimator = all.find(key.address);
+      if (estimator == nullptr) return;
+      estimator->on_deadline_missed(counter_of(key), static_cast<std::uint64_t>(status.total_count_change));
+    });
   }
 }
 
 void FusionNode::Impl::on_bridge_liveliness(const dds::LivelinessChangedStatus& status) noexcept {
   if (status.not_alive_count_change <= 0) return;
-  const std::lock_guard lock(estimators_mutex_);
-  inputs_.on_bridge_lost(status.last_publication_handle);
+  estimators_.with([&](auto& all) {
+    all.for_each([&](BeaconAddress, BeaconEstimator& estimator) {
+      estimator.on_bridge_lost(status.last_publication_handle);
+    });
+  });
 }
 
 // Status
@@ -354,12 +294,13 @@ void FusionNode::Impl::on_bridge_liveliness(const dds::LivelinessChangedStatus& 
 void FusionNode::Impl::poll() {
   const SteadyTime now = clocks::steady_now();
   output_.poll(now, working_);
-  silence_changes_.clear();
-  {
-    const std::lock_guard lock(estimators_mutex_);
-    imu_silences_.find_changes(now, silence_changes_);
-  }
-  for (const auto& change : silence_changes_) publish_status(change.address);
+  std::vector<BeaconAddress> changed;  // rarely any
+  estimators_.with([&](auto& all) {
+    all.for_each([&](BeaconAddress address, BeaconEstimator& estimator) {
+      if (estimator.find_silence_change(now, input_deadline_ns_)) changed.push_back(address);
+    });
+  });
+  for (const BeaconAddress address : changed) status_publisher_.publish_status(address, unwritten());
 }
 
 void FusionNode::Impl::hand_over() {
@@ -374,65 +315,8 @@ void FusionNode::Impl::hand_over() {
 }
 
 void FusionNode::Impl::publish_statuses() {
-  std::vector<BeaconAddress> addresses;
-  {
-    const std::lock_guard lock(estimators_mutex_);
-    addresses = estimators_.addresses();
-  }
-  for (const BeaconAddress address : addresses) {
-    publish_status(address);
-    publish_estimate(address);
-    log_fix_refusals(address);
-  }
-  if (lossless_) log_gaps();
-  status_publisher_.log_losses(unwritten());
-}
-
-void FusionNode::Impl::publish_status(BeaconAddress address) {
-  std::optional<FusionStatus> status;
-  InputCounters inputs;
-  {
-    const std::lock_guard lock(estimators_mutex_);
-    status = estimators_.status(address);
-    if (!status) return;
-    status->imu_silent = imu_silences_.is_silent(address);
-    inputs = inputs_.counters(address);
-  }
-  status->role = output_.role(address);
-  status->poses_late = output_.poses_late(address);
-  status->strength = output_.strength();
-  if (!status_publisher_.publish(*status, inputs, unwritten())) ++unwritten_;
-}
-
-void FusionNode::Impl::publish_estimate(BeaconAddress address) {
-  std::optional<Estimate> estimate;
-  {
-    const std::lock_guard lock(estimators_mutex_);
-    estimate = estimators_.estimate(address);
-  }
-  if (estimate && !status_publisher_.publish(*estimate)) ++unwritten_;
-}
-
-void FusionNode::Impl::log_fix_refusals(BeaconAddress address) {
-  std::optional<std::string> text;
-  {
-    const std::lock_guard lock(estimators_mutex_);
-    text = estimators_.fix_refusals(address, clocks::steady_now());
-  }
-  if (text) fmt::print(stderr, "sonopose-fusion: beacon {}: {}\n", address, *text);
-}
-
-void FusionNode::Impl::log_gaps() {
-  if (waited_for_consumer_.exchange(false)) gaps_.start_over();
-  std::vector<std::string> texts;
-  {
-    const std::lock_guard lock(estimators_mutex_);
-    for (const BeaconAddress address : estimators_.addresses()) {
-      if (auto text = gaps_.on(address, estimators_.gap(address), clocks::steady_now()))
-        texts.push_back(*std::move(text));
-    }
-  }
-  for (const std::string& text : texts) fmt::print(stderr, "sonopose-fusion: {}\n", text);
+  status_publisher_.publish_all(unwritten());
+  if (lossless_) status_publisher_.log_gaps(waited_for_consumer_.exchange(false));
 }
 
 FusionNode::FusionNode(const FusionOptions& options) : impl_(std::make_unique<Impl>(options)) {}

@@ -7,39 +7,88 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace sonopose::fusion {
 
 namespace topics = dds::topics;
 
 StatusPublisher::StatusPublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                                 process::Guarded<BeaconEstimators>& estimators, const PoseOutput& output,
                                  process::EndpointCounters& endpoints)
     : fusion_id_(process::random_id()),
+      estimators_(estimators),
+      output_(output),
       endpoints_(endpoints),
       status_listener_(endpoints),
       status_writer_(topics::make_writer(participant, qos, topics::fusion_status, &status_listener_)),
       estimate_writer_(topics::make_writer(participant, qos, topics::estimate)) {}
 
-bool StatusPublisher::publish(FusionStatus status, const InputCounters& inputs,
-                              std::uint64_t unwritten) noexcept {
-  status.fusion_id = fusion_id_;
-  status.time_ns = clocks::host_now();
-  status.imu_deadlines_missed = inputs.imu_deadlines_missed;
-  status.fix_deadlines_missed = inputs.fix_deadlines_missed;
-  status.heading_deadlines_missed = inputs.heading_deadlines_missed;
-  status.bridge_losses = inputs.bridge_losses;
-  status.pose_deadlines_missed = endpoints_.offered_deadlines_missed;
-  status.liveliness_lost = endpoints_.liveliness_lost;
-  status.samples_lost = endpoints_.samples_lost;
-  status.samples_rejected = endpoints_.samples_rejected;
-  status.incompatible_qos = endpoints_.incompatible_qos;
-  status.poses_unwritten = unwritten;
-  return status_writer_.try_write(topics::to_idl(status)) >= 0;
+void StatusPublisher::publish_all(std::uint64_t unwritten) {
+  const auto addresses = estimators_.with([](auto& all) { return all.addresses(); });
+  for (const BeaconAddress address : addresses) {
+    publish_status(address, unwritten);
+    publish_estimate(address);
+    log_fix_refusals(address);
+  }
+  log_losses(unwritten + unwritten_);
 }
 
-bool StatusPublisher::publish(Estimate estimate) noexcept {
-  estimate.fusion_id = fusion_id_;
-  return estimate_writer_.try_write(topics::to_idl(estimate)) >= 0;
+void StatusPublisher::publish_status(BeaconAddress address, std::uint64_t unwritten) {
+  auto status = estimators_.with([address](auto& all) -> std::optional<FusionStatus> {
+    const BeaconEstimator* estimator = all.find(address);
+    if (estimator == nullptr) return std::nullopt;
+    return estimator->status();
+  });
+  if (!status) return;
+  status->fusion_id = fusion_id_;
+  status->time_ns = clocks::host_now();
+  status->role = output_.role(address);
+  status->strength = output_.strength();
+  status->poses_late = output_.poses_late(address);
+  status->poses_unwritten = unwritten + unwritten_;
+  status->pose_deadlines_missed = endpoints_.offered_deadlines_missed;
+  status->liveliness_lost = endpoints_.liveliness_lost;
+  status->samples_lost = endpoints_.samples_lost;
+  status->samples_rejected = endpoints_.samples_rejected;
+  status->incompatible_qos = endpoints_.incompatible_qos;
+  if (status_writer_.try_write(topics::to_idl(*status)) < 0) ++unwritten_;
+}
+
+void StatusPublisher::publish_estimate(BeaconAddress address) {
+  auto estimate = estimators_.with([address](auto& all) -> std::optional<Estimate> {
+    const BeaconEstimator* estimator = all.find(address);
+    if (estimator == nullptr) return std::nullopt;
+    return estimator->estimate();
+  });
+  if (!estimate) return;
+  estimate->fusion_id = fusion_id_;
+  if (estimate_writer_.try_write(topics::to_idl(*estimate)) < 0) ++unwritten_;
+}
+
+void StatusPublisher::log_fix_refusals(BeaconAddress address) {
+  const auto text = estimators_.with([address](auto& all) -> std::optional<std::string> {
+    BeaconEstimator* estimator = all.find(address);
+    if (estimator == nullptr) return std::nullopt;
+    return estimator->fix_refusals(clocks::steady_now());
+  });
+  if (text) fmt::print(stderr, "sonopose-fusion: beacon {}: {}\n", address, *text);
+}
+
+void StatusPublisher::log_gaps(bool waited_for_consumer) {
+  if (waited_for_consumer) gaps_.start_over();
+  std::vector<std::string> texts;
+  estimators_.with([&](auto& all) {
+    all.for_each([&](BeaconAddress address, const BeaconEstimator& estimator) {
+      if (auto text = gaps_.on(address, estimator.gap(), clocks::steady_now())) {
+        texts.push_back(*std::move(text));
+      }
+    });
+  });
+  for (const std::string& text : texts) fmt::print(stderr, "sonopose-fusion: {}\n", text);
 }
 
 void StatusPublisher::log_losses(std::uint64_t unwritten) {

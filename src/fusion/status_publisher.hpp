@@ -1,43 +1,54 @@
 #pragma once
 /// \file
-/// Publishes a fusion's status and estimates of each beacon, and logs what it could not deliver.
+/// Publishes a fusion's status and estimates of each beacon, and logs what the user has to know.
 
-#include "fusion/input_monitor.hpp"
+#include "fusion/beacon_estimators.hpp"
+#include "fusion/gap_detector.hpp"
+#include "fusion/pose_output.hpp"
 #include "process/endpoint_counters.hpp"
+#include "process/guarded.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/topics.hpp>
-#include <sonopose/samples/pose.hpp>
-#include <sonopose/samples/status.hpp>
 
 #include <cstdint>
 
 namespace sonopose::fusion {
 
-/// `endpoints` are the counters of all endpoints of the process.
+/// Used by one thread. `endpoints` are the counters of all endpoints of the process.
 class StatusPublisher {
 public:
   StatusPublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                  process::Guarded<BeaconEstimators>& estimators, const PoseOutput& output,
                   process::EndpointCounters& endpoints);
 
-  /// Adds what the process knows to `status` and writes it. `unwritten`: poses and reports that could not be
-  /// written since the start. Returns false if the status could not be written.
-  [[nodiscard]] bool publish(FusionStatus status, const InputCounters& inputs,
-                             std::uint64_t unwritten) noexcept;
-  [[nodiscard]] bool publish(Estimate estimate) noexcept;
+  /// Publishes the status and the estimate of every beacon, and logs what was lost and refused since the last
+  /// call. `unwritten`: samples of other topics that could not be written since the start.
+  void publish_all(std::uint64_t unwritten);
 
-  /// Logs the poses and reports that could not be written, and the incompatible endpoints, since the last
-  /// call.
-  void log_losses(std::uint64_t unwritten);
+  /// Publishes the status of one beacon.
+  void publish_status(BeaconAddress address, std::uint64_t unwritten);
+
+  /// Logs lossless beacons that wait for a lost event. `waited_for_consumer`: no events were taken for a part
+  /// of the time since the last call.
+  void log_gaps(bool waited_for_consumer);
 
   /// Unregisters a beacon, so that consumers learn immediately that its status ends.
   void unregister(BeaconAddress address) noexcept;
 
 private:
+  void publish_estimate(BeaconAddress address);
+  void log_fix_refusals(BeaconAddress address);
+  void log_losses(std::uint64_t unwritten);
+
   std::uint64_t fusion_id_;
+  process::Guarded<BeaconEstimators>& estimators_;
+  const PoseOutput& output_;
   process::EndpointCounters& endpoints_;
   process::CountingWriterListener<sonopose_FusionStatus> status_listener_;
   dds::DataWriter<sonopose_FusionStatus> status_writer_;
   dds::DataWriter<sonopose_Estimate> estimate_writer_;
+  GapDetector gaps_;
+  std::uint64_t unwritten_ = 0;  ///< statuses and estimates
   std::uint64_t unwritten_reported_ = 0;
   std::uint64_t incompatible_reported_ = 0;
 };

@@ -2,20 +2,18 @@
 
 namespace sonopose::process {
 
-void SilenceDetector::find_changes(SteadyTime now, std::vector<Change>& changes) {
-  for (auto& [address, beacon] : beacons_) {
-    const bool silent = now - beacon.latest > deadline_ns_;
-    if (silent == beacon.silent) continue;
-    beacon.silent = silent;
-    if (silent) beacon.silent_since = beacon.latest;
-    const SteadyTime until = silent ? now : beacon.latest;
-    changes.push_back({address, silent, seconds_between(beacon.silent_since, until)});
-  }
+std::optional<Silence::Change> Silence::find_change(SteadyTime now, TimeNs deadline_ns) {
+  const bool silent = now - latest_ > deadline_ns;
+  if (silent == silent_) return std::nullopt;
+  silent_ = silent;
+  if (silent) silent_since_ = latest_;
+  return Change{silent, seconds_between(silent_since_, silent ? now : latest_)};
 }
 
-bool SilenceDetector::is_silent(BeaconAddress address) const {
-  const auto found = beacons_.find(address);
-  return found != beacons_.end() && found->second.silent;
+void SilenceDetector::find_changes(SteadyTime now, std::vector<Change>& changes) {
+  for (auto& [address, silence] : beacons_) {
+    if (const auto change = silence.find_change(now, deadline_ns_)) changes.push_back({*change, address});
+  }
 }
 
 }  // namespace sonopose::process

@@ -5,10 +5,33 @@
 
 #include <sonopose/samples/samples.hpp>
 
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
 namespace sonopose::process {
+
+/// The silence of one stream of one beacon. Not thread-safe.
+class Silence {
+public:
+  void on_sample(SteadyTime now) { latest_ = now; }
+
+  struct Change {
+    bool silent = false;
+    double lasted_s = 0;  ///< how long the silence has lasted, or lasted until the next sample
+  };
+  /// Returns whether the stream fell silent or resumed since the last call. It is silent without a sample for
+  /// longer than `deadline_ns`.
+  std::optional<Change> find_change(SteadyTime now, TimeNs deadline_ns);
+
+  [[nodiscard]] bool is_silent() const { return silent_; }
+  [[nodiscard]] SteadyTime latest() const { return latest_; }
+
+private:
+  SteadyTime latest_;
+  bool silent_ = false;
+  SteadyTime silent_since_;
+};
 
 /// All beacons of one stream. Not thread-safe. Allocates at a beacon's first sample only.
 class SilenceDetector {
@@ -16,26 +39,17 @@ public:
   /// `deadline_ns`: a beacon without a sample for longer than this is silent.
   explicit SilenceDetector(TimeNs deadline_ns) : deadline_ns_(deadline_ns) {}
 
-  void on_sample(BeaconAddress address, SteadyTime now) { beacons_[address].latest = now; }
+  void on_sample(BeaconAddress address, SteadyTime now) { beacons_[address].on_sample(now); }
 
-  struct Change {
+  struct Change : Silence::Change {
     BeaconAddress address = 0;
-    bool silent = false;
-    double lasted_s = 0;  ///< how long the silence has lasted, or lasted until the next sample
   };
   /// Appends to `changes` the beacons that fell silent or resumed since the last call.
   void find_changes(SteadyTime now, std::vector<Change>& changes);
 
-  [[nodiscard]] bool is_silent(BeaconAddress address) const;
-
 private:
-  struct Beacon {
-    SteadyTime latest;
-    bool silent = false;
-    SteadyTime silent_since;
-  };
   TimeNs deadline_ns_;
-  std::unordered_map<BeaconAddress, Beacon> beacons_;
+  std::unordered_map<BeaconAddress, Silence> beacons_;
 };
 
 }  // namespace sonopose::process

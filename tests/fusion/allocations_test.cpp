@@ -14,26 +14,28 @@ using namespace sonopose::fusion::test;
 
 SCENARIO("a live event does not allocate, even while a change waits and when it applies") {
   const auto events = walk(7, 10.0);
-  BeaconEstimators estimators({}, false);
+  process::Guarded<BeaconEstimators> estimators(config::FusionConfig{}, false);
   std::size_t poses = 0;
   std::size_t changes = 0;
   const auto allocated_by = [&](std::size_t first, std::size_t last) {
     const std::size_t before = sonopose::test::allocations();
     for (std::size_t i = first; i < last; ++i) {
-      for (const auto& next : estimators.collate(events[i], SteadyTime{available_at_ns(events[i])})) {
-        const EventOutcome outcome = estimators.process(next);
+      const auto estimator = estimators.with([](auto& all) { return all.find_or_make(7); });
+      for (const auto& next : estimator->collate(events[i], 0, SteadyTime{available_at_ns(events[i])})) {
+        const EventOutcome outcome = estimator->process(next);
         if (std::holds_alternative<FusedPose>(outcome.result)) ++poses;
-        if (outcome.settings) ++changes;
+        if (outcome.prediction_period_ns) ++changes;
       }
     }
     return sonopose::test::allocations() - before;
   };
   CHECK(allocated_by(0, 1) > 0);  // the engine: so they are counted
   CHECK(allocated_by(1, 300) == 0);
-  estimators.change_settings({.address = 7,
-                              .request_id = 1,
-                              .from_sequence = sequence_of(events[400]),
-                              .assignments = {{"trust.sigma_m", "0.5"}}});
+  SettingsRequests(estimators)
+      .answer({.address = 7,
+               .request_id = 1,
+               .from_sequence = sequence_of(events[400]),
+               .assignments = {{"trust.sigma_m", "0.5"}}});
   CHECK(allocated_by(300, events.size()) == 0);
   CHECK(poses == 1000);
   CHECK(changes == 2);
@@ -49,8 +51,10 @@ SCENARIO("a live event does not allocate with any attitude filter") {
     const auto push = [&](Event event) {
       if (auto* imu = std::get_if<ImuSample>(&event)) imu->magnetic_field_body_t = Vector3d(20e-6, 0, -40e-6);
       const std::size_t before = sonopose::test::allocations();
-      for (const auto& next : estimators.collate(event, SteadyTime{available_at_ns(event)}))
-        estimators.process(next);
+      const auto estimator = estimators.find_or_make(7);
+      for (const auto& next : estimator->collate(event, 0, SteadyTime{available_at_ns(event)})) {
+        estimator->process(next);
+      }
       return sonopose::test::allocations() - before;
     };
     INFO(filter);

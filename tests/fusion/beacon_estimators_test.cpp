@@ -31,16 +31,16 @@ SCENARIO("each beacon has its own estimator") {
       CHECK_FALSE(same(feeder.poses_of(7), feeder.poses_of(8)));
     }
     THEN("each one's status counts its own") {
-      auto addresses = feeder.estimators.addresses();
+      auto addresses = feeder.estimators.with([](auto& all) { return all.addresses(); });
       std::sort(addresses.begin(), addresses.end());
       CHECK(addresses == std::vector<BeaconAddress>{7, 8});
-      const auto status = feeder.estimators.status(8);
+      const auto status = feeder.status(8);
       REQUIRE(status);
       CHECK(status->address == 8);
       CHECK(status->imu_samples == 500);
       CHECK(status->fixes_used + status->fixes_rejected + status->headings + 500 == eight.size());
       CHECK(status->events_lost == 0);
-      CHECK_FALSE(feeder.estimators.status(9));
+      CHECK_FALSE(feeder.status(9));
     }
     THEN("every fix has its report") {
       const auto is_fix = [](const Event& event) { return std::holds_alternative<UltrasonicFix>(event); };
@@ -49,17 +49,17 @@ SCENARIO("each beacon has its own estimator") {
       CHECK(feeder.reports.size() == static_cast<std::size_t>(fixes));
     }
     WHEN("one is reset") {
-      feeder.estimators.reset(7);
+      feeder.reset(7);
       THEN("its counter rises and the other's does not") {
-        CHECK(feeder.estimators.status(7)->reset_counter == 1);
-        CHECK(feeder.estimators.status(8)->reset_counter == 0);
+        CHECK(feeder.status(7)->reset_counter == 1);
+        CHECK(feeder.status(8)->reset_counter == 0);
       }
     }
     WHEN("all are reset") {
-      feeder.estimators.reset(all_beacons);
+      feeder.reset(all_beacons);
       THEN("both counters rise") {
-        CHECK(feeder.estimators.status(7)->reset_counter == 1);
-        CHECK(feeder.estimators.status(8)->reset_counter == 1);
+        CHECK(feeder.status(7)->reset_counter == 1);
+        CHECK(feeder.status(8)->reset_counter == 1);
       }
     }
   }
@@ -80,8 +80,8 @@ SCENARIO("each beacon has its own estimator") {
         if (const auto* pose = std::get_if<FusedPose>(&output)) expected.push_back(*pose);
       }
       CHECK(same(feeder.poses_of(8), expected));
-      CHECK_FALSE(feeder.estimators.estimate(7)->lever_arm_body_m);
-      CHECK(feeder.estimators.estimate(8)->lever_arm_body_m);
+      CHECK_FALSE(feeder.estimate(7).lever_arm_body_m);
+      CHECK(feeder.estimate(8).lever_arm_body_m);
     }
   }
   GIVEN("a fix that comes two seconds after its measurement, and an impossible one") {
@@ -91,7 +91,7 @@ SCENARIO("each beacon has its own estimator") {
     Feeder feeder(lossless, config);
     const auto events = walk(7, 5.0);
     feeder.push_all(events);
-    const auto before = feeder.estimators.status(7);
+    const auto before = feeder.status(7);
     UltrasonicFix late;
     late.address = 7;
     late.sequence = events.size() + 1;
@@ -108,8 +108,8 @@ SCENARIO("each beacon has its own estimator") {
       CHECK(feeder.reports.rbegin()[1].flags == fix_too_late);
       CHECK(feeder.reports.back().flags == fix_invalid);
       CHECK(before->fixes_late == 0);
-      CHECK(feeder.estimators.status(7)->fixes_late == 1);
-      CHECK(feeder.estimators.status(7)->fixes_rejected == before->fixes_rejected + 2);
+      CHECK(feeder.status(7)->fixes_late == 1);
+      CHECK(feeder.status(7)->fixes_rejected == before->fixes_rejected + 2);
     }
   }
   GIVEN("a setting that differs for one beacon: its pair stands across") {
@@ -135,7 +135,7 @@ SCENARIO("events that arrive out of order are put in order") {
     for (const Event& event : mixed) feeder.push(event, arrival += ms / 10);
     THEN("the poses are those of the right order") {
       CHECK(same(feeder.poses_of(7), poses_of_estimator(events)));
-      CHECK(feeder.estimators.status(7)->events_lost == 0);
+      CHECK(feeder.status(7)->events_lost == 0);
     }
   }
   GIVEN("an event that never comes") {
@@ -148,7 +148,7 @@ SCENARIO("events that arrive out of order are put in order") {
     feeder.push_all(missing);
     THEN("live, it is counted as lost after the timeout; every IMU sample has its pose") {
       CHECK(feeder.poses.size() == 500);
-      CHECK(feeder.estimators.status(7)->events_lost == 1);
+      CHECK(feeder.status(7)->events_lost == 1);
     }
   }
   GIVEN("the same where nothing may be lost") {
@@ -162,8 +162,44 @@ SCENARIO("events that arrive out of order are put in order") {
       CHECK(before < 250);
       feeder.push(straggler);
       CHECK(same(feeder.poses, poses_of_estimator(events)));
-      CHECK(feeder.estimators.status(7)->events_lost == 0);
+      CHECK(feeder.status(7)->events_lost == 0);
     }
+  }
+}
+
+SCENARIO("a repeated reset does nothing") {
+  Feeder feeder(false);
+  feeder.push_all(walk(7, 1.0));
+  feeder.reset(7, 41);
+  feeder.reset(7, 41);
+  CHECK(feeder.status(7)->reset_counter == 1);
+  feeder.reset(7, 42);
+  CHECK(feeder.status(7)->reset_counter == 2);
+  WHEN("the requests have no id") {
+    feeder.reset(7);
+    feeder.reset(7);
+    THEN("each one counts") {
+      CHECK(feeder.status(7)->reset_counter == 4);
+    }
+  }
+}
+
+SCENARIO("missed deadlines and the loss of a bridge are counted") {
+  BeaconEstimator seven(7, SettingsTimeline(config::BeaconSettings{}), false);
+  seven.on_deadline_missed(&FusionStatus::imu_deadlines_missed, 2);
+  seven.on_deadline_missed(&FusionStatus::fix_deadlines_missed, 1);
+  CHECK(seven.status().imu_deadlines_missed == 2);
+  CHECK(seven.status().fix_deadlines_missed == 1);
+  CHECK(seven.status().heading_deadlines_missed == 0);
+  seven.collate(ImuSample{}, 100, SteadyTime{begin_ns});
+  seven.on_bridge_lost(200);  // sends other beacons
+  CHECK(seven.status().bridge_losses == 0);
+  seven.on_bridge_lost(100);
+  CHECK(seven.status().bridge_losses == 1);
+  WHEN("the beacon has moved to another bridge") {
+    seven.collate(ImuSample{}, 200, SteadyTime{begin_ns});
+    seven.on_bridge_lost(100);
+    CHECK(seven.status().bridge_losses == 1);
   }
 }
 
@@ -177,7 +213,7 @@ SCENARIO("a bridge that restarts") {
       SteadyTime arrival{begin_ns + 10'000 * ms};
       for (const Event& event : walk(7, 5.0)) feeder.push(event, arrival += ms);
       THEN("the estimator is reset too") {
-        CHECK(feeder.estimators.status(7)->reset_counter == 1);
+        CHECK(feeder.status(7)->reset_counter == 1);
         REQUIRE(feeder.poses.size() >= 495);  // live, the first numbers pass before the restart is certain
         CHECK(feeder.poses.back().reset_counter == 1);
         CHECK(
@@ -189,7 +225,7 @@ SCENARIO("a bridge that restarts") {
       feeder.poses.clear();
       feeder.push_all(walk(7, 5.0, begin_ns + 5'000 * ms));
       THEN("the engine goes on with what it knows") {
-        CHECK(feeder.estimators.status(7)->reset_counter == 0);
+        CHECK(feeder.status(7)->reset_counter == 0);
         CHECK(feeder.poses.size() >= 495);
         CHECK((feeder.poses.front().status & status_initialising) == 0U);
       }

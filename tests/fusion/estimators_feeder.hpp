@@ -2,6 +2,8 @@
 // Events of a simulated beacon, and estimators that process them.
 
 #include "fusion/beacon_estimators.hpp"
+#include "fusion/settings_requests.hpp"
+#include "process/guarded.hpp"
 #include "sim/simulator.hpp"
 #include "support/bits.hpp"
 
@@ -49,12 +51,29 @@ struct Feeder {
   explicit Feeder(bool lossless, const config::FusionConfig& config = documented_config())
       : estimators(config, lossless) {}
 
+  std::optional<FusionStatus> status(BeaconAddress address) {
+    return estimators.with([&](auto& all) {
+      const BeaconEstimator* const estimator = all.find(address);
+      return estimator == nullptr ? std::nullopt : std::optional(estimator->status());
+    });
+  }
+  Estimate estimate(BeaconAddress address) {
+    return estimators.with([&](auto& all) { return all.find(address)->estimate(); });
+  }
+  void reset(BeaconAddress address, std::uint64_t request_id = 0) {
+    estimators.with([&](auto& all) { all.reset(address, request_id); });
+  }
+  SettingsChange settings_for_all() {
+    return estimators.with([](auto& all) { return all.settings_for_all(); });
+  }
+
   /// An event that arrived when it became available.
   void push(const Event& event) { push(event, SteadyTime{available_at_ns(event)}); }
   void push(const Event& event, SteadyTime arrival) {
-    for (const auto& next : estimators.collate(event, arrival)) {
-      const EventOutcome outcome = estimators.process(next);
-      if (outcome.settings) changes.push_back(*outcome.settings);
+    const auto estimator = estimators.with([&](auto& all) { return all.find_or_make(address_of(event)); });
+    for (const auto& next : estimator->collate(event, 0, arrival)) {
+      const EventOutcome outcome = estimator->process(next);
+      if (outcome.prediction_period_ns) changes.push_back(*estimator->take_settings_change());
       if (const auto* pose = std::get_if<FusedPose>(&outcome.result)) poses.push_back(*pose);
       if (const auto* report = std::get_if<FixReport>(&outcome.result)) reports.push_back(*report);
     }
@@ -77,7 +96,8 @@ struct Feeder {
     return found;
   }
 
-  BeaconEstimators estimators;
+  process::Guarded<BeaconEstimators> estimators;
+  SettingsRequests requests{estimators};
   std::vector<FusedPose> poses;
   std::vector<FixReport> reports;
   std::vector<SettingsChange> changes;

@@ -43,7 +43,7 @@ SCENARIO("a change applies exactly from the requested event on") {
   GIVEN("a fusion without samples") {
     Feeder feeder(lossless);
     WHEN("the request comes before the beacon does") {
-      const auto reply = feeder.estimators.change_settings(request(7, user_balance, from, 42));
+      const auto reply = feeder.requests.answer(request(7, user_balance, from, 42));
       feeder.push_all(events);
       THEN("it is accepted under its name, and the poses are those of an engine configured there") {
         CHECK(reply == SettingsReply{7, 42, true, "", from});
@@ -60,7 +60,7 @@ SCENARIO("a change applies exactly from the requested event on") {
     }
     WHEN("it comes while the beacon sends, well before its event") {
       push_range(feeder, events, 1, 300);
-      const auto reply = feeder.estimators.change_settings(request(7, user_balance, from));
+      const auto reply = feeder.requests.answer(request(7, user_balance, from));
       push_range(feeder, events, 301, to_the_end);
       THEN("it is the same") {
         CHECK(reply.from_sequence == from);
@@ -69,8 +69,7 @@ SCENARIO("a change applies exactly from the requested event on") {
     }
     WHEN("it names no event, or one that is past, just before that event") {
       push_range(feeder, events, 1, from - 1);
-      const auto reply =
-          feeder.estimators.change_settings(request(7, user_balance, GENERATE(0U, 1U, 400U, 699U)));
+      const auto reply = feeder.requests.answer(request(7, user_balance, GENERATE(0U, 1U, 400U, 699U)));
       push_range(feeder, events, from, to_the_end);
       THEN("it applies from the next one on, which the reply names") {
         CHECK(reply.accepted);
@@ -81,7 +80,7 @@ SCENARIO("a change applies exactly from the requested event on") {
     }
     WHEN("it is for all beacons") {
       push_range(feeder, events, 1, 300);
-      const auto reply = feeder.estimators.change_settings(request(all_beacons, user_balance, from, 9));
+      const auto reply = feeder.requests.answer(request(all_beacons, user_balance, from, 9));
       push_range(feeder, events, 301, to_the_end);
       THEN("the same") {
         CHECK(reply == SettingsReply{all_beacons, 9, true, "", from, "7: event 700"});
@@ -95,21 +94,21 @@ SCENARIO("the event counts in the order of the numbers, not of the arrivals") {
   const auto events = walk(7, 10.0);
   const std::uint64_t from = 700;
   Feeder feeder(false);
-  feeder.estimators.change_settings(request(7, user_balance, from));
+  feeder.requests.answer(request(7, user_balance, from));
   push_range(feeder, events, 1, from - 3);
   // 698 comes last of these six
   for (const std::uint64_t number : {699U, 700U, 701U, 702U, 703U, 698U}) {
     feeder.push(events[number - 1], SteadyTime{begin_ns});
   }
   push_range(feeder, events, 704, to_the_end);
-  CHECK(feeder.estimators.status(7)->events_lost == 0);
+  CHECK(feeder.status(7)->events_lost == 0);
   CHECK(same(feeder.poses, poses_of_estimator(events, with_user_balance(), from)));
 }
 
 SCENARIO("a change keeps what the engine knows") {
   Feeder feeder(false);
   feeder.push_all(walk(7, 5.0));
-  feeder.estimators.change_settings(request(7, {{"trust.sigma_m", "0.3"}}));
+  feeder.requests.answer(request(7, {{"trust.sigma_m", "0.3"}}));
   const FusedPose before = feeder.poses.back();
   const std::size_t count = feeder.poses.size();
   auto rest = walk(7, 6.0);
@@ -125,7 +124,7 @@ SCENARIO("a request that cannot be carried out changes nothing") {
   Feeder feeder(false);
   push_range(feeder, events, 1, 300);
   const auto refused = [&feeder](const SettingsRequest& wrong) {
-    const SettingsReply reply = feeder.estimators.change_settings(wrong);
+    const SettingsReply reply = feeder.requests.answer(wrong);
     CHECK_FALSE(reply.accepted);
     CHECK(reply.from_sequence == 0);
     CHECK(reply.request_id == wrong.request_id);
@@ -154,10 +153,10 @@ SCENARIO("a request for all beacons leaves a beacon's own settings alone") {
     for (const BeaconAddress address : std::initializer_list<BeaconAddress>{7, 8, 9}) {
       feeder.push_all(walk(address, 1.0));
     }
-    REQUIRE(feeder.estimators.change_settings(request(8, {{"trust.sigma_m", "0.8"}})).accepted);
+    REQUIRE(feeder.requests.answer(request(8, {{"trust.sigma_m", "0.8"}})).accepted);
     WHEN("all are given another") {
-      const auto reply = feeder.estimators.change_settings(
-          request(all_beacons, {{"trust.sigma_m", "0.5"}, {"trust.n_base", "9"}}));
+      const auto reply =
+          feeder.requests.answer(request(all_beacons, {{"trust.sigma_m", "0.5"}, {"trust.n_base", "9"}}));
       CHECK(reply.accepted);
       CHECK(reply.from_sequence == 0);
       for (const BeaconAddress address : std::initializer_list<BeaconAddress>{7, 8, 9}) {
@@ -190,11 +189,11 @@ SCENARIO("requests apply to beacons that appear later") {
   };
   GIVEN("requests for all, and for one without samples") {
     feeder.push_all(walk(7, 1.0));
-    feeder.estimators.change_settings(request(all_beacons, {{"trust.sigma_m", "0.5"}}));
-    const auto reply = feeder.estimators.change_settings(request(11, {{"trust.sigma_m", "0.6"}}));
+    feeder.requests.answer(request(all_beacons, {{"trust.sigma_m", "0.5"}}));
+    const auto reply = feeder.requests.answer(request(11, {{"trust.sigma_m", "0.6"}}));
     CHECK(reply.accepted);
     CHECK(reply.from_sequence == 0);
-    feeder.estimators.change_settings(request(all_beacons, {{"trust.n_base", "9"}}));
+    feeder.requests.answer(request(all_beacons, {{"trust.n_base", "9"}}));
     WHEN("beacons come") {
       for (const BeaconAddress address : std::initializer_list<BeaconAddress>{10, 11, 12}) {
         feeder.push_all(walk(address, 1.0));
@@ -212,7 +211,7 @@ SCENARIO("requests apply to beacons that appear later") {
   }
   GIVEN("a request for all from an event on that the one beacon there has passed already") {
     feeder.push_all(walk(7, 1.0));
-    feeder.estimators.change_settings(request(all_beacons, {{"trust.sigma_m", "0.5"}}, 50));
+    feeder.requests.answer(request(all_beacons, {{"trust.sigma_m", "0.5"}}, 50));
     WHEN("another beacon comes") {
       feeder.push_all(walk(10, 1.0));
       THEN("it applies to that one from its event of this number on") {
@@ -227,12 +226,12 @@ SCENARIO("a repeated request gets the same reply and has no further effect") {
   Feeder feeder(false);
   feeder.push_all(walk(7, 1.0));
   const auto first = request(7, {{"trust.sigma_m", "0.5"}}, 0, 1);
-  const SettingsReply reply = feeder.estimators.change_settings(first);
+  const SettingsReply reply = feeder.requests.answer(first);
   const auto second = request(7, {{"trust.sigma_m", "0.6"}}, 0, 2);
-  feeder.estimators.change_settings(second);
+  feeder.requests.answer(second);
   WHEN("the first comes again behind the second") {
     push_range(feeder, walk(7, 2.0), walk(7, 1.0).size() + 1, to_the_end);
-    CHECK(feeder.estimators.change_settings(first) == reply);
+    CHECK(feeder.requests.answer(first) == reply);
     push_range(feeder, walk(7, 3.0), walk(7, 2.0).size() + 1, to_the_end);
     THEN("the second still applies") {
       CHECK(feeder.changes.back().settings.trust.sigma_m == 0.6);
@@ -241,12 +240,9 @@ SCENARIO("a repeated request gets the same reply and has no further effect") {
   }
   WHEN("one with the same id is for another beacon, or its id is 0") {
     THEN("it is another request") {
-      CHECK(feeder.estimators.change_settings(request(8, {{"trust.sigma_m", "5"}}, 77, 1)).from_sequence ==
-            77);
-      CHECK(feeder.estimators.change_settings(request(8, {{"trust.sigma_m", "5"}}, 78, 0)).from_sequence ==
-            78);
-      CHECK(feeder.estimators.change_settings(request(8, {{"trust.sigma_m", "5"}}, 79, 0)).from_sequence ==
-            79);
+      CHECK(feeder.requests.answer(request(8, {{"trust.sigma_m", "5"}}, 77, 1)).from_sequence == 77);
+      CHECK(feeder.requests.answer(request(8, {{"trust.sigma_m", "5"}}, 78, 0)).from_sequence == 78);
+      CHECK(feeder.requests.answer(request(8, {{"trust.sigma_m", "5"}}, 79, 0)).from_sequence == 79);
     }
   }
 }
@@ -255,23 +251,23 @@ SCENARIO("more changes than the capacity are refused, and the waiting ones still
   Feeder feeder(false);
   feeder.push_all(walk(7, 1.0));
   for (std::uint64_t i = 0; i < SettingsTimeline::capacity; ++i) {
-    REQUIRE(feeder.estimators.change_settings(request(7, {{"trust.n_base", "9"}}, 100'000 + i)).accepted);
+    REQUIRE(feeder.requests.answer(request(7, {{"trust.n_base", "9"}}, 100'000 + i)).accepted);
   }
   for (const BeaconAddress address : {BeaconAddress{7}, all_beacons}) {
-    const auto reply = feeder.estimators.change_settings(request(address, {{"trust.n_base", "9"}}, 200'000));
+    const auto reply = feeder.requests.answer(request(address, {{"trust.n_base", "9"}}, 200'000));
     CHECK_FALSE(reply.accepted);
     CHECK_THAT(reply.reason, Contains("beacon 7") && Contains(std::to_string(SettingsTimeline::capacity)));
-    CHECK(feeder.estimators.change_settings(request(address, {{"trust.n_base", "8"}}, 100'000)).accepted);
+    CHECK(feeder.requests.answer(request(address, {{"trust.n_base", "8"}}, 100'000)).accepted);
   }
-  CHECK(feeder.estimators.change_settings(request(8, {{"trust.n_base", "9"}}, 200'000)).accepted);
+  CHECK(feeder.requests.answer(request(8, {{"trust.n_base", "9"}}, 200'000)).accepted);
 }
 
 SCENARIO("a reset keeps the settings") {
   Feeder feeder(false);
   feeder.push_all(walk(7, 1.0));
-  feeder.estimators.change_settings(request(7, {{"trust.sigma_m", "0.5"}}));
+  feeder.requests.answer(request(7, {{"trust.sigma_m", "0.5"}}));
   push_range(feeder, walk(7, 2.0), walk(7, 1.0).size() + 1, to_the_end);
-  feeder.estimators.reset(7);
+  feeder.reset(7);
   push_range(feeder, walk(7, 3.0), walk(7, 2.0).size() + 1, to_the_end);
   CHECK(feeder.poses.back().reset_counter == 1);
   CHECK(feeder.changes.size() == 2);

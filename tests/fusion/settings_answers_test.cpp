@@ -18,27 +18,27 @@ SCENARIO("the settings of beacons without their own can be queried") {
   config.assign("trust.n_min=3");
   config.assign("fusion.imu_weight=low");
   Feeder feeder(false, config);
-  CHECK(feeder.estimators.settings_for_all().address == all_beacons);
-  CHECK(feeder.estimators.settings_for_all().from_sequence == 0);
-  CHECK(feeder.estimators.settings_for_all().settings.trust.n_min == 3);
-  CHECK(feeder.estimators.settings_for_all().settings.drift.jump_alpha ==
+  CHECK(feeder.settings_for_all().address == all_beacons);
+  CHECK(feeder.settings_for_all().from_sequence == 0);
+  CHECK(feeder.settings_for_all().settings.trust.n_min == 3);
+  CHECK(feeder.settings_for_all().settings.drift.jump_alpha ==
         settings::balance_of(settings::ImuWeight::low).jump_alpha);
-  feeder.estimators.change_settings(request(7, {{"trust.n_base", "5"}}));
-  CHECK(feeder.estimators.settings_for_all().settings.trust.n_base == settings::TrustSettings{}.n_base);
-  feeder.estimators.change_settings(request(all_beacons, {{"trust.n_base", "9"}}, 500));
-  feeder.estimators.change_settings(request(all_beacons, {{"trust.sigma_m", "0.5"}}));
-  CHECK(feeder.estimators.settings_for_all().settings.trust.n_base == 9);
-  CHECK(feeder.estimators.settings_for_all().settings.trust.sigma_m == 0.5);
-  CHECK(feeder.estimators.settings_for_all().from_sequence == 500);
+  feeder.requests.answer(request(7, {{"trust.n_base", "5"}}));
+  CHECK(feeder.settings_for_all().settings.trust.n_base == settings::TrustSettings{}.n_base);
+  feeder.requests.answer(request(all_beacons, {{"trust.n_base", "9"}}, 500));
+  feeder.requests.answer(request(all_beacons, {{"trust.sigma_m", "0.5"}}));
+  CHECK(feeder.settings_for_all().settings.trust.n_base == 9);
+  CHECK(feeder.settings_for_all().settings.trust.sigma_m == 0.5);
+  CHECK(feeder.settings_for_all().from_sequence == 500);
 }
 
 SCENARIO("item 1: a setting that a preset replaces is accepted with a warning") {
   Feeder feeder(false);
   const BeaconAddress address = GENERATE(BeaconAddress{7}, all_beacons);
-  const auto reply = feeder.estimators.change_settings(request(address, {{"drift.jump_alpha", "0.9"}}));
+  const auto reply = feeder.requests.answer(request(address, {{"drift.jump_alpha", "0.9"}}));
   CHECK(reply.accepted);
   CHECK_THAT(reply.reason, Contains("drift.jump_alpha") && Contains("medium") && Contains("user"));
-  const auto user = feeder.estimators.change_settings(request(
+  const auto user = feeder.requests.answer(request(
       address,
       {{"fusion.imu_weight", "user"}, {"drift.jump_alpha", "0.9"}, {"velocity.blend_weight", "0.05"}}));
   CHECK(user.accepted);
@@ -50,12 +50,11 @@ SCENARIO("item 1: a setting that a preset replaces is accepted with a warning") 
 SCENARIO("a magnetometer that the engine would ignore is refused") {
   Feeder feeder(false, {});
   const BeaconAddress address = GENERATE(BeaconAddress{7}, all_beacons);
-  const auto reply = feeder.estimators.change_settings(request(address, {{"attitude.magnetometer", "true"}}));
+  const auto reply = feeder.requests.answer(request(address, {{"attitude.magnetometer", "true"}}));
   CHECK_FALSE(reply.accepted);
   CHECK_THAT(reply.reason, Contains("attitude.magnetometer") && Contains("kalman"));
-  CHECK(feeder.estimators
-            .change_settings(
-                request(address, {{"attitude.magnetometer", "true"}, {"fusion.engine", "documented"}}))
+  CHECK(feeder.requests
+            .answer(request(address, {{"attitude.magnetometer", "true"}, {"fusion.engine", "documented"}}))
             .accepted);
 }
 
@@ -63,7 +62,7 @@ SCENARIO("a contradiction to the present settings is accepted with a warning") {
   Feeder feeder(false);
   const BeaconAddress address = GENERATE(BeaconAddress{7}, all_beacons);
   const auto ask = [&](SettingAssignment assignment) {
-    return feeder.estimators.change_settings(request(address, {std::move(assignment)}));
+    return feeder.requests.answer(request(address, {std::move(assignment)}));
   };
   CHECK(ask({"trust.n_max", "50"}).reason.empty());
   const auto reply = ask({"trust.stuck_n", "60"});
@@ -78,7 +77,7 @@ SCENARIO("the reply to a request for all beacons names each one's event") {
   config.assign("beacon.8.trust.n_base=5");  // configured, but without samples
   Feeder feeder(false, config);
   const auto ask = [&](std::uint64_t from) {
-    return feeder.estimators.change_settings(request(all_beacons, {{"trust.sigma_m", "0.5"}}, from)).details;
+    return feeder.requests.answer(request(all_beacons, {{"trust.sigma_m", "0.5"}}, from)).details;
   };
   CHECK(ask(0).empty());
   const auto nine = walk(9, 1.0);
@@ -90,7 +89,7 @@ SCENARIO("the reply to a request for all beacons names each one's event") {
   CHECK(ask(0) == fmt::format("7: event {}, 9: event {}", seven_next, nine_next));
   CHECK(ask(nine_next + 5) == fmt::format("7: event {}, 9: event {}", seven_next, nine_next + 5));
   CHECK(ask(5000) == "7: event 5000, 9: event 5000");
-  CHECK(feeder.estimators.change_settings(request(7, {{"trust.sigma_m", "0.5"}})).details.empty());
+  CHECK(feeder.requests.answer(request(7, {{"trust.sigma_m", "0.5"}})).details.empty());
 }
 
 }  // namespace settings_answers_test

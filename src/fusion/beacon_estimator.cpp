@@ -1,0 +1,94 @@
+#include "fusion/beacon_estimator.hpp"
+
+#include <sonopose/estimation/prediction.hpp>
+
+#include <utility>
+
+namespace sonopose::fusion {
+
+BeaconEstimator::BeaconEstimator(BeaconAddress address, SettingsTimeline timeline, bool lossless)
+    : timeline_(std::move(timeline)), estimator_(timeline_.settings()) {
+  counted_.address = address;
+  if (lossless) collator_.emplace<collation::LosslessCollator>();
+}
+
+std::span<const collation::CollatedEvent> BeaconEstimator::collate(const Event& event, std::uint64_t bridge,
+                                                                   SteadyTime now) {
+  if (std::holds_alternative<ImuSample>(event)) {
+    bridge_ = bridge;
+    imu_silence_.on_sample(now);
+  }
+  if (auto* live = std::get_if<collation::Collator>(&collator_)) return live->push(event, now);
+  return std::get<collation::LosslessCollator>(collator_).push(event);
+}
+
+EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) noexcept {
+  const auto& [event, restart] = collated;
+  // A restarted bridge that plays an older recording.
+  if (restart && available_at_ns(event) < estimator_.time_ns()) estimator_.reset();
+
+  EventOutcome outcome;
+  const std::uint64_t sequence = sequence_of(event);
+  const bool first = !last_sequence_;
+  const bool changed = timeline_.advance(sequence);
+  last_sequence_ = sequence;
+  if (changed) estimator_.configure(timeline_.settings());
+  if (first || changed) {
+    settings_changed_at_ = sequence;
+    outcome.prediction_period_ns = estimation::prediction_period_ns(estimator_.settings().output);
+  }
+  outcome.result = estimation::process(estimator_, event);
+  const auto* report = std::get_if<FixReport>(&outcome.result);
+  if (report != nullptr) {
+    if ((report->flags & fix_too_late) != 0) ++counted_.fixes_late;
+    refusals_.on(*report);
+  }
+  return outcome;
+}
+
+void BeaconEstimator::reset(std::uint64_t request_id) {
+  if (request_id != 0 && request_id == last_reset_id_) return;
+  last_reset_id_ = request_id;
+  estimator_.reset();
+}
+
+std::optional<SettingsChange> BeaconEstimator::take_settings_change() {
+  const auto from = std::exchange(settings_changed_at_, std::nullopt);
+  if (!from) return std::nullopt;
+  return SettingsChange{counted_.address, *from, estimator_.settings()};
+}
+
+FusionStatus BeaconEstimator::status() const {
+  const EstimatorCounters& counted = estimator_.counters();
+  const collation::CollatorCounters& order = order_counters();
+  FusionStatus status = counted_;
+  status.imu_samples = counted.imu_samples;
+  status.fixes_used = counted.fixes_used;
+  status.fixes_rejected = counted.fixes_rejected;
+  status.headings = counted.headings;
+  status.events_lost = order.lost;
+  status.events_duplicated = order.duplicated;
+  status.samples_invalid = counted.samples_invalid;
+  status.imu_gaps = counted.imu_gaps;
+  status.reset_counter = estimator_.reset_counter();
+  status.imu_silent = imu_silence_.is_silent();
+  return status;
+}
+
+Estimate BeaconEstimator::estimate() const {
+  Estimate estimate = estimator_.estimate();
+  estimate.address = counted_.address;
+  return estimate;
+}
+
+std::optional<collation::LosslessCollator::Gap> BeaconEstimator::gap() const {
+  const auto* collator = std::get_if<collation::LosslessCollator>(&collator_);
+  return collator == nullptr ? std::nullopt : collator->gap();
+}
+
+const collation::CollatorCounters& BeaconEstimator::order_counters() const {
+  return std::visit(
+      [](const auto& of_kind) -> const auto& { return of_kind.counters(); }, collator_);
+}
+
+}  // namespace sonopose::fusion

@@ -1,0 +1,90 @@
+#include "fusion/settings_server.hpp"
+
+#include "clocks/clocks.hpp"
+#include "config/beacon_settings.hpp"
+#include <sonopose/dds/topics/conversions.hpp>
+
+#include <chrono>
+#include <utility>
+
+namespace sonopose::fusion {
+
+namespace topics = dds::topics;
+
+SettingsServer::SettingsServer(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                               process::Guarded<BeaconEstimators>& estimators, process::AddressSet addresses)
+    : estimators_(estimators),
+      addresses_(std::move(addresses)),
+      requests_(estimators),
+      settings_writer_(topics::make_writer(participant, qos, topics::settings)),
+      reply_writer_(topics::make_writer(participant, qos, topics::settings_reply)),
+      request_reader_(topics::make_reader(participant, qos, topics::settings_request)) {
+  publish(estimators_.with([](auto& all) { return all.settings_for_all(); }));
+  thread_ = std::thread([this] { serve(); });
+}
+
+SettingsServer::~SettingsServer() {
+  stopping_ = true;
+  wake_.trigger_value(true);
+  thread_.join();
+  publish_changes();
+  const auto unregister = [this](BeaconAddress address) {
+    sonopose_EffectiveSettings settings{};
+    settings.address = address;
+    settings_writer_.try_unregister_instance(settings);
+  };
+  const auto addresses = estimators_.with([](auto& all) { return all.addresses(); });
+  for (const BeaconAddress address : addresses) unregister(address);
+  unregister(all_beacons);
+}
+
+void SettingsServer::serve() {
+  const dds::ReadCondition has_requests(request_reader_);
+  dds::WaitSet waitset;
+  waitset += has_requests;
+  waitset += wake_;
+  while (!stopping_) {
+    waitset.wait();
+    wake_.trigger_value(false);
+    publish_changes();
+    request_reader_.try_take_each([this](const sonopose_SettingsRequest& request, const dds::SampleInfo&) {
+      if (stopping_) return;
+      const SteadyTime begin = clocks::steady_now();
+      answer(request);
+      std::this_thread::sleep_for(std::chrono::nanoseconds(clocks::steady_now() - begin));
+    });
+  }
+}
+
+void SettingsServer::answer(const sonopose_SettingsRequest& request) {
+  if (request.address != all_beacons && !addresses_.contains(request.address)) return;
+  const SettingsReply reply = requests_.answer(topics::from_idl(request));
+  if (reply.accepted && reply.address == all_beacons) {  // before the reply, so that the client reads them
+    publish(estimators_.with([](auto& all) { return all.settings_for_all(); }));
+  }
+  const auto sample = topics::to_idl(reply);
+  write([&] { return reply_writer_.try_write(sample); });
+}
+
+void SettingsServer::publish_changes() {
+  const auto changes = estimators_.with([](auto& all) { return all.take_settings_changes(); });
+  for (const SettingsChange& change : changes) publish(change);
+}
+
+void SettingsServer::publish(const SettingsChange& change) {
+  const EffectiveSettings settings{.address = change.address,
+                                   .time_ns = clocks::host_now(),
+                                   .from_sequence = change.from_sequence,
+                                   .values = config::texts_of(change.settings)};
+  const auto sample = topics::to_idl(settings);
+  write([&] { return settings_writer_.try_write(sample.sample()); });
+}
+
+/// Repeats `attempt` until a slow reader has space, unless the process ends.
+void SettingsServer::write(const auto& attempt) {
+  dds::ReturnCode code = attempt();
+  while (dds::is_timeout(code) && !stopping_) code = attempt();
+  if (code < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
+}
+
+}  // namespace sonopose::fusion

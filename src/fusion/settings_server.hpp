@@ -1,0 +1,57 @@
+#pragma once
+/// \file
+/// The settings on the bus: answers requests and publishes the settings in effect.
+
+#include "fusion/beacon_estimators.hpp"
+#include "fusion/settings_requests.hpp"
+#include "process/address_set.hpp"
+#include "process/guarded.hpp"
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+
+#include <atomic>
+#include <cstdint>
+#include <thread>
+
+namespace sonopose::fusion {
+
+/// Works on a thread of its own, so that no pose waits for a request. After each answer it pauses for as long
+/// as the answer took, so that a flood of requests leaves the processor to the poses; the reader keeps the
+/// latest requests meanwhile.
+class SettingsServer {
+public:
+  /// Answers requests for `addresses` and for all beacons.
+  SettingsServer(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                 process::Guarded<BeaconEstimators>& estimators, process::AddressSet addresses);
+  SettingsServer(const SettingsServer&) = delete;
+  SettingsServer& operator=(const SettingsServer&) = delete;
+  /// Publishes the last changes, and unregisters all settings.
+  ~SettingsServer();
+
+  /// Settings changed with an event: publishes them soon.
+  void on_change() noexcept { wake_.trigger_value(true); }
+
+  /// Settings and replies that were not written because a slow reader blocked.
+  [[nodiscard]] std::uint64_t unwritten() const { return unwritten_; }
+
+private:
+  void serve();
+  void answer(const sonopose_SettingsRequest& request);
+  void publish_changes();
+  void publish(const SettingsChange& change);
+  void write(const auto& attempt);
+
+  process::Guarded<BeaconEstimators>& estimators_;
+  process::AddressSet addresses_;
+  SettingsRequests requests_;
+  dds::DataWriter<sonopose_EffectiveSettings> settings_writer_;
+  dds::DataWriter<sonopose_SettingsReply> reply_writer_;
+  dds::DataReader<sonopose_SettingsRequest> request_reader_;
+  dds::GuardCondition wake_;
+  std::atomic<bool> stopping_ = false;
+  std::atomic<std::uint64_t> unwritten_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace sonopose::fusion
