@@ -1,4 +1,5 @@
 #include "fusion/estimators_feeder.hpp"
+#include "support/poses_of.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -73,13 +74,8 @@ SCENARIO("each beacon has its own estimator") {
       settings::Settings kalman;
       kalman.engine.engine = settings::EngineKind::kalman;
       CHECK(same(feeder.poses_of(7), poses_of_estimator(walk(7, 5.0))));
-      std::vector<FusedPose> expected;
       estimation::AnyEstimator estimator{kalman};
-      for (const Event& event : walk(8, 5.0)) {
-        const auto output = estimation::process(estimator, event);
-        if (const auto* pose = std::get_if<FusedPose>(&output)) expected.push_back(*pose);
-      }
-      CHECK(same(feeder.poses_of(8), expected));
+      CHECK(same(feeder.poses_of(8), sonopose::test::poses_of(estimator, walk(8, 5.0))));
       CHECK_FALSE(feeder.estimate(7).lever_arm_body_m);
       CHECK(feeder.estimate(8).lever_arm_body_m);
     }

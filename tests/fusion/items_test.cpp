@@ -4,6 +4,7 @@
 #include "config/beacon_settings.hpp"
 #include "fusion/estimators_feeder.hpp"
 #include "sim/simulator.hpp"
+#include "support/poses_of.hpp"
 #include <sonopose/settings/preset.hpp>
 #include <sonopose/settings/settings_table.hpp>
 
@@ -110,12 +111,7 @@ const std::vector<Event>& run_of(std::string_view scenario) {
 
 std::vector<FusedPose> poses_of(const Settings& settings, std::string_view scenario) {
   estimation::AnyEstimator estimator{settings};
-  std::vector<FusedPose> poses;
-  for (const Event& event : run_of(scenario)) {
-    const auto output = estimation::process(estimator, event);
-    if (const auto* pose = std::get_if<FusedPose>(&output)) poses.push_back(*pose);
-  }
-  return poses;
+  return sonopose::test::poses_of(estimator, run_of(scenario));
 }
 
 /// The settings with and without the item at its other value.

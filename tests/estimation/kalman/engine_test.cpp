@@ -2,6 +2,7 @@
 
 #include "sim/scenario.hpp"
 #include "sim/simulator.hpp"
+#include "support/poses_of.hpp"
 #include <sonopose/estimation/estimator.hpp>
 #include <sonopose/estimation/kalman/engine.hpp>
 #include <sonopose/geometry/rotation.hpp>
@@ -17,18 +18,10 @@ namespace kalman_engine_test {
 
 using namespace sonopose;
 using namespace sonopose::estimation;
+using test::poses_of;
 
 sim::Recording record(const char* scenario, double duration_s, std::uint64_t seed = 5) {
   return sim::record(sim::find_scenario(scenario), {.seed = seed, .duration_s = duration_s});
-}
-
-std::vector<FusedPose> poses_of(kalman::Engine& engine, const std::vector<Event>& events) {
-  std::vector<FusedPose> poses;
-  for (const Event& event : events) {
-    const EventResult result = process(engine, event);
-    if (const auto* pose = std::get_if<FusedPose>(&result)) poses.push_back(*pose);
-  }
-  return poses;
 }
 
 /// RMS of the position over the poses after `from_s`.

@@ -2,6 +2,7 @@
 
 #include "sim/scenario.hpp"
 #include "sim/simulator.hpp"
+#include "support/poses_of.hpp"
 #include <sonopose/estimation/estimator.hpp>
 #include <sonopose/estimation/kalman/engine.hpp>
 
@@ -14,6 +15,7 @@ namespace imu_gap_test {
 
 using namespace sonopose;
 using namespace sonopose::estimation;
+using test::poses_of;
 
 /// A walk whose IMU is silent from 10 s to 13 s.
 struct GapRun {
@@ -45,15 +47,6 @@ struct GapRun {
                          [time_ns](const TruthSample& sample) { return sample.time_ns >= time_ns; });
   }
 };
-
-std::vector<FusedPose> poses_of(kalman::Engine& engine, const std::vector<Event>& events) {
-  std::vector<FusedPose> poses;
-  for (const Event& event : events) {
-    const EventResult result = process(engine, event);
-    if (const auto* pose = std::get_if<FusedPose>(&result)) poses.push_back(*pose);
-  }
-  return poses;
-}
 
 UltrasonicFix last_fix(const std::vector<Event>& events) {
   return std::get<UltrasonicFix>(*std::find_if(events.rbegin(), events.rend(), [](const Event& event) {
