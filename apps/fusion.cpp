@@ -19,6 +19,7 @@ struct Options {
   sonopose::apps::BusOptions bus;
   sonopose::apps::ConfigOptions config;
   std::optional<std::string> addresses;
+  std::size_t max_beacons = sonopose::process::BeaconAdmission::default_max_beacons;
   std::int32_t standby_strength = 0;
   double warm_up_s = sonopose::fusion::StandbyOptions{}.warm_up_s;
   bool lossless = false;
@@ -31,6 +32,11 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--addresses", options.addresses,
                  "Serve only these beacons: 7, 7-131 or 7-131,200 (default: all)")
       ->type_name("LIST");
+  app.add_option("--max-beacons", options.max_beacons,
+                 "Serve at most this many beacons at a time: the first ones that are heard")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{65535}))
+      ->type_name("N")
+      ->capture_default_str();
   auto* strength = app.add_option(
       "--standby-strength", options.standby_strength,
       "Share the beacons with other fusions: the strongest one that receives a beacon serves it");
@@ -55,6 +61,7 @@ sonopose::fusion::FusionOptions node_options(const Options& options,
                      .qos_file = options.bus.qos_file,
                      .config = config,
                      .addresses = {},
+                     .max_beacons = options.max_beacons,
                      .standby = {},
                      .lossless = options.lossless};
   if (options.addresses) node.addresses = sonopose::process::AddressSet::parse(*options.addresses);

@@ -61,6 +61,7 @@ public:
   void assign_own(const Assignments& assignments);
 
   [[nodiscard]] const settings::Settings& settings() const { return settings_; }
+  [[nodiscard]] bool has_own() const { return !own_.empty(); }
 
 private:
   settings::Settings settings_;

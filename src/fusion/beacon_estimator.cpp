@@ -14,6 +14,7 @@ BeaconEstimator::BeaconEstimator(BeaconAddress address, SettingsTimeline timelin
 
 std::span<const collation::CollatedEvent> BeaconEstimator::collate(const Event& event, std::uint64_t bridge,
                                                                    SteadyTime now) {
+  latest_arrival_ = now;
   if (std::holds_alternative<ImuSample>(event)) {
     bridge_ = bridge;
     imu_silence_.on_sample(now);
@@ -56,6 +57,14 @@ std::optional<SettingsChange> BeaconEstimator::take_settings_change() {
   const auto from = std::exchange(settings_changed_at_, std::nullopt);
   if (!from) return std::nullopt;
   return SettingsChange{counted_.address, *from, estimator_.settings()};
+}
+
+bool BeaconEstimator::is_gone(SteadyTime now) const {
+  constexpr TimeNs long_ns = 60'000'000'000;
+  constexpr TimeNs short_ns = 5'000'000'000;
+  constexpr std::uint64_t hardly_any = 100;  // IMU samples: one second of a beacon
+  const bool was_heard = estimator_.counters().imu_samples >= hardly_any;
+  return now - latest_arrival_ > (was_heard ? long_ns : short_ns);
 }
 
 FusionStatus BeaconEstimator::status() const {

@@ -78,6 +78,10 @@ public:
     return imu_silence_.find_change(now, deadline_ns).has_value();
   }
 
+  /// Whether nothing has arrived for so long that the estimate is worthless: for 60 s, or for 5 s if it was
+  /// hardly ever heard, such as an address that noise on a line gave.
+  [[nodiscard]] bool is_gone(SteadyTime now) const;
+
   /// Its counters, without those of the process.
   [[nodiscard]] FusionStatus status() const;
 
@@ -100,6 +104,7 @@ private:
   std::optional<std::uint64_t> last_sequence_;
   std::optional<std::uint64_t> settings_changed_at_;  ///< since the last take_settings_change()
   std::uint64_t last_reset_id_ = 0;
+  SteadyTime latest_arrival_;
   process::Silence imu_silence_;
   std::uint64_t bridge_ = 0;  ///< that sent the latest IMU sample
   FixRefusals refusals_;

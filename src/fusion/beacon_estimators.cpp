@@ -37,6 +37,19 @@ std::vector<BeaconAddress> BeaconEstimators::addresses() const {
   return addresses;
 }
 
+std::vector<std::pair<BeaconAddress, std::shared_ptr<BeaconEstimator>>> BeaconEstimators::remove_gone(
+    SteadyTime now) {
+  std::vector<std::pair<BeaconAddress, std::shared_ptr<BeaconEstimator>>> gone;
+  for (const auto& [address, estimator] : estimators_) {
+    if (estimator->is_gone(now)) gone.emplace_back(address, estimator);
+  }
+  for (const auto& [address, estimator] : gone) {
+    estimators_.erase(address);
+    if (estimator->timeline().has_own()) later_timelines_.emplace(address, estimator->timeline());
+  }
+  return gone;
+}
+
 void BeaconEstimators::reset(BeaconAddress address, std::uint64_t request_id) {
   for (auto& [known, estimator] : estimators_) {
     if (known == address || address == all_beacons) estimator->reset(request_id);

@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace sonopose::fusion {
@@ -35,6 +36,10 @@ public:
 
   /// The beacons from which events have arrived.
   [[nodiscard]] std::vector<BeaconAddress> addresses() const;
+
+  /// Removes and returns the estimators of beacons that are gone at `now` (see BeaconEstimator::is_gone).
+  /// Their own settings are kept.
+  std::vector<std::pair<BeaconAddress, std::shared_ptr<BeaconEstimator>>> remove_gone(SteadyTime now);
 
   /// Resets the estimator of one beacon, or of all for all_beacons; see BeaconEstimator::reset.
   void reset(BeaconAddress address, std::uint64_t request_id);

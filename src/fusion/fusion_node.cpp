@@ -13,10 +13,14 @@
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/estimation/prediction.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <cstdio>
+#include <malloc.h>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -78,6 +82,8 @@ private:
   void feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, SteadyTime steady) noexcept;
   void write(EventOutcome& outcome, BeaconAddress address, TimeNs in_ns, SteadyTime steady) noexcept;
   void write(FusedPose& pose, SteadyTime steady) noexcept;
+  void end_output(BeaconAddress address);
+  void remove_gone();
   [[nodiscard]] std::uint64_t unwritten() const;
   void write_until_accepted(const auto& attempt) noexcept;
   void serve_lossless(const std::stop_token& stop);
@@ -107,7 +113,7 @@ private:
   void on_bridge_liveliness(const dds::LivelinessChangedStatus& status) noexcept;
 
   bool lossless_;
-  process::AddressSet addresses_;
+  process::BeaconAdmission admission_;
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
   dds::topics::Delivery delivery_;
@@ -142,7 +148,7 @@ private:
 
 FusionNode::Impl::Impl(const FusionOptions& options)
     : lossless_(options.lossless),
-      addresses_(options.addresses),
+      admission_(options.addresses, options.max_beacons),
       participant_(domain_options(options)),
       qos_(options.qos_file),
       delivery_(options.lossless ? dds::topics::Delivery::lossless : dds::topics::Delivery::live),
@@ -150,14 +156,16 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       estimators_(options.config, options.lossless),
       output_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, endpoints_),
       status_publisher_(participant_, qos_, estimators_, output_, endpoints_),
-      settings_server_(participant_, qos_, estimators_, addresses_),
+      settings_server_(participant_, qos_, estimators_, options.addresses),
       report_writer_(
           dds::topics::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)) {
-  const auto live = [this](auto& listener) { return lossless_ ? nullptr : &listener; };
-  fix_reader_ = dds::topics::make_reader(participant_, qos_, topics::fix, live(fix_listener_), delivery_);
-  heading_reader_ =
-      dds::topics::make_reader(participant_, qos_, topics::heading, live(heading_listener_), delivery_);
-  imu_reader_ = dds::topics::make_reader(participant_, qos_, topics::imu, live(imu_listener_), delivery_);
+  const auto input = [this](const auto& topic, auto& listener) {
+    return topics::make_reader(participant_, qos_, topic, lossless_ ? nullptr : &listener, delivery_,
+                               &admission_);
+  };
+  fix_reader_ = input(topics::fix, fix_listener_);
+  heading_reader_ = input(topics::heading, heading_listener_);
+  imu_reader_ = input(topics::imu, imu_listener_);
   reset_reader_ = dds::topics::make_reader(participant_, qos_, topics::reset, &reset_listener_);
   if (lossless_) {
     lossless_thread_ = std::jthread([this](const std::stop_token& stop) { serve_lossless(stop); });
@@ -171,12 +179,26 @@ FusionNode::Impl::~Impl() {
   fix_reader_.close();
   heading_reader_.close();
   reset_reader_.close();
-  // Unregister, so that consumers learn immediately that the poses end. (Lossless writers would block until
-  // there is space; their consumers learn it from the end of the writers.)
   const auto addresses = estimators_.with([](auto& all) { return all.addresses(); });
-  for (const BeaconAddress address : addresses) {
-    if (!lossless_) output_.unregister(address);
-    status_publisher_.unregister(address);
+  for (const BeaconAddress address : addresses) end_output(address);
+}
+
+/// Unregisters a beacon, so that consumers learn immediately that its poses end. (Lossless writers would
+/// block until there is space; their consumers learn it from the end of the writers.)
+void FusionNode::Impl::end_output(BeaconAddress address) {
+  if (!lossless_) output_.unregister(address);
+  status_publisher_.unregister(address);
+  settings_server_.unregister(address);
+}
+
+void FusionNode::Impl::remove_gone() {
+  const SteadyTime now = clocks::steady_now();
+  // The estimators end after the lock.
+  const auto gone = estimators_.with([now](auto& all) { return all.remove_gone(now); });
+  for (const auto& [address, estimator] : gone) {
+    end_output(address);
+    admission_.forget(address);
+    fmt::print(stderr, "sonopose-fusion: beacon {}: gone; its estimate is discarded\n", address);
   }
 }
 
@@ -187,8 +209,7 @@ void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
   const SteadyTime steady = clocks::steady_now();
   working_ = true;
   reader.try_take_each([&](const T& sample, const dds::SampleInfo& info) {
-    if (stopping_ || !addresses_.contains(sample.address))
-      return;  // a lossless reader may buffer minutes of samples
+    if (stopping_) return;  // a lossless reader may buffer minutes of samples
     feed(dds::topics::from_idl(sample), info.publication_handle(), in_ns, steady);
   });
   working_ = false;
@@ -315,11 +336,18 @@ void FusionNode::Impl::hand_over() {
 }
 
 void FusionNode::Impl::publish_statuses() {
+  if (!lossless_) remove_gone();
+  if (const auto text = admission_.refusals()) fmt::print(stderr, "sonopose-fusion: {}\n", *text);
   status_publisher_.publish_all(unwritten());
   if (lossless_) status_publisher_.log_gaps(waited_for_consumer_.exchange(false));
 }
 
-FusionNode::FusionNode(const FusionOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+FusionNode::FusionNode(const FusionOptions& options) {
+  // Otherwise glibc raises this threshold, and keeps the memory of estimators that have ended.
+  constexpr int threshold_bytes = 128 * 1024;
+  ::mallopt(M_MMAP_THRESHOLD, threshold_bytes);
+  impl_ = std::make_unique<Impl>(options);
+}
 FusionNode::~FusionNode() = default;
 
 void FusionNode::run(const process::StopSignal& stop) {

@@ -5,7 +5,7 @@
 
 #include "config/fusion_config.hpp"
 #include "fusion/standby.hpp"
-#include "process/address_set.hpp"
+#include "process/beacon_admission.hpp"
 #include "process/stop_signal.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 
@@ -19,7 +19,8 @@ struct FusionOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
   config::FusionConfig config;
-  process::AddressSet addresses;          ///< serve only these beacons
+  process::AddressSet addresses;                                            ///< serve only these beacons
+  std::size_t max_beacons = process::BeaconAdmission::default_max_beacons;  ///< at a time
   std::optional<StandbyOptions> standby;  ///< share the beacons with other processes; not with `lossless`
   bool lossless = false;  ///< keep all events and poses, for a log that is played at full speed
 };

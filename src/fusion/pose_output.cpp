@@ -142,6 +142,12 @@ void PoseOutput::hand_over() noexcept {
 }
 
 void PoseOutput::unregister(BeaconAddress address) noexcept {
+  {
+    const std::lock_guard lock(mutex_);
+    if (standby_) standby_->forget(address);
+    predictor_.forget(address);
+    delays_.erase(address);
+  }
   writer_.try_unregister_instance(key_of(address));
   if (standby_) warming_writer_.try_unregister_instance(key_of(address));
 }

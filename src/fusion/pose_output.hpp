@@ -58,7 +58,7 @@ public:
   /// is missed.
   void hand_over() noexcept;
 
-  /// Unregisters this beacon, so that readers learn that its poses end.
+  /// Forgets and unregisters this beacon, so that readers learn that its poses end.
   void unregister(BeaconAddress address) noexcept;
 
   [[nodiscard]] bool is_standby() const { return standby_.has_value(); }

@@ -23,6 +23,8 @@ public:
   /// set, which makes predicted poses due.
   bool on_pose(const FusedPose& pose, SteadyTime now);
 
+  void forget(BeaconAddress address) { lanes_.erase(address); }
+
   /// Calls `on_due(const FusedPose&)` with every predicted pose that is due at `now`: at most one per beacon.
   /// Returns when the next one is due; empty if never.
   template <class OnDue>

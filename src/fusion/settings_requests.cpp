@@ -70,8 +70,13 @@ void SettingsRequests::carry_out(const SettingsRequest& request, SettingsReply& 
   const config::Assignments assignments = config::parsed(request.assignments);
   const bool is_for_all = request.address == all_beacons;
 
-  std::vector<BeaconAddress> addresses;
-  if (is_for_all) addresses = estimators_.with([](auto& estimators) { return estimators.scheduled(); });
+  auto addresses = estimators_.with([](auto& estimators) { return estimators.scheduled(); });
+  constexpr std::size_t most_scheduled = 1024;
+  if (!is_for_all && addresses.size() >= most_scheduled &&
+      !std::binary_search(addresses.begin(), addresses.end(), request.address)) {
+    throw settings::SettingError(fmt::format("already {} beacons have settings", most_scheduled));
+  }
+  if (!is_for_all) addresses.clear();
   addresses.push_back(request.address);
   std::vector<Schedule> schedules;
   std::vector<std::string> first_events;

@@ -28,14 +28,13 @@ SettingsServer::~SettingsServer() {
   wake_.trigger_value(true);
   thread_.join();
   publish_changes();
-  const auto unregister = [this](BeaconAddress address) {
-    sonopose_EffectiveSettings settings{};
-    settings.address = address;
-    settings_writer_.try_unregister_instance(settings);
-  };
-  const auto addresses = estimators_.with([](auto& all) { return all.addresses(); });
-  for (const BeaconAddress address : addresses) unregister(address);
   unregister(all_beacons);
+}
+
+void SettingsServer::unregister(BeaconAddress address) noexcept {
+  sonopose_EffectiveSettings settings{};
+  settings.address = address;
+  settings_writer_.try_unregister_instance(settings);
 }
 
 void SettingsServer::serve() {

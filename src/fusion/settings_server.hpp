@@ -26,11 +26,14 @@ public:
                  process::Guarded<BeaconEstimators>& estimators, process::AddressSet addresses);
   SettingsServer(const SettingsServer&) = delete;
   SettingsServer& operator=(const SettingsServer&) = delete;
-  /// Publishes the last changes, and unregisters all settings.
+  /// Publishes the last changes.
   ~SettingsServer();
 
   /// Settings changed with an event: publishes them soon.
   void on_change() noexcept { wake_.trigger_value(true); }
+
+  /// The settings of a beacon, or for all_beacons, are not in effect any more.
+  void unregister(BeaconAddress address) noexcept;
 
   /// Settings and replies that were not written because a slow reader blocked.
   [[nodiscard]] std::uint64_t unwritten() const { return unwritten_; }

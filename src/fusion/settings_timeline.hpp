@@ -46,6 +46,9 @@ public:
     return steps_.empty() ? 0 : steps_.back().from_sequence;
   }
 
+  /// Whether the beacon has settings of its own, now or after a change that waits.
+  [[nodiscard]] bool has_own() const;
+
   /// Whether another change can wait for this event number.
   [[nodiscard]] bool can_add(std::uint64_t from_sequence) const;
 

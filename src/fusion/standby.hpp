@@ -48,6 +48,8 @@ public:
   /// Claims nothing from now on, so that others take over while this process still runs.
   void step_down() { stepping_down_ = true; }
 
+  void forget(BeaconAddress address) { lanes_.erase(address); }
+
   /// The role for a beacon; warming for an unknown one.
   [[nodiscard]] FusionRole role(BeaconAddress address) const;
 

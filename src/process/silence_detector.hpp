@@ -25,7 +25,6 @@ public:
   std::optional<Change> find_change(SteadyTime now, TimeNs deadline_ns);
 
   [[nodiscard]] bool is_silent() const { return silent_; }
-  [[nodiscard]] SteadyTime latest() const { return latest_; }
 
 private:
   SteadyTime latest_;

@@ -46,6 +46,13 @@ public:
 
   const std::string& name() const noexcept { return name_; }
 
+  /// Readers made with this topic from now on receive only samples for which `accepts(sample, argument)` is
+  /// true. It is called on the receiving thread, before an instance is made; `argument` must outlive the
+  /// readers. `sample` is a const T*.
+  void set_filter(bool (*accepts)(const void* sample, void* argument), void* argument) {
+    check("dds_set_topic_filter_and_arg", name_, dds_set_topic_filter_and_arg(handle(), accepts, argument));
+  }
+
 private:
   std::string name_;
 };

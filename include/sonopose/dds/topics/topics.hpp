@@ -6,6 +6,7 @@
 #include <sonopose/dds/binding/data_writer.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/dds/topics/idl_types.hpp>
+#include <sonopose/samples/samples.hpp>
 
 #include <tuple>
 #include <type_traits>
@@ -89,6 +90,16 @@ inline void join_partition(Qos& qos, const DomainParticipant& participant) {
   if (!participant.partition().empty()) qos << policy::Partition{{participant.partition()}};
 }
 
+/// Decides which beacons a process receives, before DDS keeps anything of them. Called on receiving threads.
+class AddressFilter {
+public:
+  AddressFilter() = default;
+  AddressFilter(const AddressFilter&) = delete;
+  AddressFilter& operator=(const AddressFilter&) = delete;
+  virtual ~AddressFilter() = default;
+  virtual bool accepts(BeaconAddress address) noexcept = 0;
+};
+
 /// A writer for one row of the diagram. `listener` must outlive it. `changes` override the profile.
 template <class T>
 DataWriter<T> make_writer(const DomainParticipant& participant, const qos::Provider& qos,
@@ -103,14 +114,20 @@ DataWriter<T> make_writer(const DomainParticipant& participant, const qos::Provi
   return DataWriter<T>(participant, topic, writer_qos, listener);
 }
 
-/// A reader for one row of the diagram. `listener` must outlive it.
+/// A reader for one row of the diagram. `listener` and `filter` must outlive it.
 template <class T>
 DataReader<T> make_reader(const DomainParticipant& participant, const qos::Provider& qos,
                           const Entry<T>& entry,
                           std::type_identity_t<DataReaderListener<T>>* listener = nullptr,
-                          Delivery delivery = Delivery::live) {
+                          Delivery delivery = Delivery::live, AddressFilter* filter = nullptr) {
   const char* profile = profile_of(entry, delivery);
-  const Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
+  Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
+  if constexpr (requires(const T& sample) { sample.address; }) {
+    const auto accepts = [](const void* sample, void* argument) {
+      return static_cast<AddressFilter*>(argument)->accepts(static_cast<const T*>(sample)->address);
+    };
+    if (filter != nullptr) topic.set_filter(accepts, filter);
+  }
   Qos reader_qos = qos.datareader_qos(profile);
   join_partition(reader_qos, participant);
   return DataReader<T>(participant, topic, reader_qos, listener);

@@ -1,0 +1,52 @@
+#pragma once
+/// \file
+/// Bounds the number of beacons of a process.
+
+#include "process/address_set.hpp"
+#include <sonopose/dds/topics/topics.hpp>
+
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace sonopose::process {
+
+/// Admits the beacons that are heard first. Thread-safe.
+class BeaconAdmission final : public dds::topics::AddressFilter {
+public:
+  static constexpr std::size_t default_max_beacons = 256;
+
+  /// `addresses`: the only ones that may be admitted.
+  BeaconAdmission(AddressSet addresses, std::size_t max_beacons);
+
+  /// Whether the beacon is admitted, or can be and now is. Does not allocate.
+  bool accepts(BeaconAddress address) noexcept override;
+
+  /// A beacon is gone: another one may take its place.
+  void forget(BeaconAddress address) noexcept;
+
+  /// A message for the user, once a beacon was refused and when another ten times as many were. Empty
+  /// otherwise. Call it once a second.
+  std::optional<std::string> refusals();
+
+private:
+  static constexpr std::size_t addresses_ever = std::size_t{std::numeric_limits<BeaconAddress>::max()} + 1;
+  using Flags = std::bitset<addresses_ever>;
+
+  AddressSet addresses_;
+  std::size_t max_beacons_;
+  std::mutex mutex_;  // guards the rest
+  Flags admitted_;
+  Flags known_;  ///< were admitted once: DDS keeps an instance of each until its writers have ended
+  Flags refused_;
+  std::size_t admitted_count_ = 0;
+  std::size_t known_count_ = 0;
+  std::size_t refused_count_ = 0;
+  std::size_t reported_count_ = 0;
+};
+
+}  // namespace sonopose::process

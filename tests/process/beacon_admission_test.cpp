@@ -1,0 +1,81 @@
+#include "process/beacon_admission.hpp"
+
+#include "support/test_domain.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <thread>
+
+namespace beacon_admission_test {
+
+using namespace sonopose;
+using process::AddressSet;
+using process::BeaconAdmission;
+
+SCENARIO("the beacons that are heard first are admitted") {
+  GIVEN("space for two beacons") {
+    BeaconAdmission admission({}, 2);
+    CHECK(admission.accepts(7));
+    CHECK(admission.accepts(8));
+    CHECK_FALSE(admission.refusals());
+    WHEN("a third one comes") {
+      CHECK_FALSE(admission.accepts(9));
+      CHECK_FALSE(admission.accepts(9));
+      THEN("it is refused and reported once, and the others go on") {
+        CHECK(admission.accepts(7));
+        CHECK(admission.refusals() == "1 addresses are ignored: more than 2 beacons (--max-beacons)");
+        CHECK_FALSE(admission.refusals());
+      }
+      THEN("it takes the place of one that is gone") {
+        admission.forget(7);
+        CHECK(admission.accepts(9));
+        CHECK_FALSE(admission.accepts(7));
+      }
+    }
+    WHEN("beacons come and go without end") {
+      admission.forget(8);
+      for (BeaconAddress address = 100; address < 1000 && admission.accepts(address); ++address) {
+        admission.forget(address);
+      }
+      THEN("new addresses end, known ones may return") {
+        CHECK_FALSE(admission.accepts(1000));
+        CHECK(admission.accepts(8));
+      }
+    }
+  }
+  GIVEN("a list of addresses") {
+    BeaconAdmission admission(AddressSet::parse("7-8"), 256);
+    THEN("others are not beacons of this process, and not reported") {
+      CHECK(admission.accepts(8));
+      CHECK_FALSE(admission.accepts(9));
+      CHECK_FALSE(admission.refusals());
+    }
+  }
+}
+
+SCENARIO("DDS makes no instance of a beacon that is not admitted") {
+  // Each instance misses its deadline in every period, which counts the instances.
+  const sonopose::test::TestDomain domain;
+  const dds::DomainParticipant participant({.domain_id = domain.id()});
+  const dds::qos::Provider qos;
+  BeaconAdmission admission(AddressSet::parse("7"), 256);
+  const bool filtered = GENERATE(true, false);
+  auto reader = dds::topics::make_reader(participant, qos, dds::topics::imu, nullptr,
+                                         dds::topics::Delivery::live, filtered ? &admission : nullptr);
+  auto writer = dds::topics::make_writer(participant, qos, dds::topics::imu);
+  sonopose_ImuSample sample{};
+  for (sample.address = 1; sample.address <= 1000; ++sample.address) writer.write(sample);
+  const auto misses = [&] { return reader.requested_deadline_missed_status().total_count; };
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (misses() < 2 && std::chrono::steady_clock::now() < give_up) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  if (filtered) {
+    CHECK(misses() < 20);
+  } else {
+    CHECK(misses() >= 100);
+  }
+}
+
+}  // namespace beacon_admission_test
