@@ -1,5 +1,6 @@
 #include "bridge/byte_sources.hpp"
 
+#include "bridge/line_watch.hpp"
 #include "bridge/pacer.hpp"
 #include "clocks/clocks.hpp"
 #include "marvelmind/assembler.hpp"
@@ -48,8 +49,8 @@ void pass_on(Event event, ImuMeaning imu_meaning, SampleSink& sink) {
 template <class Decoder>
 class LiveSource final : public Source {
 public:
-  LiveSource(std::unique_ptr<transport::ByteSource> bytes, const LiveOptions& options)
-      : imu_meaning_(options.imu_meaning), bytes_(std::move(bytes)) {
+  LiveSource(std::unique_ptr<transport::ByteSource> bytes, LineWatch watch, const LiveOptions& options)
+      : imu_meaning_(options.imu_meaning), bytes_(std::move(bytes)), watch_(std::move(watch)) {
     if (options.capture) capture_.emplace(*options.capture);
   }
 
@@ -108,7 +109,11 @@ private:
     }
   }
 
-  void report_line(SampleSink& sink) const { sink.on(line_status()); }
+  void report_line(SampleSink& sink) {
+    LineStatus status = line_status();
+    watch_.judge(status, clocks::steady_now());
+    sink.on(status);
+  }
 
   [[nodiscard]] LineStatus line_status() const {
     const marvelmind::DecoderCounters& counters = decoder_.counters();
@@ -134,6 +139,7 @@ private:
 
   ImuMeaning imu_meaning_;
   std::unique_ptr<transport::ByteSource> bytes_;
+  LineWatch watch_;
   std::optional<transport::CaptureFile> capture_;
   Decoder decoder_;
   Assembler assembler_{marvelmind::TimeMapping::fitted};
@@ -193,12 +199,15 @@ std::unique_ptr<Source> make_stream_source(const StreamOptions& options) {
 
 std::unique_ptr<Source> make_serial_source(const SerialOptions& options, const LiveOptions& live) {
   return std::make_unique<LiveSource<marvelmind::Decoder>>(
-      std::make_unique<transport::SerialPort>(options.device, options.baud), live);
+      std::make_unique<transport::SerialPort>(options.device, options.baud),
+      LineWatch(fmt::format("--baud (now {}), and that the device is a Marvelmind beacon", options.baud)),
+      live);
 }
 
 std::unique_ptr<Source> make_udp_source(const std::string& listen, const LiveOptions& live) {
   return std::make_unique<LiveSource<marvelmind::DatagramDecoder>>(
-      std::make_unique<transport::UdpListener>(transport::parse_endpoint(listen)), live);
+      std::make_unique<transport::UdpListener>(transport::parse_endpoint(listen)),
+      LineWatch("that the sender uses the Marvelmind protocol"), live);
 }
 
 }  // namespace sonopose::bridge

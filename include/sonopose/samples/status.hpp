@@ -44,7 +44,9 @@ enum class LineState : std::uint32_t {
   closed,   ///< not opened yet, or closed
   waiting,  ///< for the device or the peer to appear
   open,
-  failed  ///< cannot be opened or read: see `text`
+  failed,    ///< cannot be opened or read: see `text`
+  silent,    ///< open, but no bytes for 3 s
+  no_frames  ///< open, but no valid frame for 3 s in the bytes received
 };
 
 /// One serial line or socket of one bridge, known before any beacon address is. Counters start with the
@@ -58,7 +60,8 @@ struct LineStatus {
   std::uint64_t frames = 0;      ///< decoded
   std::uint64_t crc_errors = 0;  ///< frames with a wrong checksum
   std::uint64_t bytes_lost = 0;  ///< bytes skipped in search of a frame
-  std::string text;              ///< the cause of a failure; otherwise empty. DDS cuts it at 256 bytes
+  /// Empty if frames arrive; otherwise why not, and what to check. DDS cuts it at 256 bytes.
+  std::string text;
 
   bool operator==(const LineStatus&) const = default;
 };
