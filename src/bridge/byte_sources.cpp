@@ -1,5 +1,6 @@
 #include "bridge/byte_sources.hpp"
 
+#include "bridge/capture.hpp"
 #include "bridge/line_watch.hpp"
 #include "bridge/pacer.hpp"
 #include "clocks/clocks.hpp"
@@ -51,7 +52,7 @@ class LiveSource final : public Source {
 public:
   LiveSource(std::unique_ptr<transport::ByteSource> bytes, LineWatch watch, const LiveOptions& options)
       : imu_meaning_(options.imu_meaning), bytes_(std::move(bytes)), watch_(std::move(watch)) {
-    if (options.capture) capture_.emplace(*options.capture);
+    if (options.capture) capture_.emplace(*options.capture, WhenFull::lose);
   }
 
   void run(SampleSink& sink, const process::StopSignal& stop) override {
@@ -81,6 +82,7 @@ public:
       sink.tick();
     }
     report_line(sink);
+    if (capture_) capture_->finish();
   }
 
 private:
@@ -140,7 +142,7 @@ private:
   ImuMeaning imu_meaning_;
   std::unique_ptr<transport::ByteSource> bytes_;
   LineWatch watch_;
-  std::optional<transport::CaptureFile> capture_;
+  std::optional<Capture> capture_;
   Decoder decoder_;
   Assembler assembler_{marvelmind::TimeMapping::fitted};
   std::uint64_t bytes_received_ = 0;

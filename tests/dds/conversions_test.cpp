@@ -111,7 +111,8 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
              sample.frames, sample.crc_errors, sample.bytes_lost, sample.unknown_frames,
              sample.fixes_unavailable, sample.samples_rejected, sample.clock_resets, sample.other_bridges,
              sample.imu_deadlines_missed, sample.fix_deadlines_missed, sample.heading_deadlines_missed,
-             sample.liveliness_lost, sample.readers_incompatible, sample.samples_unwritten);
+             sample.liveliness_lost, sample.readers_incompatible, sample.samples_unwritten,
+             sample.samples_unrecorded);
     CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.battery_v.reset();
     CHECK(topics::from_idl(topics::to_idl(sample)) == sample);

@@ -36,6 +36,7 @@ struct BeaconStatus {
   std::uint64_t liveliness_lost = 0;       ///< expired leases of its writers
   std::uint64_t readers_incompatible = 0;  ///< readers with incompatible QoS
   std::uint64_t samples_unwritten = 0;     ///< not written because a slow reader blocked
+  std::uint64_t samples_unrecorded = 0;    ///< missing in the recording: the disk is too slow or full
 
   bool operator==(const BeaconStatus&) const = default;
 };

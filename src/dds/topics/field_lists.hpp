@@ -170,7 +170,8 @@ struct Pairs<BeaconStatus> {
                                    field(&N::heading_deadlines_missed, &I::heading_deadlines_missed),
                                    field(&N::liveliness_lost, &I::liveliness_lost),
                                    field(&N::readers_incompatible, &I::readers_incompatible),
-                                   field(&N::samples_unwritten, &I::samples_unwritten)};
+                                   field(&N::samples_unwritten, &I::samples_unwritten),
+                                   field(&N::samples_unrecorded, &I::samples_unrecorded)};
 };
 
 template <>

@@ -75,6 +75,7 @@ void check_losses(const observation::BeaconView& view, const observation::Beacon
                           "heading deadlines missed");
     problems.add_increase(now.crc_errors, then.crc_errors, "damaged frames");
     problems.add_increase(now.samples_unwritten, then.samples_unwritten, "samples not written");
+    problems.add_increase(now.samples_unrecorded, then.samples_unrecorded, "samples not recorded");
     problems.add_increase(now.clock_resets, then.clock_resets, "resets of the beacon's clock");
   }
   if (view.fusion && before.fusion && view.fusion->fusion_id == before.fusion->fusion_id) {
