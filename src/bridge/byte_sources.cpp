@@ -1,5 +1,6 @@
 #include "bridge/byte_sources.hpp"
 
+#include "bridge/address_owners.hpp"
 #include "bridge/capture.hpp"
 #include "bridge/line_watch.hpp"
 #include "bridge/pacer.hpp"
@@ -66,11 +67,13 @@ public:
         const auto got = std::span(buffer).first(read.size);
         bytes_received_ += read.size;
         decoder_.feed(got, [&](const marvelmind::Packet& packet) {
-          assembler_.on(packet, read.arrival_time_ns, publish);
+          if (accepts(packet, read.sender)) assembler_.on(packet, read.arrival_time_ns, publish);
         });
         if (capture_) capture_->append(got);
       } else if (read.status == ReadStatus::end || read.status == ReadStatus::stopped) {
         break;
+      } else if (read.status == ReadStatus::refused) {
+        ++packets_refused_;
       } else {
         log_change(read.status);
       }
@@ -96,6 +99,13 @@ private:
     constexpr TimeNs ms = 1'000'000;
     return std::chrono::milliseconds(
         std::clamp<std::int64_t>((*deadline_ns - clocks::host_now()) / ms + 1, 1, longest_ms));
+  }
+
+  bool accepts(const marvelmind::Packet& packet, const transport::Sender& sender) {
+    const auto address = marvelmind::address_of(packet);
+    if (!address || owners_.accepts(*address, sender, clocks::steady_now())) return true;
+    ++packets_refused_;
+    return false;
   }
 
   /// A failure is visible on the bus before the bridge ends.
@@ -126,6 +136,7 @@ private:
     status.frames = counters.frames;
     status.crc_errors = counters.crc_errors;
     status.bytes_lost = counters.bytes_lost;
+    status.packets_refused = packets_refused_;
     status.text = bytes_->last_error();
     return status;
   }
@@ -142,10 +153,12 @@ private:
   ImuMeaning imu_meaning_;
   std::unique_ptr<transport::ByteSource> bytes_;
   LineWatch watch_;
+  AddressOwners owners_;
   std::optional<Capture> capture_;
   Decoder decoder_;
   Assembler assembler_{marvelmind::TimeMapping::fitted};
   std::uint64_t bytes_received_ = 0;
+  std::uint64_t packets_refused_ = 0;
 };
 
 /// A file of bytes, timed by the beacons' own clock.
@@ -206,9 +219,9 @@ std::unique_ptr<Source> make_serial_source(const SerialOptions& options, const L
       live);
 }
 
-std::unique_ptr<Source> make_udp_source(const std::string& listen, const LiveOptions& live) {
+std::unique_ptr<Source> make_udp_source(const UdpOptions& options, const LiveOptions& live) {
   return std::make_unique<LiveSource<marvelmind::DatagramDecoder>>(
-      std::make_unique<transport::UdpListener>(transport::parse_endpoint(listen)),
+      std::make_unique<transport::UdpListener>(transport::parse_endpoint(options.listen), options.from),
       LineWatch("that the sender uses the Marvelmind protocol"), live);
 }
 

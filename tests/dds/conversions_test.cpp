@@ -122,7 +122,7 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
   SECTION("line status") {
     LineStatus sample;
     fill.all(sample.name, sample.bridge_id, sample.time_ns, sample.bytes, sample.frames, sample.crc_errors,
-             sample.bytes_lost, sample.text);
+             sample.bytes_lost, sample.packets_refused, sample.text);
     sample.state = LineState::no_frames;
     CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }

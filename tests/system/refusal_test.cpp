@@ -174,6 +174,9 @@ SCENARIO("a bridge refuses an invalid input") {
     THEN("it is named") {
       CHECK_THAT(refused({"--source", "udp", "--listen", "nonsense"}), Contains("nonsense"));
       CHECK_THAT(refused({"--source", "udp", "--listen", "127.0.0.1:99999"}), Contains("99999"));
+      CHECK_THAT(refused({"--source", "udp", "--from", "modem"}), Contains("\"modem\" is not a numeric IP"));
+      CHECK_THAT(refused({"--source", "sim", "--from", "10.0.0.5"}),
+                 Contains("only works with --source udp"));
       CHECK_THAT(refused({"--source", "udp", "--listen", "192.0.2.1:5000"}), Contains("192.0.2.1:5000"));
     }
   }
