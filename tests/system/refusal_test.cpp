@@ -212,4 +212,19 @@ SCENARIO("a bridge refuses an invalid input") {
   }
 }
 
+SCENARIO("every program on the bus refuses a limit of too few file descriptors") {
+  const std::vector<std::pair<const char*, const char*>> programs{
+      {SONOPOSE_TEST_BRIDGE, ""},       {SONOPOSE_TEST_FUSION, ""},
+      {SONOPOSE_TEST_MONITOR, ""},      {SONOPOSE_TEST_DOCTOR, ""},
+      {SONOPOSE_TEST_SETTINGS, "watch"}, {SONOPOSE_TEST_ROS2, "--network loopback"}};
+  for (const auto& [program, arguments] : programs) {
+    for (const char* const limit : {"8", "12"}) {
+      const std::string command = std::string("ulimit -n ") + limit + "; exec \"$0\" " + arguments;
+      const std::string said = refusal("/bin/sh", {"-c", command, program});
+      CHECK_THAT(said, Contains(std::string("at most ") + limit + " file descriptors are allowed") &&
+                           Contains("are needed"));
+    }
+  }
+}
+
 }  // namespace refusal_test
