@@ -360,6 +360,9 @@ void BridgeNode::run(Source& source, const process::StopSignal& stop) {
   publisher_->publish_statuses(clocks::steady_now());
   publisher_->flush();
   if (source.is_recording()) publisher_->wait_until_read();
+}
+
+void BridgeNode::finish() {
   publisher_->finish_recording();
 }
 

@@ -31,8 +31,11 @@ public:
 
   /// Publishes the samples of `source` until it ends or the stop is requested. A recording waits at the start
   /// until each of its streams has a reader, and at the end until the readers have received everything.
-  /// Throws what the source throws, and files::IoError at the end if samples were not recorded.
+  /// Throws what the source throws.
   void run(Source& source, const process::StopSignal& stop);
+
+  /// Waits at the end until a recording is written. Throws files::IoError if samples are missing in it.
+  void finish();
 
 private:
   class Publisher;

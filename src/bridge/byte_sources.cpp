@@ -85,6 +85,9 @@ public:
       sink.tick();
     }
     report_line(sink);
+  }
+
+  void finish() override {
     if (capture_) capture_->finish();
   }
 

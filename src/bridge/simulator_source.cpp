@@ -140,12 +140,15 @@ public:
     // Shift the run to start now, after the set-up: at rate 1 each sample then appears at its own stamp.
     const TimeNs shift_ns = clocks::host_now() - simulated_start_ns;
     for (const sim::Step* step = beacons_.front(); step != nullptr; step = beacons_.front()) {
-      if (!pacer_.wait_for(available_at_ns(step->event), sink, stop)) break;
+      if (!pacer_.wait_for(available_at_ns(step->event), sink, stop)) return;
       if (step->truth) sink.on(shifted(*step->truth, shift_ns));
       sink.on(shifted(step->event, shift_ns));
       if (capture_) capture_->on(step->event);
       beacons_.pop();
     }
+  }
+
+  void finish() override {
     if (capture_) capture_->finish();
   }
 
