@@ -155,7 +155,7 @@ void add_bridge(const BeaconStatus& bridge, Values& values) {
 
 bool has_bridge(const observation::BeaconView& view, TimeNs now_ns) {
   constexpr TimeNs timeout_ns = 3'000'000'000;  // a bridge publishes it once per second
-  return view.bridge && now_ns - view.bridge->time_ns < timeout_ns;
+  return view.bridge && saturated_difference(now_ns, view.bridge->time_ns) < timeout_ns;
 }
 
 ros2::Diagnostic diagnostic_of(const std::string& node, const observation::BeaconView& view,
