@@ -32,7 +32,9 @@ int serve(const CLI::App& app, const Options& options) {
                            .record_folder = options.record});
   const auto realtime = apps::realtime(app, options.realtime_priority);
   fmt::print(stderr, "sonopose-bridge: publishing from {}\n", options.source.source);
-  node.run(*source, stop);
+  apps::serve([&] { node.run(*source, stop); });
+  source->finish();
+  node.finish();
   return 0;
 }
 

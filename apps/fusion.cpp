@@ -85,7 +85,7 @@ int serve(const CLI::App& app, const Options& options) {
   sonopose::fusion::FusionNode node(node_options(options, config));
   const auto realtime = sonopose::apps::realtime(app, options.realtime_priority);
   fmt::print(stderr, "sonopose-fusion: serving\n");
-  node.run(stop);
+  sonopose::apps::serve([&] { node.run(stop); });
   return 0;
 }
 

@@ -36,7 +36,7 @@ int serve(const ros2::arguments::Arguments& arguments, const apps::Ros2Program& 
   process::StopSignal stop;
   stop.listen_to_signals();
   ros2::relay::Relay relay(options);
-  relay.run(stop);
+  apps::serve([&] { relay.run(stop); });
   return 0;
 }
 

@@ -7,8 +7,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <stdexcept>
@@ -76,6 +78,32 @@ void check_output() {
   throw std::runtime_error("the output cannot be written" + reason);
 }
 
+/// For the exceptions of other threads. Set once, before there are any.
+std::string& program_name() {
+  static std::string name;
+  return name;
+}
+
+std::atomic<bool> is_serving = false;
+
+std::string restart_words() {
+  return fmt::format("restart {}; no other program needs a restart", program_name());
+}
+
+/// An exception on a thread other than the main one, where nothing catches it.
+[[noreturn]] void end_by_exception() {
+  std::string reason = "ended by an error without a description";
+  try {
+    if (const auto exception = std::current_exception()) std::rethrow_exception(exception);
+  } catch (const std::exception& error) {
+    reason = error.what();
+  } catch (...) {  // NOLINT(bugprone-empty-catch): keep the text above
+  }
+  if (is_serving) reason += "; " + restart_words();
+  fmt::print(stderr, "{}: {}\n", program_name(), reason);
+  std::_Exit(1);
+}
+
 }  // namespace
 
 Program::Program(std::string_view verb, const std::string& details)
@@ -104,6 +132,17 @@ void parse(CLI::App& app, std::vector<std::string> arguments, const std::vector<
   app.parse(std::move(arguments));
 }
 
+void serve(const std::function<void()>& node) {
+  is_serving = true;
+  try {
+    node();
+  } catch (const std::exception& error) {
+    is_serving = false;
+    throw std::runtime_error(fmt::format("{}; {}", error.what(), restart_words()));
+  }
+  is_serving = false;
+}
+
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
   return run(app, {argv + 1, argv + argc}, body);
 }
@@ -118,6 +157,8 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
                mistake_in(app, error));
     return error.get_exit_code();
   }
+  program_name() = app.get_name();
+  std::set_terminate(end_by_exception);
   try {
     const int code = body();
     check_output();

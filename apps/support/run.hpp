@@ -26,11 +26,16 @@ public:
 CLI::Validator number_between(double least, double most = std::numeric_limits<double>::max());
 
 /// Parses the command line and runs `body`. Returns the exit code: 0 for success, help and a stop by signal;
-/// the command line's own errors as CLI11 numbers them; 1 for any exception and for an output that cannot be
-/// written. The reason goes to stderr; for an unknown option or command it names the nearest known one.
+/// the command line's own errors as CLI11 numbers them; 1 for any exception, also on another thread, and for
+/// an output that cannot be written. The reason goes to stderr; for an unknown option or command it names the
+/// nearest known one.
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
 /// The same for arguments without the name of the program.
 int run(CLI::App& app, const std::vector<std::string>& arguments, const std::function<int()>& body);
+
+/// Runs the node of a program whose other programs depend on it. Throws what ended it, with the restart that
+/// helps.
+void serve(const std::function<void()>& node);
 
 /// Parses arguments, and those of another source after them. Throws CLI::ParseError.
 void parse(CLI::App& app, std::vector<std::string> arguments, const std::vector<std::string>& more = {});

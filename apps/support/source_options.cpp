@@ -42,9 +42,12 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
       app, "--imu-meaning", options.imu_meaning, imu_meaning_choices(),
       "What an IMU sample of serial, udp and stream is: the value at its instant, or the mean since the "
       "previous one; the beacons do not say (default: unknown)");
-  app.add_option("--listen", options.listen, "UDP address and port to listen on")
+  app.add_option("--listen", options.udp.listen, "UDP address and port to listen on")
       ->type_name("ADDR:PORT")
       ->capture_default_str();
+  app.add_option("--from", options.udp.from,
+                 "Accept datagrams of this address only (default: of all; each beacon has one sender)")
+      ->type_name("ADDR");
   app.add_option("--capture", options.capture, "Write the raw bytes of the beacon to this file")
       ->type_name("FILE");
   app.add_option("--scenario", options.sim.scenario, "Scenario of sim")->capture_default_str();
@@ -70,6 +73,9 @@ std::unique_ptr<bridge::Source> make_source(const SourceOptions& options) {
     throw std::invalid_argument("--imu-meaning only works with --source serial, udp or stream, not with " +
                                 options.source + ", which declares it itself");
   }
+  if (options.udp.from && options.source != "udp") {
+    throw std::invalid_argument("--from only works with --source udp, not with " + options.source);
+  }
   const ImuMeaning imu_meaning = options.imu_meaning.value_or(bridge::default_imu_meaning);
   if (options.source == "log") {
     return bridge::make_log_source({required_input(options), options.address, options.rate, options.restamp});
@@ -79,7 +85,7 @@ std::unique_ptr<bridge::Source> make_source(const SourceOptions& options) {
   }
   const bridge::LiveOptions live{options.capture, imu_meaning};
   if (options.source == "serial") return bridge::make_serial_source(options.serial, live);
-  if (options.source == "udp") return bridge::make_udp_source(options.listen, live);
+  if (options.source == "udp") return bridge::make_udp_source(options.udp, live);
   bridge::SimulatorOptions sim = options.sim;
   sim.address = options.address.value_or(sim.address);
   sim.rate = options.rate;

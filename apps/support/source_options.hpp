@@ -20,7 +20,7 @@ struct SourceOptions {
   std::string input;
   bridge::SimulatorOptions sim;
   bridge::SerialOptions serial;
-  std::string listen = "0.0.0.0:49100";
+  bridge::UdpOptions udp;
   std::optional<std::filesystem::path> capture;
   std::optional<BeaconAddress> address;
   std::optional<ImuMeaning> imu_meaning;

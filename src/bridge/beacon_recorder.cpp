@@ -8,6 +8,11 @@ namespace sonopose::bridge {
 BeaconRecorder::BeaconRecorder(std::filesystem::path folder)
     : folder_(std::move(folder)), first_(std::make_unique<recording::SensorLogWriter>(folder_)) {}
 
+void BeaconRecorder::flush() {
+  first_->flush();
+  for (const auto& entry : further_) entry.second->flush();
+}
+
 recording::SensorLogWriter& BeaconRecorder::log_of(BeaconAddress address) {
   auto& log = by_address_[address];
   if (log == nullptr && by_address_.size() == 1) log = first_.get();

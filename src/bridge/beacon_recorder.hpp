@@ -20,6 +20,9 @@ public:
   void write(const Event& event) { log_of(address_of(event)).write(event); }
   void write(const TruthSample& truth) { log_of(truth.address).write(truth); }
 
+  /// Passes all lines to the operating system. Throws files::IoError, as `write` does.
+  void flush();
+
 private:
   recording::SensorLogWriter& log_of(BeaconAddress address);
 

@@ -1,5 +1,6 @@
 #include "bridge/bridge_node.hpp"
 
+#include "bridge/background_writer.hpp"
 #include "bridge/beacon_recorder.hpp"
 #include "bridge/deadline_count.hpp"
 #include "bridge/other_bridges.hpp"
@@ -17,8 +18,10 @@
 #include <cstdio>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
+#include <variant>
 
 namespace sonopose::bridge {
 namespace {
@@ -32,6 +35,12 @@ dds::DomainOptions domain_options(const BridgeOptions& options) {
   domain.batch_writes = options.batch;
   return domain;
 }
+
+/// What a recording contains.
+using Recorded = std::variant<Event, TruthSample>;
+
+/// Seconds of a thousand beacons, or minutes of one.
+constexpr std::size_t recording_capacity = 1U << 15U;
 
 }  // namespace
 
@@ -54,6 +63,10 @@ public:
   void publish_statuses(SteadyTime now);
   void wait_for_readers();
   void wait_until_read();
+  /// Throws files::IoError if samples were not recorded.
+  void finish_recording() {
+    if (recording_) recording_->finish();
+  }
 
 private:
   /// One stream of one beacon.
@@ -84,6 +97,8 @@ private:
   void publish(const PairHeading& heading, Beacon& beacon);
   void publish_status(Beacon& beacon, SteadyTime now);
   void publish(LineStatus& line);
+  void record(const Recorded& sample);
+  void start_recording(const std::filesystem::path& folder);
   void log_unwritten();
   [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
 
@@ -104,6 +119,7 @@ private:
   dds::DataWriter<sonopose_LineStatus> line_writer_;
   OtherBridges others_;
   std::optional<BeaconRecorder> recorder_;
+  std::optional<BackgroundWriter<Recorded>> recording_;  ///< after the recorder that it uses
   std::map<BeaconAddress, Beacon> beacons_;
   std::uint64_t id_ = process::random_id();
   std::map<std::string, LineStatus> lines_;
@@ -128,7 +144,7 @@ BridgeNode::Publisher::Publisher(const BridgeOptions& options)
   truth_writer_ = dds::topics::make_writer(participant_, qos_, topics::truth);
   status_writer_ = dds::topics::make_writer(participant_, qos_, topics::beacon_status);
   line_writer_ = dds::topics::make_writer(participant_, qos_, topics::line_status);
-  if (options.record_folder) recorder_.emplace(*options.record_folder);
+  if (options.record_folder) start_recording(*options.record_folder);
 }
 
 BridgeNode::Publisher::~Publisher() {
@@ -163,13 +179,28 @@ void BridgeNode::Publisher::on(const Event& event) {
       },
       numbered);
   std::visit([&](const auto& sample) { publish(sample, beacon); }, numbered);
-  if (recorder_) recorder_->write(numbered);
+  record(numbered);
 }
 
 void BridgeNode::Publisher::on(const TruthSample& truth) {
   beacon_of(truth.address);
   write(truth_writer_, dds::topics::to_idl(truth));
-  if (recorder_) recorder_->write(truth);
+  record(truth);
+}
+
+void BridgeNode::Publisher::start_recording(const std::filesystem::path& folder) {
+  recorder_.emplace(folder);
+  recording_.emplace(BackgroundWriter<Recorded>::Words{"the recording", "samples"}, recording_capacity,
+                     lossless_ ? WhenFull::wait : WhenFull::lose, [this](std::span<const Recorded> samples) {
+                       for (const Recorded& sample : samples) {
+                         std::visit([this](const auto& each) { recorder_->write(each); }, sample);
+                       }
+                       recorder_->flush();
+                     });
+}
+
+void BridgeNode::Publisher::record(const Recorded& sample) {
+  if (recording_) recording_->push({&sample, 1});
 }
 
 BridgeNode::Publisher::Beacon& BridgeNode::Publisher::beacon_of(BeaconAddress address) {
@@ -273,6 +304,7 @@ void BridgeNode::Publisher::publish_status(Beacon& beacon, SteadyTime now) {
   status.liveliness_lost = endpoints_.liveliness_lost;
   status.readers_incompatible = endpoints_.incompatible_qos;
   status.samples_unwritten = unwritten_;
+  status.samples_unrecorded = recording_ ? recording_->lost() : 0;
   write(status_writer_, dds::topics::to_idl(status));
 }
 
@@ -328,6 +360,10 @@ void BridgeNode::run(Source& source, const process::StopSignal& stop) {
   publisher_->publish_statuses(clocks::steady_now());
   publisher_->flush();
   if (source.is_recording()) publisher_->wait_until_read();
+}
+
+void BridgeNode::finish() {
+  publisher_->finish_recording();
 }
 
 }  // namespace sonopose::bridge

@@ -17,7 +17,8 @@ struct BridgeOptions {
   std::optional<std::filesystem::path> qos_file;
   bool lossless = false;  ///< keep all samples and wait for slow readers
   bool batch = false;     ///< send samples that are due together in one packet: for many beacons
-  std::optional<std::filesystem::path> record_folder;  ///< write what is published as a sensor-log folder
+  /// Write what is published as a sensor-log folder. An error ends the recording, not the publishing.
+  std::optional<std::filesystem::path> record_folder;
 };
 
 class BridgeNode {
@@ -30,7 +31,11 @@ public:
 
   /// Publishes the samples of `source` until it ends or the stop is requested. A recording waits at the start
   /// until each of its streams has a reader, and at the end until the readers have received everything.
+  /// Throws what the source throws.
   void run(Source& source, const process::StopSignal& stop);
+
+  /// Waits at the end until a recording is written. Throws files::IoError if samples are missing in it.
+  void finish();
 
 private:
   class Publisher;

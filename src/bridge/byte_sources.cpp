@@ -1,5 +1,8 @@
 #include "bridge/byte_sources.hpp"
 
+#include "bridge/address_owners.hpp"
+#include "bridge/capture.hpp"
+#include "bridge/line_watch.hpp"
 #include "bridge/pacer.hpp"
 #include "clocks/clocks.hpp"
 #include "marvelmind/assembler.hpp"
@@ -48,9 +51,9 @@ void pass_on(Event event, ImuMeaning imu_meaning, SampleSink& sink) {
 template <class Decoder>
 class LiveSource final : public Source {
 public:
-  LiveSource(std::unique_ptr<transport::ByteSource> bytes, const LiveOptions& options)
-      : imu_meaning_(options.imu_meaning), bytes_(std::move(bytes)) {
-    if (options.capture) capture_.emplace(*options.capture);
+  LiveSource(std::unique_ptr<transport::ByteSource> bytes, LineWatch watch, const LiveOptions& options)
+      : imu_meaning_(options.imu_meaning), bytes_(std::move(bytes)), watch_(std::move(watch)) {
+    if (options.capture) capture_.emplace(*options.capture, WhenFull::lose);
   }
 
   void run(SampleSink& sink, const process::StopSignal& stop) override {
@@ -64,11 +67,13 @@ public:
         const auto got = std::span(buffer).first(read.size);
         bytes_received_ += read.size;
         decoder_.feed(got, [&](const marvelmind::Packet& packet) {
-          assembler_.on(packet, read.arrival_time_ns, publish);
+          if (accepts(packet, read.sender)) assembler_.on(packet, read.arrival_time_ns, publish);
         });
         if (capture_) capture_->append(got);
       } else if (read.status == ReadStatus::end || read.status == ReadStatus::stopped) {
         break;
+      } else if (read.status == ReadStatus::refused) {
+        ++packets_refused_;
       } else {
         log_change(read.status);
       }
@@ -80,6 +85,10 @@ public:
       sink.tick();
     }
     report_line(sink);
+  }
+
+  void finish() override {
+    if (capture_) capture_->finish();
   }
 
 private:
@@ -95,6 +104,13 @@ private:
         std::clamp<std::int64_t>((*deadline_ns - clocks::host_now()) / ms + 1, 1, longest_ms));
   }
 
+  bool accepts(const marvelmind::Packet& packet, const transport::Sender& sender) {
+    const auto address = marvelmind::address_of(packet);
+    if (!address || owners_.accepts(*address, sender, clocks::steady_now())) return true;
+    ++packets_refused_;
+    return false;
+  }
+
   /// A failure is visible on the bus before the bridge ends.
   transport::ReadResult read_from_line(Buffer& buffer, SampleSink& sink) {
     try {
@@ -108,7 +124,11 @@ private:
     }
   }
 
-  void report_line(SampleSink& sink) const { sink.on(line_status()); }
+  void report_line(SampleSink& sink) {
+    LineStatus status = line_status();
+    watch_.judge(status, clocks::steady_now());
+    sink.on(status);
+  }
 
   [[nodiscard]] LineStatus line_status() const {
     const marvelmind::DecoderCounters& counters = decoder_.counters();
@@ -119,6 +139,7 @@ private:
     status.frames = counters.frames;
     status.crc_errors = counters.crc_errors;
     status.bytes_lost = counters.bytes_lost;
+    status.packets_refused = packets_refused_;
     status.text = bytes_->last_error();
     return status;
   }
@@ -134,10 +155,13 @@ private:
 
   ImuMeaning imu_meaning_;
   std::unique_ptr<transport::ByteSource> bytes_;
-  std::optional<transport::CaptureFile> capture_;
+  LineWatch watch_;
+  AddressOwners owners_;
+  std::optional<Capture> capture_;
   Decoder decoder_;
   Assembler assembler_{marvelmind::TimeMapping::fitted};
   std::uint64_t bytes_received_ = 0;
+  std::uint64_t packets_refused_ = 0;
 };
 
 /// A file of bytes, timed by the beacons' own clock.
@@ -193,12 +217,15 @@ std::unique_ptr<Source> make_stream_source(const StreamOptions& options) {
 
 std::unique_ptr<Source> make_serial_source(const SerialOptions& options, const LiveOptions& live) {
   return std::make_unique<LiveSource<marvelmind::Decoder>>(
-      std::make_unique<transport::SerialPort>(options.device, options.baud), live);
+      std::make_unique<transport::SerialPort>(options.device, options.baud),
+      LineWatch(fmt::format("--baud (now {}), and that the device is a Marvelmind beacon", options.baud)),
+      live);
 }
 
-std::unique_ptr<Source> make_udp_source(const std::string& listen, const LiveOptions& live) {
+std::unique_ptr<Source> make_udp_source(const UdpOptions& options, const LiveOptions& live) {
   return std::make_unique<LiveSource<marvelmind::DatagramDecoder>>(
-      std::make_unique<transport::UdpListener>(transport::parse_endpoint(listen)), live);
+      std::make_unique<transport::UdpListener>(transport::parse_endpoint(options.listen), options.from),
+      LineWatch("that the sender uses the Marvelmind protocol"), live);
 }
 
 }  // namespace sonopose::bridge

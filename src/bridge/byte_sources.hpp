@@ -41,8 +41,13 @@ struct LiveOptions {
 /// device.
 std::unique_ptr<Source> make_serial_source(const SerialOptions& options, const LiveOptions& live);
 
-/// Datagrams received at `listen` (ADDR:PORT), captured one after the other. Throws std::invalid_argument for
-/// a malformed address, files::IoError if it cannot be bound.
-std::unique_ptr<Source> make_udp_source(const std::string& listen, const LiveOptions& live);
+struct UdpOptions {
+  std::string listen = "0.0.0.0:49100";  ///< ADDR:PORT
+  std::optional<std::string> from = {};  ///< the only address to accept datagrams from
+};
+
+/// Datagrams, captured one after the other. Each beacon has one sender; packets of another one are refused
+/// and counted. Throws std::invalid_argument for a malformed address, files::IoError if it cannot be bound.
+std::unique_ptr<Source> make_udp_source(const UdpOptions& options, const LiveOptions& live);
 
 }  // namespace sonopose::bridge

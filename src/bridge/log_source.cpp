@@ -19,7 +19,8 @@ public:
 
   void run(SampleSink& sink, const process::StopSignal& stop) override {
     if (log_.events.empty()) return;
-    const TimeNs shift_ns = restamp_ ? clocks::host_now() - available_at_ns(log_.events.front()) : 0;
+    const TimeNs shift_ns =
+        restamp_ ? saturated_difference(clocks::host_now(), available_at_ns(log_.events.front())) : 0;
     auto truth = log_.truth.begin();
     for (const Event& event : log_.events) {
       const TimeNs time_ns = available_at_ns(event);

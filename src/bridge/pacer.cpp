@@ -25,8 +25,11 @@ bool Pacer::wait_for(TimeNs time_ns, SampleSink& sink, const process::StopSignal
     began_ = now;
     ticked_ = now;
   }
+  constexpr double century_ns = 3e18;  // stamps of a recording may have any value
+  const auto passed_ns = static_cast<double>(saturated_difference(time_ns, first_ns_));
   const SteadyTime due =
-      rate_ == 0.0 ? now : began_ + static_cast<TimeNs>(static_cast<double>(time_ns - first_ns_) / rate_);
+      rate_ == 0.0 ? now
+                   : began_ + static_cast<TimeNs>(std::clamp(passed_ns / rate_, -century_ns, century_ns));
   while (true) {
     if (now - ticked_ >= tick_period_ns) {
       sink.tick();

@@ -1,5 +1,6 @@
 #include "bridge/simulator_source.hpp"
 
+#include "bridge/capture.hpp"
 #include "bridge/pacer.hpp"
 #include "bridge/shifted.hpp"
 #include "clocks/clocks.hpp"
@@ -7,7 +8,6 @@
 #include "marvelmind/encoder.hpp"
 #include "sim/scenario.hpp"
 #include "sim/simulator.hpp"
-#include "transport/byte_file.hpp"
 
 #include <fmt/format.h>
 
@@ -24,17 +24,19 @@ namespace {
 /// Writes the bytes that a real beacon would have sent.
 class BeaconCapture {
 public:
-  BeaconCapture(const std::filesystem::path& file, TimeNs wake_up_ns)
-      : file_(file), disassembler_({.beacon_zero_ns = wake_up_ns}) {}
+  BeaconCapture(const std::filesystem::path& file, WhenFull when_full, TimeNs wake_up_ns)
+      : capture_(file, when_full), disassembler_({.beacon_zero_ns = wake_up_ns}) {}
 
   void on(const Event& event) {
     disassembler_.on(event, [this](const marvelmind::Packet& packet) {
-      file_.append(marvelmind::encode(packet).bytes());
+      capture_.append(marvelmind::encode(packet).bytes());
     });
   }
 
+  void finish() { capture_.finish(); }
+
 private:
-  transport::CaptureFile file_;
+  Capture capture_;
   marvelmind::Disassembler disassembler_;
 };
 
@@ -130,7 +132,8 @@ public:
       : pacer_(options.rate), beacons_(options, simulated_start_ns) {
     // A beacon wakes up before it measures, so that its first stamp is not negative.
     constexpr TimeNs awake_before_ns = 1'000'000'000;
-    if (options.capture) capture_.emplace(*options.capture, simulated_start_ns - awake_before_ns);
+    const WhenFull when_full = options.rate == 0.0 ? WhenFull::wait : WhenFull::lose;
+    if (options.capture) capture_.emplace(*options.capture, when_full, simulated_start_ns - awake_before_ns);
   }
 
   void run(SampleSink& sink, const process::StopSignal& stop) override {
@@ -143,6 +146,10 @@ public:
       if (capture_) capture_->on(step->event);
       beacons_.pop();
     }
+  }
+
+  void finish() override {
+    if (capture_) capture_->finish();
   }
 
 private:

@@ -47,6 +47,9 @@ public:
   /// quarter of a second. Throws if the input becomes unusable.
   virtual void run(SampleSink& sink, const process::StopSignal& stop) = 0;
 
+  /// Waits at the end until a capture is written. Throws files::IoError if bytes are missing in it.
+  virtual void finish() {}
+
   /// Whether the samples exist already, so that none may be published before readers have joined.
   [[nodiscard]] virtual bool is_recording() const { return false; }
 };

@@ -35,12 +35,24 @@ AppendFile::~AppendFile() {
 }
 
 void AppendFile::append(std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
+  std::size_t written = 0;
+  while (written < bytes.size()) {
+    const ssize_t count = ::write(descriptor_, bytes.data() + written, bytes.size() - written);
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw IoError(name_ + ": cannot be written: " + std::strerror(errno));
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
+    if (count < 0) {
+      const int cause = errno;
+      remove_last(written);
+      throw IoError(name_ + ": cannot be written: " + std::strerror(cause));
+    }
+    written += static_cast<std::size_t>(count);
   }
+}
+
+void AppendFile::remove_last(std::size_t count) const {
+  const off_t size = ::lseek(descriptor_, 0, SEEK_END);
+  if (count == 0 || size < 0) return;  // nothing to remove, or no regular file
+  const off_t before = size - static_cast<off_t>(count);
+  if (::ftruncate(descriptor_, before) == 0) ::lseek(descriptor_, before, SEEK_SET);
 }
 
 }  // namespace sonopose::files

@@ -21,10 +21,13 @@ public:
   AppendFile(AppendFile&&) = delete;
   AppendFile& operator=(AppendFile&&) = delete;
 
-  /// Passes all bytes to the operating system, so that they survive a crash. Throws IoError with the cause.
+  /// Passes all bytes to the operating system, so that they survive a crash. Throws IoError with the cause; a
+  /// regular file then contains none of these bytes, so that it does not end in the middle of a line.
   void append(std::span<const std::byte> bytes);
 
 private:
+  void remove_last(std::size_t count) const;
+
   std::string name_;
   int descriptor_ = -1;
 };

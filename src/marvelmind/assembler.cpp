@@ -36,13 +36,7 @@ std::optional<TimeNs> Assembler::next_deadline_ns() const {
 TimeNs Assembler::replay_arrival_ns(const Packet& packet, TimeNs origin_ns) {
   TimeNs reached_ns = replay_reached_ns_.value_or(origin_ns);
   if (const auto sent = content_time(packet)) {
-    const std::uint8_t address = std::visit(
-        [](const auto& body) -> std::uint8_t {
-          if constexpr (requires { body.address; }) return body.address;
-          return 0;
-        },
-        packet);
-    const auto sent_ns = beacon_of(address).sent_host_ns(*sent, reached_ns);
+    const auto sent_ns = beacon_of(address_of(packet).value_or(0)).sent_host_ns(*sent, reached_ns);
     reached_ns = std::max(reached_ns, sent_ns.value_or(reached_ns));
   }
   replay_reached_ns_ = reached_ns;

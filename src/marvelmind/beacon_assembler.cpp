@@ -3,7 +3,6 @@
 #include "marvelmind/conversions.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace sonopose::marvelmind {
 
@@ -169,7 +168,8 @@ void BeaconAssembler::expire(TimeNs now_ns, EventSink sink) {
 bool BeaconAssembler::is_duplicate(const Position& position, TimeNs emission_ns) const {
   if (!last_position_) return false;
   if (rank_of(position) == rank_of(*last_position_)) return position.time == last_position_->time;
-  return std::abs(emission_ns - last_emission_ns_) < same_emission_ns;
+  const TimeNs later_ns = saturated_difference(emission_ns, last_emission_ns_);
+  return later_ns > -same_emission_ns && later_ns < same_emission_ns;
 }
 
 // Generations

@@ -10,8 +10,10 @@ namespace sonopose::marvelmind {
 
 std::int64_t Unwrapper::unwrapped(const Stamp& stamp) const {
   if (stamp.base == TimeBase::unix_ms || !newest_ticks_) return stamp.ticks;
+  // Garbage that jumps ahead by weeks in each stamp must not overflow: a century in the coarser unit.
+  constexpr std::int64_t most_ticks = 200'000'000'000;
   const auto ahead = static_cast<std::uint32_t>(stamp.ticks) - static_cast<std::uint32_t>(*newest_ticks_);
-  return *newest_ticks_ + static_cast<std::int32_t>(ahead);
+  return std::min(*newest_ticks_ + static_cast<std::int32_t>(ahead), most_ticks);
 }
 
 std::int64_t Unwrapper::beacon_ns(const Stamp& stamp) const {
@@ -135,7 +137,7 @@ void FixedClock::observe(const Stamp& stamp, std::int64_t ahead_ns, TimeNs arriv
     begin(stamp, ahead_ns, arrival_ns);
   } else if (unwrapper_.beacon_ns(stamp) + ahead_ns < newest_ns_ - overtaken_ns) {
     ++resets_;
-    begin(stamp, ahead_ns, origin_ns_ + newest_ns_ - first_ns_);
+    begin(stamp, ahead_ns, saturated_sum(origin_ns_, newest_ns_ - first_ns_));
   }
   const std::int64_t sent_ns = unwrapper_.beacon_ns(stamp) + ahead_ns;
   if (sent_ns < newest_ns_) return;

@@ -141,7 +141,9 @@ public:
   std::optional<TimeNs> settles_at_ns() const { return std::nullopt; }
 
   /// The host's time at `stamp`. Needs an observation.
-  TimeNs host_ns(const Stamp& stamp) const { return origin_ns_ + unwrapper_.beacon_ns(stamp) - first_ns_; }
+  TimeNs host_ns(const Stamp& stamp) const {
+    return saturated_sum(origin_ns_, unwrapper_.beacon_ns(stamp) - first_ns_);
+  }
 
   double offset_s() const { return static_cast<double>(origin_ns_ - first_ns_) * 1e-9; }
   double jitter_s() const { return 0; }

@@ -249,4 +249,14 @@ struct UserData {
 using Packet = std::variant<Position, RawImu, Quality, Telemetry, RawDistances, VendorFusion,
                             StationaryBeacons, Waypoint, UserData>;
 
+/// The beacon of a packet; empty for packets of no single beacon.
+inline std::optional<std::uint8_t> address_of(const Packet& packet) {
+  return std::visit(
+      [](const auto& body) -> std::optional<std::uint8_t> {
+        if constexpr (requires { body.address; }) return body.address;
+        return std::nullopt;
+      },
+      packet);
+}
+
 }  // namespace sonopose::marvelmind

@@ -34,8 +34,9 @@ inline constexpr std::array bridge_counters{
     StatusCounter<BeaconStatus>{"liveliness_lost", &BeaconStatus::liveliness_lost, "liveliness losses"},
     StatusCounter<BeaconStatus>{"readers_incompatible", &BeaconStatus::readers_incompatible,
                                 "incompatible readers"},
-    StatusCounter<BeaconStatus>{"samples_unwritten", &BeaconStatus::samples_unwritten,
-                                "samples not written"}};
+    StatusCounter<BeaconStatus>{"samples_unwritten", &BeaconStatus::samples_unwritten, "samples not written"},
+    StatusCounter<BeaconStatus>{"samples_unrecorded", &BeaconStatus::samples_unrecorded,
+                                "samples not recorded"}};
 
 inline constexpr std::array fusion_counters{
     StatusCounter<FusionStatus>{"imu_samples", &FusionStatus::imu_samples},

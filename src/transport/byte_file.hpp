@@ -48,7 +48,7 @@ public:
   CaptureFile& operator=(CaptureFile&&) = delete;
 
   /// Passes the bytes to the operating system at once, so that they survive a crash of the process. Throws
-  /// files::IoError, for example on a full disk.
+  /// files::IoError, for example on a full disk; the file then contains none of these bytes.
   void append(std::span<const std::uint8_t> bytes);
 
 private:

@@ -5,6 +5,7 @@
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/samples/status.hpp>
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <span>
@@ -15,16 +16,29 @@ namespace sonopose::transport {
 enum class ReadStatus : std::uint8_t {
   data,          ///< `size` bytes are in the buffer
   timeout,       ///< no bytes arrived
+  refused,       ///< a datagram of a sender that is not accepted
   connected,     ///< the device has been opened
   disconnected,  ///< the device is absent; further reads wait for it
   end,           ///< there are no more bytes
   stopped        ///< stop() was called
 };
 
+/// The sender of a datagram. All bytes of a serial line or file have the same one.
+struct Sender {
+  std::array<std::uint8_t, 16> address{};  ///< IPv6, or IPv4 mapped to IPv6
+  std::uint16_t port = 0;                  ///< 0: all ports of the address count as one sender
+
+  bool operator==(const Sender&) const = default;
+};
+
+/// Such as "10.0.0.5:49100", without the port if it is 0.
+std::string text_of(const Sender& sender);
+
 struct ReadResult {
   ReadStatus status = ReadStatus::timeout;
   std::size_t size = 0;
   HostTime arrival_time_ns = 0;  ///< immediately after the read that returned the data
+  Sender sender = {};
 };
 
 class ByteSource {

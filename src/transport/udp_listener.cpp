@@ -20,7 +20,28 @@ std::string text_of(const Endpoint& endpoint) {
   return (is_v6 ? "[" + endpoint.address + "]" : endpoint.address) + ":" + std::to_string(endpoint.port);
 }
 
+asio::ip::address_v6::bytes_type mapped_bytes(const asio::ip::address& address) {
+  if (address.is_v6()) return address.to_v6().to_bytes();
+  return asio::ip::make_address_v6(asio::ip::v4_mapped, address.to_v4()).to_bytes();
+}
+
+/// The sender with all of its ports.
+std::optional<Sender> parse_sender(const std::optional<std::string>& text) {
+  if (!text) return std::nullopt;
+  asio::error_code error;
+  const auto address = asio::ip::make_address(*text, error);
+  if (error) throw std::invalid_argument("\"" + *text + "\" is not a numeric IP address");
+  return Sender{mapped_bytes(address)};
+}
+
 }  // namespace
+
+std::string text_of(const Sender& sender) {
+  const asio::ip::address_v6 v6{sender.address};
+  const std::string address =
+      v6.is_v4_mapped() ? asio::ip::make_address_v4(asio::ip::v4_mapped, v6).to_string() : v6.to_string();
+  return sender.port == 0 ? address : text_of(Endpoint{address, sender.port});
+}
 
 Endpoint parse_endpoint(std::string_view text) {
   const auto fail = [text](const std::string& why) -> void {
@@ -48,7 +69,8 @@ Endpoint parse_endpoint(std::string_view text) {
 
 class UdpListener::Socket {
 public:
-  explicit Socket(const Endpoint& endpoint) : socket_{loop_.context()} {
+  Socket(const Endpoint& endpoint, const std::optional<std::string>& from)
+      : from_{parse_sender(from)}, socket_{loop_.context()} {
     asio::error_code error;
     const auto address = asio::ip::make_address(endpoint.address, error);
     const asio::ip::udp::endpoint local{address, endpoint.port};
@@ -62,15 +84,21 @@ public:
   ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {
     if (loop_.stopped()) return {ReadStatus::stopped};
     ReadResult result;
+    asio::ip::udp::endpoint peer;
     const auto start = [&](auto finish) {
-      socket_.async_receive(asio::buffer(buffer.data(), buffer.size()),
-                            [&result, finish](const asio::error_code& error, std::size_t size) {
-                              result.arrival_time_ns = clocks::host_now();
-                              finish(error, size);
-                            });
+      socket_.async_receive_from(asio::buffer(buffer.data(), buffer.size()), peer,
+                                 [&result, finish](const asio::error_code& error, std::size_t size) {
+                                   result.arrival_time_ns = clocks::host_now();
+                                   finish(error, size);
+                                 });
     };
     const Completion done = complete_within(loop_, timeout, start, [this] { socket_.cancel(); });
-    if (!done.error) return {ReadStatus::data, done.size, result.arrival_time_ns};
+    if (!done.error) {
+      const auto address = mapped_bytes(peer.address());
+      if (!from_) return {ReadStatus::data, done.size, result.arrival_time_ns, {address, peer.port()}};
+      if (from_->address != address) return {ReadStatus::refused};
+      return {ReadStatus::data, done.size, result.arrival_time_ns, *from_};
+    }
     if (loop_.stopped()) return {ReadStatus::stopped};
     if (done.error == asio::error::operation_aborted) return {ReadStatus::timeout};
     throw files::IoError(text_of(endpoint()) + ": cannot be read: " + done.error.message());
@@ -84,11 +112,13 @@ public:
   }
 
 private:
+  std::optional<Sender> from_;
   StoppableLoop loop_;
   asio::ip::udp::socket socket_;
 };
 
-UdpListener::UdpListener(const Endpoint& endpoint) : socket_{std::make_unique<Socket>(endpoint)} {}
+UdpListener::UdpListener(const Endpoint& endpoint, const std::optional<std::string>& from)
+    : socket_{std::make_unique<Socket>(endpoint, from)} {}
 
 UdpListener::~UdpListener() = default;
 

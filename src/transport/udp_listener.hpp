@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -24,8 +25,10 @@ Endpoint parse_endpoint(std::string_view text);
 /// One datagram per read(). A datagram that is longer than the buffer is truncated; 2048 bytes fit any frame.
 class UdpListener : public ByteSource {
 public:
-  /// Port 0 lets the system choose. Throws files::IoError if the address cannot be bound.
-  explicit UdpListener(const Endpoint& endpoint);
+  /// Port 0 lets the system choose. With `from`, an address in numbers, read() returns `refused` for each
+  /// datagram of another address. Throws files::IoError if the address cannot be bound, std::invalid_argument
+  /// if `from` is no address.
+  explicit UdpListener(const Endpoint& endpoint, const std::optional<std::string>& from = {});
   ~UdpListener() override;
   UdpListener(const UdpListener&) = delete;
   UdpListener& operator=(const UdpListener&) = delete;

@@ -223,7 +223,7 @@ TEST_CASE("byte sources refuse unusable inputs by name") {
   const TemporaryFolder folder;
   CHECK_THROWS_WITH(make_stream_source({folder / "none.bin"}), Catch::Contains("none.bin"));
   CHECK_THROWS_AS(make_stream_source({folder.path()}), files::IoError);
-  CHECK_THROWS_AS(make_udp_source("nonsense", {}), std::invalid_argument);
+  CHECK_THROWS_AS(make_udp_source({.listen = "nonsense"}, {}), std::invalid_argument);
   CHECK_THROWS_AS(make_serial_source({.device = folder.path().string()}, {}), files::IoError);
 }
 

@@ -1,6 +1,7 @@
 #include "bridge/log_source.hpp"
 
 #include "bridge/collecting_sink.hpp"
+#include "bridge/shifted.hpp"
 #include "clocks/clocks.hpp"
 #include "files/error.hpp"
 #include "recording/log_folder.hpp"
@@ -8,6 +9,8 @@
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
+
+#include <limits>
 
 namespace log_source_test {
 
@@ -109,6 +112,16 @@ SCENARIO("a log folder as a source") {
       CHECK_THROWS_WITH(make_log_source({.folder = folder / "none"}), Catch::Contains("none"));
     }
   }
+}
+
+TEST_CASE("Stamps that cannot be shifted stay at the end of time") {
+  constexpr TimeNs greatest = std::numeric_limits<TimeNs>::max();
+  UltrasonicFix fix;
+  fix.emission_time_ns = std::numeric_limits<TimeNs>::min();
+  fix.received_time_ns = greatest;
+  const auto later = std::get<UltrasonicFix>(shifted(fix, 100 * ms));
+  CHECK(later.emission_time_ns == fix.emission_time_ns + 100 * ms);
+  CHECK(later.received_time_ns == greatest);
 }
 
 }  // namespace log_source_test

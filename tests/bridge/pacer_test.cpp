@@ -98,4 +98,25 @@ TEST_CASE("an invalid rate is refused with its value") {
   CHECK_THROWS_AS(Pacer(std::numeric_limits<double>::infinity()), std::invalid_argument);
 }
 
+SCENARIO("a recording with absurd stamps is paced") {
+  constexpr TimeNs least = std::numeric_limits<TimeNs>::min();
+  constexpr TimeNs greatest = std::numeric_limits<TimeNs>::max();
+  CollectingSink sink;
+  GIVEN("a pacer that is as fast as possible, and one in real time") {
+    StopSignal stop;
+    Pacer fast(0.0);
+    Pacer paced(1e-6);
+    WHEN("the stamps jump over all times that exist") {
+      THEN("what is past is due at once, and what is centuries ahead waits until it is stopped") {
+        for (const TimeNs time_ns : {least, greatest, begin_ns, least})
+          CHECK(fast.wait_for(time_ns, sink, stop));
+        CHECK(paced.wait_for(begin_ns, sink, stop));
+        CHECK(paced.wait_for(least, sink, stop));
+        stop.request();
+        CHECK_FALSE(paced.wait_for(greatest, sink, stop));
+      }
+    }
+  }
+}
+
 }  // namespace pacer_test

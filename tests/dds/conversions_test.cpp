@@ -111,7 +111,8 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
              sample.frames, sample.crc_errors, sample.bytes_lost, sample.unknown_frames,
              sample.fixes_unavailable, sample.samples_rejected, sample.clock_resets, sample.other_bridges,
              sample.imu_deadlines_missed, sample.fix_deadlines_missed, sample.heading_deadlines_missed,
-             sample.liveliness_lost, sample.readers_incompatible, sample.samples_unwritten);
+             sample.liveliness_lost, sample.readers_incompatible, sample.samples_unwritten,
+             sample.samples_unrecorded);
     CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.battery_v.reset();
     CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
@@ -121,8 +122,8 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
   SECTION("line status") {
     LineStatus sample;
     fill.all(sample.name, sample.bridge_id, sample.time_ns, sample.bytes, sample.frames, sample.crc_errors,
-             sample.bytes_lost, sample.text);
-    sample.state = LineState::failed;
+             sample.bytes_lost, sample.packets_refused, sample.text);
+    sample.state = LineState::no_frames;
     CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }
   SECTION("fusion status") {

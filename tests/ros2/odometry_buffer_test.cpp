@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <limits>
 #include <numbers>
 
 namespace odometry_buffer_test {
@@ -62,6 +63,20 @@ TEST_CASE("map → odom gives the base its fused pose") {
   const Transform again = odom_in_map(base_in_map, base_in_odom) * base_in_odom;
   CHECK((again.translation_m - base_in_map.translation_m).norm() < 1e-12);
   CHECK(again.rotation.angularDistance(base_in_map.rotation) < 1e-12);
+}
+
+TEST_CASE("Odometry of any time is kept or replaced, and looked up") {
+  constexpr TimeNs least = std::numeric_limits<TimeNs>::min();
+  constexpr TimeNs greatest = std::numeric_limits<TimeNs>::max();
+  OdometryBuffer track;
+  track.add(least, driven(1, 0));
+  track.add(greatest, driven(3, 0));
+  CHECK(track.at(greatest)->translation_m.x() == 3);
+  CHECK(track.at(least)->translation_m.x() == 1);
+  CHECK(track.at(0));
+  track.add(least, driven(5, 0));  // the clock was set back
+  CHECK(track.at(least)->translation_m.x() == 5);
+  CHECK_FALSE(track.at(greatest));
 }
 
 }  // namespace odometry_buffer_test

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <cstdlib>
+#include <limits>
 #include <optional>
 
 namespace time_test {
@@ -89,6 +90,22 @@ SCENARIO("a stream is thinned to a rate on average") {
     THEN("the stream continues after the clock is set back") {
       CHECK(admitted(one, ten_s - 5'000 * ms, 10 * ms, 300) == 3);
     }
+  }
+}
+
+TEST_CASE("Stamps of any value are admitted, and the stream continues") {
+  constexpr TimeNs now_ns = 1'700'000'000'000'000'000;
+  for (const TimeNs absurd_ns : {std::numeric_limits<TimeNs>::min(), std::numeric_limits<TimeNs>::max()}) {
+    CAPTURE(absurd_ns);
+    RisingStamp stamps;
+    CHECK(stamps.next(absurd_ns) == absurd_ns);
+    CHECK(stamps.next(-absurd_ns / 2) == -absurd_ns / 2);
+    CHECK(stamps.next(absurd_ns) == absurd_ns);
+    CHECK(stamps.next(now_ns) == now_ns);
+    RateLimit limit(100);
+    CHECK(limit.admits(absurd_ns));
+    CHECK(limit.admits(now_ns));
+    CHECK(limit.admits(absurd_ns));
   }
 }
 

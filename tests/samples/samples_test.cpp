@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include <concepts>
+#include <limits>
 
 namespace samples_test {
 
@@ -35,6 +36,18 @@ TEST_CASE("seconds become the nearest nanosecond and come back") {
 TEST_CASE("differences keep their nanoseconds at today's epoch") {
   const TimeNs now_ns = 1'760'000'000'123'456'789;
   CHECK(seconds_between(now_ns, now_ns + 1) == 1e-9);
+}
+
+TEST_CASE("times of any value have a difference and a sum") {
+  constexpr TimeNs least = std::numeric_limits<TimeNs>::min();
+  constexpr TimeNs greatest = std::numeric_limits<TimeNs>::max();
+  CHECK(saturated_difference(greatest, least) == greatest);
+  CHECK(saturated_difference(least, greatest) == least);
+  CHECK(saturated_sum(greatest, 1) == greatest);
+  CHECK(saturated_sum(least, -1) == least);
+  CHECK(saturated_sum(greatest, least) == -1);
+  CHECK(seconds_between(least, greatest) > 9e9);
+  CHECK(seconds_between(greatest, least) < -9e9);
 }
 
 TEST_CASE("an event has a beacon, a sequence number and a time of availability") {

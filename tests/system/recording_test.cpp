@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <map>
 
 namespace recording_test {
@@ -135,6 +136,46 @@ SCENARIO("a raw capture of the simulated beacon gives its samples up to the reso
         }
         CHECK(time_spread_ns(fixes, fixes_before,
                              [](const UltrasonicFix& s) { return s.emission_time_ns; }) <= 1'000'000);
+      }
+    }
+  }
+}
+
+/// A bridge whose files cannot exceed this size, as on a full disk.
+std::unique_ptr<Process> bridge_on_small_disk(const Bus& bus, std::uint32_t kib, const std::string& options) {
+  const std::string limit = "trap '' XFSZ; ulimit -f " + std::to_string(kib * 2) + "; ";
+  const std::string command = "exec " SONOPOSE_TEST_BRIDGE " --domain " + std::to_string(bus.domain_id());
+  return std::make_unique<Process>("/bin/sh", Arguments{"-c", limit + command + " " + options});
+}
+
+SCENARIO("a full disk ends the recording and the capture, and the stream goes on") {
+  GIVEN("a consumer, and a bridge that records and captures on a disk of 16 KiB") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    Streams published(bus);
+    Consumer<sonopose_BeaconStatus> status(bus, topics::beacon_status);
+    const std::string log = (folder / "log").string();
+    const std::string capture = (folder / "bytes.bin").string();
+    const auto bridge = bridge_on_small_disk(bus, 16, "--rate 4 --record " + log + " --capture " + capture);
+    WHEN("the disk is full") {
+      REQUIRE(bridge->wait_for_line(Stream::error, "the recording has ended: " + log + "/imu.csv: "));
+      REQUIRE(bridge->wait_for_line(Stream::error, "the capture has ended: " + capture + ": "));
+      THEN("every later event is published, and the loss is counted and reported at the end") {
+        published.imu.take();
+        const std::size_t since = published.imu.samples.size();
+        REQUIRE(published.imu.wait_for_more(200));
+        CHECK(status.wait_for([](const BeaconStatus& now) { return now.samples_unrecorded > 0; }));
+        const auto events = published.events();
+        const std::uint64_t first = published.imu.samples[since].sequence;
+        const std::uint64_t last = published.imu.samples[since + 199].sequence;
+        CHECK(std::distance(events.find(first), events.find(last)) ==
+              static_cast<std::ptrdiff_t>(last - first));
+        CHECK(bridge->end_by(SIGTERM).code == 1);
+        CHECK_THAT(bridge->text(Stream::error), Catch::Contains("lacks"));
+        AND_THEN("what was recorded before is complete") {
+          const auto recorded = recording::read_sensor_log(folder / "log");
+          CHECK(of_kind<ImuSample>(recorded.events).size() > 50);
+        }
       }
     }
   }

@@ -174,6 +174,9 @@ SCENARIO("a bridge refuses an invalid input") {
     THEN("it is named") {
       CHECK_THAT(refused({"--source", "udp", "--listen", "nonsense"}), Contains("nonsense"));
       CHECK_THAT(refused({"--source", "udp", "--listen", "127.0.0.1:99999"}), Contains("99999"));
+      CHECK_THAT(refused({"--source", "udp", "--from", "modem"}), Contains("\"modem\" is not a numeric IP"));
+      CHECK_THAT(refused({"--source", "sim", "--from", "10.0.0.5"}),
+                 Contains("only works with --source udp"));
       CHECK_THAT(refused({"--source", "udp", "--listen", "192.0.2.1:5000"}), Contains("192.0.2.1:5000"));
     }
   }
@@ -205,6 +208,21 @@ SCENARIO("a bridge refuses an invalid input") {
       CHECK_THAT(refused({"--record", folder.path().string()}),
                  Contains(folder.path().string()) && Contains("not overwritten"));
       CHECK(read_text(folder / "imu.csv") == "precious\n");
+    }
+  }
+}
+
+SCENARIO("every program on the bus refuses a limit of too few file descriptors") {
+  const std::vector<std::pair<const char*, const char*>> programs{
+      {SONOPOSE_TEST_BRIDGE, ""},        {SONOPOSE_TEST_FUSION, ""},
+      {SONOPOSE_TEST_MONITOR, ""},       {SONOPOSE_TEST_DOCTOR, ""},
+      {SONOPOSE_TEST_SETTINGS, "watch"}, {SONOPOSE_TEST_ROS2, "--network loopback"}};
+  for (const auto& [program, arguments] : programs) {
+    for (const char* const limit : {"8", "12"}) {
+      const std::string command = std::string("ulimit -n ") + limit + "; exec \"$0\" " + arguments;
+      const std::string said = refusal("/bin/sh", {"-c", command, program});
+      CHECK_THAT(said, Contains(std::string("at most ") + limit + " file descriptors are allowed") &&
+                           Contains("are needed"));
     }
   }
 }

@@ -73,4 +73,23 @@ SCENARIO("a fusion is killed and restarted") {
   }
 }
 
+SCENARIO("a bridge that an error ends states the reason and the restart that helps") {
+  GIVEN("a bridge that plays a file, and a reader of each of its streams") {
+    const Bus bus;
+    const Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+    const Consumer<sonopose_UltrasonicFix> fixes(bus, topics::fix);
+    const Consumer<sonopose_PairHeading> headings(bus, topics::heading);
+    WHEN("the file cannot be read") {
+      const auto bridge = bus.bridge({"--source", "stream", "--input", "/proc/self/mem"});
+      THEN("it ends with exit code 1, the reason, and what to restart") {
+        CHECK(bridge->wait_for_exit() == 1);
+        CHECK_THAT(
+            bridge->text(Stream::error),
+            Catch::Contains("/proc/self/mem: cannot be read: Input/output error; restart sonopose-bridge; "
+                            "no other program needs a restart"));
+      }
+    }
+  }
+}
+
 }  // namespace restart_test

@@ -4,9 +4,13 @@
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
 
+#include <algorithm>
 #include <arpa/inet.h>
+#include <chrono>
 #include <netinet/in.h>
+#include <stop_token>
 #include <sys/socket.h>
+#include <thread>
 #include <unistd.h>
 
 namespace udp_test {
@@ -27,12 +31,15 @@ public:
     REQUIRE(::getsockname(probe, reinterpret_cast<sockaddr*>(&to_), &size) == 0);
     ::close(probe);
   }
+  /// Another sender to the same port.
+  explicit Sender(const sockaddr_in& to) : file_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)), to_(to) {}
   Sender(const Sender&) = delete;
   Sender& operator=(const Sender&) = delete;
   Sender(Sender&&) = delete;
   Sender& operator=(Sender&&) = delete;
   ~Sender() { ::close(file_); }
 
+  [[nodiscard]] const sockaddr_in& to() const { return to_; }
   [[nodiscard]] std::string endpoint() const { return "127.0.0.1:" + std::to_string(ntohs(to_.sin_port)); }
 
   void send(std::span<const std::uint8_t> bytes) const {
@@ -46,16 +53,104 @@ private:
   sockaddr_in to_{};
 };
 
+/// What beacon 21 sends in three seconds at rest.
+std::vector<TimedFrame> resting_beacon(const Bus& bus) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "bytes.bin").string();
+  REQUIRE(bus.bridge({"--scenario", "rest", "--rate", "0", "--duration", "3", "--capture", file, "--address",
+                      "21"})
+              ->wait_for_exit() == 0);
+  return timed_datagrams(read_bytes(file));
+}
+
+/// Sends ten thousand datagrams a second while it lives.
+class Flood {
+public:
+  Flood(const Sender& sender, Bytes datagram)
+      : thread_([&sender, datagram = std::move(datagram)](const std::stop_token& end) {
+          while (!end.stop_requested()) {
+            for (int i = 0; i < 10; ++i) sender.send(datagram);
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+          }
+        }) {}
+
+private:
+  std::jthread thread_;
+};
+
+/// Longest time between the stamps of two samples.
+double longest_gap_s(const std::vector<ImuSample>& samples) {
+  TimeNs longest_ns = 0;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    longest_ns = std::max(longest_ns, samples[i].sensor_time_ns - samples[i - 1].sensor_time_ns);
+  }
+  return seconds_between(0, longest_ns);
+}
+
+SCENARIO("a flood of forged datagrams does not interrupt a beacon") {
+  GIVEN("a listening bridge, and a beacon that sends") {
+    const Bus bus;
+    const auto datagrams = resting_beacon(bus);
+    const Sender beacon;
+    Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+    Consumer<sonopose_LineStatus> lines(bus, topics::line_status);
+    const auto bridge = bus.bridge({"--source", "udp", "--listen", beacon.endpoint()});
+    REQUIRE(bridge->wait_for_line(Stream::error, "publishing from udp"));
+    REQUIRE(imu.wait_for_writers());
+    const auto is_imu = [](const TimedFrame& frame) { return frame.bytes[2] == 3; };
+    const auto samples = std::count_if(datagrams.begin(), datagrams.end(), is_imu);
+    const auto first = *std::find_if(datagrams.begin(), datagrams.end(), is_imu);
+    beacon.send(first.bytes);
+    REQUIRE(lines.wait_for([](const LineStatus& line) { return line.frames == 1; }));
+    // A forged header announces more than follows; a forged stamp would reset the beacon's clock.
+    Bytes header(first.bytes.begin(), first.bytes.begin() + 5);
+    header[4] = 255;
+    for (const Bytes& forged : {header, first.bytes}) {
+      WHEN("another sender floods the port with datagrams of " + std::to_string(forged.size()) + " bytes") {
+        const Sender attacker(beacon.to());
+        const Flood flood(attacker, forged);
+        send_in_time(datagrams, [&beacon](std::span<const std::uint8_t> bytes) { beacon.send(bytes); });
+        THEN("the beacon's samples are published without a gap, and no others") {
+          REQUIRE(imu.wait_for_count(static_cast<std::size_t>(samples) - 10));
+          CHECK(imu.samples.size() <= static_cast<std::size_t>(samples) + 1);
+          CHECK(longest_gap_s(imu.samples) < 0.1);
+        }
+      }
+    }
+    WHEN("another sender claims its address") {
+      const Sender attacker(beacon.to());
+      attacker.send(first.bytes);
+      THEN("its packet is counted as refused, and both senders are logged") {
+        CHECK(lines.wait_for([](const LineStatus& line) { return line.packets_refused == 1; }));
+        CHECK(bridge->wait_for_line(Stream::error, "packets of beacon 21 from 127.0.0.1:"));
+      }
+    }
+  }
+}
+
+SCENARIO("--from accepts one sender only") {
+  GIVEN("a bridge that accepts another machine") {
+    const Bus bus;
+    const auto datagrams = resting_beacon(bus);
+    const Sender beacon;
+    Consumer<sonopose_LineStatus> lines(bus, topics::line_status);
+    const auto bridge = bus.bridge({"--source", "udp", "--listen", beacon.endpoint(), "--from", "192.0.2.1"});
+    REQUIRE(bridge->wait_for_line(Stream::error, "publishing from udp"));
+    WHEN("a beacon of this machine sends") {
+      beacon.send(datagrams.front().bytes);
+      THEN("its datagram is counted as refused") {
+        REQUIRE(lines.wait_for([](const LineStatus& line) { return line.packets_refused == 1; }));
+        CHECK(lines.samples.back().frames == 0);
+      }
+    }
+  }
+}
+
 SCENARIO("the datagrams of a beacon give poses") {
   GIVEN("a fusion, a listening bridge, and a beacon at rest") {
     const Bus bus;
-    const TemporaryFolder folder;
     const Sender beacon;
-    const std::string file = (folder / "bytes.bin").string();
-    REQUIRE(bus.bridge({"--scenario", "rest", "--rate", "0", "--duration", "3", "--capture", file,
-                        "--address", "21"})
-                ->wait_for_exit() == 0);
-    const auto datagrams = timed_datagrams(read_bytes(file));
+    const auto datagrams = resting_beacon(bus);
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto fusion = bus.fusion();
     REQUIRE(poses.wait_for_writers());

@@ -36,6 +36,7 @@ struct BeaconStatus {
   std::uint64_t liveliness_lost = 0;       ///< expired leases of its writers
   std::uint64_t readers_incompatible = 0;  ///< readers with incompatible QoS
   std::uint64_t samples_unwritten = 0;     ///< not written because a slow reader blocked
+  std::uint64_t samples_unrecorded = 0;    ///< missing in the recording: the disk is too slow or full
 
   bool operator==(const BeaconStatus&) const = default;
 };
@@ -44,7 +45,9 @@ enum class LineState : std::uint32_t {
   closed,   ///< not opened yet, or closed
   waiting,  ///< for the device or the peer to appear
   open,
-  failed  ///< cannot be opened or read: see `text`
+  failed,    ///< cannot be opened or read: see `text`
+  silent,    ///< open, but no bytes for 3 s
+  no_frames  ///< open, but no valid frame for 3 s in the bytes received
 };
 
 /// One serial line or socket of one bridge, known before any beacon address is. Counters start with the
@@ -54,11 +57,13 @@ struct LineStatus {
   std::uint64_t bridge_id = 0;  ///< of the process, random: two bridges may use the same name
   TimeNs time_ns = 0;
   LineState state = LineState::closed;
-  std::uint64_t bytes = 0;       ///< received
-  std::uint64_t frames = 0;      ///< decoded
-  std::uint64_t crc_errors = 0;  ///< frames with a wrong checksum
-  std::uint64_t bytes_lost = 0;  ///< bytes skipped in search of a frame
-  std::string text;              ///< the cause of a failure; otherwise empty. DDS cuts it at 256 bytes
+  std::uint64_t bytes = 0;            ///< received
+  std::uint64_t frames = 0;           ///< decoded
+  std::uint64_t crc_errors = 0;       ///< frames with a wrong checksum
+  std::uint64_t bytes_lost = 0;       ///< bytes skipped in search of a frame
+  std::uint64_t packets_refused = 0;  ///< of a sender that is not accepted, or not the one of the beacon
+  /// Empty if frames arrive; otherwise why not, and what to check. DDS cuts it at 256 bytes.
+  std::string text;
 
   bool operator==(const LineStatus&) const = default;
 };

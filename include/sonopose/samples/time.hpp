@@ -51,9 +51,16 @@ constexpr TimeNs saturated_difference(TimeNs to, TimeNs from) {
   return to < from ? std::numeric_limits<TimeNs>::min() : std::numeric_limits<TimeNs>::max();
 }
 
-/// Seconds from `from` to `to`.
+/// `time` + `duration`, limited in the same way.
+constexpr TimeNs saturated_sum(TimeNs time, TimeNs duration) {
+  TimeNs sum = 0;
+  if (!__builtin_add_overflow(time, duration, &sum)) return sum;
+  return duration < 0 ? std::numeric_limits<TimeNs>::min() : std::numeric_limits<TimeNs>::max();
+}
+
+/// Seconds from `from` to `to`, limited to 292 years.
 constexpr double seconds_between(TimeNs from, TimeNs to) {
-  return static_cast<double>(to - from) * 1e-9;
+  return static_cast<double>(saturated_difference(to, from)) * 1e-9;
 }
 
 constexpr double seconds_between(SteadyTime from, SteadyTime to) {

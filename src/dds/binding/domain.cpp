@@ -1,3 +1,4 @@
+#include "dds/binding/descriptors.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 #include <sonopose/dds/binding/error.hpp>
 
@@ -42,6 +43,7 @@ Registry& registry() {
 dds_entity_t create_domain(std::uint32_t id, const DomainOptions& options) {
   const std::string uri = environment("CYCLONEDDS_URI");
   std::string about = "domain " + std::to_string(id);
+  check_free_descriptors(about);
   if (!uri.empty()) about += ", CYCLONEDDS_URI=" + uri;
   return check("dds_create_domain", about,
                dds_create_domain(id, domain_configuration(id, options, uri).c_str()));

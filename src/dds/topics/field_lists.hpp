@@ -170,19 +170,24 @@ struct Pairs<BeaconStatus> {
                                    field(&N::heading_deadlines_missed, &I::heading_deadlines_missed),
                                    field(&N::liveliness_lost, &I::liveliness_lost),
                                    field(&N::readers_incompatible, &I::readers_incompatible),
-                                   field(&N::samples_unwritten, &I::samples_unwritten)};
+                                   field(&N::samples_unwritten, &I::samples_unwritten),
+                                   field(&N::samples_unrecorded, &I::samples_unrecorded)};
 };
 
 template <>
 struct Pairs<LineStatus> {
   using N = LineStatus;
   using I = sonopose_LineStatus;
-  static constexpr std::tuple list{
-      cut_text(&N::name, &I::name),          field(&N::bridge_id, &I::bridge_id),
-      field(&N::time_ns, &I::time),          enumeration(&N::state, &I::state, LineState::failed),
-      field(&N::bytes, &I::bytes),           field(&N::frames, &I::frames),
-      field(&N::crc_errors, &I::crc_errors), field(&N::bytes_lost, &I::bytes_lost),
-      cut_text(&N::text, &I::text)};
+  static constexpr std::tuple list{cut_text(&N::name, &I::name),
+                                   field(&N::bridge_id, &I::bridge_id),
+                                   field(&N::time_ns, &I::time),
+                                   enumeration(&N::state, &I::state, LineState::no_frames),
+                                   field(&N::bytes, &I::bytes),
+                                   field(&N::frames, &I::frames),
+                                   field(&N::crc_errors, &I::crc_errors),
+                                   field(&N::bytes_lost, &I::bytes_lost),
+                                   field(&N::packets_refused, &I::packets_refused),
+                                   cut_text(&N::text, &I::text)};
 };
 
 template <>

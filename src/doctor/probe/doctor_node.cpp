@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -60,11 +61,13 @@ private:
   Subscription<sonopose_PairHeading> heading_;
   Subscription<sonopose_FusedPose> pose_;
   Subscription<sonopose_BeaconStatus> beacon_status_;
+  Subscription<sonopose_LineStatus> line_status_;
   Subscription<sonopose_FusionStatus> fusion_status_;
   Subscription<sonopose_EffectiveSettings> settings_;
   dds::WaitSet waitset_;
   std::map<BeaconAddress, BeaconProbe> probes_;
   std::map<BeaconAddress, EffectiveSettings> effective_settings_;
+  std::map<std::pair<std::string, std::uint64_t>, LineStatus> lines_;  ///< by name and bridge
   TimeNs began_ns_ = 0;
 };
 
@@ -78,11 +81,12 @@ SystemObserver::SystemObserver(const DoctorOptions& options)
       heading_(participant_, qos_, topics::heading),
       pose_(participant_, qos_, topics::pose),
       beacon_status_(participant_, qos_, topics::beacon_status),
+      line_status_(participant_, qos_, topics::line_status),
       fusion_status_(participant_, qos_, topics::fusion_status),
       settings_(participant_, qos_, topics::settings) {
   for (const dds::ReadCondition* const condition :
        {&imu_.has_data, &fix_.has_data, &heading_.has_data, &pose_.has_data, &beacon_status_.has_data,
-        &fusion_status_.has_data, &settings_.has_data}) {
+        &line_status_.has_data, &fusion_status_.has_data, &settings_.has_data}) {
     waitset_ += *condition;
   }
 }
@@ -94,6 +98,8 @@ void SystemObserver::take(Subscription<T>& subscription) {
     auto value = dds::topics::from_idl(sample);
     if constexpr (std::is_same_v<T, sonopose_EffectiveSettings>) {
       effective_settings_[value.address] = std::move(value);
+    } else if constexpr (std::is_same_v<T, sonopose_LineStatus>) {
+      lines_[{value.name, value.bridge_id}] = std::move(value);
     } else {
       const auto [entry, is_new] = probes_.try_emplace(value.address);
       BeaconProbe& probe = entry->second;
@@ -116,6 +122,7 @@ void SystemObserver::take_all() {
   take(heading_);
   take(pose_);
   take(beacon_status_);
+  take(line_status_);
   take(fusion_status_);
   take(settings_);
 }
@@ -185,6 +192,7 @@ rules::Observations SystemObserver::run(const process::StopSignal& stop) {
   observations.native_topics = native_topics();
   observations.writers = others_of(discovery_.writers(), processes, own_key);
   observations.readers = others_of(discovery_.readers(), processes, own_key);
+  for (const auto& entry : lines_) observations.lines.push_back(entry.second);
   for (const auto& [address, probe] : probes_) {
     observations.beacons.push_back(observation_of(address, probe, ended_ns, processes));
   }

@@ -32,6 +32,7 @@ std::vector<Finding> diagnose(const Observations& observations) {
   Findings findings;
   check_bus(observations, findings);
   check_topics(observations, findings);
+  check_lines(observations, findings);
   for (const BeaconObservation& beacon : observations.beacons) {
     check_beacon(observations, beacon, findings);
     check_pose(beacon, findings);

@@ -14,12 +14,12 @@ enum class Severity : std::uint8_t { ok, note, warning, error };
 
 struct Finding {
   Severity severity = Severity::ok;
-  std::string subject;  ///< "sonopose/pose", "beacon 7"
+  std::string subject;  ///< "sonopose/pose", "line /dev/ttyACM0", "beacon 7"
   std::string what;     ///< a sentence
   std::string remedy;   ///< what the user can do; may be empty
 };
 
-/// All findings, in the order bus, topics, beacons.
+/// All findings, in the order bus, topics, lines, beacons.
 std::vector<Finding> diagnose(const Observations& observations);
 
 /// Whether there is a warning or an error.

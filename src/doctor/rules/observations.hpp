@@ -111,6 +111,7 @@ struct Observations {
   std::vector<NativeTopic> native_topics;
   std::vector<EndpointObservation> writers;  ///< without those of this process
   std::vector<EndpointObservation> readers;  ///< without those of this process
+  std::vector<LineStatus> lines;             ///< the last status of each
   std::vector<BeaconObservation> beacons;
 };
 

@@ -23,20 +23,21 @@ std::optional<TimeNs> from_ros(const Time& time) {
 }
 
 std::optional<TimeNs> RisingStamp::next(TimeNs time_ns) {
-  if (last_ns_ && time_ns <= *last_ns_ && time_ns > *last_ns_ - new_start_ns) {
-    if (time_ns <= *last_ns_ - slack_ns_) return std::nullopt;
-    time_ns = *last_ns_ + 1;
+  const TimeNs behind_ns = last_ns_ ? saturated_difference(*last_ns_, time_ns) : -1;
+  if (behind_ns >= 0 && behind_ns < new_start_ns) {
+    if (behind_ns >= slack_ns_) return std::nullopt;
+    time_ns = saturated_sum(*last_ns_, 1);
   }
   last_ns_ = time_ns;
   return time_ns;
 }
 
 bool RateLimit::admits(TimeNs stamp_ns) {
-  const TimeNs early_ns = due_ns_ - stamp_ns;
+  const TimeNs early_ns = saturated_difference(due_ns_, stamp_ns);
   if (early_ns > 0 && early_ns <= period_ns_) return false;
   // After a gap, and after a step of the clock, the period starts with this message.
-  const bool in_step = early_ns <= 0 && -early_ns < period_ns_;
-  due_ns_ = (in_step ? due_ns_ : stamp_ns) + period_ns_;
+  const bool in_step = early_ns <= 0 && early_ns > -period_ns_;
+  due_ns_ = saturated_sum(in_step ? due_ns_ : stamp_ns, period_ns_);
   return true;
 }
 

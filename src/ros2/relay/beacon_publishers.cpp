@@ -227,12 +227,13 @@ void BeaconPublishers::on(const Estimate& estimate) {
 
 void BeaconPublishers::add_to_path(const ros2::Odometry& odometry, TimeNs stamp_ns) {
   const std::lock_guard lock(mutex_);
-  if (!path_points_.empty() && stamp_ns - path_points_.back().time_ns < path_step_ns) {
+  if (!path_points_.empty() && saturated_difference(stamp_ns, path_points_.back().time_ns) < path_step_ns) {
     if (stamp_ns > path_points_.back().time_ns) return;
     path_points_.clear();  // the clock was stepped back
   }
   path_points_.push_back({stamp_ns, odometry.pose.pose});
-  while (stamp_ns - path_points_.front().time_ns > to_ns(output_.path_s)) path_points_.pop_front();
+  const auto age_ns = [&](const PathPoint& point) { return saturated_difference(stamp_ns, point.time_ns); };
+  while (age_ns(path_points_.front()) > to_ns(output_.path_s)) path_points_.pop_front();
 }
 
 void BeaconPublishers::publish_path() {

@@ -75,6 +75,7 @@ void check_losses(const observation::BeaconView& view, const observation::Beacon
                           "heading deadlines missed");
     problems.add_increase(now.crc_errors, then.crc_errors, "damaged frames");
     problems.add_increase(now.samples_unwritten, then.samples_unwritten, "samples not written");
+    problems.add_increase(now.samples_unrecorded, then.samples_unrecorded, "samples not recorded");
     problems.add_increase(now.clock_resets, then.clock_resets, "resets of the beacon's clock");
   }
   if (view.fusion && before.fusion && view.fusion->fusion_id == before.fusion->fusion_id) {
@@ -154,7 +155,7 @@ void add_bridge(const BeaconStatus& bridge, Values& values) {
 
 bool has_bridge(const observation::BeaconView& view, TimeNs now_ns) {
   constexpr TimeNs timeout_ns = 3'000'000'000;  // a bridge publishes it once per second
-  return view.bridge && now_ns - view.bridge->time_ns < timeout_ns;
+  return view.bridge && saturated_difference(now_ns, view.bridge->time_ns) < timeout_ns;
 }
 
 ros2::Diagnostic diagnostic_of(const std::string& node, const observation::BeaconView& view,

@@ -72,7 +72,8 @@ std::string domain_configuration(std::uint32_t domain_id, const DomainOptions& o
                                  const std::string& user_uri);
 
 /// A reference to the process's configured domain: the first one configures it, the last one closes it.
-/// Throws `Error`, also if this process uses the domain with a different network.
+/// Throws `Error`, also if this process uses the domain with a different network, or if too few file
+/// descriptors are free.
 class DomainLease {
 public:
   explicit DomainLease(const DomainOptions& options);

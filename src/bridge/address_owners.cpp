@@ -1,0 +1,29 @@
+#include "bridge/address_owners.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <utility>
+
+namespace sonopose::bridge {
+
+bool AddressOwners::accepts(std::uint8_t address, const transport::Sender& sender, SteadyTime now) {
+  Owner& owner = owners_[address];
+  if (!owner.exists || (owner.sender != sender && now - owner.heard >= release_ns)) {
+    owner = {true, false, sender, now};
+  }
+  if (owner.sender == sender) {
+    owner.heard = now;
+    return true;
+  }
+  if (!std::exchange(owner.reported, true)) {
+    fmt::print(
+        stderr,
+        "sonopose-bridge: packets of beacon {} from {} are ignored, because {} sends it; --from selects "
+        "the sender\n",
+        address, transport::text_of(sender), transport::text_of(owner.sender));
+  }
+  return false;
+}
+
+}  // namespace sonopose::bridge

@@ -1,0 +1,35 @@
+#pragma once
+/// \file
+/// Captures raw beacon bytes to a file while they are published.
+
+#include "bridge/background_writer.hpp"
+#include "transport/byte_file.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+namespace sonopose::bridge {
+
+class Capture {
+public:
+  /// Throws files::IoError if the file cannot be opened. Later errors end the capture and are logged.
+  Capture(const std::filesystem::path& file, WhenFull when_full)
+      : file_(file),
+        writer_({"the capture", "bytes"}, capacity, when_full,
+                [this](std::span<const std::uint8_t> bytes) { file_.append(bytes); }) {}
+
+  void append(std::span<const std::uint8_t> bytes) { writer_.push(bytes); }
+
+  /// Waits until everything has been written. Throws files::IoError if bytes were lost.
+  void finish() { writer_.finish(); }
+
+private:
+  static constexpr std::size_t capacity = 1U << 20U;  ///< many seconds of the fastest serial line
+
+  transport::CaptureFile file_;
+  BackgroundWriter<std::uint8_t> writer_;
+};
+
+}  // namespace sonopose::bridge

@@ -1,0 +1,54 @@
+#include "bridge/line_watch.hpp"
+
+#include "marvelmind/packet.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <utility>
+
+namespace sonopose::bridge {
+namespace {
+
+/// Beacons send several times a second. LineStatus states this value.
+constexpr TimeNs patience_ns = 3'000'000'000;
+
+}  // namespace
+
+void LineWatch::judge(LineStatus& line, SteadyTime now) {
+  const bool was_open = std::exchange(is_open_, line.state == LineState::open);
+  if (!was_open || !is_open_) begin(now);
+  if (line.bytes != bytes_.count) bytes_ = {line.bytes, now};
+  if (line.frames != frames_.count) {
+    frames_ = {line.frames, now};
+    bytes_at_frame_ = line.bytes;
+  }
+  if (!is_open_) return;
+  const std::uint64_t bytes_without_frame = line.bytes - bytes_at_frame_;
+  // The first part of a frame at the end of a transmission is no sign of a wrong baud rate.
+  if (now - frames_.since >= patience_ns && bytes_without_frame > marvelmind::max_frame_size) {
+    line.state = LineState::no_frames;
+    line.text = fmt::format("{} bytes without a valid frame: check {}", bytes_without_frame, check_);
+  } else if (now - bytes_.since >= patience_ns) {
+    line.state = LineState::silent;
+    line.text = fmt::format("no bytes for {:.0f} s: check that the beacon is on and streams its data",
+                            seconds_between(bytes_.since, now));
+  }
+  log(line);
+}
+
+/// What has arrived since the last call, before the opening was seen, counts.
+void LineWatch::begin(SteadyTime now) {
+  bytes_.since = now;
+  frames_.since = now;
+  bytes_at_frame_ = bytes_.count;
+  logged_ = LineState::open;
+}
+
+void LineWatch::log(const LineStatus& line) {
+  if (std::exchange(logged_, line.state) == line.state) return;
+  fmt::print(stderr, "sonopose-bridge: {}: {}\n", line.name,
+             line.text.empty() ? "valid frames arrive" : line.text);
+}
+
+}  // namespace sonopose::bridge

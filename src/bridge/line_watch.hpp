@@ -1,0 +1,40 @@
+#pragma once
+/// \file
+/// Whether an open line delivers frames.
+
+#include <sonopose/samples/status.hpp>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+
+namespace sonopose::bridge {
+
+class LineWatch {
+public:
+  /// `check`: what the user can check if bytes arrive without a valid frame, such as "--baud (now 115200)".
+  explicit LineWatch(std::string check) : check_(std::move(check)) {}
+
+  /// Sets the state and the text of an open line that is silent or delivers no frames, and logs each change.
+  /// Call it several times a second.
+  void judge(LineStatus& line, SteadyTime now);
+
+private:
+  /// What the line had delivered, and when.
+  struct Progress {
+    std::uint64_t count = 0;
+    SteadyTime since;
+  };
+
+  void begin(SteadyTime now);
+  void log(const LineStatus& line);
+
+  std::string check_;
+  bool is_open_ = false;
+  Progress bytes_;
+  Progress frames_;
+  std::uint64_t bytes_at_frame_ = 0;  ///< bytes received at the last frame
+  LineState logged_ = LineState::open;
+};
+
+}  // namespace sonopose::bridge

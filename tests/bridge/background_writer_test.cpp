@@ -1,0 +1,81 @@
+#include "bridge/background_writer.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <future>
+#include <numeric>
+#include <stdexcept>
+#include <vector>
+
+namespace background_writer_test {
+
+using namespace sonopose;
+using namespace sonopose::bridge;
+using Catch::Contains;
+
+using Writer = BackgroundWriter<int>;
+const Writer::Words words{"the list", "numbers"};
+
+void push_up_to(int count, Writer& writer) {
+  for (int i = 0; i < count; ++i) writer.push({&i, 1});
+}
+
+SCENARIO("everything is written in order, also if the queue is short and the writer slow") {
+  GIVEN("a writer with a queue of 64 that lets its source wait") {
+    std::vector<int> written;
+    Writer writer(words, 64, WhenFull::wait, [&](std::span<const int> items) {
+      written.insert(written.end(), items.begin(), items.end());
+    });
+    WHEN("ten times as much is pushed at once") {
+      push_up_to(640, writer);
+      writer.finish();
+      THEN("nothing is lost") {
+        std::vector<int> all(640);
+        std::iota(all.begin(), all.end(), 0);
+        CHECK(written == all);
+        CHECK(writer.lost() == 0);
+      }
+    }
+  }
+}
+
+SCENARIO("a disk that stands still loses what exceeds the queue, and does not delay the source") {
+  GIVEN("a writer that waits for its disk") {
+    std::promise<void> disk_continues;
+    std::vector<int> written;
+    Writer writer(words, 64, WhenFull::lose, [&, wait = disk_continues.get_future().share()](auto items) {
+      wait.wait();
+      written.insert(written.end(), items.begin(), items.end());
+    });
+    WHEN("more is pushed than fits") {
+      push_up_to(100, writer);
+      THEN("the rest is lost and counted, and the end reports it") {
+        CHECK(writer.lost() == 36);
+        disk_continues.set_value();
+        CHECK_THROWS_WITH(writer.finish(), Contains("the list lacks 36 numbers"));
+        CHECK(written.size() == 64);
+      }
+    }
+  }
+}
+
+SCENARIO("an error ends the writing and nothing else") {
+  GIVEN("a writer whose disk is full after the first items") {
+    for (const WhenFull when_full : {WhenFull::lose, WhenFull::wait}) {
+      int calls = 0;
+      Writer writer(words, 64, when_full, [&](std::span<const int>) {
+        ++calls;
+        throw std::runtime_error("No space left on device");
+      });
+      WHEN("more is pushed than fits, as mode " + std::to_string(static_cast<int>(when_full))) {
+        push_up_to(1000, writer);
+        THEN("the source is not delayed, all of it is counted, and the disk is left alone") {
+          CHECK_THROWS_WITH(writer.finish(), Contains("lacks 1000 numbers"));
+          CHECK(calls == 1);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace background_writer_test
