@@ -129,8 +129,9 @@ nlohmann::json beacon_json(const observation::BeaconView& view) {
 
 }  // namespace
 
-std::string json_of(const std::vector<observation::BeaconView>& views, TimeNs now_ns) {
-  nlohmann::json json{{"time_ns", now_ns}, {"beacons", nlohmann::json::array()}};
+std::string json_of(const std::vector<observation::BeaconView>& views,
+                    const std::vector<std::string>& warnings, TimeNs now_ns) {
+  nlohmann::json json{{"time_ns", now_ns}, {"beacons", nlohmann::json::array()}, {"warnings", warnings}};
   for (const observation::BeaconView& view : views) json["beacons"].push_back(beacon_json(view));
   return json.dump();
 }

@@ -3,6 +3,7 @@
 #include "clocks/clocks.hpp"
 #include "monitor/monitor_report.hpp"
 #include "observation/beacon_observers.hpp"
+#include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -10,6 +11,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace sonopose::monitor {
 namespace {
@@ -29,12 +33,13 @@ struct Subscription {
   dds::DataReader<T> reader;
 };
 
-void print(const MonitorOptions& options, const std::vector<observation::BeaconView>& views) {
+void print(const MonitorOptions& options, const std::vector<observation::BeaconView>& views,
+           const std::vector<std::string>& warnings) {
   if (options.json) {
-    fmt::print("{}\n", json_of(views, clocks::host_now()));
+    fmt::print("{}\n", json_of(views, warnings, clocks::host_now()));
   } else {
     // Cursor home, then clear to the end of the screen: the new table replaces the old one.
-    fmt::print("{}{}", options.redraw ? "\x1b[H\x1b[J" : "", table_of(views));
+    fmt::print("{}{}", options.redraw ? "\x1b[H\x1b[J" : "", table_of(views, warnings));
   }
   std::fflush(stdout);
 }
@@ -59,6 +64,40 @@ private:
   std::uint64_t incompatible_reported_ = 0;
   std::uint64_t lost_reported_ = 0;
   std::uint64_t rejected_reported_ = 0;
+};
+
+/// Checks which processes write poses, and logs new problems. A problem counts when two checks in a row find
+/// it, because a process that starts or ends appears in parts.
+class PoseWriterLogger {
+public:
+  explicit PoseWriterLogger(const dds::DomainParticipant& participant) : discovery_(participant) {}
+
+  void log(const observation::ServedBeacons& served) {
+    std::vector<std::string> seen;
+    std::vector<std::string> confirmed;
+    for (const auto& problem : observation::problems_of(
+             observation::pose_writers_of(discovery_.writers(), discovery_.participants(), served))) {
+      seen.push_back(problem.what);
+      if (contains(seen_, problem.what)) confirmed.push_back(problem.what);
+    }
+    for (const std::string& text : confirmed) {
+      if (!contains(warnings_, text)) fmt::print(stderr, "sonopose-monitor: warning: {}\n", text);
+    }
+    seen_ = std::move(seen);
+    warnings_ = std::move(confirmed);
+  }
+
+  /// The problems at the last check.
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+
+private:
+  static bool contains(const std::vector<std::string>& list, const std::string& text) {
+    return std::find(list.begin(), list.end(), text) != list.end();
+  }
+
+  dds::Discovery discovery_;
+  std::vector<std::string> seen_;
+  std::vector<std::string> warnings_;
 };
 
 /// Immediately and on stderr: a consumer that controls a vehicle with these poses is affected too.
@@ -88,8 +127,12 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
   const Subscription estimate(participant, qos, topics::estimate, observers, endpoints);
   const Subscription fusion_status(participant, qos, topics::fusion_status, observers, endpoints);
 
+  PoseWriterLogger pose_writers(participant);
+
   constexpr TimeNs period_ns = 1'000'000'000;
+  constexpr TimeNs pose_writers_period_ns = 500'000'000;
   SteadyTime next = clocks::steady_now() + period_ns;
+  SteadyTime next_pose_writers = clocks::steady_now() + pose_writers_period_ns;
   const SteadyTime end =
       options.duration_s > 0 ? clocks::steady_now() + to_ns(options.duration_s) : SteadyTime::max();
   if (options.redraw) fmt::print("\x1b[2J");
@@ -97,8 +140,12 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
   while (next <= end && !stop.wait_until(std::min(next, clocks::steady_now() + poll_period_ns))) {
     log_silences(observers.silence_changes());
     endpoint_logger.log(endpoints);
+    if (clocks::steady_now() >= next_pose_writers) {
+      pose_writers.log(observers.served());
+      next_pose_writers += pose_writers_period_ns;
+    }
     if (clocks::steady_now() < next) continue;
-    print(options, observers.take_windows(clocks::host_now()));
+    print(options, observers.take_windows(clocks::host_now()), pose_writers.warnings());
     next += period_ns;
   }
   stop.wait_until(std::min(end, next));

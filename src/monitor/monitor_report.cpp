@@ -117,7 +117,8 @@ std::uint64_t lost_events(const observation::BeaconView& view) {
 
 }  // namespace
 
-std::string table_of(const std::vector<observation::BeaconView>& views) {
+std::string table_of(const std::vector<observation::BeaconView>& views,
+                     const std::vector<std::string>& warnings) {
   std::string text =
       "beacon  pose/IMU/fix Hz      x       y       z m   heading  m/s    latency p50/p99 ms  lost  status\n";
   for (const observation::BeaconView& view : views) {
@@ -133,6 +134,7 @@ std::string table_of(const std::vector<observation::BeaconView>& views) {
   text += segments_table_of(views);
   text += estimate_table_of(views);
   for (const observation::BeaconView& view : views) text += problems_of(view);
+  for (const std::string& warning : warnings) text += fmt::format("warning: {}\n", warning);
   return text;
 }
 

@@ -9,12 +9,15 @@
 
 namespace sonopose::monitor {
 
-/// A table of poses with a row per beacon, a table of latency segments, what the fusions have estimated, and
-/// a line for each process that counted problems. Each line ends with a newline.
-std::string table_of(const std::vector<observation::BeaconView>& views);
+/// A table of poses with a row per beacon, a table of latency segments, what the fusions have estimated, a
+/// line for each process that counted problems, and a line for each warning. Each line ends with a newline.
+std::string table_of(const std::vector<observation::BeaconView>& views,
+                     const std::vector<std::string>& warnings = {});
 
-/// {"time_ns": …, "beacons": [{…}]}, on one line without a newline. Unknown values are null.
-std::string json_of(const std::vector<observation::BeaconView>& views, TimeNs now_ns);
+/// {"time_ns": …, "beacons": [{…}], "warnings": ["…"]}, on one line without a newline. Unknown values are
+/// null.
+std::string json_of(const std::vector<observation::BeaconView>& views,
+                    const std::vector<std::string>& warnings, TimeNs now_ns);
 
 /// A paragraph per beacon: rates, latency and its segments, position error, losses.
 std::string summary_of(const std::vector<observation::BeaconView>& views);

@@ -4,6 +4,7 @@
 
 #include "clocks/clocks.hpp"
 #include "observation/beacon_observer.hpp"
+#include "observation/pose_writers.hpp"
 #include "process/endpoint_counters.hpp"
 #include "process/silence_detector.hpp"
 #include <sonopose/dds/binding/data_reader.hpp>
@@ -31,8 +32,15 @@ public:
   void on(const FusedPose& pose, TimeNs received_ns, dds::InstanceHandle writer) {
     const std::lock_guard lock(mutex_);
     pose_writers_[pose.address] = writer;
+    served_.on(pose, writer);
     observers_[pose.address].on(pose, received_ns);
     silences_.on_sample(pose.address, clocks::steady_now());
+  }
+
+  void on(const FusionStatus& status, dds::InstanceHandle writer) {
+    const std::lock_guard lock(mutex_);
+    served_.on(status, writer);
+    observers_[status.address].on(status);
   }
 
   void on_deadline_missed(BeaconAddress address, std::uint64_t count) {
@@ -69,6 +77,11 @@ public:
     return changes;
   }
 
+  ServedBeacons served() {
+    const std::lock_guard lock(mutex_);
+    return served_;
+  }
+
   /// BeaconObserver::take_window of each beacon, ordered by address.
   std::vector<BeaconView> take_windows(TimeNs now_ns) {
     const std::lock_guard lock(mutex_);
@@ -89,6 +102,7 @@ private:
   std::mutex mutex_;
   std::map<BeaconAddress, BeaconObserver> observers_;
   std::map<BeaconAddress, dds::InstanceHandle> pose_writers_;
+  ServedBeacons served_;
   process::SilenceDetector silences_;
 };
 
@@ -109,6 +123,8 @@ public:
       on_sample(native);
       if constexpr (std::is_same_v<T, sonopose_FusedPose>) {
         observers_.on(native, received_ns, info.publication_handle());
+      } else if constexpr (std::is_same_v<T, sonopose_FusionStatus>) {
+        observers_.on(native, info.publication_handle());
       } else {
         observers_.on(native);
       }

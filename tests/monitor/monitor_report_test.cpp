@@ -102,7 +102,7 @@ TEST_CASE("every status bit has its own name") {
 
 SCENARIO("the JSON object has the documented keys") {
   GIVEN("a beacon with poses and a silent one") {
-    const std::string text = json_of({good_view(), silent_view()}, now_ns);
+    const std::string text = json_of({good_view(), silent_view()}, {}, now_ns);
     const auto json = nlohmann::json::parse(text);
     REQUIRE(json["beacons"].size() == 2);
     const auto& good = json["beacons"][0];
@@ -145,7 +145,7 @@ SCENARIO("the JSON object has the documented keys") {
       BeaconView view = good_view();
       CHECK_FALSE(good.contains("estimate"));
       view.estimate = estimate();
-      const auto estimated = nlohmann::json::parse(json_of({view}, now_ns))["beacons"][0]["estimate"];
+      const auto estimated = nlohmann::json::parse(json_of({view}, {}, now_ns))["beacons"][0]["estimate"];
       CHECK(estimated["gyro_bias_radps"]["value"] == nlohmann::json({0.001, -0.002, 0.0305}));
       CHECK(estimated["gyro_bias_radps"]["std"] == nlohmann::json({0.0004, 0.0004, 0.0004}));
       CHECK(estimated["accelerometer_bias_mps2"]["value"][0] == 0.05);
@@ -169,7 +169,7 @@ SCENARIO("the JSON object has the documented keys") {
   }
   GIVEN("no beacon") {
     THEN("the list is empty") {
-      CHECK(nlohmann::json::parse(json_of({}, now_ns))["beacons"] == nlohmann::json::array());
+      CHECK(nlohmann::json::parse(json_of({}, {}, now_ns))["beacons"] == nlohmann::json::array());
     }
   }
 }

@@ -24,7 +24,7 @@ std::string property(const dds_qos_t* qos, const char* name) {
   return text;
 }
 
-FoundParticipant found(const dds_builtintopic_participant_t& sample) {
+FoundParticipant found(const dds_builtintopic_participant_t& sample, InstanceHandle /*handle*/) {
   FoundParticipant participant{.key = text_of(sample.key),
                                .process_name = property(sample.qos, process_name_property),
                                .host_name = property(sample.qos, host_name_property),
@@ -41,8 +41,10 @@ FoundParticipant found(const dds_builtintopic_participant_t& sample) {
   return participant;
 }
 
-FoundEndpoint found(const dds_builtintopic_endpoint_t& sample) {
+/// Cyclone DDS gives a reader or writer and its sample in the built-in topic the same handle.
+FoundEndpoint found(const dds_builtintopic_endpoint_t& sample, InstanceHandle handle) {
   FoundEndpoint endpoint{.key = text_of(sample.key),
+                         .handle = handle,
                          .participant_key = text_of(sample.participant_key),
                          .topic_name = sample.topic_name,
                          .type_name = sample.type_name,
@@ -56,10 +58,10 @@ template <class Sample>
 auto all_in(dds_entity_t handle) {
   constexpr std::size_t most = 10'000;
   constexpr DataState alive{DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE};
-  std::vector<decltype(found(std::declval<const Sample&>()))> result;
+  std::vector<decltype(found(std::declval<const Sample&>(), InstanceHandle{}))> result;
   auto reader = DataReader<Sample>::borrow(handle);
   for (const auto sample : reader.read(most, alive)) {
-    if (sample.info().valid()) result.push_back(found(sample.data()));
+    if (sample.info().valid()) result.push_back(found(sample.data(), sample.info().instance_handle()));
   }
   return result;
 }

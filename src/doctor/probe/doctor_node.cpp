@@ -66,6 +66,7 @@ private:
   Subscription<sonopose_EffectiveSettings> settings_;
   dds::WaitSet waitset_;
   std::map<BeaconAddress, BeaconProbe> probes_;
+  observation::ServedBeacons served_;
   std::map<BeaconAddress, EffectiveSettings> effective_settings_;
   std::map<std::pair<std::string, std::uint64_t>, LineStatus> lines_;  ///< by name and bridge
   TimeNs began_ns_ = 0;
@@ -104,6 +105,9 @@ void SystemObserver::take(Subscription<T>& subscription) {
       const auto [entry, is_new] = probes_.try_emplace(value.address);
       BeaconProbe& probe = entry->second;
       if (is_new && began_ns_ != 0) probe.begin(began_ns_);
+      if constexpr (std::is_same_v<T, sonopose_FusedPose> || std::is_same_v<T, sonopose_FusionStatus>) {
+        served_.on(value, info.publication_handle());
+      }
       if constexpr (std::is_same_v<T, sonopose_ImuSample>) {
         probe.on(value, received_ns, info.publication_handle().value);
       } else if constexpr (std::is_same_v<T, sonopose_BeaconStatus> ||
@@ -193,6 +197,8 @@ rules::Observations SystemObserver::run(const process::StopSignal& stop) {
   observations.writers = others_of(discovery_.writers(), processes, own_key);
   observations.readers = others_of(discovery_.readers(), processes, own_key);
   for (const auto& entry : lines_) observations.lines.push_back(entry.second);
+  observations.pose_writers =
+      observation::pose_writers_of(discovery_.writers(), discovery_.participants(), served_);
   for (const auto& [address, probe] : probes_) {
     observations.beacons.push_back(observation_of(address, probe, ended_ns, processes));
   }

@@ -104,22 +104,10 @@ public:
 
   void standbys() const {
     if (beacon_.fusions.size() < 2 || !beacon_.fusion || !observation::serves(*beacon_.fusion)) return;
-    const auto rivals =
-        std::count_if(beacon_.fusions.begin(), beacon_.fusions.end(), [this](const FusionStatus& fusion) {
-          return observation::serves(fusion) && fusion.strength == beacon_.fusion->strength;
-        });
-    if (rivals > 1) {
-      add(Severity::warning,
-          fmt::format(
-              "{} fusions with the same strength {} serve it: which one consumers receive is arbitrary",
-              rivals, beacon_.fusion->strength),
-          "use a different --standby-strength for each (docs/standby.md)");
-    } else {
-      add(Severity::ok,
-          fmt::format("served by the fusion with strength {}, {} on standby", beacon_.fusion->strength,
-                      beacon_.fusions.size() - 1),
-          "");
-    }
+    add(Severity::ok,
+        fmt::format("served by the fusion with strength {}, {} on standby", beacon_.fusion->strength,
+                    beacon_.fusions.size() - 1),
+        "");
   }
 
   void numbering() const {

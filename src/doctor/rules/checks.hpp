@@ -16,6 +16,8 @@ void check_bus(const Observations& observations, Findings& findings);
 void check_topics(const Observations& observations, Findings& findings);
 /// The lines of the bridges.
 void check_lines(const Observations& observations, Findings& findings);
+/// Processes that write poses and should not, or with the same strength.
+void check_pose_writers(const Observations& observations, Findings& findings);
 /// One beacon's streams, fusions, numbering, clock and line.
 void check_beacon(const Observations& observations, const BeaconObservation& beacon, Findings& findings);
 /// The status bits that all poses of one beacon have.

@@ -19,20 +19,12 @@ std::vector<const EndpointObservation*> on_topic(const std::vector<EndpointObser
   return found;
 }
 
-std::string text_of(const ProcessObservation& process) {
-  if (process.name.empty() && process.host.empty() && !process.id) return "an unknown process";
-  std::string text = process.name.empty() ? "a process" : process.name;
-  if (process.id) text += fmt::format(" (process {}", *process.id);
-  if (!process.host.empty()) text += (process.id ? " on " : " (on ") + process.host;
-  if (process.id || !process.host.empty()) text += ")";
-  return text;
-}
-
 std::vector<Finding> diagnose(const Observations& observations) {
   Findings findings;
   check_bus(observations, findings);
   check_topics(observations, findings);
   check_lines(observations, findings);
+  check_pose_writers(observations, findings);
   for (const BeaconObservation& beacon : observations.beacons) {
     check_beacon(observations, beacon, findings);
     check_pose(beacon, findings);

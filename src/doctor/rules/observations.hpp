@@ -3,6 +3,7 @@
 /// Observations of a running system, as collected by doctor/probe: values without DDS entities, clocks or
 /// threads.
 
+#include "observation/pose_writers.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
 #include <sonopose/dds/binding/qos.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -16,15 +17,7 @@
 
 namespace sonopose::doctor::rules {
 
-/// The process of a reader or writer. Fields that its DDS implementation does not announce are empty.
-struct ProcessObservation {
-  std::string name;
-  std::string host;
-  std::optional<std::uint32_t> id;
-};
-
-/// "sonopose-bridge (process 812 on rover)", "an unknown process".
-std::string text_of(const ProcessObservation& process);
+using ProcessObservation = observation::ProcessIdentity;
 
 /// A reader or writer of another process.
 struct EndpointObservation {
@@ -112,6 +105,7 @@ struct Observations {
   std::vector<EndpointObservation> writers;  ///< without those of this process
   std::vector<EndpointObservation> readers;  ///< without those of this process
   std::vector<LineStatus> lines;             ///< the last status of each
+  std::vector<observation::PoseWriter> pose_writers;
   std::vector<BeaconObservation> beacons;
 };
 

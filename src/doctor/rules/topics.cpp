@@ -77,4 +77,11 @@ void check_topics(const Observations& observations, Findings& findings) {
   check_partitions(observations, findings);
 }
 
+void check_pose_writers(const Observations& observations, Findings& findings) {
+  for (const auto& problem : observation::problems_of(observations.pose_writers)) {
+    findings.push_back({problem.foreign ? Severity::error : Severity::warning, "sonopose/pose", problem.what,
+                        problem.remedy});
+  }
+}
+
 }  // namespace sonopose::doctor::rules

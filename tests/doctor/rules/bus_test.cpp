@@ -118,7 +118,7 @@ TEST_CASE("The same topic with another type is an error") {
   CHECK_THAT(finding.remedy, Contains("sonopose.idl"));
 }
 
-TEST_CASE("Two fusions with the same strength are a warning, a weaker one is on standby") {
+TEST_CASE("Two fusions with the same strength are a warning with their names, a weaker one is on standby") {
   Observations observations = healthy();
   FusionStatus fusion;
   fusion.fusion_id = 1;
@@ -126,13 +126,22 @@ TEST_CASE("Two fusions with the same strength are a warning, a weaker one is on 
   fusion.strength = 100;
   observations.beacons.front().fusion = fusion;
   observations.beacons.front().fusions = {fusion, fusion};
-  CHECK(found(diagnose(observations), "2 fusions with the same strength 100").severity == Severity::warning);
-  observations.beacons.front().fusions.back().strength = 50;
+  observations.pose_writers = {{"a", {"fusion-a", "rover", 1}, exclusive(100), true, {7}},
+                               {"b", {"fusion-b", "rover", 2}, exclusive(100), true, {7}}};
+  const Finding finding = found(diagnose(observations), "with the same strength 100");
+  CHECK(finding.severity == Severity::warning);
+  CHECK_THAT(finding.what, Contains("fusion-a (process 1 on rover) and fusion-b (process 2 on rover)"));
+  observations.pose_writers.back().qos = exclusive(50);
   CHECK_FALSE(has_problems(diagnose(observations)));
   CHECK_THAT(found(diagnose(observations), "on standby").what, Contains("strength 100"));
-  observations.beacons.front().fusions.back().strength = 100;
-  observations.beacons.front().fusions.back().role = FusionRole::warming;
-  CHECK_FALSE(has_problems(diagnose(observations)));
+}
+
+TEST_CASE("A process that writes poses and is no fusion is an error with its name") {
+  Observations observations = healthy();
+  observations.pose_writers = {{"a", {"intruder", "laptop", 3}, exclusive(1000), false, {}}};
+  const Finding finding = found(diagnose(observations), "is no fusion");
+  CHECK(finding.severity == Severity::error);
+  CHECK_THAT(finding.what, Contains("intruder (process 3 on laptop) writes poses with strength 1000"));
 }
 
 TEST_CASE(

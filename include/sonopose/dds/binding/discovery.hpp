@@ -5,6 +5,7 @@
 
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/binding/qos.hpp>
+#include <sonopose/dds/binding/types.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -28,6 +29,7 @@ struct FoundParticipant {
 /// A reader or a writer.
 struct FoundEndpoint {
   std::string key;
+  InstanceHandle handle;  ///< of a writer: as SampleInfo::publication_handle gives it
   std::string participant_key;
   std::string topic_name;
   std::string type_name;

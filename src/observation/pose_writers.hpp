@@ -1,0 +1,67 @@
+#pragma once
+/// \file
+/// Which processes write poses, and which of them should not. The pose topic has exclusive ownership, so
+/// consumers receive the strongest writer only, and do not notice where it belongs.
+
+#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/binding/types.hpp>
+#include <sonopose/samples/pose.hpp>
+#include <sonopose/samples/status.hpp>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace sonopose::observation {
+
+/// A process as its participant announces it. Fields that its DDS implementation does not announce are empty.
+struct ProcessIdentity {
+  std::string name;
+  std::string host;
+  std::optional<std::uint32_t> id;
+};
+
+/// "sonopose-bridge (process 812 on rover)", "an unknown process".
+std::string text_of(const ProcessIdentity& process);
+
+/// The beacons that each writer serves, by the handle of its writer of poses or statuses.
+class ServedBeacons {
+public:
+  void on(const FusedPose& pose, dds::InstanceHandle writer) { owners_[pose.address] = writer; }
+  void on(const FusionStatus& status, dds::InstanceHandle writer);
+
+  [[nodiscard]] std::set<BeaconAddress> of(dds::InstanceHandle writer) const;
+
+private:
+  std::map<BeaconAddress, dds::InstanceHandle> owners_;  ///< the writers of the latest poses
+  std::map<dds::InstanceHandle, std::set<BeaconAddress>> statuses_;
+};
+
+/// A writer of the pose topic.
+struct PoseWriter {
+  std::string participant_key;
+  ProcessIdentity process;
+  dds::Qos qos;                    ///< its ownership strength and partition
+  bool has_status = false;         ///< its participant writes fusion statuses too
+  std::set<BeaconAddress> served;  ///< the beacons that its participant serves
+};
+
+/// The pose writers among all writers of the domain.
+std::vector<PoseWriter> pose_writers_of(const std::vector<dds::FoundEndpoint>& writers,
+                                        const std::vector<dds::FoundParticipant>& participants,
+                                        const ServedBeacons& served);
+
+struct PoseWriterProblem {
+  bool foreign = false;  ///< a writer that is no fusion; otherwise two fusions of one strength
+  std::string what;      ///< names the processes
+  std::string remedy;
+};
+
+/// The processes that write poses without fusion statuses, and the pairs of processes that write poses of one
+/// beacon with one strength. Strength 0 is that of fusions that warm up.
+std::vector<PoseWriterProblem> problems_of(const std::vector<PoseWriter>& writers);
+
+}  // namespace sonopose::observation
