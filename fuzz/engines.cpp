@@ -1,0 +1,62 @@
+// Collator and engines of the fusion: any events in any order, with any settings.
+
+#include "fused_events.hpp"
+#include "fusion/beacon_estimators.hpp"
+
+#include <tuple>
+#include "support.hpp"
+
+using namespace sonopose;
+using namespace sonopose::fuzz;
+
+namespace {
+
+constexpr BeaconAddress address = 7;
+constexpr int most_events = 1000;
+
+/// Empty if the fusion would not start with them.
+std::optional<config::FusionConfig> any_config(FuzzedDataProvider& data) {
+  config::FusionConfig config;
+  config.assign(data.ConsumeBool() ? "fusion.engine=kalman" : "fusion.engine=documented");
+  const int assignments = data.ConsumeIntegralInRange(0, 20);
+  for (int i = 0; i < assignments; ++i) {
+    const std::string key = setting_key(data);
+    accepts<config::ConfigError>([&] { config.assign(key + "=" + setting_value(data, key)); });
+  }
+  if (!accepts<config::ConfigError>([&] { config.check(); })) return std::nullopt;
+  return config;
+}
+
+void check_counters(const FusionStatus& status, std::uint64_t events) {
+  promise(status.imu_samples + status.samples_invalid + status.fixes_used + status.fixes_rejected +
+                  status.events_duplicated <=
+              2 * events,
+          "each event is counted once, or again when a numbering restarts");
+  promise(status.events_lost <= events * collation::most_lost, "an event reveals a bounded gap");
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  FuzzedDataProvider data(bytes, size);
+  const auto config = any_config(data);
+  if (!config) return 0;
+  fusion::BeaconEstimators estimators(*config, data.ConsumeBool());
+  constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
+  EventStream stream(data, start_ns, address);
+  SteadyTime now{1'000'000'000};
+  std::uint64_t events = 0;
+  while (stream.has_more() && events < most_events) {
+    ++events;
+    now += 5'000'000;
+    for (const auto& collated : estimators.collate(stream.next(), now)) {
+      check_result(estimators.process(collated).result);
+      estimators.catch_up(address);
+    }
+    if (events % 256 == 0) estimators.reset(address);
+  }
+  if (const auto status = estimators.status(address)) check_counters(*status, events);
+  std::ignore = estimators.fix_refusals(address, now);
+  std::ignore = estimators.estimate(address);
+  return 0;
+}
