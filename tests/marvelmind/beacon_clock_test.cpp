@@ -273,4 +273,20 @@ TEST_CASE("The fixed clock knows the beacon's time alone") {
   }
 }
 
+TEST_CASE("A file whose clock jumps by decades again and again keeps its times in range") {
+  FixedClock clock;
+  constexpr std::int64_t year_2099_ms = 4'070'908'800'000;
+  TimeNs newest_ns = host_start_ns;
+  for (int i = 0; i < 10; ++i) {
+    for (const std::int64_t ms : {std::int64_t{0}, year_2099_ms}) {
+      const Stamp stamp{TimeBase::unix_ms, ms};
+      REQUIRE(is_plausible(stamp));
+      clock.observe(stamp, 0, host_start_ns);
+      newest_ns = clock.host_ns(stamp);
+      CHECK(newest_ns >= host_start_ns);  // an overflow would make it negative
+    }
+  }
+  CHECK(clock.resets() == 9);
+}
+
 }  // namespace beacon_clock_test
