@@ -21,7 +21,8 @@ function(sonopose_compile_options target)
     target_link_options(${target} PUBLIC -fsanitize=${SONOPOSE_SANITIZE})
     if(SONOPOSE_SANITIZE MATCHES fuzzer)  # scripts/fuzz prints the coverage
       target_compile_options(${target} PRIVATE
-        -fno-sanitize-recover=undefined -fprofile-instr-generate -fcoverage-mapping)
+        -fno-sanitize-recover=undefined -fsanitize-ignorelist=${PROJECT_SOURCE_DIR}/fuzz/ignored.txt
+        -fprofile-instr-generate -fcoverage-mapping)
       target_link_options(${target} PUBLIC -fprofile-instr-generate)
     endif()
   endif()

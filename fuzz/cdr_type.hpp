@@ -46,9 +46,12 @@ public:
   CdrType(CdrType&&) = delete;
   CdrType& operator=(CdrType&&) = delete;
 
-  /// Calls `use(const T&)` if Cyclone DDS accepts the bytes: an encapsulation header, then the sample.
+  /// Calls `use(const T&)` if Cyclone DDS accepts the bytes: an encapsulation header, then the sample. Only
+  /// in XCDR1: Cyclone DDS 0.10.2 reads an array of doubles in XCDR2 beyond the end of the sample (its pull
+  /// request 1559).
   template <class Use>
   void read(std::span<const std::uint8_t> bytes, const Use& use) const {
+    if (bytes.size() < 2 || bytes[0] != 0 || bytes[1] > 1) return;
     std::vector<std::uint8_t> copy(bytes.begin(), bytes.end());
     ddsrt_iovec_t part{};
     part.iov_base = copy.data();

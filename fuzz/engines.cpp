@@ -12,7 +12,7 @@ using namespace sonopose::fuzz;
 namespace {
 
 constexpr BeaconAddress address = 7;
-constexpr int most_events = 1000;
+constexpr int most_events = 300;
 
 /// Empty if the fusion would not start with them.
 std::optional<config::FusionConfig> any_config(FuzzedDataProvider& data) {
@@ -53,7 +53,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
       check_result(estimators.process(collated).result);
       estimators.catch_up(address);
     }
-    if (events % 256 == 0) estimators.reset(address);
+    if (events % 128 == 0) estimators.reset(address);
   }
   if (const auto status = estimators.status(address)) check_counters(*status, events);
   std::ignore = estimators.fix_refusals(address, now);

@@ -40,7 +40,7 @@ public:
   [[nodiscard]] bool has_more() const { return plausible_left_ > 0 || data_.remaining_bytes() > 0; }
 
 private:
-  static constexpr TimeNs period_ns = 20'000'000;
+  static constexpr TimeNs period_ns = 40'000'000;
 
   /// A circle of 2 m in 6 s; a fix every fifth sample, and a heading after it.
   Event plausible() {
@@ -48,7 +48,7 @@ private:
     ++sequence_;
     constexpr double radius_m = 2;
     constexpr double rate_radps = std::numbers::pi / 3;
-    const double angle = rate_radps * static_cast<double>(now_ns_ - angle_zero_ns_) * 1e-9;
+    const double angle = rate_radps * samples_ * static_cast<double>(period_ns) * 1e-9;
     if (phase == 5) {
       UltrasonicFix fix;
       stamp(fix, -70'000'000);
@@ -63,7 +63,8 @@ private:
       heading.valid = true;
       return heading;
     }
-    now_ns_ += period_ns;
+    now_ns_ = wrapping_sum(now_ns_, period_ns);
+    ++samples_;
     ImuSample imu;
     imu.address = address_;
     imu.sequence = sequence_;
@@ -117,8 +118,12 @@ private:
     sample.address = address_;
     sample.sequence = sequence_;
     sample.received_time_ns = now_ns_;
-    sample.emission_time_ns =
-        static_cast<TimeNs>(static_cast<std::uint64_t>(now_ns_) + static_cast<std::uint64_t>(age_ns));
+    sample.emission_time_ns = wrapping_sum(now_ns_, age_ns);
+  }
+
+  /// Any stamp may follow any other one.
+  static TimeNs wrapping_sum(TimeNs time_ns, TimeNs step_ns) {
+    return static_cast<TimeNs>(static_cast<std::uint64_t>(time_ns) + static_cast<std::uint64_t>(step_ns));
   }
 
   std::uint64_t sequence_step(std::uint8_t choice) {
@@ -172,10 +177,10 @@ private:
 
   FuzzedDataProvider& data_;
   TimeNs now_ns_;
-  TimeNs angle_zero_ns_ = 1'700'000'000'000'000'000;
   BeaconAddress address_;
   std::uint64_t sequence_ = 0;
   int phase_ = 0;
+  int samples_ = 0;  ///< of the plausible motion
   int plausible_left_ = 0;
 };
 

@@ -58,7 +58,7 @@ Base base_after(settings::EngineKind engine, int events) {
 const std::vector<Base>& bases() {
   using settings::EngineKind;
   static const std::vector<Base> all{base_after(EngineKind::kalman, 12), base_after(EngineKind::kalman, 150),
-                                     base_after(EngineKind::kalman, 1000),
+                                     base_after(EngineKind::kalman, 400),
                                      base_after(EngineKind::documented, 12),
                                      base_after(EngineKind::documented, 300)};
   return all;
