@@ -2,9 +2,9 @@
 
 #include "fused_events.hpp"
 #include "fusion/beacon_estimators.hpp"
+#include "support.hpp"
 
 #include <tuple>
-#include "support.hpp"
 
 using namespace sonopose;
 using namespace sonopose::fuzz;
@@ -12,7 +12,7 @@ using namespace sonopose::fuzz;
 namespace {
 
 constexpr BeaconAddress address = 7;
-constexpr int most_events = 300;
+constexpr int most_events = 120;
 
 /// Empty if the fusion would not start with them.
 std::optional<config::FusionConfig> any_config(FuzzedDataProvider& data) {
@@ -53,10 +53,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
       check_result(estimators.process(collated).result);
       estimators.catch_up(address);
     }
-    if (events % 128 == 0) estimators.reset(address);
+    if (events % 64 == 0) estimators.reset(address);
   }
   if (const auto status = estimators.status(address)) check_counters(*status, events);
   std::ignore = estimators.fix_refusals(address, now);
   std::ignore = estimators.estimate(address);
+  std::ignore = estimators.gap(address);
+  promise(estimators.addresses().size() <= 1, "one beacon has one engine");
   return 0;
 }

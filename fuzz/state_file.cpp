@@ -10,6 +10,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <iterator>
+#include <regex>
 #include <vector>
 
 using namespace sonopose;
@@ -28,6 +31,7 @@ constexpr BeaconAddress address = 7;
 struct Base {
   json file;
   std::vector<json::json_pointer> leaves;
+  std::vector<json::json_pointer> named;  ///< those that are in no array
 };
 
 void add_leaves(const json& node, const json::json_pointer& at, std::vector<json::json_pointer>& leaves) {
@@ -38,6 +42,11 @@ void add_leaves(const json& node, const json::json_pointer& at, std::vector<json
   for (const auto& [key, value] : node.items()) {
     add_leaves(value, node.is_array() ? at / std::stoul(key) : at / key, leaves);
   }
+}
+
+bool is_in_array(const json::json_pointer& leaf) {
+  static const std::regex index("/[0-9]");
+  return std::regex_search(leaf.to_string(), index);
 }
 
 Base base_after(settings::EngineKind engine, int events) {
@@ -52,6 +61,8 @@ Base base_after(settings::EngineKind engine, int events) {
   base.file = json::parse(evaluation::state_text(
       {.snapshot = estimator.snapshot(), .sequence = 1, .beacon = address, .first_event_ns = start_ns}));
   add_leaves(base.file, json::json_pointer(), base.leaves);
+  std::copy_if(base.leaves.begin(), base.leaves.end(), std::back_inserter(base.named),
+               [](const json::json_pointer& leaf) { return !is_in_array(leaf); });
   return base;
 }
 
@@ -69,8 +80,9 @@ std::string changed(const Base& base, FuzzedDataProvider& data) {
   json file = base.file;
   const int changes = data.ConsumeIntegralInRange(0, 4);
   for (int i = 0; i < changes; ++i) {
-    json& value = file[base.leaves[data.ConsumeIntegralInRange<std::size_t>(0, base.leaves.size() - 1)]];
-    switch (data.ConsumeIntegralInRange(0, 6)) {
+    const auto& places = data.ConsumeBool() ? base.named : base.leaves;
+    json& value = file[places[data.ConsumeIntegralInRange<std::size_t>(0, places.size() - 1)]];
+    switch (data.ConsumeIntegralInRange(0, 7)) {
       case 0:
         value = data.ConsumeFloatingPoint<double>();
         break;
@@ -89,6 +101,9 @@ std::string changed(const Base& base, FuzzedDataProvider& data) {
       case 5:
         if (value.is_number_integer())
           value = value.get<std::int64_t>() / 2 + data.ConsumeIntegral<std::int32_t>();
+        break;
+      case 6:
+        value = data.ConsumeIntegralInRange(-1, 30);
         break;
       default:
         value = 0;
