@@ -287,6 +287,13 @@ TEST_CASE("A file whose clock jumps by decades again and again keeps its times i
     }
   }
   CHECK(clock.resets() == 9);
+  SECTION("also those of a beacon whose first packet follows") {
+    FixedClock second;
+    for (const std::int64_t ms : {std::int64_t{0}, year_2099_ms}) {
+      second.observe({TimeBase::unix_ms, ms}, 0, newest_ns);
+      CHECK(second.host_ns({TimeBase::unix_ms, ms}) >= host_start_ns);
+    }
+  }
 }
 
 }  // namespace beacon_clock_test
