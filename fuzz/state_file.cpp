@@ -28,7 +28,7 @@ constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
 constexpr BeaconAddress address = 7;
 
 /// A real state, and the places of its values.
-struct Base {
+struct Base {  // NOLINT(bugprone-exception-escape): of nlohmann's JSON
   json file;
   std::vector<json::json_pointer> leaves;
   std::vector<json::json_pointer> named;  ///< those that are in no array
