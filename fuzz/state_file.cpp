@@ -69,7 +69,7 @@ Base base_after(settings::EngineKind engine, int events) {
 const std::vector<Base>& bases() {
   using settings::EngineKind;
   static const std::vector<Base> all{base_after(EngineKind::kalman, 12), base_after(EngineKind::kalman, 150),
-                                     base_after(EngineKind::kalman, 400),
+                                     base_after(EngineKind::kalman, 250),
                                      base_after(EngineKind::documented, 12),
                                      base_after(EngineKind::documented, 300)};
   return all;
@@ -78,11 +78,11 @@ const std::vector<Base>& bases() {
 /// A file in which some values are others.
 std::string changed(const Base& base, FuzzedDataProvider& data) {
   json file = base.file;
-  const int changes = data.ConsumeIntegralInRange(0, 4);
+  const int changes = data.ConsumeIntegralInRange(0, 3);
   for (int i = 0; i < changes; ++i) {
     const auto& places = data.ConsumeBool() ? base.named : base.leaves;
     json& value = file[places[data.ConsumeIntegralInRange<std::size_t>(0, places.size() - 1)]];
-    switch (data.ConsumeIntegralInRange(0, 7)) {
+    switch (data.ConsumeIntegralInRange(0, 8)) {
       case 0:
         value = data.ConsumeFloatingPoint<double>();
         break;
@@ -104,6 +104,9 @@ std::string changed(const Base& base, FuzzedDataProvider& data) {
         break;
       case 6:
         value = data.ConsumeIntegralInRange(-1, 30);
+        break;
+      case 7:
+        value = "other";
         break;
       default:
         value = 0;
