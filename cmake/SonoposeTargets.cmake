@@ -13,9 +13,18 @@ function(sonopose_compile_options target)
     target_compile_options(${target} PRIVATE --param=ggc-min-expand=300 --param=ggc-min-heapsize=1048576)
   endif()
   if(SONOPOSE_SANITIZE)
-    target_compile_options(${target} PRIVATE -fsanitize=${SONOPOSE_SANITIZE} -fno-omit-frame-pointer
-      -Wno-array-bounds -Wno-maybe-uninitialized -Wno-stringop-overflow)  # g++ 12 is often wrong in such code
+    target_compile_options(${target} PRIVATE -fsanitize=${SONOPOSE_SANITIZE} -fno-omit-frame-pointer)
+    if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+      target_compile_options(${target} PRIVATE  # g++ 12 is often wrong in such code
+        -Wno-array-bounds -Wno-maybe-uninitialized -Wno-stringop-overflow)
+    endif()
     target_link_options(${target} PUBLIC -fsanitize=${SONOPOSE_SANITIZE})
+    if(SONOPOSE_SANITIZE MATCHES fuzzer)  # scripts/fuzz prints the coverage
+      target_compile_options(${target} PRIVATE
+        -fno-sanitize-recover=undefined -fsanitize-ignorelist=${PROJECT_SOURCE_DIR}/fuzz/ignored.txt
+        -fprofile-instr-generate -fcoverage-mapping)
+      target_link_options(${target} PUBLIC -fprofile-instr-generate)
+    endif()
   endif()
 endfunction()
 

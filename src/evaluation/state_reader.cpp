@@ -17,6 +17,12 @@ std::string kind_error(const json& value, std::string_view wanted) {
   return "is " + shown + " instead of " + std::string(wanted);
 }
 
+/// No real run has larger numbers, and larger ones may overflow in the next events.
+bool is_in_range(double number) {
+  constexpr double most = 1e12;
+  return std::abs(number) <= most;
+}
+
 /// What is impossible about a filter's field. No real run ends with larger numbers, and larger ones may
 /// overflow.
 template <class Field>
@@ -72,6 +78,7 @@ void StateReader::read(const char* name, double& value) {
   const json read = take(name);
   if (!read.is_number()) fail(name, kind_error(read, "a number"));
   value = read.get<double>();
+  if (!is_in_range(value)) fail(name, "is beyond 1e12");
 }
 
 void StateReader::read(const char* name, bool& value) {
@@ -132,7 +139,9 @@ void StateReader::read_rows(const char* name, int size, double* by_columns) {
         std::all_of(numbers.begin(), numbers.end(), [](const json& one) { return one.is_number(); });
     if (!fits) fail(name, kind_error(numbers, wanted));
     for (std::size_t column = 0; column < count; ++column) {
-      by_columns[column * count + row] = numbers[column].get<double>();
+      const auto number = numbers[column].get<double>();
+      if (!is_in_range(number)) fail(name, "is beyond 1e12");
+      by_columns[column * count + row] = number;
     }
   }
 }
@@ -172,7 +181,9 @@ std::array<double, Count> StateReader::take_numbers(const char* name, const char
   const bool fits = read.size() == Count &&
                     std::all_of(read.begin(), read.end(), [](const json& one) { return one.is_number(); });
   if (!fits) fail(name, kind_error(read, wanted));
-  return read.get<std::array<double, Count>>();
+  const auto numbers = read.get<std::array<double, Count>>();
+  if (!std::all_of(numbers.begin(), numbers.end(), is_in_range)) fail(name, "is beyond 1e12");
+  return numbers;
 }
 
 json StateReader::array(const char* name) {

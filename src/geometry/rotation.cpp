@@ -1,13 +1,24 @@
 #include <sonopose/geometry/rotation.hpp>
 
+#include <cmath>
+
 namespace sonopose::geometry {
+namespace {
+
+/// The squares of a tiny vector may be zero, and those of a huge one infinite.
+Eigen::Vector3d direction_of(const Eigen::Vector3d& vector) {
+  return std::isnormal(vector.squaredNorm()) ? vector.normalized() : vector.stableNormalized();
+}
+
+}  // namespace
 
 // Eigen's FromTwoVectors does the same, but finds the axis of a half turn by a matrix decomposition, which
 // takes ten seconds to compile.
 Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   constexpr double nearly_opposite = 1e-12;
-  const Eigen::Vector3d u = from.normalized();
-  const Eigen::Vector3d v = to.normalized();
+  const Eigen::Vector3d u = direction_of(from);
+  const Eigen::Vector3d v = direction_of(to);
+  if (u.isZero(0.0) || v.isZero(0.0)) return Eigen::Quaterniond::Identity();
   const double cosine = v.dot(u);
   Eigen::Quaterniond q;
   if (1.0 + cosine < nearly_opposite) {

@@ -148,7 +148,9 @@ void FixedClock::observe(const Stamp& stamp, std::int64_t ahead_ns, TimeNs arriv
 void FixedClock::begin(const Stamp& stamp, std::int64_t ahead_ns, TimeNs host_ns) {
   unwrapper_.restart();
   unwrapper_.set_newest(stamp);
-  origin_ns_ = host_ns;
+  // A file whose beacons jump again and again must not leave the range of a time.
+  constexpr TimeNs latest_origin_ns = 5'000'000'000'000'000'000;  // in 2128
+  origin_ns_ = std::min(host_ns, latest_origin_ns);
   first_ns_ = unwrapper_.beacon_ns(stamp) + ahead_ns;
   newest_ns_ = first_ns_;
   begun_ = true;

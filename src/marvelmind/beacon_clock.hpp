@@ -18,8 +18,8 @@ inline constexpr std::int64_t overtaken_ns = 250'000'000;
 
 /// Whether the stamp can be converted to nanoseconds. Only a unix time can be out of range.
 constexpr bool is_plausible(const Stamp& stamp) {
-  constexpr std::int64_t year_2200_ms = 7'258'118'400'000;
-  return stamp.ticks >= 0 && stamp.ticks < year_2200_ms;
+  constexpr std::int64_t year_2100_ms = 4'102'444'800'000;
+  return stamp.ticks >= 0 && stamp.ticks < year_2100_ms;
 }
 
 /// Unwraps the stamps of one time base: a u32 becomes the value nearest to the newest stamp.

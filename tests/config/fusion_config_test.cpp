@@ -145,6 +145,43 @@ TEST_CASE("a file that is not there is an error that names it") {
   CHECK_THROWS_WITH(FusionConfig::load("/nonexistent/fusion.toml"), Contains("/nonexistent/fusion.toml"));
 }
 
+TEST_CASE("a folder in place of a file is an error that names it") {
+  const std::string folder = std::filesystem::temp_directory_path().string();
+  CHECK_THROWS_WITH(FusionConfig::load(folder), Contains(folder) && Contains("directory"));
+}
+
+/// "a.a.a" with this many parts.
+std::string key_of_parts(int parts) {
+  std::string key = "a";
+  for (int i = 1; i < parts; ++i) key += ".a";
+  return key;
+}
+
+TEST_CASE("a key of any number of parts, however they are written, is refused with its line") {
+  CHECK_THAT(refusal("\n" + key_of_parts(60'000) + " = 1\n"), Contains(":2: ") && Contains("32 dots"));
+  CHECK_THAT(refusal("\n[" + key_of_parts(60'000) + "]\n"), Contains(":2: ") && Contains("32 dots"));
+  CHECK_THAT(refusal("\n" + key_of_parts(20) + " = 1\n"), Contains(":2: ") && Contains("16 parts"));
+  SECTION("in nested tables") {
+    std::string text = "a = ";
+    for (int i = 0; i < 50'000; ++i) text += "{a = ";
+    CHECK_THAT(refusal(text), Contains(":1: "));
+  }
+  SECTION("in nested tables on lines of their own") {
+    std::string text = "a = ";
+    std::string end;
+    constexpr int deepest = 120;  // of the parser: an array and a table each
+    for (int i = 0; i < deepest; ++i) {
+      text += "[\n{" + key_of_parts(30) + " = ";
+      end += "}]";
+    }
+    CHECK_THAT(refusal(text + "1" + end + "\n"), Contains(":1: ") || Contains("nest"));
+  }
+}
+
+TEST_CASE("a comment may have as many dots as it likes in a row") {
+  CHECK(same_everywhere(loaded("# " + std::string(80, '.') + "\n").for_beacon(7), settings::Settings{}));
+}
+
 TEST_CASE("an assignment (--set) takes a value for all or for one beacon") {
   FusionConfig config;
   config.assign("drift.velocity_smooth_rate_hz=20");

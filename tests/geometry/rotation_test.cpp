@@ -74,4 +74,13 @@ TEST_CASE("levelling puts a force at rest upright and keeps the yaw that was ask
   }
 }
 
+TEST_CASE("levelling gives a rotation for a force of any size") {
+  for (const double size : {0.0, 1e-320, 1e-300, 1e-160, 1e160, 1e300}) {
+    const Quaterniond q = geometry::level_with({0, size, 0}, 1.2);
+    INFO("force " << size);
+    CHECK(std::abs(q.norm() - 1) < 1e-12);
+    if (size > 0) CHECK((q * Vector3d::UnitY() - Vector3d::UnitZ()).norm() < 1e-9);
+  }
+}
+
 }  // namespace rotation_test

@@ -296,4 +296,27 @@ TEST_CASE("Garbage that jumps ahead in each stamp, or forth and back, does not o
   }
 }
 
+TEST_CASE("A file whose clock jumps by decades again and again keeps its times in range") {
+  FixedClock clock;
+  constexpr std::int64_t year_2099_ms = 4'070'908'800'000;
+  TimeNs newest_ns = host_start_ns;
+  for (int i = 0; i < 10; ++i) {
+    for (const std::int64_t ms : {std::int64_t{0}, year_2099_ms}) {
+      const Stamp stamp{TimeBase::unix_ms, ms};
+      REQUIRE(is_plausible(stamp));
+      clock.observe(stamp, 0, host_start_ns);
+      newest_ns = clock.host_ns(stamp);
+      CHECK(newest_ns >= host_start_ns);  // an overflow would make it negative
+    }
+  }
+  CHECK(clock.resets() == 9);
+  SECTION("also those of a beacon whose first packet follows") {
+    FixedClock second;
+    for (const std::int64_t ms : {std::int64_t{0}, year_2099_ms}) {
+      second.observe({TimeBase::unix_ms, ms}, 0, newest_ns);
+      CHECK(second.host_ns({TimeBase::unix_ms, ms}) >= host_start_ns);
+    }
+  }
+}
+
 }  // namespace beacon_clock_test

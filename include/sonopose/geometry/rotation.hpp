@@ -99,11 +99,11 @@ Vector3<Scalar> up_in_body(const Quaternion<Scalar>& q_body_to_world) {
 }
 
 /// The shortest rotation that turns the direction of `from` into that of `to`: a half turn about some axis at
-/// right angles where they are opposite. Neither may be zero.
+/// right angles where they are opposite, the identity where one of them is zero.
 Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
-/// The attitude with the given yaw whose up agrees with a specific force measured at rest.
-/// `specific_force_body` must not be zero.
+/// The attitude with the given yaw whose up agrees with a specific force measured at rest; level for a force
+/// of zero.
 Eigen::Quaterniond level_with(const Eigen::Vector3d& specific_force_body, double yaw_rad);
 
 }  // namespace sonopose::geometry

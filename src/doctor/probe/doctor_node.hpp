@@ -18,8 +18,8 @@ struct DoctorOptions {
 };
 
 /// Observes the system for the duration, after half a second of discovery, or until the stop. If there is no
-/// bridge or no fusion, searches the domains 0…20 and that of ROS_DOMAIN_ID, one after the other. Throws
-/// dds::Error, dds::qos::FileError.
+/// bridge or no fusion, searches the domains 0…20 and that of ROS_DOMAIN_ID, all at once. Throws dds::Error,
+/// dds::qos::FileError.
 rules::Observations observe(const DoctorOptions& options, const process::StopSignal& stop);
 
 }  // namespace sonopose::doctor::probe

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <ifaddrs.h>
+#include <list>
 #include <memory>
 #include <net/if.h>
 #include <netinet/in.h>
@@ -84,23 +85,28 @@ std::string interfaces_in_use(const rules::BusObservation& bus, const std::vecto
   return count == 1 ? list : "one of " + list + "; select it with CYCLONEDDS_URI";
 }
 
-rules::DomainObservation observe_domain(const dds::DomainOptions& options, const process::StopSignal& stop) {
-  constexpr TimeNs timeout_ns = 300'000'000;  // discovery takes 10 … 50 ms on one machine
-  constexpr TimeNs step_ns = 20'000'000;
-  rules::DomainObservation domain{.id = *options.domain_id};
-  const dds::DomainParticipant participant(options);
-  const dds::Discovery discovery(participant);
-  const SteadyTime end = clocks::steady_now() + timeout_ns;
-  while (!domain.beacons && clocks::steady_now() < end && !stop.wait_until(clocks::steady_now() + step_ns)) {
-    for (const auto& writer : discovery.writers()) {
-      domain.beacons = domain.beacons || writer.topic_name == dds::topics::imu.name;
-      domain.poses = domain.poses || writer.topic_name == dds::topics::pose.name;
-      domain.ours = domain.ours || is_ours(writer.topic_name);
+/// A domain that this process has joined, and what it has observed there.
+class Visit {
+public:
+  explicit Visit(const dds::DomainOptions& options)
+      : domain_{.id = *options.domain_id}, participant_(options), discovery_(participant_) {}
+
+  void look() {
+    for (const auto& writer : discovery_.writers()) {
+      domain_.beacons = domain_.beacons || writer.topic_name == dds::topics::imu.name;
+      domain_.poses = domain_.poses || writer.topic_name == dds::topics::pose.name;
+      domain_.ours = domain_.ours || is_ours(writer.topic_name);
     }
-    for (const auto& reader : discovery.readers()) domain.ours = domain.ours || is_ours(reader.topic_name);
+    for (const auto& reader : discovery_.readers()) domain_.ours = domain_.ours || is_ours(reader.topic_name);
   }
-  return domain;
-}
+
+  [[nodiscard]] const rules::DomainObservation& domain() const { return domain_; }
+
+private:
+  rules::DomainObservation domain_;
+  dds::DomainParticipant participant_;
+  dds::Discovery discovery_;
+};
 
 }  // namespace
 
@@ -164,11 +170,17 @@ std::vector<rules::DomainObservation> search_other_domains(const dds::DomainOpti
     // ROS_DOMAIN_ID is invalid, but this search does not depend on it.
   }
   ids.erase(dds::resolve_domain_id(here));
-  std::vector<rules::DomainObservation> found;
+  std::list<Visit> visits;
   for (const std::uint32_t id : ids) {
     if (stop.requested()) break;
-    const rules::DomainObservation domain = observe_domain({.domain_id = id, .network = here.network}, stop);
-    if (domain.ours) found.push_back(domain);
+    visits.emplace_back(dds::DomainOptions{.domain_id = id, .network = here.network});
+  }
+  constexpr TimeNs discovery_ns = 300'000'000;  // takes 10 … 50 ms on one machine
+  stop.wait_until(clocks::steady_now() + discovery_ns);
+  std::vector<rules::DomainObservation> found;
+  for (Visit& visit : visits) {
+    visit.look();
+    if (visit.domain().ours) found.push_back(visit.domain());
   }
   return found;
 }

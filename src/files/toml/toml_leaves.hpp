@@ -25,8 +25,8 @@ struct Leaf {
   std::size_t line = 0;
 };
 
-/// All values in the order of their keys. Throws IoError that names file and line if the file cannot be read
-/// or is not TOML.
+/// All values in the order of their keys. Throws IoError that names file and line if the file cannot be read,
+/// is not TOML, or has a line with more than 32 dots or a key with more than 16 parts.
 std::vector<Leaf> read_leaves(const std::filesystem::path& file);
 
 /// The value as a file has it: texts in quotes.

@@ -1,0 +1,80 @@
+#pragma once
+/// \file
+/// Serialized samples of one type as Cyclone DDS reads them from the network.
+
+#include "support.hpp"
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/binding/topic.hpp>
+
+#include <dds/dds.h>
+#include <dds/ddsi/ddsi_serdata.h>
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace sonopose::fuzz {
+
+/// The participant of this process, which meets no other one.
+inline const dds::DomainParticipant& participant() {
+  static const dds::DomainParticipant instance({.domain_id = dds::max_domain_id});
+  return instance;
+}
+
+template <class T>
+class CdrType {
+public:
+  CdrType() : topic_(participant(), "fuzz", {}) {
+    // Cyclone DDS shows the serializer of a type only in a sample that a reader took.
+    dds::Qos qos;
+    qos << dds::policy::Reliability::reliable();
+    const dds_entity_t reader =
+        dds_create_reader(participant().handle(), topic_.handle(), qos.get(), nullptr);
+    const dds_entity_t writer =
+        dds_create_writer(participant().handle(), topic_.handle(), qos.get(), nullptr);
+    const T empty{};
+    dds_sample_info_t info;
+    promise(dds_write(writer, &empty) == DDS_RETCODE_OK, "an empty sample can be written");
+    promise(dds_takecdr(reader, &any_, 1, &info, DDS_ANY_STATE) == 1, "a written sample can be taken");
+    dds_delete(reader);
+    dds_delete(writer);
+  }
+  ~CdrType() { ddsi_serdata_unref(any_); }
+  CdrType(const CdrType&) = delete;
+  CdrType& operator=(const CdrType&) = delete;
+  CdrType(CdrType&&) = delete;
+  CdrType& operator=(CdrType&&) = delete;
+
+  /// Calls `use(const T&)` if Cyclone DDS accepts the bytes: an encapsulation header, then the sample. Only
+  /// in XCDR1: Cyclone DDS 0.10.2 reads an array of doubles in XCDR2 beyond the end of the sample (its pull
+  /// request 1559).
+  template <class Use>
+  void read(std::span<const std::uint8_t> bytes, const Use& use) const {
+    if (bytes.size() < 2 || bytes[0] != 0 || bytes[1] > 1) return;
+    std::vector<std::uint8_t> copy(bytes.begin(), bytes.end());
+    ddsrt_iovec_t part{};
+    part.iov_base = copy.data();
+    part.iov_len = copy.size();
+    ddsi_serdata* const data = ddsi_serdata_from_ser_iov(any_->type, SDK_DATA, 1, &part, copy.size());
+    if (data == nullptr) return;
+    T sample{};
+    if (ddsi_serdata_to_sample(data, &sample, nullptr, nullptr)) use(std::as_const(sample));
+    dds_sample_free(&sample, &dds::TopicTraits<T>::descriptor(), DDS_FREE_CONTENTS);
+    ddsi_serdata_unref(data);
+  }
+
+  [[nodiscard]] std::vector<std::uint8_t> bytes_of(const T& sample) const {
+    ddsi_serdata* const data = ddsi_serdata_from_sample(any_->type, SDK_DATA, &sample);
+    std::vector<std::uint8_t> bytes(ddsi_serdata_size(data));
+    ddsi_serdata_to_ser(data, 0, bytes.size(), bytes.data());
+    ddsi_serdata_unref(data);
+    return bytes;
+  }
+
+private:
+  dds::Topic<T> topic_;
+  ddsi_serdata* any_ = nullptr;
+};
+
+}  // namespace sonopose::fuzz

@@ -1,0 +1,43 @@
+// Serialized samples of every native topic, and their conversion to native types. Byte 0 selects the topic.
+
+#include "cdr_type.hpp"
+#include "support.hpp"
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+
+#include <array>
+#include <functional>
+#include <tuple>
+
+using namespace sonopose;
+using namespace sonopose::fuzz;
+namespace topics = dds::topics;
+
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+/// What a reader of the topic does with the bytes.
+template <class T>
+void read_as(Bytes bytes) {
+  static const CdrType<T> type;
+  type.read(bytes, [](const T& sample) {
+    if constexpr (!std::is_same_v<T, sonopose_ResetCommand>) {  // it has no native type
+      const auto native = topics::from_idl(sample);
+      std::ignore = topics::to_idl(native);  // throws if it does not fit
+    }
+  });
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const auto readers = std::apply(
+      []<class... T>(const topics::Entry<T>&...) {
+        return std::array<void (*)(Bytes), sizeof...(T)>{read_as<T>...};
+      },
+      topics::all);
+  if (size == 0) return 0;
+  readers[data[0] % readers.size()]({data + 1, size - 1});
+  return 0;
+}

@@ -1,0 +1,76 @@
+// Requests to change settings, as they arrive from the bus, between events; and their replies.
+
+#include "fusion/settings_requests.hpp"
+
+#include "fused_events.hpp"
+#include "fusion/beacon_estimators.hpp"
+#include "process/guarded.hpp"
+#include "support.hpp"
+#include <sonopose/dds/topics/conversions.hpp>
+
+#include <stdexcept>
+
+using namespace sonopose;
+using namespace sonopose::fuzz;
+
+namespace {
+
+constexpr std::array<BeaconAddress, 3> addresses{7, 8, all_beacons};
+
+SettingsRequest any_request(FuzzedDataProvider& data) {
+  SettingsRequest request;
+  request.address = data.PickValueInArray(addresses);
+  request.request_id = data.ConsumeIntegralInRange<std::uint64_t>(0, 20);
+  request.from_sequence = data.ConsumeBool() ? data.ConsumeIntegralInRange<std::uint64_t>(0, 100)
+                                             : data.ConsumeIntegral<std::uint64_t>();
+  const int assignments = data.ConsumeIntegralInRange(0, 12);
+  for (int i = 0; i < assignments; ++i) {
+    const std::string key = setting_key(data);
+    request.assignments.push_back({key, setting_value(data, key)});
+  }
+  return request;
+}
+
+void check_settings(const fusion::SettingsChange& change) {
+  const EffectiveSettings effective{.address = change.address, .values = config::texts_of(change.settings)};
+  promise(dds::topics::from_idl(dds::topics::to_idl(effective).sample()) == effective,
+          "the effective settings fit their topic");
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  FuzzedDataProvider data(bytes, size);
+  process::Guarded<fusion::BeaconEstimators> estimators(config::FusionConfig{}, false);
+  fusion::SettingsRequests requests(estimators);
+  const auto estimator = estimators.with([](auto& all) { return all.find_or_make(addresses.front()); });
+  constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
+  EventStream stream(data, start_ns, addresses.front());
+  SteadyTime now{1'000'000'000};
+  constexpr int most_steps = 300;
+  for (int step = 0; step < most_steps && stream.has_more(); ++step) {
+    if (data.ConsumeIntegral<std::uint8_t>() < 128) {
+      now += 5'000'000;
+      for (const auto& collated : estimator->collate(stream.next(), 0, now)) {
+        check_result(estimator->process(collated).result);
+        if (const auto change = estimator->take_settings_change()) check_settings(*change);
+      }
+      continue;
+    }
+    const SettingsRequest request = any_request(data);
+    // A request that is too long for its type never reaches the bus.
+    if (!accepts<std::length_error>([&] { dds::topics::to_idl(request); })) continue;
+    const SettingsReply reply = requests.answer(dds::topics::from_idl(dds::topics::to_idl(request).sample()));
+    promise(reply.address == request.address && reply.request_id == request.request_id,
+            "a reply names its request");
+    promise(reply.accepted || !reply.reason.empty(), "a refusal has a reason");
+    const SettingsReply sent = dds::topics::from_idl(dds::topics::to_idl(reply));
+    promise(sent.reason.size() <= sonopose_MAX_REASON && sent.details.size() <= sonopose_MAX_DETAILS,
+            "a reply fits its topic");
+    if (request.request_id != 0) {
+      promise(requests.answer(request) == reply, "a repeated request gets the first reply");
+    }
+    check_settings(estimators.with([](auto& all) { return all.settings_for_all(); }));
+  }
+  return 0;
+}
