@@ -59,7 +59,7 @@ void BeaconEstimators::reset(BeaconAddress address, std::uint64_t request_id) {
 std::vector<SettingsChange> BeaconEstimators::take_settings_changes() {
   std::vector<SettingsChange> changes;
   for (auto& entry : estimators_) {
-    if (auto change = entry.second->take_settings_change()) changes.push_back(*std::move(change));
+    if (auto change = entry.second->take_settings_change()) changes.push_back(*change);
   }
   return changes;
 }
