@@ -273,9 +273,8 @@ TEST_CASE("The fixed clock knows the beacon's time alone") {
   }
 }
 
-TEST_CASE("Garbage that jumps ahead in each stamp, or forth and back, does not overflow a clock") {
+TEST_CASE("Garbage that jumps ahead in each stamp does not overflow a clock") {
   constexpr std::int64_t half_range = std::int64_t{1} << 31;
-  constexpr std::int64_t year_2199_ms = 7'226'582'400'000;
   FixedClock ahead;
   BeaconClock fitted;
   for (std::int64_t i = 0; i < 2000; ++i) {
@@ -284,16 +283,6 @@ TEST_CASE("Garbage that jumps ahead in each stamp, or forth and back, does not o
     fitted.observe(stamp, 0, host_start_ns + i * 1000);
   }
   CHECK(ahead.host_ns({TimeBase::uptime_64ths, 0}) > host_start_ns);
-  FixedClock jumping;
-  TimeNs last_ns = 0;
-  for (int i = 0; i < 10; ++i) {
-    for (const std::int64_t ticks : {std::int64_t{0}, year_2199_ms}) {
-      const Stamp stamp{TimeBase::unix_ms, ticks};
-      jumping.observe(stamp, 0, host_start_ns);
-      CHECK(jumping.host_ns(stamp) >= last_ns);  // time continues
-      last_ns = jumping.host_ns(stamp);
-    }
-  }
 }
 
 TEST_CASE("A file whose clock jumps by decades again and again keeps its times in range") {
