@@ -19,6 +19,12 @@ using namespace sonopose::test;
 
 constexpr BeaconAddress healthy = 7;
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr double most_more_mb = 2000;  // their allocators keep what is freed
+#else
+constexpr double most_more_mb = 60;
+#endif
+
 /// A participant that writes one IMU sample of every other address, and then lives on.
 class Forger {
 public:
@@ -98,7 +104,7 @@ SCENARIO("forged addresses disturb nobody", "[load]") {
             100 * load_before, 100 * load_after, memory_before_mb, memory_during_mb, memory_after_mb,
             during.longest_ms);
         CHECK(load_after < load_before + 0.1);
-        CHECK(memory_after_mb < memory_before_mb + 60);
+        CHECK(memory_after_mb < memory_before_mb + most_more_mb);
         CHECK(during.longest_ms < 1000);  // the engines of 256 more beacons are made at once
         CHECK(fusion->wait_for_line(Stream::error, "--max-beacons"));
         const PoseTap late(bus);
