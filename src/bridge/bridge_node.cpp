@@ -179,13 +179,13 @@ void BridgeNode::Publisher::on(const Event& event) {
       },
       numbered);
   std::visit([&](const auto& sample) { publish(sample, beacon); }, numbered);
-  record(numbered);
+  if (recording_) record(numbered);
 }
 
 void BridgeNode::Publisher::on(const TruthSample& truth) {
   beacon_of(truth.address);
   write(truth_writer_, dds::topics::to_idl(truth));
-  record(truth);
+  if (recording_) record(truth);
 }
 
 void BridgeNode::Publisher::start_recording(const std::filesystem::path& folder) {
@@ -200,7 +200,7 @@ void BridgeNode::Publisher::start_recording(const std::filesystem::path& folder)
 }
 
 void BridgeNode::Publisher::record(const Recorded& sample) {
-  if (recording_) recording_->push({&sample, 1});
+  recording_->push({&sample, 1});
 }
 
 BridgeNode::Publisher::Beacon& BridgeNode::Publisher::beacon_of(BeaconAddress address) {

@@ -119,7 +119,7 @@ private:
   dds::topics::Delivery delivery_;
   TimeNs input_deadline_ns_;
 
-  process::Guarded<BeaconEstimators> estimators_;
+  process::Guarded<BeaconEstimators> estimators_;  // the lock guards each estimator too
   // Cyclone's receive thread alone takes samples, unless writers in this process deliver theirs themselves.
   std::mutex taking_;
   std::atomic<std::uint64_t> unwritten_ = 0;

@@ -37,12 +37,16 @@ void StatusPublisher::publish_all(std::uint64_t unwritten) {
   log_losses(unwritten + unwritten_);
 }
 
-void StatusPublisher::publish_status(BeaconAddress address, std::uint64_t unwritten) {
-  auto status = estimators_.with([address](auto& all) -> std::optional<FusionStatus> {
-    const BeaconEstimator* estimator = all.find(address);
-    if (estimator == nullptr) return std::nullopt;
-    return estimator->status();
+/// What `read_from` returns for the estimator of the beacon; empty if it has none any more.
+auto StatusPublisher::read(BeaconAddress address, const auto& read_from) const {
+  return estimators_.with([&](auto& all) {
+    BeaconEstimator* const estimator = all.find(address);
+    return estimator == nullptr ? std::nullopt : std::optional(read_from(*estimator));
   });
+}
+
+void StatusPublisher::publish_status(BeaconAddress address, std::uint64_t unwritten) {
+  auto status = read(address, [](const BeaconEstimator& estimator) { return estimator.status(); });
   if (!status) return;
   status->fusion_id = fusion_id_;
   status->time_ns = clocks::host_now();
@@ -59,22 +63,15 @@ void StatusPublisher::publish_status(BeaconAddress address, std::uint64_t unwrit
 }
 
 void StatusPublisher::publish_estimate(BeaconAddress address) {
-  auto estimate = estimators_.with([address](auto& all) -> std::optional<Estimate> {
-    const BeaconEstimator* estimator = all.find(address);
-    if (estimator == nullptr) return std::nullopt;
-    return estimator->estimate();
-  });
+  auto estimate = read(address, [](const BeaconEstimator& estimator) { return estimator.estimate(); });
   if (!estimate) return;
   estimate->fusion_id = fusion_id_;
   if (estimate_writer_.try_write(topics::to_idl(*estimate)) < 0) ++unwritten_;
 }
 
 void StatusPublisher::log_fix_refusals(BeaconAddress address) {
-  const auto text = estimators_.with([address](auto& all) -> std::optional<std::string> {
-    BeaconEstimator* estimator = all.find(address);
-    if (estimator == nullptr) return std::nullopt;
-    return estimator->fix_refusals(clocks::steady_now());
-  });
+  const auto text =
+      read(address, [](BeaconEstimator& estimator) { return estimator.fix_refusals(clocks::steady_now()); });
   if (text) fmt::print(stderr, "sonopose-fusion: beacon {}: {}\n", address, *text);
 }
 

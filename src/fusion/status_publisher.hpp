@@ -36,6 +36,7 @@ public:
   void unregister(BeaconAddress address) noexcept;
 
 private:
+  [[nodiscard]] auto read(BeaconAddress address, const auto& read_from) const;
   void publish_estimate(BeaconAddress address);
   void log_fix_refusals(BeaconAddress address);
   void log_losses(std::uint64_t unwritten);

@@ -20,31 +20,29 @@ bool BeaconAdmission::accepts(BeaconAddress address) noexcept {
   if (!addresses_.contains(address)) return false;
   const std::lock_guard lock(mutex_);
   if (admitted_[address]) return true;
-  const bool is_new = !known_[address];
-  if (admitted_count_ >= max_beacons_ || (is_new && known_count_ >= most_replacements * max_beacons_)) {
-    if (!refused_[address]) ++refused_count_;
+  const bool may_be_known = known_[address] || known_.count() < most_replacements * max_beacons_;
+  if (admitted_.count() >= max_beacons_ || !may_be_known) {
     refused_[address] = true;
     return false;
   }
   admitted_[address] = true;
-  ++admitted_count_;
-  if (is_new) ++known_count_;
   known_[address] = true;
   return true;
 }
 
 void BeaconAdmission::forget(BeaconAddress address) noexcept {
   const std::lock_guard lock(mutex_);
-  if (admitted_[address]) --admitted_count_;
   admitted_[address] = false;
 }
 
 std::optional<std::string> BeaconAdmission::refusals() {
   const std::lock_guard lock(mutex_);
-  if (refused_count_ == 0 || refused_count_ < 10 * reported_count_) return std::nullopt;
-  reported_count_ = refused_count_;
-  return fmt::format("{} addresses are ignored: more than {} beacons (--max-beacons)", refused_count_,
-                     max_beacons_);
+  const std::size_t count = refused_.count();
+  if (count == 0 || count < 10 * reported_count_) return std::nullopt;
+  reported_count_ = count;
+  return fmt::format("{} {} ignored: more than {} beacons at a time or {} since the start (--max-beacons)",
+                     count, count == 1 ? "address is" : "addresses are", max_beacons_,
+                     most_replacements * max_beacons_);
 }
 
 }  // namespace sonopose::process

@@ -43,9 +43,6 @@ private:
   Flags admitted_;
   Flags known_;  ///< were admitted once: DDS keeps an instance of each until its writers have ended
   Flags refused_;
-  std::size_t admitted_count_ = 0;
-  std::size_t known_count_ = 0;
-  std::size_t refused_count_ = 0;
   std::size_t reported_count_ = 0;
 };
 

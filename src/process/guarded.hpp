@@ -20,14 +20,9 @@ public:
     const std::lock_guard lock(mutex_);
     return use(value_);
   }
-  template <class Use>
-  auto with(const Use& use) const {
-    const std::lock_guard lock(mutex_);
-    return use(value_);
-  }
 
 private:
-  mutable std::mutex mutex_;
+  std::mutex mutex_;
   T value_;
 };
 

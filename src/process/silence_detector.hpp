@@ -21,13 +21,13 @@ public:
     double lasted_s = 0;  ///< how long the silence has lasted, or lasted until the next sample
   };
   /// Returns whether the stream fell silent or resumed since the last call. It is silent without a sample for
-  /// longer than `deadline_ns`.
+  /// longer than `deadline_ns`, never before its first sample.
   std::optional<Change> find_change(SteadyTime now, TimeNs deadline_ns);
 
   [[nodiscard]] bool is_silent() const { return silent_; }
 
 private:
-  SteadyTime latest_;
+  std::optional<SteadyTime> latest_;
   bool silent_ = false;
   SteadyTime silent_since_;
 };

@@ -33,4 +33,10 @@ SCENARIO("a silence is reported once when it begins and once when it ends") {
   CHECK(seven.lasted_s == Approx(0.5));
 }
 
+SCENARIO("a stream that has not begun is not silent") {
+  Silence imu;
+  CHECK_FALSE(imu.find_change(SteadyTime{5000 * ms}, 100 * ms));
+  CHECK_FALSE(imu.is_silent());
+}
+
 }  // namespace silence_detector_test
