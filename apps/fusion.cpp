@@ -32,11 +32,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--addresses", options.addresses,
                  "Serve only these beacons: 7, 7-131 or 7-131,200 (default: all)")
       ->type_name("LIST");
-  app.add_option("--max-beacons", options.max_beacons,
-                 "Serve at most this many beacons at a time: the first ones that are heard")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{65535}))
-      ->type_name("N")
-      ->capture_default_str();
+  sonopose::apps::add_max_beacons(app, "Serve", options.max_beacons);
   auto* strength = app.add_option(
       "--standby-strength", options.standby_strength,
       "Share the beacons with other fusions: the strongest one that receives a beacon serves it");

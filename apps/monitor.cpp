@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
   sonopose::apps::Program app("monitor", "It prints a summary at the end.");
   add_bus_options(app, bus);
   app.add_flag("--json", options.json, "Print one JSON object per second instead of the table");
+  add_max_beacons(app, "Show", options.max_beacons);
   app.add_option("--duration", options.duration_s, "Exit after this many seconds; 0: run until stopped")
       ->check(sonopose::apps::number_between(0.0))
       ->capture_default_str();

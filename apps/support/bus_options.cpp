@@ -1,6 +1,7 @@
 #include "bus_options.hpp"
 
 #include "choice.hpp"
+#include <sonopose/samples/samples.hpp>
 
 #include <stdexcept>
 #include <string>
@@ -27,6 +28,14 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
                  "File of QoS policies that override the project's (default: SONOPOSE_QOS, else none)")
       ->type_name("FILE")
       ->group("Bus");
+}
+
+void add_max_beacons(CLI::App& app, const std::string& verb, std::size_t& max_beacons) {
+  app.add_option("--max-beacons", max_beacons,
+                 verb + " at most this many beacons at a time: the first ones that are heard")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{all_beacons}))
+      ->type_name("N")
+      ->capture_default_str();
 }
 
 void check_publisher(const BusOptions& options) {

@@ -4,8 +4,10 @@
 #include "run.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 namespace sonopose::apps {
 
@@ -21,5 +23,8 @@ void check_publisher(const BusOptions& options);
 
 /// Adds --domain, --network, --partition and --qos.
 void add_bus_options(CLI::App& app, BusOptions& options);
+
+/// Adds --max-beacons. `verb` is what the program does with beacons: "Serve".
+void add_max_beacons(CLI::App& app, const std::string& verb, std::size_t& max_beacons);
 
 }  // namespace sonopose::apps

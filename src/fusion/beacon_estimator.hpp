@@ -5,7 +5,7 @@
 
 #include "fusion/fix_refusals.hpp"
 #include "fusion/settings_timeline.hpp"
-#include "process/silence_detector.hpp"
+#include "process/silence.hpp"
 #include <sonopose/collation/collator.hpp>
 #include <sonopose/collation/lossless_collator.hpp>
 #include <sonopose/estimation/any_estimator.hpp>

@@ -5,12 +5,14 @@
 #include "observation/beacon_observers.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,9 +27,10 @@ template <class T>
 struct Subscription {
   Subscription(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
                const dds::topics::Entry<T>& entry, observation::BeaconObservers& observers,
-               process::EndpointCounters& endpoints)
+               process::BeaconAdmission& admission, process::EndpointCounters& endpoints)
       : listener(observers, endpoints),
-        reader(dds::topics::make_reader(participant, qos, entry, &listener)) {}
+        reader(dds::topics::make_reader(participant, qos, entry, &listener, dds::topics::Delivery::live,
+                                        &admission)) {}
 
   observation::ObservingListener<T> listener;
   dds::DataReader<T> reader;
@@ -100,8 +103,36 @@ private:
   std::vector<std::string> warnings_;
 };
 
+/// The lines of the bridges.
+class LineObserver {
+public:
+  LineObserver(const dds::DomainParticipant& participant, const dds::qos::Provider& qos)
+      : reader_(dds::topics::make_reader(participant, qos, topics::line_status)) {}
+
+  /// One of each line that delivers no frames.
+  std::vector<std::string> warnings() {
+    reader_.try_take_each(
+        [this](const sonopose_LineStatus& sample, const dds::SampleInfo&) {
+          LineStatus line = dds::topics::from_idl(sample);
+          lines_[{line.name, line.bridge_id}] = std::move(line);
+        },
+        [this](const sonopose_LineStatus& key, const dds::SampleInfo& info) {
+          if (!info.alive()) lines_.erase({key.name, key.bridge_id});
+        });
+    std::vector<std::string> texts;
+    for (const auto& [key, line] : lines_) {
+      if (!line.text.empty()) texts.push_back(fmt::format("line {}: {}", line.name, line.text));
+    }
+    return texts;
+  }
+
+private:
+  dds::DataReader<sonopose_LineStatus> reader_;
+  std::map<std::pair<std::string, std::uint64_t>, LineStatus> lines_;  ///< by name and bridge
+};
+
 /// Immediately and on stderr: a consumer that controls a vehicle with these poses is affected too.
-void log_silences(const std::vector<process::SilenceDetector::Change>& changes) {
+void log_silences(const std::vector<observation::PoseSilence>& changes) {
   for (const auto& change : changes) {
     if (change.silent) {
       fmt::print(stderr, "sonopose-monitor: beacon {}: no pose for {:.3f} s\n", change.address,
@@ -113,21 +144,35 @@ void log_silences(const std::vector<process::SilenceDetector::Change>& changes) 
   }
 }
 
+/// Frees the beacons that are gone, so that others may take their places. Returns how many poses they had.
+std::uint64_t remove_gone(observation::BeaconObservers& observers, process::BeaconAdmission& admission) {
+  std::uint64_t poses = 0;
+  for (const observation::GoneBeacon& gone : observers.remove_gone(clocks::steady_now())) {
+    admission.forget(gone.address);
+    fmt::print(stderr, "sonopose-monitor: beacon {}: gone, after {} poses\n", gone.address, gone.poses);
+    poses += gone.poses;
+  }
+  return poses;
+}
+
 }  // namespace
 
 std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& stop) {
   const dds::qos::Provider qos(options.qos_file);
   const dds::DomainParticipant participant(options.domain);
   observation::BeaconObservers observers(dds::deadline_of(qos.datareader_qos(topics::pose.profile)).count());
+  process::BeaconAdmission admission({}, options.max_beacons);
   process::EndpointCounters endpoints;
   EndpointLogger endpoint_logger;
-  const Subscription pose(participant, qos, topics::pose, observers, endpoints);
-  const Subscription truth(participant, qos, topics::truth, observers, endpoints);
-  const Subscription beacon_status(participant, qos, topics::beacon_status, observers, endpoints);
-  const Subscription estimate(participant, qos, topics::estimate, observers, endpoints);
-  const Subscription fusion_status(participant, qos, topics::fusion_status, observers, endpoints);
+  const Subscription pose(participant, qos, topics::pose, observers, admission, endpoints);
+  const Subscription truth(participant, qos, topics::truth, observers, admission, endpoints);
+  const Subscription beacon_status(participant, qos, topics::beacon_status, observers, admission, endpoints);
+  const Subscription estimate(participant, qos, topics::estimate, observers, admission, endpoints);
+  const Subscription fusion_status(participant, qos, topics::fusion_status, observers, admission, endpoints);
 
+  LineObserver lines(participant, qos);
   PoseWriterLogger pose_writers(participant);
+  std::uint64_t poses = 0;
 
   constexpr TimeNs period_ns = 1'000'000'000;
   constexpr TimeNs pose_writers_period_ns = 500'000'000;
@@ -145,14 +190,18 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
       next_pose_writers += pose_writers_period_ns;
     }
     if (clocks::steady_now() < next) continue;
-    print(options, observers.take_windows(clocks::host_now()), pose_writers.warnings());
+    poses += remove_gone(observers, admission);
+    if (const auto text = admission.refusals()) fmt::print(stderr, "sonopose-monitor: {}\n", *text);
+    std::vector<std::string> warnings = lines.warnings();
+    warnings.insert(warnings.end(), pose_writers.warnings().begin(), pose_writers.warnings().end());
+    if (auto text = admission.warning()) warnings.push_back(*std::move(text));
+    print(options, observers.take_windows(clocks::host_now()), warnings);
     next += period_ns;
   }
   stop.wait_until(std::min(end, next));
 
   const auto summaries = observers.summaries(clocks::host_now());
   if (!options.json) fmt::print("\n{}", summary_of(summaries));
-  std::uint64_t poses = 0;
   for (const observation::BeaconView& view : summaries) poses += view.poses;
   return poses;
 }

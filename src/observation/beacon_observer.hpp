@@ -58,6 +58,9 @@ public:
     estimates_.erase(fusion_id);
   }
 
+  /// How many poses at IMU samples there were since the start.
+  [[nodiscard]] std::uint64_t poses() const { return whole_.poses; }
+
   /// The observations since the last call; starts a new window.
   BeaconView take_window(BeaconAddress address, TimeNs now_ns);
 

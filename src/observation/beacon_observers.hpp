@@ -5,76 +5,107 @@
 #include "clocks/clocks.hpp"
 #include "observation/beacon_observer.hpp"
 #include "observation/pose_writers.hpp"
+#include "process/beacon_admission.hpp"
 #include "process/endpoint_counters.hpp"
-#include "process/silence_detector.hpp"
+#include "process/silence.hpp"
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 
+#include <cstdint>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace sonopose::observation {
 
+/// A pose stream that fell silent or resumed.
+struct PoseSilence : process::Silence::Change {
+  BeaconAddress address = 0;
+};
+
+/// A beacon from which nothing has come for so long that it is no longer listed.
+struct GoneBeacon {
+  BeaconAddress address = 0;
+  std::uint64_t poses = 0;  ///< that it had
+};
+
 /// All beacons. Thread-safe: Cyclone's receive threads write, another thread reads.
 class BeaconObservers {
 public:
-  explicit BeaconObservers(TimeNs pose_deadline_ns) : silences_(pose_deadline_ns) {}
+  explicit BeaconObservers(TimeNs pose_deadline_ns) : pose_deadline_ns_(pose_deadline_ns) {}
 
   template <class Sample>
   void on(const Sample& sample) {
     const std::lock_guard lock(mutex_);
-    observers_[sample.address].on(sample);
+    heard(sample.address).observer.on(sample);
   }
 
   void on(const FusedPose& pose, TimeNs received_ns, dds::InstanceHandle writer) {
     const std::lock_guard lock(mutex_);
-    pose_writers_[pose.address] = writer;
     served_.on(pose, writer);
-    observers_[pose.address].on(pose, received_ns);
-    silences_.on_sample(pose.address, clocks::steady_now());
+    Beacon& beacon = heard(pose.address);
+    beacon.observer.on(pose, received_ns);
+    beacon.pose_writer = writer;
+    beacon.pose_silence.on_sample(beacon.last_heard);
   }
 
   void on(const FusionStatus& status, dds::InstanceHandle writer) {
     const std::lock_guard lock(mutex_);
     served_.on(status, writer);
-    observers_[status.address].on(status);
+    heard(status.address).observer.on(status);
   }
 
   void on_deadline_missed(BeaconAddress address, std::uint64_t count) {
-    const std::lock_guard lock(mutex_);
-    observers_[address].on_deadline_missed(count);
+    visit(address, [count](BeaconObserver& observer) { observer.on_deadline_missed(count); });
   }
 
   /// A pose writer lost its liveliness. The beacons that it wrote last are lost until another writer takes
   /// over.
   void on_pose_writer_lost(dds::InstanceHandle lost) {
     const std::lock_guard lock(mutex_);
-    for (const auto& [address, writer] : pose_writers_) {
-      if (writer == lost) observers_[address].on_pose_lost();
+    for (auto& [address, beacon] : beacons_) {
+      if (beacon.pose_writer == lost) beacon.observer.on_pose_lost();
     }
   }
 
   /// An instance lost its last writer.
   void on_gone(const sonopose_FusedPose& key) {
-    const std::lock_guard lock(mutex_);
-    observers_[key.address].on_pose_lost();
+    visit(key.address, [](BeaconObserver& observer) { observer.on_pose_lost(); });
   }
   void on_gone(const sonopose_FusionStatus& key) {
-    const std::lock_guard lock(mutex_);
-    observers_[key.address].on_fusion_gone(key.fusion_id);
+    visit(key.address, [&key](BeaconObserver& observer) { observer.on_fusion_gone(key.fusion_id); });
   }
   template <class Other>
   void on_gone(const Other& /*key*/) {}
 
   /// Pose streams that fell silent or resumed since the last call.
-  std::vector<process::SilenceDetector::Change> silence_changes() {
-    std::vector<process::SilenceDetector::Change> changes;
+  std::vector<PoseSilence> silence_changes() {
+    std::vector<PoseSilence> changes;
+    const SteadyTime now = clocks::steady_now();
     const std::lock_guard lock(mutex_);
-    silences_.find_changes(clocks::steady_now(), changes);
+    for (auto& [address, beacon] : beacons_) {
+      if (const auto change = beacon.pose_silence.find_change(now, pose_deadline_ns_)) {
+        changes.push_back({*change, address});
+      }
+    }
     return changes;
+  }
+
+  /// Forgets and returns the beacons from which nothing has come for `process::beacon_gone_after_ns`.
+  std::vector<GoneBeacon> remove_gone(SteadyTime now) {
+    std::vector<GoneBeacon> gone;
+    const std::lock_guard lock(mutex_);
+    std::erase_if(beacons_, [&](const auto& entry) {
+      const auto& [address, beacon] = entry;
+      if (now - beacon.last_heard <= process::beacon_gone_after_ns) return false;
+      gone.push_back({address, beacon.observer.poses()});
+      served_.forget(address);
+      return true;
+    });
+    return gone;
   }
 
   ServedBeacons served() {
@@ -86,7 +117,7 @@ public:
   std::vector<BeaconView> take_windows(TimeNs now_ns) {
     const std::lock_guard lock(mutex_);
     std::vector<BeaconView> views;
-    for (auto& [address, observer] : observers_) views.push_back(observer.take_window(address, now_ns));
+    for (auto& [address, beacon] : beacons_) views.push_back(beacon.observer.take_window(address, now_ns));
     return views;
   }
 
@@ -94,16 +125,34 @@ public:
   std::vector<BeaconView> summaries(TimeNs now_ns) {
     const std::lock_guard lock(mutex_);
     std::vector<BeaconView> views;
-    for (const auto& [address, observer] : observers_) views.push_back(observer.summary(address, now_ns));
+    for (const auto& [address, beacon] : beacons_) views.push_back(beacon.observer.summary(address, now_ns));
     return views;
   }
 
 private:
-  std::mutex mutex_;
-  std::map<BeaconAddress, BeaconObserver> observers_;
-  std::map<BeaconAddress, dds::InstanceHandle> pose_writers_;
+  struct Beacon {
+    BeaconObserver observer;
+    std::optional<dds::InstanceHandle> pose_writer;  ///< of the latest pose
+    process::Silence pose_silence;
+    SteadyTime last_heard;
+  };
+
+  /// The beacon from which something has come now.
+  Beacon& heard(BeaconAddress address) {
+    Beacon& beacon = beacons_[address];
+    beacon.last_heard = clocks::steady_now();
+    return beacon;
+  }
+
+  void visit(BeaconAddress address, const auto& change) {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = beacons_.find(address); found != beacons_.end()) change(found->second.observer);
+  }
+
+  TimeNs pose_deadline_ns_;
+  std::mutex mutex_;  // guards the rest
+  std::map<BeaconAddress, Beacon> beacons_;
   ServedBeacons served_;
-  process::SilenceDetector silences_;
 };
 
 /// Passes the samples and statuses of one topic to the observers. A derived class may override `on_sample`,

@@ -61,6 +61,11 @@ void ServedBeacons::on(const FusionStatus& status, dds::InstanceHandle writer) {
   }
 }
 
+void ServedBeacons::forget(BeaconAddress address) {
+  owners_.erase(address);
+  for (auto& [writer, beacons] : statuses_) beacons.erase(address);
+}
+
 std::set<BeaconAddress> ServedBeacons::of(dds::InstanceHandle writer) const {
   const auto found = statuses_.find(writer);
   std::set<BeaconAddress> beacons = found == statuses_.end() ? std::set<BeaconAddress>{} : found->second;

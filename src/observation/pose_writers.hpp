@@ -33,6 +33,9 @@ public:
   void on(const FusedPose& pose, dds::InstanceHandle writer) { owners_[pose.address] = writer; }
   void on(const FusionStatus& status, dds::InstanceHandle writer);
 
+  /// The beacon is gone.
+  void forget(BeaconAddress address);
+
   [[nodiscard]] std::set<BeaconAddress> of(dds::InstanceHandle writer) const;
 
 private:

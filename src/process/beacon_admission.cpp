@@ -40,6 +40,17 @@ std::optional<std::string> BeaconAdmission::refusals() {
   const std::size_t count = refused_.count();
   if (count == 0 || count < 10 * reported_count_) return std::nullopt;
   reported_count_ = count;
+  return refusal_text();
+}
+
+std::optional<std::string> BeaconAdmission::warning() {
+  const std::lock_guard lock(mutex_);
+  return refused_.none() ? std::nullopt : std::optional(refusal_text());
+}
+
+/// Under the mutex.
+std::string BeaconAdmission::refusal_text() const {
+  const std::size_t count = refused_.count();
   return fmt::format("{} {} ignored: more than {} beacons at a time or {} since the start (--max-beacons)",
                      count, count == 1 ? "address is" : "addresses are", max_beacons_,
                      most_replacements * max_beacons_);

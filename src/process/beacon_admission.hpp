@@ -15,6 +15,9 @@
 
 namespace sonopose::process {
 
+/// A beacon from which nothing has come for longer than this is gone.
+constexpr TimeNs beacon_gone_after_ns = 60'000'000'000;
+
 /// Admits the beacons that are heard first. Thread-safe.
 class BeaconAdmission final : public dds::topics::AddressFilter {
 public:
@@ -33,7 +36,12 @@ public:
   /// otherwise. Call it once a second.
   std::optional<std::string> refusals();
 
+  /// A message for the user if any beacon was ever refused.
+  std::optional<std::string> warning();
+
 private:
+  [[nodiscard]] std::string refusal_text() const;
+
   static constexpr std::size_t addresses_ever = std::size_t{std::numeric_limits<BeaconAddress>::max()} + 1;
   using Flags = std::bitset<addresses_ever>;
 

@@ -19,6 +19,7 @@ SCENARIO("the beacons that are heard first are admitted") {
     CHECK(admission.accepts(7));
     CHECK(admission.accepts(8));
     CHECK_FALSE(admission.refusals());
+    CHECK_FALSE(admission.warning());
     WHEN("a third one comes") {
       CHECK_FALSE(admission.accepts(9));
       CHECK_FALSE(admission.accepts(9));
@@ -27,6 +28,9 @@ SCENARIO("the beacons that are heard first are admitted") {
         CHECK(admission.refusals() ==
               "1 address is ignored: more than 2 beacons at a time or 32 since the start (--max-beacons)");
         CHECK_FALSE(admission.refusals());
+      }
+      THEN("the warning stays") {
+        CHECK(admission.warning() == admission.warning());
       }
       THEN("it takes the place of one that is gone") {
         admission.forget(7);

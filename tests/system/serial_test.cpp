@@ -132,10 +132,12 @@ SCENARIO("a serial line is visible on the bus before any beacon address is known
         CHECK(lines.samples.back().bytes_lost > 0);
         CHECK(lines.samples.back().bridge_id != 0);
       }
-      THEN("it is reported as a line without frames, on the bus, by the bridge and by the doctor") {
+      THEN("it is reported as a line without frames, on the bus, by the bridge, the monitor and the doctor") {
+        const auto monitor = bus.monitor({"--json"});
         REQUIRE(lines.wait_for([](const LineStatus& now) { return now.state == LineState::no_frames; }));
         CHECK_THAT(lines.samples.back().text, Catch::Contains("1000 bytes without a valid frame"));
         CHECK(bridge->wait_for_line(Stream::error, device.string() + ": 1000 bytes without a valid frame"));
+        CHECK(monitor->wait_for_line(Stream::output, device.string() + ": 1000 bytes without a valid frame"));
         const Result doctor =
             run(SONOPOSE_TEST_DOCTOR, {"--domain", std::to_string(bus.domain_id()), "--duration", "0.5"});
         CHECK(doctor.code == 1);

@@ -26,8 +26,10 @@ namespace topics = dds::topics;
 template <class T>
 struct Subscription {
   Subscription(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
-               const dds::topics::Entry<T>& entry)
-      : reader(dds::topics::make_reader(participant, qos, entry)), has_data(reader) {}
+               const dds::topics::Entry<T>& entry, dds::topics::AddressFilter* filter = nullptr)
+      : reader(
+            dds::topics::make_reader(participant, qos, entry, nullptr, dds::topics::Delivery::live, filter)),
+        has_data(reader) {}
 
   dds::DataReader<T> reader;
   dds::ReadCondition has_data;
@@ -56,6 +58,7 @@ private:
   dds::qos::Provider qos_;
   dds::DomainParticipant participant_;
   dds::Discovery discovery_;
+  process::BeaconAdmission admission_;
   Subscription<sonopose_ImuSample> imu_;
   Subscription<sonopose_UltrasonicFix> fix_;
   Subscription<sonopose_PairHeading> heading_;
@@ -77,13 +80,14 @@ SystemObserver::SystemObserver(const DoctorOptions& options)
       qos_(options.qos_file),
       participant_(options.domain),
       discovery_(participant_),
-      imu_(participant_, qos_, topics::imu),
-      fix_(participant_, qos_, topics::fix),
-      heading_(participant_, qos_, topics::heading),
-      pose_(participant_, qos_, topics::pose),
-      beacon_status_(participant_, qos_, topics::beacon_status),
+      admission_({}, options.max_beacons),
+      imu_(participant_, qos_, topics::imu, &admission_),
+      fix_(participant_, qos_, topics::fix, &admission_),
+      heading_(participant_, qos_, topics::heading, &admission_),
+      pose_(participant_, qos_, topics::pose, &admission_),
+      beacon_status_(participant_, qos_, topics::beacon_status, &admission_),
       line_status_(participant_, qos_, topics::line_status),
-      fusion_status_(participant_, qos_, topics::fusion_status),
+      fusion_status_(participant_, qos_, topics::fusion_status, &admission_),
       settings_(participant_, qos_, topics::settings) {
   for (const dds::ReadCondition* const condition :
        {&imu_.has_data, &fix_.has_data, &heading_.has_data, &pose_.has_data, &beacon_status_.has_data,
@@ -202,6 +206,7 @@ rules::Observations SystemObserver::run(const process::StopSignal& stop) {
   for (const auto& [address, probe] : probes_) {
     observations.beacons.push_back(observation_of(address, probe, ended_ns, processes));
   }
+  observations.beacons_refused = admission_.warning();
   return observations;
 }
 

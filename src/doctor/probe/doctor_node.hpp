@@ -3,9 +3,11 @@
 /// The doctor process: collects observations of the bus for some seconds.
 
 #include "doctor/rules/observations.hpp"
+#include "process/beacon_admission.hpp"
 #include "process/stop_signal.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 
@@ -15,6 +17,7 @@ struct DoctorOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
   double duration_s = 3;
+  std::size_t max_beacons = process::BeaconAdmission::default_max_beacons;  ///< to look at
 };
 
 /// Observes the system for the duration, after half a second of discovery, or until the stop. If there is no

@@ -97,6 +97,11 @@ void check_processes(const Observations& observations, Findings& findings) {
 void check_bus(const Observations& observations, Findings& findings) {
   check_network(observations.bus, findings);
   check_processes(observations, findings);
+  if (observations.beacons_refused) {
+    findings.push_back(
+        {Severity::warning, "bus", *observations.beacons_refused,
+         "give more than the number of your beacons; if there are fewer, a process forges them"});
+  }
 }
 
 }  // namespace sonopose::doctor::rules

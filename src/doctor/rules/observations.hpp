@@ -107,6 +107,7 @@ struct Observations {
   std::vector<LineStatus> lines;             ///< the last status of each
   std::vector<observation::PoseWriter> pose_writers;
   std::vector<BeaconObservation> beacons;
+  std::optional<std::string> beacons_refused;  ///< the warning, if there were too many to look at
 };
 
 /// The endpoints of one topic.

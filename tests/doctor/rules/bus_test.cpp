@@ -41,6 +41,12 @@ TEST_CASE("Processes of other systems are ignored") {
   CHECK(found(diagnose(observations), "no sonopose process").severity == Severity::error);
 }
 
+TEST_CASE("More beacons than the doctor looks at are a problem") {
+  Observations observations = healthy();
+  observations.beacons_refused = "44 addresses are ignored";
+  CHECK(found(diagnose(observations), "44 addresses are ignored").severity == Severity::warning);
+}
+
 TEST_CASE("A missing bridge, a missing fusion and missing subscribers are distinguished") {
   SECTION("no bridge") {
     Observations observations = healthy();

@@ -1,4 +1,4 @@
-#include "process/silence_detector.hpp"
+#include "process/silence.hpp"
 
 namespace sonopose::process {
 
@@ -9,12 +9,6 @@ std::optional<Silence::Change> Silence::find_change(SteadyTime now, TimeNs deadl
   silent_ = silent;
   if (silent) silent_since_ = *latest_;
   return Change{silent, seconds_between(silent_since_, silent ? now : *latest_)};
-}
-
-void SilenceDetector::find_changes(SteadyTime now, std::vector<Change>& changes) {
-  for (auto& [address, silence] : beacons_) {
-    if (const auto change = silence.find_change(now, deadline_ns_)) changes.push_back({*change, address});
-  }
 }
 
 }  // namespace sonopose::process
