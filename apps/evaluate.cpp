@@ -1,5 +1,7 @@
-// sonopose-evaluate: scores the fusion on the scenarios of the simulator and on recordings with truth.
+// sonopose-evaluate: scores the fusion on the scenarios of the simulator and on recordings.
 
+#include "evaluation/side_by_side.hpp"
+#include "evaluation/summary_report.hpp"
 #include "recording/log_folder.hpp"
 #include "support/case_options.hpp"
 #include "support/config_options.hpp"
@@ -7,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <string>
 #include <vector>
 
 namespace {
@@ -17,7 +21,8 @@ struct Options {
   apps::ConfigOptions config;
   apps::CaseOptions cases;
   BeaconAddress beacon = recording::default_log_address;
-  std::vector<std::string> engines;  ///< empty: that of the settings
+  std::vector<std::string> engines;             ///< empty: that of the settings
+  std::vector<std::filesystem::path> compared;  ///< two files of settings, or none
   bool json = false;
 };
 
@@ -33,15 +38,45 @@ std::vector<settings::Settings> settings_of(const CLI::App& app, const Options& 
   return all;
 }
 
+std::vector<evaluation::CaseResult> results_of(const std::vector<evaluation::Case>& runs,
+                                               const settings::Settings& settings) {
+  std::vector<evaluation::CaseResult> results;
+  results.reserve(runs.size());
+  for (const evaluation::Case& run : runs) results.push_back(evaluation::evaluate(run, settings));
+  return results;
+}
+
+/// Of one of the compared files; --set applies to both.
+settings::Settings settings_of(const CLI::App& app, const Options& options,
+                               const std::filesystem::path& file) {
+  apps::ConfigOptions config = options.config;
+  config.file = file;
+  return apps::configuration(app, config).for_beacon(options.beacon);
+}
+
+int compare(const CLI::App& app, const Options& options) {
+  const std::filesystem::path& first = options.compared[0];
+  const std::filesystem::path& second = options.compared[1];
+  const settings::Settings first_settings = settings_of(app, options, first);
+  const settings::Settings second_settings = settings_of(app, options, second);
+  std::vector<evaluation::CostPair> costs;
+  apps::for_each_case(options.cases, [&](const std::vector<evaluation::Case>& runs) {
+    costs.push_back({runs.front().name, !runs.front().truth.empty(),
+                     evaluation::cost_of(results_of(runs, first_settings)),
+                     evaluation::cost_of(results_of(runs, second_settings))});
+  });
+  fmt::print("{}", options.json ? json_of(costs, first.string(), second.string())
+                                : table_of(costs, first.string(), second.string()));
+  return 0;
+}
+
 int evaluate(const CLI::App& app, const Options& options) {
+  if (!options.compared.empty()) return compare(app, options);
   const std::vector<settings::Settings> engines = settings_of(app, options);
   std::vector<evaluation::Summary> summaries;
   apps::for_each_case(options.cases, [&](const std::vector<evaluation::Case>& runs) {
     for (const settings::Settings& settings : engines) {
-      std::vector<evaluation::CaseResult> results;
-      results.reserve(runs.size());
-      for (const evaluation::Case& run : runs) results.push_back(evaluation::evaluate(run, settings));
-      summaries.push_back(evaluation::summarise(results));
+      summaries.push_back(evaluation::summarise(results_of(runs, settings)));
     }
   });
   fmt::print("{}", options.json ? evaluation::json_of(summaries) : evaluation::table_of(summaries));
@@ -52,15 +87,25 @@ int evaluate(const CLI::App& app, const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  apps::Program app(
-      "evaluate",
-      "For comparison it also scores the latest fix, and the latest fix extrapolated at its velocity.");
+  apps::Program app("evaluate",
+                    "It prints the errors against the truth, where there is one, next to those of the latest "
+                    "fix and of the "
+                    "latest fix extrapolated at its velocity; and for each case the prediction errors, which "
+                    "need no truth.");
   apps::add_case_options(app, options.cases);
   apps::add_config_options(app, options.config);
   apps::add_beacon_option(app, options.beacon);
-  app.add_option("--engine", options.engines,
-                 "Engines to score, each in rows of its own, instead of fusion.engine")
-      ->check(CLI::IsMember({"documented", "kalman"}));
-  app.add_flag("--json", options.json, "Print a JSON array instead of the table");
+  auto* const engines = app.add_option("--engine", options.engines,
+                                       "Engines to score, each in rows of its own, instead of fusion.engine")
+                            ->check(CLI::IsMember({"documented", "kalman"}));
+  app.add_option(
+         "--compare", options.compared,
+         "Put two files of settings side by side: the error of each case, or its prediction error if it "
+         "has no truth")
+      ->expected(2)
+      ->type_name("FILE FILE")
+      ->excludes(engines)
+      ->excludes("--config");
+  app.add_flag("--json", options.json, "Print JSON instead of tables");
   return apps::run(app, argc, argv, [&] { return evaluate(app, options); });
 }

@@ -1,5 +1,6 @@
-// sonopose-tune: searches for settings with a lower error on scenarios and recordings with truth.
+// sonopose-tune: searches for settings with a lower error on scenarios and recordings.
 
+#include "evaluation/evaluation.hpp"
 #include "evaluation/search.hpp"
 #include "recording/log_folder.hpp"
 #include "support/case_options.hpp"
@@ -8,9 +9,12 @@
 
 #include <fmt/format.h>
 
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <string>
+#include <unistd.h>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -52,30 +56,77 @@ void check_read(const std::vector<evaluation::Variable>& variables, const settin
   }
 }
 
+volatile std::sig_atomic_t interrupted = 0;
+
+/// The first Ctrl-C ends the search after the current round, the second one the program.
+void listen_for_interrupt() {
+  std::signal(SIGINT, [](int signal) {
+    interrupted = 1;
+    std::signal(signal, SIG_DFL);
+  });
+}
+
+/// Shows the round on a terminal, in one line.
+void show_progress(int round, int rounds, double best_m) {
+  if (::isatty(STDERR_FILENO) == 0) return;
+  fmt::print(stderr, "\rround {} of {}, best {:.3f} cm ", round + 1, rounds, 100.0 * best_m);
+}
+
+/// The settings that differ between the two, as the beacon needs them.
+config::FusionConfig changes(const config::FusionConfig& before, const settings::Settings& found,
+                             const std::vector<evaluation::Variable>& variables, BeaconAddress beacon) {
+  config::FusionConfig changed = before;
+  config::FusionConfig only;
+  for (const evaluation::Variable& variable : variables) {
+    const auto value = settings::get(found, variable.key);
+    if (value == settings::get(before.for_beacon(beacon), variable.key)) continue;
+    const std::string text = variable.key + "=" + settings::to_text(value);
+    changed.assign(text);
+    only.assign(text);
+    const bool overruled = settings::get(changed.for_beacon(beacon), variable.key) != value;
+    if (overruled) only.assign(fmt::format("beacon.{}.{}", beacon, text));
+  }
+  return only;
+}
+
 int tune(const CLI::App& app, const Options& options) {
-  config::FusionConfig config = apps::configuration(app, options.config);
+  const config::FusionConfig config = apps::configuration(app, options.config);
+  const settings::Settings start = config.for_beacon(options.beacon);
   std::vector<evaluation::Variable> variables;
   for (const std::string& text : options.vary) variables.push_back(evaluation::variable_of(text));
-  check_read(variables, config.for_beacon(options.beacon));
+  check_read(variables, start);
   std::vector<std::vector<evaluation::Case>> cases;
-  apps::for_each_case(options.cases,
-                      [&](std::vector<evaluation::Case> runs) { cases.push_back(std::move(runs)); });
+  bool all_with_truth = true;
+  apps::for_each_case(options.cases, [&](std::vector<evaluation::Case> runs) {
+    all_with_truth = all_with_truth && !runs.front().truth.empty();
+    cases.push_back(std::move(runs));
+  });
 
+  const double start_m = evaluation::cost_of(cases, start);
+  double best_m = start_m;
+  listen_for_interrupt();
   const auto found = evaluation::search(
-      config.for_beacon(options.beacon), variables,
+      start, variables,
       [&](const settings::Settings& settings) { return evaluation::cost_of(cases, settings); },
       options.rounds, options.search_seed,
-      [](int round, const evaluation::Found& better) {
-        fmt::print(stderr, "round {}: {:.3f} cm\n", round + 1, 100.0 * better.cost);
+      [&best_m](int round, const evaluation::Found& better) {
+        best_m = better.cost;
+        fmt::print(stderr, "{}round {}: {:.3f} cm\n", ::isatty(STDERR_FILENO) != 0 ? "\r" : "", round + 1,
+                   100.0 * better.cost);
+      },
+      [&](int round) {
+        if (interrupted != 0) {
+          fmt::print(stderr, "\ninterrupted after {} rounds of {}: the best so far follows\n", round,
+                     options.rounds);
+          return false;
+        }
+        show_progress(round, options.rounds, best_m);
+        return true;
       });
-  for (const evaluation::Variable& variable : variables) {
-    const std::string value = settings::to_text(settings::get(found.settings, variable.key));
-    config.assign(variable.key + "=" + value);
-    const bool overruled = settings::get(config.for_beacon(options.beacon), variable.key) !=
-                           settings::get(found.settings, variable.key);
-    if (overruled) config.assign(fmt::format("beacon.{}.{}={}", options.beacon, variable.key, value));
-  }
-  fmt::print("# Geometric mean over the cases: {:.3f} cm.\n{}", 100.0 * found.cost, config.to_toml());
+  fmt::print("# Geometric mean over the cases: {:.3f} cm, before {:.3f} cm.{}\n{}", 100.0 * found.cost,
+             100.0 * start_m,
+             all_with_truth ? "" : " Cases without truth count with their prediction errors.",
+             changes(config, found.settings, variables, options.beacon).given_toml());
   return 0;
 }
 
@@ -83,8 +134,11 @@ int tune(const CLI::App& app, const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  apps::Program app(
-      "tune", "It prints them as a TOML file. To search items 2, 3 and 4, add --set fusion.imu_weight=user.");
+  apps::Program app("tune",
+                    "It prints what it changed as a TOML file; Ctrl-C ends the search and prints the best so "
+                    "far. A case without "
+                    "truth counts with its prediction errors. To search items 2, 3 and 4, add --set "
+                    "fusion.imu_weight=user.");
   add_options(app, options);
   return apps::run(app, argc, argv, [&] { return tune(app, options); });
 }

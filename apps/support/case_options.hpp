@@ -1,7 +1,7 @@
 #pragma once
 // What the programs that score have in common: which cases.
 
-#include "evaluation/evaluation.hpp"
+#include "evaluation/cases.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -16,17 +16,19 @@ namespace sonopose::apps {
 
 /// Scenarios, each with some seeds, and recordings.
 struct CaseOptions {
-  std::vector<std::string> scenarios;
-  bool harder = false;  ///< the harder scenarios, in addition to the named ones
+  std::vector<std::string> named;  ///< scenarios, and folders with recordings
+  bool harder = false;             ///< the harder scenarios, in addition to the named cases
   std::uint64_t seeds = 5;
   std::uint64_t first_seed = 1;
   std::optional<std::filesystem::path> recordings;
 };
 
-/// Adds SCENARIO..., --harder, --seeds, --first-seed and --recordings.
+/// Adds CASE..., --harder, --seeds, --first-seed and --recordings.
 void add_case_options(CLI::App& app, CaseOptions& options);
 
-/// Calls `use(runs)` with the runs of one scenario after the other, then with each recording.
+/// Calls `use(runs)` with the runs of one scenario after the other, then with each recording. Reports on
+/// standard error which recordings are left out. Throws std::invalid_argument for a name that is neither a
+/// scenario nor a folder, files::IoError.
 void for_each_case(const CaseOptions& options, const std::function<void(std::vector<evaluation::Case>)>& use);
 
 }  // namespace sonopose::apps

@@ -89,6 +89,27 @@ std::string table_header(const std::string& prefix, const std::string& group) {
   return fmt::format("\n[{}{}]\n", prefix, group);
 }
 
+/// The tables of some settings. TOML allows a table only once per file.
+std::string tables_of(const std::string& prefix, const Assignments& assignments) {
+  std::map<std::string, std::map<std::string, SettingValue>> groups;
+  for (const auto& [key, value] : assignments) {
+    const auto& row = settings::setting_info(key);
+    groups[row.group][row.name] = value;
+  }
+  std::string text;
+  for (const auto& [name, values] : groups) {
+    text += table_header(prefix, name);
+    for (const auto& [key, value] : values) text += fmt::format("{} = {}\n", key, as_toml(value));
+  }
+  return text;
+}
+
+std::string tables_of(const std::map<BeaconAddress, Assignments>& overrides) {
+  std::string text;
+  for (const auto& [address, own] : overrides) text += tables_of(fmt::format("beacon.{}.", address), own);
+  return text;
+}
+
 }  // namespace
 
 FusionConfig FusionConfig::load(const std::filesystem::path& file) {
@@ -183,19 +204,11 @@ std::string FusionConfig::to_toml() const {
     const SettingValue value = settings::get(by_preset ? used : settings_, row.key);
     text += fmt::format("{}{} = {}\n", by_preset ? "# " : "", row.name, as_toml(value));
   }
-  for (const auto& [address, own] : overrides_) {
-    // TOML allows a table only once per file.
-    std::map<std::string, std::map<std::string, SettingValue>> groups;
-    for (const auto& [key, value] : own) {
-      const auto& row = settings::setting_info(key);
-      groups[row.group][row.name] = value;
-    }
-    for (const auto& [name, values] : groups) {
-      text += table_header(fmt::format("beacon.{}.", address), name);
-      for (const auto& [key, value] : values) text += fmt::format("{} = {}\n", key, as_toml(value));
-    }
-  }
-  return text;
+  return text + tables_of(overrides_);
+}
+
+std::string FusionConfig::given_toml() const {
+  return tables_of("", given_) + tables_of(overrides_);
 }
 
 }  // namespace sonopose::config

@@ -53,6 +53,9 @@ public:
   /// The whole as a commented TOML file, which loads back to the same values.
   [[nodiscard]] std::string to_toml() const;
 
+  /// As TOML: only what was set.
+  [[nodiscard]] std::string given_toml() const;
+
 private:
   void set(std::string_view key, const settings::SettingValue& value);
 

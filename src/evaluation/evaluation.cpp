@@ -1,15 +1,12 @@
 #include "evaluation/evaluation.hpp"
 
 #include "evaluation/comparison.hpp"
-#include "recording/log_folder.hpp"
-#include "sim/simulator.hpp"
 #include <sonopose/estimation/any_estimator.hpp>
-
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sonopose::evaluation {
 namespace {
@@ -78,25 +75,36 @@ private:
 /// Collects the poses and fixes of one case.
 class CaseRun {
 public:
-  explicit CaseRun(const Case& test_case)
+  CaseRun(const Case& test_case, const settings::Settings& settings)
       : start_ns_(available_at_ns(test_case.events.front())),
         comparison_(test_case.truth, start_ns_ + to_ns(test_case.score_after_s)),
-        whole_(test_case.truth, start_ns_) {
+        whole_(test_case.truth, start_ns_),
+        prediction_(start_ns_ + to_ns(test_case.score_after_s),
+                    settings.heading.mount_offset_deg * geometry::radians_per_degree,
+                    test_case.wheel_speeds) {
     for (const sim::Outage& outage : test_case.outages) drifts_.emplace_back(outage, start_ns_);
   }
 
   void add(const FusedPose& pose) {
     comparison_.add(pose);
     whole_.add(pose);
+    prediction_.add(pose);
     for (DriftMonitor& drift : drifts_) drift.add(pose);
   }
 
-  void add(const UltrasonicFix& fix) { comparison_.add(fix); }
+  void add(const UltrasonicFix& fix) {
+    comparison_.add(fix);
+    prediction_.add(fix);
+  }
+
+  void add(const PairHeading& heading) { prediction_.add(heading); }
+  void add(const FixReport& report) { prediction_.add(report); }
 
   void finish(const Case& test_case, const settings::Settings& settings, CaseResult& result) const {
     result.fused = comparison_.fused();
     result.last_fix_m = comparison_.last_fix_m();
     result.extrapolated_m = comparison_.extrapolated_m();
+    result.prediction = prediction_.score();
     const Score whole = whole_.score();
     const ErrorTrack track{whole.times_ns, whole.errors_m};
     for (std::size_t i = 0; i < test_case.outages.size(); ++i) {
@@ -128,6 +136,7 @@ private:
   TimeNs start_ns_;
   Comparison comparison_;
   Scorer whole_;
+  PredictionErrors prediction_;
   std::vector<DriftMonitor> drifts_;
 };
 
@@ -148,67 +157,51 @@ std::vector<double> each(const std::vector<CaseResult>& runs, const Value& value
   return values;
 }
 
+/// The median of the runs that know the value; NaN if none does.
+template <class Value>
+double median_known(const std::vector<CaseResult>& runs, const Value& value) {
+  std::vector<double> values = each(runs, [&](const CaseResult& run) { return value(run.prediction); });
+  std::erase_if(values, [](double known) { return std::isnan(known); });
+  return values.empty() ? std::numeric_limits<double>::quiet_NaN() : median(std::move(values));
+}
+
+PredictionSummary prediction_of(const std::vector<CaseResult>& runs) {
+  using Score = const PredictionScore&;
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  return {.fixes = median_known(runs, [](Score run) { return static_cast<double>(run.fixes); }),
+          .rms_m = median_known(runs, [](Score run) { return run.distance_m.rmse; }),
+          .p50_m = median_known(runs, [](Score run) { return run.distance_p50_m; }),
+          .p95_m = median_known(runs, [](Score run) { return run.distance_m.p95; }),
+          .along_mean_m = median_known(runs, [](Score run) { return run.along_m.mean; }),
+          .left_mean_m = median_known(runs, [](Score run) { return run.left_m.mean; }),
+          .up_mean_m = median_known(runs, [](Score run) { return run.up_m.mean; }),
+          .lag_one = median_known(runs, [](Score run) { return run.lag_one; }),
+          .innovations =
+              median_known(runs, [](Score run) { return run.innovations ? run.innovations->mean : unknown; }),
+          .gated_share = median_known(runs, [](Score run) { return run.gated_share; }),
+          .heading_rms_rad = median_known(runs, [](Score run) { return run.heading_rad.error.rms; }),
+          .wheel_speed_rms_mps = median_known(runs, [](Score run) { return run.wheel_speed_mps.error.rms; })};
+}
+
 void raise(std::optional<double>& most, double value) {
   most = std::max(most.value_or(value), value);
 }
 
-std::string seconds_or_none(const std::optional<double>& seconds) {
-  return seconds ? fmt::format("{:.2f}", *seconds) : "";
-}
-
 }  // namespace
-
-Case simulated_case(const sim::Scenario& scenario, std::uint64_t seed) {
-  const sim::Run run{.seed = seed};
-  const sim::Scenario drawn = sim::drawn(scenario, run);
-  sim::Recording recording = sim::record(drawn, run);
-  return {.name = std::string(drawn.name),
-          .events = std::move(recording.events),
-          .truth = std::move(recording.truth),
-          .score_after_s = drawn.score_after_s,
-          .outages = drawn.disturbances.outages,
-          .relocations = drawn.disturbances.relocations};
-}
-
-Case recorded_case(const std::filesystem::path& folder) {
-  recording::SensorLog log = recording::read_sensor_log(folder);
-  if (log.truth.empty() || log.events.empty()) {
-    throw files::IoError(folder.string() + ": has no truth.csv or no samples to compare with it");
-  }
-  Case test_case;
-  test_case.name = folder.filename().string();
-  test_case.events = std::move(log.events);
-  test_case.truth = std::move(log.truth);
-  return test_case;
-}
-
-std::vector<std::filesystem::path> recordings_with_truth(const std::filesystem::path& folder) {
-  namespace fs = std::filesystem;
-  if (!fs::is_directory(folder)) throw files::IoError(folder.string() + ": is not a folder");
-  std::vector<fs::path> found;
-  const auto consider = [&found](const fs::path& candidate) {
-    const bool complete = exists(candidate / "imu.csv") && exists(candidate / "ultrasonic.csv") &&
-                          exists(candidate / "truth.csv");
-    if (complete) found.push_back(candidate);
-  };
-  consider(folder);
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_directory()) consider(entry.path());
-  }
-  std::sort(found.begin(), found.end());
-  return found;
-}
 
 CaseResult evaluate(const Case& test_case, const settings::Settings& settings) {
   CaseResult result;
   result.name = test_case.name;
   result.engine = settings::to_text(settings::get(settings, "fusion.engine"));
+  result.has_truth = !test_case.truth.empty();
   estimation::AnyEstimator estimator(settings);
-  CaseRun run(test_case);
+  CaseRun run(test_case, settings);
   for (const Event& event : test_case.events) {
     if (const auto* fix = std::get_if<UltrasonicFix>(&event)) run.add(*fix);
+    if (const auto* heading = std::get_if<PairHeading>(&event)) run.add(*heading);
     const auto output = estimation::process(estimator, event);
     if (const auto* pose = std::get_if<FusedPose>(&output)) run.add(*pose);
+    if (const auto* report = std::get_if<FixReport>(&output)) run.add(*report);
   }
   result.fixes_used = estimator.counters().fixes_used;
   result.fixes_rejected = estimator.counters().fixes_rejected;
@@ -221,6 +214,8 @@ Summary summarise(const std::vector<CaseResult>& runs) {
   summary.name = runs.front().name;
   summary.engine = runs.front().engine;
   summary.runs = runs.size();
+  summary.has_truth = runs.front().has_truth;
+  summary.prediction = prediction_of(runs);
   const auto position = [](const CaseResult& run) {
     return std::isnan(run.fused.position_m.rmse) ? std::numeric_limits<double>::infinity()
                                                  : run.fused.position_m.rmse;
@@ -250,54 +245,22 @@ Summary summarise(const std::vector<CaseResult>& runs) {
   return summary;
 }
 
+double cost_of(const std::vector<CaseResult>& runs) {
+  const std::vector<double> costs_m = each(runs, [](const CaseResult& run) {
+    const double cost_m = run.has_truth ? run.fused.position_m.rmse : run.prediction.bounded_rms_m;
+    return std::isnan(cost_m) ? never : cost_m;
+  });
+  return std::sqrt(median(costs_m) * *std::max_element(costs_m.begin(), costs_m.end()));
+}
+
 double cost_of(const std::vector<std::vector<Case>>& cases, const settings::Settings& settings) {
   double logarithms = 0.0;
   for (const std::vector<Case>& runs : cases) {
     std::vector<CaseResult> results;
     for (const Case& run : runs) results.push_back(evaluate(run, settings));
-    const Summary summary = summarise(results);
-    logarithms += 0.5 * std::log(summary.position_rmse_m * summary.worst_rmse_m);
+    logarithms += std::log(cost_of(results));
   }
   return std::exp(logarithms / static_cast<double>(cases.size()));
-}
-
-std::string table_of(const std::vector<Summary>& summaries) {
-  std::size_t width = 15;
-  for (const Summary& row : summaries) width = std::max(width, row.name.size());
-  std::string text = fmt::format(
-      "{:<{}} {:<10} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n"
-      "{:<{}} {:<10} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n",
-      "case", width, "engine", "runs", "pose", "worst", "p95", "last fix", "extrap.", "velocity", "yaw",
-      "tilt", "recovery", "", width, "", "", "cm", "cm", "cm", "cm", "cm", "m/s", "deg", "deg", "s");
-  for (const Summary& row : summaries) {
-    text += fmt::format(
-        "{:<{}} {:<10} {:>4} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.1f} {:>8.1f} {:>8.3f} {:>8.2f} {:>9.2f} {:>9}\n",
-        row.name, width, row.engine, row.runs, 100 * row.position_rmse_m, 100 * row.worst_rmse_m,
-        100 * row.position_p95_m, 100 * row.last_fix_rmse_m, 100 * row.extrapolated_rmse_m,
-        row.velocity_rmse_mps, row.yaw_rmse_deg, row.tilt_rmse_deg, seconds_or_none(row.slowest_recovery_s));
-  }
-  return text;
-}
-
-std::string json_of(const std::vector<Summary>& summaries) {
-  auto rows = nlohmann::ordered_json::array();
-  for (const Summary& row : summaries) {
-    nlohmann::ordered_json object{{"case", row.name},
-                                  {"engine", row.engine},
-                                  {"runs", row.runs},
-                                  {"position_rmse_m", row.position_rmse_m},
-                                  {"position_rmse_worst_m", row.worst_rmse_m},
-                                  {"position_p95_m", row.position_p95_m},
-                                  {"last_fix_rmse_m", row.last_fix_rmse_m},
-                                  {"extrapolated_rmse_m", row.extrapolated_rmse_m},
-                                  {"velocity_rmse_mps", row.velocity_rmse_mps},
-                                  {"yaw_rmse_deg", row.yaw_rmse_deg},
-                                  {"tilt_rmse_deg", row.tilt_rmse_deg}};
-    if (row.slowest_recovery_s) object["slowest_recovery_s"] = *row.slowest_recovery_s;
-    if (row.worst_drift_share) object["worst_drift_share"] = *row.worst_drift_share;
-    rows.push_back(std::move(object));
-  }
-  return rows.dump(2) + "\n";
 }
 
 }  // namespace sonopose::evaluation

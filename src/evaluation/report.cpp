@@ -1,5 +1,7 @@
 #include "evaluation/report.hpp"
 
+#include "evaluation/prediction_report.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -55,7 +57,7 @@ std::string scores(const RunResult& result) {
 
 std::string report_text(const RunResult& result, const Timing& timing) {
   const EstimatorCounters& counters = result.counters;
-  std::string text = scores(result);
+  std::string text = scores(result) + prediction_text(result.prediction);
   text += report_line("fixes", fmt::format("{:8} used, {} rejected{}", counters.fixes_used,
                                            counters.fixes_rejected, special_fix_flags(result.fix_flags)));
   text += report_line("samples",
@@ -84,6 +86,7 @@ std::string report_json(const RunResult& result, const Timing& timing) {
                                       {"extrapolated_rmse_m", result.extrapolated_m.rmse},
                                       {"poses_scored", result.fused.poses},
                                       {"poses_without_truth", result.fused.poses_without_truth},
+                                      {"prediction", prediction_json(result.prediction)},
                                       {"fixes_used", result.counters.fixes_used},
                                       {"fixes_rejected", result.counters.fixes_rejected},
                                       {"fix_flags", std::move(fix_flags)},

@@ -3,6 +3,7 @@
 #include "evaluation/comparison.hpp"
 #include "evaluation/digest.hpp"
 #include <sonopose/estimation/snapshot_fields.hpp>
+#include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
 #include <stdexcept>
@@ -15,21 +16,32 @@ class Results {
 public:
   Results(const recording::SensorLog& log, const RunOptions& options, const Observer& observer)
       : observer_(observer),
-        comparison_(log.truth, available_at_ns(log.events.front()) + to_ns(options.after_s)) {
+        comparison_(log.truth, available_at_ns(log.events.front()) + to_ns(options.after_s)),
+        prediction_(available_at_ns(log.events.front()) + to_ns(options.after_s),
+                    options.settings.heading.mount_offset_deg * geometry::radians_per_degree,
+                    log.wheel_speeds) {
     result_.has_truth = !log.truth.empty();
   }
 
   void add(const UltrasonicFix& fix) { comparison_.add(fix); }
 
+  /// Before the estimator processes the event.
+  void predict(const Event& event) {
+    if (const auto* fix = std::get_if<UltrasonicFix>(&event)) prediction_.add(*fix);
+    if (const auto* heading = std::get_if<PairHeading>(&event)) prediction_.add(*heading);
+  }
+
   void add(const FusedPose& pose) {
     ++result_.poses;
     digest_.add(pose);
     if (result_.has_truth) comparison_.add(pose);
+    prediction_.add(pose);
     if (observer_.on_pose) observer_.on_pose(pose);
   }
 
   void add(const FixReport& report) {
     result_.fix_flags.add(report.flags);
+    prediction_.add(report);
     if (observer_.on_report) observer_.on_report(report);
   }
 
@@ -44,6 +56,7 @@ public:
     result_.fused = comparison_.fused();
     result_.last_fix_m = comparison_.last_fix_m();
     result_.extrapolated_m = comparison_.extrapolated_m();
+    result_.prediction = prediction_.score();
     // The strapdown state is its last pose, which the digest contains already.
     const auto& snapshot = result_.end.snapshot;
     if (estimation::kind_of(snapshot) != estimation::EstimatorKind::strapdown) digest_.add(snapshot);
@@ -54,6 +67,7 @@ public:
 private:
   const Observer& observer_;
   Comparison comparison_;
+  PredictionErrors prediction_;
   Digest digest_;
   RunResult result_;
 };
@@ -107,6 +121,7 @@ RunResult run_through(const recording::SensorLog& log, const RunOptions& options
     const TimeNs now_ns = available_at_ns(event);
     if (const auto* fix = std::get_if<UltrasonicFix>(&event)) results.add(*fix);
     if (sequence_of(event) <= skipped) continue;
+    results.predict(event);
     results.add(estimation::process(estimator, event));
     ++result.events;
     if (const auto* imu = std::get_if<ImuSample>(&event)) {

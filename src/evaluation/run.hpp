@@ -4,6 +4,7 @@
 /// same recording and settings give the same bits.
 
 #include "evaluation/fix_flag_counts.hpp"
+#include "evaluation/prediction_errors.hpp"
 #include "evaluation/score.hpp"
 #include "recording/log_folder.hpp"
 #include <sonopose/estimation/any_estimator.hpp>
@@ -54,7 +55,8 @@ struct RunResult {
   Score fused;
   ErrorSummary last_fix_m;      ///< at the same moments, from the first fix on
   ErrorSummary extrapolated_m;  ///< the same
-  std::string state_hash;       ///< digest of every pose and of the state at the end
+  PredictionScore prediction;
+  std::string state_hash;  ///< digest of every pose and of the state at the end
   SavedState end;
 };
 

@@ -82,7 +82,8 @@ Variable variable_of(std::string_view text) {
 
 Found search(const settings::Settings& start, const std::vector<Variable>& variables,
              const std::function<double(const settings::Settings&)>& cost, int rounds, std::uint64_t seed,
-             const std::function<void(int, const Found&)>& on_better) {
+             const std::function<void(int, const Found&)>& on_better,
+             const std::function<bool(int)>& goes_on) {
   sim::Random random(seed);
   std::vector<double> best;
   for (const Variable& variable : variables) best.push_back(place_of(start, variable));
@@ -90,7 +91,7 @@ Found search(const settings::Settings& start, const std::vector<Variable>& varia
   Found found{begin, cost(begin)};
   constexpr double widest = 0.35;
   constexpr double narrowest = 0.03;
-  for (int round = 0; round < rounds && !variables.empty(); ++round) {
+  for (int round = 0; round < rounds && !variables.empty() && goes_on(round); ++round) {
     const double width = widest + (narrowest - widest) * round / rounds;
     std::vector<double> places = best;
     const int changes = 1 + static_cast<int>(3.0 * random.uniform());

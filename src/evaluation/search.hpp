@@ -31,9 +31,11 @@ struct Found {
 /// Starts at `start`, clamped to the bounds, changes a few random variables in each round and keeps changes
 /// that reduce the cost. The steps shrink from round to round. Ranges of more than a decade are searched on a
 /// logarithmic scale. The same seed gives the same search. Calls `on_better(round, found)` for each
-/// improvement.
-Found search(const settings::Settings& start, const std::vector<Variable>& variables,
-             const std::function<double(const settings::Settings&)>& cost, int rounds, std::uint64_t seed,
-             const std::function<void(int, const Found&)>& on_better);
+/// improvement, and before each round `goes_on(round)`, which ends the search by returning false.
+Found search(
+    const settings::Settings& start, const std::vector<Variable>& variables,
+    const std::function<double(const settings::Settings&)>& cost, int rounds, std::uint64_t seed,
+    const std::function<void(int, const Found&)>& on_better,
+    const std::function<bool(int)>& goes_on = [](int) { return true; });
 
 }  // namespace sonopose::evaluation

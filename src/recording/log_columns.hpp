@@ -12,6 +12,7 @@ inline constexpr std::string_view imu_file = "imu.csv";
 inline constexpr std::string_view ultrasonic_file = "ultrasonic.csv";
 inline constexpr std::string_view heading_file = "heading.csv";
 inline constexpr std::string_view truth_file = "truth.csv";
+inline constexpr std::string_view wheel_speed_file = "wheel_speed.csv";
 inline constexpr std::string_view movement_file = "movement.csv";
 inline constexpr std::string_view meta_file = "meta.toml";
 
@@ -33,6 +34,8 @@ inline constexpr std::array<std::string_view, 17> truth_columns{
     "b_a_y [m s^-2]", "b_a_z [m s^-2]"};
 inline constexpr std::size_t truth_columns_least = 8;     ///< up to the attitude
 inline constexpr std::size_t truth_columns_written = 11;  ///< up to the velocity
+
+inline constexpr std::array<std::string_view, 2> wheel_speed_columns{"timestamp [ns]", "speed [m s^-1]"};
 
 inline constexpr std::array<std::string_view, 2> movement_columns{"start [ns]", "end [ns]"};
 

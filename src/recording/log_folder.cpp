@@ -169,6 +169,7 @@ SensorLog read_sensor_log(const std::filesystem::path& folder, std::optional<Bea
   if (exists(folder / heading_file)) headings = read_heading_csv(folder / heading_file, log.address);
   log.events = merged(std::move(imu), Samples(fixes), Samples(headings));
   if (exists(folder / truth_file)) log.truth = read_truth_csv(folder / truth_file, log.address);
+  if (exists(folder / wheel_speed_file)) log.wheel_speeds = read_wheel_speed_csv(folder / wheel_speed_file);
   return log;
 }
 
@@ -240,6 +241,15 @@ std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, Beaco
     sample.velocity_world_mps = vector_or_unknown(8);
   }
   return samples;
+}
+
+std::vector<WheelSpeed> read_wheel_speed_csv(const std::filesystem::path& file) {
+  files::CsvReader rows(file, {wheel_speed_columns, wheel_speed_columns.size()});
+  std::vector<WheelSpeed> speeds;
+  while (rows.next_row()) speeds.push_back({rows.time_ns(0), rows.number(1)});
+  std::stable_sort(speeds.begin(), speeds.end(),
+                   [](const WheelSpeed& a, const WheelSpeed& b) { return a.time_ns < b.time_ns; });
+  return speeds;
 }
 
 }  // namespace sonopose::recording

@@ -9,6 +9,7 @@
 /// | `ultrasonic.csv` | timestamp (emission), received, x, y, z [m], quality [%] |
 /// | `heading.csv`    | timestamp (emission), received, heading [deg]; optional file |
 /// | `truth.csv`      | timestamp, p(3) [m], q_w, q_x, q_y, q_z, v(3) [m/s], …; optional file |
+/// | `wheel_speed.csv` | timestamp, speed [m/s]; optional file, only used for scores |
 /// | `meta.toml`      | what these files do not say (log_meta.hpp); optional file |
 ///
 /// A time is at least 1 and below 2^62. An empty cell is an unknown value. Columns are identified by
@@ -27,11 +28,18 @@ namespace sonopose::recording {
 /// The address of a log's beacon if neither its meta.toml nor the user names one.
 inline constexpr BeaconAddress default_log_address = 7;
 
+/// What an odometer of the vehicle measured.
+struct WheelSpeed {
+  TimeNs time_ns = 0;
+  double speed_mps = 0;  ///< negative: backwards
+};
+
 /// A whole recording.
 struct SensorLog {
   std::vector<Event> events;       ///< in the order in which a causal consumer receives them
   std::vector<TruthSample> truth;  ///< as in the file; NaN for unknown values; empty without a file
   BeaconAddress address = default_log_address;  ///< of all samples
+  std::vector<WheelSpeed> wheel_speeds{};       ///< in ascending time; empty without a file
 };
 
 /// Reads a folder. Bridge and replay share this function, so that both deliver the same events. `address`
@@ -67,5 +75,8 @@ std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, Bea
 
 /// Position, attitude and velocity, each NaN if unknown. Further columns are ignored.
 std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address);
+
+/// Sorted by time.
+std::vector<WheelSpeed> read_wheel_speed_csv(const std::filesystem::path& file);
 
 }  // namespace sonopose::recording

@@ -236,6 +236,17 @@ TEST_CASE("what is printed loads back to the same, beacons included") {
   CHECK(again.warnings() == config.warnings());
 }
 
+TEST_CASE("what was given is printed alone, and loads back to the same") {
+  FusionConfig config;
+  CHECK(config.given_toml().empty());
+  config.assign("trust.n_base=7");
+  config.assign("trust.enabled=false");
+  config.assign("beacon.7.attitude.mahony.kp=3");
+  CHECK(config.given_toml() ==
+        "\n[trust]\nenabled = false\nn_base = 7\n\n[beacon.7.attitude.mahony]\nkp = 3.0\n");
+  CHECK(loaded(config.given_toml()).to_toml() == config.to_toml());
+}
+
 TEST_CASE("the printed configuration shows every setting with its item and range") {
   const std::string text = std::regex_replace(FusionConfig{}.to_toml(), std::regex("\n# "), " ");
   for (const auto& row : settings::setting_table()) {

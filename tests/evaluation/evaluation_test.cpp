@@ -3,9 +3,10 @@
 
 #include "evaluation/evaluation.hpp"
 
-#include "recording/log_folder.hpp"
+#include "evaluation/summary_report.hpp"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -152,11 +153,14 @@ TEST_CASE("recorded flights: the position error is below 4 cm") {
     std::cout << "skipped: no recordings\n";
     return;
   }
-  const auto recordings = evaluation::recordings_with_truth(folder);
-  CHECK(recordings.size() >= 2);
+  const auto recordings = evaluation::recordings_in(folder).folders;
+  CHECK(recordings.size() >= 3);
   for (const auto& recording : recordings) {
     const CaseResult result = evaluation::evaluate(evaluation::recorded_case(recording), {});
     INFO(result.name);
+    CHECK(result.prediction.fixes > 400);
+    CHECK(result.prediction.distance_p50_m < 0.05);
+    if (!result.has_truth) continue;
     CHECK(result.fused.position_m.rmse < 0.04);
     CHECK(result.fused.position_m.rmse < 0.5 * result.last_fix_m.rmse);
   }
@@ -182,6 +186,7 @@ TEST_CASE("runs are summarised by their median and worst error; NaN counts as th
   const std::array errors_m{0.05, std::nan(""), 0.02};
   for (std::size_t i = 0; i < runs.size(); ++i) {
     runs[i].name = "case";
+    runs[i].has_truth = true;
     runs[i].fused.position_m.rmse = errors_m[i];
   }
   const auto summary = evaluation::summarise(runs);
@@ -195,37 +200,21 @@ TEST_CASE("runs are summarised by their median and worst error; NaN counts as th
   CHECK_THAT(evaluation::json_of({summary}), Catch::Matchers::Contains("\"position_rmse_m\": 0.05"));
 }
 
-TEST_CASE("a missing folder is refused by name") {
-  CHECK_THROWS_WITH(evaluation::recordings_with_truth("/nowhere/at/all"),
-                    Catch::Matchers::Contains("/nowhere/at/all"));
-}
-
-SCENARIO("a case of a scenario that varies has the disturbances of its run") {
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const evaluation::Case hall = evaluation::simulated_case(sim::find_scenario("hall"), seed);
-    const evaluation::Case moved = evaluation::simulated_case(sim::find_scenario("moved_map"), seed);
-    THEN("no fix of seed " + std::to_string(seed) + " was emitted in one of its outages") {
-      REQUIRE_FALSE(hall.outages.empty());
-      for (const Event& event : hall.events) {
-        const auto* fix = std::get_if<UltrasonicFix>(&event);
-        if (fix == nullptr) continue;
-        const double time_s = seconds_between(available_at_ns(hall.events.front()), fix->emission_time_ns);
-        for (const sim::Outage& outage : hall.outages) {
-          REQUIRE((time_s < outage.begin_s || time_s >= outage.begin_s + outage.duration_s));
-        }
-      }
-    }
-    THEN("the map of seed " + std::to_string(seed) + " moves where its truth jumps") {
-      REQUIRE(moved.relocations.size() == 1);
-      const TimeNs at_ns = moved.truth.front().time_ns + to_ns(moved.relocations.front().at_s);
-      for (std::size_t i = 1; i < moved.truth.size(); ++i) {
-        const double step_m = (moved.truth[i].position_world_m - moved.truth[i - 1].position_world_m).norm();
-        if (step_m < 0.05) continue;
-        CHECK(moved.truth[i - 1].time_ns < at_ns);
-        CHECK(moved.truth[i].time_ns >= at_ns);
-      }
-    }
-  }
+SCENARIO("a case without truth is scored by its prediction errors") {
+  evaluation::Case walk = evaluation::simulated_case(sim::find_scenario("walk"), 1);
+  const CaseResult with_truth = evaluation::evaluate(walk, {});
+  walk.truth.clear();
+  const CaseResult result = evaluation::evaluate(walk, {});
+  CHECK_FALSE(result.has_truth);
+  CHECK(std::isnan(result.fused.position_m.rmse));
+  CHECK(result.prediction.bounded_rms_m == with_truth.prediction.bounded_rms_m);
+  CHECK(evaluation::cost_of({result}) == Approx(result.prediction.bounded_rms_m));
+  CHECK(evaluation::cost_of({with_truth}) == Approx(with_truth.fused.position_m.rmse));
+  const auto summary = evaluation::summarise({result});
+  CHECK_THAT(evaluation::table_of({summary}), !Catch::Contains("nan") && !Catch::Contains("inf"));
+  const auto row = nlohmann::json::parse(evaluation::json_of({summary})).at(0);
+  CHECK(row.at("position_rmse_m").is_null());
+  CHECK(row.at("prediction").at("rms_m").get<double>() == result.prediction.distance_m.rmse);
 }
 
 }  // namespace evaluation_test

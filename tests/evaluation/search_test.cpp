@@ -42,6 +42,24 @@ TEST_CASE("the same seed gives the same search, and a search without improvement
   CHECK(flat.settings.trust.sigma_m == settings::Settings{}.trust.sigma_m);
 }
 
+TEST_CASE("a search that is ended returns the best so far") {
+  const std::vector<evaluation::Variable> variables{evaluation::variable_of("trust.sigma_m=0.1..0.5")};
+  int evaluated = 0;
+  const auto cost = [&evaluated](const settings::Settings& settings) {
+    ++evaluated;
+    return settings.trust.sigma_m;
+  };
+  settings::Settings start;
+  start.trust.sigma_m = 0.5;
+  double best = 0.5;
+  const auto found = evaluation::search(
+      start, variables, cost, 1000, 1, [&](int, const evaluation::Found& better) { best = better.cost; },
+      [](int round) { return round < 10; });
+  CHECK(evaluated == 11);  // the start, and ten rounds
+  CHECK(found.cost == best);
+  CHECK(best < 0.5);
+}
+
 TEST_CASE("a start outside the bounds is clamped before the search begins") {
   const std::vector<evaluation::Variable> variables{evaluation::variable_of("trust.sigma_m=0.2..0.4"),
                                                     evaluation::variable_of("trust.n_max=2..5")};

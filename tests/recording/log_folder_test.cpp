@@ -57,6 +57,7 @@ SCENARIO("a log's rows become SI samples") {
                "5,1,2,3,0.5,0.5,-0.5,0.5,7,8,9,,,,,,\n"
                "6,,,,1,0,0,0\n"
                "7,1,2,3,,,,,,,\n");
+    write_text(log / "wheel_speed.csv", "#timestamp [ns],speed [m s^-1]\n9,-1.5\n8,0.25\n");
     WHEN("it is read") {
       const SensorLog read = read_sensor_log(log.path());
       THEN("the events are in the order of receipt, numbered from 1") {
@@ -76,6 +77,12 @@ SCENARIO("a log's rows become SI samples") {
         REQUIRE(imu.magnetic_field_body_t.has_value());
         CHECK((*imu.magnetic_field_body_t - Vector3d(20e-6, -3e-6, -42.5e-6)).norm() < 1e-20);
         CHECK_FALSE(std::get<ImuSample>(read.events[3]).magnetic_field_body_t.has_value());
+      }
+      THEN("the speeds of the wheels are in ascending time, backwards is negative") {
+        REQUIRE(read.wheel_speeds.size() == 2);
+        CHECK(read.wheel_speeds[0].time_ns == 8);
+        CHECK(read.wheel_speeds[0].speed_mps == 0.25);
+        CHECK(read.wheel_speeds[1].speed_mps == -1.5);
       }
       THEN("a fix has its delay, and no quality where the cell is empty") {
         const auto& fix = std::get<UltrasonicFix>(read.events[0]);

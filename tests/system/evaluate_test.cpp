@@ -6,6 +6,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <csignal>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -87,6 +89,67 @@ SCENARIO("a search prints settings that are effective for the selected beacon") 
   const std::string config = (folder / "found.toml").string();
   CHECK(rmse_of({"--config", config, "--beacon", "9"}) !=
         rmse_of({"--config", config, "--beacon", "9", "--set", "beacon.9.trust.sigma_m=0.3"}));
+}
+
+SCENARIO("own logs are scored with and without truth, alone, and what is left out is named") {
+  GIVEN("a log named like a scenario, the same without truth, and one without fixes") {
+    const TemporaryFolder folder;
+    const auto log = folder / "walk";
+    REQUIRE(run(SONOPOSE_TEST_SIMULATE, {"walk", "--duration", "20", "--out", log.string()}).code == 0);
+    std::filesystem::copy(log, folder / "blind");
+    std::filesystem::remove(folder / "blind" / "truth.csv");
+    std::filesystem::copy(log, folder / "bench");
+    std::filesystem::remove(folder / "bench" / "ultrasonic.csv");
+    WHEN("the folder is scored") {
+      const Result result = run(SONOPOSE_TEST_EVALUATE, {folder.path().string(), "--json"});
+      CAPTURE(result.error);
+      REQUIRE(result.code == 0);
+      THEN("each log has a row of its path, no scenario has one, and the log without fixes is named") {
+        const json rows = json::parse(result.output);
+        REQUIRE(rows.size() == 2);
+        CHECK(rows.at(0).at("case") == (folder / "blind").string());
+        CHECK(rows.at(0).at("position_rmse_m").is_null());
+        CHECK(rows.at(0).at("prediction").at("rms_m").get<double>() < 0.06);
+        CHECK(rows.at(1).at("case") == log.string());
+        CHECK(rows.at(1).at("position_rmse_m").get<double>() < 0.03);
+        CHECK_THAT(result.error,
+                   Contains("left out: " + (folder / "bench").string() + ": has no ultrasonic.csv"));
+      }
+    }
+    WHEN("two files of settings are compared") {
+      write_text(folder / "right.toml", "[heading]\nmount_offset_deg = 0\n");
+      write_text(folder / "wrong.toml", "[heading]\nmount_offset_deg = 40\n");
+      const Result result =
+          run(SONOPOSE_TEST_EVALUATE, {folder.path().string(), "--json", "--compare",
+                                       (folder / "right.toml").string(), (folder / "wrong.toml").string()});
+      CAPTURE(result.error);
+      REQUIRE(result.code == 0);
+      THEN("the wrong mount is worse on each, with and without truth") {
+        for (const json& row : json::parse(result.output).at("cases")) {
+          CHECK(row.at("change").get<double>() > 0.1);
+        }
+      }
+    }
+  }
+  const Result none = run(SONOPOSE_TEST_EVALUATE, {"no_such_case"});
+  CHECK(none.code == 1);
+  CHECK_THAT(none.error, Contains("no_such_case"));
+}
+
+SCENARIO(
+    "a search on a log without truth takes its prediction errors, and ends at Ctrl-C with the best so far") {
+  const TemporaryFolder folder;
+  const auto log = folder / "drive";
+  REQUIRE(run(SONOPOSE_TEST_SIMULATE, {"forklift", "--duration", "30", "--out", log.string()}).code == 0);
+  std::filesystem::remove(log / "truth.csv");
+  Process search(SONOPOSE_TEST_TUNE,
+                 {log.string(), "--rounds", "1000000", "--set", "heading.mount_offset_deg=60", "--vary",
+                  "heading.mount_offset_deg=-90..90"});
+  REQUIRE(search.wait_for_line(Process::Stream::error, "round"));
+  CHECK(search.end_by(SIGINT).code == 0);
+  CHECK_THAT(search.text(Process::Stream::error), Contains("interrupted after"));
+  CHECK_THAT(search.text(Process::Stream::output),
+             Contains("[heading]") && Contains("mount_offset_deg = ") && !Contains("trust"));
 }
 
 SCENARIO("an output that cannot be written is an error") {

@@ -1,0 +1,55 @@
+#include "evaluation/cases.hpp"
+
+#include "sim/simulator.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace sonopose::evaluation {
+
+Case simulated_case(const sim::Scenario& scenario, std::uint64_t seed) {
+  const sim::Run run{.seed = seed};
+  const sim::Scenario drawn = sim::drawn(scenario, run);
+  sim::Recording recording = sim::record(drawn, run);
+  return {.name = std::string(drawn.name),
+          .events = std::move(recording.events),
+          .truth = std::move(recording.truth),
+          .wheel_speeds = {},
+          .score_after_s = drawn.score_after_s,
+          .outages = drawn.disturbances.outages,
+          .relocations = drawn.disturbances.relocations};
+}
+
+Case recorded_case(const std::filesystem::path& folder) {
+  recording::SensorLog log = recording::read_sensor_log(folder);
+  if (log.events.empty()) throw files::IoError(folder.string() + ": has no samples");
+  Case test_case;
+  test_case.name = folder.string();
+  test_case.events = std::move(log.events);
+  test_case.truth = std::move(log.truth);
+  test_case.wheel_speeds = std::move(log.wheel_speeds);
+  return test_case;
+}
+
+FoundRecordings recordings_in(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  if (!fs::is_directory(folder)) throw files::IoError(folder.string() + ": is not a folder");
+  FoundRecordings found;
+  const auto consider = [&found](const fs::path& candidate) {
+    if (!exists(candidate / "imu.csv")) return;
+    if (exists(candidate / "ultrasonic.csv")) {
+      found.folders.push_back(candidate);
+    } else {
+      found.left_out.push_back(candidate.string() + ": has no ultrasonic.csv");
+    }
+  };
+  consider(folder);
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_directory()) consider(entry.path());
+  }
+  std::sort(found.folders.begin(), found.folders.end());
+  std::sort(found.left_out.begin(), found.left_out.end());
+  return found;
+}
+
+}  // namespace sonopose::evaluation

@@ -1,0 +1,176 @@
+#include "evaluation/prediction_errors.hpp"
+
+#include <sonopose/geometry/rotation.hpp>
+#include <sonopose/statistics/quantile.hpp>
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sonopose::evaluation {
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr TimeNs remembered_ns = 3'000'000'000;  // longer than any delay of a fix
+constexpr double widest_gap_s = 0.1;
+constexpr double least_speed_mps = 0.1;  // below it, the track has no direction
+
+SignedErrors signed_errors_of(const std::vector<double>& errors) {
+  if (errors.empty()) return {unknown, unknown};
+  double sum = 0.0;
+  double squares = 0.0;
+  for (const double error : errors) {
+    sum += error;
+    squares += error * error;
+  }
+  const auto count = static_cast<double>(errors.size());
+  return {sum / count, std::sqrt(squares / count)};
+}
+
+/// NaN if there are no values.
+double quantile(const std::vector<double>& values, double share) {
+  return values.empty() ? unknown : statistics::quantile(values, share);
+}
+
+/// The RMS of errors of which each counts as e / √(1 + (e / c)²).
+double bounded_rms(const std::vector<double>& errors_m) {
+  if (errors_m.empty()) return unknown;
+  constexpr double most_m = 0.3;
+  double squares = 0.0;
+  for (const double error_m : errors_m) {
+    squares += error_m * error_m / (1.0 + error_m * error_m / (most_m * most_m));
+  }
+  return std::sqrt(squares / static_cast<double>(errors_m.size()));
+}
+
+/// Σ eₖ·eₖ₋₁ / Σ eₖ², for numbers or vectors; NaN if there are fewer than two.
+template <class Error, class Dot>
+double lag_one_of(const std::vector<Error>& errors, const Dot& dot) {
+  if (errors.size() < 2) return unknown;
+  double squares = dot(errors.front(), errors.front());
+  double products = 0.0;
+  for (std::size_t i = 1; i < errors.size(); ++i) {
+    squares += dot(errors[i], errors[i]);
+    products += dot(errors[i], errors[i - 1]);
+  }
+  return squares > 0.0 ? products / squares : unknown;
+}
+
+PredictedQuantity quantity_of(const std::vector<double>& errors) {
+  std::vector<double> sizes;
+  for (const double error : errors) sizes.push_back(std::abs(error));
+  return {errors.size(), signed_errors_of(errors), quantile(sizes, 0.95),
+          lag_one_of(errors, [](double a, double b) { return a * b; })};
+}
+
+/// The mean per degree of freedom of squares that have three each, and where it is expected.
+NormalisedInnovations normalised(const std::vector<double>& squares) {
+  double sum = 0.0;
+  for (const double square : squares) sum += square;
+  const double freedom = 3.0 * static_cast<double>(squares.size());
+  const double half_width = 1.96 * std::sqrt(2.0 / freedom);
+  return {squares.size(), sum / freedom, 1.0 - half_width, 1.0 + half_width};
+}
+
+}  // namespace
+
+std::optional<PredictionErrors::Predicted> PredictionErrors::at(TimeNs time_ns) const {
+  const auto after = std::lower_bound(poses_.begin(), poses_.end(), time_ns,
+                                      [](const Predicted& pose, TimeNs time) { return pose.time_ns < time; });
+  if (after == poses_.end()) return std::nullopt;
+  if (after->time_ns == time_ns) return *after;
+  if (after == poses_.begin()) return std::nullopt;
+  const Predicted& before = *std::prev(after);
+  const double span_s = seconds_between(before.time_ns, after->time_ns);
+  if (span_s > widest_gap_s) return std::nullopt;
+  const double share = seconds_between(before.time_ns, time_ns) / span_s;
+  return Predicted{
+      time_ns, before.position_world_m + share * (after->position_world_m - before.position_world_m),
+      before.velocity_world_mps + share * (after->velocity_world_mps - before.velocity_world_mps),
+      before.q_body_to_world.slerp(share, after->q_body_to_world)};
+}
+
+void PredictionErrors::add(const FusedPose& pose) {
+  if ((pose.status & status_initialising) != 0) return;
+  if (!poses_.empty() && pose.time_ns <= poses_.back().time_ns) return;
+  poses_.push_back({pose.time_ns, pose.position_world_m, pose.velocity_world_mps, pose.q_body_to_world});
+  while (poses_.front().time_ns < pose.time_ns - remembered_ns) poses_.pop_front();
+  for (; !wheel_speeds_.empty() && wheel_speeds_.front().time_ns <= pose.time_ns;
+       wheel_speeds_ = wheel_speeds_.subspan(1)) {
+    const recording::WheelSpeed& wheel = wheel_speeds_.front();
+    const auto predicted = at(wheel.time_ns);
+    if (wheel.time_ns < from_ns_ || !predicted) continue;
+    wheel_speed_mps_.push_back(std::abs(wheel.speed_mps) - predicted->velocity_world_mps.head<2>().norm());
+  }
+}
+
+void PredictionErrors::add(const UltrasonicFix& fix) {
+  if (fix.emission_time_ns < from_ns_ || !fix.position_world_m.allFinite()) return;
+  const auto predicted = at(fix.emission_time_ns);
+  if (!predicted) {
+    ++without_;
+    return;
+  }
+  fixes_.push_back({fix.emission_time_ns, fix.position_world_m - predicted->position_world_m,
+                    predicted->velocity_world_mps});
+}
+
+void PredictionErrors::add(const PairHeading& heading) {
+  if (!heading.valid || heading.emission_time_ns < from_ns_) return;
+  const auto predicted = at(heading.emission_time_ns);
+  if (!predicted) return;
+  heading_rad_.push_back(geometry::wrap_angle(heading.heading_world_rad - mount_offset_rad_ -
+                                              geometry::yaw_of(predicted->q_body_to_world)));
+}
+
+void PredictionErrors::add(const FixReport& report) {
+  if (report.emission_time_ns < from_ns_) return;
+  ++reports_;
+  if (!fixes_.empty() && fixes_.back().emission_time_ns == report.emission_time_ns) {
+    fixes_.back().used = (report.flags & fix_used) != 0;
+  }
+  if ((report.flags & fix_outlier) != 0) ++gated_;
+  if (!report.innovation_covariance_m2 || (report.flags & fix_used) == 0) return;
+  const Eigen::LLT<Eigen::Matrix3d> covariance(report.innovation_covariance_m2->matrix());
+  if (covariance.info() != Eigen::Success) return;
+  squared_innovations_.push_back(report.innovation_world_m.dot(covariance.solve(report.innovation_world_m)));
+}
+
+PredictionScore PredictionErrors::score() const {
+  std::vector<double> distances_m;
+  std::vector<Vector3d> used_world_m;
+  std::vector<double> along_m;
+  std::vector<double> left_m;
+  std::vector<double> up_m;
+  for (const FixError& fix : fixes_) {
+    distances_m.push_back(fix.error_world_m.norm());
+    if (!fix.used) continue;
+    used_world_m.push_back(fix.error_world_m);
+    up_m.push_back(fix.error_world_m.z());
+    const Eigen::Vector2d velocity_mps = fix.velocity_world_mps.head<2>();
+    if (velocity_mps.norm() < least_speed_mps) continue;
+    const Eigen::Vector2d along = velocity_mps.normalized();
+    along_m.push_back(along.dot(fix.error_world_m.head<2>()));
+    left_m.push_back(along.x() * fix.error_world_m.y() - along.y() * fix.error_world_m.x());
+  }
+  const auto dot = [](const Vector3d& a, const Vector3d& b) { return a.dot(b); };
+  return {
+      .fixes = fixes_.size(),
+      .fixes_without = without_,
+      .distance_m = error_summary_of(distances_m),
+      .distance_p50_m = quantile(distances_m, 0.5),
+      .bounded_rms_m = bounded_rms(distances_m),
+      .along_m = signed_errors_of(along_m),
+      .left_m = signed_errors_of(left_m),
+      .up_m = signed_errors_of(up_m),
+      .lag_one = lag_one_of(used_world_m, dot),
+      .gated_share = reports_ == 0 ? unknown : static_cast<double>(gated_) / static_cast<double>(reports_),
+      .innovations =
+          squared_innovations_.empty() ? std::nullopt : std::optional(normalised(squared_innovations_)),
+      .heading_rad = quantity_of(heading_rad_),
+      .wheel_speed_mps = quantity_of(wheel_speed_mps_)};
+}
+
+}  // namespace sonopose::evaluation

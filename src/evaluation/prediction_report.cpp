@@ -1,0 +1,92 @@
+#include "evaluation/prediction_report.hpp"
+
+#include <sonopose/geometry/rotation.hpp>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace sonopose::evaluation {
+namespace {
+
+std::string row(std::string_view what, const std::string& text) {
+  return fmt::format("{:<12} {}\n", what, text);
+}
+
+/// "along +0.3 (2.1)": the mean and the RMS error.
+std::string signed_cm(std::string_view direction, const SignedErrors& errors) {
+  if (errors.mean != errors.mean) return fmt::format("{} -", direction);
+  return fmt::format("{} {:+.1f} ({:.1f})", direction, 100.0 * errors.mean, 100.0 * errors.rms);
+}
+
+std::string innovations_text(const std::optional<NormalisedInnovations>& innovations) {
+  if (!innovations) return "not known: this engine reports no covariance";
+  return fmt::format("{:8.2f} squared, per degree of freedom; {:.2f} to {:.2f} if the covariances are right",
+                     innovations->mean, innovations->low, innovations->high);
+}
+
+/// One line; nothing if there were no measurements.
+std::string quantity_line(std::string_view what, const PredictedQuantity& quantity, double factor,
+                          std::string_view unit) {
+  if (quantity.count == 0) return {};
+  return row(what, fmt::format("{:8.3f} {} RMS, {:.3f} p95, mean {:+.3f}, lag-1 correlation {:.2f}, over {}",
+                               factor * quantity.error.rms, unit, factor * quantity.p95,
+                               factor * quantity.error.mean, quantity.lag_one, quantity.count));
+}
+
+nlohmann::ordered_json json_of(const SignedErrors& errors) {
+  return {{"mean", errors.mean}, {"rms", errors.rms}};
+}
+
+nlohmann::ordered_json json_of(const PredictedQuantity& quantity) {
+  if (quantity.count == 0) return {};
+  return {{"count", quantity.count},
+          {"mean", quantity.error.mean},
+          {"rms", quantity.error.rms},
+          {"p95", quantity.p95},
+          {"lag_one", quantity.lag_one}};
+}
+
+}  // namespace
+
+std::string prediction_text(const PredictionScore& score) {
+  if (score.fixes == 0) return row("predicted", "no fix: none has a pose at its emission");
+  std::string text =
+      row("predicted",
+          fmt::format("{:8.4f} m RMS from pose to fix, {:.4f} m p50, {:.4f} m p95, over {} fixes",
+                      score.distance_m.rmse, score.distance_p50_m, score.distance_m.p95, score.fixes));
+  text += row(
+      "", fmt::format("used fixes, mean (RMS) in cm: {}, {}, {}; lag-1 correlation {:.2f}; {:.1f} % gated",
+                      signed_cm("along", score.along_m), signed_cm("left", score.left_m),
+                      signed_cm("up", score.up_m), score.lag_one, 100.0 * score.gated_share));
+  text += row("innovations", innovations_text(score.innovations));
+  text += quantity_line("heading", score.heading_rad, 1.0 / geometry::radians_per_degree, "deg");
+  return text + quantity_line("wheel speed", score.wheel_speed_mps, 1.0, "m/s");
+}
+
+nlohmann::ordered_json prediction_json(const PredictionScore& score) {
+  // The JSON library writes NaN (unknown) as null.
+  nlohmann::ordered_json object{{"fixes", score.fixes},
+                                {"fixes_without_pose", score.fixes_without},
+                                {"distance_rms_m", score.distance_m.rmse},
+                                {"distance_bounded_rms_m", score.bounded_rms_m},
+                                {"distance_p50_m", score.distance_p50_m},
+                                {"distance_p95_m", score.distance_m.p95},
+                                {"distance_max_m", score.distance_m.max},
+                                {"along_m", json_of(score.along_m)},
+                                {"left_m", json_of(score.left_m)},
+                                {"up_m", json_of(score.up_m)},
+                                {"lag_one", score.lag_one},
+                                {"gated_share", score.gated_share},
+                                {"innovations", nullptr},
+                                {"heading_rad", json_of(score.heading_rad)},
+                                {"wheel_speed_mps", json_of(score.wheel_speed_mps)}};
+  if (score.innovations) {
+    object["innovations"] = {{"fixes", score.innovations->fixes},
+                             {"mean_squared", score.innovations->mean},
+                             {"expected_low", score.innovations->low},
+                             {"expected_high", score.innovations->high}};
+  }
+  return object;
+}
+
+}  // namespace sonopose::evaluation

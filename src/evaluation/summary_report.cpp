@@ -1,0 +1,120 @@
+#include "evaluation/summary_report.hpp"
+
+#include <sonopose/geometry/rotation.hpp>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace sonopose::evaluation {
+namespace {
+
+std::string seconds_or_none(const std::optional<double>& seconds) {
+  return seconds ? fmt::format("{:.2f}", *seconds) : "";
+}
+
+/// "-" for a value that is not known.
+std::string number(double value, int decimals) {
+  return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, decimals);
+}
+
+std::string truth_table(const std::vector<Summary>& summaries, std::size_t width) {
+  std::string text = fmt::format(
+      "{:<{}} {:<10} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n"
+      "{:<{}} {:<10} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n",
+      "case", width, "engine", "runs", "pose", "worst", "p95", "last fix", "extrap.", "velocity", "yaw",
+      "tilt", "recovery", "", width, "", "", "cm", "cm", "cm", "cm", "cm", "m/s", "deg", "deg", "s");
+  for (const Summary& row : summaries) {
+    if (!row.has_truth) continue;
+    text += fmt::format(
+        "{:<{}} {:<10} {:>4} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.1f} {:>8.1f} {:>8.3f} {:>8.2f} {:>9.2f} {:>9}\n",
+        row.name, width, row.engine, row.runs, 100 * row.position_rmse_m, 100 * row.worst_rmse_m,
+        100 * row.position_p95_m, 100 * row.last_fix_rmse_m, 100 * row.extrapolated_rmse_m,
+        row.velocity_rmse_mps, row.yaw_rmse_deg, row.tilt_rmse_deg, seconds_or_none(row.slowest_recovery_s));
+  }
+  return text;
+}
+
+std::string prediction_table(const std::vector<Summary>& summaries, std::size_t width) {
+  std::string text = fmt::format(
+      "{:<{}} {:<10} {:>5} {:>8} {:>6} {:>6} {:>7} {:>7} {:>7} {:>6} {:>6} {:>6} {:>8} {:>7}\n"
+      "{:<{}} {:<10} {:>5} {:>8} {:>6} {:>6} {:>7} {:>7} {:>7} {:>6} {:>6} {:>6} {:>8} {:>7}\n",
+      "prediction", width, "engine", "fixes", "RMS", "p50", "p95", "along", "left", "up", "lag-1", "norm.",
+      "gated", "heading", "wheel", "", width, "", "", "cm", "cm", "cm", "cm", "cm", "cm", "corr.", "sq.", "%",
+      "deg", "m/s");
+  for (const Summary& row : summaries) {
+    const PredictionSummary& errors = row.prediction;
+    text += fmt::format(
+        "{:<{}} {:<10} {:>5} {:>8} {:>6} {:>6} {:>7} {:>7} {:>7} {:>6} {:>6} {:>6} {:>8} {:>7}\n", row.name,
+        width, row.engine, number(errors.fixes, 0), number(100 * errors.rms_m, 2),
+        number(100 * errors.p50_m, 2), number(100 * errors.p95_m, 2), number(100 * errors.along_mean_m, 2),
+        number(100 * errors.left_mean_m, 2), number(100 * errors.up_mean_m, 2), number(errors.lag_one, 2),
+        number(errors.innovations, 2), number(100 * errors.gated_share, 1),
+        number(errors.heading_rms_rad / geometry::radians_per_degree, 2),
+        number(errors.wheel_speed_rms_mps, 3));
+  }
+  return text;
+}
+
+nlohmann::ordered_json json_of(const PredictionSummary& errors) {
+  return {{"fixes", errors.fixes},
+          {"rms_m", errors.rms_m},
+          {"p50_m", errors.p50_m},
+          {"p95_m", errors.p95_m},
+          {"along_mean_m", errors.along_mean_m},
+          {"left_mean_m", errors.left_mean_m},
+          {"up_mean_m", errors.up_mean_m},
+          {"lag_one", errors.lag_one},
+          {"normalised_innovation_squared", errors.innovations},
+          {"gated_share", errors.gated_share},
+          {"heading_rms_rad", errors.heading_rms_rad},
+          {"wheel_speed_rms_mps", errors.wheel_speed_rms_mps}};
+}
+
+/// The fields that need a truth.
+constexpr std::array of_truth{"position_rmse_m", "position_rmse_worst_m", "position_p95_m",
+                              "last_fix_rmse_m", "extrapolated_rmse_m",   "velocity_rmse_mps",
+                              "yaw_rmse_deg",    "tilt_rmse_deg"};
+
+}  // namespace
+
+std::string table_of(const std::vector<Summary>& summaries) {
+  std::size_t width = 15;
+  bool any_truth = false;
+  for (const Summary& row : summaries) {
+    width = std::max(width, row.name.size());
+    any_truth = any_truth || row.has_truth;
+  }
+  const std::string predictions = prediction_table(summaries, width);
+  return any_truth ? truth_table(summaries, width) + "\n" + predictions : predictions;
+}
+
+std::string json_of(const std::vector<Summary>& summaries) {
+  auto rows = nlohmann::ordered_json::array();
+  for (const Summary& row : summaries) {
+    nlohmann::ordered_json object{{"case", row.name},
+                                  {"engine", row.engine},
+                                  {"runs", row.runs},
+                                  {"position_rmse_m", row.position_rmse_m},
+                                  {"position_rmse_worst_m", row.worst_rmse_m},
+                                  {"position_p95_m", row.position_p95_m},
+                                  {"last_fix_rmse_m", row.last_fix_rmse_m},
+                                  {"extrapolated_rmse_m", row.extrapolated_rmse_m},
+                                  {"velocity_rmse_mps", row.velocity_rmse_mps},
+                                  {"yaw_rmse_deg", row.yaw_rmse_deg},
+                                  {"tilt_rmse_deg", row.tilt_rmse_deg},
+                                  {"prediction", json_of(row.prediction)}};
+    if (!row.has_truth) {
+      for (const char* name : of_truth) object[name] = nullptr;
+    }
+    if (row.slowest_recovery_s) object["slowest_recovery_s"] = *row.slowest_recovery_s;
+    if (row.worst_drift_share) object["worst_drift_share"] = *row.worst_drift_share;
+    rows.push_back(std::move(object));
+  }
+  return rows.dump(2) + "\n";
+}
+
+}  // namespace sonopose::evaluation
