@@ -1,5 +1,6 @@
 #include "fusion/beacon_estimator.hpp"
 
+#include "process/beacon_admission.hpp"
 #include <sonopose/estimation/prediction.hpp>
 
 #include <utility>
@@ -60,11 +61,7 @@ std::optional<SettingsChange> BeaconEstimator::take_settings_change() {
 }
 
 bool BeaconEstimator::is_gone(SteadyTime now) const {
-  constexpr TimeNs long_ns = 60'000'000'000;
-  constexpr TimeNs short_ns = 5'000'000'000;
-  constexpr std::uint64_t hardly_any = 100;  // IMU samples: one second of a beacon
-  const bool was_heard = estimator_.counters().imu_samples >= hardly_any;
-  return now - latest_arrival_ > (was_heard ? long_ns : short_ns);
+  return process::is_gone(now - latest_arrival_, estimator_.counters().imu_samples);
 }
 
 FusionStatus BeaconEstimator::status() const {

@@ -1,14 +1,22 @@
 /// Addresses without end, such as those of forged samples: the beacons that were there first go on.
 
 #include "clocks/clocks.hpp"
+#include "support/beacon_bytes.hpp"
 #include "support/bus.hpp"
 #include "support/pose_tap.hpp"
+#include "support/ros2.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/udp_sender.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <atomic>
+#include <csignal>
 #include <fstream>
 #include <iostream>
 #include <sstream>
+#include <stop_token>
 #include <thread>
 #include <unistd.h>
 
@@ -25,12 +33,13 @@ constexpr double most_more_mb = 2000;  // their allocators keep what is freed
 constexpr double most_more_mb = 60;
 #endif
 
-/// A participant that writes one IMU sample of every other address, and then lives on.
+/// A participant that writes a sample and a bridge's status of every other address, and then lives on.
 class Forger {
 public:
   explicit Forger(const Bus& bus)
       : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
-        writer_(dds::topics::make_writer(participant_, dds::qos::Provider(), dds::topics::imu)) {}
+        imu_(dds::topics::make_writer(participant_, dds::qos::Provider(), dds::topics::imu)),
+        status_(dds::topics::make_writer(participant_, dds::qos::Provider(), dds::topics::beacon_status)) {}
 
   void write_all(double duration_s) {
     const auto begin = std::chrono::steady_clock::now();
@@ -40,7 +49,11 @@ public:
       sample.address = static_cast<BeaconAddress>(address);
       sample.sequence = 1;
       sample.sensor_time_ns = sample.bridge_time_ns = clocks::host_now();
-      writer_.write(dds::topics::to_idl(sample));
+      imu_.write(dds::topics::to_idl(sample));
+      BeaconStatus status;
+      status.address = sample.address;
+      status.time_ns = sample.bridge_time_ns;
+      status_.write(dds::topics::to_idl(status));
       std::this_thread::sleep_until(begin +
                                     std::chrono::duration<double>(duration_s * address / all_beacons));
     }
@@ -48,7 +61,14 @@ public:
 
 private:
   dds::DomainParticipant participant_;
-  dds::DataWriter<sonopose_ImuSample> writer_;
+  dds::DataWriter<sonopose_ImuSample> imu_;
+  dds::DataWriter<sonopose_BeaconStatus> status_;
+};
+
+/// Load and memory of a process.
+struct Usage {
+  double share = 0;  ///< of a core
+  double memory_mb = 0;
 };
 
 double processor_time_s(int pid) {
@@ -72,44 +92,114 @@ double resident_mb(int pid) {
   return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) * 1e-6;
 }
 
-/// The share of a core that a process uses while `tap` receives `count` poses.
-double load(const PoseTap& tap, int pid, std::size_t count) {
+/// The usage while `receive(seconds)` runs.
+template <class Receive>
+Usage usage(const Process& process, double seconds, const Receive& receive) {
   const SteadyTime begin = clocks::steady_now();
-  const double used_s = processor_time_s(pid);
-  REQUIRE(tap.wait_for_count(tap.count(), count).size() >= count);
-  return (processor_time_s(pid) - used_s) / seconds_between(begin, clocks::steady_now());
+  const double used_s = processor_time_s(process.pid());
+  receive(seconds);
+  return {(processor_time_s(process.pid()) - used_s) / seconds_between(begin, clocks::steady_now()),
+          resident_mb(process.pid())};
 }
 
+void check_as_before(const Usage& before, const Usage& during, const Usage& after) {
+  std::cout << fmt::format("load {:.1f}, {:.1f}, {:.1f} %; memory {:.0f}, {:.0f}, {:.0f} MB; ",
+                           100 * before.share, 100 * during.share, 100 * after.share, before.memory_mb,
+                           during.memory_mb, after.memory_mb);
+  CHECK(after.share < before.share + 0.1);
+  CHECK(after.memory_mb < before.memory_mb + most_more_mb);
+}
+
+/// The messages of the healthy beacon, as a ROS 2 process receives them.
+class HealthyImu {
+public:
+  explicit HealthyImu(const Bus& bus) : reader_(bus, fmt::format("/hedge_{}/imu/data_raw", healthy)) {}
+
+  /// Receives for this time; returns the longest wait for a message.
+  double receive(double seconds) {
+    const SteadyTime end = clocks::steady_now() + to_ns(seconds);
+    return receive_until([end] { return clocks::steady_now() >= end; });
+  }
+
+  template <class Done>
+  double receive_until(const Done& done) {
+    SteadyTime latest = clocks::steady_now();
+    double longest_s = 0;
+    while (!done()) {
+      REQUIRE(reader_.wait_for([](const ros2::Imu&) { return true; }));
+      longest_s = std::max(longest_s, seconds_between(latest, clocks::steady_now()));
+      latest = clocks::steady_now();
+    }
+    return longest_s;
+  }
+
+private:
+  RosReader<ros2::Imu> reader_;
+};
 SCENARIO("forged addresses disturb nobody", "[load]") {
   GIVEN("a fusion that serves a beacon at 100 Hz") {
     const Bus bus;
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({"--address", std::to_string(healthy)});
     const PoseTap tap(bus);
-    const double load_before = load(tap, fusion->pid(), 300);
-    const double memory_before_mb = resident_mb(fusion->pid());
+    const auto receive = [&tap](double seconds) {
+      const auto count = static_cast<std::size_t>(100 * seconds);
+      REQUIRE(tap.wait_for_count(tap.count(), count).size() >= count);
+    };
+    const Usage before = usage(*fusion, 3, receive);
     WHEN("one sample of each of the other 65,534 addresses comes within ten seconds") {
       Forger forger(bus);
-      const std::size_t before = tap.count();
-      forger.write_all(10.0);
-      const double memory_during_mb = resident_mb(fusion->pid());
-      const auto during = waits_between(tap.since(before));
-      REQUIRE(tap.wait_for_count(tap.count(), 1000).size() >= 1000);
+      const std::size_t first = tap.count();
+      const Usage flooded = usage(*fusion, 10, [&](double seconds) { forger.write_all(seconds); });
+      const auto during = waits_between(tap.since(first));
+      receive(10);
       THEN("ten seconds later everything is as before, though the writer lives on") {
-        const double load_after = load(tap, fusion->pid(), 300);
-        const double memory_after_mb = resident_mb(fusion->pid());
-        std::cout << fmt::format(
-            "load {:.1f} % before, {:.1f} % after; memory {:.0f}, {:.0f}, {:.0f} MB; longest wait for a pose "
-            "{:.0f} ms\n",
-            100 * load_before, 100 * load_after, memory_before_mb, memory_during_mb, memory_after_mb,
-            during.longest_ms);
-        CHECK(load_after < load_before + 0.1);
-        CHECK(memory_after_mb < memory_before_mb + most_more_mb);
+        check_as_before(before, flooded, usage(*fusion, 3, receive));
+        std::cout << fmt::format("longest wait for a pose {:.0f} ms\n", during.longest_ms);
         CHECK(during.longest_ms < 1000);  // the engines of 256 more beacons are made at once
         CHECK(fusion->wait_for_line(Stream::error, "--max-beacons"));
         const PoseTap late(bus);
         CHECK(late.wait_for_count(0, 100).size() >= 100);
         for (const TappedPose& tapped : late.since(0)) CHECK(tapped.pose.address == healthy);
+      }
+    }
+  }
+}
+
+SCENARIO("forged addresses disturb no relay", "[load]") {
+  GIVEN("a relay of a beacon at 100 Hz") {
+    const Bus bus;
+    const auto relay = bus.ros2();
+    const auto bridge = bus.bridge({"--address", std::to_string(healthy)});
+    HealthyImu imu(bus);
+    imu.receive(1);
+    const auto receive = [&imu](double seconds) { imu.receive(seconds); };
+    const Usage before = usage(*relay, 2, receive);
+    std::atomic<bool> is_over = false;
+    Forger forger(bus);
+    std::jthread flood([&] {
+      forger.write_all(5.0);
+      is_over = true;
+    });
+    WHEN("the other 65,534 addresses come within five seconds") {
+      double longest_s = 0;
+      const Usage flooded = usage(
+          *relay, 0, [&](double) { longest_s = imu.receive_until([&is_over] { return is_over.load(); }); });
+      imu.receive(9);
+      THEN("ten seconds later everything is as before, though the writer lives on") {
+        check_as_before(before, flooded, usage(*relay, 2, receive));
+        std::cout << fmt::format("longest wait for a message {:.0f} ms\n", 1000 * longest_s);
+        CHECK(longest_s < 1.0);
+        CHECK(relay->wait_for_line(Stream::error, "--max-beacons"));
+        CHECK(relay->wait_for_line(Stream::error, "gone"));
+      }
+    }
+    WHEN("it is stopped in the middle of them") {
+      imu.receive(2);
+      const auto ending = relay->end_by(SIGINT);
+      THEN("it ends at once") {
+        CHECK(ending.code == 0);
+        CHECK(ending.took < std::chrono::seconds(2));
       }
     }
   }
