@@ -1,9 +1,6 @@
 /// The UDP path: datagrams of a simulated beacon.
 
-#include "support/beacon_bytes.hpp"
-#include "support/bus.hpp"
-#include "support/temporary_folder.hpp"
-#include "support/udp_sender.hpp"
+#include "support/udp_beacon.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -15,16 +12,6 @@ namespace udp_test {
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-/// What beacon 21 sends in three seconds at rest.
-std::vector<TimedFrame> resting_beacon(const Bus& bus) {
-  const TemporaryFolder folder;
-  const std::string file = (folder / "bytes.bin").string();
-  REQUIRE(bus.bridge({"--scenario", "rest", "--rate", "0", "--duration", "3", "--capture", file, "--address",
-                      "21"})
-              ->wait_for_exit() == 0);
-  return timed_datagrams(read_bytes(file));
-}
 
 /// Sends ten thousand datagrams a second while it lives.
 class Flood {
@@ -53,7 +40,7 @@ double longest_gap_s(const std::vector<ImuSample>& samples) {
 SCENARIO("a flood of forged datagrams does not interrupt a beacon") {
   GIVEN("a listening bridge, and a beacon that sends") {
     const Bus bus;
-    const auto datagrams = resting_beacon(bus);
+    const auto datagrams = resting_beacon(bus, 21, 3);
     const UdpSender beacon;
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
     Consumer<sonopose_LineStatus> lines(bus, topics::line_status);
@@ -94,7 +81,7 @@ SCENARIO("a flood of forged datagrams does not interrupt a beacon") {
 SCENARIO("--from accepts one sender only") {
   GIVEN("a bridge that accepts another machine") {
     const Bus bus;
-    const auto datagrams = resting_beacon(bus);
+    const auto datagrams = resting_beacon(bus, 21, 3);
     const UdpSender beacon;
     Consumer<sonopose_LineStatus> lines(bus, topics::line_status);
     const auto bridge = bus.bridge({"--source", "udp", "--listen", beacon.endpoint(), "--from", "192.0.2.1"});
@@ -113,7 +100,7 @@ SCENARIO("the datagrams of a beacon give poses") {
   GIVEN("a fusion, a listening bridge, and a beacon at rest") {
     const Bus bus;
     const UdpSender beacon;
-    const auto datagrams = resting_beacon(bus);
+    const auto datagrams = resting_beacon(bus, 21, 3);
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto fusion = bus.fusion();
     REQUIRE(poses.wait_for_writers());

@@ -1,6 +1,10 @@
 #pragma once
 /// \file
-/// Datagrams to a program on this machine.
+/// Datagrams of a beacon to a program on this machine.
+
+#include "support/beacon_bytes.hpp"
+#include "support/bus.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -13,6 +17,7 @@
 #include <sys/socket.h>
 #include <system_error>
 #include <unistd.h>
+#include <vector>
 
 namespace sonopose::test {
 
@@ -51,5 +56,15 @@ private:
   int file_;
   sockaddr_in to_{};
 };
+
+/// What a beacon sends at rest.
+inline std::vector<TimedFrame> resting_beacon(const Bus& bus, BeaconAddress address, int duration_s) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "bytes.bin").string();
+  REQUIRE(bus.bridge({"--scenario", "rest", "--rate", "0", "--duration", std::to_string(duration_s),
+                      "--capture", file, "--address", std::to_string(address)})
+              ->wait_for_exit() == 0);
+  return timed_datagrams(read_bytes(file));
+}
 
 }  // namespace sonopose::test
