@@ -213,7 +213,7 @@ public:
   }
 
 private:
-  /// A recording must be published whole or not at all.
+  /// A recording loses nothing without an error.
   void check_address(const marvelmind::Packet& packet) {
     const auto address = marvelmind::address_of(packet);
     if (!address || admission_.accepts(*address)) return;

@@ -130,7 +130,8 @@ private:
   /// Samples, fixes, reports and poses.
   template <class Sample>
   void on(const Sample& sample) {
-    if (const auto publishers = beacons_.find_or_request(sample.address)) publishers->on(sample);
+    const auto publishers = beacons_.find_or_request(sample.address, clocks::steady_now());
+    if (publishers) publishers->on(sample);
   }
   void on(const Estimate& estimate);
   void on(const EffectiveSettings& settings);
@@ -286,7 +287,7 @@ void Relay::Impl::create_new_publishers(const process::StopSignal& stop) {
 
 void Relay::Impl::remove_gone() {
   if (const auto text = admission_.refusals()) log_.warning(*text);
-  for (const BeaconAddress address : beacons_.remove_gone()) {
+  for (const BeaconAddress address : beacons_.remove_gone(clocks::steady_now())) {
     admission_.forget(address);
     log_.info(fmt::format("beacon {}: gone; its topics are closed", address));
   }

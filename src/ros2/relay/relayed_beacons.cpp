@@ -1,6 +1,5 @@
 #include "ros2/relay/relayed_beacons.hpp"
 
-#include "clocks/clocks.hpp"
 #include "process/beacon_admission.hpp"
 
 #include <algorithm>
@@ -9,8 +8,7 @@
 
 namespace sonopose::ros2::relay {
 
-RelayedBeacons::Publishers RelayedBeacons::find_or_request(BeaconAddress address) {
-  const SteadyTime now = clocks::steady_now();
+RelayedBeacons::Publishers RelayedBeacons::find_or_request(BeaconAddress address, SteadyTime now) {
   const std::lock_guard lock(mutex_);
   const auto [found, is_new] = beacons_.try_emplace(address);
   Beacon& beacon = found->second;
@@ -55,10 +53,9 @@ void RelayedBeacons::add(BeaconAddress address, Publishers publishers) {
   }
 }
 
-std::vector<BeaconAddress> RelayedBeacons::remove_gone() {
+std::vector<BeaconAddress> RelayedBeacons::remove_gone(SteadyTime now) {
   std::vector<BeaconAddress> gone;
   const std::lock_guard lock(mutex_);
-  const SteadyTime now = clocks::steady_now();
   std::erase_if(beacons_, [&](auto& entry) {
     auto& [address, beacon] = entry;
     if (!process::is_gone(now - beacon.latest_sample, beacon.samples)) return false;

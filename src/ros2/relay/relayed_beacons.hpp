@@ -23,7 +23,7 @@ public:
   explicit RelayedBeacons(process::Wakeup& wakeup) : wakeup_(wakeup) {}
 
   /// The publishers for a sample of a beacon. Null if they do not exist yet: then the main thread is woken.
-  Publishers find_or_request(BeaconAddress address);
+  Publishers find_or_request(BeaconAddress address, SteadyTime now);
 
   /// Null if there are none.
   Publishers find(BeaconAddress address);
@@ -35,8 +35,8 @@ public:
   std::vector<BeaconAddress> requested();
   void add(BeaconAddress address, Publishers publishers);
 
-  /// Forgets the beacons that are gone (see process::is_gone) and returns them. Main thread only.
-  std::vector<BeaconAddress> remove_gone();
+  /// Forgets the beacons that are gone at `now` (see process::is_gone) and returns them. Main thread only.
+  std::vector<BeaconAddress> remove_gone(SteadyTime now);
 
   /// The removed publishers that no thread uses any more. Main thread only, which destroys them.
   std::vector<Publishers> take_unused();
