@@ -88,6 +88,7 @@ ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::
                                   .distro = select_distro(options, environment),
                                   .enclave = options.enclave,
                                   .addresses = {},
+                                  .max_beacons = options.max_beacons,
                                   .output = options.output,
                                   .inputs = {},
                                   .services = options.services,

@@ -80,6 +80,12 @@ void add_message_options(CLI::App& app, Ros2Options& options) {
                  "Relay only these beacons: 7, 7-131 or 7-131,200 (default: all)")
       ->type_name("LIST")
       ->group(group);
+  app.add_option("--max-beacons", options.max_beacons,
+                 "Relay at most this many beacons at a time: the first ones that are heard")
+      ->check(CLI::Range(std::size_t{1}, ros2::relay::most_relayed_beacons))
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(group);
   app.add_option("--beacon-namespace", options.output.beacon_namespace,
                  "Namespace of a beacon's topics; '' (for a single beacon): the node's namespace")
       ->capture_default_str()

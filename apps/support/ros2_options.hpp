@@ -19,6 +19,7 @@ struct Ros2Options {
   std::optional<ros2::Distro> distro;
   std::string enclave = "/";
   std::optional<std::string> addresses;
+  std::size_t max_beacons = process::BeaconAdmission::default_max_beacons;
   ros2::relay::Output output;
   std::array<double, 6> mount{};  ///< x, y, z in m; roll, pitch, yaw in degrees
   std::vector<std::string> imu_in;

@@ -2,10 +2,14 @@
 
 #include "imu_meaning_option.hpp"
 
+#include <fmt/format.h>
+
 #include <stdexcept>
 
 namespace sonopose::apps {
 namespace {
+
+constexpr std::size_t default_max_beacons = process::BeaconAdmission::default_max_beacons;
 
 const std::string& required_input(const SourceOptions& options) {
   if (options.input.empty()) throw CLI::RequiredError("--source " + options.source + ": --input");
@@ -48,6 +52,12 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
   app.add_option("--from", options.udp.from,
                  "Accept datagrams of this address only (default: of all; each beacon has one sender)")
       ->type_name("ADDR");
+  app.add_option("--max-beacons", options.max_beacons,
+                 fmt::format("Accept at most this many beacons at a time from serial and udp, the first ones "
+                             "that are heard; a stream with more is an error (default: {})",
+                             default_max_beacons))
+      ->check(CLI::Range(std::size_t{1}, default_max_beacons))
+      ->type_name("N");
   app.add_option("--capture", options.capture, "Write the raw bytes of the beacon to this file")
       ->type_name("FILE");
   app.add_option("--scenario", options.sim.scenario, "Scenario of sim")->capture_default_str();
@@ -76,14 +86,19 @@ std::unique_ptr<bridge::Source> make_source(const SourceOptions& options) {
   if (options.udp.from && options.source != "udp") {
     throw std::invalid_argument("--from only works with --source udp, not with " + options.source);
   }
+  if (options.max_beacons && (options.source == "sim" || options.source == "log")) {
+    throw std::invalid_argument("--max-beacons only works with --source serial, udp or stream, not with " +
+                                options.source + ", whose beacons you choose");
+  }
+  const std::size_t max_beacons = options.max_beacons.value_or(default_max_beacons);
   const ImuMeaning imu_meaning = options.imu_meaning.value_or(bridge::default_imu_meaning);
   if (options.source == "log") {
     return bridge::make_log_source({required_input(options), options.address, options.rate, options.restamp});
   }
   if (options.source == "stream") {
-    return bridge::make_stream_source({required_input(options), options.rate, imu_meaning});
+    return bridge::make_stream_source({required_input(options), options.rate, imu_meaning, max_beacons});
   }
-  const bridge::LiveOptions live{options.capture, imu_meaning};
+  const bridge::LiveOptions live{options.capture, imu_meaning, max_beacons};
   if (options.source == "serial") return bridge::make_serial_source(options.serial, live);
   if (options.source == "udp") return bridge::make_udp_source(options.udp, live);
   bridge::SimulatorOptions sim = options.sim;

@@ -24,6 +24,7 @@ struct SourceOptions {
   std::optional<std::filesystem::path> capture;
   std::optional<BeaconAddress> address;
   std::optional<ImuMeaning> imu_meaning;
+  std::optional<std::size_t> max_beacons;
   double rate = 1;
   bool restamp = false;
 

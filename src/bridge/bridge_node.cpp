@@ -54,6 +54,7 @@ public:
   void on(const Event& event) override;
   void on(const TruthSample& truth) override;
   void on(const BeaconStatus& status) override;
+  void on_gone(BeaconAddress address) override;
   void on(const LineStatus& status) override;
   void flush() override;
   void tick() override;
@@ -90,6 +91,7 @@ private:
   };
 
   Beacon& beacon_of(BeaconAddress address);
+  void unregister(BeaconAddress address);
   template <class T>
   void write(dds::DataWriter<T>& writer, const T& sample);
   void publish(ImuSample imu, Beacon& beacon);
@@ -121,6 +123,7 @@ private:
   std::optional<BeaconRecorder> recorder_;
   std::optional<BackgroundWriter<Recorded>> recording_;  ///< after the recorder that it uses
   std::map<BeaconAddress, Beacon> beacons_;
+  std::map<BeaconAddress, std::uint64_t> next_sequences_;  ///< of beacons that are gone, for their return
   std::uint64_t id_ = process::random_id();
   std::map<std::string, LineStatus> lines_;
   SteadyTime status_due_;
@@ -148,23 +151,25 @@ BridgeNode::Publisher::Publisher(const BridgeOptions& options)
 }
 
 BridgeNode::Publisher::~Publisher() {
-  // Unregistered instances miss no deadlines at the readers. (A lossless writer would block here until its
-  // readers have received everything; its own end has the same effect.)
-  const auto unregister = [this]<class T>(dds::DataWriter<T>& writer) {
-    for (const auto& entry : beacons_) {
-      T key{};
-      key.address = entry.first;
-      writer.try_unregister_instance(key);
-    }
+  for (const auto& entry : beacons_) unregister(entry.first);
+  for (const auto& entry : lines_) line_writer_.try_unregister_instance(dds::topics::to_idl(entry.second));
+}
+
+/// Unregistered instances miss no deadlines at the readers. (A lossless writer would block here until its
+/// readers have received everything; its own end has the same effect.)
+void BridgeNode::Publisher::unregister(BeaconAddress address) {
+  const auto unregister_at = [address]<class T>(dds::DataWriter<T>& writer) {
+    T key{};
+    key.address = address;
+    writer.try_unregister_instance(key);
   };
   if (!lossless_) {
-    unregister(imu_writer_);
-    unregister(fix_writer_);
-    unregister(heading_writer_);
+    unregister_at(imu_writer_);
+    unregister_at(fix_writer_);
+    unregister_at(heading_writer_);
   }
-  unregister(truth_writer_);
-  unregister(status_writer_);
-  for (const auto& entry : lines_) line_writer_.try_unregister_instance(dds::topics::to_idl(entry.second));
+  unregister_at(truth_writer_);
+  unregister_at(status_writer_);
 }
 
 // Samples
@@ -204,9 +209,27 @@ void BridgeNode::Publisher::record(const Recorded& sample) {
 }
 
 BridgeNode::Publisher::Beacon& BridgeNode::Publisher::beacon_of(BeaconAddress address) {
-  Beacon& beacon = beacons_.try_emplace(address, *this).first->second;
+  const auto [found, is_new] = beacons_.try_emplace(address, *this);
+  Beacon& beacon = found->second;
+  if (!is_new) return beacon;
   beacon.status.address = address;
+  if (const auto known = next_sequences_.find(address); known != next_sequences_.end()) {
+    beacon.next_sequence = known->second;
+  }
+  others_.watch(address);
   return beacon;
+}
+
+/// The numbering goes on when the beacon returns: a fusion that still knows the beacon would take the first
+/// events of another numbering for late ones.
+void BridgeNode::Publisher::on_gone(BeaconAddress address) {
+  const auto found = beacons_.find(address);
+  if (found == beacons_.end()) return;
+  next_sequences_[address] = found->second.next_sequence;
+  unregister(address);
+  others_.forget(address);
+  beacons_.erase(found);
+  fmt::print(stderr, "sonopose-bridge: beacon {}: gone; its streams end until it returns\n", address);
 }
 
 void BridgeNode::Publisher::publish(ImuSample imu, Beacon& beacon) {
@@ -277,8 +300,7 @@ void BridgeNode::Publisher::tick() {
 
 void BridgeNode::Publisher::publish_statuses(SteadyTime now) {
   constexpr TimeNs period_ns = 1'000'000'000;
-  others_.update(status_writer_.instance_handle(),
-                 [this](BeaconAddress address) { return beacons_.contains(address); });
+  others_.update(status_writer_.instance_handle());
   for (auto& entry : beacons_) publish_status(entry.second, now);
   for (auto& entry : lines_) publish(entry.second);
   status_last_ = now;

@@ -2,9 +2,11 @@
 
 #include "bridge/address_owners.hpp"
 #include "bridge/capture.hpp"
+#include "bridge/line_beacons.hpp"
 #include "bridge/line_watch.hpp"
 #include "bridge/pacer.hpp"
 #include "clocks/clocks.hpp"
+#include "files/error.hpp"
 #include "marvelmind/assembler.hpp"
 #include "marvelmind/decoder.hpp"
 #include "transport/byte_file.hpp"
@@ -52,7 +54,10 @@ template <class Decoder>
 class LiveSource final : public Source {
 public:
   LiveSource(std::unique_ptr<transport::ByteSource> bytes, LineWatch watch, const LiveOptions& options)
-      : imu_meaning_(options.imu_meaning), bytes_(std::move(bytes)), watch_(std::move(watch)) {
+      : imu_meaning_(options.imu_meaning),
+        bytes_(std::move(bytes)),
+        watch_(std::move(watch)),
+        beacons_(options.max_beacons) {
     if (options.capture) capture_.emplace(*options.capture, WhenFull::lose);
   }
 
@@ -80,6 +85,7 @@ public:
       assembler_.flush(clocks::host_now(), publish);
       if (clocks::steady_now() - reported < report_period_ns) continue;
       reported = clocks::steady_now();
+      remove_gone(sink);
       report(assembler_, decoder_.counters(), sink);
       report_line(sink);
       sink.tick();
@@ -106,9 +112,18 @@ private:
 
   bool accepts(const marvelmind::Packet& packet, const transport::Sender& sender) {
     const auto address = marvelmind::address_of(packet);
-    if (!address || owners_.accepts(*address, sender, clocks::steady_now())) return true;
+    const SteadyTime now = clocks::steady_now();
+    if (!address || (owners_.accepts(*address, sender, now) && beacons_.accepts(*address, now))) return true;
     ++packets_refused_;
     return false;
+  }
+
+  void remove_gone(SampleSink& sink) {
+    for (const std::uint8_t address : beacons_.remove_gone(clocks::steady_now())) {
+      assembler_.forget(address);
+      sink.on_gone(address);
+    }
+    if (const auto text = beacons_.refusals()) fmt::print(stderr, "sonopose-bridge: {}\n", *text);
   }
 
   /// A failure is visible on the bus before the bridge ends.
@@ -157,6 +172,7 @@ private:
   std::unique_ptr<transport::ByteSource> bytes_;
   LineWatch watch_;
   AddressOwners owners_;
+  LineBeacons beacons_;
   std::optional<Capture> capture_;
   Decoder decoder_;
   Assembler assembler_{marvelmind::TimeMapping::fitted};
@@ -168,17 +184,18 @@ private:
 class StreamSource final : public Source {
 public:
   explicit StreamSource(const StreamOptions& options)
-      : imu_meaning_(options.imu_meaning), file_(options.file), pacer_(options.rate) {}
+      : options_(options), file_(options.file), pacer_(options.rate) {}
 
   [[nodiscard]] bool is_recording() const override { return true; }
 
   void run(SampleSink& sink, const process::StopSignal& stop) override {
     const TimeNs origin_ns = clocks::host_now();
-    const auto publish = [this, &sink](const Event& event) { pass_on(event, imu_meaning_, sink); };
+    const auto publish = [this, &sink](const Event& event) { pass_on(event, options_.imu_meaning, sink); };
     bool stopped = false;
     // A sample is published at the time when its packet was sent, not when it was read from the file.
     const auto play = [&](const marvelmind::Packet& packet) {
       if (stopped) return;
+      check_address(packet);
       const TimeNs arrival_ns = assembler_.replay_arrival_ns(packet, origin_ns);
       stopped = !pacer_.wait_for(arrival_ns, sink, stop);
       if (!stopped) assembler_.on(packet, arrival_ns, publish);
@@ -196,12 +213,21 @@ public:
   }
 
 private:
+  /// A recording loses nothing without an error.
+  void check_address(const marvelmind::Packet& packet) {
+    const auto address = marvelmind::address_of(packet);
+    if (!address || admission_.accepts(*address)) return;
+    throw files::IoError(fmt::format("{}: beacon {} is one more than --max-beacons {}",
+                                     options_.file.string(), *address, options_.max_beacons));
+  }
+
   void report_sometimes(SampleSink& sink) {
     constexpr std::uint64_t packets = 64;
     if (++played_ % packets == 0) report(assembler_, decoder_.counters(), sink);
   }
 
-  ImuMeaning imu_meaning_;
+  StreamOptions options_;
+  process::BeaconAdmission admission_{{}, options_.max_beacons};
   transport::ByteFile file_;
   Pacer pacer_;
   marvelmind::Decoder decoder_;

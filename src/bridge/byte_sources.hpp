@@ -3,7 +3,9 @@
 /// Sources of Marvelmind beacon bytes: a file, a serial line, UDP datagrams.
 
 #include "bridge/source.hpp"
+#include "process/beacon_admission.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -19,11 +21,12 @@ struct StreamOptions {
   std::filesystem::path file;
   double rate = 1;
   ImuMeaning imu_meaning = default_imu_meaning;
+  std::size_t max_beacons = process::BeaconAdmission::default_max_beacons;
 };
 
 /// A file of raw bytes as received from a serial line. The beacons' own clock gives the time of each packet,
 /// so the same file always gives the same samples; the first stamp becomes the time of the start. Throws
-/// files::IoError if the file cannot be read.
+/// files::IoError if the file cannot be read, or, while it runs, if it has more beacons than `max_beacons`.
 std::unique_ptr<Source> make_stream_source(const StreamOptions& options);
 
 struct SerialOptions {
@@ -35,6 +38,7 @@ struct SerialOptions {
 struct LiveOptions {
   std::optional<std::filesystem::path> capture = {};  ///< file for the raw bytes
   ImuMeaning imu_meaning = default_imu_meaning;
+  std::size_t max_beacons = process::BeaconAdmission::default_max_beacons;  ///< at a time; others are refused
 };
 
 /// A serial line. Waits for a device that is absent or unplugged. Throws files::IoError for a path that is no

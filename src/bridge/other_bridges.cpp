@@ -7,7 +7,16 @@
 namespace sonopose::bridge {
 
 OtherBridges::OtherBridges(const dds::DomainParticipant& participant, const dds::qos::Provider& qos)
-    : reader_(dds::topics::make_reader(participant, qos, dds::topics::beacon_status)) {}
+    : reader_(dds::topics::make_reader(participant, qos, dds::topics::beacon_status, nullptr,
+                                       dds::topics::Delivery::live, &watched_)) {}
+
+void OtherBridges::update(dds::InstanceHandle own) {
+  reader_.try_take_each([&](const sonopose_BeaconStatus& status, const dds::SampleInfo& info) {
+    const bool is_other = info.publication_handle() != own;
+    if (is_other && watched_.accepts(status.address)) add(status.address, info.publication_handle());
+  });
+  remove_gone();
+}
 
 void OtherBridges::add(BeaconAddress address, dds::InstanceHandle writer) {
   if (!writers_[address].insert(writer.value).second) return;

@@ -6,7 +6,11 @@
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/samples/samples.hpp>
 
+#include <array>
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -16,25 +20,36 @@ class OtherBridges {
 public:
   OtherBridges(const dds::DomainParticipant& participant, const dds::qos::Provider& qos);
 
-  /// Reads the statuses received since the last call and reports each new bridge once on standard error.
-  /// `own` is this bridge's status writer; `is_ours(address)` selects the beacons that matter.
-  template <class IsOurs>
-  void update(dds::InstanceHandle own, const IsOurs& is_ours) {
-    reader_.try_take_each([&](const sonopose_BeaconStatus& status, const dds::SampleInfo& info) {
-      if (info.publication_handle() != own && is_ours(status.address)) {
-        add(status.address, info.publication_handle());
-      }
-    });
-    remove_gone();
+  /// Starts to watch a beacon of this bridge. The statuses of others are not received.
+  void watch(BeaconAddress address) { watched_.set(address, true); }
+  /// Ends it, and forgets the other bridges of this beacon.
+  void forget(BeaconAddress address) {
+    watched_.set(address, false);
+    writers_.erase(address);
   }
+
+  /// Reads the statuses received since the last call and reports each new bridge once on standard error.
+  /// `own` is this bridge's status writer.
+  void update(dds::InstanceHandle own);
 
   /// How many other live bridges publish this beacon.
   [[nodiscard]] std::uint32_t count(BeaconAddress address) const;
 
 private:
+  /// Set by one thread, read by those that receive.
+  class Watched final : public dds::topics::AddressFilter {
+  public:
+    void set(BeaconAddress address, bool watched) { flags_[address] = watched; }
+    bool accepts(BeaconAddress address) noexcept override { return flags_[address]; }
+
+  private:
+    std::array<std::atomic<bool>, std::size_t{std::numeric_limits<BeaconAddress>::max()} + 1> flags_{};
+  };
+
   void add(BeaconAddress address, dds::InstanceHandle writer);
   void remove_gone();
 
+  Watched watched_;
   dds::DataReader<sonopose_BeaconStatus> reader_;
   std::map<BeaconAddress, std::set<std::uint64_t>> writers_;  ///< publication handles
 };

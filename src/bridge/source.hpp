@@ -25,6 +25,10 @@ public:
   /// What the source knows about a beacon; the sink fills in rates and other bridges.
   virtual void on(const BeaconStatus& status) = 0;
 
+  /// Nothing comes from this beacon any more: the sink ends its streams until it returns. Only live lines say
+  /// so, because a recording may contain any silence.
+  virtual void on_gone(BeaconAddress /*address*/) {}
+
   /// The state and counters of the source's line; the sink fills in `bridge_id` and the time.
   virtual void on(const LineStatus& status) = 0;
 

@@ -61,10 +61,7 @@ std::optional<SettingsChange> BeaconEstimator::take_settings_change() {
 }
 
 bool BeaconEstimator::is_gone(SteadyTime now) const {
-  constexpr TimeNs short_ns = 5'000'000'000;
-  constexpr std::uint64_t hardly_any = 100;  // IMU samples: one second of a beacon
-  const bool was_heard = estimator_.counters().imu_samples >= hardly_any;
-  return now - latest_arrival_ > (was_heard ? process::beacon_gone_after_ns : short_ns);
+  return process::is_gone(now - latest_arrival_, estimator_.counters().imu_samples);
 }
 
 FusionStatus BeaconEstimator::status() const {

@@ -78,8 +78,7 @@ public:
     return imu_silence_.find_change(now, deadline_ns).has_value();
   }
 
-  /// Whether nothing has arrived for so long that the estimate is worthless: for 60 s, or for 5 s if it was
-  /// hardly ever heard, such as an address that noise on a line gave.
+  /// Whether nothing has arrived for so long that the estimate is worthless (see process::is_gone).
   [[nodiscard]] bool is_gone(SteadyTime now) const;
 
   /// Its counters, without those of the process.

@@ -25,6 +25,11 @@ void Assembler::finish(EventSink sink) {
   for (BeaconAssembler* beacon : in_order_) beacon->finish(sink);
 }
 
+void Assembler::forget(std::uint8_t address) {
+  std::erase(in_order_, by_address_[address].get());
+  by_address_[address].reset();
+}
+
 std::optional<TimeNs> Assembler::next_deadline_ns() const {
   std::optional<TimeNs> earliest;
   for (const BeaconAssembler* beacon : in_order_) {

@@ -17,7 +17,7 @@ namespace sonopose::marvelmind {
 
 /// Sorts packets by beacon address and converts them to samples (see `BeaconAssembler`). The publisher sets
 /// their sequence numbers and `bridge_time_ns`. Packets without a sample (the map, distances, the vendor's
-/// own fusion, user data) have no effect. Allocates once per new address.
+/// own fusion, user data) have no effect. Allocates once per new address, of which there are at most 256.
 class Assembler {
 public:
   explicit Assembler(TimeMapping mapping = TimeMapping::fitted) : mapping_(mapping) {}
@@ -30,6 +30,9 @@ public:
 
   /// Emits everything that waits, at the end of the input.
   void finish(EventSink sink);
+
+  /// Discards what is known of a beacon that is gone, such as its clock.
+  void forget(std::uint8_t address);
 
   /// When `flush` is due if no packet arrives before.
   std::optional<TimeNs> next_deadline_ns() const;

@@ -94,13 +94,13 @@ public:
     return changes;
   }
 
-  /// Forgets and returns the beacons from which nothing has come for `process::beacon_gone_after_ns`.
+  /// Forgets and returns the beacons that are gone (see process::is_gone).
   std::vector<GoneBeacon> remove_gone(SteadyTime now) {
     std::vector<GoneBeacon> gone;
     const std::lock_guard lock(mutex_);
     std::erase_if(beacons_, [&](const auto& entry) {
       const auto& [address, beacon] = entry;
-      if (now - beacon.last_heard <= process::beacon_gone_after_ns) return false;
+      if (!process::is_gone(now - beacon.last_heard, beacon.observer.poses())) return false;
       gone.push_back({address, beacon.observer.poses()});
       served_.forget(address);
       return true;

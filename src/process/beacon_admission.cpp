@@ -6,12 +6,12 @@
 
 namespace sonopose::process {
 
-namespace {
-
-/// How many times the limit of beacons may come and go, so that a stream of invented addresses ends.
-constexpr std::size_t most_replacements = 16;
-
-}  // namespace
+bool is_gone(TimeNs silence_ns, std::uint64_t samples) {
+  constexpr TimeNs long_ns = 60'000'000'000;
+  constexpr TimeNs short_ns = 5'000'000'000;
+  constexpr std::uint64_t hardly_any = 100;  // one second of a beacon
+  return silence_ns > (samples >= hardly_any ? long_ns : short_ns);
+}
 
 BeaconAdmission::BeaconAdmission(AddressSet addresses, std::size_t max_beacons)
     : addresses_(std::move(addresses)), max_beacons_(max_beacons) {}
@@ -28,6 +28,11 @@ bool BeaconAdmission::accepts(BeaconAddress address) noexcept {
   admitted_[address] = true;
   known_[address] = true;
   return true;
+}
+
+bool BeaconAdmission::has(BeaconAddress address) noexcept {
+  const std::lock_guard lock(mutex_);
+  return admitted_[address];
 }
 
 void BeaconAdmission::forget(BeaconAddress address) noexcept {

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Bounds the number of beacons of a process.
+/// Bounds the number of beacons of a process, and says when one is gone.
 
 #include "process/address_set.hpp"
 #include <sonopose/dds/topics/topics.hpp>
@@ -15,19 +15,25 @@
 
 namespace sonopose::process {
 
-/// A beacon from which nothing has come for longer than this is gone.
-constexpr TimeNs beacon_gone_after_ns = 60'000'000'000;
+/// Whether a beacon that gave this many samples and has then been silent for so long is gone: after 60 s, or
+/// after 5 s if it was hardly ever heard, such as an address that noise on a line gave.
+[[nodiscard]] bool is_gone(TimeNs silence_ns, std::uint64_t samples);
 
 /// Admits the beacons that are heard first. Thread-safe.
 class BeaconAdmission final : public dds::topics::AddressFilter {
 public:
   static constexpr std::size_t default_max_beacons = 256;
+  /// How many times the limit of beacons may come and go, so that a stream of invented addresses ends.
+  static constexpr std::size_t most_replacements = 16;
 
   /// `addresses`: the only ones that may be admitted.
   BeaconAdmission(AddressSet addresses, std::size_t max_beacons);
 
   /// Whether the beacon is admitted, or can be and now is. Does not allocate.
   bool accepts(BeaconAddress address) noexcept override;
+
+  /// Whether the beacon is admitted now.
+  [[nodiscard]] bool has(BeaconAddress address) noexcept;
 
   /// A beacon is gone: another one may take its place.
   void forget(BeaconAddress address) noexcept;
@@ -52,6 +58,17 @@ private:
   Flags known_;  ///< were admitted once: DDS keeps an instance of each until its writers have ended
   Flags refused_;
   std::size_t reported_count_ = 0;
+};
+
+/// Accepts the beacons that another topic has admitted, for topics without measurements.
+class AdmittedOnly final : public dds::topics::AddressFilter {
+public:
+  /// `admission` must outlive it.
+  explicit AdmittedOnly(BeaconAdmission& admission) : admission_(admission) {}
+  bool accepts(BeaconAddress address) noexcept override { return admission_.has(address); }
+
+private:
+  BeaconAdmission& admission_;
 };
 
 }  // namespace sonopose::process

@@ -178,6 +178,25 @@ SCENARIO("a file of a beacon's bytes is played as samples") {
   }
 }
 
+SCENARIO("a file with more beacons than are accepted is an error") {
+  GIVEN("samples of two beacons") {
+    const TemporaryFolder folder;
+    BeaconFile file(folder / "bytes.bin");
+    RawImu other = imu_at(10'010);
+    other.address = 6;
+    file << imu_at(10'000) << other;
+    const auto play = [&](std::size_t max_beacons) {
+      CollectingSink sink;
+      make_stream_source({file.path(), 0.0, ImuMeaning::unknown, max_beacons})->run(sink, StopSignal());
+      return sink.events.size();
+    };
+    THEN("two are played, and for one the error names the file, the second beacon and the limit") {
+      CHECK(play(2) == 2);
+      CHECK_THROWS_WITH(play(1), Catch::Contains("bytes.bin: beacon 6 is one more than --max-beacons 1"));
+    }
+  }
+}
+
 SCENARIO("a stream is a recording, and ends at the stop") {
   const TemporaryFolder folder;
   BeaconFile file(folder / "bytes.bin");

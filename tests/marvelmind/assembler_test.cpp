@@ -214,4 +214,21 @@ TEST_CASE("Impossible values are counted and not published") {
   CHECK(f.assembler.beacon(7)->status().samples_rejected == 1);
 }
 
+TEST_CASE("A beacon that was forgotten starts again") {
+  Fixture f;
+  f.on(imu_at(0), 0);
+  RawImu other = imu_at(0);
+  other.address = 8;
+  f.on(other, 0);
+  f.assembler.forget(7);
+  CHECK(f.assembler.beacon(7) == nullptr);
+  CHECK(f.assembler.addresses() == std::vector<BeaconAddress>{8});
+  f.flush(10'000);
+  f.on(imu_at(0), 20'000);
+  const auto samples = f.all<ImuSample>();
+  REQUIRE(samples.size() == 3);
+  CHECK(samples.back().sensor_time_ns == start_ns + 20'000 * ms);  // by a new clock
+  CHECK(f.counters().imu_samples == 1);
+}
+
 }  // namespace assembler_test

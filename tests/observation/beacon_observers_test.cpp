@@ -15,17 +15,21 @@ FusedPose pose_of(BeaconAddress address) {
   return pose;
 }
 
-SCENARIO("a beacon from which nothing comes is removed after a minute") {
+SCENARIO("a beacon from which nothing comes is removed after a minute, one that was hardly heard after 5 s") {
+  constexpr TimeNs second_ns = 1'000'000'000;
   BeaconObservers observers(deadline_ns);
   const dds::InstanceHandle writer{1};
-  observers.on(pose_of(7), 0, writer);
-  observers.on(pose_of(7), 0, writer);
+  for (int i = 0; i < 200; ++i) observers.on(pose_of(7), 0, writer);
+  observers.on(pose_of(8), 0, writer);
   const SteadyTime now = clocks::steady_now();
-  CHECK(observers.remove_gone(now + process::beacon_gone_after_ns - 1'000'000'000).empty());
-  const auto gone = observers.remove_gone(now + process::beacon_gone_after_ns + 1'000'000'000);
+  CHECK(observers.remove_gone(now + 4 * second_ns).empty());
+  const auto hardly_heard = observers.remove_gone(now + 59 * second_ns);
+  REQUIRE(hardly_heard.size() == 1);
+  CHECK(hardly_heard[0].address == 8);
+  const auto gone = observers.remove_gone(now + 61 * second_ns);
   REQUIRE(gone.size() == 1);
   CHECK(gone[0].address == 7);
-  CHECK(gone[0].poses == 2);
+  CHECK(gone[0].poses == 200);
   CHECK(observers.take_windows(0).empty());
   CHECK(observers.served().of(writer).empty());
 }

@@ -59,6 +59,32 @@ SCENARIO("the beacons that are heard first are admitted") {
   }
 }
 
+SCENARIO("a beacon is gone after a minute, or after five seconds if it was hardly heard") {
+  constexpr TimeNs second_ns = 1'000'000'000;
+  CHECK_FALSE(process::is_gone(5 * second_ns, 99));
+  CHECK(process::is_gone(5 * second_ns + 1, 99));
+  CHECK_FALSE(process::is_gone(60 * second_ns, 100));
+  CHECK(process::is_gone(60 * second_ns + 1, 100));
+}
+
+SCENARIO("a topic without measurements admits no beacons") {
+  GIVEN("an admission, and a filter for statuses") {
+    BeaconAdmission admission({}, 256);
+    process::AdmittedOnly filter(admission);
+    CHECK_FALSE(filter.accepts(7));
+    CHECK_FALSE(admission.has(7));
+    WHEN("a beacon is admitted by a sample") {
+      CHECK(admission.accepts(7));
+      THEN("its statuses are accepted until it is gone") {
+        CHECK(filter.accepts(7));
+        CHECK_FALSE(filter.accepts(8));
+        admission.forget(7);
+        CHECK_FALSE(filter.accepts(7));
+      }
+    }
+  }
+}
+
 SCENARIO("DDS makes no instance of a beacon that is not admitted") {
   // Each instance misses its deadline in every period, which counts the instances.
   const sonopose::test::TestDomain domain;

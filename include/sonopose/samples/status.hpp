@@ -61,7 +61,8 @@ struct LineStatus {
   std::uint64_t frames = 0;           ///< decoded
   std::uint64_t crc_errors = 0;       ///< frames with a wrong checksum
   std::uint64_t bytes_lost = 0;       ///< bytes skipped in search of a frame
-  std::uint64_t packets_refused = 0;  ///< of a sender that is not accepted, or not the one of the beacon
+  /// Of a sender that is not accepted or not the one of the beacon, or of more beacons than are accepted.
+  std::uint64_t packets_refused = 0;
   /// Empty if frames arrive; otherwise why not, and what to check. DDS cuts it at 256 bytes.
   std::string text;
 

@@ -21,6 +21,16 @@ ros2::TFMessage message_of(ros2::TransformStamped& transform) {
 
 }  // namespace
 
+std::optional<double> fix_std_of(const EffectiveSettings& settings) {
+  for (const auto& [key, value] : settings.values) {
+    if (key != "uncertainty.fix_std_m") continue;
+    double std_m = 0;
+    std::from_chars(value.data(), value.data() + value.size(), std_m);
+    if (std_m > 0) return std_m;
+  }
+  return std::nullopt;
+}
+
 BeaconPublishers::BeaconPublishers(ros2::Node& node, const Output& output, BeaconAddress address,
                                    dds::DataWriter<ros2::TFMessage>& tf, bool in_tree,
                                    process::Wakeup& wakeup)
@@ -53,6 +63,13 @@ void BeaconPublishers::create_magnetic_writer(ros2::Node& node) {
   if (!has_magnetic_ || has_magnetic_writer_) return;
   magnetic_ = node.make_writer<ros2::MagneticField>(prefix_ + "imu/mag", profile);
   has_magnetic_writer_ = true;
+}
+
+void BeaconPublishers::leave(ros2::Node& node) const {
+  const auto remove = [&node](const auto&... writers) {
+    ((writers.is_nil() ? void() : node.remove(writers)), ...);
+  };
+  remove(raw_imu_, imu_, magnetic_, odometry_, pose_, fix_as_pose_, fix_as_point_, path_);
 }
 
 void BeaconPublishers::on(const ImuSample& sample) {
@@ -210,15 +227,6 @@ ros2::Covariance3 BeaconPublishers::covariance_of(const ros2::ReadyFix& fix) con
 std::optional<TimeNs> BeaconPublishers::next_stamp(ros2::RisingStamp& stamp, TimeNs time_ns) {
   const std::lock_guard lock(mutex_);
   return stamp.next(time_ns);
-}
-
-void BeaconPublishers::on(const EffectiveSettings& settings) {
-  for (const auto& [key, value] : settings.values) {
-    if (key != "uncertainty.fix_std_m") continue;
-    double std_m = 0;
-    std::from_chars(value.data(), value.data() + value.size(), std_m);
-    if (std_m > 0) fix_std_m_ = std_m;
-  }
 }
 
 void BeaconPublishers::on(const Estimate& estimate) {

@@ -21,6 +21,10 @@
 
 namespace sonopose::ros2::relay {
 
+/// The setting of the fusion that is the standard deviation of a fix without a learned one; empty if the
+/// settings lack it.
+std::optional<double> fix_std_of(const EffectiveSettings& settings);
+
 /// `on` is called on Cyclone's receive thread, or, for samples that this process publishes, on the bridge's
 /// thread. The mutex is held for computations only, never while writing.
 class BeaconPublishers {
@@ -34,7 +38,8 @@ public:
   void on(const FusedPose& pose);
   void on(const UltrasonicFix& fix);
   void on(const FixReport& report);
-  void on(const EffectiveSettings& settings);
+  /// `fix_std_m`: the setting of the fusion.
+  void set_fix_std(double fix_std_m) { fix_std_m_ = fix_std_m; }
   void on(const Estimate& estimate);
   /// A transform odom → base_link of another odometry source.
   void on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom);
@@ -47,6 +52,8 @@ public:
   void handle_overdue();
   /// Main thread only, once per second.
   void publish_path();
+  /// Removes its writers from the node, before it is destroyed. Main thread only.
+  void leave(ros2::Node& node) const;
 
   /// Messages of `imu/data` that were not published, because the sample of the pose did not arrive.
   [[nodiscard]] std::uint64_t imu_data_lost() const;

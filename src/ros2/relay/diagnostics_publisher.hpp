@@ -4,9 +4,9 @@
 
 #include "observation/beacon_observers.hpp"
 #include "process/endpoint_counters.hpp"
-#include "ros2/relay/beacon_publishers.hpp"
 #include "ros2/relay/presence.hpp"
 #include "ros2/relay/relay.hpp"
+#include "ros2/relay/relayed_beacons.hpp"
 #include "ros2/relay/ros_clock.hpp"
 #include "ros2/relay/source.hpp"
 
@@ -19,7 +19,7 @@ namespace sonopose::ros2::relay {
 /// Main thread only.
 class DiagnosticsPublisher {
 public:
-  using Beacons = std::map<BeaconAddress, BeaconPublishers*>;
+  using Beacons = std::map<BeaconAddress, RelayedBeacons::Publishers>;
 
   /// All arguments must outlive it. Throws dds::Error.
   DiagnosticsPublisher(const RelayOptions& options, ros2::Node& node, const RosClock& clock,

@@ -84,9 +84,13 @@ ParameterServer::ParameterServer(ros2::Node& node, const dds::DomainParticipant&
       client_(options.domain, options.qos_file),
       startup_requests_(requests_of(options.startup_settings)),
       events_(node),
+      admission_({}, options.max_beacons + 1),  // and all_beacons
       settings_listener_(wake_),
       settings_(dds::topics::make_reader(participant, dds::qos::Provider(options.qos_file),
-                                         dds::topics::settings, wake_ ? &settings_listener_ : nullptr)) {}
+                                         dds::topics::settings, wake_ ? &settings_listener_ : nullptr,
+                                         dds::topics::Delivery::live, &admission_)) {
+  admission_.accepts(all_beacons);
+}
 
 void ParameterServer::offer_services(ros2::Node& node, bool offered) {
   const std::lock_guard lock(services_mutex_);
@@ -128,6 +132,7 @@ void ParameterServer::take_settings() {
                         if (info.alive()) return;
                         replace({.address = key.address, .values = {}});
                         effective_.erase(key.address);
+                        if (key.address != all_beacons) admission_.forget(key.address);
                       });
 }
 

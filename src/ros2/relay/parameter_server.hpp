@@ -2,6 +2,7 @@
 /// \file
 /// The parameter services of the relay's node (`ros2 param`), and `~/reset`, for clients with rmw_cyclonedds.
 
+#include "process/beacon_admission.hpp"
 #include "ros2/relay/log.hpp"
 #include "ros2/relay/parameter_events.hpp"
 #include "ros2/relay/parameters.hpp"
@@ -26,6 +27,7 @@ struct ParameterServerOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
   std::vector<StartupSetting> startup_settings;  ///< sent when a fusion appears and no other is known
+  std::size_t max_beacons = process::BeaconAdmission::default_max_beacons;  ///< with settings, at a time
 };
 
 /// Uses the settings topics of the fusion, like sonopose-settings. `serve` must run on a thread that may
@@ -96,6 +98,7 @@ private:
   std::mutex services_mutex_;
   std::optional<Services> services_;
   // The reader is last, so that its listener is destroyed after it.
+  process::BeaconAdmission admission_;
   SettingsListener settings_listener_;
   dds::DataReader<sonopose_EffectiveSettings> settings_;
 };

@@ -2,11 +2,12 @@
 
 #include "bridge/bridge_node.hpp"
 #include "observation/beacon_observers.hpp"
-#include "ros2/relay/beacon_publishers.hpp"
+#include "process/beacon_admission.hpp"
 #include "ros2/relay/diagnostics_publisher.hpp"
 #include "ros2/relay/log.hpp"
 #include "ros2/relay/mount_finder.hpp"
 #include "ros2/relay/parameter_server.hpp"
+#include "ros2/relay/relayed_beacons.hpp"
 #include "ros2/relay/ros_clock.hpp"
 #include "ros2/relay/surroundings.hpp"
 #include "ros2/relay/transform_tree.hpp"
@@ -126,22 +127,20 @@ private:
     return subscription.reader.subscription_matched_status().current_count > 0;
   }
 
-  /// Samples, fixes, reports, poses and estimates.
+  /// Samples, fixes, reports and poses.
   template <class Sample>
   void on(const Sample& sample) {
-    if (BeaconPublishers* const publishers = find_or_request_publishers(sample.address))
-      publishers->on(sample);
+    const auto publishers = beacons_.find_or_request(sample.address, clocks::steady_now());
+    if (publishers) publishers->on(sample);
   }
+  void on(const Estimate& estimate);
   void on(const EffectiveSettings& settings);
   void on_transform(const ros2::TransformStamped& transform);
 
-  /// Null if the publishers do not exist yet: the main thread creates them.
-  BeaconPublishers* find_or_request_publishers(BeaconAddress address);
-  BeaconPublishers* find_publishers(BeaconAddress address);
   template <class Action>
   void for_each_beacon(const Action& action);
-  std::map<BeaconAddress, BeaconPublishers*> beacons();
-  void create_new_publishers();
+  void create_new_publishers(const process::StopSignal& stop);
+  void remove_gone();
   void replace_tree_owner();
   void publish_mounts();
   void serve(const process::StopSignal& stop, const std::atomic<bool>& failed);
@@ -149,6 +148,9 @@ private:
   void serve_parameters(const std::stop_token& end, const process::StopSignal& stop);
 
   RelayOptions options_;
+  process::BeaconAdmission admission_;
+  process::AdmittedOnly admitted_only_{admission_};
+  process::BeaconAdmission settings_admission_;  ///< settings may arrive before any sample, and only once
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
   ros2::Node node_;
@@ -165,11 +167,9 @@ private:
   process::EndpointCounters endpoints_;
   DiagnosticsPublisher diagnostics_;
 
-  std::mutex mutex_;  ///< guards the members below
-  std::map<BeaconAddress, std::unique_ptr<BeaconPublishers>>
-      publishers_;                                                 ///< null: to be created; never erased
-  std::map<BeaconAddress, EffectiveSettings> effective_settings_;  ///< may arrive before any sample
-  bool has_new_beacon_ = false;
+  RelayedBeacons beacons_{wakeup_};
+  std::mutex mutex_;                            ///< guards the settings
+  std::map<BeaconAddress, double> fix_stds_m_;  ///< settings of the fusion
 
   // Readers are last, so that they are destroyed first and no callback uses a destroyed member.
   TfListener tf_listener_{*this};
@@ -194,6 +194,9 @@ void Relay::run(const process::StopSignal& stop) {
 
 Relay::Impl::Impl(const RelayOptions& options)
     : options_(with_lease(options)),
+      admission_(options.addresses, options.max_beacons),
+      settings_admission_(options.addresses,
+                          options.max_beacons * process::BeaconAdmission::most_replacements),
       participant_(options_.domain, ros2::participant_qos(options.enclave)),
       qos_(options.qos_file),
       node_(participant_, qos_, options.names, options.distro.value_or(ros2::layout_without_others)),
@@ -202,7 +205,8 @@ Relay::Impl::Impl(const RelayOptions& options)
       parameters_(node_, participant_,
                   {.domain = options_.domain,
                    .qos_file = options.qos_file,
-                   .startup_settings = options.startup_settings},
+                   .startup_settings = options.startup_settings,
+                   .max_beacons = options.max_beacons},
                   log_, [this] { parameters_wakeup_.wake(); }),
       surroundings_(options_, participant_, node_, parameters_, log_, [this] { wakeup_.wake(); }),
       tree_(options_, node_, clock_, log_),
@@ -218,58 +222,38 @@ Relay::Impl::Impl(const RelayOptions& options)
     mount_finder_ = std::make_unique<MountFinder>(node_, log_, [this] { wakeup_.wake(); });
   }
   node_.announce();
-  const auto subscribe = [this](auto& subscription, const auto& topic) {
-    subscription.reader = dds::topics::make_reader(participant_, qos_, topic, &subscription.listener);
+  const auto subscribe = [this](auto& subscription, const auto& topic, dds::topics::AddressFilter& filter) {
+    subscription.reader = dds::topics::make_reader(participant_, qos_, topic, &subscription.listener,
+                                                   dds::topics::Delivery::live, &filter);
   };
-  subscribe(imu_, topics::imu);
-  subscribe(fix_, topics::fix);
-  subscribe(pose_, topics::pose);
-  subscribe(report_, topics::report);
-  subscribe(settings_, topics::settings);
-  subscribe(estimate_, topics::estimate);
-  subscribe(beacon_status_, topics::beacon_status);
-  subscribe(fusion_status_, topics::fusion_status);
-}
-
-BeaconPublishers* Relay::Impl::find_or_request_publishers(BeaconAddress address) {
-  if (!options_.addresses.contains(address)) return nullptr;
-  const std::lock_guard lock(mutex_);
-  const auto [found, is_new] = publishers_.try_emplace(address);
-  if (is_new) {
-    has_new_beacon_ = true;
-    wakeup_.wake();
-  }
-  return found->second.get();
-}
-
-BeaconPublishers* Relay::Impl::find_publishers(BeaconAddress address) {
-  const std::lock_guard lock(mutex_);
-  const auto found = publishers_.find(address);
-  return found == publishers_.end() ? nullptr : found->second.get();
+  subscribe(imu_, topics::imu, admission_);
+  subscribe(fix_, topics::fix, admission_);
+  subscribe(pose_, topics::pose, admission_);
+  subscribe(report_, topics::report, admission_);
+  subscribe(settings_, topics::settings, settings_admission_);
+  subscribe(estimate_, topics::estimate, admitted_only_);
+  subscribe(beacon_status_, topics::beacon_status, admitted_only_);
+  subscribe(fusion_status_, topics::fusion_status, admitted_only_);
 }
 
 /// Calls `action` without the lock.
 template <class Action>
 void Relay::Impl::for_each_beacon(const Action& action) {
-  for (const auto& [address, publishers] : beacons()) action(*publishers);
+  for (const auto& [address, publishers] : beacons_.all()) action(*publishers);
 }
 
-/// Those that exist. They are never destroyed before the relay.
-std::map<BeaconAddress, BeaconPublishers*> Relay::Impl::beacons() {
-  std::map<BeaconAddress, BeaconPublishers*> all;
-  const std::lock_guard lock(mutex_);
-  for (const auto& [address, publishers] : publishers_) {
-    if (publishers) all.emplace(address, publishers.get());
-  }
-  return all;
+void Relay::Impl::on(const Estimate& estimate) {
+  if (const auto publishers = beacons_.find(estimate.address)) publishers->on(estimate);
 }
 
 void Relay::Impl::on(const EffectiveSettings& settings) {
+  const auto fix_std_m = fix_std_of(settings);
+  if (!fix_std_m) return;
   {
     const std::lock_guard lock(mutex_);
-    effective_settings_[settings.address] = settings;
+    fix_stds_m_[settings.address] = *fix_std_m;
   }
-  if (auto* const publishers = find_publishers(settings.address)) publishers->on(settings);
+  if (const auto publishers = beacons_.find(settings.address)) publishers->set_fix_std(*fix_std_m);
 }
 
 void Relay::Impl::on_transform(const ros2::TransformStamped& transform) {
@@ -285,36 +269,40 @@ void Relay::Impl::on_transform(const ros2::TransformStamped& transform) {
 }
 
 /// Main thread only, because a listener must not create entities.
-void Relay::Impl::create_new_publishers() {
-  std::vector<BeaconAddress> missing;
-  {
-    const std::lock_guard lock(mutex_);
-    if (!std::exchange(has_new_beacon_, false)) return;
-    for (const auto& [address, publishers] : publishers_) {
-      if (!publishers) missing.push_back(address);
-    }
-  }
-  for (const BeaconAddress address : missing) {
-    auto created = std::make_unique<BeaconPublishers>(node_, options_.output, address, tf_writer_,
+void Relay::Impl::create_new_publishers(const process::StopSignal& stop) {
+  const std::vector<BeaconAddress> requested = beacons_.requested();
+  if (requested.empty()) return;
+  for (const BeaconAddress address : requested) {
+    if (stop.requested()) return;
+    auto created = std::make_shared<BeaconPublishers>(node_, options_.output, address, tf_writer_,
                                                       tree_.admits(address), wakeup_);
+    beacons_.add(address, created);
     const std::lock_guard lock(mutex_);
-    if (const auto known = effective_settings_.find(address); known != effective_settings_.end()) {
-      created->on(known->second);
+    if (const auto known = fix_stds_m_.find(address); known != fix_stds_m_.end()) {
+      created->set_fix_std(known->second);
     }
-    publishers_[address] = std::move(created);
   }
   publish_mounts();
+}
+
+void Relay::Impl::remove_gone() {
+  if (const auto text = admission_.refusals()) log_.warning(*text);
+  for (const BeaconAddress address : beacons_.remove_gone(clocks::steady_now())) {
+    admission_.forget(address);
+    log_.info(fmt::format("beacon {}: gone; its topics are closed", address));
+  }
+  for (const auto& publishers : beacons_.take_unused()) publishers->leave(node_);
 }
 
 /// A beacon with the same frames takes over the transforms of one that is gone, or that has not appeared.
 void Relay::Impl::replace_tree_owner() {
   const auto owner = tree_.owner();
   if (!owner || !diagnostics_.is_gone(*owner)) return;
-  const auto known = beacons();
+  const auto known = beacons_.all();
   const auto next = std::find_if(known.begin(), known.end(),
                                  [&](const auto& entry) { return diagnostics_.is_present(entry.first); });
   if (next == known.end()) return;
-  if (auto* const before = find_publishers(*owner)) before->set_in_tree(false);
+  if (const auto before = beacons_.find(*owner)) before->set_in_tree(false);
   tree_.hand_over(next->first);
   next->second->set_in_tree(true);
   publish_mounts();
@@ -335,7 +323,7 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
   SteadyTime next_status = clocks::steady_now() + status_period_ns;
   SteadyTime readers_due = next_status;
   while (!failed && !stop.wait_until(std::min(next_status, readers_due), wakeup_)) {
-    create_new_publishers();
+    create_new_publishers(stop);
     if (source_) readers_due = source_->update_readers();
     for_each_beacon([this](BeaconPublishers& publishers) {
       publishers.create_magnetic_writer(node_);
@@ -347,7 +335,8 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
     next_status = clocks::steady_now() + status_period_ns;
     if (!source_) readers_due = next_status;
     surroundings_.check_processes(has_writer(imu_), has_writer(pose_));
-    diagnostics_.publish(beacons(), source_.get());
+    remove_gone();
+    diagnostics_.publish(beacons_.all(), source_.get());
     replace_tree_owner();
     for_each_beacon([](BeaconPublishers& publishers) {
       publishers.handle_overdue();

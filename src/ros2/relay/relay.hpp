@@ -4,6 +4,7 @@
 /// of ROS 2 drivers as native topics.
 
 #include "process/address_set.hpp"
+#include "process/beacon_admission.hpp"
 #include "process/stop_signal.hpp"
 #include "ros2/arguments/arguments.hpp"
 #include "ros2/relay/source.hpp"
@@ -24,6 +25,10 @@
 #include <vector>
 
 namespace sonopose::ros2::relay {
+
+/// Each beacon has up to seven writers and their topics, and Cyclone DDS 0.10 limits a participant to 16,383
+/// of both.
+inline constexpr std::size_t most_relayed_beacons = 1000;
 
 /// The transform that locates the robot (REP-105: a frame has one parent).
 enum class TfMode : std::uint8_t {
@@ -68,6 +73,7 @@ struct RelayOptions {
   std::optional<ros2::Distro> distro;  ///< empty: that of the other ROS 2 processes
   std::string enclave = "/";
   process::AddressSet addresses;
+  std::size_t max_beacons = process::BeaconAdmission::default_max_beacons;  ///< at a time
   Output output;
   std::vector<Input> inputs;
   bool use_sim_time = false;  ///< the time of ROS 2 is that of /clock
@@ -78,7 +84,8 @@ struct RelayOptions {
 };
 
 /// Samples and poses are published on Cyclone's receive thread as they arrive. The main thread creates the
-/// writers of a beacon after its first sample; samples that arrive before are not published.
+/// writers of a beacon after its first sample; samples that arrive before are not published. It closes them
+/// when the beacon is gone.
 class Relay {
 public:
   /// Joins the domain and starts to relay. Throws dds::Error, dds::qos::FileError, std::invalid_argument.

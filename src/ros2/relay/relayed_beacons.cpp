@@ -1,0 +1,77 @@
+#include "ros2/relay/relayed_beacons.hpp"
+
+#include "process/beacon_admission.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace sonopose::ros2::relay {
+
+RelayedBeacons::Publishers RelayedBeacons::find_or_request(BeaconAddress address, SteadyTime now) {
+  const std::lock_guard lock(mutex_);
+  const auto [found, is_new] = beacons_.try_emplace(address);
+  Beacon& beacon = found->second;
+  beacon.latest_sample = now;
+  ++beacon.samples;
+  if (is_new) {
+    has_requests_ = true;
+    wakeup_.wake();
+  }
+  return beacon.publishers;
+}
+
+RelayedBeacons::Publishers RelayedBeacons::find(BeaconAddress address) {
+  const std::lock_guard lock(mutex_);
+  const auto found = beacons_.find(address);
+  return found == beacons_.end() ? nullptr : found->second.publishers;
+}
+
+std::map<BeaconAddress, RelayedBeacons::Publishers> RelayedBeacons::all() {
+  std::map<BeaconAddress, Publishers> all;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [address, beacon] : beacons_) {
+    if (beacon.publishers) all.emplace(address, beacon.publishers);
+  }
+  return all;
+}
+
+std::vector<BeaconAddress> RelayedBeacons::requested() {
+  std::vector<BeaconAddress> requested;
+  const std::lock_guard lock(mutex_);
+  if (!std::exchange(has_requests_, false)) return requested;
+  for (const auto& [address, beacon] : beacons_) {
+    if (!beacon.publishers) requested.push_back(address);
+  }
+  return requested;
+}
+
+void RelayedBeacons::add(BeaconAddress address, Publishers publishers) {
+  const std::lock_guard lock(mutex_);
+  if (const auto found = beacons_.find(address); found != beacons_.end()) {
+    found->second.publishers = std::move(publishers);
+  }
+}
+
+std::vector<BeaconAddress> RelayedBeacons::remove_gone(SteadyTime now) {
+  std::vector<BeaconAddress> gone;
+  const std::lock_guard lock(mutex_);
+  std::erase_if(beacons_, [&](auto& entry) {
+    auto& [address, beacon] = entry;
+    if (!process::is_gone(now - beacon.latest_sample, beacon.samples)) return false;
+    gone.push_back(address);
+    if (beacon.publishers) removed_.push_back(std::move(beacon.publishers));
+    return true;
+  });
+  return gone;
+}
+
+std::vector<RelayedBeacons::Publishers> RelayedBeacons::take_unused() {
+  const auto in_use = std::partition(removed_.begin(), removed_.end(),
+                                     [](const Publishers& publishers) { return publishers.use_count() > 1; });
+  std::vector<Publishers> unused(std::make_move_iterator(in_use), std::make_move_iterator(removed_.end()));
+  removed_.erase(in_use, removed_.end());
+  return unused;
+}
+
+}  // namespace sonopose::ros2::relay
