@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
   sonopose::apps::Program app("doctor", "The exit code is 0 if no problems are found, 1 otherwise.");
   add_bus_options(app, bus);
   app.add_flag("--json", json, "Print one JSON object instead of text");
-  add_max_beacons(app, "Look at", options.max_beacons);
+  add_max_beacons(app, "Examine", options.max_beacons);
   app.add_option("--duration", options.duration_s, "Seconds to observe the system")
       ->check(sonopose::apps::number_between(0.5, 3600.0))
       ->capture_default_str();

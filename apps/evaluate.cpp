@@ -9,7 +9,11 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <limits>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -38,14 +42,6 @@ std::vector<settings::Settings> settings_of(const CLI::App& app, const Options& 
   return all;
 }
 
-std::vector<evaluation::CaseResult> results_of(const std::vector<evaluation::Case>& runs,
-                                               const settings::Settings& settings) {
-  std::vector<evaluation::CaseResult> results;
-  results.reserve(runs.size());
-  for (const evaluation::Case& run : runs) results.push_back(evaluation::evaluate(run, settings));
-  return results;
-}
-
 /// Of one of the compared files; --set applies to both.
 settings::Settings settings_of(const CLI::App& app, const Options& options,
                                const std::filesystem::path& file) {
@@ -61,10 +57,18 @@ int compare(const CLI::App& app, const Options& options) {
   const settings::Settings second_settings = settings_of(app, options, second);
   std::vector<evaluation::CostPair> costs;
   apps::for_each_case(options.cases, [&](const std::vector<evaluation::Case>& runs) {
-    costs.push_back({runs.front().name, !runs.front().truth.empty(),
-                     evaluation::cost_of(results_of(runs, first_settings)),
-                     evaluation::cost_of(results_of(runs, second_settings))});
+    const auto first_results = evaluation::evaluate_all(runs, first_settings);
+    const auto first_m = evaluation::cost_of(first_results, first_results);
+    if (!first_m || !std::isfinite(*first_m)) {
+      fmt::print(stderr, "left out: {}: nothing to score with {}\n", runs.front().name, first.string());
+      return;
+    }
+    // The same fixes count for both.
+    const auto second_m = evaluation::cost_of(evaluation::evaluate_all(runs, second_settings), first_results);
+    costs.push_back({runs.front().name, first_results.front().has_truth, *first_m,
+                     second_m.value_or(std::numeric_limits<double>::infinity())});
   });
+  if (costs.empty()) throw std::invalid_argument("--compare: no case can be scored");
   fmt::print("{}", options.json ? json_of(costs, first.string(), second.string())
                                 : table_of(costs, first.string(), second.string()));
   return 0;
@@ -76,7 +80,7 @@ int evaluate(const CLI::App& app, const Options& options) {
   std::vector<evaluation::Summary> summaries;
   apps::for_each_case(options.cases, [&](const std::vector<evaluation::Case>& runs) {
     for (const settings::Settings& settings : engines) {
-      summaries.push_back(evaluation::summarise(results_of(runs, settings)));
+      summaries.push_back(evaluation::summarise(evaluation::evaluate_all(runs, settings)));
     }
   });
   fmt::print("{}", options.json ? evaluation::json_of(summaries) : evaluation::table_of(summaries));
@@ -103,6 +107,7 @@ int main(int argc, char** argv) {
          "Put two files of settings side by side: the error of each case, or its prediction error if it "
          "has no truth")
       ->expected(2)
+      ->allow_extra_args(false)
       ->type_name("FILE FILE")
       ->excludes(engines)
       ->excludes("--config");

@@ -12,6 +12,8 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <unistd.h>
 #include <utility>
@@ -66,66 +68,104 @@ void listen_for_interrupt() {
   });
 }
 
-/// Shows the round on a terminal, in one line.
-void show_progress(int round, int rounds, double best_m) {
-  if (::isatty(STDERR_FILENO) == 0) return;
-  fmt::print(stderr, "\rround {} of {}, best {:.3f} cm ", round + 1, rounds, 100.0 * best_m);
+/// What the user sees during the search, on standard error. On a terminal the last line is the progress.
+class Progress {
+public:
+  explicit Progress(int rounds) : rounds_(rounds) {}
+  ~Progress() { clear(); }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void on_round(int round) const {
+    if (!is_terminal_) return;
+    clear();
+    fmt::print(stderr, "round {} of {}, best {:.3f} cm", round + 1, rounds_, 100.0 * best_m_);
+  }
+  void on_better(int round, double best_m) {
+    best_m_ = best_m;
+    clear();
+    fmt::print(stderr, "round {}: {:.3f} cm\n", round + 1, 100.0 * best_m);
+  }
+  void on_interrupt(int round) const {
+    clear();
+    fmt::print(stderr, "interrupted after {} rounds of {}: the best so far follows\n", round, rounds_);
+  }
+  void start_at(double start_m) { best_m_ = start_m; }
+
+private:
+  void clear() const {
+    if (is_terminal_) fmt::print(stderr, "\r\x1b[K");
+  }
+
+  int rounds_;
+  bool is_terminal_ = ::isatty(STDERR_FILENO) != 0;
+  double best_m_ = 0;
+};
+
+/// The cases that can be scored. Reports the others.
+evaluation::CostFunction cost_function(const Options& options, const settings::Settings& start) {
+  std::vector<std::vector<evaluation::Case>> cases;
+  apps::for_each_case(options.cases,
+                      [&](std::vector<evaluation::Case> runs) { cases.push_back(std::move(runs)); });
+  evaluation::CostFunction cost(std::move(cases), start);
+  for (const std::string& text : cost.left_out()) fmt::print(stderr, "left out: {}\n", text);
+  if (cost.empty()) throw std::invalid_argument("no case can be scored");
+  return cost;
 }
 
-/// The settings that differ between the two, as the beacon needs them.
+/// The settings that differ from those before: for all beacons, or for this one if its own settings overrule.
 config::FusionConfig changes(const config::FusionConfig& before, const settings::Settings& found,
                              const std::vector<evaluation::Variable>& variables, BeaconAddress beacon) {
-  config::FusionConfig changed = before;
   config::FusionConfig only;
   for (const evaluation::Variable& variable : variables) {
     const auto value = settings::get(found, variable.key);
     if (value == settings::get(before.for_beacon(beacon), variable.key)) continue;
     const std::string text = variable.key + "=" + settings::to_text(value);
+    config::FusionConfig changed = before;
     changed.assign(text);
-    only.assign(text);
     const bool overruled = settings::get(changed.for_beacon(beacon), variable.key) != value;
-    if (overruled) only.assign(fmt::format("beacon.{}.{}", beacon, text));
+    only.assign(overruled ? fmt::format("beacon.{}.{}", beacon, text) : text);
   }
   return only;
 }
 
+/// The options that the found settings belong to, as a comment.
+std::string origin_comment(const apps::ConfigOptions& options) {
+  std::string text;
+  if (options.file) text += " --config " + options.file->string();
+  for (const std::string& assignment : options.assignments) text += " --set " + assignment;
+  return text.empty() ? "" : "# To use together with" + text + "\n";
+}
+
 int tune(const CLI::App& app, const Options& options) {
+  listen_for_interrupt();
   const config::FusionConfig config = apps::configuration(app, options.config);
   const settings::Settings start = config.for_beacon(options.beacon);
   std::vector<evaluation::Variable> variables;
   for (const std::string& text : options.vary) variables.push_back(evaluation::variable_of(text));
   check_read(variables, start);
-  std::vector<std::vector<evaluation::Case>> cases;
-  bool all_with_truth = true;
-  apps::for_each_case(options.cases, [&](std::vector<evaluation::Case> runs) {
-    all_with_truth = all_with_truth && !runs.front().truth.empty();
-    cases.push_back(std::move(runs));
-  });
+  const evaluation::CostFunction cost = cost_function(options, start);
 
-  const double start_m = evaluation::cost_of(cases, start);
-  double best_m = start_m;
-  listen_for_interrupt();
-  const auto found = evaluation::search(
-      start, variables,
-      [&](const settings::Settings& settings) { return evaluation::cost_of(cases, settings); },
-      options.rounds, options.search_seed,
-      [&best_m](int round, const evaluation::Found& better) {
-        best_m = better.cost;
-        fmt::print(stderr, "{}round {}: {:.3f} cm\n", ::isatty(STDERR_FILENO) != 0 ? "\r" : "", round + 1,
-                   100.0 * better.cost);
-      },
-      [&](int round) {
-        if (interrupted != 0) {
-          fmt::print(stderr, "\ninterrupted after {} rounds of {}: the best so far follows\n", round,
-                     options.rounds);
-          return false;
-        }
-        show_progress(round, options.rounds, best_m);
-        return true;
-      });
-  fmt::print("# Geometric mean over the cases: {:.3f} cm, before {:.3f} cm.{}\n{}", 100.0 * found.cost,
-             100.0 * start_m,
-             all_with_truth ? "" : " Cases without truth count with their prediction errors.",
+  std::optional<double> start_m;
+  const auto found = [&] {
+    Progress progress(options.rounds);
+    const auto cost_and_start = [&](const settings::Settings& settings) {
+      const double cost_m = cost(settings);
+      if (!start_m) progress.start_at(start_m.emplace(cost_m));
+      return cost_m;
+    };
+    const auto goes_on = [&](int round) {
+      interrupted != 0 ? progress.on_interrupt(round) : progress.on_round(round);
+      return interrupted == 0;
+    };
+    return evaluation::search(
+        start, variables, cost_and_start, options.rounds, options.search_seed,
+        [&](int round, const evaluation::Found& better) { progress.on_better(round, better.cost); }, goes_on);
+  }();
+  fmt::print("# Geometric mean over the cases: {:.3f} cm, before {:.3f} cm.{}\n{}{}", 100.0 * found.cost,
+             100.0 * *start_m,
+             cost.has_truth_of_all() ? "" : " Cases without truth count with their prediction errors.",
+             origin_comment(options.config),
              changes(config, found.settings, variables, options.beacon).given_toml());
   return 0;
 }

@@ -15,9 +15,9 @@ using namespace sonopose::fuzz;
 
 namespace {
 
-constexpr std::array<std::string_view, 6> names{recording::imu_file,      recording::ultrasonic_file,
-                                                recording::heading_file,  recording::truth_file,
-                                                recording::movement_file, recording::meta_file};
+constexpr std::array<std::string_view, 7> names{
+    recording::imu_file,      recording::ultrasonic_file, recording::heading_file,    recording::truth_file,
+    recording::movement_file, recording::meta_file,       recording::wheel_speed_file};
 
 /// The text of one file; empty if the input does not have it.
 std::optional<std::string_view> part_of(std::string_view input, std::string_view name) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <stdexcept>
 #include <utility>
 
 namespace sonopose::apps {
@@ -29,19 +30,37 @@ void add_case_options(CLI::App& app, CaseOptions& options) {
 
 namespace {
 
-/// The recordings in a folder. Reports those that are left out.
-std::vector<std::filesystem::path> recordings_in(const std::filesystem::path& folder) {
+void report_left_out(const std::string& what) {
+  fmt::print(stderr, "left out: {}\n", what);
+}
+
+/// Adds the recordings in a folder that are not in the list yet. Reports those that are left out.
+void add_recordings(const std::filesystem::path& folder, std::vector<std::filesystem::path>& recordings) {
   const evaluation::FoundRecordings found = evaluation::recordings_in(folder);
-  for (const std::string& text : found.left_out) fmt::print(stderr, "left out: {}\n", text);
-  if (found.folders.empty())
+  for (const std::string& text : found.left_out) report_left_out(text);
+  if (found.folders.empty()) {
     throw files::IoError(folder.string() + ": has no recording with imu.csv and ultrasonic.csv");
-  return found.folders;
+  }
+  for (const std::filesystem::path& recording : found.folders) {
+    const bool is_known = std::any_of(
+        recordings.begin(), recordings.end(),
+        [&recording](const std::filesystem::path& known) { return equivalent(known, recording); });
+    if (!is_known) recordings.push_back(recording);
+  }
 }
 
 bool is_scenario(const std::string& name) {
   const auto has_name = [&name](const sim::Scenario& scenario) { return scenario.name == name; };
   return std::any_of(sim::scenarios().begin(), sim::scenarios().end(), has_name) ||
          std::any_of(sim::harder_scenarios().begin(), sim::harder_scenarios().end(), has_name);
+}
+
+const sim::Scenario& scenario_named(const std::string& name) {
+  try {
+    return sim::find_scenario(name);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{}: no such folder, and {}", name, error.what()));
+  }
 }
 
 }  // namespace
@@ -53,9 +72,9 @@ void for_each_case(const CaseOptions& options,
   for (const std::string& name : options.named) {
     // A folder with the name of a scenario needs a slash: ./walk.
     if (!is_scenario(name) && std::filesystem::exists(name)) {
-      for (auto& folder : recordings_in(name)) recordings.push_back(std::move(folder));
+      add_recordings(name, recordings);
     } else {
-      chosen.push_back(&sim::find_scenario(name));
+      chosen.push_back(&scenario_named(name));
     }
   }
   if (options.harder) {
@@ -64,9 +83,7 @@ void for_each_case(const CaseOptions& options,
   if (chosen.empty() && recordings.empty()) {
     for (const sim::Scenario& scenario : sim::scenarios()) chosen.push_back(&scenario);
   }
-  if (options.recordings) {
-    for (auto& folder : recordings_in(*options.recordings)) recordings.push_back(std::move(folder));
-  }
+  if (options.recordings) add_recordings(*options.recordings, recordings);
   for (const sim::Scenario* scenario : chosen) {
     std::vector<evaluation::Case> runs;
     for (std::uint64_t run = 0; run < options.seeds; ++run) {
@@ -74,7 +91,19 @@ void for_each_case(const CaseOptions& options,
     }
     use(std::move(runs));
   }
-  for (const std::filesystem::path& folder : recordings) use({evaluation::recorded_case(folder)});
+  std::size_t unreadable = 0;
+  for (const std::filesystem::path& folder : recordings) {
+    std::vector<evaluation::Case> runs;
+    try {
+      runs.push_back(evaluation::recorded_case(folder));
+    } catch (const files::IoError& error) {
+      report_left_out(error.what());
+      ++unreadable;
+      continue;
+    }
+    use(std::move(runs));
+  }
+  if (chosen.empty() && unreadable == recordings.size()) throw files::IoError("no recording can be read");
 }
 
 }  // namespace sonopose::apps

@@ -36,12 +36,11 @@ FoundRecordings recordings_in(const std::filesystem::path& folder) {
   if (!fs::is_directory(folder)) throw files::IoError(folder.string() + ": is not a folder");
   FoundRecordings found;
   const auto consider = [&found](const fs::path& candidate) {
-    if (!exists(candidate / "imu.csv")) return;
-    if (exists(candidate / "ultrasonic.csv")) {
-      found.folders.push_back(candidate);
-    } else {
-      found.left_out.push_back(candidate.string() + ": has no ultrasonic.csv");
-    }
+    const bool has_imu = exists(candidate / "imu.csv");
+    const bool has_fixes = exists(candidate / "ultrasonic.csv");
+    if (has_imu && has_fixes) found.folders.push_back(candidate);
+    if (has_imu && !has_fixes) found.left_out.push_back(candidate.string() + ": has no ultrasonic.csv");
+    if (!has_imu && has_fixes) found.left_out.push_back(candidate.string() + ": has no imu.csv");
   };
   consider(folder);
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {

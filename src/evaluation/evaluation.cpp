@@ -2,7 +2,8 @@
 
 #include "evaluation/comparison.hpp"
 #include <sonopose/estimation/any_estimator.hpp>
-#include <sonopose/geometry/rotation.hpp>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -79,26 +80,19 @@ public:
       : start_ns_(available_at_ns(test_case.events.front())),
         comparison_(test_case.truth, start_ns_ + to_ns(test_case.score_after_s)),
         whole_(test_case.truth, start_ns_),
-        prediction_(start_ns_ + to_ns(test_case.score_after_s),
-                    settings.heading.mount_offset_deg * geometry::radians_per_degree,
-                    test_case.wheel_speeds) {
+        prediction_(start_ns_ + to_ns(test_case.score_after_s), settings, test_case.wheel_speeds) {
     for (const sim::Outage& outage : test_case.outages) drifts_.emplace_back(outage, start_ns_);
   }
 
-  void add(const FusedPose& pose) {
-    comparison_.add(pose);
-    whole_.add(pose);
-    prediction_.add(pose);
-    for (DriftMonitor& drift : drifts_) drift.add(pose);
+  void add(const Event& event) {
+    if (const auto* fix = std::get_if<UltrasonicFix>(&event)) comparison_.add(*fix);
+    prediction_.add(event);
   }
 
-  void add(const UltrasonicFix& fix) {
-    comparison_.add(fix);
-    prediction_.add(fix);
+  void add(const estimation::EventResult& result) {
+    prediction_.add(result);
+    if (const auto* pose = std::get_if<FusedPose>(&result)) add(*pose);
   }
-
-  void add(const PairHeading& heading) { prediction_.add(heading); }
-  void add(const FixReport& report) { prediction_.add(report); }
 
   void finish(const Case& test_case, const settings::Settings& settings, CaseResult& result) const {
     result.fused = comparison_.fused();
@@ -124,6 +118,12 @@ public:
   }
 
 private:
+  void add(const FusedPose& pose) {
+    comparison_.add(pose);
+    whole_.add(pose);
+    for (DriftMonitor& drift : drifts_) drift.add(pose);
+  }
+
   /// ∫ v·exp(−rate·t) dt over the part of the outage in stale mode.
   static double allowed_m(const DriftMonitor& drift, const sim::Outage& outage,
                           const settings::OutageSettings& settings) {
@@ -168,7 +168,7 @@ double median_known(const std::vector<CaseResult>& runs, const Value& value) {
 PredictionSummary prediction_of(const std::vector<CaseResult>& runs) {
   using Score = const PredictionScore&;
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  return {.fixes = median_known(runs, [](Score run) { return static_cast<double>(run.fixes); }),
+  return {.fixes = median_known(runs, [](Score run) { return static_cast<double>(run.fixes.size()); }),
           .rms_m = median_known(runs, [](Score run) { return run.distance_m.rmse; }),
           .p50_m = median_known(runs, [](Score run) { return run.distance_p50_m; }),
           .p95_m = median_known(runs, [](Score run) { return run.distance_m.p95; }),
@@ -193,20 +193,25 @@ CaseResult evaluate(const Case& test_case, const settings::Settings& settings) {
   CaseResult result;
   result.name = test_case.name;
   result.engine = settings::to_text(settings::get(settings, "fusion.engine"));
-  result.has_truth = !test_case.truth.empty();
+  result.has_truth = std::any_of(test_case.truth.begin(), test_case.truth.end(),
+                                 [](const TruthSample& truth) { return truth.position_world_m.allFinite(); });
   estimation::AnyEstimator estimator(settings);
   CaseRun run(test_case, settings);
   for (const Event& event : test_case.events) {
-    if (const auto* fix = std::get_if<UltrasonicFix>(&event)) run.add(*fix);
-    if (const auto* heading = std::get_if<PairHeading>(&event)) run.add(*heading);
-    const auto output = estimation::process(estimator, event);
-    if (const auto* pose = std::get_if<FusedPose>(&output)) run.add(*pose);
-    if (const auto* report = std::get_if<FixReport>(&output)) run.add(*report);
+    run.add(event);
+    run.add(estimation::process(estimator, event));
   }
   result.fixes_used = estimator.counters().fixes_used;
   result.fixes_rejected = estimator.counters().fixes_rejected;
   run.finish(test_case, estimator.settings(), result);
   return result;
+}
+
+std::vector<CaseResult> evaluate_all(const std::vector<Case>& runs, const settings::Settings& settings) {
+  std::vector<CaseResult> results;
+  results.reserve(runs.size());
+  for (const Case& run : runs) results.push_back(evaluate(run, settings));
+  return results;
 }
 
 Summary summarise(const std::vector<CaseResult>& runs) {
@@ -216,6 +221,8 @@ Summary summarise(const std::vector<CaseResult>& runs) {
   summary.runs = runs.size();
   summary.has_truth = runs.front().has_truth;
   summary.prediction = prediction_of(runs);
+  for (const CaseResult& run : runs) summary.predictions.push_back(run.prediction);
+  if (!summary.has_truth) return summary;
   const auto position = [](const CaseResult& run) {
     return std::isnan(run.fused.position_m.rmse) ? std::numeric_limits<double>::infinity()
                                                  : run.fused.position_m.rmse;
@@ -245,22 +252,41 @@ Summary summarise(const std::vector<CaseResult>& runs) {
   return summary;
 }
 
-double cost_of(const std::vector<CaseResult>& runs) {
-  const std::vector<double> costs_m = each(runs, [](const CaseResult& run) {
-    const double cost_m = run.has_truth ? run.fused.position_m.rmse : run.prediction.bounded_rms_m;
-    return std::isnan(cost_m) ? never : cost_m;
-  });
+std::optional<double> cost_of(const std::vector<CaseResult>& runs, const std::vector<CaseResult>& reference) {
+  std::vector<double> costs_m;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const double cost_m = reference[i].has_truth
+                              ? runs[i].fused.position_m.rmse
+                              : evaluation::cost_of(runs[i].prediction, reference[i].prediction);
+    if (!reference[i].has_truth && std::isnan(cost_m)) return std::nullopt;
+    costs_m.push_back(std::isnan(cost_m) ? never : cost_m);
+  }
   return std::sqrt(median(costs_m) * *std::max_element(costs_m.begin(), costs_m.end()));
 }
 
-double cost_of(const std::vector<std::vector<Case>>& cases, const settings::Settings& settings) {
-  double logarithms = 0.0;
-  for (const std::vector<Case>& runs : cases) {
-    std::vector<CaseResult> results;
-    for (const Case& run : runs) results.push_back(evaluate(run, settings));
-    logarithms += std::log(cost_of(results));
+CostFunction::CostFunction(std::vector<std::vector<Case>> cases, const settings::Settings& reference) {
+  for (auto& runs : cases) {
+    std::vector<CaseResult> results = evaluate_all(runs, reference);
+    if (std::isfinite(cost_of(results, results).value_or(never))) {
+      rows_.push_back({std::move(runs), std::move(results)});
+    } else {
+      left_out_.push_back(
+          fmt::format("{}: nothing to score after {:g} s", runs.front().name, runs.front().score_after_s));
+    }
   }
-  return std::exp(logarithms / static_cast<double>(cases.size()));
+}
+
+double CostFunction::operator()(const settings::Settings& settings) const {
+  double logarithms = 0.0;
+  for (const Row& row : rows_) {
+    logarithms += std::log(cost_of(evaluate_all(row.runs, settings), row.reference).value_or(never));
+  }
+  return std::exp(logarithms / static_cast<double>(rows_.size()));
+}
+
+bool CostFunction::has_truth_of_all() const {
+  return std::all_of(rows_.begin(), rows_.end(),
+                     [](const Row& row) { return row.reference.front().has_truth; });
 }
 
 }  // namespace sonopose::evaluation

@@ -8,6 +8,7 @@
 #include <sonopose/settings/settings.hpp>
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,7 +37,7 @@ inline constexpr double recovery_window_s = 0.5;
 struct CaseResult {
   std::string name;
   std::string engine;      ///< the value of fusion.engine
-  bool has_truth = false;  ///< without it, `fused` and the two errors that follow are NaN
+  bool has_truth = false;  ///< of the position; otherwise `fused` and the two errors that follow are NaN
   Score fused;
   ErrorSummary last_fix_m;      ///< error of the latest fix at the same times
   ErrorSummary extrapolated_m;  ///< error of the extrapolated fix at the same times
@@ -48,6 +49,8 @@ struct CaseResult {
 };
 
 CaseResult evaluate(const Case& test_case, const settings::Settings& settings);
+
+std::vector<CaseResult> evaluate_all(const std::vector<Case>& runs, const settings::Settings& settings);
 
 /// Prediction errors over several runs: the median of each figure. NaN: not known.
 struct PredictionSummary {
@@ -67,31 +70,57 @@ struct PredictionSummary {
 
 /// Summary over several runs of one case.
 struct Summary {
+  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
   std::string name;
   std::string engine;
   std::size_t runs = 0;
-  bool has_truth = false;
-  double position_rmse_m = 0;  ///< median over the runs, like the values that follow
-  double worst_rmse_m = 0;     ///< of the worst run
-  double position_p95_m = 0;
-  double yaw_rmse_deg = 0;
-  double tilt_rmse_deg = 0;
-  double velocity_rmse_mps = 0;
-  double last_fix_rmse_m = 0;
-  double extrapolated_rmse_m = 0;
+  bool has_truth = false;            ///< otherwise the errors that follow are NaN
+  double position_rmse_m = unknown;  ///< median over the runs, like the values that follow
+  double worst_rmse_m = unknown;     ///< of the worst run
+  double position_p95_m = unknown;
+  double yaw_rmse_deg = unknown;
+  double tilt_rmse_deg = unknown;
+  double velocity_rmse_mps = unknown;
+  double last_fix_rmse_m = unknown;
+  double extrapolated_rmse_m = unknown;
   std::optional<double> slowest_recovery_s;  ///< over all outages and relocations of all runs
   std::optional<double> worst_drift_share;   ///< drift / allowed drift, over all outages
   PredictionSummary prediction;
+  std::vector<PredictionScore> predictions;  ///< of each run
 };
 
 /// Summarises the runs of one case; `runs` must not be empty. A run whose error is NaN counts as the worst.
 Summary summarise(const std::vector<CaseResult>& runs);
 
 /// Cost of the runs of one case, m: √(median · worst) of their RMS errors, so that the worst run counts as
-/// much as the median run. Without truth: of the bounded RMS of the prediction errors.
-double cost_of(const std::vector<CaseResult>& runs);
+/// much as the median run. Without truth, of their prediction errors at the fixes that `reference` trusted,
+/// the same runs with other settings. Empty if there are none.
+std::optional<double> cost_of(const std::vector<CaseResult>& runs, const std::vector<CaseResult>& reference);
 
-/// Cost of the settings, m: the geometric mean over the cases. Every case has the same weight.
-double cost_of(const std::vector<std::vector<Case>>& cases, const settings::Settings& settings);
+/// The cost of settings over several cases.
+class CostFunction {
+public:
+  /// `reference`: the settings whose judgement of fixes counts where there is no truth.
+  CostFunction(std::vector<std::vector<Case>> cases, const settings::Settings& reference);
+
+  /// The cases that have no cost, and why.
+  [[nodiscard]] const std::vector<std::string>& left_out() const { return left_out_; }
+  [[nodiscard]] bool empty() const { return rows_.empty(); }
+  /// Whether no prediction error counts.
+  [[nodiscard]] bool has_truth_of_all() const;
+
+  /// The geometric mean over the cases, m: every case has the same weight.
+  double operator()(const settings::Settings& settings) const;
+
+private:
+  struct Row {
+    std::vector<Case> runs;
+    std::vector<CaseResult> reference;
+  };
+
+  std::vector<Row> rows_;
+  std::vector<std::string> left_out_;
+};
 
 }  // namespace sonopose::evaluation

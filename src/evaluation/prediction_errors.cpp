@@ -8,14 +8,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <unordered_map>
+#include <utility>
 
 namespace sonopose::evaluation {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr TimeNs remembered_ns = 3'000'000'000;  // longer than any delay of a fix
-constexpr double widest_gap_s = 0.1;
-constexpr double least_speed_mps = 0.1;  // below it, the track has no direction
+constexpr double widest_gap_s = 0.1;             // between poses, and from the last one to a measurement
+constexpr double least_speed_mps = 0.1;          // below it, the track has no direction
 
 SignedErrors signed_errors_of(const std::vector<double>& errors) {
   if (errors.empty()) return {unknown, unknown};
@@ -34,17 +36,6 @@ double quantile(const std::vector<double>& values, double share) {
   return values.empty() ? unknown : statistics::quantile(values, share);
 }
 
-/// The RMS of errors of which each counts as e / √(1 + (e / c)²).
-double bounded_rms(const std::vector<double>& errors_m) {
-  if (errors_m.empty()) return unknown;
-  constexpr double most_m = 0.3;
-  double squares = 0.0;
-  for (const double error_m : errors_m) {
-    squares += error_m * error_m / (1.0 + error_m * error_m / (most_m * most_m));
-  }
-  return std::sqrt(squares / static_cast<double>(errors_m.size()));
-}
-
 /// Σ eₖ·eₖ₋₁ / Σ eₖ², for numbers or vectors; NaN if there are fewer than two.
 template <class Error, class Dot>
 double lag_one_of(const std::vector<Error>& errors, const Dot& dot) {
@@ -61,7 +52,7 @@ double lag_one_of(const std::vector<Error>& errors, const Dot& dot) {
 PredictedQuantity quantity_of(const std::vector<double>& errors) {
   std::vector<double> sizes;
   for (const double error : errors) sizes.push_back(std::abs(error));
-  return {errors.size(), signed_errors_of(errors), quantile(sizes, 0.95),
+  return {errors.size(), signed_errors_of(errors), quantile(sizes, 0.5), quantile(sizes, 0.95),
           lag_one_of(errors, [](double a, double b) { return a * b; })};
 }
 
@@ -74,12 +65,54 @@ NormalisedInnovations normalised(const std::vector<double>& squares) {
   return {squares.size(), sum / freedom, 1.0 - half_width, 1.0 + half_width};
 }
 
+bool is_trusted(const FixReport& report) {
+  return (report.flags & fix_used) != 0 && (report.flags & fix_outlier) == 0;
+}
+
 }  // namespace
 
+double cost_of(const PredictionScore& score, const PredictionScore& reference) {
+  std::unordered_map<TimeNs, double> squares_m2;
+  for (const FixError& fix : score.fixes) squares_m2[fix.emission_time_ns] = fix.error_world_m.squaredNorm();
+  double sum_m2 = 0.0;
+  std::size_t count = 0;
+  for (const FixError& fix : reference.fixes) {
+    const auto found = squares_m2.find(fix.emission_time_ns);
+    if (!fix.trusted || found == squares_m2.end()) continue;
+    sum_m2 += found->second;
+    ++count;
+  }
+  return count == 0 ? unknown : std::sqrt(sum_m2 / static_cast<double>(count));
+}
+
+PredictionErrors::PredictionErrors(TimeNs from_ns, const settings::Settings& settings,
+                                   std::span<const recording::WheelSpeed> wheel_speeds)
+    : from_ns_(from_ns),
+      mount_offset_rad_(settings.heading.mount_offset_deg * geometry::radians_per_degree),
+      wheel_speeds_(wheel_speeds) {}
+
+void PredictionErrors::add(const Event& event) {
+  if (const auto* fix = std::get_if<UltrasonicFix>(&event)) compare(*fix);
+  if (const auto* heading = std::get_if<PairHeading>(&event)) compare(*heading);
+}
+
+void PredictionErrors::add(const estimation::EventResult& result) {
+  if (const auto* pose = std::get_if<FusedPose>(&result)) keep(*pose);
+  if (const auto* report = std::get_if<FixReport>(&result)) keep(*report);
+}
+
+/// Between two poses by interpolation, shortly after the last one by its velocity.
 std::optional<PredictionErrors::Predicted> PredictionErrors::at(TimeNs time_ns) const {
+  if (poses_.empty()) return std::nullopt;
   const auto after = std::lower_bound(poses_.begin(), poses_.end(), time_ns,
                                       [](const Predicted& pose, TimeNs time) { return pose.time_ns < time; });
-  if (after == poses_.end()) return std::nullopt;
+  if (after == poses_.end()) {
+    Predicted last = poses_.back();
+    const double since_s = seconds_between(last.time_ns, time_ns);
+    if (since_s > widest_gap_s) return std::nullopt;
+    last.position_world_m += since_s * last.velocity_world_mps;
+    return last;
+  }
   if (after->time_ns == time_ns) return *after;
   if (after == poses_.begin()) return std::nullopt;
   const Predicted& before = *std::prev(after);
@@ -92,12 +125,17 @@ std::optional<PredictionErrors::Predicted> PredictionErrors::at(TimeNs time_ns) 
       before.q_body_to_world.slerp(share, after->q_body_to_world)};
 }
 
-void PredictionErrors::add(const FusedPose& pose) {
+void PredictionErrors::keep(const FusedPose& pose) {
   if ((pose.status & status_initialising) != 0) return;
-  if (!poses_.empty() && pose.time_ns <= poses_.back().time_ns) return;
+  // A stamp that goes back means that those before it were wrong.
+  while (!poses_.empty() && poses_.back().time_ns >= pose.time_ns) poses_.pop_back();
   poses_.push_back({pose.time_ns, pose.position_world_m, pose.velocity_world_mps, pose.q_body_to_world});
   while (poses_.front().time_ns < pose.time_ns - remembered_ns) poses_.pop_front();
-  for (; !wheel_speeds_.empty() && wheel_speeds_.front().time_ns <= pose.time_ns;
+  compare_wheel_speeds(pose.time_ns);
+}
+
+void PredictionErrors::compare_wheel_speeds(TimeNs until_ns) {
+  for (; !wheel_speeds_.empty() && wheel_speeds_.front().time_ns <= until_ns;
        wheel_speeds_ = wheel_speeds_.subspan(1)) {
     const recording::WheelSpeed& wheel = wheel_speeds_.front();
     const auto predicted = at(wheel.time_ns);
@@ -106,7 +144,7 @@ void PredictionErrors::add(const FusedPose& pose) {
   }
 }
 
-void PredictionErrors::add(const UltrasonicFix& fix) {
+void PredictionErrors::compare(const UltrasonicFix& fix) {
   if (fix.emission_time_ns < from_ns_ || !fix.position_world_m.allFinite()) return;
   const auto predicted = at(fix.emission_time_ns);
   if (!predicted) {
@@ -117,7 +155,7 @@ void PredictionErrors::add(const UltrasonicFix& fix) {
                     predicted->velocity_world_mps});
 }
 
-void PredictionErrors::add(const PairHeading& heading) {
+void PredictionErrors::compare(const PairHeading& heading) {
   if (!heading.valid || heading.emission_time_ns < from_ns_) return;
   const auto predicted = at(heading.emission_time_ns);
   if (!predicted) return;
@@ -125,14 +163,16 @@ void PredictionErrors::add(const PairHeading& heading) {
                                               geometry::yaw_of(predicted->q_body_to_world)));
 }
 
-void PredictionErrors::add(const FixReport& report) {
+void PredictionErrors::keep(const FixReport& report) {
   if (report.emission_time_ns < from_ns_) return;
   ++reports_;
-  if (!fixes_.empty() && fixes_.back().emission_time_ns == report.emission_time_ns) {
-    fixes_.back().used = (report.flags & fix_used) != 0;
-  }
   if ((report.flags & fix_outlier) != 0) ++gated_;
-  if (!report.innovation_covariance_m2 || (report.flags & fix_used) == 0) return;
+  if (!is_trusted(report)) return;
+  if (!fixes_.empty() && fixes_.back().emission_time_ns == report.emission_time_ns) {
+    fixes_.back().trusted = true;
+  }
+  innovations_world_m_.push_back(report.innovation_world_m);
+  if (!report.innovation_covariance_m2) return;
   const Eigen::LLT<Eigen::Matrix3d> covariance(report.innovation_covariance_m2->matrix());
   if (covariance.info() != Eigen::Success) return;
   squared_innovations_.push_back(report.innovation_world_m.dot(covariance.solve(report.innovation_world_m)));
@@ -140,14 +180,12 @@ void PredictionErrors::add(const FixReport& report) {
 
 PredictionScore PredictionErrors::score() const {
   std::vector<double> distances_m;
-  std::vector<Vector3d> used_world_m;
   std::vector<double> along_m;
   std::vector<double> left_m;
   std::vector<double> up_m;
   for (const FixError& fix : fixes_) {
     distances_m.push_back(fix.error_world_m.norm());
-    if (!fix.used) continue;
-    used_world_m.push_back(fix.error_world_m);
+    if (!fix.trusted) continue;
     up_m.push_back(fix.error_world_m.z());
     const Eigen::Vector2d velocity_mps = fix.velocity_world_mps.head<2>();
     if (velocity_mps.norm() < least_speed_mps) continue;
@@ -157,15 +195,14 @@ PredictionScore PredictionErrors::score() const {
   }
   const auto dot = [](const Vector3d& a, const Vector3d& b) { return a.dot(b); };
   return {
-      .fixes = fixes_.size(),
+      .fixes = fixes_,
       .fixes_without = without_,
       .distance_m = error_summary_of(distances_m),
       .distance_p50_m = quantile(distances_m, 0.5),
-      .bounded_rms_m = bounded_rms(distances_m),
       .along_m = signed_errors_of(along_m),
       .left_m = signed_errors_of(left_m),
       .up_m = signed_errors_of(up_m),
-      .lag_one = lag_one_of(used_world_m, dot),
+      .lag_one = lag_one_of(innovations_world_m_, dot),
       .gated_share = reports_ == 0 ? unknown : static_cast<double>(gated_) / static_cast<double>(reports_),
       .innovations =
           squared_innovations_.empty() ? std::nullopt : std::optional(normalised(squared_innovations_)),

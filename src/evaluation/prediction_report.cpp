@@ -39,23 +39,22 @@ nlohmann::ordered_json json_of(const SignedErrors& errors) {
 
 nlohmann::ordered_json json_of(const PredictedQuantity& quantity) {
   if (quantity.count == 0) return {};
-  return {{"count", quantity.count},
-          {"mean", quantity.error.mean},
-          {"rms", quantity.error.rms},
-          {"p95", quantity.p95},
-          {"lag_one", quantity.lag_one}};
+  return {{"count", quantity.count}, {"mean", quantity.error.mean}, {"rms", quantity.error.rms},
+          {"p50", quantity.p50},     {"p95", quantity.p95},         {"lag_one", quantity.lag_one}};
 }
 
 }  // namespace
 
 std::string prediction_text(const PredictionScore& score) {
-  if (score.fixes == 0) return row("predicted", "no fix: none has a pose at its emission");
+  if (score.fixes.empty()) return row("predicted", "no fix: none has a pose at its emission");
   std::string text =
       row("predicted",
-          fmt::format("{:8.4f} m RMS from pose to fix, {:.4f} m p50, {:.4f} m p95, over {} fixes",
-                      score.distance_m.rmse, score.distance_p50_m, score.distance_m.p95, score.fixes));
+          fmt::format(
+              "{:8.4f} m RMS from pose to fix, {:.4f} m p50, {:.4f} m p95, over {} fixes, {} without a pose",
+              score.distance_m.rmse, score.distance_p50_m, score.distance_m.p95, score.fixes.size(),
+              score.fixes_without));
   text += row(
-      "", fmt::format("used fixes, mean (RMS) in cm: {}, {}, {}; lag-1 correlation {:.2f}; {:.1f} % gated",
+      "", fmt::format("trusted fixes, mean (RMS) in cm: {}, {}, {}; lag-1 correlation {:.2f}; {:.1f} % gated",
                       signed_cm("along", score.along_m), signed_cm("left", score.left_m),
                       signed_cm("up", score.up_m), score.lag_one, 100.0 * score.gated_share));
   text += row("innovations", innovations_text(score.innovations));
@@ -65,10 +64,9 @@ std::string prediction_text(const PredictionScore& score) {
 
 nlohmann::ordered_json prediction_json(const PredictionScore& score) {
   // The JSON library writes NaN (unknown) as null.
-  nlohmann::ordered_json object{{"fixes", score.fixes},
+  nlohmann::ordered_json object{{"fixes", score.fixes.size()},
                                 {"fixes_without_pose", score.fixes_without},
                                 {"distance_rms_m", score.distance_m.rmse},
-                                {"distance_bounded_rms_m", score.bounded_rms_m},
                                 {"distance_p50_m", score.distance_p50_m},
                                 {"distance_p95_m", score.distance_m.p95},
                                 {"distance_max_m", score.distance_m.max},

@@ -3,7 +3,6 @@
 #include "evaluation/comparison.hpp"
 #include "evaluation/digest.hpp"
 #include <sonopose/estimation/snapshot_fields.hpp>
-#include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
 #include <stdexcept>
@@ -17,8 +16,7 @@ public:
   Results(const recording::SensorLog& log, const RunOptions& options, const Observer& observer)
       : observer_(observer),
         comparison_(log.truth, available_at_ns(log.events.front()) + to_ns(options.after_s)),
-        prediction_(available_at_ns(log.events.front()) + to_ns(options.after_s),
-                    options.settings.heading.mount_offset_deg * geometry::radians_per_degree,
+        prediction_(available_at_ns(log.events.front()) + to_ns(options.after_s), options.settings,
                     log.wheel_speeds) {
     result_.has_truth = !log.truth.empty();
   }
@@ -26,26 +24,22 @@ public:
   void add(const UltrasonicFix& fix) { comparison_.add(fix); }
 
   /// Before the estimator processes the event.
-  void predict(const Event& event) {
-    if (const auto* fix = std::get_if<UltrasonicFix>(&event)) prediction_.add(*fix);
-    if (const auto* heading = std::get_if<PairHeading>(&event)) prediction_.add(*heading);
-  }
+  void predict(const Event& event) { prediction_.add(event); }
 
   void add(const FusedPose& pose) {
     ++result_.poses;
     digest_.add(pose);
     if (result_.has_truth) comparison_.add(pose);
-    prediction_.add(pose);
     if (observer_.on_pose) observer_.on_pose(pose);
   }
 
   void add(const FixReport& report) {
     result_.fix_flags.add(report.flags);
-    prediction_.add(report);
     if (observer_.on_report) observer_.on_report(report);
   }
 
   void add(const estimation::EventResult& output) {
+    prediction_.add(output);
     if (const auto* pose = std::get_if<FusedPose>(&output)) add(*pose);
     if (const auto* report = std::get_if<FixReport>(&output)) add(*report);
   }

@@ -9,25 +9,42 @@
 
 namespace sonopose::evaluation {
 
-Change change_of(const std::vector<CostPair>& costs) {
-  const auto count = static_cast<double>(costs.size());
-  double sum = 0.0;
-  double squares = 0.0;
+namespace {
+
+std::string spread_text(const Change& change) {
+  if (std::isnan(change.standard_error)) return "a single case shows no spread";
+  return fmt::format("standard error {:.1f} percentage points, {} cases", 100.0 * change.standard_error,
+                     change.cases);
+}
+
+nlohmann::ordered_json json_of(const Change& change) {
+  if (change.cases == 0) return {};
+  return {{"cases", change.cases}, {"change", change.mean}, {"standard_error", change.standard_error}};
+}
+
+}  // namespace
+
+Change change_of(const std::vector<CostPair>& costs, bool has_truth) {
+  std::vector<double> ratios;
   for (const CostPair& cost : costs) {
-    const double ratio = std::log(cost.second_m / cost.first_m);
-    sum += ratio;
-    squares += ratio * ratio;
+    if (cost.has_truth == has_truth) ratios.push_back(std::log(cost.second_m / cost.first_m));
   }
+  if (ratios.empty()) return {};
+  const auto count = static_cast<double>(ratios.size());
+  double sum = 0.0;
+  for (const double ratio : ratios) sum += ratio;
   const double mean = sum / count;
-  const double change = std::expm1(mean);
-  if (costs.size() < 2) return {change, std::numeric_limits<double>::quiet_NaN()};
-  const double variance = std::max(0.0, (squares - count * mean * mean) / (count - 1.0));
-  return {change, std::exp(mean) * std::sqrt(variance / count)};
+  double squares = 0.0;
+  for (const double ratio : ratios) squares += (ratio - mean) * (ratio - mean);
+  const double standard_error = ratios.size() < 2
+                                    ? std::numeric_limits<double>::quiet_NaN()
+                                    : std::exp(mean) * std::sqrt(squares / (count - 1.0) / count);
+  return {ratios.size(), std::expm1(mean), standard_error};
 }
 
 std::string table_of(const std::vector<CostPair>& costs, const std::string& first,
                      const std::string& second) {
-  std::size_t width = 15;
+  std::size_t width = 22;
   for (const CostPair& cost : costs) width = std::max(width, cost.name.size());
   std::string text =
       fmt::format("A: {}\nB: {}\n\n{:<{}} {:>8} {:>8} {:>9}  of\n{:<{}} {:>8} {:>8} {:>9}\n", first, second,
@@ -37,12 +54,14 @@ std::string table_of(const std::vector<CostPair>& costs, const std::string& firs
                         100.0 * cost.second_m, 100.0 * cost.change(),
                         cost.has_truth ? "the error" : "the prediction error");
   }
-  const Change all = change_of(costs);
-  const std::string spread = std::isnan(all.standard_error)
-                                 ? "one case shows no spread"
-                                 : fmt::format("±{:.1f} standard error", 100.0 * all.standard_error);
-  return text +
-         fmt::format("{:<{}} {:>8} {:>8} {:>+9.1f}  {}\n", "all", width, "", "", 100.0 * all.mean, spread);
+  for (const bool has_truth : {true, false}) {
+    const Change all = change_of(costs, has_truth);
+    if (all.cases == 0) continue;
+    text +=
+        fmt::format("{:<{}} {:>8} {:>8} {:>+9.1f}  {}\n", has_truth ? "all with truth" : "all without truth",
+                    width, "", "", 100.0 * all.mean, spread_text(all));
+  }
+  return text;
 }
 
 std::string json_of(const std::vector<CostPair>& costs, const std::string& first, const std::string& second) {
@@ -54,12 +73,11 @@ std::string json_of(const std::vector<CostPair>& costs, const std::string& first
                      {"second_m", cost.second_m},
                      {"change", cost.change()}});
   }
-  const Change all = change_of(costs);
   const nlohmann::ordered_json object{{"first", first},
                                       {"second", second},
                                       {"cases", std::move(cases)},
-                                      {"change", all.mean},
-                                      {"standard_error", all.standard_error}};
+                                      {"with_truth", json_of(change_of(costs, true))},
+                                      {"without_truth", json_of(change_of(costs, false))}};
   return object.dump(2) + "\n";
 }
 

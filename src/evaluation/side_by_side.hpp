@@ -2,6 +2,7 @@
 /// \file
 /// Two sets of settings on the same cases.
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -18,21 +19,20 @@ struct CostPair {
   [[nodiscard]] double change() const { return second_m / first_m - 1.0; }
 };
 
-/// The change over several cases.
+/// The change over several cases of one kind: with truth, or without.
 struct Change {
+  std::size_t cases = 0;
   double mean = 0;  ///< of the geometric mean
-  /// The standard error of the mean, from the spread over the cases; NaN for a single case. A change of less
-  /// than twice this may be chance.
+  /// The standard error of the mean, from the spread over the cases; NaN for a single case.
   double standard_error = 0;
 };
 
-/// `costs` must not be empty.
-Change change_of(const std::vector<CostPair>& costs);
+Change change_of(const std::vector<CostPair>& costs, bool has_truth);
 
-/// An aligned table with the change of each case and of all.
+/// An aligned table with the change of each case, and of all with truth and all without.
 std::string table_of(const std::vector<CostPair>& costs, const std::string& first, const std::string& second);
 
-/// {"first": …, "second": …, "cases": [{…}], "change": …, "standard_error": …}
+/// {"first": …, "second": …, "cases": [{…}], "with_truth": {…}, "without_truth": {…}}; null: no such case.
 std::string json_of(const std::vector<CostPair>& costs, const std::string& first, const std::string& second);
 
 }  // namespace sonopose::evaluation

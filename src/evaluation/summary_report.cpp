@@ -1,12 +1,12 @@
 #include "evaluation/summary_report.hpp"
 
+#include "evaluation/prediction_report.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace sonopose::evaluation {
@@ -59,26 +59,6 @@ std::string prediction_table(const std::vector<Summary>& summaries, std::size_t 
   return text;
 }
 
-nlohmann::ordered_json json_of(const PredictionSummary& errors) {
-  return {{"fixes", errors.fixes},
-          {"rms_m", errors.rms_m},
-          {"p50_m", errors.p50_m},
-          {"p95_m", errors.p95_m},
-          {"along_mean_m", errors.along_mean_m},
-          {"left_mean_m", errors.left_mean_m},
-          {"up_mean_m", errors.up_mean_m},
-          {"lag_one", errors.lag_one},
-          {"normalised_innovation_squared", errors.innovations},
-          {"gated_share", errors.gated_share},
-          {"heading_rms_rad", errors.heading_rms_rad},
-          {"wheel_speed_rms_mps", errors.wheel_speed_rms_mps}};
-}
-
-/// The fields that need a truth.
-constexpr std::array of_truth{"position_rmse_m", "position_rmse_worst_m", "position_p95_m",
-                              "last_fix_rmse_m", "extrapolated_rmse_m",   "velocity_rmse_mps",
-                              "yaw_rmse_deg",    "tilt_rmse_deg"};
-
 }  // namespace
 
 std::string table_of(const std::vector<Summary>& summaries) {
@@ -106,10 +86,8 @@ std::string json_of(const std::vector<Summary>& summaries) {
                                   {"velocity_rmse_mps", row.velocity_rmse_mps},
                                   {"yaw_rmse_deg", row.yaw_rmse_deg},
                                   {"tilt_rmse_deg", row.tilt_rmse_deg},
-                                  {"prediction", json_of(row.prediction)}};
-    if (!row.has_truth) {
-      for (const char* name : of_truth) object[name] = nullptr;
-    }
+                                  {"prediction", nlohmann::ordered_json::array()}};
+    for (const PredictionScore& run : row.predictions) object["prediction"].push_back(prediction_json(run));
     if (row.slowest_recovery_s) object["slowest_recovery_s"] = *row.slowest_recovery_s;
     if (row.worst_drift_share) object["worst_drift_share"] = *row.worst_drift_share;
     rows.push_back(std::move(object));

@@ -13,7 +13,7 @@ namespace sonopose::evaluation {
 /// errors. "-" is a value that is not known.
 std::string table_of(const std::vector<Summary>& summaries);
 
-/// Summaries as a JSON array; null for values that are not known.
+/// Summaries as a JSON array, with the prediction errors of each run; null for values that are not known.
 std::string json_of(const std::vector<Summary>& summaries);
 
 }  // namespace sonopose::evaluation

@@ -114,7 +114,8 @@ public:
     reader_.try_take_each(
         [this](const sonopose_LineStatus& sample, const dds::SampleInfo&) {
           LineStatus line = dds::topics::from_idl(sample);
-          lines_[{line.name, line.bridge_id}] = std::move(line);
+          const std::pair key{line.name, line.bridge_id};
+          if (lines_.size() < most_lines || lines_.contains(key)) lines_[key] = std::move(line);
         },
         [this](const sonopose_LineStatus& key, const dds::SampleInfo& info) {
           if (!info.alive()) lines_.erase({key.name, key.bridge_id});
@@ -127,6 +128,8 @@ public:
   }
 
 private:
+  static constexpr std::size_t most_lines = 256;
+
   dds::DataReader<sonopose_LineStatus> reader_;
   std::map<std::pair<std::string, std::uint64_t>, LineStatus> lines_;  ///< by name and bridge
 };
@@ -144,15 +147,14 @@ void log_silences(const std::vector<observation::PoseSilence>& changes) {
   }
 }
 
-/// Frees the beacons that are gone, so that others may take their places. Returns how many poses they had.
-std::uint64_t remove_gone(observation::BeaconObservers& observers, process::BeaconAdmission& admission) {
-  std::uint64_t poses = 0;
-  for (const observation::GoneBeacon& gone : observers.remove_gone(clocks::steady_now())) {
-    admission.forget(gone.address);
-    fmt::print(stderr, "sonopose-monitor: beacon {}: gone, after {} poses\n", gone.address, gone.poses);
-    poses += gone.poses;
+/// Frees the beacons that are gone, so that others may take their places, and keeps their summaries.
+void remove_gone(observation::BeaconObservers& observers, process::BeaconAdmission& admission,
+                 std::vector<observation::BeaconView>& gone) {
+  for (observation::BeaconView& view : observers.remove_gone(clocks::steady_now(), clocks::host_now())) {
+    admission.forget(view.address);
+    fmt::print(stderr, "sonopose-monitor: beacon {}: gone\n", view.address);
+    gone.push_back(std::move(view));
   }
-  return poses;
 }
 
 }  // namespace
@@ -172,7 +174,7 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
 
   LineObserver lines(participant, qos);
   PoseWriterLogger pose_writers(participant);
-  std::uint64_t poses = 0;
+  std::vector<observation::BeaconView> gone;  // at most as many as the admission ever admits
 
   constexpr TimeNs period_ns = 1'000'000'000;
   constexpr TimeNs pose_writers_period_ns = 500'000'000;
@@ -190,7 +192,7 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
       next_pose_writers += pose_writers_period_ns;
     }
     if (clocks::steady_now() < next) continue;
-    poses += remove_gone(observers, admission);
+    remove_gone(observers, admission, gone);
     if (const auto text = admission.refusals()) fmt::print(stderr, "sonopose-monitor: {}\n", *text);
     std::vector<std::string> warnings = lines.warnings();
     warnings.insert(warnings.end(), pose_writers.warnings().begin(), pose_writers.warnings().end());
@@ -200,8 +202,10 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
   }
   stop.wait_until(std::min(end, next));
 
-  const auto summaries = observers.summaries(clocks::host_now());
+  std::vector<observation::BeaconView> summaries = std::move(gone);
+  for (auto& view : observers.summaries(clocks::host_now())) summaries.push_back(std::move(view));
   if (!options.json) fmt::print("\n{}", summary_of(summaries));
+  std::uint64_t poses = 0;
   for (const observation::BeaconView& view : summaries) poses += view.poses;
   return poses;
 }

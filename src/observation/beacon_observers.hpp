@@ -26,12 +26,6 @@ struct PoseSilence : process::Silence::Change {
   BeaconAddress address = 0;
 };
 
-/// A beacon from which nothing has come for so long that it is no longer listed.
-struct GoneBeacon {
-  BeaconAddress address = 0;
-  std::uint64_t poses = 0;  ///< that it had
-};
-
 /// All beacons. Thread-safe: Cyclone's receive threads write, another thread reads.
 class BeaconObservers {
 public:
@@ -94,14 +88,14 @@ public:
     return changes;
   }
 
-  /// Forgets and returns the beacons that are gone (see process::is_gone).
-  std::vector<GoneBeacon> remove_gone(SteadyTime now) {
-    std::vector<GoneBeacon> gone;
+  /// Forgets the beacons that are gone (see process::is_gone), and returns their summaries.
+  std::vector<BeaconView> remove_gone(SteadyTime now, TimeNs now_ns) {
+    std::vector<BeaconView> gone;
     const std::lock_guard lock(mutex_);
     std::erase_if(beacons_, [&](const auto& entry) {
       const auto& [address, beacon] = entry;
       if (!process::is_gone(now - beacon.last_heard, beacon.observer.poses())) return false;
-      gone.push_back({address, beacon.observer.poses()});
+      gone.push_back(beacon.observer.summary(address, now_ns));
       served_.forget(address);
       return true;
     });

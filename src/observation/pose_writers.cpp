@@ -64,6 +64,7 @@ void ServedBeacons::on(const FusionStatus& status, dds::InstanceHandle writer) {
 void ServedBeacons::forget(BeaconAddress address) {
   owners_.erase(address);
   for (auto& [writer, beacons] : statuses_) beacons.erase(address);
+  std::erase_if(statuses_, [](const auto& entry) { return entry.second.empty(); });
 }
 
 std::set<BeaconAddress> ServedBeacons::of(dds::InstanceHandle writer) const {

@@ -26,6 +26,7 @@ bool BeaconAdmission::accepts(BeaconAddress address) noexcept {
     return false;
   }
   admitted_[address] = true;
+  refused_[address] = false;
   known_[address] = true;
   return true;
 }

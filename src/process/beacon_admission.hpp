@@ -42,7 +42,7 @@ public:
   /// otherwise. Call it once a second.
   std::optional<std::string> refusals();
 
-  /// A message for the user if any beacon was ever refused.
+  /// A message for the user if there are beacons that were refused and have not been admitted since.
   std::optional<std::string> warning();
 
 private:

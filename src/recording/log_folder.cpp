@@ -6,6 +6,7 @@
 #include "recording/log_meta.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <limits>
 #include <optional>
@@ -246,7 +247,10 @@ std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, Beaco
 std::vector<WheelSpeed> read_wheel_speed_csv(const std::filesystem::path& file) {
   files::CsvReader rows(file, {wheel_speed_columns, wheel_speed_columns.size()});
   std::vector<WheelSpeed> speeds;
-  while (rows.next_row()) speeds.push_back({rows.time_ns(0), rows.number(1)});
+  while (rows.next_row()) {
+    const auto speed_mps = rows.optional_number(1);
+    if (speed_mps && std::isfinite(*speed_mps)) speeds.push_back({rows.time_ns(0), *speed_mps});
+  }
   std::stable_sort(speeds.begin(), speeds.end(),
                    [](const WheelSpeed& a, const WheelSpeed& b) { return a.time_ns < b.time_ns; });
   return speeds;

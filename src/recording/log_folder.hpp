@@ -76,7 +76,7 @@ std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, Bea
 /// Position, attitude and velocity, each NaN if unknown. Further columns are ignored.
 std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address);
 
-/// Sorted by time.
+/// Sorted by time; rows without a speed are left out.
 std::vector<WheelSpeed> read_wheel_speed_csv(const std::filesystem::path& file);
 
 }  // namespace sonopose::recording

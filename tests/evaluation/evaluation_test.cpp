@@ -158,7 +158,7 @@ TEST_CASE("recorded flights: the position error is below 4 cm") {
   for (const auto& recording : recordings) {
     const CaseResult result = evaluation::evaluate(evaluation::recorded_case(recording), {});
     INFO(result.name);
-    CHECK(result.prediction.fixes > 400);
+    CHECK(result.prediction.fixes.size() > 400);
     CHECK(result.prediction.distance_p50_m < 0.05);
     if (!result.has_truth) continue;
     CHECK(result.fused.position_m.rmse < 0.04);
@@ -203,18 +203,39 @@ TEST_CASE("runs are summarised by their median and worst error; NaN counts as th
 SCENARIO("a case without truth is scored by its prediction errors") {
   evaluation::Case walk = evaluation::simulated_case(sim::find_scenario("walk"), 1);
   const CaseResult with_truth = evaluation::evaluate(walk, {});
-  walk.truth.clear();
+  for (TruthSample& truth : walk.truth) truth.position_world_m.setConstant(std::nan(""));
   const CaseResult result = evaluation::evaluate(walk, {});
   CHECK_FALSE(result.has_truth);
   CHECK(std::isnan(result.fused.position_m.rmse));
-  CHECK(result.prediction.bounded_rms_m == with_truth.prediction.bounded_rms_m);
-  CHECK(evaluation::cost_of({result}) == Approx(result.prediction.bounded_rms_m));
-  CHECK(evaluation::cost_of({with_truth}) == Approx(with_truth.fused.position_m.rmse));
+  CHECK(result.prediction.distance_m.rmse == with_truth.prediction.distance_m.rmse);
+  CHECK(evaluation::cost_of({result}, {result}) ==
+        result.prediction.distance_m.rmse);  // all fixes are trusted
+  CHECK(evaluation::cost_of({with_truth}, {with_truth}) == Approx(with_truth.fused.position_m.rmse));
   const auto summary = evaluation::summarise({result});
   CHECK_THAT(evaluation::table_of({summary}), !Catch::Contains("nan") && !Catch::Contains("inf"));
   const auto row = nlohmann::json::parse(evaluation::json_of({summary})).at(0);
   CHECK(row.at("position_rmse_m").is_null());
-  CHECK(row.at("prediction").at("rms_m").get<double>() == result.prediction.distance_m.rmse);
+  CHECK(row.at("prediction").at(0).at("distance_rms_m").get<double>() == result.prediction.distance_m.rmse);
+}
+
+SCENARIO("settings that follow wrong tracks cost more, also without truth") {
+  std::vector<std::vector<evaluation::Case>> cases{
+      {evaluation::simulated_case(sim::find_scenario("outlier_bursts"), 801)}};
+  cases.front().front().truth.clear();
+  const evaluation::CostFunction cost(std::move(cases), documented());
+  settings::Settings credulous = documented();
+  credulous.trust.enabled = false;
+  CHECK_FALSE(cost.has_truth_of_all());
+  CHECK(cost(credulous) > 1.2 * cost(documented()));
+}
+
+SCENARIO("a case that ends before the score begins is left out of a cost") {
+  evaluation::Case brief = evaluation::simulated_case(sim::find_scenario("walk"), 1);
+  brief.score_after_s = 1000.0;
+  const evaluation::CostFunction cost({{brief}}, {});
+  CHECK(cost.empty());
+  REQUIRE(cost.left_out().size() == 1);
+  CHECK(cost.left_out().front() == "walk: nothing to score after 1000 s");
 }
 
 }  // namespace evaluation_test

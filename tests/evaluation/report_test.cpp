@@ -29,6 +29,10 @@ TEST_CASE("the JSON report contains the figures of the run") {
   CHECK(report["poses_without_truth"] == 0);
   CHECK(report["imu_stamps_back"] == 0);
   CHECK(report["state_hash"] == result.state_hash);
+  CHECK(report["prediction"]["distance_rms_m"] == result.prediction.distance_m.rmse);
+  CHECK(report["prediction"]["innovations"]["mean_squared"] == result.prediction.innovations->mean);
+  CHECK(report["prediction"]["heading_rad"]["count"] == result.prediction.heading_rad.count);
+  CHECK(report["prediction"]["wheel_speed_mps"].is_null());
   CHECK(report["fix_flags"]["first"] == 1);
   CHECK(report["times_real_time"] == Approx(result.duration_s / 2.0));
 }
@@ -53,6 +57,7 @@ TEST_CASE("the text report contains scores with units, counts and the hash") {
   CHECK_THAT(text,
              Contains("m RMSE") && Contains("m/s RMSE") && Contains("deg RMSE") && Contains("last fix"));
   CHECK_THAT(text, Contains("outlier") && Contains("1 first"));
+  CHECK_THAT(text, Contains("m RMS from pose to fix") && Contains("% gated") && Contains("deg RMS,"));
   CHECK_THAT(text, Contains("x real time") && Contains(result.state_hash));
 }
 

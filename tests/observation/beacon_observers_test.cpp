@@ -22,11 +22,11 @@ SCENARIO("a beacon from which nothing comes is removed after a minute, one that 
   for (int i = 0; i < 200; ++i) observers.on(pose_of(7), 0, writer);
   observers.on(pose_of(8), 0, writer);
   const SteadyTime now = clocks::steady_now();
-  CHECK(observers.remove_gone(now + 4 * second_ns).empty());
-  const auto hardly_heard = observers.remove_gone(now + 59 * second_ns);
+  CHECK(observers.remove_gone(now + 4 * second_ns, 0).empty());
+  const auto hardly_heard = observers.remove_gone(now + 59 * second_ns, 0);
   REQUIRE(hardly_heard.size() == 1);
   CHECK(hardly_heard[0].address == 8);
-  const auto gone = observers.remove_gone(now + 61 * second_ns);
+  const auto gone = observers.remove_gone(now + 61 * second_ns, 0);
   REQUIRE(gone.size() == 1);
   CHECK(gone[0].address == 7);
   CHECK(gone[0].poses == 200);

@@ -92,7 +92,7 @@ SCENARIO("a search prints settings that are effective for the selected beacon") 
 }
 
 SCENARIO("own logs are scored with and without truth, alone, and what is left out is named") {
-  GIVEN("a log named like a scenario, the same without truth, and one without fixes") {
+  GIVEN("a log named like a scenario, the same without truth, one without fixes and a damaged one") {
     const TemporaryFolder folder;
     const auto log = folder / "walk";
     REQUIRE(run(SONOPOSE_TEST_SIMULATE, {"walk", "--duration", "20", "--out", log.string()}).code == 0);
@@ -100,20 +100,24 @@ SCENARIO("own logs are scored with and without truth, alone, and what is left ou
     std::filesystem::remove(folder / "blind" / "truth.csv");
     std::filesystem::copy(log, folder / "bench");
     std::filesystem::remove(folder / "bench" / "ultrasonic.csv");
+    std::filesystem::copy(log, folder / "torn");
+    write_text(folder / "torn" / "ultrasonic.csv", "#\n1,2\n");
     WHEN("the folder is scored") {
       const Result result = run(SONOPOSE_TEST_EVALUATE, {folder.path().string(), "--json"});
       CAPTURE(result.error);
       REQUIRE(result.code == 0);
-      THEN("each log has a row of its path, no scenario has one, and the log without fixes is named") {
+      THEN("each log has a row of its path, no scenario has one, and the logs that are left out are named") {
         const json rows = json::parse(result.output);
         REQUIRE(rows.size() == 2);
         CHECK(rows.at(0).at("case") == (folder / "blind").string());
         CHECK(rows.at(0).at("position_rmse_m").is_null());
-        CHECK(rows.at(0).at("prediction").at("rms_m").get<double>() < 0.06);
+        CHECK(rows.at(0).at("prediction").at(0).at("distance_rms_m").get<double>() < 0.06);
         CHECK(rows.at(1).at("case") == log.string());
         CHECK(rows.at(1).at("position_rmse_m").get<double>() < 0.03);
         CHECK_THAT(result.error,
                    Contains("left out: " + (folder / "bench").string() + ": has no ultrasonic.csv"));
+        CHECK_THAT(result.error,
+                   Contains("left out: " + (folder / "torn" / "ultrasonic.csv").string() + ":2"));
       }
     }
     WHEN("two files of settings are compared") {

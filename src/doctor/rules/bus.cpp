@@ -98,9 +98,9 @@ void check_bus(const Observations& observations, Findings& findings) {
   check_network(observations.bus, findings);
   check_processes(observations, findings);
   if (observations.beacons_refused) {
-    findings.push_back(
-        {Severity::warning, "bus", *observations.beacons_refused,
-         "give more than the number of your beacons; if there are fewer, a process forges them"});
+    findings.push_back({Severity::warning, "bus", *observations.beacons_refused,
+                        "raise --max-beacons above the number of your beacons; if you have fewer, a process "
+                        "forges addresses"});
   }
 }
 
