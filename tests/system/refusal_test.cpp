@@ -202,6 +202,14 @@ SCENARIO("a bridge refuses an invalid input") {
                  Contains("bytes") && Contains("2 beacons"));
     }
   }
+  WHEN("the number of accepted beacons is too large, or has no meaning") {
+    THEN("option, value and limit are named, or the source") {
+      CHECK_THAT(refused({"--source", "udp", "--max-beacons", "257"}),
+                 Contains("--max-beacons") && Contains("257") && Contains("256"));
+      CHECK_THAT(refused({"--source", "sim", "--max-beacons", "5"}),
+                 Contains("--max-beacons") && Contains("sim"));
+    }
+  }
   WHEN("the --record folder already contains a recording") {
     write_text(folder / "imu.csv", "precious\n");
     THEN("it refuses, and the recording is unchanged") {

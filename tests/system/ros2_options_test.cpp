@@ -69,6 +69,7 @@ TEST_CASE("The relay refuses invalid frames, mounts and numbers") {
        {{"--mount-from-tf", "--mount", "1", "0", "0", "0", "0", "0"}, {"--mount-from-tf: ", "--mount has"}},
        {{"--gyro-std", "0"}, {"--gyro-std: ", "0", "1000"}},
        {{"--tilt-std", "181"}, {"--tilt-std: ", "181", "180"}},
+       {{"--max-beacons", "1001"}, {"--max-beacons", "1001", "1000"}},
        {{"--addresses", "x"}, {"--addresses: 'x'", "65534"}},
        {{"--addresses", "7-3"}, {"--addresses: ", "'7-3'", "write the lower address first"}},
        {{"--imu-in", "/imu"}, {"--imu-in /imu"}},

@@ -11,6 +11,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <set>
 #include <string>
@@ -300,6 +301,31 @@ TEST_CASE("A client without a reply reader does not block others") {
   writer.write({});
   Client<ros2::ListParameters> list(system, "list_parameters");
   list.call({}, [](const auto&) {});
+}
+
+TEST_CASE("Settings of ever more beacons are ignored") {
+  const System system;
+  Client<ros2::ListParameters> list(system, "list_parameters");
+  const auto count_beacons = [&list] {
+    std::ptrdiff_t count = 0;
+    list.call({}, [&count](const auto& response) {
+      const auto& names = response.result.names;
+      count = std::count_if(names._buffer, names._buffer + names._length, [](const std::string& name) {
+        return name.starts_with("beacon_") && name.ends_with(".trust.n_min");
+      });
+    });
+    return count;
+  };
+  REQUIRE(wait_until([&] { return count_beacons() == 1; }));
+  const auto hostile = dds::make_participant(system.options());
+  auto writer = dds::topics::make_writer(hostile, dds::qos::Provider(), dds::topics::settings);
+  REQUIRE(wait_until([&] { return writer.publication_matched_status().current_count > 0; }));
+  EffectiveSettings forged{.values = {{"trust.n_min", "4"}}};
+  for (forged.address = 1000; forged.address < 1300; ++forged.address)
+    writer.write(dds::topics::to_idl(forged).sample());
+  REQUIRE(writer.wait_for_acknowledgments(timeout));
+  REQUIRE(wait_until([&] { return count_beacons() >= 256; }));
+  CHECK(count_beacons() == 256);
 }
 
 }  // namespace parameter_server_test
