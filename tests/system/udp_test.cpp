@@ -3,55 +3,18 @@
 #include "support/beacon_bytes.hpp"
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/udp_sender.hpp"
 
 #include <algorithm>
-#include <arpa/inet.h>
 #include <chrono>
-#include <netinet/in.h>
 #include <stop_token>
-#include <sys/socket.h>
 #include <thread>
-#include <unistd.h>
 
 namespace udp_test {
 
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
-
-/// Sends datagrams to a port of this machine that was recently free.
-class Sender {
-public:
-  Sender() : file_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    to_.sin_family = AF_INET;
-    to_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const int probe = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    REQUIRE(::bind(probe, reinterpret_cast<const sockaddr*>(&to_), sizeof to_) == 0);
-    socklen_t size = sizeof to_;
-    REQUIRE(::getsockname(probe, reinterpret_cast<sockaddr*>(&to_), &size) == 0);
-    ::close(probe);
-  }
-  /// Another sender to the same port.
-  explicit Sender(const sockaddr_in& to) : file_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)), to_(to) {}
-  Sender(const Sender&) = delete;
-  Sender& operator=(const Sender&) = delete;
-  Sender(Sender&&) = delete;
-  Sender& operator=(Sender&&) = delete;
-  ~Sender() { ::close(file_); }
-
-  [[nodiscard]] const sockaddr_in& to() const { return to_; }
-  [[nodiscard]] std::string endpoint() const { return "127.0.0.1:" + std::to_string(ntohs(to_.sin_port)); }
-
-  void send(std::span<const std::uint8_t> bytes) const {
-    const auto sent =
-        ::sendto(file_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to_), sizeof to_);
-    REQUIRE(sent == static_cast<ssize_t>(bytes.size()));
-  }
-
-private:
-  int file_;
-  sockaddr_in to_{};
-};
 
 /// What beacon 21 sends in three seconds at rest.
 std::vector<TimedFrame> resting_beacon(const Bus& bus) {
@@ -66,7 +29,7 @@ std::vector<TimedFrame> resting_beacon(const Bus& bus) {
 /// Sends ten thousand datagrams a second while it lives.
 class Flood {
 public:
-  Flood(const Sender& sender, Bytes datagram)
+  Flood(const UdpSender& sender, Bytes datagram)
       : thread_([&sender, datagram = std::move(datagram)](const std::stop_token& end) {
           while (!end.stop_requested()) {
             for (int i = 0; i < 10; ++i) sender.send(datagram);
@@ -91,7 +54,7 @@ SCENARIO("a flood of forged datagrams does not interrupt a beacon") {
   GIVEN("a listening bridge, and a beacon that sends") {
     const Bus bus;
     const auto datagrams = resting_beacon(bus);
-    const Sender beacon;
+    const UdpSender beacon;
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
     Consumer<sonopose_LineStatus> lines(bus, topics::line_status);
     const auto bridge = bus.bridge({"--source", "udp", "--listen", beacon.endpoint()});
@@ -107,7 +70,7 @@ SCENARIO("a flood of forged datagrams does not interrupt a beacon") {
     header[4] = 255;
     for (const Bytes& forged : {header, first.bytes}) {
       WHEN("another sender floods the port with datagrams of " + std::to_string(forged.size()) + " bytes") {
-        const Sender attacker(beacon.to());
+        const UdpSender attacker(beacon.to());
         const Flood flood(attacker, forged);
         send_in_time(datagrams, [&beacon](std::span<const std::uint8_t> bytes) { beacon.send(bytes); });
         THEN("the beacon's samples are published without a gap, and no others") {
@@ -118,7 +81,7 @@ SCENARIO("a flood of forged datagrams does not interrupt a beacon") {
       }
     }
     WHEN("another sender claims its address") {
-      const Sender attacker(beacon.to());
+      const UdpSender attacker(beacon.to());
       attacker.send(first.bytes);
       THEN("its packet is counted as refused, and both senders are logged") {
         CHECK(lines.wait_for([](const LineStatus& line) { return line.packets_refused == 1; }));
@@ -132,7 +95,7 @@ SCENARIO("--from accepts one sender only") {
   GIVEN("a bridge that accepts another machine") {
     const Bus bus;
     const auto datagrams = resting_beacon(bus);
-    const Sender beacon;
+    const UdpSender beacon;
     Consumer<sonopose_LineStatus> lines(bus, topics::line_status);
     const auto bridge = bus.bridge({"--source", "udp", "--listen", beacon.endpoint(), "--from", "192.0.2.1"});
     REQUIRE(bridge->wait_for_line(Stream::error, "publishing from udp"));
@@ -149,7 +112,7 @@ SCENARIO("--from accepts one sender only") {
 SCENARIO("the datagrams of a beacon give poses") {
   GIVEN("a fusion, a listening bridge, and a beacon at rest") {
     const Bus bus;
-    const Sender beacon;
+    const UdpSender beacon;
     const auto datagrams = resting_beacon(bus);
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto fusion = bus.fusion();
