@@ -80,8 +80,8 @@ private:
   void take(dds::DataReader<T>& reader) noexcept;
   void take(dds::DataReader<sonopose_ResetCommand>& reader) noexcept;
   void feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, SteadyTime steady) noexcept;
-  void write(EventOutcome& outcome, BeaconAddress address, TimeNs in_ns, SteadyTime steady) noexcept;
-  void write(FusedPose& pose, SteadyTime steady) noexcept;
+  void write(EventOutcome& outcome, BeaconAddress address, TimeNs in_ns) noexcept;
+  void write(FusedPose& pose) noexcept;
   void end_output(BeaconAddress address);
   void remove_gone();
   [[nodiscard]] std::uint64_t unwritten() const;
@@ -224,19 +224,18 @@ void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, Time
   });
   for (const collation::CollatedEvent& next : in_line) {
     EventOutcome outcome = estimators_.with([&](auto&) { return estimator->process(next); });
-    write(outcome, address_of(event), in_ns, steady);
+    write(outcome, address_of(event), in_ns);
     if (!std::holds_alternative<ImuSample>(next.event)) {
       estimators_.with([&](auto&) { estimator->catch_up(); });
     }
   }
 }
 
-void FusionNode::Impl::write(EventOutcome& outcome, BeaconAddress address, TimeNs in_ns,
-                             SteadyTime steady) noexcept {
+void FusionNode::Impl::write(EventOutcome& outcome, BeaconAddress address, TimeNs in_ns) noexcept {
   if (outcome.prediction_period_ns) output_.set_period(address, *outcome.prediction_period_ns);
   if (auto* pose = std::get_if<FusedPose>(&outcome.result)) {
     pose->fusion_in_time_ns = in_ns;
-    write(*pose, steady);
+    write(*pose);
   } else if (const auto* report = std::get_if<FixReport>(&outcome.result)) {
     const auto sample = dds::topics::to_idl(*report);
     write_until_accepted([&] { return report_writer_.try_write(sample); });
@@ -244,8 +243,10 @@ void FusionNode::Impl::write(EventOutcome& outcome, BeaconAddress address, TimeN
   if (outcome.prediction_period_ns) settings_server_.on_change();
 }
 
-void FusionNode::Impl::write(FusedPose& pose, SteadyTime steady) noexcept {
-  auto& writer = output_.writer_for(pose, steady);
+/// Whether a pose is late is judged as it is written: the process may have been stopped since its sample was
+/// taken.
+void FusionNode::Impl::write(FusedPose& pose) noexcept {
+  auto& writer = output_.writer_for(pose, clocks::steady_now());
   write_until_accepted([&] { return output_.write(writer, pose); });
 }
 

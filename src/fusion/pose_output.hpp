@@ -39,8 +39,8 @@ public:
   /// Predicts this beacon's poses every `period_ns` from its next pose on; 0: never.
   void set_period(BeaconAddress address, TimeNs period_ns) noexcept;
 
-  /// The writer for the pose of an IMU sample that was taken at `now`. Releases the beacon if
-  /// necessary. Live, marks and counts a pose whose sample arrived more than `late_after_s` later than usual.
+  /// The writer for a pose that is written at `now`. Releases the beacon if necessary. Live, marks and counts
+  /// a pose whose sample arrived more than `late_after_s` later than usual.
   dds::DataWriter<sonopose_FusedPose>& writer_for(FusedPose& pose, SteadyTime now) noexcept;
   static constexpr double late_after_s = sonopose_LATE_AFTER;
 

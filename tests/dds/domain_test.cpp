@@ -91,6 +91,9 @@ TEST_CASE("The user's CYCLONEDDS_URI takes precedence, except for the single rec
     CHECK_THAT(effective, Contains("Discovery/ParticipantIndex/#text: auto"));
     CHECK_THAT(effective, Contains("MaxAutoParticipantIndex/#text: 119"));
   }
+  SECTION("a lost packet is asked for long before a lease of 100 ms expires") {
+    CHECK_THAT(effective_configuration("", Network::loopback), Contains("NackDelay/#text: 10 ms"));
+  }
   SECTION("lan: Cyclone DDS chooses, and local processes are still found") {
     const std::string effective = effective_configuration("", Network::lan);
     CHECK_THAT(effective, !Contains(lo) && Contains(self) && Contains(one_thread));

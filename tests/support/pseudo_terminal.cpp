@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <fcntl.h>
+#include <poll.h>
 #include <system_error>
 #include <unistd.h>
 
@@ -16,7 +17,7 @@ void require(bool good, const char* call) {
 
 }  // namespace
 
-PseudoTerminal::PseudoTerminal() : file_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
+PseudoTerminal::PseudoTerminal() : file_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK)) {
   require(file_ >= 0, "posix_openpt");
   require(::grantpt(file_) == 0 && ::unlockpt(file_) == 0, "unlockpt");
   std::array<char, 128> name{};
@@ -31,9 +32,19 @@ PseudoTerminal::~PseudoTerminal() {
 void PseudoTerminal::send(std::span<const std::uint8_t> bytes) const {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file_, bytes.data(), bytes.size());
+    if (written < 0 && errno == EAGAIN) {
+      pollfd waited{file_, POLLOUT, 0};
+      ::poll(&waited, 1, -1);
+      continue;
+    }
     require(written > 0, "write to a pseudo-terminal");
     bytes = bytes.subspan(static_cast<std::size_t>(written));
   }
+}
+
+void PseudoTerminal::send_what_fits(std::span<const std::uint8_t> bytes) const {
+  const ssize_t written = ::write(file_, bytes.data(), bytes.size());
+  require(written >= 0 || errno == EAGAIN, "write to a pseudo-terminal");
 }
 
 }  // namespace sonopose::test

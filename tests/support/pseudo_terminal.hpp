@@ -25,6 +25,9 @@ public:
   /// Writes all bytes; blocks while the buffer is full. Throws std::system_error.
   void send(std::span<const std::uint8_t> bytes) const;
 
+  /// Writes what fits into the buffer; the rest is lost, as on a line without flow control.
+  void send_what_fits(std::span<const std::uint8_t> bytes) const;
+
 private:
   int file_;
   std::string device_;

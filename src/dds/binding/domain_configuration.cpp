@@ -115,6 +115,9 @@ std::string defaults(std::uint32_t domain_id, const DomainOptions& options, cons
   // How long a deleted writer waits for readers that do not respond. The default of 1 s, one writer
   // after the other, would delay the exit of a process by seconds.
   std::string internal = "<WriterLingerDuration>100 ms</WriterLingerDuration>";
+  // How long a reader waits before it asks for a lost packet. The default of 100 ms is as long as the lease
+  // and the deadline of the live streams: a single lost packet would silence a beacon.
+  internal += "<NackDelay>10 ms</NackDelay>";
   if (options.batch_writes) internal += "<WriteBatch>true</WriteBatch>";
   // Cyclone DDS blocks a writer above this amount of unacknowledged data, whatever its history depth.
   if (!options.wait_for_readers) {

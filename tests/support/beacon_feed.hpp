@@ -1,0 +1,66 @@
+#pragma once
+/// \file
+/// Simulated beacons that send in real time, over a line that can delay, reorder and damage.
+
+#include <sonopose/samples/samples.hpp>
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <span>
+#include <thread>
+#include <vector>
+
+namespace sonopose::test {
+
+class BeaconFeed {
+public:
+  enum class Format : std::uint8_t { frames, datagrams };
+  using Send = std::function<void(std::span<const std::uint8_t>)>;
+
+  /// Sends from a thread of its own.
+  BeaconFeed(Format format, double imu_rate_hz, Send send);
+  BeaconFeed(const BeaconFeed&) = delete;
+  BeaconFeed& operator=(const BeaconFeed&) = delete;
+  ~BeaconFeed();
+
+  /// A beacon that wakes up now and walks.
+  void add(BeaconAddress address);
+  void remove(BeaconAddress address);
+
+  /// From now on what beacons send arrives this much later, in order.
+  void delay(TimeNs delay_ns);
+  /// From now on a third of the frames arrive up to this much later.
+  void reorder(TimeNs most_ns);
+  /// Sends random bytes now, in pieces if the format has datagrams.
+  void send_garbage(std::uint32_t count, std::uint64_t seed);
+
+private:
+  struct Beacon;
+  using Bytes = std::vector<std::uint8_t>;
+
+  void run(const std::stop_token& stop);
+  void measure(Beacon& beacon);
+  void queue(std::span<const std::uint8_t> bytes, SteadyTime sent);
+  [[nodiscard]] SteadyTime next_due() const;
+
+  Format format_;
+  double imu_rate_hz_;
+  Send send_;
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::map<BeaconAddress, std::unique_ptr<Beacon>> beacons_;
+  std::multimap<SteadyTime, Bytes> under_way_;  ///< by arrival
+  TimeNs delay_ns_ = 0;
+  TimeNs reorder_ns_ = 0;
+  SteadyTime last_arrival_;
+  std::mt19937_64 random_;
+  std::jthread thread_;
+};
+
+}  // namespace sonopose::test
