@@ -57,10 +57,10 @@ struct LineStatus {
   std::uint64_t bridge_id = 0;  ///< of the process, random: two bridges may use the same name
   TimeNs time_ns = 0;
   LineState state = LineState::closed;
-  std::uint64_t bytes = 0;            ///< received
-  std::uint64_t frames = 0;           ///< decoded
-  std::uint64_t crc_errors = 0;       ///< frames with a wrong checksum
-  std::uint64_t bytes_lost = 0;       ///< bytes skipped in search of a frame
+  std::uint64_t bytes = 0;       ///< received
+  std::uint64_t frames = 0;      ///< decoded
+  std::uint64_t crc_errors = 0;  ///< frames with a wrong checksum
+  std::uint64_t bytes_lost = 0;  ///< bytes skipped in search of a frame
   /// Of a sender that is not accepted or not the one of the beacon, or of more beacons than are accepted.
   std::uint64_t packets_refused = 0;
   /// Empty if frames arrive; otherwise why not, and what to check. DDS cuts it at 256 bytes.
