@@ -2,6 +2,7 @@
 
 #include "clocks/clocks.hpp"
 #include "fusion/beacon_estimators.hpp"
+#include "fusion/overload.hpp"
 #include "fusion/pose_output.hpp"
 #include "fusion/settings_server.hpp"
 #include "fusion/status_publisher.hpp"
@@ -77,23 +78,30 @@ public:
 
 private:
   template <class T>
+  void on_data(dds::DataReader<T>& reader) noexcept;
+  void on_data(dds::DataReader<sonopose_ResetCommand>& reader) noexcept;
+  template <class T>
   void take(dds::DataReader<T>& reader) noexcept;
-  void take(dds::DataReader<sonopose_ResetCommand>& reader) noexcept;
+  void take_all() noexcept;
+  void advance_collation_clock() noexcept;
   void feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, SteadyTime steady) noexcept;
   void write(EventOutcome& outcome, BeaconAddress address, TimeNs in_ns, SteadyTime steady) noexcept;
   void write(FusedPose& pose, SteadyTime steady) noexcept;
+  void write_newest(SteadyTime steady) noexcept;
   void end_output(BeaconAddress address);
   void remove_gone();
   [[nodiscard]] std::uint64_t unwritten() const;
   void write_until_accepted(const auto& attempt) noexcept;
   void serve_lossless(const std::stop_token& stop);
+  void serve_backlog(const std::stop_token& stop);
+  void wake_backlog_thread() noexcept;
 
   /// Passes on the samples and status changes of one topic, on the thread that receives them.
   template <class T>
   class Listener final : public process::CountingReaderListener<T> {
   public:
     explicit Listener(Impl& node) : process::CountingReaderListener<T>(node.endpoints_), node_(node) {}
-    void on_data_available(dds::DataReader<T>& reader) noexcept override { node_.take(reader); }
+    void on_data_available(dds::DataReader<T>& reader) noexcept override { node_.on_data(reader); }
     void on_requested_deadline_missed(dds::DataReader<T>& reader,
                                       const dds::RequestedDeadlineMissedStatus& status) noexcept override {
       node_.on_deadline_missed(reader, status);
@@ -122,6 +130,11 @@ private:
   process::Guarded<BeaconEstimators> estimators_;  // the lock guards each estimator too
   // Cyclone's receive thread alone takes samples, unless writers in this process deliver theirs themselves.
   std::mutex taking_;
+  Overload overload_;
+  std::atomic<std::uint64_t> deferred_ = 0;  // notifications of data that the backlog thread takes
+  SteadyTime looked_for_events_;
+  SteadyTime collation_clock_;
+  std::optional<FusedPose> newest_;  // overloaded: not written yet, since a newer one may follow
   std::atomic<std::uint64_t> unwritten_ = 0;
   std::atomic<bool> working_ = false;  // an event is being processed
   std::atomic<bool> stopping_ = false;
@@ -143,7 +156,7 @@ private:
   dds::DataReader<sonopose_UltrasonicFix> fix_reader_;
   dds::DataReader<sonopose_PairHeading> heading_reader_;
   dds::DataReader<sonopose_ResetCommand> reset_reader_;
-  std::jthread lossless_thread_;
+  std::jthread taking_thread_;  // of a lossless fusion, or of the backlog of a live one
 };
 
 FusionNode::Impl::Impl(const FusionOptions& options)
@@ -167,14 +180,15 @@ FusionNode::Impl::Impl(const FusionOptions& options)
   heading_reader_ = input(topics::heading, heading_listener_);
   imu_reader_ = input(topics::imu, imu_listener_);
   reset_reader_ = dds::topics::make_reader(participant_, qos_, topics::reset, &reset_listener_);
-  if (lossless_) {
-    lossless_thread_ = std::jthread([this](const std::stop_token& stop) { serve_lossless(stop); });
-  }
+  taking_thread_ = std::jthread(
+      [this](const std::stop_token& stop) { lossless_ ? serve_lossless(stop) : serve_backlog(stop); });
 }
 
 FusionNode::Impl::~Impl() {
   stopping_ = true;
-  lossless_thread_ = {};
+  taking_thread_.request_stop();
+  wake_backlog_thread();
+  taking_thread_ = {};
   imu_reader_.close();
   fix_reader_.close();
   heading_reader_.close();
@@ -203,8 +217,15 @@ void FusionNode::Impl::remove_gone() {
 }
 
 template <class T>
-void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
+void FusionNode::Impl::on_data(dds::DataReader<T>& reader) noexcept {
+  if (overload_.is_deferring()) return wake_backlog_thread();
   const std::lock_guard lock(taking_);
+  advance_collation_clock();
+  take(reader);
+}
+
+template <class T>
+void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
   const TimeNs in_ns = clocks::host_now();
   const SteadyTime steady = clocks::steady_now();
   working_ = true;
@@ -212,7 +233,43 @@ void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
     if (stopping_) return;  // a lossless reader may buffer minutes of samples
     feed(dds::topics::from_idl(sample), info.publication_handle(), in_ns, steady);
   });
+  if (newest_) write_newest(steady);
   working_ = false;
+}
+
+/// The latest stream first: what precedes an event was received before it and is then in a reader too.
+void FusionNode::Impl::take_all() noexcept {
+  const std::lock_guard lock(taking_);
+  advance_collation_clock();
+  overload_.on_round(clocks::steady_now());
+  take(heading_reader_);
+  take(fix_reader_);
+  take(imu_reader_);
+}
+
+/// A pause of this process counts little: a missing event may have arrived meanwhile.
+void FusionNode::Impl::advance_collation_clock() noexcept {
+  constexpr TimeNs longest_ns = 2'000'000;
+  const SteadyTime now = clocks::steady_now();
+  collation_clock_ += std::min(now - looked_for_events_, longest_ns);
+  looked_for_events_ = now;
+}
+
+void FusionNode::Impl::wake_backlog_thread() noexcept {
+  deferred_.fetch_add(1);
+  deferred_.notify_one();
+}
+
+void FusionNode::Impl::serve_backlog(const std::stop_token& stop) {
+  std::uint64_t seen = 0;
+  while (!stop.stop_requested()) {
+    deferred_.wait(seen);
+    for (std::uint64_t now = deferred_; now != seen; now = deferred_) {
+      seen = now;
+      take_all();
+    }
+    overload_.on_caught_up(clocks::steady_now());
+  }
 }
 
 void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns,
@@ -220,7 +277,7 @@ void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, Time
   std::shared_ptr<BeaconEstimator> estimator;
   const auto in_line = estimators_.with([&](auto& all) {
     estimator = all.find_or_make(address_of(event));
-    return estimator->collate(event, bridge.value, steady);
+    return estimator->collate(event, bridge.value, steady, collation_clock_);
   });
   for (const collation::CollatedEvent& next : in_line) {
     EventOutcome outcome = estimators_.with([&](auto&) { return estimator->process(next); });
@@ -236,7 +293,13 @@ void FusionNode::Impl::write(EventOutcome& outcome, BeaconAddress address, TimeN
   if (outcome.prediction_period_ns) output_.set_period(address, *outcome.prediction_period_ns);
   if (auto* pose = std::get_if<FusedPose>(&outcome.result)) {
     pose->fusion_in_time_ns = in_ns;
-    write(*pose, steady);
+    if (overload_.pose_spacing_ns() == 0) {
+      write(*pose, steady);
+    } else {
+      if (newest_ && newest_->address != address) write_newest(steady);
+      if (newest_) output_.count_skipped(address);
+      newest_ = *pose;
+    }
   } else if (const auto* report = std::get_if<FixReport>(&outcome.result)) {
     const auto sample = dds::topics::to_idl(*report);
     write_until_accepted([&] { return report_writer_.try_write(sample); });
@@ -245,8 +308,21 @@ void FusionNode::Impl::write(EventOutcome& outcome, BeaconAddress address, TimeN
 }
 
 void FusionNode::Impl::write(FusedPose& pose, SteadyTime steady) noexcept {
-  auto& writer = output_.writer_for(pose, steady);
+  const auto [writer, late_ns] = output_.route(pose, steady);
+  overload_.on_pose(late_ns, steady);
   write_until_accepted([&] { return output_.write(writer, pose); });
+}
+
+/// Overloaded: writes the newest pose of a beacon in the backlog, unless another was written shortly before.
+void FusionNode::Impl::write_newest(SteadyTime steady) noexcept {
+  FusedPose& pose = *newest_;
+  if (output_.is_due(pose, overload_.pose_spacing_ns())) {
+    pose.status |= status_overloaded;
+    write(pose, steady);
+  } else {
+    output_.count_skipped(pose.address);
+  }
+  newest_.reset();
 }
 
 /// In lossless mode `attempt` is repeated until a slow consumer has space.
@@ -260,7 +336,7 @@ void FusionNode::Impl::write_until_accepted(const auto& attempt) noexcept {
   if (code < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
 }
 
-void FusionNode::Impl::take(dds::DataReader<sonopose_ResetCommand>& reader) noexcept {
+void FusionNode::Impl::on_data(dds::DataReader<sonopose_ResetCommand>& reader) noexcept {
   reader.try_take_each([this](const sonopose_ResetCommand& command, const dds::SampleInfo&) {
     estimators_.with([&](auto& all) { all.reset(command.address, command.request_id); });
   });
@@ -280,6 +356,7 @@ void FusionNode::Impl::serve_lossless(const std::stop_token& stop) {
   waitset += heading;
   while (!stop.stop_requested()) {
     waitset.wait(std::chrono::milliseconds(100));
+    const std::lock_guard lock(taking_);
     take(imu_reader_);
     take(fix_reader_);
     take(heading_reader_);

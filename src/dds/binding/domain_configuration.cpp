@@ -115,6 +115,11 @@ std::string defaults(std::uint32_t domain_id, const DomainOptions& options, cons
   // How long a deleted writer waits for readers that do not respond. The default of 1 s, one writer
   // after the other, would delay the exit of a process by seconds.
   std::string internal = "<WriterLingerDuration>100 ms</WriterLingerDuration>";
+  // How many samples may wait for one that was lost. Above it they are sent again too, and a reader that is
+  // too slow gets slower.
+  internal +=
+      "<PrimaryReorderMaxSamples>16384</PrimaryReorderMaxSamples>"
+      "<SecondaryReorderMaxSamples>16384</SecondaryReorderMaxSamples>";
   if (options.batch_writes) internal += "<WriteBatch>true</WriteBatch>";
   // Cyclone DDS blocks a writer above this amount of unacknowledged data, whatever its history depth.
   if (!options.wait_for_readers) {

@@ -1,0 +1,74 @@
+#pragma once
+/// \file
+/// Decides how a fusion works that cannot keep up with its input.
+
+#include <sonopose/samples/time.hpp>
+
+#include <algorithm>
+#include <atomic>
+
+namespace sonopose::fusion {
+
+/// The receiving thread normally fuses each event at once. When samples arrive late, it only receives, so
+/// that the socket does not overflow, and the backlog thread fuses what has gathered. If that thread does not
+/// catch up, the process is overloaded: each beacon's poses are written in a larger spacing. Every event
+/// still is fused.
+///
+/// `is_deferring` and `pose_spacing_ns` may be called by any thread, the others by one at a time.
+class Overload {
+public:
+  static constexpr TimeNs late_after_ns = 20'000'000;     ///< a late sample: events are deferred
+  static constexpr TimeNs busy_after_ns = 50'000'000;     ///< of work without a pause: overloaded, or more so
+  static constexpr TimeNs calm_after_ns = 1'000'000'000;  ///< without either: less so
+  static constexpr TimeNs first_spacing_ns = 40'000'000;
+  static constexpr TimeNs largest_spacing_ns = 80'000'000;  ///< below the deadline of the poses
+  static constexpr TimeNs smallest_spacing_ns = 10'000'000;
+
+  /// A pose is written whose sample was `late_ns` later than usual when it was taken at `now`.
+  void on_pose(TimeNs late_ns, SteadyTime now) noexcept {
+    if (late_ns <= late_after_ns) return;
+    late_at_ = now;
+    deferring_.store(true, std::memory_order_relaxed);
+  }
+
+  /// The backlog thread takes what has gathered.
+  void on_round(SteadyTime now) noexcept {
+    if (!busy_) busy_since_ = now;
+    busy_ = true;
+    const TimeNs spacing_ns = pose_spacing_ns();
+    if (is_deferring() && now - busy_since_ > busy_after_ns) {
+      busy_since_ = now;
+      changed_at_ = now;
+      set_spacing(std::clamp(2 * spacing_ns, first_spacing_ns, largest_spacing_ns));
+    } else if (spacing_ns > 0 && now - changed_at_ > calm_after_ns) {
+      changed_at_ = now;
+      set_spacing(spacing_ns > smallest_spacing_ns ? spacing_ns / 2 : 0);
+    }
+  }
+
+  /// The backlog thread has nothing left to take.
+  void on_caught_up(SteadyTime now) noexcept {
+    busy_ = false;
+    if (pose_spacing_ns() > 0 || now - late_at_ <= calm_after_ns) return;
+    deferring_.store(false, std::memory_order_relaxed);
+  }
+
+  /// Whether the backlog thread takes events, instead of the thread that receives them.
+  [[nodiscard]] bool is_deferring() const noexcept { return deferring_.load(std::memory_order_relaxed); }
+  /// The least time between two poses of a beacon; 0 unless overloaded.
+  [[nodiscard]] TimeNs pose_spacing_ns() const noexcept {
+    return spacing_ns_.load(std::memory_order_relaxed);
+  }
+
+private:
+  void set_spacing(TimeNs spacing_ns) { spacing_ns_.store(spacing_ns, std::memory_order_relaxed); }
+
+  std::atomic<bool> deferring_ = false;
+  std::atomic<TimeNs> spacing_ns_ = 0;
+  bool busy_ = false;  ///< the backlog thread, without a pause since `busy_since_`
+  SteadyTime busy_since_;
+  SteadyTime late_at_;     ///< when the latest late sample was taken
+  SteadyTime changed_at_;  ///< the spacing
+};
+
+}  // namespace sonopose::fusion
