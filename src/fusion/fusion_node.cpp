@@ -1,6 +1,7 @@
 #include "fusion/fusion_node.hpp"
 
 #include "clocks/clocks.hpp"
+#include "fusion/backlog_thread.hpp"
 #include "fusion/beacon_estimators.hpp"
 #include "fusion/overload.hpp"
 #include "fusion/pose_output.hpp"
@@ -8,6 +9,7 @@
 #include "fusion/status_publisher.hpp"
 #include "process/endpoint_counters.hpp"
 #include "process/guarded.hpp"
+#include <sonopose/collation/attended_time.hpp>
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
@@ -83,7 +85,6 @@ private:
   template <class T>
   void take(dds::DataReader<T>& reader) noexcept;
   void take_all() noexcept;
-  void advance_collation_clock() noexcept;
   void feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, SteadyTime steady) noexcept;
   void write(EventOutcome& outcome, BeaconAddress address, TimeNs in_ns, SteadyTime steady) noexcept;
   void write(FusedPose& pose, SteadyTime steady) noexcept;
@@ -93,8 +94,6 @@ private:
   [[nodiscard]] std::uint64_t unwritten() const;
   void write_until_accepted(const auto& attempt) noexcept;
   void serve_lossless(const std::stop_token& stop);
-  void serve_backlog(const std::stop_token& stop);
-  void wake_backlog_thread() noexcept;
 
   /// Passes on the samples and status changes of one topic, on the thread that receives them.
   template <class T>
@@ -131,9 +130,7 @@ private:
   // Cyclone's receive thread alone takes samples, unless writers in this process deliver theirs themselves.
   std::mutex taking_;
   Overload overload_;
-  std::atomic<std::uint64_t> deferred_ = 0;  // notifications of data that the backlog thread takes
-  SteadyTime looked_for_events_;
-  SteadyTime collation_clock_;
+  collation::AttendedTime attended_time_;
   std::optional<FusedPose> newest_;  // overloaded: not written yet, since a newer one may follow
   std::atomic<std::uint64_t> unwritten_ = 0;
   std::atomic<bool> working_ = false;  // an event is being processed
@@ -156,7 +153,8 @@ private:
   dds::DataReader<sonopose_UltrasonicFix> fix_reader_;
   dds::DataReader<sonopose_PairHeading> heading_reader_;
   dds::DataReader<sonopose_ResetCommand> reset_reader_;
-  std::jthread taking_thread_;  // of a lossless fusion, or of the backlog of a live one
+  std::jthread lossless_thread_;
+  BacklogThread backlog_thread_;
 };
 
 FusionNode::Impl::Impl(const FusionOptions& options)
@@ -168,7 +166,7 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       input_deadline_ns_(input_deadline_ns(qos_)),
       estimators_(options.config, options.lossless),
       output_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, endpoints_),
-      status_publisher_(participant_, qos_, estimators_, output_, endpoints_),
+      status_publisher_(participant_, qos_, estimators_, output_, overload_, endpoints_),
       settings_server_(participant_, qos_, estimators_, options.addresses),
       report_writer_(
           dds::topics::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)) {
@@ -180,15 +178,21 @@ FusionNode::Impl::Impl(const FusionOptions& options)
   heading_reader_ = input(topics::heading, heading_listener_);
   imu_reader_ = input(topics::imu, imu_listener_);
   reset_reader_ = dds::topics::make_reader(participant_, qos_, topics::reset, &reset_listener_);
-  taking_thread_ = std::jthread(
-      [this](const std::stop_token& stop) { lossless_ ? serve_lossless(stop) : serve_backlog(stop); });
+  if (lossless_) {
+    lossless_thread_ = std::jthread([this](const std::stop_token& stop) { serve_lossless(stop); });
+  } else {
+    backlog_thread_.start([this] { take_all(); },
+                          [this] {
+                            const std::lock_guard lock(taking_);
+                            overload_.on_caught_up(clocks::steady_now());
+                          });
+  }
 }
 
 FusionNode::Impl::~Impl() {
   stopping_ = true;
-  taking_thread_.request_stop();
-  wake_backlog_thread();
-  taking_thread_ = {};
+  lossless_thread_ = {};
+  backlog_thread_.stop();
   imu_reader_.close();
   fix_reader_.close();
   heading_reader_.close();
@@ -218,9 +222,9 @@ void FusionNode::Impl::remove_gone() {
 
 template <class T>
 void FusionNode::Impl::on_data(dds::DataReader<T>& reader) noexcept {
-  if (overload_.is_deferring()) return wake_backlog_thread();
+  if (overload_.is_deferring()) return backlog_thread_.wake();
   const std::lock_guard lock(taking_);
-  advance_collation_clock();
+  attended_time_.on_look(clocks::steady_now());
   take(reader);
 }
 
@@ -237,39 +241,16 @@ void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
   working_ = false;
 }
 
-/// The latest stream first: what precedes an event was received before it and is then in a reader too.
+/// Takes what has gathered. The latest stream first: what precedes an event was received before it and is
+/// then in a reader too.
 void FusionNode::Impl::take_all() noexcept {
   const std::lock_guard lock(taking_);
-  advance_collation_clock();
-  overload_.on_round(clocks::steady_now());
+  const SteadyTime now = clocks::steady_now();
+  attended_time_.on_look(now);
+  overload_.on_round(now);
   take(heading_reader_);
   take(fix_reader_);
   take(imu_reader_);
-}
-
-/// A pause of this process counts little: a missing event may have arrived meanwhile.
-void FusionNode::Impl::advance_collation_clock() noexcept {
-  constexpr TimeNs longest_ns = 2'000'000;
-  const SteadyTime now = clocks::steady_now();
-  collation_clock_ += std::min(now - looked_for_events_, longest_ns);
-  looked_for_events_ = now;
-}
-
-void FusionNode::Impl::wake_backlog_thread() noexcept {
-  deferred_.fetch_add(1);
-  deferred_.notify_one();
-}
-
-void FusionNode::Impl::serve_backlog(const std::stop_token& stop) {
-  std::uint64_t seen = 0;
-  while (!stop.stop_requested()) {
-    deferred_.wait(seen);
-    for (std::uint64_t now = deferred_; now != seen; now = deferred_) {
-      seen = now;
-      take_all();
-    }
-    overload_.on_caught_up(clocks::steady_now());
-  }
 }
 
 void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns,
@@ -277,7 +258,7 @@ void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, Time
   std::shared_ptr<BeaconEstimator> estimator;
   const auto in_line = estimators_.with([&](auto& all) {
     estimator = all.find_or_make(address_of(event));
-    return estimator->collate(event, bridge.value, steady, collation_clock_);
+    return estimator->collate(event, bridge.value, steady, attended_time_.time());
   });
   for (const collation::CollatedEvent& next : in_line) {
     EventOutcome outcome = estimators_.with([&](auto&) { return estimator->process(next); });
@@ -293,7 +274,7 @@ void FusionNode::Impl::write(EventOutcome& outcome, BeaconAddress address, TimeN
   if (outcome.prediction_period_ns) output_.set_period(address, *outcome.prediction_period_ns);
   if (auto* pose = std::get_if<FusedPose>(&outcome.result)) {
     pose->fusion_in_time_ns = in_ns;
-    if (overload_.pose_spacing_ns() == 0) {
+    if (!overload_.is_overloaded()) {
       write(*pose, steady);
     } else {
       if (newest_ && newest_->address != address) write_newest(steady);

@@ -60,6 +60,8 @@ public:
     return spacing_ns_.load(std::memory_order_relaxed);
   }
 
+  [[nodiscard]] bool is_overloaded() const noexcept { return pose_spacing_ns() > 0; }
+
 private:
   void set_spacing(TimeNs spacing_ns) { spacing_ns_.store(spacing_ns, std::memory_order_relaxed); }
 
