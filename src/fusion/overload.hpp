@@ -17,9 +17,11 @@ namespace sonopose::fusion {
 /// `is_deferring` and `pose_spacing_ns` may be called by any thread, the others by one at a time.
 class Overload {
 public:
-  static constexpr TimeNs late_after_ns = 20'000'000;     ///< a late sample: events are deferred
-  static constexpr TimeNs busy_after_ns = 50'000'000;     ///< of work without a pause: overloaded, or more so
-  static constexpr TimeNs calm_after_ns = 1'000'000'000;  ///< without either: less so
+  static constexpr TimeNs late_after_ns = 20'000'000;  ///< a late sample: events are deferred
+  static constexpr TimeNs busy_after_ns = 50'000'000;  ///< of work without a pause: overloaded, or more so
+  static constexpr TimeNs calm_after_ns =
+      1'000'000'000;  ///< without a late sample: the receiving thread fuses again
+  static constexpr TimeNs relax_after_ns = 500'000'000;  ///< without another increase: the spacing is halved
   static constexpr TimeNs first_spacing_ns = 40'000'000;
   static constexpr TimeNs largest_spacing_ns = 80'000'000;  ///< below the deadline of the poses
   static constexpr TimeNs smallest_spacing_ns = 10'000'000;
@@ -40,7 +42,7 @@ public:
       busy_since_ = now;
       changed_at_ = now;
       set_spacing(std::clamp(2 * spacing_ns, first_spacing_ns, largest_spacing_ns));
-    } else if (spacing_ns > 0 && now - changed_at_ > calm_after_ns) {
+    } else if (spacing_ns > 0 && now - changed_at_ > relax_after_ns) {
       changed_at_ = now;
       set_spacing(spacing_ns > smallest_spacing_ns ? spacing_ns / 2 : 0);
     }
@@ -65,7 +67,7 @@ public:
 private:
   void set_spacing(TimeNs spacing_ns) { spacing_ns_.store(spacing_ns, std::memory_order_relaxed); }
 
-  std::atomic<bool> deferring_ = false;
+  std::atomic<bool> deferring_ = true;  ///< from the start: estimators are made
   std::atomic<TimeNs> spacing_ns_ = 0;
   bool busy_ = false;  ///< the backlog thread, without a pause since `busy_since_`
   SteadyTime busy_since_;
