@@ -395,6 +395,7 @@ void FusionNode::Impl::hand_over() {
 
 void FusionNode::Impl::publish_statuses() {
   if (!lossless_) remove_gone();
+  if (overload_.is_deferring()) backlog_thread_.wake();  // without samples it would stay so
   if (const auto text = admission_.refusals()) fmt::print(stderr, "sonopose-fusion: {}\n", *text);
   status_publisher_.publish_all(unwritten());
   if (lossless_) status_publisher_.log_gaps(waited_for_consumer_.exchange(false));
