@@ -67,7 +67,7 @@ public:
 private:
   void set_spacing(TimeNs spacing_ns) { spacing_ns_.store(spacing_ns, std::memory_order_relaxed); }
 
-  std::atomic<bool> deferring_ = true;  ///< from the start: estimators are made
+  std::atomic<bool> deferring_ = false;
   std::atomic<TimeNs> spacing_ns_ = 0;
   bool busy_ = false;  ///< the backlog thread, without a pause since `busy_since_`
   SteadyTime busy_since_;
