@@ -247,7 +247,7 @@ void FusionNode::Impl::take_all() noexcept {
   const std::lock_guard lock(taking_);
   const SteadyTime now = clocks::steady_now();
   attended_time_.on_look(now);
-  overload_.on_round(now);
+  overload_.on_round(now, clocks::thread_time_ns());
   take(heading_reader_);
   take(fix_reader_);
   take(imu_reader_);

@@ -17,11 +17,15 @@ namespace sonopose::fusion {
 /// `is_deferring` and `pose_spacing_ns` may be called by any thread, the others by one at a time.
 class Overload {
 public:
-  static constexpr TimeNs late_after_ns = 20'000'000;  ///< a late sample: events are deferred
-  static constexpr TimeNs busy_after_ns = 50'000'000;  ///< of work without a pause: overloaded, or more so
-  static constexpr TimeNs calm_after_ns =
-      1'000'000'000;  ///< without a late sample: the receiving thread fuses again
-  static constexpr TimeNs relax_after_ns = 500'000'000;  ///< without another increase: the spacing is halved
+  /// How much later than usual a sample is taken, so that events are deferred.
+  static constexpr TimeNs late_after_ns = 20'000'000;
+  /// How long no sample is late, until the receiving thread fuses again.
+  static constexpr TimeNs calm_after_ns = 1'000'000'000;
+  /// Processor time of the backlog thread until it is behind, and the spacing increases. Not the time that
+  /// has passed: the thread may have been suspended once, and then catches up.
+  static constexpr TimeNs behind_after_ns = 10'000'000;
+  /// How long the spacing does not increase, until it is halved.
+  static constexpr TimeNs relax_after_ns = 500'000'000;
   static constexpr TimeNs first_spacing_ns = 40'000'000;
   static constexpr TimeNs largest_spacing_ns = 80'000'000;  ///< below the deadline of the poses
   static constexpr TimeNs smallest_spacing_ns = 10'000'000;
@@ -33,13 +37,13 @@ public:
     deferring_.store(true, std::memory_order_relaxed);
   }
 
-  /// The backlog thread takes what has gathered.
-  void on_round(SteadyTime now) noexcept {
-    if (!busy_) busy_since_ = now;
+  /// The backlog thread, which has used the processor for `worked_ns`, takes what has gathered.
+  void on_round(SteadyTime now, TimeNs worked_ns) noexcept {
+    if (!busy_) worked_before_ns_ = worked_ns;
     busy_ = true;
     const TimeNs spacing_ns = pose_spacing_ns();
-    if (is_deferring() && now - busy_since_ > busy_after_ns) {
-      busy_since_ = now;
+    if (is_deferring() && worked_ns - worked_before_ns_ > behind_after_ns) {
+      worked_before_ns_ = worked_ns;
       changed_at_ = now;
       set_spacing(std::clamp(2 * spacing_ns, first_spacing_ns, largest_spacing_ns));
     } else if (spacing_ns > 0 && now - changed_at_ > relax_after_ns) {
@@ -69,8 +73,8 @@ private:
 
   std::atomic<bool> deferring_ = false;
   std::atomic<TimeNs> spacing_ns_ = 0;
-  bool busy_ = false;  ///< the backlog thread, without a pause since `busy_since_`
-  SteadyTime busy_since_;
+  bool busy_ = false;  ///< the backlog thread has not caught up since `worked_before_ns_`
+  TimeNs worked_before_ns_ = 0;
   SteadyTime late_at_;     ///< when the latest late sample was taken
   SteadyTime changed_at_;  ///< the spacing
 };

@@ -14,15 +14,21 @@ constexpr TimeNs s = 1'000 * ms;
 struct Work {
   Overload overload;
   SteadyTime now{1'000 * s};
+  TimeNs worked_ns = 0;
 
-  /// Rounds of 5 ms without a pause.
+  void round() {
+    overload.on_round(now, worked_ns);
+    now += 5 * ms;
+    worked_ns += 1 * ms;
+  }
+  /// Rounds of 5 ms at a fifth of a core, which never catch up.
   void work_for(TimeNs duration_ns) {
-    for (const SteadyTime end = now + duration_ns; now < end; now += 5 * ms) overload.on_round(now);
+    for (const SteadyTime end = now + duration_ns; now < end;) round();
   }
   /// Rounds that each end with nothing left to take.
   void keep_up_for(TimeNs duration_ns) {
-    for (const SteadyTime end = now + duration_ns; now < end; now += 5 * ms) {
-      overload.on_round(now);
+    for (const SteadyTime end = now + duration_ns; now < end;) {
+      round();
       overload.on_caught_up(now);
     }
   }
@@ -61,6 +67,15 @@ SCENARIO("poses are spaced while the backlog does not end") {
         work.work_for(45 * ms);
         work.keep_up_for(5 * ms);
       }
+      THEN("every pose is written") {
+        CHECK_FALSE(work.overload.is_overloaded());
+      }
+    }
+    WHEN("it is suspended for a second, and then catches up") {
+      work.round();
+      work.now += 1 * s;
+      work.round();
+      work.keep_up_for(5 * ms);
       THEN("every pose is written") {
         CHECK_FALSE(work.overload.is_overloaded());
       }
