@@ -62,21 +62,22 @@ double cpu_time_s(const Process& process) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Lets a process run for 4 ms of every 20 ms; longer only if other programs keep it from using 4 ms of a
-/// core.
+/// Lets a process run for 4 ms of every 20 ms, once it has had a fifth of a core: other programs may keep it
+/// from using the 4 ms.
 class DutyCycle {
 public:
   explicit DutyCycle(const Process& process) : process_(process) {
     thread_ = std::jthread([this](const std::stop_token& stop) {
+      const SteadyTime began = clocks::steady_now();
+      const double used_before_s = cpu_time_s(process_);
       while (!stop.stop_requested()) {
-        process_.send(SIGSTOP);
-        pause(std::chrono::milliseconds(16));
-        const double used_before_s = cpu_time_s(process_);
-        process_.send(SIGCONT);
-        pause(std::chrono::milliseconds(4));
-        for (int ms = 4; ms < 20 && cpu_time_s(process_) - used_before_s < 0.004; ++ms) {
-          pause(std::chrono::milliseconds(1));
+        const double passed_s = seconds_between(began, clocks::steady_now());
+        if (cpu_time_s(process_) - used_before_s >= 0.2 * passed_s) {
+          process_.send(SIGSTOP);
+          pause(std::chrono::milliseconds(16));
+          process_.send(SIGCONT);
         }
+        pause(std::chrono::milliseconds(4));
       }
     });
   }
@@ -131,7 +132,7 @@ int beacons_for_this_machine() {
   const std::size_t count = poses.take().ages_s.size();
   REQUIRE(count > 0);
   const double per_sample_s = (cpu_time_s(*fusion) - before_s) / static_cast<double>(count);
-  const double scale = std::min(1.0, reference_s / per_sample_s) * share;
+  const double scale = std::min(1.0, reference_s / per_sample_s) * share * share;
   const int chosen = std::max(5, static_cast<int>(250 * scale));
   fmt::print(
       "overload: {} beacons: {:.0f} us of the fusion's time per sample, {:.0f} % of a core for a busy "
