@@ -289,9 +289,9 @@ void FusionNode::Impl::write(EventOutcome& outcome, BeaconAddress address, TimeN
 }
 
 void FusionNode::Impl::write(FusedPose& pose, SteadyTime steady) noexcept {
-  const auto [writer, late_ns] = output_.route(pose, steady);
-  overload_.on_pose(late_ns, steady);
-  write_until_accepted([&] { return output_.write(writer, pose); });
+  const PoseOutput::Route route = output_.route(pose, steady);
+  overload_.on_pose(route.late_ns, steady);
+  write_until_accepted([&] { return output_.write(route.writer, pose); });
 }
 
 /// Overloaded: writes the newest pose of a beacon in the backlog, unless another was written shortly before.
