@@ -51,7 +51,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   while (stream.has_more() && events < most_events) {
     ++events;
     now += 5'000'000;
-    for (const auto& collated : estimator.collate(stream.next(), 0, now)) {
+    for (const auto& collated : estimator.collate(stream.next(), 0, now, now)) {
       check_result(estimator.process(collated).result);
       estimator.catch_up();
     }

@@ -51,7 +51,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   for (int step = 0; step < most_steps && stream.has_more(); ++step) {
     if (data.ConsumeIntegral<std::uint8_t>() < 128) {
       now += 5'000'000;
-      for (const auto& collated : estimator->collate(stream.next(), 0, now)) {
+      for (const auto& collated : estimator->collate(stream.next(), 0, now, now)) {
         check_result(estimator->process(collated).result);
         if (const auto change = estimator->take_settings_change()) check_settings(*change);
       }

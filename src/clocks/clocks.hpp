@@ -1,10 +1,11 @@
 #pragma once
 /// \file
-/// The host's two clocks, read in this one place.
+/// The host's two clocks and the processor time, read in this one place.
 
 #include <sonopose/samples/time.hpp>
 
 #include <chrono>
+#include <ctime>
 
 namespace sonopose::clocks {
 
@@ -19,6 +20,13 @@ inline SteadyTime steady_now() {
   using std::chrono::duration_cast;
   return {
       duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count()};
+}
+
+/// Processor time of the calling thread.
+inline TimeNs thread_time_ns() {
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return TimeNs{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
 }
 
 }  // namespace sonopose::clocks

@@ -14,13 +14,13 @@ BeaconEstimator::BeaconEstimator(BeaconAddress address, SettingsTimeline timelin
 }
 
 std::span<const collation::CollatedEvent> BeaconEstimator::collate(const Event& event, std::uint64_t bridge,
-                                                                   SteadyTime now) {
+                                                                   SteadyTime now, SteadyTime attended) {
   latest_arrival_ = now;
   if (std::holds_alternative<ImuSample>(event)) {
     bridge_ = bridge;
     imu_silence_.on_sample(now);
   }
-  if (auto* live = std::get_if<collation::Collator>(&collator_)) return live->push(event, now);
+  if (auto* live = std::get_if<collation::Collator>(&collator_)) return live->push(event, attended);
   return std::get<collation::LosslessCollator>(collator_).push(event);
 }
 

@@ -40,8 +40,10 @@ public:
   BeaconEstimator(BeaconAddress address, SettingsTimeline timeline, bool lossless);
 
   /// Puts an event that arrived at `now` from the writer with the publication handle `bridge` in its order.
+  /// `attended` is `now` by collation::AttendedTime.
   /// Returns the events that are in line now; pass each to `process`. The span is valid until the next call.
-  std::span<const collation::CollatedEvent> collate(const Event& event, std::uint64_t bridge, SteadyTime now);
+  std::span<const collation::CollatedEvent> collate(const Event& event, std::uint64_t bridge, SteadyTime now,
+                                                    SteadyTime attended);
 
   /// Applies the settings that are due at this event and passes the event to the estimator. Does not
   /// allocate.

@@ -1,12 +1,15 @@
 #include "fusion/fusion_node.hpp"
 
 #include "clocks/clocks.hpp"
+#include "fusion/backlog_thread.hpp"
 #include "fusion/beacon_estimators.hpp"
+#include "fusion/overload.hpp"
 #include "fusion/pose_output.hpp"
 #include "fusion/settings_server.hpp"
 #include "fusion/status_publisher.hpp"
 #include "process/endpoint_counters.hpp"
 #include "process/guarded.hpp"
+#include <sonopose/collation/attended_time.hpp>
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
@@ -77,11 +80,15 @@ public:
 
 private:
   template <class T>
+  void on_data(dds::DataReader<T>& reader) noexcept;
+  void on_data(dds::DataReader<sonopose_ResetCommand>& reader) noexcept;
+  template <class T>
   void take(dds::DataReader<T>& reader) noexcept;
-  void take(dds::DataReader<sonopose_ResetCommand>& reader) noexcept;
+  void take_all() noexcept;
   void feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, SteadyTime steady) noexcept;
   void write(EventOutcome& outcome, BeaconAddress address, TimeNs in_ns) noexcept;
   void write(FusedPose& pose) noexcept;
+  void write_newest() noexcept;
   void end_output(BeaconAddress address);
   void remove_gone();
   [[nodiscard]] std::uint64_t unwritten() const;
@@ -93,7 +100,7 @@ private:
   class Listener final : public process::CountingReaderListener<T> {
   public:
     explicit Listener(Impl& node) : process::CountingReaderListener<T>(node.endpoints_), node_(node) {}
-    void on_data_available(dds::DataReader<T>& reader) noexcept override { node_.take(reader); }
+    void on_data_available(dds::DataReader<T>& reader) noexcept override { node_.on_data(reader); }
     void on_requested_deadline_missed(dds::DataReader<T>& reader,
                                       const dds::RequestedDeadlineMissedStatus& status) noexcept override {
       node_.on_deadline_missed(reader, status);
@@ -122,6 +129,9 @@ private:
   process::Guarded<BeaconEstimators> estimators_;  // the lock guards each estimator too
   // Cyclone's receive thread alone takes samples, unless writers in this process deliver theirs themselves.
   std::mutex taking_;
+  Overload overload_;
+  collation::AttendedTime attended_time_;
+  std::optional<FusedPose> newest_;  // overloaded: not written yet, since a newer one may follow
   std::atomic<std::uint64_t> unwritten_ = 0;
   std::atomic<bool> working_ = false;  // an event is being processed
   std::atomic<bool> stopping_ = false;
@@ -144,6 +154,7 @@ private:
   dds::DataReader<sonopose_PairHeading> heading_reader_;
   dds::DataReader<sonopose_ResetCommand> reset_reader_;
   std::jthread lossless_thread_;
+  BacklogThread backlog_thread_;
 };
 
 FusionNode::Impl::Impl(const FusionOptions& options)
@@ -155,7 +166,7 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       input_deadline_ns_(input_deadline_ns(qos_)),
       estimators_(options.config, options.lossless),
       output_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, endpoints_),
-      status_publisher_(participant_, qos_, estimators_, output_, endpoints_),
+      status_publisher_(participant_, qos_, estimators_, output_, overload_, endpoints_),
       settings_server_(participant_, qos_, estimators_, options.addresses),
       report_writer_(
           dds::topics::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)) {
@@ -169,12 +180,19 @@ FusionNode::Impl::Impl(const FusionOptions& options)
   reset_reader_ = dds::topics::make_reader(participant_, qos_, topics::reset, &reset_listener_);
   if (lossless_) {
     lossless_thread_ = std::jthread([this](const std::stop_token& stop) { serve_lossless(stop); });
+  } else {
+    backlog_thread_.start([this] { take_all(); },
+                          [this] {
+                            const std::lock_guard lock(taking_);
+                            overload_.on_caught_up(clocks::steady_now());
+                          });
   }
 }
 
 FusionNode::Impl::~Impl() {
   stopping_ = true;
   lossless_thread_ = {};
+  backlog_thread_.stop();
   imu_reader_.close();
   fix_reader_.close();
   heading_reader_.close();
@@ -203,8 +221,15 @@ void FusionNode::Impl::remove_gone() {
 }
 
 template <class T>
-void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
+void FusionNode::Impl::on_data(dds::DataReader<T>& reader) noexcept {
+  if (overload_.is_deferring()) return backlog_thread_.wake();
   const std::lock_guard lock(taking_);
+  attended_time_.on_look(clocks::steady_now());
+  take(reader);
+}
+
+template <class T>
+void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
   const TimeNs in_ns = clocks::host_now();
   const SteadyTime steady = clocks::steady_now();
   working_ = true;
@@ -212,7 +237,20 @@ void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
     if (stopping_) return;  // a lossless reader may buffer minutes of samples
     feed(dds::topics::from_idl(sample), info.publication_handle(), in_ns, steady);
   });
+  if (newest_) write_newest();
   working_ = false;
+}
+
+/// Takes what has gathered. The latest stream first: what precedes an event was received before it and is
+/// then in a reader too.
+void FusionNode::Impl::take_all() noexcept {
+  const std::lock_guard lock(taking_);
+  const SteadyTime now = clocks::steady_now();
+  attended_time_.on_look(now);
+  overload_.on_round(now, clocks::thread_time_ns());
+  take(heading_reader_);
+  take(fix_reader_);
+  take(imu_reader_);
 }
 
 void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns,
@@ -220,7 +258,7 @@ void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, Time
   std::shared_ptr<BeaconEstimator> estimator;
   const auto in_line = estimators_.with([&](auto& all) {
     estimator = all.find_or_make(address_of(event));
-    return estimator->collate(event, bridge.value, steady);
+    return estimator->collate(event, bridge.value, steady, attended_time_.time());
   });
   for (const collation::CollatedEvent& next : in_line) {
     EventOutcome outcome = estimators_.with([&](auto&) { return estimator->process(next); });
@@ -235,7 +273,13 @@ void FusionNode::Impl::write(EventOutcome& outcome, BeaconAddress address, TimeN
   if (outcome.prediction_period_ns) output_.set_period(address, *outcome.prediction_period_ns);
   if (auto* pose = std::get_if<FusedPose>(&outcome.result)) {
     pose->fusion_in_time_ns = in_ns;
-    write(*pose);
+    if (!overload_.is_overloaded()) {
+      write(*pose);
+    } else {
+      if (newest_ && newest_->address != address) write_newest();
+      if (newest_) output_.count_skipped(address);
+      newest_ = *pose;
+    }
   } else if (const auto* report = std::get_if<FixReport>(&outcome.result)) {
     const auto sample = dds::topics::to_idl(*report);
     write_until_accepted([&] { return report_writer_.try_write(sample); });
@@ -246,8 +290,22 @@ void FusionNode::Impl::write(EventOutcome& outcome, BeaconAddress address, TimeN
 /// Whether a pose is late is judged as it is written: the process may have been stopped since its sample was
 /// taken.
 void FusionNode::Impl::write(FusedPose& pose) noexcept {
-  auto& writer = output_.writer_for(pose, clocks::steady_now());
-  write_until_accepted([&] { return output_.write(writer, pose); });
+  const SteadyTime now = clocks::steady_now();
+  const PoseOutput::Route route = output_.route(pose, now);
+  overload_.on_pose(route.late_ns, now);
+  write_until_accepted([&] { return output_.write(route.writer, pose); });
+}
+
+/// Overloaded: writes the newest pose of a beacon in the backlog, unless another was written shortly before.
+void FusionNode::Impl::write_newest() noexcept {
+  FusedPose& pose = *newest_;
+  if (output_.is_due(pose, overload_.pose_spacing_ns())) {
+    pose.status |= status_overloaded;
+    write(pose);
+  } else {
+    output_.count_skipped(pose.address);
+  }
+  newest_.reset();
 }
 
 /// In lossless mode `attempt` is repeated until a slow consumer has space.
@@ -261,7 +319,7 @@ void FusionNode::Impl::write_until_accepted(const auto& attempt) noexcept {
   if (code < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
 }
 
-void FusionNode::Impl::take(dds::DataReader<sonopose_ResetCommand>& reader) noexcept {
+void FusionNode::Impl::on_data(dds::DataReader<sonopose_ResetCommand>& reader) noexcept {
   reader.try_take_each([this](const sonopose_ResetCommand& command, const dds::SampleInfo&) {
     estimators_.with([&](auto& all) { all.reset(command.address, command.request_id); });
   });
@@ -281,6 +339,7 @@ void FusionNode::Impl::serve_lossless(const std::stop_token& stop) {
   waitset += heading;
   while (!stop.stop_requested()) {
     waitset.wait(std::chrono::milliseconds(100));
+    const std::lock_guard lock(taking_);
     take(imu_reader_);
     take(fix_reader_);
     take(heading_reader_);
@@ -338,6 +397,7 @@ void FusionNode::Impl::hand_over() {
 
 void FusionNode::Impl::publish_statuses() {
   if (!lossless_) remove_gone();
+  if (overload_.is_deferring()) backlog_thread_.wake();  // without samples it would stay so
   if (const auto text = admission_.refusals()) fmt::print(stderr, "sonopose-fusion: {}\n", *text);
   status_publisher_.publish_all(unwritten());
   if (lossless_) status_publisher_.log_gaps(waited_for_consumer_.exchange(false));

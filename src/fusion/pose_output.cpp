@@ -63,14 +63,16 @@ void PoseOutput::set_period(BeaconAddress address, TimeNs period_ns) noexcept {
   wake_.notify_one();
 }
 
-dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(FusedPose& pose, SteadyTime now) noexcept {
+PoseOutput::Route PoseOutput::route(FusedPose& pose, SteadyTime now) noexcept {
   Standby::Step step{FusionRole::sole, false};
+  TimeNs late_ns = 0;
   bool first_due = false;
   {
     const std::lock_guard lock(mutex_);
     Delay& delay = delays_[pose.address];
+    delay.latest_ns = pose.time_ns;
     // Of the steady clock, so that a step of this host's clock delays nothing.
-    const TimeNs late_ns =
+    late_ns =
         is_live_ ? delay.lateness.on_sample(saturated_difference(now.ns, pose.imu_bridge_time_ns), now) : 0;
     if (late_ns > to_ns(late_after_s)) {
       pose.status |= status_late;
@@ -82,7 +84,20 @@ dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_for(FusedPose& pose, Ste
   }
   if (first_due) wake_.notify_one();
   if (step.release) release(pose.address);
-  return writer_of(step.role);
+  return {writer_of(step.role), late_ns};
+}
+
+bool PoseOutput::is_due(const FusedPose& pose, TimeNs spacing_ns) const noexcept {
+  const std::lock_guard lock(mutex_);
+  const auto found = delays_.find(pose.address);
+  if (found == delays_.end()) return true;
+  const TimeNs since_ns = saturated_difference(pose.time_ns, found->second.latest_ns);
+  return since_ns < 0 || since_ns >= spacing_ns;
+}
+
+void PoseOutput::count_skipped(BeaconAddress address) noexcept {
+  const std::lock_guard lock(mutex_);
+  ++delays_[address].poses_skipped;
 }
 
 dds::ReturnCode PoseOutput::write(dds::DataWriter<sonopose_FusedPose>& writer, FusedPose& pose) noexcept {
@@ -161,6 +176,12 @@ std::uint64_t PoseOutput::poses_late(BeaconAddress address) const noexcept {
   const std::lock_guard lock(mutex_);
   const auto found = delays_.find(address);
   return found == delays_.end() ? 0 : found->second.poses_late;
+}
+
+std::uint64_t PoseOutput::poses_skipped(BeaconAddress address) const noexcept {
+  const std::lock_guard lock(mutex_);
+  const auto found = delays_.find(address);
+  return found == delays_.end() ? 0 : found->second.poses_skipped;
 }
 
 void PoseOutput::serve_predictions(const std::stop_token& stop) {

@@ -39,10 +39,21 @@ public:
   /// Predicts this beacon's poses every `period_ns` from its next pose on; 0: never.
   void set_period(BeaconAddress address, TimeNs period_ns) noexcept;
 
-  /// The writer for a pose that is written at `now`. Releases the beacon if necessary. Live, marks and counts
-  /// a pose whose sample arrived more than `late_after_s` later than usual.
-  dds::DataWriter<sonopose_FusedPose>& writer_for(FusedPose& pose, SteadyTime now) noexcept;
+  /// Where to write a pose, and how much later than usual its sample was taken.
+  struct Route {
+    dds::DataWriter<sonopose_FusedPose>& writer;
+    TimeNs late_ns = 0;
+  };
+  /// The route for a pose that is written at `now`. Releases the beacon if
+  /// necessary. Live, marks and counts a pose whose sample arrived more than `late_after_s` later than usual.
+  Route route(FusedPose& pose, SteadyTime now) noexcept;
   static constexpr double late_after_s = sonopose_LATE_AFTER;
+
+  /// Whether this pose is at least `spacing_ns` after the beacon's latest one that had a route.
+  [[nodiscard]] bool is_due(const FusedPose& pose, TimeNs spacing_ns) const noexcept;
+
+  /// Counts a pose that is not written, because there is a newer one.
+  void count_skipped(BeaconAddress address) noexcept;
 
   /// Stamps and writes a pose.
   dds::ReturnCode write(dds::DataWriter<sonopose_FusedPose>& writer, FusedPose& pose) noexcept;
@@ -64,6 +75,7 @@ public:
   [[nodiscard]] bool is_standby() const { return standby_.has_value(); }
   [[nodiscard]] FusionRole role(BeaconAddress address) const noexcept;
   [[nodiscard]] std::uint64_t poses_late(BeaconAddress address) const noexcept;
+  [[nodiscard]] std::uint64_t poses_skipped(BeaconAddress address) const noexcept;
   [[nodiscard]] std::int32_t strength() const { return strength_; }
   [[nodiscard]] TimeNs lease_ns() const { return lease_ns_; }
   [[nodiscard]] std::uint64_t unwritten() const { return unwritten_; }
@@ -78,7 +90,9 @@ private:
 
   struct Delay {
     Lateness lateness;
+    TimeNs latest_ns = 0;  ///< time of the latest pose
     std::uint64_t poses_late = 0;
+    std::uint64_t poses_skipped = 0;
   };
 
   mutable std::mutex mutex_;  // guards standby_, predictor_ and delays_; not held during a write

@@ -18,10 +18,11 @@ namespace topics = dds::topics;
 
 StatusPublisher::StatusPublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
                                  process::Guarded<BeaconEstimators>& estimators, const PoseOutput& output,
-                                 process::EndpointCounters& endpoints)
+                                 const Overload& overload, process::EndpointCounters& endpoints)
     : fusion_id_(process::random_id()),
       estimators_(estimators),
       output_(output),
+      overload_(overload),
       endpoints_(endpoints),
       status_listener_(endpoints),
       status_writer_(topics::make_writer(participant, qos, topics::fusion_status, &status_listener_)),
@@ -35,6 +36,7 @@ void StatusPublisher::publish_all(std::uint64_t unwritten) {
     log_fix_refusals(address);
   }
   log_losses(unwritten + unwritten_);
+  log_overload();
 }
 
 /// What `read_from` returns for the estimator of the beacon; empty if it has none any more.
@@ -52,7 +54,9 @@ void StatusPublisher::publish_status(BeaconAddress address, std::uint64_t unwrit
   status->time_ns = clocks::host_now();
   status->role = output_.role(address);
   status->strength = output_.strength();
+  status->overloaded = overload_.is_overloaded();
   status->poses_late = output_.poses_late(address);
+  status->poses_skipped = output_.poses_skipped(address);
   status->poses_unwritten = unwritten + unwritten_;
   status->pose_deadlines_missed = endpoints_.offered_deadlines_missed;
   status->liveliness_lost = endpoints_.liveliness_lost;
@@ -102,6 +106,16 @@ void StatusPublisher::log_losses(std::uint64_t unwritten) {
         incompatible - incompatible_reported_);
     incompatible_reported_ = incompatible;
   }
+}
+
+void StatusPublisher::log_overload() {
+  const bool overloaded = overload_.is_overloaded();
+  if (overloaded == overload_reported_) return;
+  overload_reported_ = overloaded;
+  fmt::print(stderr, "sonopose-fusion: {}\n",
+             overloaded
+                 ? "overloaded: it fuses every sample, but skips poses; docs/realtime.md lists remedies"
+                 : "no longer overloaded: every pose is written");
 }
 
 void StatusPublisher::unregister(BeaconAddress address) noexcept {

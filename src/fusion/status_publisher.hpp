@@ -4,6 +4,7 @@
 
 #include "fusion/beacon_estimators.hpp"
 #include "fusion/gap_detector.hpp"
+#include "fusion/overload.hpp"
 #include "fusion/pose_output.hpp"
 #include "process/endpoint_counters.hpp"
 #include "process/guarded.hpp"
@@ -19,7 +20,7 @@ class StatusPublisher {
 public:
   StatusPublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
                   process::Guarded<BeaconEstimators>& estimators, const PoseOutput& output,
-                  process::EndpointCounters& endpoints);
+                  const Overload& overload, process::EndpointCounters& endpoints);
 
   /// Publishes the status and the estimate of every beacon, and logs what was lost and refused since the last
   /// call. `unwritten`: samples of other topics that could not be written since the start.
@@ -40,10 +41,12 @@ private:
   void publish_estimate(BeaconAddress address);
   void log_fix_refusals(BeaconAddress address);
   void log_losses(std::uint64_t unwritten);
+  void log_overload();
 
   std::uint64_t fusion_id_;
   process::Guarded<BeaconEstimators>& estimators_;
   const PoseOutput& output_;
+  const Overload& overload_;
   process::EndpointCounters& endpoints_;
   process::CountingWriterListener<sonopose_FusionStatus> status_listener_;
   dds::DataWriter<sonopose_FusionStatus> status_writer_;
@@ -52,6 +55,7 @@ private:
   std::uint64_t unwritten_ = 0;  ///< statuses and estimates
   std::uint64_t unwritten_reported_ = 0;
   std::uint64_t incompatible_reported_ = 0;
+  bool overload_reported_ = false;
 };
 
 }  // namespace sonopose::fusion

@@ -59,7 +59,8 @@ nlohmann::json fusion_json(const FusionStatus& fusion) {
   nlohmann::json json{{"fusion_id", fusion.fusion_id},
                       {"role", roles[static_cast<std::size_t>(fusion.role)]},
                       {"strength", fusion.strength},
-                      {"imu_silent", fusion.imu_silent}};
+                      {"imu_silent", fusion.imu_silent},
+                      {"overloaded", fusion.overloaded}};
   add_counters(observation::fusion_counters, fusion, json);
   return json;
 }

@@ -56,6 +56,7 @@ inline constexpr std::array fusion_counters{
     StatusCounter<FusionStatus>{"imu_gaps", &FusionStatus::imu_gaps, "IMU gaps"},
     StatusCounter<FusionStatus>{"bridge_losses", &FusionStatus::bridge_losses, "bridge losses"},
     StatusCounter<FusionStatus>{"poses_late", &FusionStatus::poses_late, "late poses"},
+    StatusCounter<FusionStatus>{"poses_skipped", &FusionStatus::poses_skipped, "poses skipped"},
     StatusCounter<FusionStatus>{"pose_deadlines_missed", &FusionStatus::pose_deadlines_missed,
                                 "pose deadlines missed"},
     StatusCounter<FusionStatus>{"liveliness_lost", &FusionStatus::liveliness_lost, "liveliness losses"},

@@ -11,6 +11,8 @@ namespace sonopose::process {
 
 /// Name of the fusion's thread that writes predicted poses; --realtime finds the thread by it.
 inline constexpr const char* predicting_thread_name = "predict";
+/// Name of its thread that fuses a backlog.
+inline constexpr const char* backlog_thread_name = "backlog";
 
 /// One thread of this process.
 struct NamedThread {
@@ -57,9 +59,9 @@ private:
 };
 
 /// Sets SCHED_FIFO with `priority` (1…99) for the threads on the path of the samples: the calling thread, the
-/// predicting thread, and Cyclone DDS's `recv` (data) and `tev` (acknowledgements, heartbeats). Locks all
-/// memory and keeps the cores awake. Call it once, after the node was created, since its threads must exist.
-/// Throws std::invalid_argument for another priority; other errors are in the result.
+/// predicting and the backlog thread, and Cyclone DDS's `recv` (data) and `tev` (acknowledgements,
+/// heartbeats). Locks all memory and keeps the cores awake. Call it once, after the node was created, since
+/// its threads must exist. Throws std::invalid_argument for another priority; other errors are in the result.
 [[nodiscard]] Realtime apply_realtime(int priority, const RealtimeCalls& calls = linux_calls());
 
 }  // namespace sonopose::process

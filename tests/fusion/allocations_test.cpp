@@ -21,7 +21,8 @@ SCENARIO("a live event does not allocate, even while a change waits and when it 
     const std::size_t before = sonopose::test::allocations();
     for (std::size_t i = first; i < last; ++i) {
       const auto estimator = estimators.with([](auto& all) { return all.find_or_make(7); });
-      for (const auto& next : estimator->collate(events[i], 0, SteadyTime{available_at_ns(events[i])})) {
+      for (const auto& next : estimator->collate(events[i], 0, SteadyTime{available_at_ns(events[i])},
+                                                 SteadyTime{available_at_ns(events[i])})) {
         const EventOutcome outcome = estimator->process(next);
         if (std::holds_alternative<FusedPose>(outcome.result)) ++poses;
         if (outcome.prediction_period_ns) ++changes;
@@ -52,7 +53,8 @@ SCENARIO("a live event does not allocate with any attitude filter") {
       if (auto* imu = std::get_if<ImuSample>(&event)) imu->magnetic_field_body_t = Vector3d(20e-6, 0, -40e-6);
       const std::size_t before = sonopose::test::allocations();
       const auto estimator = estimators.find_or_make(7);
-      for (const auto& next : estimator->collate(event, 0, SteadyTime{available_at_ns(event)})) {
+      for (const auto& next : estimator->collate(event, 0, SteadyTime{available_at_ns(event)},
+                                                 SteadyTime{available_at_ns(event)})) {
         estimator->process(next);
       }
       return sonopose::test::allocations() - before;

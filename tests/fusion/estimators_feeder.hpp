@@ -71,7 +71,7 @@ struct Feeder {
   void push(const Event& event) { push(event, SteadyTime{available_at_ns(event)}); }
   void push(const Event& event, SteadyTime arrival) {
     const auto estimator = estimators.with([&](auto& all) { return all.find_or_make(address_of(event)); });
-    for (const auto& next : estimator->collate(event, 0, arrival)) {
+    for (const auto& next : estimator->collate(event, 0, arrival, arrival)) {
       const EventOutcome outcome = estimator->process(next);
       if (outcome.prediction_period_ns) changes.push_back(*estimator->take_settings_change());
       if (const auto* pose = std::get_if<FusedPose>(&outcome.result)) poses.push_back(*pose);

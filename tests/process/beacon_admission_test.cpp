@@ -29,34 +29,33 @@ SCENARIO("the beacons that are heard first are admitted") {
               "1 address is ignored: more than 2 beacons at a time or 32 since the start (--max-beacons)");
         CHECK_FALSE(admission.refusals());
       }
+      THEN("it takes the place of one that is gone") {
+        admission.forget(7);
+        CHECK_THAT(admission.warning().value(), Catch::Contains("1 address is ignored"));
+        CHECK(admission.accepts(9));
+        CHECK_FALSE(admission.warning());
+        CHECK_FALSE(admission.accepts(7));
+      }
     }
-    THEN("it takes the place of one that is gone") {
-      admission.forget(7);
-      CHECK_THAT(admission.warning().value(), Catch::Contains("1 address is ignored"));
-      CHECK(admission.accepts(9));
-      CHECK_FALSE(admission.warning());
-      CHECK_FALSE(admission.accepts(7));
+    WHEN("beacons come and go without end") {
+      admission.forget(8);
+      for (BeaconAddress address = 100; address < 1000 && admission.accepts(address); ++address) {
+        admission.forget(address);
+      }
+      THEN("new addresses end, known ones may return") {
+        CHECK_FALSE(admission.accepts(1000));
+        CHECK(admission.accepts(8));
+      }
     }
   }
-  WHEN("beacons come and go without end") {
-    admission.forget(8);
-    for (BeaconAddress address = 100; address < 1000 && admission.accepts(address); ++address) {
-      admission.forget(address);
-    }
-    THEN("new addresses end, known ones may return") {
-      CHECK_FALSE(admission.accepts(1000));
+  GIVEN("a list of addresses") {
+    BeaconAdmission admission(AddressSet::parse("7-8"), 256);
+    THEN("others are not beacons of this process, and not reported") {
       CHECK(admission.accepts(8));
+      CHECK_FALSE(admission.accepts(9));
+      CHECK_FALSE(admission.refusals());
     }
   }
-}
-GIVEN("a list of addresses") {
-  BeaconAdmission admission(AddressSet::parse("7-8"), 256);
-  THEN("others are not beacons of this process, and not reported") {
-    CHECK(admission.accepts(8));
-    CHECK_FALSE(admission.accepts(9));
-    CHECK_FALSE(admission.refusals());
-  }
-}
 }
 
 SCENARIO("a beacon is gone after a minute, or after five seconds if it was hardly heard") {

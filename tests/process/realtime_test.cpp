@@ -59,10 +59,11 @@ std::string line_with(const std::vector<std::string>& lines, const std::string& 
 SCENARIO("real time where everything is allowed") {
   GIVEN("a machine that refuses nothing") {
     Machine machine;
+    machine.threads.push_back({107, backlog_thread_name});
     const Realtime realtime = apply_realtime(42, machine.calls());
     THEN("the threads on the path of a pose have the priority, and no others") {
       const int calling_thread = 0;
-      CHECK(machine.priorities == std::map<int, int>{{calling_thread, 42}, {105, 42}, {106, 42}});
+      CHECK(machine.priorities == std::map<int, int>{{calling_thread, 42}, {105, 42}, {106, 42}, {107, 42}});
     }
     THEN("every setting is reported, and none was refused") {
       CHECK(realtime.refused().empty());

@@ -23,7 +23,7 @@ enum PoseStatus : std::uint32_t {
   status_low_trust = 1U << 8U,        ///< the ultrasonic track is doubted (settings 15–22)
   status_rotating_fast = 1U << 9U,    ///< the gyro-rate gate suppresses acceleration (settings 35–37)
   status_late = 1U << 10U,            ///< its IMU sample arrived much later than usual
-  status_overloaded = 1U << 11U       ///< the fusion cannot keep up with its input; not set yet
+  status_overloaded = 1U << 11U       ///< the fusion cannot keep up with its input and skips poses
 };
 
 /// The pose of one beacon at one IMU sample.

@@ -85,6 +85,7 @@ struct FusionStatus {
   FusionRole role = FusionRole::sole;
   std::int32_t strength = 0;  ///< ownership strength of the process
   bool imu_silent = false;    ///< no IMU sample for longer than its deadline
+  bool overloaded = false;    ///< the process cannot keep up with its input and skips poses
   std::uint64_t imu_samples = 0;
   std::uint64_t fixes_used = 0;
   std::uint64_t fixes_rejected = 0;
@@ -100,6 +101,7 @@ struct FusionStatus {
   std::uint64_t heading_deadlines_missed = 0;
   std::uint64_t bridge_losses = 0;  ///< times that the bridge of this beacon was lost
   std::uint64_t poses_late = 0;     ///< poses with status_late
+  std::uint64_t poses_skipped = 0;  ///< not written while overloaded; their samples were fused
   // Of the whole process, the same for all of its beacons:
   std::uint64_t pose_deadlines_missed = 0;
   std::uint64_t liveliness_lost = 0;   ///< expired leases of its pose writers

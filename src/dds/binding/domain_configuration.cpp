@@ -118,6 +118,11 @@ std::string defaults(std::uint32_t domain_id, const DomainOptions& options, cons
   // How long a reader waits before it asks for a lost packet. The default of 100 ms is as long as the lease
   // and the deadline of the live streams: a single lost packet would silence a beacon.
   internal += "<NackDelay>10 ms</NackDelay>";
+  // How many samples of a writer may wait for a lost one: its history of 64 for each of 256 beacons. What
+  // exceeds the default of 128 is sent again too, so that a reader that is too slow gets slower.
+  internal +=
+      "<PrimaryReorderMaxSamples>16384</PrimaryReorderMaxSamples>"
+      "<SecondaryReorderMaxSamples>16384</SecondaryReorderMaxSamples>";
   if (options.batch_writes) internal += "<WriteBatch>true</WriteBatch>";
   // Cyclone DDS blocks a writer above this amount of unacknowledged data, whatever its history depth.
   if (!options.wait_for_readers) {

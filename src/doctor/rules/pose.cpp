@@ -31,6 +31,9 @@ constexpr std::array lasting_bits{
     LastingBit{status_imu_gap, "its IMU stream has gaps", "check the line to the beacon"},
     LastingBit{status_low_trust, "its fusion has low trust in the fixes",
                "check for reflections and a wrong map; see docs/tuning.md"},
+    LastingBit{status_overloaded, "its fusion is overloaded and skips poses",
+               "give the fusion more processor time, or share its beacons between several fusions "
+               "(docs/realtime.md)"},
 };
 
 }  // namespace

@@ -124,6 +124,7 @@ TEST_CASE("Status bits of all poses in the window are reported") {
         Case{status_heading_unknown, "heading is unknown", Severity::warning},
         Case{status_frozen_track, "repeat one position", Severity::warning},
         Case{status_low_trust, "low trust in the fixes", Severity::warning},
+        Case{status_overloaded, "overloaded and skips poses", Severity::warning},
         Case{status_imu_gap, "stream has gaps", Severity::warning},
         Case{status_initialising, "still initialising", Severity::warning},
         Case{status_rotating_fast | status_converging | status_predicted, "", Severity::ok}}) {

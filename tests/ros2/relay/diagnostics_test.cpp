@@ -90,6 +90,13 @@ SCENARIO("the diagnostic of a beacon") {
         CHECK(says(diagnose(now, before), "stale"));
       }
     }
+    WHEN("its fusion is overloaded") {
+      now.pose.status = status_overloaded;
+      THEN("this is a warning") {
+        CHECK(diagnose(now, before).level == Level::warning);
+        CHECK(says(diagnose(now, before), "overloaded"));
+      }
+    }
     WHEN("its battery is low") {
       now.bridge->battery_v = 3.4;
       THEN("this is a warning") {

@@ -1,0 +1,82 @@
+#pragma once
+/// \file
+/// Decides how a fusion works that cannot keep up with its input.
+
+#include <sonopose/samples/time.hpp>
+
+#include <algorithm>
+#include <atomic>
+
+namespace sonopose::fusion {
+
+/// The receiving thread normally fuses each event at once. When samples arrive late, it only receives, so
+/// that the socket does not overflow, and the backlog thread fuses what has gathered. If that thread does not
+/// catch up, the process is overloaded: each beacon's poses are written in a larger spacing. Every event
+/// still is fused.
+///
+/// `is_deferring` and `pose_spacing_ns` may be called by any thread, the others by one at a time.
+class Overload {
+public:
+  /// How much later than usual a sample is taken, so that events are deferred.
+  static constexpr TimeNs late_after_ns = 20'000'000;
+  /// How long no sample is late, until the receiving thread fuses again.
+  static constexpr TimeNs calm_after_ns = 1'000'000'000;
+  /// Processor time of the backlog thread until it is behind, and the spacing increases. Not the time that
+  /// has passed: the thread may have been suspended once, and then catches up.
+  static constexpr TimeNs behind_after_ns = 10'000'000;
+  /// How long the spacing does not increase, until it is halved.
+  static constexpr TimeNs relax_after_ns = 500'000'000;
+  static constexpr TimeNs first_spacing_ns = 40'000'000;
+  static constexpr TimeNs largest_spacing_ns = 80'000'000;  ///< below the deadline of the poses
+  static constexpr TimeNs smallest_spacing_ns = 10'000'000;
+
+  /// A pose is written whose sample was `late_ns` later than usual when it was taken at `now`.
+  void on_pose(TimeNs late_ns, SteadyTime now) noexcept {
+    if (late_ns <= late_after_ns) return;
+    late_at_ = now;
+    deferring_.store(true, std::memory_order_relaxed);
+  }
+
+  /// The backlog thread, which has used the processor for `worked_ns`, takes what has gathered.
+  void on_round(SteadyTime now, TimeNs worked_ns) noexcept {
+    if (!busy_) worked_before_ns_ = worked_ns;
+    busy_ = true;
+    const TimeNs spacing_ns = pose_spacing_ns();
+    if (is_deferring() && worked_ns - worked_before_ns_ > behind_after_ns) {
+      worked_before_ns_ = worked_ns;
+      changed_at_ = now;
+      set_spacing(std::clamp(2 * spacing_ns, first_spacing_ns, largest_spacing_ns));
+    } else if (spacing_ns > 0 && now - changed_at_ > relax_after_ns) {
+      changed_at_ = now;
+      set_spacing(spacing_ns > smallest_spacing_ns ? spacing_ns / 2 : 0);
+    }
+  }
+
+  /// The backlog thread has nothing left to take.
+  void on_caught_up(SteadyTime now) noexcept {
+    busy_ = false;
+    if (pose_spacing_ns() > 0 || now - late_at_ <= calm_after_ns) return;
+    deferring_.store(false, std::memory_order_relaxed);
+  }
+
+  /// Whether the backlog thread takes events, instead of the thread that receives them.
+  [[nodiscard]] bool is_deferring() const noexcept { return deferring_.load(std::memory_order_relaxed); }
+  /// The least time between two poses of a beacon; 0 unless overloaded.
+  [[nodiscard]] TimeNs pose_spacing_ns() const noexcept {
+    return spacing_ns_.load(std::memory_order_relaxed);
+  }
+
+  [[nodiscard]] bool is_overloaded() const noexcept { return pose_spacing_ns() > 0; }
+
+private:
+  void set_spacing(TimeNs spacing_ns) { spacing_ns_.store(spacing_ns, std::memory_order_relaxed); }
+
+  std::atomic<bool> deferring_ = false;
+  std::atomic<TimeNs> spacing_ns_ = 0;
+  bool busy_ = false;  ///< the backlog thread has not caught up since `worked_before_ns_`
+  TimeNs worked_before_ns_ = 0;
+  SteadyTime late_at_;     ///< when the latest late sample was taken
+  SteadyTime changed_at_;  ///< the spacing
+};
+
+}  // namespace sonopose::fusion
