@@ -1,0 +1,93 @@
+#pragma once
+/// \file
+/// The processes of a run and the line that feeds their bridge; plays the steps of a plan on them.
+
+#include "faults/history.hpp"
+#include "support/beacon_feed.hpp"
+#include "support/bus.hpp"
+#include "support/pseudo_terminal.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/udp_sender.hpp"
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace sonopose::faults {
+
+/// The library of Debian's package libfaketime; empty where it is not installed.
+std::string faketime_library();
+
+/// A serial line that can be unplugged, or a UDP port.
+class FeedLine {
+public:
+  FeedLine(Line kind, std::filesystem::path device);
+
+  void send(std::span<const std::uint8_t> bytes);
+  void unplug();
+  void plug();
+  [[nodiscard]] test::Arguments bridge_options() const;
+
+private:
+  std::filesystem::path device_;
+  std::mutex mutex_;
+  std::optional<test::PseudoTerminal> terminal_;
+  std::optional<test::UdpSender> sender_;
+};
+
+class Cast {
+public:
+  /// Starts everything that the plan names. Returns when all processes are ready.
+  Cast(const test::Bus& bus, const Plan& plan);
+  Cast(const Cast&) = delete;
+  Cast& operator=(const Cast&) = delete;
+  ~Cast();
+
+  /// Plays the steps at their times, and waits until all processes are ready again.
+  void play();
+
+  /// Ends all processes. Returns what ended otherwise than it should have, during the run or now.
+  std::vector<std::string> finish();
+
+  [[nodiscard]] std::vector<Episode> episodes() const { return episodes_; }
+  [[nodiscard]] std::vector<Life> lives() const { return lives_; }
+
+  static constexpr double imu_rate_hz = 200;
+  static constexpr BeaconAddress first_address = 7;
+  static constexpr BeaconAddress last_address = 8;
+
+private:
+  void begin(const Step& step);
+  void end(const Step& step);
+  void start(Role role);
+  void wait_until_ready(Role role);
+  void take_out(Role role, int signal);
+  void step_clock(TimeNs offset_ns) const;
+  void start_without_descriptors(std::uint32_t count);
+  [[nodiscard]] test::Arguments arguments_of(Role role);
+  [[nodiscard]] test::Environment environment_of(Role role) const;
+  void join_restart(Role role);
+  void drain(const std::stop_token& stop) const;
+
+  const test::Bus& bus_;
+  const Plan& plan_;
+  test::TemporaryFolder folder_;
+  int pipe_ = -1;  ///< the slow disk
+  int recordings_ = 0;
+  FeedLine line_;
+  test::BeaconFeed feed_;
+  std::map<Role, std::unique_ptr<test::Process>> processes_;
+  std::map<Role, std::thread> restarts_;
+  std::vector<Episode> episodes_;  ///< each is written by one thread at a time
+  std::mutex mutex_;               ///< guards what follows
+  std::vector<Life> lives_;
+  std::vector<std::string> failures_;
+  std::jthread drain_;
+};
+
+}  // namespace sonopose::faults

@@ -1,0 +1,415 @@
+#include "faults/history_checker.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+
+namespace sonopose::faults {
+namespace {
+
+double ms(TimeNs duration_ns) {
+  return static_cast<double>(duration_ns) * 1e-6;
+}
+
+bool overlap(const Interval& interval, SteadyTime from, SteadyTime until) {
+  return interval.from <= until && interval.until >= from;
+}
+
+std::vector<Interval> merged(std::vector<Interval> intervals) {
+  std::sort(intervals.begin(), intervals.end(),
+            [](const Interval& a, const Interval& b) { return a.from < b.from; });
+  std::vector<Interval> disjoint;
+  for (const Interval& interval : intervals) {
+    if (!disjoint.empty() && interval.from <= disjoint.back().until) {
+      disjoint.back().until = std::max(disjoint.back().until, interval.until);
+    } else {
+      disjoint.push_back(interval);
+    }
+  }
+  return disjoint;
+}
+
+}  // namespace
+
+HistoryChecker::HistoryChecker(const History& history, const Limits& limits)
+    : history_(history), limits_(limits), stalls_(merged(history.stalls)) {
+  for (const Published& imu : history.imu) {
+    Track& track = tracks_[imu.address];
+    track.index_of.emplace(imu.bridge_time_ns, track.imu.size());
+    track.imu.push_back(imu);
+  }
+  std::map<std::pair<SteadyTime, BeaconAddress>, const Arrival*> in_hand;
+  for (const Arrival& pose : history.poses) {
+    Track& track = tracks_[pose.address];
+    const auto stop = stop_before(track, pose);
+    const bool first = stop && in_hand.emplace(std::pair{stop->from, pose.address}, &pose).second;
+    if (!first) track.poses.push_back(pose);
+  }
+}
+
+/// The stop of the pose's fusion at which it may have had this pose in hand: judged, but not yet written.
+std::optional<Interval> HistoryChecker::stop_before(const Track& track, const Arrival& pose) const {
+  const auto sent = published(track, pose);
+  for (const Episode& episode : history_.episodes) {
+    const Interval& stop = episode.interval;
+    if (episode.step.fault == Fault::stop && role_of(strength_of_process(pose)) == episode.step.target &&
+        sent && *sent <= stop.from && pose.received >= stop.until && (pose.status & status_late) == 0U) {
+      return stop;
+    }
+  }
+  return std::nullopt;
+}
+
+Verdict HistoryChecker::check() {
+  verdict_ = {};
+  if (!history_.poses.empty()) {
+    verdict_.stalled_ns = stalled_ns(history_.poses.front().received, history_.end);
+  }
+  if (tracks_.empty()) verdict_.violations.emplace_back("no sample and no pose arrived");
+  for (const auto& [address, track] : tracks_) {
+    check_stamps(track);
+    check_ages(track);
+    check_future(track);
+    check_owners(track);
+    check_numbers(address, track);
+    check_silence(address, track);
+    check_recovery(address, track);
+  }
+  return verdict_;
+}
+
+void HistoryChecker::violated(const Arrival& at, const std::string& text) {
+  const SteadyTime begin = history_.episodes.empty() ? SteadyTime{} : history_.episodes.front().interval.from;
+  verdict_.violations.push_back(
+      fmt::format("beacon {}, {:.3f} s: {}", at.address, seconds_between(begin, at.received), text));
+}
+
+/// The strength of the fusion that wrote it, also where it wrote with strength 0.
+std::int32_t HistoryChecker::strength_of_process(const Arrival& pose) const {
+  const auto found = std::find_if(history_.statuses.begin(), history_.statuses.end(),
+                                  [&](const FusionReport& report) { return report.process == pose.process; });
+  return found == history_.statuses.end() ? pose.strength : found->status.strength;
+}
+
+std::string HistoryChecker::name_of(const Arrival& pose) const {
+  return fmt::format("fusion-{}{}", strength_of_process(pose), pose.strength == 0 ? " (strength 0)" : "");
+}
+
+// Stamps of live poses rise.
+
+void HistoryChecker::check_stamps(const Track& track) {
+  std::map<ProcessId, Arrival> latest_of;
+  const Arrival* before = nullptr;
+  for (const Arrival& pose : track.poses) {
+    if ((pose.status & status_late) != 0U) continue;
+    const auto own = latest_of.find(pose.process);
+    const bool reset = own != latest_of.end() && own->second.reset_counter != pose.reset_counter;
+    if (own != latest_of.end() && !reset && pose.time_ns <= own->second.time_ns) {
+      violated(pose, fmt::format("the stamp of {} steps back by {:.1f} ms", name_of(pose),
+                                 ms(own->second.time_ns - pose.time_ns)));
+    } else if (before != nullptr && before->process != pose.process && !reset &&
+               pose.time_ns < before->time_ns && !may_step_back(track, *before, pose)) {
+      violated(pose, fmt::format("the stamp steps back by {:.1f} ms from {} to {}",
+                                 ms(before->time_ns - pose.time_ns), name_of(*before), name_of(pose)));
+    }
+    latest_of[pose.process] = pose;
+    before = &pose;
+  }
+}
+
+/// A new owner may be behind the old one by what both have just received: samples that left the bridge within
+/// the lag of a takeover. After a silence of the bridge that is its whole backlog. While no fusion serves the
+/// beacon, because all warm up or released it in a silence, one that was stopped and continues is received
+/// with what it finds, as far as that is not late.
+bool HistoryChecker::may_step_back(const Track& track, const Arrival& before, const Arrival& after) const {
+  const auto step = bridge_clock_step();
+  if (step && after.received >= step->interval.from &&
+      after.received - step->interval.from < limits_.clock_step_late_ns) {
+    return true;
+  }
+  const auto from = published(track, after);
+  const auto until = published(track, before);
+  const TimeNs lag_ns =
+      from && until ? *until - *from : saturated_difference(before.bridge_time_ns, after.bridge_time_ns);
+  const bool unowned =
+      before.strength == 0 || after.strength == 0 || was_silent(track, before.received, after.received);
+  const TimeNs most_ns = unowned ? limits_.age_ns : limits_.takeover_lag_ns;
+  return lag_ns <= most_ns + stalled_ns(before.received - lag_ns, after.received);
+}
+
+// No pose is older than declared, and none is from the future.
+
+void HistoryChecker::check_ages(const Track& track) {
+  for (const Arrival& pose : track.poses) {
+    const auto sent = published(track, pose);
+    if (!sent || (pose.status & status_late) != 0U) continue;
+    const TimeNs age_ns = pose.received - *sent;
+    verdict_.longest_age_ns = std::max(verdict_.longest_age_ns, age_ns);
+    if (age_ns > limits_.age_ns + stalled_ns(*sent, pose.received)) {
+      violated(pose, fmt::format("a pose of {} is {:.1f} ms old and not marked", name_of(pose), ms(age_ns)));
+    }
+  }
+}
+
+void HistoryChecker::check_future(const Track& track) {
+  for (const Arrival& pose : track.poses) {
+    const TimeNs ahead_ns = saturated_difference(pose.time_ns, pose.received_host_ns);
+    if (ahead_ns > limits_.future_ns + most_ahead_ns(pose.received)) {
+      violated(pose, fmt::format("a pose of {} is {:.1f} ms in the future", name_of(pose), ms(ahead_ns)));
+      return;
+    }
+  }
+}
+
+/// Stamps are in the bridge's clock. They are ahead by the delay that the line had while the bridge related
+/// its clock to the beacon's, which it takes back slowly.
+TimeNs HistoryChecker::most_ahead_ns(SteadyTime now) const {
+  constexpr TimeNs settling_ns = 300'000'000;
+  const auto step = bridge_clock_step();
+  TimeNs ahead_ns = step && now >= step->interval.from ? std::max<TimeNs>(0, step->step.amount_ns) : 0;
+  for (const Life& life : history_.lives) {
+    if (life.role != Role::bridge || life.interval.from > now) continue;
+    ahead_ns += stalled_ns(life.interval.from - settling_ns, life.interval.from + settling_ns);
+  }
+  for (const Episode& episode : history_.episodes) {
+    const bool is_delay = episode.step.fault == Fault::delay || episode.step.fault == Fault::reorder;
+    if (!is_delay || now < episode.interval.from) continue;
+    const auto settles_in_it = [&](const Life& life) {
+      return life.role == Role::bridge &&
+             overlap(episode.interval, life.interval.from - settling_ns, life.interval.from + settling_ns);
+    };
+    const bool settled_in_it =
+        step || std::any_of(history_.lives.begin(), history_.lives.end(), settles_in_it);
+    if (settled_in_it) ahead_ns += episode.step.amount_ns;
+  }
+  return ahead_ns;
+}
+
+// A beacon has one owner.
+
+void HistoryChecker::check_owners(const Track& track) {
+  for (std::size_t i = 1; i < track.poses.size(); ++i) {
+    const Arrival& before = track.poses[i - 1];
+    const Arrival& after = track.poses[i];
+    if (before.process == after.process) continue;
+    ++verdict_.owner_changes;
+    if (after.strength >= before.strength || may_weaken(track, before, after)) continue;
+    violated(after,
+             fmt::format("{} is received although {} owns the beacon", name_of(after), name_of(before)));
+  }
+}
+
+/// A weaker fusion is received only when the stronger one has lost its lease, was taken out or has released
+/// the beacon because it received no samples of it.
+bool HistoryChecker::may_weaken(const Track& track, const Arrival& before, const Arrival& after) const {
+  constexpr TimeNs notice_ns = 20'000'000;  // another thread records the loss
+  const auto is_loss = [&](const LivelinessLoss& loss) {
+    return loss.writer == before.writer && loss.at >= before.received &&
+           loss.at <= after.received + notice_ns;
+  };
+  if (std::any_of(history_.losses.begin(), history_.losses.end(), is_loss)) return true;
+  const auto role = role_of(before.strength);
+  if (role && (had_episode(*role, before.received, after.received) || loses(*role))) return true;
+  const SteadyTime from = before.received - 2 * limits_.lease_ns;
+  return loses(Role::bridge) || was_silent(track, from, after.received) ||
+         stalled_ns(from, after.received) >= limits_.lease_ns / 2;
+}
+
+/// Whether the beacon's samples paused long enough for a fusion to release it.
+bool HistoryChecker::was_silent(const Track& track, SteadyTime from, SteadyTime until) const {
+  const TimeNs release_ns = limits_.lease_ns * 9 / 10;
+  for (std::size_t i = 1; i < track.imu.size(); ++i) {
+    const Interval pause{track.imu[i - 1].received, track.imu[i].received};
+    if (pause.until - pause.from >= release_ns && overlap(pause, from, until)) return true;
+  }
+  return false;
+}
+
+// Every missing number is counted.
+
+void HistoryChecker::check_numbers(BeaconAddress address, const Track& track) {
+  struct Missing {
+    std::uint64_t count = 0;
+    Arrival latest;
+  };
+  std::map<ProcessId, Missing> missing_of;
+  for (std::size_t i = 1; i < track.poses.size(); ++i) {
+    const Arrival& before = track.poses[i - 1];
+    const Arrival& after = track.poses[i];
+    const auto missing = missing_between(track, before, after);
+    if (!missing || *missing == 0) continue;
+    if (before.process != after.process) {
+      // The consumer's reader reports that the owner is gone, or the stronger one is ahead by the lag.
+      const auto from = published(track, before);
+      const auto until = published(track, after);
+      const bool lag =
+          from && until && *until - *from <= limits_.takeover_lag_ns + stalled_ns(*from, after.received);
+      const bool known = lag || may_weaken(track, before, after);
+      (known ? verdict_.missing_counted : verdict_.missing_uncounted) += *missing;
+      if (!known)
+        violated(after, fmt::format("{} samples have no pose at a takeover that nothing explains", *missing));
+      continue;
+    }
+    const auto knows = [&](const FusionReport& report) {
+      return report.process == after.process && report.received > after.received;
+    };
+    if (std::none_of(history_.statuses.begin(), history_.statuses.end(), knows)) continue;  // it ended before
+    missing_of[after.process].count += *missing;
+    missing_of[after.process].latest = after;
+  }
+  for (const auto& [process, missing] : missing_of) {
+    const std::uint64_t counted =
+        counted_by(process, address).value_or(0) + history_.consumer_lost + history_.consumer_rejected;
+    const std::uint64_t uncounted = missing.count - std::min(missing.count, counted);
+    verdict_.missing_counted += missing.count - uncounted;
+    verdict_.missing_uncounted += uncounted;
+    if (uncounted == 0) continue;
+    violated(missing.latest, fmt::format("{} samples have no pose of {}, and {} of them nothing counted",
+                                         missing.count, name_of(missing.latest), uncounted));
+  }
+}
+
+std::optional<std::size_t> HistoryChecker::missing_between(const Track& track, const Arrival& before,
+                                                           const Arrival& after) const {
+  const auto from = track.index_of.find(before.bridge_time_ns);
+  const auto until = track.index_of.find(after.bridge_time_ns);
+  if (from == track.index_of.end() || until == track.index_of.end()) return std::nullopt;
+  return until->second > from->second ? until->second - from->second - 1 : 0;
+}
+
+/// What this fusion reports as lost, invalid or not written since the first pose of the history.
+std::optional<std::uint64_t> HistoryChecker::counted_by(ProcessId process, BeaconAddress address) const {
+  const auto losses_of = [](const FusionStatus& status) {
+    return status.events_lost + status.samples_invalid + status.samples_lost + status.samples_rejected +
+           status.poses_unwritten;
+  };
+  std::uint64_t before = 0;
+  std::optional<std::uint64_t> latest;
+  for (const FusionReport& report : history_.statuses) {
+    if (report.process != process || report.status.address != address) continue;
+    if (report.received < history_.poses.front().received) before = losses_of(report.status);
+    latest = losses_of(report.status);
+  }
+  if (!latest) return std::nullopt;
+  return *latest - std::min(before, *latest);
+}
+
+// Silence is short while another fusion can serve.
+
+void HistoryChecker::check_silence(BeaconAddress address, const Track& track) {
+  for (std::size_t i = 1; i < track.poses.size(); ++i) {
+    const Interval wait = wait_beside_bridge(track, track.poses[i - 1].received, track.poses[i].received);
+    const TimeNs silence_ns = wait.until - wait.from;
+    if (silence_ns <= 0 || !had_warm_fusion(address, wait.from, wait.until)) continue;
+    verdict_.longest_silence_ns = std::max(verdict_.longest_silence_ns, silence_ns);
+    if (silence_ns > limits_.silence_ns + stalled_ns(wait.from, wait.until)) {
+      violated(track.poses[i], fmt::format("no pose for {:.1f} ms beside a warm fusion", ms(silence_ns)));
+    }
+  }
+}
+
+/// The wait between two poses since the second one was due, without the time in which the bridge sent
+/// nothing.
+Interval HistoryChecker::wait_beside_bridge(const Track& track, SteadyTime from, SteadyTime until) const {
+  const TimeNs pause_ns = 3 * history_.imu_period_ns;
+  Interval wait{from + history_.imu_period_ns, until};
+  const auto after = [](SteadyTime time, const Published& imu) { return time < imu.received; };
+  const auto first = std::upper_bound(track.imu.begin(), track.imu.end(), from, after);
+  const auto end = std::upper_bound(first, track.imu.end(), until, after);
+  for (auto imu = first; imu != end; ++imu) {
+    const bool resumes = imu == track.imu.begin() || imu->received - std::prev(imu)->received > pause_ns;
+    if (resumes) wait.from = std::max(wait.from, imu->received);
+  }
+  const bool ever = end != track.imu.begin();
+  wait.until = std::min(wait.until, ever ? std::prev(end)->received + pause_ns : wait.from);
+  return wait;
+}
+
+/// Whether one fusion was warm and undisturbed all the time, and so was the bridge.
+bool HistoryChecker::had_warm_fusion(BeaconAddress address, SteadyTime from, SteadyTime until) const {
+  constexpr TimeNs settled_ns = 300'000'000;
+  constexpr TimeNs discovered_ns = 1'000'000'000;
+  const auto lives_through = [&](Role role, TimeNs for_ns) {
+    return std::any_of(history_.lives.begin(), history_.lives.end(), [&](const Life& life) {
+      return life.role == role && life.interval.from <= from - for_ns && life.interval.until > until;
+    });
+  };
+  if (!lives_through(Role::bridge, discovered_ns) || loses(Role::bridge)) return false;
+  for (const Role role : all_roles) {
+    if (role == Role::bridge || loses(role) || !lives_through(role, settled_ns)) continue;
+    if (had_episode(role, from - settled_ns, until)) continue;
+    std::optional<FusionRole> latest;
+    for (const FusionReport& report : history_.statuses) {
+      if (report.received < from && report.status.address == address &&
+          report.status.strength == strength_of(role)) {
+        latest = report.status.role;
+      }
+    }
+    if (latest == FusionRole::serving) return true;
+  }
+  return false;
+}
+
+// After the last fault, poses soon flow as before.
+
+void HistoryChecker::check_recovery(BeaconAddress address, const Track& track) {
+  SteadyTime fault_end{};
+  for (const Episode& episode : history_.episodes) fault_end = std::max(fault_end, episode.interval.until);
+  SteadyTime bad_until = fault_end;
+  SteadyTime before = fault_end;
+  const auto step = bridge_clock_step();
+  for (const Arrival& pose : track.poses) {
+    if (pose.received < fault_end) continue;
+    const bool explained = step && pose.received - step->interval.from < limits_.clock_step_late_ns;
+    const std::uint32_t bad = status_initialising | (explained ? 0U : std::uint32_t{status_late});
+    const bool waited = pose.received - before > limits_.silence_ns + stalled_ns(before, pose.received);
+    if (waited || (pose.status & bad) != 0U) bad_until = pose.received;
+    before = pose.received;
+  }
+  const bool ended = history_.end - before > limits_.silence_ns + stalled_ns(before, history_.end);
+  if (ended) bad_until = history_.end;
+  const TimeNs recovery_ns = bad_until - fault_end;
+  verdict_.recovery_ns = std::max(verdict_.recovery_ns, recovery_ns);
+  if (ended || recovery_ns > limits_.recovery_ns + stalled_ns(fault_end, bad_until)) {
+    verdict_.violations.push_back(fmt::format("beacon {}: not recovered {:.2f} s after the last fault",
+                                              address, seconds_between(0, recovery_ns)));
+  }
+}
+
+// What is known about a time
+
+std::optional<SteadyTime> HistoryChecker::published(const Track& track, const Arrival& pose) const {
+  const auto found = track.index_of.find(pose.bridge_time_ns);
+  if (found == track.index_of.end()) return std::nullopt;
+  return track.imu[found->second].received;
+}
+
+bool HistoryChecker::had_episode(Role role, SteadyTime from, SteadyTime until) const {
+  return std::any_of(history_.episodes.begin(), history_.episodes.end(), [&](const Episode& episode) {
+    return episode.step.fault < Fault::few_descriptors && episode.step.target == role &&
+           overlap(episode.interval, from, until);
+  });
+}
+
+bool HistoryChecker::loses(Role role) const {
+  return history_.plan.loss && history_.plan.loss->role == role;
+}
+
+std::optional<Episode> HistoryChecker::bridge_clock_step() const {
+  for (const Episode& episode : history_.episodes) {
+    if (episode.step.fault == Fault::clock_step && episode.step.target == Role::bridge) return episode;
+  }
+  return std::nullopt;
+}
+
+TimeNs HistoryChecker::stalled_ns(SteadyTime from, SteadyTime until) const {
+  TimeNs sum_ns = 0;
+  for (const Interval& stall : stalls_) {
+    sum_ns += std::max<TimeNs>(0, std::min(stall.until, until) - std::max(stall.from, from));
+  }
+  return sum_ns;
+}
+
+}  // namespace sonopose::faults

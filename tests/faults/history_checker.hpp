@@ -1,0 +1,87 @@
+#pragma once
+/// \file
+/// Judges what a consumer received during a run by the promises of docs/reliability.md, "Faults".
+
+#include "faults/history.hpp"
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sonopose::faults {
+
+struct Limits {
+  TimeNs lease_ns = 100'000'000;    ///< of the pose's profile; also the IMU's deadline
+  TimeNs silence_ns = 110'000'000;  ///< the lease and a tenth
+  TimeNs age_ns = 250'000'000;      ///< of a pose without the status LATE, since its sample left the bridge
+  TimeNs future_ns = 10'000'000;    ///< how far a stamp may be ahead of the host's clock
+  TimeNs recovery_ns = 3'000'000'000;   ///< after the last fault
+  TimeNs takeover_lag_ns = 50'000'000;  ///< by which fusions differ in how far they are
+  TimeNs clock_step_late_ns =
+      4'000'000'000;  ///< a step of the bridge's clock marks poses as late for so long
+};
+
+struct Verdict {
+  std::vector<std::string> violations;
+  TimeNs longest_silence_ns = 0;  ///< where a warm fusion and the bridge were alive
+  TimeNs longest_age_ns = 0;      ///< of poses without the status LATE
+  TimeNs recovery_ns = 0;
+  TimeNs stalled_ns = 0;  ///< by the machine, in total
+  std::size_t owner_changes = 0;
+  std::uint64_t missing_counted = 0;
+  std::uint64_t missing_uncounted = 0;
+};
+
+class HistoryChecker {
+public:
+  /// `history` must outlive the checker.
+  explicit HistoryChecker(const History& history, const Limits& limits = {});
+
+  Verdict check();
+
+private:
+  /// One beacon.
+  struct Track {
+    std::vector<Arrival> poses;
+    std::vector<Published> imu;
+    std::map<TimeNs, std::size_t> index_of;  ///< in `imu`, by the bridge's time
+  };
+
+  void check_stamps(const Track& track);
+  void check_ages(const Track& track);
+  void check_future(const Track& track);
+  void check_owners(const Track& track);
+  void check_numbers(BeaconAddress address, const Track& track);
+  void check_silence(BeaconAddress address, const Track& track);
+  void check_recovery(BeaconAddress address, const Track& track);
+
+  void violated(const Arrival& at, const std::string& text);
+  [[nodiscard]] std::optional<Interval> stop_before(const Track& track, const Arrival& pose) const;
+  [[nodiscard]] std::int32_t strength_of_process(const Arrival& pose) const;
+  [[nodiscard]] std::string name_of(const Arrival& pose) const;
+  [[nodiscard]] bool may_step_back(const Track& track, const Arrival& before, const Arrival& after) const;
+  [[nodiscard]] bool may_weaken(const Track& track, const Arrival& before, const Arrival& after) const;
+  [[nodiscard]] bool was_silent(const Track& track, SteadyTime from, SteadyTime until) const;
+  [[nodiscard]] Interval wait_beside_bridge(const Track& track, SteadyTime from, SteadyTime until) const;
+  [[nodiscard]] bool had_warm_fusion(BeaconAddress address, SteadyTime from, SteadyTime until) const;
+  [[nodiscard]] bool had_episode(Role role, SteadyTime from, SteadyTime until) const;
+  [[nodiscard]] bool loses(Role role) const;
+  [[nodiscard]] std::optional<SteadyTime> published(const Track& track, const Arrival& pose) const;
+  [[nodiscard]] std::optional<std::size_t> missing_between(const Track& track, const Arrival& before,
+                                                           const Arrival& after) const;
+  [[nodiscard]] std::optional<std::uint64_t> counted_by(ProcessId process, BeaconAddress address) const;
+  [[nodiscard]] TimeNs stalled_ns(SteadyTime from, SteadyTime until) const;
+  [[nodiscard]] TimeNs most_ahead_ns(SteadyTime now) const;
+  [[nodiscard]] std::optional<Episode> bridge_clock_step() const;
+
+  const History& history_;
+  Limits limits_;
+  std::vector<Interval> stalls_;  ///< disjoint, by time
+  std::map<BeaconAddress, Track> tracks_;
+  Verdict verdict_;
+};
+
+}  // namespace sonopose::faults

@@ -1,0 +1,189 @@
+/// Plays the plans of some seeds and judges what a consumer received.
+///
+///     SONOPOSE_FAULT_SEEDS=1-300 build/dev/tests/faults/test_faults "[seeds]"
+
+#include "clocks/clocks.hpp"
+#include "faults/cast.hpp"
+#include "faults/history_checker.hpp"
+#include "faults/observer.hpp"
+#include "faults/stall_watch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <iostream>
+#include <set>
+#include <stdexcept>
+
+namespace seeds_test {
+
+using namespace sonopose;
+using namespace sonopose::faults;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool sanitized = true;
+constexpr TimeNs slowness = 5;
+constexpr const char* default_seeds = "1-3";
+#else
+constexpr bool sanitized = false;
+constexpr TimeNs slowness = 1;
+constexpr const char* default_seeds = "1-10";
+#endif
+
+struct Seeds {
+  std::uint64_t first = 0;
+  std::uint64_t last = 0;
+};
+
+/// "7" or "1-10".
+Seeds chosen_seeds() {
+  const char* const value = std::getenv("SONOPOSE_FAULT_SEEDS");
+  const std::string_view text = value == nullptr ? default_seeds : value;
+  const char* const end = text.data() + text.size();
+  Seeds seeds;
+  auto parsed = std::from_chars(text.data(), end, seeds.first);
+  seeds.last = seeds.first;
+  if (parsed.ec == std::errc() && parsed.ptr != end && *parsed.ptr == '-') {
+    parsed = std::from_chars(parsed.ptr + 1, end, seeds.last);
+  }
+  if (parsed.ec != std::errc() || parsed.ptr != end || seeds.last < seeds.first) {
+    throw std::invalid_argument("SONOPOSE_FAULT_SEEDS is '" + std::string(text) + "': expected 7 or 1-10");
+  }
+  return seeds;
+}
+
+bool can_step_clocks() {
+  return !sanitized && !faketime_library().empty();  // a sanitizer must be loaded before other libraries
+}
+
+/// All fusions of the plan serve both beacons.
+bool all_serve(const Plan& plan, const std::vector<FusionReport>& reports) {
+  std::set<std::pair<std::int32_t, BeaconAddress>> serving;
+  for (const FusionReport& report : reports) {
+    const auto key = std::pair{report.status.strength, report.status.address};
+    if (report.status.role == FusionRole::serving) serving.insert(key);
+  }
+  return serving.size() == 2 * static_cast<std::size_t>(plan.fusions);
+}
+
+/// Both beacons have had good poses for a while.
+bool flows(const std::vector<Arrival>& poses, TimeNs for_ns) {
+  constexpr std::uint32_t bad = status_initialising | status_late;
+  const SteadyTime now = clocks::steady_now();
+  for (BeaconAddress address = Cast::first_address; address <= Cast::last_address; ++address) {
+    SteadyTime later = now;
+    for (auto pose = poses.rbegin(); later > now - for_ns; ++pose) {
+      if (pose == poses.rend()) return false;
+      if (pose->address != address) continue;
+      if ((pose->status & bad) != 0U || later - pose->received > 100'000'000) return false;
+      later = pose->received;
+    }
+  }
+  return true;
+}
+
+void wait_for_recovery(const Observer& observer, const History& history, const Limits& limits) {
+  constexpr TimeNs stable_ns = 400'000'000;
+  const SteadyTime begin = clocks::steady_now();
+  const SteadyTime give_up = begin + (limits.clock_step_late_ns + limits.recovery_ns);
+  while (clocks::steady_now() < give_up) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    if (observer.with_poses([](const auto& poses) { return flows(poses, stable_ns); })) break;
+  }
+  // Every fusion reports once more what it has lost.
+  observer.wait_for_reports(
+      [&](const std::vector<FusionReport>& reports) {
+        std::set<std::pair<std::int32_t, BeaconAddress>> heard;
+        for (const FusionReport& report : reports) {
+          if (report.received > begin) heard.emplace(report.status.strength, report.status.address);
+        }
+        return heard.size() >= 2 * static_cast<std::size_t>(history.plan.fusions);
+      },
+      std::chrono::milliseconds(1500));
+}
+
+struct Outcome {
+  Plan plan;
+  Verdict verdict;
+  std::size_t poses = 0;
+  TimeNs longest_stall_ns = 0;  ///< of the machine
+};
+
+TimeNs longest_of(const std::vector<Interval>& intervals) {
+  TimeNs longest_ns = 0;
+  for (const Interval& each : intervals) longest_ns = std::max(longest_ns, each.until - each.from);
+  return longest_ns;
+}
+
+Outcome play(const Plan& plan, const Limits& limits) {
+  const test::Bus bus;
+  const StallWatch stall_watch;
+  Observer observer(bus);
+  Cast cast(bus, plan);
+  History history;
+  history.plan = plan;
+  history.imu_period_ns = to_ns(1 / Cast::imu_rate_hz);
+  const bool served =
+      observer.wait_for_reports([&](const auto& reports) { return all_serve(plan, reports); });
+  observer.start();
+  cast.play();
+  wait_for_recovery(observer, history, limits);
+  history.end = clocks::steady_now();
+  observer.add_to(history);
+  history.episodes = cast.episodes();
+  history.lives = cast.lives();
+  history.stalls = stall_watch.stalls();
+  Outcome outcome{plan, HistoryChecker(history, limits).check(), history.poses.size(),
+                  longest_of(history.stalls)};
+  auto failures = cast.finish();
+  if (!served) failures.emplace_back("the fusions did not all serve within the time limit");
+  auto& violations = outcome.verdict.violations;
+  violations.insert(violations.end(), failures.begin(), failures.end());
+  return outcome;
+}
+
+void print_header() {
+  std::cout << fmt::format("{:>5} {:>6} {:>8} {:>10} {:>7} {:>9} {:>7} {:>8} {:>10}  {:<7} {}\n", "seed",
+                           "poses", "stall ms", "silence ms", "age ms", "recover s", "owners", "counted",
+                           "uncounted", "result", "plan");
+}
+
+void print_row(const Outcome& outcome, const char* result) {
+  const Verdict& verdict = outcome.verdict;
+  std::cout << fmt::format("{:>5} {:>6} {:>8.0f} {:>10.1f} {:>7.1f} {:>9.2f} {:>7} {:>8} {:>10}  {:<7} {}\n",
+                           outcome.plan.seed, outcome.poses, 1e-6 * static_cast<double>(verdict.stalled_ns),
+                           1e-6 * static_cast<double>(verdict.longest_silence_ns),
+                           1e-6 * static_cast<double>(verdict.longest_age_ns),
+                           seconds_between(0, verdict.recovery_ns), verdict.owner_changes,
+                           verdict.missing_counted, verdict.missing_uncounted, result, text_of(outcome.plan));
+  for (const std::string& violation : verdict.violations) std::cout << "      " << violation << "\n";
+  std::cout << std::flush;
+}
+
+SCENARIO("whatever happens to the processes and the line, consumers receive what is promised", "[seeds]") {
+  if (!can_step_clocks())
+    std::cout << "no clock steps: libfaketime is not installed, or this is a sanitized build\n";
+  Limits limits;
+  limits.silence_ns *= slowness;
+  limits.age_ns *= slowness;
+  limits.recovery_ns *= slowness;
+  limits.takeover_lag_ns *= slowness;
+  const Seeds seeds = chosen_seeds();
+  print_header();
+  for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
+    const Plan plan = draw_plan(seed, can_step_clocks());
+    Outcome outcome = play(plan, limits);
+    constexpr TimeNs stall_ns = 50'000'000;
+    if (!outcome.verdict.violations.empty() && outcome.longest_stall_ns > stall_ns) {
+      print_row(outcome, "stalled");  // the machine did, so it has one more chance
+      outcome = play(plan, limits);
+    }
+    print_row(outcome, outcome.verdict.violations.empty() ? "ok" : "FAILED");
+    INFO("repeat it with: SONOPOSE_FAULT_SEEDS=" << seed
+                                                 << " build/dev/tests/faults/test_faults \"[seeds]\"");
+    CHECK(outcome.verdict.violations == std::vector<std::string>{});
+  }
+}
+
+}  // namespace seeds_test
