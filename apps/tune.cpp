@@ -6,16 +6,15 @@
 #include "support/case_options.hpp"
 #include "support/config_options.hpp"
 #include "support/run.hpp"
+#include "support/search_progress.hpp"
 
 #include <fmt/format.h>
 
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -58,50 +57,6 @@ void check_read(const std::vector<evaluation::Variable>& variables, const settin
   }
 }
 
-volatile std::sig_atomic_t interrupted = 0;
-
-/// The first Ctrl-C ends the search after the current round, the second one the program.
-void listen_for_interrupt() {
-  std::signal(SIGINT, [](int signal) {
-    interrupted = 1;
-    std::signal(signal, SIG_DFL);
-  });
-}
-
-/// What the user sees during the search, on standard error. On a terminal the last line is the progress.
-class Progress {
-public:
-  explicit Progress(int rounds) : rounds_(rounds) {}
-  ~Progress() { clear(); }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  void on_round(int round) const {
-    if (!is_terminal_) return;
-    clear();
-    fmt::print(stderr, "round {} of {}, best {:.3f} cm", round + 1, rounds_, 100.0 * best_m_);
-  }
-  void on_better(int round, double best_m) {
-    best_m_ = best_m;
-    clear();
-    fmt::print(stderr, "round {}: {:.3f} cm\n", round + 1, 100.0 * best_m);
-  }
-  void on_interrupt(int round) const {
-    clear();
-    fmt::print(stderr, "interrupted after {} rounds of {}: the best so far follows\n", round, rounds_);
-  }
-  void start_at(double start_m) { best_m_ = start_m; }
-
-private:
-  void clear() const {
-    if (is_terminal_) fmt::print(stderr, "\r\x1b[K");
-  }
-
-  int rounds_;
-  bool is_terminal_ = ::isatty(STDERR_FILENO) != 0;
-  double best_m_ = 0;
-};
-
 /// The cases that can be scored. Reports the others.
 evaluation::CostFunction cost_function(const Options& options, const settings::Settings& start) {
   std::vector<std::vector<evaluation::Case>> cases;
@@ -138,7 +93,7 @@ std::string origin_comment(const apps::ConfigOptions& options) {
 }
 
 int tune(const CLI::App& app, const Options& options) {
-  listen_for_interrupt();
+  apps::listen_for_interrupt();
   const config::FusionConfig config = apps::configuration(app, options.config);
   const settings::Settings start = config.for_beacon(options.beacon);
   std::vector<evaluation::Variable> variables;
@@ -148,15 +103,15 @@ int tune(const CLI::App& app, const Options& options) {
 
   std::optional<double> start_m;
   const auto found = [&] {
-    Progress progress(options.rounds);
+    apps::SearchProgress progress(options.rounds);
     const auto cost_and_start = [&](const settings::Settings& settings) {
       const double cost_m = cost(settings);
       if (!start_m) progress.start_at(start_m.emplace(cost_m));
       return cost_m;
     };
     const auto goes_on = [&](int round) {
-      interrupted != 0 ? progress.on_interrupt(round) : progress.on_round(round);
-      return interrupted == 0;
+      apps::interrupted != 0 ? progress.on_interrupt(round) : progress.on_round(round);
+      return apps::interrupted == 0;
     };
     return evaluation::search(
         start, variables, cost_and_start, options.rounds, options.search_seed,

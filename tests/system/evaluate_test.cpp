@@ -117,7 +117,7 @@ SCENARIO("own logs are scored with and without truth, alone, and what is left ou
         CHECK_THAT(result.error,
                    Contains("left out: " + (folder / "bench").string() + ": has no ultrasonic.csv"));
         CHECK_THAT(result.error,
-                   Contains("left out: " + (folder / "torn" / "ultrasonic.csv").string() + ":2"));
+                   Contains("left out: " + (folder / "torn" / "ultrasonic.csv").string() + ":1"));
       }
     }
     WHEN("two files of settings are compared") {

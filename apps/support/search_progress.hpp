@@ -1,0 +1,56 @@
+#pragma once
+// What the user sees of a search and how Ctrl-C ends it.
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <cstdio>
+#include <unistd.h>
+
+namespace sonopose::apps {
+
+inline volatile std::sig_atomic_t interrupted = 0;
+
+/// The first Ctrl-C sets `interrupted`, the second one ends the program.
+inline void listen_for_interrupt() {
+  std::signal(SIGINT, [](int signal) {
+    interrupted = 1;
+    std::signal(signal, SIG_DFL);
+  });
+}
+
+/// Reports on standard error. On a terminal the last line is the progress.
+class SearchProgress {
+public:
+  explicit SearchProgress(int rounds) : rounds_(rounds) {}
+  ~SearchProgress() { clear(); }
+  SearchProgress(const SearchProgress&) = delete;
+  SearchProgress& operator=(const SearchProgress&) = delete;
+
+  void on_round(int round) const {
+    if (!is_terminal_) return;
+    clear();
+    fmt::print(stderr, "round {} of {}, best {:.3f} cm", round + 1, rounds_, 100.0 * best_m_);
+  }
+  void on_better(int round, double best_m) {
+    best_m_ = best_m;
+    clear();
+    fmt::print(stderr, "round {}: {:.3f} cm\n", round + 1, 100.0 * best_m);
+  }
+  void on_interrupt(int round) const {
+    clear();
+    fmt::print(stderr, "interrupted after {} rounds of {}: the best so far follows\n", round, rounds_);
+  }
+  void start_at(double start_m) { best_m_ = start_m; }
+
+private:
+  void clear() const {
+    if (is_terminal_) fmt::print(stderr, "\r\x1b[K");
+  }
+
+  int rounds_;
+  bool is_terminal_ = ::isatty(STDERR_FILENO) != 0;
+  double best_m_ = 0;
+};
+
+}  // namespace sonopose::apps
