@@ -127,7 +127,8 @@ private:
   TimeNs input_deadline_ns_;
 
   process::Guarded<BeaconEstimators> estimators_;  // the lock guards each estimator too
-  // Cyclone's receive thread alone takes samples, unless writers in this process deliver theirs themselves.
+  // Held by the thread that takes samples: Cyclone's receive thread, the backlog thread, or one whose writer
+  // delivers in this process. Guards what follows, to `newest_`.
   std::mutex taking_;
   Overload overload_;
   collation::AttendedTime attended_time_;
@@ -375,7 +376,8 @@ void FusionNode::Impl::on_bridge_liveliness(const dds::LivelinessChangedStatus& 
 void FusionNode::Impl::poll() {
   const SteadyTime now = clocks::steady_now();
   output_.poll(now, working_);
-  std::vector<BeaconAddress> changed;  // rarely any
+  if (overload_.is_deferring()) return;  // samples wait to be taken: nothing is known about silence
+  std::vector<BeaconAddress> changed;    // rarely any
   estimators_.with([&](auto& all) {
     all.for_each([&](BeaconAddress address, BeaconEstimator& estimator) {
       if (estimator.find_silence_change(now, input_deadline_ns_)) changed.push_back(address);

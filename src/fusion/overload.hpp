@@ -12,25 +12,26 @@ namespace sonopose::fusion {
 /// The receiving thread normally fuses each event at once. When samples arrive late, it only receives, so
 /// that the socket does not overflow, and the backlog thread fuses what has gathered. If that thread does not
 /// catch up, the process is overloaded: each beacon's poses are written in a larger spacing. Every event
-/// still is fused.
+/// is still fused.
 ///
 /// `is_deferring` and `pose_spacing_ns` may be called by any thread, the others by one at a time.
 class Overload {
 public:
-  /// How much later than usual a sample is taken, so that events are deferred.
+  /// How much later than usual a pose is written, so that events are deferred.
   static constexpr TimeNs late_after_ns = 20'000'000;
-  /// How long no sample is late, until the receiving thread fuses again.
+  /// Time without a late pose after which the receiving thread fuses again.
   static constexpr TimeNs calm_after_ns = 1'000'000'000;
-  /// Processor time of the backlog thread until it is behind, and the spacing increases. Not the time that
-  /// has passed: the thread may have been suspended once, and then catches up.
+  /// Processor time of the backlog thread after which it counts as behind and the spacing increases. Not the
+  /// time that has passed: the thread may have been suspended once, and then catches up.
   static constexpr TimeNs behind_after_ns = 10'000'000;
-  /// How long the spacing does not increase, until it is halved.
+  /// Time without an increase after which the spacing is halved.
   static constexpr TimeNs relax_after_ns = 500'000'000;
   static constexpr TimeNs first_spacing_ns = 40'000'000;
-  static constexpr TimeNs largest_spacing_ns = 80'000'000;  ///< below the deadline of the poses
+  static constexpr TimeNs largest_spacing_ns =
+      60'000'000;  ///< with a sample every 40 ms still below the deadline
   static constexpr TimeNs smallest_spacing_ns = 10'000'000;
 
-  /// A pose is written whose sample was `late_ns` later than usual when it was taken at `now`.
+  /// A pose is written at `now`, `late_ns` later than usual after its sample.
   void on_pose(TimeNs late_ns, SteadyTime now) noexcept {
     if (late_ns <= late_after_ns) return;
     late_at_ = now;
@@ -75,7 +76,7 @@ private:
   std::atomic<TimeNs> spacing_ns_ = 0;
   bool busy_ = false;  ///< the backlog thread has not caught up since `worked_before_ns_`
   TimeNs worked_before_ns_ = 0;
-  SteadyTime late_at_;     ///< when the latest late sample was taken
+  SteadyTime late_at_;     ///< when the latest late pose was written
   SteadyTime changed_at_;  ///< the spacing
 };
 

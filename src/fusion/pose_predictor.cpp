@@ -26,6 +26,7 @@ bool PosePredictor::on_pose(const FusedPose& pose, SteadyTime now) {
 std::optional<FusedPose> PosePredictor::predicted(const Lane& lane, SteadyTime now) const {
   const TimeNs age_ns = now - lane.taken;
   if (lane.taken == SteadyTime{} || age_ns <= 0 || age_ns >= deadline_ns_) return std::nullopt;
+  if ((lane.pose.status & status_overloaded) != 0) return std::nullopt;  // the fusion saves its time
   return estimation::predicted(lane.pose, age_ns);
 }
 

@@ -112,7 +112,11 @@ public:
   /// One of each line that delivers no frames.
   std::vector<std::string> warnings() {
     reader_.try_take_each(
-        [this](const sonopose_LineStatus& sample, const dds::SampleInfo&) {
+        [this](const sonopose_LineStatus& sample, const dds::SampleInfo& info) {
+          if (!info.alive()) {
+            lines_.erase({sample.name, sample.bridge_id});
+            return;
+          }
           LineStatus line = dds::topics::from_idl(sample);
           const std::pair key{line.name, line.bridge_id};
           if (lines_.size() < most_lines || lines_.contains(key)) lines_[key] = std::move(line);
@@ -147,15 +151,29 @@ void log_silences(const std::vector<observation::PoseSilence>& changes) {
   }
 }
 
-/// Frees the beacons that are gone, so that others may take their places, and keeps their summaries.
-void remove_gone(observation::BeaconObservers& observers, process::BeaconAdmission& admission,
-                 std::vector<observation::BeaconView>& gone) {
-  for (observation::BeaconView& view : observers.remove_gone(clocks::steady_now(), clocks::host_now())) {
-    admission.forget(view.address);
-    fmt::print(stderr, "sonopose-monitor: beacon {}: gone\n", view.address);
-    gone.push_back(std::move(view));
+/// The beacons that are gone: the summary of the last visit of each.
+class GoneBeacons {
+public:
+  /// Frees them, so that others may take their places.
+  void remove(observation::BeaconObservers& observers, process::BeaconAdmission& admission) {
+    for (observation::BeaconView& view : observers.remove_gone(clocks::steady_now(), clocks::host_now())) {
+      admission.forget(view.address);
+      fmt::print(stderr, "sonopose-monitor: beacon {}: gone\n", view.address);
+      poses_ += view.poses;
+      summaries_.insert_or_assign(view.address, std::move(view));
+    }
   }
-}
+
+  /// Of all visits.
+  [[nodiscard]] std::uint64_t poses() const { return poses_; }
+  [[nodiscard]] const std::map<BeaconAddress, observation::BeaconView>& summaries() const {
+    return summaries_;
+  }
+
+private:
+  std::uint64_t poses_ = 0;
+  std::map<BeaconAddress, observation::BeaconView> summaries_;
+};
 
 }  // namespace
 
@@ -174,7 +192,7 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
 
   LineObserver lines(participant, qos);
   PoseWriterLogger pose_writers(participant);
-  std::vector<observation::BeaconView> gone;  // at most as many as the admission ever admits
+  GoneBeacons gone;
 
   constexpr TimeNs period_ns = 1'000'000'000;
   constexpr TimeNs pose_writers_period_ns = 500'000'000;
@@ -192,7 +210,7 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
       next_pose_writers += pose_writers_period_ns;
     }
     if (clocks::steady_now() < next) continue;
-    remove_gone(observers, admission, gone);
+    gone.remove(observers, admission);
     if (const auto text = admission.refusals()) fmt::print(stderr, "sonopose-monitor: {}\n", *text);
     std::vector<std::string> warnings = lines.warnings();
     warnings.insert(warnings.end(), pose_writers.warnings().begin(), pose_writers.warnings().end());
@@ -202,11 +220,13 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
   }
   stop.wait_until(std::min(end, next));
 
-  std::vector<observation::BeaconView> summaries = std::move(gone);
-  for (auto& view : observers.summaries(clocks::host_now())) summaries.push_back(std::move(view));
+  std::vector<observation::BeaconView> summaries;
+  for (const auto& entry : gone.summaries()) summaries.push_back(entry.second);
+  const auto present = observers.summaries(clocks::host_now());
+  summaries.insert(summaries.end(), present.begin(), present.end());
   if (!options.json) fmt::print("\n{}", summary_of(summaries));
-  std::uint64_t poses = 0;
-  for (const observation::BeaconView& view : summaries) poses += view.poses;
+  std::uint64_t poses = gone.poses();
+  for (const observation::BeaconView& view : present) poses += view.poses;
   return poses;
 }
 

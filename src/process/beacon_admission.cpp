@@ -57,9 +57,9 @@ std::optional<std::string> BeaconAdmission::warning() {
 /// Under the mutex.
 std::string BeaconAdmission::refusal_text() const {
   const std::size_t count = refused_.count();
-  return fmt::format("{} {} ignored: more than {} beacons at a time or {} since the start (--max-beacons)",
-                     count, count == 1 ? "address is" : "addresses are", max_beacons_,
-                     most_replacements * max_beacons_);
+  return fmt::format(
+      "{} {} ignored: the limit is {} beacons at a time and {} since the start (--max-beacons)", count,
+      count == 1 ? "address is" : "addresses are", max_beacons_, most_replacements * max_beacons_);
 }
 
 }  // namespace sonopose::process

@@ -19,8 +19,9 @@ SCENARIO("a line has a bounded number of beacons") {
     WHEN("a third one sends") {
       CHECK_FALSE(beacons.accepts(9, start));
       THEN("it is refused and reported") {
-        CHECK(beacons.refusals() ==
-              "1 address is ignored: more than 2 beacons at a time or 32 since the start (--max-beacons)");
+        CHECK(
+            beacons.refusals() ==
+            "1 address is ignored: the limit is 2 beacons at a time and 32 since the start (--max-beacons)");
       }
     }
     WHEN("both are silent for five seconds") {

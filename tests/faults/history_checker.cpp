@@ -135,7 +135,7 @@ bool HistoryChecker::may_step_back(const Track& track, const Arrival& before, co
       from && until ? *until - *from : saturated_difference(before.bridge_time_ns, after.bridge_time_ns);
   const bool unowned =
       before.strength == 0 || after.strength == 0 || was_silent(track, before.received, after.received);
-  const TimeNs most_ns = unowned ? limits_.age_ns : limits_.takeover_lag_ns;
+  const TimeNs most_ns = unowned ? limits_.unowned_lag_ns : limits_.takeover_lag_ns;
   return lag_ns <= most_ns + stalled_ns(before.received - lag_ns, after.received);
 }
 
@@ -283,7 +283,7 @@ std::optional<std::size_t> HistoryChecker::missing_between(const Track& track, c
 std::optional<std::uint64_t> HistoryChecker::counted_by(ProcessId process, BeaconAddress address) const {
   const auto losses_of = [](const FusionStatus& status) {
     return status.events_lost + status.samples_invalid + status.samples_lost + status.samples_rejected +
-           status.poses_unwritten;
+           status.poses_unwritten + status.poses_skipped;
   };
   std::uint64_t before = 0;
   std::optional<std::uint64_t> latest;

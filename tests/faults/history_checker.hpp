@@ -16,12 +16,14 @@ namespace sonopose::faults {
 struct Limits {
   TimeNs lease_ns = 100'000'000;    ///< of the pose's profile; also the IMU's deadline
   TimeNs silence_ns = 110'000'000;  ///< the lease and a tenth
-  TimeNs age_ns = 250'000'000;      ///< of a pose without the status LATE, since its sample left the bridge
-  TimeNs future_ns = 10'000'000;    ///< how far a stamp may be ahead of the host's clock
+  /// Of a pose without the status LATE, since its sample left the bridge: LATE_AFTER, and 50 ms on the way.
+  TimeNs age_ns = 300'000'000;
+  TimeNs future_ns = 10'000'000;        ///< how far a stamp may be ahead of the host's clock
   TimeNs recovery_ns = 3'000'000'000;   ///< after the last fault
   TimeNs takeover_lag_ns = 50'000'000;  ///< by which fusions differ in how far they are
-  TimeNs clock_step_late_ns =
-      4'000'000'000;  ///< a step of the bridge's clock marks poses as late for so long
+  TimeNs unowned_lag_ns = 250'000'000;  ///< the same while no fusion serves
+  /// How long a step of the bridge's clock marks poses as late.
+  TimeNs clock_step_late_ns = 4'000'000'000;
 };
 
 struct Verdict {

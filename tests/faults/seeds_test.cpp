@@ -92,11 +92,12 @@ void wait_for_recovery(const Observer& observer, const History& history, const L
     if (observer.with_poses([](const auto& poses) { return flows(poses, stable_ns); })) break;
   }
   // Every fusion reports once more what it has lost.
+  const SteadyTime recovered = clocks::steady_now();
   observer.wait_for_reports(
       [&](const std::vector<FusionReport>& reports) {
         std::set<std::pair<std::int32_t, BeaconAddress>> heard;
         for (const FusionReport& report : reports) {
-          if (report.received > begin) heard.emplace(report.status.strength, report.status.address);
+          if (report.received > recovered) heard.emplace(report.status.strength, report.status.address);
         }
         return heard.size() >= 2 * static_cast<std::size_t>(history.plan.fusions);
       },
@@ -167,6 +168,7 @@ SCENARIO("whatever happens to the processes and the line, consumers receive what
   Limits limits;
   limits.silence_ns *= slowness;
   limits.age_ns *= slowness;
+  limits.unowned_lag_ns *= slowness;
   limits.recovery_ns *= slowness;
   limits.takeover_lag_ns *= slowness;
   const Seeds seeds = chosen_seeds();

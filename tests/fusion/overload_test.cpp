@@ -88,7 +88,7 @@ SCENARIO("poses are spaced while the backlog does not end") {
       AND_WHEN("it works on without a pause for a second") {
         work.work_for(1 * s);
         THEN("each beacon still has 12") {
-          CHECK(work.overload.pose_spacing_ns() == 80 * ms);
+          CHECK(work.overload.pose_spacing_ns() == 60 * ms);
         }
         AND_WHEN("it keeps up again") {
           work.keep_up_for(3 * s);
@@ -100,7 +100,7 @@ SCENARIO("poses are spaced while the backlog does not end") {
         AND_WHEN("it keeps up for less than half a second") {
           work.keep_up_for(400 * ms);
           THEN("nothing changes yet") {
-            CHECK(work.overload.pose_spacing_ns() == 80 * ms);
+            CHECK(work.overload.pose_spacing_ns() == 60 * ms);
             CHECK(work.overload.is_deferring());
           }
         }

@@ -25,8 +25,9 @@ SCENARIO("the beacons that are heard first are admitted") {
       CHECK_FALSE(admission.accepts(9));
       THEN("it is refused and reported once, and the others go on") {
         CHECK(admission.accepts(7));
-        CHECK(admission.refusals() ==
-              "1 address is ignored: more than 2 beacons at a time or 32 since the start (--max-beacons)");
+        CHECK(
+            admission.refusals() ==
+            "1 address is ignored: the limit is 2 beacons at a time and 32 since the start (--max-beacons)");
         CHECK_FALSE(admission.refusals());
       }
       THEN("it takes the place of one that is gone") {

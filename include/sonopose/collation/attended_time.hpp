@@ -12,9 +12,9 @@ namespace sonopose::collation {
 /// may have arrived meanwhile, and waits to be taken.
 class AttendedTime {
 public:
-  /// The most that the time between two looks counts: an event waits for at least two more with the
-  /// collator's timeout.
-  static constexpr TimeNs longest_ns = 2'000'000;
+  /// The most that the time between two looks counts: less than the collator's timeout, so that an event
+  /// waits for at least one more look.
+  static constexpr TimeNs longest_ns = 4'000'000;
 
   /// The process looks for events at `now`. Returns the time of this clock.
   SteadyTime on_look(SteadyTime now) {

@@ -33,6 +33,12 @@ public:
   /// Whether a beacon has disappeared, or has not appeared since the start.
   [[nodiscard]] bool is_gone(BeaconAddress address) const;
 
+  /// Forgets a beacon that is gone.
+  void forget(BeaconAddress address) {
+    previous_views_.erase(address);
+    presences_.erase(address);
+  }
+
 private:
   [[nodiscard]] const std::string& node_name() const;
   ros2::Diagnostic own_diagnostic(std::size_t reported, const Beacons& beacons, const Source* source);

@@ -126,14 +126,22 @@ void ParameterServer::take_settings() {
     events_.publish(known, settings);
     known = settings;
   };
-  settings_.take_each([&](const sonopose_EffectiveSettings& sample,
-                          const dds::SampleInfo&) { replace(dds::topics::from_idl(sample)); },
-                      [&](const sonopose_EffectiveSettings& key, const dds::SampleInfo& info) {
-                        if (info.alive()) return;
-                        replace({.address = key.address, .values = {}});
-                        effective_.erase(key.address);
-                        if (key.address != all_beacons) admission_.forget(key.address);
-                      });
+  const auto end = [&](BeaconAddress address) {
+    replace({.address = address, .values = {}});
+    effective_.erase(address);
+    if (address != all_beacons) admission_.forget(address);
+  };
+  settings_.take_each(
+      [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo& info) {
+        if (info.alive()) {
+          replace(dds::topics::from_idl(sample));
+        } else {
+          end(sample.address);
+        }
+      },
+      [&](const sonopose_EffectiveSettings& key, const dds::SampleInfo& info) {
+        if (!info.alive()) end(key.address);
+      });
 }
 
 /// Once when a fusion appears and no other is known.

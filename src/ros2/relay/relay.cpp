@@ -292,6 +292,9 @@ void Relay::Impl::remove_gone() {
     log_.info(fmt::format("beacon {}: gone; its topics are closed", address));
   }
   for (const auto& publishers : beacons_.take_unused()) publishers->leave(node_);
+  for (const auto& view : observers_.remove_gone(clocks::steady_now(), clocks::host_now())) {
+    diagnostics_.forget(view.address);
+  }
 }
 
 /// A beacon with the same frames takes over the transforms of one that is gone, or that has not appeared.
