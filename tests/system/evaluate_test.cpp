@@ -129,7 +129,8 @@ SCENARIO("own logs are scored with and without truth, alone, and what is left ou
       CAPTURE(result.error);
       REQUIRE(result.code == 0);
       THEN("the wrong mount is worse on each, with and without truth") {
-        for (const json& row : json::parse(result.output).at("cases")) {
+        const json comparison = json::parse(result.output);
+        for (const json& row : comparison.at("cases")) {
           CHECK(row.at("change").get<double>() > 0.1);
         }
       }
