@@ -21,7 +21,7 @@ public:
   static constexpr TimeNs late_after_ns = 20'000'000;
   /// Time without a late pose after which the receiving thread fuses again.
   static constexpr TimeNs calm_after_ns = 1'000'000'000;
-  /// Processor time of the backlog thread after which it counts as behind and the spacing increases. Not the
+  /// Processor time of the backlog thread after which, if poses are still late, the spacing increases. Not the
   /// time that has passed: the thread may have been suspended once, and then catches up.
   static constexpr TimeNs behind_after_ns = 10'000'000;
   /// Time without an increase after which the spacing is halved.
@@ -43,7 +43,8 @@ public:
     if (!busy_) worked_before_ns_ = worked_ns;
     busy_ = true;
     const TimeNs spacing_ns = pose_spacing_ns();
-    if (is_deferring() && worked_ns - worked_before_ns_ > behind_after_ns) {
+    const bool is_late = now - late_at_ <= late_after_ns;
+    if (is_late && worked_ns - worked_before_ns_ > behind_after_ns) {
       worked_before_ns_ = worked_ns;
       changed_at_ = now;
       set_spacing(std::clamp(2 * spacing_ns, first_spacing_ns, largest_spacing_ns));
