@@ -114,6 +114,12 @@ double core_share() {
   return std::min(1.0, (thread_s() - cpu_began_s) / seconds_between(began, clocks::steady_now()));
 }
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool judges_time = false;  // a sanitizer makes some steps ten times slower, and others not
+#else
+constexpr bool judges_time = true;
+#endif
+
 /// How many beacons overload the machine of docs/reliability.md well; SONOPOSE_OVERLOAD_BEACONS replaces it.
 int reference_beacons() {
   constexpr int beacons = 100;
@@ -183,10 +189,10 @@ SCENARIO("an overloaded fusion still serves every beacon", "[load]") {
       const double oldest_s = 0.25 + limit->longest_stall_s();
       THEN("each beacon has recent poses that say so, and its fixes are used") {
         CHECK(count.beacons.size() == static_cast<std::size_t>(beacons));
-        CHECK(count.least() >= static_cast<std::size_t>(5 * measured_s));
+        if (judges_time) CHECK(count.least() >= static_cast<std::size_t>(5 * measured_s));
         const auto old = std::count_if(count.ages_s.begin(), count.ages_s.end(),
                                        [oldest_s](double age_s) { return age_s > oldest_s; });
-        CHECK(static_cast<double>(old) <= 0.05 * static_cast<double>(count.ages_s.size()));
+        if (judges_time) CHECK(static_cast<double>(old) <= 0.05 * static_cast<double>(count.ages_s.size()));
         CHECK(count.overloaded > 0);
 
         std::map<BeaconAddress, std::pair<FusionStatus, FusionStatus>> spans;
