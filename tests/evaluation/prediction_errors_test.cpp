@@ -196,7 +196,7 @@ SCENARIO("the speed of the wheels is compared with that of the pose, forwards an
 
 SCENARIO("squared innovations are normalised by the covariance that the engine reports") {
   PredictionErrors errors(begin_ns, {});
-  for (int i = 0; i < 6; ++i) {
+  for (TimeNs i = 0; i < 6; ++i) {
     FixReport report = report_of(fix_at(i * 100 * ms, Vector3d::Zero()));
     report.innovation_world_m = {0.2, -0.2, 0.2};
     report.innovation_covariance_m2 = Covariance<3>::from_diagonal({0.04, 0.02, 0.04});
