@@ -21,8 +21,8 @@ public:
   static constexpr TimeNs late_after_ns = 20'000'000;
   /// Time without a late pose after which the receiving thread fuses again.
   static constexpr TimeNs calm_after_ns = 1'000'000'000;
-  /// Processor time of the backlog thread after which, if poses are still late, the spacing increases. Not the
-  /// time that has passed: the thread may have been suspended once, and then catches up.
+  /// Processor time of the backlog thread after which, if poses are still late, the spacing increases. Not
+  /// the time that has passed: the thread may have been suspended once, and then catches up.
   static constexpr TimeNs behind_after_ns = 10'000'000;
   /// Time without an increase after which the spacing is halved.
   static constexpr TimeNs relax_after_ns = 500'000'000;
