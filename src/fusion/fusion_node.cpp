@@ -376,8 +376,8 @@ void FusionNode::Impl::on_bridge_liveliness(const dds::LivelinessChangedStatus& 
 void FusionNode::Impl::poll() {
   const SteadyTime now = clocks::steady_now();
   output_.poll(now, working_);
-  if (overload_.is_deferring()) return;  // samples wait to be taken: nothing is known about silence
-  std::vector<BeaconAddress> changed;    // rarely any
+  if (overload_.is_deferring() && working_) return;  // samples wait to be taken: no silence is known
+  std::vector<BeaconAddress> changed;                // rarely any
   estimators_.with([&](auto& all) {
     all.for_each([&](BeaconAddress address, BeaconEstimator& estimator) {
       if (estimator.find_silence_change(now, input_deadline_ns_)) changed.push_back(address);
@@ -399,6 +399,7 @@ void FusionNode::Impl::hand_over() {
 
 void FusionNode::Impl::publish_statuses() {
   if (!lossless_) remove_gone();
+  if (overload_.is_deferring()) backlog_thread_.wake();  // without samples nobody else ends it
   if (overload_.is_deferring()) backlog_thread_.wake();  // without samples it would stay so
   if (const auto text = admission_.refusals()) fmt::print(stderr, "sonopose-fusion: {}\n", *text);
   status_publisher_.publish_all(unwritten());
