@@ -5,10 +5,13 @@
 #include "bridge/line_beacons.hpp"
 #include "bridge/line_watch.hpp"
 #include "bridge/pacer.hpp"
+#include "bridge/shifted.hpp"
+#include "bridge/step_free_clock.hpp"
 #include "clocks/clocks.hpp"
 #include "files/error.hpp"
 #include "marvelmind/assembler.hpp"
 #include "marvelmind/decoder.hpp"
+#include "process/free_memory.hpp"
 #include "transport/byte_file.hpp"
 #include "transport/serial_port.hpp"
 #include "transport/udp_listener.hpp"
@@ -31,9 +34,15 @@ using transport::ReadStatus;
 using Buffer = std::array<std::uint8_t, 4096>;
 
 /// Reports to the sink what assembler and decoder have counted for each beacon.
-void report(const Assembler& assembler, const marvelmind::DecoderCounters& line, SampleSink& sink) {
+/// `clock`: that of the arrivals, if the host's clock can be set meanwhile.
+void report(const Assembler& assembler, const marvelmind::DecoderCounters& line, SampleSink& sink,
+            const StepFreeClock* clock = nullptr) {
   for (const BeaconAddress address : assembler.addresses()) {
     BeaconStatus status = assembler.beacon(address)->status();
+    if (clock != nullptr) {
+      status.clock_offset_s += seconds_between(0, clock->host_ahead_ns());
+      status.clock_resets += clock->steps();
+    }
     status.frames = line.frames;
     status.crc_errors = line.crc_errors;
     status.bytes_lost = line.bytes_lost;
@@ -62,17 +71,20 @@ public:
   }
 
   void run(SampleSink& sink, const process::StopSignal& stop) override {
-    const auto publish = [this, &sink](const Event& event) { pass_on(event, imu_meaning_, sink); };
+    const auto publish = [this, &sink](const Event& event) {
+      pass_on(shifted(event, clock_.host_ahead_ns()), imu_meaning_, sink);
+    };
     Buffer buffer;
     report_line(sink);
     SteadyTime reported = clocks::steady_now();
     while (!stop.requested()) {
       const transport::ReadResult read = read_from_line(buffer, sink);
+      const SteadyTime now = compare_clocks();
       if (read.status == ReadStatus::data) {
         const auto got = std::span(buffer).first(read.size);
         bytes_received_ += read.size;
         decoder_.feed(got, [&](const marvelmind::Packet& packet) {
-          if (accepts(packet, read.sender)) assembler_.on(packet, read.arrival_time_ns, publish);
+          if (accepts(packet, read.sender)) assembler_.on(packet, clock_.at(read.arrival), publish);
         });
         if (capture_) capture_->append(got);
       } else if (read.status == ReadStatus::end || read.status == ReadStatus::stopped) {
@@ -82,11 +94,11 @@ public:
       } else {
         log_change(read.status);
       }
-      assembler_.flush(clocks::host_now(), publish);
-      if (clocks::steady_now() - reported < report_period_ns) continue;
-      reported = clocks::steady_now();
+      assembler_.flush(clock_.at(now), publish);
+      if (now - reported < report_period_ns) continue;
+      reported = now;
       remove_gone(sink);
-      report(assembler_, decoder_.counters(), sink);
+      report(assembler_, decoder_.counters(), sink, &clock_);
       report_line(sink);
       sink.tick();
     }
@@ -107,7 +119,16 @@ private:
     if (!deadline_ns) return std::chrono::milliseconds(longest_ms);
     constexpr TimeNs ms = 1'000'000;
     return std::chrono::milliseconds(
-        std::clamp<std::int64_t>((*deadline_ns - clocks::host_now()) / ms + 1, 1, longest_ms));
+        std::clamp<std::int64_t>((*deadline_ns - clock_.at(clocks::steady_now())) / ms + 1, 1, longest_ms));
+  }
+
+  /// Returns the time.
+  SteadyTime compare_clocks() {
+    const SteadyTime before = clocks::steady_now();
+    const HostTime host_ns = clocks::host_now();
+    const SteadyTime after = clocks::steady_now();
+    clock_.compare(before, host_ns, after);
+    return after;
   }
 
   bool accepts(const marvelmind::Packet& packet, const transport::Sender& sender) {
@@ -119,10 +140,13 @@ private:
   }
 
   void remove_gone(SampleSink& sink) {
-    for (const std::uint8_t address : beacons_.remove_gone(clocks::steady_now())) {
+    const SteadyTime now = clocks::steady_now();
+    for (const std::uint8_t address : beacons_.remove_gone(now)) {
       assembler_.forget(address);
+      free_memory_.on_freed();
       sink.on_gone(address);
     }
+    free_memory_.give_back(now);
     if (const auto text = beacons_.refusals()) fmt::print(stderr, "sonopose-bridge: {}\n", *text);
   }
 
@@ -176,6 +200,8 @@ private:
   std::optional<Capture> capture_;
   Decoder decoder_;
   Assembler assembler_{marvelmind::TimeMapping::fitted};
+  process::FreeMemory free_memory_;
+  StepFreeClock clock_{clocks::host_now(), clocks::steady_now()};
   std::uint64_t bytes_received_ = 0;
   std::uint64_t packets_refused_ = 0;
 };

@@ -4,9 +4,7 @@ namespace sonopose::bridge {
 
 bool LineBeacons::accepts(std::uint8_t address, SteadyTime now) {
   if (!admission_.accepts(address)) return false;
-  Heard& heard = heard_[address];
-  heard.latest = now;
-  ++heard.packets;
+  heard_[address].on_sample(now);
   return true;
 }
 
@@ -14,7 +12,7 @@ std::vector<std::uint8_t> LineBeacons::remove_gone(SteadyTime now) {
   std::vector<std::uint8_t> gone;
   std::erase_if(heard_, [&](const auto& entry) {
     const auto& [address, heard] = entry;
-    if (!process::is_gone(now - heard.latest, heard.packets)) return false;
+    if (!heard.is_gone(now)) return false;
     admission_.forget(address);
     gone.push_back(address);
     return true;

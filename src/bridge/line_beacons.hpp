@@ -3,6 +3,7 @@
 /// The beacons of a live line. Noise and forged datagrams can contain any address.
 
 #include "process/beacon_admission.hpp"
+#include "process/heard.hpp"
 #include <sonopose/samples/samples.hpp>
 
 #include <cstddef>
@@ -22,20 +23,15 @@ public:
   /// Whether a packet of this beacon is to be used.
   bool accepts(std::uint8_t address, SteadyTime now);
 
-  /// Removes and returns the beacons that are gone (see process::is_gone); others may take their places.
+  /// Removes and returns the beacons that are gone (see process::Heard); others may take their places.
   std::vector<std::uint8_t> remove_gone(SteadyTime now);
 
   /// See process::BeaconAdmission::refusals.
   std::optional<std::string> refusals() { return admission_.refusals(); }
 
 private:
-  struct Heard {
-    SteadyTime latest;
-    std::uint64_t packets = 0;
-  };
-
   process::BeaconAdmission admission_;
-  std::map<std::uint8_t, Heard> heard_;
+  std::map<std::uint8_t, process::Heard> heard_;
 };
 
 }  // namespace sonopose::bridge

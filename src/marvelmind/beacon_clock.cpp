@@ -75,7 +75,8 @@ void BeaconClock::observe(const Stamp& stamp, std::int64_t ahead_ns, TimeNs arri
   if (sent_ns <= newest_ns_) return;  // overtaken, or a repeated stamp: no information
   envelope_.add(sent_ns, arrival_ns);
   const TimeNs target_ns = sent_ns + envelope_.delay_ns(sent_ns);
-  if (settled_ && std::abs(target_ns - line_.host_ns(sent_ns)) > restart_ns) {
+  const TimeNs behind_ns = settled_ ? target_ns - line_.host_ns(sent_ns) : 0;
+  if (behind_ns > most_behind_ns || behind_ns < -most_ahead_ns) {
     restart(stamp, ahead_ns, arrival_ns);
     return;
   }

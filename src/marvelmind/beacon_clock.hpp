@@ -75,13 +75,15 @@ private:
 ///
 /// The target is the lower envelope of the arrivals (`LowerEnvelope`), since no arrival is early. The mapping
 /// slews towards it with a time constant of 5 s and by at most 0.4 %, so that intervals between mapped stamps
-/// can be integrated; it never steps and never goes back. If the beacon's clock goes back, or differs from
-/// the host's by more than 1 s, the beacon has restarted and the mapping restarts too. It settles after a
+/// can be integrated; it never steps and never goes back. It restarts instead if the beacon's clock goes
+/// back, if mapped stamps are behind by more than 1 s, or ahead by so much that a fix, which takes about 70
+/// ms, would arrive before its emission: the line has been slow and is quick again. It settles after a
 /// quarter of a second, so that one late first packet need not be slewed away.
 class BeaconClock {
 public:
   static constexpr std::int64_t settling_ns = 250'000'000;
-  static constexpr std::int64_t restart_ns = 1'000'000'000;
+  static constexpr std::int64_t most_behind_ns = 1'000'000'000;
+  static constexpr std::int64_t most_ahead_ns = 65'000'000;
 
   /// Takes the arrival of a packet that the beacon sent `ahead_ns` after the moment of `stamp`.
   void observe(const Stamp& stamp, std::int64_t ahead_ns, TimeNs arrival_ns);

@@ -22,7 +22,7 @@ ReadResult ByteFile::read(std::span<std::uint8_t> buffer, std::chrono::milliseco
   if (std::ferror(file_.get()) != 0)
     throw files::IoError(name_ + ": cannot be read: " + std::strerror(errno));
   if (count == 0) return {ReadStatus::end};
-  return {ReadStatus::data, count, clocks::host_now()};
+  return {ReadStatus::data, count, clocks::steady_now()};
 }
 
 CaptureFile::CaptureFile(const std::filesystem::path& path)

@@ -37,7 +37,7 @@ std::string text_of(const Sender& sender);
 struct ReadResult {
   ReadStatus status = ReadStatus::timeout;
   std::size_t size = 0;
-  HostTime arrival_time_ns = 0;  ///< immediately after the read that returned the data
+  SteadyTime arrival = {};  ///< immediately after the read that returned the data
   Sender sender = {};
 };
 

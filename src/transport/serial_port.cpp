@@ -60,16 +60,16 @@ public:
 
 private:
   ReadResult read_open(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {
-    TimeNs arrival_time_ns = 0;
+    SteadyTime arrival;
     const auto start = [&](auto finish) {
       port_.async_read_some(asio::buffer(buffer.data(), buffer.size()),
-                            [&arrival_time_ns, finish](const asio::error_code& error, std::size_t size) {
-                              arrival_time_ns = clocks::host_now();
+                            [&arrival, finish](const asio::error_code& error, std::size_t size) {
+                              arrival = clocks::steady_now();
                               finish(error, size);
                             });
     };
     const Completion done = complete_within(loop_, timeout, start, [this] { port_.cancel(); });
-    if (!done.error) return {ReadStatus::data, done.size, arrival_time_ns};
+    if (!done.error) return {ReadStatus::data, done.size, arrival};
     if (loop_.stopped()) return {ReadStatus::stopped};
     if (done.error == asio::error::operation_aborted) return {ReadStatus::timeout};
     close(done.error == asio::error::eof ? "the device hung up" : done.error.message(), LineState::waiting);

@@ -88,16 +88,16 @@ public:
     const auto start = [&](auto finish) {
       socket_.async_receive_from(asio::buffer(buffer.data(), buffer.size()), peer,
                                  [&result, finish](const asio::error_code& error, std::size_t size) {
-                                   result.arrival_time_ns = clocks::host_now();
+                                   result.arrival = clocks::steady_now();
                                    finish(error, size);
                                  });
     };
     const Completion done = complete_within(loop_, timeout, start, [this] { socket_.cancel(); });
     if (!done.error) {
       const auto address = mapped_bytes(peer.address());
-      if (!from_) return {ReadStatus::data, done.size, result.arrival_time_ns, {address, peer.port()}};
+      if (!from_) return {ReadStatus::data, done.size, result.arrival, {address, peer.port()}};
       if (from_->address != address) return {ReadStatus::refused};
-      return {ReadStatus::data, done.size, result.arrival_time_ns, *from_};
+      return {ReadStatus::data, done.size, result.arrival, *from_};
     }
     if (loop_.stopped()) return {ReadStatus::stopped};
     if (done.error == asio::error::operation_aborted) return {ReadStatus::timeout};

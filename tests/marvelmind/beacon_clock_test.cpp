@@ -208,6 +208,22 @@ TEST_CASE("A beacon's clock that leaps by more than a second is taken as restart
   }
 }
 
+TEST_CASE("A line that becomes much quicker does not leave stamps in the future") {
+  const double quicker_s = GENERATE(0.07, 0.3, 0.9, 5.0);
+  CAPTURE(quicker_s);
+  BeaconClock clock;
+  run({.duration_s = 20}, clock);
+  const auto true_ns = [quicker_s](int i) { return host_start_ns + to_ns(20.0 + 0.01 * i - quicker_s); };
+  for (int i = 0; i < 100; ++i) {
+    const Stamp stamp{TimeBase::uptime_ms, 21000 + 10 * i};
+    clock.observe(stamp, 0, true_ns(i));
+    if (i < 30) continue;  // it settles for a quarter of a second
+    REQUIRE(clock.settled());
+    CHECK(clock.host_ns(stamp) == true_ns(i));
+  }
+  CHECK(clock.resets() == 1);
+}
+
 TEST_CASE("An overtaken packet is mapped, and moves nothing") {
   BeaconClock clock;
   run({.duration_s = 20}, clock);

@@ -27,7 +27,7 @@ struct BeaconStatus {
   std::uint64_t unknown_frames = 0;        ///< good frames of an unknown kind
   std::uint64_t fixes_unavailable = 0;     ///< fixes that the hardware flagged "not available"
   std::uint64_t samples_rejected = 0;      ///< implausible values, not published
-  std::uint64_t clock_resets = 0;          ///< beacon restarts detected in its clock
+  std::uint64_t clock_resets = 0;          ///< restarts of the beacon's clock, and steps of the host's
   std::uint32_t other_bridges = 0;         ///< other bridges that publish the same address
   std::uint64_t imu_deadlines_missed = 0;  ///< deadline periods without a sample, since the first one
   std::uint64_t fix_deadlines_missed = 0;
