@@ -15,7 +15,7 @@ BeaconEstimator::BeaconEstimator(BeaconAddress address, SettingsTimeline timelin
 
 std::span<const collation::CollatedEvent> BeaconEstimator::collate(const Event& event, std::uint64_t bridge,
                                                                    SteadyTime now, SteadyTime attended) {
-  latest_arrival_ = now;
+  heard_.on_sample(now);
   if (std::holds_alternative<ImuSample>(event)) {
     bridge_ = bridge;
     imu_silence_.on_sample(now);
@@ -61,7 +61,7 @@ std::optional<SettingsChange> BeaconEstimator::take_settings_change() {
 }
 
 bool BeaconEstimator::is_gone(SteadyTime now) const {
-  return process::is_gone(now - latest_arrival_, estimator_.counters().imu_samples);
+  return heard_.is_gone(now);
 }
 
 FusionStatus BeaconEstimator::status() const {

@@ -5,6 +5,7 @@
 
 #include "fusion/fix_refusals.hpp"
 #include "fusion/settings_timeline.hpp"
+#include "process/heard.hpp"
 #include "process/silence.hpp"
 #include <sonopose/collation/collator.hpp>
 #include <sonopose/collation/lossless_collator.hpp>
@@ -80,7 +81,7 @@ public:
     return imu_silence_.find_change(now, deadline_ns).has_value();
   }
 
-  /// Whether nothing has arrived for so long that the estimate is worthless (see process::is_gone).
+  /// Whether nothing has arrived for so long that the estimate is worthless (see process::Heard).
   [[nodiscard]] bool is_gone(SteadyTime now) const;
 
   /// Its counters, without those of the process.
@@ -105,7 +106,7 @@ private:
   std::optional<std::uint64_t> last_sequence_;
   std::optional<std::uint64_t> settings_changed_at_;  ///< since the last take_settings_change()
   std::uint64_t last_reset_id_ = 0;
-  SteadyTime latest_arrival_;
+  process::Heard heard_;
   process::Silence imu_silence_;
   std::uint64_t bridge_ = 0;  ///< that sent the latest IMU sample
   FixRefusals refusals_;

@@ -8,6 +8,7 @@
 #include "fusion/settings_server.hpp"
 #include "fusion/status_publisher.hpp"
 #include "process/endpoint_counters.hpp"
+#include "process/free_memory.hpp"
 #include "process/guarded.hpp"
 #include <sonopose/collation/attended_time.hpp>
 #include <sonopose/dds/binding/participant.hpp>
@@ -156,6 +157,7 @@ private:
   dds::DataReader<sonopose_ResetCommand> reset_reader_;
   std::jthread lossless_thread_;
   BacklogThread backlog_thread_;
+  process::FreeMemory free_memory_;
 };
 
 FusionNode::Impl::Impl(const FusionOptions& options)
@@ -218,7 +220,9 @@ void FusionNode::Impl::remove_gone() {
     end_output(address);
     admission_.forget(address);
     fmt::print(stderr, "sonopose-fusion: beacon {}: gone; its estimate is discarded\n", address);
+    free_memory_.on_freed();
   }
+  free_memory_.give_back(now);
 }
 
 template <class T>
@@ -399,8 +403,7 @@ void FusionNode::Impl::hand_over() {
 
 void FusionNode::Impl::publish_statuses() {
   if (!lossless_) remove_gone();
-  if (overload_.is_deferring()) backlog_thread_.wake();  // without samples nobody else ends it
-  if (overload_.is_deferring()) backlog_thread_.wake();  // without samples it would stay so
+  if (overload_.is_deferring()) backlog_thread_.wake();  // without samples nothing else ends the deferral
   if (const auto text = admission_.refusals()) fmt::print(stderr, "sonopose-fusion: {}\n", *text);
   status_publisher_.publish_all(unwritten());
   if (lossless_) status_publisher_.log_gaps(waited_for_consumer_.exchange(false));

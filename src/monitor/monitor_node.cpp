@@ -3,6 +3,7 @@
 #include "clocks/clocks.hpp"
 #include "monitor/monitor_report.hpp"
 #include "observation/beacon_observers.hpp"
+#include "process/free_memory.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
@@ -156,12 +157,15 @@ class GoneBeacons {
 public:
   /// Frees them, so that others may take their places.
   void remove(observation::BeaconObservers& observers, process::BeaconAdmission& admission) {
-    for (observation::BeaconView& view : observers.remove_gone(clocks::steady_now(), clocks::host_now())) {
+    const SteadyTime now = clocks::steady_now();
+    for (observation::BeaconView& view : observers.remove_gone(now, clocks::host_now())) {
       admission.forget(view.address);
       fmt::print(stderr, "sonopose-monitor: beacon {}: gone\n", view.address);
       poses_ += view.poses;
       summaries_.insert_or_assign(view.address, std::move(view));
+      free_memory_.on_freed();
     }
+    free_memory_.give_back(now);
   }
 
   /// Of all visits.
@@ -173,6 +177,7 @@ public:
 private:
   std::uint64_t poses_ = 0;
   std::map<BeaconAddress, observation::BeaconView> summaries_;
+  process::FreeMemory free_memory_;
 };
 
 }  // namespace

@@ -5,8 +5,8 @@
 #include "clocks/clocks.hpp"
 #include "observation/beacon_observer.hpp"
 #include "observation/pose_writers.hpp"
-#include "process/beacon_admission.hpp"
 #include "process/endpoint_counters.hpp"
+#include "process/heard.hpp"
 #include "process/silence.hpp"
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
@@ -34,22 +34,22 @@ public:
   template <class Sample>
   void on(const Sample& sample) {
     const std::lock_guard lock(mutex_);
-    heard(sample.address).observer.on(sample);
+    mark_heard(sample.address).observer.on(sample);
   }
 
   void on(const FusedPose& pose, TimeNs received_ns, dds::InstanceHandle writer) {
     const std::lock_guard lock(mutex_);
     served_.on(pose, writer);
-    Beacon& beacon = heard(pose.address);
+    Beacon& beacon = mark_heard(pose.address);
     beacon.observer.on(pose, received_ns);
     beacon.pose_writer = writer;
-    beacon.pose_silence.on_sample(beacon.last_heard);
+    beacon.pose_silence.on_sample(beacon.heard.latest);
   }
 
   void on(const FusionStatus& status, dds::InstanceHandle writer) {
     const std::lock_guard lock(mutex_);
     served_.on(status, writer);
-    heard(status.address).observer.on(status);
+    mark_heard(status.address).observer.on(status);
   }
 
   void on_deadline_missed(BeaconAddress address, std::uint64_t count) {
@@ -88,13 +88,13 @@ public:
     return changes;
   }
 
-  /// Forgets the beacons that are gone (see process::is_gone), and returns their summaries.
+  /// Forgets the beacons that are gone (see process::Heard), and returns their summaries.
   std::vector<BeaconView> remove_gone(SteadyTime now, TimeNs now_ns) {
     std::vector<BeaconView> gone;
     const std::lock_guard lock(mutex_);
     std::erase_if(beacons_, [&](const auto& entry) {
       const auto& [address, beacon] = entry;
-      if (!process::is_gone(now - beacon.last_heard, beacon.observer.poses())) return false;
+      if (!beacon.heard.is_gone(now)) return false;
       gone.push_back(beacon.observer.summary(address, now_ns));
       served_.forget(address);
       return true;
@@ -128,13 +128,13 @@ private:
     BeaconObserver observer;
     std::optional<dds::InstanceHandle> pose_writer;  ///< of the latest pose
     process::Silence pose_silence;
-    SteadyTime last_heard;
+    process::Heard heard;
   };
 
   /// The beacon from which something has come now.
-  Beacon& heard(BeaconAddress address) {
+  Beacon& mark_heard(BeaconAddress address) {
     Beacon& beacon = beacons_[address];
-    beacon.last_heard = clocks::steady_now();
+    beacon.heard.on_sample(clocks::steady_now());
     return beacon;
   }
 

@@ -6,13 +6,6 @@
 
 namespace sonopose::process {
 
-bool is_gone(TimeNs silence_ns, std::uint64_t samples) {
-  constexpr TimeNs long_ns = 60'000'000'000;
-  constexpr TimeNs short_ns = 5'000'000'000;
-  constexpr std::uint64_t hardly_any = 100;  // one second of a beacon
-  return silence_ns > (samples >= hardly_any ? long_ns : short_ns);
-}
-
 BeaconAdmission::BeaconAdmission(AddressSet addresses, std::size_t max_beacons)
     : addresses_(std::move(addresses)), max_beacons_(max_beacons) {}
 

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Bounds the number of beacons of a process, and says when one is gone.
+/// Bounds the number of beacons of a process.
 
 #include "process/address_set.hpp"
 #include <sonopose/dds/topics/topics.hpp>
@@ -14,10 +14,6 @@
 #include <string>
 
 namespace sonopose::process {
-
-/// Whether a beacon that gave this many samples and has then been silent for so long is gone: after 60 s, or
-/// after 5 s if it was hardly ever heard, such as an address that noise on a line gave.
-[[nodiscard]] bool is_gone(TimeNs silence_ns, std::uint64_t samples);
 
 /// Admits the beacons that are heard first. Thread-safe.
 class BeaconAdmission final : public dds::topics::AddressFilter {

@@ -59,14 +59,6 @@ SCENARIO("the beacons that are heard first are admitted") {
   }
 }
 
-SCENARIO("a beacon is gone after a minute, or after five seconds if it was hardly heard") {
-  constexpr TimeNs second_ns = 1'000'000'000;
-  CHECK_FALSE(process::is_gone(5 * second_ns, 99));
-  CHECK(process::is_gone(5 * second_ns + 1, 99));
-  CHECK_FALSE(process::is_gone(60 * second_ns, 100));
-  CHECK(process::is_gone(60 * second_ns + 1, 100));
-}
-
 SCENARIO("a topic without measurements admits no beacons") {
   GIVEN("an admission, and a filter for statuses") {
     BeaconAdmission admission({}, 256);

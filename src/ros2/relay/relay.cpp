@@ -3,6 +3,7 @@
 #include "bridge/bridge_node.hpp"
 #include "observation/beacon_observers.hpp"
 #include "process/beacon_admission.hpp"
+#include "process/free_memory.hpp"
 #include "ros2/relay/diagnostics_publisher.hpp"
 #include "ros2/relay/log.hpp"
 #include "ros2/relay/mount_finder.hpp"
@@ -168,6 +169,7 @@ private:
   DiagnosticsPublisher diagnostics_;
 
   RelayedBeacons beacons_{wakeup_};
+  process::FreeMemory free_memory_;
   std::mutex mutex_;                            ///< guards the settings
   std::map<BeaconAddress, double> fix_stds_m_;  ///< settings of the fusion
 
@@ -286,15 +288,20 @@ void Relay::Impl::create_new_publishers(const process::StopSignal& stop) {
 }
 
 void Relay::Impl::remove_gone() {
+  const SteadyTime now = clocks::steady_now();
   if (const auto text = admission_.refusals()) log_.warning(*text);
-  for (const BeaconAddress address : beacons_.remove_gone(clocks::steady_now())) {
+  for (const BeaconAddress address : beacons_.remove_gone(now)) {
     admission_.forget(address);
     log_.info(fmt::format("beacon {}: gone; its topics are closed", address));
   }
-  for (const auto& publishers : beacons_.take_unused()) publishers->leave(node_);
-  for (const auto& view : observers_.remove_gone(clocks::steady_now(), clocks::host_now())) {
+  for (const auto& publishers : beacons_.take_unused()) {
+    publishers->leave(node_);
+    free_memory_.on_freed();
+  }
+  for (const auto& view : observers_.remove_gone(now, clocks::host_now())) {
     diagnostics_.forget(view.address);
   }
+  free_memory_.give_back(now);
 }
 
 /// A beacon with the same frames takes over the transforms of one that is gone, or that has not appeared.

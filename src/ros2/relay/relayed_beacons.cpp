@@ -1,7 +1,5 @@
 #include "ros2/relay/relayed_beacons.hpp"
 
-#include "process/beacon_admission.hpp"
-
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -12,8 +10,7 @@ RelayedBeacons::Publishers RelayedBeacons::find_or_request(BeaconAddress address
   const std::lock_guard lock(mutex_);
   const auto [found, is_new] = beacons_.try_emplace(address);
   Beacon& beacon = found->second;
-  beacon.latest_sample = now;
-  ++beacon.samples;
+  beacon.heard.on_sample(now);
   if (is_new) {
     has_requests_ = true;
     wakeup_.wake();
@@ -58,7 +55,7 @@ std::vector<BeaconAddress> RelayedBeacons::remove_gone(SteadyTime now) {
   const std::lock_guard lock(mutex_);
   std::erase_if(beacons_, [&](auto& entry) {
     auto& [address, beacon] = entry;
-    if (!process::is_gone(now - beacon.latest_sample, beacon.samples)) return false;
+    if (!beacon.heard.is_gone(now)) return false;
     gone.push_back(address);
     if (beacon.publishers) removed_.push_back(std::move(beacon.publishers));
     return true;

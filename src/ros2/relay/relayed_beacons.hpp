@@ -2,6 +2,7 @@
 /// \file
 /// The publishers of each beacon: made after its first sample, and removed when it is gone.
 
+#include "process/heard.hpp"
 #include "process/stop_signal.hpp"
 #include "ros2/relay/beacon_publishers.hpp"
 
@@ -35,7 +36,7 @@ public:
   std::vector<BeaconAddress> requested();
   void add(BeaconAddress address, Publishers publishers);
 
-  /// Forgets the beacons that are gone at `now` (see process::is_gone) and returns them. Main thread only.
+  /// Forgets the beacons that are gone at `now` (see process::Heard) and returns them. Main thread only.
   std::vector<BeaconAddress> remove_gone(SteadyTime now);
 
   /// The removed publishers that no thread uses any more. Main thread only, which destroys them.
@@ -44,8 +45,7 @@ public:
 private:
   struct Beacon {
     Publishers publishers;  ///< null: to be created
-    SteadyTime latest_sample;
-    std::uint64_t samples = 0;
+    process::Heard heard;
   };
 
   process::Wakeup& wakeup_;
