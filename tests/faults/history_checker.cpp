@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <tuple>
 
 namespace sonopose::faults {
@@ -40,12 +41,16 @@ HistoryChecker::HistoryChecker(const History& history, const Limits& limits)
     track.index_of.emplace(imu.bridge_time_ns, track.imu.size());
     track.imu.push_back(imu);
   }
-  std::map<std::pair<SteadyTime, BeaconAddress>, const Arrival*> in_hand;
+  std::set<std::pair<SteadyTime, BeaconAddress>> stops;
   for (const Arrival& pose : history.poses) {
     Track& track = tracks_[pose.address];
     const auto stop = stop_before(track, pose);
-    const bool first = stop && in_hand.emplace(std::pair{stop->from, pose.address}, &pose).second;
-    if (!first) track.poses.push_back(pose);
+    const bool first = stop && stops.emplace(stop->from, pose.address).second;
+    if (first) {
+      track.in_hand.push_back(pose);
+    } else {
+      track.poses.push_back(pose);
+    }
   }
 }
 
@@ -73,10 +78,11 @@ Verdict HistoryChecker::check() {
     check_ages(track);
     check_future(track);
     check_owners(track);
-    check_numbers(address, track);
+    check_takeover_numbers(track);
     check_silence(address, track);
     check_recovery(address, track);
   }
+  check_numbers();
   return verdict_;
 }
 
@@ -164,9 +170,10 @@ void HistoryChecker::check_future(const Track& track) {
 }
 
 /// Stamps are in the bridge's clock. They are ahead by the delay that the line had while the bridge related
-/// its clock to the beacon's, which it takes back slowly.
+/// its clock to the beacon's, of which it takes back up to `most_slewed_ns` slowly, and more at once.
 TimeNs HistoryChecker::most_ahead_ns(SteadyTime now) const {
   constexpr TimeNs settling_ns = 300'000'000;
+  constexpr TimeNs most_slewed_ns = 65'000'000;
   const auto step = bridge_clock_step();
   TimeNs ahead_ns = step && now >= step->interval.from ? std::max<TimeNs>(0, step->step.amount_ns) : 0;
   for (const Life& life : history_.lives) {
@@ -180,9 +187,9 @@ TimeNs HistoryChecker::most_ahead_ns(SteadyTime now) const {
       return life.role == Role::bridge &&
              overlap(episode.interval, life.interval.from - settling_ns, life.interval.from + settling_ns);
     };
-    const bool settled_in_it =
-        step || std::any_of(history_.lives.begin(), history_.lives.end(), settles_in_it);
-    if (settled_in_it) ahead_ns += episode.step.amount_ns;
+    if (std::none_of(history_.lives.begin(), history_.lives.end(), settles_in_it)) continue;
+    const bool is_over = now >= episode.interval.until + settling_ns;
+    ahead_ns += is_over ? std::min(most_slewed_ns, episode.step.amount_ns) : episode.step.amount_ns;
   }
   return ahead_ns;
 }
@@ -217,83 +224,16 @@ bool HistoryChecker::may_weaken(const Track& track, const Arrival& before, const
          stalled_ns(from, after.received) >= limits_.lease_ns / 2;
 }
 
-/// Whether the beacon's samples paused long enough for a fusion to release it.
+/// Whether the beacon's samples paused, or could not be used, long enough for a fusion to release it.
 bool HistoryChecker::was_silent(const Track& track, SteadyTime from, SteadyTime until) const {
+  const auto backward = backward_stamps();
+  if (backward && overlap(*backward, from, until)) return true;
   const TimeNs release_ns = limits_.lease_ns * 9 / 10;
   for (std::size_t i = 1; i < track.imu.size(); ++i) {
     const Interval pause{track.imu[i - 1].received, track.imu[i].received};
     if (pause.until - pause.from >= release_ns && overlap(pause, from, until)) return true;
   }
   return false;
-}
-
-// Every missing number is counted.
-
-void HistoryChecker::check_numbers(BeaconAddress address, const Track& track) {
-  struct Missing {
-    std::uint64_t count = 0;
-    Arrival latest;
-  };
-  std::map<ProcessId, Missing> missing_of;
-  for (std::size_t i = 1; i < track.poses.size(); ++i) {
-    const Arrival& before = track.poses[i - 1];
-    const Arrival& after = track.poses[i];
-    const auto missing = missing_between(track, before, after);
-    if (!missing || *missing == 0) continue;
-    if (before.process != after.process) {
-      // The consumer's reader reports that the owner is gone, or the stronger one is ahead by the lag.
-      const auto from = published(track, before);
-      const auto until = published(track, after);
-      const bool lag =
-          from && until && *until - *from <= limits_.takeover_lag_ns + stalled_ns(*from, after.received);
-      const bool known = lag || may_weaken(track, before, after);
-      (known ? verdict_.missing_counted : verdict_.missing_uncounted) += *missing;
-      if (!known)
-        violated(after, fmt::format("{} samples have no pose at a takeover that nothing explains", *missing));
-      continue;
-    }
-    const auto knows = [&](const FusionReport& report) {
-      return report.process == after.process && report.received > after.received;
-    };
-    if (std::none_of(history_.statuses.begin(), history_.statuses.end(), knows)) continue;  // it ended before
-    missing_of[after.process].count += *missing;
-    missing_of[after.process].latest = after;
-  }
-  for (const auto& [process, missing] : missing_of) {
-    const std::uint64_t counted =
-        counted_by(process, address).value_or(0) + history_.consumer_lost + history_.consumer_rejected;
-    const std::uint64_t uncounted = missing.count - std::min(missing.count, counted);
-    verdict_.missing_counted += missing.count - uncounted;
-    verdict_.missing_uncounted += uncounted;
-    if (uncounted == 0) continue;
-    violated(missing.latest, fmt::format("{} samples have no pose of {}, and {} of them nothing counted",
-                                         missing.count, name_of(missing.latest), uncounted));
-  }
-}
-
-std::optional<std::size_t> HistoryChecker::missing_between(const Track& track, const Arrival& before,
-                                                           const Arrival& after) const {
-  const auto from = track.index_of.find(before.bridge_time_ns);
-  const auto until = track.index_of.find(after.bridge_time_ns);
-  if (from == track.index_of.end() || until == track.index_of.end()) return std::nullopt;
-  return until->second > from->second ? until->second - from->second - 1 : 0;
-}
-
-/// What this fusion reports as lost, invalid or not written since the first pose of the history.
-std::optional<std::uint64_t> HistoryChecker::counted_by(ProcessId process, BeaconAddress address) const {
-  const auto losses_of = [](const FusionStatus& status) {
-    return status.events_lost + status.samples_invalid + status.samples_lost + status.samples_rejected +
-           status.poses_unwritten + status.poses_skipped;
-  };
-  std::uint64_t before = 0;
-  std::optional<std::uint64_t> latest;
-  for (const FusionReport& report : history_.statuses) {
-    if (report.process != process || report.status.address != address) continue;
-    if (report.received < history_.poses.front().received) before = losses_of(report.status);
-    latest = losses_of(report.status);
-  }
-  if (!latest) return std::nullopt;
-  return *latest - std::min(before, *latest);
 }
 
 // Silence is short while another fusion can serve.
@@ -311,7 +251,7 @@ void HistoryChecker::check_silence(BeaconAddress address, const Track& track) {
 }
 
 /// The wait between two poses since the second one was due, without the time in which the bridge sent
-/// nothing.
+/// nothing that could be used.
 Interval HistoryChecker::wait_beside_bridge(const Track& track, SteadyTime from, SteadyTime until) const {
   const TimeNs pause_ns = 3 * history_.imu_period_ns;
   Interval wait{from + history_.imu_period_ns, until};
@@ -321,6 +261,12 @@ Interval HistoryChecker::wait_beside_bridge(const Track& track, SteadyTime from,
   for (auto imu = first; imu != end; ++imu) {
     const bool resumes = imu == track.imu.begin() || imu->received - std::prev(imu)->received > pause_ns;
     if (resumes) wait.from = std::max(wait.from, imu->received);
+  }
+  const auto backward = backward_stamps();
+  if (backward && overlap(*backward, wait.from, wait.until)) {
+    // The longer part: before the step, or after its samples could be used again.
+    const bool before = backward->from - wait.from > wait.until - backward->until;
+    (before ? wait.until : wait.from) = before ? backward->from : backward->until;
   }
   const bool ever = end != track.imu.begin();
   wait.until = std::min(wait.until, ever ? std::prev(end)->received + pause_ns : wait.from);
@@ -363,7 +309,8 @@ void HistoryChecker::check_recovery(BeaconAddress address, const Track& track) {
   for (const Arrival& pose : track.poses) {
     if (pose.received < fault_end) continue;
     const bool explained = step && pose.received - step->interval.from < limits_.clock_step_late_ns;
-    const std::uint32_t bad = status_initialising | (explained ? 0U : std::uint32_t{status_late});
+    const std::uint32_t bad =
+        status_initialising | status_stale | (explained ? 0U : std::uint32_t{status_late});
     const bool waited = pose.received - before > limits_.silence_ns + stalled_ns(before, pose.received);
     if (waited || (pose.status & bad) != 0U) bad_until = pose.received;
     before = pose.received;
@@ -402,6 +349,17 @@ std::optional<Episode> HistoryChecker::bridge_clock_step() const {
     if (episode.step.fault == Fault::clock_step && episode.step.target == Role::bridge) return episode;
   }
   return std::nullopt;
+}
+
+/// After a step back of the bridge's clock a fusion uses no sample until the stamps have passed its estimate,
+/// or until it has seen fifty of them and begins again.
+std::optional<Interval> HistoryChecker::backward_stamps() const {
+  constexpr TimeNs slack_ns = 50'000'000;
+  constexpr TimeNs samples = 50;
+  const auto step = bridge_clock_step();
+  if (!step || step->step.amount_ns >= 0) return std::nullopt;
+  const TimeNs length_ns = std::min(-step->step.amount_ns, samples * history_.imu_period_ns) + slack_ns;
+  return Interval{step->interval.from, step->interval.from + length_ns};
 }
 
 TimeNs HistoryChecker::stalled_ns(SteadyTime from, SteadyTime until) const {

@@ -48,6 +48,8 @@ private:
   /// One beacon.
   struct Track {
     std::vector<Arrival> poses;
+    /// Judged before a stop of their fusion and written after it; not in `poses`.
+    std::vector<Arrival> in_hand;
     std::vector<Published> imu;
     std::map<TimeNs, std::size_t> index_of;  ///< in `imu`, by the bridge's time
   };
@@ -56,7 +58,8 @@ private:
   void check_ages(const Track& track);
   void check_future(const Track& track);
   void check_owners(const Track& track);
-  void check_numbers(BeaconAddress address, const Track& track);
+  void check_takeover_numbers(const Track& track);
+  void check_numbers();
   void check_silence(BeaconAddress address, const Track& track);
   void check_recovery(BeaconAddress address, const Track& track);
 
@@ -72,12 +75,13 @@ private:
   [[nodiscard]] bool had_episode(Role role, SteadyTime from, SteadyTime until) const;
   [[nodiscard]] bool loses(Role role) const;
   [[nodiscard]] std::optional<SteadyTime> published(const Track& track, const Arrival& pose) const;
-  [[nodiscard]] std::optional<std::size_t> missing_between(const Track& track, const Arrival& before,
-                                                           const Arrival& after) const;
-  [[nodiscard]] std::optional<std::uint64_t> counted_by(ProcessId process, BeaconAddress address) const;
+  [[nodiscard]] std::uint64_t missing_between(const Track& track, const Arrival& before,
+                                              const Arrival& after) const;
+  [[nodiscard]] bool has_report_after(const Arrival& pose) const;
   [[nodiscard]] TimeNs stalled_ns(SteadyTime from, SteadyTime until) const;
   [[nodiscard]] TimeNs most_ahead_ns(SteadyTime now) const;
   [[nodiscard]] std::optional<Episode> bridge_clock_step() const;
+  [[nodiscard]] std::optional<Interval> backward_stamps() const;
 
   const History& history_;
   Limits limits_;

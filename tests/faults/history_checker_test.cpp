@@ -319,6 +319,39 @@ SCENARIO("every missing number is counted") {
       history.consumer_lost = 3;
       CHECK(violations_of(history) == none);
     }
+    WHEN("a second beacon misses three too, and the transport counts for the process") {
+      const std::uint64_t lost = GENERATE(3U, 6U);
+      const BeaconAddress second = beacon + 1;
+      for (Published imu : std::vector(history.imu)) {
+        imu.address = second;
+        history.imu.push_back(imu);
+      }
+      for (Arrival pose : std::vector(history.poses)) {
+        pose.address = second;
+        history.poses.push_back(pose);
+      }
+      for (FusionReport report : std::vector(history.statuses)) {
+        report.status.address = second;
+        history.statuses.push_back(report);
+      }
+      for (FusionReport& report : history.statuses) {
+        if (report.received > at(9) && report.process == process_of(300)) report.status.samples_lost = lost;
+      }
+      const Verdict verdict = HistoryChecker(history).check();
+      CHECK(verdict.missing_counted == lost);
+      CHECK(verdict.missing_uncounted == 6 - lost);
+      CHECK(verdict.violations.empty() == (lost == 6));
+    }
+  }
+  GIVEN("a fusion that is stopped between the judgement of a pose and its writing") {
+    History history = undisturbed();
+    history.episodes.back() = {{.fault = Fault::stop, .target = Role::first_fusion}, {at(7.9999), at(8.05)}};
+    for (Arrival& pose : history.poses) {
+      if (pose.received > at(7.995) && pose.received < at(8.05)) pose.received = at(8.05);
+    }
+    THEN("that pose is not missing") {
+      CHECK(HistoryChecker(history).check().missing_uncounted == 0);
+    }
   }
 }
 
@@ -335,6 +368,19 @@ SCENARIO("silence is at most the lease and a tenth while a warm fusion lives") {
     history.statuses[1].status.role = FusionRole::warming;
     CHECK(violations_of(history) == none);
   }
+  WHEN("the bridge's clock was set back by as much") {
+    history.episodes.front() = {{.fault = Fault::clock_step, .target = Role::bridge, .amount_ns = -80 * ms},
+                                {at(7.0), at(7.0)}};
+    CHECK(violations_of(history) == none);
+  }
+  WHEN("the bridge's clock was set back only after most of it, or was set ahead") {
+    const TimeNs amount_ns = GENERATE(-80, 80) * ms;
+    history = takeover(7.3);
+    history.episodes.front() = {{.fault = Fault::clock_step, .target = Role::bridge, .amount_ns = amount_ns},
+                                {at(7.25), at(7.25)}};
+    REQUIRE(violations_of(history).size() == 1);
+    CHECK_THAT(violations_of(history).front(), Contains("beside a warm fusion"));
+  }
   WHEN("the bridge was silent too") {
     erase_imu(history, 7.01, 7.115);
     CHECK(violations_of(history) == none);
@@ -347,11 +393,12 @@ SCENARIO("silence is at most the lease and a tenth while a warm fusion lives") {
 }
 
 SCENARIO("three seconds after the last fault poses flow as before") {
-  GIVEN("poses of an engine that initialises for as long") {
+  GIVEN("poses of an engine that initialises, or uses no fixes, for as long") {
     const double ready_s = GENERATE(9.1, 9.3);
+    const std::uint32_t flag = GENERATE(std::uint32_t{status_initialising}, std::uint32_t{status_stale});
     History history = undisturbed();
     for (Arrival& pose : history.poses) {
-      if (pose.received < at(ready_s)) pose.status = status_initialising;
+      if (pose.received < at(ready_s)) pose.status = flag;
     }
     const Verdict verdict = HistoryChecker(history).check();
     CHECK(verdict.violations.empty() == (ready_s < 9.2));

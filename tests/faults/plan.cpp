@@ -43,9 +43,6 @@ std::vector<Fault> possible_faults(const Plan& plan, bool clock_steps) {
   return faults;
 }
 
-/// After a smaller step back of the bridge's clock fixes are rejected for minutes: a known limit.
-constexpr TimeNs least_step_back_ns = 1'000'000'000;
-
 TimeNs drawn_clock_step_ns(Draw& draw) {
   const TimeNs size_ns =
       draw.with_probability(0.5) ? draw.between_ms(100, 900) : draw.between_ms(1500, 20'000);
@@ -73,9 +70,6 @@ Step drawn_step(const Plan& plan, Draw& draw, const std::vector<Fault>& faults) 
       break;
     case Fault::clock_step:
       step.amount_ns = drawn_clock_step_ns(draw);
-      if (step.target == Role::bridge && -step.amount_ns < least_step_back_ns) {
-        step.amount_ns = std::abs(step.amount_ns);
-      }
       break;
     case Fault::few_descriptors:
       step.count = 6 + static_cast<std::uint32_t>(draw.below(18));

@@ -69,7 +69,7 @@ bool all_serve(const Plan& plan, const std::vector<FusionReport>& reports) {
 
 /// Both beacons have had good poses for a while.
 bool flows(const std::vector<Arrival>& poses, TimeNs for_ns) {
-  constexpr std::uint32_t bad = status_initialising | status_late;
+  constexpr std::uint32_t bad = status_initialising | status_stale | status_late;
   const SteadyTime now = clocks::steady_now();
   for (BeaconAddress address = Cast::first_address; address <= Cast::last_address; ++address) {
     SteadyTime later = now;

@@ -221,13 +221,20 @@ SCENARIO("an overloaded fusion still serves every beacon", "[load]") {
             1e3 * *std::max_element(count.ages_s.begin(), count.ages_s.end()),
             100.0 * static_cast<double>(old) / static_cast<double>(count.ages_s.size()), 1e3 * oldest_s,
             100 * used_hz / sent_hz);
-        AND_WHEN("the limit and the samples end") {
+        AND_WHEN("the limit ends") {
           limit.reset();
-          bridge->end_by(SIGTERM);
           THEN("it recovers, and has logged both") {
             CHECK(status.wait_for(is_normal, status.samples.size()));
             CHECK(fusion->wait_for_line(Stream::error, "sonopose-fusion: overloaded"));
             CHECK(fusion->wait_for_line(Stream::error, "no longer overloaded"));
+          }
+        }
+        AND_WHEN("the bridge ends") {
+          bridge->end_by(SIGKILL);
+          THEN("it is no longer overloaded, and reports the silence") {
+            CHECK(status.wait_for(is_normal, status.samples.size()));
+            CHECK(status.wait_for([](const FusionStatus& latest) { return latest.imu_silent; },
+                                  status.samples.size()));
           }
         }
       }
