@@ -1,5 +1,7 @@
 #include "sim/disturbances.hpp"
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -37,6 +39,28 @@ void check_wall(const std::string& field, const Wall& wall) {
   const double norm = wall.normal_world.norm();
   require(std::abs(norm - 1.0) < 1e-9, field + ".normal_world: its length", norm);
   require(wall.normal_world.z() == 0.0, field + ".normal_world.z", wall.normal_world.z());
+}
+
+void check_beacons(const MisplacedBeacon& map) {
+  constexpr std::size_t least = 3;
+  require(map.beacons_world_m.size() >= least, "misplaced_beacon.beacons_world_m: their number",
+          static_cast<double>(map.beacons_world_m.size()));
+  require(map.misplaced < map.beacons_world_m.size(), "misplaced_beacon.misplaced",
+          static_cast<double>(map.misplaced));
+  for (const Vector3d& beacon : map.beacons_world_m) check_vector("misplaced_beacon.beacons_world_m", beacon);
+  check_vector("misplaced_beacon.map_error_m", map.map_error_m);
+}
+
+/// To first order in the error of the map.
+Vector3d misplacement_world_m(const MisplacedBeacon& map, const Vector3d& position_world_m) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Vector3d right = Vector3d::Zero();
+  for (std::size_t i = 0; i < map.beacons_world_m.size(); ++i) {
+    const Vector3d direction = (position_world_m - map.beacons_world_m[i]).normalized();
+    normal += direction * direction.transpose();
+    if (i == map.misplaced) right = direction * direction.dot(map.map_error_m);
+  }
+  return normal.ldlt().solve(right);
 }
 
 void check_packets(const std::string& field, const PacketFaults& faults) {
@@ -95,6 +119,7 @@ void check(const Disturbances& disturbances) {
     check_time("gyro_drift.duration_s", drift->duration_s);
     check_vector("gyro_drift.by_body_radps", drift->by_body_radps);
   }
+  if (disturbances.misplaced_beacon) check_beacons(*disturbances.misplaced_beacon);
   double poor_share = 0;
   for (const PoorFixes& kind : disturbances.poor_fixes) {
     check_share("poor_fixes.share", kind.share);
@@ -129,6 +154,9 @@ Vector3d track_offset_world_m(const Disturbances& disturbances, double time_s,
       const Vector3d& normal = burst.mirror->normal_world;
       offset_world_m += 2.0 * normal.dot(burst.mirror->point_world_m - position_world_m) * normal;
     }
+  }
+  if (const auto& map = disturbances.misplaced_beacon) {
+    offset_world_m += misplacement_world_m(*map, position_world_m);
   }
   return offset_world_m;
 }

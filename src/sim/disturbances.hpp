@@ -65,6 +65,15 @@ struct GyroDrift {
   Vector3d by_body_radps = Vector3d::Zero();
 };
 
+/// The map has one stationary beacon in the wrong place. Fixes are the least-squares solution of the ranges
+/// to all of them, to first order in the error of the map, so their error depends on where the mobile beacon
+/// is, which must not be in the plane of all of them.
+struct MisplacedBeacon {
+  std::vector<Vector3d> beacons_world_m{};  ///< where they are; at least three, not on one line
+  std::size_t misplaced = 0;                ///< index of the wrong one
+  Vector3d map_error_m = Vector3d::Zero();  ///< its place on the map minus the true one
+};
+
 /// A share of the fixes that is worse than the others.
 struct PoorFixes {
   double share = 0;                        ///< 0…1
@@ -91,6 +100,7 @@ struct Disturbances {
   std::vector<Relocation> relocations{};
   std::vector<HeadingError> heading_errors{};
   std::optional<GyroDrift> gyro_drift{};
+  std::optional<MisplacedBeacon> misplaced_beacon{};
   std::vector<PoorFixes> poor_fixes{};  ///< for disjoint sets of fixes: the shares add up
   PacketFaults imu_packets{};
   PacketFaults position_packets{};  ///< one packet contains the fix and the heading

@@ -230,6 +230,15 @@ void vary_wrong_delay(Scenario& scenario, Random& random) {
   scenario.sensors.reported_delay_error_s = random.uniform_in({-0.020, 0.020});
 }
 
+/// Only this scenario models the stationary beacons.
+void vary_misplaced_beacon(Scenario& scenario, Random& random) {
+  const std::vector<Vector3d> corners{{0, 0, 3}, {6, 0, 3}, {6, 4, 3}, {0, 4, 3}};
+  const double error_m = random.uniform_in({0.2, 0.6});
+  scenario.disturbances.misplaced_beacon = {.beacons_world_m = corners,
+                                            .misplaced = static_cast<std::size_t>(random.integer_in(0, 3)),
+                                            .map_error_m = error_m * random.horizontal_direction()};
+}
+
 SensorSettings sparse_and_noisy() {
   SensorSettings sensors;
   sensors.fix_rate_hz = {1.0, 20.0};
@@ -288,6 +297,10 @@ std::vector<Scenario> make_harder_scenarios() {
        .summary = "walks while the map turns once by up to 60° and shifts by up to 3 m",
        .path = walk_path,
        .vary = vary_moved_map},
+      {.name = "misplaced_beacon",
+       .summary = "walks while the map has one of four stationary beacons 0.2 to 0.6 m off",
+       .path = walk_path,
+       .vary = vary_misplaced_beacon},
       {.name = "wrong_delay",
        .summary = "drives the kart's course while the reported delay is off by up to 20 ms",
        .path = kart_path,

@@ -140,9 +140,10 @@ UltrasonicFix UltrasonicModel::measure_fix(const Motion& motion, const FixCondit
 
 PairHeading UltrasonicModel::measure_heading(const Motion& motion, double error_rad) {
   PairHeading heading;
-  heading.heading_world_rad =
-      geometry::wrap_angle(geometry::yaw_of(motion.q_body_to_world) + settings_.pair_mount_offset_rad +
-                           settings_.heading_noise_rad * random_.normal() + error_rad);
+  const Quaterniond q_axis_to_world =
+      motion.q_body_to_world * geometry::rotation_about_z(settings_.pair_mount_offset_rad);
+  heading.heading_world_rad = geometry::wrap_angle(
+      geometry::yaw_of(q_axis_to_world) + settings_.heading_noise_rad * random_.normal() + error_rad);
   heading.valid = true;
   return heading;
 }

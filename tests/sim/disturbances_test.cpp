@@ -229,4 +229,24 @@ SCENARIO("invalid disturbances are refused by name") {
              Catch::Contains("position_packets.late_by_s"));
 }
 
+SCENARIO("a stationary beacon that the map has in the wrong place moves the fixes") {
+  GIVEN("three beacons, of which the map has one 10 cm off") {
+    const std::vector<Vector3d> beacons{{0, 0, 3}, {6, 0, 3}, {3, 4, 2.5}};
+    const Vector3d map_error_m{0.06, 0.08, 0.0};
+    const Disturbances disturbances{
+        .misplaced_beacon =
+            MisplacedBeacon{.beacons_world_m = beacons, .misplaced = 1, .map_error_m = map_error_m}};
+    THEN("the fix has the measured range to each place on the map") {
+      const Vector3d position_m{2.0, 1.0, 1.0};
+      const Vector3d fix_m = position_m + track_offset_world_m(disturbances, 1.0, position_m);
+      CHECK((fix_m - position_m).norm() > 0.02);
+      for (std::size_t i = 0; i < beacons.size(); ++i) {
+        const Vector3d on_map_m = beacons[i] + (i == 1 ? map_error_m : Vector3d::Zero());
+        CHECK((fix_m - on_map_m).norm() == Approx((position_m - beacons[i]).norm()).margin(0.005));
+      }
+    }
+  }
+  CHECK(refusal({.misplaced_beacon = MisplacedBeacon{}}).find("misplaced_beacon") != std::string::npos);
+}
+
 }  // namespace disturbances_test

@@ -4,6 +4,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace simulator_test {
@@ -63,6 +65,22 @@ SCENARIO("events come in the order in which a bridge gets them") {
       for (const Step& step : steps) fixes += std::holds_alternative<UltrasonicFix>(step.event) ? 1 : 0;
       CHECK(fixes >= 5);  // those emitted in the first half second
       CHECK(fixes <= 6);
+    }
+  }
+}
+
+SCENARIO("a heading is the direction of the pair's axis in the map, also of a tilted body") {
+  GIVEN("a perfect pair at 45 degrees to the body, which is pitched") {
+    constexpr double pitch_rad = 0.5;
+    SensorSettings settings = SensorSettings::ideal();
+    settings.pair_mount_offset_rad = 0.25 * std::numbers::pi;
+    Motion motion;
+    motion.q_body_to_world = geometry::rotation_by(Vector3d(0.0, pitch_rad, 0.0));
+    WHEN("it is measured") {
+      const PairHeading heading = UltrasonicModel(settings, Random(1)).measure_heading(motion);
+      THEN("the part along body X is shortened in the horizontal plane") {
+        CHECK(heading.heading_world_rad == Approx(std::atan2(1.0, std::cos(pitch_rad))));
+      }
     }
   }
 }
