@@ -5,19 +5,21 @@ namespace {
 
 /// 0, which is no valid time, if there is no earlier time.
 TimeNs before(TimeNs time_ns, double seconds) {
-  return time_ns > to_ns(seconds) ? time_ns - to_ns(seconds) : 0;
+  return time_ns > to_ns(seconds) ? saturated_sum(time_ns, -to_ns(seconds)) : 0;
 }
 
 }  // namespace
 
 TimeNs measured_at(const DelaySettings& settings, const UltrasonicFix& fix) {
   const bool own = settings.source == DelaySource::measured && fix.measured_delay_s.has_value();
-  return own ? fix.emission_time_ns : before(fix.received_time_ns, settings.processing_s);
+  return own ? before(fix.emission_time_ns, settings.correction_s)
+             : before(fix.received_time_ns, settings.processing_s);
 }
 
 TimeNs measured_at(const DelaySettings& settings, const PairHeading& heading) {
   const bool own = settings.source == DelaySource::measured;
-  return own ? heading.emission_time_ns : before(heading.received_time_ns, settings.processing_s);
+  return own ? before(heading.emission_time_ns, settings.correction_s)
+             : before(heading.received_time_ns, settings.processing_s);
 }
 
 void extrapolate_to_now(const DelaySettings& settings, const Kinematics& body, TimedFix& fix) {

@@ -64,14 +64,31 @@ bool Belief::covariance_is_old() const {
 
 // One IMU sample
 
-void Belief::on_imu(const settings::Settings& settings, const ImuMeasurement& imu) {
+ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next) {
+  constexpr double regular_step_s = 0.0275;
+  const double dt_s = seconds_between(last.time_ns, next.time_ns);
+  if (next.is_mean) return {dt_s, next.rate_body_radps, next.force_body_mps2};
+  ImuStep step{dt_s, 0.5 * (last.rate_body_radps + next.rate_body_radps),
+               0.5 * (last.force_body_mps2 + next.force_body_mps2)};
+  if (!(dt_s > regular_step_s)) return step;
+  // The mean of the two ends is not that of what lies between.
+  step.irregular = true;
+  step.velocity_std_mps = dt_s * (0.3 * (next.force_body_mps2 - last.force_body_mps2).norm() + 0.3);
+  step.position_std_m = 0.5 * step.velocity_std_mps * dt_s;
+  step.attitude_std_rad = dt_s * (0.3 * (next.rate_body_radps - last.rate_body_radps).norm() + 0.03);
+  return step;
+}
+
+void add_missed_motion(Filter& filter, const ImuStep& step) {
+  filter.add_variance(at_velocity, Vector3d::Constant(square(step.velocity_std_mps)));
+  filter.add_variance(at_position, Vector3d::Constant(square(step.position_std_m)));
+  filter.add_variance(at_attitude, Vector3d::Constant(square(step.attitude_std_rad)));
+}
+
+ImuOutcome Belief::on_imu(const settings::Settings& settings, const ImuMeasurement& imu) {
   const bool is_first = time_ns == 0;
   const double dt_s = is_first ? 0.0 : seconds_between(time_ns, imu.time_ns);
   in_imu_gap = dt_s > settings.outage.imu_gap_s;
-  const Vector3d rate =
-      imu.is_mean || is_first ? imu.rate_body_radps : 0.5 * (rate_body_radps + imu.rate_body_radps);
-  const Vector3d force =
-      imu.is_mean || is_first ? imu.force_body_mps2 : 0.5 * (force_body_mps2 + imu.force_body_mps2);
   if (phase == Phase::waiting) {
     constexpr double time_constant_s = 0.5;
     const double share = is_first ? 1.0 : std::min(1.0, std::max(dt_s, 0.005) / time_constant_s);
@@ -79,31 +96,29 @@ void Belief::on_imu(const settings::Settings& settings, const ImuMeasurement& im
   } else if (in_imu_gap) {
     end_imu_gap(imu.time_ns);
   } else if (dt_s > 0.0) {
-    for_each_filter([&](Filter& each, const ProcessNoise&) { each.predict(rate, force, dt_s); });
+    const ImuStep step = step_between(
+        {.time_ns = time_ns, .rate_body_radps = rate_body_radps, .force_body_mps2 = force_body_mps2}, imu);
+    for_each_filter([&](Filter& each, const ProcessNoise&) {
+      each.predict(step.rate_body_radps, step.force_body_mps2, dt_s);
+    });
     repetition.moved_world_m += dt_s * repetition.velocity_world_mps;
     repetition.velocity_world_mps += dt_s * filter().acceleration_world_mps2;
-    constexpr double regular_step_s = 0.0275;
-    if (!imu.is_mean && dt_s > regular_step_s) {
-      // The mean of the two ends is not that of what lies between.
-      const double accel = dt_s * (0.3 * (imu.force_body_mps2 - force_body_mps2).norm() + 0.3);
-      const double turn = dt_s * (0.3 * (imu.rate_body_radps - rate_body_radps).norm() + 0.03);
+    if (step.irregular) {
       propagate();
-      for_each_filter([&](Filter& each, const ProcessNoise&) {
-        each.add_variance(at_velocity, Vector3d::Constant(square(accel)));
-        each.add_variance(at_position, Vector3d::Constant(square(0.5 * accel * dt_s)));
-        each.add_variance(at_attitude, Vector3d::Constant(square(turn)));
-      });
+      for_each_filter([&](Filter& each, const ProcessNoise&) { add_missed_motion(each, step); });
     }
   }
   time_ns = state_ns = imu.time_ns;
   rate_body_radps = imu.rate_body_radps;
   force_body_mps2 = imu.force_body_mps2;
-  update_rest(imu);
-  bound_dead_reckoning();
+  ImuOutcome outcome;
+  update_rest(imu, outcome);
+  bound_dead_reckoning(outcome);
   if (former.alive && seconds_between(former.left_ns, time_ns) > former_s) former.alive = false;
+  return outcome;
 }
 
-void Belief::update_rest(const ImuMeasurement& imu) {
+void Belief::update_rest(const ImuMeasurement& imu, ImuOutcome& outcome) {
   const bool started = phase != Phase::waiting;
   const Vector3d bias = started ? filter().gyro_bias_body_radps : Vector3d::Zero();
   const double bias_std_radps =
@@ -114,12 +129,15 @@ void Belief::update_rest(const ImuMeasurement& imu) {
   propagate();
   constexpr double mean_rate_std_radps = 3e-4;  // of half a second, with a slow residual motion
   constexpr double still_speed_std_mps = 0.01;
+  outcome.still = true;
+  outcome.still_rate_variance = square(mean_rate_std_radps);
   for_each_filter([&](Filter& each, const ProcessNoise&) {
     each.correct_states(at_gyro_bias, rest.still_gyro_mean - each.gyro_bias_body_radps,
                         square(mean_rate_std_radps));
   });
   const double fix_std_m = std::sqrt(noise.fix_covariance_m2(quality_percent).diagonal().maxCoeff());
   if (!rest::fixes_stand_still(rest, fix_std_m) || filter().velocity_world_mps.norm() > 0.1) return;
+  outcome.no_velocity_variance = square(still_speed_std_mps);
   for (int i = 0; i < candidate_count; ++i) {
     Filter& each = candidates[static_cast<std::size_t>(i)].filter;
     each.correct_states(at_velocity, -each.velocity_world_mps, square(still_speed_std_mps));
@@ -127,7 +145,7 @@ void Belief::update_rest(const ImuMeasurement& imu) {
 }
 
 /// Without fixes a weak measurement of no velocity.
-void Belief::bound_dead_reckoning() {
+void Belief::bound_dead_reckoning(ImuOutcome& outcome) {
   constexpr TimeNs after_ns = 1'000'000'000;
   constexpr TimeNs period_ns = 97'500'000;  // no multiple of a usual sample interval
   // The rougher the IMU that the fixes showed, the sooner its integral is worth nothing.
@@ -135,11 +153,12 @@ void Belief::bound_dead_reckoning() {
   const auto model = static_cast<std::size_t>(phase == Phase::tracking ? best : 0);
   if (phase == Phase::waiting || time_ns - last_fix_ns < after_ns || time_ns - slowed_ns < period_ns) return;
   slowed_ns = time_ns;
+  const double variance = square(speed_mps_rts[model]) / (1e-9 * static_cast<double>(period_ns));
+  if (outcome.no_velocity_variance == 0.0) outcome.no_velocity_variance = variance;
   propagate();
   for (int i = 0; i < candidate_count; ++i) {
     Filter& each = candidates[static_cast<std::size_t>(i)].filter;
-    each.correct_states(at_velocity, -each.velocity_world_mps,
-                        square(speed_mps_rts[model]) / (1e-9 * static_cast<double>(period_ns)));
+    each.correct_states(at_velocity, -each.velocity_world_mps, variance);
   }
 }
 
@@ -159,9 +178,9 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
   variances.segment<3>(at_position).setConstant(square(0.05));
   variances.segment<3>(at_velocity).setConstant(square(speed_std));
   variances.segment<3>(at_attitude).setConstant(square(tilt_std));
-  variances.segment<3>(at_gyro_bias).setConstant(square(0.02));
-  variances.segment<3>(at_accel_bias).setConstant(square(0.1));
-  variances.segment<3>(at_lever_arm).setConstant(square(0.05));
+  variances.segment<3>(at_gyro_bias).setConstant(square(start_gyro_bias_std_radps));
+  variances.segment<3>(at_accel_bias).setConstant(square(start_accel_bias_std_mps2));
+  variances.segment<3>(at_lever_arm).setConstant(square(start_lever_arm_std_m));
   if (again) {
     const Filter& before = filter();
     start.gyro_bias_body_radps = before.gyro_bias_body_radps;
@@ -229,6 +248,7 @@ FixOutcome Belief::on_fix(const settings::Settings& settings, const FixMeasureme
     outcome.flags = fix_used | (phase == Phase::waiting ? fix_first : fix_stale_recovered);
     start_at(fix, settings);
     outcome.weight = 1.0;
+    outcome.covariance_world_m2 = covariance_of(fix);
     return outcome;
   }
   estimate_delay(settings.delay);
@@ -241,6 +261,11 @@ FixOutcome Belief::on_fix(const settings::Settings& settings, const FixMeasureme
   outcome.velocity_change_world_mps = filter().tracked_velocity_world_mps() - velocity_before;
   outcome.yaw_change_rad = geometry::wrap_angle(geometry::yaw_of(filter().q_body_to_world) - yaw_before);
   return outcome;
+}
+
+/// Its own, or the learned one.
+Matrix3d Belief::covariance_of(const FixMeasurement& fix) const {
+  return fix.has_covariance ? fix.covariance_world_m2 : noise.fix_covariance_m2(fix.quality_percent);
 }
 
 /// Begins or ends the estimation of the delay, as the settings demand.
@@ -266,8 +291,8 @@ void Belief::recover_if_not_finite() {
 FixOutcome Belief::judge(const FixMeasurement& fix) {
   FixOutcome outcome;
   const double ahead_s = seconds_between(state_ns, fix.time_ns);
-  const Matrix3d covariance =
-      fix.has_covariance ? fix.covariance_world_m2 : noise.fix_covariance_m2(fix.quality_percent);
+  const Matrix3d covariance = covariance_of(fix);
+  outcome.covariance_world_m2 = covariance;
   Innovations innovations;
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < candidate_count; ++i) {
@@ -292,6 +317,7 @@ FixOutcome Belief::judge(const FixMeasurement& fix) {
   trust += (1.0 - trust) / trust_memory;
   const double scale = scale_of(outcome.innovation);
   outcome.weight = 1.0 / scale;
+  outcome.covariance_world_m2 *= scale;
   outcome.flags = fix_used;
   if (rival.alive) {
     // The rival lives on rejected fixes alone; one that only explains the same track is none.

@@ -24,6 +24,13 @@ bool is_usable(const Covariance<3>& covariance) {
 
 }  // namespace
 
+ImuMeasurement as_measurement(const ImuSample& calibrated) {
+  return {.time_ns = calibrated.sensor_time_ns,
+          .rate_body_radps = calibrated.angular_velocity_body_radps,
+          .force_body_mps2 = calibrated.specific_force_body_mps2,
+          .is_mean = calibrated.meaning == ImuMeaning::mean_since_last};
+}
+
 Engine::Engine(const settings::Settings& settings)
     : settings_(settings::resolved(settings)), calibration_(settings.calibration) {}
 
@@ -65,10 +72,7 @@ Snapshot Engine::snapshot() const {
 std::optional<FusedPose> Engine::predict(const ImuSample& raw) noexcept {
   const ImuSample imu = calibration_.corrected(raw);
   if (!admit(imu)) return std::nullopt;
-  timeline_.add(settings_, ImuMeasurement{.time_ns = imu.sensor_time_ns,
-                                          .rate_body_radps = imu.angular_velocity_body_radps,
-                                          .force_body_mps2 = imu.specific_force_body_mps2,
-                                          .is_mean = imu.meaning == ImuMeaning::mean_since_last});
+  timeline_.add(settings_, as_measurement(imu));
   if (belief().in_imu_gap) ++counters_.imu_gaps;
   const FusedPose pose = pose_at(imu);
   last_position_world_m_ = pose.position_world_m;
@@ -93,14 +97,7 @@ FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
   report.shifted_position_world_m = fix.position_world_m;
   report.trust = belief().trust;
 
-  FixMeasurement measured{.time_ns = measured_at(fix),
-                          .position_world_m = fix.position_world_m,
-                          .quality_percent = fix.quality_percent.value_or(-1.0)};
-  if (fix.covariance_world_m2 && is_usable(*fix.covariance_world_m2)) {
-    measured.has_covariance = true;
-    constexpr double least_m2 = 1e-8;  // 0.1 mm: below, numbers would no longer be positive
-    measured.covariance_world_m2 = fix.covariance_world_m2->matrix() + least_m2 * Matrix3d::Identity();
-  }
+  const FixMeasurement measured = measurement_in(fix);
   report.flags = rejection_flags(fix, measured);
   if (report.flags != 0) {
     ++counters_.fixes_rejected;
@@ -131,7 +128,26 @@ FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
   return report;
 }
 
-/// Item 6: without compensation a measurement counts as one of now.
+ImuMeasurement Engine::measurement_in(const ImuSample& raw) const {
+  return as_measurement(calibration_.corrected(raw));
+}
+
+FixMeasurement Engine::measurement_in(const UltrasonicFix& fix) const {
+  FixMeasurement measured{.time_ns = measured_at(fix),
+                          .position_world_m = fix.position_world_m,
+                          .quality_percent = fix.quality_percent.value_or(-1.0)};
+  if (fix.covariance_world_m2 && is_usable(*fix.covariance_world_m2)) {
+    measured.has_covariance = true;
+    constexpr double least_m2 = 1e-8;  // 0.1 mm: below, numbers would no longer be positive
+    measured.covariance_world_m2 = fix.covariance_world_m2->matrix() + least_m2 * Matrix3d::Identity();
+  }
+  return measured;
+}
+
+HeadingMeasurement Engine::measurement_in(const PairHeading& heading) const {
+  return {.time_ns = measured_at(heading), .heading_world_rad = heading.heading_world_rad};
+}
+
 template <class Sample>
 TimeNs Engine::measured_at(const Sample& sample) const {
   return settings_.delay.extrapolate ? delay::measured_at(settings_.delay, sample) : time_ns();
@@ -148,8 +164,7 @@ std::uint32_t Engine::rejection_flags(const UltrasonicFix& fix, const FixMeasure
 }
 
 void Engine::correct(const PairHeading& heading) noexcept {
-  const HeadingMeasurement measured{.time_ns = measured_at(heading),
-                                    .heading_world_rad = heading.heading_world_rad};
+  const HeadingMeasurement measured = measurement_in(heading);
   if (!admission::admits(settings_.admission, time_ns(), heading, measured.time_ns, timeline_.ahead_s())) {
     ++counters_.samples_invalid;
     return;

@@ -90,6 +90,25 @@ void Filter::coast(double duration_s, const UnknownMotion& motion) {
   mirror_upper(P);
 }
 
+StateCovariance Filter::transition() const {
+  const Matrix3d to_body = q_body_to_world.toRotationMatrix().transpose();
+  StateCovariance transition = StateCovariance::Identity();
+  if (!(pending.duration_s > 0.0)) return transition;
+  const auto block = [&transition](StateIndex row, StateIndex column) {
+    return transition.block<3, 3>(row, column);
+  };
+  block(at_position, at_velocity) = pending.position_velocity_s * Matrix3d::Identity();
+  block(at_position, at_attitude) = -cross_matrix(pending.impulse_sum_m) * pending.rotation_start;
+  block(at_position, at_gyro_bias) = pending.position_gyro_bias;
+  block(at_position, at_accel_bias) = -pending.rotation_double_sum_s2;
+  block(at_velocity, at_attitude) = -cross_matrix(pending.impulse_mps) * pending.rotation_start;
+  block(at_velocity, at_gyro_bias) = pending.velocity_gyro_bias;
+  block(at_velocity, at_accel_bias) = -pending.rotation_sum_s;
+  block(at_attitude, at_attitude) = to_body * pending.rotation_start;
+  block(at_attitude, at_gyro_bias) = -to_body * pending.rotation_sum_s;
+  return transition;
+}
+
 void Filter::propagate(const ProcessNoise& noise) {
   const double t = pending.position_velocity_s;
   const double duration_s = pending.duration_s;
@@ -182,6 +201,16 @@ StateColumns Filter::fix_columns(double ahead_s) const {
          covariance.middleCols<3>(at_lever_arm) * rotation.transpose();
 }
 
+FixJacobian Filter::fix_jacobian(double ahead_s) const {
+  const Matrix3d rotation = q_body_to_world.toRotationMatrix();
+  FixJacobian jacobian = FixJacobian::Zero();
+  jacobian.middleCols<3>(at_position).setIdentity();
+  jacobian.middleCols<3>(at_velocity) = ahead_s * Matrix3d::Identity();
+  jacobian.middleCols<3>(at_attitude) = rotation * cross_matrix(lever_arm_body_m);
+  jacobian.middleCols<3>(at_lever_arm) = -rotation;
+  return jacobian;
+}
+
 /// H of a fix times columns of the state.
 template <int count>
 Eigen::Matrix<double, 3, count> Filter::times_columns(const Eigen::Matrix<double, state_size, count>& columns,
@@ -268,6 +297,7 @@ Filter::HeadingInnovation Filter::heading_innovation(double heading_world_rad, d
   innovation.value_rad = geometry::wrap_angle(heading_world_rad - std::atan2(axis.y(), axis.x()));
   const HeadingRow row = heading_row(axis);
   const double h = -row.dot(angular_velocity_body_radps);  // of the delay
+  innovation.row = row;
   innovation.column = covariance.middleCols<3>(at_attitude) * row.transpose();
   if (estimates_delay()) {
     innovation.column += h * delay_covariance;

@@ -34,6 +34,11 @@ TEST_CASE("item 6: the delay is the fix's own or the fixed one") {
   CHECK(delay::measured_at(settings_with(true, DelaySource::measured), own) == own.emission_time_ns);
   CHECK(delay::measured_at(settings_with(true, DelaySource::measured), none) == by_fixed_ns);
   CHECK(delay::measured_at(settings_with(true, DelaySource::fixed), own) == by_fixed_ns);
+  // A correction belongs to the delay that a fix carries, and makes it older.
+  DelaySettings corrected = settings_with(true, DelaySource::measured);
+  corrected.correction_s = 0.02;
+  CHECK(delay::measured_at(corrected, own) == own.emission_time_ns - 20'000'000);
+  CHECK(delay::measured_at(corrected, none) == by_fixed_ns);
 }
 
 TEST_CASE("item 6: a fix is extrapolated to the time of the engine's state, not to its receipt") {

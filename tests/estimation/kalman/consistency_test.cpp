@@ -4,6 +4,7 @@
 #include "recording/log_folder.hpp"
 #include "sim/scenario.hpp"
 #include "sim/simulator.hpp"
+#include "support/recordings.hpp"
 #include <sonopose/estimation/estimator.hpp>
 #include <sonopose/estimation/kalman/engine.hpp>
 #include <sonopose/geometry/rotation.hpp>
@@ -15,7 +16,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <iostream>
 #include <string>
 
 namespace consistency_test {
@@ -133,11 +133,8 @@ SCENARIO("the Kalman engine knows how uncertain it is") {
 
 SCENARIO("the Kalman engine knows how uncertain it is on real flights") {
   const std::string name = GENERATE("drone_a", "drone_b");
-  const std::filesystem::path folder = std::filesystem::path(SONOPOSE_RECORDINGS) / "beacons" / name;
-  if (!exists(folder)) {
-    std::cout << "skipped: no recordings\n";
-    return;
-  }
+  const std::filesystem::path folder = test::beacon_recordings(name);
+  if (!test::is_here(folder)) return;
   GIVEN("a flight with motion capture") {
     const recording::SensorLog log = recording::read_sensor_log(folder);
     evaluation::TruthTrack truth(log.truth);

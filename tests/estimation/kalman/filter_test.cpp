@@ -84,12 +84,14 @@ TEST_CASE("the composed transition is the derivative of the nominal state") {
     return result;
   }();
 
+  // The error state is of first order in the step.
+  CHECK((end.transition() - derivative).cwiseAbs().maxCoeff() < 0.01);
+
   Filter propagated = end;
   propagated.covariance = start.covariance;
   propagated.propagate(
       {.accel_mps2_rthz = 0, .gyro_radps_rthz = 0, .accel_bias_mps2_rts = 0, .gyro_bias_radps_rts = 0});
   const StateCovariance expected = derivative * start.covariance * derivative.transpose();
-  // The error state is of first order in the step.
   CHECK((propagated.covariance - expected).cwiseAbs().maxCoeff() < 0.01 * expected.cwiseAbs().maxCoeff());
 }
 
@@ -116,6 +118,33 @@ TEST_CASE("a fix and a heading move the state as their derivatives demand") {
     by_heading.correct_heading(yaw, 0.0, 1e-4, 0.0);
     const double share = by_heading.heading_innovation(yaw, 0.0, 1e-4, 0.0).value_rad / innovation.value_rad;
     CHECK(share == Approx(1e-4 / innovation.variance_rad2).margin(0.03));
+  }
+}
+
+TEST_CASE("the Jacobians of fixes and headings are the derivatives of their predictions") {
+  Dice dice;
+  constexpr double size = 1e-6;
+  constexpr double ahead_s = 0.005;
+  for (int i = 0; i < 20; ++i) {
+    Filter filter = random_filter(dice);
+    filter.angular_velocity_body_radps = dice.vector(1.0);
+    const auto heading_of = [](const Filter& at) { return at.heading_innovation(0.0, 0.3, 1e-4, ahead_s); };
+    const auto fix_of = [](const Filter& at) {
+      return at.fix_innovation(Vector3d::Zero(), Matrix3d::Identity(), ahead_s).value_world_m;
+    };
+    for (int state = 0; state < state_size; ++state) {
+      Filter above = filter;
+      Filter below = filter;
+      above.inject(size * StateVector::Unit(state));
+      below.inject(-size * StateVector::Unit(state));
+      // An innovation is minus the prediction. The small turn until the stamp is left out of H.
+      const Vector3d by_state = (fix_of(below) - fix_of(above)) / (2.0 * size);
+      CHECK((filter.fix_jacobian(ahead_s).col(state) - by_state).norm() < 0.02);
+      if (!heading_of(filter).observable || state < at_attitude || state >= at_gyro_bias) continue;
+      const double heading_by_state =
+          geometry::wrap_angle(heading_of(below).value_rad - heading_of(above).value_rad) / (2.0 * size);
+      CHECK(heading_of(filter).row(state - at_attitude) == Approx(heading_by_state).margin(0.02));
+    }
   }
 }
 

@@ -18,6 +18,11 @@ namespace sonopose::estimation::kalman {
 inline constexpr int model_count = 3;   ///< models of process noise
 inline constexpr int start_count = 12;  ///< directions from which an unknown yaw is searched
 
+// What is known before the first measurement: standard deviations per axis.
+inline constexpr double start_gyro_bias_std_radps = 0.02;
+inline constexpr double start_accel_bias_std_mps2 = 0.1;
+inline constexpr double start_lever_arm_std_m = 0.05;
+
 enum class Phase : std::uint8_t {
   waiting,        ///< for the first fix
   searching_yaw,  ///< one filter per start
@@ -82,6 +87,23 @@ struct ImuMeasurement {
   bool operator==(const ImuMeasurement&) const = default;
 };
 
+/// The motion between two samples.
+struct ImuStep {
+  double duration_s = 0;
+  Vector3d rate_body_radps = Vector3d::Zero();  ///< mean
+  Vector3d force_body_mps2 = Vector3d::Zero();  ///< mean
+  bool irregular = false;                       ///< so long that the mean of its ends may miss much:
+  double velocity_std_mps = 0;                  ///< what it may miss
+  double position_std_m = 0;                    ///< the same
+  double attitude_std_rad = 0;                  ///< the same
+};
+[[nodiscard]] ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next);
+/// Adds the variance of what an irregular step may miss.
+void add_missed_motion(Filter& filter, const ImuStep& step);
+
+/// Of a calibrated sample.
+[[nodiscard]] ImuMeasurement as_measurement(const ImuSample& calibrated);
+
 /// A fix at the time of its measurement.
 struct FixMeasurement {
   TimeNs time_ns = 0;
@@ -104,14 +126,29 @@ struct HeadingMeasurement {
 struct FixOutcome {
   Innovation innovation;
   bool has_innovation = false;
-  double test_ratio = 0;  ///< squared norm over the rejection threshold
-  double weight = 0;      ///< 1: full; 0: rejected
+  Matrix3d covariance_world_m2 = Matrix3d::Zero();  ///< of the fix as it was used or rejected; zero: unknown
+  double test_ratio = 0;                            ///< squared norm over the rejection threshold
+  double weight = 0;                                ///< 1: full; 0: rejected
   // What the fix changed at its time:
   Vector3d jump_world_m = Vector3d::Zero();
   Vector3d velocity_change_world_mps = Vector3d::Zero();
   double yaw_change_rad = 0;
   std::uint32_t flags = 0;
   std::uint32_t hypothesis = 0;  ///< 1: it agreed with the rival track
+};
+
+/// What became of a heading.
+struct HeadingOutcome {
+  bool used = false;
+  double variance_rad2 = 0;        ///< of the heading as it was used or rejected; 0: unknown
+  double added_variance_rad2 = 0;  ///< of yaw, before the heading was used: it was believed against the yaw
+};
+
+/// What an IMU sample showed besides the motion.
+struct ImuOutcome {
+  bool still = false;               ///< it ends half a second of rest: rest.still_gyro_mean is the gyro bias
+  double still_rate_variance = 0;   ///< of that bias, (rad/s)²
+  double no_velocity_variance = 0;  ///< of a velocity of zero, (m/s)²; 0: no such measurement
 };
 
 struct Belief {
@@ -149,9 +186,9 @@ struct Belief {
   /// Copies only what is in use.
   void copy_from(const Belief& other);
 
-  void on_imu(const settings::Settings& settings, const ImuMeasurement& imu);
+  ImuOutcome on_imu(const settings::Settings& settings, const ImuMeasurement& imu);
   FixOutcome on_fix(const settings::Settings& settings, const FixMeasurement& fix);
-  void on_heading(const settings::Settings& settings, const HeadingMeasurement& heading);
+  HeadingOutcome on_heading(const settings::Settings& settings, const HeadingMeasurement& heading);
 
   /// Propagates the covariance of every filter to the time of the latest sample.
   void propagate();
@@ -167,11 +204,12 @@ private:
   void coast_if_silent(const settings::Settings& settings, TimeNs measured_ns);
   void end_imu_gap(TimeNs to_ns);
   void estimate_delay(const settings::DelaySettings& settings);
+  [[nodiscard]] Matrix3d covariance_of(const FixMeasurement& fix) const;
   void recover_if_not_finite();
   [[nodiscard]] bool map_has_turned(TimeNs now_ns) const;
   bool reject_heading(TimeNs now_ns);
-  void update_rest(const ImuMeasurement& imu);
-  void bound_dead_reckoning();
+  void update_rest(const ImuMeasurement& imu, ImuOutcome& outcome);
+  void bound_dead_reckoning(ImuOutcome& outcome);
   using Innovations = std::array<Innovation, start_count>;  ///< of each candidate
   FixOutcome judge(const FixMeasurement& fix);
   void correct_candidates(const FixMeasurement& fix, const Matrix3d& covariance,

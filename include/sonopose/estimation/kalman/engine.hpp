@@ -44,6 +44,12 @@ public:
   void restore(const Snapshot& snapshot) noexcept;
   [[nodiscard]] Snapshot snapshot() const;
 
+  /// The measurement in a sample: calibrated, or at the time of its emission. Item 6: without compensation a
+  /// fix or heading counts as one of now.
+  [[nodiscard]] ImuMeasurement measurement_in(const ImuSample& raw) const;
+  [[nodiscard]] FixMeasurement measurement_in(const UltrasonicFix& fix) const;
+  [[nodiscard]] HeadingMeasurement measurement_in(const PairHeading& heading) const;
+
   [[nodiscard]] const settings::Settings& settings() const { return settings_; }
   [[nodiscard]] const Belief& belief() const { return timeline_.now(); }
   [[nodiscard]] TimeNs time_ns() const { return timeline_.time_ns(); }

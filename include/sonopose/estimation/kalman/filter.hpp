@@ -25,6 +25,7 @@ enum StateIndex : int {
 
 using StateCovariance = Eigen::Matrix<double, state_size, state_size>;
 using StateVector = Eigen::Matrix<double, state_size, 1>;
+using FixJacobian = Eigen::Matrix<double, 3, state_size>;
 using StateColumns = Eigen::Matrix<double, state_size, 3>;
 
 /// Spectral densities of the process noise.
@@ -98,12 +99,18 @@ public:
   /// propagated.
   void coast(double duration_s, const UnknownMotion& motion);
 
+  /// Φ of all steps since the last `propagate`.
+  [[nodiscard]] StateCovariance transition() const;
+
   /// P ← Φ P Φᵀ + Q for all steps since the last call.
   void propagate(const ProcessNoise& noise);
 
   /// The innovation of a position of the tracked point, measured `ahead_s` after the latest step.
   [[nodiscard]] Innovation fix_innovation(const Vector3d& position_world_m, const Matrix3d& fix_covariance_m2,
                                           double ahead_s) const;
+
+  /// H of a fix that was measured `ahead_s` after the latest step.
+  [[nodiscard]] FixJacobian fix_jacobian(double ahead_s) const;
 
   /// Corrects the state by a fix with this innovation, as `fix_innovation` of this state has returned it.
   /// `more_covariance_m2` is added to the covariance of the fix.
@@ -113,9 +120,10 @@ public:
   struct HeadingInnovation {
     double value_rad = 0;
     double variance_rad2 = 1;
-    bool observable = false;                   ///< false: the axis is nearly vertical
-    StateVector column = StateVector::Zero();  ///< P Hᵀ
-    double delay_row = 0;                      ///< the row of P Hᵀ of the delay
+    bool observable = false;                              ///< false: the axis is nearly vertical
+    Eigen::RowVector3d row = Eigen::RowVector3d::Zero();  ///< H of the attitude error; else H is zero
+    StateVector column = StateVector::Zero();             ///< P Hᵀ
+    double delay_row = 0;                                 ///< the row of P Hᵀ of the delay
   };
   [[nodiscard]] HeadingInnovation heading_innovation(double heading_world_rad, double mount_rad,
                                                      double variance_rad2, double ahead_s) const;
@@ -124,6 +132,9 @@ public:
   /// Corrects by a direct measurement of three states that start at `index`. `innovation` is measured minus
   /// estimated, `variance` that of each component.
   void correct_states(StateIndex index, const Vector3d& innovation, double variance);
+
+  /// Adds an error to the nominal state. The covariance stays as it is.
+  void inject(const StateVector& error);
 
   /// Adds to the variance of three states.
   void add_variance(StateIndex index, const Vector3d& variance);
@@ -165,7 +176,6 @@ private:
   void correct(const Eigen::Matrix<double, state_size, rows>& w,
                const Eigen::Matrix<double, rows, 1>& innovation,
                const Eigen::Matrix<double, rows, 1>& w_delay);
-  void inject(const StateVector& error);
 };
 
 }  // namespace sonopose::estimation::kalman

@@ -1,0 +1,227 @@
+#include <sonopose/estimation/documented/admission.hpp>
+#include <sonopose/estimation/kalman/engine.hpp>
+#include <sonopose/estimation/offline/judgement.hpp>
+#include <sonopose/samples/pose.hpp>
+#include <sonopose/settings/preset.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <variant>
+
+namespace sonopose::estimation::offline {
+
+using kalman::Aiding;
+using kalman::Belief;
+using kalman::FixMeasurement;
+using kalman::FixOutcome;
+using kalman::HeadingMeasurement;
+using kalman::ImuMeasurement;
+
+namespace {
+
+struct NumberedAiding {
+  Aiding aiding;
+  std::uint64_t sequence = 0;
+};
+
+/// What the engine admitted between two resets, in ascending time.
+struct Admitted {
+  std::vector<ImuMeasurement> imu;
+  std::vector<NumberedAiding> aidings;
+};
+
+/// Finds out what the engine admits, by running it.
+class Admission {
+public:
+  explicit Admission(const settings::Settings& settings) : engine_(settings), admitted_(1) {}
+
+  void add(const ImuSample& raw) {
+    const std::uint32_t resets = engine_.reset_counter();
+    const bool used = engine_.predict(raw).has_value();
+    if (engine_.reset_counter() != resets) admitted_.emplace_back();
+    if (!used) return;
+    const ImuMeasurement imu = engine_.measurement_in(raw);
+    drop_future(imu.time_ns);
+    admitted_.back().imu.push_back(imu);
+  }
+
+  void add(const UltrasonicFix& fix) {
+    const FixMeasurement measured = engine_.measurement_in(fix);
+    constexpr std::uint32_t refused = fix_low_quality | fix_invalid | fix_too_late;
+    if ((engine_.correct(fix).flags & refused) == 0) insert({measured, fix.sequence});
+  }
+
+  void add(const PairHeading& heading) {
+    const HeadingMeasurement measured = engine_.measurement_in(heading);
+    const std::uint64_t before = engine_.counters().headings;
+    engine_.correct(heading);
+    if (heading.valid && engine_.counters().headings != before) insert({measured, heading.sequence});
+  }
+
+  std::vector<Admitted> finished() { return std::move(admitted_); }
+
+private:
+  void insert(const NumberedAiding& numbered) {
+    auto& aidings = admitted_.back().aidings;
+    const TimeNs turn_ns = kalman::turn_of(numbered.aiding);
+    const auto is_later = [&](const NumberedAiding& other) {
+      const TimeNs other_ns = kalman::turn_of(other.aiding);
+      return other_ns > turn_ns || (other_ns == turn_ns && other.aiding.index() > numbered.aiding.index());
+    };
+    auto place = aidings.end();
+    while (place != aidings.begin() && is_later(*(place - 1))) --place;
+    // The same measurement may come twice.
+    for (auto before = place; before != aidings.begin() && kalman::turn_of((before - 1)->aiding) == turn_ns;
+         --before) {
+      if ((before - 1)->aiding == numbered.aiding) return;
+    }
+    aidings.insert(place, numbered);
+  }
+
+  /// As the engine does with fixes and headings whose stamps an IMU sample contradicts.
+  void drop_future(TimeNs now_ns) {
+    auto& aidings = admitted_.back().aidings;
+    const TimeNs latest_ns = now_ns + to_ns(documented::admission::future_tolerance_s);
+    while (!aidings.empty() && kalman::turn_of(aidings.back().aiding) > latest_ns) aidings.pop_back();
+  }
+
+  kalman::Engine engine_;
+  std::vector<Admitted> admitted_;
+};
+
+/// Runs the engine's belief over admitted measurements in their order and collects the verdicts. That is what
+/// the engine arrives at too, after it has repeated what followed each late measurement.
+class Judge {
+public:
+  explicit Judge(const settings::Settings& settings) : settings_(settings) {}
+
+  void add(const ImuMeasurement& imu) {
+    const kalman::ImuOutcome outcome = belief_.on_imu(settings_, imu);
+    if (!is_running()) {
+      waiting_.push_back(imu);
+      return;
+    }
+    if (belief_.in_imu_gap) {
+      segments_.emplace_back();
+      tracking_since_ns_ = 0;
+    }
+    Segment& segment = segments_.back();
+    segment.imu.push_back(imu);
+    if (outcome.still) {
+      segment.states.push_back(
+          {imu.time_ns, kalman::at_gyro_bias, belief_.rest.still_gyro_mean, outcome.still_rate_variance});
+    }
+    if (outcome.no_velocity_variance > 0.0) {
+      segment.states.push_back(
+          {imu.time_ns, kalman::at_velocity, Vector3d::Zero(), outcome.no_velocity_variance});
+    }
+    settle();
+  }
+
+  void add(const FixMeasurement& fix, std::uint64_t sequence) {
+    const kalman::Repetition repetition = belief_.repetition;
+    const FixOutcome outcome = belief_.on_fix(settings_, fix);
+    if ((outcome.flags & (fix_first | fix_stale_recovered)) != 0) begin(fix.time_ns);
+    if (!is_running()) return;
+    JudgedFix judged{.measured = fix,
+                     .sequence = sequence,
+                     .flags = outcome.flags,
+                     .used = (outcome.flags & fix_used) != 0,
+                     .covariance_world_m2 = outcome.covariance_world_m2};
+    if (judged.used && outcome.test_ratio > 1.0) {
+      judged.track_change =
+          TrackChange{outcome.jump_world_m, outcome.velocity_change_world_mps, outcome.yaw_change_rad};
+    }
+    if (belief_.repetition.frozen && !repetition.frozen) take_back_repeated(repetition);
+    segments_.back().fixes.push_back(judged);
+  }
+
+  void add(const HeadingMeasurement& heading, std::uint64_t sequence) {
+    const kalman::HeadingOutcome outcome = belief_.on_heading(settings_, heading);
+    if (!is_running()) return;
+    segments_.back().headings.push_back({.measured = heading,
+                                         .sequence = sequence,
+                                         .used = outcome.used,
+                                         .variance_rad2 = outcome.variance_rad2,
+                                         .added_yaw_variance_rad2 = outcome.added_variance_rad2});
+  }
+
+  std::vector<Segment> finished() { return std::move(segments_); }
+
+private:
+  /// Whether the estimate has started, and does not wait to be started again.
+  [[nodiscard]] bool is_running() const {
+    return !segments_.empty() && belief_.phase != kalman::Phase::waiting && !belief_.restart_pending;
+  }
+
+  void begin(TimeNs time_ns) {
+    constexpr double lead_s = 1.0;
+    const auto first = std::find_if(waiting_.begin(), waiting_.end(), [&](const ImuMeasurement& imu) {
+      return seconds_between(imu.time_ns, time_ns) <= lead_s;
+    });
+    segments_.emplace_back().imu.assign(first, waiting_.end());
+    waiting_.clear();
+    tracking_since_ns_ = 0;
+  }
+
+  /// Keeps the filter until some seconds after the yaw became known.
+  void settle() {
+    constexpr double settling_s = 5.0;
+    if (belief_.phase == kalman::Phase::tracking && tracking_since_ns_ == 0) {
+      tracking_since_ns_ = belief_.time_ns;
+    }
+    const bool settled =
+        tracking_since_ns_ != 0 && seconds_between(tracking_since_ns_, belief_.time_ns) > settling_s;
+    if (settled) return;
+    segments_.back().settled = belief_.filter();
+    segments_.back().settled_ns = belief_.time_ns;
+  }
+
+  void take_back_repeated(const kalman::Repetition& repetition) {
+    auto& fixes = segments_.back().fixes;
+    const auto repeats = std::min(fixes.size(), static_cast<std::size_t>(repetition.repeats));
+    for (auto fix = fixes.end() - static_cast<std::ptrdiff_t>(repeats); fix != fixes.end(); ++fix) {
+      if (fix->measured.time_ns <= repetition.began_ns) continue;
+      fix->used = false;
+      fix->flags = fix_frozen;
+    }
+  }
+
+  const settings::Settings& settings_;
+  Belief belief_;
+  std::vector<ImuMeasurement> waiting_;  ///< samples while no estimate runs
+  TimeNs tracking_since_ns_ = 0;
+  std::vector<Segment> segments_;
+};
+
+void judge(Judge& judge, const Admitted& admitted) {
+  auto imu = admitted.imu.begin();
+  const auto add_imu_until = [&](TimeNs time_ns) {
+    for (; imu != admitted.imu.end() && imu->time_ns <= time_ns; ++imu) judge.add(*imu);
+  };
+  for (const NumberedAiding& numbered : admitted.aidings) {
+    add_imu_until(kalman::turn_of(numbered.aiding));
+    std::visit([&](const auto& measured) { judge.add(measured, numbered.sequence); }, numbered.aiding);
+  }
+  add_imu_until(std::numeric_limits<TimeNs>::max());
+}
+
+}  // namespace
+
+std::vector<Segment> judged(const settings::Settings& settings, std::span<const Event> events) {
+  Admission admission(settings);
+  for (const Event& event : events) {
+    std::visit([&](const auto& sample) { admission.add(sample); }, event);
+  }
+  const settings::Settings resolved = settings::resolved(settings);
+  std::vector<Segment> segments;
+  for (const Admitted& admitted : admission.finished()) {
+    Judge one(resolved);
+    judge(one, admitted);
+    for (Segment& segment : one.finished()) segments.push_back(std::move(segment));
+  }
+  return segments;
+}
+
+}  // namespace sonopose::estimation::offline
