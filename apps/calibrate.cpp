@@ -1,8 +1,9 @@
-// sonopose-calibrate: estimates sensor errors from a recording.
+// sonopose-calibrate: estimates sensor errors and the installation from recordings.
 
 #include "evaluation/allan.hpp"
 #include "evaluation/calibration.hpp"
 #include "plots/allan_plot.hpp"
+#include "support/drive_commands.hpp"
 #include "support/run.hpp"
 
 #include <fmt/format.h>
@@ -68,7 +69,10 @@ int analyse(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  apps::Program app("calibrate", "Recordings contain raw readings, so the fusion's settings do not matter.");
+  apps::Program app(
+      "calibrate",
+      "Recordings contain raw readings. For a calibration from a drive, --config and --set say how the IMU's "
+      "samples are corrected and which fixes are accepted.");
   app.require_subcommand(1);
   CLI::App* const imu = add_command(
       app, "imu",
@@ -89,7 +93,9 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1.0, 1000.0));
   allan->add_option("--plot", options.plot, "Draw the curves to a .svg or .png file (needs gnuplot)")
       ->type_name("FILE");
+  const apps::DriveCommands drive(app);
   return apps::run(app, argc, argv, [&] {
+    if (drive.is_given()) return drive.run();
     if (*allan) return analyse(options);
     if (*imu) return print_result(options, evaluation::calibrate_imu(options.log));
     if (*gyroscope) return print_result(options, evaluation::calibrate_gyroscope(options.log));

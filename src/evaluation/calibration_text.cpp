@@ -1,10 +1,9 @@
 #include "calibration/fit/terms.hpp"
 #include "evaluation/calibration.hpp"
+#include "evaluation/toml_text.hpp"
 #include <sonopose/geometry/rotation.hpp>
-#include <sonopose/settings/settings.hpp>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <string_view>
 
@@ -62,13 +61,6 @@ std::string text_of(const MagnetometerFit& fit) {
                                      fit.rms_before_ut, fit.rms_after_ut, fit.field_ut));
 }
 
-/// A TOML float needs a decimal point or exponent; otherwise it is read as an integer.
-std::string toml_number(double value) {
-  std::string text = settings::to_text(value);
-  if (text.find_first_of(".e") == std::string::npos) text += ".0";
-  return text;
-}
-
 /// Writes all settings of a group, so that no other configuration file can supply a missing one.
 template <class Group>
 std::string table_of(const Group& model, const Group& standard_errors, const std::string& prefix) {
@@ -85,30 +77,10 @@ std::string table_of(const Group& model, const Group& standard_errors, const std
   return text;
 }
 
-/// The text as comments. TOML allows no control characters in comments.
-std::string commented(const std::string& text) {
-  std::string result = "# ";
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    const bool is_last = i + 1 == text.size();
-    if (c == '\n') {
-      result += is_last ? "\n" : "\n# ";
-    } else {
-      result += (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) ? '?' : c;
-    }
-  }
-  return result;
-}
-
-/// A quoted path on one line of valid UTF-8, whatever bytes it contains.
-std::string name_of(const std::filesystem::path& path) {
-  return nlohmann::json(path.string()).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
 }  // namespace
 
 std::string calibration_text(const CalibrationResult& result) {
-  std::string text = line("log", fmt::format("{}: {} samples over {:.1f} s", name_of(result.log),
+  std::string text = line("log", fmt::format("{}: {} samples over {:.1f} s", quoted(result.log),
                                              result.samples, result.duration_s));
   if (!result.still.empty()) text += line("still", periods(result.still.size()));
   if (result.accelerometer) text += text_of(*result.accelerometer, result);

@@ -115,6 +115,9 @@ void add(Builder& table, const DelaySettings& settings) {
              "Delay from ultrasound emission to receipt where the fix does not carry its own.");
   table.choice(no_item, "source", settings.source,
                "Which delay applies where a fix carries its own: that one, or the fixed one.");
+  table.real(no_item, "correction_s", settings.correction_s, {-0.5, 0.5}, "s",
+             "Added to the delay that fixes and headings carry: its constant error, which sonopose-calibrate "
+             "estimates.");
   table.read_by(ReadBy::kalman);
   table.flag(no_item, "estimate", settings.estimate,
              "Estimate a constant error of that delay, of up to 60 ms. It is observable only while the speed "

@@ -2,6 +2,7 @@
 
 #include "calibration/simulated_sensor.hpp"
 #include "recording/log_writer.hpp"
+#include "sim/simulator.hpp"
 #include "support/process.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -75,13 +76,68 @@ SCENARIO("a failure states the reason and keeps an existing file") {
   CHECK(calibrate({"allan", log}).code == 1);
 }
 
+std::string write_drive(const std::filesystem::path& folder, const char* scenario, double duration_s) {
+  sim::Scenario installed = sim::find_scenario(scenario);
+  installed.sensors.pair_mount_offset_rad = 1.2;
+  installed.sensors.reported_delay_error_s = -0.02;
+  recording::SensorLogWriter writer(folder);
+  for (const Event& event : sim::record(installed, {.seed = 921, .duration_s = duration_s}).events)
+    writer.write(event);
+  writer.flush();
+  return folder.string();
+}
+
+SCENARIO("a drive calibrates the installation, as a file of settings, as JSON and as a picture") {
+  const TemporaryFolder folder;
+  const std::string log = write_drive(folder / "drive", "kart", 60.0);
+  const auto settings = folder / "fusion.toml";
+  GIVEN("a file with a wrong mount and other settings") {
+    write_text(settings, "[heading]  # mine\nmount_offset_deg = 10.0\n\n[outage]\nstale_after_s = 2.0\n");
+    WHEN("the calibration is written to it") {
+      const auto picture = folder / "likelihood.svg";
+      const Result result =
+          calibrate({"all", log, "--write", settings.string(), "--json", "--plot", picture.string()});
+      THEN("mount and delay are right, and the rest is as it was") {
+        CHECK(result.code == 0);
+        const auto json = nlohmann::json::parse(result.output);
+        CHECK(json["mount_method"] == "likelihood");
+        CHECK(json["quantities"]["mount"]["value"].get<double>() == Approx(1.2).margin(0.01));
+        CHECK(json["quantities"]["delay"]["value"].get<double>() == Approx(0.02).margin(0.004));
+        CHECK(json["quantities"]["lever_arm_z"]["value"].is_null());
+        CHECK_THAT(json["quantities"]["lever_arm_z"]["missing"].get<std::string>(), Contains("tilt"));
+        const std::string text = read_text(settings);
+        CHECK_THAT(text, Contains("[heading]  # mine\nmount_offset_deg = 68.") &&
+                             Contains("stale_after_s = 2.0") && Contains("[delay]\ncorrection_s = 0.0"));
+        CHECK_THAT(read_text(picture), Contains("<svg") && Contains("mount [deg]"));
+      }
+      AND_THEN("the progress goes to standard error") {
+        CHECK_THAT(result.error, Contains("search") && Contains("fit"));
+      }
+    }
+  }
+}
+
+SCENARIO("a drive that shows nothing of what was asked for is an error") {
+  const TemporaryFolder folder;
+  const std::string log = write_drive(folder / "rest", "rest", 60.0);
+  const auto settings = folder / "fusion.toml";
+  const std::string before = "[outage]\nstale_after_s = 2.5\n";
+  write_text(settings, before);
+  const Result result = calibrate({"mount", log, "--write", settings.string()});
+  CHECK(result.code == 1);
+  CHECK(result.output.empty());
+  CHECK_THAT(result.error, Contains("not observable") && Contains("accelerate"));
+  CHECK(read_text(settings) == before);
+}
+
 SCENARIO("an invalid command line is refused before any file is read") {
   CHECK(calibrate({}).code != 0);
   CHECK(calibrate({"imu"}).code != 0);
   CHECK(calibrate({"imu", "log", "--beacon", "65535"}).code != 0);
   CHECK(calibrate({"magnetometer", "log", "--field-ut", "-1"}).code != 0);
   CHECK(calibrate({"allan", "log", "--out", "x"}).code != 0);
-  CHECK_THAT(calibrate({"--help"}).output, Contains("magnetometer") && Contains("allan"));
+  CHECK_THAT(calibrate({"--help"}).output,
+             Contains("magnetometer") && Contains("allan") && Contains("lever-arm"));
 }
 
 }  // namespace calibrate_test

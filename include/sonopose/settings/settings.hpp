@@ -86,6 +86,7 @@ struct DelaySettings {
   bool extrapolate = true;  ///< item 6
   double processing_s = 0.068;
   DelaySource source = DelaySource::measured;
+  double correction_s = 0.0;
   bool estimate = false;
 };
 

@@ -1,0 +1,143 @@
+#include "calibration/drive/drive_fit.hpp"
+
+#include "calibration/drive/course.hpp"
+#include "calibration/drive/measurements.hpp"
+#include "calibration/drive/scoring.hpp"
+#include "calibration/drive/start.hpp"
+#include "calibration/drive/values.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sonopose::calibration::drive {
+namespace {
+
+using detail::Fit;
+using detail::Measurements;
+using detail::Problem;
+
+constexpr std::size_t least_fixes = 100;
+
+std::size_t used_fixes(const std::vector<Measurements>& logs) {
+  std::size_t count = 0;
+  for (const Measurements& log : logs) {
+    count += static_cast<std::size_t>(
+        std::count_if(log.fixes.begin(), log.fixes.end(), [](const detail::Fix& fix) { return fix.used; }));
+  }
+  return count;
+}
+
+void check_fixes(const std::vector<Measurements>& logs) {
+  const std::size_t count = used_fixes(logs);
+  if (count >= least_fixes) return;
+  throw CalibrationError(std::to_string(count) + " usable fixes; " + std::to_string(least_fixes) +
+                         " are needed: record for a minute or two");
+}
+
+std::vector<Measurements> read(std::span<const std::vector<Event>> recordings,
+                               const settings::Settings& settings) {
+  constexpr std::size_t least_samples = 500;
+  std::vector<Measurements> logs;
+  for (const std::vector<Event>& events : recordings) {
+    logs.push_back(detail::measurements_of(events, settings));
+    if (logs.back().imu.size() < least_samples) {
+      throw CalibrationError(std::to_string(logs.back().imu.size()) + " IMU samples; " +
+                             std::to_string(least_samples) + " are needed: record for a minute or two");
+    }
+  }
+  check_fixes(logs);
+  return logs;
+}
+
+/// The yaws at the starts of logs without headings.
+std::vector<double> start_yaws_of(const Problem& problem, const Fit& fit) {
+  std::vector<double> yaws;
+  for (std::size_t log = 0; log < problem.logs().size(); ++log) {
+    yaws.push_back(problem.parameters_of(fit.unknowns, log).start_yaw_rad);
+  }
+  return yaws;
+}
+
+bool is_delay_known(const Fit& fit) {
+  constexpr double well_known_s = 0.02;
+  return fit.covariance(detail::at_delay, detail::at_delay) < well_known_s * well_known_s;
+}
+
+/// From the grid to the maximum, twice: at first without outliers of the grid's best point, then with what
+/// the engine uses once it knows mount and delay.
+Fit fit_logs(std::span<const std::vector<Event>> recordings, const settings::Settings& settings,
+             const DriveOptions& options, std::vector<Measurements>& logs) {
+  const auto observer_of = [&options](std::string_view stage) {
+    return [&options, stage](int step) {
+      if (options.on_progress) options.on_progress(stage, step);
+    };
+  };
+  observer_of("search")(0);
+  const detail::Start start = detail::grid_search(logs);
+  detail::leave_out_outliers(logs, start);
+  check_fixes(logs);
+  Problem rough_problem(logs);
+  const Fit rough =
+      detail::maximise(rough_problem, rough_problem.vector_of(start.parameters, start.start_yaw_rad),
+                       observer_of("first fit"));
+  detail::Parameters found = rough_problem.parameters_of(rough.unknowns, 0);
+  if (!is_delay_known(rough)) found.delay_s = 0.0;  // or the engine would refuse fixes for their age
+  const std::vector<double> start_yaws = start_yaws_of(rough_problem, rough);
+  observer_of("judgement")(0);
+  for (std::size_t log = 0; log < logs.size(); ++log) {
+    detail::judge_by_engine(recordings[log], settings, found, logs[log]);
+  }
+  check_fixes(logs);
+  Problem problem(logs);
+  return detail::maximise(problem, problem.vector_of(found, start_yaws), observer_of("fit"));
+}
+
+void count(std::span<const std::vector<Event>> recordings, const std::vector<Measurements>& logs,
+           DriveFit& result) {
+  double sum_s = 0;
+  double squares_s2 = 0;
+  for (const std::vector<Event>& events : recordings) {
+    for (const Event& event : events) {
+      if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
+        const double delay_s = seconds_between(fix->emission_time_ns, fix->received_time_ns);
+        ++result.fixes;
+        sum_s += delay_s;
+        squares_s2 += delay_s * delay_s;
+      } else if (std::holds_alternative<PairHeading>(event)) {
+        ++result.headings;
+      }
+    }
+  }
+  const auto fixes = static_cast<double>(result.fixes);
+  result.stamped_delay_s = sum_s / fixes;
+  result.stamped_delay_spread_s =
+      std::sqrt(std::max(0.0, squares_s2 / fixes - result.stamped_delay_s * result.stamped_delay_s));
+  result.fixes_used = used_fixes(logs);
+  for (const Measurements& log : logs) {
+    result.headings_used +=
+        static_cast<std::size_t>(std::count_if(log.headings.begin(), log.headings.end(),
+                                               [](const detail::Heading& heading) { return heading.used; }));
+  }
+}
+
+}  // namespace
+
+DriveFit calibrate_drive(std::span<const std::vector<Event>> recordings, const settings::Settings& settings,
+                         const DriveOptions& options) {
+  std::vector<Measurements> logs = read(recordings, settings);
+  const Fit fit = fit_logs(recordings, settings, options, logs);
+  Problem problem(logs);
+  problem.start_lever_arms_at(fit.lever_arms);
+  DriveFit result;
+  count(recordings, logs, result);
+  result.converged = fit.converged;
+  detail::set_values(problem, fit, result);
+  detail::check_imu(problem, fit, result);
+  if (options.curves) {
+    if (options.on_progress) options.on_progress("curves", 0);
+    detail::add_curves(problem, fit, result);
+  }
+  return result;
+}
+
+}  // namespace sonopose::calibration::drive

@@ -1,0 +1,78 @@
+#include "calibration/drive/measurements.hpp"
+
+#include <sonopose/calibration/model/calibration.hpp>
+#include <sonopose/estimation/offline/judgement.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace sonopose::calibration::drive::detail {
+namespace {
+
+template <class Measurement>
+void sort_by_time(std::vector<Measurement>& all) {
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Measurement& a, const Measurement& b) { return a.time_ns < b.time_ns; });
+  const auto repeated = [](const Measurement& a, const Measurement& b) { return a.time_ns == b.time_ns; };
+  all.erase(std::unique(all.begin(), all.end(), repeated), all.end());
+}
+
+}  // namespace
+
+Measurements measurements_of(std::span<const Event> events, const settings::Settings& settings) {
+  const Calibration calibration(settings.calibration);
+  Measurements log;
+  for (const Event& event : events) {
+    if (const auto* raw = std::get_if<ImuSample>(&event)) {
+      const ImuSample imu = calibration.corrected(*raw);
+      if (!imu.angular_velocity_body_radps.allFinite() || !imu.specific_force_body_mps2.allFinite()) continue;
+      log.imu.push_back(estimation::kalman::as_measurement(imu));
+    } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
+      if (!fix->position_world_m.allFinite()) continue;
+      log.fixes.push_back({fix->emission_time_ns, fix->position_world_m, fix->sequence});
+    } else if (const auto& heading = std::get<PairHeading>(event);
+               heading.valid && std::isfinite(heading.heading_world_rad)) {
+      log.headings.push_back({heading.emission_time_ns, heading.heading_world_rad, heading.sequence});
+    }
+  }
+  sort_by_time(log.imu);
+  sort_by_time(log.fixes);
+  sort_by_time(log.headings);
+  return log;
+}
+
+void judge_by_engine(std::span<const Event> events, const settings::Settings& settings,
+                     const Parameters& parameters, Measurements& log) {
+  settings::Settings known = settings;
+  known.heading.mount_offset_deg = geometry::wrap_angle(parameters.mount_rad) / geometry::radians_per_degree;
+  known.delay.extrapolate = true;
+  known.delay.source = settings::DelaySource::measured;
+  known.delay.correction_s = parameters.delay_s;
+  known.delay.estimate = false;
+  std::set<std::uint64_t> used;
+  for (const auto& segment : estimation::offline::judged(known, events)) {
+    for (const auto& fix : segment.fixes) {
+      if (fix.used) used.insert(fix.sequence);
+    }
+    for (const auto& heading : segment.headings) {
+      if (heading.used) used.insert(heading.sequence);
+    }
+  }
+  for (Fix& fix : log.fixes) fix.used = used.contains(fix.sequence);
+  for (Heading& heading : log.headings) heading.used = used.contains(heading.sequence);
+}
+
+double gyro_scatter_radps_rthz(const Measurements& log) {
+  Vector3d squares = Vector3d::Zero();
+  for (std::size_t i = 1; i < log.imu.size(); ++i) {
+    squares += (log.imu[i].rate_body_radps - log.imu[i - 1].rate_body_radps).cwiseAbs2();
+  }
+  // The difference of two samples has twice the variance of one; the density is σ² times the sample interval.
+  const auto samples = static_cast<double>(log.imu.size());
+  const double interval_s = seconds_between(log.imu.front().time_ns, log.imu.back().time_ns) / samples;
+  return std::sqrt(squares.maxCoeff() / (2.0 * samples) * interval_s);
+}
+
+}  // namespace sonopose::calibration::drive::detail

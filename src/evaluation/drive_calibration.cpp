@@ -1,0 +1,56 @@
+#include "evaluation/drive_calibration.hpp"
+
+#include "recording/log_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace sonopose::evaluation {
+namespace {
+
+using calibration::drive::CalibrationError;
+using calibration::drive::Quantity;
+
+std::string names_of(const std::vector<std::filesystem::path>& logs) {
+  std::string names;
+  for (const auto& log : logs) names += (names.empty() ? "" : ", ") + log.string();
+  return names;
+}
+
+/// Throws if nothing that is wanted is known.
+void check(const DriveCalibration& result) {
+  std::string missing;
+  for (const Quantity quantity : result.wanted) {
+    const calibration::drive::Value& value = result.fit[quantity];
+    if (value.is_known()) return;
+    missing +=
+        fmt::format("; {}: {}", choices_of(quantity)[static_cast<std::size_t>(quantity)], value.missing);
+  }
+  throw CalibrationError(names_of(result.logs) + ": not observable" + missing);
+}
+
+}  // namespace
+
+DriveCalibration calibrate_drive(const DriveRequest& request) {
+  DriveCalibration result;
+  result.logs = request.logs;
+  result.wanted = request.wanted;
+  result.has_fixed_delay = request.settings.delay.source == settings::DelaySource::fixed;
+  std::vector<std::vector<Event>> recordings;
+  for (const auto& log : request.logs) {
+    recordings.push_back(recording::read_sensor_log(log).events);
+    if (recordings.back().empty()) throw CalibrationError(log.string() + ": has no samples");
+    result.duration_s += seconds_between(available_at_ns(recordings.back().front()),
+                                         available_at_ns(recordings.back().back()));
+  }
+  try {
+    result.fit = calibration::drive::calibrate_drive(recordings, request.settings, request.options);
+  } catch (const CalibrationError& error) {
+    throw CalibrationError(names_of(request.logs) + ": " + error.what());
+  }
+  check(result);
+  return result;
+}
+
+}  // namespace sonopose::evaluation

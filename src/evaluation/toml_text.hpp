@@ -1,0 +1,20 @@
+#pragma once
+/// \file
+/// Values and comments of the TOML files that calibrations write.
+
+#include <filesystem>
+#include <string>
+
+namespace sonopose::evaluation {
+
+/// A float that reads back to the same bits. It has a decimal point or an exponent; otherwise TOML takes it
+/// for an integer.
+std::string toml_number(double value);
+
+/// The text as comments. TOML allows no control characters in comments.
+std::string commented(const std::string& text);
+
+/// A quoted path on one line of valid UTF-8, whatever bytes it contains.
+std::string quoted(const std::filesystem::path& path);
+
+}  // namespace sonopose::evaluation

@@ -1,0 +1,117 @@
+/// Recordings that lack a motion: what is missing is named, and nothing is claimed.
+
+#include "calibration/drive/drive_fit.hpp"
+#include "calibration/drive/simulated_drive.hpp"
+#include "sim/laps.hpp"
+#include "sim/simulator.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace refusal_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+using namespace sonopose::calibration::drive;
+using Catch::Contains;
+
+DriveFit calibrated(const std::vector<Event>& events) {
+  const std::vector<std::vector<Event>> recordings{events};
+  return calibrate_drive(recordings, settings::Settings{});
+}
+
+/// A run on this path, with a mount and a delay that are not zero.
+std::vector<Event> events_on(sim::Path (*path)(double time_s), std::uint64_t seed, double duration_s,
+                             bool pair_heading = true) {
+  sim::Scenario scenario;
+  scenario.path = path;
+  scenario.sensors.pair_mount_offset_rad = 0.7;
+  scenario.sensors.reported_delay_error_s = -0.03;
+  scenario.sensors.pair_heading = pair_heading;
+  return sim::record(scenario, {.seed = seed, .duration_s = duration_s}).events;
+}
+
+sim::Path at_rest(double /*time_s*/) {
+  return {};
+}
+
+/// 1 m/s from the first sample on, without an acceleration.
+sim::Path at_constant_velocity(double time_s) {
+  sim::Path path;
+  path.x = sim::Jet(time_s, 1.0, 0.0);
+  return path;
+}
+
+/// To and fro between rests, without a turn.
+sim::Path straight_on(double time_s) {
+  constexpr double lap_s = 6.0;
+  sim::Path path;
+  const double in_lap_s = sim::time_in_lap(time_s, lap_s);
+  path.x = sim::drive(in_lap_s, 0.2, 1.5, 1.0, 0.8) - sim::drive(in_lap_s, 3.2, 1.5, 1.0, 0.8);
+  return path;
+}
+
+SCENARIO("neither rest nor a constant velocity shows mount, delay and lever arm") {
+  for (const auto path : {at_rest, at_constant_velocity}) {
+    GIVEN(std::string(path == at_rest ? "a body at rest" : "a body at constant velocity")) {
+      const std::vector<Event> events = events_on(path, 911, 90.0);
+      WHEN("it is calibrated") {
+        const DriveFit fit = calibrated(events);
+        THEN("they are refused, with the motion that is missing") {
+          CHECK_THAT(fit[Quantity::mount].missing, Contains("accelerate"));
+          CHECK_THAT(fit[Quantity::delay].missing, Contains("change speed"));
+          CHECK_THAT(fit[Quantity::lever_arm_x].missing, Contains("turn"));
+          CHECK_THAT(fit[Quantity::lever_arm_y].missing, Contains("turn"));
+          CHECK_THAT(fit[Quantity::lever_arm_z].missing, Contains("tilt"));
+        }
+        AND_THEN("the noise of the fixes is known all the same") {
+          CHECK(fit[Quantity::fix_vertical].is_known());
+        }
+      }
+    }
+  }
+}
+
+SCENARIO("a drive without a turn shows the mount but no lever arm") {
+  GIVEN("a body that accelerates and brakes along a line") {
+    const std::vector<Event> events = events_on(straight_on, 912, 120.0);
+    WHEN("it is calibrated") {
+      const DriveFit fit = calibrated(events);
+      THEN("the mount is right and the lever arm refused") {
+        REQUIRE(fit[Quantity::mount].is_known());
+        CHECK(fit[Quantity::mount].value == Approx(0.7).margin(1.5 * geometry::radians_per_degree));
+        CHECK_THAT(fit[Quantity::lever_arm_x].missing, Contains("turn"));
+        CHECK_THAT(fit[Quantity::lever_arm_y].missing, Contains("turn"));
+      }
+    }
+  }
+}
+
+SCENARIO("a single beacon has no mount") {
+  GIVEN("a walk without headings") {
+    const SimulatedDrive drive = random_drive("no_heading", 913);
+    WHEN("it is calibrated") {
+      const DriveFit fit = calibrated(drive.recordings.front());
+      THEN("mount and noise of headings are refused, the delay is right") {
+        CHECK_THAT(fit[Quantity::mount].missing, Contains("paired beacons"));
+        CHECK_THAT(fit[Quantity::heading].missing, Contains("paired beacons"));
+        REQUIRE(fit[Quantity::delay].is_known());
+        CHECK(std::abs(error_of(drive, fit, Quantity::delay)) < 0.008);
+      }
+    }
+  }
+}
+
+SCENARIO("a recording that is too short is refused") {
+  GIVEN("three seconds") {
+    const std::vector<Event> events = events_on(straight_on, 914, 3.0);
+    THEN("the error says what was found and what is needed") {
+      CHECK_THROWS_WITH(calibrated(events), Contains("are needed"));
+    }
+  }
+}
+
+}  // namespace refusal_test

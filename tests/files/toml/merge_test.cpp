@@ -1,0 +1,65 @@
+#include "files/toml/merge.hpp"
+
+#include "files/error.hpp"
+#include "files/toml/toml_leaves.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <vector>
+
+namespace merge_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+using files::toml::Assignment;
+
+const std::vector<Assignment> assignments{{"heading", "mount_offset_deg", "84.5", "+- 0.2 deg"},
+                                          {"delay", "correction_s", "-0.012", ""}};
+
+SCENARIO("merging changes only the lines of its values") {
+  const TemporaryFolder folder;
+  const auto file = folder / "fusion.toml";
+  GIVEN("a file with comments, one of the values, and a table for the other one") {
+    write_text(file,
+               "# mine\n[heading]  # of the pair\nmount_offset_deg = 90.0 # guessed\n\n[delay]\nprocessing_s "
+               "= 0.07\n");
+    WHEN("values are merged") {
+      files::toml::merge(file, assignments);
+      THEN("everything else is as it was") {
+        CHECK(read_text(file) ==
+              "# mine\n[heading]  # of the pair\nmount_offset_deg = 84.5  # +- 0.2 deg\n\n[delay]\n"
+              "correction_s = -0.012\nprocessing_s = 0.07\n");
+      }
+    }
+  }
+  GIVEN("no file") {
+    files::toml::merge(file, assignments);
+    THEN("there is one with the values") {
+      const auto leaves = files::toml::read_leaves(file);
+      REQUIRE(leaves.size() == 2);
+      CHECK(leaves[0].key == "delay.correction_s");
+      CHECK(std::get<double>(leaves[0].value) == -0.012);
+      CHECK(leaves[1].key == "heading.mount_offset_deg");
+    }
+  }
+}
+
+SCENARIO("a file that cannot be merged stays as it is") {
+  const TemporaryFolder folder;
+  const auto file = folder / "fusion.toml";
+  for (const char* const text :
+       {"heading = { mount_offset_deg = 90.0 }\n", "heading.mount_offset_deg = 90.0\n",
+        "[heading]\nmount_offset_deg = = 1\n", "heading = { pair_gain_hz = 1.0 }\n"}) {
+    GIVEN(text) {
+      write_text(file, text);
+      THEN("the error names it") {
+        CHECK_THROWS_WITH(files::toml::merge(file, assignments), Contains("fusion.toml"));
+        CHECK(read_text(file) == text);
+      }
+    }
+  }
+}
+
+}  // namespace merge_test
