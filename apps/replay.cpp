@@ -3,11 +3,11 @@
 #include "evaluation/output_folder.hpp"
 #include "evaluation/report.hpp"
 #include "evaluation/run.hpp"
+#include "evaluation/smoothed_run.hpp"
 #include "evaluation/state_file.hpp"
 #include "plots/plot.hpp"
 #include "recording/log_folder.hpp"
-#include "support/choice.hpp"
-#include "support/config_options.hpp"
+#include "support/replay_options.hpp"
 #include "support/run.hpp"
 
 #include <fmt/format.h>
@@ -15,6 +15,8 @@
 #include <chrono>
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace {
 
@@ -22,73 +24,60 @@ using namespace sonopose;
 using Path = std::filesystem::path;
 using Clock = std::chrono::steady_clock;
 
-struct Options {
-  Path log;
-  apps::ConfigOptions config;
-  std::optional<BeaconAddress> beacon;
-  std::optional<Path> out;
-  std::optional<Path> plot;
-  std::optional<Path> save_state;
-  std::optional<Path> load_state;
-  evaluation::RunOptions run;
-  bool json = false;
-};
-
-void add_options(CLI::App& app, Options& options) {
-  const CLI::Validator seconds = CLI::Range(0.0, 1e9).description("[0 - 1e9]");
-  app.add_option("LOG", options.log, "Sensor-log folder")->required()->type_name("DIR");
-  apps::add_config_options(app, options.config);
-  apps::add_beacon_option(app, options.beacon);
-  app.add_option(
-         "--out", options.out,
-         "Write trajectory.tum, pose.csv and fixes.csv to this folder; replaces those of an earlier run")
-      ->type_name("DIR");
-  app.add_option("--after", options.run.after_s,
-                 "Score the poses from this many seconds after the first event")
-      ->check(seconds)
-      ->capture_default_str();
-  app.add_option("--until", options.run.until_s, "Stop this many seconds after the first event")
-      ->check(seconds);
-  app.add_flag("--json", options.json, "Print one JSON object instead of text");
-  app.add_option("--plot", options.plot,
-                 "Draw path, error, speed and fix flags to a .svg or .png file (needs gnuplot)")
-      ->type_name("FILE");
-  auto* const engine = apps::add_choice<std::optional<estimation::EstimatorKind>>(
-      app, "--engine", options.run.estimator,
-      {{"documented", estimation::EstimatorKind::documented},
-       {"kalman", estimation::EstimatorKind::kalman},
-       {"strapdown", estimation::EstimatorKind::strapdown}},
-      "Instead of fusion.engine; strapdown: only the IMU, integrated from the truth");
-  app.add_option("--init", "Start of strapdown: the first complete truth of the log")
-      ->check(CLI::IsMember({"truth"}))
-      ->needs(engine);
-  apps::add_choice<estimation::strapdown::Rule>(
-      app, "--integration", options.run.strapdown_rule,
-      {{"previous", estimation::strapdown::Rule::previous}, {"mean", estimation::strapdown::Rule::mean}},
-      "What strapdown integrates over a step: the previous sample, or the mean of both samples")
-      ->needs(engine);
-  app.add_option("--save-state", options.save_state, "Write the final state of the engine to a JSON file")
-      ->type_name("FILE");
-  app.add_option("--load-state", options.load_state,
-                 "Continue from a saved state with the events that follow it")
-      ->type_name("FILE");
-}
-
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// The configuration, with --engine instead of fusion.engine.
-config::FusionConfig configuration(const CLI::App& app, const Options& options) {
-  apps::ConfigOptions config = options.config;
-  if (options.run.estimator && *options.run.estimator != estimation::EstimatorKind::strapdown) {
-    const auto index = static_cast<std::size_t>(*options.run.estimator);
-    config.assignments.push_back(fmt::format("fusion.engine={}", choices_of(*options.run.estimator)[index]));
-  }
-  return apps::configuration(app, config);
+/// The name of the strapdown estimator, which is no engine of the settings; else empty.
+std::string estimator_name(const evaluation::RunOptions& run) {
+  return run.estimator == estimation::EstimatorKind::strapdown ? "strapdown" : "";
 }
 
-int replay_log(const CLI::App& app, const Options& options) {
+evaluation::RunResult timed_run(const recording::SensorLog& log, const evaluation::RunOptions& run, bool smooth,
+                                const evaluation::Observer& observer, evaluation::Timing& timing) {
+  const auto running = Clock::now();
+  const auto run_log = smooth ? evaluation::run_smoothed : evaluation::run;
+  evaluation::RunResult result = run_log(log, run, observer);
+  timing.running_s = seconds_since(running);
+  return result;
+}
+
+std::string report(const evaluation::RunResult& result, const evaluation::Timing& timing, bool json) {
+  return json ? evaluation::report_json(result, timing) : evaluation::report_text(result, timing);
+}
+
+/// Runs the log with each of the two files; --set applies to both.
+int compare(const CLI::App& app, const apps::ReplayOptions& options) {
+  std::vector<config::FusionConfig> configs;
+  for (const Path& file : options.compared) {
+    apps::ReplayOptions one = options;
+    one.config.file = file;
+    configs.push_back(configuration(app, one));
+  }
+  const auto reading = Clock::now();
+  const recording::SensorLog log = recording::read_sensor_log(options.log, options.beacon);
+  evaluation::Timing timing;
+  timing.reading_s = seconds_since(reading);
+  std::optional<plots::Plot> plot;
+  if (options.plot) plot.emplace(*options.plot, options.log.string(), log);
+  for (std::size_t i = 0; i < configs.size(); ++i) {
+    const std::string name = options.compared[i].string();
+    evaluation::RunOptions run = options.run;
+    run.settings = configs[i].for_beacon(log.address);
+    plots::RunCurves* const curves = plot ? &plot->add_run(name, run.settings, estimator_name(run)) : nullptr;
+    const auto add = [curves](const auto& sample) {
+      if (curves != nullptr) curves->add(sample);
+    };
+    const auto result = timed_run(log, run, options.smooth, {add, add}, timing);
+    if (!options.json) fmt::print("{}{}\n", i == 0 ? "" : "\n", name);
+    fmt::print("{}", report(result, timing, options.json));
+  }
+  if (plot) plot->draw();
+  return 0;
+}
+
+int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
+  if (!options.compared.empty()) return compare(app, options);
   evaluation::RunOptions run = options.run;
   const config::FusionConfig config = configuration(app, options);
   if (options.load_state) run.start = evaluation::load_state(*options.load_state);
@@ -101,28 +90,32 @@ int replay_log(const CLI::App& app, const Options& options) {
   if (run.start) evaluation::check_fits(*run.start, log, options.load_state->string());
   std::optional<evaluation::OutputFolder> out;
   std::optional<plots::Plot> plot;
-  if (options.out) out.emplace(*options.out);
-  if (options.plot) plot.emplace(*options.plot, options.log.string(), log);
-  const auto running = Clock::now();
+  plots::RunCurves* curves = nullptr;
+  if (options.out) {
+    using Covariances = evaluation::OutputFolder::Covariances;
+    out.emplace(*options.out, options.smooth ? Covariances::yes : Covariances::no);
+  }
+  if (options.plot) {
+    plot.emplace(*options.plot, options.log.string(), log);
+    curves = &plot->add_run(options.smooth ? "smoothed" : "fused", run.settings, estimator_name(run));
+  }
   const auto write = [&](const auto& sample) {
     if (out) out->write(sample);
-    if (plot) plot->add(sample);
+    if (curves) curves->add(sample);
   };
-  const evaluation::RunResult result = evaluation::run(log, run, {write, write});
+  const auto result = timed_run(log, run, options.smooth, {write, write}, timing);
   if (out) out->finish();
-  timing.running_s = seconds_since(running);
   if (options.save_state) evaluation::save_state(*options.save_state, result.end);
   if (plot) plot->draw();
-  fmt::print(
-      "{}", options.json ? evaluation::report_json(result, timing) : evaluation::report_text(result, timing));
+  fmt::print("{}", report(result, timing, options.json));
   return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  Options options;
+  apps::ReplayOptions options;
   apps::Program app("replay");
-  add_options(app, options);
+  apps::add_replay_options(app, options);
   return sonopose::apps::run(app, argc, argv, [&] { return replay_log(app, options); });
 }

@@ -11,7 +11,7 @@
 namespace sonopose::plots {
 
 inline constexpr double plot_width = 1600;
-inline constexpr double plot_height = 1000;
+inline constexpr double plot_height = 1500;
 
 /// Edges of a panel as fractions of the plot, from the lower left.
 struct Panel {
@@ -24,10 +24,18 @@ struct Panel {
   [[nodiscard]] constexpr double height() const { return top - bottom; }
 };
 
-inline constexpr Panel path_panel{0.065, 0.47, 0.075, 0.9};
-inline constexpr Panel error_panel{0.58, 0.985, 0.69, 0.9};
-inline constexpr Panel speed_panel{0.58, 0.985, 0.425, 0.635};
-inline constexpr Panel fix_flag_panel{0.58, 0.985, 0.075, 0.37};
+inline constexpr Panel path_panel{0.065, 0.47, 0.40, 0.925};
+inline constexpr Panel along_histogram_panel{0.065, 0.25, 0.05, 0.32};
+inline constexpr Panel left_histogram_panel{0.285, 0.47, 0.05, 0.32};
+
+/// Panel `row` of `rows` in the right column, from the top. All share the time axis, below the last.
+constexpr Panel time_panel(int row, int rows) {
+  constexpr double top = 0.925;
+  constexpr double bottom = 0.05;
+  constexpr double gap = 0.03;  // for the key above each panel
+  const double pitch = (top - bottom + gap) / rows;
+  return {0.565, 0.945, top - pitch * row - (pitch - gap), top - pitch * row};
+}
 
 /// A rectangle of the map, m.
 struct Box {
@@ -62,13 +70,14 @@ inline int bit(std::uint32_t status, PoseStatus wanted) {
   return (status & wanted) != 0 ? 1 : 0;
 }
 
-/// Ranges of both axes with equal scales, so that the path and the good fixes fill the panel.
+/// Ranges of both axes with equal scales, so that the paths and the good fixes fill the panel.
 Box path_box(const PlotData& data);
 
-/// gnuplot commands for the axis of the position errors, and of the innovations.
+/// gnuplot commands for the vertical axes. Rare large values may be cut off.
 std::string axis_of_errors(const PlotData& data);
 std::string axis_of_innovations(const PlotData& data);
-
-double top_of_speeds_mps(const PlotData& data);
+std::string axis_of_heights(const PlotData& data);
+std::string axis_of_speeds(const PlotData& data);
+std::string axis_of_delays(const PlotData& data);
 
 }  // namespace sonopose::plots

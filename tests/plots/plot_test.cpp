@@ -22,10 +22,10 @@ bool gnuplot_is_here() {
   return false;
 }
 
-void show(const recording::SensorLog& log, Plot& plot) {
-  evaluation::run(log, {},
-                  {[&plot](const FusedPose& pose) { plot.add(pose); },
-                   [&plot](const FixReport& report) { plot.add(report); }});
+void show(const recording::SensorLog& log, Plot& plot, const settings::Settings& settings = {}) {
+  plots::RunCurves& curves = plot.add_run("fused", settings);
+  const auto add = [&curves](const auto& sample) { curves.add(sample); };
+  evaluation::run(log, {.settings = settings}, {add, add});
 }
 
 /// Sets PATH during its lifetime.
@@ -71,47 +71,11 @@ TEST_CASE("a run without poses and a run at a single point can be plotted") {
   const TemporaryFolder folder;
   const recording::SensorLog log = sample_log("rest", 0.05);  // before the first fix
   Plot empty(folder / "empty.png", "", log);
+  empty.add_run("fused", {});
   CHECK_NOTHROW(empty.draw());
   Plot spot(folder / "spot.png", "", log);
   show(log, spot);
   CHECK_NOTHROW(spot.draw());
-}
-
-TEST_CASE("a long run is thinned to a bounded number of moments that keep the peaks") {
-  if (!gnuplot_is_here()) return;
-  const TemporaryFolder folder;
-  recording::SensorLog log;
-  ImuSample first;
-  first.sensor_time_ns = 1;
-  log.events.emplace_back(first);
-  constexpr int poses = 50'000;
-  for (const TimeNs time_ns : {TimeNs{1}, to_ns(0.01) * poses}) {
-    log.truth.push_back({.time_ns = time_ns});
-  }
-  log.truth.insert(log.truth.begin() + 1, {.time_ns = to_ns(0.01) * 777});
-  Plot plot(folder / "long.svg", "", log);
-  for (int k = 0; k < poses; ++k) {
-    FusedPose pose;
-    pose.time_ns = k == 0 ? 1 : to_ns(0.01) * k;
-    if (k == 777) {
-      pose.position_world_m.x() = 3.0;
-      pose.status = status_stale;
-    }
-    plot.add(pose);
-  }
-  const auto& moments = plot.data().moments;
-  CHECK(moments.size() <= Plot::most_moments);
-  CHECK(moments.size() > Plot::most_moments / 4);
-  double worst_m = 0.0;
-  std::size_t stale = 0;
-  for (std::size_t k = 0; k < moments.size(); ++k) {
-    if (moments[k].error_m > worst_m) worst_m = moments[k].error_m;
-    stale += (moments[k].status & status_stale) != 0 ? 1U : 0U;
-    if (k > 0) REQUIRE(moments[k].time_s > moments[k - 1].time_s);
-  }
-  CHECK(worst_m == 3.0);
-  CHECK(stale == 1);
-  CHECK(moments.back().time_s == Approx(0.01 * (poses - 1)));
 }
 
 TEST_CASE("a plot that cannot be drawn is refused before the run") {
@@ -125,6 +89,19 @@ TEST_CASE("a plot that cannot be drawn is refused before the run") {
   }
   if (!gnuplot_is_here()) return;
   CHECK_THROWS_AS(Plot(folder / "none/a.svg", "", log), files::IoError);
+}
+
+TEST_CASE("a plot has fewer bytes than a megabyte, however long the run is") {
+  if (!gnuplot_is_here()) return;
+  const TemporaryFolder folder;
+  const recording::SensorLog log = sample_log("outages", 75);
+  Plot plot(folder / "two.svg", "two", log);
+  settings::Settings documented;
+  documented.engine.engine = settings::EngineKind::documented;
+  show(log, plot);
+  show(log, plot, documented);
+  plot.draw();
+  CHECK(read_text(folder / "two.svg").size() < 1'000'000);
 }
 
 }  // namespace plot_test

@@ -1,0 +1,75 @@
+#include "replay_options.hpp"
+
+#include "choice.hpp"
+
+#include <fmt/format.h>
+
+namespace sonopose::apps {
+
+void add_replay_options(CLI::App& app, ReplayOptions& options) {
+  const CLI::Validator seconds = CLI::Range(0.0, 1e9).description("[0 - 1e9]");
+  app.add_option("LOG", options.log, "Sensor-log folder")->required()->type_name("DIR");
+  add_config_options(app, options.config);
+  add_beacon_option(app, options.beacon);
+  app.add_option(
+         "--out", options.out,
+         "Write trajectory.tum, pose.csv and fixes.csv, with --smooth also covariance.csv, to this folder; "
+         "replaces those of an earlier run")
+      ->type_name("DIR");
+  app.add_option("--after", options.run.after_s,
+                 "Score the poses from this many seconds after the first event")
+      ->check(seconds)
+      ->capture_default_str();
+  app.add_option("--until", options.run.until_s, "Stop this many seconds after the first event")
+      ->check(seconds);
+  app.add_flag("--json", options.json,
+               "Print JSON instead of text: one object, or with --compare one for each file, in their order");
+  app.add_option(
+         "--plot", options.plot,
+         "Draw path, errors, innovations, height, yaw and more to a .svg or .png file (needs gnuplot)")
+      ->type_name("FILE");
+  app.add_option("--compare", options.compared,
+                 "Run with each of two settings files instead of --config, print both results, and draw both "
+                 "into one plot")
+      ->expected(2)
+      ->allow_extra_args(false)
+      ->type_name("FILE FILE")
+      ->excludes("--config")
+      ->excludes("--out");
+  auto* const engine = add_choice<std::optional<estimation::EstimatorKind>>(
+      app, "--engine", options.run.estimator,
+      {{"documented", estimation::EstimatorKind::documented},
+       {"kalman", estimation::EstimatorKind::kalman},
+       {"strapdown", estimation::EstimatorKind::strapdown}},
+      "Instead of fusion.engine; strapdown: only the IMU, integrated from the truth");
+  app.add_option("--init", "Start of strapdown: the first complete truth of the log")
+      ->check(CLI::IsMember({"truth"}))
+      ->needs(engine);
+  add_choice<estimation::strapdown::Rule>(
+      app, "--integration", options.run.strapdown_rule,
+      {{"previous", estimation::strapdown::Rule::previous}, {"mean", estimation::strapdown::Rule::mean}},
+      "What strapdown integrates over a step: the previous sample, or the mean of both samples")
+      ->needs(engine);
+  auto* const smooth = app.add_flag("--smooth", options.smooth,
+                                    "Poses, scores and files from all measurements, those before and those "
+                                    "after each moment (Kalman engine)");
+  app.add_option("--save-state", options.save_state, "Write the final state of the engine to a JSON file")
+      ->type_name("FILE")
+      ->excludes("--compare");
+  app.add_option("--load-state", options.load_state,
+                 "Continue from a saved state with the events that follow it")
+      ->type_name("FILE")
+      ->excludes("--compare")
+      ->excludes(smooth);
+}
+
+config::FusionConfig configuration(const CLI::App& app, const ReplayOptions& options) {
+  ConfigOptions config = options.config;
+  if (options.run.estimator && *options.run.estimator != estimation::EstimatorKind::strapdown) {
+    const auto index = static_cast<std::size_t>(*options.run.estimator);
+    config.assignments.push_back(fmt::format("fusion.engine={}", choices_of(*options.run.estimator)[index]));
+  }
+  return configuration(app, config);
+}
+
+}  // namespace sonopose::apps
