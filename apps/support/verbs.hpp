@@ -26,7 +26,7 @@ inline constexpr std::array verbs{
     Verb{"tune", "Searches for settings with a smaller error on scenarios and on recordings."},
     Verb{"attitude", "Runs an attitude filter over recordings and scores it where the truth is known."},
     Verb{"calibrate",
-         "Computes the errors of a beacon's sensors from a recording, as settings of the fusion."},
+         "Computes the errors of a beacon's sensors and its installation from recordings, as settings."},
 };
 
 }  // namespace sonopose::apps

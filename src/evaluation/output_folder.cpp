@@ -4,6 +4,8 @@
 
 #include <array>
 #include <string_view>
+#include <system_error>
+#include <vector>
 
 namespace sonopose::evaluation {
 namespace {
@@ -11,6 +13,11 @@ namespace {
 constexpr std::array<std::string_view, 12> pose_columns{
     "timestamp [ns]", "p_x [m]", "p_y [m]",      "p_z [m]",      "q_w []",       "q_x []",
     "q_y []",         "q_z []",  "v_x [m s^-1]", "v_y [m s^-1]", "v_z [m s^-1]", "status []"};
+constexpr std::array<std::string_view, 19> covariance_columns{
+    "timestamp [ns]",  "p_xx [m^2]",      "p_xy [m^2]",      "p_xz [m^2]",      "p_yy [m^2]",
+    "p_yz [m^2]",      "p_zz [m^2]",      "r_xx [rad^2]",    "r_xy [rad^2]",    "r_xz [rad^2]",
+    "r_yy [rad^2]",    "r_yz [rad^2]",    "r_zz [rad^2]",    "v_xx [m^2 s^-2]", "v_xy [m^2 s^-2]",
+    "v_xz [m^2 s^-2]", "v_yy [m^2 s^-2]", "v_yz [m^2 s^-2]", "v_zz [m^2 s^-2]"};
 constexpr std::array<std::string_view, 22> fix_columns{
     "timestamp [ns]", "applied [ns]",    "beacon []",     "sequence []",   "x [m]",
     "y [m]",          "z [m]",           "shifted_x [m]", "shifted_y [m]", "shifted_z [m]",
@@ -25,12 +32,16 @@ const std::filesystem::path& created(const std::filesystem::path& folder) {
 
 }  // namespace
 
-OutputFolder::OutputFolder(const std::filesystem::path& folder)
-    : trajectory_(created(folder) / "trajectory.tum"),
+OutputFolder::OutputFolder(const std::filesystem::path& folder, Covariances covariances)
+    : covariance_file_(folder / "covariance.csv"),
+      trajectory_(created(folder) / "trajectory.tum"),
       poses_{folder / "pose.csv"},
       fixes_{folder / "fixes.csv"} {
   poses_.rows.header(pose_columns);
   fixes_.rows.header(fix_columns);
+  if (covariances == Covariances::no) return;
+  covariances_.emplace(covariance_file_);
+  covariances_->rows.header(covariance_columns);
 }
 
 void OutputFolder::write(const FusedPose& pose) {
@@ -39,6 +50,21 @@ void OutputFolder::write(const FusedPose& pose) {
   poses_.rows.integer(pose.time_ns).vector(pose.position_world_m);
   poses_.rows.number(q.w()).number(q.x()).number(q.y()).number(q.z());
   poses_.rows.vector(pose.velocity_world_mps).integer(pose.status).end_row();
+  if (covariances_) write_covariances(pose);
+}
+
+void OutputFolder::write_covariances(const FusedPose& pose) {
+  files::CsvWriter& rows = covariances_->rows;
+  const auto write_triangle = [&rows](const auto& covariance, int first) {
+    for (int row = first; row < first + 3; ++row) {
+      for (int column = row; column < first + 3; ++column) rows.number(covariance.at(row, column));
+    }
+  };
+  rows.integer(pose.time_ns);
+  write_triangle(pose.pose_covariance, 0);
+  write_triangle(pose.pose_covariance, 3);
+  write_triangle(pose.velocity_covariance, 0);
+  rows.end_row();
 }
 
 void OutputFolder::write(const FixReport& report) {
@@ -51,10 +77,15 @@ void OutputFolder::write(const FixReport& report) {
 }
 
 void OutputFolder::finish() {
+  std::vector<Table*> tables{&poses_, &fixes_};
+  if (covariances_) tables.push_back(&*covariances_);
   trajectory_.flush();
-  for (Table* table : {&poses_, &fixes_}) table->rows.flush();
+  for (Table* table : tables) table->rows.flush();
   trajectory_.commit();
-  for (Table* table : {&poses_, &fixes_}) table->place.commit();
+  for (Table* table : tables) table->place.commit();
+  // One of an earlier run would not belong to these poses.
+  std::error_code ignored;
+  if (!covariances_) std::filesystem::remove(covariance_file_, ignored);
 }
 
 }  // namespace sonopose::evaluation

@@ -1,5 +1,6 @@
 #include "evaluation/prediction_errors.hpp"
 
+#include <sonopose/estimation/documented/delay.hpp>
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/statistics/quantile.hpp>
 
@@ -89,6 +90,7 @@ PredictionErrors::PredictionErrors(TimeNs from_ns, const settings::Settings& set
                                    std::span<const recording::WheelSpeed> wheel_speeds)
     : from_ns_(from_ns),
       mount_offset_rad_(settings.heading.mount_offset_deg * geometry::radians_per_degree),
+      delay_(settings.delay),
       wheel_speeds_(wheel_speeds) {}
 
 void PredictionErrors::add(const Event& event) {
@@ -146,7 +148,7 @@ void PredictionErrors::compare_wheel_speeds(TimeNs until_ns) {
 
 void PredictionErrors::compare(const UltrasonicFix& fix) {
   if (fix.emission_time_ns < from_ns_ || !fix.position_world_m.allFinite()) return;
-  const auto predicted = at(fix.emission_time_ns);
+  const auto predicted = at(estimation::documented::delay::measured_at(delay_, fix));
   if (!predicted) {
     ++without_;
     return;
@@ -157,7 +159,7 @@ void PredictionErrors::compare(const UltrasonicFix& fix) {
 
 void PredictionErrors::compare(const PairHeading& heading) {
   if (!heading.valid || heading.emission_time_ns < from_ns_) return;
-  const auto predicted = at(heading.emission_time_ns);
+  const auto predicted = at(estimation::documented::delay::measured_at(delay_, heading));
   if (!predicted) return;
   heading_rad_.push_back(geometry::wrap_angle(heading.heading_world_rad - mount_offset_rad_ -
                                               geometry::yaw_of(predicted->q_body_to_world)));

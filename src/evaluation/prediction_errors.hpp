@@ -72,7 +72,7 @@ struct PredictionScore {
 double cost_of(const PredictionScore& score, const PredictionScore& reference);
 
 /// Compares each measurement with the poses that were published before it arrived, at the time at which it
-/// was made.
+/// was made by the settings.
 class PredictionErrors {
 public:
   /// Measurements made before `from_ns` are not scored. `wheel_speeds`, in ascending time, must outlive this
@@ -104,6 +104,7 @@ private:
 
   TimeNs from_ns_;
   double mount_offset_rad_;
+  settings::DelaySettings delay_;
   std::span<const recording::WheelSpeed> wheel_speeds_;  ///< those that are not compared yet
   std::deque<Predicted> poses_;                          ///< the latest seconds, in ascending time
   std::size_t without_ = 0;

@@ -53,11 +53,47 @@ std::string scores(const RunResult& result) {
   return text + figure("extrapolated", result.extrapolated_m.rmse, 4, "m");
 }
 
+std::string smoothing_text(const RunResult& result) {
+  if (!result.smoothing) return "";
+  const Score& engine = result.smoothing->engine;
+  const estimation::offline::Noise& noise = result.smoothing->noise;
+  std::string text;
+  if (engine.poses > 0 && result.fused.poses > 0) {
+    text += report_line("unsmoothed",
+                        fmt::format("{:8.4f} m RMSE, {:.4f} m p95, {:.4f} m max", engine.position_m.rmse,
+                                    engine.position_m.p95, engine.position_m.max));
+    text += report_line("ratio", fmt::format("{:8.3f} position RMSE, smoothed over unsmoothed",
+                                             result.fused.position_m.rmse / engine.position_m.rmse));
+  }
+  return text +
+         report_line("noise", fmt::format("{:8.4f} m/s2/rtHz, {:.5f} rad/s/rtHz, gyro bias {:.5f} rad/s/rts, "
+                                          "fixes {:.2f} x that of the engine",
+                                          noise.process.accel_mps2_rthz, noise.process.gyro_radps_rthz,
+                                          noise.process.gyro_bias_radps_rts, noise.fix_scale));
+}
+
+nlohmann::ordered_json smoothing_json(const RunResult& result) {
+  if (!result.smoothing) return nullptr;
+  const Score& engine = result.smoothing->engine;
+  const estimation::offline::Noise& noise = result.smoothing->noise;
+  return {{"unsmoothed_position_rmse_m", engine.position_m.rmse},
+          {"unsmoothed_position_p95_m", engine.position_m.p95},
+          {"unsmoothed_position_max_m", engine.position_m.max},
+          {"unsmoothed_velocity_rmse_mps", engine.velocity_rmse_mps},
+          {"unsmoothed_yaw_rmse_deg", engine.yaw_rmse_deg},
+          {"unsmoothed_tilt_rmse_deg", engine.tilt_rmse_deg},
+          {"position_ratio", result.fused.position_m.rmse / engine.position_m.rmse},
+          {"accel_noise_mps2_rthz", noise.process.accel_mps2_rthz},
+          {"gyro_noise_radps_rthz", noise.process.gyro_radps_rthz},
+          {"gyro_bias_walk_radps_rts", noise.process.gyro_bias_radps_rts},
+          {"fix_noise_scale", noise.fix_scale}};
+}
+
 }  // namespace
 
 std::string report_text(const RunResult& result, const Timing& timing) {
   const EstimatorCounters& counters = result.counters;
-  std::string text = scores(result) + prediction_text(result.prediction);
+  std::string text = scores(result) + smoothing_text(result) + prediction_text(result.prediction);
   text += report_line("fixes", fmt::format("{:8} used, {} rejected{}", counters.fixes_used,
                                            counters.fixes_rejected, special_fix_flags(result.fix_flags)));
   text += report_line("samples",
@@ -86,6 +122,7 @@ std::string report_json(const RunResult& result, const Timing& timing) {
                                       {"extrapolated_rmse_m", result.extrapolated_m.rmse},
                                       {"poses_scored", result.fused.poses},
                                       {"poses_without_truth", result.fused.poses_without_truth},
+                                      {"smoothing", smoothing_json(result)},
                                       {"prediction", prediction_json(result.prediction)},
                                       {"fixes_used", result.counters.fixes_used},
                                       {"fixes_rejected", result.counters.fixes_rejected},

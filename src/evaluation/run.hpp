@@ -8,6 +8,7 @@
 #include "evaluation/score.hpp"
 #include "recording/log_folder.hpp"
 #include <sonopose/estimation/any_estimator.hpp>
+#include <sonopose/estimation/offline/smoother.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/settings/settings.hpp>
 
@@ -43,6 +44,12 @@ struct Observer {
   std::function<void(const FixReport&)> on_report;
 };
 
+/// What a smoothed run has besides.
+struct Smoothing {
+  Score engine;  ///< of the engine's own poses
+  estimation::offline::Noise noise;
+};
+
 /// The result of one run. Counters count this run only.
 struct RunResult {
   std::uint64_t events = 0;
@@ -56,7 +63,8 @@ struct RunResult {
   ErrorSummary last_fix_m;      ///< at the same moments, from the first fix on
   ErrorSummary extrapolated_m;  ///< the same
   PredictionScore prediction;
-  std::string state_hash;  ///< digest of every pose and of the state at the end
+  std::optional<Smoothing> smoothing{};  ///< `fused` is then the score of the smoothed poses
+  std::string state_hash;                ///< digest of every pose and of the state at the end
   SavedState end;
 };
 

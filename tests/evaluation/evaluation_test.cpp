@@ -4,13 +4,13 @@
 #include "evaluation/evaluation.hpp"
 
 #include "evaluation/summary_report.hpp"
+#include "support/recordings.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <map>
 #include <optional>
 
@@ -148,11 +148,8 @@ TEST_CASE("the pose follows a relocation within the fixes of item 19 and the dec
 }
 
 TEST_CASE("recorded flights: the position error is below 4 cm") {
-  const std::filesystem::path folder = std::filesystem::path(SONOPOSE_RECORDINGS) / "beacons";
-  if (!exists(folder)) {
-    std::cout << "skipped: no recordings\n";
-    return;
-  }
+  const std::filesystem::path folder = test::beacon_recordings();
+  if (!test::is_here(folder)) return;
   const auto recordings = evaluation::recordings_in(folder).folders;
   CHECK(recordings.size() >= 3);
   for (const auto& recording : recordings) {

@@ -56,6 +56,25 @@ TEST_CASE("both files contain a pose without loss of precision") {
         "1700000000005000001,1.5,-0.1,0.3333333333333333,0.5,0.5,-0.5,0.5,0,1e-09,-2,20\n");
 }
 
+TEST_CASE("covariances are written on request, and those of an earlier run are removed") {
+  const TemporaryFolder folder;
+  FusedPose pose = sample_pose();
+  pose.pose_covariance = Covariance<6>::from_diagonal({1, 2, 3, 4, 5, 6});
+  pose.pose_covariance.set(0, 2, 0.5);
+  pose.pose_covariance.set(3, 4, -0.25);
+  pose.velocity_covariance = Covariance<3>::from_diagonal({7, 8, 9});
+  {
+    OutputFolder out(folder / "a", OutputFolder::Covariances::yes);
+    out.write(pose);
+    out.finish();
+  }
+  const std::string text = read_text(folder / "a/covariance.csv");
+  CHECK(text.substr(text.find('\n') + 1) ==
+        "1700000000005000001,1,0,0.5,2,0,3,4,-0.25,0,5,0,6,7,0,0,8,0,9\n");
+  OutputFolder(folder / "a").finish();
+  CHECK_FALSE(exists(folder / "a/covariance.csv"));
+}
+
 TEST_CASE("fixes.csv contains every field of a report, and the flags by name") {
   const TemporaryFolder folder;
   {

@@ -28,6 +28,7 @@ FusedPose pose_at(TimeNs since_begin_ns) {
 UltrasonicFix fix_at(TimeNs since_begin_ns, const Vector3d& by_world_m) {
   UltrasonicFix fix;
   fix.emission_time_ns = begin_ns + since_begin_ns;
+  fix.measured_delay_s = 0.07;
   fix.position_world_m = pose_at(since_begin_ns).position_world_m + by_world_m;
   return fix;
 }
@@ -208,6 +209,21 @@ SCENARIO("squared innovations are normalised by the covariance that the engine r
   CHECK(innovations->mean == Approx(4.0 / 3.0));
   CHECK(innovations->high - 1.0 == Approx(1.96 / 3.0));  // √(2 / 18)
   CHECK_FALSE(PredictionErrors(begin_ns, {}).score().innovations);
+}
+
+SCENARIO("a delay that is corrected is corrected in the score") {
+  settings::Settings settings;
+  settings.delay.correction_s = GENERATE(0.0, 0.02);
+  PredictionErrors errors(begin_ns, settings);
+  drive(errors, [&](TimeNs since_ns) {
+    if (since_ns < 200 * ms || since_ns % (100 * ms) != 0) return;
+    UltrasonicFix fix = fix_at(since_ns - 90 * ms, Vector3d::Zero());
+    fix.emission_time_ns += 20 * ms;  // the beacon reports a delay that is 20 ms too short
+    errors.add(Event(fix));
+    errors.add(estimation::EventResult(report_of(fix)));
+  });
+  const double missed_s = 0.02 - settings.delay.correction_s;
+  CHECK(errors.score().along_m.mean == Approx(-2.0 * missed_s).margin(1e-6));  // at 2 m/s
 }
 
 SCENARIO("on a simulated walk the Kalman engine leaves nothing to predict") {

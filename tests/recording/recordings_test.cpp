@@ -1,13 +1,13 @@
 /// The real recordings, where they are.
 
 #include "recording/log_folder.hpp"
+#include "support/recordings.hpp"
 
 #include <catch2/catch.hpp>
 
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <string>
 
 namespace recordings_test {
@@ -18,9 +18,7 @@ using namespace sonopose::recording;
 const std::filesystem::path recordings = SONOPOSE_RECORDINGS;
 
 bool recordings_are_here() {
-  if (exists(recordings / "beacons")) return true;
-  std::cout << "skipped: no recordings\n";
-  return false;
+  return test::is_here(test::beacon_recordings());
 }
 
 /// Lines of a file other than its header.

@@ -2,11 +2,11 @@
 
 #include "support/beacon_bytes.hpp"
 #include "support/pseudo_terminal.hpp"
+#include "support/recordings.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 
 namespace sonopose::test {
 namespace {
@@ -98,9 +98,7 @@ RunDistance distance_between(const std::vector<FusedPose>& run, const std::vecto
 }
 
 bool car_is_here() {
-  if (std::filesystem::exists(car_folder / "stream.bin")) return true;
-  std::cout << "skipped: no recordings\n";
-  return false;
+  return is_here(car_folder / "stream.bin");
 }
 
 }  // namespace sonopose::test

@@ -101,6 +101,24 @@ SCENARIO("a replay prints its result and writes three files") {
   }
 }
 
+SCENARIO("a smoothed replay prints the scores of both trajectories and writes covariances") {
+  const Recording recording;
+  const json plain = report_of({recording.log(), "--after", "6"});
+  const json smoothed =
+      report_of({recording.log(), "--after", "6", "--smooth", "--out", (recording / "out").string()});
+  CHECK(plain["smoothing"].is_null());
+  CHECK(smoothed["smoothing"]["unsmoothed_position_rmse_m"] == plain["position_rmse_m"]);
+  CHECK(smoothed["position_rmse_m"].get<double>() < plain["position_rmse_m"].get<double>());
+  CHECK(smoothed["state_hash"] == plain["state_hash"]);
+  CHECK(lines_of(recording / "out/covariance.csv") == 1 + smoothed["poses"].get<std::size_t>());
+  CHECK(lines_of(recording / "out/pose.csv") == 1 + smoothed["poses"].get<std::size_t>());
+  CHECK_THAT(refusal({recording.log(), "--smooth", "--engine", "documented"}),
+             Contains("only the Kalman engine can be smoothed"));
+  CHECK_THAT(refusal({recording.log(), "--smooth", "--set", "delay.estimate=true"}),
+             Contains("delay.estimate"));
+  CHECK_THAT(refusal({recording.log(), "--smooth", "--load-state", "state.json"}), Contains("--load-state"));
+}
+
 SCENARIO("the trajectory is in TUM format") {
   const Recording recording;
   REQUIRE(replay({recording.log(), "--out", (recording / "out").string(), "--until", "0.05"}).code == 0);
