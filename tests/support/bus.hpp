@@ -131,13 +131,15 @@ public:
 
   /// Takes samples until one fulfils `predicate`, including those already taken from index `from` on.
   template <class Predicate>
-  bool wait_for(const Predicate& predicate, std::size_t from = 0) {
-    return wait_until([&] {
-      for (; from < samples.size(); ++from) {
-        if (predicate(samples[from])) return true;
-      }
-      return false;
-    });
+  bool wait_for(const Predicate& predicate, std::size_t from = 0, std::chrono::milliseconds limit = timeout) {
+    return wait_until(
+        [&] {
+          for (; from < samples.size(); ++from) {
+            if (predicate(samples[from])) return true;
+          }
+          return false;
+        },
+        limit);
   }
 
   /// Takes all available samples.

@@ -68,12 +68,11 @@ CarRun play_car(const std::string& source, const std::string& engine) {
   return run;
 }
 
-CarRun play_car_over_serial_line(const std::string& engine) {
+std::vector<FusedPose> play_car_over_serial_line(const std::string& engine, std::uint64_t until_sequence) {
   const Bus bus;
-  Listeners listeners(bus);
+  Consumer<sonopose_FusedPose> poses(bus, topics::pose);
   const auto fusion = bus.fusion(settings_of(engine));
-  REQUIRE(listeners.poses.wait_for_writers());
-  REQUIRE(listeners.reports.wait_for_writers());
+  REQUIRE(poses.wait_for_writers());
   const auto frames = timed_frames(read_bytes(car_folder / "stream.bin"));
   const PseudoTerminal line;
   Consumer<sonopose_ImuSample> imu(bus, topics::imu);
@@ -81,7 +80,20 @@ CarRun play_car_over_serial_line(const std::string& engine) {
   REQUIRE(bridge->wait_for_line(Stream::error, "reading"));
   REQUIRE(imu.wait_for_writers());
   send_in_time(frames, [&](std::span<const std::uint8_t> bytes) { line.send(bytes); });
-  return listeners.finish();
+  CHECK(poses.wait_for([until_sequence](const FusedPose& pose) { return pose.sequence >= until_sequence; }));
+  return std::move(poses.samples);
+}
+
+std::vector<FusedPose> counterparts(const std::vector<FusedPose>& live, const CarRun& stream,
+                                    const CarRun& log) {
+  std::vector<FusedPose> counterparts;
+  auto next = live.begin();
+  for (std::size_t k = 0; k < stream.poses.size() && next != live.end(); ++k) {
+    if (stream.poses[k].sequence != next->sequence) continue;
+    counterparts.push_back(log.poses[k]);
+    ++next;
+  }
+  return counterparts;
 }
 
 RunDistance distance_between(const std::vector<FusedPose>& run, const std::vector<FusedPose>& other) {

@@ -73,9 +73,9 @@ public:
       const double used_before_s = cpu_time_s(process_);
       while (!stop.stop_requested()) {
         const double passed_s = seconds_between(began, clocks::steady_now());
-        if (cpu_time_s(process_) - used_before_s >= 0.2 * passed_s) {
+        if (cpu_time_s(process_) - used_before_s >= share_ * passed_s) {
           process_.send(SIGSTOP);
-          pause(std::chrono::milliseconds(16));
+          pause(std::chrono::milliseconds(static_cast<int>(4 / share_) - 4));
           process_.send(SIGCONT);
         }
         pause(std::chrono::milliseconds(4));
@@ -83,8 +83,12 @@ public:
     });
   }
 
-  /// The longest time by which one of its pauses was too long: other programs used the cores.
-  [[nodiscard]] double longest_stall_s() const { return longest_stall_s_; }
+  /// Halves that share from now on.
+  void tighten() { share_ = share_ / 2; }
+
+  /// The longest time for which the process may not run: the pause that is meant, and what other programs
+  /// add.
+  [[nodiscard]] double longest_pause_s() const { return 4e-3 / share_ + longest_stall_s_; }
 
 private:
   void pause(std::chrono::milliseconds duration) {
@@ -96,6 +100,7 @@ private:
   }
 
   const Process& process_;
+  std::atomic<double> share_ = 0.2;
   std::atomic<double> longest_stall_s_ = 0;
   std::jthread thread_;
 };
@@ -175,7 +180,17 @@ SCENARIO("an overloaded fusion still serves every beacon", "[load]") {
     }));
     WHEN("it runs for 4 ms of every 20 ms") {
       auto limit = std::make_optional<DutyCycle>(*fusion);
-      REQUIRE(status.wait_for(is_overloaded, status.samples.size()));
+      // Other programs may have misled the choice of the number of beacons: fewer are overloaded by less
+      // time.
+      const auto becomes_overloaded = [&] {
+        return status.wait_for(is_overloaded, status.samples.size(), std::chrono::seconds(5));
+      };
+      bool overloaded = becomes_overloaded();
+      for (int tries = 0; !overloaded && tries < 4; ++tries) {
+        limit->tighten();
+        overloaded = becomes_overloaded();
+      }
+      REQUIRE(overloaded);
       const auto wait_s = [&status](double seconds) {
         status.wait_until([] { return false; }, std::chrono::milliseconds(static_cast<int>(1e3 * seconds)));
       };
@@ -186,7 +201,7 @@ SCENARIO("an overloaded fusion still serves every beacon", "[load]") {
       wait_s(measured_s);
       const PoseAges::Count count = poses.take();
       bridge_status.take();
-      const double oldest_s = 0.25 + limit->longest_stall_s();
+      const double oldest_s = 0.23 + limit->longest_pause_s();
       THEN("each beacon has recent poses that say so, and its fixes are used") {
         CHECK(count.beacons.size() == static_cast<std::size_t>(beacons));
         if (judges_time) CHECK(count.least() >= static_cast<std::size_t>(5 * measured_s));
