@@ -53,10 +53,20 @@ FoundEndpoint found(const dds_builtintopic_endpoint_t& sample, InstanceHandle ha
   return endpoint;
 }
 
+constexpr std::size_t most = 10'000;
+
+/// Takes what no longer exists out of the reader of a built-in topic; the reader would keep it for ever.
+template <class Sample>
+void discard_ended(dds_entity_t handle) {
+  constexpr DataState ended{DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE |
+                            DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE | DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE};
+  auto reader = DataReader<Sample>::borrow(handle);
+  reader.take(most, ended);
+}
+
 /// The live samples, of type `Sample`, in the reader of a built-in topic.
 template <class Sample>
 auto all_in(dds_entity_t handle) {
-  constexpr std::size_t most = 10'000;
   constexpr DataState alive{DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE};
   std::vector<decltype(found(std::declval<const Sample&>(), InstanceHandle{}))> result;
   auto reader = DataReader<Sample>::borrow(handle);
@@ -90,15 +100,24 @@ Discovery::Discovery(const DomainParticipant& participant, std::function<void()>
       writers_(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, on_change_.get()),
       readers_(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, on_change_.get()) {}
 
+void Discovery::discard_ended() const {
+  dds::discard_ended<dds_builtintopic_participant_t>(participants_.handle());
+  dds::discard_ended<dds_builtintopic_endpoint_t>(writers_.handle());
+  dds::discard_ended<dds_builtintopic_endpoint_t>(readers_.handle());
+}
+
 std::vector<FoundParticipant> Discovery::participants() const {
+  discard_ended();
   return all_in<dds_builtintopic_participant_t>(participants_.handle());
 }
 
 std::vector<FoundEndpoint> Discovery::writers() const {
+  discard_ended();
   return all_in<dds_builtintopic_endpoint_t>(writers_.handle());
 }
 
 std::vector<FoundEndpoint> Discovery::readers() const {
+  discard_ended();
   return all_in<dds_builtintopic_endpoint_t>(readers_.handle());
 }
 

@@ -58,6 +58,9 @@ private:
     BuiltinReader(const DomainParticipant& participant, dds_entity_t topic, std::function<void()>* on_change);
   };
 
+  /// What has left the bus does not stay in memory.
+  void discard_ended() const;
+
   dds_entity_t participant_;
   std::unique_ptr<std::function<void()>> on_change_;  ///< may be null; the readers call it
   BuiltinReader participants_;
