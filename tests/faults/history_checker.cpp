@@ -305,6 +305,7 @@ void HistoryChecker::check_recovery(BeaconAddress address, const Track& track) {
   for (const Episode& episode : history_.episodes) fault_end = std::max(fault_end, episode.interval.until);
   SteadyTime bad_until = fault_end;
   SteadyTime before = fault_end;
+  std::string what_was_bad = "no pose at the end";
   const auto step = bridge_clock_step();
   for (const Arrival& pose : track.poses) {
     if (pose.received < fault_end) continue;
@@ -312,7 +313,12 @@ void HistoryChecker::check_recovery(BeaconAddress address, const Track& track) {
     const std::uint32_t bad =
         status_initialising | status_stale | (explained ? 0U : std::uint32_t{status_late});
     const bool waited = pose.received - before > limits_.silence_ns + stalled_ns(before, pose.received);
-    if (waited || (pose.status & bad) != 0U) bad_until = pose.received;
+    if (waited || (pose.status & bad) != 0U) {
+      bad_until = pose.received;
+      what_was_bad =
+          waited ? fmt::format("{:.0f} ms without a pose", 1e3 * seconds_between(before, pose.received))
+                 : fmt::format("a pose with status {:#x}", pose.status & bad);
+    }
     before = pose.received;
   }
   const bool ended = history_.end - before > limits_.silence_ns + stalled_ns(before, history_.end);
@@ -320,8 +326,8 @@ void HistoryChecker::check_recovery(BeaconAddress address, const Track& track) {
   const TimeNs recovery_ns = bad_until - fault_end;
   verdict_.recovery_ns = std::max(verdict_.recovery_ns, recovery_ns);
   if (ended || recovery_ns > limits_.recovery_ns + stalled_ns(fault_end, bad_until)) {
-    verdict_.violations.push_back(fmt::format("beacon {}: not recovered {:.2f} s after the last fault",
-                                              address, seconds_between(0, recovery_ns)));
+    verdict_.violations.push_back(fmt::format("beacon {}: not recovered {:.2f} s after the last fault: {}",
+                                              address, seconds_between(0, recovery_ns), what_was_bad));
   }
 }
 
