@@ -3,15 +3,18 @@
 #include "recording/log_writer.hpp"
 #include "sim/simulator.hpp"
 #include "support/run.hpp"
+#include <sonopose/geometry/rotation.hpp>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace {
 
@@ -22,6 +25,9 @@ struct Options {
   std::filesystem::path folder;
   std::uint64_t seed = 1;
   std::optional<double> duration_s;
+  std::optional<double> mount_offset_deg;
+  std::optional<double> delay_error_ms;
+  std::vector<double> lever_arm_body_m;  ///< x, y, z; empty: the scenario's
   bool list = false;
 };
 
@@ -33,6 +39,19 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--duration", options.duration_s, "Length in seconds (default: the scenario's)")
       ->check(CLI::Range(0.01, 1e5).description("[0.01 - 1e5]"));
+  const CLI::Validator metres = CLI::Range(-10.0, 10.0).description("[-10 - 10]");
+  app.add_option("--mount-offset-deg", options.mount_offset_deg,
+                 "Angle from body X to the axis of the pair, to the left (default: the scenario's)")
+      ->check(CLI::Range(-180.0, 180.0).description("[-180 - 180]"));
+  app.add_option("--delay-error-ms", options.delay_error_ms,
+                 "By how much fixes and headings are older than their stamps (default: the scenario's)")
+      ->check(CLI::Range(-1000.0, 1000.0).description("[-1000 - 1000]"));
+  app.add_option("--lever-arm-m", options.lever_arm_body_m,
+                 "Place of the IMU, seen from the tracked point, in body axes (default: the scenario's)")
+      ->expected(3)
+      ->allow_extra_args(false)
+      ->type_name("X Y Z")
+      ->check(metres);
   app.add_flag("--list", options.list, "List the scenarios and exit");
 }
 
@@ -45,12 +64,26 @@ int list() {
   return 0;
 }
 
+/// The sensors of this run, installed as the options say.
+sim::SensorSettings sensors_of(const Options& options, const sim::Scenario& scenario, const sim::Run& run) {
+  constexpr double ms_per_s = 1e3;
+  sim::SensorSettings sensors = sim::drawn(scenario, run).sensors;
+  if (options.mount_offset_deg) {
+    sensors.pair_mount_offset_rad = *options.mount_offset_deg * geometry::radians_per_degree;
+  }
+  if (options.delay_error_ms) sensors.reported_delay_error_s = -*options.delay_error_ms / ms_per_s;
+  std::copy(options.lever_arm_body_m.begin(), options.lever_arm_body_m.end(),
+            sensors.imu_from_tracked_point_body_m.begin());
+  return sensors;
+}
+
 int write(const Options& options) {
   if (options.scenario.empty()) throw CLI::RequiredError("SCENARIO");
   const sim::Scenario& scenario = sim::find_scenario(options.scenario);
   if (options.folder.empty()) throw CLI::RequiredError("--out");
   const double duration_s = options.duration_s.value_or(scenario.duration_s);
-  sim::Simulator simulator(scenario, {.seed = options.seed, .duration_s = duration_s});
+  const sim::Run run{.seed = options.seed, .duration_s = duration_s};
+  sim::Simulator simulator(scenario, sensors_of(options, scenario, run), run);
   recording::SensorLogWriter log(options.folder);
   std::array<std::size_t, std::variant_size_v<Event>> count{};
   std::size_t truth_count = 0;

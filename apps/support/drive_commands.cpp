@@ -51,6 +51,21 @@ private:
   bool is_terminal_ = ::isatty(STDERR_FILENO) != 0;
 };
 
+/// Writes the settings to the file. Warns about those that the file overrides for a single beacon.
+void write_settings(const std::filesystem::path& file, const std::vector<files::toml::Assignment>& settings) {
+  if (settings.empty()) {
+    fmt::print(stderr, "{}: not changed: neither mount nor delay is known\n", file.string());
+    return;
+  }
+  files::toml::merge(file, settings);
+  for (const files::toml::Leaf& leaf : evaluation::overriding(file, settings)) {
+    fmt::print(stderr,
+               "warning: {}:{}: {} = {} still applies to its beacon instead of the calibrated value: remove "
+               "the line, or calibrate that beacon with --beacon\n",
+               file.string(), leaf.line, leaf.key, files::toml::text_of(leaf.value));
+  }
+}
+
 }  // namespace
 
 DriveCommands::DriveCommands(CLI::App& app) {
@@ -119,14 +134,7 @@ int DriveCommands::run() const {
   const evaluation::DriveCalibration result = calibrated(*command);
   const std::string toml = evaluation::drive_toml(result, beacon_);
   if (out_) evaluation::write_whole(*out_, toml);
-  if (write_) {
-    const auto settings = evaluation::drive_settings(result, beacon_);
-    if (settings.empty()) {
-      fmt::print(stderr, "{}: not changed: neither mount nor delay is known\n", write_->string());
-    } else {
-      files::toml::merge(*write_, settings);
-    }
-  }
+  if (write_) write_settings(*write_, evaluation::drive_settings(result, beacon_));
   if (json_) {
     fmt::print("{}", evaluation::drive_json(result));
   } else {

@@ -4,11 +4,13 @@
 
 #include "calibration/drive/drive_fit.hpp"
 #include "files/toml/merge.hpp"
+#include "files/toml/toml_leaves.hpp"
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/settings/settings.hpp>
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -56,5 +58,10 @@ std::vector<files::toml::Assignment> drive_settings(const DriveCalibration& resu
 
 /// The same as a TOML file, preceded by the text as comments.
 std::string drive_toml(const DriveCalibration& result, std::optional<BeaconAddress> beacon);
+
+/// The values in a file that apply to a single beacon in place of one of these settings. Throws
+/// files::IoError.
+std::vector<files::toml::Leaf> overriding(const std::filesystem::path& file,
+                                          std::span<const files::toml::Assignment> settings);
 
 }  // namespace sonopose::evaluation

@@ -84,9 +84,10 @@ public:
     for (const sim::Outage& outage : test_case.outages) drifts_.emplace_back(outage, start_ns_);
   }
 
-  void add(const Event& event) {
+  /// Before the estimator processes the event.
+  void add(const Event& event, const estimation::AnyEstimator& estimator) {
     if (const auto* fix = std::get_if<UltrasonicFix>(&event)) comparison_.add(*fix);
-    prediction_.add(event);
+    prediction_.add(event, estimator);
   }
 
   void add(const estimation::EventResult& result) {
@@ -198,7 +199,7 @@ CaseResult evaluate(const Case& test_case, const settings::Settings& settings) {
   estimation::AnyEstimator estimator(settings);
   CaseRun run(test_case, settings);
   for (const Event& event : test_case.events) {
-    run.add(event);
+    run.add(event, estimator);
     run.add(estimation::process(estimator, event));
   }
   result.fixes_used = estimator.counters().fixes_used;

@@ -57,13 +57,15 @@ PredictedQuantity quantity_of(const std::vector<double>& errors) {
           lag_one_of(errors, [](double a, double b) { return a * b; })};
 }
 
-/// The mean per degree of freedom of squares that have three each, and where it is expected.
-NormalisedInnovations normalised(const std::vector<double>& squares) {
+/// The mean per degree of freedom of squares that have some each, and where it is expected. Empty if there
+/// are none.
+std::optional<NormalisedInnovations> normalised(const std::vector<double>& squares, double freedom_of_each) {
+  if (squares.empty()) return std::nullopt;
   double sum = 0.0;
   for (const double square : squares) sum += square;
-  const double freedom = 3.0 * static_cast<double>(squares.size());
+  const double freedom = freedom_of_each * static_cast<double>(squares.size());
   const double half_width = 1.96 * std::sqrt(2.0 / freedom);
-  return {squares.size(), sum / freedom, 1.0 - half_width, 1.0 + half_width};
+  return NormalisedInnovations{squares.size(), sum / freedom, 1.0 - half_width, 1.0 + half_width};
 }
 
 bool is_trusted(const FixReport& report) {
@@ -93,9 +95,14 @@ PredictionErrors::PredictionErrors(TimeNs from_ns, const settings::Settings& set
       delay_(settings.delay),
       wheel_speeds_(wheel_speeds) {}
 
-void PredictionErrors::add(const Event& event) {
+void PredictionErrors::add(const Event& event, const std::optional<ScalarEstimate>& heading_noise_rad) {
   if (const auto* fix = std::get_if<UltrasonicFix>(&event)) compare(*fix);
-  if (const auto* heading = std::get_if<PairHeading>(&event)) compare(*heading);
+  if (const auto* heading = std::get_if<PairHeading>(&event)) compare(*heading, heading_noise_rad);
+}
+
+void PredictionErrors::add(const Event& event, const estimation::AnyEstimator& estimator) {
+  add(event,
+      std::holds_alternative<PairHeading>(event) ? estimator.estimate().heading_noise_rad : std::nullopt);
 }
 
 void PredictionErrors::add(const estimation::EventResult& result) {
@@ -124,14 +131,15 @@ std::optional<PredictionErrors::Predicted> PredictionErrors::at(TimeNs time_ns) 
   return Predicted{
       time_ns, before.position_world_m + share * (after->position_world_m - before.position_world_m),
       before.velocity_world_mps + share * (after->velocity_world_mps - before.velocity_world_mps),
-      before.q_body_to_world.slerp(share, after->q_body_to_world)};
+      before.q_body_to_world.slerp(share, after->q_body_to_world), after->yaw_std_rad};
 }
 
 void PredictionErrors::keep(const FusedPose& pose) {
   if ((pose.status & status_initialising) != 0) return;
   // A stamp that goes back means that those before it were wrong.
   while (!poses_.empty() && poses_.back().time_ns >= pose.time_ns) poses_.pop_back();
-  poses_.push_back({pose.time_ns, pose.position_world_m, pose.velocity_world_mps, pose.q_body_to_world});
+  poses_.push_back({pose.time_ns, pose.position_world_m, pose.velocity_world_mps, pose.q_body_to_world,
+                    yaw_std_rad(pose)});
   while (poses_.front().time_ns < pose.time_ns - remembered_ns) poses_.pop_front();
   compare_wheel_speeds(pose.time_ns);
 }
@@ -157,12 +165,17 @@ void PredictionErrors::compare(const UltrasonicFix& fix) {
                     predicted->velocity_world_mps});
 }
 
-void PredictionErrors::compare(const PairHeading& heading) {
+void PredictionErrors::compare(const PairHeading& heading, const std::optional<ScalarEstimate>& noise_rad) {
   if (!heading.valid || heading.emission_time_ns < from_ns_) return;
   const auto predicted = at(estimation::documented::delay::measured_at(delay_, heading));
   if (!predicted) return;
-  heading_rad_.push_back(geometry::wrap_angle(heading.heading_world_rad - mount_offset_rad_ -
-                                              geometry::yaw_of(predicted->q_body_to_world)));
+  const double error_rad = geometry::wrap_angle(heading.heading_world_rad - mount_offset_rad_ -
+                                                geometry::yaw_of(predicted->q_body_to_world));
+  heading_rad_.push_back(error_rad);
+  if (!noise_rad) return;
+  const double normalised_error = error_rad / std::hypot(predicted->yaw_std_rad, noise_rad->value);
+  if (!std::isfinite(normalised_error)) return;
+  squared_heading_innovations_.push_back(normalised_error * normalised_error);
 }
 
 void PredictionErrors::keep(const FixReport& report) {
@@ -206,9 +219,9 @@ PredictionScore PredictionErrors::score() const {
       .up_m = signed_errors_of(up_m),
       .lag_one = lag_one_of(innovations_world_m_, dot),
       .gated_share = reports_ == 0 ? unknown : static_cast<double>(gated_) / static_cast<double>(reports_),
-      .innovations =
-          squared_innovations_.empty() ? std::nullopt : std::optional(normalised(squared_innovations_)),
+      .innovations = normalised(squared_innovations_, 3.0),
       .heading_rad = quantity_of(heading_rad_),
+      .heading_innovations = normalised(squared_heading_innovations_, 1.0),
       .wheel_speed_mps = quantity_of(wheel_speed_mps_)};
 }
 

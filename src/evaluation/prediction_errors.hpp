@@ -23,10 +23,10 @@ struct SignedErrors {
   double rms;
 };
 
-/// Squared normalised innovations of the fixes that were used, as the engine reported them. For an engine
-/// whose covariances are right, the mean lies in the band for 19 of 20 runs.
+/// Squared normalised innovations. For an engine whose covariances are right, the mean lies in the band for
+/// 19 of 20 runs.
 struct NormalisedInnovations {
-  std::size_t fixes = 0;
+  std::size_t count = 0;
   double mean = 0;  ///< per degree of freedom; 1 is expected
   double low = 0;
   double high = 0;
@@ -61,10 +61,14 @@ struct PredictionScore {
   SignedErrors up_m;     ///< positive: the fix is above the pose
   /// Correlation of consecutive innovations, as the engine reported them; near 0 if nothing is left to learn.
   double lag_one;
-  double gated_share;                                ///< outliers among the reported fixes
-  std::optional<NormalisedInnovations> innovations;  ///< empty: the engine reports no covariance
-  PredictedQuantity heading_rad;                     ///< of the pair, minus the mount offset and the yaw
-  PredictedQuantity wheel_speed_mps;                 ///< its magnitude, minus that of the horizontal velocity
+  double gated_share;  ///< outliers among the reported fixes
+  /// Of the fixes, as the engine reported them; empty: it reports no covariance.
+  std::optional<NormalisedInnovations> innovations;
+  PredictedQuantity heading_rad;  ///< of the pair, minus the mount offset and the yaw
+  /// Of all headings: `heading_rad` by the variances of yaw and heading; empty: the engine estimates no noise
+  /// of the headings.
+  std::optional<NormalisedInnovations> heading_innovations;
+  PredictedQuantity wheel_speed_mps;  ///< its magnitude, minus that of the horizontal velocity
 };
 
 /// The RMS prediction error of the fixes that a run with other settings trusted, m: a cost that settings do
@@ -80,8 +84,9 @@ public:
   PredictionErrors(TimeNs from_ns, const settings::Settings& settings,
                    std::span<const recording::WheelSpeed> wheel_speeds = {});
 
-  /// Takes an event before the estimator does.
-  void add(const Event& event);
+  /// Takes an event before the estimator does, a heading with the noise that the estimator expects of it.
+  void add(const Event& event, const std::optional<ScalarEstimate>& heading_noise_rad = {});
+  void add(const Event& event, const estimation::AnyEstimator& estimator);
   /// Takes what the estimator returned for it.
   void add(const estimation::EventResult& result);
 
@@ -93,10 +98,11 @@ private:
     Vector3d position_world_m = Vector3d::Zero();
     Vector3d velocity_world_mps = Vector3d::Zero();
     Quaterniond q_body_to_world = Quaterniond::Identity();
+    double yaw_std_rad = 0;  ///< NaN: unknown
   };
 
   void compare(const UltrasonicFix& fix);
-  void compare(const PairHeading& heading);
+  void compare(const PairHeading& heading, const std::optional<ScalarEstimate>& noise_rad);
   void compare_wheel_speeds(TimeNs until_ns);
   void keep(const FusedPose& pose);
   void keep(const FixReport& report);
@@ -114,6 +120,7 @@ private:
   std::vector<Vector3d> innovations_world_m_;  ///< of the trusted fixes
   std::vector<double> squared_innovations_;    ///< the same, normalised
   std::vector<double> heading_rad_;
+  std::vector<double> squared_heading_innovations_;
   std::vector<double> wheel_speed_mps_;
 };
 

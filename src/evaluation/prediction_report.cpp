@@ -43,6 +43,15 @@ nlohmann::ordered_json json_of(const PredictedQuantity& quantity) {
           {"p50", quantity.p50},     {"p95", quantity.p95},         {"lag_one", quantity.lag_one}};
 }
 
+nlohmann::ordered_json json_of(const std::optional<NormalisedInnovations>& innovations,
+                               const char* measurements) {
+  if (!innovations) return nullptr;
+  return {{measurements, innovations->count},
+          {"mean_squared", innovations->mean},
+          {"expected_low", innovations->low},
+          {"expected_high", innovations->high}};
+}
+
 }  // namespace
 
 std::string prediction_text(const PredictionScore& score) {
@@ -59,32 +68,27 @@ std::string prediction_text(const PredictionScore& score) {
                       signed_cm("up", score.up_m), score.lag_one, 100.0 * score.gated_share));
   text += row("innovations", innovations_text(score.innovations));
   text += quantity_line("heading", score.heading_rad, 1.0 / geometry::radians_per_degree, "deg");
+  if (score.heading_innovations) text += row("", innovations_text(score.heading_innovations));
   return text + quantity_line("wheel speed", score.wheel_speed_mps, 1.0, "m/s");
 }
 
 nlohmann::ordered_json prediction_json(const PredictionScore& score) {
   // The JSON library writes NaN (unknown) as null.
-  nlohmann::ordered_json object{{"fixes", score.fixes.size()},
-                                {"fixes_without_pose", score.fixes_without},
-                                {"distance_rms_m", score.distance_m.rmse},
-                                {"distance_p50_m", score.distance_p50_m},
-                                {"distance_p95_m", score.distance_m.p95},
-                                {"distance_max_m", score.distance_m.max},
-                                {"along_m", json_of(score.along_m)},
-                                {"left_m", json_of(score.left_m)},
-                                {"up_m", json_of(score.up_m)},
-                                {"lag_one", score.lag_one},
-                                {"gated_share", score.gated_share},
-                                {"innovations", nullptr},
-                                {"heading_rad", json_of(score.heading_rad)},
-                                {"wheel_speed_mps", json_of(score.wheel_speed_mps)}};
-  if (score.innovations) {
-    object["innovations"] = {{"fixes", score.innovations->fixes},
-                             {"mean_squared", score.innovations->mean},
-                             {"expected_low", score.innovations->low},
-                             {"expected_high", score.innovations->high}};
-  }
-  return object;
+  return {{"fixes", score.fixes.size()},
+          {"fixes_without_pose", score.fixes_without},
+          {"distance_rms_m", score.distance_m.rmse},
+          {"distance_p50_m", score.distance_p50_m},
+          {"distance_p95_m", score.distance_m.p95},
+          {"distance_max_m", score.distance_m.max},
+          {"along_m", json_of(score.along_m)},
+          {"left_m", json_of(score.left_m)},
+          {"up_m", json_of(score.up_m)},
+          {"lag_one", score.lag_one},
+          {"gated_share", score.gated_share},
+          {"innovations", json_of(score.innovations, "fixes")},
+          {"heading_rad", json_of(score.heading_rad)},
+          {"heading_innovations", json_of(score.heading_innovations, "headings")},
+          {"wheel_speed_mps", json_of(score.wheel_speed_mps)}};
 }
 
 }  // namespace sonopose::evaluation

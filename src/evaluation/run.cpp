@@ -24,7 +24,9 @@ public:
   void add(const UltrasonicFix& fix) { comparison_.add(fix); }
 
   /// Before the estimator processes the event.
-  void predict(const Event& event) { prediction_.add(event); }
+  void predict(const Event& event, const estimation::AnyEstimator& estimator) {
+    prediction_.add(event, estimator);
+  }
 
   void add(const FusedPose& pose) {
     ++result_.poses;
@@ -115,7 +117,7 @@ RunResult run_through(const recording::SensorLog& log, const RunOptions& options
     const TimeNs now_ns = available_at_ns(event);
     if (const auto* fix = std::get_if<UltrasonicFix>(&event)) results.add(*fix);
     if (sequence_of(event) <= skipped) continue;
-    results.predict(event);
+    results.predict(event, estimator);
     results.add(estimation::process(estimator, event));
     ++result.events;
     if (const auto* imu = std::get_if<ImuSample>(&event)) {

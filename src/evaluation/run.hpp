@@ -46,7 +46,7 @@ struct Observer {
 
 /// What a smoothed run has besides.
 struct Smoothing {
-  Score engine;  ///< of the engine's own poses
+  Score engine;  ///< of the engine's own poses, where there is a smoothed one
   estimation::offline::Noise noise;
 };
 

@@ -47,8 +47,12 @@ using Outputs = std::vector<std::variant<FusedPose, FixReport>>;
 /// Replaces the engine's poses by the smoothed ones, and passes them on.
 class Replaying {
 public:
-  Replaying(const Outputs& outputs, const Observer& observer, Scorer& scorer)
-      : next_(outputs.begin()), end_(outputs.end()), observer_(observer), scorer_(scorer) {}
+  Replaying(const Outputs& outputs, const Observer& observer, Scorer& engine, Scorer& smoothed)
+      : next_(outputs.begin()),
+        end_(outputs.end()),
+        observer_(observer),
+        engine_(engine),
+        smoothed_(smoothed) {}
 
   /// The smoothed poses are those of some of the samples, in the order of the outputs.
   void add(const SmoothedPose& smoothed) {
@@ -62,8 +66,9 @@ public:
     }
     if (next_ == end_) return;
     FusedPose pose = *std::get_if<FusedPose>(&*next_++);
+    engine_.add(pose);
     replace(pose, smoothed);
-    scorer_.add(pose);
+    smoothed_.add(pose);
     ++poses_;
     if (observer_.on_pose) observer_.on_pose(pose);
   }
@@ -83,7 +88,8 @@ private:
   Outputs::const_iterator next_;
   Outputs::const_iterator end_;
   const Observer& observer_;
-  Scorer& scorer_;
+  Scorer& engine_;
+  Scorer& smoothed_;
   std::uint64_t poses_ = 0;
 };
 
@@ -99,8 +105,10 @@ RunResult run_smoothed(const recording::SensorLog& log, const RunOptions& option
   const std::vector<Segment> segments = estimation::offline::judged(options.settings, events);
   Smoothing smoothing;
   smoothing.noise = estimation::offline::fitted_noise(options.settings, segments);
-  Scorer scorer(log.truth, available_at_ns(log.events.front()) + to_ns(options.after_s));
-  Replaying replaying(outputs, observer, scorer);
+  const TimeNs from_ns = available_at_ns(log.events.front()) + to_ns(options.after_s);
+  Scorer engine(log.truth, from_ns);
+  Scorer smoothed(log.truth, from_ns);
+  Replaying replaying(outputs, observer, engine, smoothed);
   for (const Segment& segment : segments) {
     for (const SmoothedPose& pose :
          estimation::offline::smoothed(options.settings, segment, smoothing.noise)) {
@@ -108,7 +116,8 @@ RunResult run_smoothed(const recording::SensorLog& log, const RunOptions& option
     }
   }
   replaying.finish();
-  smoothing.engine = std::exchange(result.fused, scorer.score());
+  smoothing.engine = engine.score();
+  result.fused = smoothed.score();
   result.poses = replaying.poses();
   result.smoothing = std::move(smoothing);
   return result;

@@ -181,6 +181,26 @@ SCENARIO("the pair's heading is compared with the yaw, less the mount offset") {
   CHECK(heading.count == 21);
   CHECK(heading.error.mean == Approx(0.03));
   CHECK(heading.p95 == Approx(0.03));
+  CHECK_FALSE(errors.score().heading_innovations);  // their noise is not known
+}
+
+SCENARIO("squared errors of headings are normalised by the variances of yaw and heading") {
+  PredictionErrors errors(begin_ns, {});
+  for (TimeNs since_ns = 0; since_ns <= 2000 * ms; since_ns += 10 * ms) {
+    FusedPose pose = pose_at(since_ns);
+    pose.pose_covariance = Covariance<6>::from_diagonal({1.0, 1.0, 1.0, 1.0, 1.0, 0.03 * 0.03});
+    errors.add(estimation::EventResult(pose));
+    PairHeading heading;
+    heading.emission_time_ns = begin_ns + since_ns;
+    heading.heading_world_rad = geometry::wrap_angle(std::numbers::pi + 0.1);
+    heading.valid = since_ns % (100 * ms) == 0;
+    errors.add(Event(heading), ScalarEstimate{.value = 0.04});
+  }
+  const auto innovations = errors.score().heading_innovations;
+  REQUIRE(innovations);
+  CHECK(innovations->count == 21);
+  CHECK(innovations->mean == Approx(4.0));  // 0.1² / (0.03² + 0.04²)
+  CHECK(innovations->high - 1.0 == Approx(1.96 * std::sqrt(2.0 / 21.0)));
 }
 
 SCENARIO("the speed of the wheels is compared with that of the pose, forwards and backwards") {
@@ -205,7 +225,7 @@ SCENARIO("squared innovations are normalised by the covariance that the engine r
   }
   const auto innovations = errors.score().innovations;
   REQUIRE(innovations);
-  CHECK(innovations->fixes == 6);
+  CHECK(innovations->count == 6);
   CHECK(innovations->mean == Approx(4.0 / 3.0));
   CHECK(innovations->high - 1.0 == Approx(1.96 / 3.0));  // √(2 / 18)
   CHECK_FALSE(PredictionErrors(begin_ns, {}).score().innovations);
@@ -232,6 +252,9 @@ SCENARIO("on a simulated walk the Kalman engine leaves nothing to predict") {
   CHECK(std::abs(score.along_m.mean) < 0.01);
   REQUIRE(score.innovations);
   CHECK(score.innovations->mean == Approx(1.0).margin(0.2));
+  REQUIRE(score.heading_innovations);
+  CHECK(score.heading_innovations->count == score.heading_rad.count);
+  CHECK(score.heading_innovations->mean == Approx(1.0).margin(0.25));
 }
 
 }  // namespace prediction_errors_test

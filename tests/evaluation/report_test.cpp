@@ -32,6 +32,8 @@ TEST_CASE("the JSON report contains the figures of the run") {
   CHECK(report["prediction"]["distance_rms_m"] == result.prediction.distance_m.rmse);
   CHECK(report["prediction"]["innovations"]["mean_squared"] == result.prediction.innovations->mean);
   CHECK(report["prediction"]["heading_rad"]["count"] == result.prediction.heading_rad.count);
+  CHECK(report["prediction"]["heading_innovations"]["mean_squared"] ==
+        result.prediction.heading_innovations->mean);
   CHECK(report["prediction"]["wheel_speed_mps"].is_null());
   CHECK(report["fix_flags"]["first"] == 1);
   CHECK(report["times_real_time"] == Approx(result.duration_s / 2.0));

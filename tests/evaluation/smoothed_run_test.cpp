@@ -59,6 +59,25 @@ SCENARIO("a smoothed run has the smoothed poses and the engine's reports") {
   }
 }
 
+SCENARIO("the ratio of smoothed and unsmoothed errors is over the same poses") {
+  GIVEN("a walk whose fixes begin after five seconds") {
+    recording::SensorLog log = sample_log("walk", 20.0);
+    const TimeNs begin_ns = available_at_ns(log.events.front());
+    std::erase_if(log.events, [begin_ns](const Event& event) {
+      return !std::holds_alternative<ImuSample>(event) &&
+             seconds_between(begin_ns, available_at_ns(event)) < 5.0;
+    });
+    WHEN("it is smoothed and scored from the start") {
+      const auto result = evaluation::run_smoothed(log, {});
+      THEN("the engine is scored only where there is a smoothed pose") {
+        REQUIRE(result.smoothing);
+        CHECK(result.fused.poses < 1700);
+        CHECK(result.smoothing->engine.times_ns == result.fused.times_ns);
+      }
+    }
+  }
+}
+
 SCENARIO("a recording without truth is smoothed as well") {
   GIVEN("a walk without truth") {
     recording::SensorLog log = sample_log("walk", 5.0);

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -316,6 +317,35 @@ SCENARIO("a moved map turns and shifts the truth once") {
         const double yaw_rad = geometry::yaw_of(moved.truth_at(heading.emission_time_ns).q_body_to_world);
         REQUIRE(std::abs(geometry::wrap_angle(heading.heading_world_rad - yaw_rad)) < 4.0 * per_deg);
       }
+    }
+  }
+}
+
+SCENARIO("any of the four beacons is misplaced, and the fixes are off with the place") {
+  Extent error_m;
+  std::array<int, 4> misplaced{};
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    const auto drawn = drawn_of("misplaced_beacon", seed).disturbances.misplaced_beacon;
+    REQUIRE(drawn);
+    REQUIRE(drawn->beacons_world_m.size() == misplaced.size());
+    CHECK(drawn->map_error_m.z() == 0.0);
+    error_m.add(drawn->map_error_m.norm());
+    ++misplaced.at(drawn->misplaced);
+  }
+  CHECK(error_m.spans(0.2, 0.6));
+  for (const int count : misplaced) CHECK(count > 10);
+  GIVEN("a run") {
+    const Drawn drawn("misplaced_beacon", 1);
+    THEN("each fix is off by what the map does to the ranges at its place") {
+      Extent offset_m;
+      for (const UltrasonicFix& fix : of_kind<UltrasonicFix>(drawn.recording)) {
+        const Vector3d position_m = drawn.truth_at(fix.emission_time_ns).position_world_m;
+        const Vector3d expected_m =
+            track_offset_world_m(drawn.scenario.disturbances, emitted_s(fix), position_m);
+        offset_m.add(expected_m.norm());
+        REQUIRE((fix.position_world_m - position_m - expected_m).norm() < most_noise_m);
+      }
+      CHECK(offset_m.most - offset_m.least > 0.05);
     }
   }
 }

@@ -92,7 +92,9 @@ SCENARIO("a drive calibrates the installation, as a file of settings, as JSON an
   const std::string log = write_drive(folder / "drive", "kart", 60.0);
   const auto settings = folder / "fusion.toml";
   GIVEN("a file with a wrong mount and other settings") {
-    write_text(settings, "[heading]  # mine\nmount_offset_deg = 10.0\n\n[outage]\nstale_after_s = 2.0\n");
+    write_text(settings,
+               "[heading]  # mine\nmount_offset_deg = 10.0\n\n[outage]\nstale_after_s = 2.0\n\n"
+               "[beacon.9.heading]\nmount_offset_deg = 20.0\n");
     WHEN("the calibration is written to it") {
       const auto picture = folder / "likelihood.svg";
       const Result result =
@@ -110,8 +112,10 @@ SCENARIO("a drive calibrates the installation, as a file of settings, as JSON an
                              Contains("stale_after_s = 2.0") && Contains("[delay]\ncorrection_s = 0.0"));
         CHECK_THAT(read_text(picture), Contains("<svg") && Contains("mount [deg]"));
       }
-      AND_THEN("the progress goes to standard error") {
+      AND_THEN("progress goes to standard error, and a warning for the beacon with a mount of its own") {
         CHECK_THAT(result.error, Contains("search") && Contains("fit"));
+        CHECK_THAT(result.error,
+                   Contains("warning") && Contains("fusion.toml:8: beacon.9.heading.mount_offset_deg = 20"));
       }
     }
   }

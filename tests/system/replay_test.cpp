@@ -119,6 +119,54 @@ SCENARIO("a smoothed replay prints the scores of both trajectories and writes co
   CHECK_THAT(refusal({recording.log(), "--smooth", "--load-state", "state.json"}), Contains("--load-state"));
 }
 
+SCENARIO("two files of settings are compared, in one picture") {
+  const Recording recording;
+  const std::string good = (recording / "good.toml").string();
+  const std::string turned = (recording / "turned.toml").string();
+  const auto picture = recording / "both.svg";
+  write_text(good, "[heading]\nmount_offset_deg = 0.0\n");
+  write_text(turned, "[heading]\nmount_offset_deg = 60.0\n");
+  GIVEN("a right and a wrong mount") {
+    WHEN("they are compared") {
+      const Result text =
+          replay({recording.log(), "--after", "6", "--compare", good, turned, "--plot", picture.string()});
+      THEN("the results follow their names, and the picture has both") {
+        CHECK(text.code == 0);
+        const auto first = text.output.find(good);
+        const auto second = text.output.find(turned);
+        REQUIRE(first != std::string::npos);
+        REQUIRE(second != std::string::npos);
+        CHECK(first < second);
+        CHECK_THAT(read_text(picture), Contains("<svg") && Contains("good.toml") && Contains("turned.toml"));
+      }
+    }
+    WHEN("they are compared as JSON") {
+      const Result json_text = replay({recording.log(), "--after", "6", "--json", "--compare", good, turned});
+      THEN("there is an object for each, and the right mount has the smaller error") {
+        REQUIRE(json_text.code == 0);
+        std::istringstream objects(json_text.output);
+        json of_good;
+        json of_turned;
+        objects >> of_good >> of_turned;
+        CHECK(of_good["position_rmse_m"] ==
+              report_of({recording.log(), "--after", "6", "--config", good})["position_rmse_m"]);
+        CHECK(of_good["yaw_rmse_deg"].get<double>() < of_turned["yaw_rmse_deg"].get<double>());
+      }
+    }
+  }
+  GIVEN("a file that is no TOML, or is missing") {
+    const auto bad = recording / "bad.toml";
+    write_text(bad, "[heading]\nmount_offset_deg = = 1\n");
+    THEN("the error names it, and there is no picture") {
+      CHECK_THAT(refusal({recording.log(), "--compare", good, bad.string(), "--plot", picture.string()}),
+                 Contains("bad.toml:2"));
+      CHECK_THAT(refusal({recording.log(), "--compare", good, "/nowhere.toml"}), Contains("/nowhere.toml"));
+      CHECK_THAT(refusal({recording.log(), "--compare", good}), Contains("--compare"));
+      CHECK_FALSE(exists(picture));
+    }
+  }
+}
+
 SCENARIO("the trajectory is in TUM format") {
   const Recording recording;
   REQUIRE(replay({recording.log(), "--out", (recording / "out").string(), "--until", "0.05"}).code == 0);

@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,40 @@ SCENARIO("a simulated run is written as a log with truth") {
       CHECK_THAT(result.output, Contains(out) && Contains("packet_loss") && Contains("seed 5") &&
                                     Contains("12 s") && Contains("IMU samples"));
     }
+  }
+  GIVEN("an installation of one's own") {
+    const std::string out = (folder / "installed").string();
+    REQUIRE(simulate({"wrong_delay", "--out", out, "--seed", "5", "--duration", "8", "--mount-offset-deg",
+                      "-90", "--delay-error-ms", "25", "--lever-arm-m", "0.1", "-0.05", "0.02"})
+                .code == 0);
+    THEN("the log is that of these sensors: the stamps of the fixes are 25 ms too young") {
+      const sim::Run run{.seed = 5, .duration_s = 8.0};
+      sim::Scenario installed = sim::drawn(sim::find_scenario("wrong_delay"), run);
+      installed.sensors.pair_mount_offset_rad = -0.5 * std::numbers::pi;
+      installed.sensors.reported_delay_error_s = -0.025;
+      installed.sensors.imu_from_tracked_point_body_m = {0.1, -0.05, 0.02};
+      const auto expected = sim::record(installed, run);
+      const recording::SensorLog log = recording::read_sensor_log(out);
+      REQUIRE(log.events.size() == expected.events.size());
+      for (std::size_t i = 0; i < log.events.size(); ++i) {
+        REQUIRE(log.events[i].index() == expected.events[i].index());
+        if (const auto* imu = std::get_if<ImuSample>(&log.events[i])) {
+          const auto& other = std::get<ImuSample>(expected.events[i]);
+          REQUIRE(imu->specific_force_body_mps2 == other.specific_force_body_mps2);
+        } else if (const auto* fix = std::get_if<UltrasonicFix>(&log.events[i])) {
+          const auto& other = std::get<UltrasonicFix>(expected.events[i]);
+          REQUIRE(fix->emission_time_ns == other.emission_time_ns);
+        } else {
+          const auto& other = std::get<PairHeading>(expected.events[i]);
+          REQUIRE(std::get<PairHeading>(log.events[i]).heading_world_rad ==
+                  Approx(other.heading_world_rad).margin(1e-9));
+        }
+      }
+    }
+    CHECK_THAT(refusal({"kart", "--out", (folder / "x").string(), "--lever-arm-m", "0.1", "0.2"}),
+               Contains("--lever-arm-m"));
+    CHECK_THAT(refusal({"kart", "--out", (folder / "x").string(), "--mount-offset-deg", "200"}),
+               Contains("--mount-offset-deg"));
   }
   GIVEN("the same seed twice, and another seed") {
     REQUIRE(simulate({"kart", "--out", (folder / "a").string(), "--seed", "2"}).code == 0);

@@ -58,6 +58,21 @@ std::vector<double> start_yaws_of(const Problem& problem, const Fit& fit) {
   return yaws;
 }
 
+std::vector<bool> have_headings(const std::vector<Measurements>& logs) {
+  std::vector<bool> have;
+  for (const Measurements& log : logs) have.push_back(log.has_heading());
+  return have;
+}
+
+/// A log that had headings and has lost all of them starts in a direction that nobody searched yet.
+void find_lost_yaws(const std::vector<Measurements>& logs, const std::vector<bool>& had_headings,
+                    double delay_s, std::vector<double>& start_yaw_rad) {
+  for (std::size_t log = 0; log < logs.size(); ++log) {
+    if (!had_headings[log] || logs[log].has_heading()) continue;
+    start_yaw_rad[log] = detail::best_start_yaw(logs[log], delay_s).yaw_rad;
+  }
+}
+
 bool is_delay_known(const Fit& fit) {
   constexpr double well_known_s = 0.02;
   return fit.covariance(detail::at_delay, detail::at_delay) < well_known_s * well_known_s;
@@ -73,21 +88,25 @@ Fit fit_logs(std::span<const std::vector<Event>> recordings, const settings::Set
     };
   };
   observer_of("search")(0);
-  const detail::Start start = detail::grid_search(logs);
+  const std::vector<bool> had_headings = have_headings(logs);
+  detail::Start start = detail::grid_search(logs);
   detail::leave_out_outliers(logs, start);
   check_fixes(logs);
+  find_lost_yaws(logs, had_headings, start.parameters.delay_s, start.start_yaw_rad);
   Problem rough_problem(logs);
   const Fit rough =
       detail::maximise(rough_problem, rough_problem.vector_of(start.parameters, start.start_yaw_rad),
                        observer_of("first fit"));
   detail::Parameters found = rough_problem.parameters_of(rough.unknowns, 0);
   if (!is_delay_known(rough)) found.delay_s = 0.0;  // or the engine would refuse fixes for their age
-  const std::vector<double> start_yaws = start_yaws_of(rough_problem, rough);
+  std::vector<double> start_yaws = start_yaws_of(rough_problem, rough);
+  const std::vector<bool> had_rough_headings = have_headings(logs);
   observer_of("judgement")(0);
   for (std::size_t log = 0; log < logs.size(); ++log) {
     detail::judge_by_engine(recordings[log], settings, found, logs[log]);
   }
   check_fixes(logs);
+  find_lost_yaws(logs, had_rough_headings, found.delay_s, start_yaws);
   Problem problem(logs);
   return detail::maximise(problem, problem.vector_of(found, start_yaws), observer_of("fit"));
 }

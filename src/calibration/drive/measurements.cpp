@@ -75,4 +75,24 @@ double gyro_scatter_radps_rthz(const Measurements& log) {
   return std::sqrt(squares.maxCoeff() / (2.0 * samples) * interval_s);
 }
 
+double rms_speed_mps(const std::vector<Measurements>& logs) {
+  constexpr double span_s = 0.5;
+  double squares = 0;
+  double duration_s = 0;
+  for (const Measurements& log : logs) {
+    const Fix* from = nullptr;
+    for (const Fix& fix : log.fixes) {
+      if (!fix.used) continue;
+      const double since_s = from == nullptr ? 0.0 : seconds_between(from->time_ns, fix.time_ns);
+      if (from != nullptr && since_s < span_s) continue;
+      if (from != nullptr) {
+        squares += (fix.position_world_m - from->position_world_m).squaredNorm() / since_s;
+        duration_s += since_s;
+      }
+      from = &fix;
+    }
+  }
+  return duration_s > 0.0 ? std::sqrt(squares / duration_s) : 0.0;
+}
+
 }  // namespace sonopose::calibration::drive::detail

@@ -7,6 +7,7 @@
 #include <sonopose/settings/settings.hpp>
 
 #include <span>
+#include <vector>
 
 namespace sonopose::calibration::drive::detail {
 
@@ -21,5 +22,8 @@ void judge_by_engine(std::span<const Event> events, const settings::Settings& se
 /// By how much consecutive samples of the gyroscope differ, as the spectral density of white noise that makes
 /// such differences on the noisiest axis.
 double gyro_scatter_radps_rthz(const Measurements& log);
+
+/// The speed of the used fixes over spans of about half a second.
+double rms_speed_mps(const std::vector<Measurements>& logs);
 
 }  // namespace sonopose::calibration::drive::detail

@@ -147,6 +147,10 @@ std::vector<LeverArm> lever_arms_of(const Fit& fit, const Normal& normal) {
 
 }  // namespace
 
+double fix_noise_m(double logarithm) {
+  return std::hypot(std::exp(logarithm), least_fix_noise_m);
+}
+
 Problem::Problem(const std::vector<Measurements>& logs)
     : logs_(logs), lever_arms_m_(logs.size(), Vector3d::Zero()) {
   for (const Measurements& log : logs) {
@@ -171,8 +175,8 @@ Parameters Problem::parameters_of(const VectorXd& unknowns, std::size_t log) con
   return {.mount_rad = unknowns(at_mount),
           .start_yaw_rad = at_yaw < 0 ? 0.0 : unknowns(at_yaw),
           .delay_s = unknowns(at_delay),
-          .fix_horizontal_m = std::hypot(std::exp(unknowns(at_fix_horizontal)), least_fix_noise_m),
-          .fix_vertical_m = std::hypot(std::exp(unknowns(at_fix_vertical)), least_fix_noise_m),
+          .fix_horizontal_m = fix_noise_m(unknowns(at_fix_horizontal)),
+          .fix_vertical_m = fix_noise_m(unknowns(at_fix_vertical)),
           .heading_rad = std::exp(unknowns(at_heading)),
           .accel_mps2_rthz = std::exp(unknowns(at_accel)),
           .gyro_radps_rthz = std::exp(unknowns(at_gyro))};

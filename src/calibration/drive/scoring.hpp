@@ -25,6 +25,9 @@ enum Unknown : int {
   common_unknowns
 };
 
+/// The standard deviation of a fix for an unknown, its logarithm: never below the resolution of a beacon.
+double fix_noise_m(double logarithm);
+
 /// Logs of one installation: mount, delay and noise are common.
 class Problem {
 public:

@@ -26,7 +26,25 @@ double angle_of(std::ptrdiff_t mount) {
   return static_cast<double>(mount) * 2.0 * std::numbers::pi / mounts;
 }
 
+/// −2 log L for an angle that is the mount and, for a log without headings, the yaw at the start.
+double coarse_minus_2_log_l(const Measurements& log, double angle_rad, double delay_s) {
+  Parameters parameters = coarse();
+  parameters.delay_s = delay_s;
+  parameters.mount_rad = parameters.start_yaw_rad = angle_rad;
+  return forward_pass(log, parameters, {.soft_gate = soft_gate}).minus_2_log_l;
+}
+
 }  // namespace
+
+StartYaw best_start_yaw(const Measurements& log, double delay_s) {
+  StartYaw best{0.0, std::numeric_limits<double>::infinity()};
+  for (int direction = 0; direction < mounts; ++direction) {
+    const double yaw_rad = angle_of(direction);
+    const double minus_2_log_l = coarse_minus_2_log_l(log, yaw_rad, delay_s);
+    if (minus_2_log_l < best.minus_2_log_l) best = {yaw_rad, minus_2_log_l};
+  }
+  return best;
+}
 
 Start grid_search(const std::vector<Measurements>& logs) {
   Start best;
@@ -37,22 +55,15 @@ Start grid_search(const std::vector<Measurements>& logs) {
     std::vector<double> best_yaw_rad(logs.size(), 0.0);
     double others = 0;
     for (std::size_t log = 0; log < logs.size(); ++log) {
-      double least = std::numeric_limits<double>::infinity();
-      for (int mount = 0; mount < mounts; ++mount) {
-        const double angle_rad = angle_of(mount);
-        Parameters parameters = coarse();
-        parameters.delay_s = delay_s;
-        parameters.mount_rad = parameters.start_yaw_rad = angle_rad;
-        const double minus_2_log_l =
-            forward_pass(logs[log], parameters, {.soft_gate = soft_gate}).minus_2_log_l;
-        if (logs[log].has_heading()) {
-          sums[static_cast<std::size_t>(mount)] += minus_2_log_l;
-        } else if (minus_2_log_l < least) {
-          least = minus_2_log_l;
-          best_yaw_rad[log] = angle_rad;
-        }
+      if (!logs[log].has_heading()) {
+        const StartYaw best_of_log = best_start_yaw(logs[log], delay_s);
+        best_yaw_rad[log] = best_of_log.yaw_rad;
+        others += best_of_log.minus_2_log_l;
+        continue;
       }
-      if (!logs[log].has_heading()) others += least;
+      for (int mount = 0; mount < mounts; ++mount) {
+        sums[static_cast<std::size_t>(mount)] += coarse_minus_2_log_l(logs[log], angle_of(mount), delay_s);
+      }
     }
     const auto best_mount = std::min_element(sums.begin(), sums.end());
     if (!(*best_mount + others < least_of_all)) continue;

@@ -18,7 +18,8 @@ struct Row {
   Quantity quantity;
   Unknown unknown;
   bool is_logarithm;
-  double widest;  ///< half of the interval, of the logarithm if it is one
+  double
+      widest;  ///< half of the interval, of the logarithm if it is one; that of a delay depends on the drive
   const char* missing;
 };
 
@@ -26,10 +27,12 @@ constexpr double radians_per_degree = geometry::radians_per_degree;
 
 const std::array<Row, common_unknowns> rows{{
     {Quantity::mount, at_mount, false, 1.5 * radians_per_degree,
-     "accelerate and brake, or drive curves of changing radius: at rest and at constant velocity the "
-     "accelerations that show the yaw of the IMU are missing"},
-    {Quantity::delay, at_delay, false, 0.008,
-     "change speed and direction: at constant velocity a delay looks like a displacement"},
+     "accelerate and brake on straight legs, or drive curves of changing radius: at rest and at constant "
+     "velocity the accelerations that show the yaw of the IMU are missing, and on one circle another mount "
+     "looks like another lever arm"},
+    {Quantity::delay, at_delay, false, 0.0,
+     "change speed and direction: at constant velocity a delay looks like a displacement, on one circle "
+     "like another mount"},
     {Quantity::fix_horizontal, at_fix_horizontal, true, 0.25, "record for longer: there are too few fixes"},
     {Quantity::fix_vertical, at_fix_vertical, true, 0.25, "record for longer: there are too few fixes"},
     {Quantity::heading, at_heading, true, 0.25, "record for longer: there are too few headings of a pair"},
@@ -72,18 +75,30 @@ double std_of(const Problem& problem, const Fit& fit, Unknown unknown) {
   return information > 0.0 ? 1.0 / std::sqrt(information) : infinite;
 }
 
-Value interval_of(const Row& row, double unknown, double std) {
+/// The value for which an unknown stands.
+double value_of(const Row& row, double unknown) {
+  if (row.unknown == at_fix_horizontal || row.unknown == at_fix_vertical) return fix_noise_m(unknown);
+  return row.is_logarithm ? std::exp(unknown) : unknown;
+}
+
+/// A delay that is known this well displaces a fix by no more than its noise, at the speed of the drive.
+double widest_delay_s(const Problem& problem) {
+  constexpr double displacement_m = 0.015;
+  constexpr double always_s = 0.0025;
+  constexpr double never_s = 0.008;
+  return std::clamp(displacement_m / rms_speed_mps(problem.logs()), always_s, never_s);
+}
+
+Value interval_of(const Row& row, double unknown, double std, double widest) {
   const double half = interval_stds * std;
   Value value;
-  if (row.is_logarithm) {
-    value = {std::exp(unknown), std::exp(unknown - half), std::exp(unknown + half), {}};
-  } else if (row.quantity == Quantity::mount) {
+  if (row.quantity == Quantity::mount) {
     const double mount_rad = geometry::wrap_angle(unknown);
     value = {mount_rad, mount_rad - half, mount_rad + half, {}};
   } else {
-    value = {unknown, unknown - half, unknown + half, {}};
+    value = {value_of(row, unknown), value_of(row, unknown - half), value_of(row, unknown + half), {}};
   }
-  if (!(half <= row.widest)) value.missing = row.missing;
+  if (!(half <= widest)) value.missing = row.missing;
   return value;
 }
 
@@ -147,14 +162,20 @@ void set_mount_from_course(const Problem& problem, DriveFit& result) {
 
 void set_values(const Problem& problem, const Fit& fit, DriveFit& result) {
   for (const Row& row : rows) {
-    result[row.quantity] = interval_of(row, fit.unknowns(row.unknown), std_of(problem, fit, row.unknown));
+    const double widest = row.quantity == Quantity::delay ? widest_delay_s(problem) : row.widest;
+    result[row.quantity] =
+        interval_of(row, fit.unknowns(row.unknown), std_of(problem, fit, row.unknown), widest);
   }
   set_lever_arm(fit, result);
   set_innovations(fit, result);
   if (!has_heading(problem)) {
-    constexpr const char* no_pair = "record the headings of paired beacons: there are none";
-    refuse(result[Quantity::mount], no_pair);
-    refuse(result[Quantity::heading], no_pair);
+    const bool is_pair = std::any_of(problem.logs().begin(), problem.logs().end(),
+                                     [](const Measurements& log) { return !log.headings.empty(); });
+    const char* const missing =
+        is_pair ? "record headings that agree with the IMU and arrive in time: none of them could be used"
+                : "record the headings of paired beacons: there are none";
+    refuse(result[Quantity::mount], missing);
+    refuse(result[Quantity::heading], missing);
   }
 }
 
@@ -190,9 +211,7 @@ void add_curves(const Problem& problem, const Fit& fit, DriveFit& result) {
     for (int point = -points; point <= points; ++point) {
       const Eigen::VectorXd unknowns = fit.unknowns + furthest * point / points * along;
       const double minus_2_log_l = problem.minus_2_log_l(unknowns, problem.passes(unknowns));
-      const double value = unknowns(row.unknown);
-      curve.push_back(
-          {row.is_logarithm ? std::exp(value) : value, 0.5 * (fit.minus_2_log_l - minus_2_log_l)});
+      curve.push_back({value_of(row, unknowns(row.unknown)), 0.5 * (fit.minus_2_log_l - minus_2_log_l)});
     }
   }
 }

@@ -1,36 +1,53 @@
 #include "files/toml/merge.hpp"
 
 #include "files/csv_writer.hpp"
-#include "files/line_reader.hpp"
 #include "files/replacement.hpp"
 #include "files/toml/toml_leaves.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <string_view>
 #include <vector>
 
 namespace sonopose::files::toml {
 namespace {
 
+/// What stands between a line and its newline: nothing or a carriage return.
+std::string_view line_end_of(std::string_view line) {
+  return line.ends_with('\r') ? "\r" : "";
+}
+
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+
+/// With the carriage returns before their ends, and with a byte order mark.
 std::vector<std::string> lines_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
   std::vector<std::string> lines;
-  LineReader reader(file);
-  while (const auto line = reader.next()) lines.emplace_back(*line);
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    lines.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  const bool is_complete = text.empty() || text.ends_with('\n');
+  if (!is_complete) lines.back() += line_end_of(lines.front());
   return lines;
 }
 
-/// Without spaces and tabs, and without a comment.
+/// Without spaces and tabs, without a comment and without what the encoding of the file adds.
 std::string condensed(std::string_view line) {
+  if (line.starts_with(byte_order_mark)) line.remove_prefix(byte_order_mark.size());
   std::string text(line.substr(0, line.find('#')));
-  std::erase_if(text, [](char c) { return c == ' ' || c == '\t'; });
+  std::erase_if(text, [](char c) { return c == ' ' || c == '\t' || c == '\r'; });
   return text;
 }
 
-std::string line_of(const Assignment& assignment) {
+std::string line_of(const Assignment& assignment, std::string_view line_end) {
   const std::string comment = assignment.comment.empty() ? "" : "  # " + assignment.comment;
-  return fmt::format("{} = {}{}", assignment.name, assignment.value, comment);
+  return fmt::format("{} = {}{}{}", assignment.name, assignment.value, comment, line_end);
 }
 
 std::string key_of(const Assignment& assignment) {
@@ -43,20 +60,21 @@ void replace(std::string& line, const Assignment& assignment, const std::filesys
     throw IoError(fmt::format("{}:{}: {} is not a line of its own below [{}], so it is not replaced",
                               file.string(), number, key_of(assignment), assignment.table));
   }
-  line = line_of(assignment);
+  line = line_of(assignment, line_end_of(line));
 }
 
 void insert(std::vector<std::string>& lines, const Assignment& assignment) {
   const std::string header = "[" + assignment.table + "]";
   const auto table = std::find_if(lines.begin(), lines.end(),
                                   [&](const std::string& line) { return condensed(line) == header; });
+  const std::string line_end(lines.empty() ? "" : line_end_of(lines.front()));
   if (table != lines.end()) {
-    lines.insert(table + 1, line_of(assignment));
+    lines.insert(table + 1, line_of(assignment, line_end));
     return;
   }
-  if (!lines.empty()) lines.emplace_back();
-  lines.push_back(header);
-  lines.push_back(line_of(assignment));
+  if (!lines.empty()) lines.push_back(line_end);
+  lines.push_back(header + line_end);
+  lines.push_back(line_of(assignment, line_end));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Changes single values of a TOML file and keeps everything else, comments included.
+/// Changes single values of a TOML file and keeps everything else: comments, and how its lines end.
 
 #include <filesystem>
 #include <span>

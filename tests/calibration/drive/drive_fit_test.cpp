@@ -4,10 +4,12 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <array>
 #include <iomanip>
 #include <iostream>
 #include <string>
+#include <vector>
 
 namespace drive_fit_test {
 
@@ -17,98 +19,162 @@ using namespace sonopose::calibration::drive;
 using Catch::Contains;
 
 constexpr double degree = geometry::radians_per_degree;
-constexpr std::array measured{Quantity::mount,        Quantity::delay,       Quantity::lever_arm_x,
-                              Quantity::lever_arm_y,  Quantity::lever_arm_z, Quantity::fix_horizontal,
-                              Quantity::fix_vertical, Quantity::heading};
-
 DriveFit calibrated(const SimulatedDrive& drive) {
   return calibrate_drive(drive.recordings, settings::Settings{});
 }
 
-TEST_CASE("a drive of two minutes shows mount, delay, lever arm and noise together") {
-  // These seeds were never looked at while parameters were chosen.
-  struct Case {
-    const char* scenario;
-    std::uint64_t seed;
-    double mount_deg;
-    double delay_s;
-  };
-  for (const Case& wanted :
-       {Case{"walk", 901, 1.0, 0.008}, Case{"walk", 902, 1.0, 0.008}, Case{"forklift", 903, 0.3, 0.0025},
-        Case{"kart", 904, 0.3, 0.0025}, Case{"kart", 905, 0.3, 0.0025}}) {
-    GIVEN(std::string("an unknown installation, ") + wanted.scenario + ", seed " +
-          std::to_string(wanted.seed)) {
-      const SimulatedDrive drive = random_drive(wanted.scenario, wanted.seed);
-      WHEN("it is calibrated from the drive alone") {
+/// One drive of the tests, and what it must show.
+struct Case {
+  const char* scenario;
+  std::uint64_t seed;
+  double mount_deg;  ///< the largest error
+  double delay_s;
+  std::vector<Quantity> lever_arm;  ///< that must be known
+};
+
+const std::vector<Quantity> in_plane{Quantity::lever_arm_x, Quantity::lever_arm_y};
+const std::vector<Quantity> in_space{Quantity::lever_arm_x, Quantity::lever_arm_y, Quantity::lever_arm_z};
+
+/// These seeds were never looked at while parameters were chosen.
+std::vector<Case> cases() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return {{"walk", 901, 1.0, 0.008, in_plane}};  // one drive reaches the same code
+#else
+  return {{"walk", 901, 1.0, 0.008, in_plane},
+          {"walk", 902, 1.0, 0.008, in_plane},
+          {"forklift", 903, 0.3, 0.0025, {}},
+          {"kart", 904, 0.3, 0.0025, {Quantity::lever_arm_y}},
+          {"hand_held", 906, 0.3, 0.0025, in_space}};
+#endif
+}
+
+void check(const Case& wanted, const SimulatedDrive& drive, const DriveFit& fit) {
+  CAPTURE(wanted.scenario, wanted.seed);
+  CHECK(fit.converged);
+  CHECK(fit.mount_method == MountMethod::likelihood);
+  std::vector<Quantity> known{Quantity::mount, Quantity::delay, Quantity::fix_horizontal,
+                              Quantity::fix_vertical, Quantity::heading};
+  known.insert(known.end(), wanted.lever_arm.begin(), wanted.lever_arm.end());
+  for (const Quantity quantity : known) {
+    CAPTURE(quantity, fit[quantity].missing);
+    CHECK(fit[quantity].is_known());
+  }
+  CHECK(std::abs(error_of(drive, fit, Quantity::mount)) < wanted.mount_deg * degree);
+  CHECK(std::abs(error_of(drive, fit, Quantity::delay)) < wanted.delay_s);
+  for (const Quantity noise : {Quantity::fix_horizontal, Quantity::fix_vertical, Quantity::heading}) {
+    CAPTURE(noise);
+    CHECK(fit[noise].value == Approx(drive.true_value(noise)).epsilon(0.1));
+  }
+  for (const Quantity arm : in_space) {
+    CAPTURE(arm);
+    if (fit[arm].is_known()) CHECK(std::abs(error_of(drive, fit, arm)) < 0.0075);
+  }
+  const bool is_level = wanted.lever_arm.size() < in_space.size();
+  if (is_level) CHECK_THAT(fit[Quantity::lever_arm_z].missing, Contains("tilt"));
+}
+
+SCENARIO("a drive of two minutes shows mount, delay, lever arm and noise together") {
+  GIVEN("drives with unknown installations") {
+    WHEN("each is calibrated from its log alone") {
+      int intervals = 0;
+      int covered = 0;
+      for (const Case& wanted : cases()) {
+        const SimulatedDrive drive = random_drive(wanted.scenario, wanted.seed);
         const DriveFit fit = calibrated(drive);
-        THEN("mount, delay and noise are right") {
-          CHECK(fit.converged);
-          CHECK(fit.mount_method == MountMethod::likelihood);
-          for (const Quantity known : {Quantity::mount, Quantity::delay, Quantity::fix_horizontal,
-                                       Quantity::fix_vertical, Quantity::heading}) {
-            CAPTURE(known, fit[known].missing);
-            CHECK(fit[known].is_known());
-          }
-          CHECK(std::abs(error_of(drive, fit, Quantity::mount)) < wanted.mount_deg * degree);
-          CHECK(std::abs(error_of(drive, fit, Quantity::delay)) < wanted.delay_s);
-          for (const Quantity noise : {Quantity::fix_horizontal, Quantity::fix_vertical, Quantity::heading}) {
-            CAPTURE(noise);
-            CHECK(fit[noise].value == Approx(drive.true_value(noise)).epsilon(0.1));
-          }
-          AND_THEN("so is the lever arm where it is known, and its z on level ground is not") {
-            if (std::string(wanted.scenario) == "walk") CHECK(fit[Quantity::lever_arm_x].is_known());
-            for (const Quantity arm : {Quantity::lever_arm_x, Quantity::lever_arm_y}) {
-              if (!fit[arm].is_known()) continue;
-              CHECK(std::abs(error_of(drive, fit, arm)) < 0.005);
-            }
-            CHECK_THAT(fit[Quantity::lever_arm_z].missing, Contains("tilt"));
-          }
+        check(wanted, drive, fit);
+        for (std::size_t at = 0; at < quantity_count; ++at) {
+          const auto quantity = static_cast<Quantity>(at);
+          if (!fit[quantity].is_known()) continue;
+          ++intervals;
+          covered += is_covered(drive, fit, quantity) ? 1 : 0;
         }
+      }
+      THEN("the truth lies in 85 % of the intervals at least, which are meant for 95 %") {
+        CAPTURE(covered, intervals);
+        CHECK(covered >= 0.85 * intervals);
       }
     }
   }
 }
 
-/// Errors and intervals over many seeds, for docs/calibration.md; not part of the tests.
+/// The standard deviation that the likelihood gives a quantity, also where it is too large for a value; of a
+/// noise its logarithm's.
+double std_of(const DriveFit& fit, Quantity quantity) {
+  const Value& value = fit[quantity];
+  const double width =
+      quantity >= Quantity::fix_horizontal ? std::log(value.high / value.low) : value.high - value.low;
+  return 0.5 * width / interval_stds;
+}
+
+/// What a drive promises in docs/calibration.md; of a noise its relative error.
+double limit_of(Quantity quantity, bool is_slow) {
+  if (quantity >= Quantity::fix_horizontal) return 0.1;
+  if (quantity == Quantity::mount) return (is_slow ? 1.0 : 0.3) * degree;
+  if (quantity == Quantity::delay) return is_slow ? 0.008 : 0.0025;
+  return 0.005;
+}
+
+/// The errors of one quantity over several drives, and the standard deviations that they should have.
+struct Tally {
+  int known = 0;
+  int within = 0;
+  int covered = 0;
+  double squares_of_known = 0;
+  double squares = 0;
+  std::vector<double> stds;
+
+  void add(const SimulatedDrive& drive, const DriveFit& fit, Quantity quantity, bool is_slow) {
+    const bool is_relative = quantity >= Quantity::fix_horizontal;
+    const double error = error_of(drive, fit, quantity) / (is_relative ? drive.true_value(quantity) : 1.0);
+    squares += error * error;
+    stds.push_back(std_of(fit, quantity));
+    if (!fit[quantity].is_known()) return;
+    ++known;
+    within += std::abs(error) < limit_of(quantity, is_slow) ? 1 : 0;
+    covered += is_covered(drive, fit, quantity) ? 1 : 0;
+    squares_of_known += error * error;
+  }
+
+  void print(double scale) {
+    std::sort(stds.begin(), stds.end());
+    std::cout << known << " | " << within << " | " << covered << " | "
+              << (known == 0 ? 0.0 : scale * std::sqrt(squares_of_known / known)) << " | "
+              << scale * std::sqrt(squares / static_cast<double>(stds.size())) << " | "
+              << scale * stds.front() << " | " << scale * stds[stds.size() / 2] << " | "
+              << scale * stds.back() << '\n';
+  }
+};
+
+/// Errors, intervals and what is observable over many seeds, for docs/calibration.md; not part of the tests.
+/// `-c SCENARIO` runs one of the scenarios.
 TEST_CASE("accuracy of a calibration from a drive", "[.accuracy]") {
   constexpr std::uint64_t first_seed = 2001;
   constexpr int runs = 20;
-  std::cout << std::fixed << "scenario | quantity | known | within the limit | covered | RMS error\n";
-  for (const char* scenario :
+  for (const std::string scenario :
        {"walk", "forklift", "kart", "circle", "spin", "drone", "hand_held", "outlier_bursts"}) {
-    std::array<int, quantity_count> known{};
-    std::array<int, quantity_count> within{};
-    std::array<int, quantity_count> covered{};
-    std::array<double, quantity_count> squares{};
-    const bool is_slow = std::string_view(scenario) == "walk";
-    for (int run = 0; run < runs; ++run) {
-      const SimulatedDrive drive = random_drive(scenario, first_seed + static_cast<std::uint64_t>(run));
-      const DriveFit fit = calibrated(drive);
-      for (const Quantity quantity : measured) {
-        const auto at = static_cast<std::size_t>(quantity);
-        if (!fit[quantity].is_known()) continue;
-        const bool is_relative = quantity >= Quantity::fix_horizontal;
-        const double error = error_of(drive, fit, quantity) / (is_relative ? drive.truth[at] : 1.0);
-        const double limit = is_relative                   ? 0.1
-                             : quantity == Quantity::mount ? (is_slow ? 1.0 : 0.3) * degree
-                             : quantity == Quantity::delay ? (is_slow ? 0.008 : 0.0025)
-                                                           : 0.005;
-        ++known.at(at);
-        within.at(at) += std::abs(error) < limit ? 1 : 0;
-        covered.at(at) += is_covered(drive, fit, quantity) ? 1 : 0;
-        squares.at(at) += error * error;
+    SECTION(scenario) {
+      std::array<Tally, quantity_count> tallies;
+      for (int run = 0; run < runs; ++run) {
+        const SimulatedDrive drive = random_drive(scenario, first_seed + static_cast<std::uint64_t>(run));
+        const DriveFit fit = calibrated(drive);
+        for (std::size_t at = 0; at < quantity_count; ++at) {
+          tallies.at(at).add(drive, fit, static_cast<Quantity>(at), scenario == "walk");
+        }
       }
+      std::cout
+          << std::fixed << std::setprecision(2)
+          << "scenario | quantity | known | within the limit | covered | RMS error of the known | of all | "
+             "least standard deviation | median | largest (deg, ms, mm, %)\n";
+      for (std::size_t at = 0; at < quantity_count; ++at) {
+        const auto quantity = static_cast<Quantity>(at);
+        const double scale = quantity == Quantity::mount            ? 1.0 / degree
+                             : quantity >= Quantity::fix_horizontal ? 100.0
+                                                                    : 1000.0;
+        std::cout << scenario << " | " << choices_of(quantity).at(at) << " | ";
+        tallies.at(at).print(scale);
+      }
+      std::cout << std::flush;
     }
-    for (const Quantity quantity : measured) {
-      const auto at = static_cast<std::size_t>(quantity);
-      const double scale = quantity == Quantity::mount            ? 1.0 / degree
-                           : quantity >= Quantity::fix_horizontal ? 100.0
-                                                                  : 1000.0;
-      std::cout << scenario << " | " << choices_of(quantity).at(at) << " | " << known.at(at) << " | "
-                << within.at(at) << " | " << covered.at(at) << " | " << std::setprecision(2)
-                << (known.at(at) == 0 ? 0.0 : scale * std::sqrt(squares.at(at) / known.at(at))) << '\n';
-    }
-    std::cout << std::flush;
   }
 }
 

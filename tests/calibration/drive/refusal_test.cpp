@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -17,6 +18,8 @@ using namespace sonopose;
 using namespace sonopose::test;
 using namespace sonopose::calibration::drive;
 using Catch::Contains;
+
+constexpr double short_drive_s = 60.0;
 
 DriveFit calibrated(const std::vector<Event>& events) {
   const std::vector<std::vector<Event>> recordings{events};
@@ -57,17 +60,15 @@ sim::Path straight_on(double time_s) {
 SCENARIO("neither rest nor a constant velocity shows mount, delay and lever arm") {
   for (const auto path : {at_rest, at_constant_velocity}) {
     GIVEN(std::string(path == at_rest ? "a body at rest" : "a body at constant velocity")) {
-      const std::vector<Event> events = events_on(path, 911, 90.0);
+      const std::vector<Event> events = events_on(path, 911, short_drive_s);
       WHEN("it is calibrated") {
         const DriveFit fit = calibrated(events);
-        THEN("they are refused, with the motion that is missing") {
+        THEN("they are refused, with the motion that is missing; the noise of the fixes is known") {
           CHECK_THAT(fit[Quantity::mount].missing, Contains("accelerate"));
           CHECK_THAT(fit[Quantity::delay].missing, Contains("change speed"));
           CHECK_THAT(fit[Quantity::lever_arm_x].missing, Contains("turn"));
           CHECK_THAT(fit[Quantity::lever_arm_y].missing, Contains("turn"));
           CHECK_THAT(fit[Quantity::lever_arm_z].missing, Contains("tilt"));
-        }
-        AND_THEN("the noise of the fixes is known all the same") {
           CHECK(fit[Quantity::fix_vertical].is_known());
         }
       }
@@ -77,7 +78,7 @@ SCENARIO("neither rest nor a constant velocity shows mount, delay and lever arm"
 
 SCENARIO("a drive without a turn shows the mount but no lever arm") {
   GIVEN("a body that accelerates and brakes along a line") {
-    const std::vector<Event> events = events_on(straight_on, 912, 120.0);
+    const std::vector<Event> events = events_on(straight_on, 912, 90.0);
     WHEN("it is calibrated") {
       const DriveFit fit = calibrated(events);
       THEN("the mount is right and the lever arm refused") {
@@ -98,6 +99,91 @@ SCENARIO("a single beacon has no mount") {
       THEN("mount and noise of headings are refused, the delay is right") {
         CHECK_THAT(fit[Quantity::mount].missing, Contains("paired beacons"));
         CHECK_THAT(fit[Quantity::heading].missing, Contains("paired beacons"));
+        REQUIRE(fit[Quantity::delay].is_known());
+        CHECK(std::abs(error_of(drive, fit, Quantity::delay)) < 0.008);
+      }
+    }
+  }
+}
+
+/// To and fro about one centre, at up to 2.4 m/s.
+sim::Path on_one_circle(double time_s) {
+  constexpr double lap_s = 8.0;
+  constexpr double radius_m = 4.0;
+  constexpr double way_rad = 1.2;
+  const double in_lap_s = sim::time_in_lap(time_s, lap_s);
+  const sim::Jet angle =
+      sim::drive(in_lap_s, 0.2, way_rad, 0.6, 1.0) - sim::drive(in_lap_s, 4.2, way_rad, 0.6, 1.0);
+  sim::Path path;
+  path.x = sim::Jet{radius_m} * sin(angle);
+  path.y = sim::Jet{-radius_m} * cos(angle);
+  path.yaw = angle;
+  return path;
+}
+
+SCENARIO("on one circle the mount cannot be told from the lever arm, whatever the speed") {
+  // If the IMU is moved around the centre and turned by the same angle, it measures the same.
+  GIVEN("a body that drives to and fro on a circle") {
+    const std::vector<Event> events = events_on(on_one_circle, 915, short_drive_s);
+    WHEN("it is calibrated") {
+      const DriveFit fit = calibrated(events);
+      THEN("mount and lever arm are refused, the delay is right") {
+        CHECK_THAT(fit[Quantity::mount].missing, Contains("on one circle"));
+        CHECK_THAT(fit[Quantity::lever_arm_x].missing, Contains("turn"));
+        REQUIRE(fit[Quantity::delay].is_known());
+        CHECK(fit[Quantity::delay].value == Approx(0.03).margin(0.008));
+      }
+    }
+  }
+}
+
+/// The same log as a single beacon records it.
+std::vector<Event> without_headings(std::vector<Event> events) {
+  std::erase_if(events, [](const Event& event) { return std::holds_alternative<PairHeading>(event); });
+  return events;
+}
+
+/// The headings arrive so late that no engine can use them.
+std::vector<Event> with_late_headings(std::vector<Event> events) {
+  constexpr TimeNs late_ns = 20'000'000'000;
+  for (Event& event : events) {
+    if (auto* heading = std::get_if<PairHeading>(&event)) heading->received_time_ns += late_ns;
+  }
+  std::stable_sort(events.begin(), events.end(),
+                   [](const Event& a, const Event& b) { return available_at_ns(a) < available_at_ns(b); });
+  return events;
+}
+
+SCENARIO("the logs of one installation need not all have headings") {
+  GIVEN("two drives, of which the second starts in another direction") {
+    const std::vector<Event> first = random_drive("kart", 916, short_drive_s).recordings.front();
+    const SimulatedDrive drive = random_drive("forklift", 916, short_drive_s);
+    const std::vector<Event>& second = drive.recordings.front();
+    for (const bool are_late : {false, true}) {
+      WHEN(std::string("the headings of the second are ") +
+           (are_late ? "refused by the engine" : "missing")) {
+        const std::vector<std::vector<Event>> recordings{
+            first, are_late ? with_late_headings(second) : without_headings(second)};
+        const DriveFit fit = calibrate_drive(recordings, settings::Settings{});
+        THEN("mount and delay are right, and all fixes count") {
+          CHECK(fit.converged);
+          REQUIRE(fit[Quantity::mount].is_known());
+          REQUIRE(fit[Quantity::delay].is_known());
+          CHECK(std::abs(error_of(drive, fit, Quantity::mount)) < geometry::radians_per_degree);
+          CHECK(std::abs(error_of(drive, fit, Quantity::delay)) < 0.004);
+          CHECK(static_cast<double>(fit.fixes_used) > 0.95 * static_cast<double>(fit.fixes));
+          CHECK(fit.squared_fix_innovation == Approx(1.0).margin(0.15));
+        }
+      }
+    }
+  }
+  GIVEN("one drive whose headings the engine refuses") {
+    const SimulatedDrive drive = random_drive("forklift", 917, short_drive_s);
+    WHEN("it is calibrated") {
+      const DriveFit fit = calibrated(with_late_headings(drive.recordings.front()));
+      THEN("the mount is refused with the reason, and the delay is right") {
+        CHECK(fit.headings_used == 0);
+        CHECK_THAT(fit[Quantity::mount].missing, Contains("none of them could be used"));
         REQUIRE(fit[Quantity::delay].is_known());
         CHECK(std::abs(error_of(drive, fit, Quantity::delay)) < 0.008);
       }

@@ -37,7 +37,7 @@ inline SimulatedDrive drive_with(std::string_view scenario, const sim::SensorSet
 }
 
 /// Mount, delay, lever arm and noise drawn from the seed.
-inline SimulatedDrive random_drive(std::string_view scenario, std::uint64_t seed) {
+inline SimulatedDrive random_drive(std::string_view scenario, std::uint64_t seed, double duration_s = 120.0) {
   constexpr std::uint64_t stream = 99;
   sim::Random random(seed, stream);
   sim::SensorSettings sensors = sim::find_scenario(scenario).sensors;
@@ -46,7 +46,7 @@ inline SimulatedDrive random_drive(std::string_view scenario, std::uint64_t seed
   for (double& component : sensors.imu_from_tracked_point_body_m) component = random.uniform_in({-0.1, 0.1});
   sensors.fix_noise_m = random.uniform_in({0.015, 0.025});
   sensors.heading_noise_rad = random.uniform_in({0.5, 1.5}) * geometry::radians_per_degree;
-  return drive_with(scenario, sensors, seed);
+  return drive_with(scenario, sensors, seed, duration_s);
 }
 
 /// Found minus true; an angle the short way round.

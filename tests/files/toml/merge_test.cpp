@@ -34,6 +34,17 @@ SCENARIO("merging changes only the lines of its values") {
       }
     }
   }
+  GIVEN("a file with the line ends of Windows and a byte order mark") {
+    write_text(file, "\xEF\xBB\xBF[heading]\r\nmount_offset_deg = 90.0\r\n# mine");
+    WHEN("values are merged") {
+      files::toml::merge(file, assignments);
+      THEN("its lines end as before, also the new ones") {
+        CHECK(read_text(file) ==
+              "\xEF\xBB\xBF[heading]\r\nmount_offset_deg = 84.5  # +- 0.2 deg\r\n# mine\r\n"
+              "\r\n[delay]\r\ncorrection_s = -0.012\r\n");
+      }
+    }
+  }
   GIVEN("no file") {
     files::toml::merge(file, assignments);
     THEN("there is one with the values") {
