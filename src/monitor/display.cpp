@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -31,7 +32,7 @@ public:
   }
 };
 
-/// Draws once a second, and after a key, a message or a resize, at most ten times a second.
+/// Draws once a second, soon after a key, and at most twice a second for messages.
 class FullScreen final : public Display {
 public:
   void show(std::vector<observation::BeaconView> views, std::vector<std::string> warnings) override {
@@ -42,7 +43,7 @@ public:
 
   bool poll() override {
     while (const auto key = terminal_.key()) {
-      is_stale_ = true;
+      draw_after_ns_ = least_key_period_ns;
       switch (screen_.on_key(*key)) {
         case Command::none:
           break;
@@ -55,18 +56,19 @@ public:
       }
     }
     for (std::string& line : terminal_.messages()) on_message(std::move(line));
-    if (is_stale_ && clocks::steady_now() - drawn_ >= least_period_ns) draw();
+    if (draw_after_ns_ && clocks::steady_now() - drawn_ >= *draw_after_ns_) draw();
     return false;
   }
 
 private:
-  static constexpr TimeNs least_period_ns = 100'000'000;
+  static constexpr TimeNs least_key_period_ns = 50'000'000;
+  static constexpr TimeNs least_message_period_ns = 500'000'000;
 
   void update() {
     std::vector<observation::BeaconView> views = received_;
     counters_.apply(views, seconds_between(start_, clocks::steady_now()));
     screen_.show(std::move(views), warnings_);
-    is_stale_ = true;
+    draw_after_ns_ = least_key_period_ns;
   }
 
   void on_message(std::string line) {
@@ -74,7 +76,7 @@ private:
     if (line.starts_with(prefix)) line.erase(0, prefix.size());
     message_ = std::move(line);
     message_time_ = clocks::steady_now();
-    is_stale_ = true;
+    draw_after_ns_ = draw_after_ns_.value_or(least_message_period_ns);
   }
 
   void draw() {
@@ -84,7 +86,7 @@ private:
     }
     terminal_.draw(screen_.lines(terminal_.size()));
     drawn_ = now;
-    is_stale_ = false;
+    draw_after_ns_.reset();
   }
 
   terminal::Terminal terminal_;
@@ -96,7 +98,7 @@ private:
   std::string message_;
   SteadyTime message_time_{};
   SteadyTime drawn_{};
-  bool is_stale_ = true;
+  std::optional<TimeNs> draw_after_ns_ = 0;  ///< since the last time; empty: nothing has changed
 };
 
 }  // namespace
@@ -108,9 +110,14 @@ std::unique_ptr<Display> make_display(Output output) {
     case Output::json:
       return std::make_unique<PrintedJson>();
     case Output::screen:
-      return std::make_unique<FullScreen>();
+      break;
   }
-  return nullptr;
+  try {
+    return std::make_unique<FullScreen>();
+  } catch (const terminal::NoScreen& error) {
+    fmt::print(stderr, "sonopose-monitor: {}; tables instead of a screen\n", error.what());
+    return std::make_unique<PrintedTable>();
+  }
 }
 
 }  // namespace sonopose::monitor

@@ -30,7 +30,7 @@ public:
   virtual bool poll() { return false; }
 };
 
-/// Throws what terminal::Terminal throws, for a screen.
+/// A table instead of a screen if the type of the terminal is unknown. Throws std::system_error.
 std::unique_ptr<Display> make_display(Output output);
 
 }  // namespace sonopose::monitor

@@ -127,19 +127,20 @@ std::vector<Line> Screen::lines(terminal::Size size) {
 }
 
 std::string Screen::title() const {
-  if (page_) return fmt::format("sonopose-monitor   beacon {}   Esc: the table", *page_);
+  if (page_) return fmt::format("beacon {}   Esc: the table   sonopose-monitor", *page_);
   const auto count = [this](int least, int below) {
     return std::count_if(views_.begin(), views_.end(), [&](const observation::BeaconView& view) {
       return severity_of(view) >= least && severity_of(view) < below;
     });
   };
   const std::string_view order = order_words[static_cast<std::size_t>(order_)];
-  std::string text = fmt::format("sonopose-monitor   {} beacons: {} bad, {} with warnings   by {}",
-                                 views_.size(), count(bad_severity, 1000), count(1, bad_severity), order);
+  std::string text = fmt::format("{} beacons by {}", views_.size(), order);
   const std::size_t rows = body_rows();
   if (views_.size() > rows) {
-    text += fmt::format("   rows {}-{}", first_row_ + 1, std::min(first_row_ + rows, views_.size()));
+    text += fmt::format(", rows {}-{}", first_row_ + 1, std::min(first_row_ + rows, views_.size()));
   }
+  text += fmt::format("   {} bad, {} warned   sonopose-monitor", count(bad_severity, 1000),
+                      count(1, bad_severity));
   return text;
 }
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <cwchar>
 #include <langinfo.h>
-#include <stdexcept>
+#include <string>
 #include <string_view>
 #include <unistd.h>
 
@@ -88,6 +88,18 @@ wchar_t next_character(std::string_view& text) {
   return good && ::wcwidth(character) >= 0 ? character : L'\uFFFD';
 }
 
+/// The characters of a UTF-8 text that fit into the columns that are left.
+std::wstring wide(std::string_view text, int& columns_left) {
+  std::wstring characters;
+  while (!text.empty()) {
+    const wchar_t character = next_character(text);
+    columns_left -= ::wcwidth(character);
+    if (columns_left < 0) break;  // it would continue on the next line
+    characters += character;
+  }
+  return characters;
+}
+
 }  // namespace
 
 bool is_screen() {
@@ -104,7 +116,7 @@ public:
     ::set_escdelay(25);
     screen_ = ::newterm(nullptr, stdout, stdin);
     if (screen_ == nullptr) {
-      throw std::runtime_error(std::string("the terminal type TERM=") + std::getenv("TERM") + " is unknown");
+      throw NoScreen(std::string("TERM=") + std::getenv("TERM") + ": unknown type of terminal");
     }
     ::cbreak();
     ::noecho();
@@ -164,17 +176,12 @@ private:
   }
 
   void draw(int row, const Line& line) {
-    const int width = ::getmaxx(stdscr);
-    int column = 0;
+    int columns_left = ::getmaxx(stdscr);
     ::wmove(stdscr, row, 0);
     for (const Span& span : line) {
+      const std::wstring characters = wide(span.text, columns_left);
       ::wattrset(stdscr, static_cast<int>(attributes(span.style)));
-      for (std::string_view rest = span.text; !rest.empty();) {
-        const wchar_t character = next_character(rest);
-        column += ::wcwidth(character);
-        if (column > width) break;  // it would continue on the next line
-        ::waddnwstr(stdscr, &character, 1);
-      }
+      ::waddnwstr(stdscr, characters.data(), static_cast<int>(characters.size()));
     }
     ::wattrset(stdscr, A_NORMAL);
   }

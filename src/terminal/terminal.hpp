@@ -8,6 +8,7 @@
 
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -16,13 +17,19 @@ namespace sonopose::terminal {
 /// Whether standard input and output are a terminal that can show a screen: TERM is set and is not "dumb".
 [[nodiscard]] bool is_screen();
 
+/// The terminal cannot show a screen.
+class NoScreen : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
 /// The terminal in full-screen mode during its lifetime. It is restored by the destructor and by a crash.
 /// Lines on standard error wait for `messages`. One per process, used by one thread.
 ///
 /// Colours are used if the terminal has them and NO_COLOR is not set.
 class Terminal {
 public:
-  /// Throws std::runtime_error if the terminal is of an unknown type, std::system_error.
+  /// Throws NoScreen if the terminal is of an unknown type, std::system_error.
   Terminal();
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;

@@ -136,7 +136,8 @@ SCENARIO("the table fills the rows between the title and the message") {
     THEN("each has a row, as far as there are rows") {
       CHECK(addresses_on(screen, size).size() == std::min<std::size_t>(count, size.rows - 4));
       const auto lines = texts_of(screen.lines(size));
-      CHECK_THAT(lines[0], Contains(fmt::format("{} beacons: 0 bad", count)));
+      CHECK_THAT(lines[0],
+                 Contains(fmt::format("{} beacons by worst", count)) && Contains("0 bad, 0 warned"));
       CHECK_THAT(lines[1], Contains("beacon") && Contains("status"));
       CHECK_THAT(lines[2], Contains("100.0") && Contains("12.0") && Contains("1.00") && Contains("0.93") &&
                                Contains("0.34") && Contains("ok"));
