@@ -1,27 +1,78 @@
-// sonopose-monitor: a live table of every beacon on the bus.
+// sonopose-monitor: a live view of every beacon on the bus, or the samples of one topic.
 
+#include "monitor/echo/echo.hpp"
 #include "monitor/monitor_node.hpp"
 #include "support/bus_options.hpp"
+#include "support/nearest.hpp"
+#include "terminal/terminal.hpp"
 
-#include <unistd.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+using namespace sonopose;
+
+namespace {
+
+/// Refuses what is no topic, with the nearest one and all of them.
+CLI::Validator topic_name() {
+  return {[](const std::string& text) {
+            const auto names = monitor::echo::topic_names();
+            const std::string topic = monitor::echo::short_name(text);
+            if (std::find(names.begin(), names.end(), topic) != names.end()) return std::string();
+            const std::string meant = apps::suggestion(topic, names);
+            return fmt::format("{}: unknown topic{} All topics: {}", text, meant.empty() ? "." : meant,
+                               fmt::join(names, ", "));
+          },
+          ""};
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
-  sonopose::apps::BusOptions bus;
-  sonopose::monitor::MonitorOptions options;
-  sonopose::apps::Program app("monitor", "It prints a summary at the end.");
+  apps::BusOptions bus;
+  monitor::MonitorOptions options;
+  monitor::echo::EchoOptions echo;
+  bool json = false;
+  double duration_s = 0.0;
+  apps::Program app(
+      "monitor",
+      "On a terminal it fills the screen (? shows the keys); elsewhere it prints a table per second. "
+      "It prints a summary at the end.");
   add_bus_options(app, bus);
-  app.add_flag("--json", options.json, "Print one JSON object per second instead of the table");
+  CLI::Option* json_option = app.add_flag("--json", json, "Print one JSON object per second");
   add_max_beacons(app, "Show", options.max_beacons);
-  app.add_option("--duration", options.duration_s, "Exit after this many seconds; 0: run until stopped")
-      ->check(sonopose::apps::number_between(0.0))
+  app.add_option("--duration", duration_s, "Exit after this many seconds; 0: run until stopped")
+      ->check(apps::number_between(0.0))
       ->capture_default_str();
-  return sonopose::apps::run(app, argc, argv, [&] {
+  CLI::Option* topic =
+      app.add_option("--echo", echo.topic, "Print each sample of a topic as a JSON object on a line")
+          ->check(topic_name())
+          ->type_name("TOPIC")
+          ->excludes(json_option);
+  app.add_option("--beacon", echo.beacon, "With --echo: only the samples of this beacon")
+      ->type_name("ADDRESS")
+      ->needs(topic);
+  app.add_option("--count", echo.count, "With --echo: exit after this many samples; 0: no limit")
+      ->type_name("N")
+      ->needs(topic);
+  return apps::run(app, argc, argv, [&] {
+    process::StopSignal stop;
+    stop.listen_to_signals();
+    if (!echo.topic.empty()) {
+      echo.domain = bus.domain;
+      echo.qos_file = bus.qos_file;
+      echo.duration_s = duration_s;
+      return monitor::echo::echo(echo, stop) ? 0 : 1;  // no sample in the whole duration is an error
+    }
     options.domain = bus.domain;
     options.qos_file = bus.qos_file;
-    options.redraw = !options.json && ::isatty(STDOUT_FILENO) == 1;
-    sonopose::process::StopSignal stop;
-    stop.listen_to_signals();
-    const auto poses = sonopose::monitor::monitor(options, stop);
+    options.duration_s = duration_s;
+    options.output = json                    ? monitor::Output::json
+                     : terminal::is_screen() ? monitor::Output::screen
+                                             : monitor::Output::table;
+    const auto poses = monitor::monitor(options, stop);
     return poses > 0 || stop.requested() ? 0 : 1;  // no pose in the whole duration is an error
   });
 }

@@ -1,6 +1,7 @@
 #include "monitor/monitor_node.hpp"
 
 #include "clocks/clocks.hpp"
+#include "monitor/display.hpp"
 #include "monitor/monitor_report.hpp"
 #include "observation/beacon_observers.hpp"
 #include "process/free_memory.hpp"
@@ -14,6 +15,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,17 +39,6 @@ struct Subscription {
   observation::ObservingListener<T> listener;
   dds::DataReader<T> reader;
 };
-
-void print(const MonitorOptions& options, const std::vector<observation::BeaconView>& views,
-           const std::vector<std::string>& warnings) {
-  if (options.json) {
-    fmt::print("{}\n", json_of(views, warnings, clocks::host_now()));
-  } else {
-    // Cursor home, then clear to the end of the screen: the new table replaces the old one.
-    fmt::print("{}{}", options.redraw ? "\x1b[H\x1b[J" : "", table_of(views, warnings));
-  }
-  std::fflush(stdout);
-}
 
 /// Logs increases of the counters of this program's own readers.
 class EndpointLogger {
@@ -182,7 +174,7 @@ private:
 
 }  // namespace
 
-std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& stop) {
+std::uint64_t monitor(const MonitorOptions& options, process::StopSignal& stop) {
   const dds::qos::Provider qos(options.qos_file);
   const dds::DomainParticipant participant(options.domain);
   observation::BeaconObservers observers(dds::deadline_of(qos.datareader_qos(topics::pose.profile)).count());
@@ -195,6 +187,11 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
   const Subscription estimate(participant, qos, topics::estimate, observers, admission, endpoints);
   const Subscription fusion_status(participant, qos, topics::fusion_status, observers, admission, endpoints);
 
+  std::optional<Subscription<sonopose_FixReport>> report;  // only a screen shows what became of a fix
+  if (options.output == Output::screen) {
+    report.emplace(participant, qos, topics::report, observers, admission, endpoints);
+  }
+
   LineObserver lines(participant, qos);
   PoseWriterLogger pose_writers(participant);
   GoneBeacons gone;
@@ -205,9 +202,13 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
   SteadyTime next_pose_writers = clocks::steady_now() + pose_writers_period_ns;
   const SteadyTime end =
       options.duration_s > 0 ? clocks::steady_now() + to_ns(options.duration_s) : SteadyTime::max();
-  if (options.redraw) fmt::print("\x1b[2J");
+  std::unique_ptr<Display> display = make_display(options.output);
   constexpr TimeNs poll_period_ns = 20'000'000;
   while (next <= end && !stop.wait_until(std::min(next, clocks::steady_now() + poll_period_ns))) {
+    if (display->poll()) {
+      stop.request();
+      break;
+    }
     log_silences(observers.silence_changes());
     endpoint_logger.log(endpoints);
     if (clocks::steady_now() >= next_pose_writers) {
@@ -220,16 +221,17 @@ std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& 
     std::vector<std::string> warnings = lines.warnings();
     warnings.insert(warnings.end(), pose_writers.warnings().begin(), pose_writers.warnings().end());
     if (auto text = admission.warning()) warnings.push_back(*std::move(text));
-    print(options, observers.take_windows(clocks::host_now()), warnings);
+    display->show(observers.take_windows(clocks::host_now()), std::move(warnings));
     next += period_ns;
   }
   stop.wait_until(std::min(end, next));
+  display.reset();  // a screen ends before the summary
 
   std::vector<observation::BeaconView> summaries;
   for (const auto& entry : gone.summaries()) summaries.push_back(entry.second);
   const auto present = observers.summaries(clocks::host_now());
   summaries.insert(summaries.end(), present.begin(), present.end());
-  if (!options.json) fmt::print("\n{}", summary_of(summaries));
+  if (options.output != Output::json) fmt::print("\n{}", summary_of(summaries));
   std::uint64_t poses = gone.poses();
   for (const observation::BeaconView& view : present) poses += view.poses;
   return poses;

@@ -1,7 +1,9 @@
 #pragma once
 /// \file
-/// The monitor process: subscribes to all topics and prints a live table, or JSON for programs.
+/// The monitor process: subscribes to all topics and shows them on a screen, as a table, or as JSON for
+/// programs.
 
+#include "monitor/display.hpp"
 #include "process/beacon_admission.hpp"
 #include "process/stop_signal.hpp"
 #include <sonopose/dds/binding/domain.hpp>
@@ -16,13 +18,12 @@ struct MonitorOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
   std::size_t max_beacons = process::BeaconAdmission::default_max_beacons;  ///< to show at a time
-  bool json = false;      ///< print one object per second instead of the table and the summary
-  bool redraw = false;    ///< overwrite the previous table (on a terminal)
-  double duration_s = 0;  ///< 0: run until stopped
+  Output output = Output::table;  ///< a table and a screen are followed by a summary
+  double duration_s = 0;          ///< 0: run until stopped
 };
 
-/// Prints to standard output until the stop or the end of the duration. Returns the number of poses received.
-/// Throws dds::Error, dds::qos::FileError.
-std::uint64_t monitor(const MonitorOptions& options, const process::StopSignal& stop);
+/// Shows what it observes until the stop or the end of the duration; the key q requests the stop. Returns the
+/// number of poses received. Throws dds::Error, dds::qos::FileError, std::system_error.
+std::uint64_t monitor(const MonitorOptions& options, process::StopSignal& stop);
 
 }  // namespace sonopose::monitor

@@ -1,29 +1,14 @@
 #include "monitor/monitor_report.hpp"
 
 #include "monitor/estimate_table.hpp"
-#include "observation/status_counters.hpp"
-#include "observation/status_words.hpp"
-#include <sonopose/geometry/rotation.hpp>
+#include "monitor/words.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <array>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 namespace sonopose::monitor {
 namespace {
-
-double heading_deg(const FusedPose& pose) {
-  return geometry::yaw_of(pose.q_body_to_world) / geometry::radians_per_degree;
-}
-
-/// Milliseconds to two decimal places, "-" if unknown.
-std::string ms(double seconds) {
-  return seconds == seconds ? fmt::format("{:.2f}", seconds * 1e3) : "-";
-}
 
 /// "0.03/0.12": median and 99th percentile in milliseconds.
 std::string ms_pair(const observation::Percentiles& percentiles) {
@@ -34,69 +19,6 @@ std::string worst_words(const observation::PoseTrace& worst) {
   const auto segments_s = worst.segments_s();
   return fmt::format("{} = {} + {} + {} (event {})", ms(worst.latency_s()), ms(segments_s[1]),
                      ms(segments_s[2]), ms(segments_s[3]), worst.sequence);
-}
-
-std::string_view role_word(FusionRole role) {
-  constexpr std::array<std::string_view, 4> words{"sole", "warming up", "serving", "stalled"};
-  return words[static_cast<std::size_t>(role)];
-}
-
-/// The state of the pose stream of a beacon.
-std::string stream_words(const observation::BeaconView& view) {
-  if (view.lost) return "lost";
-  if (view.poses + view.predicted == 0) return "silent";
-  if (view.fusion && view.fusion->imu_silent)
-    return "IMU silent, " + observation::status_words(view.pose.status);
-  return observation::status_words(view.pose.status);
-}
-
-using Counted = std::pair<std::uint64_t, std::string_view>;
-
-/// "3 IMU deadlines missed, 1 bridge losses"; empty if all counts are 0.
-std::string counted_words(const std::vector<Counted>& counts) {
-  std::vector<std::string> words;
-  for (const auto& [count, what] : counts) {
-    if (count > 0) words.push_back(fmt::format("{} {}", count, what));
-  }
-  return fmt::format("{}", fmt::join(words, ", "));
-}
-
-template <class Status, std::size_t Size>
-std::vector<Counted> problems_in(const Status& status,
-                                 const std::array<observation::StatusCounter<Status>, Size>& counters) {
-  std::vector<Counted> problems;
-  for (const auto& counter : counters) {
-    if (!counter.problem.empty()) problems.emplace_back(status.*counter.value, counter.problem);
-  }
-  return problems;
-}
-
-std::string bridge_problems(const BeaconStatus& bridge) {
-  std::vector<Counted> problems = problems_in(bridge, observation::bridge_counters);
-  problems.emplace_back(bridge.other_bridges, "other bridges");
-  return counted_words(problems);
-}
-
-std::string fusion_problems(const FusionStatus& fusion) {
-  return counted_words(problems_in(fusion, observation::fusion_counters));
-}
-
-/// The problem counters of one beacon, a line for each process with at least one.
-std::string problems_of(const observation::BeaconView& view) {
-  std::string text;
-  const auto add_line = [&](std::string_view process, const std::string& words) {
-    if (!words.empty()) text += fmt::format("{:>6}  {}: {}\n", view.address, process, words);
-  };
-  if (view.bridge) add_line("bridge", bridge_problems(*view.bridge));
-  for (const FusionStatus& fusion : view.fusions) {
-    const std::string process = view.fusions.size() > 1 ? fmt::format("fusion of strength {} ({})",
-                                                                      fusion.strength, role_word(fusion.role))
-                                                        : "fusion";
-    add_line(process, fusion_problems(fusion));
-  }
-  add_line("here", counted_words({{view.deadlines_missed, "pose deadlines missed"},
-                                  {view.losses, "pose stream losses"}}));
-  return text;
 }
 
 std::string segments_table_of(const std::vector<observation::BeaconView>& views) {

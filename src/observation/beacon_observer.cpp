@@ -92,6 +92,7 @@ BeaconView BeaconObserver::view_of(const Span& span, BeaconAddress address, Time
     const auto estimate = estimates_.find(view.fusion->fusion_id);
     if (estimate != estimates_.end()) view.estimate = estimate->second;
   }
+  view.report = report_;
   view.losses = losses_;
   view.lost = lost_;
   view.deadlines_missed = deadlines_missed_;

@@ -29,6 +29,7 @@ struct BeaconView {
   std::optional<FusionStatus> fusion;          ///< of the strongest fusion that serves the beacon
   std::vector<FusionStatus> fusions;           ///< of all fusions of the beacon, ordered by serves_before
   std::optional<Estimate> estimate;            ///< of the same fusion as `fusion`
+  std::optional<FixReport> report;             ///< of the latest fix, if the observer receives reports
   std::uint64_t deadlines_missed = 0;          ///< of the pose stream, since the start
   std::uint64_t losses = 0;                    ///< times that the pose stream lost its last writer
   bool lost = false;                           ///< the pose stream has no writer now
@@ -50,6 +51,9 @@ public:
   void on(const BeaconStatus& status) { bridge_ = status; }
   void on(const FusionStatus& status) { fusions_[status.fusion_id] = status; }
   void on(const Estimate& estimate) { estimates_[estimate.fusion_id] = estimate; }
+  void on(const FixReport& report) {
+    if (report.hypothesis == 0) report_ = report;  // the poses are of the main hypothesis
+  }
   void on_deadline_missed(std::uint64_t count) { deadlines_missed_ += count; }
   /// The pose stream has lost its last writer. The next pose ends this state.
   void on_pose_lost();
@@ -88,6 +92,7 @@ private:
   std::optional<BeaconStatus> bridge_;
   std::map<std::uint64_t, FusionStatus> fusions_;
   std::map<std::uint64_t, Estimate> estimates_;
+  std::optional<FixReport> report_;
   std::uint64_t losses_ = 0;
   bool lost_ = false;
   std::uint64_t deadlines_missed_ = 0;

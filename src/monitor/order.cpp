@@ -1,0 +1,86 @@
+#include "monitor/order.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+namespace sonopose::monitor {
+namespace {
+
+constexpr double nothing = -std::numeric_limits<double>::infinity();
+
+/// For sorting: the largest comes first.
+double known_or_least(double value) {
+  return std::isnan(value) ? nothing : value;
+}
+
+double key_of(const observation::BeaconView& view, Order order) {
+  switch (order) {
+    case Order::worst:
+      return severity_of(view);
+    case Order::address:
+      return 0.0;
+    case Order::error:
+      return known_or_least(error_m(view));
+    case Order::trust:
+      return has_pose(view) ? -view.pose.trust : nothing;
+    case Order::latency:
+      return known_or_least(view.latency.p99_s);
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+int severity_of(const observation::BeaconView& view) {
+  if (view.lost) return 100;
+  if (view.poses + view.predicted == 0) return 95;
+  if (view.fusion && view.fusion->imu_silent) return 90;
+  constexpr std::array<std::pair<std::uint32_t, int>, 11> severities{{{status_initialising, 80},
+                                                                      {status_stale, 75},
+                                                                      {status_frozen_track, 70},
+                                                                      {status_overloaded, 65},
+                                                                      {status_low_trust, 60},
+                                                                      {status_late, 55},
+                                                                      {status_imu_gap, 40},
+                                                                      {status_converging, 35},
+                                                                      {status_heading_unknown, 30},
+                                                                      {status_uncalibrated, 20},
+                                                                      {status_rotating_fast, 5}}};
+  constexpr int severity_of_others = 45;
+  std::uint32_t rest = view.pose.status & ~std::uint32_t{status_predicted};  // no fault
+  int worst = 0;
+  for (const auto& [bit, severity] : severities) {
+    if ((rest & bit) != 0U) worst = std::max(worst, severity);
+    rest &= ~bit;
+  }
+  return rest != 0U ? std::max(worst, severity_of_others) : worst;
+}
+
+bool has_pose(const observation::BeaconView& view) {
+  return view.pose.time_ns != 0;
+}
+
+double error_m(const observation::BeaconView& view) {
+  if (view.position_error_rms_m) return *view.position_error_rms_m;
+  return has_pose(view) ? position_std_m(view.pose).norm() : std::numeric_limits<double>::quiet_NaN();
+}
+
+void sort(std::vector<observation::BeaconView>& views, Order order) {
+  // Sorting moves handles: a view is large.
+  std::vector<std::tuple<double, double, BeaconAddress, std::size_t>> keys;
+  keys.reserve(views.size());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const double second = order == Order::worst ? known_or_least(error_m(views[i])) : 0.0;
+    keys.emplace_back(-key_of(views[i], order), -second, views[i].address, i);
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<observation::BeaconView> sorted;
+  sorted.reserve(views.size());
+  for (const auto& key : keys) sorted.push_back(std::move(views[std::get<3>(key)]));
+  views = std::move(sorted);
+}
+
+}  // namespace sonopose::monitor

@@ -1,0 +1,60 @@
+#pragma once
+/// \file
+/// The monitor's screen: what it shows, and what its keys do. Values in, lines out.
+
+#include "monitor/order.hpp"
+#include "observation/beacon_observer.hpp"
+#include "terminal/text.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::monitor {
+
+/// What a key asks of the program.
+enum class Command : std::uint8_t { none, quit, clear_counters };
+
+/// A title, a table or the page of one beacon, a line of warnings or keys, and a line for the last message.
+class Screen {
+public:
+  /// The beacons and warnings from now on.
+  void show(std::vector<observation::BeaconView> views, std::vector<std::string> warnings);
+
+  /// The text of the last line from now on.
+  void show_message(std::string text) { message_ = std::move(text); }
+
+  Command on_key(terminal::Key key);
+
+  /// At most as many lines as rows, each at most as long as there are columns.
+  std::vector<terminal::Line> lines(terminal::Size size);
+
+private:
+  static constexpr std::size_t table_begin = 2;  ///< rows above the table
+  static constexpr std::size_t footer_rows = 2;
+
+  void sort_by(Order order);
+  void move_by(std::ptrdiff_t rows);
+  /// The index of the selected beacon: the first if none was selected or it is gone.
+  [[nodiscard]] std::size_t selected_index() const;
+  [[nodiscard]] std::size_t body_rows() const;
+  [[nodiscard]] std::string title() const;
+  std::vector<terminal::Line> table_lines();
+  std::vector<terminal::Line> page_lines();
+  [[nodiscard]] terminal::Line hint_line() const;
+
+  std::vector<observation::BeaconView> views_;  ///< in `order_`
+  std::vector<std::string> warnings_;
+  std::string message_;
+  terminal::Size size_;
+  Order order_ = Order::worst;
+  std::optional<BeaconAddress> selected_;  ///< empty: the first row, whichever beacon that is
+  std::size_t first_row_ = 0;              ///< of the table
+  std::optional<BeaconAddress> page_;      ///< the beacon whose page is shown
+  std::size_t page_row_ = 0;               ///< the first line of the page that is shown
+  bool shows_keys_ = false;
+};
+
+}  // namespace sonopose::monitor

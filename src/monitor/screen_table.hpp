@@ -1,0 +1,32 @@
+#pragma once
+/// \file
+/// The table of the screen: a row for each beacon, in as many columns as fit.
+
+#include "observation/beacon_observer.hpp"
+#include "terminal/text.hpp"
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace sonopose::monitor {
+
+/// Shown for a value that is not known.
+inline constexpr std::string_view unknown = "–";
+
+/// A number with this many decimals; `unknown` if it is not finite.
+std::string number(double value, int decimals);
+
+/// The first columns of a UTF-8 text; "…" at the end if it was longer. Control characters become "?".
+std::string fitted(std::string_view text, std::size_t columns);
+
+/// The columns of a UTF-8 text, one for each character.
+std::size_t columns_of(std::string_view text);
+
+/// The titles of the columns that fit. The status is the last column and gets what is left.
+terminal::Line table_heading(std::size_t columns);
+
+/// The row of one beacon under table_heading of the same width.
+terminal::Line table_row(const observation::BeaconView& view, std::size_t columns, bool selected);
+
+}  // namespace sonopose::monitor

@@ -1,0 +1,27 @@
+#pragma once
+/// \file
+/// Words and numbers that the table, the summary and the screen have in common.
+
+#include "observation/beacon_observer.hpp"
+
+#include <string>
+#include <string_view>
+
+namespace sonopose::monitor {
+
+/// The yaw, -180…180.
+double heading_deg(const FusedPose& pose);
+
+/// Milliseconds to two decimal places, "-" if unknown.
+std::string ms(double seconds);
+
+std::string_view role_word(FusionRole role);
+
+/// The state of the pose stream of a beacon.
+std::string stream_words(const observation::BeaconView& view);
+
+/// The problem counters of one beacon, a line for each process with at least one. Each line ends with a
+/// newline.
+std::string problems_of(const observation::BeaconView& view);
+
+}  // namespace sonopose::monitor

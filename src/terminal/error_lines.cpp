@@ -1,0 +1,94 @@
+#include "terminal/error_lines.hpp"
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <fcntl.h>
+#include <string_view>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+namespace sonopose::terminal {
+namespace {
+
+void require(bool good, const char* call) {
+  if (!good) throw std::system_error(errno, std::generic_category(), call);
+}
+
+void write_all(int fd, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(fd, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return;  // there is nowhere to report it
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+}  // namespace
+
+ErrorLines::ErrorLines() : on_terminal_(::isatty(STDERR_FILENO) == 1) {
+  original_fd_ = ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  require(original_fd_ >= 0, "dup of standard error");
+  std::array<int, 2> ends{};
+  require(::pipe2(ends.data(), O_CLOEXEC) == 0, "pipe2");
+  read_fd_ = ends[0];
+  std::fflush(stderr);
+  require(::dup2(ends[1], STDERR_FILENO) >= 0, "dup2");
+  ::close(ends[1]);
+  // Signals are for the main thread.
+  sigset_t all{};
+  sigset_t before{};
+  ::sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  reader_ = std::thread([this] { read_lines(); });
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+ErrorLines::~ErrorLines() {
+  std::fflush(stderr);
+  ::dup2(original_fd_, STDERR_FILENO);  // closes the last write end, so the reader ends
+  reader_.join();
+  if (dropped_ > 0) write_all(STDERR_FILENO, std::to_string(dropped_) + " earlier lines were dropped\n");
+  for (const std::string& line : kept_) write_all(STDERR_FILENO, line + "\n");
+  ::close(read_fd_);
+  ::close(original_fd_);
+}
+
+std::vector<std::string> ErrorLines::take() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(news_, {});
+}
+
+void ErrorLines::read_lines() {
+  std::string unfinished;
+  std::array<char, 4096> buffer{};
+  while (true) {
+    const ssize_t got = ::read(read_fd_, buffer.data(), buffer.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) break;
+    for (const char byte : std::string_view(buffer.data(), static_cast<std::size_t>(got))) {
+      if (byte != '\n') {
+        unfinished += byte;
+        continue;
+      }
+      add(unfinished);
+      unfinished.clear();
+    }
+  }
+  if (!unfinished.empty()) add(unfinished);
+}
+
+void ErrorLines::add(const std::string& line) {
+  if (!on_terminal_) write_all(original_fd_, line + "\n");
+  const std::lock_guard lock(mutex_);
+  if (news_.size() < most_lines) news_.push_back(line);
+  if (!on_terminal_) return;
+  kept_.push_back(line);
+  if (kept_.size() <= most_lines) return;
+  kept_.pop_front();
+  ++dropped_;
+}
+
+}  // namespace sonopose::terminal

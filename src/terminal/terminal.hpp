@@ -1,0 +1,57 @@
+#pragma once
+/// \file
+/// A full-screen text terminal, on ncurses.
+
+#include "terminal/crash_restore.hpp"
+#include "terminal/error_lines.hpp"
+#include "terminal/text.hpp"
+
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace sonopose::terminal {
+
+/// Whether standard input and output are a terminal that can show a screen: TERM is set and is not "dumb".
+[[nodiscard]] bool is_screen();
+
+/// The terminal cannot show a screen.
+class NoScreen : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The terminal in full-screen mode during its lifetime. It is restored by the destructor and by a crash.
+/// Lines on standard error wait for `messages`. One per process, used by one thread.
+///
+/// Colours are used if the terminal has them and NO_COLOR is not set.
+class Terminal {
+public:
+  /// Throws NoScreen if the terminal is of an unknown type, std::system_error.
+  Terminal();
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+  ~Terminal();
+
+  /// The next key that was pressed; does not wait.
+  [[nodiscard]] std::optional<Key> key();
+
+  [[nodiscard]] Size size() const;
+
+  /// Shows these lines from the top; what does not fit is cut.
+  void draw(const std::vector<Line>& lines);
+
+  /// What was written to standard error since the last call, line by line.
+  std::vector<std::string> messages() { return errors_->take(); }
+
+private:
+  class Curses;
+
+  std::unique_ptr<Curses> curses_;
+  std::unique_ptr<ErrorLines> errors_;
+  std::unique_ptr<CrashRestore> crash_restore_;
+};
+
+}  // namespace sonopose::terminal

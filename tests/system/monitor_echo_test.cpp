@@ -1,0 +1,100 @@
+/// sonopose-monitor --echo: the samples of a topic as lines of JSON.
+
+#include "support/bus.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <csignal>
+#include <set>
+
+namespace monitor_echo_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+
+std::vector<nlohmann::json> objects_of(const Process& process) {
+  std::vector<nlohmann::json> objects;
+  for (const std::string& line : process.lines(Stream::output))
+    objects.push_back(nlohmann::json::parse(line));
+  return objects;
+}
+
+SCENARIO("echo prints each sample of a topic") {
+  GIVEN("a chain with three beacons") {
+    const Bus bus;
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({"--beacons", "3"});
+    THEN("consecutive poses of one beacon, as many as asked for") {
+      const auto echo = bus.monitor({"--echo", "pose", "--beacon", "8", "--count", "200"});
+      REQUIRE(echo->wait_for_exit() == 0);
+      const auto poses = objects_of(*echo);
+      REQUIRE(poses.size() == 200);
+      for (std::size_t i = 1; i < poses.size(); ++i) {
+        CHECK(poses[i]["address"] == 8);
+        CHECK(poses[i]["time"].get<TimeNs>() > poses[i - 1]["time"].get<TimeNs>());
+      }
+      CHECK(poses.back()["position"]["x"].is_number());
+    }
+    THEN("IMU samples of all beacons, which measure gravity, until Ctrl-C") {
+      const auto echo = bus.monitor({"--echo", "sonopose/imu"});
+      REQUIRE(echo->wait_for_lines(Stream::output, 100));
+      CHECK(echo->end_by(SIGINT).code == 0);
+      std::set<int> addresses;
+      for (const auto& sample : objects_of(*echo)) {
+        addresses.insert(sample["address"].get<int>());
+        CHECK(sample["specific_force"]["z"].get<double>() == Approx(9.81).margin(3.0));
+      }
+      CHECK(addresses == std::set{7, 8, 9});
+    }
+    THEN("a status from before the echo at once") {
+      const auto first = bus.monitor({"--echo", "fusion_status", "--count", "3"});
+      CHECK(first->wait_for_exit() == 0);
+      CHECK(objects_of(*first).front().contains("fixes_used"));
+    }
+    THEN("a closed pipe is the end, without a word") {
+      const std::string command = std::string(SONOPOSE_TEST_MONITOR) + " --echo pose --domain " +
+                                  std::to_string(bus.domain_id()) + " | head -n 1; echo ${PIPESTATUS[0]}";
+      const Result result = run("/bin/bash", {"-c", command});
+      CHECK(result.code == 0);
+      CHECK_THAT(result.output, Contains("\"address\":") && Catch::EndsWith("\n0\n"));
+      CHECK(result.error.empty());
+    }
+    if (std::filesystem::exists("/usr/bin/python3")) {
+      THEN("the example in Python prints positions") {
+        Process example("/usr/bin/python3",
+                        {SONOPOSE_SOURCE_DIR "/examples/python_echo/positions.py", "--domain",
+                         std::to_string(bus.domain_id()), "--count", "300"},
+                        {{"SONOPOSE_MONITOR", SONOPOSE_TEST_MONITOR}});
+        CHECK(example.wait_for_exit() == 0);
+        CHECK_THAT(example.text(Stream::output),
+                   Contains("beacon 7: ") && Contains("beacon 9: ") && Contains(" m\n"));
+      }
+    }
+  }
+}
+
+SCENARIO("echo refuses what cannot be") {
+  THEN("a topic that does not exist: the nearest one, and all of them") {
+    const Result result = run(SONOPOSE_TEST_MONITOR, {"--echo", "beacon_staus"});
+    CHECK(result.code.value_or(0) > 0);
+    CHECK_THAT(result.error, Contains("beacon_staus: unknown topic; did you mean beacon_status?") &&
+                                 Contains("imu, fix, heading") && Contains("settings"));
+  }
+  THEN("a beacon of a topic that has none") {
+    const Bus bus;
+    const auto echo = bus.monitor({"--echo", "line_status", "--beacon", "7"});
+    CHECK(echo->wait_for_exit() == 1);
+    CHECK_THAT(echo->text(Stream::error), Contains("--beacon") && Contains("line_status"));
+  }
+  THEN("a count without an echo, and JSON as well") {
+    CHECK(run(SONOPOSE_TEST_MONITOR, {"--count", "3"}).code.value_or(0) > 0);
+    CHECK(run(SONOPOSE_TEST_MONITOR, {"--json", "--echo", "pose"}).code.value_or(0) > 0);
+  }
+  THEN("a duration without a sample is an error") {
+    const Bus bus;
+    CHECK(bus.monitor({"--echo", "pose", "--duration", "0.5"})->wait_for_exit() == 1);
+  }
+}
+
+}  // namespace monitor_echo_test

@@ -1,0 +1,164 @@
+/// The monitor on a terminal: a screen that fits, keys, and a terminal that is restored in every case.
+
+#include "support/bus.hpp"
+#include "support/terminal_process.hpp"
+
+#include <csignal>
+
+namespace monitor_screen_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+
+const std::string ctrl_c = "\x03";
+const std::string page_down = "\x1b[6~";
+const std::string end = "\x1bOF";
+const std::string enter = "\r";
+const std::string escape = "\x1b";
+
+/// A monitor on a terminal of its own.
+class MonitorScreen : public TerminalProcess {
+public:
+  explicit MonitorScreen(const Bus& bus, const std::vector<std::string>& variables = {"TERM=xterm-256color"})
+      : TerminalProcess(SONOPOSE_TEST_MONITOR, {"--domain", std::to_string(bus.domain_id())}, 80, 24,
+                        variables) {}
+
+  /// A line with the text in this row, counted from the top.
+  bool wait_for_row(std::size_t row, std::string_view text) {
+    return wait_until(
+        [=](const TextScreen& screen) { return screen.line(row).find(text) != std::string::npos; });
+  }
+};
+
+void check_is_whole(const TextScreen& screen) {
+  CAPTURE(screen.text());
+  CHECK(screen.is_alternate());
+  CHECK_FALSE(screen.has_overflown());
+  CHECK(screen.unknown().empty());
+}
+
+void check_is_restored(const TerminalProcess& monitor) {
+  CHECK_FALSE(monitor.screen().is_alternate());
+  CHECK_THAT(monitor.output(), Contains("\x1b[?1049l") && Contains("\x1b[?25h"));
+  CHECK(monitor.has_normal_line());
+}
+
+SCENARIO("the monitor is a screen that fits") {
+  GIVEN("50 beacons and a monitor on a terminal of 80 x 24") {
+    const Bus bus;
+    const auto fusion = bus.fusion();
+    auto bridge = bus.bridge({"--beacons", "50", "--imu-rate", "25"});
+    MonitorScreen monitor(bus);
+    REQUIRE(monitor.wait_for("50 beacons"));
+    monitor.type("a");
+    REQUIRE(monitor.wait_for("by address"));
+    REQUIRE(monitor.wait_for("rows 1-20"));
+    THEN("the table scrolls, has pages, adapts to the size, and messages leave it where it is") {
+      check_is_whole(monitor.screen());
+      CHECK_THAT(monitor.screen().line(1), Contains("beacon") && Contains("status"));
+      CHECK(monitor.screen().line(2).substr(0, 6) == "     7");
+
+      monitor.type(page_down + page_down);
+      CHECK(monitor.wait_for("rows 20-39"));
+      monitor.type(end);
+      CHECK(monitor.wait_for_row(21, "    56 "));  // addresses 7 … 56
+      monitor.type("?");
+      CHECK(monitor.wait_for_row(22, "w worst"));
+
+      monitor.type(enter);
+      REQUIRE(monitor.wait_for_row(0, "beacon 56"));
+      CHECK(monitor.wait_for("innovation m"));
+      CHECK(monitor.wait_for("battery V"));
+      check_is_whole(monitor.screen());
+      monitor.type(escape);
+      REQUIRE(monitor.wait_for_row(0, "50 beacons"));
+
+      monitor.resize(60, 12);
+      REQUIRE(monitor.wait_for("rows 43-50"));
+      CHECK(monitor.wait_for_row(9, "    56 "));
+      check_is_whole(monitor.screen());
+      monitor.resize(120, 60);
+      REQUIRE(monitor.wait_for_row(1, "m/s"));
+      CHECK(monitor.wait_for_row(51, "    56 "));
+      check_is_whole(monitor.screen());
+
+      REQUIRE(bridge->end_by(SIGINT).code == 0);
+      CHECK(monitor.wait_for_row(59, "no pose for"));
+      CHECK_THAT(monitor.screen().line(1), Contains("beacon") && Contains("status"));
+      check_is_whole(monitor.screen());
+
+      monitor.type(ctrl_c);
+      CHECK(monitor.wait_for_exit() == 0);
+      check_is_restored(monitor);
+      CHECK_THAT(monitor.output(), Contains("beacon 56 over"));  // the summary
+      CHECK_THAT(monitor.output(), Contains("no pose for"));     // and what was written to standard error
+    }
+  }
+}
+
+SCENARIO("the terminal is restored however the monitor ends") {
+  GIVEN("a monitor on a terminal") {
+    const Bus bus;
+    MonitorScreen monitor(bus);
+    REQUIRE(monitor.wait_for("no beacon yet"));
+    CHECK(monitor.screen().is_alternate());
+    CHECK_FALSE(monitor.has_normal_line());
+    THEN("by q, without any pose") {
+      monitor.type("q");
+      CHECK(monitor.wait_for_exit() == 0);
+      check_is_restored(monitor);
+    }
+    THEN("by SIGTERM") {
+      monitor.send(SIGTERM);
+      CHECK(monitor.wait_for_exit() == 0);
+      check_is_restored(monitor);
+    }
+    THEN("by a crash, which still ends it") {
+      const int signal = GENERATE(SIGSEGV, SIGABRT);
+      monitor.send(signal);
+      const auto code = monitor.wait_for_exit();
+      CHECK(code);
+      CHECK(code != 0);
+      check_is_restored(monitor);
+    }
+  }
+}
+
+SCENARIO("the environment decides about colours and the screen") {
+  const Bus bus;
+  GIVEN("a chain, so that there is a status to colour") {
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({"--beacons", "2"});
+    const auto is_coloured = [&bus](const std::vector<std::string>& variables) {
+      MonitorScreen monitor(bus, variables);
+      REQUIRE(monitor.wait_for("2 beacons"));
+      REQUIRE(monitor.wait_for_row(3, "0."));
+      monitor.type("q");
+      CHECK(monitor.wait_for_exit() == 0);
+      return monitor.screen().has_colour();
+    };
+    THEN("colours are used, unless NO_COLOR is set") {
+      CHECK(is_coloured({"TERM=xterm-256color"}));
+      CHECK_FALSE(is_coloured({"TERM=xterm-256color", "NO_COLOR=1"}));
+    }
+    THEN("a terminal that is dumb gets lines") {
+      MonitorScreen monitor(bus, {"TERM=dumb"});
+      REQUIRE(monitor.wait_for("     7 "));
+      monitor.type(ctrl_c);
+      CHECK(monitor.wait_for_exit() == 0);
+      CHECK_THAT(monitor.output(), !Contains("\x1b"));
+    }
+  }
+  GIVEN("a terminal of an unknown type") {
+    MonitorScreen monitor(bus, {"TERM=unheard-of"});
+    THEN("the monitor prints lines and says why") {
+      CHECK(monitor.wait_for("unheard-of"));
+      monitor.type(ctrl_c);
+      CHECK(monitor.wait_for_exit() == 0);
+      CHECK_THAT(monitor.output(), !Contains("\x1b[?1049h"));
+    }
+  }
+}
+
+}  // namespace monitor_screen_test
