@@ -136,7 +136,7 @@ const std::vector<Restriction> restrictions{
     {"values in, values out: no DDS, files, sockets, clocks, threads, logging, command lines",
      {"text", "samples", "geometry", "statistics", "collation", "settings", "attitude", "calibration/model",
       "calibration/fit", "calibration/drive", "estimation", "estimation/documented", "estimation/kalman",
-      "estimation/offline", "estimation/strapdown", "marvelmind", "sim"},
+      "estimation/offline", "estimation/strapdown", "doctor/motion", "marvelmind", "sim"},
      {dds_headers, file_headers, socket_headers, clock_headers, thread_headers, logging_headers,
       command_line_headers}},
     {"clocks alone: no DDS, files, sockets, threads, command lines",

@@ -1,7 +1,9 @@
 #include "doctor/probe/beacon_probe.hpp"
 
+#include "doctor/motion/window_fit.hpp"
 #include "observation/beacon_observer.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
+#include <sonopose/estimation/documented/delay.hpp>
 #include <sonopose/settings/settings_table.hpp>
 
 #include <algorithm>
@@ -35,13 +37,15 @@ void BeaconProbe::on(const ImuSample& imu, TimeNs received_ns, std::uint64_t wri
   writers_.insert(writer);
   imu_.count(received_ns);
   ahead_s_.push_back(seconds_between(received_ns, imu.bridge_time_ns));
-  readings_.emplace_back(imu.specific_force_body_mps2, imu.angular_velocity_body_radps);
+  readings_.push_back(imu);
 }
 
 void BeaconProbe::on(const UltrasonicFix& fix, TimeNs received_ns) {
   add_sequence(fix.sequence, received_ns);
   if (!in_window()) return;
   fix_.count(received_ns);
+  fixes_.push_back(fix);
+  if ((fix.flags & ultrasonic_flag_pair_centre) != 0U) ++pair_fixes_;
   fixes_min_m_ = fixes_min_m_.cwiseMin(fix.position_world_m);
   fixes_max_m_ = fixes_max_m_.cwiseMax(fix.position_world_m);
 }
@@ -50,13 +54,21 @@ void BeaconProbe::on(const PairHeading& heading, TimeNs received_ns) {
   add_sequence(heading.sequence, received_ns);
   if (!in_window()) return;
   heading_.count(received_ns);
-  if (heading.valid) ++valid_headings_;
+  if (!heading.valid) return;
+  ++valid_headings_;
+  headings_.push_back(heading);
 }
 
 void BeaconProbe::on(const FusedPose& pose, TimeNs received_ns) {
   if (!in_window()) return;
   pose_.count(received_ns);
-  lasting_status_ &= pose.status;
+  status_counts_.add(pose.status);
+}
+
+void BeaconProbe::on(const FixReport& report) {
+  if (!in_window()) return;
+  ++fix_outcomes_.reports;
+  if ((report.flags & fix_outlier) != 0U) fix_outcomes_.outliers_m.push_back(report.innovation_world_m);
 }
 
 void BeaconProbe::on(const BeaconStatus& status) {
@@ -95,15 +107,16 @@ std::optional<rules::RestObservation> BeaconProbe::means(const calibration::Sett
   if (readings_.size() < min_samples) return std::nullopt;
   const auto count = static_cast<double>(readings_.size());
   ImuSample mean;
-  for (const auto& [force, rate] : readings_) {
-    mean.specific_force_body_mps2 += force / count;
-    mean.angular_velocity_body_radps += rate / count;
+  for (const ImuSample& reading : readings_) {
+    mean.specific_force_body_mps2 += reading.specific_force_body_mps2 / count;
+    mean.angular_velocity_body_radps += reading.angular_velocity_body_radps / count;
   }
   Vector3d force_variance = Vector3d::Zero();
   Vector3d rate_variance = Vector3d::Zero();
-  for (const auto& [force, rate] : readings_) {
-    force_variance += (force - mean.specific_force_body_mps2).cwiseAbs2() / count;
-    rate_variance += (rate - mean.angular_velocity_body_radps).cwiseAbs2() / count;
+  for (const ImuSample& reading : readings_) {
+    force_variance += (reading.specific_force_body_mps2 - mean.specific_force_body_mps2).cwiseAbs2() / count;
+    rate_variance +=
+        (reading.angular_velocity_body_radps - mean.angular_velocity_body_radps).cwiseAbs2() / count;
   }
   const ImuSample corrected = calibration::Calibration(calibration).corrected(mean);
   rules::RestObservation rest;
@@ -116,9 +129,12 @@ std::optional<rules::RestObservation> BeaconProbe::means(const calibration::Sett
   return rest;
 }
 
-rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns,
-                                                  const calibration::Settings& calibration) const {
+rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings::Settings& settings) const {
   rules::BeaconObservation beacon;
+  beacon.fusion_settings = settings;
+  beacon.pair_fixes = pair_fixes_;
+  beacon.fix_outcomes = fix_outcomes_;
+  beacon.pieces = motion::pieces_of(motion_window(settings));
   beacon.imu = imu_.observation(began_ns_, now_ns);
   beacon.fix = fix_.observation(began_ns_, now_ns);
   beacon.heading = heading_.observation(began_ns_, now_ns);
@@ -140,22 +156,42 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns,
     beacon.fusion_before = fusion.before;
     beacon.fusion = fusion.latest;
   }
-  beacon.lasting_status = pose_.samples > 0 ? lasting_status_ : 0;
-  beacon.imu_means = means(calibration);
+  beacon.status_counts = status_counts_;
+  beacon.imu_means = means(settings.calibration);
   return beacon;
 }
 
-calibration::Settings calibration_from(const EffectiveSettings& settings) {
+/// Samples that are not finite are left out: the fusion does not use them either.
+motion::Window BeaconProbe::motion_window(const settings::Settings& settings) const {
+  namespace delay = estimation::documented::delay;
+  const calibration::Calibration calibration(settings.calibration);
+  motion::Window window;
+  for (const ImuSample& raw : readings_) {
+    const ImuSample imu = calibration.corrected(raw);
+    if (!imu.angular_velocity_body_radps.allFinite() || !imu.specific_force_body_mps2.allFinite()) continue;
+    window.imu.push_back({imu.sensor_time_ns, imu.angular_velocity_body_radps, imu.specific_force_body_mps2});
+  }
+  for (const UltrasonicFix& fix : fixes_) {
+    if (!fix.position_world_m.allFinite()) continue;
+    window.fixes.push_back({delay::measured_at(settings.delay, fix), fix.position_world_m});
+  }
+  for (const PairHeading& heading : headings_) {
+    if (!std::isfinite(heading.heading_world_rad)) continue;
+    window.headings.push_back({delay::measured_at(settings.delay, heading), heading.heading_world_rad});
+  }
+  return window;
+}
+
+settings::Settings settings_from(const EffectiveSettings& settings) {
   settings::Settings all;
   for (const auto& [key, value] : settings.values) {
-    if (!key.starts_with("calibration.")) continue;
     try {
       settings::set(all, key, settings::parse_value(key, value));
     } catch (const settings::SettingError&) {
       continue;  // a setting of another version
     }
   }
-  return all.calibration;
+  return all;
 }
 
 }  // namespace sonopose::doctor::probe

@@ -5,6 +5,7 @@
 #include "doctor/rules/observations.hpp"
 #include <sonopose/samples/live_settings.hpp>
 #include <sonopose/samples/pose.hpp>
+#include <sonopose/settings/settings.hpp>
 
 #include <cstdint>
 #include <limits>
@@ -23,15 +24,16 @@ public:
   void on(const UltrasonicFix& fix, TimeNs received_ns);
   void on(const PairHeading& heading, TimeNs received_ns);
   void on(const FusedPose& pose, TimeNs received_ns);
+  void on(const FixReport& report);
   void on(const BeaconStatus& status);
   void on(const FusionStatus& status);
 
   /// Starts the window.
   void begin(TimeNs now_ns);
 
-  /// The observations from `begin` to `now_ns`. Address, deadlines and bridges are left for the caller.
-  [[nodiscard]] rules::BeaconObservation observation(TimeNs now_ns,
-                                                     const calibration::Settings& calibration) const;
+  /// The observations from `begin` to `now_ns`, with the settings of its fusion. Address, deadlines and
+  /// bridges are left for the caller.
+  [[nodiscard]] rules::BeaconObservation observation(TimeNs now_ns, const settings::Settings& settings) const;
 
   /// The writers of its IMU samples: the handles given to `on`.
   [[nodiscard]] const std::set<std::uint64_t>& writers() const { return writers_; }
@@ -49,6 +51,7 @@ private:
   void add_sequence(std::uint64_t sequence, TimeNs received_ns);
   [[nodiscard]] std::uint64_t missing_events(TimeNs ended_ns) const;
   [[nodiscard]] std::optional<rules::RestObservation> means(const calibration::Settings& calibration) const;
+  [[nodiscard]] motion::Window motion_window(const settings::Settings& settings) const;
   [[nodiscard]] bool in_window() const { return began_ns_ != 0; }
 
   TimeNs began_ns_ = 0;
@@ -57,12 +60,16 @@ private:
   Stream heading_;
   Stream pose_;
   std::uint64_t valid_headings_ = 0;
-  std::uint32_t lasting_status_ = 0xFFFFFFFF;
+  std::uint64_t pair_fixes_ = 0;
+  rules::StatusCounts status_counts_;
+  rules::FixOutcomes fix_outcomes_;
   std::set<std::uint64_t> writers_;
   std::vector<std::pair<std::uint64_t, TimeNs>> sequences_;  ///< event numbers and their times of reception
   std::uint64_t last_imu_sequence_ = 0;
   std::vector<double> ahead_s_;
-  std::vector<std::pair<Vector3d, Vector3d>> readings_;  ///< specific force, angular velocity, uncorrected
+  std::vector<ImuSample> readings_;  ///< uncorrected
+  std::vector<UltrasonicFix> fixes_;
+  std::vector<PairHeading> headings_;  ///< the valid ones
   Vector3d fixes_min_m_ = Vector3d::Constant(std::numeric_limits<double>::infinity());
   Vector3d fixes_max_m_ = Vector3d::Constant(-std::numeric_limits<double>::infinity());
   std::optional<BeaconStatus> status_before_;
@@ -74,7 +81,7 @@ private:
   std::map<std::uint64_t, FusionObservation> fusions_;  ///< by fusion id
 };
 
-/// The calibration in the effective settings of a fusion. Values that cannot be parsed keep their defaults.
-calibration::Settings calibration_from(const EffectiveSettings& settings);
+/// The settings of a fusion. Values that cannot be parsed keep their defaults.
+settings::Settings settings_from(const EffectiveSettings& settings);
 
 }  // namespace sonopose::doctor::probe

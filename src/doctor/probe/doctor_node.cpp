@@ -63,6 +63,7 @@ private:
   Subscription<sonopose_UltrasonicFix> fix_;
   Subscription<sonopose_PairHeading> heading_;
   Subscription<sonopose_FusedPose> pose_;
+  Subscription<sonopose_FixReport> report_;
   Subscription<sonopose_BeaconStatus> beacon_status_;
   Subscription<sonopose_LineStatus> line_status_;
   Subscription<sonopose_FusionStatus> fusion_status_;
@@ -85,13 +86,14 @@ SystemObserver::SystemObserver(const DoctorOptions& options)
       fix_(participant_, qos_, topics::fix, &admission_),
       heading_(participant_, qos_, topics::heading, &admission_),
       pose_(participant_, qos_, topics::pose, &admission_),
+      report_(participant_, qos_, topics::report, &admission_),
       beacon_status_(participant_, qos_, topics::beacon_status, &admission_),
       line_status_(participant_, qos_, topics::line_status),
       fusion_status_(participant_, qos_, topics::fusion_status, &admission_),
       settings_(participant_, qos_, topics::settings) {
   for (const dds::ReadCondition* const condition :
-       {&imu_.has_data, &fix_.has_data, &heading_.has_data, &pose_.has_data, &beacon_status_.has_data,
-        &line_status_.has_data, &fusion_status_.has_data, &settings_.has_data}) {
+       {&imu_.has_data, &fix_.has_data, &heading_.has_data, &pose_.has_data, &report_.has_data,
+        &beacon_status_.has_data, &line_status_.has_data, &fusion_status_.has_data, &settings_.has_data}) {
     waitset_ += *condition;
   }
 }
@@ -114,7 +116,8 @@ void SystemObserver::take(Subscription<T>& subscription) {
       }
       if constexpr (std::is_same_v<T, sonopose_ImuSample>) {
         probe.on(value, received_ns, info.publication_handle().value);
-      } else if constexpr (std::is_same_v<T, sonopose_BeaconStatus> ||
+      } else if constexpr (std::is_same_v<T, sonopose_FixReport> ||
+                           std::is_same_v<T, sonopose_BeaconStatus> ||
                            std::is_same_v<T, sonopose_FusionStatus>) {
         probe.on(value);
       } else {
@@ -129,6 +132,7 @@ void SystemObserver::take_all() {
   take(fix_);
   take(heading_);
   take(pose_);
+  take(report_);
   take(beacon_status_);
   take(line_status_);
   take(fusion_status_);
@@ -170,9 +174,8 @@ rules::BeaconObservation SystemObserver::observation_of(BeaconAddress address, c
                                                         TimeNs now_ns, const Processes& processes) {
   auto settings = effective_settings_.find(address);
   if (settings == effective_settings_.end()) settings = effective_settings_.find(all_beacons);
-  rules::BeaconObservation beacon =
-      probe.observation(now_ns, settings == effective_settings_.end() ? calibration::Settings{}
-                                                                      : calibration_from(settings->second));
+  rules::BeaconObservation beacon = probe.observation(
+      now_ns, settings == effective_settings_.end() ? settings::Settings{} : settings_from(settings->second));
   beacon.address = address;
   beacon.imu.deadline_s = deadline_s(topics::imu);
   beacon.fix.deadline_s = deadline_s(topics::fix);

@@ -16,13 +16,12 @@ namespace sonopose::doctor::probe {
 struct DoctorOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
-  double duration_s = 3;
+  double duration_s = 8;
   std::size_t max_beacons = process::BeaconAdmission::default_max_beacons;  ///< to look at
 };
 
 /// Observes the system for the duration, after half a second of discovery, or until the stop. If there is no
-/// bridge or no fusion, searches the domains 0…20 and that of ROS_DOMAIN_ID, all at once. Throws dds::Error,
-/// dds::qos::FileError.
+/// bridge or no fusion, searches all domains. Throws dds::Error, dds::qos::FileError.
 rules::Observations observe(const DoctorOptions& options, const process::StopSignal& stop);
 
 }  // namespace sonopose::doctor::probe

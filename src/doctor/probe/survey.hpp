@@ -30,7 +30,8 @@ std::vector<rules::EndpointObservation> others_of(const std::vector<dds::FoundEn
 /// Domain, interfaces and peers.
 rules::BusObservation bus_of(const dds::DomainOptions& options);
 
-/// Joins other domains of the same network, all at once. Returns those with processes of this system.
+/// Joins other domains of the same network, some at a time, for at most 15 s: on loopback those of the UDP
+/// ports that are in use on this machine, otherwise all. Returns those with processes of this system.
 std::vector<rules::DomainObservation> search_other_domains(const dds::DomainOptions& here,
                                                            const process::StopSignal& stop);
 

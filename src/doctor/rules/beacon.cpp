@@ -69,10 +69,21 @@ public:
   }
 
   void headings() const {
-    if (beacon_.heading.samples == 0) {
+    const double mount_offset_deg = beacon_.fusion_settings.heading.mount_offset_deg;
+    if (beacon_.heading.samples == 0 && beacon_.pair_fixes > 0) {
+      add(Severity::warning, "no pair headings received, although its fixes are those of a pair",
+          "switch the second beacon of the pair on, and enable the stream of positions with angle");
+    } else if (beacon_.heading.samples == 0 && beacon_.fix.samples > 0 && mount_offset_deg != 0.0) {
+      add(Severity::warning,
+          fmt::format("no pair headings received, although heading.mount_offset_deg={} configures a pair",
+                      mount_offset_deg),
+          "pair the beacon and switch the second one on; for a single beacon, remove the setting");
+    } else if (beacon_.heading.samples == 0) {
       add(Severity::note, "no pair headings received: a single beacon estimates its heading from motion", "");
-    } else if (beacon_.valid_headings == 0) {
-      add(Severity::warning, "the pair headings of the hardware are invalid",
+    } else if (2 * beacon_.valid_headings < beacon_.heading.samples) {
+      add(Severity::warning,
+          fmt::format("{} of {} pair headings of the hardware are invalid",
+                      beacon_.heading.samples - beacon_.valid_headings, beacon_.heading.samples),
           "check that both beacons of the pair have fixes, and that the pair's baseline is configured");
     }
   }
@@ -122,7 +133,10 @@ public:
           "check whether the network loses packets, or the machine of the fusion is overloaded");
     }
     if (const auto invalid = increase_of(&FusionStatus::samples_invalid); invalid > 0) {
-      add(Severity::warning,
+      // A bad line delivers some samples late.
+      constexpr std::uint64_t one_in = 20;
+      const bool many = invalid * one_in > beacon_.imu.samples + beacon_.fix.samples;
+      add(many ? Severity::warning : Severity::note,
           fmt::format("its fusion rejected {} samples: not finite, out of range, or out of order", invalid),
           "check for a second bridge, a clock that was set, or a faulty sensor");
     }
@@ -147,7 +161,7 @@ public:
     const double ahead_s = *beacon_.bridge_ahead_s;
     const bool same_host =
         beacon_.bridges.size() == 1 && beacon_.bridges.front().host == observations_.own_host;
-    if (same_host) {
+    if (same_host && ahead_s < 0) {
       add(Severity::warning,
           fmt::format("its samples take {:.0f} ms to arrive, on the same machine", -ahead_s * 1e3),
           "check the load of this machine");

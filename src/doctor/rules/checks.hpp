@@ -20,8 +20,13 @@ void check_lines(const Observations& observations, Findings& findings);
 void check_pose_writers(const Observations& observations, Findings& findings);
 /// One beacon's streams, fusions, numbering, clock and line.
 void check_beacon(const Observations& observations, const BeaconObservation& beacon, Findings& findings);
-/// The status bits that all poses of one beacon have.
-void check_pose(const BeaconObservation& beacon, Findings& findings);
+/// The status bits that the poses of one beacon have for long.
+/// `has_cause`: doubts about the fixes are a consequence of what is reported already.
+void check_pose(double window_s, const BeaconObservation& beacon, bool has_cause, Findings& findings);
+/// Mount offset, delay and signs of the accelerometer of one beacon, if it moves.
+void check_installation(const BeaconObservation& beacon, Findings& findings);
+/// Fixes off the track of one beacon.
+void check_tracks(const BeaconObservation& beacon, Findings& findings);
 /// Mount and calibration of one beacon's IMU, if it is at rest.
 void check_mount(const BeaconObservation& beacon, Findings& findings);
 

@@ -27,8 +27,13 @@ std::vector<Finding> diagnose(const Observations& observations) {
   check_pose_writers(observations, findings);
   for (const BeaconObservation& beacon : observations.beacons) {
     check_beacon(observations, beacon, findings);
-    check_pose(beacon, findings);
     check_mount(beacon, findings);
+    const std::size_t before = findings.size();
+    check_installation(beacon, findings);
+    // With a wrong mount, delay or sign, right fixes look wrong and the fusion doubts them.
+    if (findings.size() == before) check_tracks(beacon, findings);
+    const bool has_cause = findings.size() > before;
+    check_pose(observations.window_s, beacon, has_cause, findings);
   }
   return findings;
 }

@@ -3,12 +3,18 @@
 /// Observations of a running system, as collected by doctor/probe: values without DDS entities, clocks or
 /// threads.
 
+#include "doctor/motion/window_fit.hpp"
 #include "observation/pose_writers.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
 #include <sonopose/dds/binding/qos.hpp>
+#include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/samples/status.hpp>
+#include <sonopose/settings/settings.hpp>
 
+#include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -77,6 +83,30 @@ struct RestObservation {
   calibration::AxesSettings axes;
 };
 
+/// How many poses of the window have each bit of PoseStatus.
+class StatusCounts {
+public:
+  void add(std::uint32_t status) {
+    ++poses_;
+    for (std::size_t i = 0; i < bits_.size(); ++i) bits_.at(i) += (status >> i) & 1U;
+  }
+  /// The share of the poses; 0 without poses.
+  [[nodiscard]] double share_of(PoseStatus bit) const {
+    const auto count = bits_.at(static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(bit))));
+    return poses_ == 0 ? 0.0 : static_cast<double>(count) / static_cast<double>(poses_);
+  }
+
+private:
+  std::uint64_t poses_ = 0;
+  std::array<std::uint64_t, 32> bits_{};
+};
+
+/// What the fusion did with the fixes of the window.
+struct FixOutcomes {
+  std::uint64_t reports = 0;
+  std::vector<Vector3d> outliers_m;  ///< innovations of those that it rejected as outliers, world
+};
+
 /// One beacon over the window.
 struct BeaconObservation {
   BeaconAddress address = 0;
@@ -93,7 +123,11 @@ struct BeaconObservation {
   std::optional<FusionStatus> fusion_before;
   std::optional<FusionStatus> fusion;
   std::vector<FusionStatus> fusions;  ///< the last status of each fusion of the beacon
-  std::uint32_t lasting_status = 0;   ///< bits of PoseStatus that every pose of the window has
+  StatusCounts status_counts;
+  FixOutcomes fix_outcomes;
+  std::uint64_t pair_fixes = 0;        ///< fixes that are the centre of a pair
+  settings::Settings fusion_settings;  ///< of its fusion; the defaults if it is not known
+  std::vector<motion::Piece> pieces;   ///< what IMU and fixes say about the installation
   std::optional<RestObservation> imu_means;
 };
 

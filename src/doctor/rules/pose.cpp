@@ -1,51 +1,63 @@
 #include "doctor/rules/checks.hpp"
-#include <sonopose/samples/pose.hpp>
+
+#include <fmt/format.h>
 
 #include <array>
 
 namespace sonopose::doctor::rules {
 namespace {
 
-/// A status bit that is a problem if all poses of the window have it.
+/// A status bit that is a problem if the poses have it for some time.
 struct LastingBit {
   PoseStatus bit;
+  double least_s;      ///< in total
+  double least_share;  ///< of the window, in addition
+  bool is_doubt;       ///< about the fixes
   const char* what;
   const char* remedy;
 };
 
+// The bits of the first seconds count if they last for most of the window. Others do not occur in a healthy
+// system but for moments, so their time counts, however long the window is.
+constexpr double most_of_window = 0.5;
 constexpr std::array lasting_bits{
-    LastingBit{status_initialising, "its fusion is still initialising",
+    LastingBit{status_initialising, 0.5, most_of_window, false, "its fusion is initialising",
                "keep the beacon still for some seconds, and check that fixes arrive"},
     LastingBit{
-        status_uncalibrated, "its gyro bias is not known yet: the beacon was never at rest",
+        status_uncalibrated, 0.5, most_of_window, false,
+        "its gyro bias is not known: the beacon was not at rest for long enough",
         "let it stand still for a second; if it never can, measure the bias: sonopose-calibrate gyroscope "
         "(docs/calibration.md)"},
-    LastingBit{status_stale, "its fusion has had no valid fix for longer than outage.stale_after_s",
+    LastingBit{status_stale, 0.3, 0.0, false,
+               "its fusion has had no valid fix for longer than outage.stale_after_s",
                "check that fixes arrive and are not all rejected: sonopose-monitor shows how many are used"},
-    LastingBit{status_heading_unknown, "its heading is unknown",
+    LastingBit{status_heading_unknown, 0.5, most_of_window, true, "its heading is unknown",
                "with a pair, check that headings arrive; move a single beacon"},
     LastingBit{
-        status_frozen_track, "its fixes repeat one position although the IMU measures motion",
+        status_frozen_track, 0.3, 0.0, false,
+        "its fixes repeat one position although the IMU measures motion",
         "check the dashboard of the positioning system: the beacon is frozen there too; if the beacon really "
         "stands still, increase frozen.moved_m"},
-    LastingBit{status_imu_gap, "its IMU stream has gaps", "check the line to the beacon"},
-    LastingBit{status_low_trust, "its fusion has low trust in the fixes",
+    LastingBit{status_imu_gap, 0.3, 0.0, false, "its IMU stream has gaps", "check the line to the beacon"},
+    LastingBit{status_low_trust, 1.0, 0.0, true, "its fusion has low trust in the fixes",
                "check for reflections and a wrong map; see docs/tuning.md"},
-    LastingBit{status_overloaded, "its fusion is overloaded and skips poses",
+    LastingBit{status_overloaded, 0.3, 0.0, false, "its fusion is overloaded and skips poses",
                "give the fusion more processor time, or share its beacons between several fusions "
                "(docs/realtime.md)"},
 };
 
 }  // namespace
 
-void check_pose(const BeaconObservation& beacon, Findings& findings) {
+void check_pose(double window_s, const BeaconObservation& beacon, bool has_cause, Findings& findings) {
   if (beacon.pose.samples == 0) return;
   for (const LastingBit& lasting : lasting_bits) {
-    if ((beacon.lasting_status & lasting.bit) == 0U) continue;
+    const double share = beacon.status_counts.share_of(lasting.bit);
+    if (share * window_s < lasting.least_s || share < lasting.least_share) continue;
+    if (lasting.is_doubt && has_cause) continue;
     // A single beacon estimates its heading from motion.
     const bool waits_for_motion = lasting.bit == status_heading_unknown && beacon.heading.samples == 0;
-    findings.push_back({waits_for_motion ? Severity::note : Severity::warning, name_of(beacon), lasting.what,
-                        lasting.remedy});
+    findings.push_back({waits_for_motion ? Severity::note : Severity::warning, name_of(beacon),
+                        fmt::format("{} ({:.0f} % of the time)", lasting.what, share * 100), lasting.remedy});
     if (lasting.bit == status_initialising) return;  // implies the others
   }
 }

@@ -98,25 +98,45 @@ TEST_CASE("The clock offset of the bridge is a median") {
   CHECK(observation_of(probe).bridge_ahead_s.value() == Approx(-0.001).margin(1e-6));
 }
 
-TEST_CASE("The lasting status has the bits of all poses") {
+TEST_CASE("The share of the poses with a status bit is that of the window") {
   BeaconProbe probe;
-  probe.begin(begin_ns);
   FusedPose pose;
+  pose.status = status_frozen_track;
+  probe.on(pose, begin_ns - 1);  // before the window
+  probe.begin(begin_ns);
   for (const std::uint32_t status : {status_stale | status_low_trust, status_stale | status_imu_gap}) {
     pose.status = status;
     probe.on(pose, begin_ns + 1);
   }
-  CHECK(observation_of(probe).lasting_status == status_stale);
-  CHECK(BeaconProbe().observation(begin_ns, {}).lasting_status == 0);
+  const StatusCounts counts = observation_of(probe).status_counts;
+  CHECK(counts.share_of(status_stale) == 1.0);
+  CHECK(counts.share_of(status_low_trust) == 0.5);
+  CHECK(counts.share_of(status_frozen_track) == 0.0);
+  CHECK(BeaconProbe().observation(begin_ns, {}).status_counts.share_of(status_stale) == 0.0);
+}
+
+TEST_CASE("Innovations of outliers are kept, and those of used fixes are not") {
+  BeaconProbe probe;
+  probe.begin(begin_ns);
+  FixReport report;
+  report.innovation_world_m = {0.5, 0, 0};
+  report.flags = fix_used;
+  probe.on(report);
+  report.flags = fix_outlier;
+  probe.on(report);
+  const FixOutcomes outcomes = observation_of(probe).fix_outcomes;
+  CHECK(outcomes.reports == 2);
+  REQUIRE(outcomes.outliers_m.size() == 1);
+  CHECK(outcomes.outliers_m.front().x() == 0.5);
 }
 
 TEST_CASE("The calibration of the fusion is applied to the means") {
-  calibration::Settings settings =
-      calibration_from({.address = 7,
-                        .values = {{"calibration.axes", "+x-z+y"},
-                                   {"calibration.accelerometer.offset_z_mps2", "1.8"},
-                                   {"calibration.nothing_known", "3"},
-                                   {"drift.jump_alpha", "nonsense"}}});
+  const settings::Settings settings =
+      settings_from({.address = 7,
+                     .values = {{"calibration.axes", "+x-z+y"},
+                                {"calibration.accelerometer.offset_z_mps2", "1.8"},
+                                {"calibration.nothing_known", "3"},
+                                {"drift.jump_alpha", "nonsense"}}});
   const auto beacon = fed(none).observation(begin_ns + window_ns, settings);
   REQUIRE(beacon.imu_means);
   // (0, 0, 9.8) less the offset is 8 on the sensor's Z, which is body -Y.

@@ -19,8 +19,8 @@ TEST_CASE("Missing streams and silences longer than the deadline are reported") 
   CHECK(severity("no IMU samples received", [](auto& b) { b.imu = {}; }) == Severity::error);
   CHECK(severity("no fixes received", [](auto& b) { b.fix = {}; }) == Severity::warning);
   CHECK(severity("no pair headings received", [](auto& b) { b.heading = {}; }) == Severity::note);
-  CHECK(severity("pair headings of the hardware are invalid", [](auto& b) { b.valid_headings = 0; }) ==
-        Severity::warning);
+  CHECK(severity("24 of 24 pair headings of the hardware are invalid",
+                 [](auto& b) { b.valid_headings = 0; }) == Severity::warning);
   CHECK(severity("no poses of this beacon", [](auto& b) { b.pose = {}; }) == Severity::error);
   CHECK(severity("no IMU samples for 0.35 s", [](auto& b) { b.imu.longest_silence_s = 0.35; }) ==
         Severity::warning);
@@ -32,6 +32,29 @@ TEST_CASE("Missing streams and silences longer than the deadline are reported") 
   CHECK(severity("no IMU samples for", [](auto& b) { b.imu.longest_silence_s = 0.09; }) == Severity::ok);
   CHECK(severity("no fixes for 2.60 s", [](auto& b) { b.fix = {1, 0.33, 2.6, 2.5}; }) == Severity::warning);
   CHECK(severity("no poses for 1.00 s", [](auto& b) { b.pose.longest_silence_s = 1; }) == Severity::warning);
+}
+
+TEST_CASE("A pair without headings is a problem, a single beacon is not") {
+  CHECK(severity("mount_offset_deg=90 configures a pair", [](auto& b) {
+          b.heading = {};
+          b.fusion_settings.heading.mount_offset_deg = 90;
+        }) == Severity::warning);
+  CHECK(severity("its fixes are those of a pair", [](auto& b) {
+          b.heading = {};
+          b.pair_fixes = 20;
+        }) == Severity::warning);
+}
+
+TEST_CASE("A status that lasts for a part of the window is reported, however long the window is") {
+  Observations observations = healthy();
+  observations.window_s = 60;
+  for (int i = 0; i < 100; ++i) {
+    observations.beacons.front().status_counts.add(i < 2 ? status_frozen_track | status_initialising : 0U);
+  }
+  const auto findings = diagnose(observations);
+  CHECK(found(findings, "repeat one position although the IMU measures motion (2 % of").severity ==
+        Severity::warning);
+  CHECK(found(findings, "initialising").severity == Severity::ok);  // it came to an end
 }
 
 TEST_CASE("Fixes that the hardware flags as unavailable have a specific remedy") {
@@ -71,8 +94,10 @@ TEST_CASE("Only increases of counters are reported") {
   CHECK(severity("its fusion lost 30 events", [](auto& b) { b.fusion->events_lost = 30; }) ==
         Severity::warning);
   CHECK(severity("its fusion lost 2 events", [](auto& b) { b.fusion->events_lost = 2; }) == Severity::note);
-  CHECK(severity("its fusion rejected 2 samples", [](auto& b) { b.fusion->samples_invalid = 2; }) ==
+  CHECK(severity("its fusion rejected 20 samples", [](auto& b) { b.fusion->samples_invalid = 20; }) ==
         Severity::warning);
+  CHECK(severity("its fusion rejected 2 samples", [](auto& b) { b.fusion->samples_invalid = 2; }) ==
+        Severity::note);
   CHECK(severity("impossible values", [](auto& b) { b.status->samples_rejected = 2; }) == Severity::warning);
   CHECK(severity("its clock was reset 1 times", [](auto& b) { b.status->clock_resets = 1; }) ==
         Severity::warning);
@@ -108,38 +133,39 @@ TEST_CASE("Clocks: offset of another machine, and jitter") {
   CHECK(severity("300 ms ahead of the clock of this machine", other_host(0.3)) == Severity::warning);
   CHECK(severity("300 ms behind the clock of this machine", other_host(-0.3)) == Severity::warning);
   CHECK(severity("of this machine", other_host(-0.005)) == Severity::ok);
+  CHECK(severity("300 ms ahead of the clock", [](auto& b) { b.bridge_ahead_s = 0.3; }) == Severity::warning);
   CHECK(severity("300 ms to arrive", [](auto& b) { b.bridge_ahead_s = -0.3; }) == Severity::warning);
   CHECK(severity("jitter of 80 ms", [](auto& b) { b.status->clock_jitter_s = 0.08; }) == Severity::warning);
 }
 
-TEST_CASE("Status bits of all poses in the window are reported") {
+TEST_CASE("Status bits of the poses in the window are reported") {
   struct Case {
     std::uint32_t bits;
     const char* text;
     Severity severity;
   };
   for (const Case& c :
-       {Case{status_uncalibrated, "never at rest", Severity::warning},
+       {Case{status_uncalibrated, "not at rest for long enough", Severity::warning},
         Case{status_stale, "no valid fix for longer", Severity::warning},
         Case{status_heading_unknown, "heading is unknown", Severity::warning},
         Case{status_frozen_track, "repeat one position", Severity::warning},
         Case{status_low_trust, "low trust in the fixes", Severity::warning},
         Case{status_overloaded, "overloaded and skips poses", Severity::warning},
         Case{status_imu_gap, "stream has gaps", Severity::warning},
-        Case{status_initialising, "still initialising", Severity::warning},
+        Case{status_initialising, "is initialising", Severity::warning},
         Case{status_rotating_fast | status_converging | status_predicted, "", Severity::ok}}) {
     CAPTURE(c.text);
-    CHECK(severity(c.text, [&](auto& b) { b.lasting_status = c.bits; }) == c.severity);
+    CHECK(severity(c.text, [&](auto& b) { b.status_counts.add(c.bits); }) == c.severity);
   }
   SECTION("for a single beacon, an unknown heading is a note") {
     CHECK(severity("heading is unknown", [](auto& b) {
-            b.lasting_status = status_heading_unknown;
+            b.status_counts.add(status_heading_unknown);
             b.heading = {};
           }) == Severity::note);
   }
   SECTION("during initialisation, other bits are not reported") {
     CHECK(severity("no valid fix for longer",
-                   [](auto& b) { b.lasting_status = status_initialising | status_stale; }) == Severity::ok);
+                   [](auto& b) { b.status_counts.add(status_initialising | status_stale); }) == Severity::ok);
   }
 }
 

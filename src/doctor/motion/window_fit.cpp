@@ -1,0 +1,116 @@
+#include "doctor/motion/window_fit.hpp"
+
+#include "doctor/motion/segment_fit.hpp"
+#include <sonopose/geometry/rotation.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace sonopose::doctor::motion {
+namespace {
+
+using detail::Segment;
+using detail::SegmentFit;
+
+/// Long enough to see accelerations, short enough for the drift of the integrated IMU.
+constexpr double piece_s = 8.0;
+constexpr double least_piece_s = 2.0;
+constexpr std::size_t most_pieces = 15;
+constexpr std::size_t least_fixes = 12;
+/// The integral over a longer gap is not known.
+constexpr double longest_gap_s = 0.12;
+
+template <class Measurement>
+void sort_by_time(std::vector<Measurement>& all) {
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Measurement& a, const Measurement& b) { return a.time_ns < b.time_ns; });
+  const auto repeated = [](const Measurement& a, const Measurement& b) { return a.time_ns == b.time_ns; };
+  all.erase(std::unique(all.begin(), all.end(), repeated), all.end());
+}
+
+/// Those in [begin, end).
+template <class Measurement>
+std::span<const Measurement> between(const std::vector<Measurement>& all, TimeNs begin_ns, TimeNs end_ns) {
+  const auto before = [](const Measurement& each, TimeNs time_ns) { return each.time_ns < time_ns; };
+  const auto first = std::lower_bound(all.begin(), all.end(), begin_ns, before);
+  const auto last = std::lower_bound(first, all.end(), end_ns, before);
+  return {first, last};
+}
+
+bool has_gap(std::span<const Reading> imu) {
+  return std::adjacent_find(imu.begin(), imu.end(), [](const Reading& a, const Reading& b) {
+           return seconds_between(a.time_ns, b.time_ns) > longest_gap_s;
+         }) != imu.end();
+}
+
+double span_of(std::span<const Position> fixes) {
+  Vector3d least = fixes.front().position_world_m;
+  Vector3d most = least;
+  for (const Position& fix : fixes) {
+    least = least.cwiseMin(fix.position_world_m);
+    most = most.cwiseMax(fix.position_world_m);
+  }
+  return (most - least).norm();
+}
+
+std::optional<Measured> mount_of(const SegmentFit& fit, const Segment& segment) {
+  constexpr std::size_t least_headings = 5;
+  if (segment.headings.size() < least_headings || !fit.upright) return std::nullopt;
+  return Measured{fit.mount_rad, std::hypot(fit.mount_std_rad, fit.heading_spread_rad)};
+}
+
+std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_ns) {
+  const Segment segment{between(window.imu, begin_ns, end_ns), between(window.fixes, begin_ns, end_ns),
+                        between(window.headings, begin_ns, end_ns)};
+  if (segment.fixes.size() < least_fixes || segment.imu.size() < 2 || has_gap(segment.imu))
+    return std::nullopt;
+  if (seconds_between(segment.imu.front().time_ns, segment.imu.back().time_ns) < 0.8 * least_piece_s) {
+    return std::nullopt;
+  }
+  const auto fit = detail::fit_segment(segment, Vector3d::Ones());
+  if (!fit) return std::nullopt;
+  Piece piece;
+  piece.residual_m = fit->residual_m;
+  piece.span_m = span_of(segment.fixes);
+  piece.fixes = segment.fixes.size();
+  piece.delay_s = {fit->delay_s, fit->delay_std_s};
+  piece.mount_rad = mount_of(*fit, segment);
+  for (std::size_t axis = 0; axis < piece.inverted.size(); ++axis) {
+    Vector3d signs = Vector3d::Ones();
+    signs(static_cast<Eigen::Index>(axis)) = -1.0;
+    const auto inverted = detail::fit_segment(segment, signs);
+    if (!inverted) return std::nullopt;
+    piece.inverted.at(axis) = {fit->cost - inverted->cost, inverted->residual_m,
+                               mount_of(*inverted, segment)};
+  }
+  constexpr double far = 6.0;
+  for (const Vector3d& deviation : fit->deviations_m) {
+    if (deviation.norm() > far * fit->residual_m) piece.outliers_m.push_back(deviation);
+  }
+  return piece;
+}
+
+}  // namespace
+
+std::vector<Piece> pieces_of(const Window& unsorted) {
+  Window window = unsorted;
+  sort_by_time(window.imu);
+  sort_by_time(window.fixes);
+  sort_by_time(window.headings);
+  if (window.imu.size() < 2) return {};
+  const TimeNs begin_ns = window.imu.front().time_ns;
+  const double length_s = seconds_between(begin_ns, window.imu.back().time_ns);
+  if (length_s < least_piece_s) return {};
+  const auto count = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(length_s / piece_s)));
+  const std::size_t step = (count + most_pieces - 1) / most_pieces;
+  std::vector<Piece> pieces;
+  for (std::size_t i = 0; i < count; i += step) {
+    const double share_s = length_s / static_cast<double>(count);
+    auto piece = piece_of(window, begin_ns + to_ns(static_cast<double>(i) * share_s),
+                          begin_ns + to_ns(static_cast<double>(i + 1) * share_s));
+    if (piece) pieces.push_back(std::move(*piece));
+  }
+  return pieces;
+}
+
+}  // namespace sonopose::doctor::motion

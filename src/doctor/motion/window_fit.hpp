@@ -1,0 +1,45 @@
+#pragma once
+/// \file
+/// What the samples of a window say about the installation of a beacon: mount, delay, signs of the
+/// accelerometer's axes. Independent of the fusion, and of its engine.
+
+#include "doctor/motion/window.hpp"
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace sonopose::doctor::motion {
+
+/// An estimate and its standard deviation.
+struct Measured {
+  double value = 0;
+  double std = 0;
+};
+
+/// The same motion with the sign of one axis of the accelerometer changed.
+struct Inverted {
+  double log_likelihood = 0;  ///< minus that without the change
+  double residual_m = 0;
+  std::optional<Measured> mount_rad;
+};
+
+/// One piece of the window, some seconds long.
+struct Piece {
+  std::size_t fixes = 0;
+  double span_m = 0;  ///< diagonal of the box around the fixes
+  /// Distance of the fixes from the motion that the IMU measures: standard deviation per axis, without
+  /// outliers.
+  double residual_m = 0;
+  Measured delay_s;                   ///< by which fixes and headings are older than the fusion believes
+  std::optional<Measured> mount_rad;  ///< from body X to the axis of the pair; empty without headings
+  std::array<Inverted, 3> inverted;   ///< axes x, y, z
+  std::vector<Vector3d> outliers_m;   ///< deviations of the fixes that are far from the motion, world
+};
+
+/// The pieces of the window with enough samples: about 8 s each, or the whole of a shorter window; of a long
+/// window 15 of them, evenly spread.
+std::vector<Piece> pieces_of(const Window& window);
+
+}  // namespace sonopose::doctor::motion

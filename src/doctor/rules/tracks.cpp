@@ -1,0 +1,80 @@
+#include "doctor/rules/checks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace sonopose::doctor::rules {
+namespace {
+
+/// Of good fixes, hardly any is an outlier.
+constexpr std::size_t least_outliers = 4;
+constexpr double least_share = 0.02;
+/// Fixes of one track are this near to each other, as a share of their distance from the motion.
+constexpr double track_width = 0.35;
+constexpr double track_noise_m = 0.15;
+constexpr double track_share = 0.6;
+
+/// The median of each coordinate.
+Vector3d median_of(std::vector<Vector3d> all) {
+  Vector3d median;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+    std::nth_element(all.begin(), middle, all.end(),
+                     [axis](const Vector3d& a, const Vector3d& b) { return a(axis) < b(axis); });
+    median(axis) = (*middle)(axis);
+  }
+  return median;
+}
+
+/// Where most of these fixes are, if they are on one track.
+std::optional<Vector3d> track_of(const std::vector<Vector3d>& outliers_m) {
+  const Vector3d track_m = median_of(outliers_m);
+  const double width_m = track_width * track_m.norm() + track_noise_m;
+  const auto near = std::count_if(outliers_m.begin(), outliers_m.end(),
+                                  [&](const Vector3d& each) { return (each - track_m).norm() < width_m; });
+  const bool is_track = track_m.norm() > track_noise_m &&
+                        static_cast<double>(near) > track_share * static_cast<double>(outliers_m.size());
+  return is_track ? std::optional(track_m) : std::nullopt;
+}
+
+bool are_many(std::size_t outliers, std::uint64_t fixes) {
+  return outliers >= least_outliers &&
+         static_cast<double>(outliers) > least_share * static_cast<double>(fixes);
+}
+
+}  // namespace
+
+void check_tracks(const BeaconObservation& beacon, Findings& findings) {
+  std::vector<Vector3d> outliers_m = beacon.fix_outcomes.outliers_m;
+  std::uint64_t fixes = beacon.fix_outcomes.reports;
+  const char* judge = "its fusion rejects";
+  if (!are_many(outliers_m.size(), fixes)) {
+    // A fusion that follows each track rejects few fixes of either.
+    outliers_m.clear();
+    fixes = 0;
+    judge = "the IMU contradicts";
+    for (const motion::Piece& piece : beacon.pieces) {
+      outliers_m.insert(outliers_m.end(), piece.outliers_m.begin(), piece.outliers_m.end());
+      fixes += piece.fixes;
+    }
+    constexpr double many = 0.15;  // single ones are noise of fix and IMU
+    if (static_cast<double>(outliers_m.size()) < many * static_cast<double>(fixes)) return;
+  }
+  if (!are_many(outliers_m.size(), fixes)) return;
+  const std::string count = fmt::format("{} {} of its {} fixes", judge, outliers_m.size(), fixes);
+  if (const auto track_m = track_of(outliers_m)) {
+    findings.push_back(
+        {Severity::warning, name_of(beacon),
+         fmt::format("{}: they are on a second track, {:.2f} m off ({:.2f}, {:.2f}, {:.2f} m)", count,
+                     track_m->norm(), track_m->x(), track_m->y(), track_m->z()),
+         "look for a reflection, a second beacon with this address, or a stationary beacon in the wrong "
+         "place on the map"});
+  } else {
+    findings.push_back({Severity::warning, name_of(beacon), count + ", which are scattered",
+                        "check for reflections and a poor line of sight to the stationary beacons; set "
+                        "admission.min_quality_percent"});
+  }
+}
+
+}  // namespace sonopose::doctor::rules

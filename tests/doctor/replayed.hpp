@@ -1,0 +1,92 @@
+#pragma once
+// The observations of a simulated or recorded beacon and its fusion, without processes.
+
+#include "doctor/probe/beacon_probe.hpp"
+#include "doctor/rules/healthy_system.hpp"
+#include "sim/simulator.hpp"
+#include <sonopose/estimation/any_estimator.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <string>
+#include <vector>
+
+namespace sonopose::doctor::test {
+
+/// When the doctor looks, in seconds after the first event.
+struct Look {
+  double begin_s = 8;
+  double window_s = 8;
+};
+
+/// What the doctor observes if this is the only beacon.
+inline rules::Observations observed(const std::vector<Event>& events, const settings::Settings& settings,
+                                    const Look& look) {
+  estimation::AnyEstimator estimator(settings);
+  probe::BeaconProbe probe;
+  const TimeNs begin_ns = available_at_ns(events.front()) + to_ns(look.begin_s);
+  const TimeNs end_ns = begin_ns + to_ns(look.window_s);
+  bool is_looking = false;
+  for (const Event& event : events) {
+    const TimeNs now_ns = available_at_ns(event);
+    if (now_ns >= begin_ns && !std::exchange(is_looking, true)) probe.begin(begin_ns);
+    if (now_ns >= end_ns) break;
+    if (const auto* imu = std::get_if<ImuSample>(&event)) {
+      ImuSample sample = *imu;
+      sample.bridge_time_ns = now_ns;
+      probe.on(sample, now_ns, 1);
+      if (const auto pose = estimator.predict(sample)) probe.on(*pose, now_ns);
+    } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
+      probe.on(*fix, now_ns);
+      probe.on(estimator.correct(*fix));
+    } else {
+      probe.on(std::get<PairHeading>(event), now_ns);
+      estimator.correct(std::get<PairHeading>(event));
+    }
+    estimator.catch_up();
+  }
+  rules::Observations observations = rules::test::healthy();
+  observations.window_s = look.window_s;
+  const rules::BeaconObservation healthy = observations.beacons.front();
+  rules::BeaconObservation& beacon = observations.beacons.front();
+  beacon = probe.observation(end_ns, settings);
+  beacon.address = healthy.address;
+  beacon.imu.deadline_s = healthy.imu.deadline_s;
+  beacon.fix.deadline_s = healthy.fix.deadline_s;
+  beacon.heading.deadline_s = healthy.heading.deadline_s;
+  beacon.pose.deadline_s = healthy.pose.deadline_s;
+  beacon.bridges = healthy.bridges;
+  return observations;
+}
+
+/// The run of a scenario, with changes to its sensors.
+template <class Change>
+std::vector<Event> events_of(const std::string& scenario, std::uint64_t seed, double duration_s,
+                             const Change& change) {
+  const sim::Run run{.seed = seed, .duration_s = duration_s};
+  sim::Scenario drawn = sim::drawn(sim::find_scenario(scenario), run);
+  change(drawn.sensors);
+  return sim::record(drawn, run).events;
+}
+
+inline std::vector<Event> events_of(const std::string& scenario, std::uint64_t seed, double duration_s) {
+  return events_of(scenario, seed, duration_s, [](auto&) {});
+}
+
+/// Changes the sign of one axis of the accelerometer.
+inline void invert_axis(std::vector<Event>& events, Eigen::Index axis) {
+  for (Event& event : events) {
+    if (auto* imu = std::get_if<ImuSample>(&event)) imu->specific_force_body_mps2(axis) *= -1.0;
+  }
+}
+
+/// The warnings and errors as text, one per line.
+inline std::string problems_of(const rules::Observations& observations) {
+  std::string text;
+  for (const rules::Finding& finding : diagnose(observations)) {
+    if (finding.severity >= rules::Severity::warning) text += finding.what + "; " + finding.remedy + '\n';
+  }
+  return text;
+}
+
+}  // namespace sonopose::doctor::test

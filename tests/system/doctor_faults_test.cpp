@@ -1,0 +1,247 @@
+/// Each fault that the doctor must find, with the real processes.
+
+#include "marvelmind/encoder.hpp"
+#include "recording/log_writer.hpp"
+#include "sim/simulator.hpp"
+#include "support/beacon_bytes.hpp"
+#include "support/bus.hpp"
+#include "support/temporary_folder.hpp"
+#include <sonopose/geometry/rotation.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <functional>
+#include <random>
+#include <regex>
+#include <set>
+
+namespace doctor_faults_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+namespace topics = dds::topics;
+
+/// Runs the doctor until it exits; the environment is neutral but for `changes`.
+Result doctor(std::uint32_t domain_id, Arguments arguments, const Environment& changes = {}) {
+  arguments.insert(arguments.end(), {"--domain", std::to_string(domain_id)});
+  Environment environment = neutral;
+  for (const auto& [name, value] : changes) environment[name] = value;
+  return run(SONOPOSE_TEST_DOCTOR, arguments, environment);
+}
+
+/// The warnings and errors of a report in JSON whose subject is `subject`, one per line.
+std::string problems_of(const nlohmann::json& report, const std::string& subject) {
+  std::string text;
+  for (const auto& finding : report["findings"]) {
+    const std::string severity = finding["severity"];
+    if (finding["subject"] != subject || (severity != "warning" && severity != "error")) continue;
+    text += finding["what"].get<std::string>() + "; " + finding["remedy"].get<std::string>() + '\n';
+  }
+  return text;
+}
+
+/// The number after `key=`; NaN if there is none.
+double value_of(const std::string& text, const std::string& key) {
+  std::smatch match;
+  return std::regex_search(text, match, std::regex(key + "=(-?[0-9.]+)")) ? std::stod(match[1])
+                                                                          : std::nan("");
+}
+
+/// The axis of the pair and the time of the fixes as the hardware reports them, and what happens to samples.
+struct Fault {
+  double mount_deg = 0;
+  double reported_delay_error_s = 0;
+  bool has_heading = true;
+  std::function<void(Event& event, double time_s)> change = [](Event&, double) {};
+};
+
+/// Records a drive that has already begun.
+void record_drive(const std::filesystem::path& folder, BeaconAddress address, const Fault& fault) {
+  constexpr double begin_s = 4;
+  constexpr double end_s = 50;
+  const sim::Run run{.seed = 3000U + address, .address = address, .duration_s = end_s};
+  sim::Scenario scenario = sim::find_scenario("forklift");
+  scenario.sensors.pair_mount_offset_rad = fault.mount_deg * geometry::radians_per_degree;
+  scenario.sensors.reported_delay_error_s = fault.reported_delay_error_s;
+  scenario.sensors.pair_heading = fault.has_heading;
+  recording::SensorLogWriter writer(folder);
+  for (Event& event : sim::record(scenario, run).events) {
+    const double time_s = seconds_between(run.start_time_ns, available_at_ns(event)) - begin_s;
+    if (time_s < 0) continue;
+    fault.change(event, time_s);
+    writer.write(event);
+  }
+  writer.flush();
+}
+
+SCENARIO("the doctor finds a wrong installation and wrong fixes of driving beacons") {
+  GIVEN("beacons with one fault each, and one without") {
+    std::mt19937 random(4711);
+    const double mount_deg = std::round(std::uniform_real_distribution<double>(20, 160)(random));
+    std::optional<Vector3d> frozen_at;
+    const auto drive_off_track = [](Event& event, double) {
+      if (auto* fix = std::get_if<UltrasonicFix>(&event); fix != nullptr && fix->sequence % 4 == 0) {
+        fix->position_world_m += Vector3d(1.2, -0.9, 0);
+      }
+    };
+    const auto freeze = [&frozen_at](Event& event, double time_s) {
+      auto* fix = std::get_if<UltrasonicFix>(&event);
+      if (fix == nullptr || time_s < 4) return;
+      if (!frozen_at) frozen_at = fix->position_world_m;
+      fix->position_world_m = *frozen_at;
+    };
+    const auto invert_y = [](Event& event, double) {
+      if (auto* imu = std::get_if<ImuSample>(&event)) imu->specific_force_body_mps2.y() *= -1;
+    };
+    const std::map<BeaconAddress, Fault> faults{
+        {10, {.mount_deg = mount_deg}},
+        {11, {.mount_deg = mount_deg + 45}},
+        {12, {.mount_deg = mount_deg - 90}},
+        {13, {.mount_deg = mount_deg + 180}},
+        {14, {.mount_deg = mount_deg, .reported_delay_error_s = 0.04}},
+        {15, {.mount_deg = mount_deg, .change = invert_y}},
+        {16, {.mount_deg = mount_deg, .change = drive_off_track}},
+        {17, {.mount_deg = mount_deg, .change = freeze}},
+        {18, {.mount_deg = mount_deg, .has_heading = false}}};
+    const TemporaryFolder folder;
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    const auto fusion =
+        bus.fusion({"--set", "heading.mount_offset_deg=" + std::to_string(static_cast<int>(mount_deg))});
+    std::vector<std::unique_ptr<Process>> bridges;
+    for (const auto& [address, fault] : faults) {
+      const auto log = folder.path() / std::to_string(address);
+      record_drive(log, address, fault);
+      bridges.push_back(bus.bridge({"--source", "log", "--input", log.string(), "--restamp"}));
+    }
+    std::set<BeaconAddress> present;
+    REQUIRE(poses.wait_until([&] {
+      for (const FusedPose& pose : poses.samples) present.insert(pose.address);
+      poses.samples.clear();
+      return present.size() == faults.size();
+    }));
+    WHEN("the doctor observes them for 8 s") {
+      const Result result = doctor(bus.domain_id(), {"--duration", "8", "--json"});
+      CAPTURE(result.output, result.error);
+      CHECK(result.code == 1);
+      const auto report = nlohmann::json::parse(result.output);
+      const auto problems = [&report](int address) {
+        return problems_of(report, "beacon " + std::to_string(address));
+      };
+      THEN("it finds each fault where it is, and none elsewhere") {
+        const std::regex ours("mount|believes|wrong sign|track|repeat|headings|low trust|unknown");
+        CHECK_FALSE(std::regex_search(problems(10), ours));
+        for (const int address : {11, 12, 13}) {
+          CAPTURE(address);
+          CHECK_THAT(problems(address), Contains("its mount offset is wrong by about"));
+          const double tried_deg = value_of(problems(address), "heading.mount_offset_deg");
+          CHECK(std::abs(std::remainder(tried_deg - faults.at(static_cast<BeaconAddress>(address)).mount_deg,
+                                        360.0)) < 10);
+        }
+        CHECK_THAT(problems(14), Contains("ms) younger than the fusion believes"));
+        CHECK(value_of(problems(14), "delay.correction_s") == Approx(-0.04).margin(0.015));
+        CHECK_THAT(problems(15), Contains("its accelerometer has the wrong sign on the body's axis y"));
+        CHECK_THAT(problems(16), Contains("on a second track, 1."));
+        CHECK_THAT(problems(17), Contains("its fixes repeat one position although the IMU measures motion"));
+        CHECK_THAT(problems(18), Contains("no pair headings received, although heading.mount_offset_deg="));
+      }
+    }
+  }
+}
+
+SCENARIO("the doctor finds a bridge that waits for its device") {
+  GIVEN("a bridge whose serial device is absent") {
+    const Bus bus;
+    Consumer<sonopose_LineStatus> lines(bus, topics::line_status);
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({"--source", "serial", "--device", "/dev/sonopose-absent"});
+    REQUIRE(lines.wait_for([](const LineStatus& line) { return line.state == LineState::waiting; }));
+    WHEN("the doctor runs") {
+      const Result result = doctor(bus.domain_id(), {"--duration", "1.5"});
+      THEN("it names the device") {
+        CAPTURE(result.output, result.error);
+        CHECK(result.code == 1);
+        CHECK_THAT(result.output, Contains("line /dev/sonopose-absent: its bridge waits for the device"));
+      }
+    }
+  }
+}
+
+SCENARIO("the doctor finds a weak battery") {
+  GIVEN("a bridge that plays the bytes of a beacon at 3.31 V") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const std::string file = (folder / "bytes.bin").string();
+    REQUIRE(bus.bridge({"--scenario", "rest", "--rate", "0", "--duration", "30", "--capture", file})
+                ->wait_for_exit() == 0);
+    const auto telemetry =
+        marvelmind::encode(marvelmind::Telemetry{.battery_mv = 3310, .rssi_dbm = -60, .address = 7});
+    std::string bytes;
+    int count = 0;
+    for (const TimedFrame& frame : timed_frames(read_bytes(file))) {
+      bytes.append(frame.bytes.begin(), frame.bytes.end());
+      if (++count % 50 == 0) bytes.append(telemetry.bytes().begin(), telemetry.bytes().end());
+    }
+    write_text(folder / "weak.bin", bytes);
+    Consumer<sonopose_BeaconStatus> statuses(bus, topics::beacon_status);
+    const auto bridge = bus.bridge({"--source", "stream", "--input", (folder / "weak.bin").string()});
+    REQUIRE(statuses.wait_for([](const BeaconStatus& status) { return status.battery_v.has_value(); }));
+    WHEN("the doctor runs") {
+      const Result result = doctor(bus.domain_id(), {"--duration", "1.5"});
+      THEN("it reports the voltage") {
+        CAPTURE(result.output, result.error);
+        CHECK_THAT(result.output, Contains("its battery is at 3.31 V"));
+      }
+    }
+  }
+}
+
+SCENARIO("the doctor finds two fusions of one strength, foreign writers, and other clocks") {
+  GIVEN("a bridge, and two fusions of the same strength") {
+    const Bus bus;
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    const auto first = bus.fusion();
+    const auto second = bus.fusion();
+    const auto bridge = bus.bridge({"--scenario", "rest"});
+    REQUIRE(poses.wait_for_count(1));
+    REQUIRE(poses.wait_for_writers(2));
+    AND_GIVEN("a program that writes IMU samples with other QoS, and one whose clock is 0.3 s ahead") {
+      const dds::DomainParticipant participant({.domain_id = bus.domain_id()});
+      const dds::Topic<sonopose_FusedPose> topic(participant, topics::pose.name);
+      const dds::DataWriter<sonopose_FusedPose> foreign(participant, topic);
+      auto ahead = dds::topics::make_writer(participant, dds::qos::Provider(), topics::imu);
+      std::jthread clock_ahead([&ahead](const std::stop_token& stop) {
+        ImuSample imu;
+        imu.address = 99;
+        while (!stop.stop_requested()) {
+          const auto now = std::chrono::system_clock::now().time_since_epoch();
+          imu.sensor_time_ns =
+              std::chrono::duration_cast<std::chrono::nanoseconds>(now).count() + 300'000'000;
+          imu.bridge_time_ns = imu.sensor_time_ns;
+          ++imu.sequence;
+          imu.specific_force_body_mps2 = {0, 0, standard_gravity_mps2};
+          ahead.write(dds::topics::to_idl(imu));
+          std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+      });
+      WHEN("the doctor runs") {
+        const Result result = doctor(bus.domain_id(), {"--duration", "2"});
+        THEN("it finds all three") {
+          CAPTURE(result.output, result.error);
+          CHECK(result.code == 1);
+          CHECK_THAT(result.output, Contains("with the same strength"));
+          for (const auto* const fusion : {first.get(), second.get()}) {
+            CHECK_THAT(result.output, Contains("sonopose-fusion (process " + std::to_string(fusion->pid())));
+          }
+          CHECK_THAT(result.output, Contains("cannot receive from test_system_doctor (process "));
+          CHECK_THAT(result.output, Contains("the clock of the bridge's machine is about 300 ms ahead of") ||
+                                        Contains("the clock of the bridge's machine is about 29"));
+        }
+      }
+    }
+  }
+}
+
+}  // namespace doctor_faults_test
