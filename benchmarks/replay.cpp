@@ -1,6 +1,8 @@
-// Replay of an hour of 100 Hz data: reading the folder, and running the engine.
+// Replay of an hour of 100 Hz data: reading the folder, running the engine, smoothing; and a calibration.
 
+#include "calibration/drive/drive_fit.hpp"
 #include "evaluation/run.hpp"
+#include "evaluation/smoothed_run.hpp"
 #include "recording/log_folder.hpp"
 #include "recording/log_writer.hpp"
 #include "sim/simulator.hpp"
@@ -10,6 +12,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace {
 
@@ -82,9 +85,29 @@ void replay_hour_engine_alone(benchmark::State& state) {
   count_real_time(state);
 }
 
+/// The reading is not counted.
+void smooth_hour(benchmark::State& state) {
+  const auto log = recording::read_sensor_log(hour(false));
+  for (auto run : state) benchmark::DoNotOptimize(evaluation::run_smoothed(log, {}));
+  count_real_time(state);
+}
+
+/// Everything from two minutes of the kart: grid, two fits and the judgement by the engine.
+void calibrate_two_minutes(benchmark::State& state) {
+  constexpr double drive_s = 120.0;
+  const std::vector<std::vector<Event>> logs{
+      sim::record(sim::find_scenario("kart"), {.duration_s = drive_s}).events};
+  for (auto run : state) benchmark::DoNotOptimize(calibration::drive::calibrate_drive(logs, {}));
+  state.counters["per_minute_of_log"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * drive_s / 60.0,
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
 BENCHMARK(replay_hour)->ArgName("truth")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(replay_hour_reading_alone)->ArgName("truth")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(replay_hour_engine_alone)->ArgName("truth")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(smooth_hour)->Unit(benchmark::kMillisecond);
+BENCHMARK(calibrate_two_minutes)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

@@ -20,6 +20,11 @@ using namespace sonopose::calibration::drive;
 using Catch::Contains;
 
 constexpr double short_drive_s = 60.0;
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool is_sanitized = true;  // a pass then takes twenty times as long
+#else
+constexpr bool is_sanitized = false;
+#endif
 
 DriveFit calibrated(const std::vector<Event>& events) {
   const std::vector<std::vector<Event>> recordings{events};
@@ -93,7 +98,7 @@ SCENARIO("a drive without a turn shows the mount but no lever arm") {
 
 SCENARIO("a single beacon has no mount") {
   GIVEN("a walk without headings") {
-    const SimulatedDrive drive = random_drive("no_heading", 913);
+    const SimulatedDrive drive = random_drive("no_heading", 913, short_drive_s);
     WHEN("it is calibrated") {
       const DriveFit fit = calibrated(drive.recordings.front());
       THEN("mount and noise of headings are refused, the delay is right") {
@@ -121,7 +126,7 @@ sim::Path on_one_circle(double time_s) {
   return path;
 }
 
-SCENARIO("on one circle the mount cannot be told from the lever arm, whatever the speed") {
+SCENARIO("on one circle neither mount nor lever arm is observable, whatever the speed") {
   // If the IMU is moved around the centre and turned by the same angle, it measures the same.
   GIVEN("a body that drives to and fro on a circle") {
     const std::vector<Event> events = events_on(on_one_circle, 915, short_drive_s);
@@ -160,6 +165,7 @@ SCENARIO("the logs of one installation need not all have headings") {
     const SimulatedDrive drive = random_drive("forklift", 916, short_drive_s);
     const std::vector<Event>& second = drive.recordings.front();
     for (const bool are_late : {false, true}) {
+      if (is_sanitized && !are_late) continue;  // the other one runs the same code
       WHEN(std::string("the headings of the second are ") +
            (are_late ? "refused by the engine" : "missing")) {
         const std::vector<std::vector<Event>> recordings{
