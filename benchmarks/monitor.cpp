@@ -16,12 +16,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <fcntl.h>
+#include <new>
 #include <poll.h>
 #include <pty.h>
 #include <stdexcept>
 #include <string>
 #include <sys/ioctl.h>
+#include <sys/mman.h>
 #include <thread>
 #include <unistd.h>
 #include <vector>
@@ -63,9 +64,8 @@ struct CountingReader {
 };
 
 /// Counts the samples of the topics that the screen reads, until it is killed.
-void count_samples(std::uint32_t domain) {
+void count_samples(std::uint32_t domain, std::atomic<std::uint64_t>& count) {
   namespace topics = dds::topics;
-  std::atomic<std::uint64_t> count = 0;
   const dds::qos::Provider qos;
   const dds::DomainParticipant participant({domain, dds::Network::loopback});
   const CountingReader pose(participant, qos, topics::pose, count);
@@ -126,13 +126,22 @@ private:
   std::thread watcher_;
 };
 
+/// A counter that children share.
+std::atomic<std::uint64_t>& shared_counter() {
+  void* const memory = ::mmap(nullptr, sizeof(std::atomic<std::uint64_t>), PROT_READ | PROT_WRITE,
+                              MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw std::runtime_error("mmap failed");
+  return *new (memory) std::atomic<std::uint64_t>(0);
+}
+
 void sleep_s(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
 void measure(const Options& options) {
   const std::string domain = std::to_string(options.domain);
-  const Child counter = Child::fork_to([&] { count_samples(options.domain); });
+  std::atomic<std::uint64_t>& count = shared_counter();
+  const Child counter = Child::fork_to([&] { count_samples(options.domain, count); });
   WatchedTerminal terminal;
   const Child monitor =
       Child::execute({SONOPOSE_MONITOR, "--domain", domain}, [&terminal] { terminal.become(); });
@@ -144,19 +153,21 @@ void measure(const Options& options) {
   sleep_s(8.0);  // until every beacon is found and its fusion has settled
   fmt::print("{} beacons at {} Hz, rounds of {} s, a screen of 200 x 60\n", options.beacons,
              options.imu_rate_hz, options.round_s);
-  fmt::print("round  monitor CPU  counting consumer CPU  ratio  screen kB/s\n");
+  fmt::print("round  samples/s  monitor CPU  counting consumer CPU  ratio  screen kB/s\n");
   std::vector<double> ratios;
   for (int round = 1; round <= options.rounds; ++round) {
     const std::int64_t monitor_before_ns = monitor.cpu_time_ns();
     const std::int64_t counter_before_ns = counter.cpu_time_ns();
     const std::int64_t bytes_before = terminal.bytes();
+    const std::uint64_t count_before = count;
     const SteadyTime began = clocks::steady_now();
     sleep_s(options.round_s);
     const double monitor_s = seconds_between(monitor_before_ns, monitor.cpu_time_ns());
     const double counter_s = seconds_between(counter_before_ns, counter.cpu_time_ns());
     const double length_s = seconds_between(began, clocks::steady_now());
     ratios.push_back(monitor_s / counter_s);
-    fmt::print("{:>5} {:>10.1f} % {:>20.1f} % {:>6.2f} {:>12.1f}\n", round, 100.0 * monitor_s / length_s,
+    fmt::print("{:>5} {:>10.0f} {:>10.1f} % {:>20.1f} % {:>6.2f} {:>12.1f}\n", round,
+               static_cast<double>(count - count_before) / length_s, 100.0 * monitor_s / length_s,
                100.0 * counter_s / length_s, ratios.back(),
                1e-3 * static_cast<double>(terminal.bytes() - bytes_before) / length_s);
     std::fflush(stdout);

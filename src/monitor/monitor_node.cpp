@@ -203,7 +203,8 @@ std::uint64_t monitor(const MonitorOptions& options, process::StopSignal& stop) 
   const SteadyTime end =
       options.duration_s > 0 ? clocks::steady_now() + to_ns(options.duration_s) : SteadyTime::max();
   std::unique_ptr<Display> display = make_display(options.output);
-  constexpr TimeNs poll_period_ns = 20'000'000;
+  // Fingers need no more; a log line is better soon.
+  const TimeNs poll_period_ns = options.output == Output::screen ? 50'000'000 : 20'000'000;
   while (next <= end && !stop.wait_until(std::min(next, clocks::steady_now() + poll_period_ns))) {
     if (display->poll()) {
       stop.request();
