@@ -29,7 +29,8 @@ int serve(const CLI::App& app, const Options& options) {
                            .qos_file = options.bus.qos_file,
                            .lossless = options.source.is_unpaced(),
                            .batch = options.source.is_many(),
-                           .record_folder = options.record});
+                           .record_folder = options.record,
+                           .source_settings = apps::source_settings(app, options.source)});
   const auto realtime = apps::realtime(app, options.realtime_priority);
   fmt::print(stderr, "sonopose-bridge: publishing from {}\n", options.source.source);
   apps::serve([&] { node.run(*source, stop); });

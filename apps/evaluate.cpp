@@ -5,6 +5,7 @@
 #include "recording/log_folder.hpp"
 #include "support/case_options.hpp"
 #include "support/config_options.hpp"
+#include "support/progress.hpp"
 #include "support/run.hpp"
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -50,16 +52,23 @@ settings::Settings settings_of(const CLI::App& app, const Options& options,
   return apps::configuration(app, config).for_beacon(options.beacon);
 }
 
+void show(const apps::CasePlace& place, apps::Progress& progress) {
+  progress.at(static_cast<double>(place.index) / static_cast<double>(place.count),
+              fmt::format("case {} of {}: {}", place.index + 1, place.count, place.name));
+}
+
 int compare(const CLI::App& app, const Options& options) {
   const std::filesystem::path& first = options.compared[0];
   const std::filesystem::path& second = options.compared[1];
   const settings::Settings first_settings = settings_of(app, options, first);
   const settings::Settings second_settings = settings_of(app, options, second);
   std::vector<evaluation::CostPair> costs;
-  apps::for_each_case(options.cases, [&](const std::vector<evaluation::Case>& runs) {
+  apps::Progress progress;
+  const auto compare_case = [&](const std::vector<evaluation::Case>& runs) {
     const auto first_results = evaluation::evaluate_all(runs, first_settings);
     const auto first_m = evaluation::cost_of(first_results, first_results);
     if (!first_m || !std::isfinite(*first_m)) {
+      progress.clear();
       fmt::print(stderr, "left out: {}: nothing to score with {}\n", runs.front().name, first.string());
       return;
     }
@@ -67,7 +76,10 @@ int compare(const CLI::App& app, const Options& options) {
     const auto second_m = evaluation::cost_of(evaluation::evaluate_all(runs, second_settings), first_results);
     costs.push_back({runs.front().name, first_results.front().has_truth, *first_m,
                      second_m.value_or(std::numeric_limits<double>::infinity())});
-  });
+  };
+  apps::for_each_case(options.cases, compare_case,
+                      [&](const apps::CasePlace& place) { show(place, progress); });
+  progress.clear();
   if (costs.empty()) throw std::invalid_argument("--compare: no case can be scored");
   fmt::print("{}", options.json ? json_of(costs, first.string(), second.string())
                                 : table_of(costs, first.string(), second.string()));
@@ -77,13 +89,24 @@ int compare(const CLI::App& app, const Options& options) {
 int evaluate(const CLI::App& app, const Options& options) {
   if (!options.compared.empty()) return compare(app, options);
   const std::vector<settings::Settings> engines = settings_of(app, options);
-  std::vector<evaluation::Summary> summaries;
-  apps::for_each_case(options.cases, [&](const std::vector<evaluation::Case>& runs) {
+  apps::Progress progress;
+  std::optional<evaluation::SummaryTable> table;
+  const auto begin = [&](const apps::CasePlace& place) {
+    if (!table) table.emplace(place.name_columns);
+    show(place, progress);
+  };
+  const auto score = [&](const std::vector<evaluation::Case>& runs) {
     for (const settings::Settings& settings : engines) {
-      summaries.push_back(evaluation::summarise(evaluation::evaluate_all(runs, settings)));
+      const std::string lines = table->add(evaluation::summarise(evaluation::evaluate_all(runs, settings)));
+      if (options.json) continue;
+      progress.clear();
+      fmt::print("{}", lines);
+      apps::flush_output();
     }
-  });
-  fmt::print("{}", options.json ? evaluation::json_of(summaries) : evaluation::table_of(summaries));
+  };
+  apps::for_each_case(options.cases, score, begin);
+  progress.clear();
+  fmt::print("{}", options.json ? evaluation::json_of(table->rows()) : table->predictions());
   return 0;
 }
 

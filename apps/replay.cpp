@@ -7,11 +7,13 @@
 #include "evaluation/state_file.hpp"
 #include "plots/plot.hpp"
 #include "recording/log_folder.hpp"
+#include "support/progress.hpp"
 #include "support/replay_options.hpp"
 #include "support/run.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -33,11 +35,26 @@ std::string estimator_name(const evaluation::RunOptions& run) {
   return run.estimator == estimation::EstimatorKind::strapdown ? "strapdown" : "";
 }
 
-evaluation::RunResult timed_run(const recording::SensorLog& log, const evaluation::RunOptions& run, bool smooth,
-                                const evaluation::Observer& observer, evaluation::Timing& timing) {
+evaluation::RunResult timed_run(const recording::SensorLog& log, const evaluation::RunOptions& run,
+                                bool smooth, const evaluation::Observer& observer,
+                                evaluation::Timing& timing) {
+  apps::Progress progress;
+  const TimeNs begin_ns = log.events.empty() ? 0 : available_at_ns(log.events.front());
+  const TimeNs end_ns = log.events.empty() ? 0 : available_at_ns(log.events.back());
+  const auto share_at = [&](TimeNs time_ns) {
+    return seconds_between(begin_ns, time_ns) / std::max(seconds_between(begin_ns, end_ns), 1e-9);
+  };
+  const evaluation::Observer watched{[&](const FusedPose& pose) {
+                                       progress.at(share_at(pose.time_ns), "replay");
+                                       observer.on_pose(pose);
+                                     },
+                                     [&](const FixReport& fix) {
+                                       progress.at(share_at(fix.applied_time_ns), "replay");
+                                       observer.on_report(fix);
+                                     }};
   const auto running = Clock::now();
   const auto run_log = smooth ? evaluation::run_smoothed : evaluation::run;
-  evaluation::RunResult result = run_log(log, run, observer);
+  evaluation::RunResult result = run_log(log, run, watched);
   timing.running_s = seconds_since(running);
   return result;
 }

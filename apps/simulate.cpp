@@ -1,7 +1,9 @@
 // sonopose-simulate: writes a simulated run as a sensor-log folder with truth.
 
 #include "recording/log_writer.hpp"
+#include "recording/part_folder.hpp"
 #include "sim/simulator.hpp"
+#include "support/progress.hpp"
 #include "support/run.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
@@ -84,16 +86,28 @@ int write(const Options& options) {
   const double duration_s = options.duration_s.value_or(scenario.duration_s);
   const sim::Run run{.seed = options.seed, .duration_s = duration_s};
   sim::Simulator simulator(scenario, sensors_of(options, scenario, run), run);
-  recording::SensorLogWriter log(options.folder);
+  const recording::PartFolder folder(options.folder);
+  std::optional<recording::SensorLogWriter> log;
+  log.emplace(folder.part(), recording::LogSettings{{"scenario", std::string(scenario.name)},
+                                                    {"seed", std::to_string(options.seed)},
+                                                    {"duration_s", fmt::format("{}", duration_s)}});
+  apps::Progress progress;
   std::array<std::size_t, std::variant_size_v<Event>> count{};
   std::size_t truth_count = 0;
+  TimeNs first_truth_ns = 0;
   while (const auto step = simulator.next()) {
-    log.write(step->event);
+    log->write(step->event);
     ++count.at(step->event.index());
-    if (step->truth) log.write(*step->truth);
-    truth_count += step->truth ? 1U : 0U;
+    if (step->truth) {
+      log->write(*step->truth);
+      if (truth_count++ == 0) first_truth_ns = step->truth->time_ns;
+      progress.at(seconds_between(first_truth_ns, step->truth->time_ns) / duration_s, "simulate");
+    }
   }
-  log.flush();
+  log->flush();
+  log.reset();
+  folder.commit();
+  progress.clear();
   fmt::print("{}: {}, seed {}, {} s: {} IMU samples, {} fixes, {} headings, {} true states\n",
              options.folder.string(), scenario.name, options.seed, duration_s, count[0], count[1], count[2],
              truth_count);

@@ -1,5 +1,6 @@
 // sonopose: starts the other programs; `sonopose VERB ARGUMENTS…` executes sonopose-VERB.
 
+#include "launch/execute.hpp"
 #include "support/nearest.hpp"
 #include "support/verbs.hpp"
 #include "support/version.hpp"
@@ -10,9 +11,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 namespace {
@@ -51,21 +50,11 @@ int refuse_verb(const std::string& verb) {
   return refuse(fmt::format("{}: unknown verb{}", verb, suggestion(verb, names)));
 }
 
-/// Becomes the program of the verb: the one beside this program, else the one on PATH. Returns only on
-/// failure.
+/// Becomes the program of the verb. Returns only on failure.
 int become(const std::string& verb, const std::vector<std::string>& arguments) {
   if (verb.empty() || verb.find('/') != std::string::npos) return refuse_verb(verb);
   const std::string program = "sonopose-" + verb;
-  std::error_code no_proc;  // then PATH alone is searched
-  const auto self = std::filesystem::read_symlink("/proc/self/exe", no_proc);
-  const std::string beside = (self.parent_path() / program).string();
-
-  std::vector<const char*> words{program.c_str()};
-  for (const std::string& argument : arguments) words.push_back(argument.c_str());
-  words.push_back(nullptr);
-  auto* const argv = const_cast<char* const*>(words.data());  // execv(3) does not change them
-  if (!no_proc) ::execv(beside.c_str(), argv);
-  if (no_proc || errno == ENOENT) ::execvp(program.c_str(), argv);
+  sonopose::launch::execute(program, arguments);
   if (errno == ENOENT) return refuse_verb(verb);
   return refuse(fmt::format("{} cannot be started: {}", program, std::strerror(errno)));
 }

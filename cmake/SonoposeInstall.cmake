@@ -5,7 +5,8 @@ get_property(installed_targets GLOBAL PROPERTY SONOPOSE_INSTALLED_TARGETS)
 install(TARGETS ${installed_targets} EXPORT sonoposeTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY include/sonopose DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(DIRECTORY qos config DESTINATION ${CMAKE_INSTALL_DATADIR}/sonopose)
+install(DIRECTORY qos config DESTINATION ${CMAKE_INSTALL_DATADIR}/sonopose PATTERN cyclonedds-loopback.xml EXCLUDE)
+install(FILES config/cyclonedds-loopback.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/sonopose)
 install(DIRECTORY idl/ DESTINATION ${CMAKE_INSTALL_DATADIR}/sonopose/idl FILES_MATCHING PATTERN "*.idl")
 install(EXPORT sonoposeTargets NAMESPACE sonopose:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sonopose)
 configure_package_config_file(cmake/sonoposeConfig.cmake.in ${PROJECT_BINARY_DIR}/sonoposeConfig.cmake

@@ -13,21 +13,21 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
          "--domain", [&options](std::uint32_t id) { options.domain.domain_id = id; },
          "DDS domain (default: ROS_DOMAIN_ID, else 0)")
       ->check(CLI::Range(0U, dds::max_domain_id))
-      ->group("Bus");
+      ->group(bus_group);
   add_choice<dds::Network>(app, "--network", options.domain.network,
                            {{"loopback", dds::Network::loopback}, {"lan", dds::Network::lan}},
                            "loopback: only this machine; lan: the interface that Cyclone DDS chooses "
                            "(CYCLONEDDS_URI overrides both)")
-      ->group("Bus");
+      ->group(bus_group);
   app.add_option(
          "--partition", options.domain.partition,
          "DDS partition to read and write; a reader may use a pattern: hall-* (default: no partition)")
       ->type_name("NAME")
-      ->group("Bus");
+      ->group(bus_group);
   app.add_option("--qos", options.qos_file,
                  "File of QoS policies that override the project's (default: SONOPOSE_QOS, else none)")
       ->type_name("FILE")
-      ->group("Bus");
+      ->group(bus_group);
 }
 
 void add_max_beacons(CLI::App& app, const std::string& verb, std::size_t& max_beacons) {

@@ -21,6 +21,9 @@ struct BusOptions {
 /// asks for a partition of a plain name would match it.
 void check_publisher(const BusOptions& options);
 
+/// The group of these options.
+inline constexpr const char* bus_group = "Bus";
+
 /// Adds --domain, --network, --partition and --qos.
 void add_bus_options(CLI::App& app, BusOptions& options);
 

@@ -65,8 +65,8 @@ const sim::Scenario& scenario_named(const std::string& name) {
 
 }  // namespace
 
-void for_each_case(const CaseOptions& options,
-                   const std::function<void(std::vector<evaluation::Case>)>& use) {
+void for_each_case(const CaseOptions& options, const std::function<void(std::vector<evaluation::Case>)>& use,
+                   const std::function<void(const CasePlace&)>& begin) {
   std::vector<const sim::Scenario*> chosen;
   std::vector<std::filesystem::path> recordings;
   for (const std::string& name : options.named) {
@@ -84,7 +84,21 @@ void for_each_case(const CaseOptions& options,
     for (const sim::Scenario& scenario : sim::scenarios()) chosen.push_back(&scenario);
   }
   if (options.recordings) add_recordings(*options.recordings, recordings);
+  CasePlace place;
+  place.count = chosen.size() + recordings.size();
   for (const sim::Scenario* scenario : chosen) {
+    place.name_columns = std::max(place.name_columns, scenario->name.size());
+  }
+  for (const std::filesystem::path& folder : recordings) {
+    place.name_columns = std::max(place.name_columns, folder.string().size());
+  }
+  const auto begin_case = [&](std::string name) {
+    place.name = std::move(name);
+    if (begin) begin(place);
+    ++place.index;
+  };
+  for (const sim::Scenario* scenario : chosen) {
+    begin_case(std::string(scenario->name));
     std::vector<evaluation::Case> runs;
     for (std::uint64_t run = 0; run < options.seeds; ++run) {
       runs.push_back(evaluation::simulated_case(*scenario, options.first_seed + run));
@@ -93,6 +107,7 @@ void for_each_case(const CaseOptions& options,
   }
   std::size_t unreadable = 0;
   for (const std::filesystem::path& folder : recordings) {
+    begin_case(folder.string());
     std::vector<evaluation::Case> runs;
     try {
       runs.push_back(evaluation::recorded_case(folder));

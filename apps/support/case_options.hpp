@@ -26,9 +26,18 @@ struct CaseOptions {
 /// Adds CASE..., --harder, --seeds, --first-seed and --recordings.
 void add_case_options(CLI::App& app, CaseOptions& options);
 
-/// Calls `use(runs)` with the runs of one scenario after the other, then with each recording. Reports on
-/// standard error which recordings are left out. Throws std::invalid_argument for a name that is neither a
-/// scenario nor a folder, files::IoError.
-void for_each_case(const CaseOptions& options, const std::function<void(std::vector<evaluation::Case>)>& use);
+/// One of the cases, before it is made.
+struct CasePlace {
+  std::string name;
+  std::size_t index = 0;
+  std::size_t count = 0;         ///< of all cases
+  std::size_t name_columns = 0;  ///< the length of the longest name of all
+};
+
+/// Calls `begin(place)` and then `use(runs)` with the runs of one scenario after the other, then with each
+/// recording. Reports on standard error which recordings are left out. Throws std::invalid_argument for a
+/// name that is neither a scenario nor a folder, files::IoError.
+void for_each_case(const CaseOptions& options, const std::function<void(std::vector<evaluation::Case>)>& use,
+                   const std::function<void(const CasePlace&)>& begin = {});
 
 }  // namespace sonopose::apps

@@ -1,18 +1,43 @@
 #include "config_options.hpp"
 
+#include "help.hpp"
+#include "nearest.hpp"
+#include "run.hpp"
+
 #include <fmt/format.h>
 
 #include <cstdio>
 
 namespace sonopose::apps {
+namespace {
+
+constexpr const char* settings_option = "--help-settings";
+
+void print_settings(const std::string& group) {
+  constexpr std::size_t column_of_ranges = 54;
+  const std::string text = config::settings_help(group);
+  if (!text.empty()) throw Printed(wrapped_lines(text, column_of_ranges));
+  throw CLI::ValidationError(settings_option, fmt::format("{}: no settings have this name{}", group,
+                                                          suggestion(group, config::settings_groups())));
+}
+
+}  // namespace
 
 void add_config_options(CLI::App& app, ConfigOptions& options) {
-  app.add_option("--config", options.file, "TOML file with settings")->type_name("FILE");
+  app.add_option("--config", options.file, "TOML file with settings")
+      ->type_name("FILE")
+      ->group(settings_group);
   app.add_option("--set", options.assignments,
                  "One setting: GROUP.KEY=VALUE, or beacon.7.GROUP.KEY=VALUE for one beacon; may be repeated")
       ->type_name("KEY=VALUE")
+      ->group(settings_group)
       ->allow_extra_args(false);
-  app.footer(config::settings_help);
+  app.add_option_function<std::string>(settings_option, print_settings,
+                                       "Print the settings for --set, all or those of a group, and exit")
+      ->type_name("[GROUP]")
+      ->group(settings_group)
+      ->expected(0, 1)
+      ->trigger_on_parse();
 }
 
 void add_beacon_option(CLI::App& app, BeaconAddress& beacon) {

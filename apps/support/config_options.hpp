@@ -1,5 +1,5 @@
 #pragma once
-// What every program with fusion settings has in common: --config and --set.
+// What every program with fusion settings has in common: --config, --set and --help-settings.
 
 #include "config/fusion_config.hpp"
 #include <sonopose/samples/samples.hpp>
@@ -19,7 +19,10 @@ struct ConfigOptions {
   std::vector<std::string> assignments;
 };
 
-/// Adds --config and --set.
+/// The group of these options.
+inline constexpr const char* settings_group = "Settings";
+
+/// Adds --config, --set and --help-settings.
 void add_config_options(CLI::App& app, ConfigOptions& options);
 
 /// Sets a key for all beacons and for this one, above --set.

@@ -2,13 +2,14 @@
 
 #include "evaluation/calibration.hpp"
 #include "plots/likelihood_plot.hpp"
+#include "progress.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 #include <string_view>
-#include <unistd.h>
 #include <utility>
 
 namespace sonopose::apps {
@@ -26,30 +27,6 @@ std::vector<Quantity> all() {
   quantities.insert(quantities.end(), noise.begin(), noise.end());
   return quantities;
 }
-
-/// On standard error: on a terminal one line that changes, otherwise a line per stage.
-class Progress {
-public:
-  Progress() = default;
-  ~Progress() {
-    if (is_terminal_) fmt::print(stderr, "\r\x1b[K");
-  }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-  Progress(Progress&&) = delete;
-  Progress& operator=(Progress&&) = delete;
-
-  void on_step(std::string_view stage, int step) const {
-    if (is_terminal_) {
-      fmt::print(stderr, "\r\x1b[K{}, step {}", stage, step + 1);
-    } else if (step == 0) {
-      fmt::print(stderr, "{}\n", stage);
-    }
-  }
-
-private:
-  bool is_terminal_ = ::isatty(STDERR_FILENO) != 0;
-};
 
 /// Writes the settings to the file. Warns about those that the file overrides for a single beacon.
 void write_settings(const std::filesystem::path& file, const std::vector<files::toml::Assignment>& settings) {
@@ -111,7 +88,7 @@ bool DriveCommands::is_given() const {
 }
 
 evaluation::DriveCalibration DriveCommands::calibrated(const Command& command) const {
-  const Progress progress;
+  Progress progress;
   evaluation::DriveRequest request;
   request.logs = logs_;
   request.wanted = command.wanted;
@@ -121,7 +98,7 @@ evaluation::DriveCalibration DriveCommands::calibrated(const Command& command) c
   request.settings = configuration(*command.app, config).for_beacon(beacon_.value_or(all_beacons));
   request.options.curves = plot_.has_value();
   request.options.on_progress = [&progress](std::string_view stage, int step) {
-    progress.on_step(stage, step);
+    progress.at(std::numeric_limits<double>::quiet_NaN(), fmt::format("{}, step {}", stage, step + 1));
   };
   return evaluation::calibrate_drive(request);
 }

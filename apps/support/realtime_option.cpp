@@ -12,7 +12,7 @@ void add_realtime_option(CLI::App& app, int& priority) {
          "Use real-time priority 50 (or --realtime=PRIORITY), lock the memory and keep the cores awake; "
          "reports and skips what the system refuses")
       ->check(CLI::Range(1, 99))
-      ->group("Bus");
+      ->group(realtime_group);
 }
 
 process::Realtime realtime(const CLI::App& app, int priority) {

@@ -7,6 +7,9 @@
 
 namespace sonopose::apps {
 
+/// The group of this option.
+inline constexpr const char* realtime_group = "Real time";
+
 /// Adds --realtime[=PRIORITY]; `priority` stays 0 without it.
 void add_realtime_option(CLI::App& app, int& priority);
 

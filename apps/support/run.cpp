@@ -1,5 +1,6 @@
 #include "run.hpp"
 
+#include "help.hpp"
 #include "nearest.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
@@ -13,6 +14,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -69,15 +71,6 @@ std::string mistake_in(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("{}: unknown command{}", unknown.front(), suggestion(unknown.front(), commands));
 }
 
-/// A closed pipe or a full disk is detected at the latest when the last lines are flushed.
-void check_output() {
-  errno = 0;
-  const bool flushed = std::fflush(stdout) == 0;
-  if (flushed && std::ferror(stdout) == 0) return;
-  const std::string reason = errno != 0 ? std::string(": ") + std::strerror(errno) : std::string();
-  throw std::runtime_error("the output cannot be written" + reason);
-}
-
 /// For the exceptions of other threads. Set once, before there are any.
 std::string& program_name() {
   static std::string name;
@@ -109,6 +102,10 @@ std::string restart_words() {
 Program::Program(std::string_view verb, const std::string& details)
     : CLI::App(description_of(verb) + (details.empty() ? "" : "\n" + details),
                fmt::format("sonopose-{}", verb)) {
+  const auto help = std::make_shared<HelpFormatter>();
+  help->label("SUBCOMMAND", "COMMAND");
+  formatter(help);  // commands that are added later have it too
+  set_help_all_flag("--help-all", "Print everything about every option and exit");
   set_version_flag("--version", get_name() + " " + std::string(apps::version()),
                    "Print the version and exit");
 }
@@ -132,6 +129,14 @@ void parse(CLI::App& app, std::vector<std::string> arguments, const std::vector<
   app.parse(std::move(arguments));
 }
 
+void flush_output() {
+  errno = 0;
+  const bool flushed = std::fflush(stdout) == 0;
+  if (flushed && std::ferror(stdout) == 0) return;
+  const std::string reason = errno != 0 ? std::string(": ") + std::strerror(errno) : std::string();
+  throw std::runtime_error("the output cannot be written" + reason);
+}
+
 void serve(const std::function<void()>& node) {
   is_serving = true;
   try {
@@ -150,6 +155,9 @@ int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body) 
 int run(CLI::App& app, const std::vector<std::string>& arguments, const std::function<int()>& body) {
   try {
     parse(app, arguments);
+  } catch (const Printed& asked) {
+    fmt::print("{}", asked.what());
+    return std::fflush(stdout) == 0 ? 0 : 1;
   } catch (const CLI::Success& asked) {  // --help, --version
     return app.exit(asked);
   } catch (const CLI::ParseError& error) {
@@ -161,7 +169,7 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
   std::set_terminate(end_by_exception);
   try {
     const int code = body();
-    check_output();
+    flush_output();
     return code;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", app.get_name(), error.what());

@@ -22,6 +22,12 @@ public:
   Program& operator=(const Program&) = delete;
 };
 
+/// Thrown by an option that prints a text and ends the program, as --help does.
+class Printed : public CLI::Success {
+public:
+  explicit Printed(const std::string& text) : CLI::Success("Printed", text, CLI::ExitCodes::Success) {}
+};
+
 /// A number between the two; unlike CLI::Range it refuses what is no number, such as nan.
 CLI::Validator number_between(double least, double most = std::numeric_limits<double>::max());
 
@@ -32,6 +38,10 @@ CLI::Validator number_between(double least, double most = std::numeric_limits<do
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
 /// The same for arguments without the name of the program.
 int run(CLI::App& app, const std::vector<std::string>& arguments, const std::function<int()>& body);
+
+/// Passes standard output to the operating system. Throws std::runtime_error with the cause, such as a closed
+/// pipe or a full disk, also of an earlier output.
+void flush_output();
 
 /// Runs the node of a program whose other programs depend on it. Throws what ended it, with the restart that
 /// helps.

@@ -1,11 +1,12 @@
 #pragma once
 // What the user sees of a search and how Ctrl-C ends it.
 
+#include "progress.hpp"
+
 #include <fmt/format.h>
 
 #include <csignal>
 #include <cstdio>
-#include <unistd.h>
 
 namespace sonopose::apps {
 
@@ -23,33 +24,25 @@ inline void listen_for_interrupt() {
 class SearchProgress {
 public:
   explicit SearchProgress(int rounds) : rounds_(rounds) {}
-  ~SearchProgress() { clear(); }
-  SearchProgress(const SearchProgress&) = delete;
-  SearchProgress& operator=(const SearchProgress&) = delete;
 
-  void on_round(int round) const {
-    if (!is_terminal_) return;
-    clear();
-    fmt::print(stderr, "round {} of {}, best {:.3f} cm", round + 1, rounds_, 100.0 * best_m_);
+  void on_round(int round) {
+    progress_.at(static_cast<double>(round) / rounds_,
+                 fmt::format("round {} of {}, best {:.3f} cm", round + 1, rounds_, 100.0 * best_m_));
   }
   void on_better(int round, double best_m) {
     best_m_ = best_m;
-    clear();
+    progress_.clear();
     fmt::print(stderr, "round {}: {:.3f} cm\n", round + 1, 100.0 * best_m);
   }
-  void on_interrupt(int round) const {
-    clear();
+  void on_interrupt(int round) {
+    progress_.clear();
     fmt::print(stderr, "interrupted after {} rounds of {}: the best so far follows\n", round, rounds_);
   }
   void start_at(double start_m) { best_m_ = start_m; }
 
 private:
-  void clear() const {
-    if (is_terminal_) fmt::print(stderr, "\r\x1b[K");
-  }
-
   int rounds_;
-  bool is_terminal_ = ::isatty(STDERR_FILENO) != 0;
+  Progress progress_;
   double best_m_ = 0;
 };
 

@@ -19,6 +19,7 @@ const std::string& required_input(const SourceOptions& options) {
 }  // namespace
 
 void add_source_options(CLI::App& app, SourceOptions& options) {
+  app.option_defaults()->group(source_group);
   app.add_option("--source", options.source, "Source of the samples: sim, log, stream, serial or udp")
       ->check(CLI::IsMember({"sim", "log", "stream", "serial", "udp"}))
       ->capture_default_str();
@@ -69,6 +70,15 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
                  "Length of the simulation in seconds; 0: run until stopped")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  app.option_defaults()->group("Options");
+}
+
+NamedValues source_settings(const CLI::App& app, const SourceOptions& options) {
+  std::vector<std::string> always{"source"};
+  if (options.source == "sim") always.insert(always.end(), {"scenario", "seed"});
+  if (options.source == "serial") always.emplace_back("device");
+  if (options.source == "udp") always.emplace_back("listen");
+  return option_values(app, source_group, always);
 }
 
 std::unique_ptr<bridge::Source> make_source(const SourceOptions& options) {

@@ -5,6 +5,7 @@
 #include "bridge/byte_sources.hpp"
 #include "bridge/log_source.hpp"
 #include "bridge/simulator_source.hpp"
+#include "given_options.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -34,8 +35,14 @@ struct SourceOptions {
   [[nodiscard]] bool is_unpaced() const { return source != "serial" && source != "udp" && rate == 0.0; }
 };
 
+/// The group of these options.
+inline constexpr const char* source_group = "Source";
+
 /// Adds --source and the options of all sources.
 void add_source_options(CLI::App& app, SourceOptions& options);
+
+/// What a recording says of its source: the options that were given, and the important ones.
+NamedValues source_settings(const CLI::App& app, const SourceOptions& options);
 
 /// Throws what the source throws, std::invalid_argument for options that exclude each other, and
 /// CLI::RequiredError.

@@ -13,8 +13,8 @@ struct Verb {
 };
 
 inline constexpr std::array verbs{
-    Verb{"bridge",
-         "Publishes the samples of Marvelmind beacons, of a recording or of the built-in simulator."},
+    Verb{"run", "Runs bridge, fusion and monitor in one terminal and ends them together."},
+    Verb{"bridge", "Publishes the samples of Marvelmind beacons, of a recording or of the simulator."},
     Verb{"fusion", "Fuses IMU samples and ultrasonic fixes into a pose for every beacon on the bus."},
     Verb{"monitor", "Shows the rates, pose, status and latency of every beacon once a second."},
     Verb{"ros2", "Publishes poses and samples as ROS 2 messages, and reads the samples of ROS 2 drivers."},
@@ -25,8 +25,7 @@ inline constexpr std::array verbs{
     Verb{"evaluate", "Scores the fused pose on the simulator's scenarios and on recordings."},
     Verb{"tune", "Searches for settings with a smaller error on scenarios and on recordings."},
     Verb{"attitude", "Runs an attitude filter over recordings and scores it where the truth is known."},
-    Verb{"calibrate",
-         "Computes the errors of a beacon's sensors and its installation from recordings, as settings."},
+    Verb{"calibrate", "Computes the errors of a beacon's sensors and of its mounting from recordings."},
 };
 
 }  // namespace sonopose::apps

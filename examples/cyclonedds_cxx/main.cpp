@@ -1,13 +1,28 @@
-// A consumer in Cyclone DDS's own C++ binding: prints where every beacon on the bus is.
+// A consumer in Cyclone DDS's own C++ binding: prints where every beacon on the bus is. The domain is
+// ROS_DOMAIN_ID; without it, the one that CYCLONEDDS_URI names, otherwise 0. CYCLONEDDS_URI must name the
+// loopback configuration (README, "Add a consumer").
 
 #include "sonopose.hpp"
 
 #include <dds/dds.hpp>
 
+#include <cstdint>
+#include <cstdlib>
 #include <iostream>
+#include <string>
+
+namespace {
+
+std::uint32_t domain_id() {
+  const char* const text = std::getenv("ROS_DOMAIN_ID");
+  if (text == nullptr || *text == '\0') return org::eclipse::cyclonedds::domain::default_id();
+  return static_cast<std::uint32_t>(std::stoul(text));
+}
+
+}  // namespace
 
 int main() try {
-  const dds::domain::DomainParticipant participant(org::eclipse::cyclonedds::domain::default_id());
+  const dds::domain::DomainParticipant participant(domain_id());
   const dds::topic::Topic<sonopose::FusedPose> topic(participant, "sonopose/pose");
   const dds::sub::Subscriber subscriber(participant);
 

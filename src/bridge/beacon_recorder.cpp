@@ -1,28 +1,38 @@
 #include "bridge/beacon_recorder.hpp"
 
+#include <optional>
 #include <string>
 #include <utility>
 
 namespace sonopose::bridge {
 
-BeaconRecorder::BeaconRecorder(std::filesystem::path folder)
-    : folder_(std::move(folder)), first_(std::make_unique<recording::SensorLogWriter>(folder_)) {}
+BeaconRecorder::BeaconRecorder(const std::filesystem::path& folder, recording::LogSettings settings)
+    : folder_(folder), settings_(std::move(settings)) {}
 
 void BeaconRecorder::flush() {
-  first_->flush();
-  for (const auto& entry : further_) entry.second->flush();
+  for (auto& entry : logs_) entry.second.flush();
+}
+
+void BeaconRecorder::finish() {
+  flush();
+  std::optional<BeaconAddress> only;
+  if (logs_.size() == 1) only = logs_.begin()->first;
+  logs_.clear();
+  if (only) {
+    folder_.commit(part_of(*only));
+  } else {
+    folder_.commit();
+  }
+}
+
+std::filesystem::path BeaconRecorder::part_of(BeaconAddress address) const {
+  return part() / ("beacon_" + std::to_string(address));
 }
 
 recording::SensorLogWriter& BeaconRecorder::log_of(BeaconAddress address) {
-  auto& log = by_address_[address];
-  if (log == nullptr && by_address_.size() == 1) log = first_.get();
-  if (log == nullptr) {
-    auto further =
-        std::make_unique<recording::SensorLogWriter>(folder_ / ("beacon_" + std::to_string(address)));
-    log = further.get();
-    further_.emplace(address, std::move(further));
-  }
-  return *log;
+  const auto found = logs_.find(address);
+  if (found != logs_.end()) return found->second;
+  return logs_.try_emplace(address, part_of(address), settings_).first->second;
 }
 
 }  // namespace sonopose::bridge

@@ -3,19 +3,21 @@
 /// Records what a bridge publishes, in one sensor-log folder per beacon.
 
 #include "recording/log_writer.hpp"
+#include "recording/part_folder.hpp"
 #include <sonopose/samples/samples.hpp>
 
 #include <filesystem>
 #include <map>
-#include <memory>
 
 namespace sonopose::bridge {
 
-/// The first beacon's log is `folder` itself; the others are in `folder/beacon_<address>`.
+/// While it records, each beacon's log is `folder.part/beacon_<address>`. At the end `folder` has these logs,
+/// or is itself the log of the only beacon.
 class BeaconRecorder {
 public:
-  /// Throws files::IoError if `folder` already contains a recording.
-  explicit BeaconRecorder(std::filesystem::path folder);
+  /// `settings` are those of the source. Throws files::IoError if `folder` is not empty, or `folder.part`
+  /// exists.
+  explicit BeaconRecorder(const std::filesystem::path& folder, recording::LogSettings settings = {});
 
   void write(const Event& event) { log_of(address_of(event)).write(event); }
   void write(const TruthSample& truth) { log_of(truth.address).write(truth); }
@@ -23,13 +25,19 @@ public:
   /// Passes all lines to the operating system. Throws files::IoError, as `write` does.
   void flush();
 
+  /// Ends the recording and gives it its name. Throws files::IoError.
+  void finish();
+
+  /// What the folder is called until then.
+  [[nodiscard]] const std::filesystem::path& part() const { return folder_.part(); }
+
 private:
+  [[nodiscard]] std::filesystem::path part_of(BeaconAddress address) const;
   recording::SensorLogWriter& log_of(BeaconAddress address);
 
-  std::filesystem::path folder_;
-  std::unique_ptr<recording::SensorLogWriter> first_;
-  std::map<BeaconAddress, recording::SensorLogWriter*> by_address_;
-  std::map<BeaconAddress, std::unique_ptr<recording::SensorLogWriter>> further_;
+  recording::PartFolder folder_;
+  recording::LogSettings settings_;
+  std::map<BeaconAddress, recording::SensorLogWriter> logs_;
 };
 
 }  // namespace sonopose::bridge

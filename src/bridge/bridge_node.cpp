@@ -65,9 +65,7 @@ public:
   void wait_for_readers();
   void wait_until_read();
   /// Throws files::IoError if samples were not recorded.
-  void finish_recording() {
-    if (recording_) recording_->finish();
-  }
+  void finish_recording();
 
 private:
   /// One stream of one beacon.
@@ -100,7 +98,7 @@ private:
   void publish_status(Beacon& beacon, SteadyTime now);
   void publish(LineStatus& line);
   void record(const Recorded& sample);
-  void start_recording(const std::filesystem::path& folder);
+  void start_recording(const BridgeOptions& options);
   void log_unwritten();
   [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
 
@@ -147,7 +145,7 @@ BridgeNode::Publisher::Publisher(const BridgeOptions& options)
   truth_writer_ = dds::topics::make_writer(participant_, qos_, topics::truth);
   status_writer_ = dds::topics::make_writer(participant_, qos_, topics::beacon_status);
   line_writer_ = dds::topics::make_writer(participant_, qos_, topics::line_status);
-  if (options.record_folder) start_recording(*options.record_folder);
+  if (options.record_folder) start_recording(options);
 }
 
 BridgeNode::Publisher::~Publisher() {
@@ -193,8 +191,8 @@ void BridgeNode::Publisher::on(const TruthSample& truth) {
   if (recording_) record(truth);
 }
 
-void BridgeNode::Publisher::start_recording(const std::filesystem::path& folder) {
-  recorder_.emplace(folder);
+void BridgeNode::Publisher::start_recording(const BridgeOptions& options) {
+  recorder_.emplace(*options.record_folder, options.source_settings);
   recording_.emplace(BackgroundWriter<Recorded>::Words{"the recording", "samples"}, recording_capacity,
                      lossless_ ? WhenFull::wait : WhenFull::lose, [this](std::span<const Recorded> samples) {
                        for (const Recorded& sample : samples) {
@@ -202,6 +200,16 @@ void BridgeNode::Publisher::start_recording(const std::filesystem::path& folder)
                        }
                        recorder_->flush();
                      });
+}
+
+void BridgeNode::Publisher::finish_recording() {
+  if (!recording_) return;
+  try {
+    recording_->finish();
+  } catch (const files::IoError& error) {
+    throw files::IoError(fmt::format("{}; it is in {}", error.what(), recorder_->part().string()));
+  }
+  recorder_->finish();
 }
 
 void BridgeNode::Publisher::record(const Recorded& sample) {

@@ -4,6 +4,7 @@
 
 #include "bridge/source.hpp"
 #include "process/stop_signal.hpp"
+#include "recording/log_meta.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 
 #include <filesystem>
@@ -19,6 +20,7 @@ struct BridgeOptions {
   bool batch = false;     ///< send samples that are due together in one packet: for many beacons
   /// Write what is published as a sensor-log folder. An error ends the recording, not the publishing.
   std::optional<std::filesystem::path> record_folder;
+  recording::LogSettings source_settings = {};  ///< for the recording's meta.toml
 };
 
 class BridgeNode {

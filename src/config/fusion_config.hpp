@@ -67,8 +67,12 @@ private:
 /// The table of all settings as a page of the docs.
 std::string settings_page();
 
-/// The same as lines for a program's --help: key, default, what is allowed; the document's item where it has
-/// one.
-std::string settings_help();
+/// The same as lines for a program's help: key, default, what is allowed; the document's item where it has
+/// one. `group` selects "heading", "attitude" with the groups in it, or a single key; without it, all. Empty
+/// if nothing has this name.
+std::string settings_help(const std::string& group = {});
+
+/// Every group: "heading", "attitude.mahony".
+std::vector<std::string> settings_groups();
 
 }  // namespace sonopose::config

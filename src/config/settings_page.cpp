@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <string_view>
+#include <vector>
 
 namespace sonopose::config {
 
@@ -34,14 +36,26 @@ std::string settings_page() {
   return text;
 }
 
-std::string settings_help() {
-  std::string text =
-      "Settings for --set, with default and range (--print-config of sonopose-fusion says what they do):\n";
+std::vector<std::string> settings_groups() {
+  std::vector<std::string> groups;
   for (const auto& row : settings::setting_table()) {
-    const std::string item = row.item == settings::no_item ? "" : fmt::format("  item {}", row.item);
-    text += fmt::format("  {:<42}{:<10}{}{}\n", row.key, settings::to_text(row.initial), row.allowed(), item);
+    const std::string group = row.key.substr(0, row.key.rfind('.'));
+    if (std::find(groups.begin(), groups.end(), group) == groups.end()) groups.push_back(group);
   }
-  return text;
+  return groups;
+}
+
+std::string settings_help(const std::string& group) {
+  std::string rows;
+  for (const auto& row : settings::setting_table()) {
+    if (!group.empty() && row.key != group && !row.key.starts_with(group + ".")) continue;
+    const std::string item = row.item == settings::no_item ? "" : fmt::format("  item {}", row.item);
+    rows += fmt::format("  {:<42}{:<10}{}{}\n", row.key, settings::to_text(row.initial), row.allowed(), item);
+  }
+  if (rows.empty()) return rows;
+  return "Settings for --set, with default and range (--print-config of sonopose-fusion says what they "
+         "do):\n" +
+         rows;
 }
 
 }  // namespace sonopose::config

@@ -1,6 +1,7 @@
 #include "calibration/fit/terms.hpp"
 #include "evaluation/calibration.hpp"
 #include "evaluation/toml_text.hpp"
+#include "files/toml/quoted.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <fmt/format.h>
@@ -80,7 +81,7 @@ std::string table_of(const Group& model, const Group& standard_errors, const std
 }  // namespace
 
 std::string calibration_text(const CalibrationResult& result) {
-  std::string text = line("log", fmt::format("{}: {} samples over {:.1f} s", quoted(result.log),
+  std::string text = line("log", fmt::format("{}: {} samples over {:.1f} s", files::toml::quoted(result.log),
                                              result.samples, result.duration_s));
   if (!result.still.empty()) text += line("still", periods(result.still.size()));
   if (result.accelerometer) text += text_of(*result.accelerometer, result);

@@ -1,5 +1,6 @@
 #include "evaluation/drive_calibration.hpp"
 #include "evaluation/toml_text.hpp"
+#include "files/toml/quoted.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <fmt/format.h>
@@ -66,7 +67,7 @@ const Display& display_of(Quantity quantity) {
 std::string drive_text(const DriveCalibration& result) {
   const DriveFit& fit = result.fit;
   std::string text;
-  for (const auto& log : result.logs) text += labelled("log", quoted(log));
+  for (const auto& log : result.logs) text += labelled("log", files::toml::quoted(log));
   text += labelled("", fmt::format("{:.0f} s; {} of {} fixes and {} of {} headings used", result.duration_s,
                                    fit.fixes_used, fit.fixes, fit.headings_used, fit.headings));
   for (const Quantity quantity : result.wanted) {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace sonopose::evaluation {
 namespace {
@@ -21,21 +22,24 @@ std::string number(double value, int decimals) {
   return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, decimals);
 }
 
-std::string truth_table(const std::vector<Summary>& summaries, std::size_t width) {
-  std::string text = fmt::format(
+std::string truth_header(std::size_t width) {
+  return fmt::format(
       "{:<{}} {:<10} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n"
       "{:<{}} {:<10} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n",
       "case", width, "engine", "runs", "pose", "worst", "p95", "last fix", "extrap.", "velocity", "yaw",
       "tilt", "recovery", "", width, "", "", "cm", "cm", "cm", "cm", "cm", "m/s", "deg", "deg", "s");
-  for (const Summary& row : summaries) {
-    if (!row.has_truth) continue;
-    text += fmt::format(
-        "{:<{}} {:<10} {:>4} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.1f} {:>8.1f} {:>8.3f} {:>8.2f} {:>9.2f} {:>9}\n",
-        row.name, width, row.engine, row.runs, 100 * row.position_rmse_m, 100 * row.worst_rmse_m,
-        100 * row.position_p95_m, 100 * row.last_fix_rmse_m, 100 * row.extrapolated_rmse_m,
-        row.velocity_rmse_mps, row.yaw_rmse_deg, row.tilt_rmse_deg, seconds_or_none(row.slowest_recovery_s));
+}
+
+std::string truth_row(const Summary& row, std::size_t width) {
+  if (!row.has_truth) {
+    return fmt::format("{:<{}} {:<10} {:>4}  no truth; its prediction errors follow\n", row.name, width,
+                       row.engine, row.runs);
   }
-  return text;
+  return fmt::format(
+      "{:<{}} {:<10} {:>4} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.1f} {:>8.1f} {:>8.3f} {:>8.2f} {:>9.2f} {:>9}\n",
+      row.name, width, row.engine, row.runs, 100 * row.position_rmse_m, 100 * row.worst_rmse_m,
+      100 * row.position_p95_m, 100 * row.last_fix_rmse_m, 100 * row.extrapolated_rmse_m,
+      row.velocity_rmse_mps, row.yaw_rmse_deg, row.tilt_rmse_deg, seconds_or_none(row.slowest_recovery_s));
 }
 
 std::string prediction_table(const std::vector<Summary>& summaries, std::size_t width) {
@@ -61,15 +65,18 @@ std::string prediction_table(const std::vector<Summary>& summaries, std::size_t 
 
 }  // namespace
 
-std::string table_of(const std::vector<Summary>& summaries) {
-  std::size_t width = 15;
-  bool any_truth = false;
-  for (const Summary& row : summaries) {
-    width = std::max(width, row.name.size());
-    any_truth = any_truth || row.has_truth;
-  }
-  const std::string predictions = prediction_table(summaries, width);
-  return any_truth ? truth_table(summaries, width) + "\n" + predictions : predictions;
+SummaryTable::SummaryTable(std::size_t name_columns) : width_(std::max<std::size_t>(15, name_columns)) {}
+
+std::string SummaryTable::add(Summary summary) {
+  std::string text;
+  if (summary.has_truth && !std::exchange(has_header_, true)) text = truth_header(width_);
+  text += truth_row(summary, width_);
+  rows_.push_back(std::move(summary));
+  return text;
+}
+
+std::string SummaryTable::predictions() const {
+  return "\n" + prediction_table(rows_, width_);
 }
 
 std::string json_of(const std::vector<Summary>& summaries) {

@@ -2,8 +2,6 @@
 
 #include <sonopose/settings/settings_table.hpp>
 
-#include <nlohmann/json.hpp>
-
 namespace sonopose::evaluation {
 
 std::string toml_number(double value) {
@@ -24,10 +22,6 @@ std::string commented(const std::string& text) {
     }
   }
   return result;
-}
-
-std::string quoted(const std::filesystem::path& path) {
-  return nlohmann::json(path.string()).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace sonopose::evaluation

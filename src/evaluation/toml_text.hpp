@@ -2,7 +2,6 @@
 /// \file
 /// Values and comments of the TOML files that calibrations write.
 
-#include <filesystem>
 #include <string>
 
 namespace sonopose::evaluation {
@@ -13,8 +12,5 @@ std::string toml_number(double value);
 
 /// The text as comments. TOML allows no control characters in comments.
 std::string commented(const std::string& text);
-
-/// A quoted path on one line of valid UTF-8, whatever bytes it contains.
-std::string quoted(const std::filesystem::path& path);
 
 }  // namespace sonopose::evaluation

@@ -10,6 +10,7 @@
 #include <deque>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 
 namespace sonopose::recording {
@@ -148,9 +149,25 @@ std::vector<Event> merged(ImuSamples imu_samples, Samples<UltrasonicFix> fixes,
   return events;
 }
 
+/// Throws if the folder is no log but has those of several beacons.
+void check_single(const std::filesystem::path& folder) {
+  if (exists(folder / imu_file)) return;
+  std::vector<std::string> beacons;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (exists(entry.path() / imu_file)) beacons.push_back(entry.path().filename().string());
+  }
+  if (beacons.empty()) return;
+  std::sort(beacons.begin(), beacons.end());
+  std::string names;
+  for (const std::string& name : beacons) names += (names.empty() ? "" : ", ") + name;
+  throw files::IoError(folder.string() + ": has the logs of several beacons: " + names +
+                       "; name one of them");
+}
+
 /// With the address that the samples get.
 LogMeta meta_of(const std::filesystem::path& folder, std::optional<BeaconAddress> given_address) {
   if (!std::filesystem::is_directory(folder)) throw files::IoError(folder.string() + ": is not a folder");
+  check_single(folder);
   LogMeta meta = read_log_meta(folder);
   if (!meta.beacon_address) meta.beacon_address = default_log_address;
   if (given_address) meta.beacon_address = given_address;

@@ -2,6 +2,7 @@
 
 #include "files/append_file.hpp"
 #include "files/replacement.hpp"
+#include "files/toml/quoted.hpp"
 #include "files/toml/toml_leaves.hpp"
 #include "recording/log_columns.hpp"
 
@@ -17,6 +18,7 @@ using files::toml::Leaf;
 constexpr std::string_view meaning_key = "imu_meaning";
 constexpr std::string_view address_key = "beacon_address";
 constexpr std::string_view version_key = "program_version";
+constexpr std::string_view settings_table = "settings";
 
 std::string word_of(ImuMeaning meaning) {
   return std::string(imu_meaning_words.at(static_cast<std::size_t>(meaning)));
@@ -48,10 +50,12 @@ private:
     } else if (leaf.key == address_key) {
       meta_.beacon_address = address_of(leaf);
     } else if (leaf.key == version_key) {
-      meta_.program_version = version_of(leaf);
+      meta_.program_version = text_of(leaf);
+    } else if (const std::string table(settings_table); leaf.key.starts_with(table + ".")) {
+      meta_.settings.emplace_back(leaf.key.substr(table.size() + 1), text_of(leaf));
     } else {
       fail(leaf, "unknown key; the keys are " + std::string(meaning_key) + ", " + std::string(address_key) +
-                     ", " + std::string(version_key));
+                     ", " + std::string(version_key) + ", " + std::string(settings_table) + ".NAME");
     }
   }
 
@@ -75,7 +79,7 @@ private:
     return static_cast<BeaconAddress>(*number);
   }
 
-  [[nodiscard]] std::string version_of(const Leaf& leaf) const {
+  [[nodiscard]] std::string text_of(const Leaf& leaf) const {
     const auto* const text = std::get_if<std::string>(&leaf.value);
     if (text == nullptr) fail(leaf, files::toml::text_of(leaf.value) + " is not a text in quotes");
     return *text;
@@ -108,6 +112,10 @@ void write_log_meta(const std::filesystem::path& folder, const LogMeta& meta) {
   }
   if (!meta.program_version.empty()) {
     text.append(version_key).append(" = \"" + meta.program_version + "\"\n");
+  }
+  if (!meta.settings.empty()) text.append("\n[").append(settings_table).append("]\n");
+  for (const auto& [name, value] : meta.settings) {
+    text.append(name).append(" = ").append(files::toml::quoted(value)).append("\n");
   }
   files::Replacement replacement(folder / meta_file);
   files::AppendFile(replacement.part(), files::AppendFile::Existing::replace)

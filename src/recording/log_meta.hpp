@@ -7,6 +7,8 @@
 /// | `imu_meaning`     | "unknown", "instant" or "mean": ImuSample::meaning of all samples |
 /// | `beacon_address`  | 0 … 65534: the address of all samples |
 /// | `program_version` | the version that wrote the folder, as text |
+/// | `settings.NAME`   | an option of the program that wrote the folder, as text: where the samples come from
+/// |
 ///
 /// The file and each key are optional. Another key is an error, as in the fusion's configuration.
 
@@ -16,13 +18,19 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace sonopose::recording {
+
+/// Name and value of each.
+using LogSettings = std::vector<std::pair<std::string, std::string>>;
 
 struct LogMeta {
   ImuMeaning imu_meaning = ImuMeaning::unknown;
   std::optional<BeaconAddress> beacon_address = {};  ///< empty if the folder does not name it
   std::string program_version = {};                  ///< empty if the folder does not name it
+  LogSettings settings = {};                         ///< in the order of their names when read
 
   bool operator==(const LogMeta&) const = default;
 };

@@ -4,6 +4,7 @@
 #include "files/error.hpp"
 #include "files/units.hpp"
 #include "recording/log_columns.hpp"
+#include "recording/part_folder.hpp"
 
 #include <cmath>
 #include <span>
@@ -22,14 +23,9 @@ std::unique_ptr<files::CsvWriter> new_file(const std::filesystem::path& file) {
 
 }  // namespace
 
-SensorLogWriter::SensorLogWriter(std::filesystem::path folder)
+SensorLogWriter::SensorLogWriter(std::filesystem::path folder, LogSettings settings)
     : folder_{std::move(folder)}, last_flush_{std::chrono::steady_clock::now()} {
-  for (const std::string_view name : {imu_file, ultrasonic_file, heading_file, truth_file, meta_file}) {
-    if (exists(folder_ / name)) {
-      throw files::IoError(folder_.string() + ": already contains a recording (" + std::string(name) +
-                           "), which is not overwritten");
-    }
-  }
+  refuse_recording_in(folder_);
   std::error_code error;
   create_directories(folder_, error);
   if (error) throw files::IoError(folder_.string() + ": cannot be created: " + error.message());
@@ -39,6 +35,7 @@ SensorLogWriter::SensorLogWriter(std::filesystem::path folder)
   ultrasonic_->header(ultrasonic_columns);
   heading_->header(heading_columns);
   meta_.program_version = program_version();
+  meta_.settings = std::move(settings);
   write_log_meta(folder_, meta_);
 }
 

@@ -28,8 +28,9 @@ namespace sonopose::recording {
 /// Not thread-safe. Every member throws files::IoError if a file cannot be written.
 class SensorLogWriter {
 public:
-  /// Creates the folder if needed. Refuses one that already contains a recording.
-  explicit SensorLogWriter(std::filesystem::path folder);
+  /// Creates the folder if needed. Refuses one that already contains a recording. `settings` are those of the
+  /// source, for `meta.toml`.
+  explicit SensorLogWriter(std::filesystem::path folder, LogSettings settings = {});
   /// Writes the remaining lines. Call flush() before to detect errors.
   ~SensorLogWriter();
   SensorLogWriter(const SensorLogWriter&) = delete;

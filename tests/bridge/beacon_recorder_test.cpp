@@ -28,25 +28,45 @@ std::vector<Event> numbered(std::vector<Event> events) {
   return events;
 }
 
-SCENARIO("each beacon has its own log: the first in the folder itself, the others in subfolders") {
+SCENARIO("each beacon has its own log") {
+  const TemporaryFolder folder;
+  const recording::LogSettings settings{{"source", "serial"}};
   GIVEN("a recorder with interleaved samples of beacons 12 and 7") {
-    const TemporaryFolder folder;
-    {
-      BeaconRecorder recorder(folder / "log");
-      recorder.write(imu_of(12, 1000));
-      recorder.write(imu_of(7, 1500));
-      recorder.write(imu_of(12, 2000));
-      recorder.write(TruthSample{.address = 7, .time_ns = 1500});
+    BeaconRecorder recorder(folder / "log", settings);
+    recorder.write(imu_of(12, 1000));
+    recorder.write(imu_of(7, 1500));
+    recorder.write(imu_of(12, 2000));
+    recorder.write(TruthSample{.address = 7, .time_ns = 1500});
+    WHEN("it is finished") {
+      recorder.finish();
+      THEN("each reads back in a folder that names beacon and source") {
+        CHECK(recording::read_sensor_log(folder / "log/beacon_12").events ==
+              numbered({imu_of(12, 1000), imu_of(12, 2000)}));
+        const auto log = recording::read_sensor_log(folder / "log/beacon_7");
+        CHECK(log.events == numbered({imu_of(7, 1500)}));
+        CHECK(log.truth.size() == 1);
+        CHECK(recording::read_log_meta(folder / "log/beacon_7").settings == settings);
+        CHECK_FALSE(exists(folder / "log.part"));
+      }
+      THEN("a reader of the folder is told where the logs are") {
+        CHECK_THROWS_WITH(recording::read_sensor_log(folder / "log"),
+                          Catch::Contains("has the logs of several beacons: beacon_12, beacon_7"));
+      }
     }
-    THEN("the folder reads back as the samples of 12") {
-      CHECK(recording::read_sensor_log(folder / "log", 12).events ==
-            numbered({imu_of(12, 1000), imu_of(12, 2000)}));
-      CHECK(recording::read_sensor_log(folder / "log", 12).truth.empty());
+    WHEN("it is not finished") {
+      recorder.flush();
+      THEN("the logs can be read, in a folder with another name") {
+        CHECK(recording::read_sensor_log(folder / "log.part/beacon_12").events.size() == 2);
+        CHECK_FALSE(exists(folder / "log"));
+      }
     }
-    THEN("the subfolder reads back as the samples of 7, with its truth") {
-      const auto log = recording::read_sensor_log(folder.path() / "log" / "beacon_7", 7);
-      CHECK(log.events == numbered({imu_of(7, 1500)}));
-      CHECK(log.truth.size() == 1);
+  }
+  GIVEN("a recorder with samples of one beacon") {
+    BeaconRecorder recorder(folder / "log");
+    recorder.write(imu_of(12, 1000));
+    recorder.finish();
+    THEN("the folder itself is its log") {
+      CHECK(recording::read_sensor_log(folder / "log").events == numbered({imu_of(12, 1000)}));
     }
   }
 }

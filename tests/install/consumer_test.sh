@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # GIVEN an installation of this build in an empty folder
-# WHEN the example consumers are configured with find_package(sonopose) alone, built and started
+# WHEN the example consumers are configured with find_package(sonopose) alone, built and started; the one in plain C with
+#   nothing but the installed IDL and loopback configuration
 # THEN they receive poses from the installed bridge and fusion, and those of ROS 2 from the relay.
 set -euo pipefail
 build=$1 source=$2 cmake=$3
@@ -20,6 +21,10 @@ for example in consumer ros2_listener_cyclone; do
     ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags} >/dev/null
   "$cmake" --build "$work/$example" >/dev/null
 done
+share=$work/prefix/share/sonopose
+"$cmake" -S "$source/examples/c_consumer" -B "$work/c_consumer" -G Ninja \
+  -DSONOPOSE_IDL="$share/idl/sonopose.idl" >/dev/null
+"$cmake" --build "$work/c_consumer" >/dev/null
 
 export ROS_DOMAIN_ID=$((200 + $$ % 30))
 "$work/prefix/bin/sonopose-fusion" & pids+=($!)
@@ -30,3 +35,7 @@ for consumer in consumer/sonopose_consumer ros2_listener_cyclone/sonopose_ros2_l
   tail -n 1 "$work/poses"
   [ "$poses" -ge 50 ]
 done
+
+CYCLONEDDS_URI=file://$share/cyclonedds-loopback.xml timeout 60 "$work/c_consumer/sonopose_c_consumer" 50 >"$work/poses"
+tail -n 1 "$work/poses"
+[ "$(wc -l <"$work/poses")" -ge 50 ]

@@ -106,7 +106,8 @@ TEST_CASE("a meta.toml with an error is refused with file, line, key, value and 
   CHECK_THAT(refusal("program_version = [1]"), Contains("program_version: this value is not a text"));
   CHECK_THAT(refusal("[imu]\nmeaning = \"mean\""),
              Contains("/meta.toml:2: imu.meaning: unknown key; the keys are imu_meaning, beacon_address, "
-                      "program_version"));
+                      "program_version, settings.NAME"));
+  CHECK_THAT(refusal("settings.seed = 3"), Contains("settings.seed: 3 is not a text"));
   CHECK_THAT(refusal("imu_meaning ="), Contains("/meta.toml:1: "));
 }
 
@@ -126,11 +127,18 @@ SCENARIO("a recorder writes the meta.toml of its samples") {
     CHECK(meta().imu_meaning == ImuMeaning::unknown);
     writer.write(imu);
     THEN("address and meaning are there at once, without a flush") {
-      CHECK(meta() == LogMeta{ImuMeaning::instant, 12, program_version()});
+      CHECK(meta() == LogMeta{ImuMeaning::instant, 12, program_version(), {}});
       CHECK(read_text(folder / "log/meta.toml") ==
             "# What the other files of this folder do not say.\nimu_meaning = \"instant\"\n"
             "beacon_address = 12\nprogram_version = \"" +
                 program_version() + "\"\n");
+    }
+  }
+  WHEN("its source has settings") {
+    const LogSettings settings{{"input", "a \"b\"\n\\c"}, {"source", "log"}};
+    SensorLogWriter(folder / "set", settings);
+    THEN("they are read back") {
+      CHECK(read_log_meta(folder / "set").settings == settings);
     }
   }
   WHEN("the meaning changes") {

@@ -1,6 +1,7 @@
 /// Recordings of published samples, and captures of raw bytes.
 
 #include "recording/log_folder.hpp"
+#include "recording/log_meta.hpp"
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -158,7 +159,8 @@ SCENARIO("a full disk ends the recording and the capture, and the stream goes on
     const std::string capture = (folder / "bytes.bin").string();
     const auto bridge = bridge_on_small_disk(bus, 16, "--rate 4 --record " + log + " --capture " + capture);
     WHEN("the disk is full") {
-      REQUIRE(bridge->wait_for_line(Stream::error, "the recording has ended: " + log + "/imu.csv: "));
+      REQUIRE(bridge->wait_for_line(Stream::error,
+                                    "the recording has ended: " + log + ".part/beacon_7/imu.csv: "));
       REQUIRE(bridge->wait_for_line(Stream::error, "the capture has ended: " + capture + ": "));
       THEN("every later event is published, and the loss is counted and reported at the end") {
         published.imu.take();
@@ -171,11 +173,43 @@ SCENARIO("a full disk ends the recording and the capture, and the stream goes on
         CHECK(std::distance(events.find(first), events.find(last)) ==
               static_cast<std::ptrdiff_t>(last - first));
         CHECK(bridge->end_by(SIGTERM).code == 1);
-        CHECK_THAT(bridge->text(Stream::error), Catch::Contains("lacks"));
-        AND_THEN("what was recorded before is complete") {
-          const auto recorded = recording::read_sensor_log(folder / "log");
+        CHECK_THAT(bridge->text(Stream::error), Catch::Contains("lacks") && Catch::Contains(log + ".part"));
+        AND_THEN("what was recorded before is complete, in a folder with another name") {
+          CHECK_FALSE(exists(folder / "log"));
+          const auto recorded = recording::read_sensor_log(folder / "log.part/beacon_7");
           CHECK(of_kind<ImuSample>(recorded.events).size() > 50);
         }
+      }
+    }
+  }
+}
+
+SCENARIO("only a recording that was ended looks whole") {
+  GIVEN("a bridge that records two beacons") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    Consumer<sonopose_UltrasonicFix> fixes(bus, topics::fix);
+    const auto bridge = bus.bridge({"--beacons", "2", "--seed", "3", "--record", (folder / "log").string()});
+    REQUIRE(fixes.wait_for_count(20));
+    WHEN("Ctrl-C ends it") {
+      REQUIRE(bridge->end_by(SIGINT).code == 0);
+      THEN("each beacon has a folder that names its address, the version and the source") {
+        for (const char* const name : {"log/beacon_7", "log/beacon_8"}) {
+          const auto meta = recording::read_log_meta(folder / name);
+          CHECK(meta.beacon_address == (std::string(name).back() == '7' ? 7 : 8));
+          CHECK(meta.program_version == recording::program_version());
+          CHECK(meta.settings ==
+                recording::LogSettings{
+                    {"beacons", "2"}, {"scenario", "walk"}, {"seed", "3"}, {"source", "sim"}});
+          CHECK(recording::read_sensor_log(folder / name).events.size() > 50);
+        }
+      }
+    }
+    WHEN("it is killed") {
+      bridge->end_by(SIGKILL);
+      THEN("the folder keeps the name of a part") {
+        CHECK_FALSE(exists(folder / "log"));
+        CHECK(exists(folder / "log.part/beacon_8/imu.csv"));
       }
     }
   }

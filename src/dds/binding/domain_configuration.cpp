@@ -1,5 +1,6 @@
 // The configuration text for Cyclone DDS.
 
+#include "loopback_xml.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 
 #include <pugixml.hpp>
@@ -53,12 +54,32 @@ void look_for_lists(const pugi::xml_node& parent, std::uint32_t domain_id, UserN
   }
 }
 
+/// The domain of the loopback configuration.
+const pugi::xml_node& loopback_domain() {
+  static const pugi::xml_document document = [] {
+    pugi::xml_document parsed;
+    parsed.load_string(loopback_xml);
+    return parsed;
+  }();
+  static const pugi::xml_node domain = document.child("CycloneDDS").child("Domain");
+  return domain;
+}
+
+/// What stands in an element, as text.
+std::string content_of(const pugi::xml_node& element) {
+  std::ostringstream text;
+  for (const pugi::xml_node child : element.children()) child.print(text, "", pugi::format_raw);
+  return text.str();
+}
+
 /// Participants of one machine find each other by trying the ports of all indices: 7410 + 250 · id + 2 ·
-/// index. Index 119 is the last one below the ports of the next domain; in domain 232 the port numbers end
-/// earlier.
+/// index. The loopback configuration has the last one below the ports of the next domain; in domain 232 the
+/// port numbers end earlier.
 std::uint32_t max_participant_index(std::uint32_t domain_id) {
   const std::uint32_t first_port = 7410 + 250 * domain_id;
-  return std::min<std::uint32_t>(119, (65535 - 1 - first_port) / 2);
+  const std::uint32_t most =
+      loopback_domain().child("Discovery").child("MaxAutoParticipantIndex").text().as_uint();
+  return std::min<std::uint32_t>(most, (65535 - 1 - first_port) / 2);
 }
 
 std::string fragment(const std::string& content) {
@@ -79,11 +100,12 @@ bool has_other_interface() {
 }
 
 std::string general(Network network) {
+  if (network == Network::loopback) return content_of(loopback_domain().child("General"));
   const bool multicast = network == Network::ros_subnet && has_other_interface();
   std::string interfaces = multicast
                                ? R"(<NetworkInterface name="lo" multicast="true"/>)"  // else none anywhere
                                : R"(<NetworkInterface name="lo"/>)";
-  if (network != Network::loopback && has_other_interface()) {
+  if (has_other_interface()) {
     interfaces += R"(<NetworkInterface autodetermine="true"/>)";
   }
   return "<Interfaces>" + interfaces + "</Interfaces>" +
@@ -91,7 +113,7 @@ std::string general(Network network) {
 }
 
 std::string peers(const DomainOptions& options, const UserNetwork& user) {
-  std::string list = user.peers ? "" : R"(<Peer address="127.0.0.1"/>)";
+  std::string list = user.peers ? "" : content_of(loopback_domain().child("Discovery").child("Peers"));
   for (const std::string& peer : options.peers) {
     if (peer.empty() || peer.find_first_of("<>&\"' \t") != std::string::npos) {
       throw std::invalid_argument("peer '" + peer + "': not an address or host name");

@@ -1,0 +1,168 @@
+#include "help.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+#include <vector>
+
+namespace sonopose::apps {
+namespace {
+
+constexpr std::size_t page_lines = 45;
+constexpr std::size_t left_columns = 30;
+
+/// Characters, not bytes.
+std::size_t columns_of(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(
+      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+}
+
+std::string row(const std::string& left, const std::string& right) {
+  const std::string indented = "  " + left;
+  if (columns_of(indented) + 1 < left_columns) {
+    return fmt::format("{:<{}}{}\n", indented, left_columns, wrapped(right, left_columns, left_columns));
+  }
+  const std::string name = wrapped(indented, 0, 4) + "\n";
+  if (right.empty()) return name;
+  return name + std::string(left_columns, ' ') + wrapped(right, left_columns, left_columns) + "\n";
+}
+
+/// The beginning of a description that fits one line: up to the end of a clause, if there is one.
+std::string brief(const std::string& text, std::size_t columns) {
+  if (columns_of(text) <= columns) return text;
+  for (const std::vector<std::string>& ends : {std::vector<std::string>{"; ", " ("}, {": ", ", "}, {" "}}) {
+    std::size_t cut = std::string::npos;
+    for (const std::string& end : ends) {
+      const std::size_t found = text.rfind(end, columns - 1);
+      if (found != std::string::npos && (cut == std::string::npos || found > cut)) cut = found;
+    }
+    if (cut == std::string::npos || cut == 0) continue;
+    const std::string begin = text.substr(0, cut);
+    const std::size_t opened = begin.rfind(" (");
+    if (opened != std::string::npos && begin.find(')', opened) == std::string::npos)
+      return text.substr(0, opened);
+    return begin + (ends.front() == " " ? "…" : "");
+  }
+  return text;
+}
+
+/// "N" for "UINT:INT in [0 - 65534]", and without a default.
+std::string short_type(const CLI::Option& option) {
+  const std::string& text = option.get_option_text();
+  if (!text.empty()) return text.substr(0, text.find(" ("));
+  const std::string type = option.get_type_size() == 0 ? "" : option.get_type_name();
+  const std::string first = type.substr(0, type.find(':'));
+  if (first == "INT" || first == "UINT") return "N";
+  return first == "FLOAT" ? "X" : first;
+}
+
+std::string brief_option(const CLI::Option& option) {
+  const std::string name =
+      option.get_positional() ? option.get_name(true, false) : option.get_name(false, true);
+  std::string left = name + (short_type(option).empty() ? "" : " " + short_type(option));
+  if (left.size() + 3 >= left_columns) left = name + " …";
+  constexpr std::size_t columns = help_columns - left_columns;
+  std::string right = brief(option.get_description(), columns);
+  const std::string initial = option.get_default_str();
+  const std::string with_default = fmt::format("{} (default: {})", right, initial);
+  if (!initial.empty() && columns_of(with_default) <= columns) right = with_default;
+  return fmt::format("  {:<{}}{}\n", left, left_columns - 2, right);
+}
+
+/// Makes one help.
+class Help {
+public:
+  Help(const CLI::App& app, const CLI::Formatter& formatter, bool is_brief)
+      : app_(app), formatter_(formatter), brief_(is_brief) {}
+
+  std::string text(const std::string& name) const {
+    std::string text = wrapped_lines(app_.get_description(), 0) + "\n";
+    text += wrapped_lines(formatter_.make_usage(&app_, name), 4);
+    text += group("Positionals", [](const CLI::Option& option) { return option.get_positional(); });
+    for (const std::string& each : app_.get_groups()) {
+      if (each.empty()) continue;
+      text += group(each, [&](const CLI::Option& option) {
+        return option.get_group() == each && option.nonpositional() && !(brief_ && is_common(option));
+      });
+    }
+    text += commands();
+    if (brief_) text += "--help-all shows everything about these options; --version shows the version.\n";
+    return text;
+  }
+
+private:
+  bool is_common(const CLI::Option& option) const {
+    return &option == app_.get_help_ptr() || &option == app_.get_help_all_ptr() ||
+           option.check_name("--version");
+  }
+
+  template <class Takes>
+  std::string group(const std::string& title, const Takes& takes) const {
+    std::string rows;
+    for (const CLI::Option* option : app_.get_options()) {
+      if (option->get_group().empty() || !takes(*option)) continue;
+      if (brief_) {
+        rows += brief_option(*option);
+      } else {
+        const bool positional = option->get_positional();
+        rows += row(formatter_.make_option_name(option, positional) + formatter_.make_option_opts(option),
+                    formatter_.make_option_desc(option));
+      }
+    }
+    return rows.empty() ? rows : (brief_ ? "" : "\n") + title + ":\n" + rows;
+  }
+
+  std::string commands() const {
+    std::string rows;
+    for (const CLI::App* command : app_.get_subcommands(nullptr)) {
+      rows += row(command->get_name(), command->get_description());
+    }
+    return rows.empty() ? rows : "\nCommands (COMMAND --help shows its options):\n" + rows;
+  }
+
+  const CLI::App& app_;
+  const CLI::Formatter& formatter_;
+  bool brief_;
+};
+
+}  // namespace
+
+std::string wrapped(std::string_view text, std::size_t begin, std::size_t indent) {
+  std::string result;
+  std::size_t column = begin;
+  bool at_begin = true;
+  const std::size_t blanks = std::min(text.find_first_not_of(' '), text.size());
+  result.append(blanks, ' ');
+  column += blanks;
+  std::istringstream words{std::string(text)};
+  for (std::string word; words >> word; at_begin = false) {
+    if (!at_begin && column + 1 + columns_of(word) > help_columns) {
+      result += "\n" + std::string(indent, ' ');
+      column = indent;
+    } else if (!at_begin) {
+      result += ' ';
+      ++column;
+    }
+    result += word;
+    column += columns_of(word);
+  }
+  return result;
+}
+
+std::string wrapped_lines(std::string_view text, std::size_t indent) {
+  std::string result;
+  std::istringstream lines{std::string(text)};
+  for (std::string line; std::getline(lines, line);) {
+    result += (columns_of(line) <= help_columns ? line : wrapped(line, 0, indent)) + "\n";
+  }
+  return result;
+}
+
+std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
+  const std::string whole = Help(*app, *this, false).text(name);
+  const bool fits = std::count(whole.begin(), whole.end(), '\n') <= static_cast<std::ptrdiff_t>(page_lines);
+  return fits || mode == CLI::AppFormatMode::All ? whole : Help(*app, *this, true).text(name);
+}
+
+}  // namespace sonopose::apps

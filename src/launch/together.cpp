@@ -1,0 +1,275 @@
+#include "launch/together.hpp"
+
+#include "launch/execute.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <fcntl.h>
+#include <memory>
+#include <optional>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/signalfd.h>
+#include <sys/wait.h>
+#include <system_error>
+#include <unistd.h>
+
+// The header of glibc 2.36 lacks extern "C".
+extern "C" {
+#include <sys/pidfd.h>
+}
+
+namespace sonopose::launch {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds patience{10};
+constexpr int cannot_execute = 127;
+
+[[noreturn]] void fail(const char* call) {
+  throw std::system_error(errno, std::generic_category(), call);
+}
+
+/// Closes itself.
+class File {
+public:
+  explicit File(int descriptor = -1) : descriptor_(descriptor) {}
+  ~File() { close(); }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  File(File&&) = delete;
+  File& operator=(File&&) = delete;
+
+  void set(int descriptor) { descriptor_ = descriptor; }
+  void close() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    descriptor_ = -1;
+  }
+  [[nodiscard]] int get() const { return descriptor_; }
+
+private:
+  int descriptor_;
+};
+
+/// SIGINT, SIGTERM and SIGHUP as events, and as before for the programs.
+class Signals {
+public:
+  Signals() {
+    sigset_t mask;
+    ::sigemptyset(&mask);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaddset(&mask, signal);
+    if (::sigprocmask(SIG_BLOCK, &mask, &before_) != 0) fail("sigprocmask");
+    file_.set(::signalfd(-1, &mask, SFD_CLOEXEC | SFD_NONBLOCK));
+    if (file_.get() < 0) fail("signalfd");
+  }
+  ~Signals() { restore(); }
+  Signals(const Signals&) = delete;
+  Signals& operator=(const Signals&) = delete;
+  Signals(Signals&&) = delete;
+  Signals& operator=(Signals&&) = delete;
+
+  void restore() const { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
+  [[nodiscard]] int file() const { return file_.get(); }
+  /// How many have come.
+  [[nodiscard]] int take() const {
+    signalfd_siginfo info{};
+    int count = 0;
+    while (::read(file_.get(), &info, sizeof info) == sizeof info) ++count;
+    return count;
+  }
+
+private:
+  sigset_t before_{};
+  File file_;
+};
+
+/// One running program.
+class Child {
+public:
+  Child(const Program& program, const Signals& signals, ErrorOutput output)
+      : name_(program.name), lines_(output) {
+    std::array<int, 2> ends{-1, -1};
+    if (!program.has_terminal && ::pipe2(ends.data(), O_CLOEXEC) != 0) fail("pipe2");
+    errors_.set(ends[0]);
+    File writing(ends[1]);
+    if (errors_.get() >= 0) ::fcntl(errors_.get(), F_SETFL, O_NONBLOCK);
+    const pid_t parent = ::getpid();
+    pid_ = ::fork();
+    if (pid_ < 0) fail("fork");
+    if (pid_ == 0) become(program, signals, parent, writing.get());
+    handle_.set(::pidfd_open(pid_, 0));
+    if (handle_.get() < 0) fail("pidfd_open");
+  }
+  ~Child() {
+    if (status_) return;
+    ::kill(pid_, SIGKILL);
+    ::waitpid(pid_, nullptr, 0);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  Child(Child&&) = delete;
+  Child& operator=(Child&&) = delete;
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] int handle() const { return handle_.get(); }
+  [[nodiscard]] int errors() const { return errors_.get(); }
+  [[nodiscard]] bool has_ended() const { return status_.has_value(); }
+  ErrorLines& lines() { return lines_; }
+
+  void read_errors() {
+    std::array<char, 4096> buffer{};
+    while (errors_.get() >= 0) {
+      const ssize_t got = ::read(errors_.get(), buffer.data(), buffer.size());
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) return;
+      if (got == 0) errors_.close();
+      lines_.add({buffer.data(), static_cast<std::size_t>(got)});
+    }
+  }
+
+  void reap() {
+    int status = 0;
+    if (::waitpid(pid_, &status, WNOHANG) != pid_) return;
+    status_ = status;
+    read_errors();
+    handle_.close();
+    errors_.close();
+  }
+
+  void send(int signal) const {
+    if (!status_) ::kill(pid_, signal);
+  }
+
+  /// 0, the exit code, or 128 + signal; 0 too for a signal that asked it to end.
+  [[nodiscard]] int code(bool was_asked) const {
+    if (WIFEXITED(*status_)) return WEXITSTATUS(*status_);
+    const int signal = WTERMSIG(*status_);
+    return was_asked && (signal == SIGTERM || signal == SIGINT || signal == SIGHUP) ? 0 : 128 + signal;
+  }
+  [[nodiscard]] std::string ending() const {
+    if (WIFEXITED(*status_)) return fmt::format("ended with exit code {}", WEXITSTATUS(*status_));
+    return fmt::format("was ended by signal {} ({})", WTERMSIG(*status_), ::strsignal(WTERMSIG(*status_)));
+  }
+
+private:
+  [[noreturn]] void become(const Program& program, const Signals& signals, pid_t parent, int writing) const {
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (::getppid() != parent) ::_exit(cannot_execute);  // it died before
+    signals.restore();
+    if (writing >= 0) {
+      // With both ends a program that outlives this process by a moment can still write its last lines.
+      ::fcntl(errors_.get(), F_SETFD, 0);
+      ::dup2(writing, STDERR_FILENO);
+      const int none = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+      ::dup2(none, STDIN_FILENO);
+    }
+    execute(program.name, program.arguments);
+    fmt::print(stderr, "{} cannot be started: {}\n", program.name, std::strerror(errno));
+    ::_exit(cannot_execute);
+  }
+
+  std::string name_;
+  ErrorLines lines_;
+  File errors_;
+  File handle_;
+  pid_t pid_ = -1;
+  std::optional<int> status_;
+};
+
+class Group {
+public:
+  Group(const std::string& caller, const std::vector<Program>& programs, ErrorOutput output)
+      : caller_(caller) {
+    for (const Program& program : programs) {
+      children_.push_back(std::make_unique<Child>(program, signals_, output));
+    }
+  }
+
+  int run() {
+    while (!have_all_ended()) {
+      wait();
+      look_for_signals();
+      for (const auto& child : children_) look_at(*child);
+      if (deadline_ && Clock::now() >= *deadline_) kill_rest();
+    }
+    for (const auto& child : children_) child->lines().print_kept();
+    for (const std::string& line : report_) fmt::print(stderr, "{}: {}\n", caller_, line);
+    return code_;
+  }
+
+private:
+  [[nodiscard]] bool have_all_ended() const {
+    return std::all_of(children_.begin(), children_.end(),
+                       [](const auto& child) { return child->has_ended(); });
+  }
+
+  void wait() const {
+    std::vector<pollfd> waited{{signals_.file(), POLLIN, 0}};
+    for (const auto& child : children_) {
+      if (child->handle() >= 0) waited.push_back({child->handle(), POLLIN, 0});
+      if (child->errors() >= 0) waited.push_back({child->errors(), POLLIN, 0});
+    }
+    int timeout_ms = -1;
+    if (deadline_) {
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(*deadline_ - Clock::now());
+      timeout_ms = static_cast<int>(std::max<std::chrono::milliseconds::rep>(left.count(), 0));
+    }
+    ::poll(waited.data(), waited.size(), timeout_ms);
+  }
+
+  void look_for_signals() {
+    if (signals_.take() == 0) return;
+    if (was_signalled_) kill_rest();
+    was_signalled_ = true;
+    end_rest();
+  }
+
+  void look_at(Child& child) {
+    if (child.has_ended()) return;
+    child.read_errors();
+    child.reap();
+    if (!child.has_ended()) return;
+    const int code = child.code(deadline_.has_value());
+    if (code != 0) {
+      if (code_ == 0) code_ = code;
+      report_.push_back(fmt::format("{} {}{}", child.name(), child.ending(),
+                                    deadline_ ? "" : "; the other programs were ended"));
+    }
+    end_rest();
+  }
+
+  /// Once.
+  void end_rest() {
+    if (deadline_) return;
+    deadline_ = Clock::now() + patience;
+    for (const auto& child : children_) child->send(SIGTERM);
+  }
+
+  void kill_rest() {
+    for (const auto& child : children_) child->send(SIGKILL);
+    deadline_ = Clock::now() + patience;
+  }
+
+  const std::string& caller_;
+  Signals signals_;
+  std::vector<std::unique_ptr<Child>> children_;
+  std::optional<Clock::time_point> deadline_;  ///< set when the end has begun
+  bool was_signalled_ = false;
+  std::vector<std::string> report_;
+  int code_ = 0;
+};
+
+}  // namespace
+
+int run_together(const std::string& caller, const std::vector<Program>& programs, ErrorOutput output) {
+  return Group(caller, programs, output).run();
+}
+
+}  // namespace sonopose::launch

@@ -1,0 +1,28 @@
+#pragma once
+/// \file
+/// Runs several programs that are started and ended together.
+
+#include "launch/error_lines.hpp"
+
+#include <string>
+#include <vector>
+
+namespace sonopose::launch {
+
+struct Program {
+  std::string name;  ///< as execute() takes it
+  std::vector<std::string> arguments;
+  bool has_terminal = false;  ///< it gets this process's standard input and standard error as they are
+};
+
+/// Starts the programs. As soon as one ends, or this process gets SIGINT, SIGTERM or SIGHUP, it sends SIGTERM
+/// to the others and waits for them; it kills what has not ended after 10 s, or at a second signal. Reports
+/// on standard error, in the name of `caller`, which program ended with an error. If this process is killed,
+/// the programs get SIGTERM.
+///
+/// Returns 0 if all ended with exit code 0 or by the request to end; otherwise the exit code of the first one
+/// that failed, or 128 + the number of the signal that killed it. Throws std::system_error if no program can
+/// be started. To be called on the only thread of the process.
+int run_together(const std::string& caller, const std::vector<Program>& programs, ErrorOutput output);
+
+}  // namespace sonopose::launch

@@ -1,0 +1,49 @@
+#include "launch/together.hpp"
+
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+
+namespace together_test {
+
+using namespace sonopose::launch;
+using sonopose::test::read_text;
+using sonopose::test::TemporaryFolder;
+
+/// A program that ends when it is asked to, and says so.
+Program waiting(const TemporaryFolder& folder) {
+  return {"sh",
+          {"-c", "trap 'echo asked > " + (folder / "asked").string() + "; exit 0' TERM; touch " +
+                     (folder / "waits").string() + "; while :; do sleep 0.02; done"}};
+}
+
+/// One that runs `command` when the other waits.
+Program then(const TemporaryFolder& folder, const std::string& command) {
+  return {"sh", {"-c", "until [ -e " + (folder / "waits").string() + " ]; do sleep 0.02; done; " + command}};
+}
+
+SCENARIO("the first program that ends ends the others") {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& command) {
+    return run_together("test", {waiting(folder), then(folder, command)}, ErrorOutput::pass_on);
+  };
+  WHEN("it succeeds") {
+    CHECK(run("exit 0") == 0);
+    CHECK(read_text(folder / "asked") == "asked\n");
+  }
+  WHEN("it fails") {
+    CHECK(run("exit 5") == 5);
+    CHECK(read_text(folder / "asked") == "asked\n");
+  }
+  WHEN("it is killed") {
+    CHECK(run("kill -KILL $$") == 128 + 9);
+    CHECK(read_text(folder / "asked") == "asked\n");
+  }
+  WHEN("it does not exist") {
+    CHECK(run_together("test", {waiting(folder), {"sonopose-absent", {}}}, ErrorOutput::pass_on) == 127);
+  }
+}
+
+}  // namespace together_test

@@ -1,0 +1,121 @@
+/// The program sonopose-run: bridge, fusion and monitor in one terminal, with the real programs.
+
+#include "recording/log_folder.hpp"
+#include "support/bus.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+namespace run_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+namespace fs = std::filesystem;
+namespace topics = dds::topics;
+
+std::unique_ptr<Process> start(const Bus& bus, Arguments arguments) {
+  arguments.insert(arguments.end(), {"--domain", std::to_string(bus.domain_id())});
+  return std::make_unique<Process>(SONOPOSE_TEST_RUN, arguments);
+}
+
+/// The process id of a program that `parent` started; 0 if there is none.
+int child_named(int parent, const std::string& name) {
+  std::ifstream children("/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) + "/children");
+  for (int pid = 0; children >> pid;) {
+    std::error_code gone;
+    if (fs::read_symlink("/proc/" + std::to_string(pid) + "/exe", gone).filename() == name) return pid;
+  }
+  return 0;
+}
+
+/// Whether the process ends, also one that is not ours.
+bool ends(int pid) {
+  const auto give_up = std::chrono::steady_clock::now() + timeout;
+  while (fs::exists("/proc/" + std::to_string(pid) + "/exe")) {
+    if (std::chrono::steady_clock::now() > give_up) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
+
+SCENARIO("one command runs bridge, fusion and monitor") {
+  const Bus bus;
+  const TemporaryFolder folder;
+  GIVEN("a scenario, a file of settings and a recording") {
+    write_text(folder / "f.toml", "[heading]\nmount_offset_deg = 12.5\n");
+    Consumer<sonopose_EffectiveSettings> settings(bus, topics::settings);
+    const auto all = start(bus, {"--source", "sim", "--scenario", "kart", "--seed", "4", "--config",
+                                 (folder / "f.toml").string(), "--record", (folder / "log").string()});
+    // The monitor shows the beacon with its poses.
+    REQUIRE(all->wait_for_line(Stream::error, "sonopose-bridge: publishing from sim"));
+    REQUIRE(settings.wait_for([](const EffectiveSettings& each) { return each.address == 7; }));
+    REQUIRE(all->wait_for_line(Stream::output, " 7 "));
+    const std::array<int, 3> pids{child_named(all->pid(), "sonopose-bridge"),
+                                  child_named(all->pid(), "sonopose-fusion"),
+                                  child_named(all->pid(), "sonopose-monitor")};
+    for (const int pid : pids) REQUIRE(pid > 0);
+    THEN("the options reached the bridge and the fusion") {
+      const auto& values = settings.samples.back().values;
+      CHECK(std::any_of(values.begin(), values.end(), [](const SettingAssignment& value) {
+        return value.key == "heading.mount_offset_deg" && value.value == "12.5";
+      }));
+      AND_THEN("Ctrl-C ends all of them, and the recording is whole") {
+        CHECK(all->end_by(SIGINT).code == 0);
+        for (const int pid : pids) CHECK(ends(pid));
+        CHECK(recording::read_sensor_log(folder / "log").events.size() > 10);
+        CHECK_THAT(read_text(folder / "log/meta.toml"), Contains("scenario = \"kart\""));
+      }
+    }
+    WHEN("the fusion dies") {
+      ::kill(pids[1], SIGKILL);
+      THEN("the others end, and its name and its end are the reason") {
+        CHECK(all->wait_for_exit() == 128 + SIGKILL);
+        CHECK_THAT(all->text(Stream::error), Contains("sonopose-run: sonopose-fusion was ended by signal 9"));
+        for (const int pid : pids) CHECK(ends(pid));
+        CHECK(fs::exists(folder / "log"));
+      }
+    }
+    WHEN("the command itself is killed") {
+      all->end_by(SIGKILL);
+      THEN("no program stays, and the recording is whole") {
+        for (const int pid : pids) CHECK(ends(pid));
+        CHECK(fs::exists(folder / "log"));
+      }
+    }
+  }
+}
+
+SCENARIO("an error of one program is the error of all") {
+  const Bus bus;
+  const TemporaryFolder folder;
+  WHEN("the settings are wrong") {
+    const auto all = start(bus, {"--set", "heading.mount_offset_deg=1000"});
+    THEN("the fusion's message and exit code arrive") {
+      CHECK(all->wait_for_exit() == 1);
+      CHECK_THAT(all->text(Stream::error),
+                 Contains("heading.mount_offset_deg = 1000: out of range") &&
+                     Contains("sonopose-run: sonopose-fusion ended with exit code 1"));
+    }
+  }
+  WHEN("a short simulation ends by itself") {
+    const auto all = start(bus, {"--duration", "1", "--json"});
+    THEN("all end without an error, and the monitor printed JSON") {
+      CHECK(all->wait_for_exit() == 0);
+      CHECK_THAT(all->text(Stream::output), Contains("{\""));
+    }
+  }
+  WHEN("an option is misspelt") {
+    const auto all = start(bus, {"--scenrio", "walk"});
+    THEN("nothing is started") {
+      CHECK(all->wait_for_exit().value_or(0) > 0);
+      CHECK_THAT(all->text(Stream::error), Contains("did you mean --scenario?"));
+    }
+  }
+}
+
+}  // namespace run_test
