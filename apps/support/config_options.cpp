@@ -1,8 +1,8 @@
 #include "config_options.hpp"
 
-#include <fmt/format.h>
+#include "logging/log.hpp"
 
-#include <cstdio>
+#include <fmt/format.h>
 
 namespace sonopose::apps {
 
@@ -33,13 +33,11 @@ void assign_everywhere(ConfigOptions& options, BeaconAddress beacon, const std::
   options.assignments.push_back(fmt::format("beacon.{}.{}={}", beacon, key, value));
 }
 
-config::FusionConfig configuration(const CLI::App& app, const ConfigOptions& options) {
+config::FusionConfig configuration(const CLI::App& /*app*/, const ConfigOptions& options) {
   auto config = options.file ? config::FusionConfig::load(*options.file) : config::FusionConfig();
   for (const std::string& assignment : options.assignments) config.assign(assignment);
   config.check();
-  for (const std::string& warning : config.warnings()) {
-    fmt::print(stderr, "{}: warning: {}\n", app.get_name(), warning);
-  }
+  for (const std::string& warning : config.warnings()) logging::warning(warning);
   return config;
 }
 
