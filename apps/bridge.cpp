@@ -2,12 +2,9 @@
 
 #include "bridge/bridge_node.hpp"
 #include "support/bus_options.hpp"
+#include "support/log_option.hpp"
 #include "support/realtime_option.hpp"
 #include "support/source_options.hpp"
-
-#include <fmt/format.h>
-
-#include <cstdio>
 
 namespace {
 
@@ -18,9 +15,11 @@ struct Options {
   apps::SourceOptions source;
   std::optional<std::filesystem::path> record;
   int realtime_priority = 0;
+  logging::Level log_level = logging::Level::info;
 };
 
 int serve(const CLI::App& app, const Options& options) {
+  const logging::Session log(options.log_level);
   apps::check_publisher(options.bus);
   const auto source = apps::make_source(options.source);
   process::StopSignal stop;
@@ -31,8 +30,8 @@ int serve(const CLI::App& app, const Options& options) {
                            .batch = options.source.is_many(),
                            .record_folder = options.record,
                            .source_settings = apps::source_settings(app, options.source)});
-  const auto realtime = apps::realtime(app, options.realtime_priority);
-  fmt::print(stderr, "sonopose-bridge: publishing from {}\n", options.source.source);
+  const auto realtime = apps::realtime(options.realtime_priority);
+  logging::info("publishing from " + options.source.source);
   apps::serve([&] { node.run(*source, stop); });
   source->finish();
   node.finish();
@@ -46,6 +45,7 @@ int main(int argc, char** argv) {
   apps::Program app("bridge");
   apps::add_bus_options(app, options.bus);
   apps::add_realtime_option(app, options.realtime_priority);
+  apps::add_log_option(app, options.log_level);
   apps::add_source_options(app, options.source);
   app.add_option("--record", options.record, "Write the published samples to a new sensor-log folder")
       ->type_name("DIR");

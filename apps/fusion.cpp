@@ -3,12 +3,12 @@
 #include "fusion/fusion_node.hpp"
 #include "support/bus_options.hpp"
 #include "support/config_options.hpp"
+#include "support/log_option.hpp"
 #include "support/realtime_option.hpp"
 
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <cstdio>
 #include <limits>
 #include <optional>
 #include <string>
@@ -24,6 +24,7 @@ struct Options {
   double warm_up_s = sonopose::fusion::StandbyOptions{}.warm_up_s;
   bool lossless = false;
   int realtime_priority = 0;
+  sonopose::logging::Level log_level = sonopose::logging::Level::info;
   bool print_config = false;
   bool print_settings_page = false;
 };
@@ -70,6 +71,7 @@ int serve(const CLI::App& app, const Options& options) {
     fmt::print("{}", sonopose::config::settings_page());
     return 0;
   }
+  const sonopose::logging::Session log(options.log_level);
   const auto config = sonopose::apps::configuration(app, options.config);
   if (options.print_config) {
     fmt::print("{}", config.to_toml());
@@ -79,8 +81,8 @@ int serve(const CLI::App& app, const Options& options) {
   sonopose::process::StopSignal stop;
   stop.listen_to_signals();
   sonopose::fusion::FusionNode node(node_options(options, config));
-  const auto realtime = sonopose::apps::realtime(app, options.realtime_priority);
-  fmt::print(stderr, "sonopose-fusion: serving\n");
+  const auto realtime = sonopose::apps::realtime(options.realtime_priority);
+  sonopose::logging::info("serving");
   sonopose::apps::serve([&] { node.run(stop); });
   return 0;
 }
@@ -92,6 +94,7 @@ int main(int argc, char** argv) {
   sonopose::apps::Program app("fusion");
   add_bus_options(app, options.bus);
   sonopose::apps::add_realtime_option(app, options.realtime_priority);
+  sonopose::apps::add_log_option(app, options.log_level);
   sonopose::apps::add_config_options(app, options.config);
   add_options(app, options);
   return sonopose::apps::run(app, argc, argv, [&] { return serve(app, options); });

@@ -1,11 +1,9 @@
 // sonopose-ros2: a ROS 2 node without rclcpp that publishes poses and samples as ROS 2 messages, and reads
 // samples of ROS 2 drivers.
 
+#include "ros2/relay/log.hpp"
 #include "support/ros2_command_line.hpp"
 
-#include <fmt/format.h>
-
-#include <cstdio>
 #include <exception>
 
 namespace {
@@ -30,7 +28,8 @@ int serve(const ros2::arguments::Arguments& arguments, const apps::Ros2Program& 
   apps::parse(program.app, apps::own_arguments(arguments), parameters.arguments);
   auto options = relay_options(program);
   options.startup_settings = parameters.settings;
-  options.log_level = apps::log_level(arguments, options.names.node());
+  options.log_level = apps::log_level(arguments, options.names.node(), program);
+  const logging::Session log(ros2::relay::process_level(options.log_level));
   options.rosout = arguments.rosout;
   if (!options.inputs.empty()) apps::check_publisher(program.bus);
   process::StopSignal stop;
@@ -47,6 +46,6 @@ int main(int argc, char** argv) try {
   apps::Ros2Program given;
   return apps::run(given.app, apps::own_arguments(arguments), [&] { return serve(arguments, given); });
 } catch (const std::exception& error) {
-  fmt::print(stderr, "sonopose-ros2: {}\n", error.what());
+  logging::failure(error.what());
   return 1;
 }

@@ -1,12 +1,11 @@
 #include "config_options.hpp"
 
 #include "help.hpp"
+#include "logging/log.hpp"
 #include "nearest.hpp"
 #include "run.hpp"
 
 #include <fmt/format.h>
-
-#include <cstdio>
 
 namespace sonopose::apps {
 namespace {
@@ -58,13 +57,11 @@ void assign_everywhere(ConfigOptions& options, BeaconAddress beacon, const std::
   options.assignments.push_back(fmt::format("beacon.{}.{}={}", beacon, key, value));
 }
 
-config::FusionConfig configuration(const CLI::App& app, const ConfigOptions& options) {
+config::FusionConfig configuration(const CLI::App& /*app*/, const ConfigOptions& options) {
   auto config = options.file ? config::FusionConfig::load(*options.file) : config::FusionConfig();
   for (const std::string& assignment : options.assignments) config.assign(assignment);
   config.check();
-  for (const std::string& warning : config.warnings()) {
-    fmt::print(stderr, "{}: warning: {}\n", app.get_name(), warning);
-  }
+  for (const std::string& warning : config.warnings()) logging::warning(warning);
   return config;
 }
 

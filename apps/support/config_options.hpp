@@ -34,7 +34,7 @@ void add_beacon_option(CLI::App& app, BeaconAddress& beacon);
 /// The same where a log may name its beacon, which is the default.
 void add_beacon_option(CLI::App& app, std::optional<BeaconAddress>& beacon);
 
-/// Reads them, --set above --config; warnings go to stderr. Throws config::ConfigError.
+/// Reads them, --set above --config; logs its warnings. Throws config::ConfigError.
 config::FusionConfig configuration(const CLI::App& app, const ConfigOptions& options);
 
 }  // namespace sonopose::apps

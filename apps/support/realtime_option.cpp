@@ -1,8 +1,6 @@
 #include "realtime_option.hpp"
 
-#include <fmt/format.h>
-
-#include <cstdio>
+#include "logging/log.hpp"
 
 namespace sonopose::apps {
 
@@ -15,13 +13,11 @@ void add_realtime_option(CLI::App& app, int& priority) {
       ->group(realtime_group);
 }
 
-process::Realtime realtime(const CLI::App& app, int priority) {
+process::Realtime realtime(int priority) {
   if (priority == 0) return {};
   process::Realtime realtime = process::apply_realtime(priority);
-  for (const auto& line : realtime.applied()) fmt::print(stderr, "{}: realtime: {}\n", app.get_name(), line);
-  for (const auto& line : realtime.refused()) {
-    fmt::print(stderr, "{}: realtime: not applied: {}\n", app.get_name(), line);
-  }
+  for (const auto& line : realtime.applied()) logging::info("realtime: " + line);
+  for (const auto& line : realtime.refused()) logging::warning("realtime: not applied: " + line);
   return realtime;
 }
 

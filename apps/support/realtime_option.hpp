@@ -13,8 +13,8 @@ inline constexpr const char* realtime_group = "Real time";
 /// Adds --realtime[=PRIORITY]; `priority` stays 0 without it.
 void add_realtime_option(CLI::App& app, int& priority);
 
-/// Applies it where it was asked for and reports on standard error what was applied and what was refused.
+/// Applies it where it was asked for, and logs what was applied and what was refused.
 /// Call it after the node is made, and keep the result until the end.
-[[nodiscard]] process::Realtime realtime(const CLI::App& app, int priority);
+[[nodiscard]] process::Realtime realtime(int priority);
 
 }  // namespace sonopose::apps

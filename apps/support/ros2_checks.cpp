@@ -1,11 +1,11 @@
 // Conversion and validation of the command line: each error names its option.
 
+#include "logging/log.hpp"
 #include "ros2_options.hpp"
 #include <sonopose/ros2/messages/beacon_topics.hpp>
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <stdexcept>
 
 namespace sonopose::apps {
@@ -68,7 +68,7 @@ std::optional<ros2::Distro> select_distro(const Ros2Options& options, const ros2
   if (options.distro) return options.distro;
   const ros2::FoundDistro found = ros2::distro_of(environment);
   if (!found.warning.empty()) {
-    fmt::print(stderr, "sonopose-ros2: warning: {}; use --ros-distro to choose another\n", found.warning);
+    logging::warning(fmt::format("{}; use --ros-distro to choose another", found.warning));
   }
   return found.distro;
 }

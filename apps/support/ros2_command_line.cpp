@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <stdexcept>
 
 namespace sonopose::apps {
@@ -40,6 +39,13 @@ void add_option(const CLI::Option& option, const Parameter& parameter, std::vect
   }
 }
 
+ros2::arguments::LogLevel ros2_level(logging::Level level) {
+  using ros2::arguments::LogLevel;
+  if (level == logging::Level::debug) return LogLevel::debug;
+  if (level == logging::Level::info) return LogLevel::info;
+  return level == logging::Level::warning ? LogLevel::warning : LogLevel::error;
+}
+
 ros2::relay::StartupSetting setting_of(const Parameter& parameter) {
   if (parameter.values.size() != 1) {
     throw std::invalid_argument(
@@ -59,6 +65,7 @@ ros2::relay::StartupSetting setting_of(const Parameter& parameter) {
 Ros2Program::Ros2Program() {
   add_bus_options(app, bus);
   add_ros2_options(app, ros2);
+  add_log_option(app, log_level);
 }
 
 std::vector<std::string> own_arguments(const Arguments& arguments) {
@@ -83,15 +90,16 @@ AppliedParameters apply_parameters(const Arguments& arguments, const Ros2Program
     } else if (ros2::relay::setting_named(parameter.name)) {
       applied.settings.push_back(setting_of(parameter));
     } else {
-      fmt::print(stderr, "sonopose-ros2: warning: {}: {} is neither a setting nor an option of the relay\n",
-                 parameter.origin, parameter.name);
+      logging::warning(fmt::format("{}: {} is neither a setting nor an option of the relay", parameter.origin,
+                                   parameter.name));
     }
   }
   return applied;
 }
 
-ros2::arguments::LogLevel log_level(const Arguments& arguments, const ros2::NodeName& node) {
-  auto level = ros2::arguments::LogLevel::info;
+ros2::arguments::LogLevel log_level(const Arguments& arguments, const ros2::NodeName& node,
+                                    const Ros2Program& program) {
+  auto level = ros2_level(program.log_level);
   for (const ros2::arguments::LogRule& rule : arguments.log_rules) {
     if (rule.logger.empty() || rule.logger == ros2::logger_name(node)) level = rule.level;
   }

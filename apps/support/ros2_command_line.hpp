@@ -2,6 +2,7 @@
 // The command line of the relay: its own options, and those of every ROS 2 node (--ros-args).
 
 #include "bus_options.hpp"
+#include "log_option.hpp"
 #include "ros2/arguments/arguments.hpp"
 #include "ros2_options.hpp"
 
@@ -16,6 +17,7 @@ struct Ros2Program {
 
   BusOptions bus;
   Ros2Options ros2;
+  logging::Level log_level = logging::Level::info;
   Program app{"ros2"};
 };
 
@@ -31,7 +33,8 @@ struct AppliedParameters {
 };
 AppliedParameters apply_parameters(const ros2::arguments::Arguments& arguments, const Ros2Program& given);
 
-/// The least level of the lines that the node logs.
-ros2::arguments::LogLevel log_level(const ros2::arguments::Arguments& arguments, const ros2::NodeName& node);
+/// The least level of the lines that the node logs: that of ROS 2's own argument, otherwise --log-level.
+ros2::arguments::LogLevel log_level(const ros2::arguments::Arguments& arguments, const ros2::NodeName& node,
+                                    const Ros2Program& program);
 
 }  // namespace sonopose::apps

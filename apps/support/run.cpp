@@ -1,6 +1,7 @@
 #include "run.hpp"
 
 #include "help.hpp"
+#include "logging/log.hpp"
 #include "nearest.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
@@ -93,7 +94,7 @@ std::string restart_words() {
   } catch (...) {  // NOLINT(bugprone-empty-catch): keep the text above
   }
   if (is_serving) reason += "; " + restart_words();
-  fmt::print(stderr, "{}: {}\n", program_name(), reason);
+  logging::failure(reason);
   std::_Exit(1);
 }
 
@@ -166,13 +167,14 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
     return error.get_exit_code();
   }
   program_name() = app.get_name();
+  logging::set_program(app.get_name());
   std::set_terminate(end_by_exception);
   try {
     const int code = body();
     flush_output();
     return code;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}\n", app.get_name(), error.what());
+    logging::failure(error.what());
     return 1;
   }
 }

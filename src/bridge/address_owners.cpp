@@ -1,8 +1,9 @@
 #include "bridge/address_owners.hpp"
 
+#include "logging/log.hpp"
+
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <utility>
 
 namespace sonopose::bridge {
@@ -17,11 +18,9 @@ bool AddressOwners::accepts(std::uint8_t address, const transport::Sender& sende
     return true;
   }
   if (!std::exchange(owner.reported, true)) {
-    fmt::print(
-        stderr,
-        "sonopose-bridge: packets of beacon {} from {} are ignored, because {} sends it; --from selects "
-        "the sender\n",
-        address, transport::text_of(sender), transport::text_of(owner.sender));
+    logging::warning(fmt::format(
+        "packets of beacon {} from {} are ignored, because {} sends it; --from selects the sender", address,
+        transport::text_of(sender), transport::text_of(owner.sender)));
   }
   return false;
 }

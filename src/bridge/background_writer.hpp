@@ -3,6 +3,7 @@
 /// Writes files on a thread of its own, so that a slow or full disk does not delay what is published.
 
 #include "files/error.hpp"
+#include "logging/log.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +12,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <exception>
 #include <functional>
 #include <span>
@@ -118,8 +118,7 @@ private:
         return;
       } catch (const std::exception& error) {
         failed_ = true;
-        fmt::print(stderr, "sonopose-bridge: {} has ended: {}; publishing continues\n", words_.name,
-                   error.what());
+        logging::error(fmt::format("{} has ended: {}; publishing continues", words_.name, error.what()));
       }
     }
     lost_ += items.size();
@@ -128,7 +127,7 @@ private:
   void report_lost() {
     const std::uint64_t lost = lost_;
     if (std::exchange(reported_, lost) == lost) return;
-    fmt::print(stderr, "sonopose-bridge: {}\n", lost_words());
+    logging::warning(lost_words());
   }
 
   [[nodiscard]] std::string lost_words() const {

@@ -5,8 +5,11 @@
 #include "bridge/deadline_count.hpp"
 #include "bridge/other_bridges.hpp"
 #include "clocks/clocks.hpp"
+#include "logging/log.hpp"
 #include "process/endpoint_counters.hpp"
 #include "process/random_id.hpp"
+#include "process/silence.hpp"
+#include "transitions/transition_log.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -15,7 +18,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <cstdio>
 #include <map>
 #include <optional>
 #include <span>
@@ -75,6 +77,7 @@ private:
 
     std::uint64_t samples = 0;  ///< since the last status
     DeadlineCount deadlines;
+    process::Silence silence;
   };
 
   struct Beacon {
@@ -100,6 +103,7 @@ private:
   void record(const Recorded& sample);
   void start_recording(const BridgeOptions& options);
   void log_unwritten();
+  void log_silence(BeaconAddress address, transitions::Kind kind, Stream& stream, SteadyTime now);
   [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
 
   bool lossless_;
@@ -128,6 +132,7 @@ private:
   SteadyTime status_last_;
   std::uint64_t unwritten_ = 0;
   std::uint64_t unwritten_reported_ = 0;
+  transitions::TransitionLog transition_log_;
 };
 
 BridgeNode::Publisher::Publisher(const BridgeOptions& options)
@@ -225,6 +230,7 @@ BridgeNode::Publisher::Beacon& BridgeNode::Publisher::beacon_of(BeaconAddress ad
     beacon.next_sequence = known->second;
   }
   others_.watch(address);
+  transition_log_.on({.address = address, .kind = transitions::Kind::found}, clocks::steady_now());
   return beacon;
 }
 
@@ -237,7 +243,8 @@ void BridgeNode::Publisher::on_gone(BeaconAddress address) {
   unregister(address);
   others_.forget(address);
   beacons_.erase(found);
-  fmt::print(stderr, "sonopose-bridge: beacon {}: gone; its streams end until it returns\n", address);
+  transition_log_.forget(address);
+  logging::info(fmt::format("beacon {}: gone; its streams end until it returns", address));
 }
 
 void BridgeNode::Publisher::publish(ImuSample imu, Beacon& beacon) {
@@ -277,8 +284,10 @@ BridgeNode::Publisher::Stream::Stream(const dds::Entity& writer)
     : deadlines(dds::deadline_of(writer.qos()).count()) {}
 
 void BridgeNode::Publisher::Stream::count_sample() {
+  const SteadyTime now = clocks::steady_now();
   ++samples;
-  deadlines.on_sample(clocks::steady_now());
+  deadlines.on_sample(now);
+  silence.on_sample(now);
 }
 
 // Statuses
@@ -309,7 +318,12 @@ void BridgeNode::Publisher::tick() {
 void BridgeNode::Publisher::publish_statuses(SteadyTime now) {
   constexpr TimeNs period_ns = 1'000'000'000;
   others_.update(status_writer_.instance_handle());
-  for (auto& entry : beacons_) publish_status(entry.second, now);
+  for (auto& [address, beacon] : beacons_) {
+    publish_status(beacon, now);
+    log_silence(address, transitions::Kind::imu_silent, beacon.imu, now);
+    log_silence(address, transitions::Kind::fixes_silent, beacon.fix, now);
+  }
+  transition_log_.update(now);
   for (auto& entry : lines_) publish(entry.second);
   status_last_ = now;
   status_due_ = now + period_ns;
@@ -340,9 +354,20 @@ void BridgeNode::Publisher::publish_status(Beacon& beacon, SteadyTime now) {
 
 void BridgeNode::Publisher::log_unwritten() {
   if (unwritten_ == unwritten_reported_) return;
-  fmt::print(stderr, "sonopose-bridge: {} samples could not be written: a reader is too slow\n",
-             unwritten_ - unwritten_reported_);
+  logging::warning(
+      fmt::format("{} samples could not be written: a reader is too slow", unwritten_ - unwritten_reported_));
   unwritten_reported_ = unwritten_;
+}
+
+/// A stream of a lossless bridge waits for its readers.
+void BridgeNode::Publisher::log_silence(BeaconAddress address, transitions::Kind kind, Stream& stream,
+                                        SteadyTime now) {
+  constexpr TimeNs patience_ns = 3'000'000'000;  // as for a line without bytes
+  if (lossless_) return;
+  const auto change = stream.silence.find_change(now, patience_ns);
+  if (!change) return;
+  transition_log_.on(
+      {.address = address, .kind = kind, .begins = change->silent, .lasted_s = change->lasted_s}, now);
 }
 
 // Start and end of a recording
@@ -360,7 +385,7 @@ void BridgeNode::Publisher::wait_for_readers() {
   while (!all_matched()) {
     if (stop_->wait_until(clocks::steady_now() + poll_period_ns)) return;
     if (!reported && clocks::steady_now() - began > report_after_ns) {
-      fmt::print(stderr, "sonopose-bridge: waiting for a reader (is sonopose-fusion running?)\n");
+      logging::warning("waiting for a reader (is sonopose-fusion running?)");
       reported = true;
     }
   }

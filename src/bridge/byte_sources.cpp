@@ -9,6 +9,7 @@
 #include "bridge/step_free_clock.hpp"
 #include "clocks/clocks.hpp"
 #include "files/error.hpp"
+#include "logging/log.hpp"
 #include "marvelmind/assembler.hpp"
 #include "marvelmind/decoder.hpp"
 #include "process/free_memory.hpp"
@@ -21,7 +22,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cstdio>
 #include <exception>
 
 namespace sonopose::bridge {
@@ -147,7 +147,7 @@ private:
       sink.on_gone(address);
     }
     free_memory_.give_back(now);
-    if (const auto text = beacons_.refusals()) fmt::print(stderr, "sonopose-bridge: {}\n", *text);
+    if (const auto text = beacons_.refusals()) logging::warning(*text);
   }
 
   /// A failure is visible on the bus before the bridge ends.
@@ -184,11 +184,9 @@ private:
   }
 
   void log_change(ReadStatus status) const {
-    if (status == ReadStatus::connected)
-      fmt::print(stderr, "sonopose-bridge: reading {}\n", bytes_->description());
+    if (status == ReadStatus::connected) logging::info("reading " + bytes_->description());
     if (status == ReadStatus::disconnected) {
-      fmt::print(stderr, "sonopose-bridge: waiting for {} ({})\n", bytes_->description(),
-                 bytes_->last_error());
+      logging::warning(fmt::format("waiting for {} ({})", bytes_->description(), bytes_->last_error()));
     }
   }
 

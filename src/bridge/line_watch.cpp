@@ -1,10 +1,10 @@
 #include "bridge/line_watch.hpp"
 
+#include "logging/log.hpp"
 #include "marvelmind/packet.hpp"
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <utility>
 
 namespace sonopose::bridge {
@@ -47,8 +47,9 @@ void LineWatch::begin(SteadyTime now) {
 
 void LineWatch::log(const LineStatus& line) {
   if (std::exchange(logged_, line.state) == line.state) return;
-  fmt::print(stderr, "sonopose-bridge: {}: {}\n", line.name,
-             line.text.empty() ? "valid frames arrive" : line.text);
+  const bool is_good = line.text.empty();
+  logging::write(is_good ? logging::Level::info : logging::Level::warning,
+                 fmt::format("{}: {}", line.name, is_good ? "valid frames arrive" : line.text));
 }
 
 }  // namespace sonopose::bridge

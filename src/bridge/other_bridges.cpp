@@ -1,8 +1,8 @@
 #include "bridge/other_bridges.hpp"
 
-#include <fmt/format.h>
+#include "logging/log.hpp"
 
-#include <cstdio>
+#include <fmt/format.h>
 
 namespace sonopose::bridge {
 
@@ -20,11 +20,9 @@ void OtherBridges::update(dds::InstanceHandle own) {
 
 void OtherBridges::add(BeaconAddress address, dds::InstanceHandle writer) {
   if (!writers_[address].insert(writer.value).second) return;
-  fmt::print(
-      stderr,
-      "sonopose-bridge: another bridge publishes beacon {} too: its poses will be wrong until one of them is "
-      "stopped\n",
-      address);
+  logging::warning(fmt::format(
+      "another bridge publishes beacon {} too: its poses will be wrong until one of them is stopped",
+      address));
 }
 
 void OtherBridges::remove_gone() {

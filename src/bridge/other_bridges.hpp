@@ -28,7 +28,7 @@ public:
     writers_.erase(address);
   }
 
-  /// Reads the statuses received since the last call and reports each new bridge once on standard error.
+  /// Reads the statuses received since the last call and logs each new bridge once.
   /// `own` is this bridge's status writer.
   void update(dds::InstanceHandle own);
 

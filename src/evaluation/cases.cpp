@@ -1,5 +1,6 @@
 #include "evaluation/cases.hpp"
 
+#include "files/missing.hpp"
 #include "sim/simulator.hpp"
 
 #include <algorithm>
@@ -33,7 +34,7 @@ Case recorded_case(const std::filesystem::path& folder) {
 
 FoundRecordings recordings_in(const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
-  if (!fs::is_directory(folder)) throw files::IoError(folder.string() + ": is not a folder");
+  files::require_folder(folder);
   FoundRecordings found;
   const auto consider = [&found](const fs::path& candidate) {
     const bool has_imu = exists(candidate / "imu.csv");

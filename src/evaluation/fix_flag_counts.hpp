@@ -32,6 +32,10 @@ inline constexpr std::array<FixFlagName, 11> fix_flag_names{{{fix_used, "used"},
 /// The names of all set bits, joined by `|`; "none" if no bit is set.
 std::string fix_flag_text(std::uint32_t flags);
 
+/// Whether a fix was used with less weight because its innovation is large. The weight of the documented
+/// engine falls with every innovation, so there it must be an outlier.
+bool is_down_weighted(const FixReport& report);
+
 /// Counts how often each flag was set.
 class FixFlagCounts {
 public:

@@ -25,15 +25,30 @@ std::string figure(std::string_view what, double value, int decimals, std::strin
                                              : fmt::format("{:8.{}f} {} RMSE", value, decimals, unit));
 }
 
-/// Counts of the flags that occurred, except "used".
-std::string special_fix_flags(const FixFlagCounts& fix_flags) {
+/// Counts of the flags, except "used": "2 outlier, 37 frozen".
+template <class CountOf>
+std::string flag_words(const CountOf& count_of) {
   std::string text;
   for (const FixFlagName& entry : fix_flag_names) {
-    const std::uint64_t count = fix_flags.of(entry.bit);
+    const std::uint64_t count = count_of(entry.bit);
     if (entry.bit == fix_used || count == 0) continue;
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, entry.name);
   }
-  return text.empty() ? "" : " (" + text + ")";
+  return text;
+}
+
+/// Used and rejected fixes, each with its flags.
+std::string fixes_text(const RunResult& result) {
+  const FixFlagCounts& rejected = result.rejected_fix_flags;
+  const std::string why = flag_words([&](FixFlag bit) { return rejected.of(bit); });
+  const std::string notes =
+      flag_words([&](FixFlag bit) { return result.fix_flags.of(bit) - rejected.of(bit); });
+  std::string text =
+      report_line("fixes", fmt::format("{:8} used, {} of them down-weighted, {} rejected{}",
+                                       result.counters.fixes_used, result.fixes_down_weighted,
+                                       result.counters.fixes_rejected, why.empty() ? "" : " (" + why + ")"));
+  if (!notes.empty()) text += report_line("", "         of the used ones: " + notes);
+  return text;
 }
 
 std::string scores(const RunResult& result) {
@@ -94,8 +109,7 @@ nlohmann::ordered_json smoothing_json(const RunResult& result) {
 std::string report_text(const RunResult& result, const Timing& timing) {
   const EstimatorCounters& counters = result.counters;
   std::string text = scores(result) + smoothing_text(result) + prediction_text(result.prediction);
-  text += report_line("fixes", fmt::format("{:8} used, {} rejected{}", counters.fixes_used,
-                                           counters.fixes_rejected, special_fix_flags(result.fix_flags)));
+  text += fixes_text(result);
   text += report_line("samples",
                       fmt::format("{:8} IMU, {} headings, {} IMU gaps, {} invalid, {} IMU stamps went back",
                                   counters.imu_samples, counters.headings, counters.imu_gaps,
@@ -125,6 +139,7 @@ std::string report_json(const RunResult& result, const Timing& timing) {
                                       {"smoothing", smoothing_json(result)},
                                       {"prediction", prediction_json(result.prediction)},
                                       {"fixes_used", result.counters.fixes_used},
+                                      {"fixes_down_weighted", result.fixes_down_weighted},
                                       {"fixes_rejected", result.counters.fixes_rejected},
                                       {"fix_flags", std::move(fix_flags)},
                                       {"imu_samples", result.counters.imu_samples},

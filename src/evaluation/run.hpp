@@ -58,6 +58,8 @@ struct RunResult {
   std::uint64_t imu_stamps_back = 0;  ///< IMU samples with an earlier stamp than the one before
   EstimatorCounters counters;
   FixFlagCounts fix_flags;
+  FixFlagCounts rejected_fix_flags;       ///< of the fixes that were not used
+  std::uint64_t fixes_down_weighted = 0;  ///< of the used ones
   bool has_truth = false;
   Score fused;
   ErrorSummary last_fix_m;      ///< at the same moments, from the first fix on

@@ -1,6 +1,7 @@
 #include "files/line_reader.hpp"
 
 #include "files/error.hpp"
+#include "files/missing.hpp"
 
 #include <cerrno>
 #include <cstring>
@@ -17,7 +18,7 @@ constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 LineReader::LineReader(const std::filesystem::path& file)
     : name_{file.string()}, file_{std::fopen(name_.c_str(), "rbe")}, buffer_(longest_line) {
-  if (!file_) throw IoError(name_ + ": cannot be opened: " + std::strerror(errno));
+  if (!file_) throw IoError(opening_error(name_, errno));
   std::error_code not_known;
   const auto size = std::filesystem::file_size(file, not_known);
   if (!not_known) file_size_ = size;

@@ -7,9 +7,12 @@
 
 namespace sonopose::fusion {
 
+using transitions::Kind;
+
 BeaconEstimator::BeaconEstimator(BeaconAddress address, SettingsTimeline timeline, bool lossless)
-    : timeline_(std::move(timeline)), estimator_(timeline_.settings()) {
+    : timeline_(std::move(timeline)), estimator_(timeline_.settings()), watch_(address) {
   counted_.address = address;
+  pending_.add({.address = address, .kind = Kind::found});
   if (lossless) collator_.emplace<collation::LosslessCollator>();
 }
 
@@ -19,6 +22,12 @@ std::span<const collation::CollatedEvent> BeaconEstimator::collate(const Event& 
   if (std::holds_alternative<ImuSample>(event)) {
     bridge_ = bridge;
     imu_silence_.on_sample(now);
+    if (const auto lost_at = std::exchange(bridge_lost_at_, std::nullopt)) {
+      pending_.add({.address = counted_.address,
+                    .kind = Kind::bridge_lost,
+                    .begins = false,
+                    .lasted_s = seconds_between(*lost_at, now)});
+    }
   }
   if (auto* live = std::get_if<collation::Collator>(&collator_)) return live->push(event, attended);
   return std::get<collation::LosslessCollator>(collator_).push(event);
@@ -44,8 +53,29 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
   if (report != nullptr) {
     if ((report->flags & fix_too_late) != 0) ++counted_.fixes_late;
     refusals_.on(*report);
+    watch_.on(*report, pending_);
+  } else if (const auto* pose = std::get_if<FusedPose>(&outcome.result)) {
+    watch_.on(*pose, pending_);
   }
   return outcome;
+}
+
+void BeaconEstimator::on_bridge_lost(std::uint64_t bridge, SteadyTime now) noexcept {
+  if (bridge != bridge_) return;
+  ++counted_.bridge_losses;
+  if (bridge_lost_at_) return;
+  bridge_lost_at_ = now;
+  pending_.add({.address = counted_.address, .kind = Kind::bridge_lost});
+}
+
+bool BeaconEstimator::find_silence_change(SteadyTime now, TimeNs deadline_ns) {
+  const auto change = imu_silence_.find_change(now, deadline_ns);
+  if (!change) return false;
+  pending_.add({.address = counted_.address,
+                .kind = Kind::imu_silent,
+                .begins = change->silent,
+                .lasted_s = change->lasted_s});
+  return true;
 }
 
 void BeaconEstimator::reset(std::uint64_t request_id) {

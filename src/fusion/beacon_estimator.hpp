@@ -7,6 +7,7 @@
 #include "fusion/settings_timeline.hpp"
 #include "process/heard.hpp"
 #include "process/silence.hpp"
+#include "transitions/pose_watch.hpp"
 #include <sonopose/collation/collator.hpp>
 #include <sonopose/collation/lossless_collator.hpp>
 #include <sonopose/estimation/any_estimator.hpp>
@@ -74,12 +75,13 @@ public:
   }
 
   /// A bridge is no longer alive: counts it if it sent the latest IMU sample.
-  void on_bridge_lost(std::uint64_t bridge) { counted_.bridge_losses += bridge == bridge_ ? 1U : 0U; }
+  void on_bridge_lost(std::uint64_t bridge, SteadyTime now) noexcept;
 
   /// Whether the IMU has fallen silent for `deadline_ns` or resumed since the last call.
-  bool find_silence_change(SteadyTime now, TimeNs deadline_ns) {
-    return imu_silence_.find_change(now, deadline_ns).has_value();
-  }
+  bool find_silence_change(SteadyTime now, TimeNs deadline_ns);
+
+  /// The changes of state since they were last cleared.
+  [[nodiscard]] transitions::Pending& transitions() { return pending_; }
 
   /// Whether nothing has arrived for so long that the estimate is worthless (see process::Heard).
   [[nodiscard]] bool is_gone(SteadyTime now) const;
@@ -109,7 +111,10 @@ private:
   process::Heard heard_;
   process::Silence imu_silence_;
   std::uint64_t bridge_ = 0;  ///< that sent the latest IMU sample
+  std::optional<SteadyTime> bridge_lost_at_;
   FixRefusals refusals_;
+  transitions::PoseWatch watch_;
+  transitions::Pending pending_;
 };
 
 }  // namespace sonopose::fusion

@@ -7,9 +7,11 @@
 #include "fusion/pose_output.hpp"
 #include "fusion/settings_server.hpp"
 #include "fusion/status_publisher.hpp"
+#include "logging/log.hpp"
 #include "process/endpoint_counters.hpp"
 #include "process/free_memory.hpp"
 #include "process/guarded.hpp"
+#include "transitions/transition_log.hpp"
 #include <sonopose/collation/attended_time.hpp>
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
@@ -23,7 +25,6 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <cstdio>
 #include <malloc.h>
 #include <memory>
 #include <mutex>
@@ -92,6 +93,7 @@ private:
   void write_newest() noexcept;
   void end_output(BeaconAddress address);
   void remove_gone();
+  void log_transitions(SteadyTime now);
   [[nodiscard]] std::uint64_t unwritten() const;
   void write_until_accepted(const auto& attempt) noexcept;
   void serve_lossless(const std::stop_token& stop);
@@ -141,6 +143,8 @@ private:
 
   process::EndpointCounters endpoints_;
   process::CountingWriterListener<sonopose_FixReport> report_listener_{endpoints_};
+  transitions::TransitionLog transition_log_;      // of the main thread, as the next
+  std::vector<transitions::Pending> transitions_;  // of log_transitions(), kept for its capacity
   PoseOutput output_;
   StatusPublisher status_publisher_;
   SettingsServer settings_server_;
@@ -169,7 +173,7 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       input_deadline_ns_(input_deadline_ns(qos_)),
       estimators_(options.config, options.lossless),
       output_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, endpoints_),
-      status_publisher_(participant_, qos_, estimators_, output_, overload_, endpoints_),
+      status_publisher_(participant_, qos_, estimators_, output_, overload_, endpoints_, transition_log_),
       settings_server_(participant_, qos_, estimators_, options.addresses),
       report_writer_(
           dds::topics::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)) {
@@ -219,7 +223,8 @@ void FusionNode::Impl::remove_gone() {
   for (const auto& [address, estimator] : gone) {
     end_output(address);
     admission_.forget(address);
-    fmt::print(stderr, "sonopose-fusion: beacon {}: gone; its estimate is discarded\n", address);
+    transition_log_.forget(address);
+    logging::info(fmt::format("beacon {}: gone; its estimate is discarded", address));
     free_memory_.on_freed();
   }
   free_memory_.give_back(now);
@@ -368,9 +373,10 @@ void FusionNode::Impl::on_deadline_missed(dds::DataReader<T>& reader,
 
 void FusionNode::Impl::on_bridge_liveliness(const dds::LivelinessChangedStatus& status) noexcept {
   if (status.not_alive_count_change <= 0) return;
+  const SteadyTime now = clocks::steady_now();
   estimators_.with([&](auto& all) {
     all.for_each([&](BeaconAddress, BeaconEstimator& estimator) {
-      estimator.on_bridge_lost(status.last_publication_handle);
+      estimator.on_bridge_lost(status.last_publication_handle, now);
     });
   });
 }
@@ -388,6 +394,21 @@ void FusionNode::Impl::poll() {
     });
   });
   for (const BeaconAddress address : changed) status_publisher_.publish_status(address, unwritten());
+  log_transitions(now);
+}
+
+/// The threads that receive only record a change; its line is formatted here and written by the log's thread.
+void FusionNode::Impl::log_transitions(SteadyTime now) {
+  transitions_.clear();
+  estimators_.with([this](auto& all) {
+    all.for_each([this](BeaconAddress, BeaconEstimator& estimator) {
+      transitions::Pending& pending = estimator.transitions();
+      if (pending.empty()) return;
+      transitions_.push_back(pending);
+      pending.clear();
+    });
+  });
+  for (transitions::Pending& pending : transitions_) transition_log_.take(pending, now);
 }
 
 void FusionNode::Impl::hand_over() {
@@ -404,7 +425,10 @@ void FusionNode::Impl::hand_over() {
 void FusionNode::Impl::publish_statuses() {
   if (!lossless_) remove_gone();
   if (overload_.is_deferring()) backlog_thread_.wake();  // without samples nothing else ends the deferral
-  if (const auto text = admission_.refusals()) fmt::print(stderr, "sonopose-fusion: {}\n", *text);
+  if (const auto text = admission_.refusals()) logging::warning(*text);
+  const SteadyTime now = clocks::steady_now();
+  log_transitions(now);
+  transition_log_.update(now);
   status_publisher_.publish_all(unwritten());
   if (lossless_) status_publisher_.log_gaps(waited_for_consumer_.exchange(false));
 }

@@ -2,9 +2,15 @@
 
 #include "clocks/clocks.hpp"
 #include "config/beacon_settings.hpp"
+#include "logging/log.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <chrono>
+#include <cstddef>
+#include <string>
 #include <utility>
 
 namespace sonopose::fusion {
@@ -57,12 +63,38 @@ void SettingsServer::serve() {
 
 void SettingsServer::answer(const sonopose_SettingsRequest& request) {
   if (request.address != all_beacons && !addresses_.contains(request.address)) return;
-  const SettingsReply reply = requests_.answer(topics::from_idl(request));
+  const SettingsRequest asked = topics::from_idl(request);
+  const SettingsReply reply = requests_.answer(asked);
+  log(asked, reply);
   if (reply.accepted && reply.address == all_beacons) {  // before the reply, so that the client reads them
     publish(estimators_.with([](auto& all) { return all.settings_for_all(); }));
   }
   const auto sample = topics::to_idl(reply);
   write([&] { return reply_writer_.try_write(sample); });
+}
+
+/// Rate-limited, and bounded: any program can send requests.
+void SettingsServer::log(const SettingsRequest& request, const SettingsReply& reply) {
+  if (request.request_id != 0 && std::exchange(last_logged_id_, request.request_id) == request.request_id) {
+    return;
+  }
+  if (!log_limit_.admits(clocks::steady_now())) return;
+  std::string text = request.address == all_beacons ? "settings of all beacons"
+                                                    : fmt::format("settings of beacon {}", request.address);
+  text += reply.accepted ? " changed" : " refused";
+  const char* separator = ": ";
+  for (const SettingAssignment& assignment : request.assignments) {
+    text += fmt::format("{}{} = {}", std::exchange(separator, ", "), assignment.key, assignment.value);
+  }
+  if (!reply.reason.empty()) text += "; " + reply.reason;
+  if (const std::uint64_t before = log_limit_.take_suppressed(); before > 0) {
+    text += fmt::format(" ({} requests before were not logged)", before);
+  }
+  constexpr std::size_t longest = 1000;
+  if (text.size() > longest) text = text.substr(0, longest) + " ...";
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
+  logging::write(reply.accepted ? logging::Level::info : logging::Level::warning, text);
 }
 
 void SettingsServer::publish_changes() {

@@ -6,6 +6,7 @@
 #include "fusion/settings_requests.hpp"
 #include "process/address_set.hpp"
 #include "process/guarded.hpp"
+#include "transitions/rate_limit.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -41,6 +42,7 @@ public:
 private:
   void serve();
   void answer(const sonopose_SettingsRequest& request);
+  void log(const SettingsRequest& request, const SettingsReply& reply);
   void publish_changes();
   void publish(const SettingsChange& change);
   void write(const auto& attempt);
@@ -48,6 +50,9 @@ private:
   process::Guarded<BeaconEstimators>& estimators_;
   process::AddressSet addresses_;
   SettingsRequests requests_;
+  static constexpr std::uint64_t most_logged_per_minute = 60;
+  transitions::RateLimit log_limit_{most_logged_per_minute};
+  std::uint64_t last_logged_id_ = 0;  ///< of a request: its sender repeats it until it receives the reply
   dds::DataWriter<sonopose_EffectiveSettings> settings_writer_;
   dds::DataWriter<sonopose_SettingsReply> reply_writer_;
   dds::DataReader<sonopose_SettingsRequest> request_reader_;

@@ -1,12 +1,12 @@
 #include "fusion/status_publisher.hpp"
 
 #include "clocks/clocks.hpp"
+#include "logging/log.hpp"
 #include "process/random_id.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,12 +18,14 @@ namespace topics = dds::topics;
 
 StatusPublisher::StatusPublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
                                  process::Guarded<BeaconEstimators>& estimators, const PoseOutput& output,
-                                 const Overload& overload, process::EndpointCounters& endpoints)
+                                 const Overload& overload, process::EndpointCounters& endpoints,
+                                 transitions::TransitionLog& log)
     : fusion_id_(process::random_id()),
       estimators_(estimators),
       output_(output),
       overload_(overload),
       endpoints_(endpoints),
+      log_(log),
       status_listener_(endpoints),
       status_writer_(topics::make_writer(participant, qos, topics::fusion_status, &status_listener_)),
       estimate_writer_(topics::make_writer(participant, qos, topics::estimate)) {}
@@ -76,7 +78,7 @@ void StatusPublisher::publish_estimate(BeaconAddress address) {
 void StatusPublisher::log_fix_refusals(BeaconAddress address) {
   const auto text =
       read(address, [](BeaconEstimator& estimator) { return estimator.fix_refusals(clocks::steady_now()); });
-  if (text) fmt::print(stderr, "sonopose-fusion: beacon {}: {}\n", address, *text);
+  if (text) logging::warning(fmt::format("beacon {}: {}", address, *text));
 }
 
 void StatusPublisher::log_gaps(bool waited_for_consumer) {
@@ -89,21 +91,20 @@ void StatusPublisher::log_gaps(bool waited_for_consumer) {
       }
     });
   });
-  for (const std::string& text : texts) fmt::print(stderr, "sonopose-fusion: {}\n", text);
+  for (const std::string& text : texts) logging::warning(text);
 }
 
 void StatusPublisher::log_losses(std::uint64_t unwritten) {
   if (unwritten != unwritten_reported_) {
-    fmt::print(stderr, "sonopose-fusion: {} poses or reports could not be written: a consumer is too slow\n",
-               unwritten - unwritten_reported_);
+    logging::warning(fmt::format("{} poses or reports could not be written: a consumer is too slow",
+                                 unwritten - unwritten_reported_));
     unwritten_reported_ = unwritten;
   }
   const std::uint64_t incompatible = endpoints_.incompatible_qos;
   if (incompatible != incompatible_reported_) {
-    fmt::print(
-        stderr,
-        "sonopose-fusion: {} readers or writers with incompatible QoS; run sonopose-doctor to list them\n",
-        incompatible - incompatible_reported_);
+    logging::warning(
+        fmt::format("{} readers or writers with incompatible QoS; run sonopose-doctor to list them",
+                    incompatible - incompatible_reported_));
     incompatible_reported_ = incompatible;
   }
 }
@@ -112,10 +113,8 @@ void StatusPublisher::log_overload() {
   const bool overloaded = overload_.is_overloaded();
   if (overloaded == overload_reported_) return;
   overload_reported_ = overloaded;
-  fmt::print(stderr, "sonopose-fusion: {}\n",
-             overloaded
-                 ? "overloaded: it fuses every sample, but skips poses; docs/realtime.md lists remedies"
-                 : "no longer overloaded: every pose is written");
+  log_.on({.address = all_beacons, .kind = transitions::Kind::overloaded, .begins = overloaded},
+          clocks::steady_now());
 }
 
 void StatusPublisher::unregister(BeaconAddress address) noexcept {

@@ -8,6 +8,7 @@
 #include "fusion/pose_output.hpp"
 #include "process/endpoint_counters.hpp"
 #include "process/guarded.hpp"
+#include "transitions/transition_log.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -15,12 +16,13 @@
 
 namespace sonopose::fusion {
 
-/// Used by one thread. `endpoints` are the counters of all endpoints of the process.
+/// Used by one thread. `endpoints` are the counters of all endpoints of the process; `log` is of this thread.
 class StatusPublisher {
 public:
   StatusPublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
                   process::Guarded<BeaconEstimators>& estimators, const PoseOutput& output,
-                  const Overload& overload, process::EndpointCounters& endpoints);
+                  const Overload& overload, process::EndpointCounters& endpoints,
+                  transitions::TransitionLog& log);
 
   /// Publishes the status and the estimate of every beacon, and logs what was lost and refused since the last
   /// call. `unwritten`: samples of other topics that could not be written since the start.
@@ -48,6 +50,7 @@ private:
   const PoseOutput& output_;
   const Overload& overload_;
   process::EndpointCounters& endpoints_;
+  transitions::TransitionLog& log_;
   process::CountingWriterListener<sonopose_FusionStatus> status_listener_;
   dds::DataWriter<sonopose_FusionStatus> status_writer_;
   dds::DataWriter<sonopose_Estimate> estimate_writer_;

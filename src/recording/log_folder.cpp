@@ -1,6 +1,7 @@
 #include "recording/log_folder.hpp"
 
 #include "files/csv_reader.hpp"
+#include "files/missing.hpp"
 #include "files/units.hpp"
 #include "recording/log_columns.hpp"
 #include "recording/log_meta.hpp"
@@ -166,7 +167,7 @@ void check_single(const std::filesystem::path& folder) {
 
 /// With the address that the samples get.
 LogMeta meta_of(const std::filesystem::path& folder, std::optional<BeaconAddress> given_address) {
-  if (!std::filesystem::is_directory(folder)) throw files::IoError(folder.string() + ": is not a folder");
+  files::require_folder(folder);
   check_single(folder);
   LogMeta meta = read_log_meta(folder);
   if (!meta.beacon_address) meta.beacon_address = default_log_address;

@@ -3,6 +3,7 @@
 #include "clocks/clocks.hpp"
 #include "files/append_file.hpp"
 #include "files/error.hpp"
+#include "files/missing.hpp"
 
 #include <cerrno>
 #include <cstring>
@@ -11,7 +12,7 @@ namespace sonopose::transport {
 
 ByteFile::ByteFile(const std::filesystem::path& path)
     : name_{path.string()}, file_{std::fopen(name_.c_str(), "rbe")} {
-  if (!file_) throw files::IoError(name_ + ": cannot be opened: " + std::strerror(errno));
+  if (!file_) throw files::IoError(files::opening_error(name_, errno));
   // A folder can be opened and fails only at the first read.
   if (std::filesystem::is_directory(path)) throw files::IoError(name_ + ": is a folder, not a file");
 }

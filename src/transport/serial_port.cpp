@@ -2,6 +2,7 @@
 
 #include "clocks/clocks.hpp"
 #include "files/error.hpp"
+#include "transport/device_access.hpp"
 #include "transport/serial_line.hpp"
 #include "transport/stoppable_loop.hpp"
 
@@ -90,11 +91,18 @@ private:
     }
   }
 
+  /// Why the device could not be opened.
+  [[nodiscard]] std::string reason_of(const asio::error_code& error) const {
+    if (error.value() == ENOENT) return "it does not exist";
+    if (error.value() == EACCES) return error.message() + ": " + access_remedy(device_);
+    return error.message();
+  }
+
   bool open() {
     asio::error_code error;
     port_.open(device_, error);
     if (error) {
-      close(error.message(), is_absence(error) ? LineState::waiting : LineState::failed);
+      close(reason_of(error), is_absence(error) ? LineState::waiting : LineState::failed);
       return false;
     }
     const std::string cause = configure_serial_line(port_.native_handle(), baud_);

@@ -142,6 +142,14 @@ const std::vector<Restriction> restrictions{
     {"clocks alone: no DDS, files, sockets, threads, command lines",
      {"clocks"},
      {dds_headers, file_headers, socket_headers, thread_headers, command_line_headers}},
+    {"logging alone: no DDS, sockets, clocks of the host, command lines",
+     {"logging"},
+     {dds_headers, R"(sys/socket\.h|netinet/.*|asio.*)", "ctime|time\\.h|sys/time\\.h",
+      command_line_headers}},
+    {"states in words: no DDS, files, sockets, clocks, threads, command lines",
+     {"transitions"},
+     {dds_headers, file_headers, socket_headers, clock_headers, thread_headers, "iostream|ostream|print",
+      command_line_headers}},
     {"files alone: no DDS, sockets, threads, command lines",
      {"files", "files/toml", "recording", "config", "ros2/arguments"},
      {dds_headers, socket_headers, thread_headers, command_line_headers}},
@@ -156,7 +164,7 @@ const std::vector<Restriction> restrictions{
     {"no Cyclone DDS of their own, command lines, or libraries that an edge module wraps",
      {"process", "observation", "launch", "bridge", "fusion", "monitor", "monitor/echo", "doctor/rules",
       "doctor/probe", "settings_client", "ros2/relay"},
-     {"dds/.*|ddsc/.*", command_line_headers, "asio.*", "toml.*", "pugixml.*", "yaml-cpp/.*"}},
+     {"dds/.*|ddsc/.*", command_line_headers, "asio.*", "toml.*", "pugixml.*", "yaml-cpp/.*", "spdlog/.*"}},
 };
 
 bool is_forbidden(const Restriction& restriction, const std::string& header) {

@@ -70,9 +70,10 @@ TEST_CASE("The user's file is the requested one, otherwise the environment's, ot
 
 TEST_CASE("A requested QoS file that does not exist is an error, and is not replaced") {
   const Environment environment("SONOPOSE_QOS", "/nonexistent/env.xml");
-  CHECK_THROWS_WITH(qos::Provider(),
-                    Catch::Contains("/nonexistent/env.xml") && Catch::Contains("SONOPOSE_QOS"));
-  CHECK_THROWS_WITH(qos::Provider("/nonexistent/option.xml"), Catch::Contains("/nonexistent/option.xml"));
+  CHECK_THROWS_WITH(qos::Provider(), Catch::Contains("/nonexistent/env.xml: does not exist") &&
+                                         Catch::Contains("SONOPOSE_QOS"));
+  CHECK_THROWS_WITH(qos::Provider("/nonexistent/option.xml"),
+                    Catch::Contains("/nonexistent/option.xml: does not exist"));
   CHECK_THROWS_AS(qos::Provider(fs::temp_directory_path()), qos::FileError);
 }
 

@@ -22,4 +22,20 @@ TEST_CASE("each fix flag is counted separately") {
   CHECK(counts.of(fix_first) == 0);
 }
 
+TEST_CASE("a fix is down-weighted if it is used, but less because of its innovation") {
+  FixReport report;
+  report.flags = fix_used;
+  report.weight = 0.4;
+  CHECK_FALSE(evaluation::is_down_weighted(report));  // the documented engine: an ordinary innovation
+  report.flags = fix_used | fix_outlier;
+  CHECK(evaluation::is_down_weighted(report));
+  report.flags = fix_outlier;
+  CHECK_FALSE(evaluation::is_down_weighted(report));  // rejected
+  report.flags = fix_used;
+  report.innovation_covariance_m2.emplace();  // the Kalman engine: between its two gates
+  CHECK(evaluation::is_down_weighted(report));
+  report.weight = 1.0;
+  CHECK_FALSE(evaluation::is_down_weighted(report));
+}
+
 }  // namespace fix_flag_counts_test

@@ -25,6 +25,7 @@ TEST_CASE("the JSON report contains the figures of the run") {
   CHECK(report["extrapolated_rmse_m"] == result.extrapolated_m.rmse);
   CHECK(report["fixes_used"] == result.counters.fixes_used);
   CHECK(report["fixes_rejected"] == 0);
+  CHECK(report["fixes_down_weighted"] == result.fixes_down_weighted);
   CHECK(report["imu_samples"] == 2000);
   CHECK(report["poses_without_truth"] == 0);
   CHECK(report["imu_stamps_back"] == 0);
@@ -58,7 +59,8 @@ TEST_CASE("the text report contains scores with units, counts and the hash") {
   const std::string text = evaluation::report_text(result, {0.01, 0.03});
   CHECK_THAT(text,
              Contains("m RMSE") && Contains("m/s RMSE") && Contains("deg RMSE") && Contains("last fix"));
-  CHECK_THAT(text, Contains("outlier") && Contains("1 first"));
+  CHECK_THAT(text, Contains(" used, ") && Contains(" of them down-weighted, ") && Contains(" rejected ("));
+  CHECK_THAT(text, Contains("outlier") && Contains("of the used ones: 1 first"));
   CHECK_THAT(text, Contains("m RMS from pose to fix") && Contains("% gated") && Contains("deg RMS,"));
   CHECK_THAT(text, Contains("x real time") && Contains(result.state_hash));
 }

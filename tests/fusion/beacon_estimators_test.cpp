@@ -188,13 +188,13 @@ SCENARIO("missed deadlines and the loss of a bridge are counted") {
   CHECK(seven.status().fix_deadlines_missed == 1);
   CHECK(seven.status().heading_deadlines_missed == 0);
   seven.collate(ImuSample{}, 100, SteadyTime{begin_ns}, SteadyTime{begin_ns});
-  seven.on_bridge_lost(200);  // sends other beacons
+  seven.on_bridge_lost(200, {});  // sends other beacons
   CHECK(seven.status().bridge_losses == 0);
-  seven.on_bridge_lost(100);
+  seven.on_bridge_lost(100, {});
   CHECK(seven.status().bridge_losses == 1);
   WHEN("the beacon has moved to another bridge") {
     seven.collate(ImuSample{}, 200, SteadyTime{begin_ns}, SteadyTime{begin_ns});
-    seven.on_bridge_lost(100);
+    seven.on_bridge_lost(100, {});
     CHECK(seven.status().bridge_losses == 1);
   }
 }

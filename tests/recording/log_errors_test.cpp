@@ -130,10 +130,10 @@ SCENARIO("rows and headers of the wrong width are named") {
 
 SCENARIO("missing files are named") {
   const TemporaryFolder log;
-  CHECK_THROWS_WITH(read_sensor_log(log / "nowhere"), Contains("nowhere: is not a folder"));
-  CHECK_THROWS_WITH(read_sensor_log(log.path()), Contains("/imu.csv: cannot be opened: No such file"));
+  CHECK_THROWS_WITH(read_sensor_log(log / "nowhere"), Contains("nowhere: does not exist"));
+  CHECK_THROWS_WITH(read_sensor_log(log.path()), Contains("/imu.csv: does not exist"));
   write_text(log / "imu.csv", Files{}.imu);
-  CHECK_THROWS_WITH(read_sensor_log(log.path()), Contains("/ultrasonic.csv: cannot be opened: No such file"));
+  CHECK_THROWS_WITH(read_sensor_log(log.path()), Contains("/ultrasonic.csv: does not exist"));
   std::filesystem::create_directory(log / "ultrasonic.csv");
   CHECK_THROWS_WITH(read_sensor_log(log.path()), Contains("/ultrasonic.csv: cannot be read: Is a directory"));
 }

@@ -80,7 +80,7 @@ SCENARIO("sonopose-attitude refuses invalid requests") {
   const std::string log = walk_in(folder);
   CHECK_THAT(refusal({log, "--magnetometer", "on"}), Contains("imu.csv") && Contains("no magnetometer"));
   CHECK_THAT(refusal({log, "--filter", "kalman"}), Contains("kalman") && Contains("mahony"));
-  CHECK_THAT(refusal({(folder / "nowhere").string()}), Contains("nowhere: is not a folder"));
+  CHECK_THAT(refusal({(folder / "nowhere").string()}), Contains("nowhere: does not exist"));
   CHECK_THAT(refusal({log, log, "--out", (folder / "out").string()}),
              Contains("two logs have the name walk"));
   CHECK_THAT(refusal({log, "--set", "attitude.ahrs.gain=11"}),

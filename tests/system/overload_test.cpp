@@ -240,7 +240,7 @@ SCENARIO("an overloaded fusion still serves every beacon", "[load]") {
           limit.reset();
           THEN("it recovers, and has logged both") {
             CHECK(status.wait_for(is_normal, status.samples.size()));
-            CHECK(fusion->wait_for_line(Stream::error, "sonopose-fusion: overloaded"));
+            CHECK(fusion->wait_for_line(Stream::error, "sonopose-fusion: warning: overloaded"));
             CHECK(fusion->wait_for_line(Stream::error, "no longer overloaded"));
           }
         }

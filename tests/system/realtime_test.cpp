@@ -36,7 +36,7 @@ SCENARIO("a fusion with and without --realtime") {
     THEN("it reports the scheduling of the receive thread correctly") {
       const auto said = std::find_if(lines.begin(), lines.end(), is_about_recv);
       REQUIRE(said != lines.end());
-      CHECK_THAT(*said, Contains("sonopose-fusion: realtime: ") && Contains("31"));
+      CHECK_THAT(*said, Contains("sonopose-fusion: ") && Contains("realtime: ") && Contains("31"));
       const bool refused = said->find("not applied") != std::string::npos;
       if (refused) CHECK_THAT(*said, Contains("sched_setscheduler") && Contains("remedy"));
       CHECK(policy_of_thread(fusion->pid(), "recv") == (refused ? SCHED_OTHER : SCHED_FIFO));

@@ -281,7 +281,7 @@ SCENARIO("pure integration starts from the truth") {
 SCENARIO("errors are named, and the exit code is 1") {
   const Recording recording;
   const std::string log = recording.log();
-  CHECK_THAT(refusal({(recording / "nowhere").string()}), Contains("nowhere: is not a folder"));
+  CHECK_THAT(refusal({(recording / "nowhere").string()}), Contains("nowhere: does not exist"));
   CHECK_THAT(refusal({log, "--set", "drift.no_such_key=1"}), Contains("drift.no_such_key"));
   CHECK_THAT(refusal({log, "--set", "attitude.mahony.kp=11"}), Contains("kp") && Contains("out of range"));
   CHECK_THAT(refusal({log, "--config", "/nowhere.toml"}), Contains("/nowhere.toml"));

@@ -45,7 +45,7 @@ SCENARIO("ros2 launch starts the relay like any node") {
       REQUIRE(odom.wait_for_count(1, [&](const auto& message) { frame = message.header.frame_id; }));
       CHECK(frame == "hall");
       CHECK(fix.wait_for_count(1, [](const auto&) {}));
-      CHECK(relay->text(Stream::error).find("warning") == std::string::npos);
+      CHECK(relay->text(Stream::error).find("is neither") == std::string::npos);
     }
     THEN("parameters with the name of a setting reach the fusion") {
       const auto has = [](const EffectiveSettings& one, const SettingAssignment& wanted) {

@@ -170,7 +170,7 @@ SCENARIO("a file of bytes is played to its end") {
     CHECK(file.read(buffer, 1s).status == ReadStatus::stopped);
   }
   THEN("a missing file or a folder is reported by name") {
-    CHECK_THROWS_WITH(ByteFile(folder / "none.bin"), Contains("none.bin: cannot be opened: No such file"));
+    CHECK_THROWS_WITH(ByteFile(folder / "none.bin"), Contains("none.bin: does not exist"));
     CHECK_THROWS_WITH(ByteFile(folder.path()), Contains("is a folder, not a file"));
   }
 }

@@ -148,7 +148,7 @@ SCENARIO("the port waits for an unplugged device and opens it again") {
         CHECK(host.next().status == ReadStatus::disconnected);
         CHECK_FALSE(host.port.last_error().empty());
         CHECK(host.port.read(host.buffer, 350ms).status == ReadStatus::timeout);
-        CHECK_THAT(host.port.last_error(), Contains("No such file"));
+        CHECK_THAT(host.port.last_error(), Contains("does not exist"));
         AND_WHEN("another device appears under the same link") {
           const Beacon other;
           const Beacon again;

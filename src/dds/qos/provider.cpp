@@ -179,8 +179,9 @@ std::optional<std::filesystem::path> overrides_file(const std::optional<std::fil
   const std::filesystem::path path = by_variable ? std::filesystem::path(variable) : *requested;
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    throw FileError(path.string() + ": no such QoS file (requested by " +
-                    (by_variable ? "SONOPOSE_QOS" : "the option") + ")");
+    const bool exists = std::filesystem::exists(path, error);
+    throw FileError(path.string() + (exists ? ": is not a file" : ": does not exist") + " (QoS file of " +
+                    (by_variable ? "SONOPOSE_QOS" : "--qos") + ")");
   }
   return path;
 }

@@ -207,7 +207,7 @@ FusedPose Engine::pose_at(const ImuSample& imu) const {
 
 std::uint32_t Engine::status() const {
   constexpr double unlearned_bias_radps = 0.01;
-  constexpr double unknown_yaw_rad = 10.0 * geometry::radians_per_degree;
+  constexpr double unknown_yaw_rad = 5.0 * geometry::radians_per_degree;
   constexpr double low_trust = 0.6;
   const auto bit = [](bool applies, PoseStatus status) { return applies ? std::uint32_t{status} : 0U; };
   const Belief& now = belief();

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 namespace sonopose::ros2::relay {
 namespace {
@@ -42,7 +43,8 @@ BeaconPublishers::BeaconPublishers(ros2::Node& node, const Output& output, Beaco
       wakeup_(wakeup),
       publishes_mag_(output.topics.contains("imu/mag")),
       pose_rate_(output.rate_hz),
-      fix_std_m_(settings::UncertaintySettings{}.fix_std_m) {
+      fix_std_m_(settings::UncertaintySettings{}.fix_std_m),
+      watch_(address) {
   if (!output.mount_from_tf) mount_ = output.mount;
   const auto publish = [&]<class T>(dds::DataWriter<T>& writer, const char* topic) {
     if (output.topics.contains(topic)) writer = node.make_writer<T>(prefix_ + topic, profile);
@@ -98,7 +100,11 @@ void BeaconPublishers::publish_raw(const ImuSample& sample) {
 
 void BeaconPublishers::on(const FusedPose& pose) {
   fused_at_ = clocks::steady_now();
-  publish_odometry(pose);                             // first, because vehicle control may depend on it
+  publish_odometry(pose);  // first, because vehicle control may depend on it
+  {
+    const std::lock_guard lock(watch_mutex_);
+    watch_.on(pose, transitions_);
+  }
   if ((pose.status & status_predicted) != 0) return;  // it has no IMU sample
   std::optional<ImuSample> sample;
   {
@@ -106,6 +112,11 @@ void BeaconPublishers::on(const FusedPose& pose) {
     sample = pairing_.on(pose, clocks::steady_now());
   }
   if (sample) publish_imu(*sample, pose);
+}
+
+transitions::Pending BeaconPublishers::take_transitions() {
+  const std::lock_guard lock(watch_mutex_);
+  return std::exchange(transitions_, {});
 }
 
 void BeaconPublishers::publish_odometry(const FusedPose& pose) {
@@ -185,6 +196,10 @@ void BeaconPublishers::on(const UltrasonicFix& fix) {
 }
 
 void BeaconPublishers::on(const FixReport& report) {
+  {
+    const std::lock_guard lock(watch_mutex_);
+    watch_.on(report, transitions_);
+  }
   if (!report.position_world_m.allFinite()) return;
   ros2::FixQueue::Ready ready;
   {

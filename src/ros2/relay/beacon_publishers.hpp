@@ -2,6 +2,7 @@
 // Writers of the ROS 2 topics of one beacon.
 
 #include "ros2/relay/relay.hpp"
+#include "transitions/pose_watch.hpp"
 #include <sonopose/ros2/messages/beacon_topics.hpp>
 #include <sonopose/ros2/messages/fix_queue.hpp>
 #include <sonopose/ros2/messages/imu_pairing.hpp>
@@ -36,6 +37,8 @@ public:
 
   void on(const ImuSample& sample);
   void on(const FusedPose& pose);
+  /// The changes of state in its poses and reports since the last call. Main thread only.
+  transitions::Pending take_transitions();
   void on(const UltrasonicFix& fix);
   void on(const FixReport& report);
   /// `fix_std_m`: the setting of the fusion.
@@ -102,6 +105,10 @@ private:
   std::atomic<bool> lacks_odometry_ = false;
   std::atomic<bool> has_magnetic_ = false;         ///< a sample had a magnetic field
   std::atomic<bool> has_magnetic_writer_ = false;  ///< and its writer exists
+
+  std::mutex watch_mutex_;  ///< guards the next two
+  transitions::PoseWatch watch_;
+  transitions::Pending transitions_;
 
   mutable std::mutex mutex_;  ///< guards the members below
   std::optional<ros2::Mount> mount_;

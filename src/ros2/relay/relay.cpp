@@ -12,6 +12,7 @@
 #include "ros2/relay/ros_clock.hpp"
 #include "ros2/relay/surroundings.hpp"
 #include "ros2/relay/transform_tree.hpp"
+#include "transitions/transition_log.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -142,6 +143,7 @@ private:
   void for_each_beacon(const Action& action);
   void create_new_publishers(const process::StopSignal& stop);
   void remove_gone();
+  void log_transitions();
   void replace_tree_owner();
   void publish_mounts();
   void serve(const process::StopSignal& stop, const std::atomic<bool>& failed);
@@ -156,6 +158,8 @@ private:
   dds::qos::Provider qos_;
   ros2::Node node_;
   Log log_;
+  transitions::TransitionLog transition_log_{
+      [this](const transitions::Line& line) { log_.write(line); }};  ///< main thread only
   RosClock clock_;
   process::Wakeup wakeup_;  ///< of the main thread
   process::Wakeup parameters_wakeup_;
@@ -279,6 +283,7 @@ void Relay::Impl::create_new_publishers(const process::StopSignal& stop) {
     auto created = std::make_shared<BeaconPublishers>(node_, options_.output, address, tf_writer_,
                                                       tree_.admits(address), wakeup_);
     beacons_.add(address, created);
+    log_.info(fmt::format("beacon {}: found; its topics are open", address));
     const std::lock_guard lock(mutex_);
     if (const auto known = fix_stds_m_.find(address); known != fix_stds_m_.end()) {
       created->set_fix_std(known->second);
@@ -292,6 +297,7 @@ void Relay::Impl::remove_gone() {
   if (const auto text = admission_.refusals()) log_.warning(*text);
   for (const BeaconAddress address : beacons_.remove_gone(now)) {
     admission_.forget(address);
+    transition_log_.forget(address);
     log_.info(fmt::format("beacon {}: gone; its topics are closed", address));
   }
   for (const auto& publishers : beacons_.take_unused()) {
@@ -302,6 +308,23 @@ void Relay::Impl::remove_gone() {
     diagnostics_.forget(view.address);
   }
   free_memory_.give_back(now);
+}
+
+/// The threads that receive only record a change.
+void Relay::Impl::log_transitions() {
+  const SteadyTime now = clocks::steady_now();
+  for_each_beacon([&](BeaconPublishers& publishers) {
+    transitions::Pending pending = publishers.take_transitions();
+    transition_log_.take(pending, now);
+  });
+  for (const observation::PoseSilence& change : observers_.silence_changes()) {
+    transition_log_.on({.address = change.address,
+                        .kind = transitions::Kind::poses_silent,
+                        .begins = change.silent,
+                        .lasted_s = change.lasted_s},
+                       now);
+  }
+  transition_log_.update(now);
 }
 
 /// A beacon with the same frames takes over the transforms of one that is gone, or that has not appeared.
@@ -345,6 +368,7 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
     next_status = clocks::steady_now() + status_period_ns;
     if (!source_) readers_due = next_status;
     surroundings_.check_processes(has_writer(imu_), has_writer(pose_));
+    log_transitions();
     remove_gone();
     diagnostics_.publish(beacons_.all(), source_.get());
     replace_tree_owner();

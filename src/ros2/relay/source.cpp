@@ -1,6 +1,7 @@
 #include "ros2/relay/source.hpp"
 
 #include "clocks/clocks.hpp"
+#include "logging/log.hpp"
 #include "process/endpoint_counters.hpp"
 #include "ros2/relay/input_monitor.hpp"
 #include "ros2/relay/stamp_clock.hpp"
@@ -15,7 +16,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <iterator>
 #include <map>
 #include <mutex>
@@ -89,8 +89,8 @@ TimeNs measured_ns(const Event& event) {
   return std::get<PairHeading>(event).emission_time_ns;
 }
 
-void log_to_stderr(const std::string& line) {
-  fmt::print(stderr, "sonopose-ros2: {}\n", line);
+void log_warning(const std::string& line) {
+  logging::warning(line);
 }
 
 class TopicsSource final : public Source {
@@ -294,7 +294,7 @@ std::unique_ptr<Source> make_source(ros2::Node& node, const std::vector<Input>& 
                                     const InputTimeouts& timeouts, const std::string& map_frame,
                                     LineLogger log, TimeSource now) {
   check(inputs);
-  if (!log) log = log_to_stderr;
+  if (!log) log = log_warning;
   return std::make_unique<TopicsSource>(node, inputs, timeouts, map_frame, std::move(log), std::move(now));
 }
 

@@ -64,6 +64,13 @@ SCENARIO("the Kalman engine follows a walk within the noise of one fix") {
         CHECK((poses.back().status & status_heading_unknown) == 0);
         CHECK(std::sqrt(engine.belief().filter().yaw_variance_rad2()) < 0.05);
       }
+      THEN("it is unknown at first, and known only with a standard deviation below 5 degrees") {
+        CHECK((poses.front().status & status_heading_unknown) != 0);
+        for (const FusedPose& pose : poses) {
+          if ((pose.status & status_heading_unknown) != 0) continue;
+          REQUIRE(yaw_std_rad(pose) < 5.0 * geometry::radians_per_degree);
+        }
+      }
     }
   }
   GIVEN("wrong tracks of up to two seconds") {

@@ -1,0 +1,18 @@
+#include "log_option.hpp"
+
+#include "choice.hpp"
+
+namespace sonopose::apps {
+
+CLI::Option* add_log_option(CLI::App& app, logging::Level& level) {
+  using logging::Level;
+  return add_choice<Level>(app, "--log-level", level,
+                           {{"debug", Level::debug},
+                            {"info", Level::info},
+                            {"warning", Level::warning},
+                            {"error", Level::error}},
+                           "Log only lines of this level and above")
+      ->group("Bus");
+}
+
+}  // namespace sonopose::apps

@@ -1,0 +1,13 @@
+#pragma once
+// What the programs that serve have in common: --log-level.
+
+#include "logging/log.hpp"
+
+#include <CLI/CLI.hpp>
+
+namespace sonopose::apps {
+
+/// Adds --log-level; `level` stays as it is without it.
+CLI::Option* add_log_option(CLI::App& app, logging::Level& level);
+
+}  // namespace sonopose::apps

@@ -1,0 +1,25 @@
+#pragma once
+/// \file
+/// The form of a log line on a terminal or pipe, and in the journal.
+
+#include "logging/log.hpp"
+
+#include <string>
+#include <string_view>
+
+namespace sonopose::logging {
+
+/// Where the lines go.
+enum class Stream : std::uint8_t {
+  text,    ///< "sonopose-fusion: warning: beacon 7: stale"
+  journal  ///< "<4>beacon 7: stale"; the journal adds program and time, and shows the priority
+};
+
+/// What reads the file with this descriptor. `journal_stream`: value of the variable JOURNAL_STREAM,
+/// DEVICE:INODE of the journal; null if it is not set. Source: systemd.exec(5).
+Stream stream_of(int descriptor, const char* journal_stream);
+
+/// The line, with its line feed. In the journal each line of a text has its priority. Source: sd-daemon(3).
+std::string formatted(Stream stream, std::string_view program, Level level, std::string_view text);
+
+}  // namespace sonopose::logging

@@ -1,0 +1,224 @@
+#include "logging/log.hpp"
+
+#include "logging/line_format.hpp"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <condition_variable>
+#include <cstdlib>
+#include <memory>
+#include <mutex>
+#include <poll.h>
+#include <pthread.h>
+#include <spdlog/async.h>
+#include <spdlog/async_logger.h>
+#include <spdlog/sinks/base_sink.h>
+#include <unistd.h>
+#include <utility>
+
+namespace sonopose::logging {
+namespace {
+
+using spdlog::details::thread_pool;
+
+constexpr std::chrono::milliseconds patience{1000};
+
+/// Set once, before there are other threads.
+std::string& program_name() {
+  static std::string name = ::program_invocation_short_name;
+  return name;
+}
+
+/// Writes to standard error, which may take nothing for a while.
+class PatientWriter {
+public:
+  /// Writes everything, or gives up after `patience` once the process is ending. `write` may block only
+  /// after `poll`, and a pipe that is ready takes a line of up to 4096 bytes.
+  void write(std::string_view text) {
+    while (!text.empty()) {
+      if (!is_ready()) return;
+      const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
+      if (written < 0 && errno != EINTR && errno != EAGAIN) return;
+      if (written > 0) text.remove_prefix(static_cast<std::size_t>(written));
+    }
+  }
+
+  /// From now on a standard error that takes nothing is not waited for.
+  void end() { ending_ = true; }
+
+private:
+  bool is_ready() {
+    constexpr int step_ms = 100;
+    for (std::chrono::milliseconds waited{0}; !gave_up_; waited += std::chrono::milliseconds(step_ms)) {
+      pollfd event{STDERR_FILENO, POLLOUT, 0};
+      const int ready = ::poll(&event, 1, step_ms);
+      if (ready > 0) return true;
+      if (ready == 0 && ending_ && waited >= patience) gave_up_ = true;
+    }
+    return false;
+  }
+
+  std::atomic<bool> ending_ = false;
+  bool gave_up_ = false;
+};
+
+Stream stream() {
+  static const Stream found = stream_of(STDERR_FILENO, std::getenv("JOURNAL_STREAM"));
+  return found;
+}
+
+void write_at_once(Level level, std::string_view text) {
+  PatientWriter error;
+  error.end();
+  error.write(formatted(stream(), program_name(), level, text));
+}
+
+/// Writes lines on the thread of the session, each before it reads the next: nothing is lost in a buffer.
+class StandardError final : public spdlog::sinks::base_sink<std::mutex> {
+public:
+  /// `pool`: whose dropped lines it reports. It joins the thread that calls this sink, so it outlives all
+  /// calls.
+  void watch(thread_pool& pool) { pool_ = &pool; }
+
+  void end() { error_.end(); }
+
+  /// Waits until the lines that were logged before are written, at most `patience`.
+  void wait_for_flush(const auto& request) {
+    std::unique_lock lock(flush_mutex_);
+    const std::uint64_t before = flushes_;
+    request();
+    flushed_.wait_for(lock, patience, [&] { return flushes_ != before; });
+  }
+
+protected:
+  void sink_it_(const spdlog::details::log_msg& line) override {
+    report_dropped();
+    const std::string_view text(line.payload.data(), line.payload.size());
+    error_.write(formatted(stream(), program_name(), level_of(line.level), text));
+  }
+
+  void flush_() override {
+    report_dropped();
+    const std::lock_guard lock(flush_mutex_);
+    ++flushes_;
+    flushed_.notify_all();
+  }
+
+private:
+  static Level level_of(spdlog::level::level_enum level) {
+    if (level <= spdlog::level::debug) return Level::debug;
+    if (level == spdlog::level::info) return Level::info;
+    if (level == spdlog::level::warn) return Level::warning;
+    return level == spdlog::level::err ? Level::error : Level::failure;
+  }
+
+  void report_dropped() {
+    const std::size_t dropped = pool_->overrun_counter();
+    if (dropped == reported_) return;
+    const std::string text =
+        fmt::format("{} lines of this log were dropped: standard error was too slow", dropped - reported_);
+    reported_ = dropped;
+    error_.write(formatted(stream(), program_name(), Level::warning, text));
+  }
+
+  thread_pool* pool_ = nullptr;
+  PatientWriter error_;
+  std::size_t reported_ = 0;
+  std::mutex flush_mutex_;
+  std::condition_variable flushed_;
+  std::uint64_t flushes_ = 0;
+};
+
+spdlog::level::level_enum spdlog_level(Level level) {
+  switch (level) {
+    case Level::debug:
+      return spdlog::level::debug;
+    case Level::info:
+      return spdlog::level::info;
+    case Level::warning:
+      return spdlog::level::warn;
+    case Level::error:
+      return spdlog::level::err;
+    case Level::failure:
+      return spdlog::level::critical;
+  }
+  return spdlog::level::critical;
+}
+
+/// What a session consists of. Shared, so that a line that is being logged keeps it alive.
+struct Parts {
+  Parts(Level least, std::size_t capacity)
+      : pool(std::make_shared<thread_pool>(capacity, 1,
+                                           [] { ::pthread_setname_np(::pthread_self(), "log"); })),
+        sink(std::make_shared<StandardError>()),
+        logger(std::make_shared<spdlog::async_logger>("", sink, pool,
+                                                      spdlog::async_overflow_policy::overrun_oldest)) {
+    sink->watch(*pool);
+    logger->set_level(spdlog_level(least));
+  }
+
+  std::shared_ptr<thread_pool> pool;
+  std::shared_ptr<StandardError> sink;
+  std::shared_ptr<spdlog::async_logger> logger;
+};
+
+std::mutex session_mutex;
+std::shared_ptr<Parts> session;  // null without one
+
+std::shared_ptr<Parts> current() {
+  const std::lock_guard lock(session_mutex);
+  return session;
+}
+
+}  // namespace
+
+void set_program(std::string name) {
+  program_name() = std::move(name);
+}
+
+Session::Session(Level least, std::size_t capacity) {
+  auto parts = std::make_shared<Parts>(least, capacity);
+  const std::lock_guard lock(session_mutex);
+  session = std::move(parts);
+}
+
+/// The end of the thread pool waits for the lines in its queue.
+Session::~Session() {
+  std::shared_ptr<Parts> parts;
+  {
+    const std::lock_guard lock(session_mutex);
+    parts.swap(session);
+  }
+  parts->sink->end();
+  parts->sink->wait_for_flush([&parts] { parts->logger->flush(); });
+}
+
+std::size_t Session::dropped() const {
+  const auto parts = current();
+  return parts ? parts->pool->overrun_counter() : 0;
+}
+
+void write(Level level, std::string_view text) noexcept {
+  try {
+    if (const auto parts = current()) {
+      parts->logger->log(spdlog_level(level), spdlog::string_view_t(text.data(), text.size()));
+    } else {
+      write_at_once(level, text);
+    }
+  } catch (...) {  // NOLINT(bugprone-empty-catch): there is no memory for the line
+  }
+}
+
+void failure(std::string_view text) noexcept {
+  write(Level::failure, text);
+  try {
+    const auto parts = current();
+    if (parts) parts->sink->wait_for_flush([&parts] { parts->logger->flush(); });
+  } catch (...) {  // NOLINT(bugprone-empty-catch): there is no memory to wait with
+  }
+}
+
+}  // namespace sonopose::logging

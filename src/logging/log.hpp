@@ -1,0 +1,61 @@
+#pragma once
+/// \file
+/// The log of a process on standard error. Everything else of the logging library stays in log.cpp.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace sonopose::logging {
+
+enum class Level : std::uint8_t {
+  debug,
+  info,
+  warning,
+  error,
+  failure  ///< the reason why the process ends
+};
+
+/// Sets the name that begins each line of text, as "sonopose-fusion". Call it before there are other threads.
+void set_program(std::string name);
+
+/// While it exists, a thread of its own writes the lines, so that a slow or stopped reader of standard error
+/// delays nobody. One at a time.
+class Session {
+public:
+  /// Lines that may wait; the oldest are dropped for newer ones.
+  static constexpr std::size_t default_capacity = 2048;
+
+  /// Lines below `least` are dropped without being counted. Throws std::runtime_error if there is no thread.
+  explicit Session(Level least, std::size_t capacity = default_capacity);
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  /// Writes the lines that wait. Gives up after a second in which standard error took none.
+  ~Session();
+
+  /// Lines dropped by the full queue. The log reports them too, as soon as it can be written again.
+  [[nodiscard]] std::size_t dropped() const;
+};
+
+/// Logs a text. With a session the line waits for its thread; without one it is written at once. Thread-safe;
+/// never throws. Allocates: do not call it between the arrival of a sample and its pose.
+void write(Level level, std::string_view text) noexcept;
+
+inline void debug(std::string_view text) noexcept {
+  write(Level::debug, text);
+}
+inline void info(std::string_view text) noexcept {
+  write(Level::info, text);
+}
+inline void warning(std::string_view text) noexcept {
+  write(Level::warning, text);
+}
+inline void error(std::string_view text) noexcept {
+  write(Level::error, text);
+}
+
+/// Logs why the process ends, after the lines that wait, and returns when it is written or after a second.
+void failure(std::string_view text) noexcept;
+
+}  // namespace sonopose::logging

@@ -1,0 +1,48 @@
+#include "transitions/transition_log.hpp"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <utility>
+
+namespace sonopose::transitions {
+
+TransitionLog::TransitionLog()
+    : TransitionLog([](const Line& line) { logging::write(line.level, line.text); }) {}
+
+TransitionLog::TransitionLog(Write write) : write_(std::move(write)) {}
+
+void TransitionLog::on(const Transition& transition, SteadyTime now) {
+  Flapping& flapping = beacons_[transition.address].at(static_cast<std::size_t>(transition.kind));
+  if (flapping.limit.owes_report(now)) update(now);
+  if (flapping.limit.admits(now)) {
+    write_(line_of(transition));
+  } else {
+    flapping.latest = transition;
+  }
+}
+
+void TransitionLog::take(Pending& pending, SteadyTime now) {
+  for (const Transition& transition : pending.values()) on(transition, now);
+  dropped_ += pending.dropped();
+  pending.clear();
+}
+
+void TransitionLog::update(SteadyTime now) {
+  for (auto& [address, flapping] : beacons_) {
+    for (Flapping& each : flapping) {
+      if (!each.limit.owes_report(now)) continue;
+      Line line = line_of(each.latest);
+      line.text += fmt::format(" ({} changes in the last {:.0f} s were not logged)",
+                               each.limit.take_suppressed(), static_cast<double>(RateLimit::window_ns) / 1e9);
+      each.limit.admits(now);
+      write_(line);
+    }
+  }
+  if (dropped_ > 0) {
+    write_({logging::Level::warning, fmt::format("{} changes of state were not logged: too many at a time",
+                                                 std::exchange(dropped_, 0))});
+  }
+}
+
+}  // namespace sonopose::transitions

@@ -1,0 +1,130 @@
+/// Lines reach standard error in their order, nobody waits for a slow reader, and what is dropped is counted.
+
+#include "logging/log.hpp"
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <memory>
+#include <string>
+#include <thread>
+#include <unistd.h>
+
+namespace log_test {
+
+using namespace sonopose;
+
+/// Standard error of this process as a pipe.
+class CapturedError {
+public:
+  CapturedError() {
+    int ends[2] = {-1, -1};
+    REQUIRE(::pipe(ends) == 0);
+    before_ = ::dup(STDERR_FILENO);
+    ::dup2(ends[1], STDERR_FILENO);
+    ::close(ends[1]);
+    read_end_ = ends[0];
+  }
+  CapturedError(const CapturedError&) = delete;
+  CapturedError& operator=(const CapturedError&) = delete;
+  ~CapturedError() {
+    restore();
+    ::close(read_end_);
+  }
+
+  /// After it nothing more is written, and read() ends.
+  void restore() {
+    if (before_ < 0) return;
+    ::dup2(before_, STDERR_FILENO);
+    ::close(before_);
+    before_ = -1;
+  }
+
+  /// Writes until the pipe takes no more.
+  static std::size_t fill() {
+    ::fcntl(STDERR_FILENO, F_SETPIPE_SZ, 4096);
+    const int flags = ::fcntl(STDERR_FILENO, F_GETFL);
+    ::fcntl(STDERR_FILENO, F_SETFL, flags | O_NONBLOCK);
+    std::size_t written = 0;
+    while (::write(STDERR_FILENO, "x", 1) == 1) ++written;
+    ::fcntl(STDERR_FILENO, F_SETFL, flags);
+    return written;
+  }
+
+  /// At least `size` bytes, or all until nobody can write any more.
+  std::string read(std::size_t size = SIZE_MAX) const {
+    std::string text;
+    char buffer[4096];
+    while (text.size() < size) {
+      const ssize_t got = ::read(read_end_, buffer, sizeof buffer);
+      if (got <= 0) break;
+      text.append(buffer, static_cast<std::size_t>(got));
+    }
+    return text;
+  }
+
+private:
+  int before_ = -1;
+  int read_end_ = -1;
+};
+
+SCENARIO("the end of a session writes all lines in their order, without those below its level") {
+  CapturedError error;
+  logging::set_program("sonopose-x");
+  {
+    const logging::Session session(logging::Level::info);
+    logging::info("one");
+    logging::debug("hidden");
+    logging::warning("two");
+    logging::error("three");
+  }
+  logging::info("four");  // without a session: at once
+  error.restore();
+  CHECK(error.read() ==
+        "sonopose-x: one\nsonopose-x: warning: two\nsonopose-x: error: three\nsonopose-x: four\n");
+}
+
+SCENARIO("the reason of an end is written after the lines that wait, at once") {
+  CapturedError error;
+  const std::string expected = "sonopose-x: one\nsonopose-x: the device is gone\n";
+  const logging::Session session(logging::Level::error);
+  logging::set_program("sonopose-x");
+  logging::write(logging::Level::failure, "one");
+  logging::failure("the device is gone");
+  CHECK(error.read(expected.size()) == expected);  // the session has not ended
+}
+
+SCENARIO("nobody waits for a reader that has stopped, and the dropped lines are counted and reported") {
+  CapturedError error;
+  logging::set_program("sonopose-x");
+  const std::size_t filled = CapturedError::fill();
+  constexpr std::size_t lines = 100;
+  constexpr std::size_t capacity = 8;
+  auto session = std::make_unique<logging::Session>(logging::Level::info, capacity);
+  for (std::size_t i = 0; i < lines; ++i) logging::info(fmt::format("line {}", i));
+  const std::size_t dropped = session->dropped();
+  CHECK(dropped >= lines - capacity - 1);  // one is being written
+  CHECK(dropped <= lines - capacity);
+  WHEN("it reads again") {
+    std::string text;
+    std::thread reader([&] { text = error.read(); });
+    session.reset();
+    error.restore();
+    reader.join();
+    THEN("the newest lines arrive, and how many are missing") {
+      CHECK(text.find("line 99\n") != std::string::npos);
+      CHECK(text.find("line 50\n") == std::string::npos);
+      CHECK(text.find(fmt::format("sonopose-x: warning: {} lines of this log were dropped", dropped)) >=
+            filled);
+    }
+  }
+  WHEN("it never reads again") {
+    session.reset();
+    THEN("the process can end") {
+      SUCCEED();
+    }
+  }
+}
+
+}  // namespace log_test

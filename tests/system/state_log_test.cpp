@@ -1,0 +1,128 @@
+/// The processes log changes of a beacon's state, with level and reason, once.
+
+#include "recording/log_writer.hpp"
+#include "sim/scenario.hpp"
+#include "sim/simulator.hpp"
+#include "support/bus.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <algorithm>
+#include <csignal>
+
+namespace state_log_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+namespace topics = dds::topics;
+
+constexpr double freezes_at_s = 9.0;
+constexpr double moves_at_s = 14.0;
+
+/// A walk whose fixes repeat one position for five seconds.
+void record_frozen_walk(const std::filesystem::path& folder) {
+  recording::SensorLogWriter writer(folder);
+  sim::Simulator simulator(sim::find_scenario("walk"), {.seed = 3, .duration_s = 40.0});
+  std::optional<TimeNs> begin_ns;
+  Vector3d held_m = Vector3d::Zero();
+  while (auto step = simulator.next()) {
+    if (auto* fix = std::get_if<UltrasonicFix>(&step->event)) {
+      if (!begin_ns) begin_ns = fix->emission_time_ns;
+      const double time_s = seconds_between(*begin_ns, fix->emission_time_ns);
+      if (time_s < freezes_at_s) held_m = fix->position_world_m;
+      if (time_s < moves_at_s) fix->position_world_m = held_m;
+    }
+    writer.write(step->event);
+  }
+}
+
+/// A fusion whose standard error systemd has announced as the journal.
+std::unique_ptr<Process> journalled_fusion(const Bus& bus, Arguments arguments) {
+  arguments.insert(arguments.begin(),
+                   {"-c", R"(JOURNAL_STREAM=$(stat -L -c %d:%i /proc/self/fd/2) exec "$0" "$@")",
+                    SONOPOSE_TEST_FUSION, "--domain", std::to_string(bus.domain_id())});
+  auto fusion = std::make_unique<Process>("/bin/sh", arguments);
+  REQUIRE(fusion->wait_for_line(Stream::error, "<6>serving"));
+  return fusion;
+}
+
+/// Lines that begin with `text`.
+std::size_t count(const Process& process, const std::string& text) {
+  const auto lines = process.lines(Stream::error);
+  const auto begins = [&text](const std::string& line) { return line.starts_with(text); };
+  return static_cast<std::size_t>(std::count_if(lines.begin(), lines.end(), begins));
+}
+
+SCENARIO("a freeze and a wrong mount are each logged once, with level and reason") {
+  GIVEN("a fusion that knows the mount of beacon 7, and another one for beacon 8") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const auto log = folder / "walk";
+    record_frozen_walk(log);
+    const auto fusion =
+        journalled_fusion(bus, {"--lossless", "--set", "beacon.8.heading.mount_offset_deg=180"});
+    WHEN("both send the same walk, in which the fixes freeze for five seconds") {
+      for (const char* const address : {"7", "8"}) {
+        const auto bridge =
+            bus.bridge({"--source", "log", "--input", log.string(), "--rate", "0", "--address", address});
+        REQUIRE(bridge->wait_for_exit() == 0);
+        CHECK(count(*bridge, "sonopose-bridge: beacon " + std::string(address) + ": found") == 1);
+      }
+      REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 7: the fixes move again, after "));
+      REQUIRE(fusion->wait_for_line(Stream::error, "<4>beacon 8: relocated: the position jumped by "));
+      REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 8: the fixes move again, after "));
+      CAPTURE(fusion->text(Stream::error));
+      THEN("the freeze is logged, and what follows from it") {
+        for (const char* const line :
+             {"<6>beacon 7: found", "<6>beacon 7: initialised, after ",
+              "<4>beacon 7: frozen track: the fixes repeat one position while the IMU moves",
+              "<4>beacon 7: stale: no valid fix for 1.0 s", "<6>beacon 7: the fixes move again, after ",
+              "<6>beacon 7: no longer stale, after "}) {
+          CAPTURE(line);
+          CHECK(count(*fusion, line) == 1);
+        }
+        CHECK(count(*fusion, "<4>beacon 7: gated") + count(*fusion, "<4>beacon 7: relocated") == 0);
+      }
+      THEN("the wrong mount is logged by what it causes") {
+        CHECK(count(*fusion, "<4>beacon 8: low trust: ") >= 1);
+        CHECK(count(*fusion, "<4>beacon 8: gated: 10 fixes in a row are outliers, the latest by ") >= 1);
+        CHECK(count(*fusion, "<4>beacon 8: ") < 20);
+      }
+    }
+  }
+}
+
+SCENARIO("a killed bridge, its return and changed settings are logged") {
+  GIVEN("a fusion, a relay, and a bridge that logs errors only") {
+    const Bus bus;
+    const auto fusion = journalled_fusion(bus, {});
+    const auto relay = bus.ros2();
+    auto bridge = bus.bridge({"--log-level", "error"});
+    REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 7: initialised, after "));
+    REQUIRE(relay->wait_for_line(Stream::error, "sonopose-ros2: beacon 7: initialised, after "));
+    WHEN("the bridge is killed") {
+      bridge->send(SIGKILL);
+      REQUIRE(bridge->wait_for_exit() == -SIGKILL);
+      REQUIRE(fusion->wait_for_line(Stream::error, "<3>beacon 7: bridge lost: "));
+      REQUIRE(fusion->wait_for_line(Stream::error, "<4>beacon 7: IMU silent: no sample for "));
+      REQUIRE(relay->wait_for_line(Stream::error, "sonopose-ros2: warning: beacon 7: no pose for "));
+      const std::size_t losses = count(*fusion, "<3>beacon 7: bridge lost");
+      REQUIRE(bus.settings({"set", "admission.min_quality_percent=40"}).code == 0);
+      REQUIRE(fusion->wait_for_line(
+          Stream::error, "<6>settings of all beacons changed: admission.min_quality_percent = 40"));
+      const auto another = bus.bridge({});
+      THEN("it is logged once, and so is the return of a bridge") {
+        REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 7: a bridge sends again, after "));
+        REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 7: IMU samples again, after "));
+        CAPTURE(fusion->text(Stream::error));
+        CHECK(count(*fusion, "<3>beacon 7: bridge lost") == losses);
+        CHECK(count(*fusion, "<6>beacon 7: found") == 1);
+        CHECK(count(*fusion, "<6>settings of all beacons changed") == 1);
+        CHECK(bridge->text(Stream::error).empty());
+        CHECK(another->wait_for_line(Stream::error, "sonopose-bridge: beacon 7: found"));
+        CHECK(count(*relay, "sonopose-ros2: beacon 7: found") == 1);
+      }
+    }
+  }
+}
+
+}  // namespace state_log_test
