@@ -65,7 +65,7 @@ public:
 
   /// Iterates from a level start with this yaw.
   std::optional<SegmentFit> run(double yaw_rad) {
-    constexpr int most_steps = 25;
+    constexpr int most_steps = 40;
     constexpr double small = 1e-5;  // m, m/s, rad …
     start(yaw_rad);
     double change = 1.0;
@@ -268,7 +268,7 @@ private:
 }  // namespace
 
 std::optional<SegmentFit> fit_segment(const Segment& segment, const Vector3d& signs) {
-  constexpr int starts = 8;
+  constexpr int starts = 12;
   Solver solver(segment, signs);
   std::optional<SegmentFit> best;
   for (int start = 0; start < starts; ++start) {

@@ -37,10 +37,17 @@ std::span<const Measurement> between(const std::vector<Measurement>& all, TimeNs
   return {first, last};
 }
 
-bool has_gap(std::span<const Reading> imu) {
-  return std::adjacent_find(imu.begin(), imu.end(), [](const Reading& a, const Reading& b) {
-           return seconds_between(a.time_ns, b.time_ns) > longest_gap_s;
-         }) != imu.end();
+/// The longest run of samples without a gap.
+std::span<const Reading> longest_run_of(std::span<const Reading> imu) {
+  std::span<const Reading> longest;
+  std::size_t begin = 0;
+  for (std::size_t i = 1; i <= imu.size(); ++i) {
+    const bool ends = i == imu.size() || seconds_between(imu[i - 1].time_ns, imu[i].time_ns) > longest_gap_s;
+    if (!ends) continue;
+    if (i - begin > longest.size()) longest = imu.subspan(begin, i - begin);
+    begin = i;
+  }
+  return longest;
 }
 
 double span_of(std::span<const Position> fixes) {
@@ -60,10 +67,13 @@ std::optional<Measured> mount_of(const SegmentFit& fit, const Segment& segment) 
 }
 
 std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_ns) {
-  const Segment segment{between(window.imu, begin_ns, end_ns), between(window.fixes, begin_ns, end_ns),
-                        between(window.headings, begin_ns, end_ns)};
-  if (segment.fixes.size() < least_fixes || segment.imu.size() < 2 || has_gap(segment.imu))
-    return std::nullopt;
+  const auto imu = longest_run_of(between(window.imu, begin_ns, end_ns));
+  if (imu.size() < 2) return std::nullopt;
+  const TimeNs first_ns = imu.front().time_ns;
+  const TimeNs last_ns = imu.back().time_ns;
+  const Segment segment{imu, between(window.fixes, first_ns, last_ns),
+                        between(window.headings, first_ns, last_ns)};
+  if (segment.fixes.size() < least_fixes) return std::nullopt;
   if (seconds_between(segment.imu.front().time_ns, segment.imu.back().time_ns) < 0.8 * least_piece_s) {
     return std::nullopt;
   }
@@ -73,6 +83,7 @@ std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_
   piece.residual_m = fit->residual_m;
   piece.span_m = span_of(segment.fixes);
   piece.fixes = segment.fixes.size();
+  piece.length_s = seconds_between(segment.imu.front().time_ns, segment.imu.back().time_ns);
   piece.delay_s = {fit->delay_s, fit->delay_std_s};
   piece.mount_rad = mount_of(*fit, segment);
   for (std::size_t axis = 0; axis < piece.inverted.size(); ++axis) {

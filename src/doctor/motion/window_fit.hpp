@@ -28,6 +28,7 @@ struct Inverted {
 /// One piece of the window, some seconds long.
 struct Piece {
   std::size_t fixes = 0;
+  double length_s = 0;
   double span_m = 0;  ///< diagonal of the box around the fixes
   /// Distance of the fixes from the motion that the IMU measures: standard deviation per axis, without
   /// outliers.

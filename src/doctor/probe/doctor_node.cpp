@@ -74,6 +74,7 @@ private:
   std::map<BeaconAddress, EffectiveSettings> effective_settings_;
   std::map<std::pair<std::string, std::uint64_t>, LineStatus> lines_;  ///< by name and bridge
   TimeNs began_ns_ = 0;
+  TimeNs own_pause_ns_ = 0;  ///< the longest round of listening
 };
 
 SystemObserver::SystemObserver(const DoctorOptions& options)
@@ -142,8 +143,10 @@ void SystemObserver::take_all() {
 void SystemObserver::listen_until(SteadyTime end, const process::StopSignal& stop) {
   constexpr std::chrono::milliseconds poll_period(20);
   while (clocks::steady_now() < end && !stop.requested()) {
-    waitset_.wait(std::min<dds::Duration>(poll_period, dds::Duration(end - clocks::steady_now())));
+    const SteadyTime before = clocks::steady_now();
+    waitset_.wait(std::min<dds::Duration>(poll_period, dds::Duration(end - before)));
     take_all();
+    own_pause_ns_ = std::max<TimeNs>(own_pause_ns_, clocks::steady_now() - before);
   }
 }
 
@@ -198,6 +201,7 @@ rules::Observations SystemObserver::run(const process::StopSignal& stop) {
   const std::string own_key = discovery_.own_key();
   rules::Observations observations;
   observations.window_s = seconds_between(began_ns_, ended_ns);
+  observations.own_pause_s = seconds_between(0, own_pause_ns_);
   observations.bus = bus_of(options_.domain);
   observations.own_host = process_of(processes, own_key).host;
   observations.native_topics = native_topics();

@@ -123,7 +123,8 @@ public:
 
   void numbering() const {
     if (beacon_.events_missing > 0 && beacon_.bridges.size() < 2) {
-      add(by_share(beacon_.events_missing),
+      constexpr double long_pause_s = 0.1;  // a full reader drops samples
+      add(observations_.own_pause_s > long_pause_s ? Severity::note : by_share(beacon_.events_missing),
           fmt::format("{} of its events were not received", beacon_.events_missing),
           "check whether the network loses packets, or this machine is overloaded");
     }
@@ -213,8 +214,10 @@ private:
   void check_silence(const StreamObservation& stream, const char* what, const char* remedy) const {
     if (stream.longest_silence_s <= stream.deadline_s) return;
     // A single pause occurs on a busy machine and is a note.
-    const bool is_warning =
-        stream.longest_silence_s > 3 * stream.deadline_s || stream.rate_hz * stream.deadline_s < 1;
+    // So is one in which the doctor did not run either.
+    const bool is_own = stream.longest_silence_s < observations_.own_pause_s + stream.deadline_s;
+    const bool is_warning = (stream.longest_silence_s > 3 * stream.deadline_s && !is_own) ||
+                            stream.rate_hz * stream.deadline_s < 1;
     add(is_warning ? Severity::warning : Severity::note,
         fmt::format("no {} for {:.2f} s, which is longer than the deadline of {:.1f} s", what,
                     stream.longest_silence_s, stream.deadline_s),

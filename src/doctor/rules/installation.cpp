@@ -20,6 +20,8 @@ constexpr double degrees = 1.0 / geometry::radians_per_degree;
 constexpr double most_residual_m = 0.06;
 /// Without a motion of this size, the fixes say nothing about mount and signs.
 constexpr double least_span_m = 0.5;
+/// In less time, tilt and biases explain an acceleration of the wrong sign.
+constexpr double least_length_s = 5.0;
 /// Less accurate pieces say nothing.
 constexpr double useful_mount_std_rad = 15.0 * geometry::radians_per_degree;
 constexpr double useful_delay_std_s = 0.020;
@@ -96,7 +98,7 @@ private:
     std::array<std::size_t, 3> pieces{};
     std::size_t judged = 0;
     for (const Piece& piece : beacon_.pieces) {
-      if (piece.span_m < least_span_m) continue;
+      if (piece.span_m < least_span_m || piece.length_s < least_length_s) continue;
       ++judged;
       for (std::size_t axis = 0; axis < evidence.size(); ++axis) {
         const motion::Inverted& inverted = piece.inverted.at(axis);

@@ -133,6 +133,7 @@ struct BeaconObservation {
 
 struct Observations {
   double window_s = 0;
+  double own_pause_s = 0;  ///< the longest time in which the doctor itself did not run
   std::string own_host;
   BusObservation bus;
   std::vector<NativeTopic> native_topics;

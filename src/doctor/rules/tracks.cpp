@@ -10,6 +10,8 @@ namespace {
 /// Of good fixes, hardly any is an outlier.
 constexpr std::size_t least_outliers = 4;
 constexpr double least_share = 0.02;
+/// Some spikes occur in any hall, and the fusion rejects them.
+constexpr double least_scattered_share = 0.08;
 /// Fixes of one track are this near to each other, as a share of their distance from the motion.
 constexpr double track_width = 0.35;
 constexpr double track_noise_m = 0.15;
@@ -38,9 +40,8 @@ std::optional<Vector3d> track_of(const std::vector<Vector3d>& outliers_m) {
   return is_track ? std::optional(track_m) : std::nullopt;
 }
 
-bool are_many(std::size_t outliers, std::uint64_t fixes) {
-  return outliers >= least_outliers &&
-         static_cast<double>(outliers) > least_share * static_cast<double>(fixes);
+bool are_many(std::size_t outliers, std::uint64_t fixes, double share = least_share) {
+  return outliers >= least_outliers && static_cast<double>(outliers) > share * static_cast<double>(fixes);
 }
 
 }  // namespace
@@ -70,7 +71,7 @@ void check_tracks(const BeaconObservation& beacon, Findings& findings) {
                      track_m->norm(), track_m->x(), track_m->y(), track_m->z()),
          "look for a reflection, a second beacon with this address, or a stationary beacon in the wrong "
          "place on the map"});
-  } else {
+  } else if (are_many(outliers_m.size(), fixes, least_scattered_share)) {
     findings.push_back({Severity::warning, name_of(beacon), count + ", which are scattered",
                         "check for reflections and a poor line of sight to the stationary beacons; set "
                         "admission.min_quality_percent"});

@@ -34,6 +34,15 @@ TEST_CASE("Missing streams and silences longer than the deadline are reported") 
   CHECK(severity("no poses for 1.00 s", [](auto& b) { b.pose.longest_silence_s = 1; }) == Severity::warning);
 }
 
+TEST_CASE("A silence in which the doctor itself did not run is a note") {
+  Observations observations = healthy();
+  observations.beacons.front().imu.longest_silence_s = 0.5;
+  observations.own_pause_s = 0.45;
+  CHECK(found(diagnose(observations), "no IMU samples for 0.50 s").severity == Severity::note);
+  observations.own_pause_s = 0.1;
+  CHECK(found(diagnose(observations), "no IMU samples for 0.50 s").severity == Severity::warning);
+}
+
 TEST_CASE("A pair without headings is a problem, a single beacon is not") {
   CHECK(severity("mount_offset_deg=90 configures a pair", [](auto& b) {
           b.heading = {};
