@@ -5,10 +5,13 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace front_door_test {
@@ -150,6 +153,93 @@ TEST_CASE("Every program refuses an unknown option") {
   for (const std::string& program : programs()) {
     CHECK_THAT(refusal(beside_front_door(program), {"--hlep"}),
                Contains(program + ": --hlep: unknown option; did you mean --help?"));
+  }
+}
+
+/// The command lines that a program has a help for: its own and those of its commands.
+std::vector<std::vector<std::string>> helps_of(const std::string& program) {
+  std::vector<std::vector<std::string>> helps{{}};
+  if (program == "sonopose-settings") helps.insert(helps.end(), {{"get"}, {"set"}, {"watch"}, {"reset"}});
+  if (program == "sonopose-calibrate") helps.insert(helps.end(), {{"imu"}, {"allan"}, {"all"}});
+  return helps;
+}
+
+std::size_t columns_of(const std::string& line) {
+  const auto is_first_byte = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; };
+  return static_cast<std::size_t>(std::count_if(line.begin(), line.end(), is_first_byte));
+}
+
+/// Lines that are wider than a page.
+std::vector<std::string> wide_lines(const std::string& text) {
+  std::vector<std::string> wide;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (columns_of(line) > 100) wide.push_back(line);
+  }
+  return wide;
+}
+
+std::size_t lines_in(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST_CASE("Every help fits a page of 45 lines and 100 columns") {
+  CHECK(lines_in(run(front_door, {}).output) <= 45);
+  CHECK(wide_lines(run(front_door, {}).output).empty());
+  for (const std::string& program : programs()) {
+    for (std::vector<std::string> arguments : helps_of(program)) {
+      arguments.emplace_back("--help");
+      const Result help = run(beside_front_door(program), arguments);
+      CAPTURE(program, arguments, help.output);
+      CHECK(help.code == 0);
+      CHECK(lines_in(help.output) <= 45);
+      CHECK(wide_lines(help.output).empty());
+      CHECK_THAT(help.output, !Contains("magnetometer.hard_iron"));
+      arguments.back() = "--help-all";
+      const Result all = run(beside_front_door(program), arguments);
+      CHECK(all.code == 0);
+      CHECK(lines_in(all.output) >= lines_in(help.output));
+      CHECK(wide_lines(all.output).empty());
+    }
+  }
+}
+
+TEST_CASE("The settings have a help of their own") {
+  for (const char* const name : {"fusion", "run", "replay", "evaluate", "tune", "attitude"}) {
+    const auto program = beside_front_door(prefix + name);
+    CAPTURE(program);
+    CHECK_THAT(run(program, {"--help"}).output, Contains("--help-settings"));
+    const Result all = run(program, {"--help-settings"});
+    CHECK(all.code == 0);
+    CHECK(lines_in(all.output) > 100);
+    CHECK(wide_lines(all.output).empty());
+    CHECK_THAT(all.output, Contains("heading.mount_offset_deg") && Contains("calibration.axes"));
+  }
+  const auto fusion = beside_front_door("sonopose-fusion");
+  const Result group = run(fusion, {"--help-settings", "attitude.mahony"});
+  CHECK(group.code == 0);
+  CHECK_THAT(group.output,
+             Contains("attitude.mahony.kp") && !Contains("attitude.ahrs") && !Contains("drift."));
+  CHECK_THAT(refusal(fusion, {"--help-settings", "headign"}),
+             Contains("--help-settings: headign") && Contains("did you mean heading?"));
+}
+
+TEST_CASE("Every program suggests the option that a misspelt one resembles") {
+  const std::map<std::string, std::pair<std::string, std::string>> misspelt{
+      {"run", {"--scenrio", "--scenario"}},        {"bridge", {"--sorce", "--source"}},
+      {"fusion", {"--adresses", "--addresses"}},   {"monitor", {"--duraton", "--duration"}},
+      {"ros2", {"--fix-mesage", "--fix-message"}}, {"doctor", {"--domian", "--domain"}},
+      {"settings", {"--timout", "--timeout"}},     {"simulate", {"--duraton", "--duration"}},
+      {"replay", {"--smoth", "--smooth"}},         {"evaluate", {"--sedes", "--seeds"}},
+      {"tune", {"--ronds", "--rounds"}},           {"attitude", {"--filtre", "--filter"}},
+      {"calibrate", {"--verson", "--version"}}};
+  for (const std::string& program : programs()) {
+    const auto found = misspelt.find(program.substr(prefix.size()));
+    CAPTURE(program);
+    REQUIRE(found != misspelt.end());
+    const auto& [wrong, right] = found->second;
+    CHECK_THAT(refusal(beside_front_door(program), {wrong, "1"}),
+               Contains(program + ": " + wrong + ": unknown option; did you mean " + right + "?"));
   }
 }
 
