@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace sonopose::observation {
 namespace {
@@ -14,11 +15,14 @@ void store(std::map<TimeNs, Vector3d>& unmatched, TimeNs time_ns, const Vector3d
   if (unmatched.size() > max_unmatched) unmatched.erase(unmatched.begin());
 }
 
-/// Removes and returns the position of `time_ns`.
+/// Removes and returns the position of `time_ns`, and removes all earlier ones: both streams are in order, so
+/// what they would match was lost.
 std::optional<Vector3d> extract(std::map<TimeNs, Vector3d>& unmatched, TimeNs time_ns) {
-  const auto node = unmatched.extract(time_ns);
-  if (node.empty()) return std::nullopt;
-  return node.mapped();
+  const auto found = unmatched.find(time_ns);
+  if (found == unmatched.end()) return std::nullopt;
+  const Vector3d position_world_m = found->second;
+  unmatched.erase(unmatched.begin(), std::next(found));
+  return position_world_m;
 }
 
 }  // namespace

@@ -112,9 +112,7 @@ SCENARIO("a drive calibrates the installation, as a file of settings, as JSON an
                              Contains("stale_after_s = 2.0") && Contains("[delay]\ncorrection_s = 0.0"));
         CHECK_THAT(read_text(picture), Contains("<svg") && Contains("mount [deg]"));
       }
-      AND_THEN(
-          "no progress is shown where there is no terminal, but a warning for the beacon of a mount of its "
-          "own") {
+      AND_THEN("no progress is shown without a terminal, but a warning of the mount of beacon 9") {
         CHECK_THAT(result.error, !Contains("search"));
         CHECK_THAT(result.error,
                    Contains("warning") && Contains("fusion.toml:8: beacon.9.heading.mount_offset_deg = 20"));
