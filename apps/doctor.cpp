@@ -22,7 +22,13 @@ int main(int argc, char** argv) {
     options.qos_file = bus.qos_file;
     sonopose::process::StopSignal stop;
     stop.listen_to_signals();
-    const auto findings = diagnose(observe(options, stop));
+    const auto observations = observe(options, stop);
+    constexpr double least_window_s = 0.5;
+    if (observations.window_s < least_window_s) {
+      fmt::print(stderr, "sonopose-doctor: stopped before it could observe the system\n");
+      return 1;
+    }
+    const auto findings = diagnose(observations);
     if (json) {
       fmt::print("{}\n", json_of(findings));
     } else {

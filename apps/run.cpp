@@ -3,12 +3,13 @@
 #include "launch/together.hpp"
 #include "support/bus_options.hpp"
 #include "support/config_options.hpp"
+#include "support/log_option.hpp"
 #include "support/realtime_option.hpp"
 #include "support/source_options.hpp"
+#include "terminal/terminal.hpp"
 
 #include <optional>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 namespace {
@@ -19,6 +20,7 @@ using Arguments = std::vector<std::string>;
 struct Options {
   apps::BusOptions bus;
   apps::SourceOptions source;
+  logging::Level log_level = logging::Level::info;
   apps::ConfigOptions config;
   std::optional<std::string> record;
   int realtime_priority = 0;
@@ -33,7 +35,8 @@ Arguments joined(Arguments all, const Arguments& more) {
 int run(const CLI::App& app, const Options& options) {
   apps::check_publisher(options.bus);
   const Arguments bus = apps::option_arguments(app, apps::bus_group);
-  const Arguments live = joined(bus, apps::option_arguments(app, apps::realtime_group));
+  const Arguments live = joined(joined(bus, apps::option_arguments(app, apps::realtime_group)),
+                                apps::option_arguments(app, apps::log_group));
   Arguments bridge = joined(live, apps::option_arguments(app, apps::source_group));
   Arguments fusion = joined(live, apps::option_arguments(app, apps::settings_group));
   Arguments monitor = bus;
@@ -41,7 +44,7 @@ int run(const CLI::App& app, const Options& options) {
   if (options.source.is_unpaced()) fusion.emplace_back("--lossless");
   if (options.json) monitor.emplace_back("--json");
   // On a terminal the monitor has the screen.
-  const bool has_screen = !options.json && ::isatty(STDOUT_FILENO) == 1;
+  const bool has_screen = !options.json && terminal::is_screen();
   return launch::run_together(
       app.get_name(),
       {{"sonopose-fusion", fusion}, {"sonopose-bridge", bridge}, {"sonopose-monitor", monitor, true}},
@@ -56,6 +59,7 @@ int main(int argc, char** argv) {
       "run",
       "It passes its options on. When one of the three programs ends, or at Ctrl-C, the others end "
       "too. While the monitor has the screen, the lines of the others appear at the end.");
+  apps::add_log_option(app, options.log_level);
   apps::add_source_options(app, options.source);
   app.add_option("--record", options.record, "Write the published samples to a new sensor-log folder")
       ->type_name("DIR");

@@ -79,6 +79,23 @@ sim::SensorSettings sensors_of(const Options& options, const sim::Scenario& scen
   return sensors;
 }
 
+/// What made the log.
+recording::LogSettings settings_of(const Options& options, const sim::Scenario& scenario, double duration_s) {
+  recording::LogSettings settings{{"scenario", std::string(scenario.name)},
+                                  {"seed", std::to_string(options.seed)},
+                                  {"duration_s", fmt::format("{}", duration_s)}};
+  if (options.mount_offset_deg) {
+    settings.emplace_back("mount_offset_deg", fmt::format("{}", *options.mount_offset_deg));
+  }
+  if (options.delay_error_ms) {
+    settings.emplace_back("delay_error_ms", fmt::format("{}", *options.delay_error_ms));
+  }
+  if (!options.lever_arm_body_m.empty()) {
+    settings.emplace_back("lever_arm_m", fmt::format("{}", fmt::join(options.lever_arm_body_m, " ")));
+  }
+  return settings;
+}
+
 int write(const Options& options) {
   if (options.scenario.empty()) throw CLI::RequiredError("SCENARIO");
   const sim::Scenario& scenario = sim::find_scenario(options.scenario);
@@ -88,9 +105,7 @@ int write(const Options& options) {
   sim::Simulator simulator(scenario, sensors_of(options, scenario, run), run);
   const recording::PartFolder folder(options.folder);
   std::optional<recording::SensorLogWriter> log;
-  log.emplace(folder.part(), recording::LogSettings{{"scenario", std::string(scenario.name)},
-                                                    {"seed", std::to_string(options.seed)},
-                                                    {"duration_s", fmt::format("{}", duration_s)}});
+  log.emplace(folder.part(), settings_of(options, scenario, duration_s));
   apps::Progress progress;
   std::array<std::size_t, std::variant_size_v<Event>> count{};
   std::size_t truth_count = 0;

@@ -78,7 +78,7 @@ void count_samples(std::uint32_t domain, std::atomic<std::uint64_t>& count) {
   while (true) ::pause();
 }
 
-/// A terminal that somebody looks at: reads what is drawn, and counts the bytes.
+/// A pseudo-terminal whose output is read and counted.
 class WatchedTerminal {
 public:
   WatchedTerminal() {

@@ -12,7 +12,7 @@ CLI::Option* add_log_option(CLI::App& app, logging::Level& level) {
                             {"warning", Level::warning},
                             {"error", Level::error}},
                            "Log only lines of this level and above")
-      ->group("Bus");
+      ->group(log_group);
 }
 
 }  // namespace sonopose::apps

@@ -7,6 +7,9 @@
 
 namespace sonopose::apps {
 
+/// The group of this option.
+inline constexpr const char* log_group = "Log";
+
 /// Adds --log-level; `level` stays as it is without it.
 CLI::Option* add_log_option(CLI::App& app, logging::Level& level);
 

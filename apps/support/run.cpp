@@ -157,8 +157,14 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
   try {
     parse(app, arguments);
   } catch (const Printed& asked) {
-    fmt::print("{}", asked.what());
-    return std::fflush(stdout) == 0 ? 0 : 1;
+    try {
+      std::fputs(asked.what(), stdout);
+      flush_output();
+      return 0;
+    } catch (const std::exception& error) {
+      logging::failure(error.what());
+      return 1;
+    }
   } catch (const CLI::Success& asked) {  // --help, --version
     return app.exit(asked);
   } catch (const CLI::ParseError& error) {

@@ -14,7 +14,11 @@ import sys
 def samples(topic, arguments):
     """The samples of a topic as dictionaries, with the field names of idl/sonopose.idl."""
     monitor = os.environ.get("SONOPOSE_MONITOR", "sonopose-monitor")
-    with subprocess.Popen([monitor, "--echo", topic, *arguments], stdout=subprocess.PIPE, text=True) as process:
+    try:
+        process = subprocess.Popen([monitor, "--echo", topic, *arguments], stdout=subprocess.PIPE, text=True)
+    except OSError as error:
+        raise SystemExit(f"{monitor}: {error.strerror}; set SONOPOSE_MONITOR to its path") from error
+    with process:
         for line in process.stdout:
             yield json.loads(line)
     if process.returncode != 0:
@@ -25,10 +29,10 @@ def main():
     printed = {}  # by address: the time of the pose that was printed last, ns
     for pose in samples("pose", sys.argv[1:]):
         address, time_ns = pose["address"], pose["time"]
-        if time_ns - printed.get(address, 0) < 1_000_000_000:
+        position = pose["position"]
+        if None in position.values() or abs(time_ns - printed.get(address, 0)) < 1_000_000_000:
             continue
         printed[address] = time_ns
-        position = pose["position"]
         print(f"beacon {address}: {position['x']:.3f} {position['y']:.3f} {position['z']:.3f} m", flush=True)
 
 

@@ -44,8 +44,15 @@ FoundRecordings recordings_in(const std::filesystem::path& folder) {
     if (!has_imu && has_fixes) found.left_out.push_back(candidate.string() + ": has no imu.csv");
   };
   consider(folder);
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_directory()) consider(entry.path());
+  for (auto entry = fs::recursive_directory_iterator(folder); entry != fs::recursive_directory_iterator();
+       ++entry) {
+    if (!entry->is_directory()) continue;
+    if (entry->path().extension() == ".part") {
+      found.left_out.push_back(entry->path().string() + ": is not complete; name it to score it");
+      entry.disable_recursion_pending();
+    } else {
+      consider(entry->path());
+    }
   }
   std::sort(found.folders.begin(), found.folders.end());
   std::sort(found.left_out.begin(), found.left_out.end());

@@ -1,7 +1,5 @@
 #include "launch/error_lines.hpp"
 
-#include <fmt/format.h>
-
 #include <cstdio>
 #include <utility>
 
@@ -18,12 +16,7 @@ void ErrorLines::add(std::string_view bytes) {
 }
 
 void ErrorLines::end_line() {
-  std::string line = std::exchange(unfinished_, {});
-  if (output_ == ErrorOutput::pass_on) {
-    fmt::print(stderr, "{}\n", line);
-    return;
-  }
-  kept_.push_back(std::move(line));
+  kept_.push_back(std::exchange(unfinished_, {}));
   if (kept_.size() <= most_lines) return;
   kept_.pop_front();
   ++dropped_;
@@ -31,8 +24,9 @@ void ErrorLines::end_line() {
 
 void ErrorLines::print_kept() {
   if (!unfinished_.empty()) end_line();
-  if (dropped_ > 0) fmt::print(stderr, "({} earlier lines are not shown)\n", dropped_);
-  for (const std::string& line : kept_) fmt::print(stderr, "{}\n", line);
+  // Standard error may be full or closed: that must not end the caller.
+  if (dropped_ > 0) std::fprintf(stderr, "(%zu earlier lines are not shown)\n", dropped_);
+  for (const std::string& line : kept_) std::fprintf(stderr, "%s\n", line.c_str());
   kept_.clear();
 }
 

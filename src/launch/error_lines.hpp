@@ -10,7 +10,7 @@
 namespace sonopose::launch {
 
 enum class ErrorOutput : std::uint8_t {
-  pass_on,  ///< each line as soon as it is complete
+  pass_on,  ///< they write to the standard error of this process
   keep,     ///< the latest lines, printed at the end: for programs behind a full screen
 };
 
@@ -20,8 +20,6 @@ class ErrorLines {
 public:
   static constexpr std::size_t most_lines = 1000;
   static constexpr std::size_t most_columns = 1000;
-
-  explicit ErrorLines(ErrorOutput output) : output_(output) {}
 
   void add(std::string_view bytes);
   /// Prints what was kept, and a last line without an end.
@@ -33,7 +31,6 @@ public:
 private:
   void end_line();
 
-  ErrorOutput output_;
   std::string unfinished_;
   std::deque<std::string> kept_;
   std::size_t dropped_ = 0;

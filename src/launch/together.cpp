@@ -64,7 +64,12 @@ public:
   Signals() {
     sigset_t mask;
     ::sigemptyset(&mask);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaddset(&mask, signal);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+      struct sigaction action {};
+      if (::sigaction(signal, nullptr, &action) != 0) fail("sigaction");
+      if (action.sa_handler != SIG_IGN)
+        ::sigaddset(&mask, signal);  // as by nohup(1): a signalfd ignores that
+    }
     if (::sigprocmask(SIG_BLOCK, &mask, &before_) != 0) fail("sigprocmask");
     file_.set(::signalfd(-1, &mask, SFD_CLOEXEC | SFD_NONBLOCK));
     if (file_.get() < 0) fail("signalfd");
@@ -93,10 +98,10 @@ private:
 /// One running program.
 class Child {
 public:
-  Child(const Program& program, const Signals& signals, ErrorOutput output)
-      : name_(program.name), lines_(output) {
+  Child(const Program& program, const Signals& signals, ErrorOutput output) : name_(program.name) {
     std::array<int, 2> ends{-1, -1};
-    if (!program.has_terminal && ::pipe2(ends.data(), O_CLOEXEC) != 0) fail("pipe2");
+    const bool is_kept = !program.has_terminal && output == ErrorOutput::keep;
+    if (is_kept && ::pipe2(ends.data(), O_CLOEXEC) != 0) fail("pipe2");
     errors_.set(ends[0]);
     File writing(ends[1]);
     if (errors_.get() >= 0) ::fcntl(errors_.get(), F_SETFL, O_NONBLOCK);
@@ -167,6 +172,8 @@ private:
       // With both ends a program that outlives this process by a moment can still write its last lines.
       ::fcntl(errors_.get(), F_SETFD, 0);
       ::dup2(writing, STDERR_FILENO);
+    }
+    if (!program.has_terminal) {
       const int none = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
       ::dup2(none, STDIN_FILENO);
     }
@@ -200,7 +207,7 @@ public:
       if (deadline_ && Clock::now() >= *deadline_) kill_rest();
     }
     for (const auto& child : children_) child->lines().print_kept();
-    for (const std::string& line : report_) fmt::print(stderr, "{}: {}\n", caller_, line);
+    for (const std::string& line : report_) std::fprintf(stderr, "%s: %s\n", caller_.c_str(), line.c_str());
     return code_;
   }
 
@@ -224,10 +231,13 @@ private:
     ::poll(waited.data(), waited.size(), timeout_ms);
   }
 
+  /// timeout(1) and shells send a signal twice: only a later one means impatience.
   void look_for_signals() {
     if (signals_.take() == 0) return;
-    if (was_signalled_) kill_rest();
-    was_signalled_ = true;
+    constexpr std::chrono::seconds repeat{1};
+    const Clock::time_point now = Clock::now();
+    if (signalled_at_ && now - *signalled_at_ > repeat) kill_rest();
+    if (!signalled_at_) signalled_at_ = now;
     end_rest();
   }
 
@@ -261,7 +271,7 @@ private:
   Signals signals_;
   std::vector<std::unique_ptr<Child>> children_;
   std::optional<Clock::time_point> deadline_;  ///< set when the end has begun
-  bool was_signalled_ = false;
+  std::optional<Clock::time_point> signalled_at_;
   std::vector<std::string> report_;
   int code_ = 0;
 };

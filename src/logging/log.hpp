@@ -21,7 +21,7 @@ enum class Level : std::uint8_t {
 void set_program(std::string name);
 
 /// While it exists, a thread of its own writes the lines, so that a slow or stopped reader of standard error
-/// delays nobody. One at a time.
+/// delays no other thread. One at a time.
 class Session {
 public:
   /// Lines that may wait; the oldest are dropped for newer ones.

@@ -3,11 +3,12 @@
 #include "observation/status_counters.hpp"
 
 #include <array>
+#include <set>
 
 namespace sonopose::monitor {
 namespace {
 
-constexpr double was_there_before_s = 2.0;
+constexpr double was_there_before_s = 5.0;  // discovery takes this long on a network
 
 template <class Status, std::size_t Size>
 void subtract(Status& status, Status& begin,
@@ -43,6 +44,16 @@ void CountersSince::apply(std::vector<observation::BeaconView>& views, double ru
     view.deadlines_missed -= own->second.deadlines_missed;
     view.losses -= own->second.losses;
   }
+  forget_ended_fusions(views);
+}
+
+void CountersSince::forget_ended_fusions(const std::vector<observation::BeaconView>& views) {
+  if (fusions_.size() <= 16 * views.size() + 64) return;
+  std::set<std::pair<BeaconAddress, std::uint64_t>> present;
+  for (const auto& view : views) {
+    for (const FusionStatus& fusion : view.fusions) present.emplace(view.address, fusion.fusion_id);
+  }
+  std::erase_if(fusions_, [&](const auto& entry) { return !present.contains(entry.first); });
 }
 
 void CountersSince::clear(const std::vector<observation::BeaconView>& received) {

@@ -14,7 +14,7 @@ namespace sonopose::monitor {
 class CountersSince {
 public:
   /// Replaces the counters of the views by what they have increased by. `running_s`: since the start of the
-  /// monitor. A bridge or fusion that appears in the first two seconds was there before, and counts from now
+  /// monitor. A bridge or fusion that appears in the first five seconds was there before, and counts from now
   /// on; one that appears later, or that has restarted, counts from its own start.
   void apply(std::vector<observation::BeaconView>& views, double running_s);
 
@@ -22,6 +22,9 @@ public:
   void clear(const std::vector<observation::BeaconView>& received);
 
 private:
+  /// Each start of a fusion has a new id: a fusion that restarts again and again must not fill the memory.
+  void forget_ended_fusions(const std::vector<observation::BeaconView>& views);
+
   struct Own {
     std::uint64_t deadlines_missed = 0;
     std::uint64_t losses = 0;

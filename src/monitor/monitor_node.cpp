@@ -5,6 +5,7 @@
 #include "monitor/monitor_report.hpp"
 #include "observation/beacon_observers.hpp"
 #include "process/free_memory.hpp"
+#include "terminal/crash_restore.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
@@ -26,6 +27,18 @@ namespace {
 
 namespace topics = dds::topics;
 
+/// Runs in the receive threads.
+template <class T>
+class Listener final : public observation::ObservingListener<T> {
+public:
+  using observation::ObservingListener<T>::ObservingListener;
+
+private:
+  void on_sample(const typename observation::ObservingListener<T>::Native& /*sample*/) noexcept override {
+    terminal::unblock_crash_signals();
+  }
+};
+
 /// A subscription to one topic.
 template <class T>
 struct Subscription {
@@ -36,7 +49,7 @@ struct Subscription {
         reader(dds::topics::make_reader(participant, qos, entry, &listener, dds::topics::Delivery::live,
                                         &admission)) {}
 
-  observation::ObservingListener<T> listener;
+  Listener<T> listener;
   dds::DataReader<T> reader;
 };
 
@@ -172,10 +185,18 @@ private:
   process::FreeMemory free_memory_;
 };
 
+/// The next time of a period. What was missed while the process was stopped is left out.
+SteadyTime after(SteadyTime due, TimeNs period_ns) {
+  const SteadyTime now = clocks::steady_now();
+  return due + period_ns > now ? due + period_ns : now + period_ns;
+}
+
 }  // namespace
 
 std::uint64_t monitor(const MonitorOptions& options, process::StopSignal& stop) {
   const dds::qos::Provider qos(options.qos_file);
+  std::unique_ptr<Display> display =
+      make_display(options.output);  // sets the locale: before other threads run
   const dds::DomainParticipant participant(options.domain);
   observation::BeaconObservers observers(dds::deadline_of(qos.datareader_qos(topics::pose.profile)).count());
   process::BeaconAdmission admission({}, options.max_beacons);
@@ -202,8 +223,7 @@ std::uint64_t monitor(const MonitorOptions& options, process::StopSignal& stop) 
   SteadyTime next_pose_writers = clocks::steady_now() + pose_writers_period_ns;
   const SteadyTime end =
       options.duration_s > 0 ? clocks::steady_now() + to_ns(options.duration_s) : SteadyTime::max();
-  std::unique_ptr<Display> display = make_display(options.output);
-  // Fingers need no more; a log line is better soon.
+  // Reading keys 20 times a second is enough. Without a screen, a log line should come sooner.
   const TimeNs poll_period_ns = options.output == Output::screen ? 50'000'000 : 20'000'000;
   while (next <= end && !stop.wait_until(std::min(next, clocks::steady_now() + poll_period_ns))) {
     if (display->poll()) {
@@ -214,7 +234,7 @@ std::uint64_t monitor(const MonitorOptions& options, process::StopSignal& stop) 
     endpoint_logger.log(endpoints);
     if (clocks::steady_now() >= next_pose_writers) {
       pose_writers.log(observers.served());
-      next_pose_writers += pose_writers_period_ns;
+      next_pose_writers = after(next_pose_writers, pose_writers_period_ns);
     }
     if (clocks::steady_now() < next) continue;
     gone.remove(observers, admission);
@@ -223,7 +243,7 @@ std::uint64_t monitor(const MonitorOptions& options, process::StopSignal& stop) 
     warnings.insert(warnings.end(), pose_writers.warnings().begin(), pose_writers.warnings().end());
     if (auto text = admission.warning()) warnings.push_back(*std::move(text));
     display->show(observers.take_windows(clocks::host_now()), std::move(warnings));
-    next += period_ns;
+    next = after(next, period_ns);
   }
   stop.wait_until(std::min(end, next));
   display.reset();  // a screen ends before the summary

@@ -25,7 +25,7 @@ double key_of(const observation::BeaconView& view, Order order) {
     case Order::error:
       return known_or_least(error_m(view));
     case Order::trust:
-      return has_pose(view) ? -view.pose.trust : nothing;
+      return has_pose(view) ? known_or_least(-view.pose.trust) : nothing;
     case Order::latency:
       return known_or_least(view.latency.p99_s);
   }

@@ -91,7 +91,7 @@ void add_pose(Page& page, const BeaconView& view) {
   const FusedPose& pose = view.pose;
   const bool known = has_pose(view);
   const Vector3d none = Vector3d::Constant(nan);
-  page.title("Pose                       x        y        z");
+  page.title("Pose                        x        y        z");
   page.add("position m", vector_text(known ? pose.position_world_m : none, 3));
   page.add("±", vector_text(known ? position_std_m(pose) : none, 3));
   page.add("velocity m/s", vector_text(known ? pose.velocity_world_mps : none, 3));
@@ -106,7 +106,7 @@ void add_pose(Page& page, const BeaconView& view) {
 
 void add_fixes(Page& page, const BeaconView& view) {
   const bool known = has_pose(view);
-  page.title("Fixes                      x        y        z");
+  page.title("Fixes                       x        y        z");
   page.add("innovation m",
            vector_text(view.report ? view.report->innovation_world_m : Vector3d::Constant(nan), 3));
   const double test_ratio = view.report ? view.report->test_ratio.value_or(nan) : nan;
@@ -141,7 +141,7 @@ void add_latency(Page& page, const BeaconView& view) {
     page.add(name, fmt::format("{:>9}{:>9}", number(percentiles.p50_s * 1e3, 2),
                                number(percentiles.p99_s * 1e3, 2)));
   };
-  page.title("Latency ms               p50      p99");
+  page.title("Latency ms                p50      p99");
   constexpr std::array<std::string_view, 4> names{"sensor to bridge", "bridge to fusion", "in the fusion",
                                                   "fusion to here"};
   for (std::size_t i = 0; i < names.size(); ++i) add(names[i], view.segments[i]);

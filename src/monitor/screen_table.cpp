@@ -38,7 +38,7 @@ std::string ms_text(double seconds) {
 struct Column {
   std::string_view title;
   std::size_t width;
-  int priority;  ///< the smallest first, as long as there is a place
+  int priority;  ///< the smallest first, as long as there is space
   std::string (*text)(const BeaconView& view);
 };
 

@@ -11,6 +11,7 @@ namespace {
 constexpr std::size_t max_unmatched = 2048;
 
 void store(std::map<TimeNs, Vector3d>& unmatched, TimeNs time_ns, const Vector3d& position_world_m) {
+  unmatched.erase(unmatched.upper_bound(time_ns), unmatched.end());  // the clock has stepped back
   unmatched[time_ns] = position_world_m;
   if (unmatched.size() > max_unmatched) unmatched.erase(unmatched.begin());
 }

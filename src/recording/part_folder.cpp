@@ -59,14 +59,21 @@ PartFolder::PartFolder(const fs::path& folder) : folder_{named(folder)}, part_{f
 void PartFolder::commit() const {
   std::error_code error;
   fs::rename(part_, folder_, error);
-  if (error) throw files::IoError(part_.string() + ": cannot be renamed: " + error.message());
+  if (error) {
+    throw files::IoError(part_.string() + ": cannot be renamed to " + folder_.string() + ": " +
+                         error.message());
+  }
 }
 
 void PartFolder::commit(const fs::path& subfolder) const {
   std::error_code error;
   fs::rename(subfolder, folder_, error);
-  if (!error) fs::remove(part_, error);
-  if (error) throw files::IoError(subfolder.string() + ": cannot be renamed: " + error.message());
+  if (error) {
+    throw files::IoError(subfolder.string() + ": cannot be renamed to " + folder_.string() + ": " +
+                         error.message());
+  }
+  fs::remove(part_, error);
+  if (error) throw files::IoError(part_.string() + ": cannot be removed: " + error.message());
 }
 
 }  // namespace sonopose::recording

@@ -80,6 +80,16 @@ void CrashRestore::leave_with(const std::string& sequence) {
   saved.length = length;
 }
 
+void unblock_crash_signals() noexcept {
+  thread_local bool done = false;
+  if (done) return;
+  done = true;
+  sigset_t faults{};
+  ::sigemptyset(&faults);
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL}) ::sigaddset(&faults, signal);
+  ::pthread_sigmask(SIG_UNBLOCK, &faults, nullptr);
+}
+
 CrashRestore::~CrashRestore() {
   for (std::size_t i = 0; i < crash_signals.size(); ++i) {
     ::sigaction(crash_signals[i], &saved.actions[i], nullptr);

@@ -9,16 +9,20 @@ namespace sonopose::terminal {
 /// At most one at a time: signal handlers are global.
 class CrashRestore {
 public:
-  /// From now on crash signals and std::terminate give `terminal_fd` its line modes of this moment back, put
-  /// `error_fd` in the place of standard error, and continue as before. Throws std::system_error.
+  /// From now on, crash signals and std::terminate restore the present line modes of `terminal_fd`, make
+  /// `error_fd` standard error again, and continue as before. Throws std::system_error.
   CrashRestore(int terminal_fd, int error_fd);
   CrashRestore(const CrashRestore&) = delete;
   CrashRestore& operator=(const CrashRestore&) = delete;
   /// Puts the earlier handlers back.
   ~CrashRestore();
 
-  /// And they write `sequence`, at most 512 bytes, to the terminal.
+  /// On a crash, `sequence` (at most 512 bytes) is written to the terminal first.
   static void leave_with(const std::string& sequence);
 };
+
+/// Lets the crash signals of the calling thread through. Cyclone DDS blocks all signals in its threads, and a
+/// blocked fault ends the process without a handler. Cheap after the first call of a thread.
+void unblock_crash_signals() noexcept;
 
 }  // namespace sonopose::terminal

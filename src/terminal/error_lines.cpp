@@ -1,5 +1,7 @@
 #include "terminal/error_lines.hpp"
 
+#include "terminal/crash_restore.hpp"
+
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -32,18 +34,27 @@ ErrorLines::ErrorLines() : on_terminal_(::isatty(STDERR_FILENO) == 1) {
   original_fd_ = ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
   require(original_fd_ >= 0, "dup of standard error");
   std::array<int, 2> ends{};
-  require(::pipe2(ends.data(), O_CLOEXEC) == 0, "pipe2");
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) {
+    ::close(original_fd_);
+    require(false, "pipe2");
+  }
   read_fd_ = ends[0];
-  std::fflush(stderr);
-  require(::dup2(ends[1], STDERR_FILENO) >= 0, "dup2");
-  ::close(ends[1]);
   // Signals are for the main thread.
   sigset_t all{};
   sigset_t before{};
   ::sigfillset(&all);
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
-  reader_ = std::thread([this] { read_lines(); });
+  try {
+    reader_ = std::thread([this] { read_lines(); });
+  } catch (...) {
+    ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    for (const int fd : {ends[0], ends[1], original_fd_}) ::close(fd);
+    throw;
+  }
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  std::fflush(stderr);
+  ::dup2(ends[1], STDERR_FILENO);
+  ::close(ends[1]);
 }
 
 ErrorLines::~ErrorLines() {
@@ -58,10 +69,11 @@ ErrorLines::~ErrorLines() {
 
 std::vector<std::string> ErrorLines::take() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(news_, {});
+  return std::exchange(new_lines_, {});
 }
 
 void ErrorLines::read_lines() {
+  unblock_crash_signals();
   std::string unfinished;
   std::array<char, 4096> buffer{};
   while (true) {
@@ -70,7 +82,7 @@ void ErrorLines::read_lines() {
     if (got <= 0) break;
     for (const char byte : std::string_view(buffer.data(), static_cast<std::size_t>(got))) {
       if (byte != '\n') {
-        unfinished += byte;
+        if (unfinished.size() < most_columns) unfinished += byte;
         continue;
       }
       add(unfinished);
@@ -83,7 +95,7 @@ void ErrorLines::read_lines() {
 void ErrorLines::add(const std::string& line) {
   if (!on_terminal_) write_all(original_fd_, line + "\n");
   const std::lock_guard lock(mutex_);
-  if (news_.size() < most_lines) news_.push_back(line);
+  if (new_lines_.size() < most_lines) new_lines_.push_back(line);
   if (!on_terminal_) return;
   kept_.push_back(line);
   if (kept_.size() <= most_lines) return;

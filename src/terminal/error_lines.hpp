@@ -30,6 +30,7 @@ public:
 
 private:
   static constexpr std::size_t most_lines = 1000;
+  static constexpr std::size_t most_columns = 1000;  ///< bytes of a line; the rest is left out
 
   void read_lines();
   void add(const std::string& line);
@@ -37,10 +38,10 @@ private:
   int original_fd_ = -1;
   int read_fd_ = -1;
   bool on_terminal_ = false;
-  std::mutex mutex_;               // guards the rest
-  std::vector<std::string> news_;  ///< for take()
-  std::deque<std::string> kept_;   ///< for the end
-  std::size_t dropped_ = 0;        ///< of `kept_`
+  std::mutex mutex_;                    // guards the rest
+  std::vector<std::string> new_lines_;  ///< for take()
+  std::deque<std::string> kept_;        ///< for the end
+  std::size_t dropped_ = 0;             ///< of `kept_`
   std::thread reader_;
 };
 

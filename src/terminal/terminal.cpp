@@ -113,7 +113,7 @@ class Terminal::Curses {
 public:
   Curses() {
     choose_utf8();
-    ::set_escdelay(25);
+    if (!has_value("ESCDELAY")) ::set_escdelay(100);  // an arrow key over a slow line comes in parts
     screen_ = ::newterm(nullptr, stdout, stdin);
     if (screen_ == nullptr) {
       throw NoScreen(std::string("TERM=") + std::getenv("TERM") + ": unknown type of terminal");

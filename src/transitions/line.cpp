@@ -65,7 +65,7 @@ Line words_of(const Transition& transition) {
                             fmt::format("no pose for {:.1f} s", transition.lasted_s), "poses again");
     case Kind::bridge_lost:
       return begun_or_ended(transition, Level::error,
-                            "bridge lost: it has ended without a farewell, or cannot be reached",
+                            "bridge lost: it crashed, was killed, or cannot be reached",
                             "a bridge sends again");
     case Kind::overloaded:
       if (transition.begins) {

@@ -10,7 +10,7 @@ using namespace sonopose::launch;
 
 SCENARIO("kept lines are bounded") {
   GIVEN("a program that writes more lines than are kept, in pieces") {
-    ErrorLines lines(ErrorOutput::keep);
+    ErrorLines lines;
     for (std::size_t i = 0; i < ErrorLines::most_lines + 5; ++i) {
       lines.add("line ");
       lines.add(std::to_string(i) + "\n");
@@ -23,7 +23,7 @@ SCENARIO("kept lines are bounded") {
     }
   }
   GIVEN("a program that writes without an end of the line") {
-    ErrorLines lines(ErrorOutput::keep);
+    ErrorLines lines;
     for (int i = 0; i < 100; ++i) lines.add(std::string(100, 'x'));
     lines.add("\nnext\n");
     THEN("the line is cut, and the next one is whole") {

@@ -38,7 +38,8 @@ TerminalProcess::TerminalProcess(const std::filesystem::path& program,
   const winsize size = size_of(columns, rows);
   if (::openpty(&master_, &slave_, nullptr, nullptr, &size) != 0) throw_errno("openpty");
   ::fcntl(master_, F_SETFD, FD_CLOEXEC);
-  std::vector<std::string> texts{"/usr/bin/env", "-u", "NO_COLOR"};
+  std::vector<std::string> texts{"/usr/bin/env", "-u",    "NO_COLOR", "-u",      "COLUMNS",
+                                 "-u",           "LINES", "-u",       "ESCDELAY"};
   texts.insert(texts.end(), variables.begin(), variables.end());
   texts.push_back(program.string());
   texts.insert(texts.end(), arguments.begin(), arguments.end());

@@ -132,6 +132,7 @@ void TextScreen::sequence(char final, std::string_view parameters) {
       to_row(count - 1);
       break;
     case 'J':
+      if (first == 2) overflown_ = false;  // what was drawn for the size before a resize does not count
       if (first == 0) erase(row_, column_, columns_);
       for (std::size_t row = first == 0 ? row_ + 1 : 0; row < rows_; ++row) erase(row, 0, columns_);
       break;

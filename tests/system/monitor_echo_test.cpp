@@ -52,7 +52,7 @@ SCENARIO("echo prints each sample of a topic") {
       CHECK(first->wait_for_exit() == 0);
       CHECK(objects_of(*first).front().contains("fixes_used"));
     }
-    THEN("a closed pipe is the end, without a word") {
+    THEN("it ends quietly when the pipe is closed") {
       const std::string command = std::string(SONOPOSE_TEST_MONITOR) + " --echo pose --domain " +
                                   std::to_string(bus.domain_id()) + " | head -n 1; echo ${PIPESTATUS[0]}";
       const Result result = run("/bin/bash", {"-c", command});
@@ -74,7 +74,7 @@ SCENARIO("echo prints each sample of a topic") {
   }
 }
 
-SCENARIO("echo refuses what cannot be") {
+SCENARIO("echo refuses invalid requests") {
   THEN("a topic that does not exist: the nearest one, and all of them") {
     const Result result = run(SONOPOSE_TEST_MONITOR, {"--echo", "beacon_staus"});
     CHECK(result.code.value_or(0) > 0);

@@ -91,8 +91,10 @@ SCENARIO("the monitor is a screen that fits") {
       monitor.type(ctrl_c);
       CHECK(monitor.wait_for_exit() == 0);
       check_is_restored(monitor);
-      CHECK_THAT(monitor.output(), Contains("beacon 56 over"));  // the summary
-      CHECK_THAT(monitor.output(), Contains("no pose for"));     // and what was written to standard error
+      const std::string output = monitor.output();
+      const std::string after = output.substr(output.rfind("\x1b[?1049l"));
+      CHECK_THAT(after, Contains("beacon 56 over"));                                       // the summary
+      CHECK_THAT(after, Contains("sonopose-monitor: beacon") && Contains("no pose for"));  // standard error
     }
   }
 }
@@ -125,7 +127,7 @@ SCENARIO("the terminal is restored however the monitor ends") {
   }
 }
 
-SCENARIO("the environment decides about colours and the screen") {
+SCENARIO("TERM and NO_COLOR choose colours and the screen") {
   const Bus bus;
   GIVEN("a chain, so that there is a status to colour") {
     const auto fusion = bus.fusion();

@@ -31,7 +31,7 @@ SCENARIO("a change is logged with its beacon, its reason and its level") {
       Case{{.address = 9, .kind = Kind::gated, .value = 2.31, .count = 10},
            {Level::warning, "beacon 9: gated: 10 fixes in a row are outliers, the latest by 2.31 m"}},
       Case{{.address = 9, .kind = Kind::bridge_lost},
-           {Level::error, "beacon 9: bridge lost: it has ended without a farewell, or cannot be reached"}},
+           {Level::error, "beacon 9: bridge lost: it crashed, was killed, or cannot be reached"}},
       Case{{.address = all_beacons, .kind = Kind::overloaded, .begins = false},
            {Level::info, "no longer overloaded: every pose is written"}});
   CHECK(line_of(transition) == line);

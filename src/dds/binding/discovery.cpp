@@ -55,7 +55,7 @@ FoundEndpoint found(const dds_builtintopic_endpoint_t& sample, InstanceHandle ha
 
 constexpr std::size_t most_samples = 10'000;
 
-/// Takes what no longer exists out of the reader of a built-in topic; the reader would keep it for ever.
+/// Takes what no longer exists out of the reader of a built-in topic; the reader would keep it forever.
 template <class Sample>
 void discard_ended(dds_entity_t handle) {
   constexpr DataState ended{DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE |

@@ -30,7 +30,7 @@ struct SegmentFit {
 };
 
 /// The best motion, from starts in all directions. `signs`: factors of the axes of the specific force. Empty
-/// if the fit does not converge.
+/// if no start gives a finite result.
 std::optional<SegmentFit> fit_segment(const Segment& segment, const Vector3d& signs);
 
 }  // namespace sonopose::doctor::motion::detail

@@ -86,6 +86,12 @@ std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_
   piece.length_s = seconds_between(segment.imu.front().time_ns, segment.imu.back().time_ns);
   piece.delay_s = {fit->delay_s, fit->delay_std_s};
   piece.mount_rad = mount_of(*fit, segment);
+  constexpr double far = 6.0;
+  for (const Vector3d& deviation : fit->deviations_m) {
+    if (deviation.norm() > far * fit->residual_m) piece.outliers_m.push_back(deviation);
+  }
+  constexpr double least_span_m = 0.5;  // a smaller motion says nothing about signs
+  if (piece.span_m < least_span_m) return piece;
   for (std::size_t axis = 0; axis < piece.inverted.size(); ++axis) {
     Vector3d signs = Vector3d::Ones();
     signs(static_cast<Eigen::Index>(axis)) = -1.0;
@@ -94,17 +100,12 @@ std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_
     piece.inverted.at(axis) = {fit->cost - inverted->cost, inverted->residual_m,
                                mount_of(*inverted, segment)};
   }
-  constexpr double far = 6.0;
-  for (const Vector3d& deviation : fit->deviations_m) {
-    if (deviation.norm() > far * fit->residual_m) piece.outliers_m.push_back(deviation);
-  }
   return piece;
 }
 
 }  // namespace
 
-std::vector<Piece> pieces_of(const Window& unsorted) {
-  Window window = unsorted;
+std::vector<Piece> pieces_of(Window window, const std::function<bool()>& is_stopped) {
   sort_by_time(window.imu);
   sort_by_time(window.fixes);
   sort_by_time(window.headings);
@@ -116,6 +117,7 @@ std::vector<Piece> pieces_of(const Window& unsorted) {
   const std::size_t step = (count + most_pieces - 1) / most_pieces;
   std::vector<Piece> pieces;
   for (std::size_t i = 0; i < count; i += step) {
+    if (is_stopped && is_stopped()) break;
     const double share_s = length_s / static_cast<double>(count);
     auto piece = piece_of(window, begin_ns + to_ns(static_cast<double>(i) * share_s),
                           begin_ns + to_ns(static_cast<double>(i + 1) * share_s));

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -33,14 +34,14 @@ struct Piece {
   /// Distance of the fixes from the motion that the IMU measures: standard deviation per axis, without
   /// outliers.
   double residual_m = 0;
-  Measured delay_s;                   ///< by which fixes and headings are older than the fusion believes
+  Measured delay_s;                   ///< by which fixes and headings are older than the fusion assumes
   std::optional<Measured> mount_rad;  ///< from body X to the axis of the pair; empty without headings
   std::array<Inverted, 3> inverted;   ///< axes x, y, z
   std::vector<Vector3d> outliers_m;   ///< deviations of the fixes that are far from the motion, world
 };
 
 /// The pieces of the window with enough samples: about 8 s each, or the whole of a shorter window; of a long
-/// window 15 of them, evenly spread.
-std::vector<Piece> pieces_of(const Window& window);
+/// window 15 of them, evenly spread. Stops early, with the pieces so far, when `is_stopped` returns true.
+std::vector<Piece> pieces_of(Window window, const std::function<bool()>& is_stopped = {});
 
 }  // namespace sonopose::doctor::motion

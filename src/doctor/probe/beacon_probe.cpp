@@ -45,6 +45,7 @@ void BeaconProbe::on(const UltrasonicFix& fix, TimeNs received_ns) {
   if (!in_window()) return;
   fix_.count(received_ns);
   fixes_.push_back(fix);
+  if (fix.measured_delay_s) ++timed_fixes_;
   if ((fix.flags & ultrasonic_flag_pair_centre) != 0U) ++pair_fixes_;
   fixes_min_m_ = fixes_min_m_.cwiseMin(fix.position_world_m);
   fixes_max_m_ = fixes_max_m_.cwiseMax(fix.position_world_m);
@@ -129,12 +130,14 @@ std::optional<rules::RestObservation> BeaconProbe::means(const calibration::Sett
   return rest;
 }
 
-rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings::Settings& settings) const {
+rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings::Settings& settings,
+                                                  const std::function<bool()>& is_stopped) const {
   rules::BeaconObservation beacon;
   beacon.fusion_settings = settings;
   beacon.pair_fixes = pair_fixes_;
   beacon.fix_outcomes = fix_outcomes_;
-  beacon.pieces = motion::pieces_of(motion_window(settings));
+  beacon.pieces = motion::pieces_of(motion_window(settings), is_stopped);
+  beacon.timed_fixes = timed_fixes_;
   beacon.imu = imu_.observation(began_ns_, now_ns);
   beacon.fix = fix_.observation(began_ns_, now_ns);
   beacon.heading = heading_.observation(began_ns_, now_ns);

@@ -8,6 +8,7 @@
 #include <sonopose/settings/settings.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -33,7 +34,8 @@ public:
 
   /// The observations from `begin` to `now_ns`, with the settings of its fusion. Address, deadlines and
   /// bridges are left for the caller.
-  [[nodiscard]] rules::BeaconObservation observation(TimeNs now_ns, const settings::Settings& settings) const;
+  [[nodiscard]] rules::BeaconObservation observation(TimeNs now_ns, const settings::Settings& settings,
+                                                     const std::function<bool()>& is_stopped = {}) const;
 
   /// The writers of its IMU samples: the handles given to `on`.
   [[nodiscard]] const std::set<std::uint64_t>& writers() const { return writers_; }
@@ -60,6 +62,7 @@ private:
   Stream heading_;
   Stream pose_;
   std::uint64_t valid_headings_ = 0;
+  std::uint64_t timed_fixes_ = 0;
   std::uint64_t pair_fixes_ = 0;
   rules::StatusCounts status_counts_;
   rules::FixOutcomes fix_outcomes_;

@@ -52,7 +52,7 @@ private:
   [[nodiscard]] std::vector<rules::ProcessObservation> processes_of(
       const std::set<std::uint64_t>& imu_writers, const Processes& processes);
   [[nodiscard]] rules::BeaconObservation observation_of(BeaconAddress address, const BeaconProbe& probe,
-                                                        TimeNs now_ns, const Processes& processes);
+                                                        TimeNs now_ns, const process::StopSignal& stop);
 
   const DoctorOptions& options_;
   dds::qos::Provider qos_;
@@ -174,17 +174,17 @@ std::vector<rules::ProcessObservation> SystemObserver::processes_of(
 }
 
 rules::BeaconObservation SystemObserver::observation_of(BeaconAddress address, const BeaconProbe& probe,
-                                                        TimeNs now_ns, const Processes& processes) {
+                                                        TimeNs now_ns, const process::StopSignal& stop) {
   auto settings = effective_settings_.find(address);
   if (settings == effective_settings_.end()) settings = effective_settings_.find(all_beacons);
   rules::BeaconObservation beacon = probe.observation(
-      now_ns, settings == effective_settings_.end() ? settings::Settings{} : settings_from(settings->second));
+      now_ns, settings == effective_settings_.end() ? settings::Settings{} : settings_from(settings->second),
+      [&stop] { return stop.requested(); });
   beacon.address = address;
   beacon.imu.deadline_s = deadline_s(topics::imu);
   beacon.fix.deadline_s = deadline_s(topics::fix);
   beacon.heading.deadline_s = deadline_s(topics::heading);
   beacon.pose.deadline_s = deadline_s(topics::pose);
-  beacon.bridges = processes_of(probe.writers(), processes);
   return beacon;
 }
 
@@ -193,6 +193,7 @@ rules::Observations SystemObserver::run(const process::StopSignal& stop) {
   constexpr TimeNs discovery_ns = 500'000'000;
   listen_until(clocks::steady_now() + discovery_ns, stop);
   began_ns_ = clocks::host_now();
+  own_pause_ns_ = 0;
   for (auto& entry : probes_) entry.second.begin(began_ns_);
   listen_until(clocks::steady_now() + to_ns(options_.duration_s), stop);
   const TimeNs ended_ns = clocks::host_now();
@@ -210,8 +211,12 @@ rules::Observations SystemObserver::run(const process::StopSignal& stop) {
   for (const auto& entry : lines_) observations.lines.push_back(entry.second);
   observations.pose_writers =
       observation::pose_writers_of(discovery_.writers(), discovery_.participants(), served_);
+  // Before the fits, which take a while.
+  std::map<BeaconAddress, std::vector<rules::ProcessObservation>> bridges;
+  for (const auto& [address, probe] : probes_) bridges[address] = processes_of(probe.writers(), processes);
   for (const auto& [address, probe] : probes_) {
-    observations.beacons.push_back(observation_of(address, probe, ended_ns, processes));
+    observations.beacons.push_back(observation_of(address, probe, ended_ns, stop));
+    observations.beacons.back().bridges = std::move(bridges.at(address));
   }
   observations.beacons_refused = admission_.warning();
   return observations;

@@ -77,7 +77,10 @@ public:
       add(Severity::warning,
           fmt::format("no pair headings received, although heading.mount_offset_deg={} configures a pair",
                       mount_offset_deg),
-          "pair the beacon and switch the second one on; for a single beacon, remove the setting");
+          fmt::format(
+              "pair the beacon and switch the second one on; for a single beacon, set mount_offset_deg = 0 "
+              "in [beacon.{}.heading]",
+              beacon_.address));
     } else if (beacon_.heading.samples == 0) {
       add(Severity::note, "no pair headings received: a single beacon estimates its heading from motion", "");
     } else if (2 * beacon_.valid_headings < beacon_.heading.samples) {

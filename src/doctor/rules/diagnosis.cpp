@@ -29,10 +29,11 @@ std::vector<Finding> diagnose(const Observations& observations) {
     check_beacon(observations, beacon, findings);
     check_mount(beacon, findings);
     const std::size_t before = findings.size();
-    check_installation(beacon, findings);
+    const bool is_one_beacon = beacon.bridges.size() < 2;  // otherwise the samples are those of two
+    if (is_one_beacon) check_installation(beacon, findings);
     // With a wrong mount, delay or sign, right fixes look wrong and the fusion doubts them.
-    if (findings.size() == before) check_tracks(beacon, findings);
-    const bool has_cause = findings.size() > before;
+    if (is_one_beacon && findings.size() == before) check_tracks(beacon, findings);
+    const bool has_cause = !is_one_beacon || findings.size() > before;
     check_pose(observations.window_s, beacon, has_cause, findings);
   }
   return findings;

@@ -200,10 +200,11 @@ private:
     if (is_estimated || std::abs(error.value) > credible_delay_s) return;
     if (std::abs(error.value) < std::max(wrong_delay_s, significant * error.std)) return;
     if (!most_agree(errors, error, 0.5 * wrong_delay_s)) return;
-    const bool own = settings.source == settings::DelaySource::measured;
+    const bool own =
+        settings.source == settings::DelaySource::measured && 2 * beacon_.timed_fixes > beacon_.fix.samples;
     findings_.push_back(
         {Severity::warning, name_of(beacon_),
-         fmt::format("its fixes are about {:.0f} ms (±{:.0f} ms) {} than the fusion believes",
+         fmt::format("its fixes are about {:.0f} ms (±{:.0f} ms) {} than the fusion assumes",
                      std::abs(error.value) * 1e3, error.std * 1e3, error.value > 0 ? "older" : "younger"),
          fmt::format("try delay.{}={:.3f}; sonopose-calibrate delay finds it exactly (docs/calibration.md)",
                      own ? "correction_s" : "processing_s",

@@ -127,6 +127,7 @@ struct BeaconObservation {
   FixOutcomes fix_outcomes;
   std::uint64_t pair_fixes = 0;        ///< fixes that are the centre of a pair
   settings::Settings fusion_settings;  ///< of its fusion; the defaults if it is not known
+  std::uint64_t timed_fixes = 0;       ///< fixes with a delay that the hardware measured
   std::vector<motion::Piece> pieces;   ///< what IMU and fixes say about the installation
   std::optional<RestObservation> imu_means;
 };

@@ -49,21 +49,21 @@ bool are_many(std::size_t outliers, std::uint64_t fixes, double share = least_sh
 void check_tracks(const BeaconObservation& beacon, Findings& findings) {
   std::vector<Vector3d> outliers_m = beacon.fix_outcomes.outliers_m;
   std::uint64_t fixes = beacon.fix_outcomes.reports;
-  const char* judge = "its fusion rejects";
+  std::string count =
+      fmt::format("its fusion takes {} of its {} fixes for outliers", outliers_m.size(), fixes);
   if (!are_many(outliers_m.size(), fixes)) {
     // A fusion that follows each track rejects few fixes of either.
     outliers_m.clear();
     fixes = 0;
-    judge = "the IMU contradicts";
     for (const motion::Piece& piece : beacon.pieces) {
       outliers_m.insert(outliers_m.end(), piece.outliers_m.begin(), piece.outliers_m.end());
       fixes += piece.fixes;
     }
+    count = fmt::format("the IMU contradicts {} of its {} fixes", outliers_m.size(), fixes);
     constexpr double many = 0.15;  // single ones are noise of fix and IMU
     if (static_cast<double>(outliers_m.size()) < many * static_cast<double>(fixes)) return;
   }
   if (!are_many(outliers_m.size(), fixes)) return;
-  const std::string count = fmt::format("{} {} of its {} fixes", judge, outliers_m.size(), fixes);
   if (const auto track_m = track_of(outliers_m)) {
     findings.push_back(
         {Severity::warning, name_of(beacon),

@@ -26,6 +26,11 @@ constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 std::vector<std::string> lines_of(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  if (!in.is_open() || in.bad() || (!error && text.size() != size)) {
+    throw IoError(file.string() + ": cannot be read");
+  }
   std::vector<std::string> lines;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());

@@ -44,7 +44,7 @@ private:
   process::Wakeup& wakeup_;
 };
 
-/// Says once that no sample can come from a writer.
+/// Reports once that a writer does not match.
 void report_incompatible(const process::EndpointCounters& endpoints, bool& reported) {
   if (reported || endpoints.incompatible_qos == 0) return;
   reported = true;

@@ -59,8 +59,8 @@ TEST_CASE("A delay that is wrong by 40 ms is found while the beacon moves") {
       });
       const std::string problems = problems_of(observed(events, {}, {10, 8}));
       CAPTURE(problems);
-      CHECK_THAT(problems, Contains(error_s > 0 ? "younger than the fusion believes"
-                                                : "older than the fusion believes"));
+      CHECK_THAT(problems,
+                 Contains(error_s > 0 ? "younger than the fusion assumes" : "older than the fusion assumes"));
       CHECK(value_of(problems, "delay.correction_s") == Approx(-error_s).margin(0.015));
       settings::Settings settings;
       settings.delay.correction_s = -error_s;

@@ -43,7 +43,8 @@ TEST_CASE("Scattered outliers are no track") {
   beacon.fix_outcomes.reports = 60;
   for (int i = 0; i < 12; ++i) beacon.fix_outcomes.outliers_m.emplace_back(std::cos(i), std::sin(i), 0);
   const auto findings = findings_with([&](auto& b) { b = beacon; });
-  CHECK(found(findings, "rejects 12 of its 60 fixes, which are scattered").severity == Severity::warning);
+  CHECK(found(findings, "takes 12 of its 60 fixes for outliers, which are scattered").severity ==
+        Severity::warning);
   beacon.fix_outcomes.reports = 6000;
   CHECK_FALSE(has_problems(findings_with([&](auto& b) { b = beacon; })));
 }
