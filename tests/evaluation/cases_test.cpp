@@ -10,7 +10,9 @@ using namespace sonopose;
 using namespace sonopose::test;
 
 SCENARIO("every recording at or below a folder is found, and what is left out is named") {
-  GIVEN("a log without truth, an attitude recording without fixes, and a folder of something else") {
+  GIVEN(
+      "a log without truth, an attitude recording without fixes, an unfinished recording, and a folder of "
+      "something else") {
     const TemporaryFolder folder;
     const auto add = [&folder](const char* log, std::initializer_list<const char*> files) {
       std::filesystem::create_directories(folder / log);
@@ -19,10 +21,13 @@ SCENARIO("every recording at or below a folder is found, and what is left out is
     add("runs/walk", {"imu.csv", "ultrasonic.csv"});
     add("runs/bench", {"imu.csv", "truth.csv"});
     add("notes", {"notes.txt"});
+    add("night.part/beacon_7", {"imu.csv", "ultrasonic.csv"});
     const evaluation::FoundRecordings found = evaluation::recordings_in(folder.path());
     CHECK(found.folders == std::vector{folder / "runs/walk"});
-    REQUIRE(found.left_out.size() == 1);
-    CHECK(found.left_out.front() == (folder / "runs/bench").string() + ": has no ultrasonic.csv");
+    REQUIRE(found.left_out.size() == 2);
+    CHECK(found.left_out.front() ==
+          (folder / "night.part").string() + ": is not complete; name it to score it");
+    CHECK(found.left_out.back() == (folder / "runs/bench").string() + ": has no ultrasonic.csv");
     CHECK(evaluation::recordings_in(folder / "runs/walk").folders.size() == 1);
   }
   CHECK_THROWS_WITH(evaluation::recordings_in("/nowhere/at/all"), Catch::Contains("/nowhere/at/all"));

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <limits>
+
 namespace order_test {
 
 using namespace sonopose;
@@ -52,6 +54,16 @@ SCENARIO("the worst beacon is the one that a consumer can rely on least") {
       for (std::uint32_t bit = 1; bit != 0; bit <<= 1U) {
         if (bit != status_predicted) CHECK(severity_of(view_of(1, bit)) > 0);
       }
+    }
+  }
+  GIVEN("beacons of which one has a trust that is no number") {
+    std::vector<BeaconView> views{view_of(1), view_of(2), view_of(3)};
+    views[0].pose.trust = std::numeric_limits<double>::quiet_NaN();
+    views[1].pose.trust = 0.9;
+    views[2].pose.trust = 0.1;
+    THEN("it is last") {
+      sort(views, Order::trust);
+      CHECK(addresses_of(views) == std::vector{3, 2, 1});
     }
   }
   GIVEN("good beacons with errors that are measured, estimated and unknown") {

@@ -176,6 +176,14 @@ SCENARIO("poses are compared with the ground truth of the same instant") {
       CHECK(observer.summary(7, begin_ns).position_error_max_m == Approx(0.04));
     }
   }
+  GIVEN("a clock that steps back after many poses without a truth") {
+    for (int i = 0; i < 5'000; ++i) observer.on(pose_at(begin_ns + (1'000 + i) * ms, 1.0), begin_ns);
+    observer.on(pose_at(begin_ns, 1.03), begin_ns);
+    observer.on(truth_at(begin_ns, 1.0));
+    THEN("the next pose is compared again") {
+      CHECK(error().position_error_max_m == Approx(0.03));
+    }
+  }
   GIVEN("a pose without a truth of the same instant") {
     observer.on(truth_at(begin_ns + 10 * ms, 2.0));
     observer.on(pose_at(begin_ns, 1.0), begin_ns);

@@ -34,6 +34,7 @@ public:
   void type(std::string_view keys) const;
   void resize(std::size_t columns, std::size_t rows);
   void send(int signal) const;
+  [[nodiscard]] int pid() const { return pid_; }
 
   /// Waits until the screen fulfils this. False after the limit.
   bool wait_until(const std::function<bool(const TextScreen&)>& done,

@@ -4,6 +4,10 @@
 #include "support/terminal_process.hpp"
 
 #include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 namespace monitor_screen_test {
 
@@ -99,6 +103,16 @@ SCENARIO("the monitor is a screen that fits") {
   }
 }
 
+/// The thread of this name; -1 if there is none.
+int thread_of(int pid, const std::string& name) {
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
+    std::string thread_name;
+    std::ifstream(entry.path() / "comm") >> thread_name;
+    if (thread_name == name) return std::stoi(entry.path().filename().string());
+  }
+  return -1;
+}
+
 SCENARIO("the terminal is restored however the monitor ends") {
   GIVEN("a monitor on a terminal") {
     const Bus bus;
@@ -123,6 +137,25 @@ SCENARIO("the terminal is restored however the monitor ends") {
       CHECK(code);
       CHECK(code != 0);
       check_is_restored(monitor);
+    }
+  }
+}
+
+SCENARIO("a crash in a thread that receives samples restores the terminal") {
+  GIVEN("a monitor that has received a pose") {
+    const Bus bus;
+    MonitorScreen monitor(bus);
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({});
+    REQUIRE(monitor.wait_for("1 beacons"));
+    const int receiver = thread_of(monitor.pid(), "recv");  // Cyclone DDS blocks signals in it
+    REQUIRE(receiver > 0);
+    WHEN("that thread gets a fault") {
+      REQUIRE(::syscall(SYS_tgkill, monitor.pid(), receiver, SIGSEGV) == 0);
+      THEN("the monitor ends, and the terminal is restored") {
+        CHECK(monitor.wait_for_exit() == -SIGSEGV);
+        check_is_restored(monitor);
+      }
     }
   }
 }
