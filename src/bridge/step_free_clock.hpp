@@ -19,7 +19,8 @@ public:
   static constexpr TimeNs least_step_ns = 65'000'000;
   static constexpr double most_slew = 4e-3;  ///< of smaller ones, as that of a beacon's clock
 
-  StepFreeClock(HostTime host_ns, SteadyTime steady) : start_ns_(host_ns), start_(steady), compared_(steady) {}
+  StepFreeClock(HostTime host_ns, SteadyTime steady)
+      : start_ns_(host_ns), start_(steady), compared_(steady) {}
 
   [[nodiscard]] TimeNs at(SteadyTime time) const { return start_ns_ + (time - start_); }
 

@@ -1,33 +1,15 @@
 #pragma once
 /// \file
-/// Names and counts of fix flags (FixFlag).
+/// Counts of fix flags (FixFlag).
 
+#include <sonopose/samples/fix_flag_names.hpp>
 #include <sonopose/samples/pose.hpp>
 
 #include <array>
 #include <cstdint>
 #include <string>
-#include <string_view>
 
 namespace sonopose::evaluation {
-
-struct FixFlagName {
-  FixFlag bit;
-  std::string_view name;
-};
-
-/// In ascending order of bits.
-inline constexpr std::array<FixFlagName, 11> fix_flag_names{{{fix_used, "used"},
-                                                             {fix_outlier, "outlier"},
-                                                             {fix_low_quality, "low_quality"},
-                                                             {fix_invalid, "invalid"},
-                                                             {fix_stuck_forced, "stuck_forced"},
-                                                             {fix_snapped_over, "snapped_over"},
-                                                             {fix_snapped_under, "snapped_under"},
-                                                             {fix_stale_recovered, "stale_recovered"},
-                                                             {fix_frozen, "frozen"},
-                                                             {fix_first, "first"},
-                                                             {fix_too_late, "too_late"}}};
 
 /// The names of all set bits, joined by `|`; "none" if no bit is set.
 std::string fix_flag_text(std::uint32_t flags);

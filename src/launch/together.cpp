@@ -1,6 +1,7 @@
 #include "launch/together.hpp"
 
 #include "launch/execute.hpp"
+#include <sonopose/text/kept_lines.hpp>
 
 #include <fmt/format.h>
 
@@ -126,7 +127,7 @@ public:
   [[nodiscard]] int handle() const { return handle_.get(); }
   [[nodiscard]] int errors() const { return errors_.get(); }
   [[nodiscard]] bool has_ended() const { return status_.has_value(); }
-  ErrorLines& lines() { return lines_; }
+  text::KeptLines& lines() { return lines_; }
 
   void read_errors() {
     std::array<char, 4096> buffer{};
@@ -183,7 +184,7 @@ private:
   }
 
   std::string name_;
-  ErrorLines lines_;
+  text::KeptLines lines_;
   File errors_;
   File handle_;
   pid_t pid_ = -1;
@@ -206,7 +207,10 @@ public:
       for (const auto& child : children_) look_at(*child);
       if (deadline_ && Clock::now() >= *deadline_) kill_rest();
     }
-    for (const auto& child : children_) child->lines().print_kept();
+    // Standard error may be full or closed: that must not end this process.
+    for (const auto& child : children_) {
+      for (const std::string& line : child->lines().take()) std::fprintf(stderr, "%s\n", line.c_str());
+    }
     for (const std::string& line : report_) std::fprintf(stderr, "%s: %s\n", caller_.c_str(), line.c_str());
     return code_;
   }

@@ -2,12 +2,17 @@
 /// \file
 /// Runs several programs that are started and ended together.
 
-#include "launch/error_lines.hpp"
-
+#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace sonopose::launch {
+
+/// Where the programs without the terminal write their errors.
+enum class ErrorOutput : std::uint8_t {
+  pass_on,  ///< to the standard error of this process
+  keep,     ///< the latest lines are printed at the end: for programs behind a full screen
+};
 
 struct Program {
   std::string name;  ///< as execute() takes it

@@ -166,7 +166,7 @@ std::vector<Line> Screen::page_lines() {
     return view.address == *page_;
   });
   if (found == views_.end()) return {{{fitted("the beacon is gone", size_.columns), Style::dim}}};
-  std::vector<Line> lines = page_of(*found, size_.columns);
+  std::vector<Line> lines = page_of(*found, warnings_, size_.columns);
   const std::size_t rows = body_rows() + 1;  // a page has no heading
   page_row_ = std::min(page_row_, lines.size() > rows ? lines.size() - rows : 0);
   lines.erase(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(page_row_));
@@ -177,7 +177,8 @@ std::vector<Line> Screen::page_lines() {
 Line Screen::hint_line() const {
   if (shows_keys_) return {{fitted(page_ ? page_keys : table_keys, size_.columns), Style::dim}};
   if (warnings_.empty()) return {{fitted("? keys   q quit", size_.columns), Style::dim}};
-  const std::string more = warnings_.size() > 1 ? fmt::format(" (and {} more)", warnings_.size() - 1) : "";
+  const std::string more =
+      warnings_.size() > 1 ? fmt::format(" (and {} more: Enter)", warnings_.size() - 1) : "";
   const std::size_t left = size_.columns - std::min(size_.columns, columns_of(more));
   return {{fitted("warning: " + warnings_.front(), left), Style::warning},
           {fitted(more, size_.columns), Style::warning}};

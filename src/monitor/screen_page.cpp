@@ -6,9 +6,11 @@
 #include "monitor/words.hpp"
 #include "observation/status_words.hpp"
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/samples/fix_flag_names.hpp>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -26,24 +28,12 @@ using terminal::Style;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-constexpr std::array<std::pair<FixFlag, std::string_view>, 11> fix_flag_names{
-    {{fix_used, "used"},
-     {fix_outlier, "outlier"},
-     {fix_low_quality, "low quality"},
-     {fix_invalid, "invalid"},
-     {fix_stuck_forced, "stuck, forced"},
-     {fix_snapped_over, "snapped over"},
-     {fix_snapped_under, "snapped under"},
-     {fix_stale_recovered, "recovered"},
-     {fix_frozen, "frozen"},
-     {fix_first, "first"},
-     {fix_too_late, "too late"}}};
-
 std::string fix_words(std::uint32_t flags) {
   std::string words;
   for (const auto& [flag, name] : fix_flag_names) {
     if ((flags & flag) != 0U) words += (words.empty() ? "" : ", ") + std::string(name);
   }
+  std::replace(words.begin(), words.end(), '_', ' ');
   return words.empty() ? "not used" : words;
 }
 
@@ -80,9 +70,32 @@ public:
     }
   }
 
+  /// The same, but what is too long continues on further lines, which are indented.
+  void add_wrapped(std::string_view text, Style style = Style::plain) {
+    while (!text.empty()) {
+      const std::size_t end = std::min(text.find('\n'), text.size());
+      wrap(text.substr(0, end), style);
+      text.remove_prefix(std::min(end + 1, text.size()));
+    }
+  }
+
   std::vector<Line> take() { return std::move(lines_); }
 
 private:
+  void wrap(std::string_view text, Style style) {
+    std::string line;
+    while (!text.empty()) {
+      const std::string_view word = text.substr(0, text.find(' ', 1));
+      if (!line.empty() && columns_of(line) + columns_of(word) > columns_) {
+        add(line, style);
+        line = "    ";
+      }
+      line += word;
+      text.remove_prefix(word.size());
+    }
+    add(line, style);
+  }
+
   std::size_t columns_;
   std::vector<Line> lines_;
 };
@@ -162,7 +175,8 @@ void add_fusions(Page& page, const BeaconView& view) {
 
 }  // namespace
 
-std::vector<Line> page_of(const BeaconView& view, std::size_t columns) {
+std::vector<Line> page_of(const BeaconView& view, const std::vector<std::string>& warnings,
+                          std::size_t columns) {
   Page page(columns);
   const int severity = severity_of(view);
   const Style style = severity >= bad_severity ? Style::bad : severity > 0 ? Style::warning : Style::good;
@@ -178,7 +192,9 @@ std::vector<Line> page_of(const BeaconView& view, std::size_t columns) {
   page.add_text(estimates.empty() ? fmt::format("  {}\n", unknown) : estimates);
   page.title("Problems since the start or the last clear");
   const std::string problems = problems_of(view);
-  page.add_text(problems.empty() ? "  none\n" : problems);
+  page.add_wrapped(problems.empty() ? "  none\n" : problems);
+  if (!warnings.empty()) page.title("Warnings");
+  for (const std::string& warning : warnings) page.add_wrapped("  " + warning + "\n", Style::warning);
   return page.take();
 }
 

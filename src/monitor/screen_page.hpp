@@ -6,11 +6,13 @@
 #include "terminal/text.hpp"
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace sonopose::monitor {
 
-/// As many lines as it needs, of at most this many columns.
-std::vector<terminal::Line> page_of(const observation::BeaconView& view, std::size_t columns);
+/// As many lines as it needs, of at most this many columns; longer problems and warnings are wrapped.
+std::vector<terminal::Line> page_of(const observation::BeaconView& view,
+                                    const std::vector<std::string>& warnings, std::size_t columns);
 
 }  // namespace sonopose::monitor

@@ -42,7 +42,8 @@ void append_panel(std::string& script, const DriveFit& fit, Quantity quantity) {
   fmt::format_to(out,
                  "plot $curve{0} using 1:2 with linespoints pt 7 ps 0.5 lw 2 lc rgb '#0072B2' notitle, \\\n  "
                  "-0.5*((x-{1:.9g})/{2:.9g})**2 with lines dt 2 lw 1 lc rgb '#888888' notitle\n",
-                 at, as.scale * value.value, as.scale * (value.high - value.low) / (2.0 * calibration::drive::interval_stds));
+                 at, as.scale * value.value,
+                 as.scale * (value.high - value.low) / (2.0 * calibration::drive::interval_stds));
 }
 
 std::string script_of(const evaluation::DriveCalibration& result, const std::filesystem::path& part,

@@ -61,8 +61,9 @@ ErrorLines::~ErrorLines() {
   std::fflush(stderr);
   ::dup2(original_fd_, STDERR_FILENO);  // closes the last write end, so the reader ends
   reader_.join();
-  if (dropped_ > 0) write_all(STDERR_FILENO, std::to_string(dropped_) + " earlier lines were dropped\n");
-  for (const std::string& line : kept_) write_all(STDERR_FILENO, line + "\n");
+  if (on_terminal_) {
+    for (const std::string& line : kept_.take()) write_all(STDERR_FILENO, line + "\n");
+  }
   ::close(read_fd_);
   ::close(original_fd_);
 }
@@ -74,33 +75,20 @@ std::vector<std::string> ErrorLines::take() {
 
 void ErrorLines::read_lines() {
   unblock_crash_signals();
-  std::string unfinished;
   std::array<char, 4096> buffer{};
   while (true) {
     const ssize_t got = ::read(read_fd_, buffer.data(), buffer.size());
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) break;
-    for (const char byte : std::string_view(buffer.data(), static_cast<std::size_t>(got))) {
-      if (byte != '\n') {
-        if (unfinished.size() < most_columns) unfinished += byte;
-        continue;
-      }
-      add(unfinished);
-      unfinished.clear();
-    }
+    kept_.add({buffer.data(), static_cast<std::size_t>(got)},
+              [this](const std::string& line) { on_line(line); });
   }
-  if (!unfinished.empty()) add(unfinished);
 }
 
-void ErrorLines::add(const std::string& line) {
+void ErrorLines::on_line(const std::string& line) {
   if (!on_terminal_) write_all(original_fd_, line + "\n");
   const std::lock_guard lock(mutex_);
-  if (new_lines_.size() < most_lines) new_lines_.push_back(line);
-  if (!on_terminal_) return;
-  kept_.push_back(line);
-  if (kept_.size() <= most_lines) return;
-  kept_.pop_front();
-  ++dropped_;
+  if (new_lines_.size() < text::KeptLines::most_lines) new_lines_.push_back(line);
 }
 
 }  // namespace sonopose::terminal

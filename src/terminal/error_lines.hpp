@@ -2,8 +2,8 @@
 /// \file
 /// Standard error while a screen is shown: text of any library would destroy the screen.
 
-#include <cstddef>
-#include <deque>
+#include <sonopose/text/kept_lines.hpp>
+
 #include <mutex>
 #include <string>
 #include <thread>
@@ -12,7 +12,7 @@
 namespace sonopose::terminal {
 
 /// Takes the place of standard error: what any thread writes becomes lines here. If standard error is not a
-/// terminal, each line is passed on at once. Otherwise the destructor writes them, at most the last 1000.
+/// terminal, each line is passed on at once. Otherwise the destructor writes them, the latest ones.
 class ErrorLines {
 public:
   /// Throws std::system_error.
@@ -29,19 +29,15 @@ public:
   std::vector<std::string> take();
 
 private:
-  static constexpr std::size_t most_lines = 1000;
-  static constexpr std::size_t most_columns = 1000;  ///< bytes of a line; the rest is left out
-
   void read_lines();
-  void add(const std::string& line);
+  void on_line(const std::string& line);
 
   int original_fd_ = -1;
   int read_fd_ = -1;
   bool on_terminal_ = false;
-  std::mutex mutex_;                    // guards the rest
+  std::mutex mutex_;                    // guards new_lines_
   std::vector<std::string> new_lines_;  ///< for take()
-  std::deque<std::string> kept_;        ///< for the end
-  std::size_t dropped_ = 0;             ///< of `kept_`
+  text::KeptLines kept_;                ///< for the end; used by the reading thread, then by the destructor
   std::thread reader_;
 };
 

@@ -165,7 +165,7 @@ SCENARIO("the table fills the rows between the title and the message") {
 SCENARIO("what is unknown is a dash") {
   GIVEN("a beacon of which only the address is known") {
     const std::string row = text_of(table_row(silent_view(21), 200, false));
-    const std::string page = joined(page_of(silent_view(21), 80));
+    const std::string page = joined(page_of(silent_view(21), {}, 80));
     THEN("its row and its page contain no invented number") {
       CHECK_THAT(row, Contains("21") && Contains("–") && Contains("silent"));
       for (const std::string& text : {row, page}) {
@@ -185,7 +185,7 @@ SCENARIO("the page of a beacon has what the table has no columns for") {
     view.report->test_ratio = 4.5;
     view.estimate.emplace();
     view.estimate->lever_arm_body_m = {Vector3d(0.1, 0.02, -0.5), Vector3d::Constant(0.003)};
-    const std::string page = joined(page_of(view, 80));
+    const std::string page = joined(page_of(view, {}, 80));
     THEN("trust, flags, innovation, battery, latency by segment and estimates are shown") {
       CHECK_THAT(page, Contains("trust             0.93") && Contains("converging, low trust"));
       CHECK_THAT(page, Contains("innovation m          0.012   -0.046    0.079"));
@@ -193,6 +193,19 @@ SCENARIO("the page of a beacon has what the table has no columns for") {
       CHECK_THAT(page, Contains("battery V         3.90"));
       CHECK_THAT(page, Contains("bridge to fusion       1.00     2.00"));
       CHECK_THAT(page, Contains("lever arm") && Contains("0.1000±0.0030"));
+    }
+  }
+}
+
+SCENARIO("a long warning is wrapped on the page of a beacon") {
+  GIVEN("a warning of 200 letters") {
+    std::string warning;
+    for (int i = 0; i < 40; ++i) warning += fmt::format("w{:03} ", i);
+    const std::vector<Line> lines = page_of(silent_view(21), {warning}, 60);
+    THEN("all of it is there, and no line is too long") {
+      const std::string page = joined(lines);
+      for (int i = 0; i < 40; ++i) CHECK_THAT(page, Contains(fmt::format("w{:03}", i)));
+      for (const Line& line : lines) CHECK(columns_of(text_of(line)) <= 60);
     }
   }
 }

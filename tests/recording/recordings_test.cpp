@@ -1,7 +1,8 @@
 /// The real recordings, where they are.
 
-#include "recording/log_folder.hpp"
 #include "support/recordings.hpp"
+
+#include "recording/log_folder.hpp"
 
 #include <catch2/catch.hpp>
 

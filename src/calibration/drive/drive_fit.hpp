@@ -91,8 +91,8 @@ struct DriveOptions {
 };
 
 /// Calibrates one installation from one or more recordings, each a list of events in the order of arrival,
-/// with the settings of the fusion (calibration of the IMU, admission). Throws CalibrationError if there are too
-/// few samples or fixes.
+/// with the settings of the fusion (calibration of the IMU, admission). Throws CalibrationError if there are
+/// too few samples or fixes.
 DriveFit calibrate_drive(std::span<const std::vector<Event>> recordings, const settings::Settings& settings,
                          const DriveOptions& options = {});
 

@@ -1,0 +1,39 @@
+#pragma once
+/// \file
+/// The latest lines of a stream of bytes.
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sonopose::text {
+
+/// Splits bytes into lines and keeps the latest. Bounded: the oldest lines are dropped and counted, and long
+/// ones are cut.
+class KeptLines {
+public:
+  static constexpr std::size_t most_lines = 1000;
+  static constexpr std::size_t most_columns = 1000;  ///< bytes of a line
+
+  /// Calls `on_line` for each line that is complete now.
+  void add(std::string_view bytes, const std::function<void(const std::string& line)>& on_line = {});
+
+  /// What was kept: a line that says how many earlier ones were dropped, if any, the lines, and one without
+  /// an end.
+  std::vector<std::string> take();
+
+  [[nodiscard]] const std::deque<std::string>& lines() const { return lines_; }
+  [[nodiscard]] std::size_t dropped() const { return dropped_; }
+
+private:
+  void end_line();
+
+  std::string unfinished_;
+  std::deque<std::string> lines_;
+  std::size_t dropped_ = 0;
+};
+
+}  // namespace sonopose::text
