@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace sonopose::doctor::motion::detail {
 namespace {
@@ -61,7 +62,7 @@ double cauchy_weight(double squared) {
 
 class Solver {
 public:
-  Solver(const Segment& segment, const Vector3d& signs) : segment_(segment), signs_(signs) {}
+  Solver(const Segment& segment, Vector3d signs) : segment_(segment), signs_(std::move(signs)) {}
 
   /// Iterates from a level start with this yaw.
   std::optional<SegmentFit> run(double yaw_rad) {

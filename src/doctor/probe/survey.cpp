@@ -179,8 +179,7 @@ std::set<std::uint32_t> domains_with_ports() {
       const auto number_end = line.find(':');
       const auto port_begin = number_end == std::string::npos ? number_end : line.find(':', number_end + 1);
       if (port_begin == std::string::npos) continue;
-      const std::uint32_t port =
-          static_cast<std::uint32_t>(std::strtoul(line.c_str() + port_begin + 1, nullptr, 16));
+      const auto port = static_cast<std::uint32_t>(std::strtoul(line.c_str() + port_begin + 1, nullptr, 16));
       if (port >= port_base) ids.insert((port - port_base) / domain_gain);
     }
   }
