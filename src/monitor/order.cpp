@@ -13,7 +13,8 @@ constexpr double nothing = -std::numeric_limits<double>::infinity();
 
 /// For sorting: the largest comes first.
 double known_or_least(double value) {
-  return std::isnan(value) ? nothing : value;
+  if (std::isnan(value)) return nothing;
+  return value;
 }
 
 double key_of(const observation::BeaconView& view, Order order) {

@@ -32,9 +32,8 @@ void choose_utf8() {
 /// A string of the terminal's description, without the delays ("$<5>") that only real ones need.
 std::string capability(const char* name) {
   const char* const found = ::tigetstr(name);
-  // -1: the name is not that of a string.
-  if (found == nullptr || found == reinterpret_cast<const char*>(-1))
-    return {};  // NOLINT(*-reinterpret-cast)
+  // NOLINTNEXTLINE(*-reinterpret-cast, performance-no-int-to-ptr): -1 if the name is not that of a string
+  if (found == nullptr || found == reinterpret_cast<const char*>(-1)) return {};
   std::string text = found;
   for (std::size_t at = 0; (at = text.find("$<")) != std::string::npos;) {
     const std::size_t end = text.find('>', at);

@@ -79,6 +79,9 @@ void record_drive(const std::filesystem::path& folder, BeaconAddress address, co
 }
 
 SCENARIO("the doctor finds a wrong installation and wrong fixes of driving beacons") {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  WARN("skipped: with a sanitizer the fits of nine beacons take minutes; test_doctor has them one by one");
+#else
   GIVEN("beacons with one fault each, and one without") {
     std::mt19937 random(4711);
     const double mount_deg = std::round(std::uniform_real_distribution<double>(20, 160)(random));
@@ -112,7 +115,7 @@ SCENARIO("the doctor finds a wrong installation and wrong fixes of driving beaco
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto fusion =
         bus.fusion({"--set", "heading.mount_offset_deg=" + std::to_string(static_cast<int>(mount_deg))});
-    std::vector<std::unique_ptr<Process>> bridges;
+    std::vector<std::unique_ptr<Process> > bridges;
     const auto log_of = [&folder](BeaconAddress address) { return folder.path() / std::to_string(address); };
     for (const auto& [address, fault] : faults) record_drive(log_of(address), address, fault);
     for (const auto& entry : faults) {
@@ -152,6 +155,7 @@ SCENARIO("the doctor finds a wrong installation and wrong fixes of driving beaco
       }
     }
   }
+#endif
 }
 
 SCENARIO("the doctor finds a bridge that waits for its device") {
