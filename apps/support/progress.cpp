@@ -11,7 +11,7 @@
 namespace sonopose::apps {
 namespace {
 
-constexpr std::chrono::seconds patience{2};
+constexpr std::chrono::seconds show_after{2};
 constexpr std::chrono::milliseconds redraw_period{100};
 constexpr std::size_t bar_columns = 30;
 
@@ -25,7 +25,7 @@ std::string bar(double share) {
 
 }  // namespace
 
-Progress::Progress() : is_terminal_(::isatty(STDERR_FILENO) != 0), due_(Clock::now() + patience) {}
+Progress::Progress() : is_terminal_(::isatty(STDERR_FILENO) != 0), due_(Clock::now() + show_after) {}
 
 Progress::~Progress() {
   clear();

@@ -362,9 +362,9 @@ void BridgeNode::Publisher::log_unwritten() {
 /// A stream of a lossless bridge waits for its readers.
 void BridgeNode::Publisher::log_silence(BeaconAddress address, transitions::Kind kind, Stream& stream,
                                         SteadyTime now) {
-  constexpr TimeNs patience_ns = 3'000'000'000;  // as for a line without bytes
+  constexpr TimeNs silence_limit_ns = 3'000'000'000;  // as for a line without bytes
   if (lossless_) return;
-  const auto change = stream.silence.find_change(now, patience_ns);
+  const auto change = stream.silence.find_change(now, silence_limit_ns);
   if (!change) return;
   transition_log_.on(
       {.address = address, .kind = kind, .begins = change->silent, .lasted_s = change->lasted_s}, now);

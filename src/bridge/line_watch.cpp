@@ -11,7 +11,7 @@ namespace sonopose::bridge {
 namespace {
 
 /// Beacons send several times a second. LineStatus states this value.
-constexpr TimeNs patience_ns = 3'000'000'000;
+constexpr TimeNs silence_limit_ns = 3'000'000'000;
 
 }  // namespace
 
@@ -26,10 +26,10 @@ void LineWatch::judge(LineStatus& line, SteadyTime now) {
   if (!is_open_) return;
   const std::uint64_t bytes_without_frame = line.bytes - bytes_at_frame_;
   // The first part of a frame at the end of a transmission is no sign of a wrong baud rate.
-  if (now - frames_.since >= patience_ns && bytes_without_frame > marvelmind::max_frame_size) {
+  if (now - frames_.since >= silence_limit_ns && bytes_without_frame > marvelmind::max_frame_size) {
     line.state = LineState::no_frames;
     line.text = fmt::format("{} bytes without a valid frame: check {}", bytes_without_frame, check_);
-  } else if (now - bytes_.since >= patience_ns) {
+  } else if (now - bytes_.since >= silence_limit_ns) {
     line.state = LineState::silent;
     line.text = fmt::format("no bytes for {:.0f} s: check that the beacon is on and streams its data",
                             seconds_between(bytes_.since, now));

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The host's clock as if nobody set it.
+/// The host's clock without the steps by which it is set.
 
 #include <sonopose/samples/time.hpp>
 

@@ -31,7 +31,7 @@ namespace sonopose::launch {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::seconds patience{10};
+constexpr std::chrono::seconds end_timeout{10};
 constexpr int cannot_execute = 127;
 
 [[noreturn]] void fail(const char* call) {
@@ -235,7 +235,7 @@ private:
     ::poll(waited.data(), waited.size(), timeout_ms);
   }
 
-  /// timeout(1) and shells send a signal twice: only a later one means impatience.
+  /// timeout(1) and shells send a signal twice: only another one after a second kills the programs.
   void look_for_signals() {
     if (signals_.take() == 0) return;
     constexpr std::chrono::seconds repeat{1};
@@ -262,13 +262,13 @@ private:
   /// Once.
   void end_rest() {
     if (deadline_) return;
-    deadline_ = Clock::now() + patience;
+    deadline_ = Clock::now() + end_timeout;
     for (const auto& child : children_) child->send(SIGTERM);
   }
 
   void kill_rest() {
     for (const auto& child : children_) child->send(SIGKILL);
-    deadline_ = Clock::now() + patience;
+    deadline_ = Clock::now() + end_timeout;
   }
 
   const std::string& caller_;

@@ -24,7 +24,7 @@ namespace {
 
 using spdlog::details::thread_pool;
 
-constexpr std::chrono::milliseconds patience{1000};
+constexpr std::chrono::milliseconds flush_timeout{1000};
 
 /// Set once, before there are other threads.
 std::string& program_name() {
@@ -35,7 +35,7 @@ std::string& program_name() {
 /// Writes to standard error, which may take nothing for a while.
 class PatientWriter {
 public:
-  /// Writes everything, or gives up after `patience` once the process is ending. `write` may block only
+  /// Writes everything, or gives up after `flush_timeout` once the process is ending. `write` may block only
   /// after `poll`, and a pipe that is ready takes a line of up to 4096 bytes.
   void write(std::string_view text) {
     while (!text.empty()) {
@@ -56,7 +56,7 @@ private:
       pollfd event{STDERR_FILENO, POLLOUT, 0};
       const int ready = ::poll(&event, 1, step_ms);
       if (ready > 0) return true;
-      if (ready == 0 && ending_ && waited >= patience) gave_up_ = true;
+      if (ready == 0 && ending_ && waited >= flush_timeout) gave_up_ = true;
     }
     return false;
   }
@@ -85,12 +85,12 @@ public:
 
   void end() { error_.end(); }
 
-  /// Waits until the lines that were logged before are written, at most `patience`.
+  /// Waits until the lines that were logged before are written, at most `flush_timeout`.
   void wait_for_flush(const auto& request) {
     std::unique_lock lock(flush_mutex_);
     const std::uint64_t before = flushes_;
     request();
-    flushed_.wait_for(lock, patience, [&] { return flushes_ != before; });
+    flushed_.wait_for(lock, flush_timeout, [&] { return flushes_ != before; });
   }
 
 protected:

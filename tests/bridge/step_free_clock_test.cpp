@@ -11,10 +11,10 @@ constexpr TimeNs ms = 1'000'000;
 constexpr HostTime start_ns = 1'700'000'000'000'000'000;
 constexpr SteadyTime start{5'000'000'000};
 
-SCENARIO("a clock that nobody sets knows how far the host's was set") {
+SCENARIO("a clock without steps measures how far the host's was set") {
   StepFreeClock clock(start_ns, start);
   const SteadyTime later = start + 1000 * ms;
-  WHEN("nobody sets it") {
+  WHEN("it is not set") {
     clock.compare(later, start_ns + 1000 * ms + 15'000, later + 30'000);
     CHECK(clock.host_ahead_ns() < ms / 10);
     CHECK(clock.steps() == 0);

@@ -1,4 +1,4 @@
-/// Lines reach standard error in their order, nobody waits for a slow reader, and what is dropped is counted.
+/// Lines reach standard error in their order, no thread waits for a slow reader, and what is dropped is counted.
 
 #include "logging/log.hpp"
 
@@ -52,7 +52,7 @@ public:
     return written;
   }
 
-  /// At least `size` bytes, or all until nobody can write any more.
+  /// At least `size` bytes, or all until no writer is left.
   std::string read(std::size_t size = SIZE_MAX) const {
     std::string text;
     char buffer[4096];
@@ -95,7 +95,7 @@ SCENARIO("the reason of an end is written after the lines that wait, at once") {
   CHECK(error.read(expected.size()) == expected);  // the session has not ended
 }
 
-SCENARIO("nobody waits for a reader that has stopped, and the dropped lines are counted and reported") {
+SCENARIO("no thread waits for a reader that has stopped, and the dropped lines are counted and reported") {
   CapturedError error;
   logging::set_program("sonopose-x");
   CapturedError::fill();

@@ -44,7 +44,7 @@ SCENARIO("freed memory between blocks in use goes back to the system") {
   const auto kept = fragments();
   const double before_mb = resident_mb();
   memory.give_back(start);
-  CHECK(resident_mb() > before_mb - 5);  // nobody reported that something was freed
+  CHECK(resident_mb() > before_mb - 5);  // nothing was reported as freed
   memory.on_freed();
   memory.give_back(start);
   CHECK(resident_mb() < before_mb - 20);

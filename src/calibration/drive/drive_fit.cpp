@@ -64,7 +64,7 @@ std::vector<bool> have_headings(const std::vector<Measurements>& logs) {
   return have;
 }
 
-/// A log that had headings and has lost all of them starts in a direction that nobody searched yet.
+/// A log that had headings and has lost all of them starts in a direction that has not been searched yet.
 void find_lost_yaws(const std::vector<Measurements>& logs, const std::vector<bool>& had_headings,
                     double delay_s, std::vector<double>& start_yaw_rad) {
   for (std::size_t log = 0; log < logs.size(); ++log) {

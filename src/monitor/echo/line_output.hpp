@@ -18,7 +18,7 @@ public:
   /// std::system_error for any other reason, such as a full disk.
   bool write(std::string_view lines);
 
-  /// Whether nobody reads what would be written.
+  /// Whether no process reads what would be written.
   [[nodiscard]] bool is_closed() const;
 
 private:
