@@ -3,6 +3,7 @@
 #include "clocks/clocks.hpp"
 #include "fusion/backlog_thread.hpp"
 #include "fusion/beacon_estimators.hpp"
+#include "fusion/outcome_writer.hpp"
 #include "fusion/overload.hpp"
 #include "fusion/pose_output.hpp"
 #include "fusion/settings_server.hpp"
@@ -88,14 +89,10 @@ private:
   void take(dds::DataReader<T>& reader) noexcept;
   void take_all() noexcept;
   void feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, SteadyTime steady) noexcept;
-  void write(EventOutcome& outcome, BeaconAddress address, TimeNs in_ns) noexcept;
-  void write(FusedPose& pose) noexcept;
-  void write_newest() noexcept;
   void end_output(BeaconAddress address);
   void remove_gone();
   void log_transitions(SteadyTime now);
   [[nodiscard]] std::uint64_t unwritten() const;
-  void write_until_accepted(const auto& attempt) noexcept;
   void serve_lossless(const std::stop_token& stop);
 
   /// Passes on the samples and status changes of one topic, on the thread that receives them.
@@ -131,24 +128,20 @@ private:
 
   process::Guarded<BeaconEstimators> estimators_;  // the lock guards each estimator too
   // Held by the thread that takes samples: Cyclone's receive thread, the backlog thread, or one whose writer
-  // delivers in this process. Guards what follows, to `newest_`.
+  // delivers in this process. Guards the next two and `outcome_writer_`.
   std::mutex taking_;
   Overload overload_;
   collation::AttendedTime attended_time_;
-  std::optional<FusedPose> newest_;  // overloaded: not written yet, since a newer one may follow
-  std::atomic<std::uint64_t> unwritten_ = 0;
   std::atomic<bool> working_ = false;  // an event is being processed
   std::atomic<bool> stopping_ = false;
-  std::atomic<bool> waited_for_consumer_ = false;  // since the last status
 
   process::EndpointCounters endpoints_;
-  process::CountingWriterListener<sonopose_FixReport> report_listener_{endpoints_};
   transitions::TransitionLog transition_log_;      // of the main thread, as the next
   std::vector<transitions::Pending> transitions_;  // of log_transitions(), kept for its capacity
   PoseOutput output_;
   StatusPublisher status_publisher_;
   SettingsServer settings_server_;
-  dds::DataWriter<sonopose_FixReport> report_writer_;
+  OutcomeWriter outcome_writer_;
 
   Listener<sonopose_ImuSample> imu_listener_{*this};
   Listener<sonopose_UltrasonicFix> fix_listener_{*this};
@@ -175,8 +168,7 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       output_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, endpoints_),
       status_publisher_(participant_, qos_, estimators_, output_, overload_, endpoints_, transition_log_),
       settings_server_(participant_, qos_, estimators_, options.addresses),
-      report_writer_(
-          dds::topics::make_writer(participant_, qos_, topics::report, &report_listener_, delivery_)) {
+      outcome_writer_(participant_, qos_, delivery_, output_, overload_, endpoints_, stopping_) {
   const auto input = [this](const auto& topic, auto& listener) {
     return topics::make_reader(participant_, qos_, topic, lossless_ ? nullptr : &listener, delivery_,
                                &admission_);
@@ -247,7 +239,7 @@ void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
     if (stopping_) return;  // a lossless reader may buffer minutes of samples
     feed(dds::topics::from_idl(sample), info.publication_handle(), in_ns, steady);
   });
-  if (newest_) write_newest();
+  outcome_writer_.write_newest();
   working_ = false;
 }
 
@@ -272,61 +264,12 @@ void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, Time
   });
   for (const collation::CollatedEvent& next : in_line) {
     EventOutcome outcome = estimators_.with([&](auto&) { return estimator->process(next); });
-    write(outcome, address_of(event), in_ns);
+    outcome_writer_.write(outcome, address_of(event), in_ns);
+    if (outcome.prediction_period_ns) settings_server_.on_change();
     if (!std::holds_alternative<ImuSample>(next.event)) {
       estimators_.with([&](auto&) { estimator->catch_up(); });
     }
   }
-}
-
-void FusionNode::Impl::write(EventOutcome& outcome, BeaconAddress address, TimeNs in_ns) noexcept {
-  if (outcome.prediction_period_ns) output_.set_period(address, *outcome.prediction_period_ns);
-  if (auto* pose = std::get_if<FusedPose>(&outcome.result)) {
-    pose->fusion_in_time_ns = in_ns;
-    if (!overload_.is_overloaded()) {
-      write(*pose);
-    } else {
-      if (newest_ && newest_->address != address) write_newest();
-      if (newest_) output_.count_skipped(address);
-      newest_ = *pose;
-    }
-  } else if (const auto* report = std::get_if<FixReport>(&outcome.result)) {
-    const auto sample = dds::topics::to_idl(*report);
-    write_until_accepted([&] { return report_writer_.try_write(sample); });
-  }
-  if (outcome.prediction_period_ns) settings_server_.on_change();
-}
-
-/// Whether a pose is late is judged as it is written: the process may have been stopped since its sample was
-/// taken.
-void FusionNode::Impl::write(FusedPose& pose) noexcept {
-  const SteadyTime now = clocks::steady_now();
-  const PoseOutput::Route route = output_.route(pose, now);
-  overload_.on_pose(route.late_ns, now);
-  write_until_accepted([&] { return output_.write(route.writer, pose); });
-}
-
-/// Overloaded: writes the newest pose of a beacon in the backlog, unless another was written shortly before.
-void FusionNode::Impl::write_newest() noexcept {
-  FusedPose& pose = *newest_;
-  if (output_.is_due(pose, overload_.pose_spacing_ns())) {
-    pose.status |= status_overloaded;
-    write(pose);
-  } else {
-    output_.count_skipped(pose.address);
-  }
-  newest_.reset();
-}
-
-/// In lossless mode `attempt` is repeated until a slow consumer has space.
-void FusionNode::Impl::write_until_accepted(const auto& attempt) noexcept {
-  if (lossless_ && stopping_) return;  // each attempt may wait for a consumer
-  dds::ReturnCode code = attempt();
-  while (lossless_ && dds::is_timeout(code) && !stopping_) {
-    waited_for_consumer_ = true;
-    code = attempt();
-  }
-  if (code < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
 }
 
 void FusionNode::Impl::on_data(dds::DataReader<sonopose_ResetCommand>& reader) noexcept {
@@ -336,7 +279,7 @@ void FusionNode::Impl::on_data(dds::DataReader<sonopose_ResetCommand>& reader) n
 }
 
 std::uint64_t FusionNode::Impl::unwritten() const {
-  return unwritten_ + output_.unwritten() + settings_server_.unwritten();
+  return outcome_writer_.unwritten() + output_.unwritten() + settings_server_.unwritten();
 }
 
 void FusionNode::Impl::serve_lossless(const std::stop_token& stop) {
@@ -430,7 +373,7 @@ void FusionNode::Impl::publish_statuses() {
   log_transitions(now);
   transition_log_.update(now);
   status_publisher_.publish_all(unwritten());
-  if (lossless_) status_publisher_.log_gaps(waited_for_consumer_.exchange(false));
+  if (lossless_) status_publisher_.log_gaps(outcome_writer_.take_waited());
 }
 
 FusionNode::FusionNode(const FusionOptions& options) {

@@ -1,4 +1,5 @@
-/// Lines reach standard error in their order, no thread waits for a slow reader, and what is dropped is counted.
+/// Lines reach standard error in their order, no thread waits for a slow reader, and what is dropped is
+/// counted.
 
 #include "logging/log.hpp"
 
