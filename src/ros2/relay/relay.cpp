@@ -3,10 +3,10 @@
 #include "bridge/bridge_node.hpp"
 #include "observation/beacon_observers.hpp"
 #include "process/beacon_admission.hpp"
-#include "process/free_memory.hpp"
 #include "ros2/relay/diagnostics_publisher.hpp"
 #include "ros2/relay/log.hpp"
 #include "ros2/relay/mount_finder.hpp"
+#include "ros2/relay/open_topics.hpp"
 #include "ros2/relay/parameter_server.hpp"
 #include "ros2/relay/relayed_beacons.hpp"
 #include "ros2/relay/ros_clock.hpp"
@@ -141,7 +141,7 @@ private:
 
   template <class Action>
   void for_each_beacon(const Action& action);
-  void create_new_publishers(const process::StopSignal& stop);
+  void open_topics(const process::StopSignal& stop);
   void remove_gone();
   void log_transitions();
   void replace_tree_owner();
@@ -172,8 +172,15 @@ private:
   process::EndpointCounters endpoints_;
   DiagnosticsPublisher diagnostics_;
 
-  RelayedBeacons beacons_{wakeup_};
-  process::FreeMemory free_memory_;
+  RelayedBeacons beacons_;
+  OpenTopics open_topics_{{.beacons = beacons_,
+                           .admission = admission_,
+                           .node = node_,
+                           .output = options_.output,
+                           .tf = tf_writer_,
+                           .tree = tree_,
+                           .wakeup = wakeup_,
+                           .log = log_}};
   std::mutex mutex_;                            ///< guards the settings
   std::map<BeaconAddress, double> fix_stds_m_;  ///< settings of the fusion
 
@@ -217,7 +224,8 @@ Relay::Impl::Impl(const RelayOptions& options)
       surroundings_(options_, participant_, node_, parameters_, log_, [this] { wakeup_.wake(); }),
       tree_(options_, node_, clock_, log_),
       observers_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()),
-      diagnostics_(options_, node_, clock_, observers_, endpoints_) {
+      diagnostics_(options_, node_, clock_, observers_, endpoints_),
+      beacons_(wakeup_, options.max_beacons) {
   check_inputs(options);
   if (options.rosout) log_.publish_as(node_);
   if (options.output.tf != TfMode::off) tf_writer_ = node_.make_writer<ros2::TFMessage>("/tf", "ros2::Tf");
@@ -274,19 +282,14 @@ void Relay::Impl::on_transform(const ros2::TransformStamped& transform) {
   });
 }
 
-/// Main thread only, because a listener must not create entities.
-void Relay::Impl::create_new_publishers(const process::StopSignal& stop) {
-  const std::vector<BeaconAddress> requested = beacons_.requested();
-  if (requested.empty()) return;
-  for (const BeaconAddress address : requested) {
-    if (stop.requested()) return;
-    auto created = std::make_shared<BeaconPublishers>(node_, options_.output, address, tf_writer_,
-                                                      tree_.admits(address), wakeup_);
-    beacons_.add(address, created);
-    log_.info(fmt::format("beacon {}: found; its topics are open", address));
+void Relay::Impl::open_topics(const process::StopSignal& stop) {
+  const OpenTopics::Opened opened = open_topics_.open_requested(stop);
+  if (opened.empty()) return;
+  {
     const std::lock_guard lock(mutex_);
-    if (const auto known = fix_stds_m_.find(address); known != fix_stds_m_.end()) {
-      created->set_fix_std(known->second);
+    for (const auto& [address, publishers] : opened) {
+      const auto known = fix_stds_m_.find(address);
+      if (known != fix_stds_m_.end()) publishers->set_fix_std(known->second);
     }
   }
   publish_mounts();
@@ -295,22 +298,12 @@ void Relay::Impl::create_new_publishers(const process::StopSignal& stop) {
 void Relay::Impl::remove_gone() {
   const SteadyTime now = clocks::steady_now();
   if (const auto text = admission_.refusals()) log_.warning(*text);
-  for (const BeaconAddress address : beacons_.remove_gone(now)) {
-    admission_.forget(address);
-    transition_log_.forget(address);
-    log_.info(fmt::format("beacon {}: gone; its topics are closed", address));
-  }
-  for (const auto& publishers : beacons_.take_unused()) {
-    publishers->leave(node_);
-    free_memory_.on_freed();
-  }
+  for (const BeaconAddress address : open_topics_.remove_gone(now)) transition_log_.forget(address);
   for (const auto& view : observers_.remove_gone(now, clocks::host_now())) {
     diagnostics_.forget(view.address);
   }
-  free_memory_.give_back(now);
 }
 
-/// The threads that receive only record a change.
 void Relay::Impl::log_transitions() {
   const SteadyTime now = clocks::steady_now();
   for_each_beacon([&](BeaconPublishers& publishers) {
@@ -356,7 +349,7 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
   SteadyTime next_status = clocks::steady_now() + status_period_ns;
   SteadyTime readers_due = next_status;
   while (!failed && !stop.wait_until(std::min(next_status, readers_due), wakeup_)) {
-    create_new_publishers(stop);
+    open_topics(stop);
     if (source_) readers_due = source_->update_readers();
     for_each_beacon([this](BeaconPublishers& publishers) {
       publishers.create_magnetic_writer(node_);

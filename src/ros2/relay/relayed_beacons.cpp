@@ -50,17 +50,46 @@ void RelayedBeacons::add(BeaconAddress address, Publishers publishers) {
   }
 }
 
-std::vector<BeaconAddress> RelayedBeacons::remove_gone(SteadyTime now) {
-  std::vector<BeaconAddress> gone;
+RelayedBeacons::Publishers RelayedBeacons::take_kept(BeaconAddress address) {
+  const auto found =
+      std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.address == address; });
+  if (found == kept_.end()) return nullptr;
+  Publishers publishers = std::move(found->publishers);
+  kept_.erase(found);
+  return publishers;
+}
+
+std::vector<RelayedBeacons::Gone> RelayedBeacons::remove_gone(SteadyTime now) {
+  std::vector<Gone> gone;
   const std::lock_guard lock(mutex_);
   std::erase_if(beacons_, [&](auto& entry) {
     auto& [address, beacon] = entry;
     if (!beacon.heard.is_gone(now)) return false;
-    gone.push_back(address);
-    if (beacon.publishers) removed_.push_back(std::move(beacon.publishers));
+    const bool keeps = beacon.publishers && beacon.heard.is_established();
+    gone.push_back({address, keeps});
+    if (keeps) {
+      kept_.push_back({address, std::move(beacon.publishers)});
+    } else if (beacon.publishers) {
+      removed_.push_back(std::move(beacon.publishers));
+    }
     return true;
   });
   return gone;
+}
+
+std::vector<BeaconAddress> RelayedBeacons::remove_surplus() {
+  std::size_t present = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    present = beacons_.size();
+  }
+  std::vector<BeaconAddress> surplus;
+  while (!kept_.empty() && present + kept_.size() > max_beacons_) {
+    surplus.push_back(kept_.front().address);
+    removed_.push_back(std::move(kept_.front().publishers));
+    kept_.erase(kept_.begin());
+  }
+  return surplus;
 }
 
 std::vector<RelayedBeacons::Publishers> RelayedBeacons::take_unused() {
