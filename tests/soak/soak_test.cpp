@@ -82,7 +82,10 @@ private:
 /// asked for: Cyclone DDS 0.10 never frees all memory of an endpoint that it has discovered.
 class Visitors {
 public:
-  explicit Visitors(const Bus& bus) : bus_(bus), wanted_(std::getenv("SONOPOSE_SOAK_VISITORS") != nullptr) {}
+  explicit Visitors(const Bus& bus) : bus_(bus) {
+    const char* const text = std::getenv("SONOPOSE_SOAK_VISITORS");
+    wanted_ = text != nullptr && *text != '\0';
+  }
 
   void change() {
     if (!wanted_) return;
@@ -97,7 +100,7 @@ public:
 
 private:
   const Bus& bus_;
-  bool wanted_;
+  bool wanted_ = false;
   std::unique_ptr<Process> bridge_;
   int next_ = 0;
 };
