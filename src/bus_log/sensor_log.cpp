@@ -1,16 +1,17 @@
 #include "bus_log/sensor_log.hpp"
 
+#include "bus_log/decoded.hpp"
+#include "bus_log/messages.hpp"
 #include "logging/log.hpp"
 #include "mcap/reader.hpp"
 #include <sonopose/collation/collator.hpp>
-#include <sonopose/dds/binding/cdr.hpp>
-#include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <algorithm>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace sonopose::bus_log {
 
@@ -21,17 +22,6 @@ namespace topics = dds::topics;
 /// How long an event waits for one that the recorder received later. Live, the fusion waits less; here
 /// nothing is in a hurry.
 constexpr TimeNs collation_timeout_ns = 1'000'000'000;
-
-/// The address in a serialized sample of a topic with beacons: it is the first field. Empty if there are too
-/// few bytes.
-std::optional<BeaconAddress> address_of_sample(std::span<const std::byte> cdr) {
-  constexpr std::size_t header_bytes = 4;
-  if (cdr.size() < header_bytes + 2) return std::nullopt;
-  const auto first = std::to_integer<unsigned>(cdr[header_bytes]);
-  const auto second = std::to_integer<unsigned>(cdr[header_bytes + 1]);
-  const bool is_little = cdr[1] == std::byte{1};
-  return static_cast<BeaconAddress>(is_little ? first | second << 8U : first << 8U | second);
-}
 
 bool is_input(const mcap::Channel& channel) {
   return channel.topic == topics::imu.name || channel.topic == topics::fix.name ||
@@ -96,52 +86,38 @@ private:
     std::set<BeaconAddress> found;
     mcap::Messages messages(reader_, {.channel = is_input, .order = mcap::Selection::Order::file});
     while (const auto message = messages.next()) {
-      if (const auto address = address_of_sample(message->data)) found.insert(*address);
+      if (const auto address = address_in(message->data)) found.insert(*address);
     }
     return found;
   }
 
-  template <class T>
-  auto decoded(const topics::Entry<T>& topic, const mcap::Message& message) const {
-    const dds::CdrSample<T> sample(message.data);
-    if (sample.get() == nullptr) fail(topic.name, message, "is not a serialized sample of this topic");
-    return topics::from_idl(*sample.get());
-  }
-
   void add(const mcap::Message& message) {
-    if (address_of_sample(message.data) != address_) return;
+    if (address_in(message.data) != address_) return;
     const std::string& topic = reader_.channels().at(message.channel_id).topic;
     if (topic == topics::imu.name) {
-      collate(decoded(topics::imu, message), message);
+      collate(decoded(topics::imu, reader_, message), message);
     } else if (topic == topics::fix.name) {
-      collate(decoded(topics::fix, message), message);
+      collate(decoded(topics::fix, reader_, message), message);
     } else if (topic == topics::heading.name) {
-      collate(decoded(topics::heading, message), message);
+      collate(decoded(topics::heading, reader_, message), message);
     } else {
-      const TruthSample truth = decoded(topics::truth, message);
+      const TruthSample truth = decoded(topics::truth, reader_, message);
       require_time(truth.time_ns, message);
       log_.truth.push_back(truth);
     }
-  }
-
-  [[noreturn]] void fail(std::string_view topic, const mcap::Message& message,
-                         const std::string& what) const {
-    throw files::IoError(reader_.name() + ": message " + std::to_string(message.sequence) + " of " +
-                         std::string(topic) + " at log time " + std::to_string(message.log_time_ns) + " " +
-                         what);
   }
 
   void require_time(TimeNs time_ns, const mcap::Message& message) const {
     // As in a log folder: the difference of any two times then fits into 64 bits.
     constexpr TimeNs too_late = TimeNs{1} << 62U;
     if (time_ns > 0 && time_ns < too_late) return;
-    fail(reader_.channels().at(message.channel_id).topic, message,
+    fail(reader_, message,
          "has the time " + std::to_string(time_ns) + ", which is not between 1 and 2^62 - 1 ns");
   }
 
   void collate(const Event& event, const mcap::Message& message) {
     require_time(available_at_ns(event), message);
-    ++input_count_;
+    if (input_count_++ == 0) first_sequence_ = sequence_of(event);
     const SteadyTime arrival{static_cast<std::int64_t>(message.log_time_ns >> 1U)};
     for (const collation::CollatedEvent& next : collator_.push(event, arrival)) {
       Event numbered = next.event;
@@ -156,6 +132,11 @@ private:
         log_.warnings.push_back(reader_.name() + ": " + std::to_string(count) + std::string(what));
     };
     const collation::CollatorCounters& counters = collator_.counters();
+    if (first_sequence_ > 1) {
+      log_.warnings.push_back(reader_.name() + ": begins with event " + std::to_string(first_sequence_) +
+                              " of beacon " + std::to_string(address_) +
+                              ": the state of a fusion that had those before is another one");
+    }
     warn_of(counters.lost, " events of the bridge are missing in the recording");
     warn_of(counters.duplicated, " events have numbers that came before: two bridges, or too late");
     warn_of(counters.restarts, " times the bridge began to count again");
@@ -167,6 +148,7 @@ private:
   BeaconAddress address_ = 0;
   collation::Collator collator_{collation_timeout_ns};
   std::uint64_t input_count_ = 0;
+  std::uint64_t first_sequence_ = 0;
   recording::SensorLog log_;
 };
 
