@@ -7,6 +7,8 @@
 #include <sonopose/collation/collator.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 #include <string>
@@ -60,8 +62,8 @@ private:
   void check(const mcap::Channel& channel) const {
     if (!is_input(channel) && channel.topic != topics::truth.name) return;
     if (channel.message_encoding != "cdr") {
-      throw files::IoError(reader_.name() + ": topic " + channel.topic + " has message encoding \"" +
-                           channel.message_encoding + "\" instead of \"cdr\"");
+      throw files::IoError(fmt::format(R"({}: topic {} has message encoding "{}" instead of "cdr")",
+                                       reader_.name(), channel.topic, channel.message_encoding));
     }
   }
 
