@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <tuple>
 #include <unistd.h>
 
 namespace sonopose::files {
@@ -31,6 +32,9 @@ AppendFile::AppendFile(const std::filesystem::path& path, Existing existing) : n
 }
 
 AppendFile::~AppendFile() {
+  const off_t size = has_reserved_ ? ::lseek(descriptor_, 0, SEEK_END) : -1;
+  // Where this fails, the space stays reserved until the file is removed.
+  if (size >= 0) std::ignore = ::ftruncate(descriptor_, size);
   ::close(descriptor_);
 }
 
@@ -45,6 +49,16 @@ void AppendFile::append(std::span<const std::byte> bytes) {
       throw IoError(name_ + ": cannot be written: " + std::strerror(cause));
     }
     written += static_cast<std::size_t>(count);
+  }
+}
+
+void AppendFile::reserve(std::uint64_t byte_count) {
+  const off_t size = ::lseek(descriptor_, 0, SEEK_END);
+  if (size < 0) return;  // no regular file
+  has_reserved_ = true;
+  if (::fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, size, static_cast<off_t>(byte_count)) == 0) return;
+  if (errno == ENOSPC || errno == EDQUOT || errno == EFBIG) {
+    throw IoError(name_ + ": cannot be written: " + std::strerror(errno));
   }
 }
 

@@ -3,6 +3,7 @@
 /// A file that is only appended to.
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -25,11 +26,16 @@ public:
   /// regular file then contains none of these bytes, so that it does not end in the middle of a line.
   void append(std::span<const std::byte> bytes);
 
+  /// Reserves space for `byte_count` more bytes, where the file system can. Throws IoError if the disk has
+  /// less; what was reserved before stays so. The file gives back at its end what it did not use.
+  void reserve(std::uint64_t byte_count);
+
 private:
   void remove_last(std::size_t count) const;
 
   std::string name_;
   int descriptor_ = -1;
+  bool has_reserved_ = false;
 };
 
 }  // namespace sonopose::files

@@ -151,7 +151,7 @@ const std::vector<Restriction> restrictions{
      {dds_headers, file_headers, socket_headers, clock_headers, thread_headers, "iostream|ostream|print",
       command_line_headers}},
     {"files alone: no DDS, sockets, threads, command lines",
-     {"files", "files/toml", "recording", "config", "ros2/arguments"},
+     {"files", "files/toml", "mcap", "recording", "config", "ros2/arguments"},
      {dds_headers, socket_headers, thread_headers, command_line_headers}},
     {"offline: no DDS, sockets, clocks, threads, command lines",
      {"evaluation", "plots"},

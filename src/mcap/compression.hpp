@@ -1,0 +1,61 @@
+#pragma once
+/// \file
+/// The compression of chunks: zstd and frames of lz4.
+
+#include "mcap/records.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace sonopose::mcap {
+
+/// As a file names it: "", "lz4", "zstd".
+std::string_view name_of(Compression compression);
+
+/// Empty if there is no such compression.
+std::optional<Compression> compression_named(std::string_view name);
+
+/// The CRC-32 of the format (that of zlib and PNG), continued from `before`.
+std::uint32_t crc32(std::span<const std::byte> bytes, std::uint32_t before = 0);
+
+/// Compresses blocks, one after the other, with the same memory.
+class Compressor {
+public:
+  explicit Compressor(Compression compression);
+  ~Compressor();
+  Compressor(const Compressor&) = delete;
+  Compressor& operator=(const Compressor&) = delete;
+  Compressor(Compressor&&) = delete;
+  Compressor& operator=(Compressor&&) = delete;
+
+  [[nodiscard]] Compression compression() const { return compression_; }
+  /// The most bytes that `size` bytes compress to.
+  [[nodiscard]] std::size_t bound(std::size_t size) const;
+  /// Writes to the front of `to`, which has `bound` bytes, and returns the number of bytes written.
+  std::size_t compress(std::span<const std::byte> from, std::span<std::byte> to);
+
+private:
+  struct Context;
+  Compression compression_;
+  std::unique_ptr<Context> context_;
+};
+
+/// What became of compressed bytes.
+enum class Decompressed {
+  complete,
+  cut,       ///< the bytes end before the compressed stream does; what came before was decompressed
+  invalid,   ///< not such a stream, or bytes follow it; what came before was decompressed
+  too_long,  ///< more than the limit
+};
+
+/// Replaces `to` by the decompressed bytes, at most `limit` of them. Memory grows with what is decompressed,
+/// not with what the stream claims.
+Decompressed decompress(Compression compression, std::span<const std::byte> from, std::size_t limit,
+                        std::vector<std::byte>& to);
+
+}  // namespace sonopose::mcap

@@ -1,0 +1,115 @@
+#pragma once
+/// \file
+/// The records of an MCAP file as values: https://mcap.dev/spec. The names are those of the specification.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <span>
+#include <string>
+
+namespace sonopose::mcap {
+
+/// What a file begins and ends with.
+inline constexpr std::array<unsigned char, 8> magic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+
+/// The kind of a record.
+enum class Opcode : std::uint8_t {
+  header = 0x01,
+  footer = 0x02,
+  schema = 0x03,
+  channel = 0x04,
+  message = 0x05,
+  chunk = 0x06,
+  message_index = 0x07,
+  chunk_index = 0x08,
+  attachment = 0x09,
+  attachment_index = 0x0a,
+  statistics = 0x0b,
+  metadata = 0x0c,
+  metadata_index = 0x0d,
+  summary_offset = 0x0e,
+  data_end = 0x0f,
+};
+
+/// The opcode and the length of the content stand before each record.
+inline constexpr std::size_t record_prefix_bytes = 1 + 8;
+
+/// The fields of a message before its data.
+inline constexpr std::size_t message_field_bytes = 2 + 4 + 8 + 8;
+
+using TextMap = std::map<std::string, std::string>;
+
+struct Schema {
+  std::uint16_t id = 0;  ///< not 0
+  std::string name;
+  std::string encoding;
+  std::string data;
+
+  bool operator==(const Schema&) const = default;
+};
+
+struct Channel {
+  std::uint16_t id = 0;
+  std::uint16_t schema_id = 0;  ///< 0: no schema
+  std::string topic;
+  std::string message_encoding;
+  TextMap metadata;
+
+  bool operator==(const Channel&) const = default;
+};
+
+/// Times are nanoseconds since the Unix epoch.
+struct Message {
+  std::uint16_t channel_id = 0;
+  std::uint32_t sequence = 0;
+  std::uint64_t log_time_ns = 0;      ///< when it was recorded
+  std::uint64_t publish_time_ns = 0;  ///< when it was published; the log time where that is not known
+  std::span<const std::byte> data;    ///< not owned
+};
+
+struct Metadata {
+  std::string name;
+  TextMap values;
+
+  bool operator==(const Metadata&) const = default;
+};
+
+/// From the first to the last log time of messages. Without messages, both are 0 in a file.
+struct TimeSpan {
+  std::uint64_t start_ns = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t end_ns = 0;
+
+  [[nodiscard]] bool is_empty() const { return start_ns > end_ns; }
+  void include(std::uint64_t time_ns) {
+    if (time_ns < start_ns) start_ns = time_ns;
+    if (time_ns > end_ns) end_ns = time_ns;
+  }
+  void include(const TimeSpan& other) {
+    if (other.is_empty()) return;
+    include(other.start_ns);
+    include(other.end_ns);
+  }
+  bool operator==(const TimeSpan&) const = default;
+};
+
+/// What a file has.
+struct Statistics {
+  std::uint64_t message_count = 0;
+  std::uint16_t schema_count = 0;
+  std::uint32_t channel_count = 0;
+  std::uint32_t attachment_count = 0;
+  std::uint32_t metadata_count = 0;
+  std::uint32_t chunk_count = 0;
+  TimeSpan log_times;
+  std::map<std::uint16_t, std::uint64_t> channel_message_counts;
+
+  bool operator==(const Statistics&) const = default;
+};
+
+/// How the records of a chunk are compressed.
+enum class Compression { none, lz4, zstd };
+
+}  // namespace sonopose::mcap
