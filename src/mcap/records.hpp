@@ -40,6 +40,8 @@ inline constexpr std::size_t record_prefix_bytes = 1 + 8;
 /// The fields of a message before its data.
 inline constexpr std::size_t message_field_bytes = 2 + 4 + 8 + 8;
 
+inline constexpr std::size_t footer_bytes = record_prefix_bytes + 8 + 8 + 4;
+
 using TextMap = std::map<std::string, std::string>;
 
 struct Schema {

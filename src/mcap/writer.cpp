@@ -13,7 +13,6 @@ namespace {
 /// Kept free for what a program still writes when the disk is full: how its recording ended.
 constexpr std::uint64_t reserve_bytes = 64U << 10U;
 
-constexpr std::size_t footer_bytes = record_prefix_bytes + 8 + 8 + 4;
 constexpr std::size_t data_end_bytes = record_prefix_bytes + 4;
 constexpr std::size_t summary_offset_bytes = record_prefix_bytes + 1 + 8 + 8;
 constexpr std::size_t groups = 5;

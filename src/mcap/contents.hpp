@@ -1,0 +1,39 @@
+#pragma once
+/// \file
+/// What a file has, apart from its messages.
+
+#include "mcap/records.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::mcap {
+
+/// A part of the file with messages.
+struct Block {
+  enum class Kind {
+    chunk,
+    plain,  ///< a run of records outside of chunks
+    cut,    ///< a chunk that the file ends in
+  };
+  Kind kind = Kind::chunk;
+  std::uint64_t offset = 0;
+  std::uint64_t length = 0;
+  TimeSpan log_times;                   ///< of its messages
+  std::vector<std::uint16_t> channels;  ///< those of its messages; empty: not known
+};
+
+struct Contents {
+  std::string profile;
+  std::string library;
+  std::map<std::uint16_t, Schema> schemas;
+  std::map<std::uint16_t, Channel> channels;
+  Statistics statistics;
+  std::vector<Block> blocks;                    ///< in the order of the file
+  std::vector<std::uint64_t> metadata_offsets;  ///< in the order of the file
+  std::vector<std::string> damages;             ///< what is wrong with the file, in words
+  bool is_indexed = false;                      ///< the summary was used; otherwise all of the file was read
+};
+
+}  // namespace sonopose::mcap

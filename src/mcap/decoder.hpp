@@ -1,0 +1,110 @@
+#pragma once
+/// \file
+/// Records from bytes that can have any content.
+
+#include "mcap/encoder.hpp"
+#include "mcap/format_error.hpp"
+#include "mcap/records.hpp"
+
+#include <string>
+#include <string_view>
+
+namespace sonopose::mcap {
+
+/// "Chunk", …; "record" for an opcode that the format does not define.
+std::string_view name_of(Opcode opcode);
+
+template <std::unsigned_integral T>
+T load(const std::byte* from) {
+  T value = 0;
+  for (std::size_t i = 0; i < sizeof value; ++i) {
+    value = static_cast<T>(value | (static_cast<T>(from[i]) << (8 * i)));
+  }
+  return value;
+}
+
+/// What stands before each record.
+struct Prefix {
+  Opcode opcode{};
+  std::uint64_t length = 0;  ///< of the content
+
+  [[nodiscard]] std::uint64_t record_length() const { return record_prefix_bytes + length; }
+};
+
+/// `bytes` has record_prefix_bytes. Throws FormatError unless the record ends within `available` bytes from
+/// its start.
+Prefix decode_prefix(const std::byte* bytes, std::uint64_t available, const Place& place);
+
+/// The fields of one record from left to right. Each member throws FormatError if the record ends before the
+/// field. Texts are checked for nothing but their length.
+class Fields {
+public:
+  Fields(std::span<const std::byte> content, Opcode opcode, const Place& place)
+      : rest_{content}, opcode_{opcode}, place_{place} {}
+
+  template <std::unsigned_integral T>
+  T number(std::string_view field) {
+    return load<T>(take(sizeof(T), field).data());
+  }
+  std::string text(std::string_view field);
+  TextMap map(std::string_view field);
+  /// The content of a map or an array with a length of 32 bits.
+  Fields sized(std::string_view field);
+  TimeSpan times();
+  std::span<const std::byte> take(std::uint64_t count, std::string_view field);
+
+  [[nodiscard]] std::span<const std::byte> rest() const { return rest_; }
+  [[nodiscard]] bool is_at_end() const { return rest_.empty(); }
+  [[noreturn]] void fail(std::string_view field, const std::string& what) const;
+
+private:
+  std::span<const std::byte> rest_;
+  Opcode opcode_;
+  Place place_;
+};
+
+/// A chunk without its records.
+struct ChunkFields {
+  TimeSpan log_times;
+  std::uint64_t uncompressed_size = 0;
+  std::uint32_t uncompressed_crc = 0;
+  std::string compression;
+  std::uint64_t compressed_size = 0;
+};
+
+struct ChunkIndex {
+  TimeSpan log_times;
+  std::uint64_t chunk_start_offset = 0;
+  std::uint64_t chunk_length = 0;
+  std::map<std::uint16_t, std::uint64_t> message_index_offsets;
+};
+
+struct MetadataIndex {
+  std::uint64_t offset = 0;
+  std::uint64_t length = 0;
+  std::string name;
+};
+
+struct Footer {
+  std::uint64_t summary_start = 0;
+  std::uint64_t summary_offset_start = 0;
+  std::uint32_t summary_crc = 0;
+};
+
+struct Header {
+  std::string profile;
+  std::string library;
+};
+
+Header decode_header(Fields fields);
+Footer decode_footer(Fields fields);
+Schema decode_schema(Fields fields);
+Channel decode_channel(Fields fields);
+Message decode_message(Fields fields);
+ChunkFields decode_chunk(Fields& fields);  ///< leaves what follows the size of the records
+ChunkIndex decode_chunk_index(Fields fields);
+Statistics decode_statistics(Fields fields);
+Metadata decode_metadata(Fields fields);
+MetadataIndex decode_metadata_index(Fields fields);
+
+}  // namespace sonopose::mcap

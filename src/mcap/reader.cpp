@@ -1,0 +1,52 @@
+#include "mcap/reader.hpp"
+
+#include "mcap/record_file.hpp"
+#include "mcap/scan.hpp"
+#include "mcap/summary.hpp"
+
+namespace sonopose::mcap {
+
+namespace {
+
+Contents read_contents(const RecordFile& file) {
+  std::string damage;
+  try {
+    if (auto contents = read_summary(file)) return std::move(*contents);
+  } catch (const FormatError& error) {
+    damage = error.what();
+  }
+  Contents contents = scan(file);
+  // A file that was cut has been told so by the scan.
+  if (!damage.empty() && contents.damages.empty()) contents.damages.push_back(damage);
+  return contents;
+}
+
+}  // namespace
+
+Reader::Reader(const std::filesystem::path& file) : Reader(std::make_unique<FileSource>(file)) {}
+
+Reader::Reader(std::unique_ptr<ByteSource> source)
+    : file_{std::make_unique<RecordFile>(std::move(source))}, contents_{read_contents(*file_)} {}
+
+Reader::~Reader() = default;
+Reader::Reader(Reader&&) noexcept = default;
+Reader& Reader::operator=(Reader&&) noexcept = default;
+
+const std::string& Reader::name() const {
+  return file_->name();
+}
+
+std::uint64_t Reader::size_bytes() const {
+  return file_->size();
+}
+
+std::vector<Metadata> Reader::metadata() const {
+  std::vector<Metadata> metadata;
+  for (const std::uint64_t offset : contents_.metadata_offsets) {
+    const Bytes content = file_->content(offset, Opcode::metadata);
+    metadata.push_back(decode_metadata(Fields(content, Opcode::metadata, file_->place(offset))));
+  }
+  return metadata;
+}
+
+}  // namespace sonopose::mcap

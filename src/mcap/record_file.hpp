@@ -1,0 +1,59 @@
+#pragma once
+/// \file
+/// Records by their place in a file.
+
+#include "mcap/byte_source.hpp"
+#include "mcap/contents.hpp"
+#include "mcap/decoder.hpp"
+
+#include <memory>
+
+namespace sonopose::mcap {
+
+// Limits of what is held in memory. A file that exceeds them is refused, with the place and the limit.
+inline constexpr std::uint64_t most_record_bytes = 256U << 20U;
+inline constexpr std::uint64_t most_chunk_bytes = 256U << 20U;  ///< of its decompressed records
+
+/// The records of a block, and where its messages are in them.
+struct LoadedBlock {
+  struct Item {
+    std::uint64_t log_time_ns = 0;
+    std::uint32_t offset = 0;  ///< of the content
+    std::uint32_t size = 0;    ///< of the content
+    std::uint16_t channel_id = 0;
+  };
+  Bytes records;
+  std::vector<Item> messages;  ///< in the order of the file
+  std::vector<Schema> schemas;
+  std::vector<Channel> channels;
+
+  [[nodiscard]] Message message(const Item& item) const;
+};
+
+/// Reads any record of a file. Every length is checked before memory is allocated for it.
+class RecordFile {
+public:
+  explicit RecordFile(std::unique_ptr<ByteSource> source) : source_{std::move(source)} {}
+
+  [[nodiscard]] const std::string& name() const { return source_->name(); }
+  [[nodiscard]] std::uint64_t size() const { return source_->size(); }
+  [[nodiscard]] Place place(std::uint64_t offset) const { return {name(), offset, {}}; }
+
+  /// `count` bytes from `offset` on. Throws FormatError if the file has fewer or there are more than the
+  /// limit.
+  [[nodiscard]] Bytes bytes(std::uint64_t offset, std::uint64_t count) const;
+  /// The opcode and the length of the record at `offset`, which ends at `end` or before.
+  [[nodiscard]] Prefix prefix(std::uint64_t offset, std::uint64_t end) const;
+  /// The content of the record at `offset`, which must be of that kind.
+  [[nodiscard]] Bytes content(std::uint64_t offset, Opcode opcode) const;
+
+  /// Reads, decompresses and checks a block. Throws FormatError. A cut block has the messages before the cut.
+  [[nodiscard]] LoadedBlock load(const Block& block) const;
+
+private:
+  [[nodiscard]] LoadedBlock load_chunk(const Block& block) const;
+
+  std::unique_ptr<ByteSource> source_;
+};
+
+}  // namespace sonopose::mcap

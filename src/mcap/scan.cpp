@@ -1,0 +1,181 @@
+#include "mcap/scan.hpp"
+
+#include "mcap/compression.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace sonopose::mcap {
+
+namespace {
+
+/// Records outside of chunks are read together up to this size.
+constexpr std::uint64_t plain_block_bytes = 4U << 20U;
+
+constexpr std::size_t most_damages = 100;
+
+class Scan {
+public:
+  explicit Scan(const RecordFile& file) : file_{file} {}
+
+  Contents run() {
+    const Header header = read_header(file_);
+    contents_.profile = header.profile;
+    contents_.library = header.library;
+    at_ = magic.size() + file_.prefix(magic.size(), file_.size()).record_length();
+    try {
+      while (next_record()) {
+      }
+    } catch (const FormatError& error) {
+      add_damage(error.what());  // where the next record begins is not known
+    }
+    end_plain();
+    finish();
+    return std::move(contents_);
+  }
+
+private:
+  /// Returns false behind the data section.
+  bool next_record() {
+    if (at_ == file_.size()) file_.place(at_).fail("the file ends without DataEnd and Footer: it was cut");
+    if (is_cut_chunk()) return false;
+    const Prefix prefix = file_.prefix(at_, file_.size());
+    try {
+      visit(prefix);
+    } catch (const FormatError& error) {
+      add_damage(error.what());
+    }
+    at_ += prefix.record_length();
+    return prefix.opcode != Opcode::data_end && prefix.opcode != Opcode::footer;
+  }
+
+  /// The last chunk of a file that was cut: what it has before the cut.
+  bool is_cut_chunk() {
+    if (file_.size() - at_ < record_prefix_bytes) return false;
+    const Bytes start = file_.bytes(at_, record_prefix_bytes);
+    const std::uint64_t rest = file_.size() - at_;
+    if (start[0] != static_cast<std::byte>(Opcode::chunk)) return false;
+    if (load<std::uint64_t>(start.data() + 1) <= rest - record_prefix_bytes) return false;
+    add_damage(file_.place(at_).text() + ": the file ends in this chunk: it was cut");
+    end_plain();
+    try {
+      add_block({Block::Kind::cut, at_, rest, {}, {}});
+    } catch (const FormatError&) {  // NOLINT(bugprone-empty-catch): nothing of it can be used
+    }
+    return true;
+  }
+
+  void visit(const Prefix& prefix) {
+    const bool is_plain = prefix.opcode == Opcode::message || prefix.opcode == Opcode::schema ||
+                          prefix.opcode == Opcode::channel;
+    if (!is_plain) end_plain();
+    switch (prefix.opcode) {
+      case Opcode::message:
+      case Opcode::schema:
+      case Opcode::channel:
+        extend_plain(prefix);
+        break;
+      case Opcode::chunk:
+        ++contents_.statistics.chunk_count;
+        add_block({Block::Kind::chunk, at_, prefix.record_length(), {}, {}});
+        break;
+      case Opcode::metadata:
+        std::ignore =
+            decode_metadata(Fields(file_.content(at_, Opcode::metadata), Opcode::metadata, file_.place(at_)));
+        contents_.metadata_offsets.push_back(at_);
+        break;
+      case Opcode::attachment:
+        ++contents_.statistics.attachment_count;
+        break;
+      default:
+        break;
+    }
+  }
+
+  void extend_plain(const Prefix& prefix) {
+    if (plain_.length + prefix.record_length() > plain_block_bytes) end_plain();
+    if (plain_.length == 0) plain_.offset = at_;
+    plain_.length += prefix.record_length();
+  }
+
+  void end_plain() {
+    if (plain_.length == 0) return;
+    const Block block = std::exchange(plain_, Block{Block::Kind::plain, 0, 0, {}, {}});
+    try {
+      add_block(block);
+    } catch (const FormatError& error) {
+      add_damage(error.what());
+    }
+  }
+
+  void add_block(Block block) {
+    const LoadedBlock loaded = file_.load(block);
+    for (const Schema& schema : loaded.schemas) add_definition(contents_.schemas, schema, "schema", block);
+    for (const Channel& channel : loaded.channels) {
+      add_definition(contents_.channels, channel, "channel", block);
+    }
+    if (loaded.messages.empty()) return;
+    require_channels(loaded, block);
+    std::set<std::uint16_t> channels;
+    Statistics& statistics = contents_.statistics;
+    for (const LoadedBlock::Item& item : loaded.messages) {
+      block.log_times.include(item.log_time_ns);
+      channels.insert(item.channel_id);
+      ++statistics.channel_message_counts[item.channel_id];
+    }
+    block.channels.assign(channels.begin(), channels.end());
+    statistics.message_count += loaded.messages.size();
+    statistics.log_times.include(block.log_times);
+    contents_.blocks.push_back(std::move(block));
+  }
+
+  template <class Definition>
+  void add_definition(std::map<std::uint16_t, Definition>& known, const Definition& definition,
+                      std::string_view what, const Block& block) {
+    const auto [place, is_new] = known.emplace(definition.id, definition);
+    if (is_new || place->second == definition) return;
+    add_damage(file_.place(block.offset).text() + ": " + std::string(what) + " " +
+               std::to_string(definition.id) + " differs from the one of this id before; the first is used");
+  }
+
+  void require_channels(const LoadedBlock& loaded, const Block& block) const {
+    for (const LoadedBlock::Item& item : loaded.messages) {
+      if (contents_.channels.contains(item.channel_id)) continue;
+      file_.place(block.offset)
+          .fail("a message has channel " + std::to_string(item.channel_id) + ", which is not defined before");
+    }
+  }
+
+  void add_damage(std::string text) {
+    if (contents_.damages.size() < most_damages) contents_.damages.push_back(std::move(text));
+  }
+
+  void finish() {
+    Statistics& statistics = contents_.statistics;
+    statistics.schema_count = static_cast<std::uint16_t>(contents_.schemas.size());
+    statistics.channel_count = static_cast<std::uint32_t>(contents_.channels.size());
+    statistics.metadata_count = static_cast<std::uint32_t>(contents_.metadata_offsets.size());
+  }
+
+  const RecordFile& file_;
+  std::uint64_t at_ = 0;
+  Block plain_{Block::Kind::plain, 0, 0, {}, {}};
+  Contents contents_;
+};
+
+}  // namespace
+
+Header read_header(const RecordFile& file) {
+  const auto expected = std::as_bytes(std::span(magic));
+  if (file.size() < magic.size() || !std::ranges::equal(file.bytes(0, magic.size()), expected)) {
+    file.place(0).fail("is not an MCAP file: it does not begin with the magic bytes of version 0");
+  }
+  const Bytes content = file.content(magic.size(), Opcode::header);
+  return decode_header(Fields(content, Opcode::header, file.place(magic.size())));
+}
+
+Contents scan(const RecordFile& file) {
+  return Scan(file).run();
+}
+
+}  // namespace sonopose::mcap
