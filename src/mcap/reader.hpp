@@ -57,7 +57,7 @@ struct Selection {
   };
   enum class Damaged { refuse, skip };
 
-  std::function<bool(const Channel&)> channel;                       ///< empty: all
+  std::function<bool(const Channel&)> channel = {};                  ///< empty: all
   std::uint64_t start_ns = 0;                                        ///< log times from here
   std::uint64_t end_ns = std::numeric_limits<std::uint64_t>::max();  ///< to here, inclusive
   Order order = Order::log_time;

@@ -14,7 +14,7 @@
 namespace sonopose::mcap {
 
 struct WriterOptions {
-  std::string profile;  ///< a well-known profile such as `ros2`; empty: none
+  std::string profile = {};  ///< a well-known profile such as `ros2`; empty: none
   std::string library = "sonopose";
   Compression compression = Compression::lz4;
   std::size_t chunk_size_bytes = 1U << 20U;  ///< a chunk of write(Message) ends when it has that many
