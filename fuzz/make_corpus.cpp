@@ -4,6 +4,8 @@
 #include "cdr_type.hpp"
 #include "marvelmind/disassembler.hpp"
 #include "marvelmind/encoder.hpp"
+#include "mcap/encoder.hpp"
+#include "mcap/writer.hpp"
 #include "recording/log_columns.hpp"
 #include "recording/log_writer.hpp"
 #include "sim/scenario.hpp"
@@ -125,6 +127,36 @@ void write_log(const fs::path& corpus) {
   write(corpus / "log_folder" / "kart", {bytes, text.size()});
 }
 
+// MCAP
+
+/// The bytes of a file.
+class MemorySink final : public mcap::ByteSink {
+public:
+  void append(std::span<const std::byte> bytes) override { mcap::put_bytes(content, bytes); }
+  void reserve(std::uint64_t) override {}
+
+  mcap::Bytes content;
+};
+
+/// A small file of each compression, and one that was cut.
+void write_mcap(const fs::path& folder) {
+  for (const auto compression : {mcap::Compression::none, mcap::Compression::lz4, mcap::Compression::zstd}) {
+    MemorySink sink;
+    mcap::Writer writer(sink, {.compression = compression});
+    const auto channel = writer.add_channel(writer.add_schema("S", "omgidl", "struct S {};"), "t", "cdr");
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      writer.write({channel, i, 100 - i, 90, std::as_bytes(std::span("sample sample"))});
+      if (i % 2 == 1) writer.end_chunk();
+    }
+    writer.write_metadata({"m", {{"a", "b"}}});
+    writer.close();
+    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(sink.content.data());
+    const std::string name(compression == mcap::Compression::none ? "plain" : name_of(compression));
+    write(folder / name, {bytes, sink.content.size()});
+    write(folder / (name + "_cut"), {bytes, sink.content.size() / 3});
+  }
+}
+
 // DDS
 
 /// Byte 0 of the input of the fuzzers of serialized samples, then a sample.
@@ -189,6 +221,7 @@ int main(int argc, char** argv) {
   const fs::path corpus = argv[1];
   write_marvelmind(corpus);
   write_log(corpus);
+  write_mcap(corpus / "mcap");
   write_dds_samples(corpus / "dds_samples");
   write_ros2_messages(corpus / "ros2_messages");
 }

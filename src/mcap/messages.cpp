@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <queue>
 #include <set>
+#include <utility>
 
 namespace sonopose::mcap {
 

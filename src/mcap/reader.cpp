@@ -4,6 +4,8 @@
 #include "mcap/scan.hpp"
 #include "mcap/summary.hpp"
 
+#include <utility>
+
 namespace sonopose::mcap {
 
 namespace {

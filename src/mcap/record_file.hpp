@@ -7,6 +7,7 @@
 #include "mcap/decoder.hpp"
 
 #include <memory>
+#include <utility>
 
 namespace sonopose::mcap {
 

@@ -4,6 +4,7 @@
 #include "mcap/scan.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace sonopose::mcap {
 
