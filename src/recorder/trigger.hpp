@@ -69,7 +69,4 @@ private:
   std::bitset<all_beacons + 1UL> was_good_;
 };
 
-/// The status in a serialized pose; 0 if the bytes are too few.
-std::uint32_t status_in(std::span<const std::byte> pose);
-
 }  // namespace sonopose::recorder

@@ -50,7 +50,7 @@ TEST_CASE("Its readers and writers match the typed ones of every topic") {
     auto typed_reader = topics::make_reader(member, qos, entry);
     const auto typed_writer = topics::make_writer(member, qos, entry);
     auto reader = topic->make_reader(member, qos, nullptr);
-    const auto writer = topic->make_writer(member, qos);
+    const auto writer = topic->make_writer(member, qos, topics::Delivery::live);
     CHECK(matched(typed_reader, 2));
     CHECK(wait_for(reader, StatusMask::subscription_matched(),
                    [&] { return reader.subscription_matched_status().current_count == 2; }));
@@ -97,6 +97,44 @@ TEST_CASE("The key of an instance has its fields by name") {
     CHECK(topics::find_topic("line_status")->key_fields(key.bytes().first(8)).empty());
     CHECK(topics::find_topic("line_status")->key_fields({}).empty());
   }
+}
+
+TEST_CASE("The times of a sample move, and nothing else") {
+  const DomainParticipant member = participant();
+  const qos::Provider qos = project_qos();
+  auto reader = topics::make_reader(member, qos, topics::line_status);
+  auto before = topics::find_topic("line_status")->make_reader(member, qos, nullptr);
+  auto writer = topics::make_writer(member, qos, topics::line_status);
+  sonopose_LineStatus line{};
+  std::string("/dev/ttyACM0").copy(line.name, sizeof line.name - 1);
+  line.bridge_id = 5;
+  line.time = 1'600'000'000'000'000'001;
+  writer.write(line);
+  std::vector<std::byte> bytes;
+  REQUIRE(wait_for(before, StatusMask::data_available(), [&] {
+    before.try_take_each(
+        [&](SerializedSample&& sample, const SampleInfo&) {
+          bytes.assign(sample.bytes().begin(), sample.bytes().end());
+        },
+        [](SerializedSample&&, const SampleInfo&) {});
+    return !bytes.empty();
+  }));
+  REQUIRE(take_samples(reader, 1).size() == 1);
+  REQUIRE(topics::find_topic("line_status")->shift_times(bytes, -1'000));
+  topics::find_topic("line_status")->make_writer(member, qos, topics::Delivery::live).forward(bytes, 1);
+  const auto lines = take_samples(reader, 1);
+  REQUIRE(lines.size() == 1);
+  CHECK(lines[0].time == 1'599'999'999'999'999'001);
+  CHECK(lines[0].bridge_id == 5);
+  CHECK(std::string(lines[0].name) == "/dev/ttyACM0");
+  CHECK_FALSE(topics::find_topic("line_status")->shift_times(std::span(bytes).first(10), 1));
+
+  // A command has no time; the other byte order stays.
+  std::vector<std::byte> heading(4 + 24);
+  heading[4 + 23] = std::byte{1};  // sonopose/estimate, big-endian: address, fusion_id, time = 1
+  topics::find_topic("estimate")->shift_times(heading, 255);
+  CHECK(heading[4 + 23] == std::byte{0});
+  CHECK(heading[4 + 22] == std::byte{1});
 }
 
 }  // namespace sonopose::dds::test::serialized_topics_test

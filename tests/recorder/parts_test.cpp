@@ -89,8 +89,8 @@ std::vector<std::byte> pose_cdr(std::uint16_t address, std::uint32_t status) {
 TEST_CASE("A status that turns bad is a trigger, once for each time") {
   Trigger trigger;
   BadStatusTrigger poses(trigger);
-  CHECK(status_in(pose_cdr(7, 0x01020304)) == 0x01020304);
-  CHECK(status_in({}) == 0);
+  CHECK(dds::topics::status_of_pose(pose_cdr(7, 0x01020304)) == 0x01020304);
+  CHECK(dds::topics::status_of_pose({}) == 0);
   poses.on_sample(pose_cdr(7, sonopose_STATUS_STALE));
   CHECK(trigger.take() == TriggerCause::none);  // it was never good
   poses.on_sample(pose_cdr(7, sonopose_STATUS_INITIALISING));

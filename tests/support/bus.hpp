@@ -41,6 +41,9 @@ public:
   std::unique_ptr<Process> monitor(const Arguments& arguments) const {
     return start(SONOPOSE_TEST_MONITOR, arguments);
   }
+  std::unique_ptr<Process> play(const Arguments& arguments) const {
+    return start(SONOPOSE_TEST_PLAY, arguments);
+  }
   std::unique_ptr<Process> record(const Arguments& arguments) const {
     return start(SONOPOSE_TEST_RECORD, arguments);
   }

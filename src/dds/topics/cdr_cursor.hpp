@@ -25,6 +25,10 @@ public:
     greatest_alignment_ = identifier < first_of_version_2 ? 8 : 4;
   }
 
+  /// Where the last number is in the bytes, from their begin on.
+  [[nodiscard]] std::size_t offset_of_last() const { return header_size + last_; }
+  [[nodiscard]] bool is_little_endian() const { return is_little_endian_; }
+
   /// False from the first value on that is not there.
   [[nodiscard]] bool is_good() const { return good_; }
 
@@ -33,6 +37,7 @@ public:
   Value read() {
     const std::size_t alignment = std::min(sizeof(Value), greatest_alignment_);
     at_ = (at_ + alignment - 1) / alignment * alignment;
+    last_ = at_;
     std::array<std::byte, sizeof(Value)> raw{};
     if (!take(raw)) return 0;
     if (is_little_endian_ != (std::endian::native == std::endian::little))
@@ -64,6 +69,7 @@ private:
 
   std::span<const std::byte> bytes_;
   std::size_t at_ = 0;  ///< after the header, from where alignment counts
+  std::size_t last_ = 0;
   std::size_t greatest_alignment_ = 8;
   bool is_little_endian_ = false;
   bool good_ = false;

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <iterator>
 #include <string_view>
 #include <tuple>
 #include <type_traits>
@@ -28,18 +30,67 @@ SerializedReader make_reader_of(const DomainParticipant& participant, const qos:
 }
 
 template <std::size_t I>
-SerializedWriter make_writer_of(const DomainParticipant& participant, const qos::Provider& qos) {
+SerializedWriter make_writer_of(const DomainParticipant& participant, const qos::Provider& qos,
+                                Delivery delivery) {
   constexpr auto entry = std::get<I>(all);
   using T = typename decltype(entry)::Type;
-  const Topic<T> topic(participant, entry.name, qos.topic_qos(entry.profile));
-  Qos writer_qos = qos.datawriter_qos(entry.profile);
-  // The lease of the reader's profile, which a live fusion's is shorter than: nobody asserts this one.
-  writer_qos << policy::WriterDataLifecycle{false}
-             << qos.datareader_qos(entry.profile)
-                    .template policy<policy::Liveliness>()
-                    .value_or(policy::Liveliness{});
+  const char* profile = profile_of(entry, delivery);
+  const Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
+  Qos writer_qos = qos.datawriter_qos(profile);
+  // The lease that a reader asks for: longer than that of a live fusion, which asserts its own.
+  const auto lease = qos.datareader_qos(profile).template policy<policy::Liveliness>();
+  writer_qos << policy::WriterDataLifecycle{false} << lease.value_or(policy::Liveliness{});
   join_partition(writer_qos, participant);
   return SerializedWriter(participant, topic, writer_qos);
+}
+
+template <std::size_t Size>
+using UnsignedOf = std::conditional_t<
+    Size == 8, std::uint64_t,
+    std::conditional_t<Size == 4, std::uint32_t, std::conditional_t<Size == 2, std::uint16_t, std::uint8_t>>>;
+
+/// Reads over a value of a final type. `on_number(name, value, raw)` is called for each number with the name
+/// of its field, an instance of its type, and its bits. False at the first sequence, and if bytes are
+/// missing.
+template <class Value, class OnNumber>
+bool walk(CdrCursor& cursor, const char* name, const Value& value, const OnNumber& on_number) {
+  if constexpr (std::is_array_v<Value> && std::is_same_v<std::remove_extent_t<Value>, char>) {
+    cursor.read_string();
+    return cursor.is_good();
+  } else if constexpr (std::is_array_v<Value>) {
+    return std::all_of(std::begin(value), std::end(value),
+                       [&](const auto& element) { return walk(cursor, name, element, on_number); });
+  } else if constexpr (std::is_arithmetic_v<Value>) {
+    const auto raw = cursor.read<UnsignedOf<sizeof(Value)>>();
+    if (cursor.is_good()) on_number(name, value, raw);
+    return cursor.is_good();
+  } else if constexpr (requires { value._buffer; }) {
+    return false;
+  } else {
+    bool goes_on = true;
+    idl::visit_fields(value, [&](const char* field_name, const auto& field) {
+      goes_on = goes_on && walk(cursor, field_name, field, on_number);
+    });
+    return goes_on;
+  }
+}
+
+/// In the IDL, every signed number of 64 bits is a time. No time follows a sequence.
+template <std::size_t I>
+bool shift_times_of(std::span<std::byte> sample, TimeNs shift_ns) {
+  using T = typename std::tuple_element_t<I, std::remove_const_t<decltype(all)>>::Type;
+  CdrCursor cursor(sample);
+  walk(cursor, "", T{}, [&]<class Number>(const char* /*name*/, Number /*value*/, std::uint64_t raw) {
+    if constexpr (std::is_same_v<Number, std::int64_t>) {
+      const TimeNs moved = saturated_sum(std::bit_cast<std::int64_t>(raw), shift_ns);
+      auto bytes = std::bit_cast<std::array<std::byte, sizeof(TimeNs)>>(moved);
+      const bool is_native = cursor.is_little_endian() == (std::endian::native == std::endian::little);
+      if (!is_native) std::reverse(bytes.begin(), bytes.end());
+      const auto place = sample.subspan(cursor.offset_of_last(), bytes.size());
+      std::copy(bytes.begin(), bytes.end(), place.begin());
+    }
+  });
+  return cursor.is_good();
 }
 
 /// Whether a field is a part of the key of T.
@@ -80,8 +131,15 @@ SerializedTopic row() {
     sample.address;
   };
   const dds_topic_descriptor_t& type = TopicTraits<T>::descriptor();
-  return {entry.name,        type.m_typename,   has_beacon,       has_beacon && type.m_nkeys == 1,
-          make_reader_of<I>, make_writer_of<I>, key_fields_of<I>, is_latched_of<I>};
+  return {.name = entry.name,
+          .type_name = type.m_typename,
+          .has_beacon = has_beacon,
+          .has_beacon_key = has_beacon && type.m_nkeys == 1,
+          .make_reader = make_reader_of<I>,
+          .make_writer = make_writer_of<I>,
+          .shift_times = shift_times_of<I>,
+          .key_fields = key_fields_of<I>,
+          .is_latched = is_latched_of<I>};
 }
 
 template <std::size_t... I>
@@ -106,6 +164,15 @@ const SerializedTopic* find_topic(const std::string& name) {
     return short_name(topic.name) == short_name(name);
   });
   return found == topics.end() ? nullptr : &*found;
+}
+
+std::uint32_t status_of_pose(std::span<const std::byte> sample) {
+  CdrCursor cursor(sample);
+  std::uint32_t status = 0;
+  walk(cursor, "", sonopose_FusedPose{}, [&](const char* name, auto /*value*/, std::uint64_t raw) {
+    if (std::string_view(name) == "status") status = static_cast<std::uint32_t>(raw);
+  });
+  return status;
 }
 
 std::optional<BeaconAddress> beacon_of(std::span<const std::byte> sample) {

@@ -4,7 +4,9 @@
 
 #include <sonopose/dds/binding/serialized.hpp>
 #include <sonopose/dds/qos/provider.hpp>
+#include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/samples/samples.hpp>
+#include <sonopose/samples/time.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -34,9 +36,12 @@ struct SerializedTopic {
   /// A reader with the live profile, but without a deadline. `listener` must outlive it.
   SerializedReader (*make_reader)(const DomainParticipant& participant, const qos::Provider& qos,
                                   DataReaderListener<Serialized>* listener);
-  /// A writer with the live profile that forwards what others have written: with an automatic lease, and it
-  /// does not dispose of an instance that it is told to unregister.
-  SerializedWriter (*make_writer)(const DomainParticipant& participant, const qos::Provider& qos);
+  /// A writer that forwards what others have written: with an automatic lease, and it does not dispose of an
+  /// instance that it is told to unregister.
+  SerializedWriter (*make_writer)(const DomainParticipant& participant, const qos::Provider& qos,
+                                  Delivery delivery);
+  /// Moves every time in a sample, in place. False if the bytes are not of the type.
+  bool (*shift_times)(std::span<std::byte> sample, TimeNs shift_ns);
   /// The fields of a serialized key; empty if the bytes are not one.
   std::vector<KeyField> (*key_fields)(std::span<const std::byte> key);
   /// Whether a late reader receives the latest sample of each instance.
@@ -54,5 +59,8 @@ const SerializedTopic* find_topic(const std::string& name);
 
 /// The beacon of a sample or a key of a topic with beacons; empty if the bytes are too few.
 std::optional<BeaconAddress> beacon_of(std::span<const std::byte> sample);
+
+/// The status in a serialized pose; 0 if the bytes are too few.
+std::uint32_t status_of_pose(std::span<const std::byte> sample);
 
 }  // namespace sonopose::dds::topics
