@@ -28,7 +28,7 @@ struct Options {
 
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& what, Options& options) {
   CLI::App* const command = app.add_subcommand(name, what);
-  command->add_option("LOG", options.log, "Sensor-log folder; only imu.csv is read")
+  command->add_option("LOG", options.log, "Sensor-log folder, of which only imu.csv is read, or MCAP file")
       ->required()
       ->type_name("DIR");
   command->add_flag("--json", options.json, "Print one JSON object instead of text");

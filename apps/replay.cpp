@@ -1,12 +1,12 @@
 // sonopose-replay: runs the fusion engine over a sensor-log folder, without DDS and without a clock.
 
+#include "bus_log/sensor_log.hpp"
 #include "evaluation/output_folder.hpp"
 #include "evaluation/report.hpp"
 #include "evaluation/run.hpp"
 #include "evaluation/smoothed_run.hpp"
 #include "evaluation/state_file.hpp"
 #include "plots/plot.hpp"
-#include "recording/log_folder.hpp"
 #include "support/progress.hpp"
 #include "support/replay_options.hpp"
 #include "support/run.hpp"
@@ -72,7 +72,7 @@ int compare(const CLI::App& app, const apps::ReplayOptions& options) {
     configs.push_back(configuration(app, one));
   }
   const auto reading = Clock::now();
-  const recording::SensorLog log = recording::read_sensor_log(options.log, options.beacon);
+  const recording::SensorLog log = bus_log::read_sensor_log(options.log, options.beacon);
   evaluation::Timing timing;
   timing.reading_s = seconds_since(reading);
   std::optional<plots::Plot> plot;
@@ -101,7 +101,7 @@ int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
 
   evaluation::Timing timing;
   const auto reading = Clock::now();
-  const recording::SensorLog log = recording::read_sensor_log(options.log, options.beacon);
+  const recording::SensorLog log = bus_log::read_sensor_log(options.log, options.beacon);
   timing.reading_s = seconds_since(reading);
   run.settings = config.for_beacon(log.address);
   if (run.start) evaluation::check_fits(*run.start, log, options.load_state->string());

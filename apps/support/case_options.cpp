@@ -12,8 +12,9 @@
 namespace sonopose::apps {
 
 void add_case_options(CLI::App& app, CaseOptions& options) {
-  app.add_option("CASE", options.named,
-                 "Scenarios, and folders with recordings (default: all scenarios but the harder ones)")
+  app.add_option(
+         "CASE", options.named,
+         "Scenarios, and recordings: folders or MCAP files (default: all scenarios but the harder ones)")
       ->type_name("");
   app.add_flag("--harder", options.harder,
                "Score the harder scenarios, which differ from run to run, and CASE if any");
@@ -71,7 +72,9 @@ void for_each_case(const CaseOptions& options, const std::function<void(std::vec
   std::vector<std::filesystem::path> recordings;
   for (const std::string& name : options.named) {
     // A folder with the name of a scenario needs a slash: ./walk.
-    if (!is_scenario(name) && std::filesystem::exists(name)) {
+    if (!is_scenario(name) && std::filesystem::is_regular_file(name)) {
+      recordings.emplace_back(name);
+    } else if (!is_scenario(name) && std::filesystem::exists(name)) {
       add_recordings(name, recordings);
     } else {
       chosen.push_back(&scenario_named(name));

@@ -46,8 +46,10 @@ void add_beacon_option(CLI::App& app, BeaconAddress& beacon) {
 }
 
 void add_beacon_option(CLI::App& app, std::optional<BeaconAddress>& beacon) {
-  app.add_option("--beacon", beacon,
-                 "Beacon whose own settings apply (default: the one in meta.toml of the log, else 7)")
+  app.add_option(
+         "--beacon", beacon,
+         "Beacon whose own settings apply, and which is read from an MCAP file of several (default: the one "
+         "in meta.toml of the log, else 7)")
       ->check(CLI::Range(0, 65534));
 }
 

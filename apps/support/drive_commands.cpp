@@ -57,7 +57,9 @@ DriveCommands::DriveCommands(CLI::App& app) {
 
 void DriveCommands::add(CLI::App& app, const char* name, const char* what, std::vector<Quantity> wanted) {
   CLI::App* const command = app.add_subcommand(name, what);
-  command->add_option("LOG", logs_, "Sensor-log folders of one installation; no ground truth is needed")
+  command
+      ->add_option("LOG", logs_,
+                   "Sensor-log folders or MCAP files of one installation; no ground truth is needed")
       ->required()
       ->type_name("DIR");
   command

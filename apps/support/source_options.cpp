@@ -20,10 +20,12 @@ const std::string& required_input(const SourceOptions& options) {
 
 void add_source_options(CLI::App& app, SourceOptions& options) {
   app.option_defaults()->group(source_group);
-  app.add_option("--source", options.source, "Source of the samples: sim, log, stream, serial or udp")
-      ->check(CLI::IsMember({"sim", "log", "stream", "serial", "udp"}))
+  app.add_option("--source", options.source, "Source of the samples: sim, log or mcap, stream, serial or udp")
+      ->check(CLI::IsMember({"sim", "log", "mcap", "stream", "serial", "udp"}))
+      ->transform([](const std::string& name) { return name == "mcap" ? std::string("log") : name; })
       ->capture_default_str();
-  app.add_option("--input", options.input, "Sensor-log folder (log) or file of raw beacon bytes (stream)")
+  app.add_option("--input", options.input,
+                 "Sensor-log folder (log), recording of the bus (mcap) or file of raw beacon bytes (stream)")
       ->type_name("PATH");
   app.add_option("--rate", options.rate,
                  "Speed of sim, log and stream: 1 is real time, 0 is as fast as the readers accept")
@@ -31,7 +33,9 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
       ->capture_default_str();
   app.add_flag("--restamp", options.restamp, "Shift the time stamps of a log so that it starts now");
   app.add_option("--address", options.address,
-                 "Beacon address of sim and log (default: the one in meta.toml of a log, else 7)")
+                 "Beacon address of sim and log (default: the one in meta.toml of a log, else 7); with mcap, "
+                 "the beacon "
+                 "that is read, if the recording has several")
       ->check(CLI::Range(0, 65534));
   app.add_option("--beacons", options.sim.beacons,
                  "Number of beacons of sim, each with the next address and seed")

@@ -2,8 +2,8 @@
 
 #include "bridge/pacer.hpp"
 #include "bridge/shifted.hpp"
+#include "bus_log/sensor_log.hpp"
 #include "clocks/clocks.hpp"
-#include "recording/log_folder.hpp"
 
 namespace sonopose::bridge {
 namespace {
@@ -13,7 +13,7 @@ public:
   explicit LogSource(const LogOptions& options)
       : pacer_(options.rate),
         restamp_(options.restamp),
-        log_(recording::read_sensor_log(options.folder, options.address)) {}
+        log_(bus_log::read_sensor_log(options.folder, options.address)) {}
 
   [[nodiscard]] bool is_recording() const override { return true; }
 

@@ -1,5 +1,6 @@
 #include "evaluation/allan.hpp"
 
+#include "bus_log/sensor_log.hpp"
 #include "evaluation/calibration.hpp"
 #include "recording/log_folder.hpp"
 #include <sonopose/geometry/rotation.hpp>
@@ -18,7 +19,7 @@ std::string cell(const std::optional<double>& value, double factor = 1.0) {
 }  // namespace
 
 AllanResult analyse_allan(const std::filesystem::path& log) {
-  const auto imu = recording::read_imu_log(log);
+  const auto imu = bus_log::read_imu_log(log);
   try {
     return {log, imu.size(), calibration::fit::analyse_allan(imu)};
   } catch (const calibration::fit::CalibrationError& error) {

@@ -1,5 +1,6 @@
 #include "evaluation/calibration.hpp"
 
+#include "bus_log/sensor_log.hpp"
 #include "files/csv_writer.hpp"
 #include "files/replacement.hpp"
 #include "recording/log_folder.hpp"
@@ -32,7 +33,7 @@ void find_still(const std::vector<ImuSample>& imu, CalibrationResult& result) {
 /// Adds the file name to a CalibrationError of `work`.
 template <class Work>
 CalibrationResult from_log(const fs::path& log, const Work& work) {
-  const auto imu = recording::read_imu_log(log);
+  const auto imu = bus_log::read_imu_log(log);
   try {
     CalibrationResult result = summary_of(log, imu);
     work(imu, result);

@@ -1,5 +1,6 @@
 #include "evaluation/cases.hpp"
 
+#include "bus_log/sensor_log.hpp"
 #include "files/missing.hpp"
 #include "sim/simulator.hpp"
 
@@ -21,11 +22,11 @@ Case simulated_case(const sim::Scenario& scenario, std::uint64_t seed) {
           .relocations = drawn.disturbances.relocations};
 }
 
-Case recorded_case(const std::filesystem::path& folder) {
-  recording::SensorLog log = recording::read_sensor_log(folder);
-  if (log.events.empty()) throw files::IoError(folder.string() + ": has no samples");
+Case recorded_case(const std::filesystem::path& recording) {
+  sonopose::recording::SensorLog log = bus_log::read_sensor_log(recording);
+  if (log.events.empty()) throw files::IoError(recording.string() + ": has no samples");
   Case test_case;
-  test_case.name = folder.string();
+  test_case.name = recording.string();
   test_case.events = std::move(log.events);
   test_case.truth = std::move(log.truth);
   test_case.wheel_speeds = std::move(log.wheel_speeds);

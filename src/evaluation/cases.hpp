@@ -28,7 +28,7 @@ struct Case {
 Case simulated_case(const sim::Scenario& scenario, std::uint64_t seed);
 
 /// A sensor-log folder, named by its path. Throws files::IoError, also if it has no samples.
-Case recorded_case(const std::filesystem::path& folder);
+Case recorded_case(const std::filesystem::path& recording);
 
 /// The recordings at or below a folder, in alphabetical order.
 struct FoundRecordings {

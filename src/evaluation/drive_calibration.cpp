@@ -1,5 +1,6 @@
 #include "evaluation/drive_calibration.hpp"
 
+#include "bus_log/sensor_log.hpp"
 #include "recording/log_folder.hpp"
 
 #include <fmt/format.h>
@@ -40,7 +41,7 @@ DriveCalibration calibrate_drive(const DriveRequest& request) {
   result.has_fixed_delay = request.settings.delay.source == settings::DelaySource::fixed;
   std::vector<std::vector<Event>> recordings;
   for (const auto& log : request.logs) {
-    recordings.push_back(recording::read_sensor_log(log).events);
+    recordings.push_back(bus_log::read_sensor_log(log).events);
     if (recordings.back().empty()) throw CalibrationError(log.string() + ": has no samples");
     result.duration_s += seconds_between(available_at_ns(recordings.back().front()),
                                          available_at_ns(recordings.back().back()));

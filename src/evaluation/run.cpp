@@ -1,7 +1,7 @@
 #include "evaluation/run.hpp"
 
+#include "estimation/digest.hpp"
 #include "evaluation/comparison.hpp"
-#include "evaluation/digest.hpp"
 #include <sonopose/estimation/snapshot_fields.hpp>
 
 #include <algorithm>
@@ -66,7 +66,7 @@ private:
   const Observer& observer_;
   Comparison comparison_;
   PredictionErrors prediction_;
-  Digest digest_;
+  estimation::Digest digest_;
   RunResult result_;
 };
 
@@ -130,6 +130,7 @@ RunResult run_through(const recording::SensorLog& log, const RunOptions& options
     if (!first_ns) first_ns = now_ns;
     last_ns = std::max(last_ns, now_ns);
   }
+  estimator.catch_up();  // as the fusion does after each event
   if (first_ns) result.duration_s = seconds_between(*first_ns, last_ns);
   result.end = {.snapshot = estimator.snapshot(),
                 .sequence = last_sequence,

@@ -56,6 +56,7 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
     watch_.on(*report, pending_);
   } else if (const auto* pose = std::get_if<FusedPose>(&outcome.result)) {
     watch_.on(*pose, pending_);
+    poses_.add(*pose);
   }
   return outcome;
 }
@@ -115,6 +116,13 @@ Estimate BeaconEstimator::estimate() const {
   Estimate estimate = estimator_.estimate();
   estimate.address = counted_.address;
   return estimate;
+}
+
+std::string BeaconEstimator::state_hash() {
+  estimator_.catch_up();
+  estimation::Digest digest = poses_;
+  digest.add(estimator_.snapshot());
+  return digest.text();
 }
 
 std::optional<collation::LosslessCollator::Gap> BeaconEstimator::gap() const {

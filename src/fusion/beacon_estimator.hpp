@@ -3,6 +3,7 @@
 /// One beacon in the fusion: its estimator, the order of its events, the changes of its settings, and the
 /// state of its inputs.
 
+#include "estimation/digest.hpp"
 #include "fusion/fix_refusals.hpp"
 #include "fusion/settings_timeline.hpp"
 #include "process/heard.hpp"
@@ -92,6 +93,9 @@ public:
   /// What the estimator has learned about the sensors.
   [[nodiscard]] Estimate estimate() const;
 
+  /// The digest of every pose and of the present state, as a replay of the same events gives it.
+  [[nodiscard]] std::string state_hash();
+
   /// What the user has to know about refused fixes (see FixRefusals). Call it once a second.
   std::optional<std::string> fix_refusals(SteadyTime now) { return refusals_.update(now); }
 
@@ -113,6 +117,7 @@ private:
   std::uint64_t bridge_ = 0;  ///< that sent the latest IMU sample
   std::optional<SteadyTime> bridge_lost_at_;
   FixRefusals refusals_;
+  estimation::Digest poses_;
   transitions::PoseWatch watch_;
   transitions::Pending pending_;
 };

@@ -31,6 +31,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -38,6 +39,13 @@ namespace sonopose::fusion {
 namespace {
 
 namespace topics = dds::topics;
+
+/// For the comparison with a replay of a recording.
+std::string end_of(BeaconAddress address, BeaconEstimator& estimator) {
+  return fmt::format("beacon {}: state hash {} after event {}; {} events lost", address,
+                     estimator.state_hash(), estimator.last_sequence().value_or(0),
+                     estimator.status().events_lost);
+}
 
 /// The silence of the IMU after which its last sample is no longer used: its deadline, at most a second.
 TimeNs input_deadline_ns(const dds::qos::Provider& qos) {
@@ -198,6 +206,9 @@ FusionNode::Impl::~Impl() {
   reset_reader_.close();
   const auto addresses = estimators_.with([](auto& all) { return all.addresses(); });
   for (const BeaconAddress address : addresses) end_output(address);
+  estimators_.with([](auto& all) {
+    all.for_each([](BeaconAddress address, auto& estimator) { logging::info(end_of(address, estimator)); });
+  });
 }
 
 /// Unregisters a beacon, so that consumers learn immediately that its poses end. (Lossless writers would
@@ -216,6 +227,7 @@ void FusionNode::Impl::remove_gone() {
     end_output(address);
     admission_.forget(address);
     transition_log_.forget(address);
+    logging::info(end_of(address, *estimator));
     logging::info(fmt::format("beacon {}: gone; its estimate is discarded", address));
     free_memory_.on_freed();
   }

@@ -21,6 +21,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace sonopose::recording {
@@ -40,6 +41,7 @@ struct SensorLog {
   std::vector<TruthSample> truth;  ///< as in the file; NaN for unknown values; empty without a file
   BeaconAddress address = default_log_address;  ///< of all samples
   std::vector<WheelSpeed> wheel_speeds{};       ///< in ascending time; empty without a file
+  std::vector<std::string> warnings{};          ///< what is missing or damaged, in words
 };
 
 /// Reads a folder. Bridge and replay share this function, so that both deliver the same events. `address`

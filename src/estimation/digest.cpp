@@ -1,13 +1,12 @@
-#include "evaluation/digest.hpp"
+#include "estimation/digest.hpp"
 
 #include <sonopose/estimation/snapshot_fields.hpp>
 
-#include <fmt/format.h>
-
 #include <bit>
+#include <string_view>
 #include <type_traits>
 
-namespace sonopose::evaluation {
+namespace sonopose::estimation {
 namespace {
 
 /// Adds a state's fields of every type.
@@ -66,12 +65,15 @@ void Digest::add(const FusedPose& pose) {
   add(std::uint64_t{pose.status});
 }
 
-void Digest::add(const estimation::AnySnapshot& snapshot) {
-  estimation::for_each_field(snapshot, FieldDigest{*this});
+void Digest::add(const AnySnapshot& snapshot) {
+  for_each_field(snapshot, FieldDigest{*this});
 }
 
 std::string Digest::text() const {
-  return fmt::format("{:016x}", value_);
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string text;
+  for (int shift = 60; shift >= 0; shift -= 4) text += digits[value_ >> static_cast<unsigned>(shift) & 15U];
+  return text;
 }
 
-}  // namespace sonopose::evaluation
+}  // namespace sonopose::estimation

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <string>
 
-namespace sonopose::evaluation {
+namespace sonopose::estimation {
 
 /// Digest of a sequence of values, 64 bits wide: Fowler–Noll–Vo 1a over whole words. Not for security.
 class Digest {
@@ -20,7 +20,7 @@ public:
   void add(const FusedPose& pose);
 
   /// Every field of an estimator's state, without its counters.
-  void add(const estimation::AnySnapshot& snapshot);
+  void add(const AnySnapshot& snapshot);
 
   [[nodiscard]] std::uint64_t value() const { return value_; }
 
@@ -31,4 +31,4 @@ private:
   std::uint64_t value_ = 0xCBF29CE484222325U;
 };
 
-}  // namespace sonopose::evaluation
+}  // namespace sonopose::estimation

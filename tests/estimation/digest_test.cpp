@@ -1,11 +1,11 @@
-#include "evaluation/digest.hpp"
+#include "estimation/digest.hpp"
 
 #include <catch2/catch.hpp>
 
 namespace digest_test {
 
 using namespace sonopose;
-using evaluation::Digest;
+using estimation::Digest;
 
 std::uint64_t digest_of(const FusedPose& pose) {
   Digest digest;

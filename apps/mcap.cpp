@@ -1,0 +1,146 @@
+// sonopose-mcap: looks into recordings of the bus, and makes others of them.
+
+#include "bus_log/copy.hpp"
+#include "bus_log/messages.hpp"
+#include "bus_log/summary.hpp"
+#include "evaluation/exported.hpp"
+#include "mcap/reader.hpp"
+#include "support/choice.hpp"
+#include "support/run.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace sonopose;
+using Path = std::filesystem::path;
+
+struct Options {
+  std::vector<Path> files;
+  Path out;
+  bus_log::Choice choice;
+  mcap::Compression compression = mcap::Compression::lz4;
+  bool json = false;
+};
+
+void warn(const std::vector<std::string>& damages) {
+  for (const std::string& damage : damages) fmt::print(stderr, "sonopose-mcap: damaged: {}\n", damage);
+}
+
+int info(const Options& options) {
+  for (const Path& file : options.files) {
+    const mcap::Reader reader(file);
+    if (options.json) {
+      fmt::print("{}\n", bus_log::summary_json(reader));
+    } else {
+      fmt::print("{}{}", &file == &options.files.front() ? "" : "\n", bus_log::summary_text(reader));
+    }
+  }
+  return 0;
+}
+
+int cat(const Options& options) {
+  const mcap::Reader reader(options.files.front());
+  warn(reader.damages());
+  bus_log::ChosenMessages messages(reader, options.choice);
+  while (const auto chosen = messages.next()) {
+    fmt::print("{}\n", bus_log::json_of(*chosen->channel, chosen->message));
+    if (std::ferror(stdout) != 0) break;  // told at the end
+  }
+  return 0;
+}
+
+int copy(const Options& options, mcap::Selection::Damaged damaged) {
+  const auto result =
+      bus_log::copy({options.files, options.out, options.choice, options.compression, damaged});
+  warn(result.damages);
+  fmt::print("{}: {} messages, {} metadata records\n", options.out.string(), result.messages,
+             result.metadata);
+  return 0;
+}
+
+int export_files(const Options& options) {
+  const auto result = evaluation::export_recording(options.files.front(), options.choice.beacon, options.out);
+  fmt::print("{}: {} events, {} poses, {} reports\n", options.out.string(), result.events, result.poses,
+             result.reports);
+  return 0;
+}
+
+void add_beacon(CLI::App& command, Options& options, const char* description) {
+  command.add_option("--beacon", options.choice.beacon, description)->check(CLI::Range(0, 65534));
+}
+
+void add_choice_options(CLI::App& command, Options& options) {
+  command.add_option("--topics", options.choice.topics, "Only these topics: imu,fix or sonopose/imu")
+      ->delimiter(',')
+      ->type_name("TOPIC,...");
+  add_beacon(command, options, "Only the messages of this beacon");
+  command.add_option("--start", options.choice.start_s, "From this many seconds after the first message")
+      ->check(apps::number_between(0.0, 9e9));
+  command.add_option("--end", options.choice.end_s, "To this many seconds after the first message")
+      ->check(apps::number_between(0.0, 9e9));
+}
+
+CLI::App* add_command(CLI::App& app, Options& options, const char* name, const char* description,
+                      int most_files) {
+  auto* command = app.add_subcommand(name, description);
+  command->add_option("FILE", options.files, "MCAP file")
+      ->required()
+      ->expected(1, most_files)
+      ->type_name("FILE");
+  return command;
+}
+
+void add_output(CLI::App& command, Options& options, bool is_file) {
+  command
+      .add_option("--out", options.out,
+                  is_file ? "The file to write; it must not exist" : "The folder to write")
+      ->required()
+      ->type_name(is_file ? "FILE" : "DIR");
+  if (!is_file) return;
+  apps::add_choice<mcap::Compression>(
+      command, "--compression", options.compression,
+      {{"none", mcap::Compression::none}, {"lz4", mcap::Compression::lz4}, {"zstd", mcap::Compression::zstd}},
+      "Of the chunks");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  constexpr int any = CLI::detail::expected_max_vector_size;
+  using mcap::Selection;
+  Options options;
+  apps::Program app("mcap");
+  app.require_subcommand(1);
+  auto* const info_command =
+      add_command(app, options, "info", "Print what files have: times, topics, metadata", any);
+  info_command->add_flag("--json", options.json, "Print one JSON object for each file");
+  auto* const cat_command =
+      add_command(app, options, "cat", "Print each message as a line of JSON, by time", 1);
+  add_choice_options(*cat_command, options);
+  auto* const filter = add_command(app, options, "filter", "Write some of the messages to another file", 1);
+  add_choice_options(*filter, options);
+  add_output(*filter, options, true);
+  auto* const merge =
+      add_command(app, options, "merge", "Write the messages of several files to one, by time", any);
+  add_output(*merge, options, true);
+  auto* const recover =
+      add_command(app, options, "recover",
+                  "Write what can be read of a cut or damaged file, with an index, to another", 1);
+  add_output(*recover, options, true);
+  auto* const exporting =
+      add_command(app, options, "export",
+                  "Write one beacon as CSV log folder with EuRoC's columns, and its poses as TUM", 1);
+  add_beacon(*exporting, options, "The beacon, if the file has several");
+  add_output(*exporting, options, false);
+  return apps::run(app, argc, argv, [&] {
+    if (info_command->parsed()) return info(options);
+    if (cat_command->parsed()) return cat(options);
+    if (exporting->parsed()) return export_files(options);
+    return copy(options, recover->parsed() ? Selection::Damaged::skip : Selection::Damaged::refuse);
+  });
+}

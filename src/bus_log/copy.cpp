@@ -1,0 +1,112 @@
+#include "bus_log/copy.hpp"
+
+#include "mcap/file_sink.hpp"
+#include "mcap/writer.hpp"
+
+#include <deque>
+#include <map>
+
+namespace sonopose::bus_log {
+
+namespace {
+
+/// One input, with the message that comes next.
+struct Input {
+  Input(const std::filesystem::path& file, const CopyRequest& request)
+      : reader{file}, messages{reader, request.choice, request.damaged} {}
+
+  mcap::Reader reader;
+  ChosenMessages messages;
+  std::optional<ChosenMessages::Chosen> next{};
+  std::map<std::uint16_t, std::uint16_t> channels{};  ///< of this input: of the output
+};
+
+class Copy {
+public:
+  explicit Copy(const CopyRequest& request) {
+    for (const auto& file : request.inputs) {
+      Input& input = inputs_.emplace_back(file, request);
+      const std::string& profile = input.reader.contents().profile;
+      const std::string& first = inputs_.front().reader.contents().profile;
+      if (profile != first) {
+        throw files::IoError(file.string() + ": has profile \"" + profile + "\", but " +
+                             request.inputs.front().string() + " has \"" + first +
+                             "\"; a file has one profile");
+      }
+    }
+  }
+
+  CopyResult run(mcap::Writer& writer) {
+    for (Input& input : inputs_) {
+      for (const mcap::Metadata& metadata : input.reader.metadata()) {
+        writer.write_metadata(metadata);
+        ++result_.metadata;
+      }
+      input.next = input.messages.next();
+    }
+    while (Input* input = earliest()) {
+      mcap::Message message = input->next->message;
+      message.channel_id = channel_of(*input, *input->next->channel, writer);
+      writer.write(message);
+      ++result_.messages;
+      input->next = input->messages.next();
+    }
+    writer.close();
+    for (const Input& input : inputs_) {
+      const auto& damages = input.reader.damages();
+      const auto& skipped = input.messages.skipped();
+      result_.damages.insert(result_.damages.end(), damages.begin(), damages.end());
+      result_.damages.insert(result_.damages.end(), skipped.begin(), skipped.end());
+    }
+    return std::move(result_);
+  }
+
+  [[nodiscard]] const std::string& profile() const { return inputs_.front().reader.contents().profile; }
+  [[nodiscard]] const std::string& library() const { return inputs_.front().reader.contents().library; }
+
+private:
+  Input* earliest() {
+    Input* found = nullptr;
+    for (Input& input : inputs_) {
+      if (!input.next) continue;
+      if (found == nullptr || input.next->message.log_time_ns < found->next->message.log_time_ns)
+        found = &input;
+    }
+    return found;
+  }
+
+  static std::uint16_t channel_of(Input& input, const mcap::Channel& channel, mcap::Writer& writer) {
+    const auto known = input.channels.find(channel.id);
+    if (known != input.channels.end()) return known->second;
+    std::uint16_t schema_id = 0;
+    const auto schema = input.reader.schemas().find(channel.schema_id);
+    if (schema != input.reader.schemas().end()) {
+      schema_id = writer.add_schema(schema->second.name, schema->second.encoding, schema->second.data);
+    }
+    const auto id = writer.add_channel(schema_id, channel.topic, channel.message_encoding, channel.metadata);
+    input.channels.emplace(channel.id, id);
+    return id;
+  }
+
+  std::deque<Input> inputs_;
+  CopyResult result_;
+};
+
+}  // namespace
+
+CopyResult copy(const CopyRequest& request) {
+  Copy copying(request);
+  mcap::FileSink sink(request.output);
+  try {
+    mcap::Writer writer(
+        sink,
+        {.profile = copying.profile(), .library = copying.library(), .compression = request.compression});
+    return copying.run(writer);
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(request.output, ignored);
+    throw;
+  }
+}
+
+}  // namespace sonopose::bus_log

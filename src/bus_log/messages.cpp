@@ -1,0 +1,166 @@
+#include "bus_log/messages.hpp"
+
+#include "monitor/echo/json.hpp"
+#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+#include <tuple>
+
+namespace sonopose::bus_log {
+
+namespace {
+
+namespace topics = dds::topics;
+
+constexpr std::string_view prefix = "sonopose/";
+constexpr std::string_view instance_ends = "sonopose/instance_ends";
+
+/// What can be done with the messages of one topic.
+struct TopicReader {
+  bool has_beacon = false;
+  /// Empty if the bytes are not a sample.
+  std::string (*json)(std::span<const std::byte> cdr) = nullptr;
+};
+
+template <class T>
+std::string json_of_sample(std::span<const std::byte> cdr) {
+  const dds::CdrSample<T> sample(cdr);
+  return sample.get() == nullptr ? std::string() : monitor::echo::json_of(*sample.get());
+}
+
+template <class T>
+constexpr bool has_address = requires(const T& sample) {
+  sample.address;
+};
+
+const TopicReader* find_topic(const mcap::Channel& channel) {
+  static const auto readers = std::apply(
+      []<class... T>(const topics::Entry<T>&... entries) {
+        return std::map<std::string_view, TopicReader>{
+            {entries.name, TopicReader{has_address<T>, json_of_sample<T>}}...};
+      },
+      topics::all);
+  const auto found = readers.find(channel.topic);
+  return found == readers.end() || channel.message_encoding != "cdr" ? nullptr : &found->second;
+}
+
+std::string_view text_of(const mcap::Message& message) {
+  return {reinterpret_cast<const char*>(message.data.data()), message.data.size()};
+}
+
+std::string hexadecimal(std::span<const std::byte> bytes) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string text;
+  for (const std::byte byte : bytes) {
+    text += digits[std::to_integer<unsigned>(byte) >> 4U];
+    text += digits[std::to_integer<unsigned>(byte) & 15U];
+  }
+  return text;
+}
+
+/// `"message": …`, or `"data": "…"`.
+std::string content_of(const mcap::Channel& channel, const mcap::Message& message) {
+  std::string json;
+  if (channel.message_encoding == "json") {
+    const auto parsed = nlohmann::ordered_json::parse(text_of(message), nullptr, false);
+    if (!parsed.is_discarded()) {
+      json = parsed.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    }
+  } else if (const TopicReader* topic = find_topic(channel)) {
+    json = topic->json(message.data);
+  }
+  if (!json.empty()) return "\"message\":" + json;
+  return "\"data\":\"" + hexadecimal(message.data) + "\"";
+}
+
+/// Of the end of an instance, whose key has the address of a beacon.
+std::optional<BeaconAddress> beacon_of_end(const mcap::Message& message) {
+  const auto parsed = nlohmann::json::parse(text_of(message), nullptr, false);
+  if (!parsed.is_object() || !parsed.contains("key")) return std::nullopt;
+  const auto& key = parsed["key"];
+  if (!key.is_object() || !key.contains("address") || !key["address"].is_number_unsigned())
+    return std::nullopt;
+  return key["address"].get<BeaconAddress>();
+}
+
+std::string full_name(const std::string& topic) {
+  return topic.find('/') == std::string::npos ? std::string(prefix) + topic : topic;
+}
+
+mcap::Selection selection_of(const mcap::Reader& reader, const Choice& choice,
+                             mcap::Selection::Damaged damaged) {
+  mcap::Selection selection;
+  selection.damaged = damaged;
+  std::vector<std::string> wanted;
+  for (const std::string& topic : choice.topics) {
+    wanted.push_back(full_name(topic));
+    const auto has_name = [&](const auto& entry) { return entry.second.topic == wanted.back(); };
+    if (std::ranges::any_of(reader.channels(), has_name)) continue;
+    std::string known;
+    for (const auto& [id, channel] : reader.channels()) known += (known.empty() ? "" : ", ") + channel.topic;
+    throw files::IoError(reader.name() + ": has no topic " + topic + "; it has " + known);
+  }
+  if (!wanted.empty()) {
+    selection.channel = [wanted](const mcap::Channel& channel) {
+      return std::ranges::find(wanted, channel.topic) != wanted.end();
+    };
+  }
+  const mcap::TimeSpan& times = reader.statistics().log_times;
+  const auto at = [&times](double seconds) {
+    constexpr double most_s = 9e9;  // of 64 bits of nanoseconds
+    const auto after_ns = static_cast<std::uint64_t>(std::clamp(seconds, 0.0, most_s) * 1e9);
+    return times.start_ns > std::numeric_limits<std::uint64_t>::max() - after_ns
+               ? std::numeric_limits<std::uint64_t>::max()
+               : times.start_ns + after_ns;
+  };
+  if (times.is_empty()) return selection;
+  if (choice.start_s > 0) selection.start_ns = at(choice.start_s);
+  if (choice.end_s) selection.end_ns = at(*choice.end_s);
+  return selection;
+}
+
+}  // namespace
+
+std::optional<BeaconAddress> address_in(std::span<const std::byte> cdr) {
+  constexpr std::size_t header_bytes = 4;
+  if (cdr.size() < header_bytes + 2) return std::nullopt;
+  const auto first = std::to_integer<unsigned>(cdr[header_bytes]);
+  const auto second = std::to_integer<unsigned>(cdr[header_bytes + 1]);
+  const bool is_little = cdr[1] == std::byte{1};
+  return static_cast<BeaconAddress>(is_little ? first | second << 8U : first << 8U | second);
+}
+
+std::optional<BeaconAddress> beacon_of(const mcap::Channel& channel, const mcap::Message& message) {
+  if (channel.topic == instance_ends) return beacon_of_end(message);
+  const TopicReader* topic = find_topic(channel);
+  if (topic == nullptr || !topic->has_beacon) return std::nullopt;
+  return address_in(message.data);
+}
+
+std::string json_of(const mcap::Channel& channel, const mcap::Message& message) {
+  const nlohmann::json topic(channel.topic);
+  return "{\"topic\":" + topic.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) +
+         ",\"sequence\":" + std::to_string(message.sequence) +
+         ",\"log_time_ns\":" + std::to_string(message.log_time_ns) +
+         ",\"publish_time_ns\":" + std::to_string(message.publish_time_ns) + "," +
+         content_of(channel, message) + "}";
+}
+
+ChosenMessages::ChosenMessages(const mcap::Reader& reader, const Choice& choice,
+                               mcap::Selection::Damaged damaged)
+    : reader_{reader}, beacon_{choice.beacon}, messages_{reader, selection_of(reader, choice, damaged)} {}
+
+std::optional<ChosenMessages::Chosen> ChosenMessages::next() {
+  while (const auto message = messages_.next()) {
+    const mcap::Channel& channel = reader_.channels().at(message->channel_id);
+    if (!beacon_ || beacon_of(channel, *message) == beacon_) return Chosen{&channel, *message};
+  }
+  return std::nullopt;
+}
+
+}  // namespace sonopose::bus_log

@@ -1,0 +1,82 @@
+// Prints an MCAP file as `sonopose-mcap cat` does, with decoders that are not ours: node mcap_lines.cjs FILE
+// Needs the packages @mcap/core, @foxglove/omgidl-parser and @foxglove/omgidl-serialization; @mcap/support for
+// compressed files. NODE_PATH says where they are.
+const { open } = require("node:fs/promises");
+const { McapIndexedReader, McapStreamReader } = require("@mcap/core");
+const { parseIDL } = require("@foxglove/omgidl-parser");
+const { MessageReader } = require("@foxglove/omgidl-serialization");
+
+// Integers of 64 bits are BigInt; arrays of numbers are typed arrays. Both have no form in JSON.stringify.
+function json(value) {
+  if (typeof value === "bigint") return value.toString();
+  if (ArrayBuffer.isView(value)) return json(Array.from(value));
+  if (Array.isArray(value)) return "[" + value.map(json).join(",") + "]";
+  if (value !== null && typeof value === "object") {
+    return "{" + Object.entries(value).map(([key, field]) => JSON.stringify(key) + ":" + json(field)).join(",") + "}";
+  }
+  return JSON.stringify(value);
+}
+
+function decoder(schema, channel) {
+  const text = new TextDecoder();
+  if (channel.messageEncoding === "json") return (data) => JSON.parse(text.decode(data));
+  const reader = new MessageReader(schema.name, parseIDL(text.decode(schema.data)));
+  return (data) => reader.readMessage(data);
+}
+
+function line(channel, message, decode) {
+  return json({
+    topic: channel.topic,
+    sequence: message.sequence,
+    log_time_ns: message.logTime,
+    publish_time_ns: message.publishTime,
+    message: decode(message.data),
+  });
+}
+
+async function decompressors() {
+  try {
+    return await require("@mcap/support").loadDecompressHandlers();
+  } catch {
+    return {}; // for files without compression
+  }
+}
+
+async function main(name) {
+  const file = await open(name);
+  const { size } = await file.stat();
+  const readable = {
+    size: async () => BigInt(size),
+    read: async (offset, length) => {
+      const bytes = new Uint8Array(Number(length));
+      await file.read(bytes, 0, Number(length), Number(offset));
+      return bytes;
+    },
+  };
+  const decompressHandlers = await decompressors();
+  const reader = await McapIndexedReader.Initialize({ readable, decompressHandlers });
+  const decoders = new Map();
+  for (const [id, channel] of reader.channelsById) {
+    decoders.set(id, decoder(reader.schemasById.get(channel.schemaId), channel));
+  }
+  let indexed = 0;
+  for await (const message of reader.readMessages()) {
+    const channel = reader.channelsById.get(message.channelId);
+    console.log(line(channel, message, decoders.get(message.channelId)));
+    ++indexed;
+  }
+  // From start to end, with every checksum.
+  const stream = new McapStreamReader({ decompressHandlers, validateCrcs: true });
+  stream.append(await readable.read(0n, BigInt(size)));
+  let streamed = 0;
+  for (let record; (record = stream.nextRecord()) != null; ) {
+    if (record.type === "Message") ++streamed;
+  }
+  if (!stream.done()) throw new Error("the stream reader is not at the end");
+  if (streamed !== indexed) throw new Error(`${indexed} messages by the index, ${streamed} from start to end`);
+}
+
+main(process.argv[2]).catch((error) => {
+  console.error(error);
+  process.exit(1);
+});
