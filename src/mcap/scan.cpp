@@ -29,7 +29,8 @@ public:
       while (next_record()) {
       }
     } catch (const FormatError& error) {
-      add_damage(error.what());  // where the next record begins is not known
+      // Where a next record begins is not known.
+      add_damage(std::string(error.what()) + ": it was cut, or is damaged from here on");
     }
     end_plain();
     finish();
@@ -39,7 +40,7 @@ public:
 private:
   /// Returns false behind the data section.
   bool next_record() {
-    if (at_ == file_.size()) file_.place(at_).fail("the file ends without DataEnd and Footer: it was cut");
+    if (at_ == file_.size()) file_.place(at_).fail("the file ends without DataEnd and Footer");
     if (is_cut_chunk()) return false;
     const Prefix prefix = file_.prefix(at_, file_.size());
     try {

@@ -4,6 +4,7 @@
 
 #include "mcap/file_sink.hpp"
 #include "mcap/writer.hpp"
+#include "support/temporary_folder.hpp"
 #include <sonopose/dds/binding/cdr.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -12,19 +13,28 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 
 namespace sonopose::test {
+
+/// The schema of all native topics.
+inline const std::string& idl_text() {
+  static const std::string text = read_text(std::filesystem::path(SONOPOSE_SOURCE_DIR) / "idl/sonopose.idl");
+  return text;
+}
 
 /// Writes samples as sonopose-record does.
 class BusRecording {
 public:
-  explicit BusRecording(const std::filesystem::path& file, std::endian byte_order = std::endian::little)
-      : sink_(file), writer_(sink_), byte_order_(byte_order) {}
+  explicit BusRecording(const std::filesystem::path& file, std::endian byte_order = std::endian::little,
+                        mcap::WriterOptions options = {})
+      : sink_(file), writer_(sink_, std::move(options)), byte_order_(byte_order) {}
 
   template <class T>
   void write(const dds::topics::Entry<T>& topic, const T& sample, std::uint64_t log_time_ns) {
     const std::string type = dds::TopicTraits<T>::descriptor().m_typename;
-    const auto channel = writer_.add_channel(writer_.add_schema(type, "omgidl", "idl"), topic.name, "cdr");
+    const auto schema = writer_.add_schema(type, "omgidl", idl_text());
+    const auto channel = writer_.add_channel(schema, topic.name, "cdr");
     const auto cdr = dds::write_cdr(sample, byte_order_);
     writer_.write({channel, ++sequences_[channel], log_time_ns, log_time_ns, cdr});
   }

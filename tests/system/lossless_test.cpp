@@ -61,6 +61,14 @@ std::vector<Bits> replayed_rows(const std::filesystem::path& log, const std::fil
   return pose_rows(out / "pose.csv");
 }
 
+std::string replayed_state_hash(const std::filesystem::path& log, const std::string& engine) {
+  const Result result = run(SONOPOSE_TEST_REPLAY, {log.string(), "--engine", engine});
+  REQUIRE(result.code == 0);
+  const std::string name = "state hash";
+  const std::size_t at = result.output.find_first_not_of(' ', result.output.find(name) + name.size());
+  return result.output.substr(at, 16);
+}
+
 SCENARIO("a log played as fast as possible gives every pose once, identical to a replay without DDS") {
   GIVEN("a log of 20 s, a lossless fusion, and consumers that keep all samples") {
     const Bus bus;
@@ -99,6 +107,10 @@ SCENARIO("a log played as fast as possible gives every pose once, identical to a
         std::vector<Bits> live;
         for (const FusedPose& pose : poses.samples) live.push_back(row_bits_of(pose));
         CHECK((live == replayed_rows(folder / "log", folder / "out", engine)));
+        const std::string hash = replayed_state_hash(folder / "log", engine);
+        CHECK_THAT(fusion->text(Process::Stream::error),
+                   Catch::Contains("beacon 7: state hash " + hash + " after event") &&
+                       Catch::Contains("0 events lost"));
       }
     }
     WHEN("the bridge plays the log twice") {
