@@ -8,20 +8,26 @@
 #include <exception>
 #include <map>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 namespace sonopose::recorder {
 namespace {
 
+/// The id of a channel; 0 if there is none.
+std::uint16_t channel_id_of(const std::vector<ChannelSpec>& channels, std::string_view topic) {
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    if (channels[i].topic == topic) return static_cast<std::uint16_t>(i + 1);
+  }
+  return 0;
+}
+
 LatchedSamples latched_samples(const std::vector<ChannelSpec>& channels) {
   std::map<std::uint16_t, std::string> topics;
-  std::uint16_t ends = 0;
-  for (std::uint16_t i = 0; i < channels.size(); ++i) {
-    const auto id = static_cast<std::uint16_t>(i + 1);
-    if (channels[i].is_latched) topics[id] = channels[i].topic;
-    if (channels[i].topic == instance_ends_topic) ends = id;
+  for (const ChannelSpec& channel : channels) {
+    if (channel.is_latched) topics[channel_id_of(channels, channel.topic)] = channel.topic;
   }
-  return {std::move(topics), ends};
+  return {std::move(topics), channel_id_of(channels, instance_ends_topic)};
 }
 
 TapCounts difference(const TapCounts& now, const TapCounts& before) {
@@ -31,7 +37,9 @@ TapCounts difference(const TapCounts& now, const TapCounts& before) {
 }  // namespace
 
 FileSeries::FileSeries(SeriesOptions options)
-    : options_(std::move(options)), latched_(latched_samples(options_.channels)) {
+    : options_(std::move(options)),
+      latched_(latched_samples(options_.channels)),
+      settings_(channel_id_of(options_.channels, "sonopose/settings")) {
   recording::check_part_file(next_file());
 }
 
@@ -62,6 +70,7 @@ void FileSeries::open() {
   about["file_index"] = std::to_string(files_.size() + 1);
   writer.write_metadata({"sonopose.recording", about});
   first_log_time_ns_ = 0;
+  settings_.clear();
 }
 
 void FileSeries::write(const mcap::Chunk& chunk, const TapCounts& counts) {
@@ -73,7 +82,7 @@ void FileSeries::write(const mcap::Chunk& chunk, const TapCounts& counts) {
     throw;
   }
   if (first_log_time_ns_ == 0) first_log_time_ns_ = chunk.log_times().start_ns;
-  current_->writer.write(chunk);
+  write_chunk(chunk);
   latched_.on(chunk);
   write_losses(counts);
 }
@@ -101,7 +110,12 @@ bool FileSeries::is_full_for(const mcap::Chunk& chunk) const {
 /// Those from before this file, at its start.
 void FileSeries::write_latched(const mcap::Chunk& before) {
   const mcap::Chunk latched = latched_.chunk_at(before.log_times().start_ns);
-  if (!latched.is_empty()) current_->writer.write(latched);
+  if (!latched.is_empty()) write_chunk(latched);
+}
+
+void FileSeries::write_chunk(const mcap::Chunk& chunk) {
+  current_->writer.write(chunk);
+  for (const mcap::Metadata& settings : settings_.on(chunk)) current_->writer.write_metadata(settings);
 }
 
 /// A file that ends without a word tells what was lost until then.

@@ -5,6 +5,7 @@
 #include "mcap/file_sink.hpp"
 #include "mcap/writer.hpp"
 #include "recorder/latched_samples.hpp"
+#include "recorder/settings_log.hpp"
 #include "recorder/topic_tap.hpp"
 #include "recording/part_file.hpp"
 
@@ -76,6 +77,7 @@ private:
   void prepare_for(const mcap::Chunk& chunk);
   [[nodiscard]] bool is_full_for(const mcap::Chunk& chunk) const;
   void write_latched(const mcap::Chunk& before);
+  void write_chunk(const mcap::Chunk& chunk);
   void write_losses(const TapCounts& counts);
 
   SeriesOptions options_;
@@ -83,6 +85,7 @@ private:
   TapCounts counts_at_start_;  ///< of the current file
   TapCounts counts_reported_;  ///< in its metadata
   LatchedSamples latched_;
+  SettingsLog settings_;
   std::uint64_t first_log_time_ns_ = 0;  ///< of the current file
   std::vector<std::filesystem::path> files_;
   std::uint64_t finished_messages_ = 0;

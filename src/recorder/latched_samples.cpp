@@ -1,25 +1,12 @@
 #include "recorder/latched_samples.hpp"
 
-#include "mcap/decoder.hpp"
+#include "recorder/chunk_messages.hpp"
 #include "recorder/instance_end.hpp"
 
 #include <span>
-#include <stdexcept>
 
 namespace sonopose::recorder {
 namespace {
-
-/// The message at an entry of a chunk.
-mcap::Message message_at(const mcap::Chunk& chunk, const mcap::Chunk::Entry& entry) {
-  const std::byte* const record = chunk.records().data() + entry.offset;
-  const std::byte* const fields = record + mcap::record_prefix_bytes;
-  const auto length = mcap::load<std::uint64_t>(record + 1);
-  return {.channel_id = entry.channel_id,
-          .sequence = mcap::load<std::uint32_t>(fields + 2),
-          .log_time_ns = entry.log_time_ns,
-          .publish_time_ns = mcap::load<std::uint64_t>(fields + 14),
-          .data = {fields + mcap::message_field_bytes, length - mcap::message_field_bytes}};
-}
 
 std::string_view text_of(std::span<const std::byte> data) {
   return {reinterpret_cast<const char*>(data.data()), data.size()};  // NOLINT(*-reinterpret-cast): text

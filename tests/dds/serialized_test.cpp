@@ -232,6 +232,9 @@ TEST_CASE("A forwarded sample arrives equal") {
         CHECK(writer.try_forward(bytes_of({0, 1, 0, 0, 7, 1, 0, 0}), 1) < 0);
         CHECK(writer.try_forward(bytes_of({0, 77, 0, 0, 7, 1, 0, 0, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8}), 1) <
               0);
+        Bytes second_version = little_endian;
+        second_version[1] = std::byte{7};
+        CHECK(writer.try_forward(second_version, 1) < 0);
         CHECK_THROWS_WITH(writer.forward({}, 1), Catch::StartsWith("dds_forwardcdr: "));
         CHECK(reader.take().empty());
       }

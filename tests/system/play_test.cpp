@@ -6,6 +6,7 @@
 #include "recorder/messages.hpp"
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/terminal_process.hpp"
 
 #include <algorithm>
 #include <array>
@@ -187,6 +188,46 @@ SCENARIO("a part of a recording is played, as often and when it is asked for") {
       THEN("it begins again until it is stopped") {
         CHECK(imu.wait_for_count(300));
         CHECK(play->end_by(SIGINT).code == 0);
+      }
+    }
+  }
+}
+
+SCENARIO("keys pause a player and play single messages") {
+  GIVEN("a recording that is played on a terminal to a reader of IMU samples") {
+    const TemporaryFolder folder;
+    record_run(folder / "run.mcap", "imu");
+    const Bus bus;
+    Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+    TerminalProcess play(
+        SONOPOSE_TEST_PLAY,
+        {(folder / "run.mcap").string(), "--domain", std::to_string(bus.domain_id()), "--loop"}, 200);
+    REQUIRE(play.wait_for("space: pause and go on"));
+    REQUIRE(imu.wait_for_count(20));
+    WHEN("it is paused, and told three times to play one message") {
+      play.type(" ");
+      REQUIRE(play.wait_for("paused at "));
+      const auto reached = [&imu] {
+        imu.take();
+        return imu.samples.size();
+      };
+      // What was on its way has arrived when the message of a step has.
+      play.type("s");
+      REQUIRE(imu.wait_for_more(1));
+      const std::size_t before = reached();
+      play.type("s.s");
+      REQUIRE(imu.wait_for_count(before + 3));
+      THEN("these come, and after the pause the others") {
+        CHECK(reached() == before + 3);
+        play.type(" ");
+        CHECK(play.wait_for("playing at "));
+        CHECK(imu.wait_for_more(100));
+        AND_THEN("q ends it, and the terminal is as before") {
+          CHECK_FALSE(play.has_normal_line());
+          play.type("q");
+          CHECK(play.wait_for_exit() == 0);
+          CHECK(play.has_normal_line());
+        }
       }
     }
   }

@@ -94,7 +94,7 @@ SCENARIO("a recording has every message that a consumer gets beside it") {
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto record = start_recording(bus, file);
-    const auto fusion = bus.fusion();
+    const auto fusion = bus.fusion({"--set", "beacon.8.heading.mount_offset_deg=90"});
     WHEN("a bridge has published five seconds of two beacons") {
       const auto bridge = bus.bridge({"--duration", "5", "--beacons", "2"});
       REQUIRE(bridge->wait_for_exit() == 0);
@@ -146,6 +146,19 @@ SCENARIO("a recording has every message that a consumer gets beside it") {
         const auto about = metadata_of(file, "sonopose.recording");
         CHECK(about.at("domain") == std::to_string(bus.domain_id()));
         CHECK_FALSE(about.at("version").empty());
+        const auto metadata = reader.metadata();
+        const auto settings = std::find_if(metadata.begin(), metadata.end(), [](const mcap::Metadata& each) {
+          return each.name == "sonopose.settings" && !each.values.contains("address");
+        });
+        REQUIRE(settings != metadata.end());
+        CHECK(settings->values.at("fusion.engine") == "kalman");
+        const auto of_beacon = std::find_if(metadata.begin(), metadata.end(), [](const mcap::Metadata& each) {
+          return each.name == "sonopose.settings" && each.values.contains("address") &&
+                 each.values.at("address") == "8";
+        });
+        REQUIRE(of_beacon != metadata.end());
+        CHECK(of_beacon->values.at("heading.mount_offset_deg") == "90");
+        CHECK_FALSE(of_beacon->values.contains("fusion.engine"));
         const auto end = metadata_of(file, "sonopose.recording_end");
         CHECK(end.at("reason") == "stopped");
         CHECK(end.at("received") == std::to_string(messages.size()));

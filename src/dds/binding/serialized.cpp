@@ -80,6 +80,15 @@ std::uint32_t status_of(SerializedWriter::Change change) {
   return 0;
 }
 
+/// Whether the bytes are in an encoding that Cyclone DDS 0.10.2 reads within its bounds: of samples only the
+/// first version of CDR (cdr.hpp), of keys also the second one, which it gives them itself.
+bool is_readable(std::span<const std::byte> bytes, SerializedWriter::Change change) {
+  constexpr std::size_t header_size = 4;
+  if (bytes.size() < header_size || bytes[0] != std::byte{0}) return false;
+  const unsigned encoding = std::to_integer<unsigned>(bytes[1]) & ~1U;  // without the byte order
+  return encoding == 0 || (encoding == 6 && change != SerializedWriter::Change::write);
+}
+
 }  // namespace
 
 SerializedSample::SerializedSample(ddsi_serdata* sample) noexcept {
@@ -138,8 +147,7 @@ SampleLostStatus DataReader<Serialized>::sample_lost_status() {
 
 ReturnCode SerializedWriter::try_forward(std::span<const std::byte> bytes, std::int64_t source_timestamp_ns,
                                          Change change) noexcept {
-  constexpr std::size_t header_size = 4;
-  if (bytes.size() < header_size || source_timestamp_ns < 0) return DDS_RETCODE_BAD_PARAMETER;
+  if (!is_readable(bytes, change) || source_timestamp_ns < 0) return DDS_RETCODE_BAD_PARAMETER;
   ForeignSample sample{{}, bytes};
   ddsi_serdata_init(&sample.base, &foreign_type(), change == Change::write ? SDK_DATA : SDK_KEY);
   sample.base.statusinfo = status_of(change);

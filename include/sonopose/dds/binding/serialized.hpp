@@ -151,8 +151,8 @@ public:
       : Entity(check("dds_create_writer", topic.name(),
                      dds_create_writer(participant.handle(), topic.handle(), qos.get(), nullptr))) {}
 
-  /// `bytes` begin with the encapsulation header; either byte order. `source_timestamp_ns` is since the Unix
-  /// epoch. Negative for bytes that are not of the topic's type, and `is_timeout` as for
+  /// `bytes` begin with the encapsulation header; XCDR1 of either byte order. `source_timestamp_ns` is since
+  /// the Unix epoch. Negative for bytes that are not of the topic's type, and `is_timeout` as for
   /// DataWriter::try_write. Cyclone DDS does not dispose of an instance that is only unregistered here,
   /// whatever the writer's QoS.
   ReturnCode try_forward(std::span<const std::byte> bytes, std::int64_t source_timestamp_ns,
