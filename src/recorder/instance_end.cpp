@@ -71,6 +71,8 @@ InstanceEnd instance_end_of(std::string_view text) {
     const Json json = Json::parse(text);
     const std::string kind = json.at("kind");
     if (kind != disposed && kind != no_writers) throw std::invalid_argument("kind: " + kind);
+    if (!json.at("source_time_ns").is_number_integer())
+      throw std::invalid_argument("source_time_ns: is no integer");
     return {.topic = json.at("topic"),
             .disposed = kind == disposed,
             .key_cdr = bytes_of(json.at("key_cdr")),

@@ -43,6 +43,7 @@ TEST_CASE("The end of an instance as text") {
        {"", "{}", "[]", R"({"topic":"a","kind":"died","key_cdr":"","source_time_ns":0})",
         R"({"topic":"a","kind":"disposed","key_cdr":"0x","source_time_ns":0})",
         R"({"topic":"a","kind":"disposed","key_cdr":"001","source_time_ns":0})",
+        R"({"topic":"a","kind":"disposed","key_cdr":"00","source_time_ns":1e300})",
         R"({"topic":1,"kind":"disposed","key_cdr":"00","source_time_ns":0})"}) {
     CAPTURE(text);
     CHECK_THROWS_AS(instance_end_of(text), std::invalid_argument);
