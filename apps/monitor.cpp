@@ -3,32 +3,10 @@
 #include "monitor/echo/echo.hpp"
 #include "monitor/monitor_node.hpp"
 #include "support/bus_options.hpp"
-#include "support/nearest.hpp"
+#include "support/topic_option.hpp"
 #include "terminal/terminal.hpp"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <algorithm>
-
 using namespace sonopose;
-
-namespace {
-
-/// Refuses what is no topic, with the nearest one and all of them.
-CLI::Validator topic_name() {
-  return {[](const std::string& text) {
-            const auto names = monitor::echo::topic_names();
-            const std::string topic = monitor::echo::short_name(text);
-            if (std::find(names.begin(), names.end(), topic) != names.end()) return std::string();
-            const std::string meant = apps::suggestion(topic, names);
-            return fmt::format("{}: unknown topic{} All topics: {}", text, meant.empty() ? "." : meant,
-                               fmt::join(names, ", "));
-          },
-          ""};
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
   apps::BusOptions bus;
@@ -48,7 +26,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   CLI::Option* topic =
       app.add_option("--echo", echo.topic, "Print each sample of a topic as a JSON object on a line")
-          ->check(topic_name())
+          ->check(apps::topic_name())
           ->type_name("TOPIC")
           ->excludes(json_option);
   app.add_option("--beacon", echo.beacon, "With --echo: only the samples of this beacon")

@@ -18,6 +18,8 @@ inline constexpr std::array verbs{
     Verb{"fusion", "Fuses IMU samples and ultrasonic fixes into a pose for every beacon on the bus."},
     Verb{"monitor", "Shows the rates, pose, status and latency of every beacon once a second."},
     Verb{"ros2", "Publishes poses and samples as ROS 2 messages, and reads the samples of ROS 2 drivers."},
+    Verb{"record", "Records the topics on the bus to MCAP files."},
+    Verb{"play", "Publishes a recording in MCAP as it was received."},
     Verb{"doctor", "Diagnoses a running system and suggests remedies."},
     Verb{"settings", "Shows and changes the settings of a running sonopose-fusion."},
     Verb{"simulate", "Writes a run of the built-in simulator, with its truth, as a sensor-log folder."},

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <tuple>
 #include <unistd.h>
 
@@ -55,6 +56,12 @@ void AppendFile::append(std::span<const std::byte> bytes) {
 void AppendFile::reserve(std::uint64_t byte_count) {
   const off_t size = ::lseek(descriptor_, 0, SEEK_END);
   if (size < 0) return;  // no regular file
+  // A file that keeps its size is not held against this limit; its later bytes are.
+  rlimit limit{};
+  const bool is_limited = ::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+  if (is_limited && static_cast<rlim_t>(size) + byte_count > limit.rlim_cur) {
+    throw IoError(name_ + ": cannot be written: " + std::strerror(EFBIG));
+  }
   has_reserved_ = true;
   if (::fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, size, static_cast<off_t>(byte_count)) == 0) return;
   if (errno == ENOSPC || errno == EDQUOT || errno == EFBIG) {

@@ -41,6 +41,12 @@ public:
   std::unique_ptr<Process> monitor(const Arguments& arguments) const {
     return start(SONOPOSE_TEST_MONITOR, arguments);
   }
+  std::unique_ptr<Process> play(const Arguments& arguments) const {
+    return start(SONOPOSE_TEST_PLAY, arguments);
+  }
+  std::unique_ptr<Process> record(const Arguments& arguments) const {
+    return start(SONOPOSE_TEST_RECORD, arguments);
+  }
   /// Runs until it exits.
   Result settings(Arguments arguments) const {
     arguments.insert(arguments.end(), {"--domain", std::to_string(domain_.id())});

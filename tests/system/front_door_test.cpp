@@ -232,7 +232,8 @@ TEST_CASE("Every program suggests the option that a misspelt one resembles") {
       {"settings", {"--timout", "--timeout"}},     {"simulate", {"--duraton", "--duration"}},
       {"replay", {"--smoth", "--smooth"}},         {"evaluate", {"--sedes", "--seeds"}},
       {"tune", {"--ronds", "--rounds"}},           {"attitude", {"--filtre", "--filter"}},
-      {"calibrate", {"--verson", "--version"}},    {"mcap", {"--verson", "--version"}}};
+      {"calibrate", {"--verson", "--version"}},    {"mcap", {"--verson", "--version"}},
+      {"record", {"--exlude", "--exclude"}},       {"play", {"--restmp", "--restamp"}}};
   for (const std::string& program : programs()) {
     const auto found = misspelt.find(program.substr(prefix.size()));
     CAPTURE(program);

@@ -1,0 +1,65 @@
+// sonopose-play: a recording in MCAP back onto the bus.
+
+#include "player/player_node.hpp"
+#include "support/bus_options.hpp"
+#include "support/log_option.hpp"
+#include "support/topic_option.hpp"
+
+#include <fmt/format.h>
+
+namespace {
+
+using namespace sonopose;
+
+struct Options {
+  apps::BusOptions bus;
+  player::PlayerOptions player;
+  bool no_wait = false;
+  logging::Level log_level = logging::Level::info;
+};
+
+int serve(Options& options) {
+  const logging::Session log(options.log_level);
+  apps::check_publisher(options.bus);
+  options.player.domain = options.bus.domain;
+  options.player.qos_file = options.bus.qos_file;
+  options.player.wait_for_readers = !options.no_wait;
+  process::StopSignal stop;
+  stop.listen_to_signals();
+  player::PlayControl control;
+  const player::Keys keys(control, stop);
+  if (keys.are_read()) logging::info("space: pause and go on; s: one message; q: end");
+  const auto report = player::play(options.player, control, stop);
+  fmt::print("played {} messages in {:.1f} s\n", report.played, report.duration_s);
+  if (report.refused == 0) return 0;
+  fmt::print("refused: {} messages that are not of their topic's type\n", report.refused);
+  return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  player::PlayerOptions& player = options.player;
+  apps::Program app("play", "On a terminal the space bar pauses and goes on, s plays one message, q ends.");
+  app.add_option("file", player.file, "The recording")->required()->type_name("FILE");
+  apps::add_bus_options(app, options.bus);
+  apps::add_log_option(app, options.log_level);
+  app.add_option("--rate", player.rate, "1: real time; 10: ten times as fast; 0: as fast as the readers")
+      ->check(apps::number_between(0.0, 1e6))
+      ->capture_default_str();
+  app.add_flag("--loop", player.loop, "Begin again at the end, until stopped");
+  app.add_option("--start", player.start_s, "From this time of the recording on, in seconds")
+      ->check(apps::number_between(0.0, 1e9))
+      ->type_name("S");
+  app.add_option("--end", player.end_s, "To this time of the recording")
+      ->check(apps::number_between(0.0, 1e9))
+      ->type_name("S");
+  app.add_option("--topics", player.topics, "Only these topics")
+      ->delimiter(',')
+      ->check(apps::topic_name())
+      ->type_name("TOPIC,...");
+  app.add_flag("--restamp", player.restamp, "Move all times in the messages to now");
+  app.add_flag("--no-wait", options.no_wait, "Do not wait for the first reader");
+  return apps::run(app, argc, argv, [&] { return serve(options); });
+}

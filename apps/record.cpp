@@ -1,0 +1,138 @@
+// sonopose-record: any set of the topics on the bus to MCAP files.
+
+#include "clocks/clocks.hpp"
+#include "mcap/compression.hpp"
+#include "recorder/recorder_node.hpp"
+#include "recorder/signal_trigger.hpp"
+#include "support/bus_options.hpp"
+#include "support/log_option.hpp"
+#include "support/topic_option.hpp"
+#include "support/version.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <csignal>
+#include <ctime>
+#include <exception>
+#include <map>
+#include <stdexcept>
+
+namespace {
+
+using namespace sonopose;
+
+struct Options {
+  apps::BusOptions bus;
+  recorder::RecorderOptions recorder;
+  std::string beacons;
+  logging::Level log_level = logging::Level::info;
+};
+
+/// Two recordings do not have one name, and they sort by time.
+std::string name_by_time() {
+  const auto now_s = static_cast<std::time_t>(clocks::host_now() / 1'000'000'000);
+  std::tm utc{};
+  ::gmtime_r(&now_s, &utc);
+  return fmt::format("sonopose_{:04}-{:02}-{:02}_{:02}-{:02}-{:02}.mcap", utc.tm_year + 1900, utc.tm_mon + 1,
+                     utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec);
+}
+
+void print(const recorder::RecorderReport& report) {
+  for (const auto& [topic, count] : report.received) {
+    if (count > 0) fmt::print("{:28} {:>10}\n", topic, count);
+  }
+  std::vector<std::string> files;
+  for (const auto& file : report.files) files.push_back(file.string());
+  fmt::print("recorded {} messages in {:.1f} s, {:.1f} MB: {}\n", report.recorded, report.duration_s,
+             static_cast<double>(report.bytes) * 1e-6,
+             files.empty() ? "no file" : fmt::format("{}", fmt::join(files, ", ")));
+  fmt::print("lost: {} by a full queue, {} by the disk, {} on the bus\n", report.counts.lost_queue,
+             report.lost_disk, report.counts.lost_bus);
+  for (const auto& [topic, writers] : report.foreign_topics) {
+    fmt::print("not recorded: {} ({} {})\n", topic, writers, writers == 1 ? "writer" : "writers");
+  }
+}
+
+int serve(Options& options, const std::string& command) {
+  const logging::Session log(options.log_level);
+  recorder::RecorderOptions& recording = options.recorder;
+  recording.domain = options.bus.domain;
+  recording.qos_file = options.bus.qos_file;
+  recording.version = apps::version();
+  recording.command = command;
+  if (!options.beacons.empty()) recording.beacons = process::AddressSet::parse(options.beacons);
+  if (recording.file.empty()) recording.file = name_by_time();
+  process::StopSignal stop;
+  stop.listen_to_signals();
+  recorder::Recorder recorder(recording);
+  const recorder::SignalTrigger on_signal(SIGUSR1, recorder.trigger());
+  recorder.run(stop);
+  const recorder::RecorderReport report = recorder.finish();
+  print(report);
+  if (report.failure) std::rethrow_exception(report.failure);
+  return report.is_complete() ? 0 : 1;
+}
+
+void add_file_options(CLI::App& app, recorder::RecorderOptions& options) {
+  const std::map<std::string, mcap::Compression> compressions{
+      {"none", mcap::Compression::none}, {"lz4", mcap::Compression::lz4}, {"zstd", mcap::Compression::zstd}};
+  app.add_option("--compression", options.compression, "Of the chunks: none, lz4 or zstd [lz4]")
+      ->transform(CLI::CheckedTransformer(compressions).description(""))
+      ->type_name("NAME");
+  app.add_option("--max-size", options.max_size_bytes,
+                 "Begin another file before one is larger, such as 500MB")
+      ->transform(CLI::AsSizeValue(true))
+      ->type_name("SIZE");
+  app.add_option("--max-duration", options.max_duration_s, "Begin another file after this many seconds")
+      ->check(apps::number_between(1.0, 1e9))
+      ->type_name("S");
+}
+
+void add_last_options(CLI::App& app, recorder::RecorderOptions& options) {
+  CLI::Option* keep =
+      app.add_option("--keep-last", options.keep_last_s,
+                     "Keep this many seconds in memory, and write them on SIGUSR1 or a trigger")
+          ->check(apps::number_between(1.0, 86400.0))
+          ->type_name("S");
+  app.add_option("--keep-memory", options.keep_bytes, "The memory for --keep-last [256MB]")
+      ->transform(CLI::AsSizeValue(true))
+      ->type_name("SIZE")
+      ->needs(keep);
+  app.add_option("--trigger-topic", options.trigger_topic,
+                 "Write the last seconds at each sample of this topic")
+      ->check(apps::topic_name())
+      ->type_name("TOPIC")
+      ->needs(keep);
+  app.add_flag("--trigger-status", options.trigger_on_status,
+               "Write the last seconds when a pose becomes stale, frozen, doubted, or lacks IMU samples")
+      ->needs(keep);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  recorder::RecorderOptions& recording = options.recorder;
+  apps::Program app("record", "Ctrl-C ends the recording.");
+  app.add_option("file", recording.file, "The file to write [sonopose_DATE_TIME.mcap]")->type_name("FILE");
+  apps::add_bus_options(app, options.bus);
+  apps::add_log_option(app, options.log_level);
+  app.add_option("--topics", recording.topics, "Only these topics")
+      ->delimiter(',')
+      ->check(apps::topic_name())
+      ->type_name("TOPIC,...");
+  app.add_option("--exclude", recording.exclude, "Not these topics")
+      ->delimiter(',')
+      ->check(apps::topic_name())
+      ->type_name("TOPIC,...");
+  app.add_option("--beacons", options.beacons, "Only these beacons, such as 7-131,200")->type_name("LIST");
+  app.add_option("--duration", recording.duration_s, "End after this many seconds; 0: record until stopped")
+      ->check(apps::number_between(0.0, 1e9))
+      ->capture_default_str();
+  add_file_options(app, recording);
+  add_last_options(app, recording);
+  std::string command = "sonopose-record";
+  for (int i = 1; i < argc; ++i) command += std::string(" ") + argv[i];
+  return apps::run(app, argc, argv, [&] { return serve(options, command); });
+}

@@ -1,0 +1,48 @@
+// Messages of a recording as a player and a recorder read them without their types: the first byte chooses
+// the topic, the others are a sample, a key, and the text of an end of an instance.
+
+#include "recorder/instance_end.hpp"
+#include "support.hpp"
+#include <sonopose/dds/topics/serialized_topics.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string_view>
+#include <vector>
+
+using namespace sonopose;
+using namespace sonopose::fuzz;
+
+namespace {
+
+void check_sample(const dds::topics::SerializedTopic& topic, std::span<const std::byte> bytes) {
+  dds::topics::beacon_of(bytes);
+  dds::topics::status_of_pose(bytes);
+  promise(topic.key_fields(bytes).size() <= 2, "a key has at most two fields");
+  std::vector<std::byte> moved(bytes.begin(), bytes.end());
+  topic.shift_times(moved, 0);
+  promise(std::equal(bytes.begin(), bytes.end(), moved.begin(), moved.end()),
+          "a shift by nothing changes nothing");
+  topic.shift_times(moved, 1'000'000'000);
+}
+
+void check_end(std::string_view text) {
+  accepts<std::invalid_argument>([&] {
+    const auto end = recorder::instance_end_of(text);
+    promise(recorder::instance_end_of(recorder::json_of(end)) == end, "what was read is written");
+  });
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const auto topics = dds::topics::serialized_topics();
+  const auto bytes = std::as_bytes(std::span(data, size)).subspan(1);
+  check_sample(topics[data[0] % topics.size()], bytes);
+  check_end({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  return 0;
+}

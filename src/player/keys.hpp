@@ -1,0 +1,74 @@
+#pragma once
+/// \file
+/// The keys that control a player, from a terminal.
+
+#include "process/stop_signal.hpp"
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <stop_token>
+#include <thread>
+
+namespace sonopose::player {
+
+/// What the user has asked for. Set by any thread.
+class PlayControl {
+public:
+  void toggle_pause() noexcept {
+    ++pause_toggles_;
+    wakeup_.wake();
+  }
+  void step() noexcept {
+    ++steps_;
+    wakeup_.wake();
+  }
+
+  /// How often since the last call; for the playing thread.
+  std::uint32_t take_pause_toggles() noexcept { return pause_toggles_.exchange(0); }
+  /// One step that was asked for, if there is one.
+  bool take_step() noexcept {
+    if (steps_ == 0) return false;
+    --steps_;
+    return true;
+  }
+  /// Steps that were asked for while nothing is paused do nothing.
+  void forget_steps() noexcept { steps_ = 0; }
+
+  /// Wakes the playing thread.
+  process::Wakeup& wakeup() { return wakeup_; }
+
+private:
+  std::atomic<std::uint32_t> pause_toggles_ = 0;
+  std::atomic<std::uint32_t> steps_ = 0;
+  process::Wakeup wakeup_;
+};
+
+/// Reads single keys from standard input, if that is a terminal: the space bar pauses, `s` or `.` is a step,
+/// `q` stops.
+class Keys {
+public:
+  /// The references must outlive it.
+  Keys(PlayControl& control, process::StopSignal& stop);
+  Keys(const Keys&) = delete;
+  Keys& operator=(const Keys&) = delete;
+  Keys(Keys&&) = delete;
+  Keys& operator=(Keys&&) = delete;
+  /// Gives the terminal its line mode back.
+  ~Keys();
+
+  /// Whether there is a terminal.
+  [[nodiscard]] bool are_read() const { return saved_ != nullptr; }
+
+private:
+  struct SavedMode;
+
+  void serve(const std::stop_token& end);
+
+  PlayControl& control_;
+  process::StopSignal& stop_;
+  std::unique_ptr<SavedMode> saved_;
+  std::jthread thread_;
+};
+
+}  // namespace sonopose::player

@@ -1,0 +1,96 @@
+#include "player/republisher.hpp"
+
+#include "recorder/instance_end.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <stdexcept>
+#include <string_view>
+
+namespace sonopose::player {
+
+namespace topics = dds::topics;
+
+std::string obstacle_to(const mcap::Channel& channel, const mcap::Schema* schema) {
+  if (channel.topic == recorder::instance_ends_topic) return {};
+  const auto* const topic = topics::find_topic(channel.topic);
+  if (topic == nullptr || channel.topic != topic->name) return "it is no topic of this program";
+  if (channel.message_encoding != "cdr") return "its messages are not cdr but " + channel.message_encoding;
+  if (schema == nullptr || schema->name != topic->type_name) {
+    return "its type is not " + std::string(topic->type_name) + " but " +
+           (schema == nullptr ? "unknown" : schema->name);
+  }
+  return {};
+}
+
+Republisher::Republisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                         const std::vector<std::string>& names, topics::Delivery delivery) {
+  for (const std::string& name : names) {
+    const auto* const topic = topics::find_topic(name);
+    if (topic == nullptr) continue;
+    streams_.try_emplace(topic->name, Stream{topic, topic->make_writer(participant, qos, delivery)});
+  }
+}
+
+TimeNs Republisher::shifted(std::uint64_t time_ns) const {
+  constexpr auto greatest = static_cast<std::uint64_t>(std::numeric_limits<TimeNs>::max());
+  return std::max<TimeNs>(saturated_sum(static_cast<TimeNs>(std::min(time_ns, greatest)), shift_ns_), 0);
+}
+
+bool Republisher::publish(const std::string& topic, const mcap::Message& message,
+                          const process::StopSignal& stop) {
+  if (topic == recorder::instance_ends_topic) return end_instance(message, stop);
+  const auto found = streams_.find(topic);
+  if (found == streams_.end()) return false;
+  auto bytes = message.data;
+  if (shift_ns_ != 0) {
+    moved_.assign(bytes.begin(), bytes.end());
+    if (!found->second.topic->shift_times(moved_, shift_ns_)) return false;
+    bytes = moved_;
+  }
+  return forward(found->second, bytes, shifted(message.publish_time_ns), dds::SerializedWriter::Change::write,
+                 stop);
+}
+
+bool Republisher::end_instance(const mcap::Message& message, const process::StopSignal& stop) {
+  const std::string_view text(
+      reinterpret_cast<const char*>(message.data.data()),  // NOLINT(*-reinterpret-cast)
+      message.data.size());
+  try {
+    const recorder::InstanceEnd end = recorder::instance_end_of(text);
+    const auto found = streams_.find(end.topic);
+    if (found == streams_.end()) return true;  // of a topic that is not played
+    const auto change =
+        end.disposed ? dds::SerializedWriter::Change::dispose : dds::SerializedWriter::Change::unregister;
+    return forward(found->second, end.key_cdr, shifted(message.publish_time_ns), change, stop);
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+}
+
+bool Republisher::forward(Stream& stream, std::span<const std::byte> bytes, TimeNs stamp_ns,
+                          dds::SerializedWriter::Change change, const process::StopSignal& stop) {
+  dds::ReturnCode code = stream.writer.try_forward(bytes, stamp_ns, change);
+  while (dds::is_timeout(code) && !stop.requested())
+    code = stream.writer.try_forward(bytes, stamp_ns, change);
+  return code >= 0;
+}
+
+std::size_t Republisher::reader_count() {
+  std::size_t count = 0;
+  for (auto& [name, stream] : streams_) count += stream.writer.publication_matched_status().current_count;
+  return count;
+}
+
+void Republisher::wait_until_read(const process::StopSignal& stop) {
+  constexpr std::chrono::milliseconds step{100};
+  constexpr int most_steps = 100;
+  for (auto& [name, stream] : streams_) {
+    for (int i = 0; i < most_steps && !stop.requested(); ++i) {
+      if (stream.writer.wait_for_acknowledgments(step)) break;
+    }
+  }
+}
+
+}  // namespace sonopose::player

@@ -1,0 +1,55 @@
+#pragma once
+/// \file
+/// Writes messages of a recording to the bus.
+
+#include "mcap/records.hpp"
+#include "process/stop_signal.hpp"
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/topics/serialized_topics.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace sonopose::player {
+
+/// Why a channel of a file is not played; empty if it is. `schema` is null if the channel has none.
+std::string obstacle_to(const mcap::Channel& channel, const mcap::Schema* schema);
+
+class Republisher {
+public:
+  /// One writer for each native topic among the names. Throws dds::Error.
+  Republisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+              const std::vector<std::string>& topics, dds::topics::Delivery delivery);
+
+  /// Moves the times of the following messages, stamps and contents.
+  void shift_times(TimeNs shift_ns) { shift_ns_ = shift_ns; }
+
+  /// Writes a message of that topic, or ends the instance that the message names. False if it is not of the
+  /// topic's type, or `stop` came while it waited for readers.
+  bool publish(const std::string& topic, const mcap::Message& message, const process::StopSignal& stop);
+
+  /// How many readers the writers have, in all.
+  [[nodiscard]] std::size_t reader_count();
+  /// Waits until the readers have received everything, or until the stop.
+  void wait_until_read(const process::StopSignal& stop);
+
+private:
+  struct Stream {
+    const dds::topics::SerializedTopic* topic;
+    dds::SerializedWriter writer;
+  };
+
+  bool end_instance(const mcap::Message& message, const process::StopSignal& stop);
+  static bool forward(Stream& stream, std::span<const std::byte> bytes, TimeNs stamp_ns,
+                      dds::SerializedWriter::Change change, const process::StopSignal& stop);
+  [[nodiscard]] TimeNs shifted(std::uint64_t time_ns) const;
+
+  std::map<std::string, Stream> streams_;
+  TimeNs shift_ns_ = 0;
+  std::vector<std::byte> moved_;  ///< a message with other times
+};
+
+}  // namespace sonopose::player

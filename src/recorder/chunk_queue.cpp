@@ -1,0 +1,33 @@
+#include "recorder/chunk_queue.hpp"
+
+#include <utility>
+
+namespace sonopose::recorder {
+namespace {
+
+/// The smallest message, a reset command, has twice as many.
+constexpr std::size_t least_message_bytes = mcap::Chunk::bytes_of(0);
+
+}  // namespace
+
+ChunkQueue::ChunkQueue(std::size_t most_bytes)
+    : most_bytes_(most_bytes), most_messages_(most_bytes / least_message_bytes), current_(make_chunk()) {}
+
+mcap::Chunk ChunkQueue::make_chunk() const {
+  return mcap::Chunk(most_bytes_, most_messages_);
+}
+
+bool ChunkQueue::add(const mcap::Message& message) noexcept {
+  const std::lock_guard lock(mutex_);
+  if (current_.records().size() + mcap::Chunk::bytes_of(message.data.size()) > most_bytes_) return false;
+  current_.add(message);
+  return true;
+}
+
+void ChunkQueue::exchange(mcap::Chunk& chunk) {
+  chunk.clear();
+  const std::lock_guard lock(mutex_);
+  std::swap(current_, chunk);
+}
+
+}  // namespace sonopose::recorder

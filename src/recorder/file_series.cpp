@@ -1,0 +1,178 @@
+#include "recorder/file_series.hpp"
+
+#include "files/error.hpp"
+#include "recorder/instance_end.hpp"
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <map>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+namespace sonopose::recorder {
+namespace {
+
+/// The id of a channel; 0 if there is none.
+std::uint16_t channel_id_of(const std::vector<ChannelSpec>& channels, std::string_view topic) {
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    if (channels[i].topic == topic) return static_cast<std::uint16_t>(i + 1);
+  }
+  return 0;
+}
+
+LatchedSamples latched_samples(const std::vector<ChannelSpec>& channels) {
+  std::map<std::uint16_t, std::string> topics;
+  for (const ChannelSpec& channel : channels) {
+    if (channel.is_latched) topics[channel_id_of(channels, channel.topic)] = channel.topic;
+  }
+  return {std::move(topics), channel_id_of(channels, instance_ends_topic)};
+}
+
+TapCounts difference(const TapCounts& now, const TapCounts& before) {
+  return {now.received - before.received, now.lost_queue - before.lost_queue, now.lost_bus - before.lost_bus};
+}
+
+}  // namespace
+
+FileSeries::FileSeries(SeriesOptions options)
+    : options_(std::move(options)),
+      latched_(latched_samples(options_.channels)),
+      settings_(channel_id_of(options_.channels, "sonopose/settings")) {
+  recording::check_part_file(next_file());
+}
+
+std::filesystem::path FileSeries::next_file() const {
+  if (!options_.is_numbered) return options_.file;
+  std::filesystem::path file = options_.file;
+  file.replace_filename(
+      fmt::format("{}_{:03}{}", file.stem().string(), files_.size() + 1, file.extension().string()));
+  return file;
+}
+
+std::filesystem::path FileSeries::part() const {
+  return current_ ? current_->name.part() : next_file() += ".part";
+}
+
+void FileSeries::open() {
+  if (current_) return;
+  mcap::Writer& writer = current_.emplace(next_file(), options_.writer).writer;
+  std::uint16_t expected_id = 0;
+  for (const ChannelSpec& channel : options_.channels) {
+    const auto schema_id =
+        writer.add_schema(channel.schema_name, channel.schema_encoding, channel.schema_data);
+    const auto id = writer.add_channel(schema_id, channel.topic, channel.message_encoding, channel.metadata);
+    if (id != ++expected_id)
+      throw std::logic_error("channel " + channel.topic + " has another number than in the queue");
+  }
+  mcap::TextMap about = options_.about;
+  about["file_index"] = std::to_string(files_.size() + 1);
+  writer.write_metadata({"sonopose.recording", about});
+  first_log_time_ns_ = 0;
+  settings_.clear();
+}
+
+void FileSeries::write(const mcap::Chunk& chunk, const TapCounts& counts) {
+  if (chunk.is_empty()) return;
+  try {
+    prepare_for(chunk);
+  } catch (const files::IoError&) {
+    count_lost(chunk.message_count());
+    throw;
+  }
+  if (first_log_time_ns_ == 0) first_log_time_ns_ = chunk.log_times().start_ns;
+  write_chunk(chunk);
+  latched_.on(chunk);
+  write_losses(counts);
+}
+
+void FileSeries::prepare_for(const mcap::Chunk& chunk) {
+  if (current_ && is_full_for(chunk))
+    finish(options_.max_size_bytes > 0 ? "size" : "duration", counts_reported_);
+  if (current_) return;
+  open();
+  write_latched(chunk);
+}
+
+bool FileSeries::is_full_for(const mcap::Chunk& chunk) const {
+  if (first_log_time_ns_ == 0) return false;
+  const mcap::Writer& writer = current_->writer;
+  const bool too_large =
+      options_.max_size_bytes > 0 &&
+      writer.bytes_written() + writer.closing_bytes() + chunk.records().size() > options_.max_size_bytes;
+  const bool too_long =
+      options_.max_duration_ns > 0 &&
+      chunk.log_times().end_ns > first_log_time_ns_ + static_cast<std::uint64_t>(options_.max_duration_ns);
+  return too_large || too_long;
+}
+
+/// Those from before this file, at its start.
+void FileSeries::write_latched(const mcap::Chunk& before) {
+  const mcap::Chunk latched = latched_.chunk_at(before.log_times().start_ns);
+  if (!latched.is_empty()) write_chunk(latched);
+}
+
+void FileSeries::write_chunk(const mcap::Chunk& chunk) {
+  current_->writer.write(chunk);
+  for (const mcap::Metadata& settings : settings_.on(chunk)) current_->writer.write_metadata(settings);
+}
+
+/// A file that ends without a word tells what was lost until then.
+void FileSeries::write_losses(const TapCounts& counts) {
+  const TapCounts last = std::exchange(counts_reported_, counts);
+  if (last.lost_queue == counts.lost_queue && last.lost_bus == counts.lost_bus) return;
+  current_->writer.write_metadata(
+      {"sonopose.losses",
+       {{"log_time_ns", std::to_string(current_->writer.statistics().log_times.end_ns)},
+        {"lost_queue", std::to_string(counts.lost_queue - counts_at_start_.lost_queue)},
+        {"lost_bus", std::to_string(counts.lost_bus - counts_at_start_.lost_bus)}}});
+}
+
+void FileSeries::finish(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more) {
+  if (!current_) return;
+  mcap::Writer& writer = current_->writer;
+  const TapCounts own = difference(counts, std::exchange(counts_at_start_, counts));
+  counts_reported_ = counts;
+  mcap::TextMap end = more;
+  end["reason"] = reason;
+  end["received"] = std::to_string(own.received);
+  end["recorded"] = std::to_string(writer.statistics().message_count);
+  end["lost_queue"] = std::to_string(own.lost_queue);
+  end["lost_disk"] = std::to_string(lost_disk() - lost_at_start_);
+  end["lost_bus"] = std::to_string(own.lost_bus);
+  std::exception_ptr failure;
+  try {
+    writer.write_metadata({"sonopose.recording_end", end});
+  } catch (const files::IoError&) {
+    failure = std::current_exception();  // the rest may fit
+  }
+  try {
+    writer.close();
+  } catch (const files::IoError&) {
+    if (!failure) failure = std::current_exception();
+  }
+  finished_messages_ += writer.statistics().message_count;
+  finished_bytes_ += writer.bytes_written();
+  lost_ += writer.lost_messages();
+  lost_at_start_ = lost_;
+  const recording::PartFile name = current_->name;
+  current_.reset();
+  name.commit();
+  files_.push_back(name.file());
+  if (failure) std::rethrow_exception(failure);
+}
+
+std::uint64_t FileSeries::message_count() const {
+  return finished_messages_ + (current_ ? current_->writer.statistics().message_count : 0);
+}
+
+std::uint64_t FileSeries::byte_count() const {
+  return finished_bytes_ + (current_ ? current_->writer.bytes_written() : 0);
+}
+
+std::uint64_t FileSeries::lost_disk() const {
+  return lost_ + (current_ ? current_->writer.lost_messages() : 0);
+}
+
+}  // namespace sonopose::recorder

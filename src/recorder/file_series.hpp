@@ -1,0 +1,97 @@
+#pragma once
+/// \file
+/// The files of one recording, one after the other.
+
+#include "mcap/file_sink.hpp"
+#include "mcap/writer.hpp"
+#include "recorder/latched_samples.hpp"
+#include "recorder/settings_log.hpp"
+#include "recorder/topic_tap.hpp"
+#include "recording/part_file.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::recorder {
+
+/// A channel of every file.
+struct ChannelSpec {
+  std::string topic;
+  std::string message_encoding;
+  std::string schema_name;
+  std::string schema_encoding;
+  std::string schema_data;
+  mcap::TextMap metadata = {};
+  bool is_latched = false;  ///< each file begins with the latest message of each beacon
+};
+
+struct SeriesOptions {
+  std::filesystem::path file;
+  mcap::WriterOptions writer;
+  std::vector<ChannelSpec> channels;  ///< their ids are 1, 2, … in this order
+  mcap::TextMap about;                ///< of the recording; each file adds its number
+  bool is_numbered = false;           ///< FILE_001, FILE_002, … instead of one file
+  std::uint64_t max_size_bytes = 0;   ///< of a file; 0: no limit
+  std::int64_t max_duration_ns = 0;   ///< of a file, by the log time; 0: no limit
+};
+
+/// Not thread-safe. Everything throws files::IoError.
+class FileSeries {
+public:
+  /// Checks that the first file can begin; `open` or `write` creates it.
+  explicit FileSeries(SeriesOptions options);
+
+  /// Begins a file, if there is none.
+  void open();
+  /// Writes the messages. If one file would be larger or longer than allowed, another one begins before.
+  void write(const mcap::Chunk& chunk, const TapCounts& counts);
+  /// Counts messages that nobody tries to write, after an error.
+  void count_lost(std::uint64_t messages) { lost_ += messages; }
+  /// Ends the current file, closes it, and gives it its name. `reason` is written to it.
+  void finish(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more = {});
+
+  /// What was written to all files, with those that are still open.
+  [[nodiscard]] std::uint64_t message_count() const;
+  [[nodiscard]] std::uint64_t byte_count() const;
+  [[nodiscard]] std::uint64_t lost_disk() const;
+  /// The names of the files that are complete.
+  [[nodiscard]] const std::vector<std::filesystem::path>& files() const { return files_; }
+  /// What the current file is called until it is complete, or the next one.
+  [[nodiscard]] std::filesystem::path part() const;
+
+private:
+  /// One that is being written.
+  struct File {
+    File(const std::filesystem::path& path, const mcap::WriterOptions& options)
+        : name(path), sink(name.part()), writer(sink, options) {}
+
+    recording::PartFile name;
+    mcap::FileSink sink;
+    mcap::Writer writer;
+  };
+
+  [[nodiscard]] std::filesystem::path next_file() const;
+  void prepare_for(const mcap::Chunk& chunk);
+  [[nodiscard]] bool is_full_for(const mcap::Chunk& chunk) const;
+  void write_latched(const mcap::Chunk& before);
+  void write_chunk(const mcap::Chunk& chunk);
+  void write_losses(const TapCounts& counts);
+
+  SeriesOptions options_;
+  std::optional<File> current_;
+  TapCounts counts_at_start_;  ///< of the current file
+  TapCounts counts_reported_;  ///< in its metadata
+  LatchedSamples latched_;
+  SettingsLog settings_;
+  std::uint64_t first_log_time_ns_ = 0;  ///< of the current file
+  std::vector<std::filesystem::path> files_;
+  std::uint64_t finished_messages_ = 0;
+  std::uint64_t finished_bytes_ = 0;
+  std::uint64_t lost_ = 0;           ///< by the disk; the current writer counts its own
+  std::uint64_t lost_at_start_ = 0;  ///< of the current file
+};
+
+}  // namespace sonopose::recorder

@@ -1,0 +1,26 @@
+#pragma once
+/// \file
+/// The topics on the bus that a recorder of native topics does not know.
+
+#include <sonopose/dds/binding/discovery.hpp>
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace sonopose::recorder {
+
+class ForeignTopics {
+public:
+  /// Looks at all writers. Returns the topics that are new, as "rt/odom (nav_msgs::msg::dds_::Odometry_)".
+  std::vector<std::string> update(const std::vector<dds::FoundEndpoint>& writers);
+
+  /// How many writers each had at most.
+  [[nodiscard]] const std::map<std::string, std::size_t>& writer_counts() const { return writer_counts_; }
+
+private:
+  std::map<std::string, std::size_t> writer_counts_;
+};
+
+}  // namespace sonopose::recorder

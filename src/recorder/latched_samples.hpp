@@ -1,0 +1,45 @@
+#pragma once
+/// \file
+/// The latest samples of the topics whose late readers receive them: every file of a recording begins with
+/// them.
+
+#include "mcap/chunk.hpp"
+#include <sonopose/samples/samples.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace sonopose::recorder {
+
+class LatchedSamples {
+public:
+  /// The channels of such topics, whose key is the beacon; and the one of the ends of instances.
+  LatchedSamples(std::map<std::uint16_t, std::string> topics, std::uint16_t ends_channel_id)
+      : topics_(std::move(topics)), ends_channel_id_(ends_channel_id) {}
+
+  /// Remembers what a chunk has of them, and forgets the instances that ended.
+  void on(const mcap::Chunk& chunk);
+
+  /// All of them, logged at this time.
+  [[nodiscard]] mcap::Chunk chunk_at(std::uint64_t log_time_ns) const;
+
+private:
+  struct Sample {
+    std::uint32_t sequence = 0;
+    std::uint64_t publish_time_ns = 0;
+    std::vector<std::byte> data;
+  };
+
+  void forget(std::string_view instance_end);
+
+  std::map<std::uint16_t, std::string> topics_;
+  std::uint16_t ends_channel_id_;
+  std::map<std::pair<std::uint16_t, BeaconAddress>, Sample> samples_;
+};
+
+}  // namespace sonopose::recorder

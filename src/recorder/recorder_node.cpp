@@ -1,0 +1,262 @@
+#include "recorder/recorder_node.hpp"
+
+#include "clocks/clocks.hpp"
+#include "files/error.hpp"
+#include "logging/log.hpp"
+#include "recorder/foreign_topics.hpp"
+#include "recorder/instance_end.hpp"
+#include "recorder/write_thread.hpp"
+#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/qos/provider.hpp>
+#include <sonopose/idl/text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <stdexcept>
+#include <unistd.h>
+#include <utility>
+
+namespace sonopose::recorder {
+namespace {
+
+namespace topics = dds::topics;
+
+constexpr TimeNs look_period_ns = 1'000'000'000;
+
+const topics::SerializedTopic& topic_named(const std::string& name) {
+  const auto* const topic = topics::find_topic(name);
+  if (topic == nullptr) throw std::invalid_argument(name + ": unknown topic");
+  return *topic;
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
+std::vector<ChannelSpec> channels_of(const std::vector<const topics::SerializedTopic*>& selected,
+                                     const dds::qos::Provider& qos) {
+  std::vector<ChannelSpec> channels;
+  for (const auto* const topic : selected) {
+    channels.push_back({.topic = topic->name,
+                        .message_encoding = "cdr",
+                        .schema_name = topic->type_name,
+                        .schema_encoding = "omgidl",
+                        .schema_data = std::string(idl::text),
+                        .is_latched = topic->has_beacon_key && topic->is_latched(qos)});
+  }
+  channels.push_back({.topic = std::string(instance_ends_topic),
+                      .message_encoding = std::string(instance_ends_encoding),
+                      .schema_name = std::string(instance_end_schema_name),
+                      .schema_encoding = std::string(instance_end_schema_encoding),
+                      .schema_data = std::string(instance_end_schema)});
+  return channels;
+}
+
+SeriesOptions series_options(const RecorderOptions& options, std::uint32_t domain_id,
+                             std::vector<ChannelSpec> channels) {
+  const bool is_numbered =
+      options.max_size_bytes > 0 || options.max_duration_s > 0 || options.keep_last_s > 0;
+  return {
+      .file = options.file,
+      .writer = {.profile = {}, .library = "sonopose " + options.version, .compression = options.compression},
+      .channels = std::move(channels),
+      .about = {{"host", host_name()},
+                {"version", options.version},
+                {"command", options.command},
+                {"domain", std::to_string(domain_id)}},
+      .is_numbered = is_numbered,
+      .max_size_bytes = options.max_size_bytes,
+      .max_duration_ns = to_ns(options.max_duration_s)};
+}
+
+std::string loss_words(const TapCounts& counts) {
+  return fmt::format("{} lost by a full queue, {} lost on the bus", counts.lost_queue, counts.lost_bus);
+}
+
+}  // namespace
+
+std::vector<const topics::SerializedTopic*> selected_topics(const RecorderOptions& options) {
+  std::vector<const topics::SerializedTopic*> selected;
+  for (const std::string& name : options.topics) selected.push_back(&topic_named(name));
+  if (options.topics.empty()) {
+    for (const auto& topic : topics::serialized_topics()) selected.push_back(&topic);
+  }
+  for (const std::string& name : options.exclude) std::erase(selected, &topic_named(name));
+  std::sort(selected.begin(), selected.end());
+  selected.erase(std::unique(selected.begin(), selected.end()), selected.end());
+  if (selected.empty()) throw std::invalid_argument("--exclude: no topic is left");
+  return selected;
+}
+
+/// Throws std::invalid_argument if a trigger could never come.
+static void check_triggers(const RecorderOptions& options,
+                           const std::vector<const topics::SerializedTopic*>& selected) {
+  const auto require = [&](const std::string& option, const std::string& topic) {
+    if (std::find(selected.begin(), selected.end(), &topic_named(topic)) != selected.end()) return;
+    throw std::invalid_argument(fmt::format("{}: the topic {} is not recorded", option, topic));
+  };
+  if (!options.trigger_topic.empty()) require("--trigger-topic", options.trigger_topic);
+  if (options.trigger_on_status) require("--trigger-status", "pose");
+}
+
+class Recorder::Node {
+public:
+  explicit Node(const RecorderOptions& options);
+
+  void run(const process::StopSignal& stop);
+  Trigger& trigger() { return trigger_; }
+  RecorderReport finish();
+
+private:
+  [[nodiscard]] TapCounts counts() const;
+  [[nodiscard]] mcap::TextMap foreign_text() const;
+  TopicTrigger* trigger_of(const topics::SerializedTopic& topic);
+  void look_around();
+
+  RecorderOptions options_;
+  dds::qos::Provider qos_;
+  std::vector<const topics::SerializedTopic*> selected_;
+  dds::DomainParticipant participant_;
+  dds::Discovery discovery_;
+  ForeignTopics foreign_;
+  ChunkQueue queue_;
+  FileSeries series_;
+  Trigger trigger_;
+  AnySampleTrigger any_sample_{trigger_};
+  BadStatusTrigger bad_status_{trigger_};
+  std::atomic<std::uint32_t> ends_sequence_ = 0;
+  process::Wakeup failed_;
+  std::vector<std::unique_ptr<TopicTap>> taps_;
+  std::optional<WriteThread> writing_;
+  SteadyTime began_ = clocks::steady_now();
+  TapCounts reported_;
+  std::uint64_t incompatible_reported_ = 0;
+};
+
+Recorder::Node::Node(const RecorderOptions& options)
+    : options_(options),
+      qos_(options.qos_file),
+      selected_(selected_topics(options)),
+      participant_(options.domain),
+      discovery_(participant_),
+      queue_(options.queue_bytes),
+      series_(series_options(options, participant_.domain_id(), channels_of(selected_, qos_))) {
+  check_triggers(options, selected_);
+  if (options.keep_last_s <= 0) series_.open();
+  for (std::uint16_t i = 0; i < selected_.size(); ++i) {
+    const TapTarget target{.queue = queue_,
+                           .channel_id = static_cast<std::uint16_t>(i + 1),
+                           .ends_channel_id = static_cast<std::uint16_t>(selected_.size() + 1),
+                           .ends_sequence = ends_sequence_};
+    taps_.push_back(
+        std::make_unique<TopicTap>(*selected_[i], options_.beacons, target, trigger_of(*selected_[i])));
+  }
+  std::optional<LastSeconds> last;
+  if (options.keep_last_s > 0) last.emplace(to_ns(options.keep_last_s), options.keep_bytes);
+  writing_.emplace(WriteThread::Parts{.queue = queue_,
+                                      .series = series_,
+                                      .trigger = trigger_,
+                                      .counts = [this] { return counts(); },
+                                      .last = std::move(last),
+                                      .failed = failed_});
+  for (const auto& tap : taps_) tap->open(participant_, qos_);
+  logging::info(fmt::format("recording {} topics to {}", selected_.size(), series_.part().string()));
+}
+
+TopicTrigger* Recorder::Node::trigger_of(const topics::SerializedTopic& topic) {
+  if (!options_.trigger_topic.empty() && &topic == &topic_named(options_.trigger_topic)) return &any_sample_;
+  if (options_.trigger_on_status && &topic == &topic_named("pose")) return &bad_status_;
+  return nullptr;
+}
+
+TapCounts Recorder::Node::counts() const {
+  TapCounts sum;
+  for (const auto& tap : taps_) sum += tap->counts();
+  return sum;
+}
+
+void Recorder::Node::run(const process::StopSignal& stop) {
+  const SteadyTime end = options_.duration_s > 0 ? began_ + to_ns(options_.duration_s) : SteadyTime::max();
+  while (!stop.requested() && clocks::steady_now() < end && !writing_->failure()) {
+    look_around();
+    stop.wait_until(std::min(end, clocks::steady_now() + look_period_ns), failed_);
+  }
+}
+
+/// Reports what a user must know: topics that are not recorded, writers that do not match, losses.
+void Recorder::Node::look_around() {
+  for (const std::string& topic : foreign_.update(discovery_.writers())) {
+    logging::info("not recorded: " + topic + " is no topic of this program");
+  }
+  std::uint64_t incompatible = 0;
+  for (const auto& tap : taps_) incompatible += tap->incompatible();
+  if (std::exchange(incompatible_reported_, incompatible) != incompatible) {
+    logging::warning("a writer offers incompatible QoS and is not recorded; run sonopose-doctor for details");
+  }
+  const TapCounts now = counts();
+  const TapCounts before = std::exchange(reported_, now);
+  if (now.lost_queue != before.lost_queue || now.lost_bus != before.lost_bus) {
+    logging::warning("the recording lacks messages: " + loss_words(now));
+  }
+}
+
+mcap::TextMap Recorder::Node::foreign_text() const {
+  std::string text;
+  for (const auto& [topic, writers] : foreign_.writer_counts()) {
+    text += fmt::format("{}{} ({} writers)", text.empty() ? "" : ", ", topic, writers);
+  }
+  return text.empty() ? mcap::TextMap{} : mcap::TextMap{{"not_recorded", text}};
+}
+
+RecorderReport Recorder::Node::finish() {
+  for (const auto& tap : taps_) tap->close();
+  const double duration_s = static_cast<double>(clocks::steady_now() - began_) * 1e-9;
+  writing_->finish();
+  std::exception_ptr failure = writing_->failure();
+  std::string reason = "stopped";
+  try {
+    if (failure) std::rethrow_exception(failure);
+  } catch (const std::exception& error) {
+    reason = fmt::format("error: {}", error.what());
+  }
+  look_around();
+  try {
+    series_.finish(reason, counts(), foreign_text());
+  } catch (const files::IoError&) {
+    if (!failure) failure = std::current_exception();
+  }
+  RecorderReport report{.counts = counts(),
+                        .recorded = series_.message_count(),
+                        .bytes = series_.byte_count(),
+                        .lost_disk = series_.lost_disk(),
+                        .duration_s = duration_s,
+                        .files = series_.files(),
+                        .received = {},
+                        .foreign_topics = foreign_.writer_counts(),
+                        .failure = failure};
+  for (const auto& tap : taps_) report.received[tap->topic().name] = tap->counts().received;
+  return report;
+}
+
+Recorder::Recorder(const RecorderOptions& options) : node_(std::make_unique<Node>(options)) {}
+
+Recorder::~Recorder() = default;
+
+void Recorder::run(const process::StopSignal& stop) {
+  node_->run(stop);
+}
+
+Trigger& Recorder::trigger() {
+  return node_->trigger();
+}
+
+RecorderReport Recorder::finish() {
+  return node_->finish();
+}
+
+}  // namespace sonopose::recorder

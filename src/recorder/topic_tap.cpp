@@ -1,0 +1,73 @@
+#include "recorder/topic_tap.hpp"
+
+#include "clocks/clocks.hpp"
+#include "recorder/instance_end.hpp"
+
+#include <string>
+
+namespace sonopose::recorder {
+namespace {
+
+std::uint64_t file_time(std::int64_t time_ns) {
+  return time_ns < 0 ? 0 : static_cast<std::uint64_t>(time_ns);
+}
+
+void add_change(std::atomic<std::uint64_t>& counter, std::int32_t change) {
+  if (change > 0) counter.fetch_add(static_cast<std::uint64_t>(change), std::memory_order_relaxed);
+}
+
+}  // namespace
+
+void TopicTap::on_data_available(dds::SerializedReader& reader) noexcept {
+  reader.try_take_each(
+      [this](const dds::SerializedSample& sample, const dds::SampleInfo& info) { on_sample(sample, info); },
+      [this](const dds::SerializedSample& key, const dds::SampleInfo& info) { on_end(key, info); });
+}
+
+void TopicTap::on_sample_lost(dds::SerializedReader& /*reader*/,
+                              const dds::SampleLostStatus& status) noexcept {
+  add_change(lost_bus_, status.total_count_change);
+}
+
+void TopicTap::on_requested_incompatible_qos(dds::SerializedReader& /*reader*/,
+                                             const dds::RequestedIncompatibleQosStatus& status) noexcept {
+  add_change(incompatible_, status.total_count_change);
+}
+
+bool TopicTap::accepts(std::span<const std::byte> sample) const {
+  if (!topic_.has_beacon) return true;
+  const auto address = dds::topics::beacon_of(sample);
+  return !address || *address == all_beacons || beacons_.contains(*address);
+}
+
+void TopicTap::on_sample(const dds::SerializedSample& sample, const dds::SampleInfo& info) {
+  const auto bytes = sample.bytes();
+  if (!accepts(bytes)) return;
+  // Lost ones are numbered too: a gap in the file tells of them.
+  add({.channel_id = target_.channel_id,
+       .sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1,
+       .log_time_ns = file_time(clocks::host_now()),
+       .publish_time_ns = file_time(info.source_timestamp_ns()),
+       .data = bytes});
+  if (trigger_ != nullptr) trigger_->on_sample(bytes);
+}
+
+void TopicTap::on_end(const dds::SerializedSample& key, const dds::SampleInfo& info) {
+  if (!accepts(key.bytes())) return;
+  const std::string text = json_of({.topic = topic_.name,
+                                    .disposed = info.disposed(),
+                                    .key_cdr = {key.bytes().begin(), key.bytes().end()},
+                                    .source_time_ns = info.source_timestamp_ns()});
+  add({.channel_id = target_.ends_channel_id,
+       .sequence = target_.ends_sequence.fetch_add(1, std::memory_order_relaxed) + 1,
+       .log_time_ns = file_time(clocks::host_now()),
+       .publish_time_ns = file_time(info.source_timestamp_ns()),
+       .data = std::as_bytes(std::span(text))});
+}
+
+void TopicTap::add(const mcap::Message& message) {
+  received_.fetch_add(1, std::memory_order_relaxed);
+  if (!target_.queue.add(message)) lost_queue_.fetch_add(1, std::memory_order_relaxed);
+}
+
+}  // namespace sonopose::recorder

@@ -1,0 +1,72 @@
+#pragma once
+/// \file
+/// What makes a recorder that keeps the last seconds in memory write them.
+
+#include <sonopose/samples/pose.hpp>
+#include <sonopose/samples/samples.hpp>
+
+#include <atomic>
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace sonopose::recorder {
+
+enum class TriggerCause : std::uint8_t { none, signal, topic, status };
+
+/// "a signal", …: for people and for the metadata of the file.
+const char* words_of(TriggerCause cause);
+
+/// Fired by any thread, taken by one.
+class Trigger {
+public:
+  /// Until it is taken, the first cause counts.
+  void fire(TriggerCause cause) noexcept {
+    TriggerCause none = TriggerCause::none;
+    cause_.compare_exchange_strong(none, cause);
+  }
+  TriggerCause take() noexcept { return cause_.exchange(TriggerCause::none); }
+
+private:
+  std::atomic<TriggerCause> cause_ = TriggerCause::none;
+};
+
+/// Looks at the samples of one topic, on the receiving thread.
+class TopicTrigger {
+public:
+  TopicTrigger() = default;
+  TopicTrigger(const TopicTrigger&) = delete;
+  TopicTrigger& operator=(const TopicTrigger&) = delete;
+  virtual ~TopicTrigger() = default;
+  virtual void on_sample(std::span<const std::byte> sample) noexcept = 0;
+};
+
+/// Every sample fires.
+class AnySampleTrigger final : public TopicTrigger {
+public:
+  explicit AnySampleTrigger(Trigger& trigger) : trigger_(trigger) {}
+  void on_sample(std::span<const std::byte> /*sample*/) noexcept override {
+    trigger_.fire(TriggerCause::topic);
+  }
+
+private:
+  Trigger& trigger_;
+};
+
+/// The bits of a pose's status that a beacon in order does not have.
+inline constexpr std::uint32_t bad_status =
+    status_stale | status_frozen_track | status_imu_gap | status_low_trust | status_overloaded;
+
+/// Fires when one of these bits appears at a beacon whose pose had none of them before.
+class BadStatusTrigger final : public TopicTrigger {
+public:
+  explicit BadStatusTrigger(Trigger& trigger) : trigger_(trigger) {}
+  void on_sample(std::span<const std::byte> pose) noexcept override;
+
+private:
+  Trigger& trigger_;
+  std::bitset<all_beacons + 1UL> was_good_;
+};
+
+}  // namespace sonopose::recorder

@@ -1,0 +1,59 @@
+#pragma once
+/// \file
+/// The thread that writes what the receiving threads have put into the queue.
+
+#include "process/stop_signal.hpp"
+#include "recorder/chunk_queue.hpp"
+#include "recorder/file_series.hpp"
+#include "recorder/last_seconds.hpp"
+#include "recorder/trigger.hpp"
+
+#include <condition_variable>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+
+namespace sonopose::recorder {
+
+class WriteThread {
+public:
+  /// What it works with; the references must outlive it.
+  struct Parts {
+    ChunkQueue& queue;
+    FileSeries& series;
+    Trigger& trigger;
+    std::function<TapCounts()> counts;  ///< of all topics, so far
+    std::optional<LastSeconds> last;    ///< given: they are written only after a trigger
+    process::Wakeup& failed;            ///< woken if the disk fails
+  };
+
+  explicit WriteThread(Parts parts);
+  WriteThread(const WriteThread&) = delete;
+  WriteThread& operator=(const WriteThread&) = delete;
+  WriteThread(WriteThread&&) = delete;
+  WriteThread& operator=(WriteThread&&) = delete;
+  ~WriteThread() = default;
+
+  /// Writes what is in the queue, and ends the thread. Nothing may be queued afterwards.
+  void finish();
+
+  /// The first error of the disk, after which nothing is written; null without one. From any thread.
+  [[nodiscard]] std::exception_ptr failure() const;
+
+private:
+  void serve(const std::stop_token& end);
+  void write(mcap::Chunk& chunk);
+  void write_last(TriggerCause cause);
+
+  Parts parts_;
+  mutable std::mutex mutex_;
+  std::condition_variable_any sleep_;
+  std::exception_ptr failure_;
+  std::jthread thread_;  ///< last: it ends before the rest
+};
+
+}  // namespace sonopose::recorder

@@ -1,0 +1,134 @@
+#include "recorder/file_series.hpp"
+
+#include "files/error.hpp"
+#include "recorder/instance_end.hpp"
+#include "recorder/messages.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+
+namespace sonopose::recorder::test::file_series_test {
+
+using sonopose::test::TemporaryFolder;
+
+constexpr std::uint64_t second = 1'000'000'000;
+
+SeriesOptions options_for(const std::filesystem::path& file) {
+  return {
+      .file = file,
+      .writer = {.compression = mcap::Compression::none},
+      .channels = {{"sonopose/reset", "cdr", "sonopose::ResetCommand", "omgidl", "idl"},
+                   {"sonopose/settings", "cdr", "sonopose::EffectiveSettings", "omgidl", "idl", {}, true},
+                   {std::string(instance_ends_topic), "json", "sonopose.InstanceEnd", "jsonschema", "{}"}},
+      .about = {{"host", "here"}}};
+}
+
+mcap::Chunk chunk_of(std::uint16_t channel_id, std::uint64_t log_time_ns, std::span<const std::byte> data,
+                     std::uint32_t sequence = 1) {
+  mcap::Chunk chunk;
+  chunk.add({channel_id, sequence, log_time_ns, log_time_ns - 5, data});
+  return chunk;
+}
+
+TEST_CASE("A recording is one file with its name at the end") {
+  const TemporaryFolder folder;
+  const auto file = folder / "run.mcap";
+  FileSeries series(options_for(file));
+  series.open();
+  CHECK(exists(folder / "run.mcap.part"));
+  const auto data = command_cdr(7, 1);
+  series.write(chunk_of(1, 100, data), {.received = 1});
+  series.write(chunk_of(1, 200, data, 3), {.received = 3, .lost_queue = 1, .lost_bus = 4});
+  CHECK(series.message_count() == 2);
+  CHECK_FALSE(exists(file));
+
+  SECTION("when it is finished") {
+    series.finish("stopped", {.received = 3, .lost_queue = 1, .lost_bus = 4}, {{"not_recorded", "rt/odom"}});
+    CHECK_FALSE(exists(folder / "run.mcap.part"));
+    CHECK(series.files() == std::vector{file});
+    const auto messages = messages_of(file);
+    REQUIRE(messages.size() == 2);
+    CHECK(messages[0] == OwnedMessage{"sonopose/reset", 1, 100, 95, data});
+    CHECK(messages[1].sequence == 3);
+    CHECK(metadata_of(file, "sonopose.recording") == mcap::TextMap{{"host", "here"}, {"file_index", "1"}});
+    CHECK(metadata_of(file, "sonopose.losses") ==
+          mcap::TextMap{{"log_time_ns", "200"}, {"lost_queue", "1"}, {"lost_bus", "4"}});
+    CHECK(metadata_of(file, "sonopose.recording_end") == mcap::TextMap{{"reason", "stopped"},
+                                                                       {"received", "3"},
+                                                                       {"recorded", "2"},
+                                                                       {"lost_queue", "1"},
+                                                                       {"lost_disk", "0"},
+                                                                       {"lost_bus", "4"},
+                                                                       {"not_recorded", "rt/odom"}});
+  }
+  SECTION("and neither it nor its part is overwritten") {
+    CHECK_THROWS_WITH(FileSeries(options_for(file)), Catch::Contains("run.mcap.part: exists"));
+    series.finish("stopped", {});
+    CHECK_THROWS_WITH(FileSeries(options_for(file)), Catch::Contains("run.mcap: exists"));
+  }
+}
+
+TEST_CASE("A file is not longer and not larger than allowed, and each begins with the latest settings") {
+  const TemporaryFolder folder;
+  SeriesOptions options = options_for(folder / "run.mcap");
+  options.is_numbered = true;
+  const auto data = command_cdr(7, 1);
+  const auto first_settings = command_cdr(7, 2);
+  const auto last_settings = command_cdr(7, 3);
+  const auto other_settings = command_cdr(8, 4);
+
+  SECTION("by the time") {
+    options.max_duration_ns = 10 * second;
+    FileSeries series(options);
+    series.write(chunk_of(2, 1 * second, first_settings), {});
+    series.write(chunk_of(2, 2 * second, other_settings), {});
+    series.write(chunk_of(2, 3 * second, last_settings), {});
+    series.write(chunk_of(1, 11 * second, data), {});
+    series.write(chunk_of(1, 12 * second, data), {});
+    const std::string end = json_of({"sonopose/settings", true, command_cdr(8, 0), 5});
+    series.write(chunk_of(3, 13 * second, std::as_bytes(std::span(end))), {});
+    series.write(chunk_of(1, 23 * second, data), {});
+    series.finish("stopped", {});
+
+    REQUIRE(series.files() ==
+            std::vector{folder / "run_001.mcap", folder / "run_002.mcap", folder / "run_003.mcap"});
+    CHECK(messages_of(folder / "run_001.mcap").size() == 4);
+    CHECK(metadata_of(folder / "run_001.mcap", "sonopose.recording_end")["reason"] == "duration");
+    const auto second_file = messages_of(folder / "run_002.mcap");
+    REQUIRE(second_file.size() == 4);
+    CHECK(second_file[0] == OwnedMessage{"sonopose/settings", 1, 12 * second, 3 * second - 5, last_settings});
+    CHECK(second_file[1] ==
+          OwnedMessage{"sonopose/settings", 1, 12 * second, 2 * second - 5, other_settings});
+    const auto third_file = messages_of(folder / "run_003.mcap");
+    REQUIRE(third_file.size() == 2);  // beacon 8 has ended
+    CHECK(third_file[0].data == last_settings);
+    CHECK(metadata_of(folder / "run_003.mcap", "sonopose.recording")["file_index"] == "3");
+  }
+  SECTION("by the size") {
+    options.max_size_bytes = 20'000;
+    FileSeries series(options);
+    const std::vector<std::byte> large(4'000);
+    for (std::uint64_t i = 1; i <= 20; ++i) series.write(chunk_of(1, i * second, large), {});
+    series.finish("stopped", {});
+    REQUIRE(series.files().size() == 5);
+    std::size_t count = 0;
+    for (const auto& file : series.files()) {
+      CHECK(file_size(file) <= options.max_size_bytes);
+      count += messages_of(file).size();
+    }
+    CHECK(count == 20);
+  }
+}
+
+TEST_CASE("A file that cannot begin loses its messages, and counts them") {
+  const TemporaryFolder folder;
+  SeriesOptions options = options_for(folder / "run.mcap");
+  options.is_numbered = true;
+  FileSeries series(options);
+  sonopose::test::write_text(folder / "run_001.mcap", "of somebody else");
+  CHECK_THROWS_AS(series.write(chunk_of(1, 1, command_cdr(7, 1)), {}), files::IoError);
+  CHECK(series.lost_disk() == 1);
+  CHECK(series.message_count() == 0);
+}
+
+}  // namespace sonopose::recorder::test::file_series_test

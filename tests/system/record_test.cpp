@@ -1,0 +1,357 @@
+/// sonopose-record: what is on the bus, in MCAP files.
+
+#include "recorder/instance_end.hpp"
+#include "recorder/messages.hpp"
+#include "support/bus.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <algorithm>
+#include <csignal>
+#include <map>
+#include <set>
+
+namespace record_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+using recorder::test::messages_of;
+using recorder::test::metadata_of;
+using recorder::test::OwnedMessage;
+namespace topics = dds::topics;
+namespace fs = std::filesystem;
+
+/// Returns when it records.
+std::unique_ptr<Process> start_recording(const Bus& bus, const fs::path& file,
+                                         const Arguments& options = {}) {
+  Arguments arguments{file.string()};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  auto process = bus.record(arguments);
+  REQUIRE(process->wait_for_line(Stream::error, "recording "));
+  return process;
+}
+
+/// The little-endian number of 8 bytes at `offset` of the CDR.
+std::uint64_t number_at(const OwnedMessage& message, std::size_t offset) {
+  REQUIRE(message.data.size() >= offset + 8);
+  std::uint64_t number = 0;
+  for (std::size_t i = 8; i-- > 0;)
+    number = number << 8U | std::to_integer<std::uint64_t>(message.data[offset + i]);
+  return number;
+}
+
+std::vector<OwnedMessage> of_topic(const std::vector<OwnedMessage>& messages, const std::string& topic) {
+  std::vector<OwnedMessage> found;
+  std::copy_if(messages.begin(), messages.end(), std::back_inserter(found),
+               [&](const OwnedMessage& message) { return message.topic == topic; });
+  return found;
+}
+
+using Numbers = std::map<int, std::vector<std::uint64_t>>;
+
+/// By beacon: the event numbers of IMU samples, fixes, headings and poses: the second field of their types,
+/// aligned to 8.
+Numbers event_numbers(const std::vector<OwnedMessage>& messages) {
+  Numbers numbers;
+  for (const OwnedMessage& message : messages) {
+    numbers[topics::beacon_of(message.data).value_or(0)].push_back(number_at(message, 4 + 8));
+  }
+  return numbers;
+}
+
+template <class Sample>
+Numbers event_numbers(const std::vector<Sample>& samples) {
+  Numbers numbers;
+  for (const Sample& sample : samples) numbers[sample.address].push_back(sample.sequence);
+  return numbers;
+}
+
+/// Without those before the latest of the two beginnings: a writer does not find two readers at one moment.
+void begin_together(Numbers& a, Numbers& b) {
+  for (auto& [address, numbers] : a) {
+    auto& others = b[address];
+    REQUIRE_FALSE(others.empty());
+    const auto first = std::max(numbers.front(), others.front());
+    std::erase_if(numbers, [first](std::uint64_t number) { return number < first; });
+    std::erase_if(others, [first](std::uint64_t number) { return number < first; });
+  }
+}
+
+/// Whether all that two readers of a topic can have in common is the same.
+template <class Sample>
+bool is_same(const std::vector<OwnedMessage>& messages, const std::vector<Sample>& samples) {
+  Numbers recorded = event_numbers(messages);
+  Numbers received = event_numbers(samples);
+  begin_together(recorded, received);
+  return recorded == received;
+}
+
+SCENARIO("a recording has every message that a consumer gets beside it") {
+  GIVEN("a recorder, consumers of two topics, and a fusion") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const fs::path file = folder / "run.mcap";
+    Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    const auto record = start_recording(bus, file);
+    const auto fusion = bus.fusion({"--set", "beacon.8.heading.mount_offset_deg=90"});
+    WHEN("a bridge has published five seconds of two beacons") {
+      const auto bridge = bus.bridge({"--duration", "5", "--beacons", "2"});
+      REQUIRE(bridge->wait_for_exit() == 0);
+      fusion->end_by(SIGTERM);
+      REQUIRE(record->end_by(SIGINT).code == 0);
+      imu.take();
+      poses.take();
+      const auto messages = messages_of(file);
+      THEN("the same messages are in the file, in the same order for each beacon") {
+        REQUIRE(imu.samples.size() > 500);
+        REQUIRE(poses.samples.size() > 500);
+        CHECK(is_same(of_topic(messages, "sonopose/imu"), imu.samples));
+        CHECK(is_same(of_topic(messages, "sonopose/pose"), poses.samples));
+        CHECK_FALSE(of_topic(messages, "sonopose/settings").empty());
+      }
+      THEN("the times are those of arrival and of writing, and messages are numbered without a gap") {
+        std::map<std::string, std::uint32_t> last;
+        for (const OwnedMessage& message : messages) {
+          CAPTURE(message.topic, message.sequence);
+          REQUIRE(message.sequence == ++last[message.topic]);
+          REQUIRE(message.log_time_ns >= message.publish_time_ns);
+        }
+      }
+      THEN("the ends of instances are recorded") {
+        std::set<std::string> ended;
+        for (const OwnedMessage& message : of_topic(messages, "sonopose/instance_ends")) {
+          const auto end = recorder::instance_end_of(message.text());
+          if (end.topic == "sonopose/imu") CHECK(end.disposed);
+          if (end.topic == "sonopose/pose") CHECK_FALSE(end.disposed);
+          ended.insert(end.topic + " " + std::to_string(topics::beacon_of(end.key_cdr).value_or(0)));
+        }
+        for (const char* const each :
+             {"sonopose/imu 7", "sonopose/imu 8", "sonopose/pose 7", "sonopose/pose 8"}) {
+          CHECK(ended.contains(each));
+        }
+      }
+      THEN("chunks are short, and the file says what it is") {
+        const mcap::Reader reader(file);
+        CHECK(reader.damages().empty());
+        for (const mcap::Block& block : reader.contents().blocks) {
+          CHECK(block.log_times.end_ns - block.log_times.start_ns <= 1'000'000'000);
+        }
+        for (const auto& [id, schema] : reader.schemas()) {
+          if (schema.name == "sonopose::ImuSample") {
+            CHECK(schema.encoding == "omgidl");
+            CHECK(schema.data == read_text(SONOPOSE_SOURCE_DIR "/idl/sonopose.idl"));
+          }
+        }
+        const auto about = metadata_of(file, "sonopose.recording");
+        CHECK(about.at("domain") == std::to_string(bus.domain_id()));
+        CHECK_FALSE(about.at("version").empty());
+        const auto metadata = reader.metadata();
+        const auto settings = std::find_if(metadata.begin(), metadata.end(), [](const mcap::Metadata& each) {
+          return each.name == "sonopose.settings" && !each.values.contains("address");
+        });
+        REQUIRE(settings != metadata.end());
+        CHECK(settings->values.at("fusion.engine") == "kalman");
+        const auto of_beacon = std::find_if(metadata.begin(), metadata.end(), [](const mcap::Metadata& each) {
+          return each.name == "sonopose.settings" && each.values.contains("address") &&
+                 each.values.at("address") == "8";
+        });
+        REQUIRE(of_beacon != metadata.end());
+        CHECK(of_beacon->values.at("heading.mount_offset_deg") == "90");
+        CHECK_FALSE(of_beacon->values.contains("fusion.engine"));
+        const auto end = metadata_of(file, "sonopose.recording_end");
+        CHECK(end.at("reason") == "stopped");
+        CHECK(end.at("received") == std::to_string(messages.size()));
+        CHECK(end.at("recorded") == end.at("received"));
+        CHECK(end.at("lost_bus") == "0");
+        CHECK_THAT(record->text(Stream::output),
+                   Contains("lost: 0 by a full queue, 0 by the disk, 0 on the bus"));
+      }
+    }
+  }
+}
+
+SCENARIO("topics and beacons are selected, and what is not ours is named") {
+  GIVEN("a recorder of one beacon's IMU samples and fixes, and a writer of another topic") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const fs::path file = folder / "run.mcap";
+    const auto member = dds::make_participant({.domain_id = bus.domain_id()});
+    const dds::Topic<sonopose_ResetCommand> other(member, "rt/other");
+    const dds::DataWriter<sonopose_ResetCommand> writer(member, other);
+    const auto record = start_recording(
+        bus, file,
+        {"--topics", "imu,fix,heading", "--exclude", "heading", "--beacons", "8", "--compression", "zstd"});
+    WHEN("two beacons are published") {
+      REQUIRE(record->wait_for_line(Stream::error, "not recorded: rt/other (sonopose::ResetCommand)"));
+      REQUIRE(bus.bridge({"--duration", "2", "--rate", "2", "--beacons", "2"})->wait_for_exit() == 0);
+      REQUIRE(record->end_by(SIGTERM).code == 0);
+      THEN("the file has what was asked for") {
+        std::set<std::string> found;
+        for (const OwnedMessage& message : messages_of(file)) {
+          if (message.topic == "sonopose/instance_ends") continue;
+          found.insert(message.topic + " " + std::to_string(topics::beacon_of(message.data).value_or(0)));
+        }
+        CHECK(found == std::set<std::string>{"sonopose/fix 8", "sonopose/imu 8"});
+        CHECK_THAT(metadata_of(file, "sonopose.recording_end").at("not_recorded"),
+                   Contains("rt/other (1 writers)"));
+        CHECK_THAT(record->text(Stream::output), Contains("not recorded: rt/other (1 writer)"));
+      }
+    }
+  }
+}
+
+SCENARIO("a recorder that is killed loses at most a second") {
+  GIVEN("a recorder and a consumer of the simulator's IMU samples") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+    const auto record = start_recording(bus, folder / "run.mcap");
+    const auto bridge = bus.bridge({});
+    REQUIRE(imu.wait_for_count(300));
+    WHEN("it is killed") {
+      record->end_by(SIGKILL);
+      imu.take();
+      const auto killed_at = imu.received_ns.back();
+      THEN("the part opens, and has all messages up to a second before") {
+        CHECK_FALSE(exists(folder / "run.mcap"));
+        const auto messages = messages_of(folder / "run.mcap.part");
+        Numbers recorded = event_numbers(of_topic(messages, "sonopose/imu"));
+        Numbers expected;
+        for (const ImuSample& sample : imu.samples) {
+          if (sample.bridge_time_ns < killed_at - 1'000'000'000) expected[7].push_back(sample.sequence);
+        }
+        begin_together(recorded, expected);
+        REQUIRE(expected[7].size() > 50);
+        REQUIRE(recorded[7].size() >= expected[7].size());
+        CHECK(std::equal(expected[7].begin(), expected[7].end(), recorded[7].begin()));
+      }
+    }
+  }
+}
+
+SCENARIO("a full disk ends the recording with an error and a complete file") {
+  GIVEN("a recorder whose files cannot exceed 2 MiB, and four beacons") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const fs::path file = folder / "run.mcap";
+    const std::string command = "trap '' XFSZ; ulimit -f 4096; exec " SONOPOSE_TEST_RECORD " " +
+                                file.string() + " --compression none --domain " +
+                                std::to_string(bus.domain_id());
+    Process record("/bin/sh", Arguments{"-c", command});
+    REQUIRE(record.wait_for_line(Stream::error, "recording "));
+    const auto bridge = bus.bridge({"--rate", "4", "--beacons", "4"});
+    WHEN("the disk is full") {
+      const auto code = record.wait_for_exit();
+      THEN("it ends with the reason, and what it had is in a sound file") {
+        CHECK(code == 1);
+        CHECK_THAT(record.text(Stream::error),
+                   Contains(file.string() + ".part: cannot be written: File too large"));
+        CHECK_FALSE(exists(folder / "run.mcap.part"));
+        const mcap::Reader reader(file);
+        CHECK(reader.damages().empty());
+        CHECK(reader.contents().is_indexed);
+        CHECK(reader.statistics().message_count > 100);
+        const auto end = metadata_of(file, "sonopose.recording_end");
+        CHECK_THAT(end.at("reason"), Contains("error: ") && Contains("File too large"));
+        CHECK(std::stoull(end.at("lost_disk")) > 0);
+        CHECK(std::stoull(end.at("received")) ==
+              std::stoull(end.at("recorded")) + std::stoull(end.at("lost_disk")));
+      }
+    }
+  }
+}
+
+SCENARIO("a recording goes on in further files") {
+  GIVEN("a recorder with at most one second in a file, and a fusion") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const auto record = start_recording(bus, folder / "run.mcap", {"--max-duration", "1"});
+    const auto fusion = bus.fusion();
+    Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+    WHEN("a bridge publishes four seconds") {
+      REQUIRE(bus.bridge({"--duration", "4"})->wait_for_exit() == 0);
+      REQUIRE(record->end_by(SIGINT).code == 0);
+      imu.take();
+      THEN("the files together have all, each with the settings in effect") {
+        std::vector<OwnedMessage> all;
+        std::size_t count = 0;
+        for (; exists(folder / ("run_00" + std::to_string(count + 1) + ".mcap").c_str()); ++count) {
+          const auto messages =
+              messages_of(folder / ("run_00" + std::to_string(count + 1) + ".mcap").c_str());
+          const auto span_ns = messages.back().log_time_ns - messages.front().log_time_ns;
+          CHECK(span_ns <= 1'000'000'000);
+          if (count > 0) {
+            CHECK(std::any_of(messages.begin(), messages.end(), [&](const OwnedMessage& message) {
+              return message.topic == "sonopose/settings" &&
+                     message.log_time_ns == messages.front().log_time_ns;
+            }));
+          }
+          const auto own = of_topic(messages, "sonopose/imu");
+          all.insert(all.end(), own.begin(), own.end());
+        }
+        CHECK(count >= 4);
+        CHECK(is_same(all, imu.samples));
+      }
+    }
+  }
+}
+
+SCENARIO("the last seconds are written when something has happened") {
+  GIVEN("a recorder that keeps two seconds, and a bridge") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const auto record =
+        start_recording(bus, folder / "run.mcap", {"--keep-last", "2", "--trigger-topic", "reset"});
+    const auto bridge = bus.bridge({});
+    Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+    REQUIRE(imu.wait_for_count(350));
+    CHECK(fs::is_empty(folder.path()));
+    WHEN("a signal comes, and later a sample of the trigger topic") {
+      record->send(SIGUSR1);
+      REQUIRE(record->wait_for_line(Stream::error, "triggered by a signal: "));
+      REQUIRE(imu.wait_for_more(50));
+      const auto member = dds::make_participant({.domain_id = bus.domain_id()});
+      auto reset = topics::make_writer(member, dds::qos::Provider(), topics::reset);
+      REQUIRE(wait_for_status(reset, dds::StatusMask::publication_matched(),
+                              [&] { return reset.publication_matched_status().current_count >= 1; }));
+      reset.write({.address = 999, .request_id = 1});
+      REQUIRE(record->wait_for_line(Stream::error, "triggered by a sample of the trigger topic: "));
+      REQUIRE(record->end_by(SIGINT).code == 0);
+      THEN("each wrote a file of its own, with what came before it and in no other file") {
+        const auto first = messages_of(folder / "run_001.mcap");
+        const auto second = messages_of(folder / "run_002.mcap");
+        const auto span_ns = first.back().log_time_ns - first.front().log_time_ns;
+        CHECK(span_ns > 1'500'000'000);
+        CHECK(span_ns < 2'700'000'000);  // to the next chunk
+        CHECK(first.back().log_time_ns <= second.front().log_time_ns);
+        CHECK_FALSE(of_topic(second, "sonopose/reset").empty());
+        CHECK(metadata_of(folder / "run_001.mcap", "sonopose.recording_end").at("trigger") == "a signal");
+        CHECK_FALSE(exists(folder / "run_003.mcap"));
+      }
+    }
+  }
+}
+
+SCENARIO("a recording that cannot begin is refused") {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "run.mcap").string();
+  const auto refused = [](const Arguments& arguments) {
+    const Result result = run(SONOPOSE_TEST_RECORD, arguments, neutral);
+    CHECK(result.code.value_or(0) > 0);
+    return result.error;
+  };
+  write_text(file, "of somebody else");
+  CHECK_THAT(refused({file}), Contains(file + ": exists; a recording is not overwritten"));
+  CHECK(read_text(file) == "of somebody else");
+  CHECK_THAT(refused({"--topics", "imus"}), Contains("imus: unknown topic; did you mean imu?"));
+  CHECK_THAT(refused({"--beacons", "7-x"}), Contains("7-x"));
+  CHECK_THAT(refused({"--compression", "gzip"}), Contains("gzip"));
+  CHECK_THAT(refused({"--trigger-status"}), Contains("--trigger-status requires --keep-last"));
+  CHECK_THAT(refused({"--topics", "imu", "--keep-last", "5", "--trigger-status"}),
+             Contains("--trigger-status: the topic pose is not recorded"));
+  CHECK_THAT(refused({"--max-duration", "0.1"}), Contains("--max-duration"));
+  CHECK_THAT(refused({"/proc/none/run.mcap"}), Contains("/proc/none"));
+}
+
+}  // namespace record_test
