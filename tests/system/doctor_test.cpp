@@ -4,7 +4,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <arpa/inet.h>
 #include <csignal>
+#include <filesystem>
+#include <sys/socket.h>
+#include <unistd.h>
 
 namespace doctor_test {
 
@@ -136,6 +141,94 @@ SCENARIO("the doctor reports an empty domain, and finds a system in another doma
         CHECK(result.code == 1);
         CHECK_THAT(result.output,
                    Contains("beacons are published in domain " + used + ": use --domain " + used));
+      }
+    }
+  }
+}
+
+/// UDP ports in use, each of another domain.
+class OccupiedDomains {
+public:
+  OccupiedDomains(unsigned first, unsigned last) {
+    for (unsigned id = first; id <= last; ++id) {
+      sockaddr_in address{};
+      address.sin_family = AF_INET;
+      address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+      address.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * id + 100));  // of no likely process
+      const int file = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+      REQUIRE(::bind(file, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+      files_.push_back(file);
+    }
+  }
+  OccupiedDomains(const OccupiedDomains&) = delete;
+  OccupiedDomains& operator=(const OccupiedDomains&) = delete;
+  ~OccupiedDomains() {
+    for (const int file : files_) ::close(file);
+  }
+
+private:
+  std::vector<int> files_;
+};
+
+std::size_t entries_of(const std::filesystem::path& folder) {
+  std::error_code ended;
+  std::size_t count = 0;
+  for (auto entry = std::filesystem::directory_iterator(folder, ended);
+       !ended && entry != std::filesystem::directory_iterator(); entry.increment(ended)) {
+    ++count;
+  }
+  return count;
+}
+
+/// What the doctor used while it searched, with a limit of file descriptors.
+struct SearchUsage {
+  std::optional<int> code;
+  std::string output;
+  std::size_t most_threads = 0;
+  std::size_t most_files = 0;
+  double took_s = 0;
+};
+
+SearchUsage search(std::uint32_t domain_id, unsigned descriptors) {
+  const std::string command =
+      "ulimit -n " + std::to_string(descriptors) + " && exec \"$0\" --domain " + std::to_string(domain_id);
+  const auto began = std::chrono::steady_clock::now();
+  Process process("/bin/sh", {"-c", command, SONOPOSE_TEST_DOCTOR}, neutral);
+  const std::filesystem::path folder = "/proc/" + std::to_string(process.pid());
+  SearchUsage usage;
+  while (!usage.code && std::chrono::steady_clock::now() - began < timeout) {
+    usage.most_threads = std::max(usage.most_threads, entries_of(folder / "task"));
+    usage.most_files = std::max(usage.most_files, entries_of(folder / "fd"));
+    usage.code = process.wait_for_exit(std::chrono::milliseconds(5));
+  }
+  usage.took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  usage.output = process.text(Stream::output);
+  return usage;
+}
+
+SCENARIO("the doctor's search of all domains is bounded") {
+  GIVEN("an empty domain, and programs in 132 others") {
+    const Bus empty;
+    const OccupiedDomains others(101, 232);
+    WHEN("the doctor may open 1024 files") {
+      const SearchUsage usage = search(empty.domain_id(), 1024);
+      CAPTURE(usage.output, usage.took_s, usage.most_threads, usage.most_files);
+      THEN("it visits all, with less than 200 threads, within 15 s") {
+        CHECK(usage.code == 1);
+        CHECK_THAT(usage.output, Contains("no sonopose process") && !Contains("could not be checked"));
+        CHECK(usage.most_threads > 32);  // several domains at once
+        CHECK(usage.most_threads < 200);
+        CHECK(usage.most_files < 1024);
+        CHECK(usage.took_s < 15);
+      }
+    }
+    WHEN("it may open 40 files") {
+      const SearchUsage usage = search(empty.domain_id(), 40);
+      CAPTURE(usage.output, usage.took_s, usage.most_threads, usage.most_files);
+      THEN("it says what it could not check, within 15 s") {
+        CHECK(usage.code == 1);
+        CHECK_THAT(usage.output, Contains("could not be checked"));
+        CHECK(usage.took_s < 15);
       }
     }
   }
