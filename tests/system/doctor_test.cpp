@@ -1,6 +1,7 @@
 /// The doctor on healthy systems, and on systems with one fault.
 
 #include "support/bus.hpp"
+#include "support/terminal_process.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -232,6 +233,18 @@ SCENARIO("the doctor's search of all domains is bounded") {
       }
     }
   }
+}
+
+SCENARIO("on a terminal, the doctor shows how far it is") {
+  const Bus bus;
+  const auto bridge = bus.bridge({});
+  REQUIRE(bridge->wait_for_line(Stream::error, "found"));
+  TerminalProcess doctor(SONOPOSE_TEST_DOCTOR,
+                         {"--domain", std::to_string(bus.domain_id()), "--duration", "5"});
+  CHECK(doctor.wait_for("observing the system"));
+  CHECK(doctor.wait_for("###"));
+  REQUIRE(doctor.wait_for_exit());
+  CHECK_THAT(doctor.screen().text(), Contains("no fusion runs") && !Contains("observing the system"));
 }
 
 SCENARIO("the doctor refuses an invalid command line") {
