@@ -235,6 +235,25 @@ SCENARIO("the doctor's search of all domains is bounded") {
   }
 }
 
+SCENARIO("a pause of the doctor loses none of its samples") {
+  const Bus bus;
+  Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+  const auto fusion = bus.fusion();
+  const auto bridge = bus.bridge({"--imu-rate", "250"});
+  REQUIRE(poses.wait_for(is_ready));
+  Process doctor(SONOPOSE_TEST_DOCTOR, {"--domain", std::to_string(bus.domain_id()), "--duration", "6"},
+                 neutral);
+  CHECK_FALSE(doctor.wait_for_exit(std::chrono::milliseconds(2000)));
+  doctor.send(SIGSTOP);
+  CHECK_FALSE(doctor.wait_for_exit(std::chrono::milliseconds(1200)));
+  doctor.send(SIGCONT);
+  REQUIRE(doctor.wait_for_exit());
+  const std::string output = doctor.text(Stream::output);
+  CAPTURE(output);
+  CHECK_THAT(output, Contains("beacon 7: IMU 250") || Contains("beacon 7: IMU 249"));
+  CHECK_THAT(output, !Contains("of its events were not received"));
+}
+
 SCENARIO("on a terminal, the doctor shows how far it is") {
   const Bus bus;
   const auto bridge = bus.bridge({});

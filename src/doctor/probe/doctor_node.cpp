@@ -22,13 +22,14 @@ namespace {
 
 namespace topics = dds::topics;
 
-/// A subscription to one topic.
+/// A subscription to one topic. It keeps all samples until they are taken: those that a pause of the doctor
+/// would make it lose look like losses of the system.
 template <class T>
 struct Subscription {
   Subscription(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
                const dds::topics::Entry<T>& entry, dds::topics::AddressFilter* filter = nullptr)
-      : reader(
-            dds::topics::make_reader(participant, qos, entry, nullptr, dds::topics::Delivery::live, filter)),
+      : reader(dds::topics::make_reader(participant, qos, entry, nullptr, dds::topics::Delivery::lossless,
+                                        filter)),
         has_data(reader) {}
 
   dds::DataReader<T> reader;
