@@ -64,6 +64,7 @@ public:
   /// Lossless writes and the waits below end when `stop` is requested.
   void obey(const process::StopSignal& stop) { stop_ = &stop; }
   void publish_statuses(SteadyTime now);
+  void finish_log() { transition_log_.finish(); }
   void wait_for_readers();
   void wait_until_read();
   /// Throws files::IoError if samples were not recorded.
@@ -413,6 +414,7 @@ void BridgeNode::run(Source& source, const process::StopSignal& stop) {
   if (source.is_recording()) publisher_->wait_for_readers();
   source.run(*publisher_, stop);
   publisher_->publish_statuses(clocks::steady_now());
+  publisher_->finish_log();
   publisher_->flush();
   if (source.is_recording()) publisher_->wait_until_read();
 }
