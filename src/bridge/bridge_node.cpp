@@ -215,6 +215,7 @@ void BridgeNode::Publisher::finish_recording() {
   } catch (const files::IoError& error) {
     throw files::IoError(fmt::format("{}; it is in {}", error.what(), recorder_->part().string()));
   }
+  if (recorder_->is_empty()) logging::warning("no beacon was heard, so there is no recording");
   recorder_->finish();
 }
 
