@@ -4,6 +4,7 @@
 #include "evaluation/trajectory_file.hpp"
 #include "recording/attitude_log.hpp"
 #include "support/config_options.hpp"
+#include "support/progress.hpp"
 #include "support/run.hpp"
 
 #include <fmt/format.h>
@@ -65,7 +66,7 @@ void check_names(const std::vector<Path>& logs) {
 }
 
 evaluation::AttitudeResult run_log(const Path& folder, const Options& options,
-                                   const settings::Settings& settings) {
+                                   const settings::Settings& settings, apps::Progress& progress) {
   const recording::AttitudeLog log = recording::read_attitude_log(folder, options.beacon);
   const bool has_field = std::any_of(log.imu.begin(), log.imu.end(), [](const ImuSample& imu) {
     return imu.magnetic_field_body_t.has_value();
@@ -76,10 +77,12 @@ evaluation::AttitudeResult run_log(const Path& folder, const Options& options,
   }
   std::optional<evaluation::TrajectoryFile> trajectory;
   if (options.out) trajectory.emplace(*options.out / (name_of(folder) + ".tum"));
-  auto result =
-      evaluation::run_attitude(name_of(folder), log, settings, [&](TimeNs time_ns, const Quaterniond& q) {
-        if (trajectory) trajectory->write(time_ns, Vector3d::Zero(), q);
-      });
+  const std::string name = name_of(folder);
+  std::size_t samples = 0;
+  auto result = evaluation::run_attitude(name, log, settings, [&](TimeNs time_ns, const Quaterniond& q) {
+    progress.at(static_cast<double>(++samples) / static_cast<double>(log.imu.size()), name);
+    if (trajectory) trajectory->write(time_ns, Vector3d::Zero(), q);
+  });
   if (trajectory) trajectory->flush();
   if (trajectory) trajectory->commit();
   return result;
@@ -104,11 +107,13 @@ int run_logs(const CLI::App& app, const Options& options) {
     evaluation::make_folder(*options.out);
   }
   std::vector<evaluation::AttitudeResult> results;
+  apps::Progress progress;
   const auto print_results = [&] {
+    progress.clear();
     fmt::print("{}", options.json ? evaluation::attitude_json(results) : evaluation::attitude_text(results));
   };
   try {
-    for (const Path& log : options.logs) results.push_back(run_log(log, options, settings));
+    for (const Path& log : options.logs) results.push_back(run_log(log, options, settings, progress));
   } catch (...) {
     if (!results.empty()) print_results();  // results of the earlier logs
     throw;

@@ -5,6 +5,7 @@
 #include "plots/allan_plot.hpp"
 #include "support/drive_commands.hpp"
 #include "support/run.hpp"
+#include "support/waiting.hpp"
 
 #include <fmt/format.h>
 
@@ -44,6 +45,13 @@ void add_output(CLI::App& command, Options& options) {
       ->check(CLI::Range(0, all_beacons - 1));
 }
 
+/// The result of a fit that may take long.
+template <class Fit>
+auto shown(const Options& options, const Fit& fit) {
+  const apps::Waiting waiting(options.log.filename().string());
+  return fit();
+}
+
 /// Without --out the tables go to standard output, with the report as comments above them.
 int print_result(const Options& options, const evaluation::CalibrationResult& result) {
   const std::string toml = evaluation::calibration_toml(result, options.beacon);
@@ -59,7 +67,8 @@ int print_result(const Options& options, const evaluation::CalibrationResult& re
 int analyse(const Options& options) {
   std::optional<plots::AllanPlot> plot;
   if (options.plot) plot.emplace(*options.plot);
-  const evaluation::AllanResult result = evaluation::analyse_allan(options.log);
+  const evaluation::AllanResult result =
+      shown(options, [&options] { return evaluation::analyse_allan(options.log); });
   if (plot) plot->draw(result);
   fmt::print("{}", options.json ? evaluation::allan_json(result) : evaluation::allan_text(result));
   return 0;
@@ -97,8 +106,10 @@ int main(int argc, char** argv) {
   return apps::run(app, argc, argv, [&] {
     if (drive.is_given()) return drive.run();
     if (*allan) return analyse(options);
-    if (*imu) return print_result(options, evaluation::calibrate_imu(options.log));
-    if (*gyroscope) return print_result(options, evaluation::calibrate_gyroscope(options.log));
-    return print_result(options, evaluation::calibrate_magnetometer(options.log, options.field_ut));
+    return print_result(options, shown(options, [&] {
+                          if (*imu) return evaluation::calibrate_imu(options.log);
+                          if (*gyroscope) return evaluation::calibrate_gyroscope(options.log);
+                          return evaluation::calibrate_magnetometer(options.log, options.field_ut);
+                        }));
   });
 }

@@ -3,8 +3,11 @@
 #include "doctor/probe/doctor_node.hpp"
 #include "doctor/rules/report.hpp"
 #include "support/bus_options.hpp"
+#include "support/waiting.hpp"
 
 #include <fmt/format.h>
+
+#include <optional>
 
 int main(int argc, char** argv) {
   sonopose::apps::BusOptions bus;
@@ -22,7 +25,10 @@ int main(int argc, char** argv) {
     options.qos_file = bus.qos_file;
     sonopose::process::StopSignal stop;
     stop.listen_to_signals();
+    std::optional<sonopose::apps::Waiting> waiting;
+    waiting.emplace("observing the system", options.duration_s);
     const auto observations = observe(options, stop);
+    waiting.reset();
     constexpr double least_window_s = 0.5;
     if (observations.window_s < least_window_s) {
       fmt::print(stderr, "sonopose-doctor: stopped before it could observe the system\n");

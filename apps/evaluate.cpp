@@ -7,6 +7,7 @@
 #include "support/config_options.hpp"
 #include "support/progress.hpp"
 #include "support/run.hpp"
+#include "support/waiting.hpp"
 
 #include <fmt/format.h>
 
@@ -91,13 +92,19 @@ int evaluate(const CLI::App& app, const Options& options) {
   const std::vector<settings::Settings> engines = settings_of(app, options);
   apps::Progress progress;
   std::optional<evaluation::SummaryTable> table;
+  bool is_only_case = false;
   const auto begin = [&](const apps::CasePlace& place) {
+    is_only_case = place.count == 1;
     if (!table) table.emplace(place.name_columns);
     show(place, progress);
   };
   const auto score = [&](const std::vector<evaluation::Case>& runs) {
     for (const settings::Settings& settings : engines) {
-      const std::string lines = table->add(evaluation::summarise(evaluation::evaluate_all(runs, settings)));
+      std::optional<apps::Waiting> waiting;  // among several cases, their number shows the progress
+      if (is_only_case) waiting.emplace(runs.front().name);
+      const auto results = evaluation::evaluate_all(runs, settings);
+      waiting.reset();
+      const std::string lines = table->add(evaluation::summarise(results));
       if (options.json) continue;
       progress.clear();
       fmt::print("{}", lines);

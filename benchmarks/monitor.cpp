@@ -38,6 +38,7 @@ struct Options {
   double imu_rate_hz = 25;
   double round_s = 10;
   int rounds = 3;
+  bool control = false;
 };
 
 /// Takes the samples of a topic and counts them.
@@ -143,8 +144,11 @@ void measure(const Options& options) {
   std::atomic<std::uint64_t>& count = shared_counter();
   const Child counter = Child::fork_to([&] { count_samples(options.domain, count); });
   WatchedTerminal terminal;
+  std::atomic<std::uint64_t>& control_count = shared_counter();
   const Child monitor =
-      Child::execute({SONOPOSE_MONITOR, "--domain", domain}, [&terminal] { terminal.become(); });
+      options.control
+          ? Child::fork_to([&] { count_samples(options.domain, control_count); })
+          : Child::execute({SONOPOSE_MONITOR, "--domain", domain}, [&terminal] { terminal.become(); });
   const Child fusion = Child::execute({SONOPOSE_FUSION, "--domain", domain});
   const Child bridge =
       Child::execute({SONOPOSE_BRIDGE, "--domain", domain, "--beacons", std::to_string(options.beacons),
@@ -192,6 +196,9 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", options.round_s, "Length of a round")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_flag(
+      "--control", options.control,
+      "A second consumer that only counts in place of the monitor: what the machine adds to a ratio");
   CLI11_PARSE(app, argc, argv);
   try {
     measure(options);

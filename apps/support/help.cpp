@@ -28,21 +28,23 @@ std::string row(const std::string& left, const std::string& right) {
   return name + std::string(left_columns, ' ') + wrapped(right, left_columns, left_columns) + "\n";
 }
 
-/// The beginning of a description that fits one line: up to the end of a clause, if there is one.
+/// The beginning of a description that fits one line: up to the end of a clause, if there is one. "…" marks
+/// what is left out.
 std::string brief(const std::string& text, std::size_t columns) {
   if (columns_of(text) <= columns) return text;
+  const std::string mark = " …";
+  const std::size_t most = columns - columns_of(mark);
   for (const std::vector<std::string>& ends : {std::vector<std::string>{"; ", " ("}, {": ", ", "}, {" "}}) {
     std::size_t cut = std::string::npos;
     for (const std::string& end : ends) {
-      const std::size_t found = text.rfind(end, columns - 1);
+      const std::size_t found = text.rfind(end, most);
       if (found != std::string::npos && (cut == std::string::npos || found > cut)) cut = found;
     }
     if (cut == std::string::npos || cut == 0) continue;
     const std::string begin = text.substr(0, cut);
     const std::size_t opened = begin.rfind(" (");
-    if (opened != std::string::npos && begin.find(')', opened) == std::string::npos)
-      return text.substr(0, opened);
-    return begin + (ends.front() == " " ? "…" : "");
+    const bool is_open = opened != std::string::npos && begin.find(')', opened) == std::string::npos;
+    return (is_open ? text.substr(0, opened) : begin) + mark;
   }
   return text;
 }

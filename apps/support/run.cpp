@@ -16,6 +16,7 @@
 #include <cstring>
 #include <exception>
 #include <memory>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -70,6 +71,18 @@ std::string mistake_in(const CLI::App& app, const CLI::ParseError& error) {
     return fmt::format("{}: unexpected argument", unknown.front());
   }
   return fmt::format("{}: unknown command{}", unknown.front(), suggestion(unknown.front(), commands));
+}
+
+/// Prints what the command line asks for. Returns the exit code.
+int print(const CLI::App& app, const std::string& text) {
+  try {
+    std::fputs(text.c_str(), stdout);
+    flush_output();
+    return 0;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", app.get_name(), error.what());
+    return 1;
+  }
 }
 
 /// For the exceptions of other threads. Set once, before there are any.
@@ -157,16 +170,11 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
   try {
     parse(app, arguments);
   } catch (const Printed& asked) {
-    try {
-      std::fputs(asked.what(), stdout);
-      flush_output();
-      return 0;
-    } catch (const std::exception& error) {
-      logging::failure(error.what());
-      return 1;
-    }
+    return print(app, asked.what());
   } catch (const CLI::Success& asked) {  // --help, --version
-    return app.exit(asked);
+    std::ostringstream text;
+    app.exit(asked, text);
+    return print(app, text.str());
   } catch (const CLI::ParseError& error) {
     fmt::print(stderr, "{0}: {1}\nRun {0} --help for more information.\n", app.get_name(),
                mistake_in(app, error));

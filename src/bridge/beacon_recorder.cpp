@@ -9,11 +9,16 @@ namespace sonopose::bridge {
 BeaconRecorder::BeaconRecorder(const std::filesystem::path& folder, recording::LogSettings settings)
     : folder_(folder), settings_(std::move(settings)) {}
 
+BeaconRecorder::~BeaconRecorder() {
+  if (!finished_) folder_.remove_if_empty();
+}
+
 void BeaconRecorder::flush() {
   for (auto& entry : logs_) entry.second.flush();
 }
 
 void BeaconRecorder::finish() {
+  if (is_empty()) return;
   flush();
   std::optional<BeaconAddress> only;
   if (logs_.size() == 1) only = logs_.begin()->first;
@@ -23,6 +28,7 @@ void BeaconRecorder::finish() {
   } else {
     folder_.commit();
   }
+  finished_ = true;
 }
 
 std::filesystem::path BeaconRecorder::part_of(BeaconAddress address) const {

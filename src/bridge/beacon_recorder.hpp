@@ -19,14 +19,22 @@ public:
   /// exists.
   explicit BeaconRecorder(const std::filesystem::path& folder, recording::LogSettings settings = {});
 
+  BeaconRecorder(const BeaconRecorder&) = delete;
+  BeaconRecorder& operator=(const BeaconRecorder&) = delete;
+  /// A recording without a beacon leaves no folder.
+  ~BeaconRecorder();
+
   void write(const Event& event) { log_of(address_of(event)).write(event); }
   void write(const TruthSample& truth) { log_of(truth.address).write(truth); }
 
   /// Passes all lines to the operating system. Throws files::IoError, as `write` does.
   void flush();
 
-  /// Ends the recording and gives it its name. Throws files::IoError.
+  /// Ends the recording and gives it its name, unless it is empty. Throws files::IoError.
   void finish();
+
+  /// Whether no beacon was heard.
+  [[nodiscard]] bool is_empty() const { return logs_.empty(); }
 
   /// What the folder is called until then.
   [[nodiscard]] const std::filesystem::path& part() const { return folder_.part(); }
@@ -38,6 +46,7 @@ private:
   recording::PartFolder folder_;
   recording::LogSettings settings_;
   std::map<BeaconAddress, recording::SensorLogWriter> logs_;
+  bool finished_ = false;
 };
 
 }  // namespace sonopose::bridge

@@ -64,6 +64,7 @@ public:
   /// Lossless writes and the waits below end when `stop` is requested.
   void obey(const process::StopSignal& stop) { stop_ = &stop; }
   void publish_statuses(SteadyTime now);
+  void finish_log() { transition_log_.finish(); }
   void wait_for_readers();
   void wait_until_read();
   /// Throws files::IoError if samples were not recorded.
@@ -214,6 +215,7 @@ void BridgeNode::Publisher::finish_recording() {
   } catch (const files::IoError& error) {
     throw files::IoError(fmt::format("{}; it is in {}", error.what(), recorder_->part().string()));
   }
+  if (recorder_->is_empty()) logging::warning("no beacon was heard, so there is no recording");
   recorder_->finish();
 }
 
@@ -413,6 +415,7 @@ void BridgeNode::run(Source& source, const process::StopSignal& stop) {
   if (source.is_recording()) publisher_->wait_for_readers();
   source.run(*publisher_, stop);
   publisher_->publish_statuses(clocks::steady_now());
+  publisher_->finish_log();
   publisher_->flush();
   if (source.is_recording()) publisher_->wait_until_read();
 }

@@ -103,6 +103,7 @@ public:
       sink.tick();
     }
     report_line(sink);
+    watch_.log().finish();
   }
 
   void finish() override {
@@ -183,10 +184,15 @@ private:
     return status;
   }
 
-  void log_change(ReadStatus status) const {
-    if (status == ReadStatus::connected) logging::info("reading " + bytes_->description());
+  void log_change(ReadStatus status) {
+    const SteadyTime now = clocks::steady_now();
+    if (status == ReadStatus::connected) {
+      watch_.log().write(logging::Level::info, "reading " + bytes_->description(), now);
+    }
     if (status == ReadStatus::disconnected) {
-      logging::warning(fmt::format("waiting for {} ({})", bytes_->description(), bytes_->last_error()));
+      watch_.log().write(logging::Level::warning,
+                         fmt::format("waiting for {} ({})", bytes_->description(), bytes_->last_error()),
+                         now);
     }
   }
 

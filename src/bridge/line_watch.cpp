@@ -1,6 +1,5 @@
 #include "bridge/line_watch.hpp"
 
-#include "logging/log.hpp"
 #include "marvelmind/packet.hpp"
 
 #include <fmt/format.h>
@@ -23,6 +22,7 @@ void LineWatch::judge(LineStatus& line, SteadyTime now) {
     frames_ = {line.frames, now};
     bytes_at_frame_ = line.bytes;
   }
+  log_.update(now);
   if (!is_open_) return;
   const std::uint64_t bytes_without_frame = line.bytes - bytes_at_frame_;
   // The first part of a frame at the end of a transmission is no sign of a wrong baud rate.
@@ -34,7 +34,7 @@ void LineWatch::judge(LineStatus& line, SteadyTime now) {
     line.text = fmt::format("no bytes for {:.0f} s: check that the beacon is on and streams its data",
                             seconds_between(bytes_.since, now));
   }
-  log(line);
+  log_change(line, now);
 }
 
 /// What has arrived since the last call, before the opening was seen, counts.
@@ -45,11 +45,11 @@ void LineWatch::begin(SteadyTime now) {
   logged_ = LineState::open;
 }
 
-void LineWatch::log(const LineStatus& line) {
+void LineWatch::log_change(const LineStatus& line, SteadyTime now) {
   if (std::exchange(logged_, line.state) == line.state) return;
   const bool is_good = line.text.empty();
-  logging::write(is_good ? logging::Level::info : logging::Level::warning,
-                 fmt::format("{}: {}", line.name, is_good ? "valid frames arrive" : line.text));
+  log_.write(is_good ? logging::Level::info : logging::Level::warning,
+             fmt::format("{}: {}", line.name, is_good ? "valid frames arrive" : line.text), now);
 }
 
 }  // namespace sonopose::bridge

@@ -2,6 +2,7 @@
 /// \file
 /// Whether an open line delivers frames.
 
+#include "bridge/line_log.hpp"
 #include <sonopose/samples/status.hpp>
 
 #include <cstdint>
@@ -19,6 +20,9 @@ public:
   /// Call it several times a second.
   void judge(LineStatus& line, SteadyTime now);
 
+  /// The log of the line, for its other changes.
+  [[nodiscard]] LineLog& log() { return log_; }
+
 private:
   /// What the line had delivered, and when.
   struct Progress {
@@ -27,7 +31,7 @@ private:
   };
 
   void begin(SteadyTime now);
-  void log(const LineStatus& line);
+  void log_change(const LineStatus& line, SteadyTime now);
 
   std::string check_;
   bool is_open_ = false;
@@ -35,6 +39,7 @@ private:
   Progress frames_;
   std::uint64_t bytes_at_frame_ = 0;  ///< bytes received at the last frame
   LineState logged_ = LineState::open;
+  LineLog log_;
 };
 
 }  // namespace sonopose::bridge

@@ -88,6 +88,7 @@ public:
 
   /// Lets a standby process take over without a missed pose.
   void hand_over();
+  void finish_log();
 
 private:
   template <class T>
@@ -366,6 +367,11 @@ void FusionNode::Impl::log_transitions(SteadyTime now) {
   for (transitions::Pending& pending : transitions_) transition_log_.take(pending, now);
 }
 
+void FusionNode::Impl::finish_log() {
+  log_transitions(clocks::steady_now());
+  transition_log_.finish();
+}
+
 void FusionNode::Impl::hand_over() {
   output_.hand_over();
   if (!output_.is_standby()) return;
@@ -406,6 +412,7 @@ void FusionNode::run(const process::StopSignal& stop) {
     status_due += period_ns;
   } while (!stop.wait_until(std::min(status_due, impl_->poll_by())));
   impl_->hand_over();
+  impl_->finish_log();
 }
 
 }  // namespace sonopose::fusion

@@ -4,6 +4,7 @@
 #include "monitor/display.hpp"
 #include "monitor/monitor_report.hpp"
 #include "observation/beacon_observers.hpp"
+#include "process/background.hpp"
 #include "process/free_memory.hpp"
 #include "terminal/crash_restore.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
@@ -14,6 +15,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -39,18 +41,66 @@ private:
   }
 };
 
+/// When samples are taken.
+enum class Taking : std::uint8_t {
+  on_arrival,  ///< one by one in the receive threads: the time of arrival counts
+  in_batches   ///< by `take`: costs less
+};
+
 /// A subscription to one topic.
 template <class T>
 struct Subscription {
   Subscription(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
                const dds::topics::Entry<T>& entry, observation::BeaconObservers& observers,
-               process::BeaconAdmission& admission, process::EndpointCounters& endpoints)
+               process::BeaconAdmission& admission, process::EndpointCounters& endpoints, Taking taking)
       : listener(observers, endpoints),
         reader(dds::topics::make_reader(participant, qos, entry, &listener, dds::topics::Delivery::live,
-                                        &admission)) {}
+                                        &admission, mask_of(taking))) {}
+
+  /// Takes what has arrived.
+  void take() { listener.on_data_available(reader); }
 
   Listener<T> listener;
   dds::DataReader<T> reader;
+
+private:
+  static dds::StatusMask mask_of(Taking taking) {
+    const auto all = dds::StatusMask::all();
+    return taking == Taking::on_arrival ? all : all.without(dds::StatusMask::data_available());
+  }
+};
+
+/// What the monitor reads. The latency is that of the poses, so they are taken on arrival.
+struct Subscriptions {
+  Subscriptions(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                observation::BeaconObservers& observers, process::BeaconAdmission& admission,
+                process::EndpointCounters& endpoints, bool has_reports)
+      : pose(participant, qos, topics::pose, observers, admission, endpoints, Taking::on_arrival),
+        truth(participant, qos, topics::truth, observers, admission, endpoints, Taking::in_batches),
+        beacon_status(participant, qos, topics::beacon_status, observers, admission, endpoints,
+                      Taking::in_batches),
+        estimate(participant, qos, topics::estimate, observers, admission, endpoints, Taking::in_batches),
+        fusion_status(participant, qos, topics::fusion_status, observers, admission, endpoints,
+                      Taking::in_batches) {
+    if (has_reports) {
+      report.emplace(participant, qos, topics::report, observers, admission, endpoints, Taking::in_batches);
+    }
+  }
+
+  void take() {
+    truth.take();
+    beacon_status.take();
+    estimate.take();
+    fusion_status.take();
+    if (report) report->take();
+  }
+
+  Subscription<sonopose_FusedPose> pose;
+  Subscription<sonopose_TruthSample> truth;
+  Subscription<sonopose_BeaconStatus> beacon_status;
+  Subscription<sonopose_Estimate> estimate;
+  Subscription<sonopose_FusionStatus> fusion_status;
+  std::optional<Subscription<sonopose_FixReport>> report;
 };
 
 /// Logs increases of the counters of this program's own readers.
@@ -194,6 +244,7 @@ SteadyTime after(SteadyTime due, TimeNs period_ns) {
 }  // namespace
 
 std::uint64_t monitor(const MonitorOptions& options, process::StopSignal& stop) {
+  process::give_way();  // each sample wakes the monitor and the fusion at the same time
   const dds::qos::Provider qos(options.qos_file);
   std::unique_ptr<Display> display =
       make_display(options.output);  // sets the locale: before other threads run
@@ -202,17 +253,9 @@ std::uint64_t monitor(const MonitorOptions& options, process::StopSignal& stop) 
   process::BeaconAdmission admission({}, options.max_beacons);
   process::EndpointCounters endpoints;
   EndpointLogger endpoint_logger;
-  const Subscription pose(participant, qos, topics::pose, observers, admission, endpoints);
-  const Subscription truth(participant, qos, topics::truth, observers, admission, endpoints);
-  const Subscription beacon_status(participant, qos, topics::beacon_status, observers, admission, endpoints);
-  const Subscription estimate(participant, qos, topics::estimate, observers, admission, endpoints);
-  const Subscription fusion_status(participant, qos, topics::fusion_status, observers, admission, endpoints);
-
-  std::optional<Subscription<sonopose_FixReport>> report;  // only a screen shows what became of a fix
-  if (options.output == Output::screen) {
-    report.emplace(participant, qos, topics::report, observers, admission, endpoints);
-  }
-
+  // Only a screen shows what became of a fix.
+  Subscriptions subscriptions(participant, qos, observers, admission, endpoints,
+                              options.output == Output::screen);
   LineObserver lines(participant, qos);
   PoseWriterLogger pose_writers(participant);
   GoneBeacons gone;
@@ -230,6 +273,7 @@ std::uint64_t monitor(const MonitorOptions& options, process::StopSignal& stop) 
       stop.request();
       break;
     }
+    subscriptions.take();
     log_silences(observers.silence_changes());
     endpoint_logger.log(endpoints);
     if (clocks::steady_now() >= next_pose_writers) {
@@ -246,6 +290,7 @@ std::uint64_t monitor(const MonitorOptions& options, process::StopSignal& stop) 
     next = after(next, period_ns);
   }
   stop.wait_until(std::min(end, next));
+  subscriptions.take();
   display.reset();  // a screen ends before the summary
 
   std::vector<observation::BeaconView> summaries;

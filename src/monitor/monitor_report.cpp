@@ -1,6 +1,7 @@
 #include "monitor/monitor_report.hpp"
 
 #include "monitor/estimate_table.hpp"
+#include "monitor/order.hpp"
 #include "monitor/words.hpp"
 
 #include <fmt/format.h>
@@ -37,22 +38,31 @@ std::uint64_t lost_events(const observation::BeaconView& view) {
   return view.fusion ? view.fusion->events_lost : 0;
 }
 
+std::string row_of(const observation::BeaconView& view) {
+  const FusedPose& pose = view.pose;
+  const auto of_pose = [&view](double value, int decimals) {
+    return has_pose(view) ? number(value, decimals) : std::string(unknown);
+  };
+  const auto of_bridge = [&view](double BeaconStatus::*rate_hz) {
+    return view.bridge ? number((*view.bridge).*rate_hz, 1) : std::string(unknown);
+  };
+  const std::string lost = view.fusion ? fmt::format("{}", view.fusion->events_lost) : std::string(unknown);
+  return fmt::format(
+      "{:>6}  {:>5.1f}/{:>5}/{:>4}  {:>7} {:>7} {:>7}  {:>6}°  {:>5}  {:>8}/{:>8}  {:>6}  {}\n", view.address,
+      view.pose_rate_hz, of_bridge(&BeaconStatus::imu_rate_hz), of_bridge(&BeaconStatus::fix_rate_hz),
+      of_pose(pose.position_world_m.x(), 3), of_pose(pose.position_world_m.y(), 3),
+      of_pose(pose.position_world_m.z(), 3), of_pose(heading_deg(pose), 1),
+      of_pose(pose.velocity_world_mps.norm(), 2), ms(view.latency.p50_s), ms(view.latency.p99_s), lost,
+      stream_words(view));
+}
+
 }  // namespace
 
 std::string table_of(const std::vector<observation::BeaconView>& views,
                      const std::vector<std::string>& warnings) {
   std::string text =
       "beacon  pose/IMU/fix Hz      x       y       z m   heading  m/s    latency p50/p99 ms  lost  status\n";
-  for (const observation::BeaconView& view : views) {
-    const FusedPose& pose = view.pose;
-    text += fmt::format(
-        "{:>6}  {:>5.1f}/{:>5.1f}/{:>4.1f}  {:>7.3f} {:>7.3f} {:>7.3f}  {:>6.1f}°  {:>5.2f}  {:>8}/{:>8}  "
-        "{:>6}  {}\n",
-        view.address, view.pose_rate_hz, view.bridge ? view.bridge->imu_rate_hz : 0.0,
-        view.bridge ? view.bridge->fix_rate_hz : 0.0, pose.position_world_m.x(), pose.position_world_m.y(),
-        pose.position_world_m.z(), heading_deg(pose), pose.velocity_world_mps.norm(), ms(view.latency.p50_s),
-        ms(view.latency.p99_s), lost_events(view), stream_words(view));
-  }
+  for (const observation::BeaconView& view : views) text += row_of(view);
   text += segments_table_of(views);
   text += estimate_table_of(views);
   for (const observation::BeaconView& view : views) text += problems_of(view);

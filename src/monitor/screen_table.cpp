@@ -125,10 +125,6 @@ std::string padded(std::string text, std::size_t columns) {
 
 }  // namespace
 
-std::string number(double value, int decimals) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : std::string(unknown);
-}
-
 std::size_t columns_of(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), is_first_byte));
 }

@@ -11,12 +11,6 @@
 
 namespace sonopose::monitor {
 
-/// Shown for a value that is not known.
-inline constexpr std::string_view unknown = "–";
-
-/// A number with this many decimals; `unknown` if it is not finite.
-std::string number(double value, int decimals);
-
 /// The first columns of a UTF-8 text; "…" at the end if it was longer. Control characters become "?".
 std::string fitted(std::string_view text, std::size_t columns);
 

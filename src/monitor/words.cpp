@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include <array>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -51,8 +52,12 @@ double heading_deg(const FusedPose& pose) {
   return geometry::yaw_of(pose.q_body_to_world) / geometry::radians_per_degree;
 }
 
+std::string number(double value, int decimals) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : std::string(unknown);
+}
+
 std::string ms(double seconds) {
-  return seconds == seconds ? fmt::format("{:.2f}", seconds * 1e3) : "-";
+  return number(seconds * 1e3, 2);
 }
 
 std::string_view role_word(FusionRole role) {

@@ -12,7 +12,13 @@ namespace sonopose::monitor {
 /// The yaw, -180…180.
 double heading_deg(const FusedPose& pose);
 
-/// Milliseconds to two decimal places, "-" if unknown.
+/// Shown for a value that is not known.
+inline constexpr std::string_view unknown = "–";
+
+/// A number with this many decimals; `unknown` if it is not finite.
+std::string number(double value, int decimals);
+
+/// Milliseconds to two decimal places, `unknown` if not known.
 std::string ms(double seconds);
 
 std::string_view role_word(FusionRole role);

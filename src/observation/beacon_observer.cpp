@@ -2,32 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <utility>
 
 namespace sonopose::observation {
-namespace {
-
-/// More than one second of samples at any supported rate.
-constexpr std::size_t max_unmatched = 2048;
-
-void store(std::map<TimeNs, Vector3d>& unmatched, TimeNs time_ns, const Vector3d& position_world_m) {
-  unmatched.erase(unmatched.upper_bound(time_ns), unmatched.end());  // the clock has stepped back
-  unmatched[time_ns] = position_world_m;
-  if (unmatched.size() > max_unmatched) unmatched.erase(unmatched.begin());
-}
-
-/// Removes and returns the position of `time_ns`, and removes all earlier ones: both streams are in order, so
-/// what they would match was lost.
-std::optional<Vector3d> extract(std::map<TimeNs, Vector3d>& unmatched, TimeNs time_ns) {
-  const auto found = unmatched.find(time_ns);
-  if (found == unmatched.end()) return std::nullopt;
-  const Vector3d position_world_m = found->second;
-  unmatched.erase(unmatched.begin(), std::next(found));
-  return position_world_m;
-}
-
-}  // namespace
-
 bool serves(const FusionStatus& status) {
   return status.role == FusionRole::sole || status.role == FusionRole::serving;
 }
@@ -39,27 +16,26 @@ bool serves_before(const FusionStatus& a, const FusionStatus& b) {
 
 void BeaconObserver::on(const FusedPose& pose, TimeNs received_ns) {
   const bool is_predicted = (pose.status & status_predicted) != 0U;
-  for (Span* span : {&window_, &whole_}) {
-    if (span->began_ns == 0) span->began_ns = received_ns;
-    ++(is_predicted ? span->predicted : span->poses);
-    if (!is_predicted) span->traces.add(trace_of(pose, received_ns));
-  }
+  if (first_ns_ == 0) first_ns_ = received_ns;
+  if (window_.began_ns == 0) window_.began_ns = received_ns;
+  ++(is_predicted ? window_.predicted : window_.poses);
+  if (!is_predicted) window_.traces.add(trace_of(pose, received_ns));
   latest_ = pose;
   lost_ = false;
   if (is_predicted) return;
   if ((pose.status & status_initialising) != 0U) return;
-  if (const auto truth_world_m = extract(unmatched_truths_world_m_, pose.time_ns)) {
+  if (const auto truth_world_m = unmatched_truths_.extract(pose.time_ns)) {
     compare(pose.position_world_m, *truth_world_m);
   } else {
-    store(unmatched_poses_world_m_, pose.time_ns, pose.position_world_m);
+    unmatched_poses_.store(pose.time_ns, pose.position_world_m);
   }
 }
 
 void BeaconObserver::on(const TruthSample& truth) {
-  if (const auto fused_world_m = extract(unmatched_poses_world_m_, truth.time_ns)) {
+  if (const auto fused_world_m = unmatched_poses_.extract(truth.time_ns)) {
     compare(*fused_world_m, truth.position_world_m);
   } else {
-    store(unmatched_truths_world_m_, truth.time_ns, truth.position_world_m);
+    unmatched_truths_.store(truth.time_ns, truth.position_world_m);
   }
 }
 
@@ -71,11 +47,23 @@ void BeaconObserver::on_pose_lost() {
 void BeaconObserver::compare(const Vector3d& fused_world_m, const Vector3d& truth_world_m) {
   const double error_m = (fused_world_m - truth_world_m).norm();
   if (!std::isfinite(error_m)) return;
-  for (Span* span : {&window_, &whole_}) {
-    ++span->errors;
-    span->squared_error_sum_m2 += error_m * error_m;
-    span->error_max_m = std::max(span->error_max_m, error_m);
-  }
+  ++window_.errors;
+  window_.squared_error_sum_m2 += error_m * error_m;
+  window_.error_max_m = std::max(window_.error_max_m, error_m);
+}
+
+void BeaconObserver::Span::add(const Span& next) {
+  poses += next.poses;
+  predicted += next.predicted;
+  traces.add(next.traces);
+  errors += next.errors;
+  squared_error_sum_m2 += next.squared_error_sum_m2;
+  error_max_m = std::max(error_max_m, next.error_max_m);
+}
+
+void BeaconObserver::Span::restart(TimeNs now_ns) {
+  traces.clear();
+  *this = {.began_ns = now_ns, .traces = std::move(traces)};
 }
 
 BeaconView BeaconObserver::view_of(const Span& span, BeaconAddress address, TimeNs now_ns) const {
@@ -109,14 +97,17 @@ BeaconView BeaconObserver::view_of(const Span& span, BeaconAddress address, Time
 }
 
 BeaconView BeaconObserver::take_window(BeaconAddress address, TimeNs now_ns) {
-  const BeaconView view = view_of(window_, address, now_ns);
-  window_ = {};
-  window_.began_ns = now_ns;
+  BeaconView view = view_of(window_, address, now_ns);
+  before_.add(window_);
+  window_.restart(now_ns);
   return view;
 }
 
 BeaconView BeaconObserver::summary(BeaconAddress address, TimeNs now_ns) const {
-  return view_of(whole_, address, now_ns);
+  Span whole = before_;
+  whole.add(window_);
+  whole.began_ns = first_ns_;
+  return view_of(whole, address, now_ns);
 }
 
 }  // namespace sonopose::observation

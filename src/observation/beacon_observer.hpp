@@ -3,6 +3,7 @@
 /// A consumer's observations of one beacon: updated with each sample, read once per second.
 
 #include "observation/latency_trace.hpp"
+#include "observation/unmatched_positions.hpp"
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/samples/status.hpp>
@@ -63,7 +64,7 @@ public:
   }
 
   /// How many poses at IMU samples there were since the start.
-  [[nodiscard]] std::uint64_t poses() const { return whole_.poses; }
+  [[nodiscard]] std::uint64_t poses() const { return before_.poses + window_.poses; }
 
   /// The observations since the last call; starts a new window.
   BeaconView take_window(BeaconAddress address, TimeNs now_ns);
@@ -81,13 +82,17 @@ private:
     std::uint64_t errors = 0;
     double squared_error_sum_m2 = 0;
     double error_max_m = 0;
+
+    void add(const Span& next);
+    void restart(TimeNs now_ns);
   };
 
   void compare(const Vector3d& fused_world_m, const Vector3d& truth_world_m);
   [[nodiscard]] BeaconView view_of(const Span& span, BeaconAddress address, TimeNs now_ns) const;
 
   Span window_;
-  Span whole_;
+  Span before_;          ///< the windows before it: a sample is counted once
+  TimeNs first_ns_ = 0;  ///< when the first pose was received
   FusedPose latest_;
   std::optional<BeaconStatus> bridge_;
   std::map<std::uint64_t, FusionStatus> fusions_;
@@ -97,8 +102,8 @@ private:
   bool lost_ = false;
   std::uint64_t deadlines_missed_ = 0;
   // Pose and truth of one instant arrive in any order; each is kept until the other arrives.
-  std::map<TimeNs, Vector3d> unmatched_truths_world_m_;
-  std::map<TimeNs, Vector3d> unmatched_poses_world_m_;
+  UnmatchedPositions unmatched_truths_;
+  UnmatchedPositions unmatched_poses_;
 };
 
 }  // namespace sonopose::observation

@@ -11,11 +11,12 @@
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 
+#include <algorithm>
 #include <cstdint>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <type_traits>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -39,7 +40,6 @@ public:
 
   void on(const FusedPose& pose, TimeNs received_ns, dds::InstanceHandle writer) {
     const std::lock_guard lock(mutex_);
-    served_.on(pose, writer);
     Beacon& beacon = mark_heard(pose.address);
     beacon.observer.on(pose, received_ns);
     beacon.pose_writer = writer;
@@ -88,7 +88,7 @@ public:
     return changes;
   }
 
-  /// Forgets the beacons that are gone (see process::Heard), and returns their summaries.
+  /// Forgets the beacons that are gone (see process::Heard), and returns their summaries, ordered by address.
   std::vector<BeaconView> remove_gone(SteadyTime now, TimeNs now_ns) {
     std::vector<BeaconView> gone;
     const std::lock_guard lock(mutex_);
@@ -99,28 +99,31 @@ public:
       served_.forget(address);
       return true;
     });
+    std::sort(gone.begin(), gone.end(),
+              [](const BeaconView& a, const BeaconView& b) { return a.address < b.address; });
     return gone;
   }
 
   ServedBeacons served() {
     const std::lock_guard lock(mutex_);
+    for (const auto& [address, beacon] : beacons_) {
+      if (beacon.pose_writer) served_.on_pose(address, *beacon.pose_writer);
+    }
     return served_;
   }
 
   /// BeaconObserver::take_window of each beacon, ordered by address.
   std::vector<BeaconView> take_windows(TimeNs now_ns) {
-    const std::lock_guard lock(mutex_);
-    std::vector<BeaconView> views;
-    for (auto& [address, beacon] : beacons_) views.push_back(beacon.observer.take_window(address, now_ns));
-    return views;
+    return views_of([now_ns](BeaconAddress address, BeaconObserver& observer) {
+      return observer.take_window(address, now_ns);
+    });
   }
 
   /// BeaconObserver::summary of each beacon, ordered by address.
   std::vector<BeaconView> summaries(TimeNs now_ns) {
-    const std::lock_guard lock(mutex_);
-    std::vector<BeaconView> views;
-    for (const auto& [address, beacon] : beacons_) views.push_back(beacon.observer.summary(address, now_ns));
-    return views;
+    return views_of([now_ns](BeaconAddress address, const BeaconObserver& observer) {
+      return observer.summary(address, now_ns);
+    });
   }
 
 private:
@@ -138,6 +141,19 @@ private:
     return beacon;
   }
 
+  /// `view(address, observer)` of each beacon, ordered by address.
+  std::vector<BeaconView> views_of(const auto& view) {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::pair<BeaconAddress, BeaconObserver*>> observers;
+    observers.reserve(beacons_.size());
+    for (auto& [address, beacon] : beacons_) observers.emplace_back(address, &beacon.observer);
+    std::sort(observers.begin(), observers.end());
+    std::vector<BeaconView> views;
+    views.reserve(observers.size());
+    for (const auto& [address, observer] : observers) views.push_back(view(address, *observer));
+    return views;
+  }
+
   void visit(BeaconAddress address, const auto& change) {
     const std::lock_guard lock(mutex_);
     if (const auto found = beacons_.find(address); found != beacons_.end()) change(found->second.observer);
@@ -145,7 +161,7 @@ private:
 
   TimeNs pose_deadline_ns_;
   std::mutex mutex_;  // guards the rest
-  std::map<BeaconAddress, Beacon> beacons_;
+  std::unordered_map<BeaconAddress, Beacon> beacons_;
   ServedBeacons served_;
 };
 

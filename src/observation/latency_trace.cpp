@@ -33,13 +33,23 @@ PoseTrace trace_of(const FusedPose& pose, TimeNs here_ns) {
 }
 
 void TraceCollector::add(const PoseTrace& trace) {
-  constexpr std::size_t max_samples = 16'384;
   if (!worst_ || trace.latency_s() > worst_->latency_s()) worst_ = trace;
-  ++seen_;
   Durations durations{static_cast<float>(trace.latency_s()), {}};
   const auto segments_s = trace.segments_s();
   std::transform(segments_s.begin(), segments_s.end(), durations.segments_s.begin(),
                  [](double segment_s) { return static_cast<float>(segment_s); });
+  add(durations);
+}
+
+void TraceCollector::add(const TraceCollector& other) {
+  if (other.worst_ && (!worst_ || other.worst_->latency_s() > worst_->latency_s())) worst_ = other.worst_;
+  for (const Durations& durations : other.durations_) add(durations);
+  seen_ += other.seen_ - other.durations_.size();  // those that it had no space for
+}
+
+void TraceCollector::add(const Durations& durations) {
+  constexpr std::size_t max_samples = 16'384;
+  ++seen_;
   if (durations_.size() < max_samples) {
     durations_.push_back(durations);
     return;
@@ -47,6 +57,12 @@ void TraceCollector::add(const PoseTrace& trace) {
   // Reservoir sampling: each trace is kept with the same probability, max_samples / seen_.
   const std::size_t index = std::uniform_int_distribution<std::size_t>(0, seen_ - 1)(random_);
   if (index < max_samples) durations_[index] = durations;
+}
+
+void TraceCollector::clear() {
+  durations_.clear();
+  seen_ = 0;
+  worst_.reset();
 }
 
 Percentiles TraceCollector::latency() const {

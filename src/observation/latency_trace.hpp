@@ -48,6 +48,10 @@ PoseTrace trace_of(const FusedPose& pose, TimeNs here_ns);
 class TraceCollector {
 public:
   void add(const PoseTrace& trace);
+  /// Adds what another one has collected.
+  void add(const TraceCollector& other);
+  /// Forgets everything and keeps the memory.
+  void clear();
 
   [[nodiscard]] Percentiles latency() const;
   /// In the order of `latency_segment_names`.
@@ -60,6 +64,8 @@ private:
     float latency_s;
     std::array<float, 4> segments_s;
   };
+  void add(const Durations& durations);
+
   std::vector<Durations> durations_;
   std::size_t seen_ = 0;
   std::minstd_rand random_;

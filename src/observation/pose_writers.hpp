@@ -30,7 +30,8 @@ std::string text_of(const ProcessIdentity& process);
 /// The beacons that each writer serves, by the handle of its writer of poses or statuses.
 class ServedBeacons {
 public:
-  void on(const FusedPose& pose, dds::InstanceHandle writer) { owners_[pose.address] = writer; }
+  void on(const FusedPose& pose, dds::InstanceHandle writer) { on_pose(pose.address, writer); }
+  void on_pose(BeaconAddress address, dds::InstanceHandle writer) { owners_[address] = writer; }
   void on(const FusionStatus& status, dds::InstanceHandle writer);
 
   /// The beacon is gone.

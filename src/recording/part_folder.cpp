@@ -56,6 +56,11 @@ PartFolder::PartFolder(const fs::path& folder) : folder_{named(folder)}, part_{f
   }
 }
 
+void PartFolder::remove_if_empty() const noexcept {
+  std::error_code is_not_empty;
+  fs::remove(part_, is_not_empty);
+}
+
 void PartFolder::commit() const {
   std::error_code error;
   fs::rename(part_, folder_, error);

@@ -20,6 +20,9 @@ public:
   /// Where to write.
   [[nodiscard]] const std::filesystem::path& part() const { return part_; }
 
+  /// Removes the part if nothing is in it.
+  void remove_if_empty() const noexcept;
+
   /// Gives the part its name. Throws files::IoError.
   void commit() const;
   /// The same for the only subfolder of the part, which replaces it.

@@ -32,8 +32,11 @@ public:
     return true;
   }
 
+  /// Whether lines were suppressed and not taken.
+  [[nodiscard]] bool has_suppressed() const noexcept { return suppressed_ > 0; }
+
   /// Whether lines were suppressed, and the time is over.
-  [[nodiscard]] bool owes_report(SteadyTime now) const noexcept { return suppressed_ > 0 && is_over(now); }
+  [[nodiscard]] bool owes_report(SteadyTime now) const noexcept { return has_suppressed() && is_over(now); }
 
   /// The lines suppressed since the last call.
   std::uint64_t take_suppressed() noexcept { return std::exchange(suppressed_, 0); }

@@ -28,21 +28,42 @@ void TransitionLog::take(Pending& pending, SteadyTime now) {
   pending.clear();
 }
 
+void TransitionLog::report(Flapping& flapping) {
+  Line line = line_of(flapping.latest);
+  line.text += fmt::format(" ({} changes in the last {:.0f} s were not logged)",
+                           flapping.limit.take_suppressed(), static_cast<double>(RateLimit::window_ns) / 1e9);
+  write_(line);
+}
+
+void TransitionLog::report_dropped() {
+  if (dropped_ == 0) return;
+  write_({logging::Level::warning, fmt::format("{} changes of state were not logged: too many at a time",
+                                               std::exchange(dropped_, 0))});
+}
+
 void TransitionLog::update(SteadyTime now) {
   for (auto& [address, flapping] : beacons_) {
     for (Flapping& each : flapping) {
       if (!each.limit.owes_report(now)) continue;
-      Line line = line_of(each.latest);
-      line.text += fmt::format(" ({} changes in the last {:.0f} s were not logged)",
-                               each.limit.take_suppressed(), static_cast<double>(RateLimit::window_ns) / 1e9);
+      report(each);
       each.limit.admits(now);
-      write_(line);
     }
   }
-  if (dropped_ > 0) {
-    write_({logging::Level::warning, fmt::format("{} changes of state were not logged: too many at a time",
-                                                 std::exchange(dropped_, 0))});
+  report_dropped();
+}
+
+void TransitionLog::forget(BeaconAddress address) {
+  const auto found = beacons_.find(address);
+  if (found == beacons_.end()) return;
+  for (Flapping& each : found->second) {
+    if (each.limit.has_suppressed()) report(each);
   }
+  beacons_.erase(found);
+}
+
+void TransitionLog::finish() {
+  while (!beacons_.empty()) forget(beacons_.begin()->first);
+  report_dropped();
 }
 
 }  // namespace sonopose::transitions

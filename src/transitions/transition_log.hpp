@@ -33,14 +33,20 @@ public:
   /// second.
   void update(SteadyTime now);
 
-  /// A beacon is gone.
-  void forget(BeaconAddress address) { beacons_.erase(address); }
+  /// A beacon is gone. Logs what was not logged of it.
+  void forget(BeaconAddress address);
+
+  /// The process ends: logs what was not logged in time.
+  void finish();
 
 private:
   struct Flapping {
     RateLimit limit;
     Transition latest;  ///< that was left out
   };
+
+  void report(Flapping& flapping);
+  void report_dropped();
 
   std::map<BeaconAddress, std::array<Flapping, kind_count>> beacons_;
   Write write_;

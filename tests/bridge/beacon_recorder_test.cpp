@@ -71,6 +71,18 @@ SCENARIO("each beacon has its own log") {
   }
 }
 
+SCENARIO("a recording without a beacon leaves no folder") {
+  const TemporaryFolder folder;
+  const bool is_finished = GENERATE(true, false);
+  {
+    BeaconRecorder recorder(folder / "log");
+    CHECK(std::filesystem::exists(recorder.part()));
+    CHECK(recorder.is_empty());
+    if (is_finished) recorder.finish();
+  }
+  CHECK(std::filesystem::is_empty(folder.path()));
+}
+
 SCENARIO("a recording is never overwritten") {
   GIVEN("a folder with a recording") {
     const TemporaryFolder folder;

@@ -17,6 +17,7 @@ using namespace sonopose;
 using namespace sonopose::monitor;
 using namespace sonopose::observation;
 using Catch::Contains;
+using Catch::StartsWith;
 
 constexpr TimeNs now_ns = 1'700'000'000'123'456'789;
 
@@ -185,6 +186,12 @@ SCENARIO("the table has a row for each beacon") {
         CHECK_THAT(row, Contains(part));
       }
       CHECK_THAT(table, Contains("    21  ") && Contains("silent"));
+    }
+    THEN("what is not known of the silent one is marked, not zero") {
+      const std::string row = table.substr(table.find("    21  "));
+      CHECK_THAT(
+          row.substr(0, row.find('\n')),
+          StartsWith("    21    0.0/    –/   –        –       –       –       –°") && !Contains("0.00"));
     }
     THEN("the latency segments and the slowest pose follow, in milliseconds") {
       CHECK_THAT(table, Contains("1.00/2.00") && Contains("0.05/0.11") && Contains("0.01/0.02") &&

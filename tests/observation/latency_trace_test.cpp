@@ -65,6 +65,23 @@ SCENARIO("a long run is sampled uniformly") {
   CHECK(collector.latency().p99_s == Approx(1960e-6));  // one twentieth of all
 }
 
+SCENARIO("collectors of consecutive windows add up") {
+  TraceCollector window;
+  TraceCollector all;
+  for (std::uint64_t i = 0; i < 400'000; ++i) {
+    const bool is_slow = i >= 200'000;
+    window.add(trace(i, (i % 10 == 0 ? 900 * us : 40 * us) + (is_slow ? 1000 * us : 0)));
+    if (i % 1000 != 999) continue;
+    all.add(window);
+    window.clear();
+  }
+  CHECK_FALSE(window.worst());
+  CHECK(std::isnan(window.latency().p50_s));
+  CHECK(all.latency().p50_s == Approx(1000e-6).margin(50e-6));  // between the fast and the slow half
+  CHECK(all.latency().p99_s == Approx(1960e-6));
+  CHECK(all.worst()->latency_s() == Approx(1960e-6));
+}
+
 SCENARIO("a collector has the distribution of each segment, and the slowest pose") {
   TraceCollector collector;
   CHECK_FALSE(collector.worst());

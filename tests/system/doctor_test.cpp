@@ -1,10 +1,16 @@
 /// The doctor on healthy systems, and on systems with one fault.
 
 #include "support/bus.hpp"
+#include "support/terminal_process.hpp"
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <arpa/inet.h>
 #include <csignal>
+#include <filesystem>
+#include <sys/socket.h>
+#include <unistd.h>
 
 namespace doctor_test {
 
@@ -139,6 +145,125 @@ SCENARIO("the doctor reports an empty domain, and finds a system in another doma
       }
     }
   }
+}
+
+/// UDP ports in use, each of another domain.
+class OccupiedDomains {
+public:
+  OccupiedDomains(unsigned first, unsigned last) {
+    for (unsigned id = first; id <= last; ++id) {
+      sockaddr_in address{};
+      address.sin_family = AF_INET;
+      address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+      address.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * id + 100));  // of no likely process
+      const int file = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+      REQUIRE(::bind(file, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+      files_.push_back(file);
+    }
+  }
+  OccupiedDomains(const OccupiedDomains&) = delete;
+  OccupiedDomains& operator=(const OccupiedDomains&) = delete;
+  ~OccupiedDomains() {
+    for (const int file : files_) ::close(file);
+  }
+
+private:
+  std::vector<int> files_;
+};
+
+std::size_t entries_of(const std::filesystem::path& folder) {
+  std::error_code ended;
+  std::size_t count = 0;
+  for (auto entry = std::filesystem::directory_iterator(folder, ended);
+       !ended && entry != std::filesystem::directory_iterator(); entry.increment(ended)) {
+    ++count;
+  }
+  return count;
+}
+
+/// What the doctor used while it searched, with a limit of file descriptors.
+struct SearchUsage {
+  std::optional<int> code;
+  std::string output;
+  std::size_t most_threads = 0;
+  std::size_t most_files = 0;
+  double took_s = 0;
+};
+
+SearchUsage search(std::uint32_t domain_id, unsigned descriptors) {
+  const std::string command =
+      "ulimit -n " + std::to_string(descriptors) + " && exec \"$0\" --domain " + std::to_string(domain_id);
+  const auto began = std::chrono::steady_clock::now();
+  Process process("/bin/sh", {"-c", command, SONOPOSE_TEST_DOCTOR}, neutral);
+  const std::filesystem::path folder = "/proc/" + std::to_string(process.pid());
+  SearchUsage usage;
+  while (!usage.code && std::chrono::steady_clock::now() - began < timeout) {
+    usage.most_threads = std::max(usage.most_threads, entries_of(folder / "task"));
+    usage.most_files = std::max(usage.most_files, entries_of(folder / "fd"));
+    usage.code = process.wait_for_exit(std::chrono::milliseconds(5));
+  }
+  usage.took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  usage.output = process.text(Stream::output);
+  return usage;
+}
+
+SCENARIO("the doctor's search of all domains is bounded") {
+  GIVEN("an empty domain, and programs in 132 others") {
+    const Bus empty;
+    const OccupiedDomains others(101, 232);
+    WHEN("the doctor may open 1024 files") {
+      const SearchUsage usage = search(empty.domain_id(), 1024);
+      CAPTURE(usage.output, usage.took_s, usage.most_threads, usage.most_files);
+      THEN("it visits all, with less than 200 threads, within 15 s") {
+        CHECK(usage.code == 1);
+        CHECK_THAT(usage.output, Contains("no sonopose process") && !Contains("could not be checked"));
+        CHECK(usage.most_threads > 32);  // several domains at once
+        CHECK(usage.most_threads < 200);
+        CHECK(usage.most_files < 1024);
+        CHECK(usage.took_s < 15);
+      }
+    }
+    WHEN("it may open 40 files") {
+      const SearchUsage usage = search(empty.domain_id(), 40);
+      CAPTURE(usage.output, usage.took_s, usage.most_threads, usage.most_files);
+      THEN("it says what it could not check, within 15 s") {
+        CHECK(usage.code == 1);
+        CHECK_THAT(usage.output, Contains("could not be checked"));
+        CHECK(usage.took_s < 15);
+      }
+    }
+  }
+}
+
+SCENARIO("a pause of the doctor loses none of its samples") {
+  const Bus bus;
+  Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+  const auto fusion = bus.fusion();
+  const auto bridge = bus.bridge({"--imu-rate", "250"});
+  REQUIRE(poses.wait_for(is_ready));
+  Process doctor(SONOPOSE_TEST_DOCTOR, {"--domain", std::to_string(bus.domain_id()), "--duration", "6"},
+                 neutral);
+  CHECK_FALSE(doctor.wait_for_exit(std::chrono::milliseconds(2000)));
+  doctor.send(SIGSTOP);
+  CHECK_FALSE(doctor.wait_for_exit(std::chrono::milliseconds(1200)));
+  doctor.send(SIGCONT);
+  REQUIRE(doctor.wait_for_exit());
+  const std::string output = doctor.text(Stream::output);
+  CAPTURE(output);
+  CHECK_THAT(output, Contains("beacon 7: IMU 250") || Contains("beacon 7: IMU 249"));
+  CHECK_THAT(output, !Contains("of its events were not received"));
+}
+
+SCENARIO("on a terminal, the doctor shows how far it is") {
+  const Bus bus;
+  const auto bridge = bus.bridge({});
+  REQUIRE(bridge->wait_for_line(Stream::error, "found"));
+  TerminalProcess doctor(SONOPOSE_TEST_DOCTOR,
+                         {"--domain", std::to_string(bus.domain_id()), "--duration", "5"});
+  CHECK(doctor.wait_for("observing the system"));
+  CHECK(doctor.wait_for("###"));
+  REQUIRE(doctor.wait_for_exit());
+  CHECK_THAT(doctor.screen().text(), Contains("no fusion runs") && !Contains("observing the system"));
 }
 
 SCENARIO("the doctor refuses an invalid command line") {

@@ -204,6 +204,50 @@ TEST_CASE("Every help fits a page of 45 lines and 100 columns") {
   }
 }
 
+/// The descriptions of the options in a help, by the option; those on several lines as one.
+std::map<std::string, std::string> descriptions_in(const std::string& help) {
+  std::map<std::string, std::string> descriptions;
+  std::istringstream lines(help);
+  std::string option;
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t begin = line.find_first_not_of(' ');
+    if (begin == std::string::npos || begin == 0) option.clear();
+    if (begin == 2) option = line.substr(2, line.find_first_of(" ,:=", 2) - 2);
+    if (option.empty()) continue;
+    const std::size_t text = begin == 2 ? line.find("  ", 2) : begin;
+    if (text == std::string::npos) continue;
+    const std::size_t words = line.find_first_not_of(' ', text);
+    std::string& description = descriptions[option];
+    description += (description.empty() ? "" : " ") + line.substr(words);
+  }
+  return descriptions;
+}
+
+TEST_CASE("A help that cuts the description of an option says so") {
+  for (const std::string& program : programs()) {
+    const auto all = descriptions_in(run(beside_front_door(program), {"--help-all"}).output);
+    for (auto [option, text] : descriptions_in(run(beside_front_door(program), {"--help"}).output)) {
+      const auto whole = all.find(option);
+      if (whole == all.end()) continue;
+      CAPTURE(program, option, text, whole->second);
+      if (whole->second.find("(default") == std::string::npos) text = text.substr(0, text.find(" (default"));
+      CHECK((whole->second == text || text.find(" …") != std::string::npos));
+    }
+  }
+}
+
+TEST_CASE("A help or a version that cannot be written is an error") {
+  for (const std::string& program : programs()) {
+    for (const char* const option : {"--help", "--version"}) {
+      const std::string command = "exec \"$0\" " + std::string(option) + " > /dev/full";
+      const Result result = run("/bin/sh", {"-c", command, beside_front_door(program)});
+      CAPTURE(program, option, result.error);
+      CHECK(result.code.value_or(0) != 0);
+      CHECK_THAT(result.error, Contains(program + ": the output cannot be written"));
+    }
+  }
+}
+
 TEST_CASE("The settings have a help of their own") {
   for (const char* const name : {"fusion", "run", "replay", "evaluate", "tune", "attitude"}) {
     const auto program = beside_front_door(prefix + name);

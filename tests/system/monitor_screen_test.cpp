@@ -6,6 +6,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <sched.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -111,6 +112,26 @@ int thread_of(int pid, const std::string& name) {
     if (thread_name == name) return std::stoi(entry.path().filename().string());
   }
   return -1;
+}
+
+SCENARIO("the monitor gives way to the processes that it watches") {
+  GIVEN("a monitor on a terminal") {
+    const Bus bus;
+    MonitorScreen monitor(bus);
+    REQUIRE(monitor.wait_for("no beacon yet"));
+    THEN("none of its threads interrupts another one when it wakes up") {
+      // It keeps a policy that the user has chosen, such as that of the test.
+      const int own = ::sched_getscheduler(0);
+      const int expected = own == SCHED_OTHER ? SCHED_BATCH : own;
+      int threads = 0;
+      const std::string tasks = "/proc/" + std::to_string(monitor.pid()) + "/task";
+      for (const auto& task : std::filesystem::directory_iterator(tasks)) {
+        CHECK(::sched_getscheduler(std::stoi(task.path().filename())) == expected);
+        ++threads;
+      }
+      CHECK(threads > 2);  // with those of Cyclone DDS
+    }
+  }
 }
 
 SCENARIO("the terminal is restored however the monitor ends") {

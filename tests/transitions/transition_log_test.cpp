@@ -47,6 +47,28 @@ SCENARIO("every kind has words for its beginning and its end") {
   }
 }
 
+SCENARIO("what a flapping state did last is logged when its beacon or the process ends") {
+  std::vector<Line> lines;
+  TransitionLog log([&](const Line& line) { lines.push_back(line); });
+  const SteadyTime begin{100 * second_ns};
+  for (const BeaconAddress address : {BeaconAddress{7}, BeaconAddress{8}}) {
+    for (int i = 0; i < 10; ++i) {
+      log.on({.address = address, .kind = Kind::stale, .begins = i % 2 == 0, .lasted_s = 0.1}, begin);
+    }
+  }
+  REQUIRE(lines.size() == 8);
+  log.forget(7);
+  REQUIRE(lines.size() == 9);
+  CHECK(lines.back().text ==
+        "beacon 7: no longer stale, after 0.1 s (6 changes in the last 60 s were not logged)");
+  log.finish();
+  REQUIRE(lines.size() == 10);
+  CHECK(lines.back().text ==
+        "beacon 8: no longer stale, after 0.1 s (6 changes in the last 60 s were not logged)");
+  log.finish();
+  CHECK(lines.size() == 10);
+}
+
 SCENARIO("a flapping state does not flood the log, and its last state is logged") {
   std::vector<Line> lines;
   TransitionLog log([&](const Line& line) { lines.push_back(line); });

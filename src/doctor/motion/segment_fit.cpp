@@ -26,6 +26,7 @@ constexpr int unknowns = 20;
 using Unknowns = Eigen::Matrix<double, unknowns, 1>;
 using Normal = Eigen::Matrix<double, unknowns, unknowns>;
 using Row = Eigen::Matrix<double, 3, unknowns>;
+using Stacked = Eigen::Matrix<double, Eigen::Dynamic, unknowns>;
 
 // Standard deviations before any measurement, of an uncalibrated MEMS sensor and a usual installation.
 constexpr double gyro_bias_std_radps = 0.015;
@@ -64,20 +65,35 @@ class Solver {
 public:
   Solver(const Segment& segment, Vector3d signs) : segment_(segment), signs_(std::move(signs)) {}
 
-  /// Iterates from a level start with this yaw.
-  std::optional<SegmentFit> run(double yaw_rad) {
-    constexpr int most_steps = 40;
-    constexpr double small = 1e-5;  // m, m/s, rad …
+  /// The estimate after some steps from a level start with this yaw, with its cost.
+  std::optional<std::pair<double, Estimate>> begin(double yaw_rad, int steps) {
     start(yaw_rad);
-    double change = 1.0;
-    for (int step = 0; step < most_steps && change > small; ++step) {
-      change = improve();
-      if (!std::isfinite(change)) return std::nullopt;
-    }
+    if (!iterate(steps)) return std::nullopt;
+    return std::pair(cost(), estimate_);
+  }
+
+  /// Iterates from an estimate until it does not change any more.
+  std::optional<SegmentFit> finish(const Estimate& from) {
+    constexpr int most_steps = 40;
+    estimate_ = from;
+    integrate();
+    evaluate();
+    if (!iterate(most_steps)) return std::nullopt;
     return result();
   }
 
 private:
+  /// False if it fails.
+  bool iterate(int most_steps) {
+    constexpr double small = 1e-5;  // m, m/s, rad …
+    double change = 1.0;
+    for (int step = 0; step < most_steps && change > small; ++step) {
+      change = improve();
+      if (!std::isfinite(change)) return false;
+    }
+    return true;
+  }
+
   void start(double yaw_rad) {
     estimate_ = {};
     integrate();
@@ -177,19 +193,22 @@ private:
 
   /// One step of Gauss and Newton. Returns its largest change; not finite if it fails.
   double improve() {
+    Stacked rows(static_cast<Eigen::Index>(3 * rows_.size() + heading_rows_.size()), unknowns);
+    Eigen::VectorXd residuals(rows.rows());
+    Eigen::Index next = 0;
+    for (std::size_t i = 0; i < rows_.size(); ++i, next += 3) {
+      const double w = std::sqrt(cauchy_weight(squared(residuals_[i]))) / noise_m_;
+      rows.middleRows<3>(next) = w * rows_[i];
+      residuals.segment<3>(next) = w * residuals_[i];
+    }
+    for (std::size_t i = 0; i < heading_rows_.size(); ++i, ++next) {
+      const double w = std::sqrt(cauchy_weight(squared(heading_residuals_[i]))) / heading_noise_rad;
+      rows.row(next) = w * heading_rows_[i];
+      residuals(next) = w * heading_residuals_[i];
+    }
     Normal normal = Normal::Zero();
-    Unknowns right = Unknowns::Zero();
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      const double w = cauchy_weight(squared(residuals_[i])) / (noise_m_ * noise_m_);
-      normal.noalias() += w * rows_[i].transpose() * rows_[i];
-      right.noalias() += w * rows_[i].transpose() * residuals_[i];
-    }
-    for (std::size_t i = 0; i < heading_rows_.size(); ++i) {
-      const double w =
-          cauchy_weight(squared(heading_residuals_[i])) / (heading_noise_rad * heading_noise_rad);
-      normal.noalias() += w * heading_rows_[i].transpose() * heading_rows_[i];
-      right.noalias() += w * heading_rows_[i].transpose() * heading_residuals_[i];
-    }
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+    Unknowns right = rows.transpose() * residuals;
     const auto expect = [&](int at, const auto& value, double std) {
       for (Eigen::Index i = 0; i < value.size(); ++i) {
         normal(at + i, at + i) += 1.0 / (std * std);
@@ -201,14 +220,13 @@ private:
     expect(at_lever_arm, estimate_.lever_arm_body_m, lever_arm_std_m);
     expect(at_delay, Eigen::Matrix<double, 1, 1>(estimate_.delay_s), delay_std_s);
     normal.diagonal().array() += 1e-9;
-    const Eigen::LDLT<Normal> factor(normal);
-    Unknowns change = factor.solve(right);
+    factor_.compute(normal);
+    Unknowns change = factor_.solve(right);
     if (!change.allFinite()) return std::numeric_limits<double>::quiet_NaN();
     constexpr double largest_turn_rad = 0.5;  // the model is not linear in the attitude
     const double turn_rad = change.segment<3>(at_attitude).norm();
     if (turn_rad > largest_turn_rad) change *= largest_turn_rad / turn_rad;
     apply(change);
-    covariance_ = factor.solve(Normal::Identity());
     return change.cwiseAbs().maxCoeff();
   }
 
@@ -227,25 +245,29 @@ private:
     evaluate();
   }
 
+  [[nodiscard]] double cost() const {
+    double cost = 0;
+    for (const Vector3d& residual : residuals_) {
+      cost += cost_of(residual.squaredNorm() / (least_noise_m * least_noise_m));
+    }
+    for (const double residual : heading_residuals_) cost += cost_of(squared(residual));
+    return cost + 0.5 * ((estimate_.gyro_bias_radps / gyro_bias_std_radps).squaredNorm() +
+                         (estimate_.accel_bias_mps2 / accel_bias_std_mps2).squaredNorm() +
+                         (estimate_.lever_arm_body_m / lever_arm_std_m).squaredNorm() +
+                         estimate_.delay_s * estimate_.delay_s / (delay_std_s * delay_std_s));
+  }
+
   [[nodiscard]] SegmentFit result() const {
     SegmentFit fit;
-    for (const Vector3d& residual : residuals_) {
-      fit.cost += cost_of(residual.squaredNorm() / (least_noise_m * least_noise_m));
-    }
+    fit.cost = cost();
     double squares = 0;
-    for (const double residual : heading_residuals_) {
-      fit.cost += cost_of(squared(residual));
-      squares += residual * residual;
-    }
-    fit.cost += 0.5 * ((estimate_.gyro_bias_radps / gyro_bias_std_radps).squaredNorm() +
-                       (estimate_.accel_bias_mps2 / accel_bias_std_mps2).squaredNorm() +
-                       (estimate_.lever_arm_body_m / lever_arm_std_m).squaredNorm() +
-                       estimate_.delay_s * estimate_.delay_s / (delay_std_s * delay_std_s));
+    for (const double residual : heading_residuals_) squares += residual * residual;
+    const Normal covariance = factor_.solve(Normal::Identity());
     fit.residual_m = noise_m_;
     fit.delay_s = estimate_.delay_s;
-    fit.delay_std_s = std::sqrt(covariance_(at_delay, at_delay));
+    fit.delay_std_s = std::sqrt(covariance(at_delay, at_delay));
     fit.mount_rad = estimate_.mount_rad;
-    fit.mount_std_rad = std::sqrt(covariance_(at_mount, at_mount));
+    fit.mount_std_rad = std::sqrt(covariance(at_mount, at_mount));
     if (!heading_residuals_.empty()) {
       fit.heading_spread_rad = std::sqrt(squares / static_cast<double>(heading_residuals_.size()));
     }
@@ -263,17 +285,28 @@ private:
   std::vector<Eigen::Matrix<double, 1, unknowns>> heading_rows_;
   std::vector<double> heading_residuals_;
   double noise_m_ = least_noise_m;
-  Normal covariance_ = Normal::Zero();
+  Eigen::LDLT<Normal> factor_;  ///< of the latest step
 };
 
 }  // namespace
 
 std::optional<SegmentFit> fit_segment(const Segment& segment, const Vector3d& signs) {
+  // All starts begin, the best ones go on.
   constexpr int starts = 12;
+  constexpr int first_steps = 8;
+  constexpr std::size_t finalists = 4;
   Solver solver(segment, signs);
-  std::optional<SegmentFit> best;
+  std::vector<std::pair<double, Estimate>> begun;
   for (int start = 0; start < starts; ++start) {
-    auto fit = solver.run(2.0 * std::numbers::pi * start / starts);
+    if (auto each = solver.begin(2.0 * std::numbers::pi * start / starts, first_steps)) {
+      begun.push_back(*std::move(each));
+    }
+  }
+  std::sort(begun.begin(), begun.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  begun.resize(std::min(begun.size(), finalists));
+  std::optional<SegmentFit> best;
+  for (const auto& [cost, estimate] : begun) {
+    auto fit = solver.finish(estimate);
     if (fit && (!best || fit->cost < best->cost)) best = std::move(fit);
   }
   return best;

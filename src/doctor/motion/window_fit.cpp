@@ -66,6 +66,16 @@ std::optional<Measured> mount_of(const SegmentFit& fit, const Segment& segment) 
   return Measured{fit.mount_rad, std::hypot(fit.mount_std_rad, fit.heading_spread_rad)};
 }
 
+/// The deviations of the fixes that are far from the motion.
+std::vector<Vector3d> outliers_of(const SegmentFit& fit) {
+  constexpr double far = 6.0;
+  std::vector<Vector3d> outliers_m;
+  for (const Vector3d& deviation : fit.deviations_m) {
+    if (deviation.norm() > far * fit.residual_m) outliers_m.push_back(deviation);
+  }
+  return outliers_m;
+}
+
 std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_ns) {
   const auto imu = longest_run_of(between(window.imu, begin_ns, end_ns));
   if (imu.size() < 2) return std::nullopt;
@@ -86,10 +96,8 @@ std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_
   piece.length_s = seconds_between(segment.imu.front().time_ns, segment.imu.back().time_ns);
   piece.delay_s = {fit->delay_s, fit->delay_std_s};
   piece.mount_rad = mount_of(*fit, segment);
-  constexpr double far = 6.0;
-  for (const Vector3d& deviation : fit->deviations_m) {
-    if (deviation.norm() > far * fit->residual_m) piece.outliers_m.push_back(deviation);
-  }
+  piece.heading_spread_rad = fit->heading_spread_rad;
+  piece.outliers_m = outliers_of(*fit);
   constexpr double least_span_m = 0.5;  // a smaller motion says nothing about signs
   if (piece.span_m < least_span_m) return piece;
   for (std::size_t axis = 0; axis < piece.inverted.size(); ++axis) {
@@ -98,7 +106,7 @@ std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_
     const auto inverted = detail::fit_segment(segment, signs);
     if (!inverted) return std::nullopt;
     piece.inverted.at(axis) = {fit->cost - inverted->cost, inverted->residual_m,
-                               mount_of(*inverted, segment)};
+                               outliers_of(*inverted).size(), mount_of(*inverted, segment)};
   }
   return piece;
 }

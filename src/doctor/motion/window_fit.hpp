@@ -23,6 +23,7 @@ struct Measured {
 struct Inverted {
   double log_likelihood = 0;  ///< minus that without the change
   double residual_m = 0;
+  std::size_t outliers = 0;  ///< fixes that are far from this motion
   std::optional<Measured> mount_rad;
 };
 
@@ -36,6 +37,7 @@ struct Piece {
   double residual_m = 0;
   Measured delay_s;                   ///< by which fixes and headings are older than the fusion assumes
   std::optional<Measured> mount_rad;  ///< from body X to the axis of the pair; empty without headings
+  double heading_spread_rad = 0;      ///< RMS of the headings around the motion; 0 without headings
   std::array<Inverted, 3> inverted;   ///< axes x, y, z
   std::vector<Vector3d> outliers_m;   ///< deviations of the fixes that are far from the motion, world
 };

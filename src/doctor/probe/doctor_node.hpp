@@ -20,8 +20,9 @@ struct DoctorOptions {
   std::size_t max_beacons = process::BeaconAdmission::default_max_beacons;  ///< to look at
 };
 
-/// Observes the system for the duration, after half a second of discovery, or until the stop. If there is no
-/// bridge or no fusion, searches all domains. Throws dds::Error, dds::qos::FileError.
+/// Observes the system for the duration, after half a second of discovery, or until the stop; an empty domain
+/// for 2 s at most. If there is no bridge or no fusion, searches all domains. Throws dds::Error,
+/// dds::qos::FileError.
 rules::Observations observe(const DoctorOptions& options, const process::StopSignal& stop);
 
 }  // namespace sonopose::doctor::probe

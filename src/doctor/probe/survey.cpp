@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdlib>
 #include <cstring>
+#include <deque>
 #include <fstream>
 #include <ifaddrs.h>
 #include <list>
@@ -16,7 +17,6 @@
 #include <net/if.h>
 #include <netinet/in.h>
 #include <set>
-#include <span>
 #include <tuple>
 
 namespace sonopose::doctor::probe {
@@ -187,9 +187,9 @@ std::set<std::uint32_t> domains_with_ports() {
 }
 
 /// The domains to visit, the likely ones first.
-std::vector<std::uint32_t> domains_to_visit(const dds::DomainOptions& here) {
+std::deque<std::uint32_t> domains_to_visit(const dds::DomainOptions& here) {
   const std::set<std::uint32_t> with_ports = domains_with_ports();
-  std::vector<std::uint32_t> ids;
+  std::deque<std::uint32_t> ids;
   const std::uint32_t own = dds::resolve_domain_id(here);
   const char* const uri = std::getenv("CYCLONEDDS_URI");
   // On loopback all processes are on this machine, and have ports.
@@ -202,40 +202,46 @@ std::vector<std::uint32_t> domains_to_visit(const dds::DomainOptions& here) {
   return ids;
 }
 
-/// Joins these domains at once.
-void visit(std::span<const std::uint32_t> ids, dds::Network network, const process::StopSignal& stop,
-           std::vector<rules::DomainObservation>& found) {
+/// Joins the first of these domains at once, up to a limit, and removes them. Returns how many were joined: 0
+/// if the file descriptors suffice for none.
+std::size_t visit_first(std::deque<std::uint32_t>& ids, dds::Network network, const process::StopSignal& stop,
+                        rules::BusObservation& bus) {
+  // Each domain has five threads and seven open files.
+  constexpr std::size_t at_once = 32;
   std::list<Visit> visits;
-  for (const std::uint32_t id : ids) {
+  while (!ids.empty() && visits.size() < at_once) {
     try {
-      visits.emplace_back(dds::DomainOptions{.domain_id = id, .network = network});
-    } catch (const dds::Error&) {
-      continue;  // its ports are in use by others
+      visits.emplace_back(dds::DomainOptions{.domain_id = ids.front(), .network = network});
+    } catch (const dds::Error& error) {
+      if (error.code() == DDS_RETCODE_OUT_OF_RESOURCES) break;  // the next time, when these are closed
+      ++bus.domains_not_searched;                               // its ports are in use by others
     }
+    ids.pop_front();
   }
   constexpr TimeNs discovery_ns = 300'000'000;  // takes 10 … 50 ms on one machine
-  stop.wait_until(clocks::steady_now() + discovery_ns);
+  if (!visits.empty()) stop.wait_until(clocks::steady_now() + discovery_ns);
   for (Visit& each : visits) {
     each.look();
-    if (each.domain().ours) found.push_back(each.domain());
+    if (each.domain().ours) bus.other_domains.push_back(each.domain());
   }
+  return visits.size();
 }
 
 }  // namespace
 
-std::vector<rules::DomainObservation> search_other_domains(const dds::DomainOptions& here,
-                                                           const process::StopSignal& stop) {
-  // Each domain has five threads and seven open files.
-  constexpr std::size_t at_once = 32;
-  constexpr TimeNs longest_ns = 11'000'000'000;  // the last domains take two more seconds
+void search_other_domains(const dds::DomainOptions& here, const process::StopSignal& stop,
+                          rules::BusObservation& bus) {
+  constexpr TimeNs longest_ns = 12'000'000'000;
   const SteadyTime end = clocks::steady_now() + longest_ns;
-  const std::vector<std::uint32_t> ids = domains_to_visit(here);
-  std::vector<rules::DomainObservation> found;
-  for (std::size_t first = 0; first < ids.size(); first += at_once) {
-    if (stop.requested() || clocks::steady_now() > end) break;
-    visit(std::span(ids).subspan(first, std::min(at_once, ids.size() - first)), here.network, stop, found);
+  std::deque<std::uint32_t> ids = domains_to_visit(here);
+  bus.searched_other_domains = true;
+  TimeNs longest_visit_ns = 0;
+  while (!ids.empty() && !stop.requested()) {
+    const SteadyTime began = clocks::steady_now();
+    if (began + longest_visit_ns > end || visit_first(ids, here.network, stop, bus) == 0) break;
+    longest_visit_ns = std::max<TimeNs>(longest_visit_ns, clocks::steady_now() - began);
   }
-  return found;
+  bus.domains_not_searched += ids.size();
 }
 
 }  // namespace sonopose::doctor::probe

@@ -96,7 +96,7 @@ public:
     if (beacon_.pose.samples == 0) {
       add(Severity::error, "a fusion runs, but no poses of this beacon were received",
           "keep it still for a second, check that fixes arrive, and check the output of sonopose-fusion");
-    } else {
+    } else if (!follows_imu()) {
       check_silence(beacon_.pose, "poses", "check whether the machine of the fusion is overloaded");
     }
   }
@@ -212,6 +212,13 @@ private:
     return std::any_of(findings_.begin(), findings_.end(), [](const Finding& finding) {
       return finding.severity == Severity::error && finding.subject == "sonopose/imu";
     });
+  }
+
+  /// Whether the silence of the poses is that of the IMU, which is reported already.
+  [[nodiscard]] bool follows_imu() const {
+    constexpr double late_s = 0.05;
+    return beacon_.imu.longest_silence_s > beacon_.imu.deadline_s &&
+           beacon_.pose.longest_silence_s < beacon_.imu.longest_silence_s + late_s;
   }
 
   void check_silence(const StreamObservation& stream, const char* what, const char* remedy) const {

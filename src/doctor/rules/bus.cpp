@@ -56,6 +56,18 @@ std::string other_domains_text(const BusObservation& bus) {
   return text;
 }
 
+/// What the search of the other domains adds: that they are empty, and which were not checked.
+std::string search_text(const BusObservation& bus) {
+  if (!bus.searched_other_domains) return "";
+  std::string text = bus.other_domains.empty() ? ", nor in the other domains checked" : "";
+  if (bus.domains_not_searched > 0) {
+    text += fmt::format(
+        " ({} other domains could not be checked in the time and with the file descriptors of `ulimit -n`)",
+        bus.domains_not_searched);
+  }
+  return text;
+}
+
 /// The domain to use instead, or `fallback`.
 std::string remedy(const BusObservation& bus, const std::string& fallback) {
   const std::string other_domains = other_domains_text(bus);
@@ -70,21 +82,18 @@ void check_processes(const Observations& observations, Findings& findings) {
                               : "; other machines are not reachable, because CYCLONEDDS_URI selects loopback";
   if (!any_native_endpoint(observations)) {
     findings.push_back({Severity::error, "bus",
-                        fmt::format("no sonopose process in domain {}{}", bus.domain_id,
-                                    bus.searched_other_domains && bus.other_domains.empty()
-                                        ? ", nor in the other domains checked"
-                                        : ""),
+                        fmt::format("no sonopose process in domain {}{}", bus.domain_id, search_text(bus)),
                         remedy(bus, "start sonopose-bridge and sonopose-fusion" + lan)});
     return;
   }
   if (on_topic(observations.writers, "sonopose/imu").empty()) {
     findings.push_back({Severity::error, "sonopose/imu",
-                        fmt::format("no bridge publishes in domain {}", bus.domain_id),
+                        fmt::format("no bridge publishes in domain {}{}", bus.domain_id, search_text(bus)),
                         remedy(bus, fmt::format("start sonopose-bridge --domain {}{}", bus.domain_id, lan))});
   }
   if (on_topic(observations.writers, "sonopose/pose").empty()) {
     findings.push_back({Severity::error, "sonopose/pose",
-                        fmt::format("no fusion runs in domain {}", bus.domain_id),
+                        fmt::format("no fusion runs in domain {}{}", bus.domain_id, search_text(bus)),
                         remedy(bus, fmt::format("start sonopose-fusion --domain {}{}", bus.domain_id, lan))});
   } else if (on_topic(observations.readers, "sonopose/pose").empty()) {
     findings.push_back({Severity::note, "sonopose/pose", "no process subscribes to the poses",

@@ -34,6 +34,13 @@ constexpr double wrong_mount_rad = 15.0 * geometry::radians_per_degree;
 constexpr double wrong_delay_s = 0.025;
 constexpr double mount_error_rad = 2.0 * geometry::radians_per_degree;
 constexpr double delay_error_s = 0.003;
+/// If more fixes than this share are far from the motion, they show no installation but a wrong track.
+constexpr double most_outliers = 0.2;
+constexpr double most_outliers_of_sign = 0.1;
+/// Headings that scatter more, as near iron, move the delay.
+constexpr double most_heading_spread_rad = 3.0 * geometry::radians_per_degree;
+/// Fixes that are carried away can look like a wrong sign, but then no mount fits well.
+constexpr double sign_mount_std_rad = 6.0 * geometry::radians_per_degree;
 /// Standard deviations for a finding.
 constexpr double significant = 3.5;
 /// The other sign must be this much more probable: the logarithm of the ratio, per piece.
@@ -41,8 +48,13 @@ constexpr double certain = 25.0;
 /// The estimate of `delay.estimate` reaches this far.
 constexpr double estimated_delay_s = 0.06;
 
+bool are_few(std::size_t outliers, const Piece& piece, double share) {
+  return static_cast<double>(outliers) < share * static_cast<double>(piece.fixes);
+}
+
 bool is_usable(const Piece& piece) {
-  return piece.residual_m < most_residual_m && piece.span_m > least_span_m;
+  return piece.residual_m < most_residual_m && piece.span_m > least_span_m &&
+         are_few(piece.outliers_m.size(), piece, most_outliers);
 }
 
 bool has_known_mount(const Piece& piece) {
@@ -50,7 +62,16 @@ bool has_known_mount(const Piece& piece) {
 }
 
 bool has_known_delay(const Piece& piece) {
-  return is_usable(piece) && piece.delay_s.std < useful_delay_std_s;
+  return is_usable(piece) && piece.delay_s.std < useful_delay_std_s &&
+         piece.heading_spread_rad < most_heading_spread_rad;
+}
+
+/// Whether the IMU with this axis inverted explains the piece, and the other sign does not.
+bool shows_inverted(const Piece& piece, std::size_t axis) {
+  const motion::Inverted& inverted = piece.inverted.at(axis);
+  if (inverted.log_likelihood < certain || inverted.residual_m > most_residual_m) return false;
+  if (inverted.mount_rad && inverted.mount_rad->std > sign_mount_std_rad) return false;
+  return are_few(inverted.outliers, piece, most_outliers_of_sign);
 }
 
 /// The mean of independent estimates around `origin`, by their weights; not more accurate than `least_std`,
@@ -101,9 +122,8 @@ private:
       if (piece.span_m < least_span_m || piece.length_s < least_length_s) continue;
       ++judged;
       for (std::size_t axis = 0; axis < evidence.size(); ++axis) {
-        const motion::Inverted& inverted = piece.inverted.at(axis);
-        if (inverted.log_likelihood < certain || inverted.residual_m > most_residual_m) continue;
-        evidence.at(axis) += inverted.log_likelihood;
+        if (!shows_inverted(piece, axis)) continue;
+        evidence.at(axis) += piece.inverted.at(axis).log_likelihood;
         ++pieces.at(axis);
       }
     }

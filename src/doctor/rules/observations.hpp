@@ -62,6 +62,7 @@ struct BusObservation {
   bool has_peers = false;  ///< CYCLONEDDS_URI names peers
   bool searched_other_domains = false;
   std::vector<DomainObservation> other_domains;
+  std::size_t domains_not_searched = 0;  ///< the time or the file descriptors did not suffice for them
 };
 
 /// One stream of one beacon over the window.

@@ -393,8 +393,13 @@ void Relay::Impl::run(const process::StopSignal& stop) {
   log_.info("relaying as " + ros2::full_name(options_.names.node()));
   const std::jthread parameters([&](const std::stop_token& end) { serve_parameters(end, stop); });
   std::atomic<bool> failed = false;
-  if (options_.inputs.empty()) return serve(stop, failed);
-  bridge_while([&] { serve(stop, failed); }, failed);
+  if (options_.inputs.empty()) {
+    serve(stop, failed);
+  } else {
+    bridge_while([&] { serve(stop, failed); }, failed);
+  }
+  log_transitions();
+  transition_log_.finish();
 }
 
 /// Runs a bridge for the inputs on a separate thread while `serve` runs. Rethrows an exception of the bridge.

@@ -29,6 +29,10 @@ TEST_CASE("An empty domain is an error, and the remedy names the domain that is 
   CHECK_THAT(found(diagnose(observations), "no sonopose process").what,
              Contains("nor in the other domains checked"));
   CHECK_THAT(found(diagnose(observations), "no sonopose process").remedy, Contains("--network lan"));
+  CHECK_THAT(found(diagnose(observations), "no sonopose process").what, !Contains("could not be checked"));
+  observations.bus.domains_not_searched = 40;
+  CHECK_THAT(found(diagnose(observations), "no sonopose process").what,
+             Contains("40 other domains could not be checked"));
   observations.bus.other_domains = {{.id = 8, .beacons = true, .poses = false, .ours = true}};
   CHECK(found(diagnose(observations), "no sonopose process").remedy ==
         "beacons are published in domain 8: use --domain 8");

@@ -60,6 +60,7 @@ struct StatusMask {
   static constexpr StatusMask sample_lost() { return {DDS_SAMPLE_LOST_STATUS}; }
   static constexpr StatusMask sample_rejected() { return {DDS_SAMPLE_REJECTED_STATUS}; }
 
+  constexpr StatusMask without(StatusMask other) const { return {mask & ~other.mask}; }
   constexpr bool test(StatusMask other) const { return (mask & other.mask) != 0; }
   friend constexpr StatusMask operator|(StatusMask a, StatusMask b) { return {a.mask | b.mask}; }
 };

@@ -114,12 +114,14 @@ DataWriter<T> make_writer(const DomainParticipant& participant, const qos::Provi
   return DataWriter<T>(participant, topic, writer_qos, listener);
 }
 
-/// A reader for one row of the diagram. `listener` and `filter` must outlive it.
+/// A reader for one row of the diagram. `listener` and `filter` must outlive it; the listener receives the
+/// statuses in `mask`.
 template <class T>
 DataReader<T> make_reader(const DomainParticipant& participant, const qos::Provider& qos,
                           const Entry<T>& entry,
                           std::type_identity_t<DataReaderListener<T>>* listener = nullptr,
-                          Delivery delivery = Delivery::live, AddressFilter* filter = nullptr) {
+                          Delivery delivery = Delivery::live, AddressFilter* filter = nullptr,
+                          StatusMask mask = StatusMask::all()) {
   const char* profile = profile_of(entry, delivery);
   Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
   if constexpr (requires(const T& sample) { sample.address; }) {
@@ -130,7 +132,7 @@ DataReader<T> make_reader(const DomainParticipant& participant, const qos::Provi
   }
   Qos reader_qos = qos.datareader_qos(profile);
   join_partition(reader_qos, participant);
-  return DataReader<T>(participant, topic, reader_qos, listener);
+  return DataReader<T>(participant, topic, reader_qos, listener, mask);
 }
 
 }  // namespace sonopose::dds::topics

@@ -1,0 +1,37 @@
+#pragma once
+// A progress line for work that does not say how far it is.
+
+#include "progress.hpp"
+
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace sonopose::apps {
+
+/// Shows the time that has passed, or the share of the time that the work is expected to take, until it is
+/// destroyed. Has no effect without a terminal.
+class Waiting {
+public:
+  /// `expected_s`: 0 if it is not known.
+  explicit Waiting(std::string what, double expected_s = 0);
+  ~Waiting();
+  Waiting(const Waiting&) = delete;
+  Waiting& operator=(const Waiting&) = delete;
+  Waiting(Waiting&&) = delete;
+  Waiting& operator=(Waiting&&) = delete;
+
+private:
+  void show();
+
+  std::string what_;
+  double expected_s_;
+  Progress progress_;
+  std::mutex mutex_;  // guards ended_
+  std::condition_variable change_;
+  bool ended_ = false;
+  std::thread thread_;
+};
+
+}  // namespace sonopose::apps
