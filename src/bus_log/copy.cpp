@@ -31,7 +31,7 @@ public:
       const std::string& profile = input.reader.contents().profile;
       const std::string& first = inputs_.front().reader.contents().profile;
       if (profile != first) {
-        throw files::IoError(fmt::format("{}: has profile \"{}\", but {} has \"{}\"; a file has one profile",
+        throw files::IoError(fmt::format(R"({}: has profile "{}", but {} has "{}"; a file has one profile)",
                                          file.string(), profile, request.inputs.front().string(), first));
       }
     }

@@ -17,7 +17,7 @@ public:
   void fill(Sample& sample) {
     // The visitor passes fields of an object that is not const.
     idl::visit_fields(sample, [this](const char*, const auto& field) {
-      put(const_cast<std::remove_cvref_t<decltype(field)>&>(field));
+      this->put(const_cast<std::remove_cvref_t<decltype(field)>&>(field));
     });
   }
 

@@ -34,8 +34,8 @@ SmallFile small_file(Compression compression) {
     const std::uint64_t time_ns = 100 + 10 * i;
     file.messages.push_back({"imu", i, time_ns, time_ns, "sample " + std::to_string(i)});
     file.messages.push_back({"fix", i, time_ns + 1, time_ns, "fix " + std::to_string(i)});
-    writer.write({imu, i, time_ns, time_ns, bytes_of(file.messages[2 * i].data)});
-    writer.write({fix, i, time_ns + 1, time_ns, bytes_of(file.messages[2 * i + 1].data)});
+    writer.write({imu, i, time_ns, time_ns, bytes_of(file.messages[file.messages.size() - 2].data)});
+    writer.write({fix, i, time_ns + 1, time_ns, bytes_of(file.messages.back().data)});
     writer.end_chunk();
     file.chunk_ends.push_back(sink.content.size());
     writer.write_metadata({"settings", {{"change", std::to_string(i)}}});
@@ -45,6 +45,9 @@ SmallFile small_file(Compression compression) {
   file.bytes = sink.content;
   return file;
 }
+
+/// The message index records of two channels with one message each.
+constexpr std::size_t two_indexes = 2U * std::size_t{9 + 2 + 4 + 16};
 
 /// True if the messages are some of the file's, in their order.
 bool are_among(const std::vector<OwnMessage>& messages, const std::vector<OwnMessage>& all) {
@@ -83,7 +86,7 @@ SCENARIO("a file is cut anywhere") {
 TEST_CASE("a chunk that the file ends in gives the messages before the cut") {
   const SmallFile file = small_file(Compression::none);
   // The index of the last chunk has 2 x 31 bytes; 5 more cut the last message.
-  const auto reader = reader_of(std::span(file.bytes).first(file.chunk_ends[2] - 2 * 31 - 5));
+  const auto reader = reader_of(std::span(file.bytes).first(file.chunk_ends[2] - two_indexes - 5));
   CHECK(messages_of(reader).size() == 5);
   CHECK_THAT(reader.damages().at(0), Contains("the file ends in this chunk"));
 }
@@ -117,7 +120,7 @@ TEST_CASE("one damaged byte is noticed, or does not matter") {
 
 TEST_CASE("a damaged chunk stops the messages, or is skipped if asked for") {
   SmallFile file = small_file(Compression::none);
-  file.bytes[file.chunk_ends[1] - 2 * 31 - 1] ^= std::byte{1};  // the last byte of the second chunk
+  file.bytes[file.chunk_ends[1] - two_indexes - 1] ^= std::byte{1};  // the last byte of the second chunk
   const auto reader = reader_of(file.bytes);
   CHECK_THROWS_WITH(messages_of(reader), Contains("memory.mcap: byte ") &&
                                              Contains("Chunk uncompressed_crc does not match the records"));
