@@ -2,6 +2,7 @@
 
 #include "cdr_type.hpp"
 #include "support.hpp"
+#include <sonopose/dds/binding/cdr.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -21,6 +22,7 @@ using Bytes = std::span<const std::uint8_t>;
 template <class T>
 void read_as(Bytes bytes) {
   static const CdrType<T> type;
+  std::ignore = dds::CdrSample<T>(std::as_bytes(bytes)).get();  // from a recording
   type.read(bytes, [](const T& sample) {
     if constexpr (!std::is_same_v<T, sonopose_ResetCommand>) {  // it has no native type
       const auto native = topics::from_idl(sample);

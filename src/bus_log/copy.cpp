@@ -3,6 +3,8 @@
 #include "mcap/file_sink.hpp"
 #include "mcap/writer.hpp"
 
+#include <fmt/format.h>
+
 #include <deque>
 #include <map>
 
@@ -29,9 +31,8 @@ public:
       const std::string& profile = input.reader.contents().profile;
       const std::string& first = inputs_.front().reader.contents().profile;
       if (profile != first) {
-        throw files::IoError(file.string() + ": has profile \"" + profile + "\", but " +
-                             request.inputs.front().string() + " has \"" + first +
-                             "\"; a file has one profile");
+        throw files::IoError(fmt::format("{}: has profile \"{}\", but {} has \"{}\"; a file has one profile",
+                                         file.string(), profile, request.inputs.front().string(), first));
       }
     }
   }

@@ -4,6 +4,7 @@
 #include <sonopose/dds/binding/cdr.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -74,8 +75,8 @@ std::string content_of(const mcap::Channel& channel, const mcap::Message& messag
   } else if (const TopicReader* topic = find_topic(channel)) {
     json = topic->json(message.data);
   }
-  if (!json.empty()) return "\"message\":" + json;
-  return "\"data\":\"" + hexadecimal(message.data) + "\"";
+  if (!json.empty()) return R"("message":)" + json;
+  return fmt::format(R"("data":"{}")", hexadecimal(message.data));
 }
 
 /// Of the end of an instance, whose key has the address of a beacon.
@@ -101,9 +102,10 @@ mcap::Selection selection_of(const mcap::Reader& reader, const Choice& choice,
     wanted.push_back(full_name(topic));
     const auto has_name = [&](const auto& entry) { return entry.second.topic == wanted.back(); };
     if (std::ranges::any_of(reader.channels(), has_name)) continue;
-    std::string known;
-    for (const auto& [id, channel] : reader.channels()) known += (known.empty() ? "" : ", ") + channel.topic;
-    throw files::IoError(reader.name() + ": has no topic " + topic + "; it has " + known);
+    std::vector<std::string_view> known;
+    for (const auto& [id, channel] : reader.channels()) known.push_back(channel.topic);
+    throw files::IoError(
+        fmt::format("{}: has no topic {}; it has {}", reader.name(), topic, fmt::join(known, ", ")));
   }
   if (!wanted.empty()) {
     selection.channel = [wanted](const mcap::Channel& channel) {
@@ -144,11 +146,9 @@ std::optional<BeaconAddress> beacon_of(const mcap::Channel& channel, const mcap:
 
 std::string json_of(const mcap::Channel& channel, const mcap::Message& message) {
   const nlohmann::json topic(channel.topic);
-  return "{\"topic\":" + topic.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) +
-         ",\"sequence\":" + std::to_string(message.sequence) +
-         ",\"log_time_ns\":" + std::to_string(message.log_time_ns) +
-         ",\"publish_time_ns\":" + std::to_string(message.publish_time_ns) + "," +
-         content_of(channel, message) + "}";
+  return fmt::format(R"({{"topic":{},"sequence":{},"log_time_ns":{},"publish_time_ns":{},{}}})",
+                     topic.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), message.sequence,
+                     message.log_time_ns, message.publish_time_ns, content_of(channel, message));
 }
 
 ChosenMessages::ChosenMessages(const mcap::Reader& reader, const Choice& choice,

@@ -1,11 +1,15 @@
 #include "bus_log/sensor_log.hpp"
 
+#include "bus_log/dashboard_log.hpp"
 #include "bus_log/decoded.hpp"
 #include "bus_log/messages.hpp"
 #include "logging/log.hpp"
 #include "mcap/reader.hpp"
+#include "recording/log_columns.hpp"
 #include <sonopose/collation/collator.hpp>
 #include <sonopose/dds/topics/topics.hpp>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <set>
@@ -51,7 +55,6 @@ public:
     while (const auto message = messages.next()) add(*message);
     std::ranges::stable_sort(log_.truth, {}, &TruthSample::time_ns);
     warn();
-    for (const std::string& warning : log_.warnings) logging::warning(warning);
     return std::move(log_);
   }
 
@@ -60,8 +63,8 @@ private:
   void check(const mcap::Channel& channel) const {
     if (!is_input(channel) && channel.topic != topics::truth.name) return;
     if (channel.message_encoding != "cdr") {
-      throw files::IoError(reader_.name() + ": topic " + channel.topic + " has message encoding \"" +
-                           channel.message_encoding + "\" instead of \"cdr\"");
+      throw files::IoError(fmt::format(R"({}: topic {} has message encoding "{}" instead of "cdr")",
+                                       reader_.name(), channel.topic, channel.message_encoding));
     }
   }
 
@@ -158,9 +161,15 @@ bool is_file(const std::filesystem::path& log) {
   return std::filesystem::is_regular_file(log);
 }
 
+std::filesystem::path imu_source(const std::filesystem::path& log) {
+  return is_file(log) ? log : log / recording::imu_file;
+}
+
 recording::SensorLog read_sensor_log(const std::filesystem::path& log, std::optional<BeaconAddress> address) {
   if (!is_file(log)) return recording::read_sensor_log(log, address);
-  return FileLog(log, address).read();
+  auto read = is_dashboard_log(log) ? read_dashboard_log(log, address) : FileLog(log, address).read();
+  for (const std::string& warning : read.warnings) logging::warning(warning);
+  return read;
 }
 
 std::vector<ImuSample> read_imu_log(const std::filesystem::path& log, std::optional<BeaconAddress> address) {

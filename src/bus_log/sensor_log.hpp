@@ -14,15 +14,18 @@ namespace sonopose::bus_log {
 /// Whether it is a file, and therefore read as MCAP.
 bool is_file(const std::filesystem::path& log);
 
-/// Reads a folder as recording::read_sensor_log does, and a file as MCAP. A file with several beacons needs
-/// an address.
+/// Reads a folder as recording::read_sensor_log does, and a file by its content: as a CSV log of the vendor's
+/// Dashboard (dashboard_log.hpp), else as MCAP. A file with several beacons needs an address.
 ///
-/// The events of a file are in the order of their numbers on the bus, as the fusion's collator makes it, and
-/// are numbered again from 1. What is missing or damaged is in `warnings` and in the log of the process.
-/// Throws files::IoError that names the file and what is wrong; for a file with several beacons, it lists
-/// their addresses.
+/// The events of an MCAP file are in the order of their numbers on the bus, as the fusion's collator makes
+/// it, and are numbered again from 1. What is missing or damaged is in `warnings` and in the log of the
+/// process. Throws files::IoError that names the file and what is wrong; for a file with several beacons, it
+/// lists their addresses.
 recording::SensorLog read_sensor_log(const std::filesystem::path& log,
                                      std::optional<BeaconAddress> address = {});
+
+/// What has the IMU samples of a recording, for errors: imu.csv of a folder, or the file.
+std::filesystem::path imu_source(const std::filesystem::path& log);
 
 /// The IMU samples alone.
 std::vector<ImuSample> read_imu_log(const std::filesystem::path& log,

@@ -23,7 +23,7 @@ AllanResult analyse_allan(const std::filesystem::path& log) {
   try {
     return {log, imu.size(), calibration::fit::analyse_allan(imu)};
   } catch (const calibration::fit::CalibrationError& error) {
-    throw calibration::fit::CalibrationError((log / "imu.csv").string() + ": " + error.what());
+    throw calibration::fit::CalibrationError(bus_log::imu_source(log).string() + ": " + error.what());
   }
 }
 

@@ -11,8 +11,6 @@ namespace {
 namespace fs = std::filesystem;
 using calibration::fit::CalibrationError;
 
-constexpr const char* imu_file = "imu.csv";
-
 CalibrationResult summary_of(const fs::path& log, const std::vector<ImuSample>& imu) {
   CalibrationResult result;
   result.log = log;
@@ -39,7 +37,7 @@ CalibrationResult from_log(const fs::path& log, const Work& work) {
     work(imu, result);
     return result;
   } catch (const CalibrationError& error) {
-    throw CalibrationError((log / imu_file).string() + ": " + error.what());
+    throw CalibrationError(bus_log::imu_source(log).string() + ": " + error.what());
   }
 }
 

@@ -233,7 +233,7 @@ TEST_CASE("Every program suggests the option that a misspelt one resembles") {
       {"replay", {"--smoth", "--smooth"}},         {"evaluate", {"--sedes", "--seeds"}},
       {"tune", {"--ronds", "--rounds"}},           {"attitude", {"--filtre", "--filter"}},
       {"calibrate", {"--verson", "--version"}},    {"record", {"--exlude", "--exclude"}},
-      {"play", {"--restmp", "--restamp"}}};
+      {"play", {"--restmp", "--restamp"}},         {"mcap", {"--verson", "--version"}}};
   for (const std::string& program : programs()) {
     const auto found = misspelt.find(program.substr(prefix.size()));
     CAPTURE(program);

@@ -85,7 +85,8 @@ SCENARIO("a recording of the bus is shown, selected and exported") {
     const Result result = mcap({"recover", folder / "cut.mcap", "--out", folder / "good.mcap"});
     THEN("what it has is saved, and what is lost is told") {
       CHECK(result.code == 0);
-      CHECK_THAT(result.error, Contains("cut.mcap: byte ") && Contains("it was cut, or is damaged from here on"));
+      CHECK_THAT(result.error,
+                 Contains("cut.mcap: byte ") && Contains("it was cut, or is damaged from here on"));
       CHECK_THAT(result.output, Contains("messages"));
       CHECK(mcap({"info", folder / "good.mcap"}).code == 0);
     }
