@@ -72,8 +72,8 @@ public:
 
   /// A non-owning view of a reader.
   static DataReader borrow(dds_entity_t handle) noexcept {
-    return DataReader(handle,
-                      Ownership::borrowed);  // NOLINT(modernize-return-braced-init-list): it is explicit
+    // The constructor is explicit. NOLINTNEXTLINE(modernize-return-braced-init-list)
+    return DataReader(handle, Ownership::borrowed);
   }
 
   /// Takes all available samples, oldest first within an instance. Calls `on_sample(SerializedSample&&, const
