@@ -94,7 +94,8 @@ void add_last_options(CLI::App& app, recorder::RecorderOptions& options) {
       app.add_option("--keep-last", options.keep_last_s,
                      "Keep this many seconds in memory, and write them on SIGUSR1 or a trigger")
           ->check(apps::number_between(1.0, 86400.0))
-          ->type_name("S");
+          ->type_name("S")
+          ->excludes(app.get_option("--ros2"));
   app.add_option("--keep-memory", options.keep_bytes, "The memory for --keep-last [256MB]")
       ->transform(CLI::AsSizeValue(true))
       ->type_name("SIZE")
@@ -127,6 +128,8 @@ int main(int argc, char** argv) {
       ->check(apps::topic_name())
       ->type_name("TOPIC,...");
   app.add_option("--beacons", options.beacons, "Only these beacons, such as 7-131,200")->type_name("LIST");
+  app.add_flag("--ros2", recording.ros2,
+               "Also the topics of ROS 2, to FILE_ros2.mcap, which its own player plays");
   app.add_option("--duration", recording.duration_s, "End after this many seconds; 0: record until stopped")
       ->check(apps::number_between(0.0, 1e9))
       ->capture_default_str();

@@ -52,17 +52,34 @@ std::filesystem::path FileSeries::next_file() const {
 }
 
 std::filesystem::path FileSeries::part() const {
+  const std::lock_guard lock(mutex_);
   return current_ ? current_->name.part() : next_file() += ".part";
 }
 
 void FileSeries::open() {
+  const std::lock_guard lock(mutex_);
+  begin_file();
+}
+
+std::uint16_t FileSeries::add_channel(ChannelSpec channel) {
+  const std::lock_guard lock(mutex_);
+  if (current_) add_to_file(channel);
+  options_.channels.push_back(std::move(channel));
+  return static_cast<std::uint16_t>(options_.channels.size());
+}
+
+std::uint16_t FileSeries::add_to_file(const ChannelSpec& channel) {
+  mcap::Writer& writer = current_->writer;
+  const auto schema_id = writer.add_schema(channel.schema_name, channel.schema_encoding, channel.schema_data);
+  return writer.add_channel(schema_id, channel.topic, channel.message_encoding, channel.metadata);
+}
+
+void FileSeries::begin_file() {
   if (current_) return;
   mcap::Writer& writer = current_.emplace(next_file(), options_.writer).writer;
   std::uint16_t expected_id = 0;
   for (const ChannelSpec& channel : options_.channels) {
-    const auto schema_id =
-        writer.add_schema(channel.schema_name, channel.schema_encoding, channel.schema_data);
-    const auto id = writer.add_channel(schema_id, channel.topic, channel.message_encoding, channel.metadata);
+    const auto id = add_to_file(channel);
     if (id != ++expected_id)
       throw std::logic_error("channel " + channel.topic + " has another number than in the queue");
   }
@@ -74,11 +91,12 @@ void FileSeries::open() {
 }
 
 void FileSeries::write(const mcap::Chunk& chunk, const TapCounts& counts) {
+  const std::lock_guard lock(mutex_);
   if (chunk.is_empty()) return;
   try {
     prepare_for(chunk);
   } catch (const files::IoError&) {
-    count_lost(chunk.message_count());
+    lost_ += chunk.message_count();
     throw;
   }
   if (first_log_time_ns_ == 0) first_log_time_ns_ = chunk.log_times().start_ns;
@@ -89,9 +107,9 @@ void FileSeries::write(const mcap::Chunk& chunk, const TapCounts& counts) {
 
 void FileSeries::prepare_for(const mcap::Chunk& chunk) {
   if (current_ && is_full_for(chunk))
-    finish(options_.max_size_bytes > 0 ? "size" : "duration", counts_reported_);
+    end_file(options_.max_size_bytes > 0 ? "size" : "duration", counts_reported_, {});
   if (current_) return;
-  open();
+  begin_file();
   write_latched(chunk);
 }
 
@@ -130,6 +148,11 @@ void FileSeries::write_losses(const TapCounts& counts) {
 }
 
 void FileSeries::finish(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more) {
+  const std::lock_guard lock(mutex_);
+  end_file(reason, counts, more);
+}
+
+void FileSeries::end_file(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more) {
   if (!current_) return;
   mcap::Writer& writer = current_->writer;
   const TapCounts own = difference(counts, std::exchange(counts_at_start_, counts));
@@ -139,7 +162,7 @@ void FileSeries::finish(const std::string& reason, const TapCounts& counts, cons
   end["received"] = std::to_string(own.received);
   end["recorded"] = std::to_string(writer.statistics().message_count);
   end["lost_queue"] = std::to_string(own.lost_queue);
-  end["lost_disk"] = std::to_string(lost_disk() - lost_at_start_);
+  end["lost_disk"] = std::to_string(lost_now() - lost_at_start_);
   end["lost_bus"] = std::to_string(own.lost_bus);
   std::exception_ptr failure;
   try {
@@ -163,15 +186,32 @@ void FileSeries::finish(const std::string& reason, const TapCounts& counts, cons
   if (failure) std::rethrow_exception(failure);
 }
 
+void FileSeries::count_lost(std::uint64_t messages) {
+  const std::lock_guard lock(mutex_);
+  lost_ += messages;
+}
+
+std::vector<std::filesystem::path> FileSeries::files() const {
+  const std::lock_guard lock(mutex_);
+  return files_;
+}
+
 std::uint64_t FileSeries::message_count() const {
+  const std::lock_guard lock(mutex_);
   return finished_messages_ + (current_ ? current_->writer.statistics().message_count : 0);
 }
 
 std::uint64_t FileSeries::byte_count() const {
+  const std::lock_guard lock(mutex_);
   return finished_bytes_ + (current_ ? current_->writer.bytes_written() : 0);
 }
 
 std::uint64_t FileSeries::lost_disk() const {
+  const std::lock_guard lock(mutex_);
+  return lost_now();
+}
+
+std::uint64_t FileSeries::lost_now() const {
   return lost_ + (current_ ? current_->writer.lost_messages() : 0);
 }
 

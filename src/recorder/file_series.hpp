@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,18 +39,20 @@ struct SeriesOptions {
   std::int64_t max_duration_ns = 0;   ///< of a file, by the log time; 0: no limit
 };
 
-/// Not thread-safe. Everything throws files::IoError.
+/// Everything may be called from any thread, and throws files::IoError.
 class FileSeries {
 public:
   /// Checks that the first file can begin; `open` or `write` creates it.
   explicit FileSeries(SeriesOptions options);
 
+  /// Another channel of every file from now on: its id.
+  std::uint16_t add_channel(ChannelSpec channel);
   /// Begins a file, if there is none.
   void open();
   /// Writes the messages. If one file would be larger or longer than allowed, another one begins before.
   void write(const mcap::Chunk& chunk, const TapCounts& counts);
   /// Counts messages that nobody tries to write, after an error.
-  void count_lost(std::uint64_t messages) { lost_ += messages; }
+  void count_lost(std::uint64_t messages);
   /// Ends the current file, closes it, and gives it its name. `reason` is written to it.
   void finish(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more = {});
 
@@ -58,7 +61,7 @@ public:
   [[nodiscard]] std::uint64_t byte_count() const;
   [[nodiscard]] std::uint64_t lost_disk() const;
   /// The names of the files that are complete.
-  [[nodiscard]] const std::vector<std::filesystem::path>& files() const { return files_; }
+  [[nodiscard]] std::vector<std::filesystem::path> files() const;
   /// What the current file is called until it is complete, or the next one.
   [[nodiscard]] std::filesystem::path part() const;
 
@@ -73,6 +76,11 @@ private:
     mcap::Writer writer;
   };
 
+  // With the mutex held.
+  void begin_file();
+  std::uint16_t add_to_file(const ChannelSpec& channel);
+  void end_file(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more);
+  [[nodiscard]] std::uint64_t lost_now() const;
   [[nodiscard]] std::filesystem::path next_file() const;
   void prepare_for(const mcap::Chunk& chunk);
   [[nodiscard]] bool is_full_for(const mcap::Chunk& chunk) const;
@@ -80,6 +88,7 @@ private:
   void write_chunk(const mcap::Chunk& chunk);
   void write_losses(const TapCounts& counts);
 
+  mutable std::mutex mutex_;  // guards all that follows
   SeriesOptions options_;
   std::optional<File> current_;
   TapCounts counts_at_start_;  ///< of the current file

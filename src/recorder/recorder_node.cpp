@@ -5,7 +5,8 @@
 #include "logging/log.hpp"
 #include "recorder/foreign_topics.hpp"
 #include "recorder/instance_end.hpp"
-#include "recorder/write_thread.hpp"
+#include "recorder/pipeline.hpp"
+#include "recorder/ros2_topics.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/qos/provider.hpp>
@@ -57,14 +58,13 @@ std::vector<ChannelSpec> channels_of(const std::vector<const topics::SerializedT
   return channels;
 }
 
-SeriesOptions series_options(const RecorderOptions& options, std::uint32_t domain_id,
-                             std::vector<ChannelSpec> channels) {
+SeriesOptions series_options(const RecorderOptions& options, std::uint32_t domain_id) {
   const bool is_numbered =
       options.max_size_bytes > 0 || options.max_duration_s > 0 || options.keep_last_s > 0;
   return {
       .file = options.file,
       .writer = {.profile = {}, .library = "sonopose " + options.version, .compression = options.compression},
-      .channels = std::move(channels),
+      .channels = {},
       .about = {{"host", host_name()},
                 {"version", options.version},
                 {"command", options.command},
@@ -72,6 +72,29 @@ SeriesOptions series_options(const RecorderOptions& options, std::uint32_t domai
       .is_numbered = is_numbered,
       .max_size_bytes = options.max_size_bytes,
       .max_duration_ns = to_ns(options.max_duration_s)};
+}
+
+Pipeline::Settings native_settings(const RecorderOptions& options, std::uint32_t domain_id,
+                                   std::vector<ChannelSpec> channels) {
+  Pipeline::Settings settings{.series = series_options(options, domain_id),
+                              .queue_bytes = options.queue_bytes,
+                              .ends_channel_id = static_cast<std::uint16_t>(channels.size()),
+                              .last = {}};
+  settings.series.channels = std::move(channels);
+  if (options.keep_last_s > 0) settings.last.emplace(to_ns(options.keep_last_s), options.keep_bytes);
+  return settings;
+}
+
+/// A file of ROS 2 has its topics alone: its player knows no other encoding, and MCAP has one profile a file.
+Pipeline::Settings ros2_settings(const RecorderOptions& options, std::uint32_t domain_id) {
+  Pipeline::Settings settings{.series = series_options(options, domain_id),
+                              .queue_bytes = options.queue_bytes,
+                              .ends_channel_id = 0,
+                              .last = {}};
+  settings.series.file.replace_filename(options.file.stem().string() + "_ros2" +
+                                        options.file.extension().string());
+  settings.series.writer.profile = "ros2";
+  return settings;
 }
 
 std::string loss_words(const TapCounts& counts) {
@@ -93,16 +116,21 @@ std::vector<const topics::SerializedTopic*> selected_topics(const RecorderOption
   return selected;
 }
 
-/// Throws std::invalid_argument if a trigger could never come.
-static void check_triggers(const RecorderOptions& options,
-                           const std::vector<const topics::SerializedTopic*>& selected) {
+namespace {
+
+/// Throws std::invalid_argument also if a trigger could never come.
+std::vector<const topics::SerializedTopic*> checked_topics(const RecorderOptions& options) {
+  auto selected = selected_topics(options);
   const auto require = [&](const std::string& option, const std::string& topic) {
     if (std::find(selected.begin(), selected.end(), &topic_named(topic)) != selected.end()) return;
     throw std::invalid_argument(fmt::format("{}: the topic {} is not recorded", option, topic));
   };
   if (!options.trigger_topic.empty()) require("--trigger-topic", options.trigger_topic);
   if (options.trigger_on_status) require("--trigger-status", "pose");
+  return selected;
 }
+
+}  // namespace
 
 class Recorder::Node {
 public:
@@ -114,6 +142,7 @@ public:
 
 private:
   [[nodiscard]] TapCounts counts() const;
+  [[nodiscard]] bool has_failed() const;
   [[nodiscard]] mcap::TextMap foreign_text() const;
   TopicTrigger* trigger_of(const topics::SerializedTopic& topic);
   void look_around();
@@ -121,18 +150,16 @@ private:
   RecorderOptions options_;
   dds::qos::Provider qos_;
   std::vector<const topics::SerializedTopic*> selected_;
+  process::Wakeup news_;  ///< the disk has failed, or there is another writer
   dds::DomainParticipant participant_;
   dds::Discovery discovery_;
   ForeignTopics foreign_;
-  ChunkQueue queue_;
-  FileSeries series_;
   Trigger trigger_;
   AnySampleTrigger any_sample_{trigger_};
   BadStatusTrigger bad_status_{trigger_};
-  std::atomic<std::uint32_t> ends_sequence_ = 0;
-  process::Wakeup failed_;
-  std::vector<std::unique_ptr<TopicTap>> taps_;
-  std::optional<WriteThread> writing_;
+  Pipeline native_;
+  std::optional<Pipeline> ros2_;
+  std::optional<Ros2Topics> ros2_topics_;
   SteadyTime began_ = clocks::steady_now();
   TapCounts reported_;
   std::uint64_t incompatible_reported_ = 0;
@@ -141,31 +168,27 @@ private:
 Recorder::Node::Node(const RecorderOptions& options)
     : options_(options),
       qos_(options.qos_file),
-      selected_(selected_topics(options)),
+      selected_(checked_topics(options)),
       participant_(options.domain),
-      discovery_(participant_),
-      queue_(options.queue_bytes),
-      series_(series_options(options, participant_.domain_id(), channels_of(selected_, qos_))) {
-  check_triggers(options, selected_);
-  if (options.keep_last_s <= 0) series_.open();
-  for (std::uint16_t i = 0; i < selected_.size(); ++i) {
-    const TapTarget target{.queue = queue_,
-                           .channel_id = static_cast<std::uint16_t>(i + 1),
-                           .ends_channel_id = static_cast<std::uint16_t>(selected_.size() + 1),
-                           .ends_sequence = ends_sequence_};
-    taps_.push_back(
-        std::make_unique<TopicTap>(*selected_[i], options_.beacons, target, trigger_of(*selected_[i])));
+      discovery_(participant_, [this] { news_.wake(); }),
+      native_(native_settings(options, participant_.domain_id(), channels_of(selected_, qos_)), trigger_,
+              news_) {
+  for (std::size_t i = 0; i < selected_.size(); ++i) {
+    const topics::SerializedTopic& topic = *selected_[i];
+    native_.record({.name = topic.name,
+                    .has_beacon = topic.has_beacon,
+                    .beacons = &options_.beacons,
+                    .trigger = trigger_of(topic)},
+                   static_cast<std::uint16_t>(i + 1),
+                   [&](dds::DataReaderListener<dds::Serialized>* listener) {
+                     return topic.make_reader(participant_, qos_, listener);
+                   });
   }
-  std::optional<LastSeconds> last;
-  if (options.keep_last_s > 0) last.emplace(to_ns(options.keep_last_s), options.keep_bytes);
-  writing_.emplace(WriteThread::Parts{.queue = queue_,
-                                      .series = series_,
-                                      .trigger = trigger_,
-                                      .counts = [this] { return counts(); },
-                                      .last = std::move(last),
-                                      .failed = failed_});
-  for (const auto& tap : taps_) tap->open(participant_, qos_);
-  logging::info(fmt::format("recording {} topics to {}", selected_.size(), series_.part().string()));
+  if (options.ros2) {
+    ros2_.emplace(ros2_settings(options, participant_.domain_id()), trigger_, news_);
+    ros2_topics_.emplace(*ros2_, participant_, qos_);
+  }
+  logging::info(fmt::format("recording {} topics to {}", selected_.size(), native_.series().part().string()));
 }
 
 TopicTrigger* Recorder::Node::trigger_of(const topics::SerializedTopic& topic) {
@@ -175,26 +198,35 @@ TopicTrigger* Recorder::Node::trigger_of(const topics::SerializedTopic& topic) {
 }
 
 TapCounts Recorder::Node::counts() const {
-  TapCounts sum;
-  for (const auto& tap : taps_) sum += tap->counts();
+  TapCounts sum = native_.counts();
+  if (ros2_) sum += ros2_->counts();
   return sum;
+}
+
+bool Recorder::Node::has_failed() const {
+  return native_.failure() || (ros2_ && ros2_->failure());
 }
 
 void Recorder::Node::run(const process::StopSignal& stop) {
   const SteadyTime end = options_.duration_s > 0 ? began_ + to_ns(options_.duration_s) : SteadyTime::max();
-  while (!stop.requested() && clocks::steady_now() < end && !writing_->failure()) {
+  while (!stop.requested() && clocks::steady_now() < end && !has_failed()) {
     look_around();
-    stop.wait_until(std::min(end, clocks::steady_now() + look_period_ns), failed_);
+    stop.wait_until(std::min(end, clocks::steady_now() + look_period_ns), news_);
   }
 }
 
-/// Reports what a user must know: topics that are not recorded, writers that do not match, losses.
+/// Records new topics of ROS 2, and reports what a user must know: topics that are not recorded, writers that
+/// do not match, losses.
 void Recorder::Node::look_around() {
-  for (const std::string& topic : foreign_.update(discovery_.writers())) {
+  auto writers = discovery_.writers();
+  if (ros2_topics_) {
+    ros2_topics_->update(writers);
+    std::erase_if(writers, [this](const auto& writer) { return ros2_topics_->contains(writer.topic_name); });
+  }
+  for (const std::string& topic : foreign_.update(writers)) {
     logging::info("not recorded: " + topic + " is no topic of this program");
   }
-  std::uint64_t incompatible = 0;
-  for (const auto& tap : taps_) incompatible += tap->incompatible();
+  const std::uint64_t incompatible = native_.incompatible() + (ros2_ ? ros2_->incompatible() : 0);
   if (std::exchange(incompatible_reported_, incompatible) != incompatible) {
     logging::warning("a writer offers incompatible QoS and is not recorded; run sonopose-doctor for details");
   }
@@ -214,32 +246,22 @@ mcap::TextMap Recorder::Node::foreign_text() const {
 }
 
 RecorderReport Recorder::Node::finish() {
-  for (const auto& tap : taps_) tap->close();
   const double duration_s = static_cast<double>(clocks::steady_now() - began_) * 1e-9;
-  writing_->finish();
-  std::exception_ptr failure = writing_->failure();
-  std::string reason = "stopped";
-  try {
-    if (failure) std::rethrow_exception(failure);
-  } catch (const std::exception& error) {
-    reason = fmt::format("error: {}", error.what());
-  }
   look_around();
-  try {
-    series_.finish(reason, counts(), foreign_text());
-  } catch (const files::IoError&) {
-    if (!failure) failure = std::current_exception();
+  RecorderReport report;
+  report.duration_s = duration_s;
+  report.foreign_topics = foreign_.writer_counts();
+  for (Pipeline* const pipeline : {&native_, ros2_ ? &*ros2_ : nullptr}) {
+    if (pipeline == nullptr) continue;
+    const auto failure = pipeline->finish(foreign_text());
+    if (!report.failure) report.failure = failure;
+    report.counts += pipeline->counts();
+    report.recorded += pipeline->series().message_count();
+    report.bytes += pipeline->series().byte_count();
+    report.lost_disk += pipeline->series().lost_disk();
+    report.received.merge(pipeline->received());
+    for (const auto& file : pipeline->series().files()) report.files.push_back(file);
   }
-  RecorderReport report{.counts = counts(),
-                        .recorded = series_.message_count(),
-                        .bytes = series_.byte_count(),
-                        .lost_disk = series_.lost_disk(),
-                        .duration_s = duration_s,
-                        .files = series_.files(),
-                        .received = {},
-                        .foreign_topics = foreign_.writer_counts(),
-                        .failure = failure};
-  for (const auto& tap : taps_) report.received[tap->topic().name] = tap->counts().received;
   return report;
 }
 

@@ -37,6 +37,7 @@ struct RecorderOptions {
   bool trigger_on_status = false;         ///< a pose whose status turns bad writes them
   double duration_s = 0;                  ///< of the recording; 0: until stopped
   std::size_t queue_bytes = 64UL << 20U;  ///< of messages that wait for the disk
+  bool ros2 = false;                      ///< topics of ROS 2 too, to FILE_ros2
   std::string version = {};               ///< of the program
   std::string command = {};               ///< that started it
 };

@@ -3,6 +3,7 @@
 #include "clocks/clocks.hpp"
 #include "recorder/instance_end.hpp"
 
+#include <exception>
 #include <string>
 
 namespace sonopose::recorder {
@@ -34,13 +35,13 @@ void TopicTap::on_requested_incompatible_qos(dds::SerializedReader& /*reader*/,
   add_change(incompatible_, status.total_count_change);
 }
 
-bool TopicTap::accepts(std::span<const std::byte> sample) const {
+bool TopicTap::accepts(std::span<const std::byte> sample) const noexcept {
   if (!topic_.has_beacon) return true;
   const auto address = dds::topics::beacon_of(sample);
-  return !address || *address == all_beacons || beacons_.contains(*address);
+  return !address || *address == all_beacons || topic_.beacons->contains(*address);
 }
 
-void TopicTap::on_sample(const dds::SerializedSample& sample, const dds::SampleInfo& info) {
+void TopicTap::on_sample(const dds::SerializedSample& sample, const dds::SampleInfo& info) noexcept {
   const auto bytes = sample.bytes();
   if (!accepts(bytes)) return;
   // Lost ones are numbered too: a gap in the file tells of them.
@@ -49,23 +50,29 @@ void TopicTap::on_sample(const dds::SerializedSample& sample, const dds::SampleI
        .log_time_ns = file_time(clocks::host_now()),
        .publish_time_ns = file_time(info.source_timestamp_ns()),
        .data = bytes});
-  if (trigger_ != nullptr) trigger_->on_sample(bytes);
+  if (topic_.trigger != nullptr) topic_.trigger->on_sample(bytes);
 }
 
-void TopicTap::on_end(const dds::SerializedSample& key, const dds::SampleInfo& info) {
-  if (!accepts(key.bytes())) return;
-  const std::string text = json_of({.topic = topic_.name,
-                                    .disposed = info.disposed(),
-                                    .key_cdr = {key.bytes().begin(), key.bytes().end()},
-                                    .source_time_ns = info.source_timestamp_ns()});
-  add({.channel_id = target_.ends_channel_id,
-       .sequence = target_.ends_sequence.fetch_add(1, std::memory_order_relaxed) + 1,
-       .log_time_ns = file_time(clocks::host_now()),
-       .publish_time_ns = file_time(info.source_timestamp_ns()),
-       .data = std::as_bytes(std::span(text))});
+void TopicTap::on_end(const dds::SerializedSample& key, const dds::SampleInfo& info) noexcept {
+  if (target_.ends_channel_id == 0 || !accepts(key.bytes())) return;
+  const std::uint32_t sequence = target_.ends_sequence.fetch_add(1, std::memory_order_relaxed) + 1;
+  try {
+    const std::string text = json_of({.topic = topic_.name,
+                                      .disposed = info.disposed(),
+                                      .key_cdr = {key.bytes().begin(), key.bytes().end()},
+                                      .source_time_ns = info.source_timestamp_ns()});
+    add({.channel_id = target_.ends_channel_id,
+         .sequence = sequence,
+         .log_time_ns = file_time(clocks::host_now()),
+         .publish_time_ns = file_time(info.source_timestamp_ns()),
+         .data = std::as_bytes(std::span(text))});
+  } catch (const std::exception&) {  // no memory
+    received_.fetch_add(1, std::memory_order_relaxed);
+    lost_queue_.fetch_add(1, std::memory_order_relaxed);
+  }
 }
 
-void TopicTap::add(const mcap::Message& message) {
+void TopicTap::add(const mcap::Message& message) noexcept {
   received_.fetch_add(1, std::memory_order_relaxed);
   if (!target_.queue.add(message)) lost_queue_.fetch_add(1, std::memory_order_relaxed);
 }

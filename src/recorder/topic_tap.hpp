@@ -9,6 +9,9 @@
 
 #include <atomic>
 #include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
 
 namespace sonopose::recorder {
 
@@ -27,29 +30,33 @@ struct TapCounts {
   bool operator==(const TapCounts&) const = default;
 };
 
+/// Which samples are taken.
+struct TapTopic {
+  std::string name;                         ///< on the bus
+  bool has_beacon = false;                  ///< its samples begin with the address of a beacon
+  const process::AddressSet* beacons = {};  ///< of these beacons; must outlive the tap if `has_beacon`
+  TopicTrigger* trigger = nullptr;          ///< looks at the samples; must outlive the tap
+};
+
 /// Where the messages go: the channel of the topic, and the one of the ends of instances of all topics.
 struct TapTarget {
   ChunkQueue& queue;
   std::uint16_t channel_id;
-  std::uint16_t ends_channel_id;
+  std::uint16_t ends_channel_id;  ///< 0: ends are not recorded
   std::atomic<std::uint32_t>& ends_sequence;
 };
 
 class TopicTap final : public dds::DataReaderListener<dds::Serialized> {
 public:
-  /// The references must outlive it. `trigger` may be null.
-  TopicTap(const dds::topics::SerializedTopic& topic, const process::AddressSet& beacons,
-           const TapTarget& target, TopicTrigger* trigger)
-      : topic_(topic), beacons_(beacons), target_(target), trigger_(trigger) {}
+  /// The references in `target` must outlive it.
+  TopicTap(TapTopic topic, const TapTarget& target) : topic_(std::move(topic)), target_(target) {}
 
-  /// From now on samples arrive.
-  void open(const dds::DomainParticipant& participant, const dds::qos::Provider& qos) {
-    reader_ = topic_.make_reader(participant, qos, this);
-  }
+  /// The reader whose listener this is. Samples may arrive before.
+  void open(dds::SerializedReader reader) { reader_ = std::move(reader); }
   /// No sample arrives any more.
   void close() { reader_.close(); }
 
-  [[nodiscard]] const dds::topics::SerializedTopic& topic() const { return topic_; }
+  [[nodiscard]] const std::string& name() const { return topic_.name; }
   [[nodiscard]] TapCounts counts() const { return {received_, lost_queue_, lost_bus_}; }
   /// Writers whose QoS does not match the reader's.
   [[nodiscard]] std::uint64_t incompatible() const { return incompatible_; }
@@ -60,15 +67,13 @@ public:
                                      const dds::RequestedIncompatibleQosStatus& status) noexcept override;
 
 private:
-  [[nodiscard]] bool accepts(std::span<const std::byte> sample) const;
-  void on_sample(const dds::SerializedSample& sample, const dds::SampleInfo& info);
-  void on_end(const dds::SerializedSample& key, const dds::SampleInfo& info);
-  void add(const mcap::Message& message);
+  [[nodiscard]] bool accepts(std::span<const std::byte> sample) const noexcept;
+  void on_sample(const dds::SerializedSample& sample, const dds::SampleInfo& info) noexcept;
+  void on_end(const dds::SerializedSample& key, const dds::SampleInfo& info) noexcept;
+  void add(const mcap::Message& message) noexcept;
 
-  const dds::topics::SerializedTopic& topic_;
-  const process::AddressSet& beacons_;
+  TapTopic topic_;
   TapTarget target_;
-  TopicTrigger* trigger_;
   std::atomic<std::uint32_t> sequence_ = 0;
   std::atomic<std::uint64_t> received_ = 0;
   std::atomic<std::uint64_t> lost_queue_ = 0;

@@ -120,6 +120,21 @@ TEST_CASE("A file is not longer and not larger than allowed, and each begins wit
   }
 }
 
+TEST_CASE("A channel that is added later is in the current file and in those after it") {
+  const TemporaryFolder folder;
+  SeriesOptions options = options_for(folder / "run.mcap");
+  options.is_numbered = true;
+  FileSeries series(options);
+  series.open();
+  CHECK(series.add_channel({"/odom", "cdr", "nav_msgs/msg/Odometry", "ros2msg", "text"}) == 4);
+  series.write(chunk_of(4, 1 * second, command_cdr(7, 1)), {});
+  series.finish("stopped", {});
+  series.write(chunk_of(4, 2 * second, command_cdr(7, 2)), {});
+  series.finish("stopped", {});
+  CHECK(messages_of(folder / "run_001.mcap").at(0).topic == "/odom");
+  CHECK(messages_of(folder / "run_002.mcap").at(0).topic == "/odom");
+}
+
 TEST_CASE("A file that cannot begin loses its messages, and counts them") {
   const TemporaryFolder folder;
   SeriesOptions options = options_for(folder / "run.mcap");

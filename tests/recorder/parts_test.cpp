@@ -17,7 +17,7 @@ TEST_CASE("The queue takes what fits, and gives all of it at once") {
   const auto data = command_cdr(7, 1);
   const std::size_t message_bytes = mcap::Chunk::bytes_of(data.size());
   ChunkQueue queue(3 * message_bytes);
-  for (std::uint32_t i = 1; i <= 3; ++i) CHECK(queue.add({1, i, 10 * i, 0, data}));
+  for (std::uint32_t i = 1; i <= 3; ++i) CHECK(queue.add({1, i, std::uint64_t{10} * i, 0, data}));
   CHECK_FALSE(queue.add({1, 4, 40, 0, data}));
 
   mcap::Chunk chunk = queue.make_chunk();

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <csignal>
 #include <cstring>
 #include <map>
@@ -118,17 +119,16 @@ SCENARIO("a fusion computes the same poses from played inputs") {
       fusion->end_by(SIGTERM);
       poses.take();
       THEN("position and orientation of each pose are the same bits") {
-        using Bits = std::vector<std::byte>;
-        // From the time of validity up to the covariances: the IDL has the path of the sample behind them.
-        constexpr std::size_t begin = 4 + 8 + 8;
-        constexpr std::size_t length = 8 + (3 + 4 + 12 + 21 + 6 + 1) * 8;
+        using Bits = std::array<std::uint64_t, 7>;
+        // By the IDL they follow the address with its padding, the event's number, and the time.
+        constexpr std::size_t begin = 4 + 8 + 8 + 8;
         std::map<std::pair<int, std::uint64_t>, Bits> recorded;
         for (const OwnedMessage& message : messages_of(folder / "run.mcap")) {
           if (message.topic != "sonopose/pose") continue;
           std::uint64_t number = 0;
           std::memcpy(&number, message.data.data() + 12, sizeof number);
-          recorded[{topics::beacon_of(message.data).value_or(0), number}] =
-              Bits(message.data.begin() + begin, message.data.begin() + begin + length);
+          Bits& bits = recorded[{topics::beacon_of(message.data).value_or(0), number}];
+          std::memcpy(bits.data(), message.data.data() + begin, sizeof bits);
         }
         std::size_t equal = 0;
         for (const FusedPose& pose : poses.samples) {
@@ -138,7 +138,7 @@ SCENARIO("a fusion computes the same poses from played inputs") {
                                              pose.position_world_m.z(), pose.q_body_to_world.w(),
                                              pose.q_body_to_world.x(),  pose.q_body_to_world.y(),
                                              pose.q_body_to_world.z()};
-          equal += std::memcmp(values.data(), found->second.data() + 8, sizeof values) == 0 ? 1U : 0U;
+          equal += std::bit_cast<Bits>(values) == found->second ? 1U : 0U;
         }
         CHECK(recorded.size() > 700);
         CHECK(poses.samples.size() >= recorded.size());

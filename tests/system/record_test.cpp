@@ -4,6 +4,8 @@
 #include "recorder/messages.hpp"
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
+#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/ros2/messages/idl_types.hpp>
 
 #include <algorithm>
 #include <csignal>
@@ -276,21 +278,22 @@ SCENARIO("a recording goes on in further files") {
       THEN("the files together have all, each with the settings in effect") {
         std::vector<OwnedMessage> all;
         std::size_t count = 0;
+        bool begins_with_settings = false;  // the last file: the first ones may be older than the fusion
         for (; exists(folder / ("run_00" + std::to_string(count + 1) + ".mcap").c_str()); ++count) {
           const auto messages =
               messages_of(folder / ("run_00" + std::to_string(count + 1) + ".mcap").c_str());
           const auto span_ns = messages.back().log_time_ns - messages.front().log_time_ns;
           CHECK(span_ns <= 1'000'000'000);
-          if (count > 0) {
-            CHECK(std::any_of(messages.begin(), messages.end(), [&](const OwnedMessage& message) {
-              return message.topic == "sonopose/settings" &&
-                     message.log_time_ns == messages.front().log_time_ns;
-            }));
-          }
+          begins_with_settings =
+              std::any_of(messages.begin(), messages.end(), [&](const OwnedMessage& message) {
+                return message.topic == "sonopose/settings" &&
+                       message.log_time_ns == messages.front().log_time_ns;
+              });
           const auto own = of_topic(messages, "sonopose/imu");
           all.insert(all.end(), own.begin(), own.end());
         }
         CHECK(count >= 4);
+        CHECK(begins_with_settings);
         CHECK(is_same(all, imu.samples));
       }
     }
@@ -333,6 +336,58 @@ SCENARIO("the last seconds are written when something has happened") {
   }
 }
 
+SCENARIO("the topics of ROS 2 have a file of their own") {
+  GIVEN("a relay with its fusion, and a recorder of ROS 2") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2();
+    const auto record = start_recording(bus, folder / "run.mcap", {"--ros2"});
+    WHEN("a bridge publishes until odometry is recorded for a while") {
+      const auto bridge = bus.bridge({"--duration", "5"});
+      REQUIRE(record->wait_for_line(Stream::error, "recording /hedge_7/odom of ROS 2"));
+      REQUIRE(bridge->wait_for_exit() == 0);
+      REQUIRE(record->end_by(SIGINT).code == 0);
+      THEN("the file has the profile, the definitions and the messages of ROS 2") {
+        const fs::path file = folder / "run_ros2.mcap";
+        const mcap::Reader reader(file);
+        CHECK(reader.contents().profile == "ros2");
+        CHECK(reader.damages().empty());
+        std::set<std::string> channels;
+        for (const auto& [id, channel] : reader.channels()) {
+          channels.insert(channel.topic);
+          CHECK(channel.message_encoding == "cdr");
+          CHECK_THAT(channel.metadata.at("offered_qos_profiles"), Contains("- history: 1\n"));
+          const mcap::Schema& schema = reader.schemas().at(channel.schema_id);
+          CHECK(schema.encoding == "ros2msg");
+          if (channel.topic != "/hedge_7/odom") continue;
+          CHECK(schema.name == "nav_msgs/msg/Odometry");
+          CHECK_THAT(schema.data, Catch::StartsWith("std_msgs/Header header\nstring child_frame_id\n") &&
+                                      Contains("\nMSG: geometry_msgs/PoseWithCovariance\ngeometry_msgs/Pose "
+                                               "pose\nfloat64[36] covariance\n"));
+        }
+        CHECK(channels.contains("/hedge_7/odom"));
+        CHECK(channels.contains("/hedge_7/imu/data"));
+        CHECK(channels.contains("/tf"));
+        const auto odometry = of_topic(messages_of(file), "/hedge_7/odom");
+        REQUIRE(odometry.size() > 100);
+        for (const OwnedMessage& message : odometry) {
+          const dds::CdrSample<ros2::Odometry> sample(message.data);
+          REQUIRE(sample.get() != nullptr);
+          CHECK(std::string(sample.get()->header.frame_id) == "map");
+        }
+      }
+      THEN("the other file has the native topics alone") {
+        const mcap::Reader reader(folder / "run.mcap");
+        for (const auto& [id, channel] : reader.channels()) {
+          CHECK(channel.topic.starts_with("sonopose/"));
+        }
+        CHECK_THAT(record->text(Stream::error), !Contains("not recorded: rt/hedge_7"));
+      }
+    }
+  }
+}
+
 SCENARIO("a recording that cannot begin is refused") {
   const TemporaryFolder folder;
   const std::string file = (folder / "run.mcap").string();
@@ -350,6 +405,7 @@ SCENARIO("a recording that cannot begin is refused") {
   CHECK_THAT(refused({"--trigger-status"}), Contains("--trigger-status requires --keep-last"));
   CHECK_THAT(refused({"--topics", "imu", "--keep-last", "5", "--trigger-status"}),
              Contains("--trigger-status: the topic pose is not recorded"));
+  CHECK_THAT(refused({"--ros2", "--keep-last", "5"}), Contains("--ros2 excludes --keep-last"));
   CHECK_THAT(refused({"--max-duration", "0.1"}), Contains("--max-duration"));
   CHECK_THAT(refused({"/proc/none/run.mcap"}), Contains("/proc/none"));
 }

@@ -71,7 +71,10 @@ public:
                                        detail::c_listener(listener, mask).get()))) {}
 
   /// A non-owning view of a reader.
-  static DataReader borrow(dds_entity_t handle) noexcept { return DataReader(handle, Ownership::borrowed); }
+  static DataReader borrow(dds_entity_t handle) noexcept {
+    // The constructor is explicit. NOLINTNEXTLINE(modernize-return-braced-init-list)
+    return DataReader(handle, Ownership::borrowed);
+  }
 
   /// Takes all available samples, oldest first within an instance. Calls `on_sample(SerializedSample&&, const
   /// SampleInfo&)` for each with data, and `on_end(SerializedSample&& key, const SampleInfo&)` for each

@@ -1,0 +1,75 @@
+#include "recorder/pipeline.hpp"
+
+#include "files/error.hpp"
+
+#include <utility>
+
+namespace sonopose::recorder {
+
+Pipeline::Pipeline(Settings settings, Trigger& trigger, process::Wakeup& failed)
+    : keeps_last_(settings.last.has_value()),
+      queue_(settings.queue_bytes),
+      series_(std::move(settings.series)),
+      ends_channel_id_(settings.ends_channel_id),
+      writing_({.queue = queue_,
+                .series = series_,
+                .trigger = trigger,
+                .counts = [this] { return counts(); },
+                .last = std::move(settings.last),
+                .failed = failed}) {
+  if (!keeps_last_) series_.open();
+}
+
+void Pipeline::record(TapTopic topic, std::uint16_t channel_id, const MakeReader& make_reader) {
+  const TapTarget target{.queue = queue_,
+                         .channel_id = channel_id,
+                         .ends_channel_id = ends_channel_id_,
+                         .ends_sequence = ends_sequence_};
+  TopicTap* tap = nullptr;
+  {
+    const std::lock_guard lock(mutex_);
+    tap = taps_.emplace_back(std::make_unique<TopicTap>(std::move(topic), target)).get();
+  }
+  tap->open(make_reader(tap));
+}
+
+TapCounts Pipeline::counts() const {
+  const std::lock_guard lock(mutex_);
+  TapCounts sum;
+  for (const auto& tap : taps_) sum += tap->counts();
+  return sum;
+}
+
+std::map<std::string, std::uint64_t> Pipeline::received() const {
+  const std::lock_guard lock(mutex_);
+  std::map<std::string, std::uint64_t> by_topic;
+  for (const auto& tap : taps_) by_topic[tap->name()] = tap->counts().received;
+  return by_topic;
+}
+
+std::uint64_t Pipeline::incompatible() const {
+  const std::lock_guard lock(mutex_);
+  std::uint64_t sum = 0;
+  for (const auto& tap : taps_) sum += tap->incompatible();
+  return sum;
+}
+
+std::exception_ptr Pipeline::finish(const mcap::TextMap& more) {
+  for (const auto& tap : taps_) tap->close();
+  writing_.finish();
+  std::exception_ptr failure = writing_.failure();
+  std::string reason = "stopped";
+  try {
+    if (failure) std::rethrow_exception(failure);
+  } catch (const std::exception& error) {
+    reason = std::string("error: ") + error.what();
+  }
+  try {
+    series_.finish(reason, counts(), more);
+  } catch (const files::IoError&) {
+    if (!failure) failure = std::current_exception();
+  }
+  return failure;
+}
+
+}  // namespace sonopose::recorder

@@ -1,0 +1,68 @@
+#pragma once
+/// \file
+/// From the readers of topics to the files of one recording.
+
+#include "recorder/chunk_queue.hpp"
+#include "recorder/file_series.hpp"
+#include "recorder/topic_tap.hpp"
+#include "recorder/write_thread.hpp"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sonopose::recorder {
+
+class Pipeline {
+public:
+  struct Settings {
+    SeriesOptions series;
+    std::size_t queue_bytes = 0;
+    std::uint16_t ends_channel_id = 0;  ///< of the ends of instances; 0: they are not recorded
+    std::optional<LastSeconds> last;    ///< given: nothing is written before a trigger
+  };
+
+  /// Begins the first file. The references must outlive it. Throws files::IoError.
+  Pipeline(Settings settings, Trigger& trigger, process::Wakeup& failed);
+
+  /// A topic of the channel of that id. Its reader is `make_reader(listener)`.
+  using MakeReader = std::function<dds::SerializedReader(dds::DataReaderListener<dds::Serialized>*)>;
+  void record(TapTopic topic, std::uint16_t channel_id, const MakeReader& make_reader);
+
+  /// A channel that was not known at the start: its id.
+  std::uint16_t add_channel(ChannelSpec channel) { return series_.add_channel(std::move(channel)); }
+
+  /// Of all topics. From any thread.
+  [[nodiscard]] TapCounts counts() const;
+  /// By topic.
+  [[nodiscard]] std::map<std::string, std::uint64_t> received() const;
+  /// Writers that do not match their reader.
+  [[nodiscard]] std::uint64_t incompatible() const;
+  [[nodiscard]] const FileSeries& series() const { return series_; }
+  /// The first error of the disk; null without one.
+  [[nodiscard]] std::exception_ptr failure() const { return writing_.failure(); }
+
+  /// Ends the recording, with these metadata. Returns the first error of the disk.
+  std::exception_ptr finish(const mcap::TextMap& more);
+
+private:
+  bool keeps_last_;
+  ChunkQueue queue_;
+  FileSeries series_;
+  std::uint16_t ends_channel_id_;
+  std::atomic<std::uint32_t> ends_sequence_ = 0;
+  mutable std::mutex mutex_;  // guards taps_
+  std::vector<std::unique_ptr<TopicTap>> taps_;
+  WriteThread writing_;  ///< last: it ends before the rest
+};
+
+}  // namespace sonopose::recorder
