@@ -213,8 +213,8 @@ std::size_t visit_first(std::deque<std::uint32_t>& ids, dds::Network network, co
     try {
       visits.emplace_back(dds::DomainOptions{.domain_id = ids.front(), .network = network});
     } catch (const dds::Error& error) {
-      if (error.code() == DDS_RETCODE_OUT_OF_RESOURCES) break;  // the next time, when these are closed
-      ++bus.domains_not_searched;                               // its ports are in use by others
+      if (error.is_out_of_resources()) break;  // the next time, when these are closed
+      ++bus.domains_not_searched;              // its ports are in use by others
     }
     ids.pop_front();
   }

@@ -20,6 +20,9 @@ public:
   /// `DDS_RETCODE_…`; negative.
   ReturnCode code() const noexcept { return code_; }
 
+  /// Whether too few file descriptors or too little memory were free.
+  bool is_out_of_resources() const noexcept { return code_ == DDS_RETCODE_OUT_OF_RESOURCES; }
+
 private:
   ReturnCode code_;
 };
