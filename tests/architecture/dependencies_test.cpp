@@ -165,8 +165,8 @@ const std::vector<Restriction> restrictions{
      {"ros2/messages"},
      {file_headers, socket_headers, clock_headers, thread_headers, command_line_headers}},
     {"no Cyclone DDS of their own, command lines, or libraries that an edge module wraps",
-     {"process", "observation", "launch", "bridge", "recorder", "player", "fusion", "monitor", "monitor/echo", "doctor/rules",
-      "doctor/probe", "settings_client", "ros2/relay"},
+     {"process", "observation", "launch", "bridge", "recorder", "player", "fusion", "monitor", "monitor/echo",
+      "doctor/rules", "doctor/probe", "settings_client", "ros2/relay"},
      {"dds/.*|ddsc/.*", command_line_headers, "asio.*", "toml.*", "pugixml.*", "yaml-cpp/.*", "spdlog/.*"}},
 };
 
