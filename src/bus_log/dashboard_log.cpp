@@ -61,7 +61,8 @@ Dashboard read_all(const std::filesystem::path& file) {
 
 bool is_dashboard_log(const std::filesystem::path& file) {
   try {
-    const auto line = files::LineReader(file).next();
+    files::LineReader lines(file);
+    const auto line = lines.next();
     return line && marvelmind::parse_dashboard_line(*line).time_ns != 0;
   } catch (const files::IoError&) {
     return false;  // a line without an end: no text
