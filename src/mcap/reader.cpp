@@ -44,9 +44,9 @@ std::uint64_t Reader::size_bytes() const {
 
 std::vector<Metadata> Reader::metadata() const {
   std::vector<Metadata> metadata;
-  for (const std::uint64_t offset : contents_.metadata_offsets) {
-    const Bytes content = file_->content(offset, Opcode::metadata);
-    metadata.push_back(decode_metadata(Fields(content, Opcode::metadata, file_->place(offset))));
+  for (const Extent& record : contents_.metadata) {
+    const Bytes content = file_->content(record, Opcode::metadata);
+    metadata.push_back(decode_metadata(Fields(content, Opcode::metadata, file_->place(record.offset))));
   }
   return metadata;
 }

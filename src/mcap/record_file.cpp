@@ -117,6 +117,17 @@ Prefix RecordFile::prefix(std::uint64_t offset, std::uint64_t end) const {
   return decode_prefix(bytes.data(), end - offset, place(offset));
 }
 
+Bytes RecordFile::content(const Extent& record, Opcode opcode) const {
+  if (record.offset > size()) place(record.offset).fail("is behind the end of the file");
+  const std::uint64_t found = prefix(record.offset, size()).record_length();
+  if (found != record.length) {
+    place(record.offset)
+        .fail("the length is " + std::to_string(found) + " with the prefix, but its index says " +
+              std::to_string(record.length));
+  }
+  return content(record.offset, opcode);
+}
+
 Bytes RecordFile::content(std::uint64_t offset, Opcode opcode) const {
   if (offset > size()) place(offset).fail("is behind the end of the file");
   const Prefix found = prefix(offset, size());
@@ -139,7 +150,7 @@ LoadedBlock RecordFile::load_chunk(const Block& block) const {
   const bool is_cut = block.kind == Block::Kind::cut;
   const Place at = place(block.offset);
   const Bytes record = is_cut ? bytes(block.offset + record_prefix_bytes, block.length - record_prefix_bytes)
-                              : content(block.offset, Opcode::chunk);
+                              : content(Extent{block.offset, block.length}, Opcode::chunk);
   Fields fields(record, Opcode::chunk, at);
   const ChunkFields chunk = decode_chunk(fields);
   const auto compression = compression_named(chunk.compression);

@@ -47,6 +47,8 @@ public:
   [[nodiscard]] Prefix prefix(std::uint64_t offset, std::uint64_t end) const;
   /// The content of the record at `offset`, which must be of that kind.
   [[nodiscard]] Bytes content(std::uint64_t offset, Opcode opcode) const;
+  /// The same of a record whose length is known from elsewhere: another length is refused.
+  [[nodiscard]] Bytes content(const Extent& record, Opcode opcode) const;
 
   /// Reads, decompresses and checks a block. Throws FormatError. A cut block has the messages before the cut.
   [[nodiscard]] LoadedBlock load(const Block& block) const;

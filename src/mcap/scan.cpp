@@ -85,7 +85,7 @@ private:
       case Opcode::metadata:
         std::ignore =
             decode_metadata(Fields(file_.content(at_, Opcode::metadata), Opcode::metadata, file_.place(at_)));
-        contents_.metadata_offsets.push_back(at_);
+        contents_.metadata.push_back({at_, prefix.record_length()});
         break;
       case Opcode::attachment:
         ++contents_.statistics.attachment_count;
@@ -157,7 +157,7 @@ private:
     Statistics& statistics = contents_.statistics;
     statistics.schema_count = static_cast<std::uint16_t>(contents_.schemas.size());
     statistics.channel_count = static_cast<std::uint32_t>(contents_.channels.size());
-    statistics.metadata_count = static_cast<std::uint32_t>(contents_.metadata_offsets.size());
+    statistics.metadata_count = static_cast<std::uint32_t>(contents_.metadata.size());
   }
 
   const RecordFile& file_;
