@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sonopose::mcap {
@@ -40,6 +41,12 @@ struct Contents {
   std::vector<Extent> metadata;      ///< the same
   std::vector<std::string> damages;  ///< what is wrong with the file, in words
   bool is_indexed = false;           ///< the summary was used; otherwise all of the file was read
+
+  /// The first ones of a file are enough.
+  void add_damage(std::string text) {
+    constexpr std::size_t most_damages = 100;
+    if (damages.size() < most_damages) damages.push_back(std::move(text));
+  }
 };
 
 }  // namespace sonopose::mcap

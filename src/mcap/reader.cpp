@@ -19,7 +19,7 @@ Contents read_contents(const RecordFile& file) {
   }
   Contents contents = scan(file);
   // A file that was cut has been told so by the scan.
-  if (!damage.empty() && contents.damages.empty()) contents.damages.push_back(damage);
+  if (!damage.empty() && contents.damages.empty()) contents.add_damage(damage);
   return contents;
 }
 
@@ -46,7 +46,8 @@ std::vector<Metadata> Reader::metadata() const {
   std::vector<Metadata> metadata;
   for (const Extent& record : contents_.metadata) {
     const Bytes content = file_->content(record, Opcode::metadata);
-    metadata.push_back(decode_metadata(Fields(content, Opcode::metadata, file_->place(record.offset))));
+    Fields fields(content, Opcode::metadata, file_->place(record.offset));
+    metadata.push_back(decode_metadata(fields));
   }
   return metadata;
 }

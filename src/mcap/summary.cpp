@@ -72,13 +72,14 @@ private:
     }
   }
 
-  void visit(Opcode opcode, const Fields& fields) {
+  void visit(Opcode opcode, Fields fields) {
     if (opcode == Opcode::schema) {
       Schema schema = decode_schema(fields);
-      contents_.schemas.emplace(schema.id, std::move(schema));
+      if (schema.id != no_schema) contents_.schemas.emplace(schema.id, std::move(schema));
     } else if (opcode == Opcode::channel) {
       Channel channel = decode_channel(fields);
       contents_.channels.emplace(channel.id, std::move(channel));
+      if (auto damage = fields.repeated_key()) contents_.add_damage(std::move(*damage));
     } else if (opcode == Opcode::statistics) {
       contents_.statistics = decode_statistics(fields);
       has_statistics_ = true;
