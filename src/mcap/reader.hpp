@@ -41,6 +41,8 @@ public:
 
   /// All metadata records, in the order of the file. Throws FormatError.
   [[nodiscard]] std::vector<Metadata> metadata() const;
+  /// The same without those that are damaged, which are named in `damages`.
+  [[nodiscard]] std::vector<Metadata> metadata(std::vector<std::string>& damages) const;
 
   [[nodiscard]] const RecordFile& file() const { return *file_; }
 
