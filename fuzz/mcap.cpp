@@ -1,11 +1,15 @@
-// An MCAP file of any content: its contents, its metadata, and its messages in both orders.
+// An MCAP file of any content: its contents, its metadata, its messages in both orders, and as JSON.
 
+#include "bus_log/messages.hpp"
 #include "mcap/reader.hpp"
 #include "support.hpp"
 
 #include <algorithm>
 #include <memory>
 #include <span>
+#include <string>
+#include <tuple>
+#include <vector>
 
 using namespace sonopose;
 using namespace sonopose::fuzz;
@@ -43,6 +47,10 @@ std::uint64_t count_messages(const mcap::Reader& reader, mcap::Selection::Order 
     promise(!is_by_time || message->log_time_ns >= last_ns, "messages are in the order of time");
     last_ns = message->log_time_ns;
     for (const std::byte byte : message->data) seen = byte;  // all data can be read
+    const mcap::Channel& channel = reader.channels().at(message->channel_id);
+    promise(bus_log::json_of(channel, *message).find('\n') == std::string::npos,
+            "a message as JSON is one line");
+    std::ignore = bus_log::beacon_of(channel, *message);
     ++count;
   }
   return count;
@@ -56,6 +64,9 @@ void check(const mcap::Reader& reader) {
   const bool was_scanned = !reader.contents().is_indexed;
   promise(!was_scanned || by_time == reader.statistics().message_count, "a scan counts the messages");
   accepts<mcap::FormatError>([&] { std::ignore = reader.metadata(); });
+  std::vector<std::string> damages;
+  promise(reader.metadata(damages).size() <= reader.contents().metadata.size(),
+          "a record of metadata comes once");
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ struct Input {
 
 class Copy {
 public:
-  explicit Copy(const CopyRequest& request) {
+  explicit Copy(const CopyRequest& request) : damaged_{request.damaged} {
     for (const auto& file : request.inputs) {
       Input& input = inputs_.emplace_back(file, request);
       const std::string& profile = input.reader.contents().profile;
@@ -39,7 +39,7 @@ public:
 
   CopyResult run(mcap::Writer& writer) {
     for (Input& input : inputs_) {
-      for (const mcap::Metadata& metadata : input.reader.metadata()) {
+      for (const mcap::Metadata& metadata : metadata_of(input.reader)) {
         writer.write_metadata(metadata);
         ++result_.metadata;
       }
@@ -66,6 +66,11 @@ public:
   [[nodiscard]] const std::string& library() const { return inputs_.front().reader.contents().library; }
 
 private:
+  std::vector<mcap::Metadata> metadata_of(const mcap::Reader& reader) {
+    const bool is_skipping = damaged_ == mcap::Selection::Damaged::skip;
+    return is_skipping ? reader.metadata(result_.damages) : reader.metadata();
+  }
+
   Input* earliest() {
     Input* found = nullptr;
     for (Input& input : inputs_) {
@@ -89,6 +94,7 @@ private:
     return id;
   }
 
+  mcap::Selection::Damaged damaged_;
   std::deque<Input> inputs_;
   CopyResult result_;
 };

@@ -23,7 +23,7 @@ struct CopyRequest {
 struct CopyResult {
   std::uint64_t messages = 0;
   std::uint64_t metadata = 0;
-  std::vector<std::string> damages;  ///< what was left out, in words
+  std::vector<std::string> damages;  ///< what was left out or is wrong, in words
 };
 
 /// Merges by log time; at equal times in the order of the inputs. The metadata of all inputs come first.

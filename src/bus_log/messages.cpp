@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <string_view>
 #include <tuple>
@@ -64,13 +65,26 @@ std::string hexadecimal(std::span<const std::byte> bytes) {
   return text;
 }
 
+/// Empty if the text is not JSON, or is so deep that to write it, which recurses, could need too much stack.
+std::optional<nlohmann::ordered_json> parse_json(std::string_view text) {
+  using Json = nlohmann::ordered_json;
+  constexpr int most_depth = 256;
+  bool is_too_deep = false;
+  const auto keep = [&is_too_deep](int depth, Json::parse_event_t, const Json&) {
+    is_too_deep = is_too_deep || depth > most_depth;
+    return !is_too_deep;
+  };
+  Json parsed = Json::parse(text, keep, false);
+  if (is_too_deep || parsed.is_discarded()) return std::nullopt;
+  return parsed;
+}
+
 /// `"message": …`, or `"data": "…"`.
 std::string content_of(const mcap::Channel& channel, const mcap::Message& message) {
   std::string json;
   if (channel.message_encoding == "json") {
-    const auto parsed = nlohmann::ordered_json::parse(text_of(message), nullptr, false);
-    if (!parsed.is_discarded()) {
-      json = parsed.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    if (const auto parsed = parse_json(text_of(message))) {
+      json = parsed->dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
     }
   } else if (const TopicReader* topic = find_topic(channel)) {
     json = topic->json(message.data);
@@ -81,12 +95,14 @@ std::string content_of(const mcap::Channel& channel, const mcap::Message& messag
 
 /// Of the end of an instance, whose key has the address of a beacon.
 std::optional<BeaconAddress> beacon_of_end(const mcap::Message& message) {
-  const auto parsed = nlohmann::json::parse(text_of(message), nullptr, false);
-  if (!parsed.is_object() || !parsed.contains("key")) return std::nullopt;
-  const auto& key = parsed["key"];
+  const auto parsed = parse_json(text_of(message));
+  if (!parsed || !parsed->is_object() || !parsed->contains("key")) return std::nullopt;
+  const auto& key = parsed->at("key");
   if (!key.is_object() || !key.contains("address") || !key["address"].is_number_unsigned())
     return std::nullopt;
-  return key["address"].get<BeaconAddress>();
+  const auto address = key["address"].get<std::uint64_t>();
+  if (address > std::numeric_limits<BeaconAddress>::max()) return std::nullopt;
+  return static_cast<BeaconAddress>(address);
 }
 
 std::string full_name(const std::string& topic) {

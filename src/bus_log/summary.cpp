@@ -66,15 +66,16 @@ std::string summary_text(const mcap::Reader& reader) {
     text += fmt::format("{:<28} {:>10} {:>9.1f} Hz  {} {}\n", channel->topic, count,
                         rate_of(count, duration_s), channel->message_encoding, schema_of(reader, *channel));
   }
-  for (const mcap::Metadata& metadata : reader.metadata()) {
+  std::vector<std::string> damages = reader.damages();
+  for (const mcap::Metadata& metadata : reader.metadata(damages)) {
     text += fmt::format("\n{}\n", metadata.name);
     for (const auto& [key, value] : metadata.values) {
       const bool is_long = value.find('\n') != std::string::npos;
       text += fmt::format("  {} {}\n", key, is_long ? fmt::format("({} characters)", value.size()) : value);
     }
   }
-  for (const std::string& damage : reader.damages()) text += fmt::format("\ndamaged: {}", damage);
-  return reader.damages().empty() ? text : text + "\n";
+  for (const std::string& damage : damages) text += fmt::format("\ndamaged: {}", damage);
+  return damages.empty() ? text : text + "\n";
 }
 
 std::string summary_json(const mcap::Reader& reader) {
@@ -90,17 +91,18 @@ std::string summary_json(const mcap::Reader& reader) {
             {"chunks", statistics.chunk_count},
             {"indexed", reader.contents().is_indexed},
             {"topics", Json::array()},
-            {"metadata", Json::array()},
-            {"damages", reader.damages()}};
+            {"metadata", Json::array()}};
   for (const mcap::Channel* channel : channels_of(reader)) {
     json["topics"].push_back({{"topic", channel->topic},
                               {"messages", count_of(reader, channel->id)},
                               {"encoding", channel->message_encoding},
                               {"schema", schema_of(reader, *channel)}});
   }
-  for (const mcap::Metadata& metadata : reader.metadata()) {
+  std::vector<std::string> damages = reader.damages();
+  for (const mcap::Metadata& metadata : reader.metadata(damages)) {
     json["metadata"].push_back({{"name", metadata.name}, {"values", metadata.values}});
   }
+  json["damages"] = damages;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

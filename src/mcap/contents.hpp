@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sonopose::mcap {
@@ -24,16 +25,28 @@ struct Block {
   std::vector<std::uint16_t> channels;  ///< those of its messages; empty: not known
 };
 
+/// The place of a record.
+struct Extent {
+  std::uint64_t offset = 0;
+  std::uint64_t length = 0;  ///< with its opcode and its length
+};
+
 struct Contents {
   std::string profile;
   std::string library;
   std::map<std::uint16_t, Schema> schemas;
   std::map<std::uint16_t, Channel> channels;
   Statistics statistics;
-  std::vector<Block> blocks;                    ///< in the order of the file
-  std::vector<std::uint64_t> metadata_offsets;  ///< in the order of the file
-  std::vector<std::string> damages;             ///< what is wrong with the file, in words
-  bool is_indexed = false;                      ///< the summary was used; otherwise all of the file was read
+  std::vector<Block> blocks;         ///< in the order of the file; none overlaps another
+  std::vector<Extent> metadata;      ///< the same
+  std::vector<std::string> damages;  ///< what is wrong with the file, in words
+  bool is_indexed = false;           ///< the summary was used; otherwise all of the file was read
+
+  /// The first ones of a file are enough.
+  void add_damage(std::string text) {
+    constexpr std::size_t most_damages = 100;
+    if (damages.size() < most_damages) damages.push_back(std::move(text));
+  }
 };
 
 }  // namespace sonopose::mcap

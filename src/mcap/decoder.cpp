@@ -61,9 +61,18 @@ TextMap Fields::map(std::string_view field) {
   while (!entries.is_at_end()) {
     std::string key = entries.text(field);
     std::string value = entries.text(field);
-    if (!map.emplace(std::move(key), std::move(value)).second) fail(field, "has the same key twice");
+    if (!map.emplace(std::move(key), std::move(value)).second) has_repeated_key_ = true;
+    if (map.size() > most_map_entries) {
+      fail(field, "has more than " + std::to_string(most_map_entries) + " entries");
+    }
   }
   return map;
+}
+
+std::optional<std::string> Fields::repeated_key() const {
+  if (!has_repeated_key_) return std::nullopt;
+  return place_.text() + ": " + std::string(name_of(opcode_)) +
+         " metadata has a key twice; its first value is used";
 }
 
 TimeSpan Fields::times() {
@@ -101,7 +110,7 @@ Schema decode_schema(Fields fields) {
   return schema;
 }
 
-Channel decode_channel(Fields fields) {
+Channel decode_channel(Fields& fields) {
   Channel channel;
   channel.id = fields.number<std::uint16_t>("id");
   channel.schema_id = fields.number<std::uint16_t>("schema_id");
@@ -162,7 +171,7 @@ Statistics decode_statistics(Fields fields) {
   return statistics;
 }
 
-Metadata decode_metadata(Fields fields) {
+Metadata decode_metadata(Fields& fields) {
   Metadata metadata;
   metadata.name = fields.text("name");
   metadata.values = fields.map("metadata");

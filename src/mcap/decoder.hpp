@@ -6,6 +6,7 @@
 #include "mcap/format_error.hpp"
 #include "mcap/records.hpp"
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -22,6 +23,9 @@ T load(const std::byte* from) {
   }
   return value;
 }
+
+/// An entry takes a hundred bytes, and can have eight in the file.
+inline constexpr std::size_t most_map_entries = 1U << 20U;
 
 /// What stands before each record.
 struct Prefix {
@@ -47,6 +51,7 @@ public:
     return load<T>(take(sizeof(T), field).data());
   }
   std::string text(std::string_view field);
+  /// Of a key that comes twice, the first value.
   TextMap map(std::string_view field);
   /// The content of a map or an array with a length of 32 bits.
   Fields sized(std::string_view field);
@@ -55,12 +60,15 @@ public:
 
   [[nodiscard]] std::span<const std::byte> rest() const { return rest_; }
   [[nodiscard]] bool is_at_end() const { return rest_.empty(); }
+  /// Names a map that has a key twice, which the format discourages but allows.
+  [[nodiscard]] std::optional<std::string> repeated_key() const;
   [[noreturn]] void fail(std::string_view field, const std::string& what) const;
 
 private:
   std::span<const std::byte> rest_;
   Opcode opcode_;
   Place place_;
+  bool has_repeated_key_ = false;
 };
 
 /// A chunk without its records.
@@ -99,12 +107,12 @@ struct Header {
 Header decode_header(Fields fields);
 Footer decode_footer(Fields fields);
 Schema decode_schema(Fields fields);
-Channel decode_channel(Fields fields);
+Channel decode_channel(Fields& fields);  ///< and says whether it has a repeated key
 Message decode_message(Fields fields);
 ChunkFields decode_chunk(Fields& fields);  ///< leaves what follows the size of the records
 ChunkIndex decode_chunk_index(Fields fields);
 Statistics decode_statistics(Fields fields);
-Metadata decode_metadata(Fields fields);
+Metadata decode_metadata(Fields& fields);  ///< the same
 MetadataIndex decode_metadata_index(Fields fields);
 
 }  // namespace sonopose::mcap

@@ -74,7 +74,7 @@ private:
     if (block.next < block.loaded.messages.size()) {
       std::ranges::push_heap(open_, is_later);
     } else {
-      open_bytes_ -= block.loaded.records.size();
+      open_bytes_ -= block.loaded.size_bytes();
       open_.pop_back();
     }
   }
@@ -91,12 +91,12 @@ private:
       return;
     }
     if (opened->loaded.messages.empty()) return;
-    open_bytes_ += opened->loaded.records.size();
-    if (open_bytes_ > most_bytes) {
+    open_bytes_ += opened->loaded.size_bytes();
+    if (open_bytes_ > selection_.most_bytes) {
       reader_.file()
           .place(block.offset)
           .fail("the chunks that overlap in time have " + std::to_string(open_bytes_) +
-                " bytes, the limit is " + std::to_string(most_bytes));
+                " bytes, the limit is " + std::to_string(selection_.most_bytes));
     }
     open_.push_back(std::move(opened));
     std::ranges::push_heap(open_, is_later);

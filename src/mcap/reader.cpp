@@ -19,8 +19,16 @@ Contents read_contents(const RecordFile& file) {
   }
   Contents contents = scan(file);
   // A file that was cut has been told so by the scan.
-  if (!damage.empty() && contents.damages.empty()) contents.damages.push_back(damage);
+  if (!damage.empty() && contents.damages.empty()) contents.add_damage(damage);
   return contents;
+}
+
+/// And what is wrong with a record that can be used.
+std::pair<Metadata, std::optional<std::string>> read_metadata(const RecordFile& file, const Extent& record) {
+  const Bytes content = file.content(record, Opcode::metadata);
+  Fields fields(content, Opcode::metadata, file.place(record.offset));
+  Metadata metadata = decode_metadata(fields);
+  return {std::move(metadata), fields.repeated_key()};
 }
 
 }  // namespace
@@ -44,9 +52,20 @@ std::uint64_t Reader::size_bytes() const {
 
 std::vector<Metadata> Reader::metadata() const {
   std::vector<Metadata> metadata;
-  for (const std::uint64_t offset : contents_.metadata_offsets) {
-    const Bytes content = file_->content(offset, Opcode::metadata);
-    metadata.push_back(decode_metadata(Fields(content, Opcode::metadata, file_->place(offset))));
+  for (const Extent& record : contents_.metadata) metadata.push_back(read_metadata(*file_, record).first);
+  return metadata;
+}
+
+std::vector<Metadata> Reader::metadata(std::vector<std::string>& damages) const {
+  std::vector<Metadata> metadata;
+  for (const Extent& record : contents_.metadata) {
+    try {
+      auto [one, damage] = read_metadata(*file_, record);
+      metadata.push_back(std::move(one));
+      if (damage) damages.push_back(std::move(*damage));
+    } catch (const FormatError& error) {
+      damages.emplace_back(error.what());
+    }
   }
   return metadata;
 }

@@ -41,6 +41,8 @@ public:
 
   /// All metadata records, in the order of the file. Throws FormatError.
   [[nodiscard]] std::vector<Metadata> metadata() const;
+  /// The same without those that are damaged, which are named in `damages`.
+  [[nodiscard]] std::vector<Metadata> metadata(std::vector<std::string>& damages) const;
 
   [[nodiscard]] const RecordFile& file() const { return *file_; }
 
@@ -61,16 +63,14 @@ struct Selection {
   std::uint64_t start_ns = 0;                                        ///< log times from here
   std::uint64_t end_ns = std::numeric_limits<std::uint64_t>::max();  ///< to here, inclusive
   Order order = Order::log_time;
-  Damaged damaged = Damaged::refuse;  ///< what to do with a chunk that turns out to be damaged
+  Damaged damaged = Damaged::refuse;     ///< what to do with a chunk that turns out to be damaged
+  std::uint64_t most_bytes = 1U << 30U;  ///< of chunks in memory, with the places of their messages
 };
 
 /// The messages of a selection, one after the other. Its memory holds the chunks that overlap in time, up to
 /// a limit.
 class Messages {
 public:
-  /// The most bytes of records in memory.
-  static constexpr std::uint64_t most_bytes = 1U << 30U;
-
   /// The reader must outlive the messages.
   explicit Messages(const Reader& reader, Selection selection = {});
   ~Messages();

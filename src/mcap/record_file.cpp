@@ -11,7 +11,8 @@ namespace {
 /// The records of a chunk, or a run of records of the file.
 class BlockWalk {
 public:
-  BlockWalk(LoadedBlock& block, Place start, bool is_cut) : block_{block}, start_{start}, is_cut_{is_cut} {}
+  BlockWalk(LoadedBlock& block, Place start, bool is_cut, Definitions* definitions)
+      : block_{block}, start_{start}, is_cut_{is_cut}, definitions_{definitions} {}
 
   void walk() {
     const std::span<const std::byte> bytes = block_.records;
@@ -39,7 +40,7 @@ private:
 
   void visit(const Prefix& prefix, std::size_t content_at, const Place& place) {
     const auto length = static_cast<std::size_t>(prefix.length);
-    const Fields fields(std::span(block_.records).subspan(content_at, length), prefix.opcode, place);
+    Fields fields(std::span(block_.records).subspan(content_at, length), prefix.opcode, place);
     switch (prefix.opcode) {
       case Opcode::message: {
         const Message message = decode_message(fields);
@@ -48,10 +49,10 @@ private:
         break;
       }
       case Opcode::schema:
-        block_.schemas.push_back(decode_schema(fields));
+        if (definitions_ != nullptr) definitions_->on(decode_schema(fields), place);
         break;
       case Opcode::channel:
-        block_.channels.push_back(decode_channel(fields));
+        if (definitions_ != nullptr) add_channel(fields, place);
         break;
       default:
         if (start_.chunk_offset && prefix.opcode <= Opcode::data_end) {
@@ -60,9 +61,15 @@ private:
     }
   }
 
+  void add_channel(Fields fields, const Place& place) {
+    definitions_->on(decode_channel(fields), place);
+    if (const auto damage = fields.repeated_key()) definitions_->on_damage(*damage);
+  }
+
   LoadedBlock& block_;
   Place start_;
   bool is_cut_;
+  Definitions* definitions_;  ///< null: they are not wanted
 };
 
 void check_decompressed(Decompressed result, const ChunkFields& chunk, std::span<const std::byte> records,
@@ -117,6 +124,17 @@ Prefix RecordFile::prefix(std::uint64_t offset, std::uint64_t end) const {
   return decode_prefix(bytes.data(), end - offset, place(offset));
 }
 
+Bytes RecordFile::content(const Extent& record, Opcode opcode) const {
+  if (record.offset > size()) place(record.offset).fail("is behind the end of the file");
+  const std::uint64_t found = prefix(record.offset, size()).record_length();
+  if (found != record.length) {
+    place(record.offset)
+        .fail("the length is " + std::to_string(found) + " with the prefix, but its index says " +
+              std::to_string(record.length));
+  }
+  return content(record.offset, opcode);
+}
+
 Bytes RecordFile::content(std::uint64_t offset, Opcode opcode) const {
   if (offset > size()) place(offset).fail("is behind the end of the file");
   const Prefix found = prefix(offset, size());
@@ -127,19 +145,19 @@ Bytes RecordFile::content(std::uint64_t offset, Opcode opcode) const {
   return bytes(offset + record_prefix_bytes, found.length);
 }
 
-LoadedBlock RecordFile::load(const Block& block) const {
-  if (block.kind != Block::Kind::plain) return load_chunk(block);
+LoadedBlock RecordFile::load(const Block& block, Definitions* definitions) const {
+  if (block.kind != Block::Kind::plain) return load_chunk(block, definitions);
   LoadedBlock loaded;
   loaded.records = bytes(block.offset, block.length);
-  BlockWalk(loaded, place(block.offset), false).walk();
+  BlockWalk(loaded, place(block.offset), false, definitions).walk();
   return loaded;
 }
 
-LoadedBlock RecordFile::load_chunk(const Block& block) const {
+LoadedBlock RecordFile::load_chunk(const Block& block, Definitions* definitions) const {
   const bool is_cut = block.kind == Block::Kind::cut;
   const Place at = place(block.offset);
   const Bytes record = is_cut ? bytes(block.offset + record_prefix_bytes, block.length - record_prefix_bytes)
-                              : content(block.offset, Opcode::chunk);
+                              : content(Extent{block.offset, block.length}, Opcode::chunk);
   Fields fields(record, Opcode::chunk, at);
   const ChunkFields chunk = decode_chunk(fields);
   const auto compression = compression_named(chunk.compression);
@@ -153,7 +171,7 @@ LoadedBlock RecordFile::load_chunk(const Block& block) const {
   const Decompressed result =
       decompress(*compression, compressed, static_cast<std::size_t>(chunk.uncompressed_size), loaded.records);
   if (!is_cut) check_decompressed(result, chunk, loaded.records, fields);
-  BlockWalk(loaded, {name(), 0, block.offset}, is_cut).walk();
+  BlockWalk(loaded, {name(), 0, block.offset}, is_cut, definitions).walk();
   check_times(loaded, chunk.log_times, fields);
   return loaded;
 }

@@ -13,7 +13,8 @@ namespace sonopose::mcap {
 
 // Limits of what is held in memory. A file that exceeds them is refused, with the place and the limit.
 inline constexpr std::uint64_t most_record_bytes = 256U << 20U;
-inline constexpr std::uint64_t most_chunk_bytes = 256U << 20U;  ///< of its decompressed records
+inline constexpr std::uint64_t most_chunk_bytes = 256U << 20U;       ///< of its decompressed records
+inline constexpr std::uint64_t most_definition_bytes = 256U << 20U;  ///< of all schemas and channels
 
 /// The records of a block, and where its messages are in them.
 struct LoadedBlock {
@@ -25,10 +26,28 @@ struct LoadedBlock {
   };
   Bytes records;
   std::vector<Item> messages;  ///< in the order of the file
-  std::vector<Schema> schemas;
-  std::vector<Channel> channels;
 
   [[nodiscard]] Message message(const Item& item) const;
+  /// What it takes in memory.
+  [[nodiscard]] std::uint64_t size_bytes() const {
+    return records.capacity() + messages.capacity() * sizeof(Item);
+  }
+};
+
+/// Takes what a block has besides messages, one after the other: a block can have millions of definitions.
+class Definitions {
+public:
+  Definitions() = default;
+  virtual ~Definitions() = default;
+  Definitions(const Definitions&) = delete;
+  Definitions& operator=(const Definitions&) = delete;
+  Definitions(Definitions&&) = delete;
+  Definitions& operator=(Definitions&&) = delete;
+
+  virtual void on(Schema schema, const Place& place) = 0;
+  virtual void on(Channel channel, const Place& place) = 0;
+  /// What is wrong with a definition that can be used, in words.
+  virtual void on_damage(std::string text) = 0;
 };
 
 /// Reads any record of a file. Every length is checked before memory is allocated for it.
@@ -47,12 +66,15 @@ public:
   [[nodiscard]] Prefix prefix(std::uint64_t offset, std::uint64_t end) const;
   /// The content of the record at `offset`, which must be of that kind.
   [[nodiscard]] Bytes content(std::uint64_t offset, Opcode opcode) const;
+  /// The same of a record whose length is known from elsewhere: another length is refused.
+  [[nodiscard]] Bytes content(const Extent& record, Opcode opcode) const;
 
   /// Reads, decompresses and checks a block. Throws FormatError. A cut block has the messages before the cut.
-  [[nodiscard]] LoadedBlock load(const Block& block) const;
+  /// `definitions`, if there are any, get those of the block, also if a record behind them is damaged.
+  [[nodiscard]] LoadedBlock load(const Block& block, Definitions* definitions = nullptr) const;
 
 private:
-  [[nodiscard]] LoadedBlock load_chunk(const Block& block) const;
+  [[nodiscard]] LoadedBlock load_chunk(const Block& block, Definitions* definitions) const;
 
   std::unique_ptr<ByteSource> source_;
 };

@@ -44,8 +44,11 @@ inline constexpr std::size_t footer_bytes = record_prefix_bytes + 8 + 8 + 4;
 
 using TextMap = std::map<std::string, std::string>;
 
+/// The schema of a channel that has none. Readers ignore a Schema of this id.
+inline constexpr std::uint16_t no_schema = 0;
+
 struct Schema {
-  std::uint16_t id = 0;  ///< not 0
+  std::uint16_t id = no_schema;
   std::string name;
   std::string encoding;
   std::string data;
@@ -55,7 +58,7 @@ struct Schema {
 
 struct Channel {
   std::uint16_t id = 0;
-  std::uint16_t schema_id = 0;  ///< 0: no schema
+  std::uint16_t schema_id = no_schema;
   std::string topic;
   std::string message_encoding;
   TextMap metadata;

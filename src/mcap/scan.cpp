@@ -14,9 +14,20 @@ namespace {
 /// Records outside of chunks are read together up to this size.
 constexpr std::uint64_t plain_block_bytes = 4U << 20U;
 
-constexpr std::size_t most_damages = 100;
+std::uint64_t size_of(const Schema& schema) {
+  return sizeof schema + schema.name.size() + schema.encoding.size() + schema.data.size();
+}
 
-class Scan {
+std::uint64_t size_of(const Channel& channel) {
+  constexpr std::uint64_t tree_node_bytes = 32;
+  std::uint64_t size = sizeof channel + channel.topic.size() + channel.message_encoding.size();
+  for (const auto& entry : channel.metadata) {
+    size += tree_node_bytes + sizeof entry + entry.first.size() + entry.second.size();
+  }
+  return size;
+}
+
+class Scan final : private Definitions {
 public:
   explicit Scan(const RecordFile& file) : file_{file} {}
 
@@ -83,9 +94,7 @@ private:
         add_block({Block::Kind::chunk, at_, prefix.record_length(), {}, {}});
         break;
       case Opcode::metadata:
-        std::ignore =
-            decode_metadata(Fields(file_.content(at_, Opcode::metadata), Opcode::metadata, file_.place(at_)));
-        contents_.metadata_offsets.push_back(at_);
+        add_metadata(prefix);
         break;
       case Opcode::attachment:
         ++contents_.statistics.attachment_count;
@@ -93,6 +102,13 @@ private:
       default:
         break;
     }
+  }
+
+  void add_metadata(const Prefix& prefix) {
+    const Bytes content = file_.content(at_, Opcode::metadata);
+    Fields fields(content, Opcode::metadata, file_.place(at_));
+    std::ignore = decode_metadata(fields);
+    contents_.metadata.push_back({at_, prefix.record_length()});
   }
 
   void extend_plain(const Prefix& prefix) {
@@ -112,11 +128,7 @@ private:
   }
 
   void add_block(Block block) {
-    const LoadedBlock loaded = file_.load(block);
-    for (const Schema& schema : loaded.schemas) add_definition(contents_.schemas, schema, "schema", block);
-    for (const Channel& channel : loaded.channels) {
-      add_definition(contents_.channels, channel, "channel", block);
-    }
+    const LoadedBlock loaded = file_.load(block, this);
     if (loaded.messages.empty()) return;
     require_channels(loaded, block);
     std::set<std::uint16_t> channels;
@@ -132,13 +144,33 @@ private:
     contents_.blocks.push_back(std::move(block));
   }
 
+  void on(Schema schema, const Place& place) override {
+    if (schema.id != no_schema) add_definition(contents_.schemas, std::move(schema), "schema", place);
+  }
+  void on(Channel channel, const Place& place) override {
+    add_definition(contents_.channels, std::move(channel), "channel", place);
+  }
+  void on_damage(std::string text) override { add_damage(std::move(text)); }
+
   template <class Definition>
-  void add_definition(std::map<std::uint16_t, Definition>& known, const Definition& definition,
-                      std::string_view what, const Block& block) {
-    const auto [place, is_new] = known.emplace(definition.id, definition);
-    if (is_new || place->second == definition) return;
-    add_damage(file_.place(block.offset).text() + ": " + std::string(what) + " " +
-               std::to_string(definition.id) + " differs from the one of this id before; the first is used");
+  void add_definition(std::map<std::uint16_t, Definition>& known, Definition definition,
+                      std::string_view what, const Place& place) {
+    const auto found = known.find(definition.id);
+    if (found == known.end()) {
+      reserve_definition(size_of(definition), place);
+      known.emplace(definition.id, std::move(definition));
+    } else if (found->second != definition) {
+      add_damage(place.text() + ": " + std::string(what) + " " + std::to_string(definition.id) +
+                 " differs from the one of this id before; the first is used");
+    }
+  }
+
+  void reserve_definition(std::uint64_t size, const Place& place) {
+    if (size > most_definition_bytes - definition_bytes_) {
+      place.fail("the schemas and channels take more than " + std::to_string(most_definition_bytes) +
+                 " bytes");
+    }
+    definition_bytes_ += size;
   }
 
   void require_channels(const LoadedBlock& loaded, const Block& block) const {
@@ -149,20 +181,19 @@ private:
     }
   }
 
-  void add_damage(std::string text) {
-    if (contents_.damages.size() < most_damages) contents_.damages.push_back(std::move(text));
-  }
+  void add_damage(std::string text) { contents_.add_damage(std::move(text)); }
 
   void finish() {
     Statistics& statistics = contents_.statistics;
     statistics.schema_count = static_cast<std::uint16_t>(contents_.schemas.size());
     statistics.channel_count = static_cast<std::uint32_t>(contents_.channels.size());
-    statistics.metadata_count = static_cast<std::uint32_t>(contents_.metadata_offsets.size());
+    statistics.metadata_count = static_cast<std::uint32_t>(contents_.metadata.size());
   }
 
   const RecordFile& file_;
   std::uint64_t at_ = 0;
   Block plain_{Block::Kind::plain, 0, 0, {}, {}};
+  std::uint64_t definition_bytes_ = 0;
   Contents contents_;
 };
 

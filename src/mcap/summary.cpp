@@ -25,7 +25,8 @@ public:
     read_records(footer);
     if (!is_sufficient()) return std::nullopt;
     std::ranges::sort(contents_.blocks, {}, &Block::offset);
-    std::ranges::sort(contents_.metadata_offsets);
+    std::ranges::sort(contents_.metadata, {}, &Extent::offset);
+    require_separate();
     check_channels();
     return std::move(contents_);
   }
@@ -71,13 +72,14 @@ private:
     }
   }
 
-  void visit(Opcode opcode, const Fields& fields) {
+  void visit(Opcode opcode, Fields fields) {
     if (opcode == Opcode::schema) {
       Schema schema = decode_schema(fields);
-      contents_.schemas.emplace(schema.id, std::move(schema));
+      if (schema.id != no_schema) contents_.schemas.emplace(schema.id, std::move(schema));
     } else if (opcode == Opcode::channel) {
       Channel channel = decode_channel(fields);
       contents_.channels.emplace(channel.id, std::move(channel));
+      if (auto damage = fields.repeated_key()) contents_.add_damage(std::move(*damage));
     } else if (opcode == Opcode::statistics) {
       contents_.statistics = decode_statistics(fields);
       has_statistics_ = true;
@@ -86,7 +88,7 @@ private:
     } else if (opcode == Opcode::metadata_index) {
       const MetadataIndex index = decode_metadata_index(fields);
       require_in_data(index.offset, index.length, "offset", fields);
-      contents_.metadata_offsets.push_back(index.offset);
+      contents_.metadata.push_back({index.offset, index.length});
     }
   }
 
@@ -104,10 +106,25 @@ private:
     contents_.blocks.push_back(std::move(block));
   }
 
+  /// What is indexed twice would be read twice: a small file could take any time and memory.
+  void require_separate() const {
+    std::vector<Extent> extents = contents_.metadata;
+    for (const Block& block : contents_.blocks) extents.push_back({block.offset, block.length});
+    std::ranges::sort(extents, {}, &Extent::offset);
+    const auto overlap = std::ranges::adjacent_find(extents, [](const Extent& a, const Extent& b) {
+      return b.offset - a.offset < std::max<std::uint64_t>(a.length, record_prefix_bytes);
+    });
+    if (overlap == extents.end()) return;
+    const Extent& next = *std::next(overlap);
+    file_.place(summary_start_)
+        .fail("the summary has a record at byte " + std::to_string(overlap->offset) + " with length " +
+              std::to_string(overlap->length) + ", but another one at byte " + std::to_string(next.offset));
+  }
+
   /// A file without this is read from start to end.
   [[nodiscard]] bool is_sufficient() const {
     return has_statistics_ && contents_.statistics.chunk_count == contents_.blocks.size() &&
-           contents_.statistics.metadata_count == contents_.metadata_offsets.size() &&
+           contents_.statistics.metadata_count == contents_.metadata.size() &&
            (contents_.statistics.message_count == 0 || !contents_.blocks.empty());
   }
 

@@ -16,6 +16,8 @@ constexpr std::uint64_t reserve_bytes = 64U << 10U;
 constexpr std::size_t data_end_bytes = record_prefix_bytes + 4;
 constexpr std::size_t summary_offset_bytes = record_prefix_bytes + 1 + 8 + 8;
 constexpr std::size_t groups = 5;
+/// In the statistics.
+constexpr std::size_t channel_count_bytes = 2 + 8;
 
 void put_schema(Bytes& to, const Schema& schema) {
   put_record(to, Opcode::schema, [&] {
@@ -92,6 +94,10 @@ void Writer::append(std::span<const std::byte> bytes) {
   data_crc_ = crc32(bytes, data_crc_);
 }
 
+void Writer::reserve(std::uint64_t record_bytes, std::uint64_t more_closing_bytes) {
+  sink_.reserve(record_bytes + closing_bytes() + more_closing_bytes + reserve_bytes);
+}
+
 std::uint16_t Writer::add_schema(std::string_view name, std::string_view encoding, std::string_view data) {
   require_open();
   const auto known = std::find_if(schemas_.begin(), schemas_.end(), [&](const Schema& schema) {
@@ -102,6 +108,7 @@ std::uint16_t Writer::add_schema(std::string_view name, std::string_view encodin
                       std::string(data)};
   Bytes record;
   put_schema(record, schema);
+  reserve(record.size(), record.size());
   append(record);
   schemas_.push_back(schema);
   put_bytes(schema_group_.records, record);
@@ -124,6 +131,7 @@ std::uint16_t Writer::add_channel(std::uint16_t schema_id, std::string_view topi
                         std::string(message_encoding), metadata};
   Bytes record;
   put_channel(record, channel);
+  reserve(record.size(), record.size() + channel_count_bytes);
   append(record);
   channels_.push_back(channel);
   put_bytes(channel_group_.records, record);
@@ -170,7 +178,7 @@ void Writer::append_chunk(const Chunk& chunk) {
   try {
     const std::uint64_t compressed_size = build_chunk(chunk);
     const Bytes index = build_index(chunk, compressed_size);
-    sink_.reserve(block_.size() + closing_bytes() + index.size() + reserve_bytes);
+    reserve(block_.size(), index.size());
     append(block_);
     put_bytes(chunk_index_group_.records, index);
   } catch (...) {
@@ -239,21 +247,30 @@ std::vector<std::byte> Writer::build_index(const Chunk& chunk, std::uint64_t com
 }
 
 void Writer::write_metadata(const Metadata& metadata) {
+  append_metadata(metadata, false);
+}
+
+void Writer::write_last_metadata(const Metadata& metadata) {
+  append_metadata(metadata, true);
+}
+
+void Writer::append_metadata(const Metadata& metadata, bool is_last) {
   require_open();
   Bytes record;
   put_record(record, Opcode::metadata, [&] {
     put_text(record, metadata.name);
     put_map(record, metadata.values);
   });
-  const std::uint64_t offset = bytes_written_;
-  append(record);
-  ++statistics_.metadata_count;
-  Bytes& index = metadata_index_group_.records;
+  Bytes index;
   put_record(index, Opcode::metadata_index, [&] {
-    put(index, offset);
+    put(index, bytes_written_);
     put(index, std::uint64_t{record.size()});
     put_text(index, metadata.name);
   });
+  if (!is_last) reserve(record.size(), index.size());
+  append(record);
+  ++statistics_.metadata_count;
+  put_bytes(metadata_index_group_.records, index);
 }
 
 std::vector<std::byte> Writer::statistics_record() const {
@@ -279,7 +296,8 @@ std::vector<std::byte> Writer::statistics_record() const {
 std::uint64_t Writer::closing_bytes() const {
   // A channel without messages has no count in the statistics yet.
   const std::size_t counts =
-      10 * (channels_.size() - statistics_.channel_message_counts.size()) + statistics_record().size();
+      channel_count_bytes * (channels_.size() - statistics_.channel_message_counts.size()) +
+      statistics_record().size();
   return data_end_bytes + schema_group_.records.size() + channel_group_.records.size() +
          chunk_index_group_.records.size() + metadata_index_group_.records.size() + counts +
          groups * summary_offset_bytes + footer_bytes + magic.size();

@@ -53,6 +53,9 @@ public:
   void end_chunk();
 
   void write_metadata(const Metadata& metadata);
+  /// As write_metadata, for how a recording ended: may use the space that all other writes leave free, so
+  /// that a full disk has room for it.
+  void write_last_metadata(const Metadata& metadata);
 
   /// Writes the current chunk, the index and the statistics. If they do not fit, the file ends without them
   /// and is complete still. Throws the first error after all that was possible is written. The second call
@@ -78,6 +81,9 @@ private:
   void require_open() const;
   void require_channels(const Chunk& chunk) const;
   void append(std::span<const std::byte> bytes);
+  /// Makes sure that a record of `record_bytes`, what close() writes after it, and a last note fit.
+  void reserve(std::uint64_t record_bytes, std::uint64_t more_closing_bytes);
+  void append_metadata(const Metadata& metadata, bool is_last);
   void append_chunk(const Chunk& chunk);
   /// The chunk record into `block_`; returns the size of its compressed records.
   std::uint64_t build_chunk(const Chunk& chunk);

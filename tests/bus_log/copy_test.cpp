@@ -115,6 +115,27 @@ SCENARIO("a damaged recording is repaired") {
       }
     }
   }
+  GIVEN("a recording whose record of metadata is damaged") {
+    std::string damaged = whole;
+    damaged[mcap::Reader(file).contents().metadata.at(0).offset] ^= 0x40;  // the opcode
+    write_text(folder / "damaged.mcap", damaged);
+    CopyRequest request{{folder / "damaged.mcap"}, folder / "good.mcap"};
+    THEN("it is not copied as if it were whole") {
+      CHECK_THROWS_AS(copy(request), mcap::FormatError);
+    }
+    THEN("all messages are saved, and the record is named") {
+      request.damaged = mcap::Selection::Damaged::skip;
+      const auto result = copy(request);
+      CHECK(result.messages == events.size() + 1);
+      CHECK(result.metadata == 0);
+      CHECK_THAT(result.damages.at(0), Contains("instead of Metadata"));
+    }
+    THEN("its summary tells what is damaged") {
+      const mcap::Reader reader(folder / "damaged.mcap");
+      CHECK_THAT(summary_text(reader), Contains("damaged: ") && Contains("instead of Metadata"));
+      CHECK_THAT(summary_json(reader), Contains("instead of Metadata"));
+    }
+  }
   GIVEN("a recording with a damaged byte in a chunk") {
     std::string damaged = whole;
     const mcap::Block chunk = mcap::Reader(file).contents().blocks.at(3);

@@ -131,6 +131,97 @@ TEST_CASE("a damaged chunk stops the messages, or is skipped if asked for") {
   CHECK(messages.skipped().size() == 1);
 }
 
+/// A file with one record of metadata and one chunk, and a summary in which each of their index records comes
+/// so many times; each later one begins and ends `shift` bytes after the one before.
+Bytes file_with_repeated_index(std::uint32_t chunks, std::uint32_t metadata, std::uint64_t shift) {
+  MemorySink sink;
+  Writer writer(sink, {.compression = Compression::none});
+  const auto channel = writer.add_channel(0, "t", "json");
+  const std::uint64_t metadata_at = sink.content.size();
+  writer.write_metadata({"m", {{"a", "b"}}});
+  const std::uint64_t chunk_at = sink.content.size();
+  writer.write({channel, 1, 5, 5, bytes_of("{}")});
+  writer.end_chunk();
+  Bytes bytes = sink.content;
+  const std::uint64_t chunk_length = bytes.size() - chunk_at - two_indexes / 2;
+  put_record(bytes, Opcode::data_end, [&] { put(bytes, std::uint32_t{0}); });
+  const std::uint64_t summary_at = bytes.size();
+  put_record(bytes, Opcode::channel, [&] {
+    put(bytes, channel);
+    put(bytes, std::uint16_t{0});
+    put_text(bytes, "t");
+    put_text(bytes, "json");
+    put_map(bytes, {});
+  });
+  put_record(bytes, Opcode::statistics, [&] {
+    put(bytes, std::uint64_t{chunks});
+    put(bytes, std::uint16_t{0});
+    for (const std::uint32_t count : {1U, 0U, metadata, chunks}) put(bytes, count);
+    put_times(bytes, {5, 5});
+    put_sized(bytes, [] {});
+  });
+  for (std::uint32_t i = 0; i < chunks; ++i) {
+    put_record(bytes, Opcode::chunk_index, [&] {
+      put_times(bytes, {5, 5});
+      put(bytes, chunk_at + i * shift);
+      put(bytes, chunk_length);
+      put_sized(bytes, [] {});
+    });
+  }
+  for (std::uint32_t i = 0; i < metadata; ++i) {
+    put_record(bytes, Opcode::metadata_index, [&] {
+      put(bytes, metadata_at + i * shift);
+      put(bytes, chunk_at - metadata_at);
+      put_text(bytes, "m");
+    });
+  }
+  put_record(bytes, Opcode::footer, [&] {
+    put(bytes, summary_at);
+    put(bytes, std::uint64_t{0});
+    put(bytes, std::uint32_t{0});
+  });
+  put_bytes(bytes, std::as_bytes(std::span(magic)));
+  return bytes;
+}
+
+SCENARIO("an index names a part of the file twice") {
+  GIVEN("an index with each part once") {
+    const auto reader = reader_of(file_with_repeated_index(1, 1, 0));
+    THEN("it is used") {
+      CHECK(reader.damages().empty());
+      CHECK(reader.contents().is_indexed);
+      CHECK(messages_of(reader).size() == 1);
+      CHECK(reader.metadata().size() == 1);
+    }
+  }
+  GIVEN("a chunk or a record of metadata that comes again, as it is or overlapping") {
+    const bool is_chunk = GENERATE(true, false);
+    const std::uint64_t shift = GENERATE(0U, 1U, 9U);
+    CAPTURE(is_chunk, shift);
+    const auto reader = reader_of(file_with_repeated_index(is_chunk ? 3 : 1, is_chunk ? 1 : 3, shift));
+    THEN("the index is not used, and everything is read once") {
+      CHECK_FALSE(reader.contents().is_indexed);
+      CHECK_THAT(reader.damages().at(0),
+                 Contains("the summary has a record at byte") && Contains("but another one at byte"));
+      CHECK(messages_of(reader).size() == 1);
+      CHECK(reader.metadata().size() == 1);
+    }
+  }
+}
+
+TEST_CASE("a record that is longer than its index says is refused") {
+  SmallFile file = small_file(Compression::none);
+  const auto reader = reader_of(file.bytes);
+  const Extent metadata = reader.contents().metadata.at(1);
+  const Block chunk = reader.contents().blocks.at(1);
+  Bytes bytes = file.bytes;
+  bytes[metadata.offset + 1] ^= std::byte{1};
+  CHECK_THROWS_WITH(reader_of(bytes).metadata(), Contains("but its index says "));
+  bytes = file.bytes;
+  bytes[chunk.offset + 1] ^= std::byte{1};
+  CHECK_THROWS_WITH(messages_of(reader_of(bytes)), Contains("but its index says "));
+}
+
 /// A file whose only chunk claims what is not so.
 Bytes file_with_chunk(std::uint64_t uncompressed_size, std::string_view compression, std::string_view records,
                       std::uint64_t claimed_records) {
@@ -157,7 +248,7 @@ TEST_CASE("a chunk that claims too much is refused without the memory that it cl
   CHECK_THAT(damage_of(file_with_chunk(1, "", "x", huge)),
              Contains("Chunk records needs 1152921504606846976 bytes, but only 1 are left in the record"));
   CHECK_THAT(damage_of(file_with_chunk(5, "", "x", 1)),
-             Contains("Chunk records are not a complete stream") || Contains("uncompressed_size is 5"));
+             Contains("Chunk uncompressed_size is 5, but there are 1 bytes"));
   CHECK_THAT(damage_of(file_with_chunk(5, "rot13", "x", 1)),
              Contains("Chunk compression is \"rot13\"; known: lz4, zstd, none"));
   CHECK_THAT(damage_of(file_with_chunk(5, "zstd", "not zstd", 8)),
@@ -194,7 +285,6 @@ TEST_CASE("a message of a channel that is not defined is named") {
     put(bytes, std::uint64_t{1});
   });
   const auto reader = reader_of(bytes);
-  CHECK_THAT(reader.damages().at(0), Contains("cut") || Contains("channel 7"));
   CHECK(std::ranges::any_of(reader.damages(), [](const std::string& damage) {
     return damage.find("a message has channel 7, which is not defined before") != std::string::npos;
   }));

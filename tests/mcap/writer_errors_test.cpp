@@ -19,7 +19,7 @@ using sonopose::test::messages_of;
 using sonopose::test::reader_of;
 using sonopose::test::TemporaryFolder;
 
-/// A disk with `room` bytes, of which those reserved stay free for small appends.
+/// A disk with `room` bytes. Others can take what is left of it, reserved or not.
 class FullSink final : public ByteSink {
 public:
   explicit FullSink(std::size_t room) : room_{room} {}
@@ -31,6 +31,8 @@ public:
   void reserve(std::uint64_t byte_count) override {
     if (content.size() + byte_count > room_) throw IoError("disk: no space left");
   }
+
+  void let_others_leave(std::size_t byte_count) { room_ = content.size() + byte_count; }
 
   Bytes content;
 
@@ -50,7 +52,7 @@ SCENARIO("the disk is full") {
     };
     CHECK_THROWS_WITH(record(), "disk: no space left");
     WHEN("the file is closed, with a note of why it ended") {
-      writer.write_metadata({"end", {{"reason", "disk full"}}});
+      writer.write_last_metadata({"end", {{"reason", "disk full"}}});
       writer.close();
       THEN("it is sound: an index, all chunks before, and the lost messages counted") {
         const auto reader = reader_of(sink.content);
@@ -64,10 +66,38 @@ SCENARIO("the disk is full") {
       }
     }
   }
+  GIVEN("a disk that is filled with anything but messages") {
+    FullSink sink(200'000);
+    Writer writer(sink);
+    const auto fill = GENERATE(0, 1, 2);
+    const auto write = [&](int number) {
+      const std::string text = std::to_string(number) + std::string(1000, 'x');
+      if (fill == 0) writer.write_metadata({"settings", {{"text", text}}});
+      if (fill == 1) writer.add_schema(text, "omgidl", "");
+      if (fill == 2) writer.add_channel(0, text, "json");
+    };
+    const auto write_all = [&] {
+      for (int i = 0; i < 1000; ++i) write(i);
+    };
+    CAPTURE(fill);
+    CHECK_THROWS_WITH(write_all(), "disk: no space left");
+    WHEN("the file is closed, with a note of why it ended") {
+      writer.write_last_metadata({"end", {{"reason", std::string(50'000, 'x')}}});
+      writer.close();
+      THEN("it is sound and has its index") {
+        const auto reader = reader_of(sink.content);
+        CHECK(reader.damages().empty());
+        CHECK(reader.contents().is_indexed);
+        CHECK(reader.metadata().back().name == "end");
+        CHECK(reader.statistics() == writer.statistics());
+      }
+    }
+  }
   GIVEN("a disk on which not even the index fits") {
-    FullSink sink(400);
+    FullSink sink(100'000);
     Writer writer(sink);
     for (int i = 0; i < 3; ++i) writer.add_channel(0, "topic " + std::to_string(i), "json");
+    sink.let_others_leave(60);
     THEN("the file ends without an index, and is complete") {
       CHECK_THROWS_WITH(writer.close(), "disk: no space left");
       const auto reader = reader_of(sink.content);
