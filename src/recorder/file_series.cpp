@@ -166,7 +166,7 @@ void FileSeries::end_file(const std::string& reason, const TapCounts& counts, co
   end["lost_bus"] = std::to_string(own.lost_bus);
   std::exception_ptr failure;
   try {
-    writer.write_metadata({"sonopose.recording_end", end});
+    writer.write_last_metadata({"sonopose.recording_end", end});
   } catch (const files::IoError&) {
     failure = std::current_exception();  // the rest may fit
   }
