@@ -136,7 +136,7 @@ void FileSeries::write_chunk(const mcap::Chunk& chunk) {
   for (const mcap::Metadata& settings : settings_.on(chunk)) current_->writer.write_metadata(settings);
 }
 
-/// A file that ends without a word tells what was lost until then.
+/// So a file that was cut tells its losses up to then.
 void FileSeries::write_losses(const TapCounts& counts) {
   const TapCounts last = std::exchange(counts_reported_, counts);
   if (last.lost_queue == counts.lost_queue && last.lost_bus == counts.lost_bus) return;
@@ -184,6 +184,11 @@ void FileSeries::end_file(const std::string& reason, const TapCounts& counts, co
   name.commit();
   files_.push_back(name.file());
   if (failure) std::rethrow_exception(failure);
+}
+
+void FileSeries::remember(const mcap::Chunk& chunk) {
+  const std::lock_guard lock(mutex_);
+  latched_.on(chunk);
 }
 
 void FileSeries::count_lost(std::uint64_t messages) {

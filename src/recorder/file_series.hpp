@@ -51,7 +51,9 @@ public:
   void open();
   /// Writes the messages. If one file would be larger or longer than allowed, another one begins before.
   void write(const mcap::Chunk& chunk, const TapCounts& counts);
-  /// Counts messages that nobody tries to write, after an error.
+  /// Remembers the latched samples of messages that are not written: the next file begins with them.
+  void remember(const mcap::Chunk& chunk);
+  /// Counts messages that are not written after an error.
   void count_lost(std::uint64_t messages);
   /// Ends the current file, closes it, and gives it its name. `reason` is written to it.
   void finish(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more = {});

@@ -46,8 +46,10 @@ public:
 
 private:
   void serve(const std::stop_token& end);
-  void write(mcap::Chunk& chunk);
+  void write(const mcap::Chunk& chunk, TriggerCause cause);
+  void keep(const mcap::Chunk& chunk);
   void write_last(TriggerCause cause);
+  void write_kept(const TapCounts& counts);
 
   Parts parts_;
   mutable std::mutex mutex_;
