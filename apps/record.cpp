@@ -47,8 +47,8 @@ void print(const recorder::RecorderReport& report) {
   fmt::print("recorded {} messages in {:.1f} s, {:.1f} MB: {}\n", report.recorded, report.duration_s,
              static_cast<double>(report.bytes) * 1e-6,
              files.empty() ? "no file" : fmt::format("{}", fmt::join(files, ", ")));
-  fmt::print("lost: {} by a full queue, {} by the disk, {} on the bus\n", report.counts.lost_queue,
-             report.lost_disk, report.counts.lost_bus);
+  fmt::print("lost: {} by a full queue, {} by the disk, {} by DDS\n", report.counts.lost_queue,
+             report.lost_disk, report.counts.lost_dds);
   for (const auto& [topic, writers] : report.foreign_topics) {
     fmt::print("not recorded: {} ({} {})\n", topic, writers, writers == 1 ? "writer" : "writers");
   }

@@ -31,7 +31,7 @@ LatchedSamples latched_samples(const std::vector<ChannelSpec>& channels) {
 }
 
 TapCounts difference(const TapCounts& now, const TapCounts& before) {
-  return {now.received - before.received, now.lost_queue - before.lost_queue, now.lost_bus - before.lost_bus};
+  return {now.received - before.received, now.lost_queue - before.lost_queue, now.lost_dds - before.lost_dds};
 }
 
 }  // namespace
@@ -139,12 +139,12 @@ void FileSeries::write_chunk(const mcap::Chunk& chunk) {
 /// So a file that was cut tells its losses up to then.
 void FileSeries::write_losses(const TapCounts& counts) {
   const TapCounts last = std::exchange(counts_reported_, counts);
-  if (last.lost_queue == counts.lost_queue && last.lost_bus == counts.lost_bus) return;
+  if (last.lost_queue == counts.lost_queue && last.lost_dds == counts.lost_dds) return;
   current_->writer.write_metadata(
       {"sonopose.losses",
        {{"log_time_ns", std::to_string(current_->writer.statistics().log_times.end_ns)},
         {"lost_queue", std::to_string(counts.lost_queue - counts_at_start_.lost_queue)},
-        {"lost_bus", std::to_string(counts.lost_bus - counts_at_start_.lost_bus)}}});
+        {"lost_dds", std::to_string(counts.lost_dds - counts_at_start_.lost_dds)}}});
 }
 
 void FileSeries::finish(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more) {
@@ -163,7 +163,7 @@ void FileSeries::end_file(const std::string& reason, const TapCounts& counts, co
   end["recorded"] = std::to_string(writer.statistics().message_count);
   end["lost_queue"] = std::to_string(own.lost_queue);
   end["lost_disk"] = std::to_string(lost_now() - lost_at_start_);
-  end["lost_bus"] = std::to_string(own.lost_bus);
+  end["lost_dds"] = std::to_string(own.lost_dds);
   std::exception_ptr failure;
   try {
     writer.write_metadata({"sonopose.recording_end", end});

@@ -98,7 +98,7 @@ Pipeline::Settings ros2_settings(const RecorderOptions& options, std::uint32_t d
 }
 
 std::string loss_words(const TapCounts& counts) {
-  return fmt::format("{} lost by a full queue, {} lost on the bus", counts.lost_queue, counts.lost_bus);
+  return fmt::format("{} lost by a full queue, {} dropped by DDS", counts.lost_queue, counts.lost_dds);
 }
 
 }  // namespace
@@ -178,6 +178,7 @@ Recorder::Node::Node(const RecorderOptions& options)
     native_.record({.name = topic.name,
                     .has_beacon = topic.has_beacon,
                     .beacons = &options_.beacons,
+                    .is_exclusive = topic.is_exclusive(qos_),
                     .trigger = trigger_of(topic)},
                    static_cast<std::uint16_t>(i + 1),
                    [&](dds::DataReaderListener<dds::Serialized>* listener) {
@@ -232,7 +233,7 @@ void Recorder::Node::look_around() {
   }
   const TapCounts now = counts();
   const TapCounts before = std::exchange(reported_, now);
-  if (now.lost_queue != before.lost_queue || now.lost_bus != before.lost_bus) {
+  if (now.lost_queue != before.lost_queue || now.lost_dds != before.lost_dds) {
     logging::warning("the recording lacks messages: " + loss_words(now));
   }
 }

@@ -38,12 +38,12 @@ TEST_CASE("A recording is one file with its name at the end") {
   CHECK(exists(folder / "run.mcap.part"));
   const auto data = command_cdr(7, 1);
   series.write(chunk_of(1, 100, data), {.received = 1});
-  series.write(chunk_of(1, 200, data, 3), {.received = 3, .lost_queue = 1, .lost_bus = 4});
+  series.write(chunk_of(1, 200, data, 3), {.received = 3, .lost_queue = 1, .lost_dds = 4});
   CHECK(series.message_count() == 2);
   CHECK_FALSE(exists(file));
 
   SECTION("when it is finished") {
-    series.finish("stopped", {.received = 3, .lost_queue = 1, .lost_bus = 4}, {{"not_recorded", "rt/odom"}});
+    series.finish("stopped", {.received = 3, .lost_queue = 1, .lost_dds = 4}, {{"not_recorded", "rt/odom"}});
     CHECK_FALSE(exists(folder / "run.mcap.part"));
     CHECK(series.files() == std::vector{file});
     const auto messages = messages_of(file);
@@ -52,13 +52,13 @@ TEST_CASE("A recording is one file with its name at the end") {
     CHECK(messages[1].sequence == 3);
     CHECK(metadata_of(file, "sonopose.recording") == mcap::TextMap{{"host", "here"}, {"file_index", "1"}});
     CHECK(metadata_of(file, "sonopose.losses") ==
-          mcap::TextMap{{"log_time_ns", "200"}, {"lost_queue", "1"}, {"lost_bus", "4"}});
+          mcap::TextMap{{"log_time_ns", "200"}, {"lost_queue", "1"}, {"lost_dds", "4"}});
     CHECK(metadata_of(file, "sonopose.recording_end") == mcap::TextMap{{"reason", "stopped"},
                                                                        {"received", "3"},
                                                                        {"recorded", "2"},
                                                                        {"lost_queue", "1"},
                                                                        {"lost_disk", "0"},
-                                                                       {"lost_bus", "4"},
+                                                                       {"lost_dds", "4"},
                                                                        {"not_recorded", "rt/odom"}});
   }
   SECTION("and neither it nor its part is overwritten") {

@@ -165,9 +165,9 @@ SCENARIO("a recording has every message that a consumer gets beside it") {
         CHECK(end.at("reason") == "stopped");
         CHECK(end.at("received") == std::to_string(messages.size()));
         CHECK(end.at("recorded") == end.at("received"));
-        CHECK(end.at("lost_bus") == "0");
+        CHECK(end.at("lost_dds") == "0");
         CHECK_THAT(record->text(Stream::output),
-                   Contains("lost: 0 by a full queue, 0 by the disk, 0 on the bus"));
+                   Contains("lost: 0 by a full queue, 0 by the disk, 0 by DDS"));
       }
     }
   }
