@@ -16,6 +16,7 @@
 #include <ctime>
 #include <exception>
 #include <map>
+#include <optional>
 #include <stdexcept>
 
 namespace {
@@ -65,8 +66,10 @@ int serve(Options& options, const std::string& command) {
   if (recording.file.empty()) recording.file = name_by_time();
   process::StopSignal stop;
   stop.listen_to_signals();
+  std::signal(SIGUSR1, SIG_IGN);  // one that comes too early, or without --keep-last, does no harm
   recorder::Recorder recorder(recording);
-  const recorder::SignalTrigger on_signal(SIGUSR1, recorder.trigger());
+  std::optional<recorder::SignalTrigger> on_signal;
+  if (recording.keep_last_s > 0) on_signal.emplace(SIGUSR1, recorder.trigger());
   recorder.run(stop);
   const recorder::RecorderReport report = recorder.finish();
   print(report);

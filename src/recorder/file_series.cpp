@@ -9,6 +9,7 @@
 #include <map>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace sonopose::recorder {
@@ -40,20 +41,34 @@ FileSeries::FileSeries(SeriesOptions options)
     : options_(std::move(options)),
       latched_(latched_samples(options_.channels)),
       settings_(channel_id_of(options_.channels, "sonopose/settings")) {
-  recording::check_part_file(next_file());
+  recording::check_part_file(file_of(1));
 }
 
-std::filesystem::path FileSeries::next_file() const {
+FileSeries::~FileSeries() {
+  if (!current_ || current_->writer.statistics().message_count > 0) return;
+  const std::filesystem::path part = current_->name.part();
+  current_.reset();
+  std::error_code error;
+  std::filesystem::remove(part, error);
+}
+
+/// Files from before are passed over: a recording goes on for hours before it comes to them.
+std::size_t FileSeries::next_number() const {
+  std::size_t number = last_number_ + 1;
+  while (options_.is_numbered && !recording::is_free_for_part(file_of(number))) ++number;
+  return number;
+}
+
+std::filesystem::path FileSeries::file_of(std::size_t number) const {
   if (!options_.is_numbered) return options_.file;
   std::filesystem::path file = options_.file;
-  file.replace_filename(
-      fmt::format("{}_{:03}{}", file.stem().string(), files_.size() + 1, file.extension().string()));
+  file.replace_filename(fmt::format("{}_{:03}{}", file.stem().string(), number, file.extension().string()));
   return file;
 }
 
 std::filesystem::path FileSeries::part() const {
   const std::lock_guard lock(mutex_);
-  return current_ ? current_->name.part() : next_file() += ".part";
+  return current_ ? current_->name.part() : file_of(next_number()) += ".part";
 }
 
 void FileSeries::open() {
@@ -76,7 +91,9 @@ std::uint16_t FileSeries::add_to_file(const ChannelSpec& channel) {
 
 void FileSeries::begin_file() {
   if (current_) return;
-  mcap::Writer& writer = current_.emplace(next_file(), options_.writer).writer;
+  const std::size_t number = next_number();
+  mcap::Writer& writer = current_.emplace(file_of(number), options_.writer).writer;
+  last_number_ = number;
   std::uint16_t expected_id = 0;
   for (const ChannelSpec& channel : options_.channels) {
     const auto id = add_to_file(channel);

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <utility>
 
 namespace sonopose::recorder {
 namespace {
@@ -15,7 +14,7 @@ constexpr std::chrono::milliseconds chunk_period{500};
 
 }  // namespace
 
-WriteThread::WriteThread(Parts parts) : parts_(std::move(parts)) {
+void WriteThread::start() {
   thread_ = std::jthread([this](const std::stop_token& end) { serve(end); });
 }
 

@@ -135,12 +135,39 @@ TEST_CASE("A channel that is added later is in the current file and in those aft
   CHECK(messages_of(folder / "run_002.mcap").at(0).topic == "/odom");
 }
 
-TEST_CASE("A file that cannot begin loses its messages, and counts them") {
+TEST_CASE("A recording passes over the numbers of files that are there") {
   const TemporaryFolder folder;
   SeriesOptions options = options_for(folder / "run.mcap");
   options.is_numbered = true;
+  sonopose::test::write_text(folder / "run_002.mcap", "of somebody else");
+  sonopose::test::write_text(folder / "run_003.mcap.part", "of somebody else");
   FileSeries series(options);
-  sonopose::test::write_text(folder / "run_001.mcap", "of somebody else");
+  for (std::uint64_t i = 1; i <= 3; ++i) {
+    series.write(chunk_of(1, i * second, command_cdr(7, i)), {});
+    series.finish("stopped", {});
+  }
+  CHECK(series.files() ==
+        std::vector{folder / "run_001.mcap", folder / "run_004.mcap", folder / "run_005.mcap"});
+  CHECK(metadata_of(folder / "run_004.mcap", "sonopose.recording")["file_index"] == "2");
+}
+
+TEST_CASE("A recording that fails before its first message leaves no file") {
+  const TemporaryFolder folder;
+  const auto part = folder / "run.mcap.part";
+  SECTION("without a message") {
+    FileSeries(options_for(folder / "run.mcap")).open();
+    CHECK_FALSE(exists(part));
+  }
+  SECTION("but messages are kept") {
+    FileSeries(options_for(folder / "run.mcap")).write(chunk_of(1, 1, command_cdr(7, 1)), {});
+    CHECK(exists(part));
+  }
+}
+
+TEST_CASE("A file that cannot begin loses its messages, and counts them") {
+  const TemporaryFolder folder;
+  FileSeries series(options_for(folder / "run.mcap"));
+  sonopose::test::write_text(folder / "run.mcap", "of somebody else");
   CHECK_THROWS_AS(series.write(chunk_of(1, 1, command_cdr(7, 1)), {}), files::IoError);
   CHECK(series.lost_disk() == 1);
   CHECK(series.message_count() == 0);

@@ -55,6 +55,7 @@ SCENARIO("what is kept in memory is written by a trigger") {
                         .counts = [] { return TapCounts{}; },
                         .last = last_seconds(series),
                         .failed = failed});
+    thread.start();
     const auto trigger_and_finish = [&] {
       REQUIRE(queue.add({reset_channel, 9, 6 * second, 6 * second, command_cdr(7, 9)}));
       trigger.fire(TriggerCause::topic);
