@@ -160,7 +160,7 @@ SCENARIO("a recording has every message that a consumer gets beside it") {
         });
         REQUIRE(of_beacon != metadata.end());
         CHECK(of_beacon->values.at("heading.mount_offset_deg") == "90");
-        CHECK_FALSE(of_beacon->values.contains("fusion.engine"));
+        CHECK(of_beacon->values.at("fusion.engine") == "kalman");
         const auto end = metadata_of(file, "sonopose.recording_end");
         CHECK(end.at("reason") == "stopped");
         CHECK(end.at("received") == std::to_string(messages.size()));
