@@ -16,6 +16,7 @@
 #include <ctime>
 #include <exception>
 #include <map>
+#include <optional>
 #include <stdexcept>
 
 namespace {
@@ -47,8 +48,8 @@ void print(const recorder::RecorderReport& report) {
   fmt::print("recorded {} messages in {:.1f} s, {:.1f} MB: {}\n", report.recorded, report.duration_s,
              static_cast<double>(report.bytes) * 1e-6,
              files.empty() ? "no file" : fmt::format("{}", fmt::join(files, ", ")));
-  fmt::print("lost: {} by a full queue, {} by the disk, {} on the bus\n", report.counts.lost_queue,
-             report.lost_disk, report.counts.lost_bus);
+  fmt::print("lost: {} by a full queue, {} by the disk, {} by DDS\n", report.counts.lost_queue,
+             report.lost_disk, report.counts.lost_dds);
   for (const auto& [topic, writers] : report.foreign_topics) {
     fmt::print("not recorded: {} ({} {})\n", topic, writers, writers == 1 ? "writer" : "writers");
   }
@@ -65,8 +66,10 @@ int serve(Options& options, const std::string& command) {
   if (recording.file.empty()) recording.file = name_by_time();
   process::StopSignal stop;
   stop.listen_to_signals();
+  std::signal(SIGUSR1, SIG_IGN);  // one that comes too early, or without --keep-last, does no harm
   recorder::Recorder recorder(recording);
-  const recorder::SignalTrigger on_signal(SIGUSR1, recorder.trigger());
+  std::optional<recorder::SignalTrigger> on_signal;
+  if (recording.keep_last_s > 0) on_signal.emplace(SIGUSR1, recorder.trigger());
   recorder.run(stop);
   const recorder::RecorderReport report = recorder.finish();
   print(report);

@@ -9,6 +9,7 @@
 #include <map>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace sonopose::recorder {
@@ -31,7 +32,7 @@ LatchedSamples latched_samples(const std::vector<ChannelSpec>& channels) {
 }
 
 TapCounts difference(const TapCounts& now, const TapCounts& before) {
-  return {now.received - before.received, now.lost_queue - before.lost_queue, now.lost_bus - before.lost_bus};
+  return {now.received - before.received, now.lost_queue - before.lost_queue, now.lost_dds - before.lost_dds};
 }
 
 }  // namespace
@@ -40,20 +41,34 @@ FileSeries::FileSeries(SeriesOptions options)
     : options_(std::move(options)),
       latched_(latched_samples(options_.channels)),
       settings_(channel_id_of(options_.channels, "sonopose/settings")) {
-  recording::check_part_file(next_file());
+  recording::check_part_file(file_of(1));
 }
 
-std::filesystem::path FileSeries::next_file() const {
+FileSeries::~FileSeries() {
+  if (!current_ || current_->writer.statistics().message_count > 0) return;
+  const std::filesystem::path part = current_->name.part();
+  current_.reset();
+  std::error_code error;
+  std::filesystem::remove(part, error);
+}
+
+/// Files from before are passed over: a recording goes on for hours before it comes to them.
+std::size_t FileSeries::next_number() const {
+  std::size_t number = last_number_ + 1;
+  while (options_.is_numbered && !recording::is_free_for_part(file_of(number))) ++number;
+  return number;
+}
+
+std::filesystem::path FileSeries::file_of(std::size_t number) const {
   if (!options_.is_numbered) return options_.file;
   std::filesystem::path file = options_.file;
-  file.replace_filename(
-      fmt::format("{}_{:03}{}", file.stem().string(), files_.size() + 1, file.extension().string()));
+  file.replace_filename(fmt::format("{}_{:03}{}", file.stem().string(), number, file.extension().string()));
   return file;
 }
 
 std::filesystem::path FileSeries::part() const {
   const std::lock_guard lock(mutex_);
-  return current_ ? current_->name.part() : next_file() += ".part";
+  return current_ ? current_->name.part() : file_of(next_number()) += ".part";
 }
 
 void FileSeries::open() {
@@ -76,7 +91,9 @@ std::uint16_t FileSeries::add_to_file(const ChannelSpec& channel) {
 
 void FileSeries::begin_file() {
   if (current_) return;
-  mcap::Writer& writer = current_.emplace(next_file(), options_.writer).writer;
+  const std::size_t number = next_number();
+  mcap::Writer& writer = current_.emplace(file_of(number), options_.writer).writer;
+  last_number_ = number;
   std::uint16_t expected_id = 0;
   for (const ChannelSpec& channel : options_.channels) {
     const auto id = add_to_file(channel);
@@ -136,15 +153,15 @@ void FileSeries::write_chunk(const mcap::Chunk& chunk) {
   for (const mcap::Metadata& settings : settings_.on(chunk)) current_->writer.write_metadata(settings);
 }
 
-/// A file that ends without a word tells what was lost until then.
+/// So a file that was cut tells its losses up to then.
 void FileSeries::write_losses(const TapCounts& counts) {
   const TapCounts last = std::exchange(counts_reported_, counts);
-  if (last.lost_queue == counts.lost_queue && last.lost_bus == counts.lost_bus) return;
+  if (last.lost_queue == counts.lost_queue && last.lost_dds == counts.lost_dds) return;
   current_->writer.write_metadata(
       {"sonopose.losses",
        {{"log_time_ns", std::to_string(current_->writer.statistics().log_times.end_ns)},
         {"lost_queue", std::to_string(counts.lost_queue - counts_at_start_.lost_queue)},
-        {"lost_bus", std::to_string(counts.lost_bus - counts_at_start_.lost_bus)}}});
+        {"lost_dds", std::to_string(counts.lost_dds - counts_at_start_.lost_dds)}}});
 }
 
 void FileSeries::finish(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more) {
@@ -163,7 +180,7 @@ void FileSeries::end_file(const std::string& reason, const TapCounts& counts, co
   end["recorded"] = std::to_string(writer.statistics().message_count);
   end["lost_queue"] = std::to_string(own.lost_queue);
   end["lost_disk"] = std::to_string(lost_now() - lost_at_start_);
-  end["lost_bus"] = std::to_string(own.lost_bus);
+  end["lost_dds"] = std::to_string(own.lost_dds);
   std::exception_ptr failure;
   try {
     writer.write_last_metadata({"sonopose.recording_end", end});
@@ -184,6 +201,11 @@ void FileSeries::end_file(const std::string& reason, const TapCounts& counts, co
   name.commit();
   files_.push_back(name.file());
   if (failure) std::rethrow_exception(failure);
+}
+
+void FileSeries::remember(const mcap::Chunk& chunk) {
+  const std::lock_guard lock(mutex_);
+  latched_.on(chunk);
 }
 
 void FileSeries::count_lost(std::uint64_t messages) {

@@ -9,6 +9,7 @@
 #include "recorder/topic_tap.hpp"
 #include "recording/part_file.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
@@ -44,6 +45,12 @@ class FileSeries {
 public:
   /// Checks that the first file can begin; `open` or `write` creates it.
   explicit FileSeries(SeriesOptions options);
+  FileSeries(const FileSeries&) = delete;
+  FileSeries& operator=(const FileSeries&) = delete;
+  FileSeries(FileSeries&&) = delete;
+  FileSeries& operator=(FileSeries&&) = delete;
+  /// Removes a file that was begun and has no message, so that the next recording can begin.
+  ~FileSeries();
 
   /// Another channel of every file from now on: its id.
   std::uint16_t add_channel(ChannelSpec channel);
@@ -51,7 +58,9 @@ public:
   void open();
   /// Writes the messages. If one file would be larger or longer than allowed, another one begins before.
   void write(const mcap::Chunk& chunk, const TapCounts& counts);
-  /// Counts messages that nobody tries to write, after an error.
+  /// Remembers the latched samples of messages that are not written: the next file begins with them.
+  void remember(const mcap::Chunk& chunk);
+  /// Counts messages that are not written after an error.
   void count_lost(std::uint64_t messages);
   /// Ends the current file, closes it, and gives it its name. `reason` is written to it.
   void finish(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more = {});
@@ -81,7 +90,8 @@ private:
   std::uint16_t add_to_file(const ChannelSpec& channel);
   void end_file(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more);
   [[nodiscard]] std::uint64_t lost_now() const;
-  [[nodiscard]] std::filesystem::path next_file() const;
+  [[nodiscard]] std::filesystem::path file_of(std::size_t number) const;
+  [[nodiscard]] std::size_t next_number() const;
   void prepare_for(const mcap::Chunk& chunk);
   [[nodiscard]] bool is_full_for(const mcap::Chunk& chunk) const;
   void write_latched(const mcap::Chunk& before);
@@ -97,6 +107,7 @@ private:
   SettingsLog settings_;
   std::uint64_t first_log_time_ns_ = 0;  ///< of the current file
   std::vector<std::filesystem::path> files_;
+  std::size_t last_number_ = 0;  ///< of the current file, or of the one before
   std::uint64_t finished_messages_ = 0;
   std::uint64_t finished_bytes_ = 0;
   std::uint64_t lost_ = 0;           ///< by the disk; the current writer counts its own

@@ -1,16 +1,20 @@
 #include "recorder/last_seconds.hpp"
 
+#include <utility>
+
 namespace sonopose::recorder {
 
-void LastSeconds::add(const mcap::Chunk& chunk) {
+std::vector<mcap::Chunk> LastSeconds::add(const mcap::Chunk& chunk) {
+  std::vector<mcap::Chunk> dropped;
   chunks_.push_back(chunk);  // a copy has no more memory than it needs
   bytes_ += bytes_of(chunk);
   const std::uint64_t end_ns = chunk.log_times().end_ns;
-  while (chunks_.front().log_times().end_ns + keep_ns_ < end_ns) drop_first();
+  while (chunks_.front().log_times().end_ns + keep_ns_ < end_ns) dropped.push_back(take_first());
   while (bytes_ > most_bytes_ && chunks_.size() > 1) {
-    drop_first();
+    dropped.push_back(take_first());
     is_short_ = true;
   }
+  return dropped;
 }
 
 void LastSeconds::clear() {
@@ -23,9 +27,11 @@ std::size_t LastSeconds::bytes_of(const mcap::Chunk& chunk) {
   return chunk.records().size() + chunk.entries().size() * sizeof(mcap::Chunk::Entry);
 }
 
-void LastSeconds::drop_first() {
-  bytes_ -= bytes_of(chunks_.front());
+mcap::Chunk LastSeconds::take_first() {
+  mcap::Chunk first = std::move(chunks_.front());
   chunks_.pop_front();
+  bytes_ -= bytes_of(first);
+  return first;
 }
 
 }  // namespace sonopose::recorder

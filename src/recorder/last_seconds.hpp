@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <vector>
 
 namespace sonopose::recorder {
 
@@ -16,7 +17,8 @@ public:
   LastSeconds(std::int64_t keep_ns, std::size_t most_bytes)
       : keep_ns_(static_cast<std::uint64_t>(keep_ns)), most_bytes_(most_bytes) {}
 
-  void add(const mcap::Chunk& chunk);
+  /// Returns the chunks that it drops for it, the oldest first.
+  std::vector<mcap::Chunk> add(const mcap::Chunk& chunk);
   /// Forgets all.
   void clear();
 
@@ -26,7 +28,7 @@ public:
 
 private:
   static std::size_t bytes_of(const mcap::Chunk& chunk);
-  void drop_first();
+  mcap::Chunk take_first();
 
   std::uint64_t keep_ns_;
   std::size_t most_bytes_;

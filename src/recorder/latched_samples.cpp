@@ -22,7 +22,7 @@ void LatchedSamples::on(const mcap::Chunk& chunk) {
       const mcap::Message message = message_at(chunk, entry);
       const auto address = dds::topics::beacon_of(message.data);
       if (!address) continue;
-      samples_[{entry.channel_id, *address}] = {
+      samples_[key_of(entry.channel_id, *address)] = {
           message.sequence, message.publish_time_ns, {message.data.begin(), message.data.end()}};
     }
   }
@@ -32,7 +32,7 @@ void LatchedSamples::forget(std::string_view instance_end) {
   const InstanceEnd end = instance_end_of(instance_end);
   const auto address = dds::topics::beacon_of(end.key_cdr);
   for (const auto& [channel_id, topic] : topics_) {
-    if (topic == end.topic && address) samples_.erase({channel_id, *address});
+    if (topic == end.topic && address) samples_.erase(key_of(channel_id, *address));
   }
 }
 

@@ -35,11 +35,17 @@ private:
     std::vector<std::byte> data;
   };
 
+  using Key = std::pair<std::uint16_t, BeaconAddress>;
+
+  /// Of the channel and the beacon; those of all beacons come first.
+  static Key key_of(std::uint16_t channel_id, BeaconAddress address) {
+    return {channel_id, static_cast<BeaconAddress>(address - all_beacons)};
+  }
   void forget(std::string_view instance_end);
 
   std::map<std::uint16_t, std::string> topics_;
   std::uint16_t ends_channel_id_;
-  std::map<std::pair<std::uint16_t, BeaconAddress>, Sample> samples_;
+  std::map<Key, Sample> samples_;
 };
 
 }  // namespace sonopose::recorder

@@ -16,7 +16,9 @@ Pipeline::Pipeline(Settings settings, Trigger& trigger, process::Wakeup& failed)
                 .trigger = trigger,
                 .counts = [this] { return counts(); },
                 .last = std::move(settings.last),
-                .failed = failed}) {
+                .failed = failed}) {}
+
+void Pipeline::open() {
   if (!keeps_last_) series_.open();
 }
 
@@ -54,10 +56,10 @@ std::uint64_t Pipeline::incompatible() const {
   return sum;
 }
 
-std::exception_ptr Pipeline::finish(const mcap::TextMap& more) {
+std::exception_ptr Pipeline::finish(const mcap::TextMap& more, std::exception_ptr failure) {
   for (const auto& tap : taps_) tap->close();
   writing_.finish();
-  std::exception_ptr failure = writing_.failure();
+  if (writing_.failure()) failure = writing_.failure();
   std::string reason = "stopped";
   try {
     if (failure) std::rethrow_exception(failure);

@@ -31,7 +31,7 @@ public:
     std::optional<LastSeconds> last;    ///< given: nothing is written before a trigger
   };
 
-  /// Begins the first file. The references must outlive it. Throws files::IoError.
+  /// Checks that the first file can begin. The references must outlive it. Throws files::IoError.
   Pipeline(Settings settings, Trigger& trigger, process::Wakeup& failed);
 
   /// A topic of the channel of that id. Its reader is `make_reader(listener)`.
@@ -40,6 +40,11 @@ public:
 
   /// A channel that was not known at the start: its id.
   std::uint16_t add_channel(ChannelSpec channel) { return series_.add_channel(std::move(channel)); }
+
+  /// Begins the first file, if everything is written at once. Throws files::IoError.
+  void open();
+  /// Begins to write what the queue has and gets.
+  void start() { writing_.start(); }
 
   /// Of all topics. From any thread.
   [[nodiscard]] TapCounts counts() const;
@@ -51,8 +56,8 @@ public:
   /// The first error of the disk; null without one.
   [[nodiscard]] std::exception_ptr failure() const { return writing_.failure(); }
 
-  /// Ends the recording, with these metadata. Returns the first error of the disk.
-  std::exception_ptr finish(const mcap::TextMap& more);
+  /// Ends the recording, with these metadata. `failure` has ended it, or null. Returns the first error.
+  std::exception_ptr finish(const mcap::TextMap& more, std::exception_ptr failure = nullptr);
 
 private:
   bool keeps_last_;

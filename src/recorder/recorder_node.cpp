@@ -98,7 +98,7 @@ Pipeline::Settings ros2_settings(const RecorderOptions& options, std::uint32_t d
 }
 
 std::string loss_words(const TapCounts& counts) {
-  return fmt::format("{} lost by a full queue, {} lost on the bus", counts.lost_queue, counts.lost_bus);
+  return fmt::format("{} lost by a full queue, {} dropped by DDS", counts.lost_queue, counts.lost_dds);
 }
 
 }  // namespace
@@ -143,9 +143,11 @@ public:
 private:
   [[nodiscard]] TapCounts counts() const;
   [[nodiscard]] bool has_failed() const;
+  void report_begin() const;
+  void report_news();
+  void report_foreign(std::vector<dds::FoundEndpoint> writers);
   [[nodiscard]] mcap::TextMap foreign_text() const;
   TopicTrigger* trigger_of(const topics::SerializedTopic& topic);
-  void look_around();
 
   RecorderOptions options_;
   dds::qos::Provider qos_;
@@ -163,6 +165,7 @@ private:
   SteadyTime began_ = clocks::steady_now();
   TapCounts reported_;
   std::uint64_t incompatible_reported_ = 0;
+  std::exception_ptr failure_;  ///< of anything but the disk; null without one
 };
 
 Recorder::Node::Node(const RecorderOptions& options)
@@ -173,22 +176,27 @@ Recorder::Node::Node(const RecorderOptions& options)
       discovery_(participant_, [this] { news_.wake(); }),
       native_(native_settings(options, participant_.domain_id(), channels_of(selected_, qos_)), trigger_,
               news_) {
+  if (options.ros2) {
+    ros2_.emplace(ros2_settings(options, participant_.domain_id()), trigger_, news_);
+    ros2_topics_.emplace(*ros2_, participant_, qos_);
+  }
   for (std::size_t i = 0; i < selected_.size(); ++i) {
     const topics::SerializedTopic& topic = *selected_[i];
     native_.record({.name = topic.name,
                     .has_beacon = topic.has_beacon,
                     .beacons = &options_.beacons,
+                    .is_exclusive = topic.is_exclusive(qos_),
                     .trigger = trigger_of(topic)},
                    static_cast<std::uint16_t>(i + 1),
                    [&](dds::DataReaderListener<dds::Serialized>* listener) {
                      return topic.make_reader(participant_, qos_, listener);
                    });
   }
-  if (options.ros2) {
-    ros2_.emplace(ros2_settings(options, participant_.domain_id()), trigger_, news_);
-    ros2_topics_.emplace(*ros2_, participant_, qos_);
-  }
-  logging::info(fmt::format("recording {} topics to {}", selected_.size(), native_.series().part().string()));
+  // After everything else that can fail: the queue holds what has come.
+  native_.open();
+  if (ros2_) ros2_->open();
+  native_.start();
+  if (ros2_) ros2_->start();
 }
 
 TopicTrigger* Recorder::Node::trigger_of(const topics::SerializedTopic& topic) {
@@ -209,30 +217,48 @@ bool Recorder::Node::has_failed() const {
 
 void Recorder::Node::run(const process::StopSignal& stop) {
   const SteadyTime end = options_.duration_s > 0 ? began_ + to_ns(options_.duration_s) : SteadyTime::max();
-  while (!stop.requested() && clocks::steady_now() < end && !has_failed()) {
-    look_around();
-    stop.wait_until(std::min(end, clocks::steady_now() + look_period_ns), news_);
+  report_begin();
+  try {
+    while (!stop.requested() && clocks::steady_now() < end && !has_failed()) {
+      const auto writers = discovery_.writers();
+      if (ros2_topics_) ros2_topics_->update(writers);
+      report_foreign(writers);
+      report_news();
+      stop.wait_until(std::min(end, clocks::steady_now() + look_period_ns), news_);
+    }
+  } catch (const std::exception&) {
+    failure_ = std::current_exception();
   }
 }
 
-/// Records new topics of ROS 2, and reports what a user must know: topics that are not recorded, writers that
-/// do not match, losses.
-void Recorder::Node::look_around() {
-  auto writers = discovery_.writers();
+void Recorder::Node::report_begin() const {
+  if (options_.keep_last_s > 0) {
+    logging::info(fmt::format("recording the last {} s of {} topics in memory", options_.keep_last_s,
+                              selected_.size()));
+  } else {
+    logging::info(
+        fmt::format("recording {} topics to {}", selected_.size(), native_.series().part().string()));
+  }
+}
+
+void Recorder::Node::report_foreign(std::vector<dds::FoundEndpoint> writers) {
   if (ros2_topics_) {
-    ros2_topics_->update(writers);
     std::erase_if(writers, [this](const auto& writer) { return ros2_topics_->contains(writer.topic_name); });
   }
   for (const std::string& topic : foreign_.update(writers)) {
     logging::info("not recorded: " + topic + " is no topic of this program");
   }
+}
+
+/// What a user must know: writers that do not match, losses.
+void Recorder::Node::report_news() {
   const std::uint64_t incompatible = native_.incompatible() + (ros2_ ? ros2_->incompatible() : 0);
   if (std::exchange(incompatible_reported_, incompatible) != incompatible) {
     logging::warning("a writer offers incompatible QoS and is not recorded; run sonopose-doctor for details");
   }
   const TapCounts now = counts();
   const TapCounts before = std::exchange(reported_, now);
-  if (now.lost_queue != before.lost_queue || now.lost_bus != before.lost_bus) {
+  if (now.lost_queue != before.lost_queue || now.lost_dds != before.lost_dds) {
     logging::warning("the recording lacks messages: " + loss_words(now));
   }
 }
@@ -240,20 +266,25 @@ void Recorder::Node::look_around() {
 mcap::TextMap Recorder::Node::foreign_text() const {
   std::string text;
   for (const auto& [topic, writers] : foreign_.writer_counts()) {
-    text += fmt::format("{}{} ({} writers)", text.empty() ? "" : ", ", topic, writers);
+    text += fmt::format("{}{} ({} {})", text.empty() ? "" : ", ", topic, writers,
+                        writers == 1 ? "writer" : "writers");
   }
   return text.empty() ? mcap::TextMap{} : mcap::TextMap{{"not_recorded", text}};
 }
 
 RecorderReport Recorder::Node::finish() {
   const double duration_s = static_cast<double>(clocks::steady_now() - began_) * 1e-9;
-  look_around();
+  try {
+    report_foreign(discovery_.writers());
+  } catch (const std::exception&) {
+    if (!failure_) failure_ = std::current_exception();
+  }
   RecorderReport report;
   report.duration_s = duration_s;
   report.foreign_topics = foreign_.writer_counts();
   for (Pipeline* const pipeline : {&native_, ros2_ ? &*ros2_ : nullptr}) {
     if (pipeline == nullptr) continue;
-    const auto failure = pipeline->finish(foreign_text());
+    const auto failure = pipeline->finish(foreign_text(), failure_);
     if (!report.failure) report.failure = failure;
     report.counts += pipeline->counts();
     report.recorded += pipeline->series().message_count();
@@ -262,6 +293,7 @@ RecorderReport Recorder::Node::finish() {
     report.received.merge(pipeline->received());
     for (const auto& file : pipeline->series().files()) report.files.push_back(file);
   }
+  report_news();
   return report;
 }
 

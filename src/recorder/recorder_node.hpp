@@ -52,7 +52,7 @@ struct RecorderReport {
   std::vector<std::filesystem::path> files;
   std::map<std::string, std::uint64_t> received;      ///< by topic
   std::map<std::string, std::size_t> foreign_topics;  ///< with their writers
-  std::exception_ptr failure;                         ///< of the disk; null without one
+  std::exception_ptr failure;                         ///< that has ended it; null without one
 
   /// Whether all that was received is in the files.
   [[nodiscard]] bool is_complete() const { return counts.lost_queue == 0 && lost_disk == 0 && !failure; }
@@ -63,7 +63,8 @@ std::vector<const dds::topics::SerializedTopic*> selected_topics(const RecorderO
 
 class Recorder {
 public:
-  /// Begins to record. Throws dds::Error, dds::qos::FileError, files::IoError, std::invalid_argument.
+  /// Begins to record; leaves no file if it throws. Throws dds::Error, dds::qos::FileError, files::IoError,
+  /// std::invalid_argument.
   explicit Recorder(const RecorderOptions& options);
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -71,7 +72,8 @@ public:
   Recorder& operator=(Recorder&&) = delete;
   ~Recorder();
 
-  /// Records until the stop, the end of the duration, or an error of the disk. Reports on the log.
+  /// Records until the stop, the end of the duration, or an error, which the report of `finish` has. Reports
+  /// on the log.
   void run(const process::StopSignal& stop);
 
   /// From any thread: writes the last seconds.

@@ -18,18 +18,26 @@ public:
   /// `channel_id`: of the effective settings; 0 if they are not recorded.
   explicit SettingsLog(std::uint16_t channel_id) : channel_id_(channel_id) {}
 
-  /// A record for each change in a chunk. Those of one beacon have only what differs from those of all
-  /// beacons.
+  /// A record for each change in a chunk. That of a beacon has all its settings, or none of them as long as
+  /// they are those of all beacons.
   std::vector<mcap::Metadata> on(const mcap::Chunk& chunk);
 
   /// Another file begins, which knows nothing yet.
-  void clear() { last_.clear(); }
+  void clear() { known_.clear(); }
 
 private:
-  using Values = std::map<std::string, std::string>;
+  struct Known {
+    std::map<std::string, std::string> values;
+    std::uint64_t from_sequence = 0;
+    bool is_as_all = false;  ///< by the last record
+  };
+
+  [[nodiscard]] bool is_as_all(BeaconAddress address) const;
+  mcap::Metadata record_of(BeaconAddress address, std::uint64_t log_time_ns);
+  void add_left_behind(std::uint64_t log_time_ns, std::vector<mcap::Metadata>& records);
 
   std::uint16_t channel_id_;
-  std::map<BeaconAddress, Values> last_;
+  std::map<BeaconAddress, Known> known_;
 };
 
 }  // namespace sonopose::recorder

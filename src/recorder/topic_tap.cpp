@@ -13,6 +13,11 @@ std::uint64_t file_time(std::int64_t time_ns) {
   return time_ns < 0 ? 0 : static_cast<std::uint64_t>(time_ns);
 }
 
+/// The log time where a writer gave no time.
+std::uint64_t publish_time(const dds::SampleInfo& info, std::int64_t log_time_ns) {
+  return file_time(info.source_timestamp_ns() > 0 ? info.source_timestamp_ns() : log_time_ns);
+}
+
 void add_change(std::atomic<std::uint64_t>& counter, std::int32_t change) {
   if (change > 0) counter.fetch_add(static_cast<std::uint64_t>(change), std::memory_order_relaxed);
 }
@@ -27,7 +32,7 @@ void TopicTap::on_data_available(dds::SerializedReader& reader) noexcept {
 
 void TopicTap::on_sample_lost(dds::SerializedReader& /*reader*/,
                               const dds::SampleLostStatus& status) noexcept {
-  add_change(lost_bus_, status.total_count_change);
+  if (!topic_.is_exclusive) add_change(lost_dds_, status.total_count_change);
 }
 
 void TopicTap::on_requested_incompatible_qos(dds::SerializedReader& /*reader*/,
@@ -44,11 +49,12 @@ bool TopicTap::accepts(std::span<const std::byte> sample) const noexcept {
 void TopicTap::on_sample(const dds::SerializedSample& sample, const dds::SampleInfo& info) noexcept {
   const auto bytes = sample.bytes();
   if (!accepts(bytes)) return;
+  const std::int64_t now_ns = clocks::host_now();
   // Lost ones are numbered too: a gap in the file tells of them.
   add({.channel_id = target_.channel_id,
        .sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1,
-       .log_time_ns = file_time(clocks::host_now()),
-       .publish_time_ns = file_time(info.source_timestamp_ns()),
+       .log_time_ns = file_time(now_ns),
+       .publish_time_ns = publish_time(info, now_ns),
        .data = bytes});
   if (topic_.trigger != nullptr) topic_.trigger->on_sample(bytes);
 }
@@ -56,15 +62,17 @@ void TopicTap::on_sample(const dds::SerializedSample& sample, const dds::SampleI
 void TopicTap::on_end(const dds::SerializedSample& key, const dds::SampleInfo& info) noexcept {
   if (target_.ends_channel_id == 0 || !accepts(key.bytes())) return;
   const std::uint32_t sequence = target_.ends_sequence.fetch_add(1, std::memory_order_relaxed) + 1;
+  const std::int64_t now_ns = clocks::host_now();
+  const std::uint64_t publish_time_ns = publish_time(info, now_ns);
   try {
     const std::string text = json_of({.topic = topic_.name,
                                       .disposed = info.disposed(),
                                       .key_cdr = {key.bytes().begin(), key.bytes().end()},
-                                      .source_time_ns = info.source_timestamp_ns()});
+                                      .source_time_ns = static_cast<std::int64_t>(publish_time_ns)});
     add({.channel_id = target_.ends_channel_id,
          .sequence = sequence,
-         .log_time_ns = file_time(clocks::host_now()),
-         .publish_time_ns = file_time(info.source_timestamp_ns()),
+         .log_time_ns = file_time(now_ns),
+         .publish_time_ns = publish_time_ns,
          .data = std::as_bytes(std::span(text))});
   } catch (const std::exception&) {  // no memory
     received_.fetch_add(1, std::memory_order_relaxed);

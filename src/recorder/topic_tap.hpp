@@ -19,12 +19,12 @@ namespace sonopose::recorder {
 struct TapCounts {
   std::uint64_t received = 0;    ///< of the beacons that are recorded, with the ends of instances
   std::uint64_t lost_queue = 0;  ///< of these: the queue was full
-  std::uint64_t lost_bus = 0;    ///< lost before they arrived here, as DDS reports it
+  std::uint64_t lost_dds = 0;    ///< arrived and dropped by DDS; what never arrived is in no count
 
   TapCounts& operator+=(const TapCounts& other) {
     received += other.received;
     lost_queue += other.lost_queue;
-    lost_bus += other.lost_bus;
+    lost_dds += other.lost_dds;
     return *this;
   }
   bool operator==(const TapCounts&) const = default;
@@ -35,6 +35,7 @@ struct TapTopic {
   std::string name;                         ///< on the bus
   bool has_beacon = false;                  ///< its samples begin with the address of a beacon
   const process::AddressSet* beacons = {};  ///< of these beacons; must outlive the tap if `has_beacon`
+  bool is_exclusive = false;                ///< DDS drops the samples of weaker writers: no loss
   TopicTrigger* trigger = nullptr;          ///< looks at the samples; must outlive the tap
 };
 
@@ -57,7 +58,7 @@ public:
   void close() { reader_.close(); }
 
   [[nodiscard]] const std::string& name() const { return topic_.name; }
-  [[nodiscard]] TapCounts counts() const { return {received_, lost_queue_, lost_bus_}; }
+  [[nodiscard]] TapCounts counts() const { return {received_, lost_queue_, lost_dds_}; }
   /// Writers whose QoS does not match the reader's.
   [[nodiscard]] std::uint64_t incompatible() const { return incompatible_; }
 
@@ -77,7 +78,7 @@ private:
   std::atomic<std::uint32_t> sequence_ = 0;
   std::atomic<std::uint64_t> received_ = 0;
   std::atomic<std::uint64_t> lost_queue_ = 0;
-  std::atomic<std::uint64_t> lost_bus_ = 0;
+  std::atomic<std::uint64_t> lost_dds_ = 0;
   std::atomic<std::uint64_t> incompatible_ = 0;
   dds::SerializedReader reader_;  ///< last: its listener is this
 };

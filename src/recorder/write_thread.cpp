@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <utility>
 
 namespace sonopose::recorder {
 namespace {
@@ -15,7 +14,7 @@ constexpr std::chrono::milliseconds chunk_period{500};
 
 }  // namespace
 
-WriteThread::WriteThread(Parts parts) : parts_(std::move(parts)) {
+void WriteThread::start() {
   thread_ = std::jthread([this](const std::stop_token& end) { serve(end); });
 }
 
@@ -39,22 +38,23 @@ void WriteThread::serve(const std::stop_token& end) {
       sleep_.wait_for(lock, end, chunk_period, [] { return false; });
     }
     is_last = end.stop_requested();  // before the look at the queue: nothing is queued after it
+    // Before the messages: what has fired it is among them.
+    const TriggerCause cause = parts_.trigger.take();
     parts_.queue.exchange(chunk);
-    write(chunk);
+    write(chunk, cause);
   }
 }
 
-void WriteThread::write(mcap::Chunk& chunk) {
+void WriteThread::write(const mcap::Chunk& chunk, TriggerCause cause) {
   if (failure()) {
     parts_.series.count_lost(chunk.message_count());
     return;
   }
-  const TriggerCause cause = parts_.trigger.take();
   try {
     if (!parts_.last) {
       parts_.series.write(chunk, parts_.counts());
     } else {
-      if (!chunk.is_empty()) parts_.last->add(chunk);
+      if (!chunk.is_empty()) keep(chunk);
       if (cause != TriggerCause::none) write_last(cause);
     }
   } catch (const std::exception&) {
@@ -64,6 +64,10 @@ void WriteThread::write(mcap::Chunk& chunk) {
   }
 }
 
+void WriteThread::keep(const mcap::Chunk& chunk) {
+  for (const mcap::Chunk& dropped : parts_.last->add(chunk)) parts_.series.remember(dropped);
+}
+
 void WriteThread::write_last(TriggerCause cause) {
   if (parts_.last->chunks().empty()) {
     logging::warning(fmt::format("triggered by {}, but there is nothing to write", words_of(cause)));
@@ -71,14 +75,26 @@ void WriteThread::write_last(TriggerCause cause) {
   }
   const bool is_short = parts_.last->is_short();
   const TapCounts counts = parts_.counts();
-  parts_.series.open();
-  for (const mcap::Chunk& chunk : parts_.last->chunks()) parts_.series.write(chunk, counts);
-  parts_.last->clear();
+  write_kept(counts);
   parts_.series.finish("trigger", counts,
                        {{"trigger", words_of(cause)}, {"is_short", is_short ? "true" : "false"}});
   logging::info(
       fmt::format("triggered by {}: {}{}", words_of(cause), parts_.series.files().back().string(),
                   is_short ? "; the memory was too small for all of the time (--keep-memory)" : ""));
+}
+
+void WriteThread::write_kept(const TapCounts& counts) {
+  auto chunk = parts_.last->chunks().begin();
+  const auto end = parts_.last->chunks().end();
+  try {
+    for (; chunk != end; ++chunk) parts_.series.write(*chunk, counts);
+  } catch (const std::exception&) {
+    // The series has counted the one that it could not write.
+    for (++chunk; chunk != end; ++chunk) parts_.series.count_lost(chunk->message_count());
+    parts_.last->clear();
+    throw;
+  }
+  parts_.last->clear();
 }
 
 }  // namespace sonopose::recorder

@@ -16,6 +16,7 @@
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <utility>
 
 namespace sonopose::recorder {
 
@@ -31,13 +32,15 @@ public:
     process::Wakeup& failed;            ///< woken if the disk fails
   };
 
-  explicit WriteThread(Parts parts);
+  explicit WriteThread(Parts parts) : parts_(std::move(parts)) {}
   WriteThread(const WriteThread&) = delete;
   WriteThread& operator=(const WriteThread&) = delete;
   WriteThread(WriteThread&&) = delete;
   WriteThread& operator=(WriteThread&&) = delete;
   ~WriteThread() = default;
 
+  /// Until then nothing is written.
+  void start();
   /// Writes what is in the queue, and ends the thread. Nothing may be queued afterwards.
   void finish();
 
@@ -46,8 +49,10 @@ public:
 
 private:
   void serve(const std::stop_token& end);
-  void write(mcap::Chunk& chunk);
+  void write(const mcap::Chunk& chunk, TriggerCause cause);
+  void keep(const mcap::Chunk& chunk);
   void write_last(TriggerCause cause);
+  void write_kept(const TapCounts& counts);
 
   Parts parts_;
   mutable std::mutex mutex_;

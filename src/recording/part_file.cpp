@@ -15,18 +15,25 @@ fs::path part_of(fs::path file) {
   return file += ".part";
 }
 
-void refuse_existing(const fs::path& file) {
+bool is_there(const fs::path& file) {
   std::error_code error;
-  if (!fs::exists(fs::symlink_status(file, error))) return;
+  return fs::exists(fs::symlink_status(file, error));
+}
+
+void refuse_existing(const fs::path& file) {
+  if (!is_there(file)) return;
   throw files::IoError(file.string() + ": exists; a recording is not overwritten");
 }
 
 }  // namespace
 
+bool is_free_for_part(const fs::path& file) {
+  return !is_there(file) && !is_there(part_of(file));
+}
+
 void check_part_file(const fs::path& file) {
   refuse_existing(file);
-  std::error_code error;
-  if (!fs::exists(fs::symlink_status(part_of(file), error))) return;
+  if (!is_there(part_of(file))) return;
   throw files::IoError(
       part_of(file).string() +
       ": exists: another program writes it, or an interrupted recording left it; move or delete it");

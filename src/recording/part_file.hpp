@@ -25,6 +25,9 @@ private:
   std::filesystem::path part_;
 };
 
+/// Whether neither `FILE` nor `FILE.part` exists.
+bool is_free_for_part(const std::filesystem::path& file);
+
 /// Throws files::IoError if PartFile could not begin there.
 void check_part_file(const std::filesystem::path& file);
 

@@ -65,6 +65,7 @@ struct Taken {
         },
         [&](SerializedSample&& key, const SampleInfo& info) {
           ends.push_back(copy(key));
+          samples_before_end.push_back(samples.size());
           end_is_disposal.push_back(info.disposed());
         });
     REQUIRE(count >= 0);
@@ -74,6 +75,7 @@ struct Taken {
   std::vector<SerializedSample> samples;
   std::vector<std::int64_t> stamps_ns;
   std::vector<Bytes> ends;
+  std::vector<std::size_t> samples_before_end;
   std::vector<bool> end_is_disposal;
 };
 
@@ -166,6 +168,16 @@ TEST_CASE("The ends of instances arrive with their keys") {
         CHECK(taken.end_is_disposal[0]);
         CHECK(address_in(taken.ends[1]) == 7);
         CHECK_FALSE(taken.end_is_disposal[1]);
+      }
+    }
+    WHEN("as many samples as a batch holds, or more, and their end come before the reader looks") {
+      const std::size_t count = GENERATE(std::size_t{32}, std::size_t{40}, std::size_t{64});
+      for (std::size_t id = 1; id <= count; ++id) writer.write(command(8, id));
+      writer.dispose_instance(command(8, 0));
+      THEN("the end follows the last sample of the instance, once") {
+        taken.take();
+        CHECK(taken.samples.size() == 2 + count);
+        CHECK(taken.samples_before_end == std::vector<std::size_t>{2 + count});
       }
     }
     WHEN("samples and their end come before the reader looks") {

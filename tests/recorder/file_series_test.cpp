@@ -38,12 +38,12 @@ TEST_CASE("A recording is one file with its name at the end") {
   CHECK(exists(folder / "run.mcap.part"));
   const auto data = command_cdr(7, 1);
   series.write(chunk_of(1, 100, data), {.received = 1});
-  series.write(chunk_of(1, 200, data, 3), {.received = 3, .lost_queue = 1, .lost_bus = 4});
+  series.write(chunk_of(1, 200, data, 3), {.received = 3, .lost_queue = 1, .lost_dds = 4});
   CHECK(series.message_count() == 2);
   CHECK_FALSE(exists(file));
 
   SECTION("when it is finished") {
-    series.finish("stopped", {.received = 3, .lost_queue = 1, .lost_bus = 4}, {{"not_recorded", "rt/odom"}});
+    series.finish("stopped", {.received = 3, .lost_queue = 1, .lost_dds = 4}, {{"not_recorded", "rt/odom"}});
     CHECK_FALSE(exists(folder / "run.mcap.part"));
     CHECK(series.files() == std::vector{file});
     const auto messages = messages_of(file);
@@ -52,13 +52,13 @@ TEST_CASE("A recording is one file with its name at the end") {
     CHECK(messages[1].sequence == 3);
     CHECK(metadata_of(file, "sonopose.recording") == mcap::TextMap{{"host", "here"}, {"file_index", "1"}});
     CHECK(metadata_of(file, "sonopose.losses") ==
-          mcap::TextMap{{"log_time_ns", "200"}, {"lost_queue", "1"}, {"lost_bus", "4"}});
+          mcap::TextMap{{"log_time_ns", "200"}, {"lost_queue", "1"}, {"lost_dds", "4"}});
     CHECK(metadata_of(file, "sonopose.recording_end") == mcap::TextMap{{"reason", "stopped"},
                                                                        {"received", "3"},
                                                                        {"recorded", "2"},
                                                                        {"lost_queue", "1"},
                                                                        {"lost_disk", "0"},
-                                                                       {"lost_bus", "4"},
+                                                                       {"lost_dds", "4"},
                                                                        {"not_recorded", "rt/odom"}});
   }
   SECTION("and neither it nor its part is overwritten") {
@@ -135,12 +135,39 @@ TEST_CASE("A channel that is added later is in the current file and in those aft
   CHECK(messages_of(folder / "run_002.mcap").at(0).topic == "/odom");
 }
 
-TEST_CASE("A file that cannot begin loses its messages, and counts them") {
+TEST_CASE("A recording passes over the numbers of files that are there") {
   const TemporaryFolder folder;
   SeriesOptions options = options_for(folder / "run.mcap");
   options.is_numbered = true;
+  sonopose::test::write_text(folder / "run_002.mcap", "of somebody else");
+  sonopose::test::write_text(folder / "run_003.mcap.part", "of somebody else");
   FileSeries series(options);
-  sonopose::test::write_text(folder / "run_001.mcap", "of somebody else");
+  for (std::uint64_t i = 1; i <= 3; ++i) {
+    series.write(chunk_of(1, i * second, command_cdr(7, i)), {});
+    series.finish("stopped", {});
+  }
+  CHECK(series.files() ==
+        std::vector{folder / "run_001.mcap", folder / "run_004.mcap", folder / "run_005.mcap"});
+  CHECK(metadata_of(folder / "run_004.mcap", "sonopose.recording")["file_index"] == "2");
+}
+
+TEST_CASE("A recording that fails before its first message leaves no file") {
+  const TemporaryFolder folder;
+  const auto part = folder / "run.mcap.part";
+  SECTION("without a message") {
+    FileSeries(options_for(folder / "run.mcap")).open();
+    CHECK_FALSE(exists(part));
+  }
+  SECTION("but messages are kept") {
+    FileSeries(options_for(folder / "run.mcap")).write(chunk_of(1, 1, command_cdr(7, 1)), {});
+    CHECK(exists(part));
+  }
+}
+
+TEST_CASE("A file that cannot begin loses its messages, and counts them") {
+  const TemporaryFolder folder;
+  FileSeries series(options_for(folder / "run.mcap"));
+  sonopose::test::write_text(folder / "run.mcap", "of somebody else");
   CHECK_THROWS_AS(series.write(chunk_of(1, 1, command_cdr(7, 1)), {}), files::IoError);
   CHECK(series.lost_disk() == 1);
   CHECK(series.message_count() == 0);

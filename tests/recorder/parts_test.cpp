@@ -60,7 +60,13 @@ TEST_CASE("The last seconds in memory") {
   constexpr std::uint64_t second = 1'000'000'000;
   SECTION("older ones are dropped") {
     LastSeconds last(3 * second, 1U << 20U);
-    for (std::uint64_t t = 1; t <= 10; ++t) last.add(chunk_at(t * second));
+    std::vector<std::uint64_t> dropped;
+    for (std::uint64_t t = 1; t <= 10; ++t) {
+      for (const auto& chunk : last.add(chunk_at(t * second))) {
+        dropped.push_back(chunk.log_times().start_ns / second);
+      }
+    }
+    CHECK(dropped == std::vector<std::uint64_t>{1, 2, 3, 4, 5, 6});
     REQUIRE(last.chunks().size() == 4);
     CHECK(last.chunks().front().log_times().start_ns == 7 * second);
     CHECK_FALSE(last.is_short());

@@ -160,14 +160,14 @@ SCENARIO("a recording has every message that a consumer gets beside it") {
         });
         REQUIRE(of_beacon != metadata.end());
         CHECK(of_beacon->values.at("heading.mount_offset_deg") == "90");
-        CHECK_FALSE(of_beacon->values.contains("fusion.engine"));
+        CHECK(of_beacon->values.at("fusion.engine") == "kalman");
         const auto end = metadata_of(file, "sonopose.recording_end");
         CHECK(end.at("reason") == "stopped");
         CHECK(end.at("received") == std::to_string(messages.size()));
         CHECK(end.at("recorded") == end.at("received"));
-        CHECK(end.at("lost_bus") == "0");
+        CHECK(end.at("lost_dds") == "0");
         CHECK_THAT(record->text(Stream::output),
-                   Contains("lost: 0 by a full queue, 0 by the disk, 0 on the bus"));
+                   Contains("lost: 0 by a full queue, 0 by the disk, 0 by DDS"));
       }
     }
   }
@@ -184,7 +184,8 @@ SCENARIO("topics and beacons are selected, and what is not ours is named") {
     const auto record = start_recording(
         bus, file,
         {"--topics", "imu,fix,heading", "--exclude", "heading", "--beacons", "8", "--compression", "zstd"});
-    WHEN("two beacons are published") {
+    WHEN("two beacons are published, and a signal comes that has no use here") {
+      record->send(SIGUSR1);
       REQUIRE(record->wait_for_line(Stream::error, "not recorded: rt/other (sonopose::ResetCommand)"));
       REQUIRE(bus.bridge({"--duration", "2", "--rate", "2", "--beacons", "2"})->wait_for_exit() == 0);
       REQUIRE(record->end_by(SIGTERM).code == 0);
@@ -196,7 +197,7 @@ SCENARIO("topics and beacons are selected, and what is not ours is named") {
         }
         CHECK(found == std::set<std::string>{"sonopose/fix 8", "sonopose/imu 8"});
         CHECK_THAT(metadata_of(file, "sonopose.recording_end").at("not_recorded"),
-                   Contains("rt/other (1 writers)"));
+                   Contains("rt/other (1 writer)"));
         CHECK_THAT(record->text(Stream::output), Contains("not recorded: rt/other (1 writer)"));
       }
     }
@@ -301,9 +302,10 @@ SCENARIO("a recording goes on in further files") {
 }
 
 SCENARIO("the last seconds are written when something has happened") {
-  GIVEN("a recorder that keeps two seconds, and a bridge") {
+  GIVEN("a recorder that keeps two seconds, a fusion, and a bridge") {
     const Bus bus;
     const TemporaryFolder folder;
+    const auto fusion = bus.fusion();
     const auto record =
         start_recording(bus, folder / "run.mcap", {"--keep-last", "2", "--trigger-topic", "reset"});
     const auto bridge = bus.bridge({});
@@ -326,7 +328,10 @@ SCENARIO("the last seconds are written when something has happened") {
         const auto second = messages_of(folder / "run_002.mcap");
         const auto span_ns = first.back().log_time_ns - first.front().log_time_ns;
         CHECK(span_ns > 1'500'000'000);
-        CHECK(span_ns < 2'700'000'000);  // to the next chunk
+        CHECK(span_ns < 2'700'000'000);                             // to the next chunk
+        CHECK_FALSE(of_topic(first, "sonopose/settings").empty());  // they came before
+        CHECK_FALSE(metadata_of(folder / "run_001.mcap", "sonopose.settings").empty());
+        CHECK_FALSE(of_topic(second, "sonopose/settings").empty());
         CHECK(first.back().log_time_ns <= second.front().log_time_ns);
         CHECK_FALSE(of_topic(second, "sonopose/reset").empty());
         CHECK(metadata_of(folder / "run_001.mcap", "sonopose.recording_end").at("trigger") == "a signal");
@@ -396,6 +401,9 @@ SCENARIO("a recording that cannot begin is refused") {
     CHECK(result.code.value_or(0) > 0);
     return result.error;
   };
+  write_text(folder / "run_ros2.mcap", "of somebody else");
+  CHECK_THAT(refused({file, "--ros2"}), Contains("run_ros2.mcap: exists; a recording is not overwritten"));
+  CHECK_FALSE(exists(folder / "run.mcap.part"));
   write_text(file, "of somebody else");
   CHECK_THAT(refused({file}), Contains(file + ": exists; a recording is not overwritten"));
   CHECK(read_text(file) == "of somebody else");

@@ -124,13 +124,18 @@ ReturnCode DataReader<Serialized>::Batch::take(dds_entity_t reader) noexcept {
   return dds_takecdr(reader, samples.data(), capacity, infos.data(), DDS_ANY_STATE);
 }
 
-bool DataReader<Serialized>::is_last_of_instance(const Batch& batch, std::size_t index,
-                                                 ReturnCode taken) noexcept {
-  const auto first = batch.infos.begin() + static_cast<std::ptrdiff_t>(index) + 1;
-  const auto end = batch.infos.begin() + taken;
-  return std::none_of(first, end, [&](const dds_sample_info_t& later) {
-    return later.instance_handle == batch.infos[index].instance_handle;
+bool DataReader<Serialized>::Batch::is_last_of_instance(std::size_t index, ReturnCode taken) const noexcept {
+  const auto* const first = infos.begin() + static_cast<std::ptrdiff_t>(index) + 1;
+  return std::none_of(first, infos.begin() + taken, [&](const dds_sample_info_t& later) {
+    return later.instance_handle == infos[index].instance_handle;
   });
+}
+
+bool DataReader<Serialized>::Batch::has_end_of(dds_instance_handle_t instance,
+                                               ReturnCode taken) const noexcept {
+  return taken > 0 && std::any_of(infos.begin(), infos.begin() + taken, [&](const dds_sample_info_t& info) {
+           return info.instance_handle == instance && info.instance_state != DDS_IST_ALIVE;
+         });
 }
 
 SubscriptionMatchedStatus DataReader<Serialized>::subscription_matched_status() {

@@ -124,6 +124,12 @@ bool is_latched_of(const qos::Provider& qos) {
 }
 
 template <std::size_t I>
+bool is_exclusive_of(const qos::Provider& qos) {
+  const auto ownership = qos.datareader_qos(std::get<I>(all).profile).template policy<policy::Ownership>();
+  return ownership.value_or(policy::Ownership{}).kind == policy::OwnershipKind::exclusive;
+}
+
+template <std::size_t I>
 SerializedTopic row() {
   constexpr auto entry = std::get<I>(all);
   using T = typename decltype(entry)::Type;
@@ -139,7 +145,8 @@ SerializedTopic row() {
           .make_writer = make_writer_of<I>,
           .shift_times = shift_times_of<I>,
           .key_fields = key_fields_of<I>,
-          .is_latched = is_latched_of<I>};
+          .is_latched = is_latched_of<I>,
+          .is_exclusive = is_exclusive_of<I>};
 }
 
 template <std::size_t... I>

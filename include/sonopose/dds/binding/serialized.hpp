@@ -84,24 +84,33 @@ public:
   ReturnCode try_take_each(OnSample&& on_sample, OnEnd&& on_end) {
     ReturnCode total = 0;
     ReturnCode taken = Batch::capacity;
+    HeldEnd held;
     while (taken == Batch::capacity) {
       Batch batch;
       taken = batch.take(handle());
+      if (held.is_set && !batch.has_end_of(held.info.instance_handle, taken)) {
+        on_end(std::move(held.key), SampleInfo(held.info));
+      }
+      held.is_set = false;
       if (taken <= 0) return taken < 0 ? taken : total;
       for (std::size_t i = 0; i < static_cast<std::size_t>(taken); ++i) {
         SerializedSample sample(std::exchange(batch.samples[i], nullptr));
         const SampleInfo info(batch.infos[i]);
         if (!info.valid()) {
-          on_end(std::move(sample), info);
+          if (!info.alive()) on_end(std::move(sample), info);
           continue;
         }
         // An end that meets samples which nobody has taken yet has no sample of its own: the last of them
         // tells it.
-        const bool ended =
-            !info.alive() && batch.infos[i].sample_rank == 0 && is_last_of_instance(batch, i, taken);
+        const bool ended = !info.alive() && batch.is_last_of_instance(i, taken);
         SerializedSample key = ended ? sample.key() : SerializedSample();
         on_sample(std::move(sample), info);
-        if (ended) on_end(std::move(key), info);
+        if (!ended) continue;
+        if (i + 1 == batch.infos.size()) {  // the next batch can have more of this instance
+          held = {true, std::move(key), batch.infos[i]};
+        } else {
+          on_end(std::move(key), info);
+        }
       }
       total += taken;
     }
@@ -125,14 +134,22 @@ private:
     Batch& operator=(Batch&&) = delete;
     ~Batch();
     ReturnCode take(dds_entity_t reader) noexcept;
+    /// Whether no later sample of the batch is of the same instance.
+    [[nodiscard]] bool is_last_of_instance(std::size_t index, ReturnCode taken) const noexcept;
+    /// Whether it tells the end of the instance.
+    [[nodiscard]] bool has_end_of(dds_instance_handle_t instance, ReturnCode taken) const noexcept;
 
     std::array<ddsi_serdata*, capacity> samples{};
     std::array<dds_sample_info_t, capacity>
         infos;  // NOLINT(*-member-init): dds_takecdr fills in what is used
   };
 
-  /// Whether no later sample of the batch is of the same instance.
-  static bool is_last_of_instance(const Batch& batch, std::size_t index, ReturnCode taken) noexcept;
+  /// The end of the instance of the last sample of a full batch.
+  struct HeldEnd {
+    bool is_set = false;
+    SerializedSample key;
+    dds_sample_info_t info{};
+  };
 };
 
 using SerializedReader = DataReader<Serialized>;

@@ -46,6 +46,8 @@ struct SerializedTopic {
   std::vector<KeyField> (*key_fields)(std::span<const std::byte> key);
   /// Whether a late reader receives the latest sample of each instance.
   bool (*is_latched)(const qos::Provider& qos);
+  /// Whether only the strongest writer of an instance is heard.
+  bool (*is_exclusive)(const qos::Provider& qos);
 };
 
 /// All of them, in the order of the diagram.

@@ -1,0 +1,90 @@
+#include "recorder/write_thread.hpp"
+
+#include "files/error.hpp"
+#include "recorder/messages.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+
+namespace sonopose::recorder::test::write_thread_test {
+
+using sonopose::test::TemporaryFolder;
+
+constexpr std::int64_t second = 1'000'000'000;
+constexpr std::uint16_t settings_channel = 1;
+constexpr std::uint16_t reset_channel = 2;
+
+SeriesOptions options_for(const std::filesystem::path& file) {
+  return {.file = file,
+          .writer = {.compression = mcap::Compression::none},
+          .channels = {{"sonopose/settings", "cdr", "sonopose::EffectiveSettings", "omgidl", "idl", {}, true},
+                       {"sonopose/reset", "cdr", "sonopose::ResetCommand", "omgidl", "idl"}},
+          .about = {}};
+}
+
+mcap::Chunk chunk_of(std::uint16_t channel_id, std::int64_t log_time_ns, const std::vector<std::byte>& data) {
+  mcap::Chunk chunk;
+  const auto time_ns = static_cast<std::uint64_t>(log_time_ns);
+  chunk.add({channel_id, 1, time_ns, time_ns, data});
+  return chunk;
+}
+
+/// The last two seconds of five, with settings in the first one.
+LastSeconds last_seconds(FileSeries& series) {
+  LastSeconds last(2 * second, 1U << 20U);
+  last.add(chunk_of(settings_channel, 1 * second, command_cdr(7, 1)));
+  for (int t = 2; t <= 5; ++t) {
+    for (const auto& dropped : last.add(chunk_of(reset_channel, t * second, command_cdr(7, 2)))) {
+      series.remember(dropped);
+    }
+  }
+  return last;
+}
+
+SCENARIO("what is kept in memory is written by a trigger") {
+  GIVEN("the last seconds in memory") {
+    const TemporaryFolder folder;
+    const auto file = folder / "run.mcap";
+    ChunkQueue queue(1U << 20U);
+    FileSeries series(options_for(file));
+    Trigger trigger;
+    process::Wakeup failed;
+    WriteThread thread({.queue = queue,
+                        .series = series,
+                        .trigger = trigger,
+                        .counts = [] { return TapCounts{}; },
+                        .last = last_seconds(series),
+                        .failed = failed});
+    thread.start();
+    const auto trigger_and_finish = [&] {
+      REQUIRE(queue.add({reset_channel, 9, 6 * second, 6 * second, command_cdr(7, 9)}));
+      trigger.fire(TriggerCause::topic);
+      thread.finish();
+    };
+    WHEN("the disk takes them") {
+      trigger_and_finish();
+      THEN("the file begins with the settings from before them, and has what fired the trigger") {
+        CHECK_FALSE(thread.failure());
+        const auto messages = messages_of(file);
+        REQUIRE(messages.size() == 4);
+        CHECK(messages.front().topic == "sonopose/settings");
+        CHECK(messages.front().log_time_ns == messages.at(1).log_time_ns);
+        CHECK(messages.front().publish_time_ns == 1 * second);
+        CHECK(messages.back().sequence == 9);
+        CHECK(series.lost_disk() == 0);
+      }
+    }
+    WHEN("no file can begin") {
+      sonopose::test::write_text(file, "of somebody else");
+      trigger_and_finish();
+      THEN("all of them are counted as lost") {
+        REQUIRE(thread.failure());
+        CHECK_THROWS_AS(std::rethrow_exception(thread.failure()), files::IoError);
+        CHECK(series.lost_disk() == 3);
+        CHECK(series.message_count() == 0);
+      }
+    }
+  }
+}
+
+}  // namespace sonopose::recorder::test::write_thread_test
