@@ -4,6 +4,7 @@
 #include "bridge/beacon_recorder.hpp"
 #include "bridge/deadline_count.hpp"
 #include "bridge/other_bridges.hpp"
+#include "bridge/stationary_map.hpp"
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
 #include "process/endpoint_counters.hpp"
@@ -56,6 +57,7 @@ public:
   void on(const Event& event) override;
   void on(const TruthSample& truth) override;
   void on(const BeaconStatus& status) override;
+  void on(const StationaryBeacon& beacon) override;
   void on_gone(BeaconAddress address) override;
   void on(const LineStatus& status) override;
   void flush() override;
@@ -122,6 +124,7 @@ private:
   dds::DataWriter<sonopose_TruthSample> truth_writer_;
   dds::DataWriter<sonopose_BeaconStatus> status_writer_;
   dds::DataWriter<sonopose_LineStatus> line_writer_;
+  dds::DataWriter<sonopose_StationaryBeacon> stationary_writer_;
   OtherBridges others_;
   std::optional<BeaconRecorder> recorder_;
   std::optional<BackgroundWriter<Recorded>> recording_;  ///< after the recorder that it uses
@@ -129,6 +132,7 @@ private:
   std::map<BeaconAddress, std::uint64_t> next_sequences_;  ///< of beacons that are gone, for their return
   std::uint64_t id_ = process::random_id();
   std::map<std::string, LineStatus> lines_;
+  StationaryMap map_;
   SteadyTime status_due_;
   SteadyTime status_last_;
   std::uint64_t unwritten_ = 0;
@@ -151,12 +155,16 @@ BridgeNode::Publisher::Publisher(const BridgeOptions& options)
   truth_writer_ = dds::topics::make_writer(participant_, qos_, topics::truth);
   status_writer_ = dds::topics::make_writer(participant_, qos_, topics::beacon_status);
   line_writer_ = dds::topics::make_writer(participant_, qos_, topics::line_status);
+  stationary_writer_ = dds::topics::make_writer(participant_, qos_, topics::stationary_beacon);
   if (options.record_folder) start_recording(options);
 }
 
 BridgeNode::Publisher::~Publisher() {
   for (const auto& entry : beacons_) unregister(entry.first);
   for (const auto& entry : lines_) line_writer_.try_unregister_instance(dds::topics::to_idl(entry.second));
+  for (const auto& entry : map_.beacons()) {
+    stationary_writer_.try_unregister_instance(dds::topics::to_idl(entry.second));
+  }
 }
 
 /// Unregistered instances miss no deadlines at the readers. (A lossless writer would block here until its
@@ -195,6 +203,10 @@ void BridgeNode::Publisher::on(const TruthSample& truth) {
   beacon_of(truth.address);
   write(truth_writer_, dds::topics::to_idl(truth));
   if (recording_) record(truth);
+}
+
+void BridgeNode::Publisher::on(const StationaryBeacon& beacon) {
+  if (map_.update(beacon)) write(stationary_writer_, dds::topics::to_idl(beacon));
 }
 
 void BridgeNode::Publisher::start_recording(const BridgeOptions& options) {
@@ -280,6 +292,7 @@ void BridgeNode::Publisher::flush() {
   truth_writer_.flush();
   status_writer_.flush();
   line_writer_.flush();
+  stationary_writer_.flush();
 }
 
 BridgeNode::Publisher::Stream::Stream(const dds::Entity& writer)

@@ -11,6 +11,7 @@
 #include "files/error.hpp"
 #include "logging/log.hpp"
 #include "marvelmind/assembler.hpp"
+#include "marvelmind/conversions.hpp"
 #include "marvelmind/decoder.hpp"
 #include "process/free_memory.hpp"
 #include "transport/byte_file.hpp"
@@ -57,6 +58,15 @@ void pass_on(Event event, ImuMeaning imu_meaning, SampleSink& sink) {
   sink.on(event);
 }
 
+/// Passes on what is known of each stationary beacon; other packets have no effect.
+void pass_on_map(const marvelmind::Packet& packet, TimeNs received_ns, SampleSink& sink) {
+  const auto* const map = std::get_if<marvelmind::StationaryBeacons>(&packet);
+  if (map == nullptr) return;
+  for (const marvelmind::StationaryBeacon& beacon : map->beacons()) {
+    sink.on(marvelmind::to_stationary_beacon(beacon, received_ns));
+  }
+}
+
 /// A live line: `Decoder` finds the packets, and the assembler turns them into samples by their arrival
 /// times.
 template <class Decoder>
@@ -84,7 +94,10 @@ public:
         const auto got = std::span(buffer).first(read.size);
         bytes_received_ += read.size;
         decoder_.feed(got, [&](const marvelmind::Packet& packet) {
-          if (accepts(packet, read.sender)) assembler_.on(packet, clock_.at(read.arrival), publish);
+          if (!accepts(packet, read.sender)) return;
+          const TimeNs arrival_ns = clock_.at(read.arrival);
+          pass_on_map(packet, saturated_sum(arrival_ns, clock_.host_ahead_ns()), sink);
+          assembler_.on(packet, arrival_ns, publish);
         });
         if (capture_) capture_->append(got);
       } else if (read.status == ReadStatus::end || read.status == ReadStatus::stopped) {
@@ -228,7 +241,9 @@ public:
       check_address(packet);
       const TimeNs arrival_ns = assembler_.replay_arrival_ns(packet, origin_ns);
       stopped = !pacer_.wait_for(arrival_ns, sink, stop);
-      if (!stopped) assembler_.on(packet, arrival_ns, publish);
+      if (stopped) return;
+      pass_on_map(packet, arrival_ns, sink);
+      assembler_.on(packet, arrival_ns, publish);
       report_sometimes(sink);
     };
     Buffer buffer;

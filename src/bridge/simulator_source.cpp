@@ -9,6 +9,7 @@
 #include "sim/scenario.hpp"
 #include "sim/simulator.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -66,6 +67,52 @@ sim::SensorSettings sensors_of(const SimulatorOptions& options, const sim::Scena
   return sensors;
 }
 
+/// Where the drawn map has its stationary beacons: those that the scenario models, otherwise one above each
+/// corner of the area that the beacons visit in their first minute.
+class SimulatedMap {
+public:
+  void add(const sim::Scenario& scenario, const sim::Simulator& simulator, const sim::Run& run) {
+    if (const auto& misplaced = scenario.disturbances.misplaced_beacon) {
+      positions_world_m_ = misplaced->beacons_world_m;
+      positions_world_m_.at(misplaced->misplaced) += misplaced->map_error_m;
+    }
+    constexpr int seconds = 60;
+    for (int s = 0; s <= seconds; ++s) {
+      area_.extend(simulator.motion_at(run.start_time_ns + to_ns(s)).position_world_m);
+    }
+    last_address_ = std::max(last_address_, run.address);
+  }
+
+  /// Their addresses follow those of the mobile beacons.
+  [[nodiscard]] std::vector<StationaryBeacon> beacons(TimeNs time_ns) const {
+    std::vector<StationaryBeacon> beacons;
+    for (const Vector3d& position_world_m : positions_world_m_.empty() ? corners() : positions_world_m_) {
+      StationaryBeacon beacon;
+      beacon.address = static_cast<BeaconAddress>(last_address_ + 1 + beacons.size());
+      beacon.time_ns = time_ns;
+      beacon.position_world_m = position_world_m;
+      beacons.push_back(beacon);
+    }
+    return beacons;
+  }
+
+private:
+  [[nodiscard]] std::vector<Vector3d> corners() const {
+    constexpr double margin_m = 1.0;
+    constexpr double above_m = 2.0;
+    const Vector3d low = area_.min() - Vector3d::Constant(margin_m);
+    const Vector3d high = area_.max() + Vector3d(margin_m, margin_m, above_m);
+    return {{low.x(), low.y(), high.z()},
+            {high.x(), low.y(), high.z()},
+            {high.x(), high.y(), high.z()},
+            {low.x(), high.y(), high.z()}};
+  }
+
+  std::vector<Vector3d> positions_world_m_;
+  Eigen::AlignedBox3d area_;
+  BeaconAddress last_address_ = 0;
+};
+
 /// One beacon and its next step.
 struct SimulatedBeacon {
   SimulatedBeacon(const sim::Scenario& scenario, const sim::SensorSettings& sensors, const sim::Run& run)
@@ -92,6 +139,7 @@ public:
                          .duration_s = options.duration_s > 0 ? options.duration_s : endless_s};
       const sim::Scenario drawn = sim::drawn(scenario, run);
       beacons_.emplace_back(drawn, sensors_of(options, drawn), run);
+      map_.add(drawn, beacons_.back().simulator, run);
       push(i);
     }
   }
@@ -109,6 +157,8 @@ public:
     push(index);
   }
 
+  [[nodiscard]] const SimulatedMap& map() const { return map_; }
+
 private:
   struct Waiting {
     TimeNs available_ns;
@@ -123,6 +173,7 @@ private:
   }
 
   std::vector<SimulatedBeacon> beacons_;
+  SimulatedMap map_;
   std::vector<Waiting> waiting_;  ///< a heap, earliest first; without beacons that have ended
 };
 
@@ -139,6 +190,7 @@ public:
   void run(SampleSink& sink, const process::StopSignal& stop) override {
     // Shift the run to start now, after the set-up: at rate 1 each sample then appears at its own stamp.
     const TimeNs shift_ns = clocks::host_now() - simulated_start_ns;
+    for (const StationaryBeacon& beacon : beacons_.map().beacons(clocks::host_now())) sink.on(beacon);
     for (const sim::Step* step = beacons_.front(); step != nullptr; step = beacons_.front()) {
       if (!pacer_.wait_for(available_at_ns(step->event), sink, stop)) return;
       if (step->truth) sink.on(shifted(*step->truth, shift_ns));

@@ -25,6 +25,9 @@ public:
   /// What the source knows about a beacon; the sink fills in rates and other bridges.
   virtual void on(const BeaconStatus& status) = 0;
 
+  /// A stationary beacon of the map, each time that the hardware sends it.
+  virtual void on(const StationaryBeacon& /*beacon*/) {}
+
   /// Nothing comes from this beacon any more: the sink ends its streams until it returns. Only live lines say
   /// so, because a recording may contain any silence.
   virtual void on_gone(BeaconAddress /*address*/) {}

@@ -100,6 +100,14 @@ PairHeading to_heading(const Position& position, TimeNs emission_time_ns, TimeNs
   return heading;
 }
 
+sonopose::StationaryBeacon to_stationary_beacon(const StationaryBeacon& beacon, TimeNs received_time_ns) {
+  sonopose::StationaryBeacon sample;
+  sample.address = beacon.address;
+  sample.time_ns = received_time_ns;
+  if (beacon.location_available) sample.position_world_m = to_vector(beacon.xyz_mm) * m_per_mm;
+  return sample;
+}
+
 RawImu to_raw_imu(const ImuSample& sample, const Stamp& time) {
   RawImu imu;
   imu.address = static_cast<std::uint8_t>(sample.address);

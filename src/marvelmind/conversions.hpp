@@ -26,6 +26,9 @@ UltrasonicFix to_fix(const Position& position, TimeNs emission_time_ns, TimeNs r
 /// Not valid if the beacon says "not applicable" or more than 360°.
 PairHeading to_heading(const Position& position, TimeNs emission_time_ns, TimeNs received_time_ns);
 
+/// Without a position if the map does not have one.
+sonopose::StationaryBeacon to_stationary_beacon(const StationaryBeacon& beacon, TimeNs received_time_ns);
+
 /// `time`: the sample's, in the beacon's clock.
 RawImu to_raw_imu(const ImuSample& sample, const Stamp& time);
 

@@ -77,6 +77,33 @@ CollectingSink& played(CollectingSink& sink, const BeaconFile& file, double rate
   return sink;
 }
 
+SCENARIO("the map in a file of a beacon's bytes is passed on") {
+  GIVEN("a map with beacon 2 at (1, 2, 3) m and beacon 3 without a position, between samples") {
+    const TemporaryFolder folder;
+    StationaryBeacons map;
+    map.count = 2;
+    map.items[0] = {.address = 2, .xyz_mm = {1000, 2000, 3000}};
+    map.items[1] = {.address = 3, .xyz_mm = {}, .location_available = false};
+    BeaconFile file(folder.path() / "beacon.bin");
+    file << imu_at(1000) << map << imu_at(1010);
+    CollectingSink sink;
+    const TimeNs before_ns = clocks::host_now();
+    played(sink, file);
+    THEN("both are known, and the position of the first") {
+      REQUIRE(sink.stationary.size() == 2);
+      CHECK(sink.stationary[0].address == 2);
+      REQUIRE(sink.stationary[0].position_world_m);
+      CHECK(sink.stationary[0].position_world_m->isApprox(Vector3d(1, 2, 3)));
+      CHECK(sink.stationary[0].time_ns >= before_ns);
+      CHECK(sink.stationary[1].address == 3);
+      CHECK_FALSE(sink.stationary[1].position_world_m);
+    }
+    THEN("the samples around it are there") {
+      CHECK(sink.of_kind<ImuSample>().size() == 2);
+    }
+  }
+}
+
 SCENARIO("a file of a beacon's bytes is played as samples") {
   const TemporaryFolder folder;
   BeaconFile file(folder / "bytes.bin");

@@ -16,6 +16,7 @@ public:
   }
   void on(const TruthSample& sample) override { truth.push_back(sample); }
   void on(const BeaconStatus& status) override { statuses.push_back(status); }
+  void on(const StationaryBeacon& beacon) override { stationary.push_back(beacon); }
   void on(const LineStatus& status) override { lines.push_back(status); }
   void tick() override { ++ticks; }
 
@@ -33,6 +34,7 @@ public:
   std::vector<TruthSample> truth;
   std::vector<BeaconStatus> statuses;
   std::vector<LineStatus> lines;
+  std::vector<StationaryBeacon> stationary;
   int ticks = 0;
   process::StopSignal* stop = nullptr;  ///< requested at event number `stop_after`
   std::size_t stop_after = 0;

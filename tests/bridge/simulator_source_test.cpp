@@ -89,6 +89,30 @@ SCENARIO("the simulator as a source") {
   }
 }
 
+SCENARIO("the simulator has a map of stationary beacons") {
+  CollectingSink sink;
+  const StopSignal stop;
+  GIVEN("a minute of two beacons that walk") {
+    SimulatorOptions options = simulator(60.0);
+    options.beacons = 2;
+    make_simulator_source(options)->run(sink, stop);
+    THEN("four stationary beacons surround the walk and are above it, with addresses of their own") {
+      REQUIRE(sink.stationary.size() == 4);
+      Eigen::AlignedBox3d corners;
+      for (const StationaryBeacon& beacon : sink.stationary) {
+        REQUIRE(beacon.position_world_m);
+        corners.extend(*beacon.position_world_m);
+        CHECK(beacon.address > 10);
+      }
+      for (const TruthSample& truth : sink.truth) {
+        REQUIRE((truth.position_world_m.head<2>().array() > corners.min().head<2>().array()).all());
+        REQUIRE((truth.position_world_m.head<2>().array() < corners.max().head<2>().array()).all());
+        REQUIRE(truth.position_world_m.z() < corners.min().z());
+      }
+    }
+  }
+}
+
 SCENARIO("the simulator as a source of several beacons") {
   CollectingSink sink;
   const StopSignal stop;

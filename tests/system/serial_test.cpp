@@ -1,5 +1,6 @@
 /// The serial path: bytes of a simulated beacon through a pseudo-terminal, with a disconnection.
 
+#include "marvelmind/encoder.hpp"
 #include "support/beacon_bytes.hpp"
 #include "support/bus.hpp"
 #include "support/pseudo_terminal.hpp"
@@ -142,6 +143,40 @@ SCENARIO("a serial line is visible on the bus before any beacon address is known
             run(SONOPOSE_TEST_DOCTOR, {"--domain", std::to_string(bus.domain_id()), "--duration", "0.5"});
         CHECK(doctor.code == 1);
         CHECK_THAT(doctor.output, Catch::Contains("line " + device.string() + ": 1000 bytes without"));
+      }
+    }
+  }
+}
+
+SCENARIO("the map that a beacon sends reaches consumers, also one that joins later") {
+  GIVEN("a bridge on a serial line") {
+    const Bus bus;
+    const PseudoTerminal line;
+    Consumer<sonopose_StationaryBeacon> map(bus, topics::stationary_beacon);
+    const auto bridge = bus.bridge({"--source", "serial", "--device", line.device()});
+    REQUIRE(bridge->wait_for_line(Stream::error, "reading"));
+    REQUIRE(map.wait_for_writers());
+    const auto is_at = [](double z_m) {
+      return [z_m](const StationaryBeacon& beacon) {
+        return beacon.address == 2 && beacon.position_world_m &&
+               beacon.position_world_m->isApprox(Vector3d(1, 2, z_m));
+      };
+    };
+    WHEN("a beacon sends a map with a beacon at (1, 2, 3) m, repeats it, and sends it with another place") {
+      marvelmind::StationaryBeacons sent;
+      sent.count = 1;
+      sent.items[0] = {.address = 2, .xyz_mm = {1000, 2000, 3000}};
+      line.send(marvelmind::encode(sent).bytes());
+      REQUIRE(map.wait_for(is_at(3.0)));
+      line.send(marvelmind::encode(sent).bytes());
+      sent.items[0].xyz_mm[2] = 2500;
+      line.send(marvelmind::encode(sent).bytes());
+      THEN("each place is published once, and a late consumer receives the latest") {
+        REQUIRE(map.wait_for(is_at(2.5)));
+        CHECK(map.samples.size() == 2);
+        Consumer<sonopose_StationaryBeacon> late(bus, topics::stationary_beacon);
+        REQUIRE(late.wait_for(is_at(2.5)));
+        CHECK(late.samples.size() == 1);
       }
     }
   }

@@ -30,7 +30,7 @@ inline constexpr Entry<sonopose_PairHeading> heading{"sonopose/heading", "sonopo
 /// wheel odometry and the like → fusion: reserved
 inline constexpr Entry<sonopose_TwistSample> twist{"sonopose/twist", "sonopose::Twist",
                                                    "sonopose::LosslessTwist"};
-/// bridge → consumers: reserved
+/// bridge → consumers
 inline constexpr Entry<sonopose_StationaryBeacon> stationary_beacon{
     "sonopose/stationary_beacon", "sonopose::StationaryBeacon", "sonopose::StationaryBeacon"};
 /// fusion → consumers
