@@ -50,6 +50,9 @@ void print(const recorder::RecorderReport& report) {
              files.empty() ? "no file" : fmt::format("{}", fmt::join(files, ", ")));
   fmt::print("lost: {} by a full queue, {} by the disk, {} by DDS\n", report.counts.lost_queue,
              report.lost_disk, report.counts.lost_dds);
+  if (report.counts.events_missing > 0) {
+    fmt::print("missing: {} inputs of beacons, by their numbers\n", report.counts.events_missing);
+  }
   for (const auto& [topic, writers] : report.foreign_topics) {
     fmt::print("not recorded: {} ({} {})\n", topic, writers, writers == 1 ? "writer" : "writers");
   }
@@ -77,6 +80,9 @@ int serve(Options& options, const std::string& command) {
   return report.is_complete() ? 0 : 1;
 }
 
+/// Of a file, and of memory: a second of several beacons.
+constexpr double least_bytes = 1e6;
+
 void add_file_options(CLI::App& app, recorder::RecorderOptions& options) {
   const std::map<std::string, mcap::Compression> compressions{
       {"none", mcap::Compression::none}, {"lz4", mcap::Compression::lz4}, {"zstd", mcap::Compression::zstd}};
@@ -86,6 +92,7 @@ void add_file_options(CLI::App& app, recorder::RecorderOptions& options) {
   app.add_option("--max-size", options.max_size_bytes,
                  "Begin another file before one is larger, such as 500MB")
       ->transform(CLI::AsSizeValue(true))
+      ->check(apps::number_between(least_bytes))
       ->type_name("SIZE");
   app.add_option("--max-duration", options.max_duration_s, "Begin another file after this many seconds")
       ->check(apps::number_between(1.0, 1e9))
@@ -101,6 +108,7 @@ void add_last_options(CLI::App& app, recorder::RecorderOptions& options) {
           ->excludes(app.get_option("--ros2"));
   app.add_option("--keep-memory", options.keep_bytes, "The memory for --keep-last [256MB]")
       ->transform(CLI::AsSizeValue(true))
+      ->check(apps::number_between(least_bytes))
       ->type_name("SIZE")
       ->needs(keep);
   app.add_option("--trigger-topic", options.trigger_topic,

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 #include <map>
 #include <stdexcept>
@@ -24,15 +25,17 @@ std::uint16_t channel_id_of(const std::vector<ChannelSpec>& channels, std::strin
 }
 
 LatchedSamples latched_samples(const std::vector<ChannelSpec>& channels) {
-  std::map<std::uint16_t, std::string> topics;
+  std::map<std::uint16_t, const dds::topics::SerializedTopic*> topics;
   for (const ChannelSpec& channel : channels) {
-    if (channel.is_latched) topics[channel_id_of(channels, channel.topic)] = channel.topic;
+    const auto* const topic = channel.is_latched ? dds::topics::find_topic(channel.topic) : nullptr;
+    if (topic != nullptr) topics[channel_id_of(channels, channel.topic)] = topic;
   }
   return {std::move(topics), channel_id_of(channels, instance_ends_topic)};
 }
 
 TapCounts difference(const TapCounts& now, const TapCounts& before) {
-  return {now.received - before.received, now.lost_queue - before.lost_queue, now.lost_dds - before.lost_dds};
+  return {now.received - before.received, now.lost_queue - before.lost_queue, now.lost_dds - before.lost_dds,
+          now.events_missing - std::min(now.events_missing, before.events_missing)};  // one may arrive late
 }
 
 }  // namespace
@@ -71,6 +74,12 @@ std::filesystem::path FileSeries::part() const {
   return current_ ? current_->name.part() : file_of(next_number()) += ".part";
 }
 
+std::array<std::uint16_t, 3> FileSeries::input_channel_ids() const {
+  const std::lock_guard lock(mutex_);
+  return {channel_id_of(options_.channels, "sonopose/imu"), channel_id_of(options_.channels, "sonopose/fix"),
+          channel_id_of(options_.channels, "sonopose/heading")};
+}
+
 void FileSeries::open() {
   const std::lock_guard lock(mutex_);
   begin_file();
@@ -103,49 +112,50 @@ void FileSeries::begin_file() {
   mcap::TextMap about = options_.about;
   about["file_index"] = std::to_string(files_.size() + 1);
   writer.write_metadata({"sonopose.recording", about});
-  first_log_time_ns_ = 0;
+  began_.reset();
+  repeated_ = 0;
   settings_.clear();
 }
 
-void FileSeries::write(const mcap::Chunk& chunk, const TapCounts& counts) {
+void FileSeries::write(const mcap::Chunk& chunk, const Taken& taken, const TapCounts& counts) {
   const std::lock_guard lock(mutex_);
   if (chunk.is_empty()) return;
   try {
-    prepare_for(chunk);
+    prepare_for(chunk, taken);
   } catch (const files::IoError&) {
     lost_ += chunk.message_count();
     throw;
   }
-  if (first_log_time_ns_ == 0) first_log_time_ns_ = chunk.log_times().start_ns;
+  if (!began_) began_ = taken.begin;
   write_chunk(chunk);
   latched_.on(chunk);
   write_losses(counts);
 }
 
-void FileSeries::prepare_for(const mcap::Chunk& chunk) {
-  if (current_ && is_full_for(chunk))
+void FileSeries::prepare_for(const mcap::Chunk& chunk, const Taken& taken) {
+  if (current_ && is_full_for(chunk, taken))
     end_file(options_.max_size_bytes > 0 ? "size" : "duration", counts_reported_, {});
   if (current_) return;
   begin_file();
   write_latched(chunk);
 }
 
-bool FileSeries::is_full_for(const mcap::Chunk& chunk) const {
-  if (first_log_time_ns_ == 0) return false;
+bool FileSeries::is_full_for(const mcap::Chunk& chunk, const Taken& taken) const {
+  if (!began_) return false;
   const mcap::Writer& writer = current_->writer;
   const bool too_large =
       options_.max_size_bytes > 0 &&
       writer.bytes_written() + writer.closing_bytes() + chunk.records().size() > options_.max_size_bytes;
-  const bool too_long =
-      options_.max_duration_ns > 0 &&
-      chunk.log_times().end_ns > first_log_time_ns_ + static_cast<std::uint64_t>(options_.max_duration_ns);
+  const bool too_long = options_.max_duration_ns > 0 && taken.end - *began_ > options_.max_duration_ns;
   return too_large || too_long;
 }
 
 /// Those from before this file, at its start.
 void FileSeries::write_latched(const mcap::Chunk& before) {
   const mcap::Chunk latched = latched_.chunk_at(before.log_times().start_ns);
-  if (!latched.is_empty()) write_chunk(latched);
+  if (latched.is_empty()) return;
+  repeated_ = latched.message_count();
+  write_chunk(latched);
 }
 
 void FileSeries::write_chunk(const mcap::Chunk& chunk) {
@@ -156,12 +166,15 @@ void FileSeries::write_chunk(const mcap::Chunk& chunk) {
 /// So a file that was cut tells its losses up to then.
 void FileSeries::write_losses(const TapCounts& counts) {
   const TapCounts last = std::exchange(counts_reported_, counts);
-  if (last.lost_queue == counts.lost_queue && last.lost_dds == counts.lost_dds) return;
+  const TapCounts new_counts = difference(counts, last);
+  if (new_counts.lost_queue == 0 && new_counts.lost_dds == 0 && new_counts.events_missing == 0) return;
+  const TapCounts own = difference(counts, counts_at_start_);
   current_->writer.write_metadata(
       {"sonopose.losses",
        {{"log_time_ns", std::to_string(current_->writer.statistics().log_times.end_ns)},
-        {"lost_queue", std::to_string(counts.lost_queue - counts_at_start_.lost_queue)},
-        {"lost_dds", std::to_string(counts.lost_dds - counts_at_start_.lost_dds)}}});
+        {"lost_queue", std::to_string(own.lost_queue)},
+        {"lost_dds", std::to_string(own.lost_dds)},
+        {"events_missing", std::to_string(own.events_missing)}}});
 }
 
 void FileSeries::finish(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more) {
@@ -176,11 +189,16 @@ void FileSeries::end_file(const std::string& reason, const TapCounts& counts, co
   counts_reported_ = counts;
   mcap::TextMap end = more;
   end["reason"] = reason;
-  end["received"] = std::to_string(own.received);
-  end["recorded"] = std::to_string(writer.statistics().message_count);
+  const std::uint64_t recorded = writer.statistics().message_count - repeated_;
+  const std::uint64_t lost_disk = lost_now() - lost_at_start_;
+  // Not own.received: the queue has messages of the next file already.
+  end["received"] = std::to_string(recorded + own.lost_queue + lost_disk);
+  end["recorded"] = std::to_string(recorded);
+  end["repeated"] = std::to_string(repeated_);
   end["lost_queue"] = std::to_string(own.lost_queue);
-  end["lost_disk"] = std::to_string(lost_now() - lost_at_start_);
+  end["lost_disk"] = std::to_string(lost_disk);
   end["lost_dds"] = std::to_string(own.lost_dds);
+  end["events_missing"] = std::to_string(own.events_missing);
   std::exception_ptr failure;
   try {
     writer.write_last_metadata({"sonopose.recording_end", end});
@@ -192,7 +210,7 @@ void FileSeries::end_file(const std::string& reason, const TapCounts& counts, co
   } catch (const files::IoError&) {
     if (!failure) failure = std::current_exception();
   }
-  finished_messages_ += writer.statistics().message_count;
+  finished_messages_ += recorded;
   finished_bytes_ += writer.bytes_written();
   lost_ += writer.lost_messages();
   lost_at_start_ = lost_;
@@ -220,7 +238,7 @@ std::vector<std::filesystem::path> FileSeries::files() const {
 
 std::uint64_t FileSeries::message_count() const {
   const std::lock_guard lock(mutex_);
-  return finished_messages_ + (current_ ? current_->writer.statistics().message_count : 0);
+  return finished_messages_ + (current_ ? current_->writer.statistics().message_count - repeated_ : 0);
 }
 
 std::uint64_t FileSeries::byte_count() const {

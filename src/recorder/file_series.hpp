@@ -6,9 +6,11 @@
 #include "mcap/writer.hpp"
 #include "recorder/latched_samples.hpp"
 #include "recorder/settings_log.hpp"
+#include "recorder/taken.hpp"
 #include "recorder/topic_tap.hpp"
 #include "recording/part_file.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -27,7 +29,7 @@ struct ChannelSpec {
   std::string schema_encoding;
   std::string schema_data;
   mcap::TextMap metadata = {};
-  bool is_latched = false;  ///< each file begins with the latest message of each beacon
+  bool is_latched = false;  ///< a native topic: each file begins with the latest message of each instance
 };
 
 struct SeriesOptions {
@@ -37,7 +39,7 @@ struct SeriesOptions {
   mcap::TextMap about;                ///< of the recording; each file adds its number
   bool is_numbered = false;           ///< FILE_001, FILE_002, … instead of one file
   std::uint64_t max_size_bytes = 0;   ///< of a file; 0: no limit
-  std::int64_t max_duration_ns = 0;   ///< of a file, by the log time; 0: no limit
+  std::int64_t max_duration_ns = 0;   ///< of a file; 0: no limit
 };
 
 /// Everything may be called from any thread, and throws files::IoError.
@@ -54,10 +56,12 @@ public:
 
   /// Another channel of every file from now on: its id.
   std::uint16_t add_channel(ChannelSpec channel);
+  /// Those of imu, fix and heading; 0: not recorded. Called before any thread writes.
+  [[nodiscard]] std::array<std::uint16_t, 3> input_channel_ids() const;
   /// Begins a file, if there is none.
   void open();
   /// Writes the messages. If one file would be larger or longer than allowed, another one begins before.
-  void write(const mcap::Chunk& chunk, const TapCounts& counts);
+  void write(const mcap::Chunk& chunk, const Taken& taken, const TapCounts& counts);
   /// Remembers the latched samples of messages that are not written: the next file begins with them.
   void remember(const mcap::Chunk& chunk);
   /// Counts messages that are not written after an error.
@@ -65,7 +69,7 @@ public:
   /// Ends the current file, closes it, and gives it its name. `reason` is written to it.
   void finish(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more = {});
 
-  /// What was written to all files, with those that are still open.
+  /// What was written to all files, with those that are still open, but without what files repeat.
   [[nodiscard]] std::uint64_t message_count() const;
   [[nodiscard]] std::uint64_t byte_count() const;
   [[nodiscard]] std::uint64_t lost_disk() const;
@@ -92,8 +96,8 @@ private:
   [[nodiscard]] std::uint64_t lost_now() const;
   [[nodiscard]] std::filesystem::path file_of(std::size_t number) const;
   [[nodiscard]] std::size_t next_number() const;
-  void prepare_for(const mcap::Chunk& chunk);
-  [[nodiscard]] bool is_full_for(const mcap::Chunk& chunk) const;
+  void prepare_for(const mcap::Chunk& chunk, const Taken& taken);
+  [[nodiscard]] bool is_full_for(const mcap::Chunk& chunk, const Taken& taken) const;
   void write_latched(const mcap::Chunk& before);
   void write_chunk(const mcap::Chunk& chunk);
   void write_losses(const TapCounts& counts);
@@ -105,7 +109,8 @@ private:
   TapCounts counts_reported_;  ///< in its metadata
   LatchedSamples latched_;
   SettingsLog settings_;
-  std::uint64_t first_log_time_ns_ = 0;  ///< of the current file
+  std::optional<SteadyTime> began_;  ///< the current file, if it has a message
+  std::uint64_t repeated_ = 0;       ///< messages at its start that are from before
   std::vector<std::filesystem::path> files_;
   std::size_t last_number_ = 0;  ///< of the current file, or of the one before
   std::uint64_t finished_messages_ = 0;

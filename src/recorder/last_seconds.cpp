@@ -4,12 +4,11 @@
 
 namespace sonopose::recorder {
 
-std::vector<mcap::Chunk> LastSeconds::add(const mcap::Chunk& chunk) {
+std::vector<mcap::Chunk> LastSeconds::add(const mcap::Chunk& chunk, const Taken& taken) {
   std::vector<mcap::Chunk> dropped;
-  chunks_.push_back(chunk);  // a copy has no more memory than it needs
+  chunks_.push_back({chunk, taken});  // a copy has no more memory than it needs
   bytes_ += bytes_of(chunk);
-  const std::uint64_t end_ns = chunk.log_times().end_ns;
-  while (chunks_.front().log_times().end_ns + keep_ns_ < end_ns) dropped.push_back(take_first());
+  while (chunks_.front().taken.end + keep_ns_ < taken.end) dropped.push_back(take_first());
   while (bytes_ > most_bytes_ && chunks_.size() > 1) {
     dropped.push_back(take_first());
     is_short_ = true;
@@ -28,7 +27,7 @@ std::size_t LastSeconds::bytes_of(const mcap::Chunk& chunk) {
 }
 
 mcap::Chunk LastSeconds::take_first() {
-  mcap::Chunk first = std::move(chunks_.front());
+  mcap::Chunk first = std::move(chunks_.front().chunk);
   chunks_.pop_front();
   bytes_ -= bytes_of(first);
   return first;

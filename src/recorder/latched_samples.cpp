@@ -18,28 +18,32 @@ void LatchedSamples::on(const mcap::Chunk& chunk) {
   for (const mcap::Chunk::Entry& entry : chunk.entries()) {
     if (entry.channel_id == ends_channel_id_) {
       forget(text_of(message_at(chunk, entry).data));
-    } else if (topics_.contains(entry.channel_id)) {
+    } else if (const auto topic = topics_.find(entry.channel_id); topic != topics_.end()) {
       const mcap::Message message = message_at(chunk, entry);
-      const auto address = dds::topics::beacon_of(message.data);
-      if (!address) continue;
-      samples_[key_of(entry.channel_id, *address)] = {
+      samples_[key_of(entry.channel_id, *topic->second, message.data)] = {
           message.sequence, message.publish_time_ns, {message.data.begin(), message.data.end()}};
     }
   }
 }
 
+LatchedSamples::Key LatchedSamples::key_of(std::uint16_t channel_id,
+                                           const dds::topics::SerializedTopic& topic,
+                                           std::span<const std::byte> sample) {
+  const BeaconAddress address = topic.has_beacon ? dds::topics::beacon_of(sample).value_or(0) : 0;
+  return {channel_id, static_cast<BeaconAddress>(address - all_beacons), topic.key_fields(sample)};
+}
+
 void LatchedSamples::forget(std::string_view instance_end) {
   const InstanceEnd end = instance_end_of(instance_end);
-  const auto address = dds::topics::beacon_of(end.key_cdr);
   for (const auto& [channel_id, topic] : topics_) {
-    if (topic == end.topic && address) samples_.erase(key_of(channel_id, *address));
+    if (topic->name == end.topic) samples_.erase(key_of(channel_id, *topic, end.key_cdr));
   }
 }
 
 mcap::Chunk LatchedSamples::chunk_at(std::uint64_t log_time_ns) const {
   mcap::Chunk chunk;
   for (const auto& [key, sample] : samples_) {
-    chunk.add({.channel_id = key.first,
+    chunk.add({.channel_id = std::get<0>(key),
                .sequence = sample.sequence,
                .log_time_ns = log_time_ns,
                .publish_time_ns = sample.publish_time_ns,

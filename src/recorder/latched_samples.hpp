@@ -4,13 +4,15 @@
 /// them.
 
 #include "mcap/chunk.hpp"
+#include <sonopose/dds/topics/serialized_topics.hpp>
 #include <sonopose/samples/samples.hpp>
 
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <string>
+#include <span>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -18,8 +20,9 @@ namespace sonopose::recorder {
 
 class LatchedSamples {
 public:
-  /// The channels of such topics, whose key is the beacon; and the one of the ends of instances.
-  LatchedSamples(std::map<std::uint16_t, std::string> topics, std::uint16_t ends_channel_id)
+  /// The native topics of such channels; and the channel of the ends of instances.
+  LatchedSamples(std::map<std::uint16_t, const dds::topics::SerializedTopic*> topics,
+                 std::uint16_t ends_channel_id)
       : topics_(std::move(topics)), ends_channel_id_(ends_channel_id) {}
 
   /// Remembers what a chunk has of them, and forgets the instances that ended.
@@ -35,15 +38,15 @@ private:
     std::vector<std::byte> data;
   };
 
-  using Key = std::pair<std::uint16_t, BeaconAddress>;
+  using Fields = std::vector<dds::topics::KeyField>;
+  using Key = std::tuple<std::uint16_t, BeaconAddress, Fields>;
 
-  /// Of the channel and the beacon; those of all beacons come first.
-  static Key key_of(std::uint16_t channel_id, BeaconAddress address) {
-    return {channel_id, static_cast<BeaconAddress>(address - all_beacons)};
-  }
+  /// What is of all beacons comes first. `sample`: or only its key.
+  static Key key_of(std::uint16_t channel_id, const dds::topics::SerializedTopic& topic,
+                    std::span<const std::byte> sample);
   void forget(std::string_view instance_end);
 
-  std::map<std::uint16_t, std::string> topics_;
+  std::map<std::uint16_t, const dds::topics::SerializedTopic*> topics_;
   std::uint16_t ends_channel_id_;
   std::map<Key, Sample> samples_;
 };

@@ -10,9 +10,11 @@ Pipeline::Pipeline(Settings settings, Trigger& trigger, process::Wakeup& failed)
     : keeps_last_(settings.last.has_value()),
       queue_(settings.queue_bytes),
       series_(std::move(settings.series)),
+      gaps_(series_.input_channel_ids()),
       ends_channel_id_(settings.ends_channel_id),
       writing_({.queue = queue_,
                 .series = series_,
+                .gaps = gaps_,
                 .trigger = trigger,
                 .counts = [this] { return counts(); },
                 .last = std::move(settings.last),
@@ -39,6 +41,7 @@ TapCounts Pipeline::counts() const {
   const std::lock_guard lock(mutex_);
   TapCounts sum;
   for (const auto& tap : taps_) sum += tap->counts();
+  sum.events_missing = gaps_.missing();
   return sum;
 }
 

@@ -3,6 +3,7 @@
 /// From the readers of topics to the files of one recording.
 
 #include "recorder/chunk_queue.hpp"
+#include "recorder/event_gaps.hpp"
 #include "recorder/file_series.hpp"
 #include "recorder/topic_tap.hpp"
 #include "recorder/write_thread.hpp"
@@ -63,6 +64,7 @@ private:
   bool keeps_last_;
   ChunkQueue queue_;
   FileSeries series_;
+  EventGaps gaps_;  ///< of the writing thread
   std::uint16_t ends_channel_id_;
   std::atomic<std::uint32_t> ends_sequence_ = 0;
   mutable std::mutex mutex_;  // guards taps_

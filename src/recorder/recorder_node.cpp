@@ -48,7 +48,7 @@ std::vector<ChannelSpec> channels_of(const std::vector<const topics::SerializedT
                         .schema_name = topic->type_name,
                         .schema_encoding = "omgidl",
                         .schema_data = std::string(idl::text),
-                        .is_latched = topic->has_beacon_key && topic->is_latched(qos)});
+                        .is_latched = topic->is_latched(qos)});
   }
   channels.push_back({.topic = std::string(instance_ends_topic),
                       .message_encoding = std::string(instance_ends_encoding),
@@ -98,7 +98,8 @@ Pipeline::Settings ros2_settings(const RecorderOptions& options, std::uint32_t d
 }
 
 std::string loss_words(const TapCounts& counts) {
-  return fmt::format("{} lost by a full queue, {} dropped by DDS", counts.lost_queue, counts.lost_dds);
+  return fmt::format("{} lost by a full queue, {} dropped by DDS, {} numbered inputs missing",
+                     counts.lost_queue, counts.lost_dds, counts.events_missing);
 }
 
 }  // namespace
@@ -106,6 +107,8 @@ std::string loss_words(const TapCounts& counts) {
 std::vector<const topics::SerializedTopic*> selected_topics(const RecorderOptions& options) {
   std::vector<const topics::SerializedTopic*> selected;
   for (const std::string& name : options.topics) selected.push_back(&topic_named(name));
+  // A recording of inputs means little without them.
+  if (!selected.empty()) selected.push_back(&topic_named("settings"));
   if (options.topics.empty()) {
     for (const auto& topic : topics::serialized_topics()) selected.push_back(&topic);
   }
@@ -258,7 +261,8 @@ void Recorder::Node::report_news() {
   }
   const TapCounts now = counts();
   const TapCounts before = std::exchange(reported_, now);
-  if (now.lost_queue != before.lost_queue || now.lost_dds != before.lost_dds) {
+  if (now.lost_queue != before.lost_queue || now.lost_dds != before.lost_dds ||
+      now.events_missing > before.events_missing) {
     logging::warning("the recording lacks messages: " + loss_words(now));
   }
 }

@@ -19,12 +19,15 @@ namespace sonopose::recorder {
 struct TapCounts {
   std::uint64_t received = 0;    ///< of the beacons that are recorded, with the ends of instances
   std::uint64_t lost_queue = 0;  ///< of these: the queue was full
-  std::uint64_t lost_dds = 0;    ///< arrived and dropped by DDS; what never arrived is in no count
+  std::uint64_t lost_dds = 0;    ///< arrived and dropped by DDS
+  /// Numbers missing among the recorded inputs of the beacons, whatever the reason (EventGaps).
+  std::uint64_t events_missing = 0;
 
   TapCounts& operator+=(const TapCounts& other) {
     received += other.received;
     lost_queue += other.lost_queue;
     lost_dds += other.lost_dds;
+    events_missing += other.events_missing;
     return *this;
   }
   bool operator==(const TapCounts&) const = default;

@@ -1,5 +1,6 @@
 #include "recorder/write_thread.hpp"
 
+#include "clocks/clocks.hpp"
 #include "logging/log.hpp"
 
 #include <fmt/format.h>
@@ -31,6 +32,7 @@ std::exception_ptr WriteThread::failure() const {
 
 void WriteThread::serve(const std::stop_token& end) {
   mcap::Chunk chunk = parts_.queue.make_chunk();
+  Taken taken{.begin = clocks::steady_now(), .end = {}};
   bool is_last = false;
   while (!is_last) {
     {
@@ -41,20 +43,24 @@ void WriteThread::serve(const std::stop_token& end) {
     // Before the messages: what has fired it is among them.
     const TriggerCause cause = parts_.trigger.take();
     parts_.queue.exchange(chunk);
-    write(chunk, cause);
+    taken.end = clocks::steady_now();
+    parts_.gaps.on(chunk);
+    if (is_last) parts_.gaps.finish();
+    write(chunk, taken, cause);
+    taken.begin = taken.end;
   }
 }
 
-void WriteThread::write(const mcap::Chunk& chunk, TriggerCause cause) {
+void WriteThread::write(const mcap::Chunk& chunk, const Taken& taken, TriggerCause cause) {
   if (failure()) {
     parts_.series.count_lost(chunk.message_count());
     return;
   }
   try {
     if (!parts_.last) {
-      parts_.series.write(chunk, parts_.counts());
+      parts_.series.write(chunk, taken, parts_.counts());
     } else {
-      if (!chunk.is_empty()) keep(chunk);
+      if (!chunk.is_empty()) keep(chunk, taken);
       if (cause != TriggerCause::none) write_last(cause);
     }
   } catch (const std::exception&) {
@@ -64,8 +70,8 @@ void WriteThread::write(const mcap::Chunk& chunk, TriggerCause cause) {
   }
 }
 
-void WriteThread::keep(const mcap::Chunk& chunk) {
-  for (const mcap::Chunk& dropped : parts_.last->add(chunk)) parts_.series.remember(dropped);
+void WriteThread::keep(const mcap::Chunk& chunk, const Taken& taken) {
+  for (const mcap::Chunk& dropped : parts_.last->add(chunk, taken)) parts_.series.remember(dropped);
 }
 
 void WriteThread::write_last(TriggerCause cause) {
@@ -84,13 +90,13 @@ void WriteThread::write_last(TriggerCause cause) {
 }
 
 void WriteThread::write_kept(const TapCounts& counts) {
-  auto chunk = parts_.last->chunks().begin();
+  auto kept = parts_.last->chunks().begin();
   const auto end = parts_.last->chunks().end();
   try {
-    for (; chunk != end; ++chunk) parts_.series.write(*chunk, counts);
+    for (; kept != end; ++kept) parts_.series.write(kept->chunk, kept->taken, counts);
   } catch (const std::exception&) {
     // The series has counted the one that it could not write.
-    for (++chunk; chunk != end; ++chunk) parts_.series.count_lost(chunk->message_count());
+    for (++kept; kept != end; ++kept) parts_.series.count_lost(kept->chunk.message_count());
     parts_.last->clear();
     throw;
   }

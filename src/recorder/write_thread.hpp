@@ -4,6 +4,7 @@
 
 #include "process/stop_signal.hpp"
 #include "recorder/chunk_queue.hpp"
+#include "recorder/event_gaps.hpp"
 #include "recorder/file_series.hpp"
 #include "recorder/last_seconds.hpp"
 #include "recorder/trigger.hpp"
@@ -26,6 +27,7 @@ public:
   struct Parts {
     ChunkQueue& queue;
     FileSeries& series;
+    EventGaps& gaps;
     Trigger& trigger;
     std::function<TapCounts()> counts;  ///< of all topics, so far
     std::optional<LastSeconds> last;    ///< given: they are written only after a trigger
@@ -49,8 +51,8 @@ public:
 
 private:
   void serve(const std::stop_token& end);
-  void write(const mcap::Chunk& chunk, TriggerCause cause);
-  void keep(const mcap::Chunk& chunk);
+  void write(const mcap::Chunk& chunk, const Taken& taken, TriggerCause cause);
+  void keep(const mcap::Chunk& chunk, const Taken& taken);
   void write_last(TriggerCause cause);
   void write_kept(const TapCounts& counts);
 

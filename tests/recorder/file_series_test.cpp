@@ -30,6 +30,12 @@ mcap::Chunk chunk_of(std::uint16_t channel_id, std::uint64_t log_time_ns, std::s
   return chunk;
 }
 
+/// Taken at its log time.
+void write(FileSeries& series, const mcap::Chunk& chunk, const TapCounts& counts) {
+  const SteadyTime at{static_cast<std::int64_t>(chunk.log_times().end_ns)};
+  series.write(chunk, {at, at}, counts);
+}
+
 TEST_CASE("A recording is one file with its name at the end") {
   const TemporaryFolder folder;
   const auto file = folder / "run.mcap";
@@ -37,13 +43,15 @@ TEST_CASE("A recording is one file with its name at the end") {
   series.open();
   CHECK(exists(folder / "run.mcap.part"));
   const auto data = command_cdr(7, 1);
-  series.write(chunk_of(1, 100, data), {.received = 1});
-  series.write(chunk_of(1, 200, data, 3), {.received = 3, .lost_queue = 1, .lost_dds = 4});
+  write(series, chunk_of(1, 100, data), {.received = 1});
+  write(series, chunk_of(1, 200, data, 3),
+        {.received = 3, .lost_queue = 1, .lost_dds = 4, .events_missing = 5});
   CHECK(series.message_count() == 2);
   CHECK_FALSE(exists(file));
 
   SECTION("when it is finished") {
-    series.finish("stopped", {.received = 3, .lost_queue = 1, .lost_dds = 4}, {{"not_recorded", "rt/odom"}});
+    series.finish("stopped", {.received = 3, .lost_queue = 1, .lost_dds = 4, .events_missing = 5},
+                  {{"not_recorded", "rt/odom"}});
     CHECK_FALSE(exists(folder / "run.mcap.part"));
     CHECK(series.files() == std::vector{file});
     const auto messages = messages_of(file);
@@ -52,13 +60,16 @@ TEST_CASE("A recording is one file with its name at the end") {
     CHECK(messages[1].sequence == 3);
     CHECK(metadata_of(file, "sonopose.recording") == mcap::TextMap{{"host", "here"}, {"file_index", "1"}});
     CHECK(metadata_of(file, "sonopose.losses") ==
-          mcap::TextMap{{"log_time_ns", "200"}, {"lost_queue", "1"}, {"lost_dds", "4"}});
+          mcap::TextMap{
+              {"log_time_ns", "200"}, {"lost_queue", "1"}, {"lost_dds", "4"}, {"events_missing", "5"}});
     CHECK(metadata_of(file, "sonopose.recording_end") == mcap::TextMap{{"reason", "stopped"},
                                                                        {"received", "3"},
                                                                        {"recorded", "2"},
+                                                                       {"repeated", "0"},
                                                                        {"lost_queue", "1"},
                                                                        {"lost_disk", "0"},
                                                                        {"lost_dds", "4"},
+                                                                       {"events_missing", "5"},
                                                                        {"not_recorded", "rt/odom"}});
   }
   SECTION("and neither it nor its part is overwritten") {
@@ -80,14 +91,14 @@ TEST_CASE("A file is not longer and not larger than allowed, and each begins wit
   SECTION("by the time") {
     options.max_duration_ns = 10 * second;
     FileSeries series(options);
-    series.write(chunk_of(2, 1 * second, first_settings), {});
-    series.write(chunk_of(2, 2 * second, other_settings), {});
-    series.write(chunk_of(2, 3 * second, last_settings), {});
-    series.write(chunk_of(1, 11 * second, data), {});
-    series.write(chunk_of(1, 12 * second, data), {});
+    write(series, chunk_of(2, 1 * second, first_settings), {});
+    write(series, chunk_of(2, 2 * second, other_settings), {});
+    write(series, chunk_of(2, 3 * second, last_settings), {});
+    write(series, chunk_of(1, 11 * second, data), {});
+    write(series, chunk_of(1, 12 * second, data), {});
     const std::string end = json_of({"sonopose/settings", true, command_cdr(8, 0), 5});
-    series.write(chunk_of(3, 13 * second, std::as_bytes(std::span(end))), {});
-    series.write(chunk_of(1, 23 * second, data), {});
+    write(series, chunk_of(3, 13 * second, std::as_bytes(std::span(end))), {});
+    write(series, chunk_of(1, 23 * second, data), {});
     series.finish("stopped", {});
 
     REQUIRE(series.files() ==
@@ -108,7 +119,7 @@ TEST_CASE("A file is not longer and not larger than allowed, and each begins wit
     options.max_size_bytes = 20'000;
     FileSeries series(options);
     const std::vector<std::byte> large(4'000);
-    for (std::uint64_t i = 1; i <= 20; ++i) series.write(chunk_of(1, i * second, large), {});
+    for (std::uint64_t i = 1; i <= 20; ++i) write(series, chunk_of(1, i * second, large), {});
     series.finish("stopped", {});
     REQUIRE(series.files().size() == 5);
     std::size_t count = 0;
@@ -127,9 +138,9 @@ TEST_CASE("A channel that is added later is in the current file and in those aft
   FileSeries series(options);
   series.open();
   CHECK(series.add_channel({"/odom", "cdr", "nav_msgs/msg/Odometry", "ros2msg", "text"}) == 4);
-  series.write(chunk_of(4, 1 * second, command_cdr(7, 1)), {});
+  write(series, chunk_of(4, 1 * second, command_cdr(7, 1)), {});
   series.finish("stopped", {});
-  series.write(chunk_of(4, 2 * second, command_cdr(7, 2)), {});
+  write(series, chunk_of(4, 2 * second, command_cdr(7, 2)), {});
   series.finish("stopped", {});
   CHECK(messages_of(folder / "run_001.mcap").at(0).topic == "/odom");
   CHECK(messages_of(folder / "run_002.mcap").at(0).topic == "/odom");
@@ -143,7 +154,7 @@ TEST_CASE("A recording passes over the numbers of files that are there") {
   sonopose::test::write_text(folder / "run_003.mcap.part", "of somebody else");
   FileSeries series(options);
   for (std::uint64_t i = 1; i <= 3; ++i) {
-    series.write(chunk_of(1, i * second, command_cdr(7, i)), {});
+    write(series, chunk_of(1, i * second, command_cdr(7, i)), {});
     series.finish("stopped", {});
   }
   CHECK(series.files() ==
@@ -159,7 +170,8 @@ TEST_CASE("A recording that fails before its first message leaves no file") {
     CHECK_FALSE(exists(part));
   }
   SECTION("but messages are kept") {
-    FileSeries(options_for(folder / "run.mcap")).write(chunk_of(1, 1, command_cdr(7, 1)), {});
+    FileSeries series(options_for(folder / "run.mcap"));
+    write(series, chunk_of(1, 1, command_cdr(7, 1)), {});
     CHECK(exists(part));
   }
 }
@@ -168,7 +180,7 @@ TEST_CASE("A file that cannot begin loses its messages, and counts them") {
   const TemporaryFolder folder;
   FileSeries series(options_for(folder / "run.mcap"));
   sonopose::test::write_text(folder / "run.mcap", "of somebody else");
-  CHECK_THROWS_AS(series.write(chunk_of(1, 1, command_cdr(7, 1)), {}), files::IoError);
+  CHECK_THROWS_AS(write(series, chunk_of(1, 1, command_cdr(7, 1)), {}), files::IoError);
   CHECK(series.lost_disk() == 1);
   CHECK(series.message_count() == 0);
 }

@@ -58,17 +58,29 @@ TEST_CASE("The last seconds in memory") {
     return chunk;
   };
   constexpr std::uint64_t second = 1'000'000'000;
+  const auto taken_at = [](std::uint64_t time_s) {
+    const SteadyTime end{static_cast<std::int64_t>(time_s * second)};
+    return Taken{end - 500'000'000, end};
+  };
+  SECTION("the host's clock may be set meanwhile") {
+    LastSeconds last(3 * second, 1U << 20U);
+    for (std::uint64_t t = 1; t <= 10; ++t) {
+      last.add(chunk_at((t < 8 ? 1000 + t : t) * second), taken_at(t));  // back by a thousand seconds
+    }
+    REQUIRE(last.chunks().size() == 4);
+    CHECK(last.chunks().front().chunk.log_times().start_ns == 1007 * second);
+  }
   SECTION("older ones are dropped") {
     LastSeconds last(3 * second, 1U << 20U);
     std::vector<std::uint64_t> dropped;
     for (std::uint64_t t = 1; t <= 10; ++t) {
-      for (const auto& chunk : last.add(chunk_at(t * second))) {
+      for (const auto& chunk : last.add(chunk_at(t * second), taken_at(t))) {
         dropped.push_back(chunk.log_times().start_ns / second);
       }
     }
     CHECK(dropped == std::vector<std::uint64_t>{1, 2, 3, 4, 5, 6});
     REQUIRE(last.chunks().size() == 4);
-    CHECK(last.chunks().front().log_times().start_ns == 7 * second);
+    CHECK(last.chunks().front().chunk.log_times().start_ns == 7 * second);
     CHECK_FALSE(last.is_short());
     last.clear();
     CHECK(last.chunks().empty());
@@ -76,9 +88,9 @@ TEST_CASE("The last seconds in memory") {
   SECTION("the memory has a limit") {
     const std::size_t one = mcap::Chunk::bytes_of(data.size()) + sizeof(mcap::Chunk::Entry);
     LastSeconds last(100 * second, 2 * one);
-    for (std::uint64_t t = 1; t <= 10; ++t) last.add(chunk_at(t * second));
+    for (std::uint64_t t = 1; t <= 10; ++t) last.add(chunk_at(t * second), taken_at(t));
     REQUIRE(last.chunks().size() == 2);
-    CHECK(last.chunks().front().log_times().start_ns == 9 * second);
+    CHECK(last.chunks().front().chunk.log_times().start_ns == 9 * second);
     CHECK(last.is_short());
   }
 }
@@ -123,10 +135,10 @@ TEST_CASE("The selected topics") {
   };
   CHECK(names({}, {}).size() == dds::topics::serialized_topics().size());
   CHECK(names({"pose", "sonopose/imu", "imu"}, {}) ==
-        std::vector<std::string>{"sonopose/imu", "sonopose/pose"});
-  CHECK(names({"pose", "imu"}, {"imu"}) == std::vector<std::string>{"sonopose/pose"});
+        std::vector<std::string>{"sonopose/imu", "sonopose/pose", "sonopose/settings"});
+  CHECK(names({"pose", "imu"}, {"imu", "settings"}) == std::vector<std::string>{"sonopose/pose"});
   CHECK_THROWS_WITH(names({"poses"}, {}), Catch::Contains("poses: unknown topic"));
-  CHECK_THROWS_WITH(names({"imu"}, {"imu"}), Catch::Contains("no topic is left"));
+  CHECK_THROWS_WITH(names({"imu"}, {"imu", "settings"}), Catch::Contains("no topic is left"));
 }
 
 TEST_CASE("Topics that are not native are named once, with the most writers that they had") {

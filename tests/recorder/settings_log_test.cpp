@@ -97,7 +97,7 @@ TEST_CASE("The settings of a beacon can be told from the records at any time") {
 }
 
 TEST_CASE("The latest settings begin with those of all beacons") {
-  LatchedSamples latched({{1, "sonopose/settings"}}, 2);
+  LatchedSamples latched({{1, dds::topics::find_topic("settings")}}, 2);
   latched.on(Chunk().add(1, 0, {{"a", "1"}}).add(2, 7, {{"a", "1"}}).add(3, all_beacons, {{"a", "2"}}).get());
   const Texts found = texts(SettingsLog(1).on(latched.chunk_at(9)));
   REQUIRE(found.size() == 3);

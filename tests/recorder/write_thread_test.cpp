@@ -1,5 +1,6 @@
 #include "recorder/write_thread.hpp"
 
+#include "clocks/clocks.hpp"
 #include "files/error.hpp"
 #include "recorder/messages.hpp"
 #include "support/temporary_folder.hpp"
@@ -32,9 +33,15 @@ mcap::Chunk chunk_of(std::uint16_t channel_id, std::int64_t log_time_ns, const s
 /// The last two seconds of five, with settings in the first one.
 LastSeconds last_seconds(FileSeries& series) {
   LastSeconds last(2 * second, 1U << 20U);
-  last.add(chunk_of(settings_channel, 1 * second, command_cdr(7, 1)));
+  const SteadyTime now = clocks::steady_now();
+  const auto taken_at = [now](std::int64_t time_s) {
+    const SteadyTime at = now + (time_s - 5) * second;
+    return Taken{at, at};
+  };
+  last.add(chunk_of(settings_channel, 1 * second, command_cdr(7, 1)), taken_at(1));
   for (int t = 2; t <= 5; ++t) {
-    for (const auto& dropped : last.add(chunk_of(reset_channel, t * second, command_cdr(7, 2)))) {
+    for (const auto& dropped :
+         last.add(chunk_of(reset_channel, t * second, command_cdr(7, 2)), taken_at(t))) {
       series.remember(dropped);
     }
   }
@@ -47,10 +54,12 @@ SCENARIO("what is kept in memory is written by a trigger") {
     const auto file = folder / "run.mcap";
     ChunkQueue queue(1U << 20U);
     FileSeries series(options_for(file));
+    EventGaps gaps(series.input_channel_ids());
     Trigger trigger;
     process::Wakeup failed;
     WriteThread thread({.queue = queue,
                         .series = series,
+                        .gaps = gaps,
                         .trigger = trigger,
                         .counts = [] { return TapCounts{}; },
                         .last = last_seconds(series),

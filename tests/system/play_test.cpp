@@ -87,7 +87,7 @@ SCENARIO("what is played is what was recorded") {
       REQUIRE(record->end_by(SIGINT).code == 0);
       const auto again = messages_of(folder / "second.mcap");
       THEN("it has the same messages with the same stamps, and the same instances end") {
-        CHECK(kept_of(recorded).size() == 12);
+        CHECK(kept_of(recorded).size() == 12 + 3);  // and the settings of both beacons, and of all
         CHECK((kept_of(again) == kept_of(recorded)));
         CHECK(ends_of(again) == ends_of(recorded));
         CHECK_THAT(play->text(Stream::output),

@@ -418,4 +418,64 @@ SCENARIO("a recording that cannot begin is refused") {
   CHECK_THAT(refused({"/proc/none/run.mcap"}), Contains("/proc/none"));
 }
 
+/// The numbers between the first and the last of each beacon that are not there.
+std::uint64_t missing_numbers(const std::vector<OwnedMessage>& messages) {
+  std::map<int, std::set<std::uint64_t>> numbers;
+  for (const char* const topic : {"sonopose/imu", "sonopose/fix", "sonopose/heading"}) {
+    for (const auto& [address, found] : event_numbers(of_topic(messages, topic))) {
+      numbers[address].insert(found.begin(), found.end());
+    }
+  }
+  std::uint64_t missing = 0;
+  for (const auto& [address, found] : numbers) missing += *found.rbegin() - *found.begin() + 1 - found.size();
+  return missing;
+}
+
+SCENARIO("inputs that never reach a recorder are counted") {
+  GIVEN("a recorder and a bridge with forty beacons") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const fs::path file = folder / "run.mcap";
+    Consumer<sonopose_ImuSample> imu(bus, topics::imu, dds::topics::Delivery::live);
+    const auto record = start_recording(bus, file);
+    const auto bridge = bus.bridge({"--duration", "9", "--beacons", "40"});
+    REQUIRE(imu.wait_for_count(4'000));
+    WHEN("the recorder is stopped for longer than anything waits for it") {
+      record->send(SIGSTOP);
+      REQUIRE(imu.wait_for_more(16'000));
+      record->send(SIGCONT);
+      REQUIRE(bridge->wait_for_exit() == 0);
+      record->end_by(SIGINT);
+      THEN("it reports what is missing, in the file and on the terminal") {
+        const auto missing = missing_numbers(messages_of(file));
+        CHECK(missing > 0);
+        CHECK(metadata_of(file, "sonopose.recording_end").at("events_missing") == std::to_string(missing));
+        CHECK_THAT(record->text(Stream::output), Contains(std::to_string(missing) + " inputs of beacons"));
+      }
+    }
+  }
+}
+
+SCENARIO("two fusions do not look like losses") {
+  GIVEN("a recorder, a fusion and its standby") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const fs::path file = folder / "run.mcap";
+    const auto record = start_recording(bus, file);
+    const auto fusion = bus.fusion({"--standby-strength", "100"});
+    const auto standby = bus.fusion({"--standby-strength", "50"});
+    WHEN("a bridge publishes for five seconds") {
+      REQUIRE(bus.bridge({"--duration", "5"})->wait_for_exit() == 0);
+      REQUIRE(record->end_by(SIGINT).code == 0);
+      THEN("nothing was lost") {
+        const auto messages = messages_of(file);
+        const auto end = metadata_of(file, "sonopose.recording_end");
+        CHECK(end.at("lost_dds") == "0");
+        CHECK(end.at("events_missing") == "0");
+        CHECK(event_numbers(of_topic(messages, "sonopose/pose"))[7].size() > 300);
+      }
+    }
+  }
+}
+
 }  // namespace record_test

@@ -188,4 +188,11 @@ std::optional<BeaconAddress> beacon_of(std::span<const std::byte> sample) {
   return cursor.is_good() ? std::optional<BeaconAddress>(address) : std::nullopt;
 }
 
+std::optional<std::uint64_t> event_sequence_of(std::span<const std::byte> sample) {
+  CdrCursor cursor(sample);
+  cursor.read<std::uint16_t>();  // the beacon
+  const auto number = cursor.read<std::uint64_t>();
+  return cursor.is_good() ? std::optional(number) : std::nullopt;
+}
+
 }  // namespace sonopose::dds::topics

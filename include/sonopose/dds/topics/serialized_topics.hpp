@@ -8,6 +8,7 @@
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/samples/time.hpp>
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -23,7 +24,7 @@ struct KeyField {
   std::string name;
   std::variant<std::uint64_t, std::string> value;
 
-  bool operator==(const KeyField&) const = default;
+  auto operator<=>(const KeyField&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14
 };
 
 /// One row of the wiring diagram (topics.hpp).
@@ -42,7 +43,8 @@ struct SerializedTopic {
                                   Delivery delivery);
   /// Moves every time in a sample, in place. False if the bytes are not of the type.
   bool (*shift_times)(std::span<std::byte> sample, TimeNs shift_ns);
-  /// The fields of a serialized key; empty if the bytes are not one.
+  /// The fields of a serialized key, or of a sample, which begins with its key; empty if the bytes are
+  /// neither.
   std::vector<KeyField> (*key_fields)(std::span<const std::byte> key);
   /// Whether a late reader receives the latest sample of each instance.
   bool (*is_latched)(const qos::Provider& qos);
@@ -61,6 +63,10 @@ const SerializedTopic* find_topic(const std::string& name);
 
 /// The beacon of a sample or a key of a topic with beacons; empty if the bytes are too few.
 std::optional<BeaconAddress> beacon_of(std::span<const std::byte> sample);
+
+/// The event number of a sample that has one (ImuSample, UltrasonicFix, PairHeading, FusedPose, FixReport);
+/// empty if the bytes are too few.
+std::optional<std::uint64_t> event_sequence_of(std::span<const std::byte> sample);
 
 /// The status in a serialized pose; 0 if the bytes are too few.
 std::uint32_t status_of_pose(std::span<const std::byte> sample);

@@ -1,0 +1,64 @@
+#include "recorder/latched_samples.hpp"
+
+#include "recorder/instance_end.hpp"
+#include "recorder/messages.hpp"
+
+#include <catch2/catch.hpp>
+
+namespace sonopose::recorder::test::latched_samples_test {
+
+constexpr std::uint16_t estimate_channel = 1;
+constexpr std::uint16_t ends_channel = 2;
+
+/// The begin of an estimate: its key is a beacon and a fusion, as the two fields of a command.
+std::vector<std::byte> estimate_cdr(BeaconAddress address, std::uint64_t fusion_id) {
+  return command_cdr(address, fusion_id);
+}
+
+struct Latched {
+  LatchedSamples samples{{{estimate_channel, dds::topics::find_topic("estimate")}}, ends_channel};
+
+  void on_estimate(BeaconAddress address, std::uint64_t fusion_id) {
+    add(estimate_channel, estimate_cdr(address, fusion_id));
+  }
+  void on_end(BeaconAddress address, std::uint64_t fusion_id) {
+    const std::string text = json_of({.topic = "sonopose/estimate",
+                                      .disposed = false,
+                                      .key_cdr = estimate_cdr(address, fusion_id),
+                                      .source_time_ns = 1});
+    const auto bytes = std::as_bytes(std::span(text));
+    add(ends_channel, {bytes.begin(), bytes.end()});
+  }
+  void add(std::uint16_t channel_id, const std::vector<std::byte>& data) {
+    mcap::Chunk chunk;
+    chunk.add({channel_id, 1, 100, 100, data});
+    samples.on(chunk);
+  }
+};
+
+SCENARIO("the latest sample of each instance is kept, whatever its key is") {
+  GIVEN("estimates of two fusions of beacon 7, each twice") {
+    Latched latched;
+    for (int i = 0; i < 2; ++i) {
+      latched.on_estimate(7, 1000);
+      latched.on_estimate(7, 2000);
+    }
+    THEN("the latest of both is kept") {
+      CHECK(latched.samples.chunk_at(9).message_count() == 2);
+    }
+    WHEN("one of the fusions ends") {
+      latched.on_end(7, 1000);
+      THEN("that of the other is kept") {
+        CHECK(latched.samples.chunk_at(9).message_count() == 1);
+      }
+    }
+    WHEN("another instance ends") {
+      latched.on_end(8, 1000);
+      THEN("both are kept") {
+        CHECK(latched.samples.chunk_at(9).message_count() == 2);
+      }
+    }
+  }
+}
+
+}  // namespace sonopose::recorder::test::latched_samples_test
