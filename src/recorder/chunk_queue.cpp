@@ -17,10 +17,11 @@ mcap::Chunk ChunkQueue::make_chunk() const {
   return mcap::Chunk(most_bytes_, most_messages_);
 }
 
-bool ChunkQueue::add(const mcap::Message& message) noexcept {
+bool ChunkQueue::add(const mcap::Message& message, std::span<const std::byte> head) noexcept {
   const std::lock_guard lock(mutex_);
-  if (current_.records().size() + mcap::Chunk::bytes_of(message.data.size()) > most_bytes_) return false;
-  current_.add(message);
+  const std::size_t bytes = mcap::Chunk::bytes_of(head.size() + message.data.size());
+  if (current_.records().size() + bytes > most_bytes_) return false;
+  current_.add(message, head);
   return true;
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <mutex>
+#include <span>
 
 namespace sonopose::recorder {
 
@@ -16,8 +17,9 @@ public:
   /// `most_bytes` of records wait at most.
   explicit ChunkQueue(std::size_t most_bytes);
 
-  /// Copies a message, from any thread. False if there is no space. Does not allocate.
-  bool add(const mcap::Message& message) noexcept;
+  /// Copies a message, from any thread; `head` comes before its data. False if there is no space. Does not
+  /// allocate.
+  bool add(const mcap::Message& message, std::span<const std::byte> head = {}) noexcept;
 
   /// Replaces `chunk` by the messages since the last call, and keeps its memory for the next ones.
   void exchange(mcap::Chunk& chunk);

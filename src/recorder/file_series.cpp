@@ -80,6 +80,16 @@ std::array<std::uint16_t, 3> FileSeries::input_channel_ids() const {
           channel_id_of(options_.channels, "sonopose/heading")};
 }
 
+std::uint16_t FileSeries::ends_channel_id() const {
+  const std::lock_guard lock(mutex_);
+  return channel_id_of(options_.channels, instance_ends_topic);
+}
+
+std::string FileSeries::topic(std::uint16_t channel_id) const {
+  const std::lock_guard lock(mutex_);
+  return options_.channels.at(channel_id - 1U).topic;
+}
+
 void FileSeries::open() {
   const std::lock_guard lock(mutex_);
   begin_file();

@@ -58,6 +58,10 @@ public:
   std::uint16_t add_channel(ChannelSpec channel);
   /// Those of imu, fix and heading; 0: not recorded. Called before any thread writes.
   [[nodiscard]] std::array<std::uint16_t, 3> input_channel_ids() const;
+  /// The one of the ends of instances; 0: not recorded.
+  [[nodiscard]] std::uint16_t ends_channel_id() const;
+  /// The topic of a channel.
+  [[nodiscard]] std::string topic(std::uint16_t channel_id) const;
   /// Begins a file, if there is none.
   void open();
   /// Writes the messages. If one file would be larger or longer than allowed, another one begins before.

@@ -1,10 +1,7 @@
 #include "recorder/topic_tap.hpp"
 
 #include "clocks/clocks.hpp"
-#include "recorder/instance_end.hpp"
-
-#include <exception>
-#include <string>
+#include "recorder/raw_ends.hpp"
 
 namespace sonopose::recorder {
 namespace {
@@ -63,26 +60,17 @@ void TopicTap::on_end(const dds::SerializedSample& key, const dds::SampleInfo& i
   if (target_.ends_channel_id == 0 || !accepts(key.bytes())) return;
   const std::uint32_t sequence = target_.ends_sequence.fetch_add(1, std::memory_order_relaxed) + 1;
   const std::int64_t now_ns = clocks::host_now();
-  const std::uint64_t publish_time_ns = publish_time(info, now_ns);
-  try {
-    const std::string text = json_of({.topic = topic_.name,
-                                      .disposed = info.disposed(),
-                                      .key_cdr = {key.bytes().begin(), key.bytes().end()},
-                                      .source_time_ns = static_cast<std::int64_t>(publish_time_ns)});
-    add({.channel_id = target_.ends_channel_id,
-         .sequence = sequence,
-         .log_time_ns = file_time(now_ns),
-         .publish_time_ns = publish_time_ns,
-         .data = std::as_bytes(std::span(text))});
-  } catch (const std::exception&) {  // no memory
-    received_.fetch_add(1, std::memory_order_relaxed);
-    lost_queue_.fetch_add(1, std::memory_order_relaxed);
-  }
+  add({.channel_id = target_.ends_channel_id,
+       .sequence = sequence,
+       .log_time_ns = file_time(now_ns),
+       .publish_time_ns = publish_time(info, now_ns),
+       .data = key.bytes()},
+      raw_end_head(target_.channel_id, info.disposed()));
 }
 
-void TopicTap::add(const mcap::Message& message) noexcept {
+void TopicTap::add(const mcap::Message& message, std::span<const std::byte> head) noexcept {
   received_.fetch_add(1, std::memory_order_relaxed);
-  if (!target_.queue.add(message)) lost_queue_.fetch_add(1, std::memory_order_relaxed);
+  if (!target_.queue.add(message, head)) lost_queue_.fetch_add(1, std::memory_order_relaxed);
 }
 
 }  // namespace sonopose::recorder

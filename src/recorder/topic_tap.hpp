@@ -42,7 +42,8 @@ struct TapTopic {
   TopicTrigger* trigger = nullptr;          ///< looks at the samples; must outlive the tap
 };
 
-/// Where the messages go: the channel of the topic, and the one of the ends of instances of all topics.
+/// Where the messages go: the channel of the topic, and the one of the ends of instances of all topics, which
+/// are not text yet (raw_ends.hpp).
 struct TapTarget {
   ChunkQueue& queue;
   std::uint16_t channel_id;
@@ -74,7 +75,7 @@ private:
   [[nodiscard]] bool accepts(std::span<const std::byte> sample) const noexcept;
   void on_sample(const dds::SerializedSample& sample, const dds::SampleInfo& info) noexcept;
   void on_end(const dds::SerializedSample& key, const dds::SampleInfo& info) noexcept;
-  void add(const mcap::Message& message) noexcept;
+  void add(const mcap::Message& message, std::span<const std::byte> head = {}) noexcept;
 
   TapTopic topic_;
   TapTarget target_;

@@ -2,9 +2,12 @@
 
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
+#include "recorder/chunk_messages.hpp"
+#include "recorder/raw_ends.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 
 namespace sonopose::recorder {
@@ -44,11 +47,23 @@ void WriteThread::serve(const std::stop_token& end) {
     const TriggerCause cause = parts_.trigger.take();
     parts_.queue.exchange(chunk);
     taken.end = clocks::steady_now();
+    make_text_of_ends(chunk);
     parts_.gaps.on(chunk);
     if (is_last) parts_.gaps.finish();
     write(chunk, taken, cause);
     taken.begin = taken.end;
   }
+}
+
+void WriteThread::make_text_of_ends(mcap::Chunk& chunk) const {
+  const std::uint16_t ends_channel_id = parts_.series.ends_channel_id();
+  const auto is_end = [ends_channel_id](const auto& entry) { return entry.channel_id == ends_channel_id; };
+  if (std::none_of(chunk.entries().begin(), chunk.entries().end(), is_end)) return;
+  const mcap::Chunk text = with_ends_as_text(
+      chunk, ends_channel_id, [this](std::uint16_t channel_id) { return parts_.series.topic(channel_id); });
+  // The queue gets its memory back: it must not allocate.
+  chunk.clear();
+  for (const auto& entry : text.entries()) chunk.add(message_at(text, entry));
 }
 
 void WriteThread::write(const mcap::Chunk& chunk, const Taken& taken, TriggerCause cause) {

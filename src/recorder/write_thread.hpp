@@ -51,6 +51,7 @@ public:
 
 private:
   void serve(const std::stop_token& end);
+  void make_text_of_ends(mcap::Chunk& chunk) const;
   void write(const mcap::Chunk& chunk, const Taken& taken, TriggerCause cause);
   void keep(const mcap::Chunk& chunk, const Taken& taken);
   void write_last(TriggerCause cause);

@@ -4,6 +4,7 @@
 #include "recorder/chunk_messages.hpp"
 #include "recorder/instance_end.hpp"
 #include "recorder/messages.hpp"
+#include "recorder/raw_ends.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -62,10 +63,17 @@ TEST_CASE("A message of a writer that gives no time was published when it arrive
     const mcap::Message message = message_at(chunk, chunk.entries()[i]);
     CHECK(message.publish_time_ns == message.log_time_ns);
   }
-  const mcap::Message end = message_at(chunk, chunk.entries()[2]);
+  const mcap::Chunk text_chunk =
+      with_ends_as_text(chunk, 2, [](std::uint16_t /*channel_id*/) { return "sonopose/reset"; });
+  REQUIRE(text_chunk.message_count() == 3);
+  const mcap::Message end = message_at(text_chunk, text_chunk.entries()[2]);
   const std::string text(reinterpret_cast<const char*>(end.data.data()),  // NOLINT(*-reinterpret-cast): text
                          end.data.size());
-  CHECK(instance_end_of(text).source_time_ns == static_cast<std::int64_t>(end.log_time_ns));
+  const InstanceEnd ended = instance_end_of(text);
+  CHECK(ended.topic == "sonopose/reset");
+  CHECK(ended.disposed);
+  CHECK(dds::topics::beacon_of(ended.key_cdr) == 7);
+  CHECK(ended.source_time_ns == static_cast<std::int64_t>(end.log_time_ns));
 }
 
 TEST_CASE("What DDS drops of a weaker writer is no loss") {
