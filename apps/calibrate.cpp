@@ -41,7 +41,9 @@ void add_output(CLI::App& command, Options& options) {
       .add_option("--out", options.out,
                   "Write the TOML tables to this file, replace it if it exists, and print only the report")
       ->type_name("FILE");
-  command.add_option("--beacon", options.beacon, "Write the settings for this beacon only")
+  command
+      .add_option("--beacon", options.beacon,
+                  "Write the settings for this beacon only; the one to read from a file of several")
       ->check(CLI::Range(0, all_beacons - 1));
 }
 
@@ -68,7 +70,7 @@ int analyse(const Options& options) {
   std::optional<plots::AllanPlot> plot;
   if (options.plot) plot.emplace(*options.plot);
   const evaluation::AllanResult result =
-      shown(options, [&options] { return evaluation::analyse_allan(options.log); });
+      shown(options, [&options] { return evaluation::analyse_allan(options.log, options.beacon); });
   if (plot) plot->draw(result);
   fmt::print("{}", options.json ? evaluation::allan_json(result) : evaluation::allan_text(result));
   return 0;
@@ -107,9 +109,10 @@ int main(int argc, char** argv) {
     if (drive.is_given()) return drive.run();
     if (*allan) return analyse(options);
     return print_result(options, shown(options, [&] {
-                          if (*imu) return evaluation::calibrate_imu(options.log);
-                          if (*gyroscope) return evaluation::calibrate_gyroscope(options.log);
-                          return evaluation::calibrate_magnetometer(options.log, options.field_ut);
+                          if (*imu) return evaluation::calibrate_imu(options.log, options.beacon);
+                          if (*gyroscope) return evaluation::calibrate_gyroscope(options.log, options.beacon);
+                          return evaluation::calibrate_magnetometer(options.log, options.field_ut,
+                                                                    options.beacon);
                         }));
   });
 }

@@ -142,5 +142,8 @@ int main(int argc, char** argv) {
       ->excludes(engines)
       ->excludes("--config");
   app.add_flag("--json", options.json, "Print JSON instead of tables");
-  return apps::run(app, argc, argv, [&] { return evaluate(app, options); });
+  return apps::run(app, argc, argv, [&] {
+    if (app.count("--beacon") > 0) options.cases.beacon = options.beacon;
+    return evaluate(app, options);
+  });
 }

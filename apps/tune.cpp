@@ -135,5 +135,8 @@ int main(int argc, char** argv) {
                     "truth counts with its prediction errors. To search items 2, 3 and 4, add --set "
                     "fusion.imu_weight=user.");
   add_options(app, options);
-  return apps::run(app, argc, argv, [&] { return tune(app, options); });
+  return apps::run(app, argc, argv, [&] {
+    if (app.count("--beacon") > 0) options.cases.beacon = options.beacon;
+    return tune(app, options);
+  });
 }

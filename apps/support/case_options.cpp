@@ -113,7 +113,7 @@ void for_each_case(const CaseOptions& options, const std::function<void(std::vec
     begin_case(folder.string());
     std::vector<evaluation::Case> runs;
     try {
-      runs.push_back(evaluation::recorded_case(folder));
+      runs.push_back(evaluation::recorded_case(folder, options.beacon));
     } catch (const files::IoError& error) {
       report_left_out(error.what());
       ++unreadable;

@@ -21,6 +21,7 @@ struct CaseOptions {
   std::uint64_t seeds = 5;
   std::uint64_t first_seed = 1;
   std::optional<std::filesystem::path> recordings;
+  std::optional<BeaconAddress> beacon;  ///< of the files that have several
 };
 
 /// Adds CASE..., --harder, --seeds, --first-seed and --recordings.

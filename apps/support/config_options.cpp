@@ -40,7 +40,8 @@ void add_config_options(CLI::App& app, ConfigOptions& options) {
 }
 
 void add_beacon_option(CLI::App& app, BeaconAddress& beacon) {
-  app.add_option("--beacon", beacon, "Beacon whose own settings apply")
+  app.add_option("--beacon", beacon,
+                 "Beacon whose own settings apply, and which is read from a file of several")
       ->check(CLI::Range(0, 65534))
       ->capture_default_str();
 }

@@ -68,7 +68,9 @@ void DriveCommands::add(CLI::App& app, const char* name, const char* what, std::
       ->type_name("FILE");
   command->add_option("--plot", plot_, "Draw the likelihood to a .svg or .png file (needs gnuplot)")
       ->type_name("FILE");
-  command->add_option("--beacon", beacon_, "Use and write the settings of this beacon only")
+  command
+      ->add_option("--beacon", beacon_,
+                   "Use and write the settings of this beacon only; the one to read from a file of several")
       ->check(CLI::Range(0, all_beacons - 1));
   command->add_flag("--json", json_, "Print one JSON object instead of text");
   add_config_options(*command, config_);
@@ -93,6 +95,7 @@ evaluation::DriveCalibration DriveCommands::calibrated(const Command& command) c
   Progress progress;
   evaluation::DriveRequest request;
   request.logs = logs_;
+  request.beacon = beacon_;
   request.wanted = command.wanted;
   ConfigOptions config = config_;
   // The other settings of that file, such as axes, decide what the result means.

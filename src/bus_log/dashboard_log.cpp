@@ -77,7 +77,7 @@ recording::SensorLog read_dashboard_log(const std::filesystem::path& file,
     known += (known.empty() ? "" : ", ") + std::to_string(beacon);
   if (known.empty()) throw files::IoError(file.string() + ": has no position and no IMU sample");
   if (!address && read.beacons.size() > 1) {
-    throw files::IoError(fmt::format("{}: has {} beacons; choose one by its address: {}", file.string(),
+    throw files::IoError(fmt::format("{}: has {} beacons; choose one with --beacon: {}", file.string(),
                                      read.beacons.size(), known));
   }
   const auto found = address ? read.beacons.find(*address) : read.beacons.begin();

@@ -80,7 +80,7 @@ private:
     }
     if (!address && found.size() > 1) {
       throw files::IoError(reader_.name() + ": has " + std::to_string(found.size()) +
-                           " beacons; choose one by its address: " + listed(found));
+                           " beacons; choose one with --beacon: " + listed(found));
     }
     return address.value_or(*found.begin());
   }

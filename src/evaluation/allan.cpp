@@ -18,8 +18,8 @@ std::string cell(const std::optional<double>& value, double factor = 1.0) {
 
 }  // namespace
 
-AllanResult analyse_allan(const std::filesystem::path& log) {
-  const auto imu = bus_log::read_imu_log(log);
+AllanResult analyse_allan(const std::filesystem::path& log, std::optional<BeaconAddress> beacon) {
+  const auto imu = bus_log::read_imu_log(log, beacon);
   try {
     return {log, imu.size(), calibration::fit::analyse_allan(imu)};
   } catch (const calibration::fit::CalibrationError& error) {

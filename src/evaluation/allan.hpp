@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace sonopose::evaluation {
@@ -17,7 +18,7 @@ struct AllanResult {
 };
 
 /// Reads imu.csv of the log folder. Throws files::IoError, and a CalibrationError that names the file.
-AllanResult analyse_allan(const std::filesystem::path& log);
+AllanResult analyse_allan(const std::filesystem::path& log, std::optional<BeaconAddress> beacon = {});
 
 /// A table with one line per axis; "not seen" where the record is too short to show a value.
 std::string allan_text(const AllanResult& result);

@@ -30,8 +30,8 @@ void find_still(const std::vector<ImuSample>& imu, CalibrationResult& result) {
 
 /// Adds the file name to a CalibrationError of `work`.
 template <class Work>
-CalibrationResult from_log(const fs::path& log, const Work& work) {
-  const auto imu = bus_log::read_imu_log(log);
+CalibrationResult from_log(const fs::path& log, std::optional<BeaconAddress> beacon, const Work& work) {
+  const auto imu = bus_log::read_imu_log(log, beacon);
   try {
     CalibrationResult result = summary_of(log, imu);
     work(imu, result);
@@ -43,23 +43,24 @@ CalibrationResult from_log(const fs::path& log, const Work& work) {
 
 }  // namespace
 
-CalibrationResult calibrate_imu(const fs::path& log) {
-  return from_log(log, [](const std::vector<ImuSample>& imu, CalibrationResult& result) {
+CalibrationResult calibrate_imu(const fs::path& log, std::optional<BeaconAddress> beacon) {
+  return from_log(log, beacon, [](const std::vector<ImuSample>& imu, CalibrationResult& result) {
     find_still(imu, result);
     result.accelerometer = calibration::fit::fit_accelerometer(result.still);
     result.gyroscope = calibration::fit::fit_gyroscope(imu, result.still, result.accelerometer->settings);
   });
 }
 
-CalibrationResult calibrate_gyroscope(const fs::path& log) {
-  return from_log(log, [](const std::vector<ImuSample>& imu, CalibrationResult& result) {
+CalibrationResult calibrate_gyroscope(const fs::path& log, std::optional<BeaconAddress> beacon) {
+  return from_log(log, beacon, [](const std::vector<ImuSample>& imu, CalibrationResult& result) {
     find_still(imu, result);
     result.gyroscope = calibration::fit::fit_gyroscope(result.still);
   });
 }
 
-CalibrationResult calibrate_magnetometer(const fs::path& log, std::optional<double> field_ut) {
-  return from_log(log, [field_ut](const std::vector<ImuSample>& imu, CalibrationResult& result) {
+CalibrationResult calibrate_magnetometer(const fs::path& log, std::optional<double> field_ut,
+                                         std::optional<BeaconAddress> beacon) {
+  return from_log(log, beacon, [field_ut](const std::vector<ImuSample>& imu, CalibrationResult& result) {
     result.magnetometer = calibration::fit::fit_magnetometer(imu, field_ut);
   });
 }

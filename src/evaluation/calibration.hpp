@@ -28,17 +28,20 @@ struct CalibrationResult {
   std::optional<calibration::fit::MagnetometerFit> magnetometer;
 };
 
-// Each function reads the log and throws files::IoError, and a CalibrationError that names the file.
+// Each function reads the log, of a file of several beacons that of `beacon`, and throws files::IoError, and
+// a CalibrationError that names the file.
 
 /// Accelerometer and gyroscope, from orientations in which the sensor was still.
-CalibrationResult calibrate_imu(const std::filesystem::path& log);
+CalibrationResult calibrate_imu(const std::filesystem::path& log, std::optional<BeaconAddress> beacon = {});
 
 /// Gyroscope offset only, from rest.
-CalibrationResult calibrate_gyroscope(const std::filesystem::path& log);
+CalibrationResult calibrate_gyroscope(const std::filesystem::path& log,
+                                      std::optional<BeaconAddress> beacon = {});
 
 /// `field_ut`: strength of the corrected field; if empty, the mean strength of the raw readings about their
 /// centre.
-CalibrationResult calibrate_magnetometer(const std::filesystem::path& log, std::optional<double> field_ut);
+CalibrationResult calibrate_magnetometer(const std::filesystem::path& log, std::optional<double> field_ut,
+                                         std::optional<BeaconAddress> beacon = {});
 
 /// The result as readable lines.
 std::string calibration_text(const CalibrationResult& result);

@@ -22,8 +22,9 @@ Case simulated_case(const sim::Scenario& scenario, std::uint64_t seed) {
           .relocations = drawn.disturbances.relocations};
 }
 
-Case recorded_case(const std::filesystem::path& recording) {
-  sonopose::recording::SensorLog log = bus_log::read_sensor_log(recording);
+Case recorded_case(const std::filesystem::path& recording, std::optional<BeaconAddress> beacon) {
+  if (!bus_log::is_file(recording)) beacon.reset();
+  sonopose::recording::SensorLog log = bus_log::read_sensor_log(recording, beacon);
   if (log.events.empty()) throw files::IoError(recording.string() + ": has no samples");
   Case test_case;
   test_case.name = recording.string();

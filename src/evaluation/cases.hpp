@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,9 @@ struct Case {
 /// One run of a scenario.
 Case simulated_case(const sim::Scenario& scenario, std::uint64_t seed);
 
-/// A sensor-log folder, named by its path. Throws files::IoError, also if it has no samples.
-Case recorded_case(const std::filesystem::path& recording);
+/// A sensor-log folder or a file, named by its path. `beacon`: of a file with several. Throws files::IoError,
+/// also if it has no samples.
+Case recorded_case(const std::filesystem::path& recording, std::optional<BeaconAddress> beacon = {});
 
 /// The recordings at or below a folder, in alphabetical order.
 struct FoundRecordings {

@@ -41,7 +41,8 @@ DriveCalibration calibrate_drive(const DriveRequest& request) {
   result.has_fixed_delay = request.settings.delay.source == settings::DelaySource::fixed;
   std::vector<std::vector<Event>> recordings;
   for (const auto& log : request.logs) {
-    recordings.push_back(bus_log::read_sensor_log(log).events);
+    recordings.push_back(
+        bus_log::read_sensor_log(log, bus_log::is_file(log) ? request.beacon : std::nullopt).events);
     if (recordings.back().empty()) throw CalibrationError(log.string() + ": has no samples");
     result.duration_s += seconds_between(available_at_ns(recordings.back().front()),
                                          available_at_ns(recordings.back().back()));

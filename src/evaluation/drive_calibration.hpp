@@ -19,6 +19,7 @@ namespace sonopose::evaluation {
 
 struct DriveRequest {
   std::vector<std::filesystem::path> logs;
+  std::optional<BeaconAddress> beacon = {};  ///< of the files that have several
   std::vector<calibration::drive::Quantity> wanted;
   settings::Settings settings;
   calibration::drive::DriveOptions options;

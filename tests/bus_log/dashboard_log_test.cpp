@@ -67,7 +67,7 @@ SCENARIO("a CSV log of the Dashboard is an input") {
     other.replace(other.find(",7,"), 3, ",9,");
     write_text(file, imu_line + other);
     THEN("one is chosen by its address") {
-      CHECK_THROWS_WITH(bus_log::read_sensor_log(file), Contains("choose one by its address: 7, 9"));
+      CHECK_THROWS_WITH(bus_log::read_sensor_log(file), Contains("choose one with --beacon: 7, 9"));
       CHECK(bus_log::read_sensor_log(file, BeaconAddress{9}).events.size() == 1);
       CHECK_THROWS_WITH(bus_log::read_sensor_log(file, BeaconAddress{8}),
                         Contains("has no beacon 8; it has 7, 9"));

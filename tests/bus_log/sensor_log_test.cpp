@@ -107,7 +107,7 @@ SCENARIO("a recording has several beacons") {
   GIVEN("no address") {
     THEN("the error lists them") {
       CHECK_THROWS_WITH(bus_log::read_sensor_log(file),
-                        Contains("run.mcap: has 2 beacons; choose one by its address: 12, 300"));
+                        Contains("run.mcap: has 2 beacons; choose one with --beacon: 12, 300"));
     }
   }
   GIVEN("one of them") {

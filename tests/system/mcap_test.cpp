@@ -100,8 +100,13 @@ SCENARIO("errors of recordings name what is wrong") {
   const auto refused = [](const Result& result) { return result.code == 1 ? result.error : "code is not 1"; };
   CHECK_THAT(refused(mcap({"info", folder / "none.mcap"})), Contains("none.mcap: does not exist"));
   CHECK_THAT(refused(mcap({"cat", file, "--topics", "imus"})), Contains("has no topic imus"));
-  CHECK_THAT(refused(run(SONOPOSE_TEST_REPLAY, {file})), Contains("choose one by its address: 7, 12"));
-  CHECK_THAT(refused(run(SONOPOSE_TEST_EVALUATE, {file})), Contains("choose one by its address: 7, 12"));
+  CHECK_THAT(refused(run(SONOPOSE_TEST_REPLAY, {file})), Contains("choose one with --beacon: 7, 12"));
+  CHECK_THAT(refused(run(SONOPOSE_TEST_EVALUATE, {file})), Contains("choose one with --beacon: 7, 12"));
+  CHECK_THAT(refused(run(SONOPOSE_TEST_CALIBRATE, {"gyroscope", file})),
+             Contains("choose one with --beacon: 7, 12"));
+  CHECK(run(SONOPOSE_TEST_EVALUATE, {file, "--beacon", "12"}).code == 0);
+  CHECK_THAT(refused(run(SONOPOSE_TEST_CALIBRATE, {"gyroscope", file, "--beacon", "13"})),
+             Contains("run.mcap"));
   write_text(folder / "text.mcap", "not MCAP at all");
   CHECK_THAT(refused(mcap({"info", folder / "text.mcap"})),
              Contains("text.mcap: byte 0: is not an MCAP file"));
