@@ -5,6 +5,7 @@
 #include "bus_log/summary.hpp"
 #include "evaluation/exported.hpp"
 #include "mcap/reader.hpp"
+#include "mcap/verify.hpp"
 #include "support/choice.hpp"
 #include "support/run.hpp"
 
@@ -25,6 +26,7 @@ struct Options {
   bus_log::Choice choice;
   mcap::Compression compression = mcap::Compression::lz4;
   bool json = false;
+  bool verify = false;
 };
 
 void warn(const std::vector<std::string>& damages) {
@@ -32,15 +34,21 @@ void warn(const std::vector<std::string>& damages) {
 }
 
 int info(const Options& options) {
+  bool is_sound = true;
   for (const Path& file : options.files) {
     const mcap::Reader reader(file);
+    std::vector<std::string> damages;
+    if (options.verify) {
+      damages = mcap::verify(reader.file());
+      is_sound = is_sound && damages.empty() && reader.damages().empty();
+    }
     if (options.json) {
-      fmt::print("{}\n", bus_log::summary_json(reader));
+      fmt::print("{}\n", bus_log::summary_json(reader, damages));
     } else {
-      fmt::print("{}{}", &file == &options.files.front() ? "" : "\n", bus_log::summary_text(reader));
+      fmt::print("{}{}", &file == &options.files.front() ? "" : "\n", bus_log::summary_text(reader, damages));
     }
   }
-  return 0;
+  return is_sound ? 0 : 1;
 }
 
 int cat(const Options& options) {
@@ -119,6 +127,9 @@ int main(int argc, char** argv) {
   auto* const info_command =
       add_command(app, options, "info", "Print what files have: times, topics, metadata", any);
   info_command->add_flag("--json", options.json, "Print one JSON object for each file");
+  info_command->add_flag(
+      "--verify", options.verify,
+      "Read all of each file and check every checksum; the exit code is 1 if one is damaged");
   auto* const cat_command =
       add_command(app, options, "cat", "Print each message as a line of JSON, by time", 1);
   add_choice_options(*cat_command, options);

@@ -1,6 +1,7 @@
 #include "bus_log/copy.hpp"
 
 #include "mcap/file_sink.hpp"
+#include "mcap/verify.hpp"
 #include "mcap/writer.hpp"
 
 #include <fmt/format.h>
@@ -58,6 +59,10 @@ public:
       const auto& skipped = input.messages.skipped();
       result_.damages.insert(result_.damages.end(), damages.begin(), damages.end());
       result_.damages.insert(result_.damages.end(), skipped.begin(), skipped.end());
+      // A damage that is known explains a wrong checksum of the whole.
+      if (damaged_ != mcap::Selection::Damaged::skip || !damages.empty() || !skipped.empty()) continue;
+      const auto sums = mcap::verify(input.reader.file());
+      result_.damages.insert(result_.damages.end(), sums.begin(), sums.end());
     }
     return std::move(result_);
   }

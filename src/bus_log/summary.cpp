@@ -48,7 +48,7 @@ double rate_of(std::uint64_t count, double duration_s) {
 
 }  // namespace
 
-std::string summary_text(const mcap::Reader& reader) {
+std::string summary_text(const mcap::Reader& reader, const std::vector<std::string>& more) {
   const mcap::Statistics& statistics = reader.statistics();
   const double duration_s = seconds_of(statistics.log_times);
   std::string text = fmt::format("file      {}, {:.1f} MB\nwritten   by {}, profile \"{}\"\n", reader.name(),
@@ -67,6 +67,7 @@ std::string summary_text(const mcap::Reader& reader) {
                         rate_of(count, duration_s), channel->message_encoding, schema_of(reader, *channel));
   }
   std::vector<std::string> damages = reader.damages();
+  damages.insert(damages.end(), more.begin(), more.end());
   for (const mcap::Metadata& metadata : reader.metadata(damages)) {
     text += fmt::format("\n{}\n", metadata.name);
     for (const auto& [key, value] : metadata.values) {
@@ -78,7 +79,7 @@ std::string summary_text(const mcap::Reader& reader) {
   return damages.empty() ? text : text + "\n";
 }
 
-std::string summary_json(const mcap::Reader& reader) {
+std::string summary_json(const mcap::Reader& reader, const std::vector<std::string>& more) {
   using Json = nlohmann::ordered_json;
   const mcap::Statistics& statistics = reader.statistics();
   Json json{{"file", reader.name()},
@@ -99,6 +100,7 @@ std::string summary_json(const mcap::Reader& reader) {
                               {"schema", schema_of(reader, *channel)}});
   }
   std::vector<std::string> damages = reader.damages();
+  damages.insert(damages.end(), more.begin(), more.end());
   for (const mcap::Metadata& metadata : reader.metadata(damages)) {
     json["metadata"].push_back({{"name", metadata.name}, {"values", metadata.values}});
   }

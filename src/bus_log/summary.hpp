@@ -5,13 +5,14 @@
 #include "mcap/reader.hpp"
 
 #include <string>
+#include <vector>
 
 namespace sonopose::bus_log {
 
-/// File, times, a table of the topics, metadata, and what is damaged.
-std::string summary_text(const mcap::Reader& reader);
+/// File, times, a table of the topics, metadata, and what is damaged: by the reader, and `more`.
+std::string summary_text(const mcap::Reader& reader, const std::vector<std::string>& more = {});
 
 /// The same as one JSON object.
-std::string summary_json(const mcap::Reader& reader);
+std::string summary_json(const mcap::Reader& reader, const std::vector<std::string>& more = {});
 
 }  // namespace sonopose::bus_log

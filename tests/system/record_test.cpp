@@ -341,6 +341,63 @@ SCENARIO("the last seconds are written when something has happened") {
   }
 }
 
+SCENARIO("the last seconds before a fault are written") {
+  GIVEN("a recorder that waits for a bad status, a fusion, and a bridge") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const auto fusion = bus.fusion();
+    const auto record = start_recording(bus, folder / "run.mcap", {"--keep-last", "3", "--trigger-status"});
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    WHEN("the fixes end") {
+      const auto bridge = bus.bridge({"--scenario", "outages"});  // the first one begins after 15 s at most
+      const auto is_stale = [](const FusedPose& pose) { return (pose.status & status_stale) != 0; };
+      REQUIRE(poses.wait_for(is_stale, 0, std::chrono::seconds(40)));
+      REQUIRE(record->wait_for_line(Stream::error, "triggered by "));
+      record->end_by(SIGINT);
+      THEN("the file has the poses before and after it turned bad") {
+        CHECK_THAT(metadata_of(folder / "run_001.mcap", "sonopose.recording_end").at("trigger"),
+                   Contains("status"));
+        bool was_good = false;
+        bool turned_bad = false;
+        for (const OwnedMessage& message : of_topic(messages_of(folder / "run_001.mcap"), "sonopose/pose")) {
+          const bool is_bad = (topics::status_of_pose(message.data) & status_stale) != 0;
+          turned_bad = turned_bad || (is_bad && was_good);
+          was_good = was_good || !is_bad;
+        }
+        CHECK(turned_bad);
+      }
+    }
+  }
+}
+
+SCENARIO("a full disk is noticed when the last seconds are written") {
+  GIVEN("a recorder in memory whose files cannot exceed 3 MiB, and eight beacons") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const std::string command =
+        "trap '' XFSZ; ulimit -f 6144; exec " SONOPOSE_TEST_RECORD " " + (folder / "run.mcap").string() +
+        " --compression none --keep-last 20 --domain " + std::to_string(bus.domain_id());
+    Process record("/bin/sh", Arguments{"-c", command});
+    REQUIRE(record.wait_for_line(Stream::error, "recording "));
+    Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+    const auto bridge = bus.bridge({"--rate", "4", "--beacons", "8"});
+    REQUIRE(imu.wait_for_count(16'000));  // of about 150 bytes
+    WHEN("they are written") {
+      record.send(SIGUSR1);
+      const auto code = record.wait_for_exit();
+      THEN("it ends with the reason, counts what it lost, and the file is sound") {
+        CHECK(code == 1);
+        CHECK_THAT(record.text(Stream::error), Contains("cannot be written: File too large"));
+        const mcap::Reader reader(folder / "run_001.mcap");
+        CHECK(reader.damages().empty());
+        CHECK(reader.statistics().message_count > 100);
+        CHECK(std::stoull(metadata_of(folder / "run_001.mcap", "sonopose.recording_end").at("lost_disk")) >
+              0);
+      }
+    }
+  }
+}
+
 SCENARIO("the topics of ROS 2 have a file of their own") {
   GIVEN("a relay with its fusion, and a recorder of ROS 2") {
     const Bus bus;
@@ -415,6 +472,8 @@ SCENARIO("a recording that cannot begin is refused") {
              Contains("--trigger-status: the topic pose is not recorded"));
   CHECK_THAT(refused({"--ros2", "--keep-last", "5"}), Contains("--ros2 excludes --keep-last"));
   CHECK_THAT(refused({"--max-duration", "0.1"}), Contains("--max-duration"));
+  CHECK_THAT(refused({"--max-size", "10kB"}), Contains("--max-size"));
+  CHECK_THAT(refused({"--keep-last", "5", "--keep-memory", "1B"}), Contains("--keep-memory"));
   CHECK_THAT(refused({"/proc/none/run.mcap"}), Contains("/proc/none"));
 }
 
