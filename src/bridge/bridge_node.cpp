@@ -57,7 +57,7 @@ public:
   void on(const Event& event) override;
   void on(const TruthSample& truth) override;
   void on(const BeaconStatus& status) override;
-  void on(const StationaryBeacon& beacon) override;
+  void on_stationary(const StationaryBeacon& beacon) override;
   void on_gone(BeaconAddress address) override;
   void on(const LineStatus& status) override;
   void flush() override;
@@ -205,7 +205,7 @@ void BridgeNode::Publisher::on(const TruthSample& truth) {
   if (recording_) record(truth);
 }
 
-void BridgeNode::Publisher::on(const StationaryBeacon& beacon) {
+void BridgeNode::Publisher::on_stationary(const StationaryBeacon& beacon) {
   if (map_.update(beacon)) write(stationary_writer_, dds::topics::to_idl(beacon));
 }
 

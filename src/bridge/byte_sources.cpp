@@ -63,7 +63,7 @@ void pass_on_map(const marvelmind::Packet& packet, TimeNs received_ns, SampleSin
   const auto* const map = std::get_if<marvelmind::StationaryBeacons>(&packet);
   if (map == nullptr) return;
   for (const marvelmind::StationaryBeacon& beacon : map->beacons()) {
-    sink.on(marvelmind::to_stationary_beacon(beacon, received_ns));
+    sink.on_stationary(marvelmind::to_stationary_beacon(beacon, received_ns));
   }
 }
 

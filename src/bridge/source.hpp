@@ -26,7 +26,7 @@ public:
   virtual void on(const BeaconStatus& status) = 0;
 
   /// A stationary beacon of the map, each time that the hardware sends it.
-  virtual void on(const StationaryBeacon& /*beacon*/) {}
+  virtual void on_stationary(const StationaryBeacon& /*beacon*/) {}
 
   /// Nothing comes from this beacon any more: the sink ends its streams until it returns. Only live lines say
   /// so, because a recording may contain any silence.

@@ -16,7 +16,7 @@ public:
   }
   void on(const TruthSample& sample) override { truth.push_back(sample); }
   void on(const BeaconStatus& status) override { statuses.push_back(status); }
-  void on(const StationaryBeacon& beacon) override { stationary.push_back(beacon); }
+  void on_stationary(const StationaryBeacon& beacon) override { stationary.push_back(beacon); }
   void on(const LineStatus& status) override { lines.push_back(status); }
   void tick() override { ++ticks; }
 
