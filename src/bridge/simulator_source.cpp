@@ -190,7 +190,8 @@ public:
   void run(SampleSink& sink, const process::StopSignal& stop) override {
     // Shift the run to start now, after the set-up: at rate 1 each sample then appears at its own stamp.
     const TimeNs shift_ns = clocks::host_now() - simulated_start_ns;
-    for (const StationaryBeacon& beacon : beacons_.map().beacons(clocks::host_now())) sink.on_stationary(beacon);
+    for (const StationaryBeacon& beacon : beacons_.map().beacons(clocks::host_now()))
+      sink.on_stationary(beacon);
     for (const sim::Step* step = beacons_.front(); step != nullptr; step = beacons_.front()) {
       if (!pacer_.wait_for(available_at_ns(step->event), sink, stop)) return;
       if (step->truth) sink.on(shifted(*step->truth, shift_ns));

@@ -14,12 +14,6 @@ std::string fix_flag_text(std::uint32_t flags) {
   return text.empty() ? "none" : text;
 }
 
-bool is_down_weighted(const FixReport& report) {
-  if ((report.flags & fix_used) == 0) return false;
-  const bool has_gates = report.innovation_covariance_m2.has_value();
-  return (report.flags & fix_outlier) != 0 || (has_gates && report.weight < 1.0);
-}
-
 void FixFlagCounts::add(std::uint32_t flags) {
   for (std::size_t i = 0; i < counts_.size(); ++i)
     counts_[i] += (flags & fix_flag_names[i].bit) != 0 ? 1U : 0U;

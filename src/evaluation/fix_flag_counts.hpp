@@ -3,7 +3,6 @@
 /// Counts of fix flags (FixFlag).
 
 #include <sonopose/samples/fix_flag_names.hpp>
-#include <sonopose/samples/pose.hpp>
 
 #include <array>
 #include <cstdint>
@@ -13,10 +12,6 @@ namespace sonopose::evaluation {
 
 /// The names of all set bits, joined by `|`; "none" if no bit is set.
 std::string fix_flag_text(std::uint32_t flags);
-
-/// Whether a fix was used with less weight because its innovation is large. The weight of the documented
-/// engine falls with every innovation, so there it must be an outlier.
-bool is_down_weighted(const FixReport& report);
 
 /// Counts how often each flag was set.
 class FixFlagCounts {

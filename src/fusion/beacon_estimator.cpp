@@ -52,6 +52,7 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
   const auto* report = std::get_if<FixReport>(&outcome.result);
   if (report != nullptr) {
     if ((report->flags & fix_too_late) != 0) ++counted_.fixes_late;
+    if (is_down_weighted(*report)) ++counted_.fixes_down_weighted;
     refusals_.on(*report);
     watch_.on(*report, pending_);
   } else if (const auto* pose = std::get_if<FusedPose>(&outcome.result)) {

@@ -93,7 +93,8 @@ std::string summary_of(const std::vector<observation::BeaconView>& views) {
                       *view.position_error_rms_m * 1e2, *view.position_error_max_m * 1e2);
     }
     if (view.fusion) {
-      text += fmt::format("  fixes            {} used, {} rejected ({} too late)\n", view.fusion->fixes_used,
+      text += fmt::format("  fixes            {} used, {} of them down-weighted, {} rejected ({} too late)\n",
+                          view.fusion->fixes_used, view.fusion->fixes_down_weighted,
                           view.fusion->fixes_rejected, view.fusion->fixes_late);
     }
     text += fmt::format("  lost             {} events, {} pose deadlines missed\n", lost_events(view),

@@ -131,7 +131,8 @@ void add_fixes(Page& page, const BeaconView& view) {
   page.add("valid fix", number(known ? view.pose.since_valid_fix_s : nan, 2) + " s ago");
   if (view.fusion) {
     page.add("counted",
-             fmt::format("{} used, {} rejected ({} too late), {} headings", view.fusion->fixes_used,
+             fmt::format("{} used, {} of them down-weighted, {} rejected ({} too late), {} headings",
+                         view.fusion->fixes_used, view.fusion->fixes_down_weighted,
                          view.fusion->fixes_rejected, view.fusion->fixes_late, view.fusion->headings));
   }
 }

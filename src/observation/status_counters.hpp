@@ -41,6 +41,7 @@ inline constexpr std::array bridge_counters{
 inline constexpr std::array fusion_counters{
     StatusCounter<FusionStatus>{"imu_samples", &FusionStatus::imu_samples},
     StatusCounter<FusionStatus>{"fixes_used", &FusionStatus::fixes_used},
+    StatusCounter<FusionStatus>{"fixes_down_weighted", &FusionStatus::fixes_down_weighted},
     StatusCounter<FusionStatus>{"fixes_rejected", &FusionStatus::fixes_rejected},
     StatusCounter<FusionStatus>{"fixes_late", &FusionStatus::fixes_late, "fixes too late"},
     StatusCounter<FusionStatus>{"headings", &FusionStatus::headings},

@@ -129,12 +129,13 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
   SECTION("fusion status") {
     FusionStatus sample;
     fill.all(sample.address, sample.fusion_id, sample.time_ns, sample.strength, sample.imu_silent,
-             sample.overloaded, sample.imu_samples, sample.fixes_used, sample.fixes_rejected,
-             sample.fixes_late, sample.headings, sample.events_lost, sample.events_duplicated,
-             sample.samples_invalid, sample.imu_gaps, sample.reset_counter, sample.imu_deadlines_missed,
-             sample.fix_deadlines_missed, sample.heading_deadlines_missed, sample.bridge_losses,
-             sample.poses_late, sample.poses_skipped, sample.pose_deadlines_missed, sample.liveliness_lost,
-             sample.samples_lost, sample.samples_rejected, sample.incompatible_qos, sample.poses_unwritten);
+             sample.overloaded, sample.imu_samples, sample.fixes_used, sample.fixes_down_weighted,
+             sample.fixes_rejected, sample.fixes_late, sample.headings, sample.events_lost,
+             sample.events_duplicated, sample.samples_invalid, sample.imu_gaps, sample.reset_counter,
+             sample.imu_deadlines_missed, sample.fix_deadlines_missed, sample.heading_deadlines_missed,
+             sample.bridge_losses, sample.poses_late, sample.poses_skipped, sample.pose_deadlines_missed,
+             sample.liveliness_lost, sample.samples_lost, sample.samples_rejected, sample.incompatible_qos,
+             sample.poses_unwritten);
     sample.role = FusionRole::stalled;
     CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }

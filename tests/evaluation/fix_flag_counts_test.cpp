@@ -26,16 +26,16 @@ TEST_CASE("a fix is down-weighted if it is used, but less because of its innovat
   FixReport report;
   report.flags = fix_used;
   report.weight = 0.4;
-  CHECK_FALSE(evaluation::is_down_weighted(report));  // the documented engine: an ordinary innovation
+  CHECK_FALSE(is_down_weighted(report));  // the documented engine: an ordinary innovation
   report.flags = fix_used | fix_outlier;
-  CHECK(evaluation::is_down_weighted(report));
+  CHECK(is_down_weighted(report));
   report.flags = fix_outlier;
-  CHECK_FALSE(evaluation::is_down_weighted(report));  // rejected
+  CHECK_FALSE(is_down_weighted(report));  // rejected
   report.flags = fix_used;
   report.innovation_covariance_m2.emplace();  // the Kalman engine: between its two gates
-  CHECK(evaluation::is_down_weighted(report));
+  CHECK(is_down_weighted(report));
   report.weight = 1.0;
-  CHECK_FALSE(evaluation::is_down_weighted(report));
+  CHECK_FALSE(is_down_weighted(report));
 }
 
 }  // namespace fix_flag_counts_test

@@ -80,6 +80,22 @@ SCENARIO("each beacon has its own estimator") {
       CHECK(feeder.estimate(8).lever_arm_body_m);
     }
   }
+  GIVEN("a fix of the documented engine that is off by half a metre") {
+    Feeder feeder(lossless, documented_config());
+    auto events = walk(7, 5.0);
+    const auto last_fix = std::find_if(events.rbegin(), events.rend(), [](const Event& event) {
+      return std::holds_alternative<UltrasonicFix>(event);
+    });
+    std::get<UltrasonicFix>(*last_fix).position_world_m.x() += 0.5;
+    feeder.push_all(events);
+    THEN("it is used with less weight, and counted") {
+      REQUIRE((feeder.reports.back().flags & fix_outlier) != 0);
+      const auto down_weighted = static_cast<std::uint64_t>(
+          std::count_if(feeder.reports.begin(), feeder.reports.end(), is_down_weighted));
+      CHECK(down_weighted >= 1);
+      CHECK(feeder.status(7)->fixes_down_weighted == down_weighted);
+    }
+  }
   GIVEN("a fix that comes two seconds after its measurement, and an impossible one") {
     const std::string engine = GENERATE("documented", "kalman");
     config::FusionConfig config;

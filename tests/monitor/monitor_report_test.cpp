@@ -43,6 +43,7 @@ BeaconView good_view() {
   view.bridge->other_bridges = 1;
   view.fusion.emplace();
   view.fusion->fixes_used = 110;
+  view.fusion->fixes_down_weighted = 9;
   view.fusion->fixes_rejected = 6;
   view.fusion->fixes_late = 2;
   view.fusion->events_lost = 17;
@@ -267,8 +268,8 @@ SCENARIO("the summary describes a run") {
     const std::string summary = summary_of({good_view()});
     CHECK_THAT(summary, Contains("beacon 7") && Contains("100.0 Hz") && Contains("p50 0.12 ms") &&
                             Contains("p99 0.34 ms") && Contains("2.1 cm RMS") && Contains("5.5 cm at most") &&
-                            Contains("110 used, 6 rejected (2 too late)") && Contains("17 events") &&
-                            Contains("8 pose deadlines"));
+                            Contains("110 used, 9 of them down-weighted, 6 rejected (2 too late)") &&
+                            Contains("17 events") && Contains("8 pose deadlines"));
   }
   THEN("a beacon without ground truth: no error") {
     CHECK_THAT(summary_of({silent_view()}), Contains("beacon 21") && !Contains("error"));

@@ -137,4 +137,12 @@ struct Estimate {
   bool operator==(const Estimate&) const = default;
 };
 
+/// Whether a fix was used with less weight because its innovation is large. The weight of the documented
+/// engine falls with every innovation, so there it must be an outlier.
+inline bool is_down_weighted(const FixReport& report) {
+  if ((report.flags & fix_used) == 0) return false;
+  const bool has_gates = report.innovation_covariance_m2.has_value();
+  return (report.flags & fix_outlier) != 0 || (has_gates && report.weight < 1.0);
+}
+
 }  // namespace sonopose

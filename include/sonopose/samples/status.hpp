@@ -88,6 +88,7 @@ struct FusionStatus {
   bool overloaded = false;    ///< the process cannot keep up with its input and skips poses
   std::uint64_t imu_samples = 0;
   std::uint64_t fixes_used = 0;
+  std::uint64_t fixes_down_weighted = 0;  ///< of the used ones (is_down_weighted)
   std::uint64_t fixes_rejected = 0;
   std::uint64_t fixes_late = 0;  ///< of the rejected ones: fix_too_late
   std::uint64_t headings = 0;

@@ -203,6 +203,7 @@ struct Pairs<FusionStatus> {
                                    field(&N::overloaded, &I::overloaded),
                                    field(&N::imu_samples, &I::imu_samples),
                                    field(&N::fixes_used, &I::fixes_used),
+                                   field(&N::fixes_down_weighted, &I::fixes_down_weighted),
                                    field(&N::fixes_rejected, &I::fixes_rejected),
                                    field(&N::fixes_late, &I::fixes_late),
                                    field(&N::headings, &I::headings),
