@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <stdexcept>
 
 int main(int argc, char** argv) {
   sonopose::apps::BusOptions bus;
@@ -31,8 +32,7 @@ int main(int argc, char** argv) {
     waiting.reset();
     constexpr double least_window_s = 0.5;
     if (observations.window_s < least_window_s) {
-      fmt::print(stderr, "sonopose-doctor: stopped before it could observe the system\n");
-      return 1;
+      throw std::runtime_error("stopped before it could observe the system");
     }
     const auto findings = diagnose(observations);
     if (json) {

@@ -4,9 +4,10 @@
 #include "bus_log/messages.hpp"
 #include "bus_log/summary.hpp"
 #include "evaluation/exported.hpp"
+#include "logging/log.hpp"
 #include "mcap/reader.hpp"
 #include "mcap/verify.hpp"
-#include "support/choice.hpp"
+#include "support/compression_option.hpp"
 #include "support/run.hpp"
 
 #include <fmt/format.h>
@@ -30,23 +31,19 @@ struct Options {
 };
 
 void warn(const std::vector<std::string>& damages) {
-  for (const std::string& damage : damages) fmt::print(stderr, "sonopose-mcap: damaged: {}\n", damage);
+  for (const std::string& damage : damages) logging::warning("damaged: " + damage);
 }
 
 int info(const Options& options) {
   bool is_sound = true;
   for (const Path& file : options.files) {
     const mcap::Reader reader(file);
-    std::vector<std::string> damages;
-    if (options.verify) {
-      damages = mcap::verify(reader.file());
-      is_sound = is_sound && damages.empty() && reader.damages().empty();
-    }
-    if (options.json) {
-      fmt::print("{}\n", bus_log::summary_json(reader, damages));
-    } else {
-      fmt::print("{}{}", &file == &options.files.front() ? "" : "\n", bus_log::summary_text(reader, damages));
-    }
+    const auto damages = options.verify ? mcap::verify(reader.file()) : std::vector<std::string>{};
+    is_sound = is_sound && (!options.verify || (damages.empty() && reader.damages().empty()));
+    const bool is_first = &file == &options.files.front();
+    fmt::print("{}{}", options.json || is_first ? "" : "\n",
+               options.json ? bus_log::summary_json(reader, damages) + "\n"
+                            : bus_log::summary_text(reader, damages));
   }
   return is_sound ? 0 : 1;
 }
@@ -110,10 +107,7 @@ void add_output(CLI::App& command, Options& options, bool is_file) {
       ->required()
       ->type_name(is_file ? "FILE" : "DIR");
   if (!is_file) return;
-  apps::add_choice<mcap::Compression>(
-      command, "--compression", options.compression,
-      {{"none", mcap::Compression::none}, {"lz4", mcap::Compression::lz4}, {"zstd", mcap::Compression::zstd}},
-      "Of the chunks");
+  apps::add_compression_option(command, options.compression);
 }
 
 }  // namespace
@@ -127,9 +121,8 @@ int main(int argc, char** argv) {
   auto* const info_command =
       add_command(app, options, "info", "Print what files have: times, topics, metadata", any);
   info_command->add_flag("--json", options.json, "Print one JSON object for each file");
-  info_command->add_flag(
-      "--verify", options.verify,
-      "Read all of each file and check every checksum; the exit code is 1 if one is damaged");
+  info_command->add_flag("--verify", options.verify,
+                         "Check every checksum; the exit code is 1 if a file is damaged");
   auto* const cat_command =
       add_command(app, options, "cat", "Print each message as a line of JSON, by time", 1);
   add_choice_options(*cat_command, options);

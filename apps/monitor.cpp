@@ -2,7 +2,9 @@
 
 #include "monitor/echo/echo.hpp"
 #include "monitor/monitor_node.hpp"
+#include "process/background.hpp"
 #include "support/bus_options.hpp"
+#include "support/log_option.hpp"
 #include "support/topic_option.hpp"
 #include "terminal/terminal.hpp"
 
@@ -19,6 +21,8 @@ int main(int argc, char** argv) {
       "On a terminal it fills the screen (? shows the keys); elsewhere it prints a table per second. "
       "It prints a summary at the end.");
   add_bus_options(app, bus);
+  logging::Level log_level = logging::Level::info;
+  apps::add_log_option(app, log_level);
   CLI::Option* json_option = app.add_flag("--json", json, "Print one JSON object per second");
   add_max_beacons(app, "Show", options.max_beacons);
   app.add_option("--duration", duration_s, "Exit after this many seconds; 0: run until stopped")
@@ -36,6 +40,8 @@ int main(int argc, char** argv) {
       ->type_name("N")
       ->needs(topic);
   return apps::run(app, argc, argv, [&] {
+    process::give_way();  // each sample wakes the monitor and the fusion at the same time
+    const logging::Session log(log_level);
     process::StopSignal stop;
     stop.listen_to_signals();
     if (!echo.topic.empty()) {

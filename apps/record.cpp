@@ -1,10 +1,10 @@
 // sonopose-record: any set of the topics on the bus to MCAP files.
 
 #include "clocks/clocks.hpp"
-#include "mcap/compression.hpp"
 #include "recorder/recorder_node.hpp"
 #include "recorder/signal_trigger.hpp"
 #include "support/bus_options.hpp"
+#include "support/compression_option.hpp"
 #include "support/log_option.hpp"
 #include "support/topic_option.hpp"
 #include "support/version.hpp"
@@ -15,7 +15,6 @@
 #include <csignal>
 #include <ctime>
 #include <exception>
-#include <map>
 #include <optional>
 #include <stdexcept>
 
@@ -48,11 +47,9 @@ void print(const recorder::RecorderReport& report) {
   fmt::print("recorded {} messages in {:.1f} s, {:.1f} MB: {}\n", report.recorded, report.duration_s,
              static_cast<double>(report.bytes) * 1e-6,
              files.empty() ? "no file" : fmt::format("{}", fmt::join(files, ", ")));
-  fmt::print("lost: {} by a full queue, {} by the disk, {} by DDS\n", report.counts.lost_queue,
-             report.lost_disk, report.counts.lost_dds);
-  if (report.counts.events_missing > 0) {
-    fmt::print("missing: {} inputs of beacons, by their numbers\n", report.counts.events_missing);
-  }
+  fmt::print("lost: {} by a full queue, {} by the disk, {} by DDS\nmissing: {} inputs of beacons\n",
+             report.counts.lost_queue, report.lost_disk, report.counts.lost_dds,
+             report.counts.events_missing);
   for (const auto& [topic, writers] : report.foreign_topics) {
     fmt::print("not recorded: {} ({} {})\n", topic, writers, writers == 1 ? "writer" : "writers");
   }
@@ -84,11 +81,7 @@ int serve(Options& options, const std::string& command) {
 constexpr double least_bytes = 1e6;
 
 void add_file_options(CLI::App& app, recorder::RecorderOptions& options) {
-  const std::map<std::string, mcap::Compression> compressions{
-      {"none", mcap::Compression::none}, {"lz4", mcap::Compression::lz4}, {"zstd", mcap::Compression::zstd}};
-  app.add_option("--compression", options.compression, "Of the chunks: none, lz4 or zstd [lz4]")
-      ->transform(CLI::CheckedTransformer(compressions).description(""))
-      ->type_name("NAME");
+  apps::add_compression_option(app, options.compression);
   app.add_option("--max-size", options.max_size_bytes,
                  "Begin another file before one is larger, such as 500MB")
       ->transform(CLI::AsSizeValue(true))

@@ -74,13 +74,13 @@ std::string mistake_in(const CLI::App& app, const CLI::ParseError& error) {
 }
 
 /// Prints what the command line asks for. Returns the exit code.
-int print(const CLI::App& app, const std::string& text) {
+int print(const std::string& text) {
   try {
     std::fputs(text.c_str(), stdout);
     flush_output();
     return 0;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}\n", app.get_name(), error.what());
+    logging::failure(error.what());
     return 1;
   }
 }
@@ -167,21 +167,21 @@ int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body) 
 }
 
 int run(CLI::App& app, const std::vector<std::string>& arguments, const std::function<int()>& body) {
+  program_name() = app.get_name();
+  logging::set_program(app.get_name());
   try {
     parse(app, arguments);
   } catch (const Printed& asked) {
-    return print(app, asked.what());
+    return print(asked.what());
   } catch (const CLI::Success& asked) {  // --help, --version
     std::ostringstream text;
     app.exit(asked, text);
-    return print(app, text.str());
+    return print(text.str());
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "{0}: {1}\nRun {0} --help for more information.\n", app.get_name(),
-               mistake_in(app, error));
+    logging::failure(
+        fmt::format("{}\nRun {} --help for more information.", mistake_in(app, error), app.get_name()));
     return error.get_exit_code();
   }
-  program_name() = app.get_name();
-  logging::set_program(app.get_name());
   std::set_terminate(end_by_exception);
   try {
     const int code = body();

@@ -1,6 +1,7 @@
 #include "monitor/display.hpp"
 
 #include "clocks/clocks.hpp"
+#include "logging/log.hpp"
 #include "monitor/counters_since.hpp"
 #include "monitor/monitor_report.hpp"
 #include "monitor/screen.hpp"
@@ -115,7 +116,7 @@ std::unique_ptr<Display> make_display(Output output) {
   try {
     return std::make_unique<FullScreen>();
   } catch (const terminal::NoScreen& error) {
-    fmt::print(stderr, "sonopose-monitor: {}; tables instead of a screen\n", error.what());
+    logging::warning(fmt::format("{}; tables instead of a screen", error.what()));
     return std::make_unique<PrintedTable>();
   }
 }

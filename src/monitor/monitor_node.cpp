@@ -1,10 +1,10 @@
 #include "monitor/monitor_node.hpp"
 
 #include "clocks/clocks.hpp"
+#include "logging/log.hpp"
 #include "monitor/display.hpp"
 #include "monitor/monitor_report.hpp"
 #include "observation/beacon_observers.hpp"
-#include "process/background.hpp"
 #include "process/free_memory.hpp"
 #include "terminal/crash_restore.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
@@ -116,7 +116,7 @@ public:
 
 private:
   static void log_increase(std::uint64_t count, std::uint64_t& reported, const char* what) {
-    if (count != reported) fmt::print(stderr, "sonopose-monitor: {} {}\n", count - reported, what);
+    if (count != reported) logging::warning(fmt::format("{} {}", count - reported, what));
     reported = count;
   }
 
@@ -140,7 +140,7 @@ public:
       if (contains(seen_, problem.what)) confirmed.push_back(problem.what);
     }
     for (const std::string& text : confirmed) {
-      if (!contains(warnings_, text)) fmt::print(stderr, "sonopose-monitor: warning: {}\n", text);
+      if (!contains(warnings_, text)) logging::warning(text);
     }
     seen_ = std::move(seen);
     warnings_ = std::move(confirmed);
@@ -194,15 +194,13 @@ private:
   std::map<std::pair<std::string, std::uint64_t>, LineStatus> lines_;  ///< by name and bridge
 };
 
-/// Immediately and on stderr: a consumer that controls a vehicle with these poses is affected too.
+/// Immediately and to the log: a consumer that controls a vehicle with these poses is affected too.
 void log_silences(const std::vector<observation::PoseSilence>& changes) {
   for (const auto& change : changes) {
     if (change.silent) {
-      fmt::print(stderr, "sonopose-monitor: beacon {}: no pose for {:.3f} s\n", change.address,
-                 change.lasted_s);
+      logging::warning(fmt::format("beacon {}: no pose for {:.3f} s", change.address, change.lasted_s));
     } else {
-      fmt::print(stderr, "sonopose-monitor: beacon {}: poses again, after {:.3f} s\n", change.address,
-                 change.lasted_s);
+      logging::info(fmt::format("beacon {}: poses again, after {:.3f} s", change.address, change.lasted_s));
     }
   }
 }
@@ -215,7 +213,7 @@ public:
     const SteadyTime now = clocks::steady_now();
     for (observation::BeaconView& view : observers.remove_gone(now, clocks::host_now())) {
       admission.forget(view.address);
-      fmt::print(stderr, "sonopose-monitor: beacon {}: gone\n", view.address);
+      logging::info(fmt::format("beacon {}: gone", view.address));
       poses_ += view.poses;
       summaries_.insert_or_assign(view.address, std::move(view));
       free_memory_.on_freed();
@@ -244,7 +242,6 @@ SteadyTime after(SteadyTime due, TimeNs period_ns) {
 }  // namespace
 
 std::uint64_t monitor(const MonitorOptions& options, process::StopSignal& stop) {
-  process::give_way();  // each sample wakes the monitor and the fusion at the same time
   const dds::qos::Provider qos(options.qos_file);
   std::unique_ptr<Display> display =
       make_display(options.output);  // sets the locale: before other threads run
@@ -282,7 +279,7 @@ std::uint64_t monitor(const MonitorOptions& options, process::StopSignal& stop) 
     }
     if (clocks::steady_now() < next) continue;
     gone.remove(observers, admission);
-    if (const auto text = admission.refusals()) fmt::print(stderr, "sonopose-monitor: {}\n", *text);
+    if (const auto text = admission.refusals()) logging::warning(*text);
     std::vector<std::string> warnings = lines.warnings();
     warnings.insert(warnings.end(), pose_writers.warnings().begin(), pose_writers.warnings().end());
     if (auto text = admission.warning()) warnings.push_back(*std::move(text));

@@ -149,6 +149,9 @@ std::vector<Line> Screen::table_lines() {
   const std::size_t rows = body_rows();
   if (views_.empty()) {
     lines.push_back({{fitted("no beacon yet; sonopose-doctor says why", size_.columns), Style::dim}});
+    // Without a beacon there is no page that shows them.
+    for (Line& line : wrapped(warnings_, size_.columns)) lines.push_back(std::move(line));
+    lines.resize(std::min(lines.size(), rows + 1));
     return lines;
   }
   const std::size_t selected = selected_index();
@@ -177,11 +180,15 @@ std::vector<Line> Screen::page_lines() {
 Line Screen::hint_line() const {
   if (shows_keys_) return {{fitted(page_ ? page_keys : table_keys, size_.columns), Style::dim}};
   if (warnings_.empty()) return {{fitted("? keys   q quit", size_.columns), Style::dim}};
-  const std::string more =
-      warnings_.size() > 1 ? fmt::format(" (and {} more: Enter)", warnings_.size() - 1) : "";
+  const std::string first = "warning: " + warnings_.front();
+  std::string more;
+  if (warnings_.size() > 1) {
+    more = fmt::format(" (and {} more: Enter)", warnings_.size() - 1);
+  } else if (columns_of(first) > size_.columns && !page_) {
+    more = " (all: Enter)";
+  }
   const std::size_t left = size_.columns - std::min(size_.columns, columns_of(more));
-  return {{fitted("warning: " + warnings_.front(), left), Style::warning},
-          {fitted(more, size_.columns), Style::warning}};
+  return {{fitted(first, left), Style::warning}, {fitted(more, size_.columns), Style::warning}};
 }
 
 }  // namespace sonopose::monitor

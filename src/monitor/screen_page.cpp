@@ -79,6 +79,10 @@ public:
     }
   }
 
+  void add_warnings(const std::vector<std::string>& warnings) {
+    for (const std::string& warning : warnings) add_wrapped("  " + warning + "\n", Style::warning);
+  }
+
   std::vector<Line> take() { return std::move(lines_); }
 
 private:
@@ -195,7 +199,13 @@ std::vector<Line> page_of(const BeaconView& view, const std::vector<std::string>
   const std::string problems = problems_of(view);
   page.add_wrapped(problems.empty() ? "  none\n" : problems);
   if (!warnings.empty()) page.title("Warnings");
-  for (const std::string& warning : warnings) page.add_wrapped("  " + warning + "\n", Style::warning);
+  page.add_warnings(warnings);
+  return page.take();
+}
+
+std::vector<Line> wrapped(const std::vector<std::string>& warnings, std::size_t columns) {
+  Page page(columns);
+  page.add_warnings(warnings);
   return page.take();
 }
 

@@ -15,4 +15,7 @@ namespace sonopose::monitor {
 std::vector<terminal::Line> page_of(const observation::BeaconView& view,
                                     const std::vector<std::string>& warnings, std::size_t columns);
 
+/// Warnings as lines of at most this many columns.
+std::vector<terminal::Line> wrapped(const std::vector<std::string>& warnings, std::size_t columns);
+
 }  // namespace sonopose::monitor

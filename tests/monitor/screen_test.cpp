@@ -152,6 +152,26 @@ SCENARIO("the table fills the rows between the title and the message") {
       CHECK(after[size.rows - 2] == "warning: line /dev/ttyACM0: no bytes");
     }
   }
+  GIVEN("a warning that is longer than a line") {
+    const std::string warning = "line /dev/ttyACM0: " + std::string(100, 'x') + " lastword";
+    Screen screen;
+    WHEN("there are beacons") {
+      screen.show(good_views(3), {warning});
+      const auto hint = texts_of(screen.lines(size))[size.rows - 2];
+      THEN("it is cut with a sign, and the page of a beacon has all of it") {
+        if (size.columns < warning.size()) CHECK_THAT(hint, Contains("…") && Catch::EndsWith("(all: Enter)"));
+        screen.on_key(Key::enter);
+        screen.on_key(Key::end);
+        CHECK_THAT(joined(screen.lines(size)), Contains("lastword"));
+      }
+    }
+    WHEN("there is no beacon, and so no page") {
+      screen.show({}, {warning});
+      THEN("the screen has all of it") {
+        CHECK_THAT(joined(screen.lines(size)), Contains("lastword"));
+      }
+    }
+  }
   GIVEN("a wider terminal") {
     THEN("it has more columns") {
       CHECK_THAT(text_of(table_heading(80)), !Contains("z m"));

@@ -142,6 +142,18 @@ TEST_CASE("A misspelt option is refused with the nearest one") {
              Contains("--vray: unknown option; did you mean --vary?"));
 }
 
+TEST_CASE("In the journal a mistake on the command line is an error") {
+  for (const char* const program : {"fusion", "replay"}) {
+    CAPTURE(program);
+    const Result result =
+        run("/bin/sh", {"-c", R"(JOURNAL_STREAM=$(stat -L -c %d:%i /proc/self/fd/2) exec "$0" --sorce)",
+                        beside_front_door(prefix + program).string()});
+    CHECK(result.code.value_or(0) > 0);
+    CHECK_THAT(result.error, Catch::StartsWith("<3>--sorce: unknown option") &&
+                                 Contains("\n<3>Run sonopose-" + std::string(program) + " --help"));
+  }
+}
+
 TEST_CASE("A misspelt command or option of a command is refused with the nearest one") {
   const auto settings = beside_front_door("sonopose-settings");
   CHECK_THAT(refusal(settings, {"rest"}), Contains("rest: unknown command; did you mean reset?"));

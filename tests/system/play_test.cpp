@@ -220,9 +220,8 @@ SCENARIO("keys pause a player and play single messages") {
         imu.take();
         return imu.samples.size();
       };
-      // What was on its way has arrived when the message of a step has.
-      play.type("s");
-      REQUIRE(imu.wait_for_more(1));
+      // Until nothing is on its way.
+      while (imu.wait_for_count(imu.samples.size() + 1, std::chrono::milliseconds(300))) continue;
       const std::size_t before = reached();
       play.type("s.s");
       REQUIRE(imu.wait_for_count(before + 3));

@@ -32,19 +32,18 @@ void BeaconProbe::begin(TimeNs now_ns) {
 void BeaconProbe::on(const ImuSample& imu, TimeNs received_ns, std::uint64_t writer) {
   if (imu.sequence < last_imu_sequence_) sequences_.clear();  // its bridge restarted
   last_imu_sequence_ = imu.sequence;
-  add_sequence(imu.sequence, received_ns);
+  sequences_.add(received_ns, imu.sequence);
   if (!in_window()) return;
   writers_.insert(writer);
   imu_.count(received_ns);
-  ahead_s_.push_back(seconds_between(received_ns, imu.bridge_time_ns));
-  readings_.push_back(imu);
+  readings_.add(received_ns, imu);
 }
 
 void BeaconProbe::on(const UltrasonicFix& fix, TimeNs received_ns) {
-  add_sequence(fix.sequence, received_ns);
+  sequences_.add(received_ns, fix.sequence);
   if (!in_window()) return;
   fix_.count(received_ns);
-  fixes_.push_back(fix);
+  fixes_.add(received_ns, fix);
   if (fix.measured_delay_s) ++timed_fixes_;
   if ((fix.flags & ultrasonic_flag_pair_centre) != 0U) ++pair_fixes_;
   fixes_min_m_ = fixes_min_m_.cwiseMin(fix.position_world_m);
@@ -52,12 +51,12 @@ void BeaconProbe::on(const UltrasonicFix& fix, TimeNs received_ns) {
 }
 
 void BeaconProbe::on(const PairHeading& heading, TimeNs received_ns) {
-  add_sequence(heading.sequence, received_ns);
+  sequences_.add(received_ns, heading.sequence);
   if (!in_window()) return;
   heading_.count(received_ns);
   if (!heading.valid) return;
   ++valid_headings_;
-  headings_.push_back(heading);
+  headings_.add(received_ns, heading);
 }
 
 void BeaconProbe::on(const FusedPose& pose, TimeNs received_ns) {
@@ -82,19 +81,20 @@ void BeaconProbe::on(const FusionStatus& status) {
   if (!is_new) found->second.latest = status;
 }
 
-void BeaconProbe::add_sequence(std::uint64_t sequence, TimeNs received_ns) {
-  sequences_.emplace_back(sequence, received_ns);
-}
-
 std::uint64_t BeaconProbe::missing_events(TimeNs ended_ns) const {
   // Samples of different topics arrive in any order, so the last ones may still be in transit.
   constexpr TimeNs in_transit_ns = 200'000'000;
+  // For the same reason, some of the oldest may belong to numbers that were dropped.
+  TimeNs begin_ns = began_ns_;
+  if (sequences_.has_dropped()) {
+    begin_ns = std::max(begin_ns, sequences_.entries().front().received_ns + in_transit_ns);
+  }
   std::uint64_t first = 0;
   std::uint64_t last = 0;
   std::set<std::uint64_t> received;
-  for (const auto& [sequence, received_ns] : sequences_) {
+  for (const auto& [received_ns, sequence] : sequences_.entries()) {
     received.insert(sequence);
-    if (received_ns < began_ns_ || received_ns > ended_ns - in_transit_ns) continue;
+    if (received_ns < begin_ns || received_ns > ended_ns - in_transit_ns) continue;
     if (first == 0 || sequence < first) first = sequence;
     last = std::max(last, sequence);
   }
@@ -105,16 +105,17 @@ std::uint64_t BeaconProbe::missing_events(TimeNs ended_ns) const {
 
 std::optional<rules::RestObservation> BeaconProbe::means(const calibration::Settings& calibration) const {
   constexpr std::size_t min_samples = 20;
-  if (readings_.size() < min_samples) return std::nullopt;
-  const auto count = static_cast<double>(readings_.size());
+  const auto& readings = readings_.entries();
+  if (readings.size() < min_samples) return std::nullopt;
+  const auto count = static_cast<double>(readings.size());
   ImuSample mean;
-  for (const ImuSample& reading : readings_) {
+  for (const auto& [received_ns, reading] : readings) {
     mean.specific_force_body_mps2 += reading.specific_force_body_mps2 / count;
     mean.angular_velocity_body_radps += reading.angular_velocity_body_radps / count;
   }
   Vector3d force_variance = Vector3d::Zero();
   Vector3d rate_variance = Vector3d::Zero();
-  for (const ImuSample& reading : readings_) {
+  for (const auto& [received_ns, reading] : readings) {
     force_variance += (reading.specific_force_body_mps2 - mean.specific_force_body_mps2).cwiseAbs2() / count;
     rate_variance +=
         (reading.angular_velocity_body_radps - mean.angular_velocity_body_radps).cwiseAbs2() / count;
@@ -128,6 +129,18 @@ std::optional<rules::RestObservation> BeaconProbe::means(const calibration::Sett
   rest.fixes_span_m = fix_.samples < 2 ? 0.0 : (fixes_max_m_ - fixes_min_m_).norm();
   rest.axes = calibration.axes;
   return rest;
+}
+
+/// The median.
+std::optional<double> BeaconProbe::bridge_ahead_s() const {
+  std::vector<double> ahead_s;
+  for (const auto& [received_ns, reading] : readings_.entries()) {
+    ahead_s.push_back(seconds_between(received_ns, reading.bridge_time_ns));
+  }
+  if (ahead_s.empty()) return std::nullopt;
+  const auto middle = ahead_s.begin() + static_cast<std::ptrdiff_t>(ahead_s.size() / 2);
+  std::nth_element(ahead_s.begin(), middle, ahead_s.end());
+  return *middle;
 }
 
 rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings::Settings& settings,
@@ -144,12 +157,7 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
   beacon.pose = pose_.observation(began_ns_, now_ns);
   beacon.valid_headings = valid_headings_;
   beacon.events_missing = missing_events(now_ns);
-  if (!ahead_s_.empty()) {
-    std::vector<double> sorted = ahead_s_;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    beacon.bridge_ahead_s = *middle;
-  }
+  beacon.bridge_ahead_s = bridge_ahead_s();
   beacon.status_before = status_before_;
   beacon.status = status_;
   for (const auto& entry : fusions_) {
@@ -169,16 +177,16 @@ motion::Window BeaconProbe::motion_window(const settings::Settings& settings) co
   namespace delay = estimation::documented::delay;
   const calibration::Calibration calibration(settings.calibration);
   motion::Window window;
-  for (const ImuSample& raw : readings_) {
+  for (const auto& [received_ns, raw] : readings_.entries()) {
     const ImuSample imu = calibration.corrected(raw);
     if (!imu.angular_velocity_body_radps.allFinite() || !imu.specific_force_body_mps2.allFinite()) continue;
     window.imu.push_back({imu.sensor_time_ns, imu.angular_velocity_body_radps, imu.specific_force_body_mps2});
   }
-  for (const UltrasonicFix& fix : fixes_) {
+  for (const auto& [received_ns, fix] : fixes_.entries()) {
     if (!fix.position_world_m.allFinite()) continue;
     window.fixes.push_back({delay::measured_at(settings.delay, fix), fix.position_world_m});
   }
-  for (const PairHeading& heading : headings_) {
+  for (const auto& [received_ns, heading] : headings_.entries()) {
     if (!std::isfinite(heading.heading_world_rad)) continue;
     window.headings.push_back({delay::measured_at(settings.delay, heading), heading.heading_world_rad});
   }

@@ -2,6 +2,7 @@
 /// \file
 /// Collects the observations of one beacon.
 
+#include "doctor/probe/latest.hpp"
 #include "doctor/rules/observations.hpp"
 #include <sonopose/samples/live_settings.hpp>
 #include <sonopose/samples/pose.hpp>
@@ -18,7 +19,8 @@
 
 namespace sonopose::doctor::probe {
 
-/// Of samples before `begin` only the sequence numbers are used. Times are of the host's clock (ns).
+/// Of samples before `begin` only the sequence numbers are used. Times are of the host's clock (ns). Streams
+/// and statuses are counted over the whole window; numbers, means and fits are those of its last two minutes.
 class BeaconProbe {
 public:
   void on(const ImuSample& imu, TimeNs received_ns, std::uint64_t writer);
@@ -50,7 +52,7 @@ private:
     [[nodiscard]] rules::StreamObservation observation(TimeNs began_ns, TimeNs ended_ns) const;
   };
 
-  void add_sequence(std::uint64_t sequence, TimeNs received_ns);
+  [[nodiscard]] std::optional<double> bridge_ahead_s() const;
   [[nodiscard]] std::uint64_t missing_events(TimeNs ended_ns) const;
   [[nodiscard]] std::optional<rules::RestObservation> means(const calibration::Settings& calibration) const;
   [[nodiscard]] motion::Window motion_window(const settings::Settings& settings) const;
@@ -67,12 +69,11 @@ private:
   rules::StatusCounts status_counts_;
   rules::FixOutcomes fix_outcomes_;
   std::set<std::uint64_t> writers_;
-  std::vector<std::pair<std::uint64_t, TimeNs>> sequences_;  ///< event numbers and their times of reception
+  Latest<std::uint64_t> sequences_;  ///< event numbers
   std::uint64_t last_imu_sequence_ = 0;
-  std::vector<double> ahead_s_;
-  std::vector<ImuSample> readings_;  ///< uncorrected
-  std::vector<UltrasonicFix> fixes_;
-  std::vector<PairHeading> headings_;  ///< the valid ones
+  Latest<ImuSample> readings_;  ///< uncorrected
+  Latest<UltrasonicFix> fixes_;
+  Latest<PairHeading> headings_;  ///< the valid ones
   Vector3d fixes_min_m_ = Vector3d::Constant(std::numeric_limits<double>::infinity());
   Vector3d fixes_max_m_ = Vector3d::Constant(-std::numeric_limits<double>::infinity());
   std::optional<BeaconStatus> status_before_;

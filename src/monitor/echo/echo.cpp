@@ -1,6 +1,7 @@
 #include "monitor/echo/echo.hpp"
 
 #include "clocks/clocks.hpp"
+#include "logging/log.hpp"
 #include "monitor/echo/json.hpp"
 #include "monitor/echo/line_output.hpp"
 #include "process/endpoint_counters.hpp"
@@ -48,7 +49,7 @@ private:
 void report_incompatible(const process::EndpointCounters& endpoints, bool& reported) {
   if (reported || endpoints.incompatible_qos == 0) return;
   reported = true;
-  fmt::print(stderr, "sonopose-monitor: a writer offers incompatible QoS; run sonopose-doctor for details\n");
+  logging::warning("a writer offers incompatible QoS; run sonopose-doctor for details");
 }
 
 /// The lines of the samples of one batch, up to the count.

@@ -144,4 +144,28 @@ TEST_CASE("The calibration of the fusion is applied to the means") {
   CHECK(beacon.imu_means->force_std_mps2 < 1e-9);
 }
 
+TEST_CASE("A look of an hour keeps the samples of two minutes, and counts all") {
+  BeaconProbe probe;
+  probe.begin(begin_ns);
+  constexpr std::uint64_t samples = 360'000;  // 100 Hz
+  for (std::uint64_t n = 1; n <= samples; ++n) {
+    if (n % 1000 == 0) continue;  // ten seconds
+    const TimeNs at_ns = begin_ns + static_cast<TimeNs>(n) * period_ns;
+    probe.on(imu(n, at_ns), at_ns + 1'000'000, 42);
+  }
+  const auto hour = probe.observation(begin_ns + static_cast<TimeNs>(samples) * period_ns, {});
+  CHECK(hour.imu.samples == samples - samples / 1000);
+  CHECK(hour.imu.rate_hz == Approx(99.9).epsilon(1e-3));
+  CHECK(hour.events_missing >= 11);  // of the last two minutes
+  CHECK(hour.events_missing <= 12);
+}
+
+TEST_CASE("What was received is kept for two minutes") {
+  Latest<int> latest;
+  for (int s = 0; s <= 3600; ++s) latest.add(begin_ns + s * TimeNs{1'000'000'000}, s);
+  CHECK(latest.has_dropped());
+  CHECK(latest.entries().size() == 121);
+  CHECK(latest.entries().front().value == 3480);
+}
+
 }  // namespace beacon_probe_test

@@ -1,0 +1,14 @@
+#include "compression_option.hpp"
+
+#include "choice.hpp"
+
+namespace sonopose::apps {
+
+CLI::Option* add_compression_option(CLI::App& app, mcap::Compression& compression) {
+  using mcap::Compression;
+  return add_choice<Compression>(
+      app, "--compression", compression,
+      {{"none", Compression::none}, {"lz4", Compression::lz4}, {"zstd", Compression::zstd}}, "Of the chunks");
+}
+
+}  // namespace sonopose::apps
