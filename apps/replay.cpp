@@ -6,7 +6,7 @@
 #include "evaluation/run.hpp"
 #include "evaluation/smoothed_run.hpp"
 #include "evaluation/state_file.hpp"
-#include "plots/plot.hpp"
+#include "support/pictures.hpp"
 #include "support/progress.hpp"
 #include "support/replay_options.hpp"
 #include "support/run.hpp"
@@ -75,21 +75,20 @@ int compare(const CLI::App& app, const apps::ReplayOptions& options) {
   const recording::SensorLog log = bus_log::read_sensor_log(options.log, options.beacon);
   evaluation::Timing timing;
   timing.reading_s = seconds_since(reading);
-  std::optional<plots::Plot> plot;
-  if (options.plot) plot.emplace(*options.plot, options.log.string(), log);
+  apps::Pictures pictures(options.plot, options.html, options.log.string(), log);
   for (std::size_t i = 0; i < configs.size(); ++i) {
     const std::string name = options.compared[i].string();
     evaluation::RunOptions run = options.run;
     run.settings = configs[i].for_beacon(log.address);
-    plots::RunCurves* const curves = plot ? &plot->add_run(name, run.settings, estimator_name(run)) : nullptr;
-    const auto add = [curves](const auto& sample) {
-      if (curves != nullptr) curves->add(sample);
+    const auto curves = pictures.add_run(name, run.settings, estimator_name(run));
+    const auto add = [&curves](const auto& sample) {
+      for (plots::RunCurves* const each : curves) each->add(sample);
     };
     const auto result = timed_run(log, run, options.smooth, {add, add}, timing);
     if (!options.json) fmt::print("{}{}\n", i == 0 ? "" : "\n", name);
     fmt::print("{}", report(result, timing, options.json));
   }
-  if (plot) plot->draw();
+  pictures.draw();
   return 0;
 }
 
@@ -106,24 +105,21 @@ int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
   run.settings = config.for_beacon(log.address);
   if (run.start) evaluation::check_fits(*run.start, log, options.load_state->string());
   std::optional<evaluation::OutputFolder> out;
-  std::optional<plots::Plot> plot;
-  plots::RunCurves* curves = nullptr;
   if (options.out) {
     using Covariances = evaluation::OutputFolder::Covariances;
     out.emplace(*options.out, options.smooth ? Covariances::yes : Covariances::no);
   }
-  if (options.plot) {
-    plot.emplace(*options.plot, options.log.string(), log);
-    curves = &plot->add_run(options.smooth ? "smoothed" : "fused", run.settings, estimator_name(run));
-  }
+  apps::Pictures pictures(options.plot, options.html, options.log.string(), log);
+  const auto curves =
+      pictures.add_run(options.smooth ? "smoothed" : "fused", run.settings, estimator_name(run));
   const auto write = [&](const auto& sample) {
     if (out) out->write(sample);
-    if (curves) curves->add(sample);
+    for (plots::RunCurves* const each : curves) each->add(sample);
   };
   const auto result = timed_run(log, run, options.smooth, {write, write}, timing);
   if (out) out->finish();
   if (options.save_state) evaluation::save_state(*options.save_state, result.end);
-  if (plot) plot->draw();
+  pictures.draw();
   fmt::print("{}", report(result, timing, options.json));
   return 0;
 }

@@ -19,6 +19,7 @@ struct ReplayOptions {
   std::optional<BeaconAddress> beacon;
   std::optional<std::filesystem::path> out;
   std::optional<std::filesystem::path> plot;
+  std::optional<std::filesystem::path> html;
   std::optional<std::filesystem::path> save_state;
   std::optional<std::filesystem::path> load_state;
   evaluation::RunOptions run;

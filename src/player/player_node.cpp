@@ -156,6 +156,7 @@ void Play::play_once() {
     if (std::exchange(is_first, false)) begin(message->log_time_ns);
     if (!wait_for(message->log_time_ns)) return;
     const bool good = publisher_.publish(reader_.channels().at(message->channel_id).topic, *message, stop_);
+    if (!good && stop_.requested()) return;  // it may have waited for a reader
     ++(good ? report_.played : report_.refused);
   }
   for (const std::string& damage : messages.skipped()) logging::warning("not played: " + damage);

@@ -62,15 +62,15 @@ void count(std::vector<std::size_t>& bins, double value_m, double half_width_m) 
 }  // namespace
 
 RunCurves::RunCurves(std::string name, const settings::Settings& settings, const std::string& engine,
-                     const recording::SensorLog& log)
+                     const recording::SensorLog& log, const Detail& detail)
     : name_(std::move(name)),
       settings_text_(text_of(settings, engine)),
       mount_offset_rad_(settings.heading.mount_offset_deg * std::numbers::pi / 180.0),
       begin_ns_(log.events.empty() ? 0 : available_at_ns(log.events.front())),
       truth_(log.truth),
-      moments_(most_moments, merge_moments),
-      path_(most_path_points, [](PathPoint& into, const PathPoint& next) { into = next; }),
-      fixes_(most_fixes, merge_fixes) {}
+      moments_(detail.moments, merge_moments),
+      path_(detail.path_points, [](PathPoint& into, const PathPoint& next) { into = next; }),
+      fixes_(detail.fixes, merge_fixes) {}
 
 void RunCurves::add(const FusedPose& pose) {
   constexpr double least_speed_mps = 0.1;

@@ -73,17 +73,20 @@ struct Histogram {
   [[nodiscard]] double centre_m(int bin) const { return ((bin + 0.5) * 2.0 / bins - 1.0) * half_width_m; }
 };
 
+/// The most entries of a run, whatever its duration.
+struct Detail {
+  std::size_t moments = 1024;
+  std::size_t path_points = 3072;
+  std::size_t fixes = 384;
+};
+
 /// Collects poses and reports, thinned so that the plot of an hour stays small.
 class RunCurves {
 public:
-  static constexpr std::size_t most_moments = 1024;
-  static constexpr std::size_t most_path_points = 3072;
-  static constexpr std::size_t most_fixes = 384;
-
   /// `log` must outlive it. `name` distinguishes runs. `engine` is its name if it is not that of the
   /// settings.
   RunCurves(std::string name, const settings::Settings& settings, const std::string& engine,
-            const recording::SensorLog& log);
+            const recording::SensorLog& log, const Detail& detail = {});
 
   void add(const FusedPose& pose);
   void add(const FixReport& report);

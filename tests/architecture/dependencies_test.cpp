@@ -154,7 +154,7 @@ const std::vector<Restriction> restrictions{
      {"files", "files/toml", "mcap", "recording", "config", "ros2/arguments"},
      {dds_headers, socket_headers, thread_headers, command_line_headers}},
     {"offline: no DDS, sockets, clocks, threads, command lines",
-     {"evaluation", "plots"},
+     {"evaluation", "page", "plots"},
      {dds_headers, socket_headers, clock_headers, thread_headers, command_line_headers}},
     {"recordings: no sockets, clocks, threads, command lines, nor Cyclone DDS of their own",
      {"bus_log"},

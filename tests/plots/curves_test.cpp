@@ -31,8 +31,8 @@ TEST_CASE("a long run is thinned to a bounded number of moments that keep the pe
     curves.add(pose);
   }
   const auto& moments = curves.moments();
-  CHECK(moments.size() <= RunCurves::most_moments);
-  CHECK(moments.size() > RunCurves::most_moments / 4);
+  CHECK(moments.size() <= Detail().moments);
+  CHECK(moments.size() > Detail().moments / 4);
   double worst_m = 0.0;
   std::size_t stale = 0;
   for (std::size_t k = 0; k < moments.size(); ++k) {
@@ -73,7 +73,7 @@ TEST_CASE("a thinned fix is the one that an engineer looks for") {
     report.innovation_world_m.x() = i == 20'000 ? 1.0 : 0.01;
     curves.add(report);
   }
-  CHECK(curves.fixes().size() <= RunCurves::most_fixes);
+  CHECK(curves.fixes().size() <= Detail().fixes);
   const auto count = [&](const auto& wanted) {
     return std::count_if(curves.fixes().begin(), curves.fixes().end(), wanted);
   };
