@@ -98,8 +98,9 @@ SCENARIO("the monitor is a screen that fits") {
       check_is_restored(monitor);
       const std::string output = monitor.output();
       const std::string after = output.substr(output.rfind("\x1b[?1049l"));
-      CHECK_THAT(after, Contains("beacon 56 over"));                                       // the summary
-      CHECK_THAT(after, Contains("sonopose-monitor: warning: beacon") && Contains("no pose for"));  // standard error
+      CHECK_THAT(after, Contains("beacon 56 over"));  // the summary
+      CHECK_THAT(after,
+                 Contains("sonopose-monitor: warning: beacon") && Contains("no pose for"));  // standard error
     }
   }
 }
