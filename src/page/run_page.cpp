@@ -71,12 +71,17 @@ Json json_of(const std::vector<PathPoint>& path) {
           {"true_y_m", all([](const PathPoint& p) { return p.true_position_world_m.y(); })}};
 }
 
+/// Not computed for a fix that was rejected before, such as one of low quality.
+double innovation_m(const FixMark& fix) {
+  return (fix.flags & fix_used) == 0 && fix.innovation_m == 0 ? plots::unknown : fix.innovation_m;
+}
+
 Json json_of(const std::vector<FixMark>& fixes) {
   const auto all = [&fixes](const auto& value) { return column(fixes, value); };
   return {{"t", all([](const FixMark& f) { return f.time_s; })},
           {"x_m", all([](const FixMark& f) { return f.position_world_m.x(); })},
           {"y_m", all([](const FixMark& f) { return f.position_world_m.y(); })},
-          {"innovation_m", all([](const FixMark& f) { return f.innovation_m; })},
+          {"innovation_m", all(innovation_m)},
           {"verdict", all([](const FixMark& f) { return double(plots::class_of(f.flags)); })}};
 }
 

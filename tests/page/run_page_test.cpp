@@ -79,6 +79,7 @@ SCENARIO("a run becomes a page that needs nothing else") {
         const json& fixes = document["runs"][0]["fixes"];
         CHECK(fixes["t"].size() > 150);
         CHECK(fixes["verdict"].size() == fixes["t"].size());
+        CHECK_FALSE(fixes["innovation_m"].back().is_null());
       }
     }
     WHEN("it is not written") {
@@ -92,6 +93,23 @@ SCENARIO("a run becomes a page that needs nothing else") {
     const recording::SensorLog log = walk_log(1);
     THEN("that is refused before the run") {
       CHECK_THROWS_AS(page::RunPage("/proc/none/walk.html", "walk", log), files::IoError);
+    }
+  }
+}
+
+SCENARIO("a fix without an innovation has none on the page") {
+  GIVEN("a fix of low quality, which is rejected before its innovation is known") {
+    const recording::SensorLog log = walk_log(1);
+    plots::PlotData data;
+    plots::RunCurves& curves = data.runs.emplace_back("fused", settings::Settings(), "", log, page::detail);
+    FixReport fix;
+    fix.applied_time_ns = available_at_ns(log.events.front());
+    fix.flags = fix_low_quality;
+    curves.add(fix);
+    THEN("it is not shown as a perfect one") {
+      const json document = json::parse(page::run_json(data));
+      CHECK(document["runs"][0]["fixes"]["innovation_m"][0].is_null());
+      CHECK(document["runs"][0]["fixes"]["verdict"][0] == 2);
     }
   }
 }
