@@ -244,7 +244,8 @@ void HistoryChecker::check_silence(BeaconAddress address, const Track& track) {
     const TimeNs silence_ns = wait.until - wait.from;
     if (silence_ns <= 0 || !had_warm_fusion(address, wait.from, wait.until)) continue;
     verdict_.longest_silence_ns = std::max(verdict_.longest_silence_ns, silence_ns);
-    if (silence_ns > limits_.silence_ns + stalled_ns(wait.from, wait.until)) {
+    const TimeNs excused_ns = stalled_ns(wait.from, wait.until) + gap_ns(track, wait);
+    if (silence_ns > limits_.silence_ns + excused_ns) {
       violated(track.poses[i], fmt::format("no pose for {:.1f} ms beside a warm fusion", ms(silence_ns)));
     }
   }
@@ -271,6 +272,16 @@ Interval HistoryChecker::wait_beside_bridge(const Track& track, SteadyTime from,
   const bool ever = end != track.imu.begin();
   wait.until = std::min(wait.until, ever ? std::prev(end)->received + pause_ns : wait.from);
   return wait;
+}
+
+/// By how much the bridge's samples were ever further apart than their period: the lease may end in such a gap.
+TimeNs HistoryChecker::gap_ns(const Track& track, Interval wait) const {
+  TimeNs longest_ns = history_.imu_period_ns;
+  for (std::size_t i = 1; i < track.imu.size(); ++i) {
+    const Interval gap{track.imu[i - 1].received, track.imu[i].received};
+    if (overlap(gap, wait.from, wait.until)) longest_ns = std::max(longest_ns, gap.until - gap.from);
+  }
+  return longest_ns - history_.imu_period_ns;
 }
 
 /// Whether one fusion was warm and undisturbed all the time, and so was the bridge.

@@ -71,6 +71,7 @@ private:
   [[nodiscard]] bool may_weaken(const Track& track, const Arrival& before, const Arrival& after) const;
   [[nodiscard]] bool was_silent(const Track& track, SteadyTime from, SteadyTime until) const;
   [[nodiscard]] Interval wait_beside_bridge(const Track& track, SteadyTime from, SteadyTime until) const;
+  [[nodiscard]] TimeNs gap_ns(const Track& track, Interval wait) const;
   [[nodiscard]] bool had_warm_fusion(BeaconAddress address, SteadyTime from, SteadyTime until) const;
   [[nodiscard]] bool had_episode(Role role, SteadyTime from, SteadyTime until) const;
   [[nodiscard]] bool loses(Role role) const;
