@@ -274,7 +274,8 @@ Interval HistoryChecker::wait_beside_bridge(const Track& track, SteadyTime from,
   return wait;
 }
 
-/// By how much the bridge's samples were ever further apart than their period: the lease may end in such a gap.
+/// By how much the bridge's samples were ever further apart than their period: the lease may end in such a
+/// gap.
 TimeNs HistoryChecker::gap_ns(const Track& track, Interval wait) const {
   TimeNs longest_ns = history_.imu_period_ns;
   for (std::size_t i = 1; i < track.imu.size(); ++i) {
