@@ -5,6 +5,7 @@
 #include "monitor/counters_since.hpp"
 #include "monitor/monitor_report.hpp"
 #include "monitor/screen.hpp"
+#include "observation/bus/views_json.hpp"
 #include "terminal/terminal.hpp"
 
 #include <fmt/format.h>
@@ -28,7 +29,7 @@ public:
 class PrintedJson final : public Display {
 public:
   void show(std::vector<observation::BeaconView> views, std::vector<std::string> warnings) override {
-    fmt::print("{}\n", json_of(views, warnings, clocks::host_now()));
+    fmt::print("{}\n", observation::bus::json_of(views, warnings, clocks::host_now()));
     std::fflush(stdout);
   }
 };

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The monitor's output: a table, one JSON object, and the summary of a run.
+/// The monitor's output as text: a table, and the summary of a run.
 
 #include "observation/beacon_observer.hpp"
 
@@ -13,11 +13,6 @@ namespace sonopose::monitor {
 /// line for each process that counted problems, and a line for each warning. Each line ends with a newline.
 std::string table_of(const std::vector<observation::BeaconView>& views,
                      const std::vector<std::string>& warnings = {});
-
-/// {"time_ns": …, "beacons": [{…}], "warnings": ["…"]}, on one line without a newline. Unknown values are
-/// null.
-std::string json_of(const std::vector<observation::BeaconView>& views,
-                    const std::vector<std::string>& warnings, TimeNs now_ns);
 
 /// A paragraph per beacon: rates, latency and its segments, position error, losses.
 std::string summary_of(const std::vector<observation::BeaconView>& views);

@@ -1,5 +1,6 @@
 #include "monitor/monitor_report.hpp"
 
+#include "observation/bus/views_json.hpp"
 #include "observation/status_words.hpp"
 
 #include <catch2/catch.hpp>
@@ -18,6 +19,7 @@ using namespace sonopose::monitor;
 using namespace sonopose::observation;
 using Catch::Contains;
 using Catch::StartsWith;
+using observation::bus::json_of;
 
 constexpr TimeNs now_ns = 1'700'000'000'123'456'789;
 

@@ -1,4 +1,5 @@
-#include "monitor/monitor_report.hpp"
+#include "observation/bus/views_json.hpp"
+
 #include "observation/status_counters.hpp"
 #include "observation/status_words.hpp"
 #include <sonopose/geometry/rotation.hpp>
@@ -8,7 +9,7 @@
 #include <array>
 #include <string>
 
-namespace sonopose::monitor {
+namespace sonopose::observation::bus {
 namespace {
 
 nlohmann::json vector_json(const Vector3d& vector) {
@@ -19,16 +20,16 @@ nlohmann::json optional_json(const std::optional<double>& value) {
   return value ? nlohmann::json(*value) : nlohmann::json();
 }
 
-nlohmann::json segments_json(const observation::BeaconView& view) {
+nlohmann::json segments_json(const BeaconView& view) {
   nlohmann::json json;
-  for (std::size_t i = 0; i < observation::latency_segment_names.size(); ++i) {
-    json[std::string(observation::latency_segment_names[i])] = {{"p50_s", view.segments[i].p50_s},
-                                                                {"p99_s", view.segments[i].p99_s}};
+  for (std::size_t i = 0; i < latency_segment_names.size(); ++i) {
+    json[std::string(latency_segment_names[i])] = {{"p50_s", view.segments[i].p50_s},
+                                                   {"p99_s", view.segments[i].p99_s}};
   }
   return json;
 }
 
-nlohmann::json trace_json(const observation::PoseTrace& trace) {
+nlohmann::json trace_json(const PoseTrace& trace) {
   return {{"event_sequence", trace.sequence},
           {"latency_s", trace.latency_s()},
           {"sensor_time_ns", trace.sensor_ns},
@@ -39,7 +40,7 @@ nlohmann::json trace_json(const observation::PoseTrace& trace) {
 }
 
 template <class Status, std::size_t Size>
-void add_counters(const std::array<observation::StatusCounter<Status>, Size>& counters, const Status& status,
+void add_counters(const std::array<StatusCounter<Status>, Size>& counters, const Status& status,
                   nlohmann::json& json) {
   for (const auto& counter : counters) json[std::string(counter.name)] = status.*counter.value;
 }
@@ -50,7 +51,7 @@ nlohmann::json bridge_json(const BeaconStatus& bridge) {
       {"heading_rate_hz", bridge.heading_rate_hz},  {"battery_v", optional_json(bridge.battery_v)},
       {"rssi_dbm", optional_json(bridge.rssi_dbm)}, {"clock_offset_s", bridge.clock_offset_s},
       {"clock_jitter_s", bridge.clock_jitter_s},    {"other_bridges", bridge.other_bridges}};
-  add_counters(observation::bridge_counters, bridge, json);
+  add_counters(bridge_counters, bridge, json);
   return json;
 }
 
@@ -61,7 +62,7 @@ nlohmann::json fusion_json(const FusionStatus& fusion) {
                       {"strength", fusion.strength},
                       {"imu_silent", fusion.imu_silent},
                       {"overloaded", fusion.overloaded}};
-  add_counters(observation::fusion_counters, fusion, json);
+  add_counters(fusion_counters, fusion, json);
   return json;
 }
 
@@ -91,7 +92,7 @@ nlohmann::json estimate_json(const Estimate& estimate) {
           {"heading_offset_rad", value_json(estimate.heading_offset_rad)}};
 }
 
-nlohmann::json beacon_json(const observation::BeaconView& view) {
+nlohmann::json beacon_json(const BeaconView& view) {
   const FusedPose& pose = view.pose;
   nlohmann::json json{{"address", view.address},
                       {"poses", view.poses},
@@ -109,7 +110,7 @@ nlohmann::json beacon_json(const observation::BeaconView& view) {
                       {"since_valid_fix_s", pose.since_valid_fix_s},
                       {"trust", pose.trust},
                       {"status", pose.status},
-                      {"status_words", observation::status_words(pose.status)},
+                      {"status_words", status_words(pose.status)},
                       {"reset_counter", pose.reset_counter},
                       {"pose_time_ns", pose.time_ns},
                       {"pose_deadlines_missed", view.deadlines_missed},
@@ -130,11 +131,11 @@ nlohmann::json beacon_json(const observation::BeaconView& view) {
 
 }  // namespace
 
-std::string json_of(const std::vector<observation::BeaconView>& views,
-                    const std::vector<std::string>& warnings, TimeNs now_ns) {
+std::string json_of(const std::vector<BeaconView>& views, const std::vector<std::string>& warnings,
+                    TimeNs now_ns) {
   nlohmann::json json{{"time_ns", now_ns}, {"beacons", nlohmann::json::array()}, {"warnings", warnings}};
-  for (const observation::BeaconView& view : views) json["beacons"].push_back(beacon_json(view));
+  for (const BeaconView& view : views) json["beacons"].push_back(beacon_json(view));
   return json.dump();
 }
 
-}  // namespace sonopose::monitor
+}  // namespace sonopose::observation::bus

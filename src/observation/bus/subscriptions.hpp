@@ -1,0 +1,95 @@
+#pragma once
+/// \file
+/// The topics that are watched.
+
+#include "observation/bus/bus_watch.hpp"
+#include <sonopose/dds/binding/data_reader.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+
+#include <cstdint>
+#include <optional>
+
+namespace sonopose::observation::bus {
+
+/// Passes the samples on to the hook.
+template <class T>
+class Listener final : public ObservingListener<T> {
+public:
+  Listener(BeaconObservers& observers, process::EndpointCounters& endpoints, SampleHook* hook)
+      : ObservingListener<T>(observers, endpoints), hook_(hook) {}
+
+private:
+  void on_sample(const typename ObservingListener<T>::Native& sample) noexcept override {
+    if (hook_ != nullptr) hook_->on(sample);
+  }
+
+  SampleHook* hook_;
+};
+
+/// When samples are taken.
+enum class Taking : std::uint8_t {
+  on_arrival,  ///< one by one in the receive threads: the time of arrival counts
+  in_batches   ///< by `take`: costs less
+};
+
+/// A subscription to one topic.
+template <class T>
+struct Subscription {
+  Subscription(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+               const dds::topics::Entry<T>& entry, BeaconObservers& observers,
+               process::BeaconAdmission& admission, process::EndpointCounters& endpoints, SampleHook* hook,
+               Taking taking)
+      : listener(observers, endpoints, hook),
+        reader(dds::topics::make_reader(participant, qos, entry, &listener, dds::topics::Delivery::live,
+                                        &admission, mask_of(taking))) {}
+
+  /// Takes what has arrived.
+  void take() { listener.on_data_available(reader); }
+
+  Listener<T> listener;
+  dds::DataReader<T> reader;
+
+private:
+  static dds::StatusMask mask_of(Taking taking) {
+    const auto all = dds::StatusMask::all();
+    return taking == Taking::on_arrival ? all : all.without(dds::StatusMask::data_available());
+  }
+};
+
+/// The latency is that of the poses, so they are taken on arrival.
+struct Subscriptions {
+  Subscriptions(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                BeaconObservers& observers, process::BeaconAdmission& admission,
+                process::EndpointCounters& endpoints, SampleHook* hook, bool has_reports)
+      : pose(participant, qos, dds::topics::pose, observers, admission, endpoints, hook, Taking::on_arrival),
+        truth(participant, qos, dds::topics::truth, observers, admission, endpoints, hook,
+              Taking::in_batches),
+        beacon_status(participant, qos, dds::topics::beacon_status, observers, admission, endpoints, hook,
+                      Taking::in_batches),
+        estimate(participant, qos, dds::topics::estimate, observers, admission, endpoints, hook,
+                 Taking::in_batches),
+        fusion_status(participant, qos, dds::topics::fusion_status, observers, admission, endpoints, hook,
+                      Taking::in_batches) {
+    if (has_reports) {
+      report.emplace(participant, qos, dds::topics::report, observers, admission, endpoints, hook,
+                     Taking::in_batches);
+    }
+  }
+
+  void take() {
+    truth.take();
+    beacon_status.take();
+    estimate.take();
+    fusion_status.take();
+    if (report) report->take();
+  }
+
+  Subscription<sonopose_FusedPose> pose;
+  Subscription<sonopose_TruthSample> truth;
+  Subscription<sonopose_BeaconStatus> beacon_status;
+  Subscription<sonopose_Estimate> estimate;
+  Subscription<sonopose_FusionStatus> fusion_status;
+  std::optional<Subscription<sonopose_FixReport>> report;
+};
+
+}  // namespace sonopose::observation::bus
