@@ -17,6 +17,7 @@ inline constexpr std::array verbs{
     Verb{"bridge", "Publishes the samples of Marvelmind beacons, of a recording or of the simulator."},
     Verb{"fusion", "Fuses IMU samples and ultrasonic fixes into a pose for every beacon on the bus."},
     Verb{"monitor", "Shows the rates, pose, status and latency of every beacon once a second."},
+    Verb{"web", "Serves a live page of every beacon for the browser, and all topics for Foxglove."},
     Verb{"ros2", "Publishes poses and samples as ROS 2 messages, and reads the samples of ROS 2 drivers."},
     Verb{"record", "Records the topics on the bus to MCAP files."},
     Verb{"play", "Publishes a recording in MCAP as it was received."},

@@ -3,14 +3,13 @@
 #include "files/csv_writer.hpp"
 #include "files/error.hpp"
 #include "page/assets.hpp"
+#include "page/library.hpp"
 #include "plots/layout.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <nlohmann/json.hpp>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <utility>
 
 namespace sonopose::page {
@@ -85,16 +84,6 @@ Json json_of(const std::vector<FixMark>& fixes) {
           {"verdict", all([](const FixMark& f) { return double(plots::class_of(f.flags)); })}};
 }
 
-std::string read_library(const std::string& name) {
-  const std::filesystem::path file = std::filesystem::path(dygraphs_folder) / name;
-  std::ifstream stream(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (text.empty()) {
-    throw files::IoError(file.string() + ": cannot be read; a page needs Debian's package libjs-dygraphs");
-  }
-  return text;
-}
-
 /// Text of an element: names of files and beacons have any characters.
 std::string escaped(const std::string& text) {
   std::string result;
@@ -135,8 +124,8 @@ std::string run_json(const plots::PlotData& data) {
 RunPage::RunPage(std::filesystem::path file, std::string title, const recording::SensorLog& log)
     : replacement_(file),
       log_(log),
-      library_(read_library("dygraph.min.js")),
-      library_style_(read_library("dygraph.min.css")) {
+      library_(library_file("dygraph.min.js")),
+      library_style_(library_file("dygraph.min.css")) {
   files::CsvWriter(replacement_.part(), files::CsvWriter::Existing::replace)
       .flush();  // fail now if the file cannot be written
   data_.title = std::move(title);

@@ -165,9 +165,12 @@ const std::vector<Restriction> restrictions{
      {"ros2/messages"},
      {file_headers, socket_headers, clock_headers, thread_headers, command_line_headers}},
     {"no Cyclone DDS of their own, command lines, or libraries that an edge module wraps",
-     {"process", "observation", "launch", "bridge", "recorder", "player", "fusion", "monitor", "monitor/echo",
-      "doctor/rules", "doctor/probe", "settings_client", "ros2/relay"},
-     {"dds/.*|ddsc/.*", command_line_headers, "asio.*", "toml.*", "pugixml.*", "yaml-cpp/.*", "spdlog/.*"}},
+     {"process", "observation", "observation/bus", "launch", "bridge", "recorder", "player", "fusion",
+      "monitor", "monitor/echo", "doctor/rules", "doctor/probe", "settings_client", "ros2/relay", "web",
+      "web/foxglove", "web/live", "web/recording"},
+     {"dds/.*|ddsc/.*", command_line_headers, "asio.*", "toml.*", "pugixml.*", "yaml-cpp/.*", "spdlog/.*",
+      "boost/.*"}},
+    {"no DDS, files, clocks, command lines", {"web/http"}, {dds_headers, file_headers, command_line_headers}},
 };
 
 bool is_forbidden(const Restriction& restriction, const std::string& header) {

@@ -1,0 +1,105 @@
+// sonopose-web: a live page of every beacon on the bus for the browser, and the topics for Foxglove.
+
+#include "process/background.hpp"
+#include "support/bus_options.hpp"
+#include "support/log_option.hpp"
+#include "support/version.hpp"
+#include "web/recording_node.hpp"
+#include "web/web_node.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+using namespace sonopose;
+
+namespace {
+
+/// What the options are made of.
+struct Given {
+  std::string listen;
+  std::string token;
+  std::string floor_plan;
+  std::vector<double> floor_plan_area_m;
+  std::string geofence;
+  std::string recording;
+  std::optional<BeaconAddress> beacon;
+};
+
+void apply(const Given& given, web::WebOptions& options) {
+  auto& server = options.server;
+  if (!given.listen.empty()) server.endpoint = web::http::parse_endpoint(given.listen);
+  server.token = given.token;
+  // Whoever knows the URL may look, and change settings where that is allowed.
+  if (server.token.empty() && !is_loopback(server.endpoint)) server.token = web::http::random_token();
+  if (!given.floor_plan.empty()) {
+    options.map.floor_plan = web::read_floor_plan(given.floor_plan, given.floor_plan_area_m);
+  }
+  if (!given.geofence.empty()) options.map.geofence_m = web::read_geofence(given.geofence);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  apps::BusOptions bus;
+  web::WebOptions options;
+  Given given;
+  apps::Program app("web", "Only this machine can open the page unless --listen says otherwise.");
+  auto* const recording = app.add_option("recording", given.recording,
+                                         "Show this instead of the bus: an MCAP file or a sensor-log folder");
+  app.add_option("--beacon", given.beacon, "Of a recording of several without poses: this one")
+      ->type_name("ADDRESS")
+      ->needs(recording);
+  add_bus_options(app, bus);
+  logging::Level log_level = logging::Level::info;
+  apps::add_log_option(app, log_level);
+  add_max_beacons(app, "Show", options.max_beacons);
+  app.add_option("--listen", given.listen, "Where to serve the page")
+      ->type_name("ADDRESS:PORT")
+      ->default_str(text_of(options.server.endpoint));
+  app.add_option("--token", given.token,
+                 "What the page's URL must have; one is drawn if other machines can connect")
+      ->type_name("TEXT");
+  app.add_option("--allow-origin", options.server.origins,
+                 "A page elsewhere that may connect, such as Foxglove's")
+      ->type_name("URL");
+  app.add_flag("--allow-changes", options.allows_changes,
+               "The page may change settings and reset estimators");
+  app.add_option("--max-clients", options.server.max_clients, "Connections at a time")
+      ->check(apps::number_between(1, 1000))
+      ->capture_default_str();
+  auto* const plan =
+      app.add_option("--floor-plan", given.floor_plan, "A picture under the map: PNG, JPEG or SVG")
+          ->type_name("FILE");
+  app.add_option("--floor-plan-area", given.floor_plan_area_m,
+                 "Where its lower left and upper right corners are, in m")
+      ->type_name("X0 Y0 X1 Y1")
+      ->expected(4)
+      ->needs(plan);
+  app.add_option("--geofence", given.geofence, "The corners of an area, as CSV with the header # x_m,y_m")
+      ->type_name("FILE");
+  return apps::run(app, argc, argv, [&] {
+    process::give_way();  // it only watches
+    const logging::Session log(log_level);
+    apply(given, options);
+    const auto report = [](const std::string& url) { logging::info("the page is at " + url); };
+    process::StopSignal stop;
+    stop.listen_to_signals();
+    if (!given.recording.empty()) {
+      web::serve_recording({.recording = given.recording,
+                            .beacon = given.beacon,
+                            .server = options.server,
+                            .map = options.map,
+                            .version = std::string(apps::version())},
+                           report, stop);
+      return 0;
+    }
+    options.domain = bus.domain;
+    options.qos_file = bus.qos_file;
+    options.version = apps::version();
+    web::serve(options, report, stop);
+    return 0;
+  });
+}

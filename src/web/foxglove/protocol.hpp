@@ -1,0 +1,66 @@
+#pragma once
+/// \file
+/// The messages of Foxglove's WebSocket protocol, version 1: https://github.com/foxglove/ws-protocol,
+/// docs/spec.md.
+
+#include <sonopose/samples/samples.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace sonopose::web::foxglove {
+
+/// The sub-protocols that mean this protocol.
+inline constexpr std::array<std::string_view, 2> protocols{"foxglove.sdk.v1", "foxglove.websocket.v1"};
+
+using ChannelId = std::uint32_t;
+using SubscriptionId = std::uint32_t;
+
+/// What a client may subscribe to.
+struct Channel {
+  ChannelId id = 0;
+  std::string topic;
+  std::string encoding;
+  std::string schema_name;
+  std::string schema;
+  std::string schema_encoding;
+};
+
+enum class StatusLevel : std::uint8_t { info, warning, error };
+
+// From the server. Texts are JSON, the others are binary.
+std::string server_info(const std::string& name, const std::string& session_id);
+std::string advertise(std::span<const Channel> channels);
+std::string status(StatusLevel level, const std::string& message);
+std::string time(TimeNs time_ns);
+/// `received_ns`: when the sample arrived here.
+std::string message_data(SubscriptionId subscription, TimeNs received_ns, std::span<const std::byte> payload);
+
+// From a client.
+struct Subscribe {
+  struct Item {
+    SubscriptionId id = 0;
+    ChannelId channel_id = 0;
+  };
+  std::vector<Item> items;
+};
+struct Unsubscribe {
+  std::vector<SubscriptionId> ids;
+};
+/// What cannot be read or is not supported: why.
+struct Refused {
+  std::string reason;
+};
+using Request = std::variant<Subscribe, Unsubscribe, Refused>;
+
+/// Reads a text message. Never throws for what a client sends.
+Request parse_request(std::string_view text);
+
+}  // namespace sonopose::web::foxglove

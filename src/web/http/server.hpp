@@ -1,0 +1,92 @@
+#pragma once
+/// \file
+/// A small server of HTTP and WebSocket on one port.
+
+#include "web/http/access.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sonopose::web::http {
+
+/// One WebSocket connection; never used again.
+using ClientId = std::uint64_t;
+using SharedText = std::shared_ptr<const std::string>;
+
+/// The answer to a GET.
+struct Response {
+  unsigned status = 200;
+  std::string content_type = "text/plain; charset=utf-8";
+  SharedText body;
+};
+Response text_response(unsigned status, std::string text);
+SharedText shared_text(std::string text);
+
+/// Called on the server's thread. An exception closes the connection.
+class Handler {
+public:
+  Handler() = default;
+  Handler(const Handler&) = delete;
+  Handler& operator=(const Handler&) = delete;
+  virtual ~Handler() = default;
+
+  /// The answer to a GET or HEAD of `path`, without the query.
+  virtual Response get(std::string_view path) = 0;
+  /// One of the sub-protocols that a client offers, in its order; empty: it is refused.
+  virtual std::optional<std::string> choose_protocol(std::string_view path,
+                                                     const std::vector<std::string>& offered) = 0;
+  virtual void on_open(ClientId client, const std::string& protocol) = 0;
+  virtual void on_message(ClientId client, bool is_text, std::string_view message) = 0;
+  virtual void on_close(ClientId client) = 0;
+  /// Messages to the client that were dropped because it was slow: so many in total. Called when its queue
+  /// has space again.
+  virtual void on_dropped(ClientId client, std::uint64_t total) = 0;
+};
+
+struct ServerOptions {
+  Endpoint endpoint;
+  std::string token;                 ///< empty: none is asked for
+  std::vector<std::string> origins;  ///< of other pages that may connect
+  std::size_t max_clients = 16;      ///< connections at a time
+  std::size_t max_header_bytes = 8192;
+  std::size_t max_message_bytes = 65'536;     ///< from a client
+  std::size_t max_unsent_bytes = 1'048'576;   ///< to a client: more droppable messages are dropped,
+  std::size_t max_queued_bytes = 16'777'216;  ///< and with more of the others it is disconnected
+  double timeout_s = 30;  ///< a client that neither sends nor takes anything is disconnected
+};
+
+enum class Loss : std::uint8_t {
+  never,   ///< a client that cannot take it is disconnected
+  allowed  ///< dropped where the client is slow
+};
+
+class Server {
+public:
+  /// Listens and serves on a thread of its own. `handler` must outlive the server. Throws std::runtime_error
+  /// with address and cause.
+  Server(const ServerOptions& options, Handler& handler);
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+  /// Disconnects all.
+  ~Server();
+
+  /// With the actual port.
+  [[nodiscard]] const Endpoint& endpoint() const;
+
+  /// Of "/", with the token.
+  [[nodiscard]] std::string url() const;
+
+  /// Queues a message. Any thread may call it; it does not block.
+  void send(std::vector<ClientId> clients, SharedText message, bool is_text, Loss loss);
+
+private:
+  class Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace sonopose::web::http

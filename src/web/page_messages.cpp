@@ -1,0 +1,186 @@
+#include "web/page_messages.hpp"
+
+#include <sonopose/settings/settings_table.hpp>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <type_traits>
+
+namespace sonopose::web {
+namespace {
+
+constexpr double least_examination_s = 1;
+constexpr double most_examination_s = 120;
+
+/// Text from the bus need not be UTF-8.
+std::string dump(const nlohmann::json& json) {
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+nlohmann::json address_json(BeaconAddress address) {
+  return address == all_beacons ? nlohmann::json("all") : nlohmann::json(address);
+}
+
+std::optional<BeaconAddress> address_in(const nlohmann::json& json) {
+  const auto found = json.find("address");
+  if (found == json.end()) return {};
+  if (*found == "all") return all_beacons;
+  if (!found->is_number_integer()) return {};
+  const auto number = found->get<std::int64_t>();
+  return number >= 0 && number < all_beacons ? std::optional(static_cast<BeaconAddress>(number))
+                                             : std::nullopt;
+}
+
+PageRequest change_from(const nlohmann::json& json, std::uint64_t id) {
+  const auto address = address_in(json);
+  if (!address) return RefusedRequest{id, "address is neither a beacon's nor \"all\""};
+  ChangeRequest request{.id = id, .is_reset = json["op"] == "reset", .settings = {}};
+  request.settings.address = *address;
+  if (request.is_reset) return request;
+  const auto assignments = json.find("assignments");
+  if (assignments == json.end() || !assignments->is_object() || assignments->empty()) {
+    return RefusedRequest{id, "assignments has no settings"};
+  }
+  for (const auto& [key, value] : assignments->items()) {
+    if (!value.is_string()) return RefusedRequest{id, key + ": the value is not a text"};
+    request.settings.assignments.push_back({key, value.get<std::string>()});
+  }
+  return request;
+}
+
+PageRequest examine_from(const nlohmann::json& json, std::uint64_t id) {
+  ExamineRequest request;
+  if (const auto seconds = json.find("seconds"); seconds != json.end()) {
+    if (!seconds->is_number()) return RefusedRequest{id, "seconds is not a number"};
+    request.seconds = seconds->get<double>();
+  }
+  if (request.seconds >= least_examination_s && request.seconds <= most_examination_s) return request;
+  return RefusedRequest{id, fmt::format("seconds={} is not between {} and {}", request.seconds,
+                                        least_examination_s, most_examination_s)};
+}
+
+nlohmann::json value_json(const settings::SettingValue& value) {
+  return std::visit([](const auto& each) { return nlohmann::json(each); }, value);
+}
+
+const char* type_of(const settings::SettingInfo& info) {
+  if (!info.choices.empty()) return "choice";
+  constexpr std::array names{"bool", "int", "double", "choice"};
+  return names[info.initial.index()];
+}
+
+const char* engines_of(settings::ReadBy read_by) {
+  switch (read_by) {
+    case settings::ReadBy::documented:
+      return "documented";
+    case settings::ReadBy::kalman:
+      return "kalman";
+    case settings::ReadBy::all:
+      break;
+  }
+  return "all";
+}
+
+}  // namespace
+
+PageRequest parse_page_request(std::string_view text) {
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains("op") || !json["op"].is_string()) {
+    return RefusedRequest{0, "not a JSON object with an op"};
+  }
+  const auto given_id = json.find("id");
+  const std::uint64_t id =
+      given_id != json.end() && given_id->is_number_unsigned() ? given_id->get<std::uint64_t>() : 0;
+  const auto op = json["op"].get<std::string>();
+  if (op == "change" || op == "reset") return change_from(json, id);
+  if (op == "examine") return examine_from(json, id);
+  return RefusedRequest{id, "the op '" + op.substr(0, 64) + "' is unknown"};
+}
+
+std::string text_of(const Hello& hello) {
+  return dump({{"op", "hello"},
+               {"version", hello.version},
+               {"mode", hello.is_recording ? "recording" : "live"},
+               {"allow_changes", hello.allows_changes},
+               {"domain", hello.domain_id ? nlohmann::json(*hello.domain_id) : nlohmann::json()},
+               {"title", hello.title}});
+}
+
+std::string text_of(const Reply& reply) {
+  return dump({{"op", "reply"},
+               {"id", reply.id},
+               {"accepted", reply.accepted},
+               {"reason", reply.reason},
+               {"details", reply.details},
+               {"from_event", reply.from_sequence}});
+}
+
+std::string event_text(TimeNs time_ns, std::string_view level, std::string_view text) {
+  return dump(
+      {{"op", "event"}, {"t", 1e-9 * static_cast<double>(time_ns)}, {"level", level}, {"text", text}});
+}
+
+std::string settings_text(const EffectiveSettings& settings) {
+  nlohmann::json values = nlohmann::json::object();
+  for (const SettingAssignment& each : settings.values) values[each.key] = each.value;
+  return dump({{"op", "settings"},
+               {"address", address_json(settings.address)},
+               {"values", std::move(values)},
+               {"from_event", settings.from_sequence}});
+}
+
+std::string stationary_text(const std::map<BeaconAddress, Vector3d>& positions_world_m) {
+  nlohmann::json beacons = nlohmann::json::array();
+  for (const auto& [address, position_m] : positions_world_m) {
+    beacons.push_back({{"a", address}, {"x", position_m.x()}, {"y", position_m.y()}, {"z", position_m.z()}});
+  }
+  return dump({{"op", "stationary"}, {"beacons", std::move(beacons)}});
+}
+
+std::string gone_text(BeaconAddress address) {
+  return fmt::format(R"({{"op":"gone","a":{}}})", address);
+}
+
+std::string dropped_text(std::uint64_t frames) {
+  return fmt::format(R"({{"op":"dropped","frames":{}}})", frames);
+}
+
+std::string findings_text(std::string_view report) {
+  return fmt::format(R"({{"op":"findings","running":false,"share":1,{})", report.substr(1));
+}
+
+std::string examining_text(double share) {
+  return fmt::format(R"({{"op":"findings","running":true,"share":{:.2f},"findings":[]}})", share);
+}
+
+std::string status_text(std::string_view views) {
+  return fmt::format(R"({{"op":"status",{})", views.substr(1));
+}
+
+std::string settings_table_json() {
+  nlohmann::json table = nlohmann::json::array();
+  for (const settings::SettingInfo& info : settings::setting_table()) {
+    const std::string type = type_of(info);
+    nlohmann::json row{
+        {"key", info.key},
+        {"item", info.item == settings::no_item ? nlohmann::json() : nlohmann::json(info.item)},
+        {"group", info.group},
+        {"type", type},
+        {"unit", info.unit},
+        {"default", value_json(info.initial)},
+        {"allowed", info.allowed()},
+        {"sentence", info.sentence},
+        {"engines", engines_of(info.read_by)}};
+    if (type == "int" || type == "double") {
+      row["min"] = value_json(info.minimum);
+      row["max"] = value_json(info.maximum);
+    }
+    for (const std::string_view choice : info.choices) row["choices"].push_back(choice);
+    table.push_back(std::move(row));
+  }
+  return dump(table);
+}
+
+}  // namespace sonopose::web

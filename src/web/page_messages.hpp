@@ -1,0 +1,75 @@
+#pragma once
+/// \file
+/// What the page and its server say to each other: texts of the sub-protocol sonopose.v1 (docs/web.md).
+
+#include <sonopose/samples/live_settings.hpp>
+#include <sonopose/samples/samples.hpp>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace sonopose::web {
+
+inline constexpr std::string_view page_protocol = "sonopose.v1";
+
+// From the page.
+
+/// Change settings, or reset estimators if there are no assignments.
+struct ChangeRequest {
+  std::uint64_t id = 0;  ///< chosen by the page
+  bool is_reset = false;
+  SettingsRequest settings;  ///< of a reset: the address alone
+};
+/// Run the doctor.
+struct ExamineRequest {
+  double seconds = 8;
+};
+/// What cannot be read: why, and to which id.
+struct RefusedRequest {
+  std::uint64_t id = 0;
+  std::string reason;
+};
+using PageRequest = std::variant<ChangeRequest, ExamineRequest, RefusedRequest>;
+
+/// Never throws for what a page sends.
+PageRequest parse_page_request(std::string_view text);
+
+// From the server.
+
+struct Hello {
+  std::string version;
+  bool is_recording = false;
+  bool allows_changes = false;
+  std::optional<std::uint32_t> domain_id = {};
+  std::string title = {};
+};
+std::string text_of(const Hello& hello);
+
+struct Reply {
+  std::uint64_t id = 0;
+  bool accepted = false;
+  std::string reason;
+  std::string details = {};
+  std::uint64_t from_sequence = 0;
+};
+std::string text_of(const Reply& reply);
+
+std::string event_text(TimeNs time_ns, std::string_view level, std::string_view text);
+std::string settings_text(const EffectiveSettings& settings);
+std::string stationary_text(const std::map<BeaconAddress, Vector3d>& positions_world_m);
+std::string gone_text(BeaconAddress address);
+std::string dropped_text(std::uint64_t frames);
+/// `report` is the doctor's JSON.
+std::string findings_text(std::string_view report);
+std::string examining_text(double share);
+/// `views` is the JSON of observation::bus::json_of.
+std::string status_text(std::string_view views);
+
+/// The table of all settings, for the page's form.
+std::string settings_table_json();
+
+}  // namespace sonopose::web

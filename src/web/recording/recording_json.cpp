@@ -1,0 +1,69 @@
+#include "web/recording/recording_json.hpp"
+
+#include "bus_log/decoded.hpp"
+#include "bus_log/sensor_log.hpp"
+#include "evaluation/run.hpp"
+#include "files/error.hpp"
+#include "mcap/reader.hpp"
+#include "web/recording/document.hpp"
+
+namespace sonopose::web::recording {
+namespace {
+
+namespace topics = dds::topics;
+
+/// The outputs that were recorded. Nothing if there are no poses.
+std::optional<std::string> recorded_outputs(const mcap::Reader& reader, std::optional<BeaconAddress> beacon) {
+  const auto& times = reader.statistics().log_times;
+  if (times.is_empty()) return {};
+  Document document(1e-9 * static_cast<double>(times.end_ns - times.start_ns));
+  mcap::Selection selection;
+  selection.channel = [](const mcap::Channel& channel) {
+    return channel.topic == topics::pose.name || channel.topic == topics::report.name ||
+           channel.topic == topics::truth.name || channel.topic == topics::stationary_beacon.name;
+  };
+  selection.damaged = mcap::Selection::Damaged::skip;
+  mcap::Messages messages(reader, selection);
+  const auto add = [&](const auto& sample) {
+    if (!beacon || sample.address == *beacon) document.add(sample);
+  };
+  while (const auto message = messages.next()) {
+    const std::string& topic = reader.channels().at(message->channel_id).topic;
+    if (topic == topics::pose.name) {
+      add(bus_log::decoded(topics::pose, reader, *message));
+    } else if (topic == topics::report.name) {
+      add(bus_log::decoded(topics::report, reader, *message));
+    } else if (topic == topics::truth.name) {
+      add(bus_log::decoded(topics::truth, reader, *message));
+    } else {
+      document.add(bus_log::decoded(topics::stationary_beacon, reader, *message));
+    }
+  }
+  if (!document.has_poses()) return {};
+  return document.json();
+}
+
+bool is_mcap(const std::filesystem::path& recording) {
+  return bus_log::is_file(recording) && recording.extension() == ".mcap";
+}
+
+}  // namespace
+
+std::string recording_json(const std::filesystem::path& recording, std::optional<BeaconAddress> beacon) {
+  if (is_mcap(recording)) {
+    if (auto text = recorded_outputs(mcap::Reader(recording), beacon)) return *std::move(text);
+  }
+  const sonopose::recording::SensorLog log = bus_log::read_sensor_log(recording, beacon);
+  if (log.events.empty()) throw files::IoError(recording.string() + ": has no samples");
+  Document document(seconds_between(available_at_ns(log.events.front()), available_at_ns(log.events.back())));
+  for (TruthSample truth : log.truth) {
+    truth.address = log.address;
+    document.add(truth);
+  }
+  evaluation::run(log, {},
+                  {[&](const FusedPose& pose) { document.add(pose); },
+                   [&](const FixReport& report) { document.add(report); }});
+  return document.json();
+}
+
+}  // namespace sonopose::web::recording

@@ -1,0 +1,65 @@
+#include "web/recording_node.hpp"
+
+#include "web/page_messages.hpp"
+#include "web/recording/recording_json.hpp"
+#include "web/site_files.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+namespace sonopose::web {
+namespace {
+
+class RecordingSite final : public http::Handler {
+public:
+  explicit RecordingSite(const RecordingOptions& options)
+      : files_(options.map),
+        hello_{.version = options.version,
+               .is_recording = true,
+               .allows_changes = false,
+               .domain_id = {},
+               .title = options.recording.string()} {
+    files_.add("/recording.json", "application/json",
+               recording::recording_json(options.recording, options.beacon));
+  }
+
+  /// Before any other call.
+  void connect(http::Server& server) { server_ = &server; }
+
+  http::Response get(std::string_view path) override { return files_.get(path); }
+
+  std::optional<std::string> choose_protocol(std::string_view path,
+                                             const std::vector<std::string>& offered) override {
+    const bool is_page =
+        path == "/ws" && std::find(offered.begin(), offered.end(), page_protocol) != offered.end();
+    return is_page ? std::optional<std::string>(page_protocol) : std::nullopt;
+  }
+
+  void on_open(http::ClientId client, const std::string&) override {
+    server_->send({client}, http::shared_text(text_of(hello_)), true, http::Loss::never);
+  }
+  void on_message(http::ClientId, bool, std::string_view) override {}
+  void on_close(http::ClientId) override {}
+  void on_dropped(http::ClientId, std::uint64_t) override {}
+
+private:
+  SiteFiles files_;
+  Hello hello_;
+  http::Server* server_ = nullptr;
+};
+
+}  // namespace
+
+void serve_recording(const RecordingOptions& options,
+                     const std::function<void(const std::string& url)>& on_ready,
+                     const process::StopSignal& stop) {
+  RecordingSite site(options);
+  http::Server server(options.server, site);
+  site.connect(server);
+  on_ready(server.url());
+  stop.wait_until(SteadyTime::max());
+}
+
+}  // namespace sonopose::web

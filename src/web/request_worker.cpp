@@ -1,0 +1,114 @@
+#include "web/request_worker.hpp"
+
+#include "clocks/clocks.hpp"
+#include "doctor/probe/doctor_node.hpp"
+#include "doctor/rules/report.hpp"
+#include "settings_client/settings_client.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+namespace sonopose::web {
+namespace {
+
+constexpr double answer_timeout_s = 3;
+
+}  // namespace
+
+RequestWorker::RequestWorker(dds::DomainOptions domain, std::optional<std::filesystem::path> qos_file,
+                             Publish publish)
+    : domain_(std::move(domain)), qos_file_(std::move(qos_file)), publish_(std::move(publish)) {
+  settings_thread_ = std::jthread([this] { run(); });
+}
+
+RequestWorker::~RequestWorker() {
+  stop_.request();
+  changed_.notify_all();
+}
+
+void RequestWorker::change(ChangeRequest request, Answer answer) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (jobs_.size() < max_waiting) {
+      jobs_.push_back({std::move(request), std::move(answer)});
+      changed_.notify_one();
+      return;
+    }
+  }
+  answer({.id = request.id, .reason = "too many requests wait for an answer"});
+}
+
+void RequestWorker::run() {
+  while (true) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return !jobs_.empty() || stop_.requested(); });
+    if (stop_.requested()) return;
+    const Job job = std::move(jobs_.front());
+    jobs_.pop_front();
+    lock.unlock();
+    Reply reply{.id = job.request.id, .reason = {}};
+    try {
+      reply = carry_out(job.request);
+    } catch (const std::exception& error) {
+      reply.reason = error.what();
+    }
+    job.answer(reply);
+  }
+}
+
+Reply RequestWorker::carry_out(const ChangeRequest& request) {
+  settings_client::SettingsClient client(domain_, qos_file_);
+  const std::string no_answer = fmt::format(
+      "no fusion answered within {} s; is sonopose-fusion running in this domain?", answer_timeout_s);
+  Reply reply{.id = request.id, .reason = {}};
+  if (request.is_reset) {
+    const auto addresses = client.reset(request.settings.address, answer_timeout_s);
+    reply.accepted = !addresses.empty();
+    reply.reason = reply.accepted ? "" : no_answer;
+    return reply;
+  }
+  const auto answer = client.change(request.settings, answer_timeout_s);
+  if (!answer) {
+    reply.reason = no_answer;
+    return reply;
+  }
+  reply.accepted = answer->accepted;
+  reply.reason = answer->reason;
+  reply.details = answer->details;
+  reply.from_sequence = answer->from_sequence;
+  return reply;
+}
+
+void RequestWorker::examine(const ExamineRequest& request) {
+  if (is_examining_.exchange(true)) return;
+  examination_began_ = clocks::steady_now();
+  examination_s_ = request.seconds;
+  doctor_thread_ = std::jthread([this, seconds = request.seconds] {
+    examine_for(seconds);
+    is_examining_ = false;
+  });
+}
+
+void RequestWorker::examine_for(double seconds) {
+  try {
+    const auto observations =
+        doctor::probe::observe({.domain = domain_, .qos_file = qos_file_, .duration_s = seconds}, stop_);
+    if (!stop_.requested()) publish_(findings_text(json_of(diagnose(observations))));
+  } catch (const std::exception& error) {
+    const nlohmann::json finding{
+        {"severity", "error"}, {"subject", "doctor"}, {"what", error.what()}, {"remedy", ""}};
+    publish_(findings_text(nlohmann::json{{"ok", false}, {"findings", {finding}}}.dump()));
+  }
+}
+
+std::optional<double> RequestWorker::examined_share() const {
+  if (!is_examining_) return {};
+  const double passed_s = seconds_between(examination_began_.load(), clocks::steady_now());
+  return std::min(1.0, passed_s / examination_s_);
+}
+
+}  // namespace sonopose::web

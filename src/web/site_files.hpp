@@ -1,0 +1,29 @@
+#pragma once
+/// \file
+/// What the server answers to a GET: the page's own files, the plotting library, and what does not change.
+
+#include "web/http/server.hpp"
+#include "web/map_layers.hpp"
+
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+
+namespace sonopose::web {
+
+class SiteFiles {
+public:
+  /// Throws files::IoError if the plotting library is not installed.
+  explicit SiteFiles(const MapLayers& layers);
+
+  void add(const std::string& path, const std::string& content_type, std::string text);
+
+  /// Only what has a name here is served: 404 for anything else.
+  [[nodiscard]] http::Response get(std::string_view path) const;
+
+private:
+  std::map<std::string, http::Response, std::less<>> files_;
+};
+
+}  // namespace sonopose::web

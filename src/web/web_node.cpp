@@ -1,0 +1,261 @@
+#include "web/web_node.hpp"
+
+#include "clocks/clocks.hpp"
+#include "logging/log.hpp"
+#include "observation/bus/bus_watch.hpp"
+#include "observation/bus/views_json.hpp"
+#include "transitions/transition_log.hpp"
+#include "web/foxglove/topic_feed.hpp"
+#include "web/live/live_state.hpp"
+#include "web/page_clients.hpp"
+#include "web/page_messages.hpp"
+#include "web/request_worker.hpp"
+#include "web/site_files.hpp"
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace sonopose::web {
+namespace {
+
+namespace topics = dds::topics;
+
+const char* name_of(logging::Level level) {
+  switch (level) {
+    case logging::Level::warning:
+      return "warning";
+    case logging::Level::error:
+    case logging::Level::failure:
+      return "error";
+    case logging::Level::debug:
+    case logging::Level::info:
+      break;
+  }
+  return "info";
+}
+
+/// What the server serves, and who is connected.
+class LiveSite final : public http::Handler {
+public:
+  LiveSite(const WebOptions& options, observation::bus::BusWatch& bus)
+      : files_(options.map),
+        hello_{.version = options.version,
+               .allows_changes = options.allows_changes,
+               .domain_id = bus.participant().domain_id(),
+               .title = "sonopose"},
+        pages_([this](std::vector<http::ClientId> clients, std::string text, http::Loss loss) {
+          server_->send(std::move(clients), http::shared_text(std::move(text)), true, loss);
+        }),
+        feed_(bus.participant(), bus.qos(),
+              [this](foxglove::Client client, std::string message, bool is_text) {
+                const auto loss = is_text ? http::Loss::never : http::Loss::allowed;
+                server_->send({client}, http::shared_text(std::move(message)), is_text, loss);
+              }),
+        worker_(options.domain, options.qos_file,
+                [this](std::string findings) { pages_.broadcast_latest("findings", std::move(findings)); }) {}
+
+  /// Before any other call.
+  void connect(http::Server& server) { server_ = &server; }
+
+  PageClients& pages() { return pages_; }
+  RequestWorker& worker() { return worker_; }
+
+  void send_time() {
+    const std::lock_guard lock(feed_mutex_);
+    feed_.send_time(clocks::host_now());
+  }
+
+  http::Response get(std::string_view path) override { return files_.get(path); }
+
+  std::optional<std::string> choose_protocol(std::string_view path,
+                                             const std::vector<std::string>& offered) override {
+    for (const std::string& each : offered) {
+      if (each == page_protocol && path == "/ws") return each;
+      const auto& known = foxglove::protocols;
+      if (std::find(known.begin(), known.end(), each) != known.end()) return each;
+    }
+    return {};
+  }
+
+  void on_open(http::ClientId client, const std::string& protocol) override {
+    if (protocol == page_protocol) return pages_.on_open(client, text_of(hello_));
+    const std::lock_guard lock(feed_mutex_);
+    feed_.on_open(client);
+  }
+
+  void on_message(http::ClientId client, bool is_text, std::string_view message) override {
+    if (pages_.has(client)) return on_page_message(client, message);
+    const std::lock_guard lock(feed_mutex_);
+    feed_.on_message(client, is_text, message);
+  }
+
+  void on_close(http::ClientId client) override {
+    pages_.on_close(client);
+    const std::lock_guard lock(feed_mutex_);
+    feed_.on_close(client);
+  }
+
+  void on_dropped(http::ClientId client, std::uint64_t total) override {
+    if (pages_.has(client)) return send(client, dropped_text(total));
+    const std::lock_guard lock(feed_mutex_);
+    feed_.on_dropped(client, total);
+  }
+
+private:
+  void send(http::ClientId client, std::string text) {
+    server_->send({client}, http::shared_text(std::move(text)), true, http::Loss::never);
+  }
+
+  void on_page_message(http::ClientId client, std::string_view message) {
+    PageRequest request = parse_page_request(message);
+    if (const auto* const refused = std::get_if<RefusedRequest>(&request)) {
+      send(client, text_of(Reply{.id = refused->id, .reason = refused->reason}));
+    } else if (const auto* const examination = std::get_if<ExamineRequest>(&request)) {
+      worker_.examine(*examination);
+    } else if (auto& change = std::get<ChangeRequest>(request); !hello_.allows_changes) {
+      send(client, text_of(Reply{.id = change.id, .reason = "start sonopose-web with --allow-changes"}));
+    } else {
+      worker_.change(std::move(change), [this, client](const Reply& reply) { send(client, text_of(reply)); });
+    }
+  }
+
+  SiteFiles files_;
+  Hello hello_;
+  http::Server* server_ = nullptr;
+  PageClients pages_;
+  std::mutex feed_mutex_;  ///< guards the next
+  foxglove::TopicFeed feed_;
+  RequestWorker worker_;
+};
+
+/// The latched topics that the pages show.
+class LatchedTopics {
+public:
+  LatchedTopics(const observation::bus::BusWatch& bus, PageClients& pages)
+      : settings_(topics::make_reader(bus.participant(), bus.qos(), topics::settings)),
+        stationary_(topics::make_reader(bus.participant(), bus.qos(), topics::stationary_beacon)),
+        pages_(pages) {}
+
+  void poll() {
+    settings_.try_take_each(
+        [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
+          pages_.broadcast_latest(name_of(sample.address), settings_text(dds::topics::from_idl(sample)));
+        },
+        [&](const sonopose_EffectiveSettings& key, const dds::SampleInfo& info) {
+          if (!info.alive()) pages_.forget(name_of(key.address));
+        });
+    bool has_changed = false;
+    stationary_.try_take_each(
+        [&](const sonopose_StationaryBeacon& sample, const dds::SampleInfo&) {
+          const StationaryBeacon beacon = dds::topics::from_idl(sample);
+          has_changed = true;
+          if (beacon.position_world_m) {
+            positions_world_m_[beacon.address] = *beacon.position_world_m;
+          } else {
+            positions_world_m_.erase(beacon.address);
+          }
+        },
+        [&](const sonopose_StationaryBeacon& key, const dds::SampleInfo& info) {
+          if (!info.alive()) has_changed = positions_world_m_.erase(key.address) > 0 || has_changed;
+        });
+    if (has_changed) pages_.broadcast_latest("stationary", stationary_text(positions_world_m_));
+  }
+
+private:
+  static std::string name_of(BeaconAddress address) { return fmt::format("settings {}", address); }
+
+  dds::DataReader<sonopose_EffectiveSettings> settings_;
+  dds::DataReader<sonopose_StationaryBeacon> stationary_;
+  PageClients& pages_;
+  std::map<BeaconAddress, Vector3d> positions_world_m_;
+};
+
+/// What the pages see, at its rates.
+class Broadcast {
+public:
+  Broadcast(observation::bus::BusWatch& bus, live::LiveState& state, LiveSite& site)
+      : bus_(bus), state_(state), site_(site), latched_(bus, site.pages()) {}
+
+  /// 25 times a second.
+  void send_frame() {
+    const SteadyTime now = clocks::steady_now();
+    for (const observation::PoseSilence& change : bus_.poll()) {
+      transition_log_.on({.address = change.address,
+                          .kind = transitions::Kind::poses_silent,
+                          .begins = change.silent,
+                          .lasted_s = change.lasted_s},
+                         now);
+    }
+    for (auto& entry : state_.take_transitions()) transition_log_.take(entry.second, now);
+    latched_.poll();
+    if (site_.pages().empty()) return;
+    if (std::string frame = state_.take_frame(clocks::host_now()); !frame.empty()) {
+      site_.pages().broadcast(std::move(frame), http::Loss::allowed);
+    }
+  }
+
+  /// Once a second.
+  void send_second() {
+    const observation::bus::Second second = bus_.take_second();
+    transition_log_.update(clocks::steady_now());
+    for (const observation::BeaconView& view : second.gone) {
+      state_.forget(view.address);
+      transition_log_.forget(view.address);
+      site_.pages().broadcast(gone_text(view.address), http::Loss::never);
+    }
+    if (const auto share = site_.worker().examined_share()) {
+      site_.pages().broadcast(examining_text(*share), http::Loss::allowed);
+    }
+    site_.send_time();
+    if (site_.pages().empty()) return;
+    site_.pages().broadcast(
+        status_text(observation::bus::json_of(second.beacons, second.warnings, clocks::host_now())),
+        http::Loss::allowed);
+  }
+
+private:
+  observation::bus::BusWatch& bus_;
+  live::LiveState& state_;
+  LiveSite& site_;
+  LatchedTopics latched_;
+  transitions::TransitionLog transition_log_{[this](const transitions::Line& line) {
+    site_.pages().broadcast_event(event_text(clocks::host_now(), name_of(line.level), line.text));
+  }};
+};
+
+}  // namespace
+
+void serve(const WebOptions& options, const std::function<void(const std::string& url)>& on_ready,
+           const process::StopSignal& stop) {
+  constexpr TimeNs frame_period_ns = 40'000'000;
+  constexpr int frames_per_second = 25;
+  live::LiveState state;
+  observation::bus::BusWatch bus({.domain = options.domain,
+                                  .qos_file = options.qos_file,
+                                  .max_beacons = options.max_beacons,
+                                  .has_reports = true},
+                                 &state);
+  LiveSite site(options, bus);
+  http::Server server(options.server, site);
+  site.connect(server);
+  on_ready(server.url());
+  Broadcast broadcast(bus, state, site);
+  SteadyTime next = clocks::steady_now() + frame_period_ns;
+  for (int frame = 1; !stop.wait_until(next); ++frame) {
+    broadcast.send_frame();
+    if (frame % frames_per_second == 0) broadcast.send_second();
+    next = std::max(next + frame_period_ns, clocks::steady_now());  // what was missed is left out
+  }
+}
+
+}  // namespace sonopose::web

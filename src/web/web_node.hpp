@@ -1,0 +1,34 @@
+#pragma once
+/// \file
+/// The web process: serves a page that shows the bus live, and the topics for Foxglove.
+
+#include "process/beacon_admission.hpp"
+#include "process/stop_signal.hpp"
+#include "web/http/server.hpp"
+#include "web/map_layers.hpp"
+#include <sonopose/dds/binding/domain.hpp>
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace sonopose::web {
+
+struct WebOptions {
+  dds::DomainOptions domain;
+  std::optional<std::filesystem::path> qos_file;
+  std::size_t max_beacons = process::BeaconAdmission::default_max_beacons;  ///< to show at a time
+  http::ServerOptions server;
+  bool allows_changes = false;  ///< of settings, and resets
+  MapLayers map;
+  std::string version;
+};
+
+/// Serves until the stop. `on_ready` gets the URL of the page, with the token. Throws dds::Error,
+/// dds::qos::FileError, std::runtime_error if it cannot listen.
+void serve(const WebOptions& options, const std::function<void(const std::string& url)>& on_ready,
+           const process::StopSignal& stop);
+
+}  // namespace sonopose::web

@@ -1,0 +1,98 @@
+#include "web/http/access.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <set>
+
+namespace access_test {
+
+using namespace sonopose::web::http;
+using Catch::Contains;
+
+SCENARIO("an endpoint is a numeric address and a port") {
+  CHECK(parse_endpoint("127.0.0.1:8080") == Endpoint{"127.0.0.1", 8080});
+  CHECK(parse_endpoint("0.0.0.0:0") == Endpoint{"0.0.0.0", 0});
+  CHECK(parse_endpoint("[::1]:65535") == Endpoint{"::1", 65535});
+  CHECK(text_of(Endpoint{"::1", 80}) == "[::1]:80");
+  for (const char* const text :
+       {"", "8080", "localhost:8080", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:80x",
+        "127.0.0.1:-1", "::1:80", "[127.0.0.1]:80", "300.0.0.1:80"}) {
+    CAPTURE(text);
+    CHECK_THROWS_WITH(parse_endpoint(text),
+                      Contains("'" + std::string(text) + "'") && Contains("127.0.0.1:8080"));
+  }
+}
+
+SCENARIO("only loopback addresses are loopback") {
+  CHECK(is_loopback({"127.0.0.1", 1}));
+  CHECK(is_loopback({"127.9.9.9", 1}));
+  CHECK(is_loopback({"::1", 1}));
+  CHECK_FALSE(is_loopback({"0.0.0.0", 1}));
+  CHECK_FALSE(is_loopback({"192.168.1.4", 1}));
+  CHECK_FALSE(is_loopback({"::", 1}));
+}
+
+SCENARIO("a server of this machine answers no page from elsewhere") {
+  AccessRules rules{.endpoint = {"127.0.0.1", 8080}, .token = {}, .origins = {}};
+  const auto verdict = [&rules](std::string_view host, std::string_view origin = "",
+                                std::string_view token = "") {
+    return judge(rules, {.host = host, .origin = origin, .token = token});
+  };
+  CHECK(verdict("127.0.0.1:8080") == Verdict::allowed);
+  CHECK(verdict("localhost:8080", "http://localhost:8080") == Verdict::allowed);
+  WHEN("a name was made to point to this machine") {
+    CHECK(verdict("evil.example.com:8080", "http://evil.example.com:8080") == Verdict::wrong_host);
+  }
+  WHEN("the port is another one, or missing") {
+    CHECK(verdict("127.0.0.1:8081") == Verdict::wrong_host);
+    CHECK(verdict("127.0.0.1") == Verdict::wrong_host);
+    CHECK(verdict("") == Verdict::wrong_host);
+  }
+  WHEN("a page from elsewhere connects") {
+    CHECK(verdict("127.0.0.1:8080", "https://evil.example.com") == Verdict::wrong_origin);
+    CHECK(verdict("127.0.0.1:8080", "null") == Verdict::wrong_origin);
+    CHECK(verdict("127.0.0.1:8080", "http://127.0.0.1:9090") == Verdict::wrong_origin);
+    CHECK(verdict("127.0.0.1:8080", "https://127.0.0.1:8080") == Verdict::wrong_origin);
+    AND_WHEN("it is one that may") {
+      rules.origins = {"https://app.example.com"};
+      CHECK(verdict("127.0.0.1:8080", "https://app.example.com") == Verdict::allowed);
+      CHECK(verdict("127.0.0.1:8080", "https://app.example.com.evil.org") == Verdict::wrong_origin);
+    }
+  }
+  WHEN("there is a token") {
+    rules.token = "0123456789";
+    CHECK(verdict("127.0.0.1:8080", "", "0123456789") == Verdict::allowed);
+    for (const char* const token : {"", "0", "012345678", "01234567890", "0123456780"}) {
+      CAPTURE(token);
+      CHECK(verdict("127.0.0.1:8080", "", token) == Verdict::wrong_token);
+    }
+  }
+}
+
+SCENARIO("elsewhere, the token decides") {
+  const AccessRules rules{.endpoint = {"0.0.0.0", 8080}, .token = "secret", .origins = {}};
+  CHECK(judge(rules, {.host = "robot.local:8080", .origin = "http://robot.local:8080", .token = "secret"}) ==
+        Verdict::allowed);
+  CHECK(judge(rules, {.host = "robot.local:8080", .origin = "http://robot.local:8080", .token = ""}) ==
+        Verdict::wrong_token);
+  CHECK(judge(rules, {.host = "robot.local:8080", .origin = "http://other.local", .token = "secret"}) ==
+        Verdict::wrong_origin);
+}
+
+SCENARIO("the token is a part of the URL") {
+  CHECK(parse_target("/").path == "/");
+  CHECK(parse_target("/ws?token=abc").path == "/ws");
+  CHECK(parse_target("/ws?token=abc").token == "abc");
+  CHECK(parse_target("/?a=1&token=abc&b").token == "abc");
+  CHECK(parse_target("/?mytoken=abc").token.empty());
+  CHECK(parse_target("/?").token.empty());
+}
+
+SCENARIO("drawn tokens differ") {
+  std::set<std::string> tokens;
+  for (int i = 0; i < 100; ++i) tokens.insert(random_token());
+  CHECK(tokens.size() == 100);
+  CHECK(tokens.begin()->size() == 32);
+}
+
+}  // namespace access_test

@@ -1,0 +1,105 @@
+#include "web/page_messages.hpp"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+namespace page_messages_test {
+
+using namespace sonopose;
+using namespace sonopose::web;
+using Catch::Contains;
+using nlohmann::json;
+
+SCENARIO("a page asks for changes, resets and examinations") {
+  const auto change = parse_page_request(
+      R"({"op":"change","id":5,"address":7,"assignments":{"drift.jump_alpha":"0.5","fusion.engine":"kalman"}})");
+  REQUIRE(std::holds_alternative<ChangeRequest>(change));
+  CHECK(std::get<ChangeRequest>(change).id == 5);
+  CHECK_FALSE(std::get<ChangeRequest>(change).is_reset);
+  CHECK(std::get<ChangeRequest>(change).settings.address == 7);
+  CHECK(std::get<ChangeRequest>(change).settings.assignments ==
+        std::vector<SettingAssignment>{{"drift.jump_alpha", "0.5"}, {"fusion.engine", "kalman"}});
+
+  const auto reset = parse_page_request(R"({"op":"reset","id":6,"address":"all"})");
+  REQUIRE(std::holds_alternative<ChangeRequest>(reset));
+  CHECK(std::get<ChangeRequest>(reset).is_reset);
+  CHECK(std::get<ChangeRequest>(reset).settings.address == all_beacons);
+
+  const auto examine = parse_page_request(R"({"op":"examine","seconds":3.5})");
+  REQUIRE(std::holds_alternative<ExamineRequest>(examine));
+  CHECK(std::get<ExamineRequest>(examine).seconds == 3.5);
+}
+
+SCENARIO("what a page must not ask is refused with the reason and its id") {
+  const auto refusal_of = [](const std::string& text) {
+    const auto request = parse_page_request(text);
+    return std::holds_alternative<RefusedRequest>(request) ? std::get<RefusedRequest>(request)
+                                                           : RefusedRequest{0, "accepted"};
+  };
+  for (const char* const text : {"", "{", "[1]", "{}", R"({"op":7})", "\xff"}) {
+    CAPTURE(text);
+    CHECK_THAT(refusal_of(text).reason, Contains("JSON object"));
+  }
+  CHECK(refusal_of(R"({"op":"dance","id":9})").id == 9);
+  CHECK_THAT(refusal_of(R"({"op":"dance","id":9})").reason, Contains("'dance'"));
+  for (const char* const address : {"-1", "65535", "65536", "1.5", "\"7\"", "null", "[7]"}) {
+    CAPTURE(address);
+    const std::string text = R"({"op":"reset","id":2,"address":)" + std::string(address) + "}";
+    CHECK_THAT(refusal_of(text).reason, Contains("address"));
+  }
+  for (const char* const assignments : {"{}", "[]", "1", "null"}) {
+    CAPTURE(assignments);
+    const std::string text =
+        R"({"op":"change","id":2,"address":7,"assignments":)" + std::string(assignments) + "}";
+    CHECK_THAT(refusal_of(text).reason, Contains("assignments"));
+  }
+  CHECK_THAT(refusal_of(R"({"op":"change","id":2,"address":7,"assignments":{"a.b":1}})").reason,
+             Contains("a.b") && Contains("not a text"));
+  for (const char* const seconds : {"0", "121", "-1", "\"8\"", "1e400"}) {
+    CAPTURE(seconds);
+    CHECK(refusal_of(R"({"op":"examine","seconds":)" + std::string(seconds) + "}").reason != "accepted");
+  }
+}
+
+SCENARIO("text from the bus cannot break a message") {
+  const std::string nasty = "\"}<script>\xff\n";
+  const json reply = json::parse(text_of(Reply{.id = 3, .accepted = false, .reason = nasty}));
+  CHECK(reply["op"] == "reply");
+  CHECK(reply["id"] == 3);
+  CHECK_THAT(reply["reason"].get<std::string>(), Contains("\"}<script>"));
+  const json settings =
+      json::parse(settings_text({.address = 7, .from_sequence = 12, .values = {{nasty, nasty}}}));
+  CHECK(settings["address"] == 7);
+  CHECK(settings["from_event"] == 12);
+  CHECK(json::parse(settings_text({.address = all_beacons, .values = {}}))["address"] == "all");
+  CHECK(json::parse(event_text(1'500'000'000, "warning", nasty))["t"] == 1.5);
+}
+
+SCENARIO("reports become messages with an op") {
+  CHECK(
+      json::parse(findings_text(R"({"ok":true,"findings":[]})")) ==
+      json{{"op", "findings"}, {"running", false}, {"share", 1}, {"ok", true}, {"findings", json::array()}});
+  CHECK(json::parse(examining_text(0.25))["share"] == 0.25);
+  CHECK(json::parse(status_text(R"({"beacons":[]})")) == json{{"op", "status"}, {"beacons", json::array()}});
+  CHECK(json::parse(gone_text(9)) == json{{"op", "gone"}, {"a", 9}});
+  CHECK(json::parse(dropped_text(4)) == json{{"op", "dropped"}, {"frames", 4}});
+  CHECK(json::parse(stationary_text({{12, {1, 2, 3}}}))["beacons"][0] ==
+        json{{"a", 12}, {"x", 1.0}, {"y", 2.0}, {"z", 3.0}});
+}
+
+SCENARIO("the table of settings has what a form needs") {
+  const json table = json::parse(settings_table_json());
+  bool has_choice = false;
+  bool has_range = false;
+  for (const json& row : table) {
+    CAPTURE(row);
+    CHECK_THAT(row["key"].get<std::string>(), Contains(row["group"].get<std::string>() + "."));
+    CHECK_FALSE(row["sentence"].get<std::string>().empty());
+    if (row["type"] == "choice") has_choice = has_choice || row["choices"].size() > 1;
+    if (row["type"] == "double") has_range = has_range || row["min"].get<double>() < row["max"].get<double>();
+  }
+  CHECK(has_choice);
+  CHECK(has_range);
+}
+
+}  // namespace page_messages_test
