@@ -16,6 +16,8 @@
       this.context = canvas.getContext("2d");
       this.tracks = document.createElement("canvas"); // what grows: drawn once, point by point
       this.trackContext = this.tracks.getContext("2d");
+      this.marks = document.createElement("canvas"); // the fixes, below the tracks
+      this.markContext = this.marks.getContext("2d");
       this.shows = { fixes: true, truth: true, plan: true };
       this.centre = [0, 0];
       this.scale = 40; // pixels per m
@@ -30,7 +32,7 @@
     resize() {
       const ratio = window.devicePixelRatio || 1;
       const { clientWidth, clientHeight } = this.canvas;
-      for (const each of [this.canvas, this.tracks]) {
+      for (const each of [this.canvas, this.tracks, this.marks]) {
         each.width = Math.max(1, Math.round(clientWidth * ratio));
         each.height = Math.max(1, Math.round(clientHeight * ratio));
       }
@@ -174,16 +176,18 @@
     // Tracks grow; they are drawn again as a whole only if the view changes.
 
     drawTracks() {
-      const { trackContext: context, model } = this;
+      const { trackContext: context, markContext: marks, model } = this;
       const isGrowing = model.now === null && !this.mustRedraw;
-      context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+      for (const each of [context, marks]) {
+        each.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+        if (!isGrowing) each.clearRect(0, 0, this.width, this.height);
+      }
       if (!isGrowing) {
-        context.clearRect(0, 0, this.width, this.height);
         this.drawnOf.clear();
       }
       for (const beacon of model.beacons.values()) {
         const drawn = this.drawnOf.get(beacon.address) || { poses: 0, truth: 0, fixes: 0 };
-        if (this.shows.fixes) this.drawFixes(context, beacon.fixes, drawn.fixes);
+        if (this.shows.fixes) this.drawFixes(marks, beacon.fixes, drawn.fixes);
         if (this.shows.truth) this.drawLine(context, beacon.truth, drawn.truth, truthColour, 1);
         this.drawLine(context, beacon.poses, drawn.poses, beacon.colour, 1.5);
         this.drawnOf.set(beacon.address, {
@@ -232,6 +236,7 @@
       this.drawGrid();
       this.drawStationary();
       context.setTransform(1, 0, 0, 1, 0, 0);
+      context.drawImage(this.marks, 0, 0);
       context.drawImage(this.tracks, 0, 0);
       context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
       for (const beacon of model.beacons.values()) this.drawPose(beacon);

@@ -203,7 +203,7 @@ window.sonopose = {};
 
   // "1.23 m"; a dash for what is unknown.
   const format = (value, digits, unit = "") =>
-    Number.isFinite(value) ? `${value.toFixed(digits)}${unit ? ` ${unit}` : ""}` : "–";
+    Number.isFinite(value) ? `${value.toFixed(digits).replace(/^-(0(\.0*)?)$/, "$1")}${unit ? ` ${unit}` : ""}` : "–";
 
   const clockText = (t) => new Date(t * 1000).toLocaleTimeString([], { hour12: false });
 

@@ -113,7 +113,7 @@
         connectSeparatedPoints: !definition.isDotted,
         valueRange: definition.range || null,
         includeZero: !["Height", "Battery"].includes(definition.name),
-        axisLabelWidth: 44,
+        axes: { x: { axisLabelWidth: 70 }, y: { axisLabelWidth: 44 } },
         animatedZooms: false,
         zoomCallback: () => this.onZoom(plot),
         drawCallback: (dygraph, isInitial) => this.onDraw(dygraph, isInitial),
