@@ -14,8 +14,9 @@ namespace {
 
 class RecordingSite final : public http::Handler {
 public:
-  explicit RecordingSite(const RecordingOptions& options)
-      : files_(options.map),
+  RecordingSite(const RecordingOptions& options, http::Server& server)
+      : server_(server),
+        files_(options.map),
         hello_{.version = options.version,
                .is_recording = true,
                .allows_changes = false,
@@ -24,9 +25,6 @@ public:
     files_.add("/recording.json", "application/json",
                recording::recording_json(options.recording, options.beacon));
   }
-
-  /// Before any other call.
-  void connect(http::Server& server) { server_ = &server; }
 
   http::Response get(std::string_view path) override { return files_.get(path); }
 
@@ -38,16 +36,16 @@ public:
   }
 
   void on_open(http::ClientId client, const std::string&) override {
-    server_->send({client}, http::shared_text(text_of(hello_)), true, http::Loss::never);
+    server_.send({client}, http::shared_text(text_of(hello_)), true, http::Loss::never);
   }
   void on_message(http::ClientId, bool, std::string_view) override {}
   void on_close(http::ClientId) override {}
   void on_dropped(http::ClientId, std::uint64_t) override {}
 
 private:
+  http::Server& server_;
   SiteFiles files_;
   Hello hello_;
-  http::Server* server_ = nullptr;
 };
 
 }  // namespace
@@ -55,9 +53,9 @@ private:
 void serve_recording(const RecordingOptions& options,
                      const std::function<void(const std::string& url)>& on_ready,
                      const process::StopSignal& stop) {
-  RecordingSite site(options);
-  http::Server server(options.server, site);
-  site.connect(server);
+  http::Server server(options.server);
+  RecordingSite site(options, server);
+  const http::Serving serving(server, site);
   on_ready(server.url());
   stop.wait_until(SteadyTime::max());
 }

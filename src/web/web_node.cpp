@@ -47,25 +47,23 @@ const char* name_of(logging::Level level) {
 /// What the server serves, and who is connected.
 class LiveSite final : public http::Handler {
 public:
-  LiveSite(const WebOptions& options, observation::bus::BusWatch& bus)
-      : files_(options.map),
+  LiveSite(const WebOptions& options, observation::bus::BusWatch& bus, http::Server& server)
+      : server_(server),
+        files_(options.map),
         hello_{.version = options.version,
                .allows_changes = options.allows_changes,
                .domain_id = bus.participant().domain_id(),
                .title = "sonopose"},
         pages_([this](std::vector<http::ClientId> clients, std::string text, http::Loss loss) {
-          server_->send(std::move(clients), http::shared_text(std::move(text)), true, loss);
+          server_.send(std::move(clients), http::shared_text(std::move(text)), true, loss);
         }),
         feed_(bus.participant(), bus.qos(),
               [this](foxglove::Client client, std::string message, bool is_text) {
                 const auto loss = is_text ? http::Loss::never : http::Loss::allowed;
-                server_->send({client}, http::shared_text(std::move(message)), is_text, loss);
+                server_.send({client}, http::shared_text(std::move(message)), is_text, loss);
               }),
         worker_(options.domain, options.qos_file,
                 [this](std::string findings) { pages_.broadcast_latest("findings", std::move(findings)); }) {}
-
-  /// Before any other call.
-  void connect(http::Server& server) { server_ = &server; }
 
   PageClients& pages() { return pages_; }
   RequestWorker& worker() { return worker_; }
@@ -113,7 +111,7 @@ public:
 
 private:
   void send(http::ClientId client, std::string text) {
-    server_->send({client}, http::shared_text(std::move(text)), true, http::Loss::never);
+    server_.send({client}, http::shared_text(std::move(text)), true, http::Loss::never);
   }
 
   void on_page_message(http::ClientId client, std::string_view message) {
@@ -129,9 +127,9 @@ private:
     }
   }
 
+  http::Server& server_;
   SiteFiles files_;
   Hello hello_;
-  http::Server* server_ = nullptr;
   PageClients pages_;
   std::mutex feed_mutex_;  ///< guards the next
   foxglove::TopicFeed feed_;
@@ -245,9 +243,9 @@ void serve(const WebOptions& options, const std::function<void(const std::string
                                   .max_beacons = options.max_beacons,
                                   .has_reports = true},
                                  &state);
-  LiveSite site(options, bus);
-  http::Server server(options.server, site);
-  site.connect(server);
+  http::Server server(options.server);
+  LiveSite site(options, bus, server);
+  const http::Serving serving(server, site);
   on_ready(server.url());
   Broadcast broadcast(bus, state, site);
   SteadyTime next = clocks::steady_now() + frame_period_ns;

@@ -2,114 +2,21 @@
 
 #include "web/http/server.hpp"
 
+#include "support/http_socket.hpp"
+
 #include <catch2/catch.hpp>
 
-#include <arpa/inet.h>
-#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
-#include <netinet/in.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 namespace server_test {
 
 using namespace sonopose::web::http;
+using sonopose::test::HttpSocket;
 using namespace std::chrono_literals;
 using Catch::Contains;
 using Catch::StartsWith;
-
-/// A connection to a port of this machine.
-class Socket {
-public:
-  explicit Socket(std::uint16_t port, int receive_buffer_bytes = 0)
-      : descriptor_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    if (receive_buffer_bytes > 0) {
-      ::setsockopt(descriptor_, SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes, sizeof receive_buffer_bytes);
-    }
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    REQUIRE(::connect(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
-  }
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-  ~Socket() { ::close(descriptor_); }
-
-  void send(const std::string& text) const {
-    REQUIRE(::send(descriptor_, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size()));
-  }
-
-  /// What comes until `end`, the end of the connection, or 5 s without a byte.
-  std::string read_until(const std::string& end) {
-    while (received_.find(end) == std::string::npos && read_some()) {
-    }
-    const std::size_t found = received_.find(end);
-    std::string text = received_.substr(0, found == std::string::npos ? found : found + end.size());
-    received_.erase(0, text.size());
-    return text;
-  }
-
-  /// All until the server closes; fails the test if it does not.
-  std::string read_all() {
-    while (read_some()) {
-    }
-    CHECK(is_closed_);
-    return std::exchange(received_, {});
-  }
-
-  /// The payload of one WebSocket message of the server.
-  std::string read_message() {
-    const auto need = [this](std::size_t bytes) {
-      while (received_.size() < bytes) REQUIRE(read_some());
-    };
-    const auto byte = [this](std::size_t i) { return static_cast<unsigned char>(received_[i]); };
-    need(2);
-    std::size_t header = 2;
-    std::size_t size = byte(1);
-    const std::size_t further = size == 126 ? 2 : size == 127 ? 8 : 0;
-    if (further > 0) {
-      need(2 + further);
-      size = 0;
-      for (std::size_t i = 0; i < further; ++i) size = 256 * size + byte(2 + i);
-      header += further;
-    }
-    need(header + size);
-    std::string payload = received_.substr(header, size);
-    received_.erase(0, header + size);
-    return payload;
-  }
-
-  /// A text message, masked with zeros.
-  void send_message(const std::string& text) const {
-    std::string frame{'\x81'};
-    if (text.size() < 126) {
-      frame += static_cast<char>(0x80U | text.size());
-    } else {
-      frame += static_cast<char>(0x80U | 127U);
-      for (int shift = 56; shift >= 0; shift -= 8) frame += static_cast<char>((text.size() >> shift) & 0xFFU);
-    }
-    send(frame + std::string(4, '\0') + text);
-  }
-
-private:
-  bool read_some() {
-    pollfd waiting{.fd = descriptor_, .events = POLLIN, .revents = 0};
-    if (::poll(&waiting, 1, 5000) <= 0) return false;
-    std::array<char, 65536> buffer{};
-    const ssize_t count = ::recv(descriptor_, buffer.data(), buffer.size(), 0);
-    is_closed_ = count <= 0;
-    if (count > 0) received_.append(buffer.data(), static_cast<std::size_t>(count));
-    return count > 0;
-  }
-
-  int descriptor_;
-  std::string received_;
-  bool is_closed_ = false;
-};
 
 /// Serves one text, and remembers what happened.
 class Site final : public Handler {
@@ -176,22 +83,20 @@ std::string host_line(const Server& server) {
 }
 
 std::string get(const Server& server, const std::string& target, const std::string& headers = "") {
-  Socket socket(server.endpoint().port);
+  HttpSocket socket(server.endpoint().port);
   socket.send("GET " + target + " HTTP/1.1\r\n" + host_line(server) + headers + "Connection: close\r\n\r\n");
   return socket.read_all();
 }
 
 std::string upgrade(const Server& server, const std::string& target, const std::string& protocols,
                     const std::string& headers = "") {
-  return "GET " + target + " HTTP/1.1\r\n" + host_line(server) + headers +
-         "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
-         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: " +
-         protocols + "\r\n\r\n";
+  return sonopose::test::upgrade_request(target, protocols, host_line(server) + headers);
 }
 
 SCENARIO("pages are served with headers that keep them safe") {
   Site site;
-  const Server server(options(), site);
+  Server server(options());
+  const Serving serving(server, site);
   const std::string reply = get(server, "/page?x=1");
   CHECK_THAT(reply, StartsWith("HTTP/1.1 200 ") && Contains("\r\n\r\nthe page"));
   CHECK_THAT(reply, Contains("nosniff") && Contains("no-store") && Contains("default-src 'self'") &&
@@ -201,7 +106,7 @@ SCENARIO("pages are served with headers that keep them safe") {
   CHECK_THAT(get(server, "/throws"), StartsWith("HTTP/1.1 500 "));
   CHECK_THAT(get(server, "/page"), StartsWith("HTTP/1.1 200 "));  // it serves on
   WHEN("a connection is used again") {
-    Socket socket(server.endpoint().port);
+    HttpSocket socket(server.endpoint().port);
     for (int i = 0; i < 3; ++i) {
       socket.send("GET /page HTTP/1.1\r\n" + host_line(server) + "\r\n");
       CHECK_THAT(socket.read_until("the page"), StartsWith("HTTP/1.1 200 "));
@@ -216,9 +121,10 @@ SCENARIO("a request that must not be answered is refused") {
   Site site;
   ServerOptions with_token = options();
   with_token.token = "secret";
-  const Server server(with_token, site);
+  Server server(with_token);
+  const Serving serving(server, site);
   const auto raw = [&server](const std::string& text) {
-    Socket socket(server.endpoint().port);
+    HttpSocket socket(server.endpoint().port);
     socket.send(text);
     return socket.read_all();
   };
@@ -244,8 +150,9 @@ SCENARIO("a request that must not be answered is refused") {
 
 SCENARIO("messages go both ways") {
   Site site;
-  Server server(options(), site);
-  Socket socket(server.endpoint().port);
+  Server server(options());
+  const Serving serving(server, site);
+  HttpSocket socket(server.endpoint().port);
   socket.send(upgrade(server, "/ws", "other, mine"));
   const std::string accepted = socket.read_until("\r\n\r\n");
   CHECK_THAT(accepted, StartsWith("HTTP/1.1 101 ") && Contains("s3pPLMBiTxaQ9kYGzzhZRbK+xOo=") &&
@@ -276,15 +183,16 @@ SCENARIO("connections are bounded") {
   Site site;
   ServerOptions few = options();
   few.max_clients = 2;
-  const Server server(few, site);
-  auto first = std::make_unique<Socket>(server.endpoint().port);
+  Server server(few);
+  const Serving serving(server, site);
+  auto first = std::make_unique<HttpSocket>(server.endpoint().port);
   first->send(upgrade(server, "/ws", "mine"));
   site.wait_for("open");
-  const Socket second(server.endpoint().port);
+  const HttpSocket second(server.endpoint().port);
   second.send(upgrade(server, "/ws", "mine"));
   site.wait_for("open");
   {
-    Socket third(server.endpoint().port);
+    HttpSocket third(server.endpoint().port);
     CHECK_THAT(third.read_all(), StartsWith("HTTP/1.1 503 ") && Contains("--max-clients"));
   }
   WHEN("one ends") {
@@ -298,11 +206,12 @@ SCENARIO("connections are bounded") {
 
 SCENARIO("a slow client loses frames, and nothing else") {
   Site site;
-  Server server(options(), site);
-  Socket slow(server.endpoint().port, 4096);
+  Server server(options());
+  const Serving serving(server, site);
+  HttpSocket slow(server.endpoint().port, 4096);
   slow.send(upgrade(server, "/ws", "mine"));
   const ClientId client = site.wait_for("open");
-  Socket fast(server.endpoint().port);
+  HttpSocket fast(server.endpoint().port);
   fast.send(upgrade(server, "/ws", "mine"));
   const ClientId other = site.wait_for("open");
   fast.read_until("\r\n\r\n");
@@ -326,8 +235,9 @@ SCENARIO("a client that takes nothing is disconnected") {
   ServerOptions impatient = options();
   impatient.max_queued_bytes = 100'000;
   impatient.timeout_s = 0.5;
-  Server server(impatient, site);
-  const Socket socket(server.endpoint().port, 4096);
+  Server server(impatient);
+  const Serving serving(server, site);
+  const HttpSocket socket(server.endpoint().port, 4096);
   socket.send(upgrade(server, "/ws", "mine"));
   const ClientId client = site.wait_for("open");
   WHEN("it leaves too much that must not be dropped") {
@@ -346,24 +256,28 @@ SCENARIO("a client that takes nothing is disconnected") {
 
 SCENARIO("an address that cannot be listened on is named") {
   Site site;
-  const Server server(options(), site);
+  Server server(options());
+  const Serving serving(server, site);
   ServerOptions same = options();
   same.endpoint = server.endpoint();
-  CHECK_THROWS_WITH(Server(same, site), Contains(text_of(server.endpoint())) && Contains("already in use") &&
-                                            Contains("--listen"));
+  CHECK_THROWS_WITH(Server(same), Contains(text_of(server.endpoint())) && Contains("already in use") &&
+                                      Contains("--listen"));
   same.endpoint = {"203.0.113.1", 0};  // of no machine
-  CHECK_THROWS_WITH(Server(same, site), Contains("203.0.113.1:0"));
+  CHECK_THROWS_WITH(Server(same), Contains("203.0.113.1:0"));
 }
 
 SCENARIO("a server ends while clients are connected") {
   Site site;
-  auto server = std::make_unique<Server>(options(), site);
-  Socket socket(server->endpoint().port);
+  auto server = std::make_unique<Server>(options());
+  auto serving = std::make_unique<const Serving>(*server, site);
+  HttpSocket socket(server->endpoint().port);
   socket.send(upgrade(*server, "/ws", "mine"));
   socket.read_until("\r\n\r\n");
   const ClientId client = site.wait_for("open");
   for (int i = 0; i < 100; ++i)
     server->send({client}, std::make_shared<const std::string>("x"), true, Loss::never);
+  serving.reset();
+  server->send({client}, std::make_shared<const std::string>("late"), true, Loss::never);  // has no effect
   server.reset();
   socket.read_all();  // requires the end of the connection
 }

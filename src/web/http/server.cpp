@@ -64,19 +64,23 @@ constexpr int send_buffer_bytes = 262'144;
 
 class Server::Parts {
 public:
-  Parts(const ServerOptions& options, Handler& handler)
-      : options_(options), handler_(handler), acceptor_(context_) {
+  explicit Parts(const ServerOptions& options) : options_(options), acceptor_(context_) {
     listen();
     const tcp::endpoint local = acceptor_.local_endpoint();
     options_.endpoint.port = local.port();
     rules_ = {.endpoint = options_.endpoint, .token = options_.token, .origins = options_.origins};
-    accept();
-    thread_ = std::thread([this] { context_.run(); });
   }
   Parts(const Parts&) = delete;
   Parts& operator=(const Parts&) = delete;
+  ~Parts() = default;
 
-  ~Parts() {
+  void start(Handler& handler) {
+    handler_ = &handler;
+    accept();
+    thread_ = std::thread([this] { context_.run(); });
+  }
+
+  void stop() {
     context_.stop();
     thread_.join();
   }
@@ -120,14 +124,14 @@ private:
 
   ServerOptions options_;
   AccessRules rules_;
-  Handler& handler_;
+  Handler* handler_ = nullptr;
+  std::size_t connections_ = 0;  ///< before the context: its handlers count them down
   asio::io_context context_{1};
   tcp::acceptor acceptor_;
   asio::steady_timer retry_{context_};
-  std::size_t connections_ = 0;
   ClientId next_id_ = 1;
   std::map<ClientId, std::shared_ptr<WebSocketConnection>> clients_;
-  std::thread thread_;  ///< last: it uses the others
+  std::thread thread_;
 };
 
 /// One connection after its handshake.
@@ -153,7 +157,7 @@ public:
       if (error) return;
       self->server_.clients_[self->id_] = self;
       self->is_open_ = true;
-      if (!self->server_.guarded([&] { self->server_.handler_.on_open(self->id_, protocol); })) {
+      if (!self->server_.guarded([&] { self->server_.handler_->on_open(self->id_, protocol); })) {
         return self->disconnect();
       }
       self->read();
@@ -186,7 +190,7 @@ private:
       const auto data = self->buffer_.data();
       const std::string_view text(static_cast<const char*>(data.data()), data.size());
       const bool ok = self->server_.guarded(
-          [&] { self->server_.handler_.on_message(self->id_, self->stream_.got_text(), text); });
+          [&] { self->server_.handler_->on_message(self->id_, self->stream_.got_text(), text); });
       self->buffer_.consume(self->buffer_.size());
       if (!ok) self->disconnect();
       self->read();
@@ -204,7 +208,7 @@ private:
       const bool has_space = self->unsent_bytes_ < self->server_.options_.max_unsent_bytes / 2;
       if (has_space && self->dropped_ != self->reported_dropped_ && self->is_open_) {
         self->reported_dropped_ = self->dropped_;
-        self->server_.guarded([&] { self->server_.handler_.on_dropped(self->id_, self->dropped_); });
+        self->server_.guarded([&] { self->server_.handler_->on_dropped(self->id_, self->dropped_); });
       }
     });
   }
@@ -220,7 +224,7 @@ private:
     if (!std::exchange(is_open_, false)) return;
     is_closing_ = true;
     server_.clients_.erase(id_);
-    server_.guarded([&] { server_.handler_.on_close(id_); });
+    server_.guarded([&] { server_.handler_->on_close(id_); });
     beast::get_lowest_layer(stream_).close();
   }
 
@@ -289,7 +293,7 @@ private:
       return refuse(405, "only GET and HEAD\n");
     }
     Response response;
-    if (!server_.guarded([&] { response = server_.handler_.get(target.path); })) {
+    if (!server_.guarded([&] { response = server_.handler_->get(target.path); })) {
       return refuse(500, "the request failed; see the server's log\n");
     }
     write(std::move(response), request.method() == message::verb::head, request.keep_alive());
@@ -298,7 +302,7 @@ private:
   void upgrade(const message::request<message::empty_body>& request, std::string_view path) {
     const auto offered = items_of(request[message::field::sec_websocket_protocol]);
     std::optional<std::string> protocol;
-    server_.guarded([&] { protocol = server_.handler_.choose_protocol(path, offered); });
+    server_.guarded([&] { protocol = server_.handler_->choose_protocol(path, offered); });
     if (!protocol) return refuse(400, "no sub-protocol that is known here is offered\n");
     is_upgraded_ = true;  // the new object counts as the connection
     const auto connection =
@@ -384,8 +388,7 @@ SharedText shared_text(std::string text) {
   return std::make_shared<const std::string>(std::move(text));
 }
 
-Server::Server(const ServerOptions& options, Handler& handler)
-    : parts_(std::make_unique<Parts>(options, handler)) {}
+Server::Server(const ServerOptions& options) : parts_(std::make_unique<Parts>(options)) {}
 Server::~Server() = default;
 
 const Endpoint& Server::endpoint() const {
@@ -399,6 +402,14 @@ std::string Server::url() const {
 
 void Server::send(std::vector<ClientId> clients, SharedText message, bool is_text, Loss loss) {
   parts_->send(std::move(clients), std::move(message), is_text, loss);
+}
+
+Serving::Serving(Server& server, Handler& handler) : server_(server) {
+  server_.parts_->start(handler);
+}
+
+Serving::~Serving() {
+  server_.parts_->stop();
 }
 
 }  // namespace sonopose::web::http

@@ -27,7 +27,7 @@ struct Response {
 Response text_response(unsigned status, std::string text);
 SharedText shared_text(std::string text);
 
-/// Called on the server's thread. An exception closes the connection.
+/// Called on the thread that serves. An exception closes the connection.
 class Handler {
 public:
   Handler() = default;
@@ -67,9 +67,8 @@ enum class Loss : std::uint8_t {
 
 class Server {
 public:
-  /// Listens and serves on a thread of its own. `handler` must outlive the server. Throws std::runtime_error
-  /// with address and cause.
-  Server(const ServerOptions& options, Handler& handler);
+  /// Listens; answers nothing until it is served. Throws std::runtime_error with address and cause.
+  explicit Server(const ServerOptions& options);
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
   /// Disconnects all.
@@ -85,8 +84,23 @@ public:
   void send(std::vector<ClientId> clients, SharedText message, bool is_text, Loss loss);
 
 private:
+  friend class Serving;
   class Parts;
   std::unique_ptr<Parts> parts_;
+};
+
+/// Serves on a thread of its own as long as it exists; once for each server. The handler is not called
+/// afterwards.
+class Serving {
+public:
+  /// Both must outlive this.
+  Serving(Server& server, Handler& handler);
+  Serving(const Serving&) = delete;
+  Serving& operator=(const Serving&) = delete;
+  ~Serving();
+
+private:
+  Server& server_;
 };
 
 }  // namespace sonopose::web::http

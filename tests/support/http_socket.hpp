@@ -1,0 +1,43 @@
+#pragma once
+/// \file
+/// A client of HTTP and WebSocket that reads and writes byte by byte.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace sonopose::test {
+
+/// A connection to a port of this machine. Fails the test if it cannot connect, send, or read in 5 s.
+class HttpSocket {
+public:
+  explicit HttpSocket(std::uint16_t port, int receive_buffer_bytes = 0);
+  HttpSocket(const HttpSocket&) = delete;
+  HttpSocket& operator=(const HttpSocket&) = delete;
+  ~HttpSocket();
+
+  void send(const std::string& text) const;
+
+  /// What comes until `end`, the end of the connection, or 5 s without a byte.
+  std::string read_until(const std::string& end);
+  /// All until the server closes; fails the test if it does not.
+  std::string read_all();
+
+  /// The payload of one WebSocket message of the server.
+  std::string read_message();
+  /// A text message, masked with zeros.
+  void send_message(const std::string& text) const;
+
+private:
+  bool read_some();
+
+  int descriptor_;
+  std::string received_;
+  bool is_closed_ = false;
+};
+
+/// Asks for a WebSocket. `headers`: further lines, each with its end.
+std::string upgrade_request(const std::string& target, const std::string& protocols,
+                            const std::string& headers);
+
+}  // namespace sonopose::test

@@ -1,0 +1,264 @@
+/// The program sonopose-web on a bus with the other programs.
+
+#include "bus_log/recorded.hpp"
+#include "sim/simulator.hpp"
+#include "support/bus.hpp"
+#include "support/http_socket.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <ctime>
+#include <iostream>
+#include <map>
+#include <regex>
+#include <sstream>
+
+namespace web_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+using Catch::StartsWith;
+using nlohmann::json;
+using Path = std::filesystem::path;
+
+/// A started sonopose-web.
+class Web {
+public:
+  Web(const Bus& bus, Arguments arguments)
+      : process_(SONOPOSE_TEST_WEB, with_domain(std::move(arguments), bus)) {
+    REQUIRE(process_.wait_for_line(Stream::error, "the page is at "));
+    const std::string text = process_.text(Stream::error);
+    std::smatch match;
+    REQUIRE(std::regex_search(text, match, std::regex(R"(http://([0-9.]+):([0-9]+)/(\?token=(\S+))?)")));
+    host_ = match[1].str() + ":" + match[2].str();
+    port_ = static_cast<std::uint16_t>(std::stoi(match[2].str()));
+    token_ = match[4].str();
+  }
+
+  [[nodiscard]] const std::string& host() const { return host_; }
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+  [[nodiscard]] const std::string& token() const { return token_; }
+  Process& process() { return process_; }
+
+  [[nodiscard]] std::string get(const std::string& target) const {
+    HttpSocket socket(port_);
+    socket.send("GET " + target + " HTTP/1.1\r\n" + host_line() + "Connection: close\r\n\r\n");
+    return socket.read_all();
+  }
+
+  [[nodiscard]] std::string host_line() const { return "Host: " + host_ + "\r\n"; }
+
+private:
+  static Arguments with_domain(Arguments arguments, const Bus& bus) {
+    arguments.insert(arguments.end(), {"--domain", std::to_string(bus.domain_id())});
+    return arguments;
+  }
+
+  Process process_;
+  std::string host_;
+  std::uint16_t port_ = 0;
+  std::string token_;
+};
+
+/// A page's connection.
+class Page {
+public:
+  explicit Page(const Web& web) : socket_(web.port()) {
+    socket_.send(upgrade_request("/ws", "sonopose.v1", web.host_line()));
+    REQUIRE_THAT(socket_.read_until("\r\n\r\n"), StartsWith("HTTP/1.1 101 "));
+  }
+
+  void send(const json& message) const { socket_.send_message(message.dump()); }
+
+  /// The next message with this op for which `accepts` is true. Fails the test after many without one.
+  template <class Accepts>
+  json wait_for(const std::string& op, const Accepts& accepts) {
+    for (int i = 0; i < 2000; ++i) {
+      json message = json::parse(socket_.read_message());
+      if (message["op"] == op && accepts(message)) return message;
+    }
+    FAIL("no " << op << " came");
+    return {};
+  }
+  json wait_for(const std::string& op) {
+    return wait_for(op, [](const json&) { return true; });
+  }
+
+private:
+  HttpSocket socket_;
+};
+
+/// Between the positions of a frame's arrays, m.
+double distance(const json& pose, const json& truth) {
+  const auto difference = [&](std::size_t i) { return pose[i].get<double>() - truth[i].get<double>(); };
+  return std::hypot(difference(1), difference(2), difference(3));
+}
+
+const json change{
+    {"op", "change"}, {"id", 5}, {"address", 7}, {"assignments", {{"outage.stale_after_s", "1.5"}}}};
+
+SCENARIO("two pages see the poses near the truth") {
+  const Bus bus;
+  const Web web(bus, {"--listen", "127.0.0.1:0"});
+  Page page(web);
+  Page other(web);
+  const json hello = page.wait_for("hello");
+  CHECK(hello["mode"] == "live");
+  CHECK(hello["allow_changes"] == false);
+  const auto fusion = bus.fusion();
+  const auto bridge = bus.bridge({"--source", "sim", "--scenario", "walk", "--beacons", "2"});
+  const auto is_settled = [](const json& frame) {
+    // The poses of one frame are a few milliseconds away from its truth; a walker moves 1 mm in one.
+    return frame["beacons"].size() == 2 &&
+           std::all_of(frame["beacons"].begin(), frame["beacons"].end(), [](const json& beacon) {
+             if (!beacon.contains("pose") || !beacon.contains("truth")) return false;
+             const json& pose = beacon["pose"];
+             if (pose[1].is_null()) return false;  // before the first fix
+             return distance(pose, beacon["truth"]) < 0.1;
+           });
+  };
+  page.wait_for("frame", is_settled);
+  other.wait_for("frame", is_settled);
+  WHEN("a page asks for a change of a setting") {
+    page.send(change);
+    THEN("it is refused with the option that allows it") {
+      const json reply = page.wait_for("reply");
+      CHECK(reply["id"] == 5);
+      CHECK(reply["accepted"] == false);
+      CHECK_THAT(reply["reason"].get<std::string>(), Contains("--allow-changes"));
+    }
+  }
+}
+
+SCENARIO("a page that may changes a setting, and every page sees it") {
+  const Bus bus;
+  const auto fusion = bus.fusion();
+  const auto bridge = bus.bridge({"--source", "sim"});
+  const Web web(bus, {"--listen", "127.0.0.1:0", "--allow-changes"});
+  Page page(web);
+  Page other(web);
+  CHECK(page.wait_for("hello")["allow_changes"] == true);
+  page.wait_for("settings", [](const json& settings) { return settings["address"] == 7; });
+  page.send(change);
+  const json reply = page.wait_for("reply");
+  CAPTURE(reply);
+  CHECK(reply["accepted"] == true);
+  other.wait_for("settings", [](const json& settings) {
+    return settings["address"] == 7 && settings["values"]["outage.stale_after_s"] == "1.5";
+  });
+  json wrong = change;
+  wrong["assignments"] = {{"outage.stale_after_s", "-1"}};
+  page.send(wrong);
+  const json refused = page.wait_for("reply");
+  CHECK(refused["accepted"] == false);
+  CHECK_THAT(refused.dump(), Contains("outage.stale_after_s"));
+}
+
+SCENARIO("other machines need the token that the program prints") {
+  const Bus bus;
+  Web web(bus, {"--listen", "0.0.0.0:0"});
+  REQUIRE(web.token().size() >= 32);
+  CHECK_THAT(web.get("/"), StartsWith("HTTP/1.1 401 "));
+  CHECK_THAT(web.get("/?token=" + web.token()), StartsWith("HTTP/1.1 200 ") && Contains("<title>"));
+  WHEN("another one listens on the same port") {
+    const Result second = run(SONOPOSE_TEST_WEB, {"--listen", web.host()});
+    THEN("it fails with the address and the option") {
+      CHECK(second.code == 1);
+      CHECK_THAT(second.error, Contains(web.host()) && Contains("--listen"));
+    }
+  }
+  CHECK(web.process().end_by(SIGTERM).code == 0);
+}
+
+SCENARIO("a recording is served without a bus") {
+  const TemporaryFolder folder;
+  const Path file = folder / "run.mcap";
+  {
+    BusRecording recording(file);
+    for (const Event& event : sim::record(sim::find_scenario("walk"), {.duration_s = 10.0}).events) {
+      recording.write(event, static_cast<std::uint64_t>(available_at_ns(event)));
+    }
+  }
+  const Bus bus;
+  const Web web(bus, {file.string(), "--listen", "127.0.0.1:0"});
+  Page page(web);
+  const json hello = page.wait_for("hello");
+  CHECK(hello["mode"] == "recording");
+  CHECK(hello["title"] == file.string());
+  const std::string reply = web.get("/recording.json");
+  CHECK_THAT(reply, StartsWith("HTTP/1.1 200 "));
+  const json recording = json::parse(reply.substr(reply.find("\r\n\r\n") + 4));
+  CHECK(recording["beacons"][0]["poses"]["t"].size() > 100);
+}
+
+SCENARIO("wrong options of the web process are named") {
+  const auto fails = [](const Arguments& arguments, const std::string& named) {
+    CAPTURE(arguments);
+    const Result result = run(SONOPOSE_TEST_WEB, arguments);
+    CHECK(result.code != 0);
+    CHECK_THAT(result.error, Contains(named));
+  };
+  fails({"--listen", "nowhere"}, "nowhere");
+  fails({"--listen", "127.0.0.1:99999"}, "99999");
+  fails({"--geofence", "/nonexistent.csv"}, "/nonexistent.csv");
+  fails({"--floor-plan", "/nonexistent.png", "--floor-plan-area", "0", "0", "1", "1"}, "/nonexistent.png");
+  fails({"--floor-plan-area", "0", "0", "1", "1"}, "--floor-plan");
+  fails({"--max-clients", "0"}, "1000");
+  fails({"/nonexistent.mcap"}, "/nonexistent.mcap");
+  fails({"--beacon", "7"}, "recording");
+}
+
+SCENARIO("a client of Foxglove that is not ours decodes the poses") {
+  const Result has_packages =
+      run("/usr/bin/env", {"node", "-e",
+                           "require('@foxglove/ws-protocol'); require('@foxglove/omgidl-parser'); "
+                           "require('@foxglove/omgidl-serialization'); require('ws')"});
+  if (has_packages.code != 0) {
+    std::cout << "skipped: no node with @foxglove/ws-protocol, @foxglove/omgidl-parser, "
+                 "@foxglove/omgidl-serialization and ws\n";
+    return;
+  }
+  const Bus bus;
+  const auto fusion = bus.fusion();
+  const auto bridge = bus.bridge({"--source", "sim"});
+  const Web web(bus, {"--listen", "127.0.0.1:0"});
+  for (const std::string protocol : {"foxglove.sdk.v1", "foxglove.websocket.v1"}) {
+    CAPTURE(protocol);
+    const Result client = run(
+        "/usr/bin/env", {"node", (Path(SONOPOSE_SOURCE_DIR) / "tests/interop/foxglove_client.cjs").string(),
+                         "ws://" + web.host(), protocol});
+    CAPTURE(client.error);
+    REQUIRE(client.code == 0);
+    std::istringstream lines(client.output);
+    std::string line;
+    std::map<std::string, std::vector<json>> by_kind;
+    while (std::getline(lines, line)) {
+      const json read = json::parse(line);
+      by_kind[read["kind"]].push_back(read);
+    }
+    CHECK(by_kind["info"].at(0)["protocol"] == protocol);
+    CHECK(by_kind["info"].at(0)["capabilities"] == json{"time"});
+    CHECK_THAT(by_kind["status"].at(0)["message"].get<std::string>(), Contains("99999"));
+    double latest_s = 0;
+    for (const json& each : by_kind["message"]) {
+      if (each["topic"] != "sonopose/pose") continue;
+      const json& pose = each["message"];
+      CHECK(pose["address"] == 7);
+      CHECK(std::hypot(pose["orientation"]["w"].get<double>(), pose["orientation"]["x"].get<double>(),
+                       std::hypot(pose["orientation"]["y"].get<double>(),
+                                  pose["orientation"]["z"].get<double>())) == Approx(1.0));
+      latest_s = std::stod(each["timestamp"].get<std::string>()) * 1e-9;
+    }
+    CHECK(by_kind["message"].size() >= 11);  // and the settings
+    CHECK(latest_s == Approx(static_cast<double>(std::time(nullptr))).margin(10));
+    CHECK(by_kind["end"].at(0)["posesAfterwards"].get<int>() < 50);  // on their way; 2 s would be 200
+  }
+}
+
+}  // namespace web_test

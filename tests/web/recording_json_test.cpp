@@ -1,0 +1,102 @@
+#include "web/recording/recording_json.hpp"
+
+#include "bus_log/recorded.hpp"
+#include "files/error.hpp"
+#include "sim/simulator.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+namespace recording_json_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+using namespace sonopose::web::recording;
+using Catch::Contains;
+using nlohmann::json;
+
+constexpr BeaconAddress beacon = 7;
+
+sim::Recording walk() {
+  sim::Recording recording = sim::record(sim::find_scenario("walk"), {.duration_s = 20.0});
+  for (Event& event : recording.events) {
+    std::visit([](auto& sample) { sample.address = beacon; }, event);
+  }
+  for (TruthSample& truth : recording.truth) truth.address = beacon;
+  return recording;
+}
+
+std::uint64_t log_time(TimeNs time_ns) {
+  return static_cast<std::uint64_t>(time_ns);
+}
+
+void write_inputs(BusRecording& file, const sim::Recording& recording) {
+  for (const Event& event : recording.events) file.write(event, log_time(available_at_ns(event)));
+  for (const TruthSample& truth : recording.truth) {
+    file.write(dds::topics::truth, dds::topics::to_idl(truth), log_time(truth.time_ns));
+  }
+}
+
+SCENARIO("a recording without poses shows what the fusion makes of it") {
+  const TemporaryFolder folder;
+  const auto file = folder / "inputs.mcap";
+  {
+    BusRecording recording(file);
+    write_inputs(recording, walk());
+  }
+  const json read = json::parse(recording_json(file));
+  REQUIRE(read["beacons"].size() == 1);
+  const json& shown = read["beacons"][0];
+  CHECK(read["duration"].get<double>() == Approx(20.0).margin(0.5));
+  THEN("the poses are near the truth") {
+    const json& poses = shown["poses"];
+    const json& truth = shown["truth"];
+    const double end_x = poses["x"].back().get<double>() - truth["x"].back().get<double>();
+    const double end_y = poses["y"].back().get<double>() - truth["y"].back().get<double>();
+    CHECK(std::hypot(end_x, end_y) < 0.1);
+    CHECK(shown["fixes"]["t"].size() > 50);
+  }
+  THEN("another beacon's address is refused") {
+    CHECK_THROWS_WITH(recording_json(file, 99), Contains("99"));
+  }
+}
+
+SCENARIO("a recording with poses shows those, of all beacons or one") {
+  const TemporaryFolder folder;
+  const auto file = folder / "run.mcap";
+  {
+    BusRecording recording(file);
+    FusedPose pose;
+    for (int i = 0; i < 100; ++i) {
+      pose.time_ns = 1'700'000'000'000'000'000 + TimeNs{i} * 50'000'000;
+      for (const BeaconAddress address : {BeaconAddress{7}, BeaconAddress{12}}) {
+        pose.address = address;
+        pose.position_world_m = {0.01 * i, address * 1.0, 0.5};
+        recording.write(dds::topics::pose, dds::topics::to_idl(pose), log_time(pose.time_ns));
+      }
+    }
+  }
+  const json all = json::parse(recording_json(file));
+  REQUIRE(all["beacons"].size() == 2);
+  CHECK(all["beacons"][1]["poses"]["y"].back() == 12.0);
+  CHECK(all["beacons"][1]["poses"]["x"].size() == 100);
+  const json one = json::parse(recording_json(file, 12));
+  REQUIRE(one["beacons"].size() == 1);
+  CHECK(one["beacons"][0]["address"] == 12);
+}
+
+SCENARIO("a file that is no recording is refused with its name") {
+  const TemporaryFolder folder;
+  const auto file = folder / "broken.mcap";
+  write_text(file, "no recording at all");
+  CHECK_THROWS_WITH(recording_json(file), Contains("broken.mcap"));
+  CHECK_THROWS_WITH(recording_json(folder / "absent"), Contains("absent"));
+  const auto empty = folder / "empty.mcap";
+  { BusRecording(empty).close(); }
+  CHECK_THROWS_WITH(recording_json(empty), Contains("empty.mcap"));
+}
+
+}  // namespace recording_json_test
