@@ -139,7 +139,8 @@
   // The map as soon as there is something new; what is costly and slow to read four times a second.
   let sinceSecond = performance.now();
   let drawnBefore = 0;
-  let slowDue = 0;
+  let isSlowDue = false;
+  let slowFrom = 0;
   const draw = (now) => {
     requestAnimationFrame(draw);
     if (playback) playback.advance(now);
@@ -148,12 +149,15 @@
       drawnBefore = statistics.drawn;
       sinceSecond = now;
     }
-    if (!model.isNew) return;
-    model.isNew = false;
-    map.draw();
-    statistics.drawn += 1;
-    if (now < slowDue) return;
-    slowDue = now + 250;
+    if (model.isNew) {
+      model.isNew = false;
+      isSlowDue = true;
+      map.draw();
+      statistics.drawn += 1;
+    }
+    if (!isSlowDue || now < slowFrom) return;
+    isSlowDue = false;
+    slowFrom = now + 250;
     table.draw();
     plots.draw();
     updateStatistics();

@@ -302,7 +302,7 @@
     drawPose(beacon) {
       const { context, model } = this;
       const pose = beacon.poses.last(model.shown);
-      if (!pose) return;
+      if (!pose || !Number.isFinite(pose.x)) return;
       const [left, top] = this.toScreen(pose.x, pose.y);
       if (left < -50 || top < -50 || left > this.width + 50 || top > this.height + 50) return;
       const isSelected = beacon.address === model.selected;

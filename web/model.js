@@ -109,6 +109,7 @@ window.sonopose = {};
       this.geofence = null;
       this.floorPlan = null; // {image, area_m}
       this.now = null; // time that is shown, s; null: the latest
+      this.extent = null; // of a recording: its first and last time, s
       this.selected = null; // address
       this.isNew = true; // something to draw
     }
@@ -172,7 +173,7 @@ window.sonopose = {};
     }
 
     isOutside(pose) {
-      if (!this.geofence) return false;
+      if (!this.geofence || !Number.isFinite(pose.x)) return false;
       let inside = false;
       const corners = this.geofence;
       for (let i = 0, j = corners.length - 1; i < corners.length; j = i++) {

@@ -26,6 +26,7 @@
         fill(beacon.fixes, each.fixes, this.begin);
       }
       model.stationary = recording.stationary;
+      model.extent = [this.begin, this.begin + this.duration];
       this.isPlaying = false;
       this.last = 0;
       parts.box.hidden = false;

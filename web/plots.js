@@ -78,7 +78,10 @@
       const { now } = this.model;
       const last = beacon.poses.last() || beacon.status.last();
       if (now === null) return [1000 * ((last ? last.t : 0) - windowS), 1000 * (last ? last.t : 0)];
-      return [1000 * (now - windowS / 2), 1000 * (now + windowS / 2)];
+      const [begin, end] = this.model.extent;
+      const length = Math.min(windowS, end - begin);
+      const from = Math.min(Math.max(begin, now - length / 2), end - length);
+      return [1000 * from, 1000 * (from + length)];
     }
 
     draw() {

@@ -66,6 +66,16 @@ SCENARIO("a frame has the latest pose of each beacon, once") {
   CHECK(frame_of(state).is_null());
 }
 
+SCENARIO("a beacon that is initialised has no position yet") {
+  LiveState state;
+  FusedPose pose = pose_of(7);
+  pose.status = status_initialising;
+  state.on(pose);
+  const json values = frame_of(state)["beacons"][0]["pose"];
+  for (std::size_t i = 1; i <= 3; ++i) CHECK(values[i].is_null());
+  CHECK_FALSE(values[4].is_null());  // it knows where down is
+}
+
 SCENARIO("what is unknown is null in a frame") {
   LiveState state;
   FusedPose pose = pose_of(7);  // its covariance is unknown

@@ -43,7 +43,8 @@ double unknown_if_negative(double variance) {
 }
 
 void append_pose(std::string& text, const FusedPose& pose) {
-  const Vector3d& position = pose.position_world_m;
+  const bool has_position = (pose.status & status_initialising) == 0;
+  const Vector3d position = has_position ? pose.position_world_m : Vector3d::Constant(std::nan(""));
   const Vector3d& velocity = pose.velocity_world_mps;
   const auto euler = geometry::euler_angles_of(pose.q_body_to_world);
   const auto& covariance = pose.pose_covariance;

@@ -98,7 +98,8 @@ void Document::take(transitions::Pending& pending, TimeNs time_ns) {
 void Document::add(const FusedPose& pose) {
   Beacon& beacon = this->beacon(pose.address, pose.time_ns);
   const auto angles = geometry::euler_angles_of(pose.q_body_to_world);
-  const auto& position = pose.position_world_m;
+  const bool has_position = (pose.status & status_initialising) == 0;
+  const Vector3d position = has_position ? pose.position_world_m : Vector3d::Constant(unknown);
   const auto& velocity = pose.velocity_world_mps;
   const auto& covariance = pose.pose_covariance;
   const bool is_known = covariance.is_known(0);
