@@ -3,8 +3,8 @@
 
 #include "child.hpp"
 #include "clocks/clocks.hpp"
+#include "counting_consumer.hpp"
 #include "statistics.hpp"
-#include <sonopose/dds/topics/topics.hpp>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -16,13 +16,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <new>
 #include <poll.h>
 #include <pty.h>
 #include <stdexcept>
 #include <string>
 #include <sys/ioctl.h>
-#include <sys/mman.h>
 #include <thread>
 #include <unistd.h>
 #include <vector>
@@ -40,44 +38,6 @@ struct Options {
   int rounds = 3;
   bool control = false;
 };
-
-/// Takes the samples of a topic and counts them.
-template <class T>
-class Counter final : public dds::DataReaderListener<T> {
-public:
-  explicit Counter(std::atomic<std::uint64_t>& count) : count_(count) {}
-  void on_data_available(dds::DataReader<T>& reader) noexcept override {
-    reader.try_take_each(
-        [this](const T&, const dds::SampleInfo&) { count_.fetch_add(1, std::memory_order_relaxed); });
-  }
-
-private:
-  std::atomic<std::uint64_t>& count_;
-};
-
-template <class T>
-struct CountingReader {
-  CountingReader(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
-                 const dds::topics::Entry<T>& entry, std::atomic<std::uint64_t>& count)
-      : listener(count), reader(dds::topics::make_reader(participant, qos, entry, &listener)) {}
-  Counter<T> listener;
-  dds::DataReader<T> reader;
-};
-
-/// Counts the samples of the topics that the screen reads, until it is killed.
-void count_samples(std::uint32_t domain, std::atomic<std::uint64_t>& count) {
-  namespace topics = dds::topics;
-  const dds::qos::Provider qos;
-  const dds::DomainParticipant participant({domain, dds::Network::loopback});
-  const CountingReader pose(participant, qos, topics::pose, count);
-  const CountingReader truth(participant, qos, topics::truth, count);
-  const CountingReader report(participant, qos, topics::report, count);
-  const CountingReader beacon_status(participant, qos, topics::beacon_status, count);
-  const CountingReader estimate(participant, qos, topics::estimate, count);
-  const CountingReader fusion_status(participant, qos, topics::fusion_status, count);
-  const CountingReader line_status(participant, qos, topics::line_status, count);
-  while (true) ::pause();
-}
 
 /// A pseudo-terminal whose output is read and counted.
 class WatchedTerminal {
@@ -126,14 +86,6 @@ private:
   std::atomic<bool> ending_ = false;
   std::thread watcher_;
 };
-
-/// A counter that children share.
-std::atomic<std::uint64_t>& shared_counter() {
-  void* const memory = ::mmap(nullptr, sizeof(std::atomic<std::uint64_t>), PROT_READ | PROT_WRITE,
-                              MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (memory == MAP_FAILED) throw std::runtime_error("mmap failed");
-  return *new (memory) std::atomic<std::uint64_t>(0);
-}
 
 void sleep_s(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
