@@ -7,15 +7,6 @@
 #include <numbers>
 
 namespace sonopose::estimation::kalman {
-namespace {
-
-/// Student's t with six degrees of freedom over three dimensions, up to a constant.
-double log_likelihood(const Innovation& innovation) {
-  return -4.5 * std::log1p(innovation.squared_norm / 6.0) - 0.5 * innovation.log_determinant;
-}
-
-}  // namespace
-
 void Belief::copy_from(const Belief& other) {
   phase = other.phase;
   time_ns = other.time_ns;
@@ -42,6 +33,8 @@ void Belief::copy_from(const Belief& other) {
     former.alive = false;
   }
   last_fix_ns = other.last_fix_ns;
+  fixes_since_start = other.fixes_since_start;
+  fixes_rejected_in_row = other.fixes_rejected_in_row;
   last_heading_ns = other.last_heading_ns;
   last_heading_rad = other.last_heading_rad;
   heading_rejected_since_ns = other.heading_rejected_since_ns;
@@ -210,6 +203,8 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
     candidate.filter.add_yaw_variance(square(yaw_std));
   }
   best = 0;
+  fixes_since_start = 1;
+  fixes_rejected_in_row = 0;
   rival.alive = former.alive = false;
   restart_pending = false;
   phase = Phase::searching_yaw;
@@ -255,7 +250,7 @@ FixOutcome Belief::on_fix(const settings::Settings& settings, const FixMeasureme
   const Vector3d position_before = filter().tracked_position_world_m();
   const Vector3d velocity_before = filter().tracked_velocity_world_mps();
   const double yaw_before = geometry::yaw_of(filter().q_body_to_world);
-  outcome = judge(fix);
+  outcome = judge(settings, fix);
   recover_if_not_finite();
   outcome.jump_world_m = filter().tracked_position_world_m() - position_before;
   outcome.velocity_change_world_mps = filter().tracked_velocity_world_mps() - velocity_before;
@@ -288,7 +283,7 @@ void Belief::recover_if_not_finite() {
   phase = Phase::waiting;
 }
 
-FixOutcome Belief::judge(const FixMeasurement& fix) {
+FixOutcome Belief::judge(const settings::Settings& settings, const FixMeasurement& fix) {
   FixOutcome outcome;
   const double ahead_s = seconds_between(state_ns, fix.time_ns);
   const Matrix3d covariance = covariance_of(fix);
@@ -309,11 +304,14 @@ FixOutcome Belief::judge(const FixMeasurement& fix) {
   const double d = outcome.innovation.squared_norm;
   outcome.test_ratio = d / rejected_above;
   constexpr double trust_memory = 8.0;
-  if (!(d <= rejected_above)) {
+  if (!(d <= rejected_above) || rival_explains_better(fix, covariance, ahead_s, outcome.innovation)) {
     trust -= trust / trust_memory;
-    reject(fix, covariance, ahead_s, outcome);
+    ++fixes_rejected_in_row;
+    reject(settings, fix, covariance, ahead_s, outcome);
     return outcome;
   }
+  fixes_since_start = std::min(fixes_since_start + 1, proven_fixes);
+  fixes_rejected_in_row = 0;
   trust += (1.0 - trust) / trust_memory;
   const double scale = scale_of(outcome.innovation);
   outcome.weight = 1.0 / scale;
@@ -323,6 +321,7 @@ FixOutcome Belief::judge(const FixMeasurement& fix) {
     // The rival lives on rejected fixes alone; one that only explains the same track is none.
     constexpr TimeNs idle_ns = 1'500'000'000;
     if (fix.time_ns - rival.last_fix_ns > idle_ns) rival.alive = false;
+    ++rival.fixes_of_best;
   }
   former.fixes_in_row = 0;
   correct_candidates(fix, covariance, innovations, ahead_s);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace sonopose::estimation::kalman {
 
@@ -20,6 +21,11 @@ inline constexpr std::array<ProcessNoise, model_count> models{
 /// By how much the covariance of a fix grows with its innovation.
 inline double scale_of(const Innovation& innovation) {
   return std::max(1.0, innovation.squared_norm / full_weight_below);
+}
+
+/// Student's t with six degrees of freedom over three dimensions, up to a constant.
+inline double log_likelihood(const Innovation& innovation) {
+  return -4.5 * std::log1p(innovation.squared_norm / 6.0) - 0.5 * innovation.log_determinant;
 }
 
 constexpr double square(double x) {

@@ -11,8 +11,29 @@ constexpr TimeNs converging_ns = 500'000'000;  // after a jump
 
 }  // namespace
 
-void Belief::reject(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s,
-                    FixOutcome& outcome) {
+/// Of a fix that the best filter accepts. Soon after a start it accepts much, also what a wrong first fix
+/// contradicts.
+bool Belief::rival_explains_better(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s,
+                                   const Innovation& innovation) const {
+  constexpr double advantage = 2.0;
+  if (fixes_since_start >= proven_fixes || !rival.alive) return false;
+  const Innovation of_rival = rival.filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
+  return of_rival.squared_norm <= rejected_above &&
+         log_likelihood(of_rival) > log_likelihood(innovation) + advantage;
+}
+
+/// Whether the fixes contradict the start, or have found no track from what the best filter became.
+bool Belief::must_start_again(TimeNs now_ns) const {
+  constexpr int agreeing = 3;
+  constexpr int many = 12;
+  constexpr double lost_s = 8.0;
+  if (rival.fixes < agreeing) return false;
+  if (fixes_since_start < proven_fixes && rival.fixes > fixes_since_start) return true;
+  return fixes_rejected_in_row >= many && seconds_between(last_fix_ns, now_ns) > lost_s;
+}
+
+void Belief::reject(const settings::Settings& settings, const FixMeasurement& fix, const Matrix3d& covariance,
+                    double ahead_s, FixOutcome& outcome) {
   outcome.flags = fix_outlier;
   if (take_back_former(fix, covariance, ahead_s)) {
     outcome.flags = fix_used;
@@ -35,13 +56,21 @@ void Belief::reject(const FixMeasurement& fix, const Matrix3d& covariance, doubl
   rival.filter.correct_fix(innovation, (scale_of(innovation) - 1.0) * covariance);
   rival.last_fix_ns = fix.time_ns;
   ++rival.fixes;
+  if (must_start_again(fix.time_ns)) {
+    start_at(fix, settings);
+    outcome.flags = fix_used | fix_stuck_forced;
+    outcome.weight = 1.0;
+    return;
+  }
   const double jump_m =
       (rival.filter.tracked_position_world_m() - filter().tracked_position_world_m()).norm();
   const double needed_s =
       map_has_turned(fix.time_ns) ? 1.0 : std::clamp(2.2 - (jump_m - 1.5) / 0.5 * 1.2, 1.0, 2.2);
   const double alone_s = seconds_between(std::max(last_fix_ns, rival.began_ns), fix.time_ns);
   const bool enough_fixes = rival.fixes >= 8 || (rival.fixes >= 3 && alone_s > 3.0);
-  if (alone_s < needed_s || !enough_fixes) return;
+  const bool explains_most = rival.fixes >= 16 && rival.fixes > 2 * rival.fixes_of_best &&
+                             seconds_between(rival.began_ns, fix.time_ns) > 4.0;
+  if ((alone_s < needed_s || !enough_fixes) && !explains_most) return;
   promote_rival();
   last_fix_ns = fix.time_ns;
   outcome.flags = fix_used | fix_stuck_forced;
@@ -57,6 +86,7 @@ void Belief::begin_rival(const FixMeasurement& fix, const Matrix3d& covariance) 
   rival.last_fix_ns = fix.time_ns;
   rival.fixes = 1;
   rival.misses_in_row = 0;
+  rival.fixes_of_best = 0;
   const bool open = seconds_between(last_fix_ns, fix.time_ns) > lost_s || map_has_turned(fix.time_ns);
   rival.filter = filter();
   Filter& f = rival.filter;

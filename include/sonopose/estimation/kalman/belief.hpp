@@ -17,6 +17,7 @@ namespace sonopose::estimation::kalman {
 
 inline constexpr int model_count = 3;   ///< models of process noise
 inline constexpr int start_count = 12;  ///< directions from which an unknown yaw is searched
+inline constexpr int proven_fixes = 8;  ///< used fixes after which the first one is believed
 
 // What is known before the first measurement: standard deviations per axis.
 inline constexpr double start_gyro_bias_std_radps = 0.02;
@@ -49,6 +50,7 @@ struct Rival {
   TimeNs last_fix_ns = 0;
   int fixes = 0;
   int misses_in_row = 0;
+  int fixes_of_best = 0;  ///< that the best filter used in the meantime
   Filter filter;
 
   bool operator==(const Rival&) const = default;
@@ -168,7 +170,9 @@ struct Belief {
   std::array<Candidate, start_count> candidates;
   Rival rival;
   Former former;
-  TimeNs last_fix_ns = 0;      ///< measurement of the last fix that was used; 0: none
+  TimeNs last_fix_ns = 0;     ///< measurement of the last fix that was used; 0: none
+  int fixes_since_start = 0;  ///< that were used; up to proven_fixes
+  int fixes_rejected_in_row = 0;
   TimeNs last_heading_ns = 0;  ///< of the last heading that was used
   double last_heading_rad = 0;
   TimeNs heading_rejected_since_ns = 0;  ///< first rejected heading of the present run of them; 0: none
@@ -211,12 +215,16 @@ private:
   void update_rest(const ImuMeasurement& imu, ImuOutcome& outcome);
   void bound_dead_reckoning(ImuOutcome& outcome);
   using Innovations = std::array<Innovation, start_count>;  ///< of each candidate
-  FixOutcome judge(const FixMeasurement& fix);
+  FixOutcome judge(const settings::Settings& settings, const FixMeasurement& fix);
   void correct_candidates(const FixMeasurement& fix, const Matrix3d& covariance,
                           const Innovations& innovations, double ahead_s);
   void prune_starts();
   void choose_model();
-  void reject(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s, FixOutcome& outcome);
+  [[nodiscard]] bool rival_explains_better(const FixMeasurement& fix, const Matrix3d& covariance,
+                                           double ahead_s, const Innovation& innovation) const;
+  void reject(const settings::Settings& settings, const FixMeasurement& fix, const Matrix3d& covariance,
+              double ahead_s, FixOutcome& outcome);
+  [[nodiscard]] bool must_start_again(TimeNs now_ns) const;
   void begin_rival(const FixMeasurement& fix, const Matrix3d& covariance);
   void promote_rival();
   bool take_back_former(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s);

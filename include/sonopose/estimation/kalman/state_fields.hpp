@@ -85,6 +85,7 @@ void for_each_field(IsFieldsOf<Rival> auto& rival, const auto& visit) {
   visit("last_fix_ns", rival.last_fix_ns);
   visit("fixes", rival.fixes);
   visit("misses_in_row", rival.misses_in_row);
+  visit("fixes_of_best", rival.fixes_of_best);
 }
 
 void for_each_field(IsFieldsOf<Former> auto& former, const auto& visit) {
@@ -145,6 +146,8 @@ void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
   visit("rival", belief.rival);
   visit("former", belief.former);
   visit("last_fix_ns", belief.last_fix_ns);
+  visit("fixes_since_start", belief.fixes_since_start);
+  visit("fixes_rejected_in_row", belief.fixes_rejected_in_row);
   visit("last_heading_ns", belief.last_heading_ns);
   visit("last_heading_rad", belief.last_heading_rad);
   visit("heading_rejected_since_ns", belief.heading_rejected_since_ns);

@@ -1,0 +1,99 @@
+/// The Kalman engine where the first fixes are wrong.
+
+#include "sim/scenario.hpp"
+#include "sim/simulator.hpp"
+#include "support/poses_of.hpp"
+#include <sonopose/estimation/kalman/engine.hpp>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <random>
+#include <vector>
+
+namespace wrong_start_test {
+
+using namespace sonopose;
+using namespace sonopose::estimation;
+
+/// A log that begins anywhere on the way. Of its fixes, up to three at its start and a random share of all
+/// others are on a second track, or anywhere.
+sim::Recording draw_log(std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const auto draw = [&random](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  const auto draw_below = [&random](int count) {
+    return std::uniform_int_distribution<int>(0, count - 1)(random);
+  };
+  constexpr std::array scenarios{"moving_start", "forklift", "kart", "drone", "walk", "circle"};
+  const char* const scenario = scenarios.at(static_cast<std::size_t>(draw_below(scenarios.size())));
+  const double begin_s = draw(0, 25);
+  sim::Recording log = sim::record(sim::find_scenario(scenario), {.seed = seed, .duration_s = begin_s + 40});
+  const TimeNs begin_ns = log.truth.front().time_ns + to_ns(begin_s);
+  std::erase_if(log.events, [&](const Event& event) { return available_at_ns(event) < begin_ns; });
+  std::erase_if(log.truth, [&](const TruthSample& truth) { return truth.time_ns < begin_ns; });
+
+  const Vector3d direction(draw(-1, 1), draw(-1, 1), draw(-0.3, 0.3));
+  const Vector3d second_track_m = direction.normalized() * draw(0.4, 5);
+  const bool is_scattered = draw_below(2) == 0;
+  const double wrong_share = draw(0, 0.3);
+  int first_wrong = draw_below(4);
+  for (Event& event : log.events) {
+    auto* const fix = std::get_if<UltrasonicFix>(&event);
+    if (fix == nullptr || (first_wrong-- <= 0 && draw(0, 1) > wrong_share)) continue;
+    const Vector3d anywhere_m(draw(-4, 4), draw(-4, 4), draw(-1, 1));
+    fix->position_world_m += is_scattered ? anywhere_m : second_track_m;
+  }
+  return log;
+}
+
+/// RMS of the position from 6 s after the begin on.
+double rms_m(const std::vector<FusedPose>& poses, const std::vector<TruthSample>& truth) {
+  double squares = 0.0;
+  int count = 0;
+  auto next = truth.begin();
+  for (const FusedPose& pose : poses) {
+    while (next != truth.end() && next->time_ns < pose.time_ns) ++next;
+    if (next == truth.end() || next->time_ns != pose.time_ns) continue;
+    if (seconds_between(truth.front().time_ns, pose.time_ns) < 6.0) continue;
+    squares += (pose.position_world_m - next->position_world_m).squaredNorm();
+    ++count;
+  }
+  REQUIRE(count > 100);
+  return std::sqrt(squares / count);
+}
+
+SCENARIO("the Kalman engine overcomes a wrong start") {
+  GIVEN("logs that begin in motion and with wrong fixes, with a pair heading or without") {
+    const bool has_heading = GENERATE(true, false);
+    std::vector<double> errors_m;
+    constexpr std::uint64_t first_seed = 6001;  // nothing was tuned on these
+    constexpr std::uint64_t runs = 120;
+    for (std::uint64_t seed = first_seed; seed < first_seed + runs; ++seed) {
+      sim::Recording log = draw_log(seed);
+      if (!has_heading) {
+        std::erase_if(log.events,
+                      [](const Event& event) { return std::holds_alternative<PairHeading>(event); });
+      }
+      kalman::Engine engine{settings::Settings{}};
+      errors_m.push_back(rms_m(test::poses_of(engine, log.events), log.truth));
+    }
+    std::sort(errors_m.begin(), errors_m.end());
+    const auto lost =
+        std::count_if(errors_m.begin(), errors_m.end(), [](double error_m) { return error_m > 0.2; });
+    fmt::print("wrong start, {} heading: median {:.1f} cm, 90 % below {:.1f} cm, {} of {} above 20 cm\n",
+               has_heading ? "with" : "without", 100 * errors_m.at(runs / 2),
+               100 * errors_m.at(runs * 9 / 10), lost, runs);
+    THEN("after 6 s nearly all are as good as others") {
+      CHECK(errors_m.at(runs / 2) < 0.03);
+      CHECK(errors_m.at(runs * 9 / 10) < 0.06);
+      CHECK(lost <= 4);
+    }
+  }
+}
+
+}  // namespace wrong_start_test
