@@ -121,7 +121,7 @@ std::string run_json(const plots::PlotData& data) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-RunPage::RunPage(std::filesystem::path file, std::string title, const recording::SensorLog& log)
+RunPage::RunPage(const std::filesystem::path& file, std::string title, const recording::SensorLog& log)
     : replacement_(file),
       log_(log),
       library_(library_file("dygraph.min.js")),

@@ -20,7 +20,7 @@ class RunPage {
 public:
   /// `file` becomes the page. Throws files::IoError if it cannot be written, or if the plotting library is
   /// not installed: the message names the package. `log` must outlive the page.
-  RunPage(std::filesystem::path file, std::string title, const recording::SensorLog& log);
+  RunPage(const std::filesystem::path& file, std::string title, const recording::SensorLog& log);
 
   /// Begins a run, which is filled through the reference that is returned. `engine` is its name if it is not
   /// that of the settings.

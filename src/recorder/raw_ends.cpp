@@ -19,9 +19,9 @@ InstanceEnd end_of(const mcap::Message& raw, const TopicName& topic_name) {
 
 }  // namespace
 
-RawEndHead raw_end_head(std::uint16_t channel_id, bool disposed) {
+RawEndHead raw_end_head(std::uint16_t channel_id, bool is_disposed) {
   return {static_cast<std::byte>(channel_id), static_cast<std::byte>(channel_id >> 8U),
-          static_cast<std::byte>(disposed ? 1 : 0)};
+          static_cast<std::byte>(is_disposed ? 1 : 0)};
 }
 
 mcap::Chunk with_ends_as_text(const mcap::Chunk& chunk, std::uint16_t ends_channel_id,

@@ -16,7 +16,7 @@ namespace sonopose::recorder {
 
 /// What comes before the key in the data of such a message. `channel_id`: of the instance's topic.
 using RawEndHead = std::array<std::byte, 3>;
-RawEndHead raw_end_head(std::uint16_t channel_id, bool disposed);
+RawEndHead raw_end_head(std::uint16_t channel_id, bool is_disposed);
 
 /// The name of the topic of a channel.
 using TopicName = std::function<std::string(std::uint16_t channel_id)>;

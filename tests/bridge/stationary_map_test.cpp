@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <utility>
+
 namespace stationary_map_test {
 
 using namespace sonopose;
@@ -10,7 +12,7 @@ using sonopose::bridge::StationaryMap;
 StationaryBeacon beacon_at(BeaconAddress address, std::optional<Vector3d> position_world_m) {
   StationaryBeacon beacon;
   beacon.address = address;
-  beacon.position_world_m = position_world_m;
+  beacon.position_world_m = std::move(position_world_m);
   return beacon;
 }
 

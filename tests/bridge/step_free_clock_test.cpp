@@ -32,7 +32,7 @@ SCENARIO("a clock without steps measures how far the host's was set") {
     clock.compare(later, start_ns + 1000 * ms + 50 * ms, later);
     CHECK(clock.host_ahead_ns() == 4 * ms);  // 0.4 % of a second
     CHECK(clock.steps() == 0);
-    for (int s = 2; s < 20; ++s) {
+    for (TimeNs s = 2; s < 20; ++s) {
       const SteadyTime time = start + s * 1000 * ms;
       clock.compare(time, start_ns + s * 1000 * ms + 50 * ms, time);
     }

@@ -136,7 +136,7 @@ SCENARIO("a recorder writes the meta.toml of its samples") {
   }
   WHEN("its source has settings") {
     const LogSettings settings{{"input", "a \"b\"\n\\c"}, {"source", "log"}};
-    SensorLogWriter(folder / "set", settings);
+    const SensorLogWriter set_writer(folder / "set", settings);
     THEN("they are read back") {
       CHECK(read_log_meta(folder / "set").settings == settings);
     }

@@ -4,6 +4,7 @@
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -305,7 +306,7 @@ TEST_CASE("Every program suggests the option that a misspelt one resembles") {
     REQUIRE(found != misspelt.end());
     const auto& [wrong, right] = found->second;
     CHECK_THAT(refusal(beside_front_door(program), {wrong, "1"}),
-               Contains(program + ": " + wrong + ": unknown option; did you mean " + right + "?"));
+               Contains(fmt::format("{}: {}: unknown option; did you mean {}?", program, wrong, right)));
   }
 }
 

@@ -62,9 +62,9 @@ SCENARIO("echo prints each sample of a topic") {
     }
     if (std::filesystem::exists("/usr/bin/python3")) {
       THEN("the example in Python prints positions") {
+        const std::string example_script = SONOPOSE_SOURCE_DIR "/examples/python_echo/positions.py";
         Process example("/usr/bin/python3",
-                        {SONOPOSE_SOURCE_DIR "/examples/python_echo/positions.py", "--domain",
-                         std::to_string(bus.domain_id()), "--count", "300"},
+                        {example_script, "--domain", std::to_string(bus.domain_id()), "--count", "300"},
                         {{"SONOPOSE_MONITOR", SONOPOSE_TEST_MONITOR}});
         CHECK(example.wait_for_exit() == 0);
         CHECK_THAT(example.text(Stream::output),

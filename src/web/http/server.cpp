@@ -64,7 +64,7 @@ constexpr int send_buffer_bytes = 262'144;
 
 class Server::Parts {
 public:
-  explicit Parts(const ServerOptions& options) : options_(options), acceptor_(context_) {
+  explicit Parts(ServerOptions options) : options_(std::move(options)), acceptor_(context_) {
     listen();
     const tcp::endpoint local = acceptor_.local_endpoint();
     options_.endpoint.port = local.port();

@@ -120,7 +120,7 @@ std::string LiveState::take_frame(TimeNs now_ns) {
   for (auto& [address, beacon] : beacons_) {
     if (!beacon.has_pose && !beacon.has_truth && beacon.fixes.empty()) continue;
     if (text.empty()) {
-      text = "{\"op\":\"frame\",\"t\":";
+      text = R"({"op":"frame","t":)";
       append_time(text, now_ns);
       text += "\"beacons\":[";
     }

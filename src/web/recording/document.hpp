@@ -40,6 +40,7 @@ public:
   explicit Document(double duration_s);
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
+  ~Document() = default;
 
   void add(const FusedPose& pose);
   void add(const FixReport& report);
