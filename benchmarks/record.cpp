@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -63,7 +64,12 @@ struct Seen {
   }
 };
 
-using SeenTable = std::array<std::array<Seen, most_beacons>, counted_topics.size()>;
+/// Shared by the processes.
+struct SeenTable {
+  /// Set once all readers and writers have found each other: what is sent before reaches some earlier.
+  std::atomic<bool> is_counting = false;
+  std::array<std::array<Seen, most_beacons>, counted_topics.size()> topics{};
+};
 
 template <class T>
 std::uint64_t number_of(const T& sample) {
@@ -77,14 +83,16 @@ std::uint64_t number_of(const T& sample) {
 template <class T>
 class Counter final : public dds::DataReaderListener<T> {
 public:
-  explicit Counter(std::array<Seen, most_beacons>& seen) : seen_(seen) {}
+  Counter(const std::atomic<bool>& is_counting, std::array<Seen, most_beacons>& seen)
+      : is_counting_(is_counting), seen_(seen) {}
   void on_data_available(dds::DataReader<T>& reader) noexcept override {
     reader.try_take_each([this](const T& sample, const dds::SampleInfo&) {
-      seen_[sample.address % most_beacons].on(number_of(sample));
+      if (is_counting_) seen_[sample.address % most_beacons].on(number_of(sample));
     });
   }
 
 private:
+  const std::atomic<bool>& is_counting_;
   std::array<Seen, most_beacons>& seen_;
 };
 
@@ -92,9 +100,10 @@ template <class T>
 struct CountingReader {
   CountingReader(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
                  const topics::Entry<T>& entry, SeenTable& seen)
-      : listener(seen.at(static_cast<std::size_t>(
-            std::find(counted_topics.begin(), counted_topics.end(), std::string(entry.name)) -
-            counted_topics.begin()))),
+      : listener(seen.is_counting,
+                 seen.topics.at(static_cast<std::size_t>(
+                     std::find(counted_topics.begin(), counted_topics.end(), std::string(entry.name)) -
+                     counted_topics.begin()))),
         reader(topics::make_reader(participant, qos, entry, &listener)) {}
   Counter<T> listener;
   dds::DataReader<T> reader;
@@ -153,13 +162,13 @@ Comparison compare(const SeenTable& seen, const fs::path& file) {
   });
   std::vector<std::uint64_t> recorded(recorded_last.size());
   for_each_recorded(reader, [&](std::size_t topic, std::size_t address, std::uint64_t number) {
-    const Seen& own = seen.at(topic).at(address);
+    const Seen& own = seen.topics.at(topic).at(address);
     if (number >= own.first && number <= own.last) ++recorded[at(topic, address)];
   });
   Comparison result;
   for (std::size_t topic = 0; topic < counted_topics.size(); ++topic) {
     for (std::size_t address = 0; address < most_beacons; ++address) {
-      const Seen& own = seen.at(topic).at(address);
+      const Seen& own = seen.topics.at(topic).at(address);
       const std::uint64_t in_file = recorded[at(topic, address)];
       result.counted += own.count;
       if (own.count > in_file) result.missing += own.count - in_file;
@@ -196,6 +205,7 @@ void measure(const Options& options) {
                         "--imu-rate", fmt::format("{}", options.imu_rate_hz), "--duration",
                         fmt::format("{}", options.settle_s + options.seconds)}));
     sleep_s(options.settle_s);
+    seen.is_counting = true;
     const std::int64_t recorder_before_ns = recorder.cpu_time_ns();
     const std::int64_t counter_before_ns = counter.cpu_time_ns();
     const SteadyTime began = clocks::steady_now();
