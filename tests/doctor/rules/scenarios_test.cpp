@@ -87,6 +87,7 @@ const std::vector<Expectation> faulty_scenarios{
     {"hall", {outliers, contradicted, no_valid_fix, low_trust}, no_valid_fix},
     {"moved_map", {outliers, contradicted, no_valid_fix, low_trust}},
     {"misplaced_beacon", {outliers, contradicted, low_trust}},
+    {"wrong_delay", {"than the fusion assumes"}},
 };
 
 Expectation expectation_of(std::string_view scenario) {
