@@ -19,10 +19,8 @@
     }
 
     build() {
-      const groups = Map.groupBy ? Map.groupBy(this.table, (row) => row.group) : new Map();
-      if (groups.size === 0) {
-        for (const row of this.table) groups.set(row.group, [...(groups.get(row.group) || []), row]);
-      }
+      const groups = new Map();
+      for (const row of this.table) groups.set(row.group, [...(groups.get(row.group) || []), row]);
       for (const [name, rows] of groups) {
         const box = element("details", {}, [element("summary", { textContent: name })]);
         for (const row of rows) box.append(this.makeRow(row));
@@ -45,7 +43,7 @@
       });
       this.inputs.set(row.key, input);
       const item = row.item ? `${row.item}. ` : "";
-      const engine = row.engines === "all" ? "" : ` Engine ${row.engines}.`;
+      const engine = row.engines === "all" ? "" : ` Only the ${row.engines} engine reads it.`;
       const line = element("div", { className: "setting" }, [
         element("span", { textContent: row.key.slice(row.group.length + 1) }),
         element("span", { className: "value" }, [input, row.unit]),
