@@ -26,7 +26,10 @@ RequestWorker::RequestWorker(dds::DomainOptions domain, std::optional<std::files
 }
 
 RequestWorker::~RequestWorker() {
-  stop_.request();
+  {
+    const std::lock_guard lock(mutex_);  // or the wait could begin between its look and the notification
+    stop_.request();
+  }
   changed_.notify_all();
 }
 
