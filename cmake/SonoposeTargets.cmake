@@ -11,16 +11,14 @@ function(sonopose_compile_options target)
     $<$<AND:$<BOOL:${SONOPOSE_WARNINGS_AS_ERRORS}>,$<COMPILE_LANGUAGE:CXX>>:-Werror>)
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)  # a tenth of the compile time for 200 MB: collect garbage less often
     target_compile_options(${target} PRIVATE --param=ggc-min-expand=300 --param=ggc-min-heapsize=1048576)
-    if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)  # false alarms with -O3: gcc.gnu.org/PR105651
-      target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
+    if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)  # false alarms with -O3, sanitizers and precompiled headers
+      target_compile_options(${target} PRIVATE
+        $<$<COMPILE_LANGUAGE:CXX>:-Wno-array-bounds -Wno-maybe-uninitialized -Wno-restrict -Wno-stringop-overflow
+                                  -Wno-stringop-overread>)
     endif()
   endif()
   if(SONOPOSE_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${SONOPOSE_SANITIZE} -fno-omit-frame-pointer)
-    if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-      target_compile_options(${target} PRIVATE  # g++ 12 is often wrong in such code
-        -Wno-array-bounds -Wno-maybe-uninitialized -Wno-stringop-overflow)
-    endif()
     target_link_options(${target} PUBLIC -fsanitize=${SONOPOSE_SANITIZE})
     if(SONOPOSE_SANITIZE MATCHES fuzzer)  # scripts/fuzz prints the coverage
       target_compile_options(${target} PRIVATE
@@ -44,17 +42,14 @@ function(sonopose_unity target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${SONOPOSE_UNITY} UNITY_BUILD_BATCH_SIZE 0)
 endfunction()
 
-# g++ 12 warns about system headers when they are precompiled.
-set(SONOPOSE_PRECOMPILED_OPTIONS -Wno-maybe-uninitialized -Wno-ignored-attributes -Wno-array-bounds -Wno-restrict
-                                 -Wno-stringop-overflow -Wno-stringop-overread)
-
 # sonopose_precompile(TARGET OWNER HEADERS ...): where SONOPOSE_PRECOMPILE is on, headers that nearly every file of a
 # target includes are compiled once, in OWNER, which has the same flags: up to two thirds of a file's compile time.
 function(sonopose_precompile target owner)
   if(NOT SONOPOSE_PRECOMPILE)
     return()
   endif()
-  target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${SONOPOSE_PRECOMPILED_OPTIONS}>)
+  # g++ 12 warns about system headers when they are precompiled.
+  target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wno-ignored-attributes>)
   if(target STREQUAL owner)
     target_precompile_headers(${target} PRIVATE ${ARGN})
   else()

@@ -2,6 +2,7 @@
 
 #include <dds/ddsi/ddsi_cdrstream.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace sonopose::dds {
@@ -45,9 +46,10 @@ std::vector<std::byte> write_cdr(const void* sample, const dds_topic_descriptor_
     dds_stream_writeBE(&big, fields, type.m_ops);
   }
   dds_ostream_t& written = is_little ? little.x : big.x;
-  std::vector<std::byte> cdr{std::byte{0}, std::byte{is_little}, std::byte{0}, std::byte{0}};
-  const auto* const first = reinterpret_cast<const std::byte*>(written.m_buffer);
-  cdr.insert(cdr.end(), first, first + written.m_index);
+  std::vector<std::byte> cdr(header_bytes + written.m_index);
+  cdr[1] = std::byte{is_little};
+  std::copy_n(reinterpret_cast<const std::byte*>(written.m_buffer), written.m_index,
+              cdr.begin() + header_bytes);
   dds_ostream_fini(&written);
   return cdr;
 }
