@@ -3,6 +3,7 @@
 #include "bridge/bridge_node.hpp"
 #include "observation/beacon_observers.hpp"
 #include "process/beacon_admission.hpp"
+#include "process/instance_limit.hpp"
 #include "ros2/relay/diagnostics_publisher.hpp"
 #include "ros2/relay/log.hpp"
 #include "ros2/relay/mount_finder.hpp"
@@ -77,7 +78,13 @@ private:
         : process::CountingReaderListener<T>(relay.endpoints_), relay_(relay) {}
     void on_data_available(dds::DataReader<T>& reader) noexcept override {
       reader.try_take_each(
-          [this](const T& sample, const dds::SampleInfo&) { relay_.on(dds::topics::from_idl(sample)); });
+          [this](const T& sample, const dds::SampleInfo& info) {
+            relay_.on(dds::topics::from_idl(sample));
+            if (!info.alive()) relay_.on_gone(sample);
+          },
+          [this](const T& key, const dds::SampleInfo& info) {
+            if (!info.alive()) relay_.on_gone(key);
+          });
     }
 
   private:
@@ -124,6 +131,18 @@ private:
   template <class T>
   using ObservedTopic = Subscription<T, observation::ObservingListener<T>>;
 
+  /// Statuses of fusions are observed, and bounded.
+  class FusionStatusListener final : public observation::ObservingListener<sonopose_FusionStatus> {
+  public:
+    explicit FusionStatusListener(Impl& relay)
+        : ObservingListener(relay.observers_, relay.endpoints_), limit_(relay.fusion_limit_) {}
+
+  private:
+    void on_gone(const sonopose_FusionStatus& key) noexcept override { limit_.forget(key); }
+
+    process::InstanceLimit<sonopose_FusionStatus>& limit_;
+  };
+
   template <class T, class Listener>
   static bool has_writer(Subscription<T, Listener>& subscription) {
     return subscription.reader.subscription_matched_status().current_count > 0;
@@ -135,6 +154,8 @@ private:
     const auto publishers = beacons_.find_or_request(sample.address, clocks::steady_now());
     if (publishers) publishers->on(sample);
   }
+  void on_gone(const sonopose_Estimate& key) { estimate_limit_.forget(key); }
+  void on_gone(const auto& /*key*/) {}
   void on(const Estimate& estimate);
   void on(const EffectiveSettings& settings);
   void on_transform(const ros2::TransformStamped& transform);
@@ -153,6 +174,8 @@ private:
   RelayOptions options_;
   process::BeaconAdmission admission_;
   process::AdmittedOnly admitted_only_{admission_};
+  process::InstanceLimit<sonopose_FusionStatus> fusion_limit_{&admitted_only_};
+  process::InstanceLimit<sonopose_Estimate> estimate_limit_{&admitted_only_};
   process::BeaconAdmission settings_admission_;  ///< settings may arrive before any sample, and only once
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
@@ -195,7 +218,7 @@ private:
   PublishedTopic<sonopose_EffectiveSettings> settings_{*this};
   PublishedTopic<sonopose_Estimate> estimate_{*this};
   ObservedTopic<sonopose_BeaconStatus> beacon_status_{observers_, endpoints_};
-  ObservedTopic<sonopose_FusionStatus> fusion_status_{observers_, endpoints_};
+  Subscription<sonopose_FusionStatus, FusionStatusListener> fusion_status_{*this};
 };
 
 Relay::Relay(const RelayOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -236,7 +259,7 @@ Relay::Impl::Impl(const RelayOptions& options)
     mount_finder_ = std::make_unique<MountFinder>(node_, log_, [this] { wakeup_.wake(); });
   }
   node_.announce();
-  const auto subscribe = [this](auto& subscription, const auto& topic, dds::topics::AddressFilter& filter) {
+  const auto subscribe = [this](auto& subscription, const auto& topic, auto& filter) {
     subscription.reader = dds::topics::make_reader(participant_, qos_, topic, &subscription.listener,
                                                    dds::topics::Delivery::live, &filter);
   };
@@ -245,9 +268,9 @@ Relay::Impl::Impl(const RelayOptions& options)
   subscribe(pose_, topics::pose, admission_);
   subscribe(report_, topics::report, admission_);
   subscribe(settings_, topics::settings, settings_admission_);
-  subscribe(estimate_, topics::estimate, admitted_only_);
+  subscribe(estimate_, topics::estimate, estimate_limit_);
   subscribe(beacon_status_, topics::beacon_status, admitted_only_);
-  subscribe(fusion_status_, topics::fusion_status, admitted_only_);
+  subscribe(fusion_status_, topics::fusion_status, fusion_limit_);
 }
 
 /// Calls `action` without the lock.
@@ -297,7 +320,9 @@ void Relay::Impl::open_topics(const process::StopSignal& stop) {
 
 void Relay::Impl::remove_gone() {
   const SteadyTime now = clocks::steady_now();
-  if (const auto text = admission_.refusals()) log_.warning(*text);
+  for (const auto& text : {admission_.refusals(), fusion_limit_.refusals(), estimate_limit_.refusals()}) {
+    if (text) log_.warning(*text);
+  }
   for (const BeaconAddress address : open_topics_.remove_gone(now)) transition_log_.forget(address);
   for (const auto& view : observers_.remove_gone(now, clocks::host_now())) {
     diagnostics_.forget(view.address);
