@@ -107,11 +107,8 @@ private:
   public:
     explicit TfListener(Impl& relay) : relay_(relay) {}
     void on_data_available(dds::DataReader<ros2::TFMessage>& reader) noexcept override {
-      reader.try_take_each([this](const ros2::TFMessage& message, const dds::SampleInfo&) {
-        for (std::uint32_t i = 0; i < message.transforms._length; ++i) {
-          relay_.on_transform(message.transforms._buffer[i]);
-        }
-      });
+      reader.try_take_each(
+          [this](const ros2::TFMessage& message, const dds::SampleInfo&) { relay_.on_transforms(message); });
     }
 
   private:
@@ -158,7 +155,7 @@ private:
   void on_gone(const auto& /*key*/) {}
   void on(const Estimate& estimate);
   void on(const EffectiveSettings& settings);
-  void on_transform(const ros2::TransformStamped& transform);
+  void on_transforms(const ros2::TFMessage& message);
 
   template <class Action>
   void for_each_beacon(const Action& action);
@@ -293,16 +290,20 @@ void Relay::Impl::on(const EffectiveSettings& settings) {
   if (const auto publishers = beacons_.find(settings.address)) publishers->set_fix_std(*fix_std_m);
 }
 
-void Relay::Impl::on_transform(const ros2::TransformStamped& transform) {
-  const auto time_ns = ros2::from_ros(transform.header.stamp);
-  if (!time_ns) return;
-  const auto base_in_odom = ros2::transform_of(transform);
-  if (!base_in_odom) return;
-  for_each_beacon([&](BeaconPublishers& publishers) {
-    const ros2::FrameNames& frames = publishers.frames();
-    if (frames.odom != transform.header.frame_id || frames.base != transform.child_frame_id) return;
-    publishers.on_odometry(*time_ns, *base_in_odom);
-  });
+/// On the receive thread, with messages of any program: nearly all transforms are those of others.
+void Relay::Impl::on_transforms(const ros2::TFMessage& message) {
+  constexpr std::uint32_t most_transforms = 1024;
+  const auto beacons = beacons_.all();
+  for (std::uint32_t i = 0; i < std::min(message.transforms._length, most_transforms); ++i) {
+    const ros2::TransformStamped& transform = message.transforms._buffer[i];
+    for (const auto& [address, publishers] : beacons) {
+      const ros2::FrameNames& frames = publishers->frames();
+      if (frames.odom != transform.header.frame_id || frames.base != transform.child_frame_id) continue;
+      const auto time_ns = ros2::from_ros(transform.header.stamp);
+      const auto base_in_odom = ros2::transform_of(transform);
+      if (time_ns && base_in_odom) publishers->on_odometry(*time_ns, *base_in_odom);
+    }
+  }
 }
 
 void Relay::Impl::open_topics(const process::StopSignal& stop) {
