@@ -24,6 +24,8 @@ struct Limits {
   TimeNs unowned_lag_ns = 250'000'000;  ///< the same while no fusion serves
   /// How long a step of the bridge's clock marks poses as late.
   TimeNs clock_step_late_ns = 4'000'000'000;
+  /// Poses of a beacon whose age is unknown, because the observer did not receive their samples.
+  std::size_t unknown_ages = 10;
 };
 
 struct Verdict {
@@ -58,6 +60,8 @@ private:
   void check_ages(const Track& track);
   void check_future(const Track& track);
   void check_owners(const Track& track);
+  void check_late(BeaconAddress address, const Track& track);
+  [[nodiscard]] bool may_be_late(const Arrival& pose) const;
   void check_takeover_numbers(const Track& track);
   void check_numbers();
   void check_silence(BeaconAddress address, const Track& track);
