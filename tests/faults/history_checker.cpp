@@ -250,15 +250,14 @@ bool HistoryChecker::may_weaken(const Track& track, const Arrival& before, const
   const auto role = role_of(before.strength);
   if (role && (had_episode(*role, before.received, after.received) || loses(*role))) return true;
   const SteadyTime from = before.received - 2 * limits_.lease_ns;
-  return loses(Role::bridge) || was_silent(track, from, after.received) ||
-         stalled_ns(from, after.received) >= limits_.lease_ns / 2;
+  return was_silent(track, from, after.received) || stalled_ns(from, after.received) >= limits_.lease_ns / 2;
 }
 
 /// Whether the beacon's samples paused, or could not be used, long enough for a fusion to release it.
 bool HistoryChecker::was_silent(const Track& track, SteadyTime from, SteadyTime until) const {
   const auto backward = backward_stamps();
   if (backward && overlap(*backward, from, until)) return true;
-  const TimeNs release_ns = limits_.lease_ns * 9 / 10;
+  const TimeNs release_ns = limits_.lease_ns * 9 / 10 - loss_ns();
   for (std::size_t i = 1; i < track.imu.size(); ++i) {
     const Interval pause{track.imu[i - 1].received, track.imu[i].received};
     if (pause.until - pause.from >= release_ns && overlap(pause, from, until)) return true;
@@ -278,7 +277,7 @@ void HistoryChecker::check_silence(BeaconAddress address, const Track& track) {
     const TimeNs silence_ns = wait.until - wait.from;
     if (silence_ns <= 0 || !had_warm_fusion(address, wait.from, wait.until)) continue;
     verdict_.longest_silence_ns = std::max(verdict_.longest_silence_ns, silence_ns);
-    const TimeNs excused_ns = stalled_ns(wait.from, wait.until) + gap_ns(track, wait);
+    const TimeNs excused_ns = stalled_ns(wait.from, wait.until) + gap_ns(track, wait) + loss_ns();
     if (silence_ns > limits_.silence_ns + excused_ns) {
       violated(pose, fmt::format("no pose for {:.1f} ms beside a warm fusion", ms(silence_ns)));
     }
@@ -328,7 +327,7 @@ bool HistoryChecker::had_warm_fusion(BeaconAddress address, SteadyTime from, Ste
       return life.role == role && life.interval.from <= from - for_ns && life.interval.until > until;
     });
   };
-  if (!lives_through(Role::bridge, discovered_ns) || loses(Role::bridge)) return false;
+  if (!lives_through(Role::bridge, discovered_ns)) return false;
   for (const Role role : all_roles) {
     if (role == Role::bridge || loses(role) || !lives_through(role, settled_ns)) continue;
     if (had_episode(role, from - settled_ns, until)) continue;
@@ -389,6 +388,11 @@ bool HistoryChecker::had_episode(Role role, SteadyTime from, SteadyTime until) c
     return episode.step.fault < Fault::few_descriptors && episode.step.target == role &&
            overlap(episode.interval, from, until);
   });
+}
+
+/// What the bridge's lost packets cost beyond the gaps that the observer sees: each reader loses others.
+TimeNs HistoryChecker::loss_ns() const {
+  return loses(Role::bridge) ? limits_.loss_ns : 0;
 }
 
 bool HistoryChecker::loses(Role role) const {

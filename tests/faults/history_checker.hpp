@@ -24,6 +24,8 @@ struct Limits {
   TimeNs unowned_lag_ns = 250'000'000;  ///< the same while no fusion serves
   /// How long a step of the bridge's clock marks poses as late.
   TimeNs clock_step_late_ns = 4'000'000'000;
+  /// For how long a bridge that loses packets may leave a fusion without a sample: several requests of 10 ms.
+  TimeNs loss_ns = 50'000'000;
   /// Poses of a beacon whose age is unknown, because the observer did not receive their samples.
   std::size_t unknown_ages = 10;
 };
@@ -79,6 +81,7 @@ private:
   [[nodiscard]] bool had_warm_fusion(BeaconAddress address, SteadyTime from, SteadyTime until) const;
   [[nodiscard]] bool had_episode(Role role, SteadyTime from, SteadyTime until) const;
   [[nodiscard]] bool loses(Role role) const;
+  [[nodiscard]] TimeNs loss_ns() const;
   [[nodiscard]] std::optional<SteadyTime> published(const Track& track, const Arrival& pose) const;
   [[nodiscard]] std::uint64_t missing_between(const Track& track, const Arrival& before,
                                               const Arrival& after) const;

@@ -188,6 +188,35 @@ SCENARIO("late poses end no silence, and a fusion that continues sends one at mo
   }
 }
 
+SCENARIO("lost packets of the bridge excuse short silences, and no change of the owner by themselves") {
+  History history = undisturbed();
+  history.plan.loss = Loss{Role::bridge, 50};
+  GIVEN("a silence that the requests for the lost packets explain") {
+    erase_poses(history, 7, 7.15);
+    for (FusionReport& report : history.statuses)
+      report.status.samples_lost += report.received > at(7) ? 30U : 0U;
+    CHECK(violations_of(history) == none);
+  }
+  GIVEN("a longer one") {
+    erase_poses(history, 7, 7.2);
+    for (FusionReport& report : history.statuses)
+      report.status.samples_lost += report.received > at(7) ? 40U : 0U;
+    REQUIRE(violations_of(history).size() == 1);
+    CHECK_THAT(violations_of(history).front(), Contains("beside a warm fusion"));
+  }
+  GIVEN("a weaker fusion that is received for no other reason") {
+    pass_on(history, 7);
+    REQUIRE(violations_of(history).size() == 1);
+    CHECK_THAT(violations_of(history).front(), Contains("although fusion-300 owns the beacon"));
+  }
+  GIVEN("one that is received after a gap in the samples") {
+    erase_imu(history, 6.95, 7);
+    erase_poses(history, 6.95, 7);
+    pass_on(history, 7);
+    CHECK(violations_of(history) == none);
+  }
+}
+
 SCENARIO("poses whose samples the observer missed are few") {
   History history = undisturbed();
   erase_imu(history, 7, 7.0499);  // ten
