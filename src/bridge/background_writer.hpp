@@ -2,8 +2,10 @@
 /// \file
 /// Writes files on a thread of its own, so that a slow or full disk does not delay what is published.
 
+#include "clocks/clocks.hpp"
 #include "files/error.hpp"
 #include "logging/log.hpp"
+#include "process/stop_signal.hpp"
 
 #include <fmt/format.h>
 
@@ -14,6 +16,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -42,109 +45,156 @@ public:
     std::string items;
   };
 
-  /// `write` takes items in their order and throws if it cannot write them.
+  /// How long a disk that stands still may delay the end.
+  static constexpr TimeNs most_delay_ns = 1'000'000'000;
+
+  /// `write` takes items in their order and throws if it cannot write them. It must own what it uses: a disk
+  /// that stands still may keep it beyond the life of this object, until the process ends.
   BackgroundWriter(Words words, std::size_t capacity, WhenFull when_full, Write write)
-      : words_(std::move(words)), when_full_(when_full), write_(std::move(write)), ring_(capacity) {
-    thread_ = std::jthread([this](const std::stop_token& end) { serve(end); });
-  }
+      : when_full_(when_full),
+        queue_(std::make_shared<Queue>(std::move(words), capacity, std::move(write))),
+        thread_([queue = queue_](const std::stop_token& end) { queue->serve(end); }) {}
   BackgroundWriter(const BackgroundWriter&) = delete;
   BackgroundWriter& operator=(const BackgroundWriter&) = delete;
   BackgroundWriter(BackgroundWriter&&) = delete;
   BackgroundWriter& operator=(BackgroundWriter&&) = delete;
-  /// Waits until everything has been written, without a report.
-  ~BackgroundWriter() = default;
+  /// As `finish`, without a report.
+  ~BackgroundWriter() { end(); }
+
+  /// From the stop on, the source no longer waits for space. `stop` must outlive this.
+  void obey(const process::StopSignal& stop) { stop_ = &stop; }
 
   /// Takes all of the items, at most `capacity`, or loses all. Does not allocate. One thread only.
   void push(std::span<const Item> items) {
-    while (when_full_ == WhenFull::wait && !failed_ && free_space() < items.size()) {
+    while (when_full_ == WhenFull::wait && !queue_->can_take(items.size()) && !is_stopped()) {
       std::this_thread::sleep_for(wait_period);
     }
-    if (failed_ || free_space() < items.size()) {
-      lost_ += items.size();
-      return;
-    }
-    const std::uint64_t end = pushed_.load(std::memory_order_relaxed);
-    for (std::size_t i = 0; i < items.size(); ++i) ring_[(end + i) % ring_.size()] = items[i];
-    pushed_.store(end + items.size(), std::memory_order_release);
+    queue_->push(items);
   }
 
-  /// Waits until everything has been written; nothing may be pushed afterwards. Throws files::IoError if
-  /// items were lost.
+  /// Waits until everything has been written; nothing may be pushed afterwards. A disk that is too slow for
+  /// live data, or after a stop, is left alone after `most_delay_ns`. Throws files::IoError if items were
+  /// lost.
   void finish() {
     if (!thread_.joinable()) return;
-    thread_.request_stop();
-    thread_.join();
-    if (lost_ > 0) throw files::IoError(lost_words());
+    end();
+    if (lost() > 0) throw files::IoError(queue_->lost_words());
   }
 
   /// Items that were not written, because of an error or a full queue. From any thread.
-  [[nodiscard]] std::uint64_t lost() const { return lost_; }
+  [[nodiscard]] std::uint64_t lost() const { return queue_->lost; }
 
 private:
   static constexpr std::chrono::milliseconds wait_period{1};
   static constexpr std::chrono::milliseconds write_period{20};
   static constexpr int rounds_per_report = 50;
+  static constexpr std::size_t most_at_once = 4096;  ///< what is being written when the disk is left alone
 
-  [[nodiscard]] std::size_t free_space() const {
-    return ring_.size() -
-           (pushed_.load(std::memory_order_relaxed) - written_.load(std::memory_order_acquire));
-  }
+  /// What both threads use.
+  struct Queue {
+    Queue(Words the_words, std::size_t capacity, Write the_write)
+        : words(std::move(the_words)), write(std::move(the_write)), ring(capacity) {}
 
-  void serve(const std::stop_token& end) {
-    bool is_last = false;
-    for (int round = 1; !is_last; ++round) {
-      is_last = end.stop_requested();  // before the look at the queue: nothing is pushed after it
-      write_all();
-      if (!failed_ && round % rounds_per_report == 0) report_lost();
-      if (!is_last) std::this_thread::sleep_for(write_period);
+    [[nodiscard]] bool can_take(std::size_t count) const {
+      const std::uint64_t used =
+          pushed.load(std::memory_order_relaxed) - written.load(std::memory_order_acquire);
+      return failed || ring.size() - used >= count;
     }
-  }
 
-  void write_all() {
-    const std::uint64_t end = pushed_.load(std::memory_order_acquire);
-    for (std::uint64_t begin = written_.load(std::memory_order_relaxed); begin != end;) {
-      const std::size_t first = begin % ring_.size();
-      const std::size_t count = std::min<std::uint64_t>(end - begin, ring_.size() - first);
-      write(std::span(ring_).subspan(first, count));
-      begin += count;
-      written_.store(begin, std::memory_order_release);
-    }
-  }
-
-  void write(std::span<const Item> items) {
-    if (!failed_) {
-      try {
-        write_(items);
+    void push(std::span<const Item> items) {
+      if (failed || !can_take(items.size())) {
+        lost += items.size();
         return;
-      } catch (const std::exception& error) {
-        failed_ = true;
-        logging::error(fmt::format("{} has ended: {}; publishing continues", words_.name, error.what()));
+      }
+      const std::uint64_t end = pushed.load(std::memory_order_relaxed);
+      for (std::size_t i = 0; i < items.size(); ++i) ring[(end + i) % ring.size()] = items[i];
+      pushed.store(end + items.size(), std::memory_order_release);
+    }
+
+    void serve(const std::stop_token& end) {
+      bool is_last = false;
+      for (int round = 1; !is_last && !abandoned; ++round) {
+        is_last = end.stop_requested();  // before the look at the queue: nothing is pushed after it
+        write_all();
+        if (!failed && !abandoned && round % rounds_per_report == 0) report_lost();
+        if (!is_last) std::this_thread::sleep_for(write_period);
+      }
+      ended = true;
+    }
+
+    void write_all() {
+      const std::uint64_t end = pushed.load(std::memory_order_acquire);
+      for (std::uint64_t begin = written.load(std::memory_order_relaxed); begin != end && !abandoned;) {
+        const std::size_t first = begin % ring.size();
+        const std::size_t count = std::min<std::uint64_t>({end - begin, ring.size() - first, most_at_once});
+        write_some(std::span(ring).subspan(first, count));
+        begin += count;
+        written.store(begin, std::memory_order_release);
       }
     }
-    lost_ += items.size();
+
+    void write_some(std::span<const Item> items) {
+      if (!failed) {
+        try {
+          write(items);
+          return;
+        } catch (const std::exception& error) {
+          if (abandoned) return;
+          failed = true;
+          logging::error(fmt::format("{} has ended: {}; publishing continues", words.name, error.what()));
+        }
+      }
+      lost += items.size();
+    }
+
+    void report_lost() {
+      const std::uint64_t now_lost = lost;
+      if (std::exchange(reported, now_lost) == now_lost) return;
+      logging::warning(lost_words());
+    }
+
+    [[nodiscard]] std::string lost_words() const {
+      return fmt::format("{} lacks {} {}: the disk is too slow or full", words.name, lost.load(),
+                         words.items);
+    }
+
+    Words words;
+    Write write;
+    std::vector<Item> ring;
+    std::atomic<std::uint64_t> pushed = 0;   ///< since the start; the place in the ring is the remainder
+    std::atomic<std::uint64_t> written = 0;  ///< since the start, including lost ones
+    std::atomic<std::uint64_t> lost = 0;
+    std::uint64_t reported = 0;  ///< of the lost ones
+    std::atomic<bool> failed = false;
+    std::atomic<bool> abandoned = false;
+    std::atomic<bool> ended = false;
+  };
+
+  [[nodiscard]] bool is_stopped() const { return stop_ != nullptr && stop_->requested(); }
+
+  void end() {
+    if (!thread_.joinable()) return;
+    thread_.request_stop();
+    SteadyTime give_up = clocks::steady_now() + most_delay_ns;
+    while (!queue_->ended) {
+      const SteadyTime now = clocks::steady_now();
+      if (when_full_ == WhenFull::wait && !is_stopped()) give_up = now + most_delay_ns;
+      if (now >= give_up) return abandon();
+      std::this_thread::sleep_for(wait_period);
+    }
+    thread_.join();
   }
 
-  void report_lost() {
-    const std::uint64_t lost = lost_;
-    if (std::exchange(reported_, lost) == lost) return;
-    logging::warning(lost_words());
+  void abandon() {
+    queue_->abandoned = true;
+    queue_->lost += queue_->pushed - queue_->written;
+    thread_.detach();
   }
 
-  [[nodiscard]] std::string lost_words() const {
-    return fmt::format("{} lacks {} {}: the disk is too slow or full", words_.name, lost_.load(),
-                       words_.items);
-  }
-
-  Words words_;
   WhenFull when_full_;
-  Write write_;
-  std::vector<Item> ring_;
-  std::atomic<std::uint64_t> pushed_ = 0;   ///< since the start; the place in the ring is the remainder
-  std::atomic<std::uint64_t> written_ = 0;  ///< since the start, including lost ones
-  std::atomic<std::uint64_t> lost_ = 0;
-  std::uint64_t reported_ = 0;  ///< of the lost ones
-  std::atomic<bool> failed_ = false;
-  std::jthread thread_;  ///< last: it ends before the rest
+  const process::StopSignal* stop_ = nullptr;
+  std::shared_ptr<Queue> queue_;
+  std::jthread thread_;
 };
 
 }  // namespace sonopose::bridge

@@ -20,6 +20,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -64,7 +65,10 @@ public:
   void tick() override;
 
   /// Lossless writes and the waits below end when `stop` is requested.
-  void obey(const process::StopSignal& stop) { stop_ = &stop; }
+  void obey(const process::StopSignal& stop) {
+    stop_ = &stop;
+    if (recording_) recording_->obey(stop);
+  }
   void publish_statuses(SteadyTime now);
   void finish_log() { transition_log_.finish(); }
   void wait_for_readers();
@@ -126,8 +130,8 @@ private:
   dds::DataWriter<sonopose_LineStatus> line_writer_;
   dds::DataWriter<sonopose_StationaryBeacon> stationary_writer_;
   OtherBridges others_;
-  std::optional<BeaconRecorder> recorder_;
-  std::optional<BackgroundWriter<Recorded>> recording_;  ///< after the recorder that it uses
+  std::shared_ptr<BeaconRecorder> recorder_;
+  std::optional<BackgroundWriter<Recorded>> recording_;
   std::map<BeaconAddress, Beacon> beacons_;
   std::map<BeaconAddress, std::uint64_t> next_sequences_;  ///< of beacons that are gone, for their return
   std::uint64_t id_ = process::random_id();
@@ -210,13 +214,14 @@ void BridgeNode::Publisher::on_stationary(const StationaryBeacon& beacon) {
 }
 
 void BridgeNode::Publisher::start_recording(const BridgeOptions& options) {
-  recorder_.emplace(*options.record_folder, options.source_settings);
+  recorder_ = std::make_shared<BeaconRecorder>(*options.record_folder, options.source_settings);
   recording_.emplace(BackgroundWriter<Recorded>::Words{"the recording", "samples"}, recording_capacity,
-                     lossless_ ? WhenFull::wait : WhenFull::lose, [this](std::span<const Recorded> samples) {
+                     lossless_ ? WhenFull::wait : WhenFull::lose,
+                     [recorder = recorder_](std::span<const Recorded> samples) {
                        for (const Recorded& sample : samples) {
-                         std::visit([this](const auto& each) { recorder_->write(each); }, sample);
+                         std::visit([&recorder](const auto& each) { recorder->write(each); }, sample);
                        }
-                       recorder_->flush();
+                       recorder->flush();
                      });
 }
 

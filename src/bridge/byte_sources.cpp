@@ -84,6 +84,7 @@ public:
     const auto publish = [this, &sink](const Event& event) {
       pass_on(shifted(event, clock_.host_ahead_ns()), imu_meaning_, sink);
     };
+    if (capture_) capture_->obey(stop);
     Buffer buffer;
     report_line(sink);
     SteadyTime reported = clocks::steady_now();

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 
 namespace sonopose::bridge {
@@ -16,19 +17,23 @@ class Capture {
 public:
   /// Throws files::IoError if the file cannot be opened. Later errors end the capture and are logged.
   Capture(const std::filesystem::path& file, WhenFull when_full)
-      : file_(file),
-        writer_({"the capture", "bytes"}, capacity, when_full,
-                [this](std::span<const std::uint8_t> bytes) { file_.append(bytes); }) {}
+      : writer_({"the capture", "bytes"}, capacity, when_full,
+                [to = std::make_shared<transport::CaptureFile>(file)](std::span<const std::uint8_t> bytes) {
+                  to->append(bytes);
+                }) {}
+
+  /// From the stop on, `append` no longer waits for a slow disk. `stop` must outlive this.
+  void obey(const process::StopSignal& stop) { writer_.obey(stop); }
 
   void append(std::span<const std::uint8_t> bytes) { writer_.push(bytes); }
 
-  /// Waits until everything has been written. Throws files::IoError if bytes were lost.
+  /// Waits until everything has been written, as BackgroundWriter::finish. Throws files::IoError if bytes
+  /// were lost.
   void finish() { writer_.finish(); }
 
 private:
   static constexpr std::size_t capacity = 1U << 20U;  ///< many seconds of the fastest serial line
 
-  transport::CaptureFile file_;
   BackgroundWriter<std::uint8_t> writer_;
 };
 

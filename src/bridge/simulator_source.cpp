@@ -34,6 +34,7 @@ public:
     });
   }
 
+  void obey(const process::StopSignal& stop) { capture_.obey(stop); }
   void finish() { capture_.finish(); }
 
 private:
@@ -188,6 +189,7 @@ public:
   }
 
   void run(SampleSink& sink, const process::StopSignal& stop) override {
+    if (capture_) capture_->obey(stop);
     // Shift the run to start now, after the set-up: at rate 1 each sample then appears at its own stamp.
     const TimeNs shift_ns = clocks::host_now() - simulated_start_ns;
     for (const StationaryBeacon& beacon : beacons_.map().beacons(clocks::host_now()))

@@ -62,6 +62,7 @@ public:
     fusions_.erase(fusion_id);
     estimates_.erase(fusion_id);
   }
+  void on_estimate_gone(std::uint64_t fusion_id) { estimates_.erase(fusion_id); }
 
   /// How many poses at IMU samples there were since the start.
   [[nodiscard]] std::uint64_t poses() const { return before_.poses + window_.poses; }

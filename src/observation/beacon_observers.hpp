@@ -72,6 +72,9 @@ public:
   void on_gone(const sonopose_FusionStatus& key) {
     visit(key.address, [&key](BeaconObserver& observer) { observer.on_fusion_gone(key.fusion_id); });
   }
+  void on_gone(const sonopose_Estimate& key) {
+    visit(key.address, [&key](BeaconObserver& observer) { observer.on_estimate_gone(key.fusion_id); });
+  }
   template <class Other>
   void on_gone(const Other& /*key*/) {}
 
@@ -166,7 +169,7 @@ private:
 };
 
 /// Passes the samples and statuses of one topic to the observers. A derived class may override `on_sample`,
-/// which is called for each sample first.
+/// which is called for each sample first, and `on_gone`.
 template <class T>
 class ObservingListener : public process::CountingReaderListener<T> {
 public:
@@ -187,9 +190,13 @@ public:
       } else {
         observers_.on(native);
       }
+      if constexpr (!std::is_same_v<T,
+                                    sonopose_FusedPose>) {  // of a pose, not each of the last ones is the end
+        if (!info.alive()) forget(sample);
+      }
     };
     reader.try_take_each(on_data, [&](const T& key, const dds::SampleInfo& info) {
-      if (!info.alive()) observers_.on_gone(key);
+      if (!info.alive()) forget(key);
     });
   }
 
@@ -211,8 +218,14 @@ public:
 
 protected:
   virtual void on_sample(const Native& /*sample*/) noexcept {}
+  virtual void on_gone(const T& /*key*/) noexcept {}
 
 private:
+  void forget(const T& key) {
+    observers_.on_gone(key);
+    on_gone(key);
+  }
+
   BeaconObservers& observers_;
 };
 

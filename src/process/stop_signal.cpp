@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
+#include <ctime>
 #include <poll.h>
 #include <span>
 #include <sys/eventfd.h>
@@ -17,7 +18,7 @@
 namespace sonopose::process {
 namespace {
 
-// The signal handler may use only a lock-free atomic and write(2).
+// The signal handler may use only lock-free atomics, write(2), clock_gettime(2) and _exit(2).
 std::atomic<int> signalled_fd{-1};
 static_assert(std::atomic<int>::is_always_lock_free);
 
@@ -26,8 +27,24 @@ void raise_event(int fd) noexcept {
   [[maybe_unused]] const auto written = ::write(fd, &one, sizeof one);
 }
 
-extern "C" void sonopose_on_stop_signal(int /*signal*/) {
+/// A second signal by a person who waits, not one of a group that all programs of a terminal receive at once.
+constexpr std::int64_t repeated_after_ns = 500'000'000;
+std::atomic<std::int64_t> signalled_ns{0};
+static_assert(std::atomic<std::int64_t>::is_always_lock_free);
+
+std::int64_t monotonic_ns() noexcept {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
+}
+
+extern "C" void sonopose_on_stop_signal(int signal) {
   const int saved_errno = errno;
+  const std::int64_t now_ns = monotonic_ns();
+  std::int64_t first_ns = 0;
+  if (!signalled_ns.compare_exchange_strong(first_ns, now_ns) && now_ns - first_ns > repeated_after_ns) {
+    ::_exit(128 + signal);
+  }
   if (const int fd = signalled_fd.load(); fd >= 0) raise_event(fd);
   errno = saved_errno;
 }
@@ -71,6 +88,7 @@ StopSignal::~StopSignal() {
 }
 
 void StopSignal::listen_to_signals() {
+  signalled_ns.store(0);
   signalled_fd.store(event_fd_);
   struct sigaction action {};
   action.sa_handler = sonopose_on_stop_signal;

@@ -31,7 +31,8 @@ public:
   StopSignal& operator=(const StopSignal&) = delete;
   ~StopSignal();
 
-  /// From now on SIGINT and SIGTERM request the stop. Throws std::system_error.
+  /// From now on SIGINT and SIGTERM request the stop. A second one, 0.5 s or more after the first, ends the
+  /// process at once. Throws std::system_error.
   void listen_to_signals();
 
   void request() noexcept;

@@ -59,6 +59,45 @@ SCENARIO("a disk that stands still loses what exceeds the queue, and does not de
   }
 }
 
+SCENARIO("a disk that stands still does not delay the end") {
+  GIVEN("a writer that waits for its disk without end") {
+    const WhenFull when_full = GENERATE(WhenFull::lose, WhenFull::wait);
+    std::promise<void> disk_continues;
+    process::StopSignal stop;
+    const auto begin = std::chrono::steady_clock::now();
+    const auto took = [&begin] { return std::chrono::steady_clock::now() - begin; };
+    {
+      Writer writer(words, 64, when_full,
+                    [wait = disk_continues.get_future().share()](auto) { wait.wait(); });
+      writer.obey(stop);
+      push_up_to(40, writer);
+      WHEN("the process is asked to stop, and there is more than fits") {
+        stop.request();
+        push_up_to(30, writer);
+        THEN("the end comes after a second, and everything that the disk did not take is lost") {
+          CHECK_THROWS_WITH(writer.finish(), Contains("the list lacks 70 numbers"));
+          CHECK(took() >= std::chrono::nanoseconds(Writer::most_delay_ns));
+          CHECK(took() < std::chrono::nanoseconds(5 * Writer::most_delay_ns));
+        }
+      }
+    }
+    disk_continues.set_value();
+  }
+}
+
+SCENARIO("data that can wait is written to a slow disk to its end") {
+  std::vector<int> written;
+  {
+    Writer writer(words, 8192, WhenFull::wait, [&written](std::span<const int> items) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(700));
+      written.insert(written.end(), items.begin(), items.end());
+    });
+    push_up_to(8192, writer);
+    writer.finish();
+  }
+  CHECK(written.size() == 8192);
+}
+
 SCENARIO("an error ends the writing and nothing else") {
   GIVEN("a writer whose disk is full after the first items") {
     for (const WhenFull when_full : {WhenFull::lose, WhenFull::wait}) {

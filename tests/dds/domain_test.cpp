@@ -190,6 +190,9 @@ TEST_CASE("The network settings of CYCLONEDDS_URI are read as Cyclone DDS reads 
   CHECK(network_named_by(in_domain("", "<Discovery><Peers/></Discovery>"), 5).peers);
   CHECK(network_named_by("", 5).interfaces.empty());
   CHECK_FALSE(network_named_by("nonsense", 5).without_multicast);
+  std::string deep;
+  for (int i = 0; i < 200'000; ++i) deep += "<a>";  // without a limit, this overflows the stack
+  CHECK_FALSE(network_named_by(deep, 5).peers);
 }
 
 /// Another process that writes until this object dies.

@@ -2,6 +2,8 @@
 // arguments, on loopback or lan, until its standard input ends; then it leaves in good order.
 //
 //   test_dds_peer DOMAIN loopback|lan ADDRESS
+//
+// With "poses" instead of the address it reads the fused poses.
 
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -21,6 +23,12 @@ bool told_to_stop() {
   return poll(&input, 1, 5) > 0;
 }
 
+void read_poses(const sonopose::dds::DomainParticipant& participant) {
+  using namespace sonopose::dds;
+  DataReader<sonopose_FusedPose> reader = topics::make_reader(participant, qos::Provider(), topics::pose);
+  while (!told_to_stop()) reader.take_each([](const sonopose_FusedPose&, const SampleInfo&) {});
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -30,6 +38,10 @@ int main(int argc, char** argv) try {
   const DomainParticipant participant =
       make_participant({.domain_id = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10)),
                         .network = lan ? Network::lan : Network::loopback});
+  if (std::string_view(argv[3]) == "poses") {
+    read_poses(participant);
+    return 0;
+  }
   const Topic<sonopose_ResetCommand> topic(participant, "test/peer");
   DataWriter<sonopose_ResetCommand> writer(
       participant, topic, Qos() << policy::Reliability::reliable() << policy::History::keep_last(64));

@@ -165,7 +165,11 @@ TEST_CASE("Every profile sets every policy, and the general statements of docs/q
         CHECK(end->policy<policy::Ownership>().value().kind == policy::OwnershipKind::shared);
       }
     }
-    const Duration lifespan = profile == "ros2::Rosout" ? Duration(std::chrono::seconds(10)) : infinite;
+    const bool expires =
+        std::set<std::string>{"sonopose::Imu",  "sonopose::Fix",    "sonopose::Heading", "sonopose::Twist",
+                              "sonopose::Pose", "sonopose::Report", "sonopose::Truth",   "ros2::Rosout"}
+            .contains(profile);
+    const Duration lifespan = expires ? Duration(std::chrono::seconds(10)) : infinite;
     CHECK(writer.policy<policy::Lifespan>().value().duration == lifespan);
   }
 }

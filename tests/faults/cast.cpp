@@ -304,17 +304,6 @@ void Cast::play() {
 }
 
 std::vector<std::string> Cast::finish() {
-  drain_ = {};
-  if (pipe_ >= 0) {  // nothing waits for the slow disk any more
-    drain_ = std::jthread([this](const std::stop_token& stop) {
-      std::array<char, 4096> bytes{};
-      while (!stop.stop_requested()) {
-        if (::read(pipe_, bytes.data(), bytes.size()) < 0) {
-          std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        }
-      }
-    });
-  }
   for (const auto& entry : processes_) take_out(entry.first, SIGTERM);
   return failures_;
 }

@@ -68,10 +68,11 @@ struct Life {
 
 struct History {
   Plan plan;
+  std::vector<BeaconAddress> beacons;  ///< that were fed
   SteadyTime end;
   TimeNs imu_period_ns = 0;
   std::vector<Arrival> poses;  ///< in order of arrival, since the start of the faults
-  std::vector<Published> imu;  ///< the same
+  std::vector<Published> imu;  ///< the same, from a second earlier on
   std::vector<FusionReport> statuses;
   std::vector<LivelinessLoss> losses;
   std::vector<Episode> episodes;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 #include <tuple>
+#include <utility>
 
 namespace sonopose::faults {
 namespace {
@@ -36,6 +37,7 @@ std::vector<Interval> merged(std::vector<Interval> intervals) {
 
 HistoryChecker::HistoryChecker(const History& history, const Limits& limits)
     : history_(history), limits_(limits), stalls_(merged(history.stalls)) {
+  for (const BeaconAddress address : history.beacons) tracks_[address];
   for (const Published& imu : history.imu) {
     Track& track = tracks_[imu.address];
     track.index_of.emplace(imu.bridge_time_ns, track.imu.size());
@@ -78,6 +80,7 @@ Verdict HistoryChecker::check() {
     check_ages(track);
     check_future(track);
     check_owners(track);
+    check_late(address, track);
     check_takeover_numbers(track);
     check_silence(address, track);
     check_recovery(address, track);
@@ -130,11 +133,7 @@ void HistoryChecker::check_stamps(const Track& track) {
 /// beacon, because all warm up or released it in a silence, one that was stopped and continues is received
 /// with what it finds, as far as that is not late.
 bool HistoryChecker::may_step_back(const Track& track, const Arrival& before, const Arrival& after) const {
-  const auto step = bridge_clock_step();
-  if (step && after.received >= step->interval.from &&
-      after.received - step->interval.from < limits_.clock_step_late_ns) {
-    return true;
-  }
+  if (may_be_late(after)) return true;
   const auto from = published(track, after);
   const auto until = published(track, before);
   const TimeNs lag_ns =
@@ -148,9 +147,14 @@ bool HistoryChecker::may_step_back(const Track& track, const Arrival& before, co
 // No pose is older than declared, and none is from the future.
 
 void HistoryChecker::check_ages(const Track& track) {
+  std::size_t unknown = 0;
   for (const Arrival& pose : track.poses) {
+    if ((pose.status & status_late) != 0U) continue;
     const auto sent = published(track, pose);
-    if (!sent || (pose.status & status_late) != 0U) continue;
+    if (!sent) {
+      if (++unknown == limits_.unknown_ages + 1) violated(pose, "the samples of too many poses are unknown");
+      continue;
+    }
     const TimeNs age_ns = pose.received - *sent;
     verdict_.longest_age_ns = std::max(verdict_.longest_age_ns, age_ns);
     if (age_ns > limits_.age_ns + stalled_ns(*sent, pose.received)) {
@@ -208,6 +212,32 @@ void HistoryChecker::check_owners(const Track& track) {
   }
 }
 
+// A fusion that continues is not received with its backlog beside another one.
+
+/// One pose: the one that it had in hand when it was stopped.
+void HistoryChecker::check_late(BeaconAddress address, const Track& track) {
+  std::map<ProcessId, std::size_t> late_of;
+  for (const Arrival& pose : track.poses) {
+    if ((pose.status & status_late) == 0U || may_be_late(pose)) continue;
+    if (!had_warm_fusion(address, pose.received - limits_.lease_ns, pose.received)) continue;
+    const auto stops =
+        std::count_if(history_.episodes.begin(), history_.episodes.end(), [&](const Episode& episode) {
+          return episode.step.fault == Fault::stop &&
+                 role_of(strength_of_process(pose)) == episode.step.target;
+        });
+    if (++late_of[pose.process] == std::max<std::size_t>(1, static_cast<std::size_t>(stops)) + 1) {
+      violated(pose, fmt::format("poses of {} are late beside a warm fusion", name_of(pose)));
+    }
+  }
+}
+
+/// After a step of the bridge's clock all poses are.
+bool HistoryChecker::may_be_late(const Arrival& pose) const {
+  const auto step = bridge_clock_step();
+  return step && pose.received >= step->interval.from &&
+         pose.received - step->interval.from < limits_.clock_step_late_ns;
+}
+
 /// A weaker fusion is received only when the stronger one has lost its lease, was taken out or has released
 /// the beacon because it received no samples of it.
 bool HistoryChecker::may_weaken(const Track& track, const Arrival& before, const Arrival& after) const {
@@ -220,15 +250,14 @@ bool HistoryChecker::may_weaken(const Track& track, const Arrival& before, const
   const auto role = role_of(before.strength);
   if (role && (had_episode(*role, before.received, after.received) || loses(*role))) return true;
   const SteadyTime from = before.received - 2 * limits_.lease_ns;
-  return loses(Role::bridge) || was_silent(track, from, after.received) ||
-         stalled_ns(from, after.received) >= limits_.lease_ns / 2;
+  return was_silent(track, from, after.received) || stalled_ns(from, after.received) >= limits_.lease_ns / 2;
 }
 
 /// Whether the beacon's samples paused, or could not be used, long enough for a fusion to release it.
 bool HistoryChecker::was_silent(const Track& track, SteadyTime from, SteadyTime until) const {
   const auto backward = backward_stamps();
   if (backward && overlap(*backward, from, until)) return true;
-  const TimeNs release_ns = limits_.lease_ns * 9 / 10;
+  const TimeNs release_ns = limits_.lease_ns * 9 / 10 - loss_ns();
   for (std::size_t i = 1; i < track.imu.size(); ++i) {
     const Interval pause{track.imu[i - 1].received, track.imu[i].received};
     if (pause.until - pause.from >= release_ns && overlap(pause, from, until)) return true;
@@ -239,14 +268,18 @@ bool HistoryChecker::was_silent(const Track& track, SteadyTime from, SteadyTime 
 // Silence is short while another fusion can serve.
 
 void HistoryChecker::check_silence(BeaconAddress address, const Track& track) {
-  for (std::size_t i = 1; i < track.poses.size(); ++i) {
-    const Interval wait = wait_beside_bridge(track, track.poses[i - 1].received, track.poses[i].received);
+  const Arrival* before = nullptr;
+  for (const Arrival& pose : track.poses) {
+    if ((pose.status & status_late) != 0U && !may_be_late(pose)) continue;  // of no use to the consumer
+    const Arrival* const last = std::exchange(before, &pose);
+    if (last == nullptr) continue;
+    const Interval wait = wait_beside_bridge(track, last->received, pose.received);
     const TimeNs silence_ns = wait.until - wait.from;
     if (silence_ns <= 0 || !had_warm_fusion(address, wait.from, wait.until)) continue;
     verdict_.longest_silence_ns = std::max(verdict_.longest_silence_ns, silence_ns);
-    const TimeNs excused_ns = stalled_ns(wait.from, wait.until) + gap_ns(track, wait);
+    const TimeNs excused_ns = stalled_ns(wait.from, wait.until) + gap_ns(track, wait) + loss_ns();
     if (silence_ns > limits_.silence_ns + excused_ns) {
-      violated(track.poses[i], fmt::format("no pose for {:.1f} ms beside a warm fusion", ms(silence_ns)));
+      violated(pose, fmt::format("no pose for {:.1f} ms beside a warm fusion", ms(silence_ns)));
     }
   }
 }
@@ -294,7 +327,7 @@ bool HistoryChecker::had_warm_fusion(BeaconAddress address, SteadyTime from, Ste
       return life.role == role && life.interval.from <= from - for_ns && life.interval.until > until;
     });
   };
-  if (!lives_through(Role::bridge, discovered_ns) || loses(Role::bridge)) return false;
+  if (!lives_through(Role::bridge, discovered_ns)) return false;
   for (const Role role : all_roles) {
     if (role == Role::bridge || loses(role) || !lives_through(role, settled_ns)) continue;
     if (had_episode(role, from - settled_ns, until)) continue;
@@ -318,10 +351,9 @@ void HistoryChecker::check_recovery(BeaconAddress address, const Track& track) {
   SteadyTime bad_until = fault_end;
   SteadyTime before = fault_end;
   std::string what_was_bad = "no pose at the end";
-  const auto step = bridge_clock_step();
   for (const Arrival& pose : track.poses) {
     if (pose.received < fault_end) continue;
-    const bool explained = step && pose.received - step->interval.from < limits_.clock_step_late_ns;
+    const bool explained = may_be_late(pose);
     const std::uint32_t bad =
         status_initialising | status_stale | (explained ? 0U : std::uint32_t{status_late});
     const bool waited = pose.received - before > limits_.silence_ns + stalled_ns(before, pose.received);
@@ -356,6 +388,11 @@ bool HistoryChecker::had_episode(Role role, SteadyTime from, SteadyTime until) c
     return episode.step.fault < Fault::few_descriptors && episode.step.target == role &&
            overlap(episode.interval, from, until);
   });
+}
+
+/// What the bridge's lost packets cost beyond the gaps that the observer sees: each reader loses others.
+TimeNs HistoryChecker::loss_ns() const {
+  return loses(Role::bridge) ? limits_.loss_ns : 0;
 }
 
 bool HistoryChecker::loses(Role role) const {

@@ -24,6 +24,10 @@ struct Limits {
   TimeNs unowned_lag_ns = 250'000'000;  ///< the same while no fusion serves
   /// How long a step of the bridge's clock marks poses as late.
   TimeNs clock_step_late_ns = 4'000'000'000;
+  /// For how long a bridge that loses packets may leave a fusion without a sample: several requests of 10 ms.
+  TimeNs loss_ns = 50'000'000;
+  /// Poses of a beacon whose age is unknown, because the observer did not receive their samples.
+  std::size_t unknown_ages = 10;
 };
 
 struct Verdict {
@@ -58,6 +62,8 @@ private:
   void check_ages(const Track& track);
   void check_future(const Track& track);
   void check_owners(const Track& track);
+  void check_late(BeaconAddress address, const Track& track);
+  [[nodiscard]] bool may_be_late(const Arrival& pose) const;
   void check_takeover_numbers(const Track& track);
   void check_numbers();
   void check_silence(BeaconAddress address, const Track& track);
@@ -75,6 +81,7 @@ private:
   [[nodiscard]] bool had_warm_fusion(BeaconAddress address, SteadyTime from, SteadyTime until) const;
   [[nodiscard]] bool had_episode(Role role, SteadyTime from, SteadyTime until) const;
   [[nodiscard]] bool loses(Role role) const;
+  [[nodiscard]] TimeNs loss_ns() const;
   [[nodiscard]] std::optional<SteadyTime> published(const Track& track, const Arrival& pose) const;
   [[nodiscard]] std::uint64_t missing_between(const Track& track, const Arrival& before,
                                               const Arrival& after) const;

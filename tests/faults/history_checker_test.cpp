@@ -154,6 +154,78 @@ SCENARIO("a run without any pose is no good run") {
   CHECK(violations_of(History{}).size() == 1);
 }
 
+SCENARIO("a beacon that was fed and never heard is a violation") {
+  History history = undisturbed();
+  history.beacons = {beacon};
+  CHECK(violations_of(history) == none);
+  history.beacons.push_back(beacon + 1);
+  REQUIRE(violations_of(history).size() == 1);
+  CHECK_THAT(violations_of(history).front(), Contains("beacon 8: not recovered"));
+}
+
+SCENARIO("late poses end no silence, and a fusion that continues sends one at most beside a warm one") {
+  History history = undisturbed();
+  const auto mark_late = [&history](double from_s, double until_s) {
+    for (Arrival& pose : history.poses) {
+      if (pose.received >= at(from_s) && pose.received < at(until_s)) pose.status = status_late;
+    }
+  };
+  GIVEN("late poses for 0.3 s") {
+    mark_late(7, 7.3);
+    const Violations violations = violations_of(history);
+    REQUIRE(violations.size() == 2);
+    CHECK_THAT(violations[0] + violations[1],
+               Contains("late beside a warm fusion") && Contains("no pose for 300"));
+  }
+  GIVEN("a single one") {
+    mark_late(7, 7.004);
+    CHECK(violations_of(history) == none);
+  }
+  GIVEN("a step of the bridge's clock, after which all are late") {
+    history.episodes.push_back({{.fault = Fault::clock_step, .target = Role::bridge}, {at(6.5), at(6.5)}});
+    mark_late(7, 7.3);
+    CHECK(violations_of(history) == none);
+  }
+}
+
+SCENARIO("lost packets of the bridge excuse short silences, and no change of the owner by themselves") {
+  History history = undisturbed();
+  history.plan.loss = Loss{Role::bridge, 50};
+  GIVEN("a silence that the requests for the lost packets explain") {
+    erase_poses(history, 7, 7.15);
+    for (FusionReport& report : history.statuses)
+      report.status.samples_lost += report.received > at(7) ? 30U : 0U;
+    CHECK(violations_of(history) == none);
+  }
+  GIVEN("a longer one") {
+    erase_poses(history, 7, 7.2);
+    for (FusionReport& report : history.statuses)
+      report.status.samples_lost += report.received > at(7) ? 40U : 0U;
+    REQUIRE(violations_of(history).size() == 1);
+    CHECK_THAT(violations_of(history).front(), Contains("beside a warm fusion"));
+  }
+  GIVEN("a weaker fusion that is received for no other reason") {
+    pass_on(history, 7);
+    REQUIRE(violations_of(history).size() == 1);
+    CHECK_THAT(violations_of(history).front(), Contains("although fusion-300 owns the beacon"));
+  }
+  GIVEN("one that is received after a gap in the samples") {
+    erase_imu(history, 6.95, 7);
+    erase_poses(history, 6.95, 7);
+    pass_on(history, 7);
+    CHECK(violations_of(history) == none);
+  }
+}
+
+SCENARIO("poses whose samples the observer missed are few") {
+  History history = undisturbed();
+  erase_imu(history, 7, 7.0499);  // ten
+  CHECK(violations_of(history) == none);
+  erase_imu(history, 8, 8.0049);
+  REQUIRE(violations_of(history).size() == 1);
+  CHECK_THAT(violations_of(history).front(), Contains("samples of too many poses are unknown"));
+}
+
 SCENARIO("stamps rise") {
   GIVEN("a fusion whose stamp steps back, and one that repeats a stamp") {
     for (const TimeNs back_ns : {period_ns + ms, period_ns}) {
@@ -318,6 +390,14 @@ SCENARIO("every missing number is counted") {
     WHEN("the consumer's reader counts them") {
       history.consumer_lost = 3;
       CHECK(violations_of(history) == none);
+    }
+    WHEN("the consumer's reader counts them, and another fusion's poses are missing too") {
+      pass_on(history, 9);
+      erase_poses(history, 9.2, 9.215);
+      history.losses.push_back({at(9), process_of(300)});
+      history.consumer_lost = GENERATE(3U, 6U);
+      const Verdict verdict = HistoryChecker(history).check();
+      CHECK(verdict.missing_uncounted == 6 - history.consumer_lost);
     }
     WHEN("a second beacon misses three too, and the transport counts for the process") {
       const std::uint64_t lost = GENERATE(3U, 6U);

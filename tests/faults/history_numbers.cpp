@@ -82,11 +82,14 @@ void HistoryChecker::check_numbers() {
       missing_of[process].beyond_beacons += reduced(count, rise(history_, of_it, losses_of_beacon));
     }
   }
+  std::uint64_t of_consumer =
+      history_.consumer_lost + history_.consumer_rejected;  // it does not know of whom
   for (const auto& [process, missing] : missing_of) {
     const auto of_it = [id = process](const FusionReport& report) { return report.process == id; };
-    const std::uint64_t counted =
-        rise(history_, of_it, losses_of_process) + history_.consumer_lost + history_.consumer_rejected;
-    const std::uint64_t uncounted = reduced(missing.beyond_beacons, counted);
+    const std::uint64_t beyond_process =
+        reduced(missing.beyond_beacons, rise(history_, of_it, losses_of_process));
+    const std::uint64_t uncounted = reduced(beyond_process, of_consumer);
+    of_consumer -= beyond_process - uncounted;
     verdict_.missing_counted += missing.count - uncounted;
     verdict_.missing_uncounted += uncounted;
     if (uncounted == 0) continue;

@@ -107,8 +107,12 @@ void Observer::on(const dds::DataReader<sonopose_FusionStatus>& reader, const so
 
 void Observer::start() {
   const std::lock_guard lock(mutex_);
+  constexpr TimeNs on_the_way_ns = 1'000'000'000;  // their poses are still to come
+  const SteadyTime begin = clocks::steady_now();
   poses_.clear();
-  imu_.clear();
+  std::erase_if(imu_, [&](const Published& imu) { return imu.received < begin - on_the_way_ns; });
+  lost_ = 0;
+  rejected_ = 0;
 }
 
 void Observer::add_to(History& history) const {

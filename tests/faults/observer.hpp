@@ -19,7 +19,7 @@ public:
   Observer& operator=(const Observer&) = delete;
   ~Observer();
 
-  /// Forgets the poses and samples received so far; statuses stay.
+  /// Forgets the poses received or lost so far, and the samples before; statuses stay.
   void start();
 
   /// Adds what was received to `history`.

@@ -124,6 +124,9 @@ Outcome play(const Plan& plan, const Limits& limits) {
   Cast cast(bus, plan);
   History history;
   history.plan = plan;
+  for (auto address = Cast::first_address; address <= Cast::last_address; ++address) {
+    history.beacons.push_back(address);
+  }
   history.imu_period_ns = to_ns(1 / Cast::imu_rate_hz);
   const bool served =
       observer.wait_for_reports([&](const auto& reports) { return all_serve(plan, reports); });

@@ -5,8 +5,11 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
+#include <sys/wait.h>
 #include <thread>
+#include <unistd.h>
 
 namespace stop_signal_test {
 
@@ -69,6 +72,27 @@ SCENARIO("a wait ends at its deadline or at the stop") {
       }
     }
   }
+}
+
+/// The exit code of a process that receives a second SIGTERM after this time, and ends with 0 by itself.
+int code_after_second_signal(std::chrono::milliseconds pause) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    StopSignal listening;
+    listening.listen_to_signals();
+    ::raise(SIGTERM);
+    std::this_thread::sleep_for(pause);
+    ::raise(SIGTERM);
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+SCENARIO("a second signal of a person who waits ends the process at once") {
+  CHECK(code_after_second_signal(std::chrono::milliseconds(0)) == 0);
+  CHECK(code_after_second_signal(std::chrono::milliseconds(600)) == 128 + SIGTERM);
 }
 
 SCENARIO("Ctrl-C and SIGTERM set the stop that listens") {

@@ -18,9 +18,9 @@ const std::string plate = "plate";
 const std::string imu = "imu_link";
 const Quaterniond quarter_left(Eigen::AngleAxisd(std::numbers::pi / 2, Vector3d::UnitZ()));
 
-void add(StaticTransforms& tree, std::vector<TransformStamped> transforms) {
+bool add(StaticTransforms& tree, std::vector<TransformStamped> transforms) {
   const auto length = static_cast<std::uint32_t>(transforms.size());
-  tree.add({{length, length, transforms.data(), false}});
+  return tree.add({{length, length, transforms.data(), false}});
 }
 
 SCENARIO("the mount of the IMU is found over the frames between") {
@@ -47,6 +47,25 @@ SCENARIO("the mount of the IMU is found over the frames between") {
       THEN("the latest valid one counts") {
         CHECK((tree.find(base, imu)->translation_m - Vector3d(1, 0.7, 0)).norm() < 1e-12);
       }
+    }
+  }
+  GIVEN("more frames than there may be, and then one with a long name") {
+    StaticTransforms tree;
+    for (std::size_t i = 0; i < StaticTransforms::most_frames; ++i) {
+      const std::string child = "frame_" + std::to_string(i);
+      REQUIRE(add(tree, {ros2::transform({{1, 0, 0}, Quaterniond::Identity()}, 0, base, child)}));
+    }
+    THEN("a new one is refused, and a known one can change") {
+      CHECK_FALSE(add(tree, {ros2::transform({}, 0, base, imu)}));
+      CHECK_FALSE(tree.find(base, imu));
+      CHECK(add(tree, {ros2::transform({{2, 0, 0}, Quaterniond::Identity()}, 0, base, "frame_7")}));
+      CHECK(tree.find(base, "frame_7")->translation_m.x() == 2);
+    }
+    THEN("a long name is refused") {
+      const std::string name(StaticTransforms::longest_name + 1, 'x');
+      StaticTransforms other;
+      CHECK_FALSE(add(other, {ros2::transform({}, 0, base, name)}));
+      CHECK_FALSE(add(other, {ros2::transform({}, 0, name, base)}));
     }
   }
   GIVEN("transforms in a circle") {

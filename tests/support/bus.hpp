@@ -98,7 +98,8 @@ bool wait_for_status(const dds::Entity& entity, dds::StatusMask statuses, const 
   return true;
 }
 
-/// A consumer of one topic that keeps all samples. It has its own participant, like a separate program.
+/// A consumer of one topic that keeps all samples, those of a live writer until they expire: take them every
+/// few seconds. It has its own participant, like a separate program.
 template <class T>
 class Consumer {
 public:

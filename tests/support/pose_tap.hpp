@@ -126,16 +126,13 @@ private:
 /// The waits for the next pose.
 struct Waits {
   double longest_ms = 0;
-  double above_20_ms = 0;  ///< share of the time that was spent in waits above 20 ms
 };
 
 inline Waits waits_between(const std::vector<TappedPose>& poses) {
   Waits waits;
-  const auto total_ns = static_cast<double>(poses.back().received - poses.front().received);
   for (std::size_t i = 1; i < poses.size(); ++i) {
     const auto wait_ns = static_cast<double>(poses[i].received - poses[i - 1].received);
     waits.longest_ms = std::max(waits.longest_ms, wait_ns * 1e-6);
-    if (wait_ns > 20e6) waits.above_20_ms += wait_ns / total_ns;
   }
   return waits;
 }

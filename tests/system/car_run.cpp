@@ -79,7 +79,10 @@ std::vector<FusedPose> play_car_over_serial_line(const std::string& engine, std:
   const auto bridge = bus.bridge({"--source", "serial", "--device", line.device()});
   REQUIRE(bridge->wait_for_line(Stream::error, "reading"));
   REQUIRE(imu.wait_for_writers());
-  send_in_time(frames, [&](std::span<const std::uint8_t> bytes) { line.send(bytes); });
+  send_in_time(frames, [&](std::span<const std::uint8_t> bytes) {
+    line.send(bytes);
+    poses.take();  // they expire after 10 s
+  });
   CHECK(poses.wait_for([until_sequence](const FusedPose& pose) { return pose.sequence >= until_sequence; }));
   return std::move(poses.samples);
 }

@@ -299,4 +299,58 @@ SCENARIO("forged statuses disturb no bridge", "[load]") {
   }
 }
 
+/// Writes statuses of fusions and lines that do not exist, each once.
+void forge_ids(const Bus& bus, double duration_s) {
+  const auto participant = dds::make_participant({.domain_id = bus.domain_id()});
+  const dds::qos::Provider qos;
+  auto statuses = dds::topics::make_writer(participant, qos, dds::topics::fusion_status);
+  auto estimates = dds::topics::make_writer(participant, qos, dds::topics::estimate);
+  auto lines = dds::topics::make_writer(participant, qos, dds::topics::line_status);
+  const auto begin = std::chrono::steady_clock::now();
+  for (std::uint64_t id = 1; id <= all_beacons; ++id) {
+    FusionStatus status;
+    status.address = healthy;
+    status.fusion_id = id;
+    statuses.write(dds::topics::to_idl(status));
+    Estimate estimate;
+    estimate.address = healthy;
+    estimate.fusion_id = id;
+    estimates.write(dds::topics::to_idl(estimate));
+    LineStatus line;
+    line.name = "forged";
+    line.bridge_id = id;
+    lines.write(dds::topics::to_idl(line));
+    std::this_thread::sleep_until(
+        begin + std::chrono::duration<double>(duration_s * static_cast<double>(id) / all_beacons));
+  }
+  std::this_thread::sleep_for(std::chrono::seconds(1));  // the writers live on
+}
+
+SCENARIO("forged fusions and lines disturb no observer", "[load]") {
+  GIVEN("a monitor or relay of a beacon at 100 Hz") {
+    const Bus bus;
+    const std::string name = GENERATE("monitor", "relay");
+    const auto observer = name == "relay" ? bus.ros2() : bus.monitor({"--json"});
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({"--address", std::to_string(healthy)});
+    const PoseTap tap(bus);
+    const auto receive = [&tap](double seconds) {
+      const auto count = static_cast<std::size_t>(100 * seconds);
+      REQUIRE(tap.wait_for_count(tap.count(), count).size() >= count);
+    };
+    const Usage before = usage(*observer, 3, receive);
+    WHEN("65,536 ids of fusions and lines come within ten seconds") {
+      const Usage flooded = usage(*observer, 10, [&](double seconds) { forge_ids(bus, seconds); });
+      receive(8);
+      THEN("ten seconds later everything is as before") {
+        std::cout << name << ": ";
+        check_as_before(before, flooded, usage(*observer, 3, receive), tolerated_mb / 3);
+        CHECK(flooded.memory_mb < before.memory_mb + tolerated_mb / 2);
+        CHECK(observer->wait_for_line(Stream::error, "8 fusions of a beacon at a time"));
+        std::cout << '\n';
+      }
+    }
+  }
+}
+
 }  // namespace many_addresses_test

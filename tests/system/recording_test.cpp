@@ -8,7 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <fcntl.h>
 #include <map>
+#include <sys/stat.h>
+#include <unistd.h>
 
 namespace recording_test {
 
@@ -181,6 +184,30 @@ SCENARIO("a full disk ends the recording and the capture, and the stream goes on
         }
       }
     }
+  }
+}
+
+SCENARIO("a disk that stands still does not keep the bridge alive") {
+  GIVEN("a bridge whose capture goes to a pipe that nobody reads") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const std::string pipe = (folder / "pipe").string();
+    REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+    const int reader = ::open(pipe.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK);
+    REQUIRE(::fcntl(reader, F_SETPIPE_SZ, 4096) == 4096);
+    Streams published(bus);
+    const auto bridge = bus.bridge({"--rate", "4", "--capture", pipe, "--record", (folder / "log").string()});
+    REQUIRE(published.imu.wait_for_more(1000));  // of about 40 bytes
+    WHEN("it is asked to stop") {
+      const auto ending = bridge->end_by(SIGTERM);
+      THEN("it ends soon, with an error that counts the loss") {
+        CHECK(ending.code == 1);
+        CHECK(ending.took < std::chrono::seconds(5));
+        CHECK_THAT(bridge->text(Stream::error), Catch::Contains("the capture lacks"));
+        CHECK(exists(folder / "log.part"));
+      }
+    }
+    ::close(reader);
   }
 }
 

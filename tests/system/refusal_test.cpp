@@ -224,10 +224,15 @@ SCENARIO("a bridge refuses an invalid input") {
 }
 
 SCENARIO("every program on the bus refuses a limit of too few file descriptors") {
-  const std::vector<std::pair<const char*, const char*>> programs{
-      {SONOPOSE_TEST_BRIDGE, ""},        {SONOPOSE_TEST_FUSION, ""},
-      {SONOPOSE_TEST_MONITOR, ""},       {SONOPOSE_TEST_DOCTOR, ""},
-      {SONOPOSE_TEST_SETTINGS, "watch"}, {SONOPOSE_TEST_ROS2, "--network loopback"}};
+  const TemporaryFolder folder;
+  const std::string recording = (folder / "recording.mcap").string();
+  const std::vector<std::pair<const char*, const char*>> programs{{SONOPOSE_TEST_BRIDGE, ""},
+                                                                  {SONOPOSE_TEST_FUSION, ""},
+                                                                  {SONOPOSE_TEST_MONITOR, ""},
+                                                                  {SONOPOSE_TEST_DOCTOR, ""},
+                                                                  {SONOPOSE_TEST_SETTINGS, "watch"},
+                                                                  {SONOPOSE_TEST_ROS2, "--network loopback"},
+                                                                  {SONOPOSE_TEST_RECORD, recording.c_str()}};
   for (const auto& [program, arguments] : programs) {
     for (const char* const limit : {"8", "12"}) {
       const std::string command = std::string("ulimit -n ") + limit + "; exec \"$0\" " + arguments;

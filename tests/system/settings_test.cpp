@@ -1,5 +1,6 @@
 /// Settings of a running fusion: sonopose-settings, and the effective settings for consumers.
 
+#include "faults/stall_watch.hpp"
 #include "recording/log_folder.hpp"
 #include "support/bits.hpp"
 #include "support/bus.hpp"
@@ -16,7 +17,9 @@
 #include <chrono>
 #include <csignal>
 #include <iostream>
+#include <map>
 #include <thread>
+#include <utility>
 
 namespace settings_test {
 
@@ -253,12 +256,15 @@ SCENARIO("a change at a given event gives poses that are bit-identical to the re
   }
 }
 
-/// Requests of all kinds, as fast as 1,600 a second.
+constexpr BeaconAddress another_beacon = 26;  ///< the last of twenty
+
+/// Requests of all kinds, as fast as 1,600 a second, and resets of one beacon.
 class RequestFlood {
 public:
   explicit RequestFlood(const Bus& bus)
       : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
         writer_(dds::topics::make_writer(participant_, dds::qos::Provider(), topics::settings_request)),
+        resets_(dds::topics::make_writer(participant_, dds::qos::Provider(), topics::reset)),
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
   [[nodiscard]] std::uint64_t sent() const { return sent_; }
@@ -277,15 +283,43 @@ private:
         request.assignments = {{"trust.n_base", std::to_string(5 + sent_ % 20)}, {"trust.sigma_m", "0.3"}};
       }
       writer_.write(dds::topics::to_idl(request).sample());
+      if (sent_ % 16 == 0) resets_.write({.address = another_beacon, .request_id = sent_});
       std::this_thread::sleep_until(begin + std::chrono::microseconds(625 * sent_.load()));
     }
   }
 
   dds::DomainParticipant participant_;
   dds::DataWriter<sonopose_SettingsRequest> writer_;
+  dds::DataWriter<sonopose_ResetCommand> resets_;
   std::atomic<std::uint64_t> sent_ = 0;
   std::jthread thread_;
 };
+
+/// The longest wait for the next pose of one beacon that the machine and the bridge do not explain. The
+/// bridge publishes the samples further apart than their period where the machine is busy.
+double longest_unexplained_ms(const std::vector<TappedPose>& poses, std::vector<faults::Interval> stalls) {
+  std::sort(stalls.begin(), stalls.end(), [](const auto& a, const auto& b) { return a.from < b.from; });
+  constexpr TimeNs period_ns = 10'000'000;
+  std::map<BeaconAddress, TappedPose> latest;
+  TimeNs longest_ns = 0;
+  for (const TappedPose& tapped : poses) {
+    if (tapped.pose.address == another_beacon) continue;  // it is reset
+    const auto [entry, is_first] = latest.try_emplace(tapped.pose.address, tapped);
+    const TappedPose before = std::exchange(entry->second, tapped);
+    if (is_first) continue;
+    TimeNs wait_ns = tapped.received - before.received;
+    wait_ns -=
+        std::max<TimeNs>(0, tapped.pose.imu_bridge_time_ns - before.pose.imu_bridge_time_ns - period_ns);
+    SteadyTime counted_until = before.received;  // stalls of several threads overlap
+    for (const faults::Interval& stall : stalls) {
+      const SteadyTime until = std::min(stall.until, tapped.received);
+      wait_ns -= std::max<TimeNs>(0, until - std::max(stall.from, counted_until));
+      counted_until = std::max(counted_until, until);
+    }
+    longest_ns = std::max(longest_ns, wait_ns);
+  }
+  return 1e-6 * static_cast<double>(longest_ns);
+}
 
 SCENARIO("a flood of requests delays no pose") {
   GIVEN("a fusion that serves twenty beacons at 100 Hz") {
@@ -294,20 +328,17 @@ SCENARIO("a flood of requests delays no pose") {
     const auto bridge = bus.bridge({"--scenario", "rest", "--address", "7", "--beacons", "20"});
     const PoseTap tap(bus);
     REQUIRE(tap.wait_for_count(0, 2000).size() >= 2000);
-    WHEN("1,600 requests a second arrive for three seconds") {
-      const Waits quiet = waits_between(tap.since(0));
+    WHEN("1,600 requests and 100 resets a second arrive for three seconds") {
+      const faults::StallWatch stalls;
       const RequestFlood flood(bus);
       const std::size_t before = tap.count();
       const auto poses = tap.wait_for_count(before, 6000);
       REQUIRE(poses.size() >= 6000);
-      THEN("the poses come as before") {
-        const Waits waits = waits_between(poses);
-        std::cout << fmt::format(
-            "{} requests: longest wait for a pose {:.1f} ms, {:.1f} % of the time above 20 ms; "
-            "without them {:.1f} ms, {:.1f} %\n",
-            flood.sent(), waits.longest_ms, 100 * waits.above_20_ms, quiet.longest_ms,
-            100 * quiet.above_20_ms);
-        CHECK(waits.above_20_ms <= quiet.above_20_ms + 0.1);
+      THEN("no beacon waits more than 20 ms for a pose, apart from what the machine was busy") {
+        const double longest_ms = longest_unexplained_ms(poses, stalls.stalls());
+        std::cout << fmt::format("{} requests: longest wait for a pose {:.1f} ms\n", flood.sent(),
+                                 longest_ms);
+        CHECK(longest_ms <= 20);
       }
     }
   }

@@ -39,7 +39,10 @@ std::string attribute_of(const pugi::xml_node& node, std::initializer_list<const
   return {};
 }
 
-void look_for_lists(const pugi::xml_node& parent, std::uint32_t domain_id, UserNetwork& found) {
+/// What is deeper is not an element that Cyclone DDS knows.
+void look_for_lists(const pugi::xml_node& parent, std::uint32_t domain_id, UserNetwork& found,
+                    int levels = 16) {
+  if (levels == 0) return;
   for (const pugi::xml_node node : parent.children()) {
     if (same(node.name(), "Domain") && !applies(node, domain_id)) continue;
     if (same(node.name(), "NetworkInterface")) {
@@ -50,7 +53,7 @@ void look_for_lists(const pugi::xml_node& parent, std::uint32_t domain_id, UserN
       found.without_multicast = same(node.child_value(), "false");
     }
     if (same(node.name(), "Peers")) found.peers = true;
-    look_for_lists(node, domain_id, found);
+    look_for_lists(node, domain_id, found, levels - 1);
   }
 }
 
@@ -146,7 +149,9 @@ std::string defaults(std::uint32_t domain_id, const DomainOptions& options, cons
       "<PrimaryReorderMaxSamples>16384</PrimaryReorderMaxSamples>"
       "<SecondaryReorderMaxSamples>16384</SecondaryReorderMaxSamples>";
   if (options.batch_writes) internal += "<WriteBatch>true</WriteBatch>";
-  // Cyclone DDS blocks a writer above this amount of unacknowledged data, whatever its history depth.
+  // Cyclone DDS blocks a writer that keeps all above this amount of unacknowledged data. One that keeps the
+  // last samples is never blocked by it: 0.10 sets its limits to the largest number
+  // (eclipse-cyclonedds#1777).
   if (!options.wait_for_readers) {
     internal +=
         "<Watermarks><WhcHigh>1 GB</WhcHigh><WhcHighInit>1 GB</WhcHighInit>"

@@ -3,6 +3,7 @@
 #include "clocks/clocks.hpp"
 #include "doctor/probe/beacon_probe.hpp"
 #include "doctor/probe/survey.hpp"
+#include "process/instance_limit.hpp"
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -26,8 +27,9 @@ namespace topics = dds::topics;
 /// would make it lose look like losses of the system.
 template <class T>
 struct Subscription {
+  template <class Filter = dds::topics::AddressFilter>
   Subscription(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
-               const dds::topics::Entry<T>& entry, dds::topics::AddressFilter* filter = nullptr)
+               const dds::topics::Entry<T>& entry, Filter* filter = nullptr)
       : reader(dds::topics::make_reader(participant, qos, entry, nullptr, dds::topics::Delivery::lossless,
                                         filter)),
         has_data(reader) {}
@@ -62,6 +64,8 @@ private:
   dds::DomainParticipant participant_;
   dds::Discovery discovery_;
   process::BeaconAdmission admission_;
+  process::InstanceLimit<sonopose_LineStatus> line_limit_;
+  process::InstanceLimit<sonopose_FusionStatus> fusion_limit_;
   Subscription<sonopose_ImuSample> imu_;
   Subscription<sonopose_UltrasonicFix> fix_;
   Subscription<sonopose_PairHeading> heading_;
@@ -86,14 +90,15 @@ SystemObserver::SystemObserver(const DoctorOptions& options)
       participant_(options.domain),
       discovery_(participant_),
       admission_({}, options.max_beacons),
+      fusion_limit_(&admission_),
       imu_(participant_, qos_, topics::imu, &admission_),
       fix_(participant_, qos_, topics::fix, &admission_),
       heading_(participant_, qos_, topics::heading, &admission_),
       pose_(participant_, qos_, topics::pose, &admission_),
       report_(participant_, qos_, topics::report, &admission_),
       beacon_status_(participant_, qos_, topics::beacon_status, &admission_),
-      line_status_(participant_, qos_, topics::line_status),
-      fusion_status_(participant_, qos_, topics::fusion_status, &admission_),
+      line_status_(participant_, qos_, topics::line_status, &line_limit_),
+      fusion_status_(participant_, qos_, topics::fusion_status, &fusion_limit_),
       settings_(participant_, qos_, topics::settings) {
   for (const dds::ReadCondition* const condition :
        {&imu_.has_data, &fix_.has_data, &heading_.has_data, &pose_.has_data, &report_.has_data,

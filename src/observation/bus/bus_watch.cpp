@@ -66,7 +66,9 @@ public:
     }
     free_memory_.give_back(now);
     endpoint_log_.log(endpoints_);
-    if (const auto text = admission_.refusals()) logging::warning(*text);
+    for (const auto& text : {admission_.refusals(), subscriptions_.refusals(), lines_.refusals()}) {
+      if (text) logging::warning(*text);
+    }
     second.warnings = lines_.warnings();
     second.warnings.insert(second.warnings.end(), pose_writers_.warnings().begin(),
                            pose_writers_.warnings().end());

@@ -2,6 +2,7 @@
 /// \file
 /// The lines of the bridges.
 
+#include "process/instance_limit.hpp"
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/qos/provider.hpp>
@@ -10,9 +11,9 @@
 
 #include <fmt/format.h>
 
-#include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,22 +24,23 @@ namespace sonopose::observation::bus {
 class LineObserver {
 public:
   LineObserver(const dds::DomainParticipant& participant, const dds::qos::Provider& qos)
-      : reader_(dds::topics::make_reader(participant, qos, dds::topics::line_status)) {}
+      : reader_(dds::topics::make_reader(participant, qos, dds::topics::line_status, nullptr,
+                                         dds::topics::Delivery::live, &limit_)) {}
 
   /// One of each line that delivers no frames.
   std::vector<std::string> warnings() {
     reader_.try_take_each(
         [this](const sonopose_LineStatus& sample, const dds::SampleInfo& info) {
           if (!info.alive()) {
-            lines_.erase({sample.name, sample.bridge_id});
+            forget(sample);
             return;
           }
           LineStatus line = dds::topics::from_idl(sample);
           const std::pair key{line.name, line.bridge_id};
-          if (lines_.size() < most_lines || lines_.contains(key)) lines_[key] = std::move(line);
+          lines_[key] = std::move(line);
         },
         [this](const sonopose_LineStatus& key, const dds::SampleInfo& info) {
-          if (!info.alive()) lines_.erase({key.name, key.bridge_id});
+          if (!info.alive()) forget(key);
         });
     std::vector<std::string> texts;
     for (const auto& [key, line] : lines_) {
@@ -47,9 +49,16 @@ public:
     return texts;
   }
 
-private:
-  static constexpr std::size_t most_lines = 256;
+  /// A message for the user, if lines were refused.
+  std::optional<std::string> refusals() { return limit_.refusals(); }
 
+private:
+  void forget(const sonopose_LineStatus& key) {
+    lines_.erase({key.name, key.bridge_id});
+    limit_.forget(key);
+  }
+
+  process::InstanceLimit<sonopose_LineStatus> limit_;
   dds::DataReader<sonopose_LineStatus> reader_;
   std::map<std::pair<std::string, std::uint64_t>, LineStatus> lines_;  ///< by name and bridge
 };

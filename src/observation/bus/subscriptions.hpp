@@ -3,17 +3,19 @@
 /// The topics that are watched.
 
 #include "observation/bus/bus_watch.hpp"
+#include "process/instance_limit.hpp"
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 namespace sonopose::observation::bus {
 
 /// Passes the samples on to the hook.
 template <class T>
-class Listener final : public ObservingListener<T> {
+class Listener : public ObservingListener<T> {
 public:
   Listener(BeaconObservers& observers, process::EndpointCounters& endpoints, SampleHook* hook)
       : ObservingListener<T>(observers, endpoints), hook_(hook) {}
@@ -56,6 +58,38 @@ private:
   }
 };
 
+/// A subscription to a topic with a fusion as second key. Taken in batches.
+template <class T>
+struct FusionSubscription {
+  FusionSubscription(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                     const dds::topics::Entry<T>& entry, BeaconObservers& observers,
+                     process::BeaconAdmission& admission, process::EndpointCounters& endpoints,
+                     SampleHook* hook)
+      : limit(&admission),
+        listener(observers, endpoints, hook, limit),
+        reader(dds::topics::make_reader(participant, qos, entry, &listener, dds::topics::Delivery::live,
+                                        &limit,
+                                        dds::StatusMask::all().without(dds::StatusMask::data_available()))) {}
+
+  void take() { listener.on_data_available(reader); }
+
+  class ForgettingListener final : public Listener<T> {
+  public:
+    ForgettingListener(BeaconObservers& observers, process::EndpointCounters& endpoints, SampleHook* hook,
+                       process::InstanceLimit<T>& limit)
+        : Listener<T>(observers, endpoints, hook), limit_(limit) {}
+
+  private:
+    void on_gone(const T& key) noexcept override { limit_.forget(key); }
+
+    process::InstanceLimit<T>& limit_;
+  };
+
+  process::InstanceLimit<T> limit;
+  ForgettingListener listener;
+  dds::DataReader<T> reader;
+};
+
 /// The latency is that of the poses, so they are taken on arrival.
 struct Subscriptions {
   Subscriptions(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
@@ -66,10 +100,8 @@ struct Subscriptions {
               Taking::in_batches),
         beacon_status(participant, qos, dds::topics::beacon_status, observers, admission, endpoints, hook,
                       Taking::in_batches),
-        estimate(participant, qos, dds::topics::estimate, observers, admission, endpoints, hook,
-                 Taking::in_batches),
-        fusion_status(participant, qos, dds::topics::fusion_status, observers, admission, endpoints, hook,
-                      Taking::in_batches) {
+        estimate(participant, qos, dds::topics::estimate, observers, admission, endpoints, hook),
+        fusion_status(participant, qos, dds::topics::fusion_status, observers, admission, endpoints, hook) {
     if (has_reports) {
       report.emplace(participant, qos, dds::topics::report, observers, admission, endpoints, hook,
                      Taking::in_batches);
@@ -84,11 +116,17 @@ struct Subscriptions {
     if (report) report->take();
   }
 
+  /// A message for the user, if instances were refused.
+  std::optional<std::string> refusals() {
+    auto text = fusion_status.limit.refusals();
+    return text ? text : estimate.limit.refusals();
+  }
+
   Subscription<sonopose_FusedPose> pose;
   Subscription<sonopose_TruthSample> truth;
   Subscription<sonopose_BeaconStatus> beacon_status;
-  Subscription<sonopose_Estimate> estimate;
-  Subscription<sonopose_FusionStatus> fusion_status;
+  FusionSubscription<sonopose_Estimate> estimate;
+  FusionSubscription<sonopose_FusionStatus> fusion_status;
   std::optional<Subscription<sonopose_FixReport>> report;
 };
 

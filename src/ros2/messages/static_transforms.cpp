@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 namespace sonopose::ros2 {
 
@@ -16,12 +17,19 @@ std::optional<Transform> transform_of(const TransformStamped& message) {
   return transform;
 }
 
-void StaticTransforms::add(const TFMessage& message) {
+bool StaticTransforms::add(const TFMessage& message) {
+  const auto is_long = [](const char* name) { return ::strnlen(name, longest_name + 1) > longest_name; };
+  bool all_fit = true;
   for (std::uint32_t i = 0; i < message.transforms._length; ++i) {
     const TransformStamped& one = message.transforms._buffer[i];
     const auto transform = transform_of(one);
-    if (transform) edges_[one.child_frame_id] = {one.header.frame_id, *transform};
+    if (!transform) continue;
+    const bool fits = !is_long(one.header.frame_id) && !is_long(one.child_frame_id) &&
+                      (edges_.size() < most_frames || edges_.contains(one.child_frame_id));
+    if (fits) edges_[one.child_frame_id] = {one.header.frame_id, *transform};
+    all_fit = all_fit && fits;
   }
+  return all_fit;
 }
 
 std::optional<Transform> StaticTransforms::find(const std::string& parent, const std::string& child) const {

@@ -15,8 +15,9 @@ MountFinder::MountFinder(ros2::Node& node, Log& log, std::function<void()> wake)
 void MountFinder::Listener::on_data_available(dds::DataReader<ros2::TFMessage>& reader) noexcept {
   {
     const std::lock_guard lock(finder_.mutex_);
-    reader.try_take_each(
-        [this](const ros2::TFMessage& message, const dds::SampleInfo&) { finder_.transforms_.add(message); });
+    reader.try_take_each([this](const ros2::TFMessage& message, const dds::SampleInfo&) {
+      if (!finder_.transforms_.add(message)) finder_.has_surplus_ = true;
+    });
   }
   finder_.wake_();
 }
@@ -24,9 +25,16 @@ void MountFinder::Listener::on_data_available(dds::DataReader<ros2::TFMessage>& 
 void MountFinder::assign_to(BeaconPublishers& publishers) {
   const ros2::FrameNames& frames = publishers.frames();
   std::optional<ros2::Transform> found;
+  bool has_surplus = false;
   {
     const std::lock_guard lock(mutex_);
     found = transforms_.find(frames.base, frames.imu);
+    has_surplus = has_surplus_;
+  }
+  if (has_surplus && !std::exchange(reported_, true)) {
+    log_.warning(
+        fmt::format("/tf_static: transforms are ignored: the limit is {} frames, with names of {} characters",
+                    ros2::StaticTransforms::most_frames, ros2::StaticTransforms::longest_name));
   }
   if (!found) return;
   if (!publishers.set_mount({.imu_in_base_m = found->translation_m, .q_imu_to_base = found->rotation}))

@@ -36,6 +36,8 @@ private:
   std::function<void()> wake_;
   std::mutex mutex_;  ///< guards the transforms
   ros2::StaticTransforms transforms_;
+  bool has_surplus_ = false;  ///< under the mutex
+  bool reported_ = false;     ///< main thread only
   Listener listener_{*this};
   dds::DataReader<ros2::TFMessage> reader_;  ///< last, because its listener uses the others
 };

@@ -28,9 +28,11 @@ public:
   /// A setting of a fusion of another version may be unknown here: it is not a parameter.
   void add(BeaconAddress address, const SettingAssignment& setting) {
     if (!setting_named(parameter_name({address, setting.key}))) return;
+    const auto value = valid_value(setting);
+    if (!value) return;
     Parameter& added = parameters_.emplace_back();
     added.name = parameter_name({address, setting.key});
-    added.value = settings::parse_value(setting.key, setting.value);
+    added.value = value;
     messages_.push_back({ros2::borrow_string(added.name), value_message(added.value)});
   }
   [[nodiscard]] bool empty() const { return messages_.empty(); }

@@ -122,6 +122,12 @@ bool ParameterServer::serve() {
 
 void ParameterServer::take_settings() {
   const auto replace = [this](const EffectiveSettings& settings) {
+    for (const SettingAssignment& setting : settings.values) {
+      if (!setting_named(parameter_name({settings.address, setting.key})) || valid_value(setting)) continue;
+      if (std::exchange(reported_invalid_, true)) break;
+      log_.warning(fmt::format("beacon {}: setting {} has an unknown value '{}'; it is no parameter",
+                               settings.address, setting.key, setting.value));
+    }
     EffectiveSettings& known = effective_[settings.address];
     events_.publish(known, settings);
     known = settings;

@@ -92,6 +92,7 @@ private:
   std::function<void()> wake_;
   settings_client::SettingsClient client_;
   std::vector<SettingsRequest> startup_requests_;
+  bool reported_invalid_ = false;  ///< a value of the settings
   bool applied_startup_ = false;
   SettingsByBeacon effective_;
   ParameterEvents events_;

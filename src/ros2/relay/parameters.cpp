@@ -66,6 +66,14 @@ ParameterList list_parameters(const SettingsByBeacon& effective, const std::vect
   return list;
 }
 
+std::optional<settings::SettingValue> valid_value(const SettingAssignment& setting) {
+  try {
+    return settings::parse_value(setting.key, setting.value);
+  } catch (const settings::SettingError&) {
+    return std::nullopt;
+  }
+}
+
 std::optional<settings::SettingValue> parameter_value(const SettingsByBeacon& effective,
                                                       const std::string& parameter) {
   const auto setting = setting_named(parameter);
@@ -76,7 +84,7 @@ std::optional<settings::SettingValue> parameter_value(const SettingsByBeacon& ef
   const auto found = std::find_if(values.begin(), values.end(),
                                   [&](const SettingAssignment& each) { return each.key == setting->key; });
   if (found == values.end()) return std::nullopt;
-  return settings::parse_value(found->key, found->value);
+  return valid_value(*found);
 }
 
 }  // namespace sonopose::ros2::relay

@@ -38,7 +38,10 @@ struct ParameterList {
 ParameterList list_parameters(const SettingsByBeacon& effective, const std::vector<std::string>& prefixes,
                               std::uint64_t depth);
 
-/// Empty for an unknown parameter, and for an unknown beacon.
+/// Empty if this version does not accept the value: settings come from any process.
+std::optional<settings::SettingValue> valid_value(const SettingAssignment& setting);
+
+/// Empty for an unknown parameter, for an unknown beacon, and for a value that is not valid.
 std::optional<settings::SettingValue> parameter_value(const SettingsByBeacon& effective,
                                                       const std::string& parameter);
 

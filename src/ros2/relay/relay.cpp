@@ -3,6 +3,7 @@
 #include "bridge/bridge_node.hpp"
 #include "observation/beacon_observers.hpp"
 #include "process/beacon_admission.hpp"
+#include "process/instance_limit.hpp"
 #include "ros2/relay/diagnostics_publisher.hpp"
 #include "ros2/relay/log.hpp"
 #include "ros2/relay/mount_finder.hpp"
@@ -77,7 +78,13 @@ private:
         : process::CountingReaderListener<T>(relay.endpoints_), relay_(relay) {}
     void on_data_available(dds::DataReader<T>& reader) noexcept override {
       reader.try_take_each(
-          [this](const T& sample, const dds::SampleInfo&) { relay_.on(dds::topics::from_idl(sample)); });
+          [this](const T& sample, const dds::SampleInfo& info) {
+            relay_.on(dds::topics::from_idl(sample));
+            if (!info.alive()) relay_.on_gone(sample);
+          },
+          [this](const T& key, const dds::SampleInfo& info) {
+            if (!info.alive()) relay_.on_gone(key);
+          });
     }
 
   private:
@@ -100,11 +107,8 @@ private:
   public:
     explicit TfListener(Impl& relay) : relay_(relay) {}
     void on_data_available(dds::DataReader<ros2::TFMessage>& reader) noexcept override {
-      reader.try_take_each([this](const ros2::TFMessage& message, const dds::SampleInfo&) {
-        for (std::uint32_t i = 0; i < message.transforms._length; ++i) {
-          relay_.on_transform(message.transforms._buffer[i]);
-        }
-      });
+      reader.try_take_each(
+          [this](const ros2::TFMessage& message, const dds::SampleInfo&) { relay_.on_transforms(message); });
     }
 
   private:
@@ -124,6 +128,18 @@ private:
   template <class T>
   using ObservedTopic = Subscription<T, observation::ObservingListener<T>>;
 
+  /// Statuses of fusions are observed, and bounded.
+  class FusionStatusListener final : public observation::ObservingListener<sonopose_FusionStatus> {
+  public:
+    explicit FusionStatusListener(Impl& relay)
+        : ObservingListener(relay.observers_, relay.endpoints_), limit_(relay.fusion_limit_) {}
+
+  private:
+    void on_gone(const sonopose_FusionStatus& key) noexcept override { limit_.forget(key); }
+
+    process::InstanceLimit<sonopose_FusionStatus>& limit_;
+  };
+
   template <class T, class Listener>
   static bool has_writer(Subscription<T, Listener>& subscription) {
     return subscription.reader.subscription_matched_status().current_count > 0;
@@ -135,9 +151,11 @@ private:
     const auto publishers = beacons_.find_or_request(sample.address, clocks::steady_now());
     if (publishers) publishers->on(sample);
   }
+  void on_gone(const sonopose_Estimate& key) { estimate_limit_.forget(key); }
+  void on_gone(const auto& /*key*/) {}
   void on(const Estimate& estimate);
   void on(const EffectiveSettings& settings);
-  void on_transform(const ros2::TransformStamped& transform);
+  void on_transforms(const ros2::TFMessage& message);
 
   template <class Action>
   void for_each_beacon(const Action& action);
@@ -153,6 +171,8 @@ private:
   RelayOptions options_;
   process::BeaconAdmission admission_;
   process::AdmittedOnly admitted_only_{admission_};
+  process::InstanceLimit<sonopose_FusionStatus> fusion_limit_{&admitted_only_};
+  process::InstanceLimit<sonopose_Estimate> estimate_limit_{&admitted_only_};
   process::BeaconAdmission settings_admission_;  ///< settings may arrive before any sample, and only once
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
@@ -195,7 +215,7 @@ private:
   PublishedTopic<sonopose_EffectiveSettings> settings_{*this};
   PublishedTopic<sonopose_Estimate> estimate_{*this};
   ObservedTopic<sonopose_BeaconStatus> beacon_status_{observers_, endpoints_};
-  ObservedTopic<sonopose_FusionStatus> fusion_status_{observers_, endpoints_};
+  Subscription<sonopose_FusionStatus, FusionStatusListener> fusion_status_{*this};
 };
 
 Relay::Relay(const RelayOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -236,7 +256,7 @@ Relay::Impl::Impl(const RelayOptions& options)
     mount_finder_ = std::make_unique<MountFinder>(node_, log_, [this] { wakeup_.wake(); });
   }
   node_.announce();
-  const auto subscribe = [this](auto& subscription, const auto& topic, dds::topics::AddressFilter& filter) {
+  const auto subscribe = [this](auto& subscription, const auto& topic, auto& filter) {
     subscription.reader = dds::topics::make_reader(participant_, qos_, topic, &subscription.listener,
                                                    dds::topics::Delivery::live, &filter);
   };
@@ -245,9 +265,9 @@ Relay::Impl::Impl(const RelayOptions& options)
   subscribe(pose_, topics::pose, admission_);
   subscribe(report_, topics::report, admission_);
   subscribe(settings_, topics::settings, settings_admission_);
-  subscribe(estimate_, topics::estimate, admitted_only_);
+  subscribe(estimate_, topics::estimate, estimate_limit_);
   subscribe(beacon_status_, topics::beacon_status, admitted_only_);
-  subscribe(fusion_status_, topics::fusion_status, admitted_only_);
+  subscribe(fusion_status_, topics::fusion_status, fusion_limit_);
 }
 
 /// Calls `action` without the lock.
@@ -270,16 +290,20 @@ void Relay::Impl::on(const EffectiveSettings& settings) {
   if (const auto publishers = beacons_.find(settings.address)) publishers->set_fix_std(*fix_std_m);
 }
 
-void Relay::Impl::on_transform(const ros2::TransformStamped& transform) {
-  const auto time_ns = ros2::from_ros(transform.header.stamp);
-  if (!time_ns) return;
-  const auto base_in_odom = ros2::transform_of(transform);
-  if (!base_in_odom) return;
-  for_each_beacon([&](BeaconPublishers& publishers) {
-    const ros2::FrameNames& frames = publishers.frames();
-    if (frames.odom != transform.header.frame_id || frames.base != transform.child_frame_id) return;
-    publishers.on_odometry(*time_ns, *base_in_odom);
-  });
+/// On the receive thread, with messages of any program: nearly all transforms are those of others.
+void Relay::Impl::on_transforms(const ros2::TFMessage& message) {
+  constexpr std::uint32_t most_transforms = 1024;
+  const auto beacons = beacons_.all();
+  for (std::uint32_t i = 0; i < std::min(message.transforms._length, most_transforms); ++i) {
+    const ros2::TransformStamped& transform = message.transforms._buffer[i];
+    for (const auto& [address, publishers] : beacons) {
+      const ros2::FrameNames& frames = publishers->frames();
+      if (frames.odom != transform.header.frame_id || frames.base != transform.child_frame_id) continue;
+      const auto time_ns = ros2::from_ros(transform.header.stamp);
+      const auto base_in_odom = ros2::transform_of(transform);
+      if (time_ns && base_in_odom) publishers->on_odometry(*time_ns, *base_in_odom);
+    }
+  }
 }
 
 void Relay::Impl::open_topics(const process::StopSignal& stop) {
@@ -297,7 +321,9 @@ void Relay::Impl::open_topics(const process::StopSignal& stop) {
 
 void Relay::Impl::remove_gone() {
   const SteadyTime now = clocks::steady_now();
-  if (const auto text = admission_.refusals()) log_.warning(*text);
+  for (const auto& text : {admission_.refusals(), fusion_limit_.refusals(), estimate_limit_.refusals()}) {
+    if (text) log_.warning(*text);
+  }
   for (const BeaconAddress address : open_topics_.remove_gone(now)) transition_log_.forget(address);
   for (const auto& view : observers_.remove_gone(now, clocks::host_now())) {
     diagnostics_.forget(view.address);

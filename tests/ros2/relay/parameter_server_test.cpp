@@ -321,8 +321,11 @@ TEST_CASE("Settings of ever more beacons are ignored") {
   auto writer = dds::topics::make_writer(hostile, dds::qos::Provider(), dds::topics::settings);
   REQUIRE(wait_until([&] { return writer.publication_matched_status().current_count > 0; }));
   EffectiveSettings forged{.values = {{"trust.n_min", "4"}}};
-  for (forged.address = 1000; forged.address < 1300; ++forged.address)
+  for (forged.address = 1000; forged.address < 1300; ++forged.address) {
+    forged.values.front().value =
+        forged.address % 2 == 0 ? "nonsense" : "4";  // must not end what reads the next
     writer.write(dds::topics::to_idl(forged).sample());
+  }
   REQUIRE(writer.wait_for_acknowledgments(timeout));
   REQUIRE(wait_until([&] { return count_beacons() >= 256; }));
   CHECK(count_beacons() == 256);

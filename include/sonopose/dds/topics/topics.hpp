@@ -115,18 +115,23 @@ DataWriter<T> make_writer(const DomainParticipant& participant, const qos::Provi
 }
 
 /// A reader for one row of the diagram. `listener` and `filter` must outlive it; the listener receives the
-/// statuses in `mask`.
-template <class T>
+/// statuses in `mask`. The filter is an AddressFilter, or accepts samples.
+template <class T, class Filter = AddressFilter>
 DataReader<T> make_reader(const DomainParticipant& participant, const qos::Provider& qos,
                           const Entry<T>& entry,
                           std::type_identity_t<DataReaderListener<T>>* listener = nullptr,
-                          Delivery delivery = Delivery::live, AddressFilter* filter = nullptr,
+                          Delivery delivery = Delivery::live, Filter* filter = nullptr,
                           StatusMask mask = StatusMask::all()) {
   const char* profile = profile_of(entry, delivery);
   Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
-  if constexpr (requires(const T& sample) { sample.address; }) {
+  if constexpr (requires(const T& sample) { filter->accepts(sample); }) {
     const auto accepts = [](const void* sample, void* argument) {
-      return static_cast<AddressFilter*>(argument)->accepts(static_cast<const T*>(sample)->address);
+      return static_cast<Filter*>(argument)->accepts(*static_cast<const T*>(sample));
+    };
+    if (filter != nullptr) topic.set_filter(accepts, filter);
+  } else if constexpr (requires(const T& sample) { filter->accepts(sample.address); }) {
+    const auto accepts = [](const void* sample, void* argument) {
+      return static_cast<Filter*>(argument)->accepts(static_cast<const T*>(sample)->address);
     };
     if (filter != nullptr) topic.set_filter(accepts, filter);
   }

@@ -5,6 +5,7 @@
 #include <sonopose/ros2/messages/frames.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>
 
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,8 +17,12 @@ std::optional<Transform> transform_of(const TransformStamped& message);
 
 class StaticTransforms {
 public:
-  /// Adds valid transforms. The latest one of a child frame counts.
-  void add(const TFMessage& message);
+  static constexpr std::size_t most_frames = 4096;
+  static constexpr std::size_t longest_name = 1024;
+
+  /// Adds valid transforms. The latest one of a child frame counts. Returns whether all of them fitted: new
+  /// child frames beyond `most_frames` and names beyond `longest_name` do not.
+  bool add(const TFMessage& message);
 
   /// The pose of `child` in `parent`, over any number of frames in between; empty if they are not connected.
   std::optional<Transform> find(const std::string& parent, const std::string& child) const;

@@ -1,0 +1,104 @@
+#pragma once
+/// \file
+/// Bounds the instances of the topics with a second key, such as the id of a fusion.
+
+#include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/samples/samples.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sonopose::process {
+
+/// What is bounded: the fusions of each beacon, or the lines of all bridges.
+template <class T>
+struct Instance {
+  using Group = BeaconAddress;
+  using Key = std::uint64_t;
+  static constexpr std::size_t most_at_a_time = 8;  ///< a fusion, its standbys, and those that restart
+  static constexpr const char* group = "fusions of a beacon";
+  static Group group_of(const T& sample) { return sample.address; }
+  static Key key_of(const T& sample) { return sample.fusion_id; }
+};
+template <>
+struct Instance<sonopose_LineStatus> {
+  using Group = std::uint8_t;
+  using Key = std::pair<std::string, std::uint64_t>;
+  static constexpr std::size_t most_at_a_time = 256;
+  static constexpr const char* group = "lines";
+  static Group group_of(const sonopose_LineStatus& /*sample*/) { return 0; }
+  static Key key_of(const sonopose_LineStatus& sample) { return {sample.name, sample.bridge_id}; }
+};
+
+/// A filter of one reader: accepts the first ones. DDS keeps an instance of each until its writers have
+/// ended, so a writer that invents keys must not make more. Thread-safe.
+template <class T>
+class InstanceLimit {
+public:
+  /// Different ones since the start: a disposed instance may still have a writer.
+  static constexpr std::size_t most_ever = 32'768;
+
+  /// `addresses`, if given, decides about the address first, and must outlive this.
+  explicit InstanceLimit(dds::topics::AddressFilter* addresses = nullptr) : addresses_(addresses) {}
+
+  bool accepts(const T& sample) noexcept {
+    if constexpr (requires { sample.address; }) {
+      if (addresses_ != nullptr && !addresses_->accepts(sample.address)) return false;
+    }
+    const Id id{Traits::group_of(sample), Traits::key_of(sample)};
+    const std::lock_guard lock(mutex_);
+    std::vector<Key>& present = present_[id.first];
+    if (std::find(present.begin(), present.end(), id.second) != present.end()) return true;
+    const bool may_be_known = ever_.size() < most_ever || ever_.contains(id);
+    if (present.size() >= Traits::most_at_a_time || !may_be_known) {
+      ++refused_;
+      return false;
+    }
+    present.push_back(id.second);
+    ever_.insert(id);
+    return true;
+  }
+
+  /// The instance is gone: another one may take its place.
+  void forget(const T& key) noexcept {
+    const std::lock_guard lock(mutex_);
+    const auto present = present_.find(Traits::group_of(key));
+    if (present == present_.end()) return;
+    std::erase(present->second, Traits::key_of(key));
+    if (present->second.empty()) present_.erase(present);
+  }
+
+  /// A message for the user, once a sample was refused and when ten times as many were. Empty otherwise.
+  std::optional<std::string> refusals() {
+    const std::lock_guard lock(mutex_);
+    if (refused_ == 0 || refused_ < 10 * reported_) return std::nullopt;
+    reported_ = refused_;
+    return fmt::format("{} {} ignored: the limit is {} {} at a time and {} different ones since the start",
+                       refused_, refused_ == 1 ? "status is" : "statuses are", Traits::most_at_a_time,
+                       Traits::group, most_ever);
+  }
+
+private:
+  using Traits = Instance<T>;
+  using Key = typename Traits::Key;
+  using Id = std::pair<typename Traits::Group, Key>;
+
+  dds::topics::AddressFilter* addresses_;
+  std::mutex mutex_;  // guards the rest
+  std::map<typename Traits::Group, std::vector<Key>> present_;
+  std::set<Id> ever_;
+  std::uint64_t refused_ = 0;
+  std::uint64_t reported_ = 0;
+};
+
+}  // namespace sonopose::process

@@ -1,0 +1,70 @@
+#include "process/instance_limit.hpp"
+
+#include "process/beacon_admission.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cstring>
+
+namespace instance_limit_test {
+
+using namespace sonopose;
+using namespace sonopose::process;
+
+constexpr BeaconAddress beacon = 7;
+constexpr std::size_t most_fusions = Instance<sonopose_FusionStatus>::most_at_a_time;
+
+sonopose_FusionStatus status_of(BeaconAddress address, std::uint64_t fusion_id) {
+  sonopose_FusionStatus status{};
+  status.address = address;
+  status.fusion_id = fusion_id;
+  return status;
+}
+
+SCENARIO("the first fusions of a beacon are accepted, until they are gone") {
+  InstanceLimit<sonopose_FusionStatus> limit;
+  for (std::uint64_t id = 1; id <= most_fusions; ++id) REQUIRE(limit.accepts(status_of(beacon, id)));
+  CHECK_FALSE(limit.refusals());
+  CHECK_FALSE(limit.accepts(status_of(beacon, most_fusions + 1)));
+  CHECK(limit.accepts(status_of(beacon, 1)));
+  CHECK(limit.accepts(status_of(beacon + 1, most_fusions + 1)));
+  CHECK_THAT(limit.refusals().value_or(""),
+             Catch::Contains("1 status is ignored: the limit is 8 fusions of a beacon at a time"));
+  CHECK_FALSE(limit.refusals());
+  limit.forget(status_of(beacon, 1));
+  CHECK(limit.accepts(status_of(beacon, most_fusions + 1)));
+  CHECK_FALSE(limit.accepts(status_of(beacon, 1)));
+}
+
+SCENARIO("fusions that come and go without end are bounded, and those that return are not") {
+  InstanceLimit<sonopose_FusionStatus> limit;
+  const auto visit = [&limit](std::uint64_t id) {
+    const bool accepted = limit.accepts(status_of(beacon, id));
+    limit.forget(status_of(beacon, id));
+    return accepted;
+  };
+  for (std::uint64_t id = 1; id <= limit.most_ever; ++id) REQUIRE(visit(id));
+  CHECK_FALSE(visit(limit.most_ever + 1));
+  CHECK(visit(1));
+}
+
+SCENARIO("fusions of a beacon that is not admitted take no place") {
+  BeaconAdmission admission(AddressSet::parse("7"), 1);
+  InstanceLimit<sonopose_FusionStatus> limit(&admission);
+  CHECK_FALSE(limit.accepts(status_of(8, 1)));
+  CHECK(limit.accepts(status_of(7, 1)));
+  CHECK_FALSE(limit.refusals());
+}
+
+SCENARIO("lines differ by name and bridge, and the first ones are accepted") {
+  InstanceLimit<sonopose_LineStatus> limit;
+  sonopose_LineStatus line{};
+  for (line.bridge_id = 1; line.bridge_id <= 256; ++line.bridge_id) REQUIRE(limit.accepts(line));
+  CHECK_FALSE(limit.accepts(line));
+  line.bridge_id = 1;
+  CHECK(limit.accepts(line));
+  std::strcpy(line.name, "/dev/ttyACM0");
+  CHECK_FALSE(limit.accepts(line));
+}
+
+}  // namespace instance_limit_test
