@@ -1,6 +1,7 @@
 #include "doctor/probe/beacon_probe.hpp"
 
 #include "doctor/motion/window_fit.hpp"
+#include "doctor/probe/rest.hpp"
 #include "observation/beacon_observer.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
 #include <sonopose/estimation/documented/delay.hpp>
@@ -46,8 +47,6 @@ void BeaconProbe::on(const UltrasonicFix& fix, TimeNs received_ns) {
   fixes_.add(received_ns, fix);
   if (fix.measured_delay_s) ++timed_fixes_;
   if ((fix.flags & ultrasonic_flag_pair_centre) != 0U) ++pair_fixes_;
-  fixes_min_m_ = fixes_min_m_.cwiseMin(fix.position_world_m);
-  fixes_max_m_ = fixes_max_m_.cwiseMax(fix.position_world_m);
 }
 
 void BeaconProbe::on(const PairHeading& heading, TimeNs received_ns) {
@@ -103,34 +102,6 @@ std::uint64_t BeaconProbe::missing_events(TimeNs ended_ns) const {
   return last - first + 1 - static_cast<std::uint64_t>(present);
 }
 
-std::optional<rules::RestObservation> BeaconProbe::means(const calibration::Settings& calibration) const {
-  constexpr std::size_t min_samples = 20;
-  const auto& readings = readings_.entries();
-  if (readings.size() < min_samples) return std::nullopt;
-  const auto count = static_cast<double>(readings.size());
-  ImuSample mean;
-  for (const auto& [received_ns, reading] : readings) {
-    mean.specific_force_body_mps2 += reading.specific_force_body_mps2 / count;
-    mean.angular_velocity_body_radps += reading.angular_velocity_body_radps / count;
-  }
-  Vector3d force_variance = Vector3d::Zero();
-  Vector3d rate_variance = Vector3d::Zero();
-  for (const auto& [received_ns, reading] : readings) {
-    force_variance += (reading.specific_force_body_mps2 - mean.specific_force_body_mps2).cwiseAbs2() / count;
-    rate_variance +=
-        (reading.angular_velocity_body_radps - mean.angular_velocity_body_radps).cwiseAbs2() / count;
-  }
-  const ImuSample corrected = calibration::Calibration(calibration).corrected(mean);
-  rules::RestObservation rest;
-  rest.mean_force_body_mps2 = corrected.specific_force_body_mps2;
-  rest.mean_rate_body_radps = corrected.angular_velocity_body_radps;
-  rest.force_std_mps2 = std::sqrt(force_variance.maxCoeff());
-  rest.rate_std_radps = std::sqrt(rate_variance.maxCoeff());
-  rest.fixes_span_m = fix_.samples < 2 ? 0.0 : (fixes_max_m_ - fixes_min_m_).norm();
-  rest.axes = calibration.axes;
-  return rest;
-}
-
 /// The median.
 std::optional<double> BeaconProbe::bridge_ahead_s() const {
   std::vector<double> ahead_s;
@@ -168,7 +139,7 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
     beacon.fusion = fusion.latest;
   }
   beacon.status_counts = status_counts_;
-  beacon.imu_means = means(settings.calibration);
+  beacon.rest = longest_rest(readings_, fixes_, settings.calibration);
   return beacon;
 }
 

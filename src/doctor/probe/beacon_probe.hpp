@@ -10,7 +10,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -54,7 +53,6 @@ private:
 
   [[nodiscard]] std::optional<double> bridge_ahead_s() const;
   [[nodiscard]] std::uint64_t missing_events(TimeNs ended_ns) const;
-  [[nodiscard]] std::optional<rules::RestObservation> means(const calibration::Settings& calibration) const;
   [[nodiscard]] motion::Window motion_window(const settings::Settings& settings) const;
   [[nodiscard]] bool in_window() const { return began_ns_ != 0; }
 
@@ -74,8 +72,6 @@ private:
   Latest<ImuSample> readings_;  ///< uncorrected
   Latest<UltrasonicFix> fixes_;
   Latest<PairHeading> headings_;  ///< the valid ones
-  Vector3d fixes_min_m_ = Vector3d::Constant(std::numeric_limits<double>::infinity());
-  Vector3d fixes_max_m_ = Vector3d::Constant(-std::numeric_limits<double>::infinity());
   std::optional<BeaconStatus> status_before_;
   std::optional<BeaconStatus> status_;
   struct FusionObservation {

@@ -73,14 +73,10 @@ struct StreamObservation {
   double deadline_s = std::numeric_limits<double>::infinity();  ///< of the QoS profile
 };
 
-/// Means and standard deviations of the IMU over the window, in body axes, with the fusion's calibration
-/// applied.
+/// Means of the IMU over the longest time at rest, in body axes, with the fusion's calibration applied.
 struct RestObservation {
   Vector3d mean_force_body_mps2 = Vector3d::Zero();
   Vector3d mean_rate_body_radps = Vector3d::Zero();
-  double force_std_mps2 = 0;  ///< largest of the three axes
-  double rate_std_radps = 0;  ///< largest of the three axes
-  double fixes_span_m = 0;    ///< diagonal of the fixes' bounding box; 0 for fewer than two fixes
   calibration::AxesSettings axes;
 };
 
@@ -126,11 +122,11 @@ struct BeaconObservation {
   std::vector<FusionStatus> fusions;  ///< the last status of each fusion of the beacon
   StatusCounts status_counts;
   FixOutcomes fix_outcomes;
-  std::uint64_t pair_fixes = 0;        ///< fixes that are the centre of a pair
-  settings::Settings fusion_settings;  ///< of its fusion; the defaults if it is not known
-  std::uint64_t timed_fixes = 0;       ///< fixes with a delay that the hardware measured
-  std::vector<motion::Piece> pieces;   ///< what IMU and fixes say about the installation
-  std::optional<RestObservation> imu_means;
+  std::uint64_t pair_fixes = 0;         ///< fixes that are the centre of a pair
+  settings::Settings fusion_settings;   ///< of its fusion; the defaults if it is not known
+  std::uint64_t timed_fixes = 0;        ///< fixes with a delay that the hardware measured
+  std::vector<motion::Piece> pieces;    ///< what IMU and fixes say about the installation
+  std::optional<RestObservation> rest;  ///< empty if it does not rest
 };
 
 struct Observations {
