@@ -251,7 +251,21 @@ SCENARIO("a pause of the doctor loses none of its samples") {
   const std::string output = doctor.text(Stream::output);
   CAPTURE(output);
   CHECK_THAT(output, Contains("beacon 7: IMU 250") || Contains("beacon 7: IMU 249"));
-  CHECK_THAT(output, !Contains("of its events were not received"));
+  CHECK_THAT(output, !Contains("not received"));
+}
+
+SCENARIO("a look that is stopped says so") {
+  const Bus bus;
+  Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+  const auto fusion = bus.fusion();
+  const auto bridge = bus.bridge({"--scenario", "rest"});
+  REQUIRE(poses.wait_for(is_ready));
+  Process doctor(SONOPOSE_TEST_DOCTOR, {"--domain", std::to_string(bus.domain_id()), "--duration", "60"},
+                 neutral);
+  CHECK_FALSE(doctor.wait_for_exit(std::chrono::milliseconds(3000)));
+  doctor.send(SIGINT);
+  CHECK(doctor.wait_for_exit() == 0);
+  CHECK_THAT(doctor.text(Stream::output), Contains("stopped after ") && Contains(" of 60 s: "));
 }
 
 SCENARIO("on a terminal, the doctor shows how far it is") {

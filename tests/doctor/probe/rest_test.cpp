@@ -24,7 +24,7 @@ struct Beacon {
 
   [[nodiscard]] std::optional<rules::RestObservation> rest_after(double duration_s) const {
     probe::BeaconProbe probe;
-    probe.begin(begin_ns);
+    probe.begin(begin_ns, {});
     const TimeNs end_ns = begin_ns + to_ns(duration_s);
     for (TimeNs at_ns = begin_ns; at_ns < end_ns; at_ns += imu_period_ns) {
       const double time_s = seconds_between(begin_ns, at_ns);
