@@ -155,6 +155,15 @@ TEST_CASE("In the journal a mistake on the command line is an error") {
   }
 }
 
+TEST_CASE("In the journal a misspelt verb is an error") {
+  const Result result =
+      run("/bin/sh",
+          {"-c", R"(JOURNAL_STREAM=$(stat -L -c %d:%i /proc/self/fd/2) exec "$0" fussion)", front_door});
+  CHECK(result.code == 1);
+  CHECK_THAT(result.error,
+             Catch::StartsWith("<3>fussion: unknown verb") && Contains("\n<3>Run sonopose --help"));
+}
+
 TEST_CASE("A misspelt command or option of a command is refused with the nearest one") {
   const auto settings = beside_front_door("sonopose-settings");
   CHECK_THAT(refusal(settings, {"rest"}), Contains("rest: unknown command; did you mean reset?"));
