@@ -2,6 +2,7 @@
 
 #include "support/bus.hpp"
 #include "support/terminal_process.hpp"
+#include "system/doctor_run.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -9,6 +10,7 @@
 #include <arpa/inet.h>
 #include <csignal>
 #include <filesystem>
+#include <random>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -18,14 +20,6 @@ using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 namespace topics = dds::topics;
-
-/// Runs the doctor until it exits.
-Result doctor(std::uint32_t domain_id, Arguments arguments = {}, const Environment& changes = {}) {
-  arguments.insert(arguments.end(), {"--domain", std::to_string(domain_id)});
-  Environment environment = neutral;
-  for (const auto& [name, value] : changes) environment[name] = value;
-  return run(SONOPOSE_TEST_DOCTOR, arguments, environment);
-}
 
 bool is_ready(const FusedPose& pose) {
   constexpr std::uint32_t not_yet = status_initialising | status_uncalibrated | status_heading_unknown;
@@ -211,6 +205,20 @@ SCENARIO("the doctor's search of all domains is bounded") {
   GIVEN("an empty domain, and programs in 132 others") {
     const Bus empty;
     const OccupiedDomains others(101, 232);
+    WHEN("a bridge runs in any of them") {
+      std::random_device random;
+      const auto used = std::uniform_int_distribution<unsigned>(101, 232)(random);
+      CAPTURE(used);
+      Process bridge(SONOPOSE_TEST_BRIDGE, {"--scenario", "rest", "--domain", std::to_string(used)}, neutral);
+      REQUIRE(bridge.wait_for_line(Stream::error, "found"));
+      const SearchUsage usage = search(empty.domain_id(), 1024);
+      CAPTURE(usage.output, usage.took_s);
+      THEN("the doctor finds it within 15 s") {
+        CHECK(usage.code == 1);
+        CHECK_THAT(usage.output, Contains("beacons are published in domain " + std::to_string(used) + ":"));
+        CHECK(usage.took_s < 15);
+      }
+    }
     WHEN("the doctor may open 1024 files") {
       const SearchUsage usage = search(empty.domain_id(), 1024);
       CAPTURE(usage.output, usage.took_s, usage.most_threads, usage.most_files);

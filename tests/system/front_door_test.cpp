@@ -2,6 +2,7 @@
 
 #include "support/process.hpp"
 #include "support/temporary_folder.hpp"
+#include <sonopose/text/columns_of.hpp>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
@@ -186,17 +187,12 @@ std::vector<std::vector<std::string>> helps_of(const std::string& program) {
   return helps;
 }
 
-std::size_t columns_of(const std::string& line) {
-  const auto is_first_byte = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; };
-  return static_cast<std::size_t>(std::count_if(line.begin(), line.end(), is_first_byte));
-}
-
 /// Lines that are wider than a page.
 std::vector<std::string> wide_lines(const std::string& text) {
   std::vector<std::string> wide;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
-    if (columns_of(line) > 100) wide.push_back(line);
+    if (sonopose::text::columns_of(line) > 100) wide.push_back(line);
   }
   return wide;
 }

@@ -15,7 +15,7 @@ Finding finding_of(const LineStatus& line) {
               "plug the device in, or correct the --device of the bridge"};
     case LineState::failed:
       return {Severity::error, subject, fmt::format("cannot be used: {}", line.text),
-              "correct the cause; the bridge then uses the line without a restart"};
+              "correct the cause, and start the bridge again if it has ended"};
     case LineState::silent:
       return {Severity::warning, subject, line.text, {}};
     case LineState::no_frames:
