@@ -3,6 +3,7 @@
 #include "doctor/probe/doctor_node.hpp"
 #include "doctor/rules/report.hpp"
 #include "support/bus_options.hpp"
+#include "support/progress.hpp"
 #include "support/waiting.hpp"
 
 #include <fmt/format.h>
@@ -28,10 +29,17 @@ int main(int argc, char** argv) {
     stop.listen_to_signals();
     std::optional<sonopose::apps::Waiting> waiting;
     waiting.emplace("observing the system", options.duration_s);
+    std::optional<sonopose::apps::Progress> fits;
+    options.on_fit = [&](double share) {
+      waiting.reset();
+      if (!fits) fits.emplace();
+      fits->at(share, "fitting the motion of each beacon");
+    };
     const auto observations = observe(options, stop);
     waiting.reset();
+    fits.reset();
     constexpr double least_window_s = 0.5;
-    if (observations.window_s < least_window_s) {
+    if (stop.requested() && observations.window_s < least_window_s) {
       throw std::runtime_error("stopped before it could observe the system");
     }
     const auto findings = diagnose(observations);

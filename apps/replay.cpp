@@ -10,6 +10,7 @@
 #include "support/progress.hpp"
 #include "support/replay_options.hpp"
 #include "support/run.hpp"
+#include "support/waiting.hpp"
 
 #include <fmt/format.h>
 
@@ -63,6 +64,19 @@ std::string report(const evaluation::RunResult& result, const evaluation::Timing
   return json ? evaluation::report_json(result, timing) : evaluation::report_text(result, timing);
 }
 
+recording::SensorLog read_log(const apps::ReplayOptions& options, evaluation::Timing& timing) {
+  const apps::Waiting waiting("reading " + options.log.filename().string());
+  const auto reading = Clock::now();
+  recording::SensorLog log = bus_log::read_sensor_log(options.log, options.beacon);
+  timing.reading_s = seconds_since(reading);
+  return log;
+}
+
+void draw(apps::Pictures& pictures) {
+  const apps::Waiting waiting("drawing");
+  pictures.draw();
+}
+
 /// Runs the log with each of the two files; --set applies to both.
 int compare(const CLI::App& app, const apps::ReplayOptions& options) {
   std::vector<config::FusionConfig> configs;
@@ -71,10 +85,8 @@ int compare(const CLI::App& app, const apps::ReplayOptions& options) {
     one.config.file = file;
     configs.push_back(configuration(app, one));
   }
-  const auto reading = Clock::now();
-  const recording::SensorLog log = bus_log::read_sensor_log(options.log, options.beacon);
   evaluation::Timing timing;
-  timing.reading_s = seconds_since(reading);
+  const recording::SensorLog log = read_log(options, timing);
   apps::Pictures pictures(options.plot, options.html, options.log.string(), log);
   for (std::size_t i = 0; i < configs.size(); ++i) {
     const std::string name = options.compared[i].string();
@@ -88,7 +100,7 @@ int compare(const CLI::App& app, const apps::ReplayOptions& options) {
     if (!options.json) fmt::print("{}{}\n", i == 0 ? "" : "\n", name);
     fmt::print("{}", report(result, timing, options.json));
   }
-  pictures.draw();
+  draw(pictures);
   return 0;
 }
 
@@ -99,9 +111,7 @@ int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
   if (options.load_state) run.start = evaluation::load_state(*options.load_state);
 
   evaluation::Timing timing;
-  const auto reading = Clock::now();
-  const recording::SensorLog log = bus_log::read_sensor_log(options.log, options.beacon);
-  timing.reading_s = seconds_since(reading);
+  const recording::SensorLog log = read_log(options, timing);
   run.settings = config.for_beacon(log.address);
   if (run.start) evaluation::check_fits(*run.start, log, options.load_state->string());
   std::optional<evaluation::OutputFolder> out;
@@ -119,7 +129,7 @@ int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
   const auto result = timed_run(log, run, options.smooth, {write, write}, timing);
   if (out) out->finish();
   if (options.save_state) evaluation::save_state(*options.save_state, result.end);
-  pictures.draw();
+  draw(pictures);
   fmt::print("{}", report(result, timing, options.json));
   return 0;
 }

@@ -35,18 +35,17 @@ Arguments joined(Arguments all, const Arguments& more) {
 int run(const CLI::App& app, const Options& options) {
   apps::check_publisher(options.bus);
   const Arguments bus = apps::option_arguments(app, apps::bus_group);
-  const Arguments live = joined(joined(bus, apps::option_arguments(app, apps::realtime_group)),
-                                apps::option_arguments(app, apps::log_group));
+  const Arguments log = apps::option_arguments(app, apps::log_group);
+  const Arguments live = joined(joined(bus, apps::option_arguments(app, apps::realtime_group)), log);
   Arguments bridge = joined(live, apps::option_arguments(app, apps::source_group));
   Arguments fusion = joined(live, apps::option_arguments(app, apps::settings_group));
-  Arguments monitor = bus;
+  Arguments monitor = joined(bus, log);
   if (options.record) bridge.push_back("--record=" + *options.record);
   if (options.source.is_unpaced()) fusion.emplace_back("--lossless");
   if (options.json) monitor.emplace_back("--json");
   // On a terminal the monitor has the screen.
   const bool has_screen = !options.json && terminal::is_screen();
   return launch::run_together(
-      app.get_name(),
       {{"sonopose-fusion", fusion}, {"sonopose-bridge", bridge}, {"sonopose-monitor", monitor, true}},
       has_screen ? launch::ErrorOutput::keep : launch::ErrorOutput::pass_on);
 }

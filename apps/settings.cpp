@@ -1,5 +1,6 @@
 // sonopose-settings: reads and changes the settings of a running fusion.
 
+#include "logging/log.hpp"
 #include "settings_client/settings_client.hpp"
 #include "settings_client/settings_report.hpp"
 #include "support/bus_options.hpp"
@@ -57,7 +58,7 @@ int set(const Options& options) {
   const auto reply = options.client().change(request, options.timeout_s);
   if (!reply) fail(options, "no fusion answered");
   if (!reply->accepted) throw std::runtime_error("refused: " + reply->reason);
-  if (!reply->reason.empty()) fmt::print(stderr, "sonopose-settings: warning: {}\n", reply->reason);
+  if (!reply->reason.empty()) logging::warning(reply->reason);
   fmt::print("accepted: {}\n", settings_client::effective_time_text(*reply));
   return 0;
 }

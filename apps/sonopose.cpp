@@ -1,6 +1,7 @@
 // sonopose: starts the other programs; `sonopose VERB ARGUMENTS…` executes sonopose-VERB.
 
 #include "launch/execute.hpp"
+#include "logging/log.hpp"
 #include "support/nearest.hpp"
 #include "support/verbs.hpp"
 #include "support/version.hpp"
@@ -33,7 +34,7 @@ int list_verbs() {
 }
 
 int refuse(const std::string& what) {
-  fmt::print(stderr, "sonopose: {}\nRun sonopose --help for all verbs.\n", what);
+  sonopose::logging::failure(what + "\nRun sonopose --help for all verbs.");
   return failed;
 }
 
@@ -62,6 +63,7 @@ int become(const std::string& verb, const std::vector<std::string>& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  sonopose::logging::set_program("sonopose");
   std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
   if (words.empty()) return list_verbs();
   const std::string first = words.front();

@@ -1,6 +1,7 @@
 #include "drive_commands.hpp"
 
 #include "evaluation/calibration.hpp"
+#include "logging/log.hpp"
 #include "plots/likelihood_plot.hpp"
 #include "progress.hpp"
 
@@ -31,15 +32,15 @@ std::vector<Quantity> all() {
 /// Writes the settings to the file. Warns about those that the file overrides for a single beacon.
 void write_settings(const std::filesystem::path& file, const std::vector<files::toml::Assignment>& settings) {
   if (settings.empty()) {
-    fmt::print(stderr, "{}: not changed: neither mount nor delay is known\n", file.string());
+    logging::warning(fmt::format("{}: not changed: neither mount nor delay is known", file.string()));
     return;
   }
   files::toml::merge(file, settings);
   for (const files::toml::Leaf& leaf : evaluation::overriding(file, settings)) {
-    fmt::print(stderr,
-               "warning: {}:{}: {} = {} still applies to its beacon instead of the calibrated value: remove "
-               "the line, or calibrate that beacon with --beacon\n",
-               file.string(), leaf.line, leaf.key, files::toml::text_of(leaf.value));
+    logging::warning(
+        fmt::format("{}:{}: {} = {} still applies to its beacon instead of the calibrated value: remove "
+                    "the line, or calibrate that beacon with --beacon",
+                    file.string(), leaf.line, leaf.key, files::toml::text_of(leaf.value)));
   }
 }
 

@@ -1,5 +1,7 @@
 #include "help.hpp"
 
+#include <sonopose/text/columns_of.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,11 +14,7 @@ namespace {
 constexpr std::size_t page_lines = 45;
 constexpr std::size_t left_columns = 30;
 
-/// Characters, not bytes.
-std::size_t columns_of(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(
-      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
-}
+using text::columns_of;
 
 std::string row(const std::string& left, const std::string& right) {
   const std::string indented = "  " + left;

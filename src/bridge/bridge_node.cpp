@@ -10,10 +10,12 @@
 #include "process/endpoint_counters.hpp"
 #include "process/random_id.hpp"
 #include "process/silence.hpp"
+#include "transitions/increase_log.hpp"
 #include "transitions/transition_log.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -70,7 +72,10 @@ public:
     if (recording_) recording_->obey(stop);
   }
   void publish_statuses(SteadyTime now);
-  void finish_log() { transition_log_.finish(); }
+  void finish_log() {
+    transition_log_.finish();
+    log_unwritten(true);
+  }
   void wait_for_readers();
   void wait_until_read();
   /// Throws files::IoError if samples were not recorded.
@@ -109,7 +114,7 @@ private:
   void publish(LineStatus& line);
   void record(const Recorded& sample);
   void start_recording(const BridgeOptions& options);
-  void log_unwritten();
+  void log_unwritten(bool is_last = false);
   void log_silence(BeaconAddress address, transitions::Kind kind, Stream& stream, SteadyTime now);
   [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
 
@@ -140,7 +145,7 @@ private:
   SteadyTime status_due_;
   SteadyTime status_last_;
   std::uint64_t unwritten_ = 0;
-  std::uint64_t unwritten_reported_ = 0;
+  transitions::IncreaseLog unwritten_log_;
   transitions::TransitionLog transition_log_;
 };
 
@@ -372,11 +377,12 @@ void BridgeNode::Publisher::publish_status(Beacon& beacon, SteadyTime now) {
   write(status_writer_, dds::topics::to_idl(status));
 }
 
-void BridgeNode::Publisher::log_unwritten() {
-  if (unwritten_ == unwritten_reported_) return;
+void BridgeNode::Publisher::log_unwritten(bool is_last) {
+  const auto more =
+      is_last ? unwritten_log_.finish(unwritten_) : unwritten_log_.update(unwritten_, clocks::steady_now());
+  if (!more) return;
   logging::warning(
-      fmt::format("{} samples could not be written: a reader is too slow", unwritten_ - unwritten_reported_));
-  unwritten_reported_ = unwritten_;
+      fmt::format("{} could not be written: a reader is too slow", text::count_text(*more, "sample")));
 }
 
 /// A stream of a lossless bridge waits for its readers.

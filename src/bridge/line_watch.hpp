@@ -2,7 +2,7 @@
 /// \file
 /// Whether an open line delivers frames.
 
-#include "bridge/line_log.hpp"
+#include "transitions/bounded_log.hpp"
 #include <sonopose/samples/status.hpp>
 
 #include <cstdint>
@@ -21,7 +21,7 @@ public:
   void judge(LineStatus& line, SteadyTime now);
 
   /// The log of the line, for its other changes.
-  [[nodiscard]] LineLog& log() { return log_; }
+  [[nodiscard]] transitions::BoundedLog& log() { return log_; }
 
 private:
   /// What the line had delivered, and when.
@@ -39,7 +39,9 @@ private:
   Progress frames_;
   std::uint64_t bytes_at_frame_ = 0;  ///< bytes received at the last frame
   LineState logged_ = LineState::open;
-  LineLog log_;
+  /// A device that comes and goes would fill the log.
+  static constexpr std::uint64_t most_lines_per_minute = 8;
+  transitions::BoundedLog log_{most_lines_per_minute};
 };
 
 }  // namespace sonopose::bridge

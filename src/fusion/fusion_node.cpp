@@ -370,6 +370,7 @@ void FusionNode::Impl::log_transitions(SteadyTime now) {
 void FusionNode::Impl::finish_log() {
   log_transitions(clocks::steady_now());
   transition_log_.finish();
+  status_publisher_.log_losses(unwritten(), true);
 }
 
 void FusionNode::Impl::hand_over() {

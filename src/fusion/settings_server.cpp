@@ -49,7 +49,9 @@ void SettingsServer::serve() {
   waitset += has_requests;
   waitset += wake_;
   while (!stopping_) {
-    waitset.wait();
+    constexpr std::chrono::seconds report_period{1};
+    waitset.wait(log_.has_pending() ? dds::Duration(report_period) : dds::infinite);
+    log_.update(clocks::steady_now());
     wake_.trigger_value(false);
     publish_changes();
     request_reader_.try_take_each([this](const sonopose_SettingsRequest& request, const dds::SampleInfo&) {
@@ -59,6 +61,7 @@ void SettingsServer::serve() {
       std::this_thread::sleep_for(std::chrono::nanoseconds(clocks::steady_now() - begin));
     });
   }
+  log_.finish();
 }
 
 void SettingsServer::answer(const sonopose_SettingsRequest& request) {
@@ -78,7 +81,6 @@ void SettingsServer::log(const SettingsRequest& request, const SettingsReply& re
   if (request.request_id != 0 && std::exchange(last_logged_id_, request.request_id) == request.request_id) {
     return;
   }
-  if (!log_limit_.admits(clocks::steady_now())) return;
   std::string text = request.address == all_beacons ? "settings of all beacons"
                                                     : fmt::format("settings of beacon {}", request.address);
   text += reply.accepted ? " changed" : " refused";
@@ -87,14 +89,11 @@ void SettingsServer::log(const SettingsRequest& request, const SettingsReply& re
     text += fmt::format("{}{} = {}", std::exchange(separator, ", "), assignment.key, assignment.value);
   }
   if (!reply.reason.empty()) text += "; " + reply.reason;
-  if (const std::uint64_t before = log_limit_.take_suppressed(); before > 0) {
-    text += fmt::format(" ({} requests before were not logged)", before);
-  }
   constexpr std::size_t longest = 1000;
   if (text.size() > longest) text = text.substr(0, longest) + " ...";
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
-  logging::write(reply.accepted ? logging::Level::info : logging::Level::warning, text);
+  log_.write(reply.accepted ? logging::Level::info : logging::Level::warning, text, clocks::steady_now());
 }
 
 void SettingsServer::publish_changes() {

@@ -6,7 +6,7 @@
 #include "fusion/settings_requests.hpp"
 #include "process/address_set.hpp"
 #include "process/guarded.hpp"
-#include "transitions/rate_limit.hpp"
+#include "transitions/bounded_log.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -51,7 +51,7 @@ private:
   process::AddressSet addresses_;
   SettingsRequests requests_;
   static constexpr std::uint64_t most_logged_per_minute = 60;
-  transitions::RateLimit log_limit_{most_logged_per_minute};
+  transitions::BoundedLog log_{most_logged_per_minute};
   std::uint64_t last_logged_id_ = 0;  ///< of a request: its sender repeats it until it receives the reply
   dds::DataWriter<sonopose_EffectiveSettings> settings_writer_;
   dds::DataWriter<sonopose_SettingsReply> reply_writer_;

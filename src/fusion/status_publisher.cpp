@@ -4,6 +4,7 @@
 #include "logging/log.hpp"
 #include "process/random_id.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -37,7 +38,7 @@ void StatusPublisher::publish_all(std::uint64_t unwritten) {
     publish_estimate(address);
     log_fix_refusals(address);
   }
-  log_losses(unwritten + unwritten_);
+  log_losses(unwritten, false);
   log_overload();
 }
 
@@ -94,18 +95,18 @@ void StatusPublisher::log_gaps(bool waited_for_consumer) {
   for (const std::string& text : texts) logging::warning(text);
 }
 
-void StatusPublisher::log_losses(std::uint64_t unwritten) {
-  if (unwritten != unwritten_reported_) {
-    logging::warning(fmt::format("{} poses or reports could not be written: a consumer is too slow",
-                                 unwritten - unwritten_reported_));
-    unwritten_reported_ = unwritten;
-  }
-  const std::uint64_t incompatible = endpoints_.incompatible_qos;
-  if (incompatible != incompatible_reported_) {
+void StatusPublisher::log_losses(std::uint64_t unwritten, bool is_last) {
+  const SteadyTime now = clocks::steady_now();
+  const auto more = [&](transitions::IncreaseLog& log, std::uint64_t count) {
+    return is_last ? log.finish(count) : log.update(count, now);
+  };
+  if (const auto lost = more(unwritten_log_, unwritten + unwritten_)) {
     logging::warning(
-        fmt::format("{} readers or writers with incompatible QoS; run sonopose-doctor to list them",
-                    incompatible - incompatible_reported_));
-    incompatible_reported_ = incompatible;
+        fmt::format("{} could not be written: a consumer is too slow", text::count_text(*lost, "sample")));
+  }
+  if (const auto readers = more(incompatible_log_, endpoints_.incompatible_qos)) {
+    logging::warning(fmt::format("{} with incompatible QoS; run sonopose-doctor to list them",
+                                 text::count_text(*readers, "reader or writer", "readers or writers")));
   }
 }
 

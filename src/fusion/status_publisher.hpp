@@ -8,6 +8,7 @@
 #include "fusion/pose_output.hpp"
 #include "process/endpoint_counters.hpp"
 #include "process/guarded.hpp"
+#include "transitions/increase_log.hpp"
 #include "transitions/transition_log.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -35,6 +36,9 @@ public:
   /// of the time since the last call.
   void log_gaps(bool waited_for_consumer);
 
+  /// Logs what could not be written, with `unwritten` elsewhere in the process; `is_last`: the process ends.
+  void log_losses(std::uint64_t unwritten, bool is_last);
+
   /// Unregisters a beacon, so that consumers learn immediately that its status ends.
   void unregister(BeaconAddress address) noexcept;
 
@@ -42,7 +46,6 @@ private:
   [[nodiscard]] auto read(BeaconAddress address, const auto& read_from) const;
   void publish_estimate(BeaconAddress address);
   void log_fix_refusals(BeaconAddress address);
-  void log_losses(std::uint64_t unwritten);
   void log_overload();
 
   std::uint64_t fusion_id_;
@@ -56,8 +59,8 @@ private:
   dds::DataWriter<sonopose_Estimate> estimate_writer_;
   GapDetector gaps_;
   std::uint64_t unwritten_ = 0;  ///< statuses and estimates
-  std::uint64_t unwritten_reported_ = 0;
-  std::uint64_t incompatible_reported_ = 0;
+  transitions::IncreaseLog unwritten_log_;
+  transitions::IncreaseLog incompatible_log_;
   bool overload_reported_ = false;
 };
 

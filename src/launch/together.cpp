@@ -1,6 +1,7 @@
 #include "launch/together.hpp"
 
 #include "launch/execute.hpp"
+#include "logging/log.hpp"
 #include <sonopose/text/kept_lines.hpp>
 
 #include <fmt/format.h>
@@ -179,7 +180,7 @@ private:
       ::dup2(none, STDIN_FILENO);
     }
     execute(program.name, program.arguments);
-    fmt::print(stderr, "{} cannot be started: {}\n", program.name, std::strerror(errno));
+    logging::failure(fmt::format("{} cannot be started: {}", program.name, std::strerror(errno)));
     ::_exit(cannot_execute);
   }
 
@@ -193,8 +194,7 @@ private:
 
 class Group {
 public:
-  Group(const std::string& caller, const std::vector<Program>& programs, ErrorOutput output)
-      : caller_(caller) {
+  Group(const std::vector<Program>& programs, ErrorOutput output) {
     for (const Program& program : programs) {
       children_.push_back(std::make_unique<Child>(program, signals_, output));
     }
@@ -211,7 +211,7 @@ public:
     for (const auto& child : children_) {
       for (const std::string& line : child->lines().take()) std::fprintf(stderr, "%s\n", line.c_str());
     }
-    for (const std::string& line : report_) std::fprintf(stderr, "%s: %s\n", caller_.c_str(), line.c_str());
+    for (const std::string& line : report_) logging::failure(line);
     return code_;
   }
 
@@ -271,7 +271,6 @@ private:
     deadline_ = Clock::now() + end_timeout;
   }
 
-  const std::string& caller_;
   Signals signals_;
   std::vector<std::unique_ptr<Child>> children_;
   std::optional<Clock::time_point> deadline_;  ///< set when the end has begun
@@ -282,8 +281,8 @@ private:
 
 }  // namespace
 
-int run_together(const std::string& caller, const std::vector<Program>& programs, ErrorOutput output) {
-  return Group(caller, programs, output).run();
+int run_together(const std::vector<Program>& programs, ErrorOutput output) {
+  return Group(programs, output).run();
 }
 
 }  // namespace sonopose::launch

@@ -8,7 +8,9 @@
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
+#include <csignal>
 #include <cstdlib>
+#include <ctime>
 #include <memory>
 #include <mutex>
 #include <poll.h>
@@ -32,12 +34,39 @@ std::string& program_name() {
   return name;
 }
 
+/// While it exists, a reader of standard error that has gone away does not end the process: a log is not
+/// worth the poses.
+class WithoutSigpipe {
+public:
+  WithoutSigpipe() {
+    ::sigemptyset(&pipe_);
+    ::sigaddset(&pipe_, SIGPIPE);
+    sigset_t pending;
+    ::sigpending(&pending);
+    was_pending_ = ::sigismember(&pending, SIGPIPE) == 1;
+    ::pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
+  }
+  ~WithoutSigpipe() {
+    constexpr timespec at_once{};
+    if (!was_pending_) ::sigtimedwait(&pipe_, nullptr, &at_once);
+    ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  WithoutSigpipe(const WithoutSigpipe&) = delete;
+  WithoutSigpipe& operator=(const WithoutSigpipe&) = delete;
+
+private:
+  sigset_t pipe_{};
+  sigset_t before_{};
+  bool was_pending_ = false;  ///< from another write of this thread
+};
+
 /// Writes to standard error, which may take nothing for a while.
 class PatientWriter {
 public:
   /// Writes everything, or gives up after `flush_timeout` once the process is ending. `write` may block only
   /// after `poll`, and a pipe that is ready takes a line of up to 4096 bytes.
   void write(std::string_view text) {
+    const WithoutSigpipe guard;
     while (!text.empty()) {
       if (!is_ready()) return;
       const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());

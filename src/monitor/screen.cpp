@@ -2,6 +2,7 @@
 
 #include "monitor/screen_page.hpp"
 #include "monitor/screen_table.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -134,7 +135,7 @@ std::string Screen::title() const {
     });
   };
   const std::string_view order = order_words[static_cast<std::size_t>(order_)];
-  std::string text = fmt::format("{} beacons by {}", views_.size(), order);
+  std::string text = fmt::format("{} by {}", text::count_text(views_.size(), "beacon"), order);
   const std::size_t rows = body_rows();
   if (views_.size() > rows) {
     text += fmt::format(", rows {}-{}", first_row_ + 1, std::min(first_row_ + rows, views_.size()));

@@ -156,8 +156,7 @@ void add_beacon(Page& page, const BeaconView& view) {
 
 void add_latency(Page& page, const BeaconView& view) {
   const auto add = [&page](std::string_view name, const observation::Percentiles& percentiles) {
-    page.add(name, fmt::format("{:>9}{:>9}", number(percentiles.p50_s * 1e3, 2),
-                               number(percentiles.p99_s * 1e3, 2)));
+    page.add(name, fmt::format("{:>9}{:>9}", ms(percentiles.p50_s), ms(percentiles.p99_s)));
   };
   page.title("Latency ms                p50      p99");
   constexpr std::array<std::string_view, 4> names{"sensor to bridge", "bridge to fusion", "in the fusion",
@@ -165,7 +164,7 @@ void add_latency(Page& page, const BeaconView& view) {
   for (std::size_t i = 0; i < names.size(); ++i) add(names[i], view.segments[i]);
   add("bridge to here", view.latency);
   const double worst_s = view.worst ? view.worst->latency_s() : nan;
-  page.add("slowest pose", fmt::format("{:>9}", number(worst_s * 1e3, 2)));
+  page.add("slowest pose", fmt::format("{:>9}", ms(worst_s)));
 }
 
 void add_fusions(Page& page, const BeaconView& view) {

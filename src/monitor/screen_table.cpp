@@ -17,10 +17,6 @@ namespace {
 using observation::BeaconView;
 using terminal::Style;
 
-bool is_first_byte(char byte) {
-  return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
-}
-
 double of_pose(const BeaconView& view, double value) {
   return has_pose(view) ? value : std::numeric_limits<double>::quiet_NaN();
 }
@@ -29,10 +25,6 @@ double of_pose(const BeaconView& view, double value) {
 std::string error_text(const BeaconView& view) {
   const std::string text = number(error_m(view), 3);
   return view.position_error_rms_m || text == unknown ? text : "±" + text;
-}
-
-std::string ms_text(double seconds) {
-  return number(seconds * 1e3, 2);
 }
 
 struct Column {
@@ -68,8 +60,8 @@ constexpr std::array columns_by_position{
     Column{"trust", 5, 6, [](const BeaconView& view) { return number(of_pose(view, view.pose.trust), 2); }},
     Column{"fix age s", 9, 13,
            [](const BeaconView& view) { return number(of_pose(view, view.pose.since_valid_fix_s), 2); }},
-    Column{"p50 ms", 7, 14, [](const BeaconView& view) { return ms_text(view.latency.p50_s); }},
-    Column{"p99 ms", 7, 7, [](const BeaconView& view) { return ms_text(view.latency.p99_s); }},
+    Column{"p50 ms", 7, 14, [](const BeaconView& view) { return ms(view.latency.p50_s); }},
+    Column{"p99 ms", 7, 7, [](const BeaconView& view) { return ms(view.latency.p99_s); }},
     Column{"lost", 6, 11,
            [](const BeaconView& view) {
              return view.fusion ? fmt::format("{}", view.fusion->events_lost) : std::string(unknown);
@@ -125,17 +117,13 @@ std::string padded(std::string text, std::size_t columns) {
 
 }  // namespace
 
-std::size_t columns_of(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), is_first_byte));
-}
-
 std::string fitted(std::string_view text, std::size_t columns) {
   const bool cut = columns_of(text) > columns;
   const std::size_t kept = cut && columns > 0 ? columns - 1 : columns;
   std::string result;
   std::size_t used = 0;
   for (const char byte : text) {
-    if (is_first_byte(byte) && ++used > kept) break;
+    if (text::is_first_byte(byte) && ++used > kept) break;
     const auto code = static_cast<unsigned char>(byte);
     result += code < 0x20 || code == 0x7F ? '?' : byte;
   }

@@ -4,6 +4,7 @@
 
 #include "observation/beacon_observer.hpp"
 #include "terminal/text.hpp"
+#include <sonopose/text/columns_of.hpp>
 
 #include <cstddef>
 #include <string>
@@ -11,11 +12,10 @@
 
 namespace sonopose::monitor {
 
+using text::columns_of;
+
 /// The first columns of a UTF-8 text; "…" at the end if it was longer. Control characters become "?".
 std::string fitted(std::string_view text, std::size_t columns);
-
-/// The columns of a UTF-8 text, one for each character.
-std::size_t columns_of(std::string_view text);
 
 /// The titles of the columns that fit. The status is the last column and gets what is left.
 terminal::Line table_heading(std::size_t columns);

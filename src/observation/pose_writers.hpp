@@ -22,6 +22,8 @@ struct ProcessIdentity {
   std::string name;
   std::string host;
   std::optional<std::uint32_t> id;
+
+  bool operator==(const ProcessIdentity&) const = default;
 };
 
 /// "sonopose-bridge (process 812 on rover)", "an unknown process".

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstddef>
 #include <cstdlib>
 #include <exception>
+#include <poll.h>
 #include <system_error>
 #include <termios.h>
 #include <unistd.h>
@@ -29,6 +31,46 @@ struct Saved {
 };
 Saved saved;
 
+/// The end of what was written to standard error: the handler of a crash cannot read a container.
+struct Kept {
+  std::array<char, 16384> text{};
+  std::atomic<std::size_t> size = 0;  ///< ever written; the place of a byte is its number modulo the length
+  std::atomic<int> pipe_fd = -1;
+};
+Kept kept;
+static_assert(std::atomic<std::size_t>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+
+void write_to_error(const char* text, std::size_t size) noexcept {
+  while (size > 0) {
+    const ssize_t written = ::write(STDERR_FILENO, text, size);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return;
+    text += written;
+    size -= static_cast<std::size_t>(written);
+  }
+}
+
+/// Only async-signal-safe calls.
+void write_kept() noexcept {
+  const int fd = kept.pipe_fd;
+  if (fd < 0) return;
+  const std::size_t size = kept.size;
+  const std::size_t length = std::min(size, kept.text.size());
+  const std::size_t begin = (size - length) % kept.text.size();
+  const std::size_t first = std::min(length, kept.text.size() - begin);
+  write_to_error(kept.text.data() + begin, first);
+  write_to_error(kept.text.data(), length - first);
+  constexpr int most_reads = 64;  // others may go on writing
+  std::array<char, 1024> rest{};
+  for (int i = 0; i < most_reads; ++i) {
+    pollfd event{fd, POLLIN, 0};
+    if (::poll(&event, 1, 0) <= 0 || (event.revents & POLLIN) == 0) return;
+    const ssize_t got = ::read(fd, rest.data(), rest.size());
+    if (got <= 0) return;
+    write_to_error(rest.data(), static_cast<std::size_t>(got));
+  }
+}
+
 /// Once, even if several threads crash.
 void restore() noexcept {
   if (saved.armed == 0) return;
@@ -36,6 +78,7 @@ void restore() noexcept {
   [[maybe_unused]] const auto written = ::write(saved.terminal_fd, saved.sequence.data(), saved.length);
   ::tcsetattr(saved.terminal_fd, TCSANOW, &saved.modes);
   ::dup2(saved.error_fd, STDERR_FILENO);
+  write_kept();
 }
 
 extern "C" void sonopose_on_crash(int signal) {
@@ -72,6 +115,18 @@ CrashRestore::CrashRestore(int terminal_fd, int error_fd) {
     ::sigaction(crash_signals[i], &action, &saved.actions[i]);
   }
   saved.terminate = std::set_terminate(on_terminate);
+}
+
+void CrashRestore::read_from(int fd) noexcept {
+  kept.size = 0;
+  kept.pipe_fd = fd;
+}
+
+void CrashRestore::keep(std::string_view text) noexcept {
+  if (text.size() > kept.text.size()) text.remove_prefix(text.size() - kept.text.size());
+  std::size_t size = kept.size;
+  for (const char byte : text) kept.text[size++ % kept.text.size()] = byte;
+  kept.size = size;
 }
 
 void CrashRestore::leave_with(const std::string& sequence) {

@@ -3,6 +3,7 @@
 /// Restores the terminal when the process crashes, with nothing but async-signal-safe calls.
 
 #include <string>
+#include <string_view>
 
 namespace sonopose::terminal {
 
@@ -16,6 +17,12 @@ public:
   CrashRestore& operator=(const CrashRestore&) = delete;
   /// Puts the earlier handlers back.
   ~CrashRestore();
+
+  /// What the handler writes to standard error after the restore: the end of what was kept, and what is still
+  /// in the pipe `fd`; -1: no pipe.
+  static void read_from(int fd) noexcept;
+  /// Only from one thread at a time.
+  static void keep(std::string_view text) noexcept;
 
   /// On a crash, `sequence` (at most 512 bytes) is written to the terminal first.
   static void leave_with(const std::string& sequence);

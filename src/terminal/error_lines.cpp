@@ -44,10 +44,12 @@ ErrorLines::ErrorLines() : on_terminal_(::isatty(STDERR_FILENO) == 1) {
   sigset_t before{};
   ::sigfillset(&all);
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  if (on_terminal_) CrashRestore::read_from(read_fd_);  // elsewhere each line is passed on at once
   try {
     reader_ = std::thread([this] { read_lines(); });
   } catch (...) {
     ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    CrashRestore::read_from(-1);
     for (const int fd : {ends[0], ends[1], original_fd_}) ::close(fd);
     throw;
   }
@@ -61,6 +63,7 @@ ErrorLines::~ErrorLines() {
   std::fflush(stderr);
   ::dup2(original_fd_, STDERR_FILENO);  // closes the last write end, so the reader ends
   reader_.join();
+  CrashRestore::read_from(-1);
   if (on_terminal_) {
     for (const std::string& line : kept_.take()) write_all(STDERR_FILENO, line + "\n");
   }
@@ -80,6 +83,7 @@ void ErrorLines::read_lines() {
     const ssize_t got = ::read(read_fd_, buffer.data(), buffer.size());
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) break;
+    if (on_terminal_) CrashRestore::keep({buffer.data(), static_cast<std::size_t>(got)});
     kept_.add({buffer.data(), static_cast<std::size_t>(got)},
               [this](const std::string& line) { on_line(line); });
   }

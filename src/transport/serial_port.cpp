@@ -74,8 +74,15 @@ private:
     if (loop_.stopped()) return {ReadStatus::stopped};
     if (done.error == asio::error::operation_aborted) return {ReadStatus::timeout};
     close(done.error == asio::error::eof ? "the device hung up" : done.error.message(), LineState::waiting);
-    absence_reported_ = true;
+    reported_ = {state_, {}};
     return {ReadStatus::disconnected};
+  }
+
+  /// Whether the cause is to be reported: once, and again when another one keeps the device from being used.
+  bool is_new_cause() {
+    // A device that is absent is waited for, whatever the reason was at first.
+    const std::pair cause{state_, state_ == LineState::waiting ? std::string() : last_error_};
+    return std::exchange(reported_, cause) != cause;
   }
 
   ReadResult wait_for_device(std::chrono::milliseconds timeout) {
@@ -83,7 +90,7 @@ private:
     for (;;) {
       if (steady_clock::now() >= next_attempt_) {
         if (open()) return {ReadStatus::connected};
-        if (!std::exchange(absence_reported_, true)) return {ReadStatus::disconnected};
+        if (is_new_cause()) return {ReadStatus::disconnected};
       }
       sleep(until(std::min(deadline, next_attempt_)));
       if (loop_.stopped()) return {ReadStatus::stopped};
@@ -112,7 +119,7 @@ private:
     }
     state_ = LineState::open;
     last_error_.clear();
-    absence_reported_ = false;
+    reported_ = {LineState::open, {}};
     return true;
   }
 
@@ -137,7 +144,7 @@ private:
   asio::serial_port port_;
   LineState state_ = LineState::closed;
   std::string last_error_ = "not opened yet";
-  bool absence_reported_ = false;
+  std::pair<LineState, std::string> reported_{LineState::closed, {}};  ///< the state and its cause
   steady_clock::time_point next_attempt_;
 };
 

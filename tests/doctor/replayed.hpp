@@ -3,12 +3,14 @@
 
 #include "doctor/probe/beacon_probe.hpp"
 #include "doctor/rules/healthy_system.hpp"
+#include "fusion/beacon_estimator.hpp"
 #include "sim/simulator.hpp"
-#include <sonopose/estimation/any_estimator.hpp>
 
 #include <catch2/catch.hpp>
 
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace sonopose::doctor::test {
@@ -22,39 +24,50 @@ struct Look {
 /// What the doctor observes if this is the only beacon.
 inline rules::Observations observed(const std::vector<Event>& events, const settings::Settings& settings,
                                     const Look& look) {
-  estimation::AnyEstimator estimator(settings);
+  fusion::BeaconEstimator estimator(7, fusion::SettingsTimeline(config::BeaconSettings(settings)), false);
   probe::BeaconProbe probe;
   const TimeNs begin_ns = available_at_ns(events.front()) + to_ns(look.begin_s);
   const TimeNs end_ns = begin_ns + to_ns(look.window_s);
   bool is_looking = false;
+  rules::Observations observations = rules::test::healthy();
+  const rules::BeaconObservation healthy = observations.beacons.front();
+  const probe::Deadlines deadlines{.imu_s = healthy.imu.deadline_s,
+                                   .fix_s = healthy.fix.deadline_s,
+                                   .heading_s = healthy.heading.deadline_s,
+                                   .pose_s = healthy.pose.deadline_s};
+  const auto publish_statuses = [&] {
+    probe.on(estimator.status());
+    probe.on(*healthy.status);
+  };
   for (const Event& event : events) {
     const TimeNs now_ns = available_at_ns(event);
-    if (now_ns >= begin_ns && !std::exchange(is_looking, true)) probe.begin(begin_ns);
     if (now_ns >= end_ns) break;
+    if (now_ns >= begin_ns && !std::exchange(is_looking, true)) {
+      probe.begin(begin_ns, deadlines);
+      publish_statuses();
+    }
     if (const auto* imu = std::get_if<ImuSample>(&event)) {
       ImuSample sample = *imu;
       sample.bridge_time_ns = now_ns;
       probe.on(sample, now_ns, 1);
-      if (const auto pose = estimator.predict(sample)) probe.on(*pose, now_ns);
     } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
       probe.on(*fix, now_ns);
-      probe.on(estimator.correct(*fix));
     } else {
       probe.on(std::get<PairHeading>(event), now_ns);
-      estimator.correct(std::get<PairHeading>(event));
     }
-    estimator.catch_up();
+    for (const auto& collated : estimator.collate(event, 1, {now_ns}, {now_ns})) {
+      const auto outcome = estimator.process(collated);
+      if (const auto* pose = std::get_if<FusedPose>(&outcome.result)) probe.on(*pose, now_ns);
+      if (const auto* report = std::get_if<FixReport>(&outcome.result)) probe.on(*report, now_ns);
+      estimator.catch_up();
+    }
   }
-  rules::Observations observations = rules::test::healthy();
+  publish_statuses();
   observations.window_s = look.window_s;
-  const rules::BeaconObservation healthy = observations.beacons.front();
   rules::BeaconObservation& beacon = observations.beacons.front();
   beacon = probe.observation(end_ns, settings);
+  beacon.pieces = probe.pieces(settings);
   beacon.address = healthy.address;
-  beacon.imu.deadline_s = healthy.imu.deadline_s;
-  beacon.fix.deadline_s = healthy.fix.deadline_s;
-  beacon.heading.deadline_s = healthy.heading.deadline_s;
-  beacon.pose.deadline_s = healthy.pose.deadline_s;
   beacon.bridges = healthy.bridges;
   return observations;
 }

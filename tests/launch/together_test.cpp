@@ -27,7 +27,7 @@ Program then(const TemporaryFolder& folder, const std::string& command) {
 SCENARIO("the first program that ends ends the others") {
   const TemporaryFolder folder;
   const auto run = [&](const std::string& command) {
-    return run_together("test", {waiting(folder), then(folder, command)}, ErrorOutput::pass_on);
+    return run_together({waiting(folder), then(folder, command)}, ErrorOutput::pass_on);
   };
   WHEN("it succeeds") {
     CHECK(run("exit 0") == 0);
@@ -42,7 +42,7 @@ SCENARIO("the first program that ends ends the others") {
     CHECK(read_text(folder / "asked") == "asked\n");
   }
   WHEN("it does not exist") {
-    CHECK(run_together("test", {waiting(folder), {"sonopose-absent", {}}}, ErrorOutput::pass_on) == 127);
+    CHECK(run_together({waiting(folder), {"sonopose-absent", {}}}, ErrorOutput::pass_on) == 127);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include <csignal>
 #include <fcntl.h>
 #include <memory>
 #include <string>
@@ -31,7 +32,13 @@ public:
   CapturedError& operator=(const CapturedError&) = delete;
   ~CapturedError() {
     restore();
-    ::close(read_end_);
+    close_reader();
+  }
+
+  /// The reader goes away.
+  void close_reader() {
+    if (read_end_ >= 0) ::close(read_end_);
+    read_end_ = -1;
   }
 
   /// After it nothing more is written, and read() ends.
@@ -94,6 +101,30 @@ SCENARIO("the reason of an end is written after the lines that wait, at once") {
   logging::write(logging::Level::failure, "one");
   logging::failure("the device is gone");
   CHECK(error.read(expected.size()) == expected);  // the session has not ended
+}
+
+SCENARIO("a reader of the log that goes away does not end the process") {
+  CapturedError error;
+  struct sigaction before {};
+  struct sigaction fatal {};
+  fatal.sa_handler = SIG_DFL;
+  ::sigaction(SIGPIPE, &fatal, &before);
+  error.close_reader();
+  logging::warning("without a session");
+  {
+    const logging::Session session(logging::Level::info);
+    logging::warning("with a session");
+    logging::failure("the last line");
+  }
+  THEN("and other writes to a closed pipe still do") {
+    sigset_t pending;
+    ::sigpending(&pending);
+    CHECK(::sigismember(&pending, SIGPIPE) == 0);
+    sigset_t blocked;
+    ::pthread_sigmask(SIG_BLOCK, nullptr, &blocked);
+    CHECK(::sigismember(&blocked, SIGPIPE) == 0);
+  }
+  ::sigaction(SIGPIPE, &before, nullptr);
 }
 
 SCENARIO("no thread waits for a reader that has stopped, and the dropped lines are counted and reported") {

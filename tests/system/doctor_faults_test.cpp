@@ -6,6 +6,8 @@
 #include "support/beacon_bytes.hpp"
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/value_of.hpp"
+#include "system/doctor_run.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <nlohmann/json.hpp>
@@ -23,16 +25,6 @@ using namespace sonopose::test;
 using Catch::Contains;
 namespace topics = dds::topics;
 
-/// Runs the doctor until it exits; the environment is neutral but for `changes`.
-Result doctor(std::uint32_t domain_id, Arguments arguments, const Environment& changes = {}) {
-  arguments.insert(arguments.end(), {"--domain", std::to_string(domain_id)});
-  Environment environment = neutral;
-  for (const auto& [name, value] : changes) environment[name] = value;
-  Process process(SONOPOSE_TEST_DOCTOR, arguments, environment);
-  const auto code = process.wait_for_exit(std::chrono::seconds(90));  // fits beside many processes
-  return {code, process.text(Stream::output), process.text(Stream::error)};
-}
-
 /// The warnings and errors of a report in JSON whose subject is `subject`, one per line.
 std::string problems_of(const nlohmann::json& report, const std::string& subject) {
   std::string text;
@@ -42,13 +34,6 @@ std::string problems_of(const nlohmann::json& report, const std::string& subject
     text += finding["what"].get<std::string>() + "; " + finding["remedy"].get<std::string>() + '\n';
   }
   return text;
-}
-
-/// The number after `key=`; NaN if there is none.
-double value_of(const std::string& text, const std::string& key) {
-  std::smatch match;
-  return std::regex_search(text, match, std::regex(key + "=(-?[0-9.]+)")) ? std::stod(match[1])
-                                                                          : std::nan("");
 }
 
 /// The axis of the pair and the time of the fixes as the hardware reports them, and what happens to samples.

@@ -2,6 +2,7 @@
 
 #include "support/bus.hpp"
 #include "support/terminal_process.hpp"
+#include "system/doctor_run.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -9,6 +10,7 @@
 #include <arpa/inet.h>
 #include <csignal>
 #include <filesystem>
+#include <random>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -18,14 +20,6 @@ using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 namespace topics = dds::topics;
-
-/// Runs the doctor until it exits.
-Result doctor(std::uint32_t domain_id, Arguments arguments = {}, const Environment& changes = {}) {
-  arguments.insert(arguments.end(), {"--domain", std::to_string(domain_id)});
-  Environment environment = neutral;
-  for (const auto& [name, value] : changes) environment[name] = value;
-  return run(SONOPOSE_TEST_DOCTOR, arguments, environment);
-}
 
 bool is_ready(const FusedPose& pose) {
   constexpr std::uint32_t not_yet = status_initialising | status_uncalibrated | status_heading_unknown;
@@ -214,6 +208,20 @@ SCENARIO("the doctor's search of all domains is bounded") {
   GIVEN("an empty domain, and programs in 132 others") {
     const Bus empty;
     const OccupiedDomains others(101, 232);
+    WHEN("a bridge runs in any of them") {
+      std::random_device random;
+      const auto used = std::uniform_int_distribution<unsigned>(101, 232)(random);
+      CAPTURE(used);
+      Process bridge(SONOPOSE_TEST_BRIDGE, {"--scenario", "rest", "--domain", std::to_string(used)}, neutral);
+      REQUIRE(bridge.wait_for_line(Stream::error, "found"));
+      const SearchUsage usage = search(empty.domain_id(), 1024);
+      CAPTURE(usage.output, usage.took_s);
+      THEN("the doctor finds it within 15 s") {
+        CHECK(usage.code == 1);
+        CHECK_THAT(usage.output, Contains("beacons are published in domain " + std::to_string(used) + ":"));
+        CHECK(usage.took_s < 15);
+      }
+    }
     WHEN("the doctor may open 1024 files") {
       const SearchUsage usage = search(empty.domain_id(), 1024);
       CAPTURE(usage.output, usage.took_s, usage.most_threads, usage.most_files);
@@ -254,7 +262,21 @@ SCENARIO("a pause of the doctor loses none of its samples") {
   const std::string output = doctor.text(Stream::output);
   CAPTURE(output);
   CHECK_THAT(output, Contains("beacon 7: IMU 250") || Contains("beacon 7: IMU 249"));
-  CHECK_THAT(output, !Contains("of its events were not received"));
+  CHECK_THAT(output, !Contains("not received"));
+}
+
+SCENARIO("a look that is stopped says so") {
+  const Bus bus;
+  Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+  const auto fusion = bus.fusion();
+  const auto bridge = bus.bridge({"--scenario", "rest"});
+  REQUIRE(poses.wait_for(is_ready));
+  Process doctor(SONOPOSE_TEST_DOCTOR, {"--domain", std::to_string(bus.domain_id()), "--duration", "60"},
+                 neutral);
+  CHECK_FALSE(doctor.wait_for_exit(std::chrono::milliseconds(3000)));
+  doctor.send(SIGINT);
+  CHECK(doctor.wait_for_exit() == 0);
+  CHECK_THAT(doctor.text(Stream::output), Contains("stopped after ") && Contains(" of 60 s: "));
 }
 
 SCENARIO("on a terminal, the doctor shows how far it is") {

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <string>
@@ -44,6 +45,14 @@ SCENARIO("--beacon selects the settings that are scored") {
   CHECK(rmse_of(named) == worse);
   CHECK(rmse_of({"--set", "beacon.7.trust.sigma_m=5", "--set",
                  "beacon.7.attitude.adaptive.accel_time_s=1"}) == worse);
+}
+
+SCENARIO("the row of a case is printed before the next case ends") {
+  Process evaluate(SONOPOSE_TEST_EVALUATE, {"walk", "kart", "--seeds", "20"});
+  REQUIRE(evaluate.wait_for_line(Stream::output, "walk"));
+  CHECK_THAT(evaluate.text(Stream::output), !Contains("kart"));
+  CHECK_FALSE(evaluate.wait_for_exit(std::chrono::milliseconds(0)));
+  CHECK(evaluate.wait_for_line(Stream::output, "kart"));
 }
 
 SCENARIO("--engine scores each engine in a row of its own") {

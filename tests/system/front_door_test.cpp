@@ -2,6 +2,7 @@
 
 #include "support/process.hpp"
 #include "support/temporary_folder.hpp"
+#include <sonopose/text/columns_of.hpp>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
@@ -155,6 +156,15 @@ TEST_CASE("In the journal a mistake on the command line is an error") {
   }
 }
 
+TEST_CASE("In the journal a misspelt verb is an error") {
+  const Result result =
+      run("/bin/sh",
+          {"-c", R"(JOURNAL_STREAM=$(stat -L -c %d:%i /proc/self/fd/2) exec "$0" fussion)", front_door});
+  CHECK(result.code == 1);
+  CHECK_THAT(result.error,
+             Catch::StartsWith("<3>fussion: unknown verb") && Contains("\n<3>Run sonopose --help"));
+}
+
 TEST_CASE("A misspelt command or option of a command is refused with the nearest one") {
   const auto settings = beside_front_door("sonopose-settings");
   CHECK_THAT(refusal(settings, {"rest"}), Contains("rest: unknown command; did you mean reset?"));
@@ -177,17 +187,12 @@ std::vector<std::vector<std::string>> helps_of(const std::string& program) {
   return helps;
 }
 
-std::size_t columns_of(const std::string& line) {
-  const auto is_first_byte = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; };
-  return static_cast<std::size_t>(std::count_if(line.begin(), line.end(), is_first_byte));
-}
-
 /// Lines that are wider than a page.
 std::vector<std::string> wide_lines(const std::string& text) {
   std::vector<std::string> wide;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
-    if (columns_of(line) > 100) wide.push_back(line);
+    if (sonopose::text::columns_of(line) > 100) wide.push_back(line);
   }
   return wide;
 }

@@ -163,13 +163,35 @@ SCENARIO("the terminal is restored however the monitor ends") {
   }
 }
 
+SCENARIO("the lines on standard error outlive a crash") {
+  GIVEN("a monitor that shows a message which was written to standard error") {
+    const Bus bus;
+    MonitorScreen monitor(bus);
+    const auto fusion = bus.fusion();
+    auto bridge = bus.bridge({});
+    REQUIRE(monitor.wait_for("1 beacon by worst"));
+    REQUIRE(bridge->end_by(SIGINT).code == 0);
+    REQUIRE(monitor.wait_for("no pose for"));
+    WHEN("it crashes") {
+      monitor.send(SIGSEGV);
+      REQUIRE(monitor.wait_for_exit());
+      THEN("the line stands below the restored screen") {
+        check_is_restored(monitor);
+        const std::string output = monitor.output();
+        CHECK_THAT(output.substr(output.rfind("\x1b[?1049l")),
+                   Contains("sonopose-monitor: warning: beacon 7: no pose for"));
+      }
+    }
+  }
+}
+
 SCENARIO("a crash in a thread that receives samples restores the terminal") {
   GIVEN("a monitor that has received a pose") {
     const Bus bus;
     MonitorScreen monitor(bus);
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({});
-    REQUIRE(monitor.wait_for("1 beacons"));
+    REQUIRE(monitor.wait_for("1 beacon by worst"));
     const int receiver = thread_of(monitor.pid(), "recv");  // Cyclone DDS blocks signals in it
     REQUIRE(receiver > 0);
     WHEN("that thread gets a fault") {

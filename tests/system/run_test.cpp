@@ -3,6 +3,7 @@
 #include "recording/log_folder.hpp"
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/terminal_process.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -89,6 +90,27 @@ SCENARIO("one command runs bridge, fusion and monitor") {
       }
     }
   }
+}
+
+SCENARIO("on a terminal the monitor has the screen, and the lines of the others follow") {
+  const Bus bus;
+  TerminalProcess all(SONOPOSE_TEST_RUN,
+                      {"--source", "sim", "--scenario", "rest", "--domain", std::to_string(bus.domain_id())});
+  REQUIRE(all.wait_for("1 beacon by worst"));
+  CHECK(all.screen().is_alternate());
+  CHECK_THAT(all.output(), !Contains("sonopose-bridge: publishing"));
+  const std::array<int, 3> pids{child_named(all.pid(), "sonopose-bridge"),
+                                child_named(all.pid(), "sonopose-fusion"),
+                                child_named(all.pid(), "sonopose-monitor")};
+  all.type("\x03");  // Ctrl-C
+  CHECK(all.wait_for_exit() == 0);
+  CHECK_FALSE(all.screen().is_alternate());
+  CHECK(all.has_normal_line());
+  const std::string output = all.output();
+  CHECK_THAT(output.substr(output.rfind("\x1b[?1049l")),
+             Contains("beacon 7 over") && Contains("sonopose-bridge: publishing from sim") &&
+                 Contains("sonopose-fusion: serving"));
+  for (const int pid : pids) CHECK(ends(pid));
 }
 
 SCENARIO("an error of one program is the error of all") {

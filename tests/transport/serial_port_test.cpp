@@ -174,6 +174,16 @@ SCENARIO("the port waits for an unplugged device and opens it again") {
       std::filesystem::create_symlink(beacon.device(), link);
       CHECK(host.next().status == ReadStatus::connected);
     }
+    THEN("a device that appears, but cannot be used, is reported too, and so is its absence again") {
+      CHECK(host.next().status == ReadStatus::disconnected);
+      std::filesystem::create_symlink("/dev/null", link);
+      CHECK(host.next().status == ReadStatus::disconnected);
+      CHECK(host.port.state() == LineState::failed);
+      CHECK(host.port.read(host.buffer, 250ms).status == ReadStatus::timeout);
+      std::filesystem::remove(link);
+      CHECK(host.next().status == ReadStatus::disconnected);
+      CHECK(host.port.state() == LineState::waiting);
+    }
   }
 }
 

@@ -16,7 +16,7 @@ enum PoseStatus : std::uint32_t {
   status_uncalibrated = 1U << 1U,     ///< the gyro was never still: its bias is assumed to be zero
   status_stale = 1U << 2U,            ///< no valid fix for longer than setting 11: acceleration is ignored
   status_converging = 1U << 3U,       ///< the pose is being corrected by a large distance
-  status_heading_unknown = 1U << 4U,  ///< no heading within the last half second
+  status_heading_unknown = 1U << 4U,  ///< yaw not known to 5° (documented engine: no heading for 0.5 s)
   status_frozen_track = 1U << 5U,     ///< the fixes repeat one position while the IMU moves
   status_predicted = 1U << 6U,        ///< between or beyond IMU samples, not at one
   status_imu_gap = 1U << 7U,          ///< the IMU was silent just before this pose

@@ -1,6 +1,7 @@
 #include "doctor/probe/beacon_probe.hpp"
 
 #include "doctor/motion/window_fit.hpp"
+#include "doctor/probe/rest.hpp"
 #include "observation/beacon_observer.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
 #include <sonopose/estimation/documented/delay.hpp>
@@ -11,64 +12,85 @@
 
 namespace sonopose::doctor::probe {
 
-void BeaconProbe::Stream::count(TimeNs received_ns) {
+void BeaconProbe::Stream::begin(TimeNs now_ns, double stream_deadline_s) {
+  last_ns = now_ns;
+  deadline_s = stream_deadline_s;
+}
+
+void BeaconProbe::Stream::count(const Arrival& arrival) {
   ++samples;
-  longest_ns = std::max(longest_ns, received_ns - last_ns);
-  last_ns = received_ns;
+  add_silence(arrival.time_ns - last_ns - arrival.unwatched_ns);
+  last_ns = arrival.time_ns;
+}
+
+void BeaconProbe::Stream::add_silence(TimeNs length_ns) {
+  longest_ns = std::max(longest_ns, length_ns);
+  if (static_cast<double>(length_ns) * 1e-9 <= deadline_s) return;
+  ++silences;
+  silent_ns += length_ns;
 }
 
 rules::StreamObservation BeaconProbe::Stream::observation(TimeNs began_ns, TimeNs ended_ns) const {
   const double window_s = seconds_between(began_ns, ended_ns);
+  Stream ended = *this;
+  ended.add_silence(ended_ns - last_ns);
   return {.samples = samples,
           .rate_hz = window_s > 0 ? static_cast<double>(samples) / window_s : 0.0,
-          .longest_silence_s = static_cast<double>(std::max(longest_ns, ended_ns - last_ns)) * 1e-9};
+          .longest_silence_s = seconds_between(0, ended.longest_ns),
+          .deadline_s = deadline_s,
+          .silences = ended.silences,
+          .silent_s = seconds_between(0, ended.silent_ns)};
 }
 
-void BeaconProbe::begin(TimeNs now_ns) {
+void BeaconProbe::begin(TimeNs now_ns, const Deadlines& deadlines) {
   began_ns_ = now_ns;
-  for (Stream* const stream : {&imu_, &fix_, &heading_, &pose_}) stream->last_ns = now_ns;
+  imu_.begin(now_ns, deadlines.imu_s);
+  fix_.begin(now_ns, deadlines.fix_s);
+  heading_.begin(now_ns, deadlines.heading_s);
+  pose_.begin(now_ns, deadlines.pose_s);
+  pair_losses_.begin(now_ns);
 }
 
-void BeaconProbe::on(const ImuSample& imu, TimeNs received_ns, std::uint64_t writer) {
+void BeaconProbe::on(const ImuSample& imu, const Arrival& arrival, std::uint64_t writer) {
   if (imu.sequence < last_imu_sequence_) sequences_.clear();  // its bridge restarted
   last_imu_sequence_ = imu.sequence;
-  sequences_.add(received_ns, imu.sequence);
+  sequences_.add(arrival.time_ns, imu.sequence);
   if (!in_window()) return;
   writers_.insert(writer);
-  imu_.count(received_ns);
-  readings_.add(received_ns, imu);
+  imu_.count(arrival);
+  readings_.add(arrival.time_ns, imu);
+  ahead_s_.add(arrival.time_ns, seconds_between(arrival.host_ns, imu.bridge_time_ns));
 }
 
-void BeaconProbe::on(const UltrasonicFix& fix, TimeNs received_ns) {
-  sequences_.add(received_ns, fix.sequence);
+void BeaconProbe::on(const UltrasonicFix& fix, const Arrival& arrival) {
+  sequences_.add(arrival.time_ns, fix.sequence);
   if (!in_window()) return;
-  fix_.count(received_ns);
-  fixes_.add(received_ns, fix);
+  fix_.count(arrival);
+  pair_losses_.on_fix(arrival.time_ns);
+  fixes_.add(arrival.time_ns, fix);
   if (fix.measured_delay_s) ++timed_fixes_;
   if ((fix.flags & ultrasonic_flag_pair_centre) != 0U) ++pair_fixes_;
-  fixes_min_m_ = fixes_min_m_.cwiseMin(fix.position_world_m);
-  fixes_max_m_ = fixes_max_m_.cwiseMax(fix.position_world_m);
 }
 
-void BeaconProbe::on(const PairHeading& heading, TimeNs received_ns) {
-  sequences_.add(received_ns, heading.sequence);
+void BeaconProbe::on(const PairHeading& heading, const Arrival& arrival) {
+  sequences_.add(arrival.time_ns, heading.sequence);
   if (!in_window()) return;
-  heading_.count(received_ns);
+  heading_.count(arrival);
   if (!heading.valid) return;
   ++valid_headings_;
-  headings_.add(received_ns, heading);
+  pair_losses_.on_heading(arrival.time_ns);
+  headings_.add(arrival.time_ns, heading);
 }
 
-void BeaconProbe::on(const FusedPose& pose, TimeNs received_ns) {
+void BeaconProbe::on(const FusedPose& pose, const Arrival& arrival) {
   if (!in_window()) return;
-  pose_.count(received_ns);
+  pose_.count(arrival);
   status_counts_.add(pose.status);
 }
 
-void BeaconProbe::on(const FixReport& report) {
+void BeaconProbe::on(const FixReport& report, const Arrival& arrival) {
   if (!in_window()) return;
-  ++fix_outcomes_.reports;
-  if ((report.flags & fix_outlier) != 0U) fix_outcomes_.outliers_m.push_back(report.innovation_world_m);
+  outcomes_.add(arrival.time_ns, {report.flags, report.innovation_world_m});
 }
 
 void BeaconProbe::on(const BeaconStatus& status) {
@@ -81,7 +103,7 @@ void BeaconProbe::on(const FusionStatus& status) {
   if (!is_new) found->second.latest = status;
 }
 
-std::uint64_t BeaconProbe::missing_events(TimeNs ended_ns) const {
+void BeaconProbe::count_missing_events(TimeNs ended_ns, rules::BeaconObservation& beacon) const {
   // Samples of different topics arrive in any order, so the last ones may still be in transit.
   constexpr TimeNs in_transit_ns = 200'000'000;
   // For the same reason, some of the oldest may belong to numbers that were dropped.
@@ -98,65 +120,46 @@ std::uint64_t BeaconProbe::missing_events(TimeNs ended_ns) const {
     if (first == 0 || sequence < first) first = sequence;
     last = std::max(last, sequence);
   }
-  if (first == 0) return 0;
+  if (first == 0) return;
   const auto present = std::distance(received.lower_bound(first), received.upper_bound(last));
-  return last - first + 1 - static_cast<std::uint64_t>(present);
+  beacon.events_expected = last - first + 1;
+  beacon.events_missing = beacon.events_expected - static_cast<std::uint64_t>(present);
 }
 
-std::optional<rules::RestObservation> BeaconProbe::means(const calibration::Settings& calibration) const {
-  constexpr std::size_t min_samples = 20;
-  const auto& readings = readings_.entries();
-  if (readings.size() < min_samples) return std::nullopt;
-  const auto count = static_cast<double>(readings.size());
-  ImuSample mean;
-  for (const auto& [received_ns, reading] : readings) {
-    mean.specific_force_body_mps2 += reading.specific_force_body_mps2 / count;
-    mean.angular_velocity_body_radps += reading.angular_velocity_body_radps / count;
+rules::FixOutcomes BeaconProbe::fix_outcomes() const {
+  rules::FixOutcomes outcomes;
+  for (const auto& [received_ns, outcome] : outcomes_.entries()) {
+    ++outcomes.reports;
+    if ((outcome.flags & (fix_too_late | fix_invalid | fix_low_quality)) != 0U) ++outcomes.refused;
+    if ((outcome.flags & fix_too_late) != 0U) ++outcomes.late;
+    if ((outcome.flags & fix_outlier) != 0U) outcomes.outliers_m.push_back(outcome.innovation_world_m);
   }
-  Vector3d force_variance = Vector3d::Zero();
-  Vector3d rate_variance = Vector3d::Zero();
-  for (const auto& [received_ns, reading] : readings) {
-    force_variance += (reading.specific_force_body_mps2 - mean.specific_force_body_mps2).cwiseAbs2() / count;
-    rate_variance +=
-        (reading.angular_velocity_body_radps - mean.angular_velocity_body_radps).cwiseAbs2() / count;
-  }
-  const ImuSample corrected = calibration::Calibration(calibration).corrected(mean);
-  rules::RestObservation rest;
-  rest.mean_force_body_mps2 = corrected.specific_force_body_mps2;
-  rest.mean_rate_body_radps = corrected.angular_velocity_body_radps;
-  rest.force_std_mps2 = std::sqrt(force_variance.maxCoeff());
-  rest.rate_std_radps = std::sqrt(rate_variance.maxCoeff());
-  rest.fixes_span_m = fix_.samples < 2 ? 0.0 : (fixes_max_m_ - fixes_min_m_).norm();
-  rest.axes = calibration.axes;
-  return rest;
+  return outcomes;
 }
 
 /// The median.
 std::optional<double> BeaconProbe::bridge_ahead_s() const {
   std::vector<double> ahead_s;
-  for (const auto& [received_ns, reading] : readings_.entries()) {
-    ahead_s.push_back(seconds_between(received_ns, reading.bridge_time_ns));
-  }
+  for (const auto& entry : ahead_s_.entries()) ahead_s.push_back(entry.value);
   if (ahead_s.empty()) return std::nullopt;
   const auto middle = ahead_s.begin() + static_cast<std::ptrdiff_t>(ahead_s.size() / 2);
   std::nth_element(ahead_s.begin(), middle, ahead_s.end());
   return *middle;
 }
 
-rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings::Settings& settings,
-                                                  const std::function<bool()>& is_stopped) const {
+rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings::Settings& settings) const {
   rules::BeaconObservation beacon;
   beacon.fusion_settings = settings;
   beacon.pair_fixes = pair_fixes_;
-  beacon.fix_outcomes = fix_outcomes_;
-  beacon.pieces = motion::pieces_of(motion_window(settings), is_stopped);
+  beacon.fix_outcomes = fix_outcomes();
   beacon.timed_fixes = timed_fixes_;
   beacon.imu = imu_.observation(began_ns_, now_ns);
   beacon.fix = fix_.observation(began_ns_, now_ns);
   beacon.heading = heading_.observation(began_ns_, now_ns);
   beacon.pose = pose_.observation(began_ns_, now_ns);
   beacon.valid_headings = valid_headings_;
-  beacon.events_missing = missing_events(now_ns);
+  beacon.pair_lost_s = pair_losses_.lost_s(now_ns);
+  count_missing_events(now_ns, beacon);
   beacon.bridge_ahead_s = bridge_ahead_s();
   beacon.status_before = status_before_;
   beacon.status = status_;
@@ -168,8 +171,13 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
     beacon.fusion = fusion.latest;
   }
   beacon.status_counts = status_counts_;
-  beacon.imu_means = means(settings.calibration);
+  beacon.rest = longest_rest(readings_, fixes_, settings.calibration);
   return beacon;
+}
+
+std::vector<motion::Piece> BeaconProbe::pieces(const settings::Settings& settings,
+                                               const std::function<bool()>& is_stopped) const {
+  return motion::pieces_of(motion_window(settings), is_stopped);
 }
 
 /// Samples that are not finite are left out: the fusion does not use them either.

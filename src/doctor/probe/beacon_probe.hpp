@@ -3,6 +3,7 @@
 /// Collects the observations of one beacon.
 
 #include "doctor/probe/latest.hpp"
+#include "doctor/probe/pair_losses.hpp"
 #include "doctor/rules/observations.hpp"
 #include <sonopose/samples/live_settings.hpp>
 #include <sonopose/samples/pose.hpp>
@@ -19,25 +20,48 @@
 
 namespace sonopose::doctor::probe {
 
-/// Of samples before `begin` only the sequence numbers are used. Times are of the host's clock (ns). Streams
+/// When a sample was taken.
+struct Arrival {
+  // NOLINTNEXTLINE(google-explicit-constructor): where the two clocks are one, as in a recording
+  Arrival(TimeNs both_ns) : time_ns(both_ns), host_ns(both_ns) {}
+  Arrival(TimeNs time, HostTime host, TimeNs unwatched)
+      : time_ns(time), host_ns(host), unwatched_ns(unwatched) {}
+
+  TimeNs time_ns;           ///< of the steady clock, which is not set during the look
+  HostTime host_ns;         ///< to compare with the bridge's stamps
+  TimeNs unwatched_ns = 0;  ///< the time before, in which the doctor did not run: no silence of the stream
+};
+
+/// Of the streams, by the QoS profiles; infinite where there is none.
+struct Deadlines {
+  double imu_s = std::numeric_limits<double>::infinity();
+  double fix_s = std::numeric_limits<double>::infinity();
+  double heading_s = std::numeric_limits<double>::infinity();
+  double pose_s = std::numeric_limits<double>::infinity();
+};
+
+/// Of samples before `begin` only the sequence numbers are used. Times are of the steady clock (ns). Streams
 /// and statuses are counted over the whole window; numbers, means and fits are those of its last two minutes.
 class BeaconProbe {
 public:
-  void on(const ImuSample& imu, TimeNs received_ns, std::uint64_t writer);
-  void on(const UltrasonicFix& fix, TimeNs received_ns);
-  void on(const PairHeading& heading, TimeNs received_ns);
-  void on(const FusedPose& pose, TimeNs received_ns);
-  void on(const FixReport& report);
+  void on(const ImuSample& imu, const Arrival& arrival, std::uint64_t writer);
+  void on(const UltrasonicFix& fix, const Arrival& arrival);
+  void on(const PairHeading& heading, const Arrival& arrival);
+  void on(const FusedPose& pose, const Arrival& arrival);
+  void on(const FixReport& report, const Arrival& arrival);
   void on(const BeaconStatus& status);
   void on(const FusionStatus& status);
 
-  /// Starts the window.
-  void begin(TimeNs now_ns);
+  /// Starts the window. Longer silences than the deadlines are counted.
+  void begin(TimeNs now_ns, const Deadlines& deadlines);
 
-  /// The observations from `begin` to `now_ns`, with the settings of its fusion. Address, deadlines and
-  /// bridges are left for the caller.
-  [[nodiscard]] rules::BeaconObservation observation(TimeNs now_ns, const settings::Settings& settings,
-                                                     const std::function<bool()>& is_stopped = {}) const;
+  /// The observations from `begin` to `now_ns`, with the settings of its fusion. Address, pieces and bridges
+  /// are left for the caller.
+  [[nodiscard]] rules::BeaconObservation observation(TimeNs now_ns, const settings::Settings& settings) const;
+
+  /// What IMU and fixes say about the installation; takes a while. See motion::pieces_of.
+  [[nodiscard]] std::vector<motion::Piece> pieces(const settings::Settings& settings,
+                                                  const std::function<bool()>& is_stopped = {}) const;
 
   /// The writers of its IMU samples: the handles given to `on`.
   [[nodiscard]] const std::set<std::uint64_t>& writers() const { return writers_; }
@@ -46,15 +70,26 @@ private:
   /// Counters of one stream.
   struct Stream {
     std::uint64_t samples = 0;
+    double deadline_s = 0;
     TimeNs last_ns = 0;
     TimeNs longest_ns = 0;
-    void count(TimeNs received_ns);
+    TimeNs silent_ns = 0;  ///< in silences longer than the deadline
+    std::uint64_t silences = 0;
+    void begin(TimeNs now_ns, double stream_deadline_s);
+    void count(const Arrival& arrival);
+    void add_silence(TimeNs length_ns);
     [[nodiscard]] rules::StreamObservation observation(TimeNs began_ns, TimeNs ended_ns) const;
   };
 
+  /// What the fusion did with one fix.
+  struct Outcome {
+    std::uint32_t flags = 0;
+    Vector3d innovation_world_m = Vector3d::Zero();
+  };
+
+  [[nodiscard]] rules::FixOutcomes fix_outcomes() const;
   [[nodiscard]] std::optional<double> bridge_ahead_s() const;
-  [[nodiscard]] std::uint64_t missing_events(TimeNs ended_ns) const;
-  [[nodiscard]] std::optional<rules::RestObservation> means(const calibration::Settings& calibration) const;
+  void count_missing_events(TimeNs ended_ns, rules::BeaconObservation& beacon) const;
   [[nodiscard]] motion::Window motion_window(const settings::Settings& settings) const;
   [[nodiscard]] bool in_window() const { return began_ns_ != 0; }
 
@@ -64,18 +99,18 @@ private:
   Stream heading_;
   Stream pose_;
   std::uint64_t valid_headings_ = 0;
+  PairLosses pair_losses_;
   std::uint64_t timed_fixes_ = 0;
   std::uint64_t pair_fixes_ = 0;
   rules::StatusCounts status_counts_;
-  rules::FixOutcomes fix_outcomes_;
+  Latest<Outcome> outcomes_;
   std::set<std::uint64_t> writers_;
   Latest<std::uint64_t> sequences_;  ///< event numbers
   std::uint64_t last_imu_sequence_ = 0;
   Latest<ImuSample> readings_;  ///< uncorrected
+  Latest<double> ahead_s_;      ///< the bridge's stamps, minus the host's time of reception
   Latest<UltrasonicFix> fixes_;
   Latest<PairHeading> headings_;  ///< the valid ones
-  Vector3d fixes_min_m_ = Vector3d::Constant(std::numeric_limits<double>::infinity());
-  Vector3d fixes_max_m_ = Vector3d::Constant(-std::numeric_limits<double>::infinity());
   std::optional<BeaconStatus> status_before_;
   std::optional<BeaconStatus> status_;
   struct FusionObservation {

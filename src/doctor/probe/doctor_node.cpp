@@ -3,6 +3,7 @@
 #include "clocks/clocks.hpp"
 #include "doctor/probe/beacon_probe.hpp"
 #include "doctor/probe/survey.hpp"
+#include "observation/bus/line_observer.hpp"
 #include "process/instance_limit.hpp"
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
@@ -12,6 +13,8 @@
 #include <chrono>
 #include <limits>
 #include <map>
+#include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <type_traits>
@@ -22,6 +25,8 @@ namespace sonopose::doctor::probe {
 namespace {
 
 namespace topics = dds::topics;
+
+constexpr double poll_period_s = 0.02;
 
 /// A subscription to one topic. It keeps all samples until they are taken: those that a pause of the doctor
 /// would make it lose look like losses of the system.
@@ -42,7 +47,11 @@ class SystemObserver {
 public:
   explicit SystemObserver(const DoctorOptions& options);
 
+  /// Everything but the pieces of the beacons.
   rules::Observations run(const process::StopSignal& stop);
+
+  /// The samples of each beacon, for its pieces.
+  [[nodiscard]] std::map<BeaconAddress, BeaconProbe> take_probes() { return std::move(probes_); }
 
 private:
   void listen_until(SteadyTime end, const process::StopSignal& stop);
@@ -50,21 +59,19 @@ private:
   [[nodiscard]] bool is_alone();
   void take_all();
   template <class T>
-  void take(Subscription<T>& subscription);
+  void take(Subscription<T>& subscription, const Arrival& arrival);
   template <class T>
   [[nodiscard]] double deadline_s(const dds::topics::Entry<T>& entry) const;
   /// The processes of those of these IMU writers that still exist.
   [[nodiscard]] std::vector<rules::ProcessObservation> processes_of(
       const std::set<std::uint64_t>& imu_writers, const Processes& processes);
-  [[nodiscard]] rules::BeaconObservation observation_of(BeaconAddress address, const BeaconProbe& probe,
-                                                        TimeNs now_ns, const process::StopSignal& stop);
+  [[nodiscard]] settings::Settings settings_of(BeaconAddress address) const;
 
   const DoctorOptions& options_;
   dds::qos::Provider qos_;
   dds::DomainParticipant participant_;
   dds::Discovery discovery_;
   process::BeaconAdmission admission_;
-  process::InstanceLimit<sonopose_LineStatus> line_limit_;
   process::InstanceLimit<sonopose_FusionStatus> fusion_limit_;
   Subscription<sonopose_ImuSample> imu_;
   Subscription<sonopose_UltrasonicFix> fix_;
@@ -72,16 +79,16 @@ private:
   Subscription<sonopose_FusedPose> pose_;
   Subscription<sonopose_FixReport> report_;
   Subscription<sonopose_BeaconStatus> beacon_status_;
-  Subscription<sonopose_LineStatus> line_status_;
   Subscription<sonopose_FusionStatus> fusion_status_;
   Subscription<sonopose_EffectiveSettings> settings_;
+  observation::bus::LineObserver lines_;
+  Deadlines deadlines_;
   dds::WaitSet waitset_;
   std::map<BeaconAddress, BeaconProbe> probes_;
   observation::ServedBeacons served_;
   std::map<BeaconAddress, EffectiveSettings> effective_settings_;
-  std::map<std::pair<std::string, std::uint64_t>, LineStatus> lines_;  ///< by name and bridge
-  TimeNs began_ns_ = 0;
-  TimeNs own_pause_ns_ = 0;  ///< the longest round of listening
+  std::optional<SteadyTime> began_;
+  SteadyTime taken_ = clocks::steady_now();  ///< the last time
 };
 
 SystemObserver::SystemObserver(const DoctorOptions& options)
@@ -97,64 +104,69 @@ SystemObserver::SystemObserver(const DoctorOptions& options)
       pose_(participant_, qos_, topics::pose, &admission_),
       report_(participant_, qos_, topics::report, &admission_),
       beacon_status_(participant_, qos_, topics::beacon_status, &admission_),
-      line_status_(participant_, qos_, topics::line_status, &line_limit_),
       fusion_status_(participant_, qos_, topics::fusion_status, &fusion_limit_),
-      settings_(participant_, qos_, topics::settings) {
+      settings_(participant_, qos_, topics::settings),
+      lines_(participant_, qos_),
+      deadlines_{.imu_s = deadline_s(topics::imu),
+                 .fix_s = deadline_s(topics::fix),
+                 .heading_s = deadline_s(topics::heading),
+                 .pose_s = deadline_s(topics::pose)} {
   for (const dds::ReadCondition* const condition :
        {&imu_.has_data, &fix_.has_data, &heading_.has_data, &pose_.has_data, &report_.has_data,
-        &beacon_status_.has_data, &line_status_.has_data, &fusion_status_.has_data, &settings_.has_data}) {
+        &beacon_status_.has_data, &fusion_status_.has_data, &settings_.has_data}) {
     waitset_ += *condition;
   }
 }
 
 template <class T>
-void SystemObserver::take(Subscription<T>& subscription) {
-  const TimeNs received_ns = clocks::host_now();
+void SystemObserver::take(Subscription<T>& subscription, const Arrival& arrival) {
   subscription.reader.take_each([&](const T& sample, const dds::SampleInfo& info) {
     auto value = dds::topics::from_idl(sample);
     if constexpr (std::is_same_v<T, sonopose_EffectiveSettings>) {
       effective_settings_[value.address] = std::move(value);
-    } else if constexpr (std::is_same_v<T, sonopose_LineStatus>) {
-      lines_[{value.name, value.bridge_id}] = std::move(value);
     } else {
       const auto [entry, is_new] = probes_.try_emplace(value.address);
       BeaconProbe& probe = entry->second;
-      if (is_new && began_ns_ != 0) probe.begin(began_ns_);
+      if (is_new && began_) probe.begin(began_->ns, deadlines_);
       if constexpr (std::is_same_v<T, sonopose_FusedPose> || std::is_same_v<T, sonopose_FusionStatus>) {
         served_.on(value, info.publication_handle());
       }
       if constexpr (std::is_same_v<T, sonopose_ImuSample>) {
-        probe.on(value, received_ns, info.publication_handle().value);
-      } else if constexpr (std::is_same_v<T, sonopose_FixReport> ||
-                           std::is_same_v<T, sonopose_BeaconStatus> ||
+        probe.on(value, arrival, info.publication_handle().value);
+      } else if constexpr (std::is_same_v<T, sonopose_BeaconStatus> ||
                            std::is_same_v<T, sonopose_FusionStatus>) {
         probe.on(value);
       } else {
-        probe.on(value, received_ns);
+        probe.on(value, arrival);
       }
     }
   });
 }
 
+/// Samples that waited in a reader while this process did not run have arrived at any time since the last
+/// look.
 void SystemObserver::take_all() {
-  take(imu_);
-  take(fix_);
-  take(heading_);
-  take(pose_);
-  take(report_);
-  take(beacon_status_);
-  take(line_status_);
-  take(fusion_status_);
-  take(settings_);
+  const SteadyTime now = clocks::steady_now();
+  const TimeNs unwatched_ns = std::max<TimeNs>(0, now - taken_ - to_ns(poll_period_s));
+  const Arrival arrival(now.ns, clocks::host_now(), unwatched_ns);
+  taken_ = now;
+  take(imu_, arrival);
+  take(fix_, arrival);
+  take(heading_, arrival);
+  take(pose_, arrival);
+  take(report_, arrival);
+  take(beacon_status_, arrival);
+  take(fusion_status_, arrival);
+  take(settings_, arrival);
+  lines_.take();
 }
 
 void SystemObserver::listen_until(SteadyTime end, const process::StopSignal& stop) {
-  constexpr std::chrono::milliseconds poll_period(20);
-  while (clocks::steady_now() < end && !stop.requested()) {
-    const SteadyTime before = clocks::steady_now();
-    waitset_.wait(std::min<dds::Duration>(poll_period, dds::Duration(end - before)));
+  while (!stop.requested()) {
+    const TimeNs left_ns = end - clocks::steady_now();
+    if (left_ns <= 0) return;
+    waitset_.wait(dds::Duration(std::min(left_ns, to_ns(poll_period_s))));
     take_all();
-    own_pause_ns_ = std::max<TimeNs>(own_pause_ns_, clocks::steady_now() - before);
   }
 }
 
@@ -181,19 +193,10 @@ std::vector<rules::ProcessObservation> SystemObserver::processes_of(
   return found;
 }
 
-rules::BeaconObservation SystemObserver::observation_of(BeaconAddress address, const BeaconProbe& probe,
-                                                        TimeNs now_ns, const process::StopSignal& stop) {
+settings::Settings SystemObserver::settings_of(BeaconAddress address) const {
   auto settings = effective_settings_.find(address);
   if (settings == effective_settings_.end()) settings = effective_settings_.find(all_beacons);
-  rules::BeaconObservation beacon = probe.observation(
-      now_ns, settings == effective_settings_.end() ? settings::Settings{} : settings_from(settings->second),
-      [&stop] { return stop.requested(); });
-  beacon.address = address;
-  beacon.imu.deadline_s = deadline_s(topics::imu);
-  beacon.fix.deadline_s = deadline_s(topics::fix);
-  beacon.heading.deadline_s = deadline_s(topics::heading);
-  beacon.pose.deadline_s = deadline_s(topics::pose);
-  return beacon;
+  return settings == effective_settings_.end() ? settings::Settings{} : settings_from(settings->second);
 }
 
 /// Whether another process has an endpoint here.
@@ -218,40 +221,58 @@ rules::Observations SystemObserver::run(const process::StopSignal& stop) {
   // Sufficient for discovery over a network.
   constexpr TimeNs discovery_ns = 500'000'000;
   listen_until(clocks::steady_now() + discovery_ns, stop);
-  began_ns_ = clocks::host_now();
-  own_pause_ns_ = 0;
-  for (auto& entry : probes_) entry.second.begin(began_ns_);
+  began_ = clocks::steady_now();
+  for (auto& entry : probes_) entry.second.begin(began_->ns, deadlines_);
   listen_for_window(stop);
-  const TimeNs ended_ns = clocks::host_now();
+  const SteadyTime ended = clocks::steady_now();
 
   const Processes processes = processes_in(discovery_.participants());
   const std::string own_key = discovery_.own_key();
   rules::Observations observations;
-  observations.window_s = seconds_between(began_ns_, ended_ns);
-  observations.own_pause_s = seconds_between(0, own_pause_ns_);
+  observations.window_s = seconds_between(*began_, ended);
+  if (stop.requested() && observations.window_s < options_.duration_s) {
+    observations.cut_from_s = options_.duration_s;
+  }
   observations.bus = bus_of(options_.domain);
   observations.own_host = process_of(processes, own_key).host;
   observations.native_topics = native_topics();
   observations.writers = others_of(discovery_.writers(), processes, own_key);
   observations.readers = others_of(discovery_.readers(), processes, own_key);
-  for (const auto& entry : lines_) observations.lines.push_back(entry.second);
+  for (const auto& entry : lines_.lines()) observations.lines.push_back(entry.second);
   observations.pose_writers =
       observation::pose_writers_of(discovery_.writers(), discovery_.participants(), served_);
-  // Before the fits, which take a while.
-  std::map<BeaconAddress, std::vector<rules::ProcessObservation>> bridges;
-  for (const auto& [address, probe] : probes_) bridges[address] = processes_of(probe.writers(), processes);
   for (const auto& [address, probe] : probes_) {
-    observations.beacons.push_back(observation_of(address, probe, ended_ns, stop));
-    observations.beacons.back().bridges = std::move(bridges.at(address));
+    rules::BeaconObservation& beacon =
+        observations.beacons.emplace_back(probe.observation(ended.ns, settings_of(address)));
+    beacon.address = address;
+    beacon.bridges = processes_of(probe.writers(), processes);
   }
   observations.beacons_refused = admission_.warning();
   return observations;
 }
 
+/// Fits the motion of each beacon, as far as the time suffices.
+void fit(const std::map<BeaconAddress, BeaconProbe>& probes, const DoctorOptions& options,
+         const process::StopSignal& stop, rules::Observations& observations) {
+  const SteadyTime end = clocks::steady_now() + to_ns(options.fits_s);
+  const auto is_over = [&] { return stop.requested() || clocks::steady_now() >= end; };
+  std::size_t done = 0;
+  for (rules::BeaconObservation& beacon : observations.beacons) {
+    if (options.on_fit) options.on_fit(static_cast<double>(done++) / static_cast<double>(probes.size()));
+    beacon.pieces = probes.at(beacon.address).pieces(beacon.fusion_settings, is_over);
+    if (is_over()) ++observations.beacons_not_fitted;
+  }
+}
+
 }  // namespace
 
 rules::Observations observe(const DoctorOptions& options, const process::StopSignal& stop) {
-  rules::Observations observations = SystemObserver(options).run(stop);
+  // The observer ends before the fits: its readers would keep what arrives during them.
+  auto observer = std::make_unique<SystemObserver>(options);
+  rules::Observations observations = observer->run(stop);
+  const auto probes = observer->take_probes();
+  observer.reset();
+  fit(probes, options, stop, observations);
   if (rules::on_topic(observations.writers, topics::imu.name).empty() ||
       rules::on_topic(observations.writers, topics::pose.name).empty()) {
     search_other_domains(options.domain, stop, observations.bus);

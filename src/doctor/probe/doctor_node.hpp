@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 
 namespace sonopose::doctor::probe {
@@ -18,6 +19,8 @@ struct DoctorOptions {
   std::optional<std::filesystem::path> qos_file;
   double duration_s = 8;
   std::size_t max_beacons = process::BeaconAdmission::default_max_beacons;  ///< to look at
+  double fits_s = 30;                             ///< for the motion of all beacons, after the look
+  std::function<void(double share)> on_fit = {};  ///< called before each beacon's
 };
 
 /// Observes the system for the duration, after half a second of discovery, or until the stop; an empty domain

@@ -1,5 +1,6 @@
 #include "doctor/rules/checks.hpp"
 #include "observation/beacon_observer.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -8,6 +9,8 @@
 
 namespace sonopose::doctor::rules {
 namespace {
+
+using text::count_text;
 
 /// A Li-Po cell has about 10 % of its charge left at 3.5 V, and must not be discharged below 3.0 V.
 constexpr double low_battery_v = 3.5;
@@ -19,7 +22,10 @@ constexpr double large_clock_difference_s = 0.050;
 class BeaconCheck {
 public:
   BeaconCheck(const Observations& observations, const BeaconObservation& beacon, Findings& findings)
-      : observations_(observations), beacon_(beacon), findings_(findings) {}
+      : observations_(observations),
+        beacon_(beacon),
+        findings_(findings),
+        fusion_lacks_imu_(no_fusion_receives_imu(observations)) {}
 
   void report_rates() const {
     std::string text =
@@ -59,11 +65,16 @@ public:
   }
 
   void refused_fixes() const {
-    const auto refused = increase_of(&FusionStatus::fixes_rejected);
-    if (refused < 2 || increase_of(&FusionStatus::fixes_used) > 0 || fusion_lacks_imu()) return;
-    add(Severity::warning,
-        fmt::format("its fusion uses none of its {} fixes; {} are too old", refused,
-                    increase_of(&FusionStatus::fixes_late)),
+    constexpr double many = 0.5;
+    constexpr double notable = 0.1;
+    const FixOutcomes& fixes = beacon_.fix_outcomes;
+    const auto refused = static_cast<double>(fixes.refused);
+    if (fixes.refused < 2 || refused < notable * static_cast<double>(fixes.reports) || fusion_lacks_imu_) {
+      return;
+    }
+    add(refused > many * static_cast<double>(fixes.reports) ? Severity::warning : Severity::note,
+        fmt::format("its fusion refuses {} of its {} fixes; {} are too old", fixes.refused, fixes.reports,
+                    fixes.late),
         "the output of sonopose-fusion has the reason; the stamps of fixes and IMU samples must come from "
         "one clock");
   }
@@ -88,15 +99,17 @@ public:
           fmt::format("{} of {} pair headings of the hardware are invalid",
                       beacon_.heading.samples - beacon_.valid_headings, beacon_.heading.samples),
           "check that both beacons of the pair have fixes, and that the pair's baseline is configured");
+    } else {
+      lost_headings();
     }
   }
 
   void poses(bool fusion_runs) const {
-    if (!fusion_runs || beacon_.imu.samples == 0 || fusion_lacks_imu()) return;  // reported already
+    if (!fusion_runs || beacon_.imu.samples == 0 || fusion_lacks_imu_) return;  // reported already
     if (beacon_.pose.samples == 0) {
       add(Severity::error, "a fusion runs, but no poses of this beacon were received",
           "keep it still for a second, check that fixes arrive, and check the output of sonopose-fusion");
-    } else if (!follows_imu()) {
+    } else if (!follows(beacon_.pose, beacon_.imu)) {
       check_silence(beacon_.pose, "poses", "check whether the machine of the fusion is overloaded");
     }
   }
@@ -111,7 +124,10 @@ public:
           "stop all but one, or use different addresses");
     } else if (beacon_.status && beacon_.status->other_bridges > 0) {
       add(Severity::error,
-          fmt::format("its bridge detects {} other bridges that publish it", beacon_.status->other_bridges),
+          fmt::format("its bridge detects {}",
+                      beacon_.status->other_bridges == 1
+                          ? "another bridge that publishes it"
+                          : fmt::format("{} other bridges that publish it", beacon_.status->other_bridges)),
           "stop all but one, or use different addresses");
     }
   }
@@ -126,14 +142,14 @@ public:
 
   void numbering() const {
     if (beacon_.events_missing > 0 && beacon_.bridges.size() < 2) {
-      constexpr double long_pause_s = 0.1;  // a full reader drops samples
-      add(observations_.own_pause_s > long_pause_s ? Severity::note : by_share(beacon_.events_missing),
-          fmt::format("{} of its events were not received", beacon_.events_missing),
+      add(by_share(beacon_.events_missing, beacon_.events_expected),
+          fmt::format("{} of its {} not received", beacon_.events_missing,
+                      count_text(beacon_.events_expected, "event was", "events were")),
           "check whether the network loses packets, or this machine is overloaded");
     }
-    if (fusion_lacks_imu()) return;  // the counters below are a consequence
+    if (fusion_lacks_imu_) return;  // the counters below are a consequence
     if (const auto lost = increase_of(&FusionStatus::events_lost); lost > 0) {
-      add(by_share(lost), fmt::format("its fusion lost {} events", lost),
+      add(by_share(lost, beacon_.imu.samples), fmt::format("its fusion lost {}", count_text(lost, "event")),
           "check whether the network loses packets, or the machine of the fusion is overloaded");
     }
     if (const auto invalid = increase_of(&FusionStatus::samples_invalid); invalid > 0) {
@@ -141,7 +157,8 @@ public:
       constexpr std::uint64_t one_in = 20;
       const bool many = invalid * one_in > beacon_.imu.samples + beacon_.fix.samples;
       add(many ? Severity::warning : Severity::note,
-          fmt::format("its fusion rejected {} samples: not finite, out of range, or out of order", invalid),
+          fmt::format("its fusion rejected {}: not finite, out of range, or out of order",
+                      count_text(invalid, "sample")),
           "check for a second bridge, a clock that was set, or a faulty sensor");
     }
   }
@@ -155,7 +172,8 @@ public:
     }
     if (const auto resets = increase_of(&BeaconStatus::clock_resets); resets > 0) {
       add(Severity::warning,
-          fmt::format("its clock was reset {} times: the beacon restarted, or a clock was set", resets),
+          fmt::format("its clock was reset {}: the beacon restarted, or a clock was set",
+                      count_text(resets, "time")),
           "check its power supply, and configure NTP to slew the host's clock instead of stepping it");
     }
   }
@@ -184,7 +202,8 @@ public:
     const auto bytes_lost = increase_of(&BeaconStatus::bytes_lost);
     if (crc_errors > 0 || bytes_lost > 0) {
       add(Severity::warning,
-          fmt::format("{} checksum errors and {} lost bytes on its line", crc_errors, bytes_lost),
+          fmt::format("{} and {} on its line", count_text(crc_errors, "checksum error"),
+                      count_text(bytes_lost, "lost byte")),
           "check cable and radio, and check that no other process reads the device");
     }
     if (const auto rejected = increase_of(&BeaconStatus::samples_rejected); rejected > 0) {
@@ -203,35 +222,46 @@ private:
   }
 
   /// Up to one lost event in a hundred is a note.
-  [[nodiscard]] Severity by_share(std::uint64_t lost) const {
-    return lost * 100 > beacon_.imu.samples ? Severity::warning : Severity::note;
+  static Severity by_share(std::uint64_t lost, std::uint64_t events) {
+    return lost * 100 > events ? Severity::warning : Severity::note;
   }
 
-  /// Whether a reader of IMU samples does not match, which is reported already.
-  [[nodiscard]] bool fusion_lacks_imu() const {
-    return std::any_of(findings_.begin(), findings_.end(), [](const Finding& finding) {
-      return finding.severity == Severity::error && finding.subject == "sonopose/imu";
-    });
+  /// A pair that is lost for a part of the look.
+  void lost_headings() const {
+    constexpr const char* remedy =
+        "check power and line of sight of the second beacon of the pair, and its distance to the first one";
+    if (beacon_.pair_lost_s > 0) {
+      add(Severity::warning,
+          fmt::format("for about {:.0f} s, less than half of its fixes had a pair heading",
+                      beacon_.pair_lost_s),
+          remedy);
+    } else if (!follows(beacon_.heading, beacon_.fix)) {
+      check_silence(beacon_.heading, "pair headings", remedy);
+    }
   }
 
-  /// Whether the silence of the poses is that of the IMU, which is reported already.
-  [[nodiscard]] bool follows_imu() const {
+  /// Whether the silence of a stream is that of its source, which is reported already.
+  static bool follows(const StreamObservation& stream, const StreamObservation& source) {
     constexpr double late_s = 0.05;
-    return beacon_.imu.longest_silence_s > beacon_.imu.deadline_s &&
-           beacon_.pose.longest_silence_s < beacon_.imu.longest_silence_s + late_s;
+    return source.longest_silence_s > source.deadline_s &&
+           stream.longest_silence_s < source.longest_silence_s + late_s && stream.silences <= source.silences;
   }
 
   void check_silence(const StreamObservation& stream, const char* what, const char* remedy) const {
     if (stream.longest_silence_s <= stream.deadline_s) return;
-    // A single pause occurs on a busy machine and is a note.
-    // So is one in which the doctor did not run either.
-    const bool is_own = stream.longest_silence_s < observations_.own_pause_s + stream.deadline_s;
-    const bool is_warning = (stream.longest_silence_s > 3 * stream.deadline_s && !is_own) ||
+    // Single pauses occur on a busy machine and are a note.
+    constexpr std::uint64_t many = 3;
+    constexpr double per_s = 1.0 / 60;
+    const bool are_many =
+        stream.silences >= many && static_cast<double>(stream.silences) >= per_s * observations_.window_s;
+    const bool is_warning = stream.longest_silence_s > 3 * stream.deadline_s || are_many ||
                             stream.rate_hz * stream.deadline_s < 1;
-    add(is_warning ? Severity::warning : Severity::note,
-        fmt::format("no {} for {:.2f} s, which is longer than the deadline of {:.1f} s", what,
-                    stream.longest_silence_s, stream.deadline_s),
-        remedy);
+    std::string text = fmt::format("no {} for {:.2f} s, which is longer than the deadline of {:.1f} s", what,
+                                   stream.longest_silence_s, stream.deadline_s);
+    if (stream.silences > 1) {
+      text += fmt::format(" ({} such silences, {:.2f} s in total)", stream.silences, stream.silent_s);
+    }
+    add(is_warning ? Severity::warning : Severity::note, text, remedy);
   }
 
   /// Increase of a counter over the window; 0 if its process restarted.
@@ -251,6 +281,7 @@ private:
   const Observations& observations_;
   const BeaconObservation& beacon_;
   Findings& findings_;
+  bool fusion_lacks_imu_;  ///< which is reported already
 };
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "doctor/rules/checks.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,24 @@ bool any_native_endpoint(const Observations& observations) {
   const auto native = [&](const EndpointObservation& endpoint) { return is_native(observations, endpoint); };
   return std::any_of(observations.writers.begin(), observations.writers.end(), native) ||
          std::any_of(observations.readers.begin(), observations.readers.end(), native);
+}
+
+/// What the look itself did not cover.
+void check_look(const Observations& observations, Findings& findings) {
+  if (observations.cut_from_s) {
+    findings.push_back({Severity::note,
+                        "doctor",
+                        fmt::format("stopped after {:.1f} of {:g} s: what shows later was not found",
+                                    observations.window_s, *observations.cut_from_s),
+                        {}});
+  }
+  if (observations.beacons_not_fitted > 0) {
+    findings.push_back(
+        {Severity::note, "doctor",
+         fmt::format("mount, delay and signs of {} were not checked, or not over the whole look",
+                     text::count_text(observations.beacons_not_fitted, "beacon")),
+         "run it again, with fewer beacons or on a machine with less load"});
+  }
 }
 
 void check_network(const BusObservation& bus, Findings& findings) {
@@ -68,10 +87,15 @@ std::string search_text(const BusObservation& bus) {
   return text;
 }
 
-/// The domain to use instead, or `fallback`.
-std::string remedy(const BusObservation& bus, const std::string& fallback) {
-  const std::string other_domains = other_domains_text(bus);
-  return other_domains.empty() ? fallback : other_domains;
+/// The other domain that has what is missing in this one, with what is here; or `fallback`.
+std::string remedy(const BusObservation& bus, bool DomainObservation::*missing, const char* what,
+                   const std::string& fallback) {
+  for (const DomainObservation& domain : bus.other_domains) {
+    if (!(domain.*missing)) continue;
+    return fmt::format("{} in domain {}: start both bridge and fusion with the same --domain", what,
+                       domain.id);
+  }
+  return fallback;
 }
 
 void check_processes(const Observations& observations, Findings& findings) {
@@ -81,20 +105,24 @@ void check_processes(const Observations& observations, Findings& findings) {
                               ? "; to reach other machines, use --network lan on both sides"
                               : "; other machines are not reachable, because CYCLONEDDS_URI selects loopback";
   if (!any_native_endpoint(observations)) {
-    findings.push_back({Severity::error, "bus",
-                        fmt::format("no sonopose process in domain {}{}", bus.domain_id, search_text(bus)),
-                        remedy(bus, "start sonopose-bridge and sonopose-fusion" + lan)});
+    const std::string other_domains = other_domains_text(bus);
+    findings.push_back(
+        {Severity::error, "bus",
+         fmt::format("no sonopose process in domain {}{}", bus.domain_id, search_text(bus)),
+         other_domains.empty() ? "start sonopose-bridge and sonopose-fusion" + lan : other_domains});
     return;
   }
   if (on_topic(observations.writers, "sonopose/imu").empty()) {
     findings.push_back({Severity::error, "sonopose/imu",
                         fmt::format("no bridge publishes in domain {}{}", bus.domain_id, search_text(bus)),
-                        remedy(bus, fmt::format("start sonopose-bridge --domain {}{}", bus.domain_id, lan))});
+                        remedy(bus, &DomainObservation::beacons, "beacons are published",
+                               fmt::format("start sonopose-bridge --domain {}{}", bus.domain_id, lan))});
   }
   if (on_topic(observations.writers, "sonopose/pose").empty()) {
     findings.push_back({Severity::error, "sonopose/pose",
                         fmt::format("no fusion runs in domain {}{}", bus.domain_id, search_text(bus)),
-                        remedy(bus, fmt::format("start sonopose-fusion --domain {}{}", bus.domain_id, lan))});
+                        remedy(bus, &DomainObservation::poses, "a fusion runs",
+                               fmt::format("start sonopose-fusion --domain {}{}", bus.domain_id, lan))});
   } else if (on_topic(observations.readers, "sonopose/pose").empty()) {
     findings.push_back({Severity::note, "sonopose/pose", "no process subscribes to the poses",
                         "start a consumer, such as sonopose-monitor"});
@@ -104,6 +132,7 @@ void check_processes(const Observations& observations, Findings& findings) {
 }  // namespace
 
 void check_bus(const Observations& observations, Findings& findings) {
+  check_look(observations, findings);
   check_network(observations.bus, findings);
   check_processes(observations, findings);
   if (observations.beacons_refused) {

@@ -14,6 +14,9 @@ using Findings = std::vector<Finding>;
 void check_bus(const Observations& observations, Findings& findings);
 /// Readers and writers: types, QoS, partitions.
 void check_topics(const Observations& observations, Findings& findings);
+/// Whether no fusion (a process that reads IMU samples and writes poses) can receive from any bridge, by type
+/// or QoS.
+bool no_fusion_receives_imu(const Observations& observations);
 /// The lines of the bridges.
 void check_lines(const Observations& observations, Findings& findings);
 /// Processes that write poses and should not, or with the same strength.

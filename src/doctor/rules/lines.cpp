@@ -1,4 +1,5 @@
 #include "doctor/rules/checks.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -14,7 +15,7 @@ Finding finding_of(const LineStatus& line) {
               "plug the device in, or correct the --device of the bridge"};
     case LineState::failed:
       return {Severity::error, subject, fmt::format("cannot be used: {}", line.text),
-              "correct the cause; a user of serial devices must be in the group dialout"};
+              "correct the cause, and start the bridge again if it has ended"};
     case LineState::silent:
       return {Severity::warning, subject, line.text, {}};
     case LineState::no_frames:
@@ -23,7 +24,7 @@ Finding finding_of(const LineStatus& line) {
     case LineState::open:
       break;
   }
-  return {Severity::ok, subject, fmt::format("{} frames received", line.frames), {}};
+  return {Severity::ok, subject, text::count_text(line.frames, "frame") + " received", {}};
 }
 
 }  // namespace

@@ -11,11 +11,6 @@
 namespace sonopose::doctor::rules {
 namespace {
 
-// Limits at rest: above the spread of a noisy sensor, below that of a moving vehicle.
-constexpr double rest_force_std_mps2 = 0.25;
-constexpr double rest_rate_std_radps = 0.03;
-constexpr double rest_fixes_span_m = 0.25;
-
 /// Above the error of a typical uncalibrated MEMS accelerometer (a few per cent).
 constexpr double gravity_tolerance = 0.05;
 /// The initial calibration removes any bias, but a good gyroscope has less than 3 deg/s.
@@ -23,11 +18,6 @@ constexpr double large_rate_offset_radps = 3.0 * geometry::radians_per_degree;
 /// A vehicle may stand on a ramp.
 constexpr double wrong_axis_deg = 45.0;
 constexpr double notable_tilt_deg = 15.0;
-
-bool at_rest(const RestObservation& rest) {
-  return rest.force_std_mps2 < rest_force_std_mps2 && rest.rate_std_radps < rest_rate_std_radps &&
-         rest.fixes_span_m < rest_fixes_span_m;
-}
 
 /// The axis that is closest to the vertical: "+z", "-x".
 std::string up_axis(const Vector3d& force) {
@@ -85,8 +75,8 @@ void check_direction(const BeaconObservation& beacon, const RestObservation& res
 }  // namespace
 
 void check_mount(const BeaconObservation& beacon, Findings& findings) {
-  if (!beacon.imu_means || !at_rest(*beacon.imu_means)) return;
-  const RestObservation& rest = *beacon.imu_means;
+  if (!beacon.rest) return;
+  const RestObservation& rest = *beacon.rest;
   const double force_mps2 = rest.mean_force_body_mps2.norm();
   if (!(force_mps2 > 0.5 * standard_gravity_mps2)) {
     findings.push_back(

@@ -71,16 +71,14 @@ struct StreamObservation {
   double rate_hz = 0;
   double longest_silence_s = 0;  ///< including the one at the end of the window
   double deadline_s = std::numeric_limits<double>::infinity();  ///< of the QoS profile
+  std::uint64_t silences = 0;                                   ///< longer than the deadline
+  double silent_s = 0;                                          ///< their total
 };
 
-/// Means and standard deviations of the IMU over the window, in body axes, with the fusion's calibration
-/// applied.
+/// Means of the IMU over the longest time at rest, in body axes, with the fusion's calibration applied.
 struct RestObservation {
   Vector3d mean_force_body_mps2 = Vector3d::Zero();
   Vector3d mean_rate_body_radps = Vector3d::Zero();
-  double force_std_mps2 = 0;  ///< largest of the three axes
-  double rate_std_radps = 0;  ///< largest of the three axes
-  double fixes_span_m = 0;    ///< diagonal of the fixes' bounding box; 0 for fewer than two fixes
   calibration::AxesSettings axes;
 };
 
@@ -102,9 +100,11 @@ private:
   std::array<std::uint64_t, 32> bits_{};
 };
 
-/// What the fusion did with the fixes of the window.
+/// What the fusion did with the fixes of the last two minutes.
 struct FixOutcomes {
   std::uint64_t reports = 0;
+  std::uint64_t refused = 0;         ///< too old, too poor or not valid
+  std::uint64_t late = 0;            ///< of these: too old
   std::vector<Vector3d> outliers_m;  ///< innovations of those that it rejected as outliers, world
 };
 
@@ -116,7 +116,9 @@ struct BeaconObservation {
   StreamObservation heading;
   StreamObservation pose;
   std::uint64_t valid_headings = 0;
-  std::uint64_t events_missing = 0;         ///< gaps in the numbering of the three sensor streams
+  double pair_lost_s = 0;                   ///< the time in which few fixes have a valid heading
+  std::uint64_t events_missing = 0;         ///< gaps in the numbering of the sensor streams, last two minutes
+  std::uint64_t events_expected = 0;        ///< with the missing ones
   std::optional<double> bridge_ahead_s;     ///< median of the bridge's timestamp minus the time of reception
   std::vector<ProcessObservation> bridges;  ///< the processes that publish its IMU samples
   std::optional<BeaconStatus> status_before;  ///< the first status in the window
@@ -126,16 +128,16 @@ struct BeaconObservation {
   std::vector<FusionStatus> fusions;  ///< the last status of each fusion of the beacon
   StatusCounts status_counts;
   FixOutcomes fix_outcomes;
-  std::uint64_t pair_fixes = 0;        ///< fixes that are the centre of a pair
-  settings::Settings fusion_settings;  ///< of its fusion; the defaults if it is not known
-  std::uint64_t timed_fixes = 0;       ///< fixes with a delay that the hardware measured
-  std::vector<motion::Piece> pieces;   ///< what IMU and fixes say about the installation
-  std::optional<RestObservation> imu_means;
+  std::uint64_t pair_fixes = 0;         ///< fixes that are the centre of a pair
+  settings::Settings fusion_settings;   ///< of its fusion; the defaults if it is not known
+  std::uint64_t timed_fixes = 0;        ///< fixes with a delay that the hardware measured
+  std::vector<motion::Piece> pieces;    ///< what IMU and fixes say about the installation
+  std::optional<RestObservation> rest;  ///< empty if it does not rest
 };
 
 struct Observations {
   double window_s = 0;
-  double own_pause_s = 0;  ///< the longest time in which the doctor itself did not run
+  std::optional<double> cut_from_s;  ///< the window that was asked for, if the user stopped it earlier
   std::string own_host;
   BusObservation bus;
   std::vector<NativeTopic> native_topics;
@@ -144,6 +146,7 @@ struct Observations {
   std::vector<LineStatus> lines;             ///< the last status of each
   std::vector<observation::PoseWriter> pose_writers;
   std::vector<BeaconObservation> beacons;
+  std::size_t beacons_not_fitted = 0;          ///< the time did not suffice for their pieces
   std::optional<std::string> beacons_refused;  ///< the warning, if there were too many to look at
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <string>
 
 namespace sonopose::doctor::rules {
 namespace {
@@ -46,6 +47,11 @@ constexpr std::array lasting_bits{
                "(docs/realtime.md)"},
 };
 
+/// "0.4", "12".
+std::string seconds_text(double duration_s) {
+  return fmt::format("{:.{}f}", duration_s, duration_s < 10 ? 1 : 0);
+}
+
 }  // namespace
 
 void check_pose(double window_s, const BeaconObservation& beacon, bool has_cause, Findings& findings) {
@@ -56,8 +62,10 @@ void check_pose(double window_s, const BeaconObservation& beacon, bool has_cause
     if (lasting.is_doubt && has_cause) continue;
     // A single beacon estimates its heading from motion.
     const bool waits_for_motion = lasting.bit == status_heading_unknown && beacon.heading.samples == 0;
-    findings.push_back({waits_for_motion ? Severity::note : Severity::warning, name_of(beacon),
-                        fmt::format("{} ({:.0f} % of the time)", lasting.what, share * 100), lasting.remedy});
+    findings.push_back(
+        {waits_for_motion ? Severity::note : Severity::warning, name_of(beacon),
+         fmt::format("{} ({} of {:.0f} s)", lasting.what, seconds_text(share * window_s), window_s),
+         lasting.remedy});
     if (lasting.bit == status_initialising) return;  // implies the others
   }
 }

@@ -1,5 +1,7 @@
 #include "doctor/rules/report.hpp"
 
+#include <sonopose/text/count_text.hpp>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -8,13 +10,12 @@
 namespace sonopose::doctor::rules {
 namespace {
 
-auto count_of(const std::vector<Finding>& findings, Severity severity) {
-  return std::count_if(findings.begin(), findings.end(),
-                       [severity](const Finding& finding) { return finding.severity == severity; });
-}
-
-std::string count_text(std::ptrdiff_t count, const char* noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+/// "1 error".
+std::string count_text(const std::vector<Finding>& findings, Severity severity) {
+  const auto count = std::count_if(findings.begin(), findings.end(), [severity](const Finding& finding) {
+    return finding.severity == severity;
+  });
+  return text::count_text(static_cast<std::uint64_t>(count), text_of(severity));
 }
 
 }  // namespace
@@ -42,8 +43,8 @@ std::string report_of(std::vector<Finding> findings) {
     if (!finding.remedy.empty()) text += fmt::format("         → {}\n", finding.remedy);
   }
   if (!has_problems(findings)) return text + "no problems found\n";
-  return text + fmt::format("{}, {}\n", count_text(count_of(findings, Severity::error), "error"),
-                            count_text(count_of(findings, Severity::warning), "warning"));
+  return text + fmt::format("{}, {}\n", count_text(findings, Severity::error),
+                            count_text(findings, Severity::warning));
 }
 
 std::string json_of(const std::vector<Finding>& findings) {

@@ -47,6 +47,12 @@ void check_pair(const NativeTopic& topic, const EndpointObservation& writer,
   }
 }
 
+/// Whether type or QoS keep the two apart, not on purpose.
+bool is_mismatch(const EndpointObservation& writer, const EndpointObservation& reader) {
+  if (writer.type != reader.type) return true;
+  return !in_different_partitions(writer, reader) && !dds::qos::mismatches(writer.qos, reader.qos).empty();
+}
+
 /// A partition with a bridge and without a fusion.
 void check_partitions(const Observations& observations, Findings& findings) {
   const auto readers = on_topic(observations.readers, "sonopose/imu");
@@ -75,6 +81,24 @@ void check_topics(const Observations& observations, Findings& findings) {
     }
   }
   check_partitions(observations, findings);
+}
+
+bool no_fusion_receives_imu(const Observations& observations) {
+  const auto pose_writers = on_topic(observations.writers, "sonopose/pose");
+  const auto imu_writers = on_topic(observations.writers, "sonopose/imu");
+  bool has_fusion = false;
+  for (const EndpointObservation* const reader : on_topic(observations.readers, "sonopose/imu")) {
+    const bool is_fusion =
+        std::any_of(pose_writers.begin(), pose_writers.end(),
+                    [&](const EndpointObservation* writer) { return writer->process == reader->process; });
+    if (!is_fusion) continue;
+    has_fusion = true;
+    const bool receives =
+        std::any_of(imu_writers.begin(), imu_writers.end(),
+                    [&](const EndpointObservation* writer) { return !is_mismatch(*writer, *reader); });
+    if (receives) return false;
+  }
+  return has_fusion;
 }
 
 void check_pose_writers(const Observations& observations, Findings& findings) {

@@ -2,35 +2,38 @@
 /// \file
 /// What goes wrong with this process's own readers, in the log.
 
+#include "clocks/clocks.hpp"
 #include "logging/log.hpp"
 #include "process/endpoint_counters.hpp"
-
-#include <fmt/format.h>
-
-#include <cstdint>
+#include "transitions/increase_log.hpp"
+#include <sonopose/text/count_text.hpp>
 
 namespace sonopose::observation::bus {
 
 /// Logs increases of the counters of this program's own readers.
 class EndpointLog {
 public:
+  /// Call it about once a second.
   void log(const process::EndpointCounters& endpoints) {
-    log_increase(endpoints.incompatible_qos, incompatible_reported_,
-                 "writers offer incompatible QoS; run sonopose-doctor for details");
-    log_increase(endpoints.samples_lost, lost_reported_, "samples were lost on the way to this program");
-    log_increase(endpoints.samples_rejected, rejected_reported_,
-                 "samples were rejected because a queue was full");
+    const SteadyTime now = clocks::steady_now();
+    using text::count_text;
+    if (const auto more = incompatible_.update(endpoints.incompatible_qos, now)) {
+      logging::warning(count_text(*more, "writer offers", "writers offer") +
+                       " incompatible QoS; run sonopose-doctor for details");
+    }
+    if (const auto more = lost_.update(endpoints.samples_lost, now)) {
+      logging::warning(count_text(*more, "sample was", "samples were") + " lost on the way to this program");
+    }
+    if (const auto more = rejected_.update(endpoints.samples_rejected, now)) {
+      logging::warning(count_text(*more, "sample was", "samples were") +
+                       " rejected because a queue was full");
+    }
   }
 
 private:
-  static void log_increase(std::uint64_t count, std::uint64_t& reported, const char* what) {
-    if (count != reported) logging::warning(fmt::format("{} {}", count - reported, what));
-    reported = count;
-  }
-
-  std::uint64_t incompatible_reported_ = 0;
-  std::uint64_t lost_reported_ = 0;
-  std::uint64_t rejected_reported_ = 0;
+  transitions::IncreaseLog incompatible_;
+  transitions::IncreaseLog lost_;
+  transitions::IncreaseLog rejected_;
 };
 
 }  // namespace sonopose::observation::bus

@@ -20,15 +20,15 @@
 
 namespace sonopose::observation::bus {
 
-/// The lines that deliver no frames.
+/// The lines whose bridges run, by their last status.
 class LineObserver {
 public:
   LineObserver(const dds::DomainParticipant& participant, const dds::qos::Provider& qos)
       : reader_(dds::topics::make_reader(participant, qos, dds::topics::line_status, nullptr,
                                          dds::topics::Delivery::live, &limit_)) {}
 
-  /// One of each line that delivers no frames.
-  std::vector<std::string> warnings() {
+  /// Takes what has arrived.
+  void take() {
     reader_.try_take_each(
         [this](const sonopose_LineStatus& sample, const dds::SampleInfo& info) {
           if (!info.alive()) {
@@ -42,6 +42,15 @@ public:
         [this](const sonopose_LineStatus& key, const dds::SampleInfo& info) {
           if (!info.alive()) forget(key);
         });
+  }
+
+  /// By name and bridge.
+  [[nodiscard]] const std::map<std::pair<std::string, std::uint64_t>, LineStatus>& lines() const {
+    return lines_;
+  }
+
+  /// One of each line that delivers no frames.
+  [[nodiscard]] std::vector<std::string> warnings() const {
     std::vector<std::string> texts;
     for (const auto& [key, line] : lines_) {
       if (!line.text.empty()) texts.push_back(fmt::format("line {}: {}", line.name, line.text));
@@ -60,7 +69,7 @@ private:
 
   process::InstanceLimit<sonopose_LineStatus> limit_;
   dds::DataReader<sonopose_LineStatus> reader_;
-  std::map<std::pair<std::string, std::uint64_t>, LineStatus> lines_;  ///< by name and bridge
+  std::map<std::pair<std::string, std::uint64_t>, LineStatus> lines_;
 };
 
 }  // namespace sonopose::observation::bus

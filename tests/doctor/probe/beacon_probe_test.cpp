@@ -2,6 +2,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <cmath>
+#include <functional>
+
 namespace beacon_probe_test {
 
 using namespace sonopose;
@@ -24,7 +27,7 @@ ImuSample imu(std::uint64_t sequence, TimeNs at_ns) {
 template <class Lost>
 BeaconProbe fed(const Lost& lost) {
   BeaconProbe probe;
-  probe.begin(begin_ns);
+  probe.begin(begin_ns, {});
   std::uint64_t sequence = 1000;
   for (TimeNs at_ns = begin_ns; at_ns < begin_ns + window_ns; at_ns += period_ns) {
     ++sequence;
@@ -55,15 +58,63 @@ TEST_CASE("A silence at the end of the window counts too") {
         Approx(1.0).epsilon(0.02));
 }
 
+TEST_CASE("Silences longer than the deadline are counted, with their total") {
+  BeaconProbe probe;
+  probe.begin(begin_ns, {.pose_s = 0.1});
+  // Four times a second of 0.75 s with poses and 0.25 s without.
+  for (TimeNs at_ns = 0; at_ns < 4'000'000'000; at_ns += period_ns) {
+    if (at_ns % 1'000'000'000 < 750'000'000) probe.on(FusedPose{}, begin_ns + at_ns);
+  }
+  const auto pose = probe.observation(begin_ns + 4'000'000'000, {}).pose;
+  CHECK(pose.silences == 4);
+  CHECK(pose.silent_s == Approx(4 * 0.26).epsilon(0.02));
+  CHECK(pose.longest_silence_s == Approx(0.26));
+}
+
+TEST_CASE("The time in which the doctor does not run is no silence, and does not excuse another one") {
+  constexpr TimeNs pause_ns = 900'000'000;
+  BeaconProbe probe;
+  probe.begin(begin_ns, {.imu_s = 0.1});
+  const auto take = [&](TimeNs at_ns, TimeNs unwatched_ns) {
+    const TimeNs now_ns = begin_ns + at_ns;
+    probe.on(imu(1, now_ns), {now_ns, now_ns, unwatched_ns}, 1);
+  };
+  take(10'000'000, 0);
+  take(10'000'000 + pause_ns, pause_ns);
+  CHECK(probe.observation(begin_ns + 20'000'000 + pause_ns, {}).imu.silences == 0);
+  take(10'000'000 + pause_ns + 500'000'000, 0);
+  const auto imu = probe.observation(begin_ns + 600'000'000 + pause_ns, {}).imu;
+  CHECK(imu.silences == 1);
+  CHECK(imu.longest_silence_s == Approx(0.5));
+}
+
+TEST_CASE("A pair that is lost for a part of the window is observed") {
+  const auto lost_s = [](const std::function<bool(double)>& is_valid) {
+    BeaconProbe probe;
+    probe.begin(begin_ns, {});
+    for (double t = 0.05; t < 12; t += 0.1) {
+      probe.on(UltrasonicFix{}, begin_ns + to_ns(t));
+      PairHeading heading;
+      heading.valid = is_valid(t);
+      probe.on(heading, begin_ns + to_ns(t));
+    }
+    return probe.observation(begin_ns + to_ns(12), {}).pair_lost_s;
+  };
+  CHECK(lost_s([](double) { return true; }) == 0);
+  CHECK(lost_s([](double t) { return std::fmod(t, 0.4) > 0.1; }) == 0);  // a quarter is lost
+  CHECK(lost_s([](double t) { return t < 6; }) >= 4);                    // from the middle on
+  CHECK(lost_s([](double t) { return t > 3 && t < 7; }) > 0);
+}
+
 TEST_CASE("Samples before the window are excluded") {
   BeaconProbe probe;
   for (std::uint64_t n = 1; n <= 100; ++n)
     probe.on(imu(n, begin_ns - 1'000'000'000), begin_ns - 1'000'000'000, 1);
-  probe.begin(begin_ns);
+  probe.begin(begin_ns, {});
   const BeaconObservation beacon = observation_of(probe);
   CHECK(beacon.imu.samples == 0);
   CHECK(probe.writers().empty());
-  CHECK_FALSE(beacon.imu_means);
+  CHECK_FALSE(beacon.rest);
 }
 
 TEST_CASE("Missing sequence numbers are counted over all streams") {
@@ -98,12 +149,26 @@ TEST_CASE("The clock offset of the bridge is a median") {
   CHECK(observation_of(probe).bridge_ahead_s.value() == Approx(-0.001).margin(1e-6));
 }
 
+TEST_CASE("A step of the host's clock during the look is no silence") {
+  BeaconProbe probe;
+  probe.begin(begin_ns, {.imu_s = 0.1});
+  for (TimeNs at_ns = 0; at_ns < window_ns; at_ns += period_ns) {
+    const HostTime host_ns = begin_ns + at_ns + (at_ns > window_ns / 2 ? 3'600'000'000'000 : 0);
+    probe.on(imu(1 + static_cast<std::uint64_t>(at_ns / period_ns), host_ns), {begin_ns + at_ns, host_ns, 0},
+             1);
+  }
+  const auto beacon = observation_of(probe);
+  CHECK(beacon.imu.silences == 0);
+  CHECK(beacon.imu.rate_hz == Approx(100.0));
+  CHECK(beacon.bridge_ahead_s.value() == Approx(0.0).margin(1e-6));
+}
+
 TEST_CASE("The share of the poses with a status bit is that of the window") {
   BeaconProbe probe;
   FusedPose pose;
   pose.status = status_frozen_track;
   probe.on(pose, begin_ns - 1);  // before the window
-  probe.begin(begin_ns);
+  probe.begin(begin_ns, {});
   for (const std::uint32_t status : {status_stale | status_low_trust, status_stale | status_imu_gap}) {
     pose.status = status;
     probe.on(pose, begin_ns + 1);
@@ -117,17 +182,31 @@ TEST_CASE("The share of the poses with a status bit is that of the window") {
 
 TEST_CASE("Innovations of outliers are kept, and those of used fixes are not") {
   BeaconProbe probe;
-  probe.begin(begin_ns);
+  probe.begin(begin_ns, {});
   FixReport report;
   report.innovation_world_m = {0.5, 0, 0};
   report.flags = fix_used;
-  probe.on(report);
+  probe.on(report, begin_ns + 1);
   report.flags = fix_outlier;
-  probe.on(report);
+  probe.on(report, begin_ns + 1);
   const FixOutcomes outcomes = observation_of(probe).fix_outcomes;
   CHECK(outcomes.reports == 2);
   REQUIRE(outcomes.outliers_m.size() == 1);
   CHECK(outcomes.outliers_m.front().x() == 0.5);
+}
+
+TEST_CASE("Outcomes of fixes are those of the last two minutes") {
+  BeaconProbe probe;
+  probe.begin(begin_ns, {});
+  for (int s = 0; s < 600; ++s) {
+    FixReport report;
+    report.flags = s % 2 == 0 ? fix_outlier : fix_too_late;
+    probe.on(report, begin_ns + s * TimeNs{1'000'000'000});
+  }
+  const FixOutcomes outcomes = observation_of(probe).fix_outcomes;
+  CHECK(outcomes.reports == 121);
+  CHECK(outcomes.refused == outcomes.late);
+  CHECK(outcomes.outliers_m.size() + outcomes.late == outcomes.reports);
 }
 
 TEST_CASE("The calibration of the fusion is applied to the means") {
@@ -138,15 +217,14 @@ TEST_CASE("The calibration of the fusion is applied to the means") {
                                 {"calibration.nothing_known", "3"},
                                 {"drift.jump_alpha", "nonsense"}}});
   const auto beacon = fed(none).observation(begin_ns + window_ns, settings);
-  REQUIRE(beacon.imu_means);
+  REQUIRE(beacon.rest);
   // (0, 0, 9.8) less the offset is 8 on the sensor's Z, which is body -Y.
-  CHECK(beacon.imu_means->mean_force_body_mps2.isApprox(Vector3d(0, -8.0, 0), 1e-9));
-  CHECK(beacon.imu_means->force_std_mps2 < 1e-9);
+  CHECK(beacon.rest->mean_force_body_mps2.isApprox(Vector3d(0, -8.0, 0), 1e-9));
 }
 
 TEST_CASE("A look of an hour keeps the samples of two minutes, and counts all") {
   BeaconProbe probe;
-  probe.begin(begin_ns);
+  probe.begin(begin_ns, {});
   constexpr std::uint64_t samples = 360'000;  // 100 Hz
   for (std::uint64_t n = 1; n <= samples; ++n) {
     if (n % 1000 == 0) continue;  // ten seconds
@@ -158,6 +236,7 @@ TEST_CASE("A look of an hour keeps the samples of two minutes, and counts all") 
   CHECK(hour.imu.rate_hz == Approx(99.9).epsilon(1e-3));
   CHECK(hour.events_missing >= 11);  // of the last two minutes
   CHECK(hour.events_missing <= 12);
+  CHECK(hour.events_expected == Approx(12'000).epsilon(0.01));
 }
 
 TEST_CASE("What was received is kept for two minutes") {

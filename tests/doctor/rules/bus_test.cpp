@@ -76,6 +76,38 @@ TEST_CASE("A missing bridge, a missing fusion and missing subscribers are distin
   }
 }
 
+TEST_CASE("A bridge and a fusion in different domains must come into one") {
+  Observations observations = healthy();
+  observations.bus.searched_other_domains = true;
+  observations.bus.other_domains = {{.id = 8, .ours = true}, {.id = 9, .poses = true, .ours = true}};
+  SECTION("the fusion is elsewhere") {
+    observations.writers.pop_back();
+    CHECK(found(diagnose(observations), "no fusion runs").remedy ==
+          "a fusion runs in domain 9: start both bridge and fusion with the same --domain");
+  }
+  SECTION("the bridge is elsewhere") {
+    observations.bus.other_domains.front().beacons = true;
+    observations.writers.erase(observations.writers.begin());
+    CHECK(found(diagnose(observations), "no bridge publishes").remedy ==
+          "beacons are published in domain 8: start both bridge and fusion with the same --domain");
+  }
+  SECTION("no domain has a bridge") {
+    observations.writers.erase(observations.writers.begin());
+    CHECK_THAT(found(diagnose(observations), "no bridge publishes").remedy,
+               Contains("start sonopose-bridge --domain 5"));
+  }
+}
+
+TEST_CASE("A look that was stopped, and fits that were not made, are notes") {
+  Observations observations = healthy();
+  CHECK(found(diagnose(observations), "stopped after").what.empty());
+  observations.window_s = 1.2;
+  observations.cut_from_s = 8.0;
+  observations.beacons_not_fitted = 3;
+  CHECK(found(diagnose(observations), "stopped after 1.2 of 8 s").severity == Severity::note);
+  CHECK(found(diagnose(observations), "signs of 3 beacons were not checked").severity == Severity::note);
+}
+
 TEST_CASE("An interface without multicast needs peers") {
   Observations observations = healthy();
   observations.bus.interfaces = {{"lo", false, true}};

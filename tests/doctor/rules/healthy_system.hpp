@@ -39,10 +39,7 @@ inline BeaconObservation healthy_beacon() {
   beacon.fusion = FusionStatus{};
   RestObservation rest;
   rest.mean_force_body_mps2 = {0.05, -0.1, 9.8};
-  rest.force_std_mps2 = 0.03;
-  rest.rate_std_radps = 0.003;
-  rest.fixes_span_m = 0.05;
-  beacon.imu_means = rest;
+  beacon.rest = rest;
   return beacon;
 }
 

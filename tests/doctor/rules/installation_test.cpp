@@ -1,11 +1,11 @@
 #include "doctor/replayed.hpp"
+#include "support/value_of.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
 
 #include <cmath>
 #include <random>
-#include <regex>
 
 namespace installation_test {
 
@@ -13,13 +13,7 @@ using namespace sonopose;
 using namespace sonopose::doctor::rules;
 using namespace sonopose::doctor::test;
 using Catch::Contains;
-
-/// The number after `key=` in a text; NaN if there is none.
-double value_of(const std::string& text, const std::string& key) {
-  std::smatch match;
-  return std::regex_search(text, match, std::regex(key + "=(-?[0-9.]+)")) ? std::stod(match[1])
-                                                                          : std::nan("");
-}
+using sonopose::test::value_of;
 
 double difference_deg(double a_deg, double b_deg) {
   return std::abs(std::remainder(a_deg - b_deg, 360.0));

@@ -1,27 +1,30 @@
 #pragma once
 /// \file
-/// The log of one line, bounded: a device that comes and goes would fill it.
+/// The log of one thing that can change at any rate, bounded.
 
 #include "logging/log.hpp"
 #include "transitions/rate_limit.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <utility>
 
-namespace sonopose::bridge {
+namespace sonopose::transitions {
 
 /// Logs some changes a minute. What is left out is counted, and its latest is logged when the minute is over
-/// or the line ends. Not thread-safe.
-class LineLog {
+/// or it ends. Not thread-safe.
+class BoundedLog {
 public:
   using Write = std::function<void(logging::Level, const std::string&)>;
 
-  explicit LineLog(Write write = [](logging::Level level,
-                                    const std::string& text) { logging::write(level, text); })
-      : write_(std::move(write)) {}
+  explicit BoundedLog(
+      std::uint64_t most_lines_per_minute,
+      Write write = [](logging::Level level, const std::string& text) { logging::write(level, text); })
+      : write_(std::move(write)), limit_(most_lines_per_minute) {}
 
   void write(logging::Level level, std::string text, SteadyTime now) {
     update(now);
@@ -37,19 +40,21 @@ public:
     limit_.admits(now);
   }
 
-  /// The line ends.
+  /// Whether `update` will have something to log.
+  [[nodiscard]] bool has_pending() const { return limit_.has_suppressed(); }
+
+  /// It ends.
   void finish() {
     if (!limit_.has_suppressed()) return;
-    write_(level_, fmt::format("{} ({} changes were not logged)", latest_, limit_.take_suppressed()));
+    write_(level_, fmt::format("{} ({} not logged)", latest_,
+                               text::count_text(limit_.take_suppressed(), "change was", "changes were")));
   }
 
 private:
-  static constexpr std::uint64_t most_lines = 8;
-
   Write write_;
-  transitions::RateLimit limit_{most_lines};
+  RateLimit limit_;
   logging::Level level_ = logging::Level::info;
   std::string latest_;
 };
 
-}  // namespace sonopose::bridge
+}  // namespace sonopose::transitions

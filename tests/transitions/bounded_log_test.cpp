@@ -1,11 +1,11 @@
-#include "bridge/line_log.hpp"
+#include "transitions/bounded_log.hpp"
 
 #include <catch2/catch.hpp>
 
 #include <string>
 #include <vector>
 
-namespace line_log_test {
+namespace bounded_log_test {
 
 using namespace sonopose;
 using logging::Level;
@@ -14,7 +14,7 @@ constexpr TimeNs second_ns = 1'000'000'000;
 
 SCENARIO("a device that comes and goes does not fill the log") {
   std::vector<std::string> lines;
-  bridge::LineLog log([&](Level, const std::string& text) { lines.push_back(text); });
+  transitions::BoundedLog log(8, [&](Level, const std::string& text) { lines.push_back(text); });
   const SteadyTime begin{100 * second_ns};
   for (int i = 0; i < 100; ++i) {
     log.write(Level::warning, i % 2 == 0 ? "waiting for a" : "reading a", begin + i * second_ns / 4);
@@ -34,6 +34,24 @@ SCENARIO("a device that comes and goes does not fill the log") {
     log.finish();
     CHECK(lines.back() == "reading a (92 changes were not logged)");
   }
+  THEN("or before the next line after the minute") {
+    log.write(Level::info, "reading b", begin + 61 * second_ns);
+    REQUIRE(lines.size() == 10);
+    CHECK(lines[8] == "reading a (92 changes were not logged)");
+    CHECK(lines[9] == "reading b");
+  }
 }
 
-}  // namespace line_log_test
+SCENARIO("a single line that was left out is singular") {
+  std::string last;
+  transitions::BoundedLog log(1, [&](Level, const std::string& text) { last = text; });
+  const SteadyTime now{100 * second_ns};
+  log.write(Level::info, "a", now);
+  log.write(Level::info, "b", now);
+  CHECK(log.has_pending());
+  log.finish();
+  CHECK(last == "b (1 change was not logged)");
+  CHECK_FALSE(log.has_pending());
+}
+
+}  // namespace bounded_log_test

@@ -1,0 +1,14 @@
+#pragma once
+/// \file
+/// A number with its noun.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace sonopose::text {
+
+/// "1 beacon", "2 beacons". `plural`: of a noun whose plural does not only add an s.
+std::string count_text(std::uint64_t count, std::string_view noun, std::string_view plural = {});
+
+}  // namespace sonopose::text

@@ -1,0 +1,12 @@
+#include <sonopose/text/count_text.hpp>
+
+namespace sonopose::text {
+
+std::string count_text(std::uint64_t count, std::string_view noun, std::string_view plural) {
+  std::string text = std::to_string(count) + ' ';
+  if (count != 1 && !plural.empty()) return text.append(plural);
+  text.append(noun);
+  return count == 1 ? text : text + 's';
+}
+
+}  // namespace sonopose::text
