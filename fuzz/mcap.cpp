@@ -2,6 +2,7 @@
 
 #include "bus_log/messages.hpp"
 #include "mcap/reader.hpp"
+#include "mcap/verify.hpp"
 #include "support.hpp"
 
 #include <algorithm>
@@ -67,6 +68,7 @@ void check(const mcap::Reader& reader) {
   std::vector<std::string> damages;
   promise(reader.metadata(damages).size() <= reader.contents().metadata.size(),
           "a record of metadata comes once");
+  std::ignore = mcap::verify(reader);
 }
 
 }  // namespace
