@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <set>
 #include <span>
 #include <vector>
@@ -40,30 +41,36 @@ Tokens tokens_of(std::string_view text) {
   return tokens;
 }
 
-/// From the word that begins the definition of `name` to its last token; empty if there is none.
-std::span<const std::string_view> find_definition(const Tokens& tokens, std::string_view name) {
+using Definition = std::span<const std::string_view>;
+
+/// By name, from the word that begins it to its last token. None is inside of another one.
+std::map<std::string_view, Definition> definitions_in(const Tokens& tokens) {
   const auto defines = [](std::string_view word) {
     return word == "struct" || word == "enum" || word == "union" || word == "typedef" || word == "const";
   };
+  std::map<std::string_view, Definition> definitions;
   std::size_t begin = 0;
-  for (std::size_t i = 0; i < tokens.size(); ++i) {
+  for (std::size_t i = 0; i + 1 < tokens.size(); ++i) {
     if (defines(tokens[i])) begin = i;
-    const std::string_view next = i + 1 < tokens.size() ? tokens[i + 1] : std::string_view();
+    const std::string_view next = tokens[i + 1];
     const bool is_body = next == "{" && i > 0 && defines(tokens[i - 1]);
     const bool is_value = (next == "=" && tokens[begin] == "const") ||
                           ((next == ";" || next == "[") && tokens[begin] == "typedef");
-    if (tokens[i] != name || !(is_body || is_value)) continue;
-    const auto last =
-        std::find(tokens.begin() + static_cast<std::ptrdiff_t>(i), tokens.end(), is_body ? "}" : ";");
-    return {tokens.begin() + static_cast<std::ptrdiff_t>(begin), last};
+    if (!is_body && !is_value) continue;
+    const auto at = tokens.begin() + static_cast<std::ptrdiff_t>(i);
+    const auto last = std::find(at, tokens.end(), is_body ? "}" : ";");
+    definitions.try_emplace(*at, tokens.begin() + static_cast<std::ptrdiff_t>(begin), last);
+    i = begin = static_cast<std::size_t>(last - tokens.begin());
+    if (last == tokens.end()) break;
   }
-  return {};
+  return definitions;
 }
 
 }  // namespace
 
 std::string definition_in(std::string_view idl, std::string_view type_name) {
   const Tokens tokens = tokens_of(idl);
+  const auto definitions = definitions_in(tokens);
   const std::size_t scope = type_name.rfind(':');
   std::vector<std::string_view> wanted{scope == std::string_view::npos ? type_name
                                                                        : type_name.substr(scope + 1)};
@@ -73,7 +80,9 @@ std::string definition_in(std::string_view idl, std::string_view type_name) {
     const std::string_view name = wanted.back();
     wanted.pop_back();
     if (!known.insert(name).second) continue;
-    for (const std::string_view token : find_definition(tokens, name)) {
+    const auto found = definitions.find(name);
+    if (found == definitions.end()) continue;
+    for (const std::string_view token : found->second) {
       text.append(token).append(" ");
       wanted.push_back(token);
     }
