@@ -8,7 +8,9 @@
 #include "mcap/reader.hpp"
 #include "mcap/verify.hpp"
 #include "support/compression_option.hpp"
+#include "support/progress.hpp"
 #include "support/run.hpp"
+#include <sonopose/text/counted.hpp>
 
 #include <fmt/format.h>
 
@@ -38,8 +40,8 @@ int info(const Options& options) {
   bool is_sound = true;
   for (const Path& file : options.files) {
     const mcap::Reader reader(file);
-    const auto damages = options.verify ? mcap::verify(reader.file()) : std::vector<std::string>{};
-    is_sound = is_sound && (!options.verify || (damages.empty() && reader.damages().empty()));
+    const auto damages = options.verify ? mcap::verify(reader) : std::vector<std::string>{};
+    is_sound = is_sound && (!options.verify || bus_log::is_sound(reader, damages));
     const bool is_first = &file == &options.files.front();
     fmt::print("{}{}", options.json || is_first ? "" : "\n",
                options.json ? bus_log::summary_json(reader, damages) + "\n"
@@ -60,18 +62,20 @@ int cat(const Options& options) {
 }
 
 int copy(const Options& options, mcap::Selection::Damaged damaged) {
-  const auto result =
-      bus_log::copy({options.files, options.out, options.choice, options.compression, damaged});
+  apps::Progress progress;
+  const auto result = bus_log::copy({options.files, options.out, options.choice, options.compression, damaged,
+                                     [&](double share) { progress.at(share, "copying"); }});
+  progress.clear();
   warn(result.damages);
-  fmt::print("{}: {} messages, {} metadata records\n", options.out.string(), result.messages,
-             result.metadata);
+  fmt::print("{}: {}, {}\n", options.out.string(), text::counted(result.messages, "message"),
+             text::counted(result.metadata, "metadata record"));
   return 0;
 }
 
 int export_files(const Options& options) {
   const auto result = evaluation::export_recording(options.files.front(), options.choice.beacon, options.out);
-  fmt::print("{}: {} events, {} poses, {} reports\n", options.out.string(), result.events, result.poses,
-             result.reports);
+  fmt::print("{}: {}, {}, {}\n", options.out.string(), text::counted(result.events, "event"),
+             text::counted(result.poses, "pose"), text::counted(result.reports, "report"));
   return 0;
 }
 
@@ -91,7 +95,7 @@ void add_choice_options(CLI::App& command, Options& options) {
 }
 
 CLI::App* add_command(CLI::App& app, Options& options, const char* name, const char* description,
-                      int most_files) {
+                      int most_files = CLI::detail::expected_max_vector_size) {
   auto* command = app.add_subcommand(name, description);
   command->add_option("FILE", options.files, "MCAP file")
       ->required()
@@ -106,31 +110,26 @@ void add_output(CLI::App& command, Options& options, bool is_file) {
                   is_file ? "The file to write; it must not exist" : "The folder to write")
       ->required()
       ->type_name(is_file ? "FILE" : "DIR");
-  if (!is_file) return;
-  apps::add_compression_option(command, options.compression);
+  if (is_file) apps::add_compression_option(command, options.compression);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  constexpr int any = CLI::detail::expected_max_vector_size;
-  using mcap::Selection;
+  using enum mcap::Selection::Damaged;
   Options options;
   apps::Program app("mcap");
   app.require_subcommand(1);
-  auto* const info_command =
-      add_command(app, options, "info", "Print what files have: times, topics, metadata", any);
-  info_command->add_flag("--json", options.json, "Print one JSON object for each file");
-  info_command->add_flag("--verify", options.verify,
-                         "Check every checksum; the exit code is 1 if a file is damaged");
-  auto* const cat_command =
-      add_command(app, options, "cat", "Print each message as a line of JSON, by time", 1);
-  add_choice_options(*cat_command, options);
+  auto* const shown = add_command(app, options, "info", "Print what files have: times, topics, metadata");
+  shown->add_flag("--json", options.json, "Print one JSON object for each file");
+  shown->add_flag("--verify", options.verify, "Read all of a file; the exit code is 1 if it is damaged");
+  auto* const lines = add_command(app, options, "cat", "Print each message as a line of JSON, by time", 1);
+  add_choice_options(*lines, options);
   auto* const filter = add_command(app, options, "filter", "Write some of the messages to another file", 1);
   add_choice_options(*filter, options);
   add_output(*filter, options, true);
   auto* const merge =
-      add_command(app, options, "merge", "Write the messages of several files to one, by time", any);
+      add_command(app, options, "merge", "Write the messages of several files to one, by time");
   add_output(*merge, options, true);
   auto* const recover =
       add_command(app, options, "recover",
@@ -142,9 +141,9 @@ int main(int argc, char** argv) {
   add_beacon(*exporting, options, "The beacon, if the file has several");
   add_output(*exporting, options, false);
   return apps::run(app, argc, argv, [&] {
-    if (info_command->parsed()) return info(options);
-    if (cat_command->parsed()) return cat(options);
+    if (shown->parsed()) return info(options);
+    if (lines->parsed()) return cat(options);
     if (exporting->parsed()) return export_files(options);
-    return copy(options, recover->parsed() ? Selection::Damaged::skip : Selection::Damaged::refuse);
+    return copy(options, recover->parsed() ? skip : refuse);
   });
 }

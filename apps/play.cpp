@@ -4,6 +4,7 @@
 #include "support/bus_options.hpp"
 #include "support/log_option.hpp"
 #include "support/topic_option.hpp"
+#include <sonopose/text/counted.hpp>
 
 #include <fmt/format.h>
 
@@ -30,10 +31,12 @@ int serve(Options& options) {
   const player::Keys keys(control, stop);
   if (keys.are_read()) logging::info("space: pause and go on; s: one message; q: end");
   const auto report = player::play(options.player, control, stop);
-  fmt::print("played {} messages in {:.1f} s\n", report.played, report.duration_s);
-  if (report.refused == 0) return 0;
-  fmt::print("refused: {} messages that are not of their topic's type\n", report.refused);
-  return 1;
+  fmt::print("played {} in {:.1f} s\n", text::counted(report.played, "message"), report.duration_s);
+  if (report.refused > 0) {
+    fmt::print("refused, since not of its topic's type: {}\n", text::counted(report.refused, "message"));
+  }
+  if (report.damaged > 0) fmt::print("not played: {}\n", text::counted(report.damaged, "damaged chunk"));
+  return report.refused == 0 && report.damaged == 0 ? 0 : 1;
 }
 
 }  // namespace
@@ -60,6 +63,10 @@ int main(int argc, char** argv) {
       ->check(apps::topic_name())
       ->type_name("TOPIC,...");
   app.add_flag("--restamp", player.restamp, "Move all times in the messages to now");
-  app.add_flag("--no-wait", options.no_wait, "Do not wait for the first reader");
+  auto* const no_wait = app.add_flag("--no-wait", options.no_wait, "Do not wait for the first reader");
+  app.add_option("--readers", player.readers, "Wait until each played topic has this many readers")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("N")
+      ->excludes(no_wait);
   return apps::run(app, argc, argv, [&] { return serve(options); });
 }

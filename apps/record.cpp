@@ -8,6 +8,7 @@
 #include "support/log_option.hpp"
 #include "support/topic_option.hpp"
 #include "support/version.hpp"
+#include <sonopose/text/counted.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -44,15 +45,16 @@ void print(const recorder::RecorderReport& report) {
   }
   std::vector<std::string> files;
   for (const auto& file : report.files) files.push_back(file.string());
-  fmt::print("recorded {} messages in {:.1f} s, {:.1f} MB: {}\n", report.recorded, report.duration_s,
-             static_cast<double>(report.bytes) * 1e-6,
+  fmt::print("recorded {} in {:.1f} s, {:.1f} MB: {}\n", text::counted(report.recorded, "message"),
+             report.duration_s, static_cast<double>(report.bytes) * 1e-6,
              files.empty() ? "no file" : fmt::format("{}", fmt::join(files, ", ")));
-  fmt::print("lost: {} by a full queue, {} by the disk, {} by DDS\nmissing: {} inputs of beacons\n",
+  fmt::print("lost: {} by a full queue, {} by the disk, {} by DDS\nmissing: {} of beacons\n",
              report.counts.lost_queue, report.lost_disk, report.counts.lost_dds,
-             report.counts.events_missing);
+             text::counted(report.counts.events_missing, "input"));
   for (const auto& [topic, writers] : report.foreign_topics) {
-    fmt::print("not recorded: {} ({} {})\n", topic, writers, writers == 1 ? "writer" : "writers");
+    fmt::print("not recorded: {} ({})\n", topic, text::counted(writers, "writer"));
   }
+  if (report.unnamed_topics > 0) fmt::print("not recorded: {} more topics\n", report.unnamed_topics);
 }
 
 int serve(Options& options, const std::string& command) {
@@ -109,8 +111,10 @@ void add_last_options(CLI::App& app, recorder::RecorderOptions& options) {
       ->check(apps::topic_name())
       ->type_name("TOPIC")
       ->needs(keep);
-  app.add_flag("--trigger-status", options.trigger_on_status,
-               "Write the last seconds when a pose becomes stale, frozen, doubted, or lacks IMU samples")
+  app.add_flag(
+         "--trigger-status", options.trigger_on_status,
+         "Write the last seconds when a pose becomes stale, frozen, doubted or overloaded, or lacks IMU "
+         "samples")
       ->needs(keep);
 }
 

@@ -15,12 +15,11 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <compare>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <filesystem>
-#include <new>
 #include <stdexcept>
 #include <string>
 #include <sys/mman.h>
@@ -49,26 +48,29 @@ struct Options {
 /// The topics whose messages have an increasing number after the address: the event's, or the time.
 constexpr std::array<const char*, 6> counted_topics{"sonopose/imu",   "sonopose/fix",  "sonopose/heading",
                                                     "sonopose/truth", "sonopose/pose", "sonopose/report"};
-constexpr std::size_t most_beacons = 2048;
 
-/// Which messages of a beacon and topic a consumer got.
+/// A message that a consumer got, or a file has.
 struct Seen {
-  std::uint64_t first = 0;
-  std::uint64_t last = 0;
-  std::uint64_t count = 0;
+  std::uint32_t topic = 0;  ///< its place in `counted_topics`
+  std::uint32_t address = 0;
+  std::uint64_t number = 0;
 
-  void on(std::uint64_t number) {
-    if (count == 0) first = number;
-    last = number;
-    ++count;
-  }
+  auto operator<=>(const Seen&) const = default;
 };
 
-/// Shared by the processes.
+/// Shared by the processes. Only what is used takes memory.
 struct SeenTable {
+  static constexpr std::size_t most = std::size_t{1} << 26U;
+
   /// Set once all readers and writers have found each other: what is sent before reaches some earlier.
-  std::atomic<bool> is_counting = false;
-  std::array<std::array<Seen, most_beacons>, counted_topics.size()> topics{};
+  std::atomic<bool> is_counting;
+  std::atomic<std::size_t> count;
+  std::array<Seen, most> seen;
+
+  void on(const Seen& message) {
+    const std::size_t at = count.fetch_add(1, std::memory_order_relaxed);
+    if (at < most) seen[at] = message;
+  }
 };
 
 template <class T>
@@ -83,27 +85,28 @@ std::uint64_t number_of(const T& sample) {
 template <class T>
 class Counter final : public dds::DataReaderListener<T> {
 public:
-  Counter(const std::atomic<bool>& is_counting, std::array<Seen, most_beacons>& seen)
-      : is_counting_(is_counting), seen_(seen) {}
+  Counter(SeenTable& seen, std::uint32_t topic) : seen_(seen), topic_(topic) {}
   void on_data_available(dds::DataReader<T>& reader) noexcept override {
     reader.try_take_each([this](const T& sample, const dds::SampleInfo&) {
-      if (is_counting_) seen_[sample.address % most_beacons].on(number_of(sample));
+      if (seen_.is_counting) seen_.on({topic_, sample.address, number_of(sample)});
     });
   }
 
 private:
-  const std::atomic<bool>& is_counting_;
-  std::array<Seen, most_beacons>& seen_;
+  SeenTable& seen_;
+  std::uint32_t topic_;
 };
+
+std::uint32_t index_of(const std::string& topic) {
+  return static_cast<std::uint32_t>(std::find(counted_topics.begin(), counted_topics.end(), topic) -
+                                    counted_topics.begin());
+}
 
 template <class T>
 struct CountingReader {
   CountingReader(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
                  const topics::Entry<T>& entry, SeenTable& seen)
-      : listener(seen.is_counting,
-                 seen.topics.at(static_cast<std::size_t>(
-                     std::find(counted_topics.begin(), counted_topics.end(), std::string(entry.name)) -
-                     counted_topics.begin()))),
+      : listener(seen, index_of(entry.name)),
         reader(topics::make_reader(participant, qos, entry, &listener)) {}
   Counter<T> listener;
   dds::DataReader<T> reader;
@@ -123,56 +126,42 @@ void count_samples(std::uint32_t domain, SeenTable& seen) {
 }
 
 SeenTable& shared_table() {
-  void* const memory =
-      ::mmap(nullptr, sizeof(SeenTable), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  void* const memory = ::mmap(nullptr, sizeof(SeenTable), PROT_READ | PROT_WRITE,
+                              MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (memory == MAP_FAILED) throw std::runtime_error("mmap failed");
-  return *new (memory) SeenTable{};
+  return *static_cast<SeenTable*>(memory);  // all zero
 }
 
 void sleep_s(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-/// Calls `on(topic, address, number)` for each message of a counted topic.
-template <class On>
-void for_each_recorded(const mcap::Reader& reader, const On& on) {
+/// The messages of the counted topics in a file, sorted.
+std::vector<Seen> recorded_in(const fs::path& file) {
+  const mcap::Reader reader(file);
   mcap::Messages messages(reader, {.channel = {}, .order = mcap::Selection::Order::file});
+  std::vector<Seen> recorded;
   while (const auto message = messages.next()) {
-    const std::string& topic = reader.channels().at(message->channel_id).topic;
-    const auto* const found = std::find(counted_topics.begin(), counted_topics.end(), topic);
-    if (found == counted_topics.end() || message->data.size() < 20) continue;
-    std::uint64_t number = 0;
-    std::memcpy(&number, message->data.data() + 12, sizeof number);
-    on(static_cast<std::size_t>(found - counted_topics.begin()),
-       *topics::beacon_of(message->data) % most_beacons, number);
+    const std::uint32_t topic = index_of(reader.channels().at(message->channel_id).topic);
+    const auto number = topics::event_sequence_of(message->data);
+    const auto address = topics::beacon_of(message->data);
+    if (topic < counted_topics.size() && number && address) recorded.push_back({topic, *address, *number});
   }
+  std::sort(recorded.begin(), recorded.end());
+  return recorded;
 }
 
 struct Comparison {
-  std::uint64_t counted = 0;  ///< by the consumer, of the time that both have
+  std::uint64_t counted = 0;  ///< by the consumer
   std::uint64_t missing = 0;  ///< of these in the file
 };
 
 Comparison compare(const SeenTable& seen, const fs::path& file) {
-  const mcap::Reader reader(file);
-  std::vector<std::uint64_t> recorded_last(counted_topics.size() * most_beacons);
-  const auto at = [](std::size_t topic, std::size_t address) { return topic * most_beacons + address; };
-  for_each_recorded(reader, [&](std::size_t topic, std::size_t address, std::uint64_t number) {
-    recorded_last[at(topic, address)] = number;
-  });
-  std::vector<std::uint64_t> recorded(recorded_last.size());
-  for_each_recorded(reader, [&](std::size_t topic, std::size_t address, std::uint64_t number) {
-    const Seen& own = seen.topics.at(topic).at(address);
-    if (number >= own.first && number <= own.last) ++recorded[at(topic, address)];
-  });
-  Comparison result;
-  for (std::size_t topic = 0; topic < counted_topics.size(); ++topic) {
-    for (std::size_t address = 0; address < most_beacons; ++address) {
-      const Seen& own = seen.topics.at(topic).at(address);
-      const std::uint64_t in_file = recorded[at(topic, address)];
-      result.counted += own.count;
-      if (own.count > in_file) result.missing += own.count - in_file;
-    }
+  const std::vector<Seen> recorded = recorded_in(file);
+  Comparison result{.counted = seen.count};
+  if (result.counted > SeenTable::most) throw std::runtime_error("too many messages to compare");
+  for (std::size_t i = 0; i < result.counted; ++i) {
+    if (!std::binary_search(recorded.begin(), recorded.end(), seen.seen[i])) ++result.missing;
   }
   return result;
 }

@@ -1,7 +1,9 @@
 // An MCAP file of any content: its contents, its metadata, its messages in both orders, and as JSON.
 
 #include "bus_log/messages.hpp"
+#include "mcap/omg_idl.hpp"
 #include "mcap/reader.hpp"
+#include "mcap/verify.hpp"
 #include "support.hpp"
 
 #include <algorithm>
@@ -67,6 +69,9 @@ void check(const mcap::Reader& reader) {
   std::vector<std::string> damages;
   promise(reader.metadata(damages).size() <= reader.contents().metadata.size(),
           "a record of metadata comes once");
+  std::ignore = mcap::verify(reader);
+  for (const auto& [id, schema] : reader.schemas())
+    std::ignore = mcap::definition_in(schema.data, schema.name);
 }
 
 }  // namespace

@@ -16,26 +16,29 @@ const std::string& required_input(const SourceOptions& options) {
   return options.input;
 }
 
+/// Both forms are read in one way.
+bool is_log(const SourceOptions& options) {
+  return options.source == "log" || options.source == "mcap";
+}
+
 }  // namespace
 
 void add_source_options(CLI::App& app, SourceOptions& options) {
   app.option_defaults()->group(source_group);
   app.add_option("--source", options.source, "Source of the samples: sim, log or mcap, stream, serial or udp")
       ->check(CLI::IsMember({"sim", "log", "mcap", "stream", "serial", "udp"}))
-      ->transform([](const std::string& name) { return name == "mcap" ? std::string("log") : name; })
       ->capture_default_str();
   app.add_option("--input", options.input,
                  "Sensor-log folder (log), recording of the bus (mcap) or file of raw beacon bytes (stream)")
       ->type_name("PATH");
   app.add_option("--rate", options.rate,
-                 "Speed of sim, log and stream: 1 is real time, 0 is as fast as the readers accept")
+                 "Speed of sim, log, mcap and stream: 1 is real time, 0 is as fast as the readers accept")
       ->check(CLI::Range(0.0, 1e6).description("[0 - 1e6]"))
       ->capture_default_str();
-  app.add_flag("--restamp", options.restamp, "Shift the time stamps of a log so that it starts now");
+  app.add_flag("--restamp", options.restamp, "Shift the time stamps of a log or mcap so that it starts now");
   app.add_option("--address", options.address,
                  "Beacon address of sim and log (default: the one in meta.toml of a log, else 7); with mcap, "
-                 "the beacon "
-                 "that is read, if the recording has several")
+                 "the beacon that is read, if the recording has several")
       ->check(CLI::Range(0, 65534));
   app.add_option("--beacons", options.sim.beacons,
                  "Number of beacons of sim, each with the next address and seed")
@@ -89,24 +92,24 @@ std::unique_ptr<bridge::Source> make_source(const SourceOptions& options) {
   if (options.sim.beacons > 1 && options.source != "sim") {
     throw std::invalid_argument("--beacons only works with --source sim, not with " + options.source);
   }
-  if (options.capture && (options.source == "log" || options.source == "stream")) {
+  if (options.capture && (is_log(options) || options.source == "stream")) {
     throw std::invalid_argument("--capture only works with --source sim, serial or udp, not with " +
                                 options.source);
   }
-  if (options.imu_meaning && (options.source == "sim" || options.source == "log")) {
+  if (options.imu_meaning && (options.source == "sim" || is_log(options))) {
     throw std::invalid_argument("--imu-meaning only works with --source serial, udp or stream, not with " +
                                 options.source + ", which declares it itself");
   }
   if (options.udp.from && options.source != "udp") {
     throw std::invalid_argument("--from only works with --source udp, not with " + options.source);
   }
-  if (options.max_beacons && (options.source == "sim" || options.source == "log")) {
+  if (options.max_beacons && (options.source == "sim" || is_log(options))) {
     throw std::invalid_argument("--max-beacons only works with --source serial, udp or stream, not with " +
                                 options.source + ", whose beacons you choose");
   }
   const std::size_t max_beacons = options.max_beacons.value_or(default_max_beacons);
   const ImuMeaning imu_meaning = options.imu_meaning.value_or(bridge::default_imu_meaning);
-  if (options.source == "log") {
+  if (is_log(options)) {
     return bridge::make_log_source({required_input(options), options.address, options.rate, options.restamp});
   }
   if (options.source == "stream") {

@@ -1,11 +1,15 @@
 #include "bus_log/copy.hpp"
 
+#include "logging/log.hpp"
 #include "mcap/file_sink.hpp"
 #include "mcap/verify.hpp"
 #include "mcap/writer.hpp"
+#include "recording/part_file.hpp"
+#include <sonopose/text/counted.hpp>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <deque>
 #include <map>
 
@@ -16,7 +20,10 @@ namespace {
 /// One input, with the message that comes next.
 struct Input {
   Input(const std::filesystem::path& file, const CopyRequest& request)
-      : reader{file}, messages{reader, request.choice, request.damaged} {}
+      : reader{file},
+        messages{
+            reader, request.choice, request.damaged,
+            request.inputs.size() == 1 ? mcap::Selection::Order::file : mcap::Selection::Order::log_time} {}
 
   mcap::Reader reader;
   ChosenMessages messages;
@@ -26,9 +33,11 @@ struct Input {
 
 class Copy {
 public:
-  explicit Copy(const CopyRequest& request) : damaged_{request.damaged} {
+  explicit Copy(const CopyRequest& request) : damaged_{request.damaged}, on_progress_{request.on_progress} {
     for (const auto& file : request.inputs) {
       Input& input = inputs_.emplace_back(file, request);
+      total_ += input.reader.statistics().message_count;
+      result_.attachments += input.reader.statistics().attachment_count;
       const std::string& profile = input.reader.contents().profile;
       const std::string& first = inputs_.front().reader.contents().profile;
       if (profile != first) {
@@ -44,6 +53,9 @@ public:
         writer.write_metadata(metadata);
         ++result_.metadata;
       }
+      for (const auto& [id, channel] : input.reader.channels()) {
+        if (input.messages.has(channel)) channel_of(input, channel, writer);
+      }
       input.next = input.messages.next();
     }
     while (Input* input = earliest()) {
@@ -51,9 +63,13 @@ public:
       message.channel_id = channel_of(*input, *input->next->channel, writer);
       writer.write(message);
       ++result_.messages;
+      report_progress();
       input->next = input->messages.next();
     }
     writer.close();
+    if (result_.attachments > 0) {
+      logging::warning("not copied: " + text::counted(result_.attachments, "attachment"));
+    }
     for (const Input& input : inputs_) {
       const auto& damages = input.reader.damages();
       const auto& skipped = input.messages.skipped();
@@ -61,7 +77,7 @@ public:
       result_.damages.insert(result_.damages.end(), skipped.begin(), skipped.end());
       // A damage that is known explains a wrong checksum of the whole.
       if (damaged_ != mcap::Selection::Damaged::skip || !damages.empty() || !skipped.empty()) continue;
-      const auto sums = mcap::verify(input.reader.file());
+      const auto sums = mcap::verify(input.reader);
       result_.damages.insert(result_.damages.end(), sums.begin(), sums.end());
     }
     return std::move(result_);
@@ -74,6 +90,13 @@ private:
   std::vector<mcap::Metadata> metadata_of(const mcap::Reader& reader) {
     const bool is_skipping = damaged_ == mcap::Selection::Damaged::skip;
     return is_skipping ? reader.metadata(result_.damages) : reader.metadata();
+  }
+
+  void report_progress() const {
+    constexpr std::uint64_t period = 10'000;
+    if (!on_progress_ || result_.messages % period != 0) return;
+    on_progress_(static_cast<double>(result_.messages) /
+                 static_cast<double>(std::max(total_, result_.messages)));
   }
 
   Input* earliest() {
@@ -100,7 +123,9 @@ private:
   }
 
   mcap::Selection::Damaged damaged_;
+  const std::function<void(double)>& on_progress_;
   std::deque<Input> inputs_;
+  std::uint64_t total_ = 0;  ///< messages of the inputs
   CopyResult result_;
 };
 
@@ -108,15 +133,18 @@ private:
 
 CopyResult copy(const CopyRequest& request) {
   Copy copying(request);
-  mcap::FileSink sink(request.output);
+  const recording::PartFile name(request.output);
+  mcap::FileSink sink(name.part());
   try {
     mcap::Writer writer(
         sink,
         {.profile = copying.profile(), .library = copying.library(), .compression = request.compression});
-    return copying.run(writer);
+    const CopyResult result = copying.run(writer);
+    name.commit();
+    return result;
   } catch (...) {
     std::error_code ignored;
-    std::filesystem::remove(request.output, ignored);
+    std::filesystem::remove(name.part(), ignored);
     throw;
   }
 }

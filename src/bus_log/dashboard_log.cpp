@@ -4,6 +4,7 @@
 #include "files/line_reader.hpp"
 #include "marvelmind/assembler.hpp"
 #include "marvelmind/dashboard_line.hpp"
+#include <sonopose/text/counted.hpp>
 
 #include <fmt/format.h>
 
@@ -31,6 +32,7 @@ struct Streams {
 struct Dashboard {
   std::map<BeaconAddress, Streams> beacons;
   std::vector<std::string> warnings;
+  bool has_line = false;  ///< with the time of such a log
 };
 
 Dashboard read_all(const std::filesystem::path& file) {
@@ -45,29 +47,20 @@ Dashboard read_all(const std::filesystem::path& file) {
   while (const auto line = lines.next()) {
     if (line->empty()) continue;
     const DashboardLine parsed = marvelmind::parse_dashboard_line(*line);
+    read.has_line = read.has_line || parsed.time_ns != 0;
     if (parsed.kind == DashboardLine::Kind::packet) assembler.on(parsed.packet, parsed.time_ns, add);
     if (parsed.kind != DashboardLine::Kind::invalid) continue;
     if (invalid++ == 0) first_problem = fmt::format("line {}, {}", lines.number(), parsed.problem);
   }
   assembler.finish(add);
   if (invalid > 0) {
-    read.warnings.push_back(fmt::format("{}: {} lines cannot be read and are left out; the first: {}",
-                                        file.string(), invalid, first_problem));
+    read.warnings.push_back(fmt::format("{}: {} cannot be read; the first: {}", file.string(),
+                                        text::counted(invalid, "line"), first_problem));
   }
   return read;
 }
 
 }  // namespace
-
-bool is_dashboard_log(const std::filesystem::path& file) {
-  try {
-    files::LineReader lines(file);
-    const auto line = lines.next();
-    return line && marvelmind::parse_dashboard_line(*line).time_ns != 0;
-  } catch (const files::IoError&) {
-    return false;  // a line without an end: no text
-  }
-}
 
 recording::SensorLog read_dashboard_log(const std::filesystem::path& file,
                                         std::optional<BeaconAddress> address) {
@@ -75,6 +68,12 @@ recording::SensorLog read_dashboard_log(const std::filesystem::path& file,
   std::string known;
   for (const auto& [beacon, streams] : read.beacons)
     known += (known.empty() ? "" : ", ") + std::to_string(beacon);
+  if (!read.has_line) {
+    throw files::IoError(
+        file.string() +
+        ": is not an MCAP file, which begins with its magic bytes, and no line is of a CSV log of the "
+        "Dashboard, which begins with a time as in T2024_01_31__120000_000");
+  }
   if (known.empty()) throw files::IoError(file.string() + ": has no position and no IMU sample");
   if (!address && read.beacons.size() > 1) {
     throw files::IoError(fmt::format("{}: has {} beacons; choose one with --beacon: {}", file.string(),

@@ -9,11 +9,8 @@
 
 namespace sonopose::bus_log {
 
-/// Whether the file begins as such a log does.
-bool is_dashboard_log(const std::filesystem::path& file);
-
-/// One beacon of such a log. Throws files::IoError; for a log of several beacons it lists their addresses.
-/// Lines that cannot be read are left out and counted in `warnings`.
+/// One beacon of such a log. Throws files::IoError, also if no line is of such a log; for a log of several
+/// beacons it lists their addresses. Lines that cannot be read are left out and counted in `warnings`.
 recording::SensorLog read_dashboard_log(const std::filesystem::path& file,
                                         std::optional<BeaconAddress> address);
 

@@ -2,7 +2,9 @@
 
 #include "monitor/echo/json.hpp"
 #include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/dds/topics/serialized_topics.hpp>
 #include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/text/hexadecimal.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -55,16 +57,6 @@ std::string_view text_of(const mcap::Message& message) {
   return {reinterpret_cast<const char*>(message.data.data()), message.data.size()};
 }
 
-std::string hexadecimal(std::span<const std::byte> bytes) {
-  constexpr std::string_view digits = "0123456789abcdef";
-  std::string text;
-  for (const std::byte byte : bytes) {
-    text += digits[std::to_integer<unsigned>(byte) >> 4U];
-    text += digits[std::to_integer<unsigned>(byte) & 15U];
-  }
-  return text;
-}
-
 /// Empty if the text is not JSON, or is so deep that to write it, which recurses, could need too much stack.
 std::optional<nlohmann::ordered_json> parse_json(std::string_view text) {
   using Json = nlohmann::ordered_json;
@@ -90,7 +82,7 @@ std::string content_of(const mcap::Channel& channel, const mcap::Message& messag
     json = topic->json(message.data);
   }
   if (!json.empty()) return R"("message":)" + json;
-  return fmt::format(R"("data":"{}")", hexadecimal(message.data));
+  return fmt::format(R"("data":"{}")", text::hexadecimal(message.data));
 }
 
 /// Of the end of an instance, whose key has the address of a beacon.
@@ -110,8 +102,9 @@ std::string full_name(const std::string& topic) {
 }
 
 mcap::Selection selection_of(const mcap::Reader& reader, const Choice& choice,
-                             mcap::Selection::Damaged damaged) {
+                             mcap::Selection::Damaged damaged, mcap::Selection::Order order) {
   mcap::Selection selection;
+  selection.order = order;
   selection.damaged = damaged;
   std::vector<std::string> wanted;
   for (const std::string& topic : choice.topics) {
@@ -129,35 +122,19 @@ mcap::Selection selection_of(const mcap::Reader& reader, const Choice& choice,
     };
   }
   const mcap::TimeSpan& times = reader.statistics().log_times;
-  const auto at = [&times](double seconds) {
-    constexpr double most_s = 9e9;  // of 64 bits of nanoseconds
-    const auto after_ns = static_cast<std::uint64_t>(std::clamp(seconds, 0.0, most_s) * 1e9);
-    return times.start_ns > std::numeric_limits<std::uint64_t>::max() - after_ns
-               ? std::numeric_limits<std::uint64_t>::max()
-               : times.start_ns + after_ns;
-  };
   if (times.is_empty()) return selection;
-  if (choice.start_s > 0) selection.start_ns = at(choice.start_s);
-  if (choice.end_s) selection.end_ns = at(*choice.end_s);
+  if (choice.start_s > 0) selection.start_ns = times.after_start(choice.start_s);
+  if (choice.end_s) selection.end_ns = times.after_start(*choice.end_s);
   return selection;
 }
 
 }  // namespace
 
-std::optional<BeaconAddress> address_in(std::span<const std::byte> cdr) {
-  constexpr std::size_t header_bytes = 4;
-  if (cdr.size() < header_bytes + 2) return std::nullopt;
-  const auto first = std::to_integer<unsigned>(cdr[header_bytes]);
-  const auto second = std::to_integer<unsigned>(cdr[header_bytes + 1]);
-  const bool is_little = cdr[1] == std::byte{1};
-  return static_cast<BeaconAddress>(is_little ? first | second << 8U : first << 8U | second);
-}
-
 std::optional<BeaconAddress> beacon_of(const mcap::Channel& channel, const mcap::Message& message) {
   if (channel.topic == instance_ends) return beacon_of_end(message);
   const TopicReader* topic = find_topic(channel);
   if (topic == nullptr || !topic->has_beacon) return std::nullopt;
-  return address_in(message.data);
+  return topics::beacon_of(message.data);
 }
 
 std::string json_of(const mcap::Channel& channel, const mcap::Message& message) {
@@ -168,8 +145,11 @@ std::string json_of(const mcap::Channel& channel, const mcap::Message& message) 
 }
 
 ChosenMessages::ChosenMessages(const mcap::Reader& reader, const Choice& choice,
-                               mcap::Selection::Damaged damaged)
-    : reader_{reader}, beacon_{choice.beacon}, messages_{reader, selection_of(reader, choice, damaged)} {}
+                               mcap::Selection::Damaged damaged, mcap::Selection::Order order)
+    : reader_{reader},
+      beacon_{choice.beacon},
+      selection_{selection_of(reader, choice, damaged, order)},
+      messages_{reader, selection_} {}
 
 std::optional<ChosenMessages::Chosen> ChosenMessages::next() {
   while (const auto message = messages_.next()) {

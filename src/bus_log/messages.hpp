@@ -11,9 +11,6 @@
 
 namespace sonopose::bus_log {
 
-/// The address in a serialized sample that begins with one; empty if there are too few bytes.
-std::optional<BeaconAddress> address_in(std::span<const std::byte> cdr);
-
 /// The beacon that a message belongs to; empty if its topic has none, or is not ours.
 std::optional<BeaconAddress> beacon_of(const mcap::Channel& channel, const mcap::Message& message);
 
@@ -30,12 +27,18 @@ struct Choice {
   std::optional<double> end_s{};          ///< the same
 };
 
-/// The messages of a recording that a choice names, by time. Throws files::IoError if the file has not a
-/// topic of the choice, and names those it has.
+/// The messages of a recording that a choice names, by time or in the order of the file. Throws
+/// files::IoError if the file does not have a topic of the choice, and names those it has.
 class ChosenMessages {
 public:
   ChosenMessages(const mcap::Reader& reader, const Choice& choice,
-                 mcap::Selection::Damaged damaged = mcap::Selection::Damaged::refuse);
+                 mcap::Selection::Damaged damaged = mcap::Selection::Damaged::refuse,
+                 mcap::Selection::Order order = mcap::Selection::Order::log_time);
+
+  /// Whether messages of a channel of the file can be chosen.
+  [[nodiscard]] bool has(const mcap::Channel& channel) const {
+    return !selection_.channel || selection_.channel(channel);
+  }
 
   struct Chosen {
     const mcap::Channel* channel = nullptr;
@@ -49,6 +52,7 @@ public:
 private:
   const mcap::Reader& reader_;
   std::optional<BeaconAddress> beacon_;
+  mcap::Selection selection_;
   mcap::Messages messages_;
 };
 

@@ -2,17 +2,24 @@
 
 #include "bus_log/dashboard_log.hpp"
 #include "bus_log/decoded.hpp"
-#include "bus_log/messages.hpp"
 #include "logging/log.hpp"
+#include "mcap/omg_idl.hpp"
 #include "mcap/reader.hpp"
 #include "recording/log_columns.hpp"
 #include <sonopose/collation/collator.hpp>
+#include <sonopose/dds/topics/serialized_topics.hpp>
 #include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/idl/text.hpp>
+#include <sonopose/text/counted.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -32,6 +39,14 @@ bool is_input(const mcap::Channel& channel) {
          channel.topic == topics::heading.name;
 }
 
+bool is_command(const std::string& topic) {
+  return topic == topics::reset.name || topic == topics::settings.name;
+}
+
+bool is_read(const mcap::Channel& channel) {
+  return is_input(channel) || is_command(channel.topic) || channel.topic == topics::truth.name;
+}
+
 std::string listed(const std::set<BeaconAddress>& addresses) {
   std::string text;
   for (const BeaconAddress address : addresses) text += (text.empty() ? "" : ", ") + std::to_string(address);
@@ -49,9 +64,8 @@ public:
   recording::SensorLog read() {
     log_.address = address_;
     log_.warnings = reader_.damages();
-    mcap::Messages messages(reader_, {.channel = [](const mcap::Channel& channel) {
-                              return is_input(channel) || channel.topic == topics::truth.name;
-                            }});
+    // In the order of the file: the host's clock may have been set back meanwhile.
+    mcap::Messages messages(reader_, {.channel = is_read, .order = mcap::Selection::Order::file});
     while (const auto message = messages.next()) add(*message);
     std::ranges::stable_sort(log_.truth, {}, &TruthSample::time_ns);
     warn();
@@ -61,11 +75,17 @@ public:
 private:
   /// The topics that are read must be what their names say.
   void check(const mcap::Channel& channel) const {
-    if (!is_input(channel) && channel.topic != topics::truth.name) return;
+    if (!is_read(channel)) return;
     if (channel.message_encoding != "cdr") {
       throw files::IoError(fmt::format(R"({}: topic {} has message encoding "{}" instead of "cdr")",
                                        reader_.name(), channel.topic, channel.message_encoding));
     }
+    const auto schema = reader_.schemas().find(channel.schema_id);
+    if (schema == reader_.schemas().end() || schema->second.data.empty()) return;
+    const std::string type = topics::find_topic(channel.topic)->type_name;
+    if (mcap::definition_in(schema->second.data, type) == mcap::definition_in(idl::text, type)) return;
+    throw files::IoError(fmt::format("{}: topic {} has another type than {} of this version of the program",
+                                     reader_.name(), channel.topic, type));
   }
 
   [[nodiscard]] BeaconAddress chosen(std::optional<BeaconAddress> address) const {
@@ -89,25 +109,41 @@ private:
     std::set<BeaconAddress> found;
     mcap::Messages messages(reader_, {.channel = is_input, .order = mcap::Selection::Order::file});
     while (const auto message = messages.next()) {
-      if (const auto address = address_in(message->data)) found.insert(*address);
+      if (const auto address = topics::beacon_of(message->data)) found.insert(*address);
     }
     return found;
   }
 
   void add(const mcap::Message& message) {
-    if (address_in(message.data) != address_) return;
+    const auto address = topics::beacon_of(message.data);
     const std::string& topic = reader_.channels().at(message.channel_id).topic;
+    if (is_command(topic) && (address == address_ || address == all_beacons))
+      return add_command(topic, message);
+    if (address != address_) return;
     if (topic == topics::imu.name) {
       collate(decoded(topics::imu, reader_, message), message);
     } else if (topic == topics::fix.name) {
       collate(decoded(topics::fix, reader_, message), message);
     } else if (topic == topics::heading.name) {
       collate(decoded(topics::heading, reader_, message), message);
-    } else {
+    } else if (topic == topics::truth.name) {
       const TruthSample truth = decoded(topics::truth, reader_, message);
       require_time(truth.time_ns, message);
       log_.truth.push_back(truth);
     }
+  }
+
+  /// What the fusion obeyed meanwhile, and a replay does not know.
+  void add_command(const std::string& topic, const mcap::Message& message) {
+    if (topic == topics::reset.name) {
+      ++reset_count_;
+      return;
+    }
+    const EffectiveSettings settings = decoded(topics::settings, reader_, message);
+    const auto [known, is_new] = settings_.try_emplace(settings.address, settings.values);
+    if (is_new || known->second == settings.values) return;
+    known->second = settings.values;
+    ++settings_change_count_;
   }
 
   void require_time(TimeNs time_ns, const mcap::Message& message) const {
@@ -121,8 +157,10 @@ private:
   void collate(const Event& event, const mcap::Message& message) {
     require_time(available_at_ns(event), message);
     if (input_count_++ == 0) first_sequence_ = sequence_of(event);
-    const SteadyTime arrival{static_cast<std::int64_t>(message.log_time_ns >> 1U)};
-    for (const collation::CollatedEvent& next : collator_.push(event, arrival)) {
+    constexpr auto latest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max() / 2);
+    const auto log_time_ns = static_cast<std::int64_t>(std::min(message.log_time_ns, latest));
+    arrival_ = std::max(arrival_, SteadyTime{log_time_ns});
+    for (const collation::CollatedEvent& next : collator_.push(event, arrival_)) {
       Event numbered = next.event;
       std::visit([this](auto& sample) { sample.sequence = log_.events.size() + 1; }, numbered);
       log_.events.push_back(std::move(numbered));
@@ -130,9 +168,11 @@ private:
   }
 
   void warn() {
-    const auto warn_of = [this](std::uint64_t count, std::string_view what) {
-      if (count > 0)
-        log_.warnings.push_back(reader_.name() + ": " + std::to_string(count) + std::string(what));
+    const auto warn_of = [this](std::string_view before, std::uint64_t count, std::string_view noun,
+                                std::string_view after) {
+      if (count == 0) return;
+      log_.warnings.push_back(
+          fmt::format("{}: {} {}{}", reader_.name(), before, text::counted(count, noun), after));
     };
     const collation::CollatorCounters& counters = collator_.counters();
     if (first_sequence_ > 1) {
@@ -140,11 +180,15 @@ private:
                               " of beacon " + std::to_string(address_) +
                               ": the state of a fusion that had those before is another one");
     }
-    warn_of(counters.lost, " events of the bridge are missing in the recording");
-    warn_of(counters.duplicated, " events have numbers that came before: two bridges, or too late");
-    warn_of(counters.restarts, " times the bridge began to count again");
-    warn_of(input_count_ - log_.events.size() - counters.duplicated,
-            " events at the end wait for one that is missing, and are left out");
+    warn_of("lacks", counters.lost, "event", " of the bridge");
+    warn_of("leaves out", counters.duplicated, "event",
+            " with numbers that came before: of two bridges, or too late");
+    warn_of("the bridge began to count again", counters.restarts, "time", "");
+    constexpr std::string_view not_repeated = ", which a replay does not repeat";
+    warn_of("has", reset_count_, "reset", " of the beacon" + std::string(not_repeated));
+    warn_of("has", settings_change_count_, "change", " of its settings" + std::string(not_repeated));
+    warn_of("leaves out", input_count_ - log_.events.size() - counters.duplicated, "event",
+            " at the end, behind one that is missing");
   }
 
   mcap::Reader reader_;
@@ -152,8 +196,21 @@ private:
   collation::Collator collator_{collation_timeout_ns};
   std::uint64_t input_count_ = 0;
   std::uint64_t first_sequence_ = 0;
+  SteadyTime arrival_;
+  std::uint64_t reset_count_ = 0;
+  std::uint64_t settings_change_count_ = 0;
+  std::map<BeaconAddress, std::vector<SettingAssignment>> settings_;
   recording::SensorLog log_;
 };
+
+/// A file that begins so is no text.
+bool is_mcap(const std::filesystem::path& file) {
+  const mcap::FileSource source(file);
+  std::array<std::byte, 4> begin{};
+  if (source.size() < begin.size()) return false;
+  source.read(0, begin);
+  return std::ranges::equal(begin, std::as_bytes(std::span(mcap::magic)).first(begin.size()));
+}
 
 }  // namespace
 
@@ -167,7 +224,7 @@ std::filesystem::path imu_source(const std::filesystem::path& log) {
 
 recording::SensorLog read_sensor_log(const std::filesystem::path& log, std::optional<BeaconAddress> address) {
   if (!is_file(log)) return recording::read_sensor_log(log, address);
-  auto read = is_dashboard_log(log) ? read_dashboard_log(log, address) : FileLog(log, address).read();
+  auto read = is_mcap(log) ? FileLog(log, address).read() : read_dashboard_log(log, address);
   for (const std::string& warning : read.warnings) logging::warning(warning);
   return read;
 }

@@ -14,8 +14,9 @@ namespace sonopose::bus_log {
 /// Whether it is a file, and therefore read as MCAP.
 bool is_file(const std::filesystem::path& log);
 
-/// Reads a folder as recording::read_sensor_log does, and a file by its content: as a CSV log of the vendor's
-/// Dashboard (dashboard_log.hpp), else as MCAP. A file with several beacons needs an address.
+/// Reads a folder as recording::read_sensor_log does, and a file by its content: as MCAP if it begins so,
+/// else as a CSV log of the vendor's Dashboard (dashboard_log.hpp). A file with several beacons needs an
+/// address.
 ///
 /// The events of an MCAP file are in the order of their numbers on the bus, as the fusion's collator makes
 /// it, and are numbered again from 1. What is missing or damaged is in `warnings` and in the log of the

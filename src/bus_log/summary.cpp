@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <tuple>
 
 namespace sonopose::bus_log {
 
@@ -106,6 +107,12 @@ std::string summary_json(const mcap::Reader& reader, const std::vector<std::stri
   }
   json["damages"] = damages;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+bool is_sound(const mcap::Reader& reader, const std::vector<std::string>& more) {
+  std::vector<std::string> damages = reader.damages();
+  std::ignore = reader.metadata(damages);
+  return damages.empty() && more.empty();
 }
 
 }  // namespace sonopose::bus_log

@@ -15,4 +15,7 @@ std::string summary_text(const mcap::Reader& reader, const std::vector<std::stri
 /// The same as one JSON object.
 std::string summary_json(const mcap::Reader& reader, const std::vector<std::string>& more = {});
 
+/// Whether neither the reader, nor its metadata, nor `more` has a damage.
+bool is_sound(const mcap::Reader& reader, const std::vector<std::string>& more);
+
 }  // namespace sonopose::bus_log

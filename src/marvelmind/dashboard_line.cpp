@@ -81,7 +81,8 @@ std::optional<TimeNs> parse_time(std::string_view text) {
   const std::int64_t year = digits(1, 4);
   const std::int64_t month = digits(6, 2);
   const std::int64_t day = digits(9, 2);
-  const bool is_date = year >= 1971 && year <= 2100 && month >= 1 && month <= 12 && day >= 1 && day <= 31;
+  const bool is_date = year >= 1971 && year <= 2100 && month >= 1 && month <= 12 && day >= 1 &&
+                       day <= days_to(year + month / 12, month % 12 + 1, 1) - days_to(year, month, 1);
   const bool is_time = digits(13, 2) < 24 && digits(15, 2) < 60 && digits(17, 2) <= 60;
   if (!is_date || !is_time) return std::nullopt;
   const std::int64_t seconds =

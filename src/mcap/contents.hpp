@@ -21,8 +21,9 @@ struct Block {
   Kind kind = Kind::chunk;
   std::uint64_t offset = 0;
   std::uint64_t length = 0;
-  TimeSpan log_times;                   ///< of its messages
-  std::vector<std::uint16_t> channels;  ///< those of its messages; empty: not known
+  TimeSpan log_times;  ///< of its messages
+  std::vector<std::uint16_t>
+      channels;  ///< those of its messages, in a scanned file in order; empty: not known
 };
 
 /// The place of a record.

@@ -186,4 +186,37 @@ MetadataIndex decode_metadata_index(Fields fields) {
   return index;
 }
 
+namespace {
+
+std::uint64_t memory_of(const TextMap& map) {
+  constexpr std::uint64_t tree_node_bytes = 32;
+  std::uint64_t bytes = 0;
+  for (const auto& entry : map) {
+    bytes += tree_node_bytes + sizeof entry + entry.first.size() + entry.second.size();
+  }
+  return bytes;
+}
+
+}  // namespace
+
+std::uint64_t memory_of(const Schema& schema) {
+  return sizeof schema + schema.name.size() + schema.encoding.size() + schema.data.size();
+}
+
+std::uint64_t memory_of(const Channel& channel) {
+  return sizeof channel + channel.topic.size() + channel.message_encoding.size() +
+         memory_of(channel.metadata);
+}
+
+std::uint64_t memory_of(const Metadata& metadata) {
+  return sizeof metadata + metadata.name.size() + memory_of(metadata.values);
+}
+
+void MemoryLimit::reserve(std::uint64_t bytes, std::string_view what, const Place& place) {
+  if (bytes > most_bytes - bytes_) {
+    place.fail(std::string(what) + " more than " + std::to_string(most_bytes) + " bytes");
+  }
+  bytes_ += bytes;
+}
+
 }  // namespace sonopose::mcap

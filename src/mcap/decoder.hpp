@@ -27,6 +27,23 @@ T load(const std::byte* from) {
 /// An entry takes a hundred bytes, and can have eight in the file.
 inline constexpr std::size_t most_map_entries = 1U << 20U;
 
+/// What a record takes in memory.
+std::uint64_t memory_of(const Schema& schema);
+std::uint64_t memory_of(const Channel& channel);
+std::uint64_t memory_of(const Metadata& metadata);
+
+/// Of the records of some kinds together.
+class MemoryLimit {
+public:
+  static constexpr std::uint64_t most_bytes = 256U << 20U;
+
+  /// Throws FormatError, with `what` before the limit, if they would take more.
+  void reserve(std::uint64_t bytes, std::string_view what, const Place& place);
+
+private:
+  std::uint64_t bytes_ = 0;
+};
+
 /// What stands before each record.
 struct Prefix {
   Opcode opcode{};

@@ -103,6 +103,12 @@ private:
   }
 
   void select(LoadedBlock& loaded, const Block& block) const {
+    if (!reader_.contents().is_indexed) {
+      // The scan has named those of channels that were not defined by then.
+      std::erase_if(loaded.messages, [&](const LoadedBlock::Item& item) {
+        return !std::ranges::binary_search(block.channels, item.channel_id);
+      });
+    }
     for (const LoadedBlock::Item& item : loaded.messages) {
       const bool is_in_span =
           item.log_time_ns >= block.log_times.start_ns && item.log_time_ns <= block.log_times.end_ns;

@@ -52,15 +52,21 @@ std::uint64_t Reader::size_bytes() const {
 
 std::vector<Metadata> Reader::metadata() const {
   std::vector<Metadata> metadata;
-  for (const Extent& record : contents_.metadata) metadata.push_back(read_metadata(*file_, record).first);
+  MemoryLimit memory;
+  for (const Extent& record : contents_.metadata) {
+    metadata.push_back(read_metadata(*file_, record).first);
+    memory.reserve(memory_of(metadata.back()), "the metadata take", file_->place(record.offset));
+  }
   return metadata;
 }
 
 std::vector<Metadata> Reader::metadata(std::vector<std::string>& damages) const {
   std::vector<Metadata> metadata;
+  MemoryLimit memory;
   for (const Extent& record : contents_.metadata) {
     try {
       auto [one, damage] = read_metadata(*file_, record);
+      memory.reserve(memory_of(one), "the metadata take", file_->place(record.offset));
       metadata.push_back(std::move(one));
       if (damage) damages.push_back(std::move(*damage));
     } catch (const FormatError& error) {

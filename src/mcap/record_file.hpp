@@ -13,8 +13,7 @@ namespace sonopose::mcap {
 
 // Limits of what is held in memory. A file that exceeds them is refused, with the place and the limit.
 inline constexpr std::uint64_t most_record_bytes = 256U << 20U;
-inline constexpr std::uint64_t most_chunk_bytes = 256U << 20U;       ///< of its decompressed records
-inline constexpr std::uint64_t most_definition_bytes = 256U << 20U;  ///< of all schemas and channels
+inline constexpr std::uint64_t most_chunk_bytes = 256U << 20U;  ///< of its decompressed records
 
 /// The records of a block, and where its messages are in them.
 struct LoadedBlock {

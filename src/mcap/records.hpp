@@ -88,6 +88,14 @@ struct TimeSpan {
   std::uint64_t end_ns = 0;
 
   [[nodiscard]] bool is_empty() const { return start_ns > end_ns; }
+  /// So many seconds after the first message, as far as that is a log time.
+  [[nodiscard]] std::uint64_t after_start(double seconds) const {
+    constexpr auto most_ns = std::numeric_limits<std::uint64_t>::max();
+    if (seconds <= 0) return start_ns;
+    const double after_ns = seconds * 1e9;
+    if (after_ns >= static_cast<double>(most_ns - start_ns)) return most_ns;
+    return start_ns + static_cast<std::uint64_t>(after_ns);
+  }
   void include(std::uint64_t time_ns) {
     if (time_ns < start_ns) start_ns = time_ns;
     if (time_ns > end_ns) end_ns = time_ns;

@@ -3,6 +3,7 @@
 #include "mcap/compression.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -13,19 +14,6 @@ namespace {
 
 /// Records outside of chunks are read together up to this size.
 constexpr std::uint64_t plain_block_bytes = 4U << 20U;
-
-std::uint64_t size_of(const Schema& schema) {
-  return sizeof schema + schema.name.size() + schema.encoding.size() + schema.data.size();
-}
-
-std::uint64_t size_of(const Channel& channel) {
-  constexpr std::uint64_t tree_node_bytes = 32;
-  std::uint64_t size = sizeof channel + channel.topic.size() + channel.message_encoding.size();
-  for (const auto& entry : channel.metadata) {
-    size += tree_node_bytes + sizeof entry + entry.first.size() + entry.second.size();
-  }
-  return size;
-}
 
 class Scan final : private Definitions {
 public:
@@ -128,9 +116,9 @@ private:
   }
 
   void add_block(Block block) {
-    const LoadedBlock loaded = file_.load(block, this);
+    LoadedBlock loaded = file_.load(block, this);
+    drop_unknown(loaded, block);
     if (loaded.messages.empty()) return;
-    require_channels(loaded, block);
     std::set<std::uint16_t> channels;
     Statistics& statistics = contents_.statistics;
     for (const LoadedBlock::Item& item : loaded.messages) {
@@ -157,7 +145,7 @@ private:
                       std::string_view what, const Place& place) {
     const auto found = known.find(definition.id);
     if (found == known.end()) {
-      reserve_definition(size_of(definition), place);
+      memory_.reserve(memory_of(definition), "the schemas and channels take", place);
       known.emplace(definition.id, std::move(definition));
     } else if (found->second != definition) {
       add_damage(place.text() + ": " + std::string(what) + " " + std::to_string(definition.id) +
@@ -165,19 +153,17 @@ private:
     }
   }
 
-  void reserve_definition(std::uint64_t size, const Place& place) {
-    if (size > most_definition_bytes - definition_bytes_) {
-      place.fail("the schemas and channels take more than " + std::to_string(most_definition_bytes) +
-                 " bytes");
-    }
-    definition_bytes_ += size;
-  }
-
-  void require_channels(const LoadedBlock& loaded, const Block& block) const {
-    for (const LoadedBlock::Item& item : loaded.messages) {
-      if (contents_.channels.contains(item.channel_id)) continue;
-      file_.place(block.offset)
-          .fail("a message has channel " + std::to_string(item.channel_id) + ", which is not defined before");
+  /// Messages of channels that are not defined before.
+  void drop_unknown(LoadedBlock& loaded, const Block& block) {
+    std::map<std::uint16_t, std::uint64_t> unknown;
+    std::erase_if(loaded.messages, [&](const LoadedBlock::Item& item) {
+      if (contents_.channels.contains(item.channel_id)) return false;
+      ++unknown[item.channel_id];
+      return true;
+    });
+    for (const auto& [channel_id, count] : unknown) {
+      add_damage(file_.place(block.offset).text() + ": channel " + std::to_string(channel_id) +
+                 " is not defined before; messages of it that are left out: " + std::to_string(count));
     }
   }
 
@@ -193,7 +179,7 @@ private:
   const RecordFile& file_;
   std::uint64_t at_ = 0;
   Block plain_{Block::Kind::plain, 0, 0, {}, {}};
-  std::uint64_t definition_bytes_ = 0;
+  MemoryLimit memory_;
   Contents contents_;
 };
 

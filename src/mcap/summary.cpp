@@ -67,17 +67,19 @@ private:
       const Prefix prefix = decode_prefix(section.data() + at, section.size() - at, place);
       at += record_prefix_bytes;
       const auto length = static_cast<std::size_t>(prefix.length);
-      visit(prefix.opcode, Fields(std::span(section).subspan(at, length), prefix.opcode, place));
+      visit(prefix.opcode, Fields(std::span(section).subspan(at, length), prefix.opcode, place), place);
       at += length;
     }
   }
 
-  void visit(Opcode opcode, Fields fields) {
+  void visit(Opcode opcode, Fields fields, const Place& place) {
     if (opcode == Opcode::schema) {
       Schema schema = decode_schema(fields);
+      memory_.reserve(memory_of(schema), "the schemas and channels take", place);
       if (schema.id != no_schema) contents_.schemas.emplace(schema.id, std::move(schema));
     } else if (opcode == Opcode::channel) {
       Channel channel = decode_channel(fields);
+      memory_.reserve(memory_of(channel), "the schemas and channels take", place);
       contents_.channels.emplace(channel.id, std::move(channel));
       if (auto damage = fields.repeated_key()) contents_.add_damage(std::move(*damage));
     } else if (opcode == Opcode::statistics) {
@@ -144,6 +146,7 @@ private:
   std::uint64_t footer_at_ = 0;
   std::uint64_t summary_start_ = 0;
   bool has_statistics_ = false;
+  MemoryLimit memory_;
 };
 
 }  // namespace

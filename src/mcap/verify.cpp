@@ -2,6 +2,7 @@
 
 #include "mcap/compression.hpp"
 #include "mcap/decoder.hpp"
+#include "mcap/record_file.hpp"
 
 #include <algorithm>
 
@@ -12,35 +13,65 @@ constexpr std::uint64_t crc_bytes = sizeof(std::uint32_t);
 
 class Verification {
 public:
-  explicit Verification(const RecordFile& file) : file_{file} {}
+  explicit Verification(const Reader& reader) : reader_{reader}, file_{reader.file()} {}
 
   std::vector<std::string> run() {
     std::uint64_t at = magic.size();
     data_crc_ = crc_of(0, at, 0);
     try {
-      while (at < file_.size()) {
-        const Prefix prefix = file_.prefix(at, file_.size());
-        if (prefix.opcode == Opcode::data_end) {
-          check(at, "DataEnd data_section_crc", number_at(at + record_prefix_bytes), data_crc_,
-                "does not match the data section");
-          break;
-        }
-        if (prefix.opcode == Opcode::attachment) check_attachment(at, prefix);
-        data_crc_ = crc_of(at, prefix.record_length(), data_crc_);
-        at += prefix.record_length();
+      while (visit(at)) {
       }
-    } catch (const FormatError&) {  // NOLINT(bugprone-empty-catch): a cut file, which the reader names
+      check_count();
+    } catch (const FormatError& error) {
+      // Where a next record begins is not known. A file that was cut has been told so by its reader.
+      if (reader_.damages().empty()) damages_.emplace_back(error.what());
     }
     return std::move(damages_);
   }
 
 private:
+  /// The record at `at`, which becomes that of the next one. False at the end of the data section.
+  bool visit(std::uint64_t& at) {
+    if (at == file_.size()) file_.place(at).fail("the file ends without DataEnd");
+    const Prefix prefix = file_.prefix(at, file_.size());
+    if (prefix.opcode == Opcode::data_end) {
+      check(at, "DataEnd data_section_crc", number_at(at + record_prefix_bytes), data_crc_,
+            "does not match the data section");
+      return false;
+    }
+    try {
+      if (prefix.opcode == Opcode::attachment) check_attachment(at, prefix);
+      if (prefix.opcode == Opcode::chunk) check_chunk(at, prefix);
+    } catch (const FormatError& error) {
+      damages_.emplace_back(error.what());
+    }
+    data_crc_ = crc_of(at, prefix.record_length(), data_crc_);
+    at += prefix.record_length();
+    return true;
+  }
+
   void check_attachment(std::uint64_t at, const Prefix& prefix) {
     if (prefix.length < crc_bytes) file_.place(at).fail("Attachment is too short for its crc");
     const std::uint64_t covered = prefix.length - crc_bytes;
     const std::uint64_t content_at = at + record_prefix_bytes;
     check(at, "Attachment crc", number_at(content_at + covered), crc_of(content_at, covered, 0),
           "does not match the attachment");
+  }
+
+  /// A reader without an index has read it.
+  void check_chunk(std::uint64_t at, const Prefix& prefix) {
+    if (!reader_.contents().is_indexed) return;
+    message_count_ += file_.load({Block::Kind::chunk, at, prefix.record_length(), {}, {}}).messages.size();
+    const auto& blocks = reader_.contents().blocks;
+    const auto known = std::ranges::lower_bound(blocks, at, {}, &Block::offset);
+    if (known == blocks.end() || known->offset != at) file_.place(at).fail("the summary has no such chunk");
+  }
+
+  void check_count() {
+    const std::uint64_t stated = reader_.statistics().message_count;
+    if (!reader_.contents().is_indexed || !damages_.empty() || stated == message_count_) return;
+    damages_.push_back(file_.name() + ": Statistics message_count is " + std::to_string(stated) +
+                       ", but there are " + std::to_string(message_count_) + " messages in chunks");
   }
 
   void check(std::uint64_t at, const std::string& field, std::uint32_t stored, std::uint32_t computed,
@@ -65,15 +96,17 @@ private:
     return before;
   }
 
+  const Reader& reader_;
   const RecordFile& file_;
   std::uint32_t data_crc_ = 0;
+  std::uint64_t message_count_ = 0;  ///< in chunks
   std::vector<std::string> damages_;
 };
 
 }  // namespace
 
-std::vector<std::string> verify(const RecordFile& file) {
-  return Verification(file).run();
+std::vector<std::string> verify(const Reader& reader) {
+  return Verification(reader).run();
 }
 
 }  // namespace sonopose::mcap

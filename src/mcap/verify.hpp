@@ -1,17 +1,17 @@
 #pragma once
 /// \file
-/// The checksums that cover what a reader with an index does not read.
+/// Whether a file is sound, also where a reader with an index does not look.
 
-#include "mcap/record_file.hpp"
+#include "mcap/reader.hpp"
 
 #include <string>
 #include <vector>
 
 namespace sonopose::mcap {
 
-/// Reads all of the data section: the checksum of DataEnd, and those of attachments. What does not match, in
-/// words; a checksum of 0 means that there is none. Of a file that was cut it checks what is there. Throws
-/// files::IoError.
-std::vector<std::string> verify(const RecordFile& file);
+/// Reads all of the data section: its records, the chunks and their number of messages, and the checksums of
+/// chunks, of attachments and of the whole. What is wrong, in words, but for what the reader has named; a
+/// checksum of 0 means that there is none. Throws files::IoError.
+std::vector<std::string> verify(const Reader& reader);
 
 }  // namespace sonopose::mcap

@@ -303,6 +303,14 @@ std::uint64_t Writer::closing_bytes() const {
          groups * summary_offset_bytes + footer_bytes + magic.size();
 }
 
+std::uint64_t Writer::most_bytes_of(const Chunk& chunk) const {
+  constexpr std::uint64_t bytes_of_records = 256;  // Chunk and ChunkIndex, without what follows
+  constexpr std::uint64_t bytes_of_channel = record_prefix_bytes + 2 + 4 + 2 + 8;
+  constexpr std::uint64_t bytes_of_place = 8 + 8;
+  return compressor_.bound(chunk.records().size()) + bytes_of_records + channels_.size() * bytes_of_channel +
+         chunk.message_count() * bytes_of_place;
+}
+
 std::vector<std::byte> Writer::summary() const {
   Bytes end;
   put_data_end(end, data_crc_);

@@ -66,6 +66,8 @@ public:
   [[nodiscard]] std::uint64_t bytes_written() const { return bytes_written_; }
   /// The bytes that close() would add now, apart from the current chunk.
   [[nodiscard]] std::uint64_t closing_bytes() const;
+  /// The bytes that a chunk and its index add to the file at most, with those that close() adds for it.
+  [[nodiscard]] std::uint64_t most_bytes_of(const Chunk& chunk) const;
   /// What is in the sink.
   [[nodiscard]] const Statistics& statistics() const { return statistics_; }
   /// Messages of chunks that the sink did not take.

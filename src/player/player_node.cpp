@@ -27,49 +27,55 @@ dds::DomainOptions domain_options(const PlayerOptions& options) {
   return domain;
 }
 
-/// The topics of the file that are played, and the reason for each other one in the log.
-std::vector<std::string> playable_topics(const mcap::Reader& reader, const PlayerOptions& options) {
+/// What of a file is played: the topics that get a writer, and the channels, with that of the ends of
+/// instances.
+struct Playable {
+  std::set<std::string> topics;
+  std::set<std::uint16_t> channel_ids;
+};
+
+/// The reason for each other channel is in the log.
+Playable playable_of(const mcap::Reader& reader, const PlayerOptions& options) {
   std::set<std::string> wanted;
   for (const std::string& name : options.topics) {
     const auto* const topic = topics::find_topic(name);
     wanted.insert(topic == nullptr ? name : topic->name);
   }
-  std::set<std::string> playable;
+  Playable playable;
   for (const auto& [id, channel] : reader.channels()) {
-    if (!wanted.empty() && !wanted.contains(channel.topic)) continue;
+    const bool is_ends = channel.topic == recorder::instance_ends_topic;
+    if (!wanted.empty() && !wanted.contains(channel.topic) && !is_ends) continue;
     const auto schema = reader.schemas().find(channel.schema_id);
     const std::string obstacle =
         obstacle_to(channel, schema == reader.schemas().end() ? nullptr : &schema->second);
     if (obstacle.empty()) {
-      playable.insert(channel.topic);
+      playable.channel_ids.insert(id);
+      if (!is_ends) playable.topics.insert(channel.topic);
     } else {
       logging::warning(fmt::format("{} is not played: {}", channel.topic, obstacle));
     }
   }
   for (const std::string& name : wanted) {
-    if (!playable.contains(name))
+    if (!playable.topics.contains(name))
       throw std::invalid_argument(fmt::format("{}: has no topic {}", reader.name(), name));
   }
-  playable.erase(std::string(recorder::instance_ends_topic));
-  if (playable.empty()) throw std::invalid_argument(reader.name() + ": has no topic that can be played");
-  return {playable.begin(), playable.end()};
+  if (playable.topics.empty()) {
+    throw std::invalid_argument(reader.name() + ": has no topic that can be played");
+  }
+  return playable;
 }
 
 /// What is played, by the log time of the file.
 mcap::Selection selection_of(const mcap::Reader& reader, const PlayerOptions& options,
-                             const std::vector<std::string>& names) {
+                             const std::set<std::uint16_t>& channel_ids) {
   const mcap::TimeSpan all = reader.statistics().log_times;
   if (all.is_empty()) throw std::invalid_argument(reader.name() + ": has no messages");
-  const auto after_start = [&](double seconds) {
-    return all.start_ns + static_cast<std::uint64_t>(seconds * 1e9);
-  };
   mcap::Selection selection;
-  selection.channel = [names](const mcap::Channel& channel) {
-    return channel.topic == recorder::instance_ends_topic ||
-           std::binary_search(names.begin(), names.end(), channel.topic);
+  selection.channel = [channel_ids](const mcap::Channel& channel) {
+    return channel_ids.contains(channel.id);
   };
-  selection.start_ns = after_start(options.start_s);
-  if (options.end_s) selection.end_ns = after_start(*options.end_s);
+  selection.start_ns = all.after_start(options.start_s);
+  if (options.end_s) selection.end_ns = all.after_start(*options.end_s);
   selection.damaged = mcap::Selection::Damaged::skip;
   if (selection.start_ns > all.end_ns || selection.start_ns > selection.end_ns) {
     throw std::invalid_argument(fmt::format("{}: has no messages from {} s{} on; its last one is at {:.3f} s",
@@ -88,12 +94,12 @@ public:
         options_(options),
         control_(control),
         stop_(stop),
-        names_(playable_topics(reader, options)),
-        selection_(selection_of(reader, options, names_)),
+        playable_(playable_of(reader, options)),
+        selection_(selection_of(reader, options, playable_.channel_ids)),
         clock_(options.rate),
         participant_(domain_options(options)),
         qos_(options.qos_file),
-        publisher_(participant_, qos_, names_,
+        publisher_(participant_, qos_, {playable_.topics.begin(), playable_.topics.end()},
                    options.rate == 0.0 ? topics::Delivery::lossless : topics::Delivery::live) {}
 
   PlayerReport run();
@@ -109,7 +115,7 @@ private:
   const PlayerOptions& options_;
   PlayControl& control_;
   const process::StopSignal& stop_;
-  std::vector<std::string> names_;
+  Playable playable_;
   mcap::Selection selection_;
   PlayClock clock_;
   dds::DomainParticipant participant_;
@@ -129,21 +135,27 @@ PlayerReport Play::run() {
   return report_;
 }
 
-/// Until there is a reader, and no other one has come for a while.
+/// Until there is a reader, or as many as were asked for, and no other one has come for a while: a reader of
+/// another process matches a writer later than the writer does the reader, and live samples do not wait for
+/// it.
 void Play::wait_for_readers() {
   constexpr TimeNs settle_ns = 300'000'000;
   constexpr TimeNs poll_period_ns = 20'000'000;
   constexpr TimeNs report_after_ns = 3'000'000'000;
   const SteadyTime began = clocks::steady_now();
   SteadyTime changed = began;
-  std::size_t count = 0;
+  Republisher::Readers readers;
   bool reported = false;
-  while (count == 0 || clocks::steady_now() - changed < settle_ns) {
+  const auto are_enough = [&] { return readers.all > 0 && readers.least >= options_.readers; };
+  while (!are_enough() || clocks::steady_now() - changed < settle_ns) {
     if (stop_.wait_until(clocks::steady_now() + poll_period_ns)) return;
-    const std::size_t now = publisher_.reader_count();
-    if (std::exchange(count, now) != now) changed = clocks::steady_now();
-    if (count == 0 && !reported && clocks::steady_now() - began > report_after_ns) {
-      logging::warning("waiting for a reader (--no-wait plays without one)");
+    const auto now = publisher_.readers();
+    if (std::exchange(readers, now).all != now.all) changed = clocks::steady_now();
+    if (!are_enough() && !reported && clocks::steady_now() - began > report_after_ns) {
+      logging::warning(options_.readers == 0
+                           ? "waiting for a reader (--no-wait plays without one)"
+                           : fmt::format("waiting for readers: a topic has {} of {} (--readers)",
+                                         readers.least, options_.readers));
       reported = true;
     }
   }
@@ -155,21 +167,26 @@ void Play::play_once() {
   while (const auto message = messages.next()) {
     if (std::exchange(is_first, false)) begin(message->log_time_ns);
     if (!wait_for(message->log_time_ns)) return;
-    const bool good = publisher_.publish(reader_.channels().at(message->channel_id).topic, *message, stop_);
-    if (!good && stop_.requested()) return;  // it may have waited for a reader
-    ++(good ? report_.played : report_.refused);
+    using Outcome = Republisher::Outcome;
+    const auto outcome =
+        publisher_.publish(reader_.channels().at(message->channel_id).topic, *message, stop_);
+    if (outcome == Outcome::refused && stop_.requested()) return;  // it may have waited for a reader
+    if (outcome == Outcome::published) ++report_.played;
+    if (outcome == Outcome::refused) ++report_.refused;
   }
   for (const std::string& damage : messages.skipped()) logging::warning("not played: " + damage);
+  report_.damaged = messages.skipped().size();
   if (is_first)
     throw std::invalid_argument(reader_.name() + ": has no messages of these topics at these times");
 }
 
 void Play::begin(std::uint64_t log_time_ns) {
-  clock_.begin(log_time_ns, clocks::steady_now());
-  if (!options_.restamp) return;
-  const auto recorded_ns = static_cast<TimeNs>(
-      std::min<std::uint64_t>(log_time_ns, static_cast<std::uint64_t>(std::numeric_limits<TimeNs>::max())));
-  publisher_.shift_times(saturated_difference(clocks::host_now(), recorded_ns));
+  if (options_.restamp) {
+    const auto recorded_ns = static_cast<TimeNs>(
+        std::min<std::uint64_t>(log_time_ns, static_cast<std::uint64_t>(std::numeric_limits<TimeNs>::max())));
+    publisher_.shift_times(saturated_difference(clocks::host_now(), recorded_ns));
+  }
+  clock_.begin(log_time_ns, clocks::steady_now());  // after the other clock: no message is from the future
 }
 
 /// Until the message is due, or the user steps to it. False if the stop came.

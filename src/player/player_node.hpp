@@ -6,6 +6,7 @@
 #include "process/stop_signal.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -25,11 +26,13 @@ struct PlayerOptions {
   std::vector<std::string> topics;  ///< by either name; empty: all
   bool restamp = false;             ///< moves all times, so that the first message was received now
   bool wait_for_readers = true;     ///< before the first message, until a topic has a reader
+  std::size_t readers = 0;          ///< before the first message, until each topic has so many
 };
 
 struct PlayerReport {
   std::uint64_t played = 0;   ///< messages, with the ends of instances
   std::uint64_t refused = 0;  ///< that are not of their topic's type
+  std::uint64_t damaged = 0;  ///< chunks of the file that cannot be read
   double duration_s = 0;
 };
 

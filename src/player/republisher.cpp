@@ -1,6 +1,8 @@
 #include "player/republisher.hpp"
 
+#include "mcap/omg_idl.hpp"
 #include "recorder/instance_end.hpp"
+#include <sonopose/idl/text.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -15,11 +17,15 @@ namespace topics = dds::topics;
 std::string obstacle_to(const mcap::Channel& channel, const mcap::Schema* schema) {
   if (channel.topic == recorder::instance_ends_topic) return {};
   const auto* const topic = topics::find_topic(channel.topic);
-  if (topic == nullptr || channel.topic != topic->name) return "it is no topic of this program";
+  if (topic == nullptr || channel.topic != topic->name) return "it is not a topic of this program";
   if (channel.message_encoding != "cdr") return "its messages are not cdr but " + channel.message_encoding;
   if (schema == nullptr || schema->name != topic->type_name) {
     return "its type is not " + std::string(topic->type_name) + " but " +
            (schema == nullptr ? "unknown" : schema->name);
+  }
+  if (!schema->data.empty() &&
+      mcap::definition_in(schema->data, schema->name) != mcap::definition_in(idl::text, schema->name)) {
+    return "its type " + schema->name + " is another one than that of this version of the program";
   }
   return {};
 }
@@ -38,49 +44,55 @@ TimeNs Republisher::shifted(std::uint64_t time_ns) const {
   return std::max<TimeNs>(saturated_sum(static_cast<TimeNs>(std::min(time_ns, greatest)), shift_ns_), 0);
 }
 
-bool Republisher::publish(const std::string& topic, const mcap::Message& message,
-                          const process::StopSignal& stop) {
+Republisher::Outcome Republisher::publish(const std::string& topic, const mcap::Message& message,
+                                          const process::StopSignal& stop) {
   if (topic == recorder::instance_ends_topic) return end_instance(message, stop);
   const auto found = streams_.find(topic);
-  if (found == streams_.end()) return false;
+  if (found == streams_.end()) return Outcome::refused;
   auto bytes = message.data;
   if (shift_ns_ != 0) {
     moved_.assign(bytes.begin(), bytes.end());
-    if (!found->second.topic->shift_times(moved_, shift_ns_)) return false;
+    if (!found->second.topic->shift_times(moved_, shift_ns_)) return Outcome::refused;
     bytes = moved_;
   }
   return forward(found->second, bytes, shifted(message.publish_time_ns), dds::SerializedWriter::Change::write,
                  stop);
 }
 
-bool Republisher::end_instance(const mcap::Message& message, const process::StopSignal& stop) {
+Republisher::Outcome Republisher::end_instance(const mcap::Message& message,
+                                               const process::StopSignal& stop) {
   const std::string_view text(
       reinterpret_cast<const char*>(message.data.data()),  // NOLINT(*-reinterpret-cast)
       message.data.size());
   try {
     const recorder::InstanceEnd end = recorder::instance_end_of(text);
     const auto found = streams_.find(end.topic);
-    if (found == streams_.end()) return true;  // of a topic that is not played
+    if (found == streams_.end()) return Outcome::unplayed;
     const auto change =
         end.disposed ? dds::SerializedWriter::Change::dispose : dds::SerializedWriter::Change::unregister;
     return forward(found->second, end.key_cdr, shifted(message.publish_time_ns), change, stop);
   } catch (const std::invalid_argument&) {
-    return false;
+    return Outcome::refused;
   }
 }
 
-bool Republisher::forward(Stream& stream, std::span<const std::byte> bytes, TimeNs stamp_ns,
-                          dds::SerializedWriter::Change change, const process::StopSignal& stop) {
+Republisher::Outcome Republisher::forward(Stream& stream, std::span<const std::byte> bytes, TimeNs stamp_ns,
+                                          dds::SerializedWriter::Change change,
+                                          const process::StopSignal& stop) {
   dds::ReturnCode code = stream.writer.try_forward(bytes, stamp_ns, change);
   while (dds::is_timeout(code) && !stop.requested())
     code = stream.writer.try_forward(bytes, stamp_ns, change);
-  return code >= 0;
+  return code >= 0 ? Outcome::published : Outcome::refused;
 }
 
-std::size_t Republisher::reader_count() {
-  std::size_t count = 0;
-  for (auto& [name, stream] : streams_) count += stream.writer.publication_matched_status().current_count;
-  return count;
+Republisher::Readers Republisher::readers() {
+  Readers readers{.all = 0, .least = std::numeric_limits<std::size_t>::max()};
+  for (auto& [name, stream] : streams_) {
+    const std::size_t count = stream.writer.publication_matched_status().current_count;
+    readers.all += count;
+    readers.least = std::min(readers.least, count);
+  }
+  return readers;
 }
 
 void Republisher::wait_until_read(const process::StopSignal& stop) {

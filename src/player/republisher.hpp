@@ -27,12 +27,19 @@ public:
   /// Moves the times of the following messages, stamps and contents.
   void shift_times(TimeNs shift_ns) { shift_ns_ = shift_ns; }
 
-  /// Writes a message of that topic, or ends the instance that the message names. False if it is not of the
-  /// topic's type, or `stop` came while it waited for readers.
-  bool publish(const std::string& topic, const mcap::Message& message, const process::StopSignal& stop);
+  enum class Outcome : std::uint8_t {
+    published,
+    refused,   ///< not of the topic's type, or `stop` came while it waited for readers
+    unplayed,  ///< the end of an instance of a topic without a writer
+  };
+  /// Writes a message of that topic, or ends the instance that the message names.
+  Outcome publish(const std::string& topic, const mcap::Message& message, const process::StopSignal& stop);
 
-  /// How many readers the writers have, in all.
-  [[nodiscard]] std::size_t reader_count();
+  struct Readers {
+    std::size_t all = 0;    ///< of all writers
+    std::size_t least = 0;  ///< of the writer that has the fewest
+  };
+  [[nodiscard]] Readers readers();
   /// Waits until the readers have received everything, or until the stop.
   void wait_until_read(const process::StopSignal& stop);
 
@@ -42,9 +49,9 @@ private:
     dds::SerializedWriter writer;
   };
 
-  bool end_instance(const mcap::Message& message, const process::StopSignal& stop);
-  static bool forward(Stream& stream, std::span<const std::byte> bytes, TimeNs stamp_ns,
-                      dds::SerializedWriter::Change change, const process::StopSignal& stop);
+  Outcome end_instance(const mcap::Message& message, const process::StopSignal& stop);
+  static Outcome forward(Stream& stream, std::span<const std::byte> bytes, TimeNs stamp_ns,
+                         dds::SerializedWriter::Change change, const process::StopSignal& stop);
   [[nodiscard]] TimeNs shifted(std::uint64_t time_ns) const;
 
   std::map<std::string, Stream> streams_;

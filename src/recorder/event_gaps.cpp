@@ -23,7 +23,6 @@ void EventNumbers::on(std::uint64_t number) {
 }
 
 void EventNumbers::finish() {
-  constexpr std::uint64_t under_way = 8;
   for (std::uint64_t back = under_way; back < settled_after && back <= highest_; ++back) {
     if (!received_[index_of(highest_ - back)]) ++missing_;
   }
@@ -31,10 +30,15 @@ void EventNumbers::finish() {
 
 void EventGaps::finish() {
   for (auto& [address, beacon] : beacons_) {
-    const std::uint64_t known = beacon.latest.missing();
-    beacon.latest.finish();
-    missing_ += beacon.latest.missing() - known;
+    finish(beacon.latest);
+    if (beacon.before) finish(*beacon.before);
   }
+}
+
+void EventGaps::finish(EventNumbers& numbers) {
+  const std::uint64_t known = numbers.missing();
+  numbers.finish();
+  missing_ += numbers.missing() - known;
 }
 
 void EventGaps::on(const mcap::Chunk& chunk) {
@@ -58,8 +62,32 @@ void EventGaps::on(BeaconAddress address, std::uint64_t number) {
   missing_ += beacon.latest.missing() - known;
 }
 
+/// A restarted bridge counts from the beginning, as the fusion's collator sees it: several numbers in
+/// succession that came before, with no new one between them.
+bool EventGaps::begins_again(Beacon& beacon, std::uint64_t number) {
+  constexpr unsigned enough = 4;
+  if (!beacon.latest.has(number)) {
+    beacon.repeated_count = 0;
+    return false;
+  }
+  beacon.repeated_count = number == beacon.repeated + 1 ? beacon.repeated_count + 1 : 1;
+  beacon.repeated = number;
+  if (beacon.repeated_count < enough) return false;
+  beacon.repeated_count = 0;
+  return true;
+}
+
+void EventGaps::begin_numbering(Beacon& beacon, std::uint64_t first) {
+  if (beacon.before) finish(*beacon.before);
+  beacon.before = std::exchange(beacon.latest, EventNumbers(first));
+  beacon.gap_between = 0;
+}
+
 void EventGaps::choose_numbering(Beacon& beacon, std::uint64_t number) {
-  if (beacon.latest.contains(number)) return;
+  if (beacon.latest.contains(number)) {
+    if (begins_again(beacon, number)) begin_numbering(beacon, number);
+    return;
+  }
   if (beacon.before && beacon.before->contains(number)) {
     missing_ -= std::exchange(beacon.gap_between, 0);
     std::swap(*beacon.before, beacon.latest);
@@ -67,9 +95,9 @@ void EventGaps::choose_numbering(Beacon& beacon, std::uint64_t number) {
   }
   const std::uint64_t highest = beacon.latest.highest();
   const bool is_loss = number > highest && number - highest <= longest_gap;
+  begin_numbering(beacon, number);
   beacon.gap_between = is_loss ? number - highest - 1 : 0;
   missing_ += beacon.gap_between;
-  beacon.before = std::exchange(beacon.latest, EventNumbers(number));
 }
 
 }  // namespace sonopose::recorder

@@ -22,10 +22,16 @@ public:
   /// missing counts when so many later ones have arrived, and not any more if it arrives after all.
   static constexpr std::uint64_t settled_after = 256;
   static constexpr std::uint64_t window = 4096;
+  /// The last numbers before the end, which may be under way and do not count.
+  static constexpr std::uint64_t under_way = 8;
 
   /// What was before the first number is not missing.
-  explicit EventNumbers(std::uint64_t first) : highest_(first) { received_.set(); }
+  explicit EventNumbers(std::uint64_t first) : first_(first), highest_(first) { received_.set(); }
 
+  /// Whether this number of the window has arrived.
+  [[nodiscard]] bool has(std::uint64_t number) const {
+    return number >= first_ && number <= highest_ && received_[index_of(number)];
+  }
   /// Whether a number can be of this numbering.
   [[nodiscard]] bool contains(std::uint64_t number) const {
     return (number > highest_ ? number - highest_ : highest_ - number) < window;
@@ -39,6 +45,7 @@ public:
 private:
   [[nodiscard]] static std::size_t index_of(std::uint64_t number) { return number % window; }
 
+  std::uint64_t first_;
   std::uint64_t highest_;
   std::uint64_t missing_ = 0;
   std::bitset<window> received_;  ///< of the latest numbers
@@ -64,12 +71,17 @@ private:
     EventNumbers latest;
     std::optional<EventNumbers> before{};
     std::uint64_t gap_between = 0;  ///< counted as missing from the one before to the latest
+    std::uint64_t repeated = 0;     ///< the latest of numbers in succession that came before
+    unsigned repeated_count = 0;
   };
 
   static constexpr std::uint64_t longest_gap = 10'000'000;  ///< a step ahead by more is no loss
 
   void on(BeaconAddress address, std::uint64_t number);
   void choose_numbering(Beacon& beacon, std::uint64_t number);
+  static bool begins_again(Beacon& beacon, std::uint64_t number);
+  void begin_numbering(Beacon& beacon, std::uint64_t first);
+  void finish(EventNumbers& numbers);
 
   std::array<std::uint16_t, 3> channel_ids_;
   std::map<BeaconAddress, Beacon> beacons_;

@@ -1,6 +1,7 @@
 #include "recorder/file_series.hpp"
 
 #include "files/error.hpp"
+#include "recorder/chunk_messages.hpp"
 #include "recorder/instance_end.hpp"
 
 #include <fmt/format.h>
@@ -15,6 +16,8 @@
 
 namespace sonopose::recorder {
 namespace {
+
+constexpr std::string_view settings_topic = "sonopose/settings";
 
 /// The id of a channel; 0 if there is none.
 std::uint16_t channel_id_of(const std::vector<ChannelSpec>& channels, std::string_view topic) {
@@ -43,16 +46,14 @@ TapCounts difference(const TapCounts& now, const TapCounts& before) {
 FileSeries::FileSeries(SeriesOptions options)
     : options_(std::move(options)),
       latched_(latched_samples(options_.channels)),
-      settings_(channel_id_of(options_.channels, "sonopose/settings")) {
+      settings_(channel_id_of(options_.channels, settings_topic)) {
   recording::check_part_file(file_of(1));
 }
 
-FileSeries::~FileSeries() {
-  if (!current_ || current_->writer.statistics().message_count > 0) return;
-  const std::filesystem::path part = current_->name.part();
-  current_.reset();
+FileSeries::Part::~Part() {
+  if (is_kept) return;
   std::error_code error;
-  std::filesystem::remove(part, error);
+  std::filesystem::remove(path, error);
 }
 
 /// Files from before are passed over: a recording goes on for hours before it comes to them.
@@ -98,8 +99,11 @@ void FileSeries::open() {
 std::uint16_t FileSeries::add_channel(ChannelSpec channel) {
   const std::lock_guard lock(mutex_);
   if (current_) add_to_file(channel);
+  const bool is_latched = channel.is_latched;
   options_.channels.push_back(std::move(channel));
-  return static_cast<std::uint16_t>(options_.channels.size());
+  const auto id = static_cast<std::uint16_t>(options_.channels.size());
+  if (is_latched) latched_.add_plain(id);
+  return id;
 }
 
 std::uint16_t FileSeries::add_to_file(const ChannelSpec& channel) {
@@ -111,8 +115,22 @@ std::uint16_t FileSeries::add_to_file(const ChannelSpec& channel) {
 void FileSeries::begin_file() {
   if (current_) return;
   const std::size_t number = next_number();
-  mcap::Writer& writer = current_.emplace(file_of(number), options_.writer).writer;
+  began_.reset();
+  repeated_ = 0;
+  repeated_lost_ = 0;
+  settings_.clear();
+  current_.emplace(file_of(number), options_.writer);
+  try {
+    write_head();
+  } catch (...) {
+    current_.reset();
+    throw;
+  }
   last_number_ = number;
+}
+
+/// What is before the first message.
+void FileSeries::write_head() {
   std::uint16_t expected_id = 0;
   for (const ChannelSpec& channel : options_.channels) {
     const auto id = add_to_file(channel);
@@ -121,10 +139,7 @@ void FileSeries::begin_file() {
   }
   mcap::TextMap about = options_.about;
   about["file_index"] = std::to_string(files_.size() + 1);
-  writer.write_metadata({"sonopose.recording", about});
-  began_.reset();
-  repeated_ = 0;
-  settings_.clear();
+  current_->writer.write_metadata({"sonopose.recording", about});
 }
 
 void FileSeries::write(const mcap::Chunk& chunk, const Taken& taken, const TapCounts& counts) {
@@ -143,33 +158,59 @@ void FileSeries::write(const mcap::Chunk& chunk, const Taken& taken, const TapCo
 }
 
 void FileSeries::prepare_for(const mcap::Chunk& chunk, const Taken& taken) {
-  if (current_ && is_full_for(chunk, taken))
-    end_file(options_.max_size_bytes > 0 ? "size" : "duration", counts_reported_, {});
+  if (const char* const limit = current_ ? limit_of(chunk, taken) : nullptr; limit != nullptr) {
+    end_file(limit, counts_reported_, {});
+  }
   if (current_) return;
   begin_file();
   write_latched(chunk);
 }
 
-bool FileSeries::is_full_for(const mcap::Chunk& chunk, const Taken& taken) const {
-  if (!began_) return false;
+const char* FileSeries::limit_of(const mcap::Chunk& chunk, const Taken& taken) const {
+  if (!began_) return nullptr;
   const mcap::Writer& writer = current_->writer;
-  const bool too_large =
-      options_.max_size_bytes > 0 &&
-      writer.bytes_written() + writer.closing_bytes() + chunk.records().size() > options_.max_size_bytes;
-  const bool too_long = options_.max_duration_ns > 0 && taken.end - *began_ > options_.max_duration_ns;
-  return too_large || too_long;
+  const std::uint64_t bytes =
+      writer.bytes_written() + writer.closing_bytes() + writer.most_bytes_of(chunk) + metadata_bytes(chunk);
+  if (options_.max_size_bytes > 0 && bytes > options_.max_size_bytes) return "size";
+  if (options_.max_duration_ns > 0 && taken.end - *began_ > options_.max_duration_ns) return "duration";
+  return nullptr;
+}
+
+/// What follows a chunk at most: records of settings, of losses, and of the end.
+std::uint64_t FileSeries::metadata_bytes(const mcap::Chunk& chunk) const {
+  constexpr std::uint64_t record_of_losses = 300;
+  constexpr std::uint64_t record_of_end = 700;
+  const std::uint16_t settings_id = channel_id_of(options_.channels, settings_topic);
+  std::uint64_t settings = 0;
+  for (const mcap::Chunk::Entry& entry : chunk.entries()) {
+    // The text of a setting is about as long as it is in the sample.
+    if (entry.channel_id == settings_id) settings += 2 * message_at(chunk, entry).data.size();
+  }
+  return settings + record_of_losses + record_of_end;
 }
 
 /// Those from before this file, at its start.
 void FileSeries::write_latched(const mcap::Chunk& before) {
   const mcap::Chunk latched = latched_.chunk_at(before.log_times().start_ns);
   if (latched.is_empty()) return;
-  repeated_ = latched.message_count();
-  write_chunk(latched);
+  try {
+    write_chunk(latched);
+  } catch (...) {
+    count_repeated();
+    throw;
+  }
+  count_repeated();
+}
+
+/// All that the file has so far, and all that it lost.
+void FileSeries::count_repeated() {
+  repeated_ = current_->writer.statistics().message_count;
+  repeated_lost_ = current_->writer.lost_messages();
 }
 
 void FileSeries::write_chunk(const mcap::Chunk& chunk) {
   current_->writer.write(chunk);
+  current_->part.is_kept = true;
   for (const mcap::Metadata& settings : settings_.on(chunk)) current_->writer.write_metadata(settings);
 }
 
@@ -185,6 +226,13 @@ void FileSeries::write_losses(const TapCounts& counts) {
         {"lost_queue", std::to_string(own.lost_queue)},
         {"lost_dds", std::to_string(own.lost_dds)},
         {"events_missing", std::to_string(own.events_missing)}}});
+}
+
+void FileSeries::count_from(const TapCounts& counts) {
+  const std::lock_guard lock(mutex_);
+  if (current_) return;
+  counts_at_start_ = counts;
+  counts_reported_ = counts;
 }
 
 void FileSeries::finish(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more) {
@@ -222,8 +270,9 @@ void FileSeries::end_file(const std::string& reason, const TapCounts& counts, co
   }
   finished_messages_ += recorded;
   finished_bytes_ += writer.bytes_written();
-  lost_ += writer.lost_messages();
+  lost_ = lost_now();
   lost_at_start_ = lost_;
+  current_->part.is_kept = true;
   const recording::PartFile name = current_->name;
   current_.reset();
   name.commit();
@@ -262,7 +311,7 @@ std::uint64_t FileSeries::lost_disk() const {
 }
 
 std::uint64_t FileSeries::lost_now() const {
-  return lost_ + (current_ ? current_->writer.lost_messages() : 0);
+  return lost_ + (current_ ? current_->writer.lost_messages() - repeated_lost_ : 0);
 }
 
 }  // namespace sonopose::recorder

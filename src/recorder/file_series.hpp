@@ -17,6 +17,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sonopose::recorder {
@@ -29,7 +30,7 @@ struct ChannelSpec {
   std::string schema_encoding;
   std::string schema_data;
   mcap::TextMap metadata = {};
-  bool is_latched = false;  ///< a native topic: each file begins with the latest message of each instance
+  bool is_latched = false;  ///< late readers receive its latest messages: each file begins with them
 };
 
 struct SeriesOptions {
@@ -51,8 +52,7 @@ public:
   FileSeries& operator=(const FileSeries&) = delete;
   FileSeries(FileSeries&&) = delete;
   FileSeries& operator=(FileSeries&&) = delete;
-  /// Removes a file that was begun and has no message, so that the next recording can begin.
-  ~FileSeries();
+  ~FileSeries() = default;
 
   /// Another channel of every file from now on: its id.
   std::uint16_t add_channel(ChannelSpec channel);
@@ -70,6 +70,8 @@ public:
   void remember(const mcap::Chunk& chunk);
   /// Counts messages that are not written after an error.
   void count_lost(std::uint64_t messages);
+  /// What was lost up to these counts is not of the next file: it begins with messages from then on.
+  void count_from(const TapCounts& counts);
   /// Ends the current file, closes it, and gives it its name. `reason` is written to it.
   void finish(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more = {});
 
@@ -83,26 +85,44 @@ public:
   [[nodiscard]] std::filesystem::path part() const;
 
 private:
+  /// Removes a part without messages, so that the next recording can begin.
+  struct Part {
+    explicit Part(std::filesystem::path of) : path(std::move(of)) {}
+    Part(const Part&) = delete;
+    Part& operator=(const Part&) = delete;
+    Part(Part&&) = delete;
+    Part& operator=(Part&&) = delete;
+    ~Part();
+
+    std::filesystem::path path;
+    bool is_kept = false;
+  };
+
   /// One that is being written.
   struct File {
     File(const std::filesystem::path& path, const mcap::WriterOptions& options)
-        : name(path), sink(name.part()), writer(sink, options) {}
+        : name(path), sink(name.part()), part(name.part()), writer(sink, options) {}
 
     recording::PartFile name;
     mcap::FileSink sink;
+    Part part;
     mcap::Writer writer;
   };
 
   // With the mutex held.
   void begin_file();
+  void write_head();
   std::uint16_t add_to_file(const ChannelSpec& channel);
   void end_file(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more);
   [[nodiscard]] std::uint64_t lost_now() const;
   [[nodiscard]] std::filesystem::path file_of(std::size_t number) const;
   [[nodiscard]] std::size_t next_number() const;
   void prepare_for(const mcap::Chunk& chunk, const Taken& taken);
-  [[nodiscard]] bool is_full_for(const mcap::Chunk& chunk, const Taken& taken) const;
+  /// Why another file begins before the chunk; null if it fits into this one.
+  [[nodiscard]] const char* limit_of(const mcap::Chunk& chunk, const Taken& taken) const;
+  [[nodiscard]] std::uint64_t metadata_bytes(const mcap::Chunk& chunk) const;
   void write_latched(const mcap::Chunk& before);
+  void count_repeated();
   void write_chunk(const mcap::Chunk& chunk);
   void write_losses(const TapCounts& counts);
 
@@ -115,6 +135,7 @@ private:
   SettingsLog settings_;
   std::optional<SteadyTime> began_;  ///< the current file, if it has a message
   std::uint64_t repeated_ = 0;       ///< messages at its start that are from before
+  std::uint64_t repeated_lost_ = 0;  ///< such messages that the disk lost: they are in a file before
   std::vector<std::filesystem::path> files_;
   std::size_t last_number_ = 0;  ///< of the current file, or of the one before
   std::uint64_t finished_messages_ = 0;

@@ -17,11 +17,17 @@ std::vector<std::string> ForeignTopics::update(const std::vector<dds::FoundEndpo
     types[writer.topic_name] = writer.type_name;
   }
   std::vector<std::string> found;
+  std::size_t unnamed = 0;
   for (const auto& [topic, count] : now) {
+    if (writer_counts_.size() == most_named && !writer_counts_.contains(topic)) {
+      ++unnamed;
+      continue;
+    }
     const auto [at, is_new] = writer_counts_.try_emplace(topic, count);
     at->second = std::max(at->second, count);
     if (is_new) found.push_back(topic + " (" + types[topic] + ")");
   }
+  unnamed_ = std::max(unnamed_, unnamed);
   return found;
 }
 

@@ -13,14 +13,21 @@ namespace sonopose::recorder {
 
 class ForeignTopics {
 public:
+  /// So many are named; a bus can have any number, and the end of a file has little space.
+  static constexpr std::size_t most_named = 200;
+
   /// Looks at all writers. Returns the topics that are new, as "rt/odom (nav_msgs::msg::dds_::Odometry_)".
   std::vector<std::string> update(const std::vector<dds::FoundEndpoint>& writers);
 
   /// How many writers each had at most.
   [[nodiscard]] const std::map<std::string, std::size_t>& writer_counts() const { return writer_counts_; }
 
+  /// How many more there were at a time.
+  [[nodiscard]] std::size_t unnamed() const { return unnamed_; }
+
 private:
   std::map<std::string, std::size_t> writer_counts_;
+  std::size_t unnamed_ = 0;
 };
 
 }  // namespace sonopose::recorder

@@ -1,5 +1,7 @@
 #include "recorder/instance_end.hpp"
 
+#include <sonopose/text/hexadecimal.hpp>
+
 #include <nlohmann/json.hpp>
 
 #include <charconv>
@@ -12,17 +14,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view disposed = "disposed";
 constexpr std::string_view no_writers = "no_writers";
-
-std::string hexadecimal(std::span<const std::byte> bytes) {
-  constexpr std::string_view digits = "0123456789abcdef";
-  std::string text;
-  for (const std::byte byte : bytes) {
-    const auto value = std::to_integer<std::size_t>(byte);
-    text += digits[value / 16];
-    text += digits[value % 16];
-  }
-  return text;
-}
 
 std::vector<std::byte> bytes_of(const std::string& text) {
   std::vector<std::byte> bytes(text.size() / 2);
@@ -61,7 +52,7 @@ std::string json_of(const InstanceEnd& end) {
     }
     json["key"] = std::move(key);
   }
-  json["key_cdr"] = hexadecimal(end.key_cdr);
+  json["key_cdr"] = text::hexadecimal(end.key_cdr);
   json["source_time_ns"] = end.source_time_ns;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

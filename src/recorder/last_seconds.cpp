@@ -4,11 +4,17 @@
 
 namespace sonopose::recorder {
 
-std::vector<mcap::Chunk> LastSeconds::add(const mcap::Chunk& chunk, const Taken& taken) {
+std::vector<mcap::Chunk> LastSeconds::drop_until(SteadyTime now) {
   std::vector<mcap::Chunk> dropped;
-  chunks_.push_back({chunk, taken});  // a copy has no more memory than it needs
+  while (!chunks_.empty() && chunks_.front().taken.end + keep_ns_ < now) dropped.push_back(take_first());
+  return dropped;
+}
+
+std::vector<mcap::Chunk> LastSeconds::add(const mcap::Chunk& chunk, const Taken& taken,
+                                          const TapCounts& counts_before) {
+  chunks_.push_back({chunk, taken, counts_before});  // a copy has no more memory than it needs
   bytes_ += bytes_of(chunk);
-  while (chunks_.front().taken.end + keep_ns_ < taken.end) dropped.push_back(take_first());
+  auto dropped = drop_until(taken.end);
   while (bytes_ > most_bytes_ && chunks_.size() > 1) {
     dropped.push_back(take_first());
     is_short_ = true;

@@ -4,6 +4,7 @@
 
 #include "mcap/chunk.hpp"
 #include "recorder/taken.hpp"
+#include "recorder/topic_tap.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -17,13 +18,17 @@ public:
   struct Kept {
     mcap::Chunk chunk;
     Taken taken;
+    TapCounts counts_before;  ///< what had happened before its messages
   };
 
   /// Keeps chunks of the last `keep_ns`, and at most `most_bytes` of them.
   LastSeconds(TimeNs keep_ns, std::size_t most_bytes) : keep_ns_(keep_ns), most_bytes_(most_bytes) {}
 
   /// Returns the chunks that it drops for it, the oldest first.
-  std::vector<mcap::Chunk> add(const mcap::Chunk& chunk, const Taken& taken);
+  std::vector<mcap::Chunk> add(const mcap::Chunk& chunk, const Taken& taken,
+                               const TapCounts& counts_before = {});
+  /// Drops what is too old at that time.
+  std::vector<mcap::Chunk> drop_until(SteadyTime now);
   /// Forgets all.
   void clear();
 

@@ -4,6 +4,7 @@
 #include "recorder/instance_end.hpp"
 
 #include <span>
+#include <utility>
 
 namespace sonopose::recorder {
 namespace {
@@ -22,8 +23,18 @@ void LatchedSamples::on(const mcap::Chunk& chunk) {
       const mcap::Message message = message_at(chunk, entry);
       samples_[key_of(entry.channel_id, *topic->second, message.data)] = {
           message.sequence, message.publish_time_ns, {message.data.begin(), message.data.end()}};
+    } else if (const auto plain = plain_.find(entry.channel_id); plain != plain_.end()) {
+      const mcap::Message message = message_at(chunk, entry);
+      keep(plain->second,
+           {message.sequence, message.publish_time_ns, {message.data.begin(), message.data.end()}});
     }
   }
+}
+
+void LatchedSamples::keep(std::vector<Sample>& samples, Sample sample) {
+  std::erase_if(samples, [&](const Sample& known) { return known.data == sample.data; });
+  if (samples.size() == most_plain) samples.erase(samples.begin());
+  samples.push_back(std::move(sample));
 }
 
 LatchedSamples::Key LatchedSamples::key_of(std::uint16_t channel_id,
@@ -42,12 +53,16 @@ void LatchedSamples::forget(std::string_view instance_end) {
 
 mcap::Chunk LatchedSamples::chunk_at(std::uint64_t log_time_ns) const {
   mcap::Chunk chunk;
-  for (const auto& [key, sample] : samples_) {
-    chunk.add({.channel_id = std::get<0>(key),
+  const auto add = [&](std::uint16_t channel_id, const Sample& sample) {
+    chunk.add({.channel_id = channel_id,
                .sequence = sample.sequence,
                .log_time_ns = log_time_ns,
                .publish_time_ns = sample.publish_time_ns,
                .data = sample.data});
+  };
+  for (const auto& [key, sample] : samples_) add(std::get<0>(key), sample);
+  for (const auto& [channel_id, samples] : plain_) {
+    for (const Sample& sample : samples) add(channel_id, sample);
   }
   return chunk;
 }

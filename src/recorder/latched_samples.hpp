@@ -25,6 +25,10 @@ public:
                  std::uint16_t ends_channel_id)
       : topics_(std::move(topics)), ends_channel_id_(ends_channel_id) {}
 
+  /// A channel without keys and ends, such as one of ROS 2: its latest messages that differ are kept, since
+  /// several programs may have said each its own.
+  void add_plain(std::uint16_t channel_id) { plain_.try_emplace(channel_id); }
+
   /// Remembers what a chunk has of them, and forgets the instances that ended.
   void on(const mcap::Chunk& chunk);
 
@@ -45,10 +49,13 @@ private:
   static Key key_of(std::uint16_t channel_id, const dds::topics::SerializedTopic& topic,
                     std::span<const std::byte> sample);
   void forget(std::string_view instance_end);
+  static constexpr std::size_t most_plain = 64;  ///< messages of such a channel
+  static void keep(std::vector<Sample>& samples, Sample sample);
 
   std::map<std::uint16_t, const dds::topics::SerializedTopic*> topics_;
   std::uint16_t ends_channel_id_;
   std::map<Key, Sample> samples_;
+  std::map<std::uint16_t, std::vector<Sample>> plain_;  ///< by channel, the oldest first
 };
 
 }  // namespace sonopose::recorder

@@ -25,10 +25,7 @@ void Pipeline::open() {
 }
 
 void Pipeline::record(TapTopic topic, std::uint16_t channel_id, const MakeReader& make_reader) {
-  const TapTarget target{.queue = queue_,
-                         .channel_id = channel_id,
-                         .ends_channel_id = ends_channel_id_,
-                         .ends_sequence = ends_sequence_};
+  const TapTarget target{.queue = queue_, .channel_id = channel_id, .ends_channel_id = ends_channel_id_};
   TopicTap* tap = nullptr;
   {
     const std::lock_guard lock(mutex_);

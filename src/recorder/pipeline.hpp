@@ -8,7 +8,6 @@
 #include "recorder/topic_tap.hpp"
 #include "recorder/write_thread.hpp"
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -66,7 +65,6 @@ private:
   FileSeries series_;
   EventGaps gaps_;  ///< of the writing thread
   std::uint16_t ends_channel_id_;
-  std::atomic<std::uint32_t> ends_sequence_ = 0;
   mutable std::mutex mutex_;  // guards taps_
   std::vector<std::unique_ptr<TopicTap>> taps_;
   WriteThread writing_;  ///< last: it ends before the rest

@@ -25,7 +25,7 @@ RawEndHead raw_end_head(std::uint16_t channel_id, bool is_disposed) {
 }
 
 mcap::Chunk with_ends_as_text(const mcap::Chunk& chunk, std::uint16_t ends_channel_id,
-                              const TopicName& topic_name) {
+                              const TopicName& topic_name, std::uint32_t& sequence) {
   mcap::Chunk text_chunk(chunk.records().size(), chunk.message_count());
   for (const mcap::Chunk::Entry& entry : chunk.entries()) {
     mcap::Message message = message_at(chunk, entry);
@@ -33,6 +33,7 @@ mcap::Chunk with_ends_as_text(const mcap::Chunk& chunk, std::uint16_t ends_chann
     if (entry.channel_id == ends_channel_id) {
       text = json_of(end_of(message, topic_name));
       message.data = std::as_bytes(std::span(text));
+      message.sequence = ++sequence;
     }
     text_chunk.add(message);
   }

@@ -21,8 +21,9 @@ RawEndHead raw_end_head(std::uint16_t channel_id, bool is_disposed);
 /// The name of the topic of a channel.
 using TopicName = std::function<std::string(std::uint16_t channel_id)>;
 
-/// The same messages in the same order; those of the channel of ends as text (json_of).
+/// The same messages in the same order; those of the channel of ends as text (json_of), and numbered: they
+/// come from several threads. `sequence`: of the last one.
 mcap::Chunk with_ends_as_text(const mcap::Chunk& chunk, std::uint16_t ends_channel_id,
-                              const TopicName& topic_name);
+                              const TopicName& topic_name, std::uint32_t& sequence);
 
 }  // namespace sonopose::recorder

@@ -11,6 +11,7 @@
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/idl/text.hpp>
+#include <sonopose/text/counted.hpp>
 
 #include <fmt/format.h>
 
@@ -236,11 +237,11 @@ void Recorder::Node::run(const process::StopSignal& stop) {
 
 void Recorder::Node::report_begin() const {
   if (options_.keep_last_s > 0) {
-    logging::info(fmt::format("recording the last {} s of {} topics in memory", options_.keep_last_s,
-                              selected_.size()));
+    logging::info(fmt::format("recording the last {} s of {} in memory", options_.keep_last_s,
+                              text::counted(selected_.size(), "topic")));
   } else {
-    logging::info(
-        fmt::format("recording {} topics to {}", selected_.size(), native_.series().part().string()));
+    logging::info(fmt::format("recording {} to {}", text::counted(selected_.size(), "topic"),
+                              native_.series().part().string()));
   }
 }
 
@@ -249,7 +250,7 @@ void Recorder::Node::report_foreign(std::vector<dds::FoundEndpoint> writers) {
     std::erase_if(writers, [this](const auto& writer) { return ros2_topics_->contains(writer.topic_name); });
   }
   for (const std::string& topic : foreign_.update(writers)) {
-    logging::info("not recorded: " + topic + " is no topic of this program");
+    logging::info("not recorded: " + topic + " is not a topic of this program");
   }
 }
 
@@ -270,9 +271,9 @@ void Recorder::Node::report_news() {
 mcap::TextMap Recorder::Node::foreign_text() const {
   std::string text;
   for (const auto& [topic, writers] : foreign_.writer_counts()) {
-    text += fmt::format("{}{} ({} {})", text.empty() ? "" : ", ", topic, writers,
-                        writers == 1 ? "writer" : "writers");
+    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", topic, text::counted(writers, "writer"));
   }
+  if (foreign_.unnamed() > 0) text += fmt::format(", and {} more", foreign_.unnamed());
   return text.empty() ? mcap::TextMap{} : mcap::TextMap{{"not_recorded", text}};
 }
 
@@ -286,6 +287,7 @@ RecorderReport Recorder::Node::finish() {
   RecorderReport report;
   report.duration_s = duration_s;
   report.foreign_topics = foreign_.writer_counts();
+  report.unnamed_topics = foreign_.unnamed();
   for (Pipeline* const pipeline : {&native_, ros2_ ? &*ros2_ : nullptr}) {
     if (pipeline == nullptr) continue;
     const auto failure = pipeline->finish(foreign_text(), failure_);

@@ -52,6 +52,7 @@ struct RecorderReport {
   std::vector<std::filesystem::path> files;
   std::map<std::string, std::uint64_t> received;      ///< by topic
   std::map<std::string, std::size_t> foreign_topics;  ///< with their writers
+  std::size_t unnamed_topics = 0;                     ///< more of them than these
   std::exception_ptr failure;                         ///< that has ended it; null without one
 
   /// Whether all that was received is in the files.

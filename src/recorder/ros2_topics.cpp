@@ -8,6 +8,16 @@
 
 namespace sonopose::recorder {
 
+namespace {
+
+bool is_latched(const dds::Qos& qos) {
+  namespace policy = dds::policy;
+  const auto durability = qos.policy<policy::Durability>();
+  return durability.value_or(policy::Durability{}).kind == policy::DurabilityKind::transient_local;
+}
+
+}  // namespace
+
 void Ros2Topics::update(const std::vector<dds::FoundEndpoint>& writers) {
   for (const dds::FoundEndpoint& writer : writers) {
     const auto name = ros2::name_in_ros(writer.topic_name);
@@ -28,7 +38,8 @@ void Ros2Topics::add(const dds::FoundEndpoint& writer, const std::string& name) 
                              .schema_name = ros2::type_name_in_ros(writer.type_name),
                              .schema_encoding = "ros2msg",
                              .schema_data = std::string(ros2::message_definition(writer.type_name)),
-                             .metadata = {{"offered_qos_profiles", ros2::qos_in_yaml(writer.qos)}}});
+                             .metadata = {{"offered_qos_profiles", ros2::qos_in_yaml(writer.qos)}},
+                             .is_latched = is_latched(writer.qos)});
   const dds::Qos qos = ros2::matching_reader_qos(qos_, writer.qos);
   pipeline_.record({.name = name}, channel_id, [&](dds::DataReaderListener<dds::Serialized>* listener) {
     return type->make_reader(participant_, writer.topic_name, qos, listener);

@@ -58,10 +58,9 @@ void TopicTap::on_sample(const dds::SerializedSample& sample, const dds::SampleI
 
 void TopicTap::on_end(const dds::SerializedSample& key, const dds::SampleInfo& info) noexcept {
   if (target_.ends_channel_id == 0 || !accepts(key.bytes())) return;
-  const std::uint32_t sequence = target_.ends_sequence.fetch_add(1, std::memory_order_relaxed) + 1;
   const std::int64_t now_ns = clocks::host_now();
   add({.channel_id = target_.ends_channel_id,
-       .sequence = sequence,
+       .sequence = 0,  // not yet: raw_ends.hpp
        .log_time_ns = file_time(now_ns),
        .publish_time_ns = publish_time(info, now_ns),
        .data = key.bytes()},

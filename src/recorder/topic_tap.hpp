@@ -48,7 +48,6 @@ struct TapTarget {
   ChunkQueue& queue;
   std::uint16_t channel_id;
   std::uint16_t ends_channel_id;  ///< 0: ends are not recorded
-  std::atomic<std::uint32_t>& ends_sequence;
 };
 
 class TopicTap final : public dds::DataReaderListener<dds::Serialized> {

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 namespace sonopose::recorder {
 namespace {
@@ -55,12 +56,13 @@ void WriteThread::serve(const std::stop_token& end) {
   }
 }
 
-void WriteThread::make_text_of_ends(mcap::Chunk& chunk) const {
+void WriteThread::make_text_of_ends(mcap::Chunk& chunk) {
   const std::uint16_t ends_channel_id = parts_.series.ends_channel_id();
   const auto is_end = [ends_channel_id](const auto& entry) { return entry.channel_id == ends_channel_id; };
   if (std::none_of(chunk.entries().begin(), chunk.entries().end(), is_end)) return;
   const mcap::Chunk text = with_ends_as_text(
-      chunk, ends_channel_id, [this](std::uint16_t channel_id) { return parts_.series.topic(channel_id); });
+      chunk, ends_channel_id, [this](std::uint16_t channel_id) { return parts_.series.topic(channel_id); },
+      ends_sequence_);
   // The queue gets its memory back: it must not allocate.
   chunk.clear();
   for (const auto& entry : text.entries()) chunk.add(message_at(text, entry));
@@ -75,7 +77,7 @@ void WriteThread::write(const mcap::Chunk& chunk, const Taken& taken, TriggerCau
     if (!parts_.last) {
       parts_.series.write(chunk, taken, parts_.counts());
     } else {
-      if (!chunk.is_empty()) keep(chunk, taken);
+      keep(chunk, taken);
       if (cause != TriggerCause::none) write_last(cause);
     }
   } catch (const std::exception&) {
@@ -86,7 +88,10 @@ void WriteThread::write(const mcap::Chunk& chunk, const Taken& taken, TriggerCau
 }
 
 void WriteThread::keep(const mcap::Chunk& chunk, const Taken& taken) {
-  for (const mcap::Chunk& dropped : parts_.last->add(chunk, taken)) parts_.series.remember(dropped);
+  const TapCounts before = std::exchange(counts_before_, parts_.counts());
+  const auto dropped =
+      chunk.is_empty() ? parts_.last->drop_until(taken.end) : parts_.last->add(chunk, taken, before);
+  for (const mcap::Chunk& old : dropped) parts_.series.remember(old);
 }
 
 void WriteThread::write_last(TriggerCause cause) {
@@ -105,6 +110,7 @@ void WriteThread::write_last(TriggerCause cause) {
 }
 
 void WriteThread::write_kept(const TapCounts& counts) {
+  parts_.series.count_from(parts_.last->chunks().front().counts_before);
   auto kept = parts_.last->chunks().begin();
   const auto end = parts_.last->chunks().end();
   try {

@@ -51,13 +51,15 @@ public:
 
 private:
   void serve(const std::stop_token& end);
-  void make_text_of_ends(mcap::Chunk& chunk) const;
+  void make_text_of_ends(mcap::Chunk& chunk);
   void write(const mcap::Chunk& chunk, const Taken& taken, TriggerCause cause);
   void keep(const mcap::Chunk& chunk, const Taken& taken);
   void write_last(TriggerCause cause);
   void write_kept(const TapCounts& counts);
 
   Parts parts_;
+  std::uint32_t ends_sequence_ = 0;
+  TapCounts counts_before_;  ///< at the last look at the queue
   mutable std::mutex mutex_;
   std::condition_variable_any sleep_;
   std::exception_ptr failure_;

@@ -10,6 +10,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+
 namespace copy_test {
 
 using namespace sonopose;
@@ -63,6 +65,45 @@ SCENARIO("messages of a recording are selected") {
       CHECK_THROWS_WITH(copy({{file}, folder / "none.mcap", {{"imus"}}}),
                         Contains("has no topic imus; it has ") && Contains("sonopose/imu"));
       CHECK_FALSE(exists(folder / "none.mcap"));
+    }
+  }
+  GIVEN("a channel without messages") {
+    Path with_more = folder / "more.mcap";
+    {
+      BusRecording recording(with_more);
+      recording.writer().add_channel(0, "sonopose/empty", "cdr");
+      recording.write(events.front(), 5);
+    }
+    THEN("the new file has the channel, and no part is left") {
+      const auto result = copy({.inputs = {with_more}, .output = folder / "new.mcap"});
+      CHECK_FALSE(exists(folder / "new.mcap.part"));
+      CHECK(result.messages == 1);
+      CHECK(result.attachments == 0);
+      const mcap::Reader reader(folder / "new.mcap");
+      CHECK(std::ranges::any_of(reader.channels(),
+                                [](const auto& each) { return each.second.topic == "sonopose/empty"; }));
+    }
+    THEN("a name that is taken by what somebody writes is refused") {
+      write_text(folder / "new.mcap.part", "precious");
+      CHECK_THROWS_WITH(copy({.inputs = {with_more}, .output = folder / "new.mcap"}),
+                        Contains("new.mcap.part: exists"));
+      CHECK(read_text(folder / "new.mcap.part") == "precious");
+      CHECK_FALSE(exists(folder / "new.mcap"));
+    }
+  }
+  GIVEN("messages whose log times go back") {
+    {
+      BusRecording recording(folder / "back.mcap");
+      recording.write(events[0], 5'000);
+      recording.writer().end_chunk();
+      recording.write(events[1], 3'000);
+    }
+    THEN("their order is kept") {
+      copy({.inputs = {folder / "back.mcap"}, .output = folder / "new.mcap"});
+      const mcap::Reader reader(folder / "new.mcap");
+      mcap::Messages messages(reader, {.channel = {}, .order = mcap::Selection::Order::file});
+      CHECK(messages.next()->log_time_ns == 5'000);
+      CHECK(messages.next()->log_time_ns == 3'000);
     }
   }
   GIVEN("a file that exists") {

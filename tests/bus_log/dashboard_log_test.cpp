@@ -73,6 +73,37 @@ SCENARIO("a CSV log of the Dashboard is an input") {
                         Contains("has no beacon 8; it has 7, 9"));
     }
   }
+  GIVEN("another first line") {
+    write_text(file, "time,who,what\n" + imu_line);
+    const auto log = bus_log::read_sensor_log(file);
+    THEN("it is left out and counted") {
+      CHECK(log.events.size() == 1);
+      CHECK_THAT(log.warnings.at(0), Contains("1 line cannot be read") && Contains("line 1"));
+    }
+  }
+  GIVEN("a day that does not exist") {
+    const auto day = GENERATE(as<std::string>(), "2023_02_29", "2024_02_30", "2024_04_31", "2024_12_32");
+    std::string line = imu_line;
+    write_text(file, line.replace(1, day.size(), day) + imu_line);
+    THEN("its line is left out") {
+      CHECK(bus_log::read_sensor_log(file).events.size() == 1);
+    }
+  }
+  GIVEN("days at the ends of months") {
+    const auto day = GENERATE(as<std::string>(), "2024_02_29", "2023_02_28", "2024_12_31", "2000_02_29");
+    std::string line = imu_line;
+    write_text(file, line.replace(1, day.size(), day));
+    THEN("their lines are read") {
+      CHECK(bus_log::read_sensor_log(file).events.size() == 1);
+    }
+  }
+  GIVEN("a text of another kind") {
+    write_text(file, "time,x,y\n1,2,3\n");
+    THEN("the error names both forms that a file can have") {
+      CHECK_THROWS_WITH(bus_log::read_sensor_log(file),
+                        Contains("is not an MCAP file") && Contains("CSV log of the Dashboard"));
+    }
+  }
   GIVEN("no samples") {
     write_text(file, "T2024_03_01__120000_020,user,41,6,7,3.9,-60\n");
     THEN("the error says so") {

@@ -27,13 +27,16 @@ inline const std::string& idl_text() {
 class BusRecording {
 public:
   explicit BusRecording(const std::filesystem::path& file, std::endian byte_order = std::endian::little,
-                        mcap::WriterOptions options = {})
-      : sink_(file), writer_(sink_, std::move(options)), byte_order_(byte_order) {}
+                        mcap::WriterOptions options = {}, std::string schema = idl_text())
+      : sink_(file),
+        writer_(sink_, std::move(options)),
+        byte_order_(byte_order),
+        schema_(std::move(schema)) {}
 
   template <class T>
   void write(const dds::topics::Entry<T>& topic, const T& sample, std::uint64_t log_time_ns) {
     const std::string type = dds::TopicTraits<T>::descriptor().m_typename;
-    const auto schema = writer_.add_schema(type, "omgidl", idl_text());
+    const auto schema = writer_.add_schema(type, "omgidl", schema_);
     const auto channel = writer_.add_channel(schema, topic.name, "cdr");
     const auto cdr = dds::write_cdr(sample, byte_order_);
     writer_.write({channel, ++sequences_[channel], log_time_ns, log_time_ns, cdr});
@@ -56,6 +59,7 @@ private:
   mcap::FileSink sink_;
   mcap::Writer writer_;
   std::endian byte_order_;
+  std::string schema_;
   std::map<std::uint16_t, std::uint32_t> sequences_;
 };
 

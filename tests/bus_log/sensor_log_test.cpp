@@ -87,7 +87,135 @@ SCENARIO("a recording of the bus is an input like a log folder") {
       const auto log = bus_log::read_sensor_log(file);
       CHECK(log.events.size() == events.size());
       REQUIRE(log.warnings.size() == 1);
-      CHECK_THAT(log.warnings[0], Contains("run.mcap: 1 events of the bridge are missing"));
+      CHECK_THAT(log.warnings[0], Contains("run.mcap: lacks 1 event of the bridge"));
+    }
+  }
+}
+
+SCENARIO("the host's clock is set back during a recording") {
+  const TemporaryFolder folder;
+  const auto file = folder / "run.mcap";
+  GIVEN("events whose log times go back by ten seconds in the middle, in chunks of a second") {
+    const auto events = walk(20.0).events;
+    {
+      BusRecording recording(file);
+      for (std::size_t i = 0; i < events.size(); ++i) {
+        recording.write(events[i], time_of(events[i]) - (i < events.size() / 2 ? 0 : 10'000'000'000));
+        if (i % 100 == 99) recording.writer().end_chunk();
+      }
+    }
+    THEN("none is lost, and they are in the order of their numbers") {
+      const auto log = bus_log::read_sensor_log(file);
+      CHECK(log.events == events);
+      CHECK(log.warnings.empty());
+    }
+  }
+  GIVEN("log times at the end of what 64 bits can say") {
+    const auto events = walk(2.0).events;
+    {
+      BusRecording recording(file);
+      for (const Event& event : events) recording.write(event, ~std::uint64_t{0} - 5);
+    }
+    THEN("they are read") {
+      CHECK(bus_log::read_sensor_log(file).events.size() == events.size());
+    }
+  }
+}
+
+SCENARIO("what a fusion obeyed during a recording, and a replay does not repeat, is told") {
+  const TemporaryFolder folder;
+  const auto file = folder / "run.mcap";
+  const auto events = walk(2.0).events;
+  const std::uint64_t at = time_of(events.back());
+  const BeaconAddress own = address_of(events.front());
+  const auto settings = [&](BusRecording& recording, BeaconAddress address, const std::string& value) {
+    const auto sample =
+        dds::topics::to_idl(EffectiveSettings{.address = address,
+                                              .time_ns = 5,
+                                              .from_sequence = 1,
+                                              .values = {{"heading.mount_offset_deg", value}}});
+    recording.write(dds::topics::settings, sample.sample(), at);
+  };
+  GIVEN("resets of the beacon and of all, and two settings of it of which one is a change") {
+    {
+      BusRecording recording(file);
+      write_all(recording, events);
+      recording.write(dds::topics::reset, {.address = own, .request_id = 1}, at);
+      recording.write(dds::topics::reset, {.address = all_beacons, .request_id = 2}, at);
+      settings(recording, own, "0");
+      settings(recording, own, "0");
+      settings(recording, own, "90");
+    }
+    THEN("the warnings count them") {
+      const auto log = bus_log::read_sensor_log(file);
+      REQUIRE(log.warnings.size() == 2);
+      CHECK_THAT(log.warnings[0], Contains("has 2 resets of the beacon"));
+      CHECK_THAT(log.warnings[1], Contains("has 1 change of its settings"));
+    }
+  }
+  GIVEN("those of another beacon") {
+    {
+      BusRecording recording(file);
+      write_all(recording, events);
+      const auto other = static_cast<BeaconAddress>(own + 1);
+      recording.write(dds::topics::reset, {.address = other, .request_id = 1}, at);
+      settings(recording, own, "0");
+      settings(recording, other, "0");
+      settings(recording, other, "90");
+    }
+    THEN("there is no warning") {
+      CHECK(bus_log::read_sensor_log(file).warnings.empty());
+    }
+  }
+}
+
+SCENARIO("a recording is of another version of the IDL") {
+  const TemporaryFolder folder;
+  const auto file = folder / "run.mcap";
+  const auto write_with = [&file](std::string schema) {
+    BusRecording recording(file, std::endian::little, {}, std::move(schema));
+    write_all(recording, walk(1.0).events);
+  };
+  const auto replaced = [](const std::string& from, const std::string& to) {
+    std::string text = sonopose::test::idl_text();
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+  };
+  GIVEN("another order of two fields of the IMU samples, which have the same size") {
+    write_with(
+        replaced("long long sensor_time;              // time of measurement\n    long long bridge_time;",
+                 "long long bridge_time;\n    long long sensor_time;"));
+    THEN("the error names the type") {
+      CHECK_THROWS_WITH(bus_log::read_sensor_log(file),
+                        Contains("topic sonopose/imu has another type than sonopose::ImuSample"));
+    }
+  }
+  GIVEN("another definition of a type that they use") {
+    write_with(replaced("struct Vector3 { double x; double y; double z; };",
+                        "struct Vector3 { double z; double y; double x; };"));
+    THEN("the error names the type") {
+      CHECK_THROWS_WITH(bus_log::read_sensor_log(file), Contains("has another type"));
+    }
+  }
+  GIVEN("other comments, other spaces, and more types") {
+    write_with(replaced("// time of measurement", "/* another\n text */") +
+               "\nmodule more { struct Other { long a; }; };");
+    THEN("it is read") {
+      CHECK_FALSE(bus_log::read_sensor_log(file).events.empty());
+    }
+  }
+  GIVEN("samples with more bytes than the type") {
+    {
+      BusRecording recording(file);
+      const auto schema = recording.writer().add_schema("sonopose::ImuSample", "omgidl", "");
+      const auto channel = recording.writer().add_channel(schema, "sonopose/imu", "cdr");
+      auto data = dds::write_cdr(dds::topics::to_idl(std::get<ImuSample>(walk(1.0).events.front())));
+      data.resize(data.size() + 8);
+      recording.writer().write({channel, 1, 99, 99, data});
+    }
+    THEN("the error names the message") {
+      CHECK_THROWS_WITH(bus_log::read_sensor_log(file), Contains("message 1 of sonopose/imu"));
     }
   }
 }

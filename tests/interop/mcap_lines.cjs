@@ -9,6 +9,7 @@ const { MessageReader } = require("@foxglove/omgidl-serialization");
 // Integers of 64 bits are BigInt; arrays of numbers are typed arrays. Both have no form in JSON.stringify.
 function json(value) {
   if (typeof value === "bigint") return value.toString();
+  if (value instanceof JsonText) return value.text;
   if (ArrayBuffer.isView(value)) return json(Array.from(value));
   if (Array.isArray(value)) return "[" + value.map(json).join(",") + "]";
   if (value !== null && typeof value === "object") {
@@ -17,9 +18,17 @@ function json(value) {
   return JSON.stringify(value);
 }
 
+// JSON.parse would round integers of 64 bits.
+class JsonText {
+  constructor(text) {
+    JSON.parse(text);
+    this.text = text;
+  }
+}
+
 function decoder(schema, channel) {
   const text = new TextDecoder();
-  if (channel.messageEncoding === "json") return (data) => JSON.parse(text.decode(data));
+  if (channel.messageEncoding === "json") return (data) => new JsonText(text.decode(data));
   const reader = new MessageReader(schema.name, parseIDL(text.decode(schema.data)));
   return (data) => reader.readMessage(data);
 }

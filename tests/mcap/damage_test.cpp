@@ -273,21 +273,36 @@ TEST_CASE("a compressed chunk that decompresses to more than it says is refused"
   }
 }
 
-TEST_CASE("a message of a channel that is not defined is named") {
+TEST_CASE("a message of a channel that is not defined is named and left out, and no other one") {
   MemorySink sink;
   { const Writer writer(sink); }
   Bytes bytes = sink.content;
   bytes.resize(8 + 9 + 8 + 8);
-  put_record(bytes, Opcode::message, [&] {
-    put(bytes, std::uint16_t{7});
-    put(bytes, std::uint32_t{1});
-    put(bytes, std::uint64_t{1});
-    put(bytes, std::uint64_t{1});
+  put_record(bytes, Opcode::channel, [&] {
+    put(bytes, std::uint16_t{1});
+    put(bytes, no_schema);
+    put_text(bytes, "imu");
+    put_text(bytes, "cdr");
+    put_map(bytes, {});
   });
+  for (const auto channel_id : std::vector<std::uint16_t>{1, 7, 1}) {
+    put_record(bytes, Opcode::message, [&] {
+      put(bytes, channel_id);
+      put(bytes, std::uint32_t{1});
+      put(bytes, std::uint64_t{channel_id});
+      put(bytes, std::uint64_t{1});
+    });
+  }
   const auto reader = reader_of(bytes);
   CHECK(std::ranges::any_of(reader.damages(), [](const std::string& damage) {
-    return damage.find("a message has channel 7, which is not defined before") != std::string::npos;
+    return damage.find("channel 7 is not defined before; messages of it that are left out: 1") !=
+           std::string::npos;
   }));
+  CHECK(reader.statistics().message_count == 2);
+  Messages messages(reader);
+  std::size_t count = 0;
+  while (messages.next()) ++count;
+  CHECK(count == 2);
 }
 
 }  // namespace damage_test

@@ -47,7 +47,7 @@ SCENARIO("the data section has a checksum") {
   GIVEN("a file") {
     Bytes file = file_with_metadata();
     THEN("it is sound") {
-      CHECK(verify(reader_of(file).file()).empty());
+      CHECK(verify(reader_of(file)).empty());
     }
     WHEN("a byte of its metadata is another one, which nothing else covers") {
       const auto gain = bytes_of("0.25");
@@ -57,15 +57,40 @@ SCENARIO("the data section has a checksum") {
       const auto reader = reader_of(file);
       REQUIRE(reader.damages().empty());
       THEN("the checksum does not match") {
-        const auto damages = verify(reader.file());
+        const auto damages = verify(reader);
         REQUIRE(damages.size() == 1);
         CHECK_THAT(damages.front(), Contains("data_section_crc does not match"));
       }
     }
     WHEN("it is cut") {
       file.resize(file.size() / 2);
-      THEN("there is no checksum to compare") {
-        CHECK(verify(reader_of(file).file()).empty());
+      THEN("its reader has said so") {
+        const auto reader = reader_of(file);
+        CHECK_FALSE(reader.damages().empty());
+        CHECK(verify(reader).empty());
+      }
+    }
+    WHEN("a length in the data section is wrong, which an index does not show") {
+      const auto reader = reader_of(file);
+      const auto at = reader.contents().metadata.front().offset;
+      file[at + 1] = std::byte{0xFF};
+      file[at + 8] = std::byte{0x7F};
+      THEN("it is damaged") {
+        CHECK_FALSE(verify(reader_of(file)).empty());
+      }
+    }
+    WHEN("its writer has not computed the checksum, and a byte of a chunk is another one") {
+      const auto data_end = bytes_of(std::string("\x0f\x04\0\0\0\0\0\0\0", 9));
+      const auto at = std::search(file.begin(), file.end(), data_end.begin(), data_end.end());
+      REQUIRE(at != file.end());
+      std::fill_n(at + 9, 4, std::byte{0});
+      REQUIRE(verify(reader_of(file)).empty());
+      const auto sample = bytes_of("sample");
+      *std::search(file.begin(), file.end(), sample.begin(), sample.end()) = std::byte{'S'};
+      THEN("the checksum of the chunk does not match") {
+        const auto damages = verify(reader_of(file));
+        REQUIRE(damages.size() == 1);
+        CHECK_THAT(damages.front(), Contains("uncompressed_crc does not match"));
       }
     }
   }
@@ -81,9 +106,17 @@ SCENARIO("an attachment has a checksum") {
     const Bytes record = attachment("picture", is_sound);
     with_attachment.insert(with_attachment.end(), record.begin(), record.end());
     THEN("that is found out") {
-      const auto damages = verify(reader_of(with_attachment).file());
+      const auto damages = verify(reader_of(with_attachment));
       CHECK(damages.empty() == is_sound);
       if (!is_sound) CHECK_THAT(damages.front(), Contains("Attachment crc does not match"));
+    }
+    WHEN("there is another one that is too short for a checksum") {
+      put_record(with_attachment, Opcode::attachment, [] {});
+      THEN("both are looked at") {
+        const auto damages = verify(reader_of(with_attachment));
+        CHECK(damages.size() == (is_sound ? 1 : 2));
+        CHECK_THAT(damages.back(), Contains("Attachment is too short for its crc"));
+      }
     }
   }
 }

@@ -125,6 +125,28 @@ SCENARIO("missing events of the beacons are counted by their numbers") {
       }
     }
   }
+  GIVEN("a bridge that restarts after 1000 events, ten of which did not arrive") {
+    recording.on_range(1, 490);
+    recording.on_range(501, 1000);
+    REQUIRE(recording.gaps.missing() == 10);
+    WHEN("ten others of the second run do not arrive") {
+      recording.on_range(1, 600);
+      recording.on_range(611, 1000);
+      recording.gaps.finish();
+      THEN("both losses count") {
+        CHECK(recording.gaps.missing() == 20);
+      }
+    }
+  }
+  GIVEN("a fix that arrives before the first IMU samples of its beacon") {
+    recording.on(10, 7, fix_channel);
+    recording.on_range(1, 9);
+    recording.on_range(11, 1000);
+    recording.gaps.finish();
+    THEN("nothing is missing") {
+      CHECK(recording.gaps.missing() == 0);
+    }
+  }
   GIVEN("two bridges with the same beacon, one of them long before the other") {
     for (std::uint64_t number = 1; number < 3000; ++number) {
       recording.on(number);

@@ -7,6 +7,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <csignal>
+#include <sys/resource.h>
+
 namespace sonopose::recorder::test::file_series_test {
 
 using sonopose::test::TemporaryFolder;
@@ -128,6 +131,96 @@ TEST_CASE("A file is not longer and not larger than allowed, and each begins wit
       count += messages_of(file).size();
     }
     CHECK(count == 20);
+  }
+}
+
+TEST_CASE("The size of a file counts what each message needs besides its data") {
+  const TemporaryFolder folder;
+  SeriesOptions options = options_for(folder / "run.mcap");
+  options.is_numbered = true;
+  options.max_size_bytes = 40'000;
+  options.max_duration_ns = 1000 * second;
+  FileSeries series(options);
+  for (std::uint64_t i = 1; i <= 40; ++i) {
+    mcap::Chunk chunk;
+    for (std::uint32_t n = 0; n < 100; ++n) chunk.add({1, n, i * second, i * second, {}});
+    write(series, chunk, {.received = i * 100, .lost_queue = i});
+  }
+  series.finish("stopped", {});
+  REQUIRE(series.files().size() > 3);
+  for (const auto& file : series.files()) CHECK(file_size(file) <= options.max_size_bytes);
+  CHECK(metadata_of(series.files().front(), "sonopose.recording_end")["reason"] == "size");
+
+  SECTION("and the limit that was reached is the reason") {
+    SeriesOptions long_options = options_for(folder / "long.mcap");
+    long_options.is_numbered = true;
+    long_options.max_size_bytes = 1'000'000;
+    long_options.max_duration_ns = 10 * second;
+    FileSeries long_series(long_options);
+    write(long_series, chunk_of(1, 1 * second, command_cdr(7, 1)), {});
+    write(long_series, chunk_of(1, 20 * second, command_cdr(7, 1)), {});
+    CHECK(metadata_of(folder / "long_001.mcap", "sonopose.recording_end")["reason"] == "duration");
+  }
+}
+
+/// The files of this process cannot be larger than that, until it ends.
+class FileSizeLimit {
+public:
+  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    REQUIRE(::getrlimit(RLIMIT_FSIZE, &before_) == 0);
+    const rlimit limit{bytes, before_.rlim_max};
+    REQUIRE(::setrlimit(RLIMIT_FSIZE, &limit) == 0);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+  FileSizeLimit(FileSizeLimit&&) = delete;
+  FileSizeLimit& operator=(FileSizeLimit&&) = delete;
+  ~FileSizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST_CASE("A disk that is full as a file begins") {
+  const TemporaryFolder folder;
+  SeriesOptions options = options_for(folder / "run.mcap");
+  options.is_numbered = true;
+  options.max_duration_ns = 10 * second;
+  FileSeries series(options);
+  SECTION("takes neither its head, nor leaves a part that would be in the way of the next recording") {
+    const FileSizeLimit limit(GENERATE(rlim_t{0}, rlim_t{20}, rlim_t{500}));
+    CHECK_THROWS_AS(write(series, chunk_of(1, 1 * second, command_cdr(7, 1)), {}), files::IoError);
+    CHECK(std::filesystem::is_empty(folder.path()));
+    CHECK(series.lost_disk() == 1);
+    CHECK(series.message_count() == 0);
+    CHECK_NOTHROW(FileSeries(options));
+  }
+  SECTION("does not count what the file would have repeated") {
+    const std::vector<std::byte> settings(100'000);
+    write(series, chunk_of(2, 1 * second, command_cdr(7, 1)), {});
+    write(series, chunk_of(2, 2 * second, command_cdr(8, 1)), {});
+    mcap::Chunk large;
+    large.add({2, 3, 3 * second, 3 * second, settings});
+    write(series, large, {});
+    series.finish("trigger", {});
+    {
+      const FileSizeLimit limit(80'000);
+      CHECK_THROWS_AS(write(series, chunk_of(1, 20 * second, command_cdr(7, 2)), {}), files::IoError);
+      CHECK(series.message_count() == 3);
+      CHECK(series.lost_disk() == 1);
+      series.finish("error: full", {});
+    }
+    CHECK(series.message_count() == 3);
+    CHECK(series.lost_disk() == 1);
+    const auto end = metadata_of(folder / "run_002.mcap", "sonopose.recording_end");
+    CHECK(end.at("recorded") == "0");
+    CHECK(end.at("repeated") == "0");
+    CHECK(end.at("lost_disk") == "1");
+    CHECK(end.at("received") == "1");
   }
 }
 

@@ -1,5 +1,6 @@
 #include "recorder/latched_samples.hpp"
 
+#include "recorder/chunk_messages.hpp"
 #include "recorder/instance_end.hpp"
 #include "recorder/messages.hpp"
 
@@ -56,6 +57,28 @@ SCENARIO("the latest sample of each instance is kept, whatever its key is") {
       latched.on_end(8, 1000);
       THEN("both are kept") {
         CHECK(latched.samples.chunk_at(9).message_count() == 2);
+      }
+    }
+  }
+}
+
+SCENARIO("a channel without keys keeps what its programs have said") {
+  GIVEN("two static transforms, one of them twice") {
+    constexpr std::uint16_t plain_channel = 3;
+    Latched latched;
+    latched.samples.add_plain(plain_channel);
+    latched.add(plain_channel, command_cdr(1, 1));
+    latched.add(plain_channel, command_cdr(2, 2));
+    latched.add(plain_channel, command_cdr(1, 1));
+    THEN("each is there once, the latest last") {
+      const mcap::Chunk chunk = latched.samples.chunk_at(9);
+      REQUIRE(chunk.message_count() == 2);
+      CHECK(dds::topics::beacon_of(message_at(chunk, chunk.entries()[1]).data) == 1);
+    }
+    WHEN("there are very many") {
+      for (std::uint64_t i = 0; i < 1000; ++i) latched.add(plain_channel, command_cdr(3, i));
+      THEN("the memory has a limit") {
+        CHECK(latched.samples.chunk_at(9).message_count() == 64);
       }
     }
   }

@@ -85,6 +85,14 @@ TEST_CASE("The last seconds in memory") {
     last.clear();
     CHECK(last.chunks().empty());
   }
+  SECTION("without new ones the old ones are dropped too") {
+    LastSeconds last(3 * second, 1U << 20U);
+    for (std::uint64_t t = 1; t <= 3; ++t) last.add(chunk_at(t * second), taken_at(t));
+    CHECK(last.drop_until(SteadyTime{5 * std::int64_t{second}}).size() == 1);
+    CHECK(last.chunks().size() == 2);
+    CHECK(last.drop_until(SteadyTime{60 * std::int64_t{second}}).size() == 2);
+    CHECK(last.chunks().empty());
+  }
   SECTION("the memory has a limit") {
     const std::size_t one = mcap::Chunk::bytes_of(data.size()) + sizeof(mcap::Chunk::Entry);
     LastSeconds last(100 * second, 2 * one);
@@ -156,6 +164,17 @@ TEST_CASE("Topics that are not native are named once, with the most writers that
   CHECK(foreign.update({writer("sonopose/imu", "Other")}) ==
         std::vector<std::string>{"sonopose/imu (Other)"});
   CHECK(foreign.writer_counts() == std::map<std::string, std::size_t>{{"rt/odom", 2}, {"sonopose/imu", 1}});
+  CHECK(foreign.unnamed() == 0);
+}
+
+TEST_CASE("A bus with any number of other topics does not fill the memory or the end of a file") {
+  std::vector<dds::FoundEndpoint> writers(1000);
+  for (std::size_t i = 0; i < writers.size(); ++i) writers[i].topic_name = "rt/topic_" + std::to_string(i);
+  ForeignTopics foreign;
+  CHECK(foreign.update(writers).size() == 200);
+  CHECK(foreign.update(writers).empty());
+  CHECK(foreign.writer_counts().size() == 200);
+  CHECK(foreign.unnamed() == 800);
 }
 
 }  // namespace sonopose::recorder::test::parts_test

@@ -26,7 +26,7 @@ dds::Qos reliable(policy::OwnershipKind ownership = policy::OwnershipKind::share
 struct Bus {
   explicit Bus(const dds::Qos& reader_qos, bool is_exclusive = false)
       : tap({.name = "sonopose/reset", .is_exclusive = is_exclusive},
-            {.queue = queue, .channel_id = 1, .ends_channel_id = 2, .ends_sequence = ends_sequence}) {
+            {.queue = queue, .channel_id = 1, .ends_channel_id = 2}) {
     tap.open({member, topic, reader_qos, &tap});
   }
 
@@ -46,7 +46,6 @@ struct Bus {
   dds::DomainParticipant member = dds::test::participant();
   dds::Topic<sonopose_ResetCommand> topic{member, "test/tap"};
   ChunkQueue queue{1U << 20U};
-  std::atomic<std::uint32_t> ends_sequence = 0;
   TopicTap tap;
 };
 
@@ -63,13 +62,16 @@ TEST_CASE("A message of a writer that gives no time was published when it arrive
     const mcap::Message message = message_at(chunk, chunk.entries()[i]);
     CHECK(message.publish_time_ns == message.log_time_ns);
   }
-  const mcap::Chunk text_chunk =
-      with_ends_as_text(chunk, 2, [](std::uint16_t /*channel_id*/) { return "sonopose/reset"; });
+  std::uint32_t sequence = 4;
+  const mcap::Chunk text_chunk = with_ends_as_text(
+      chunk, 2, [](std::uint16_t /*channel_id*/) { return "sonopose/reset"; }, sequence);
   REQUIRE(text_chunk.message_count() == 3);
   const mcap::Message end = message_at(text_chunk, text_chunk.entries()[2]);
   const std::string text(reinterpret_cast<const char*>(end.data.data()),  // NOLINT(*-reinterpret-cast): text
                          end.data.size());
   const InstanceEnd ended = instance_end_of(text);
+  CHECK(end.sequence == 5);
+  CHECK(sequence == 5);
   CHECK(ended.topic == "sonopose/reset");
   CHECK(ended.disposed);
   CHECK(dds::topics::beacon_of(ended.key_cdr) == 7);

@@ -30,10 +30,12 @@ mcap::Chunk chunk_of(std::uint16_t channel_id, std::int64_t log_time_ns, const s
   return chunk;
 }
 
-/// The last two seconds of five, with settings in the first one.
-LastSeconds last_seconds(FileSeries& series) {
+constexpr TapCounts lost_before{.received = 50, .lost_queue = 40};
+
+/// The last two seconds of five, which ended `age_s` ago, with settings in the first one.
+LastSeconds last_seconds(FileSeries& series, std::int64_t age_s) {
   LastSeconds last(2 * second, 1U << 20U);
-  const SteadyTime now = clocks::steady_now();
+  const SteadyTime now = clocks::steady_now() + -age_s * second;
   const auto taken_at = [now](std::int64_t time_s) {
     const SteadyTime at = now + (time_s - 5) * second;
     return Taken{at, at};
@@ -41,7 +43,7 @@ LastSeconds last_seconds(FileSeries& series) {
   last.add(chunk_of(settings_channel, 1 * second, command_cdr(7, 1)), taken_at(1));
   for (int t = 2; t <= 5; ++t) {
     for (const auto& dropped :
-         last.add(chunk_of(reset_channel, t * second, command_cdr(7, 2)), taken_at(t))) {
+         last.add(chunk_of(reset_channel, t * second, command_cdr(7, 2)), taken_at(t), lost_before)) {
       series.remember(dropped);
     }
   }
@@ -57,12 +59,13 @@ SCENARIO("what is kept in memory is written by a trigger") {
     EventGaps gaps(series.input_channel_ids());
     Trigger trigger;
     process::Wakeup failed;
+    const std::int64_t age_s = GENERATE(0, 60);
     WriteThread thread({.queue = queue,
                         .series = series,
                         .gaps = gaps,
                         .trigger = trigger,
-                        .counts = [] { return TapCounts{}; },
-                        .last = last_seconds(series),
+                        .counts = [] { return lost_before; },
+                        .last = last_seconds(series, age_s),
                         .failed = failed});
     thread.start();
     const auto trigger_and_finish = [&] {
@@ -70,6 +73,16 @@ SCENARIO("what is kept in memory is written by a trigger") {
       trigger.fire(TriggerCause::topic);
       thread.finish();
     };
+    if (age_s > 0) {
+      WHEN("a trigger comes, and no message has come since") {
+        trigger.fire(TriggerCause::topic);
+        thread.finish();
+        THEN("what is older than the seconds that are kept is not written") {
+          CHECK(series.files().empty());
+        }
+      }
+      return;
+    }
     WHEN("the disk takes them") {
       trigger_and_finish();
       THEN("the file begins with the settings from before them, and has what fired the trigger") {
@@ -81,6 +94,9 @@ SCENARIO("what is kept in memory is written by a trigger") {
         CHECK(messages.front().publish_time_ns == 1 * second);
         CHECK(messages.back().sequence == 9);
         CHECK(series.lost_disk() == 0);
+      }
+      THEN("what was lost before them does not count as lost in the file") {
+        CHECK(metadata_of(file, "sonopose.recording_end").at("lost_queue") == "0");
       }
     }
     WHEN("no file can begin") {

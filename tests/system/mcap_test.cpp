@@ -1,11 +1,13 @@
 /// The program sonopose-mcap, and the programs that take its files.
 
 #include "bus_log/recorded.hpp"
+#include "mcap/reader.hpp"
 #include "sim/simulator.hpp"
 #include "support/process.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <sstream>
@@ -47,7 +49,11 @@ SCENARIO("a recording of the bus is shown, selected and exported") {
     const Result result = mcap({"info", file});
     THEN("it lists the topics") {
       CHECK(result.code == 0);
-      CHECK_THAT(result.output, Contains("sonopose/imu") && Contains("4000"));
+      // 20 s of two beacons with 100 Hz each.
+      const std::size_t line_at = result.output.find("sonopose/imu ");
+      REQUIRE(line_at != std::string::npos);
+      const std::string line = result.output.substr(line_at, result.output.find('\n', line_at) - line_at);
+      CHECK_THAT(line, Contains(" 4000 ") && Contains("sonopose::ImuSample"));
     }
   }
   GIVEN("sonopose-mcap cat of one beacon and topic") {
@@ -88,7 +94,71 @@ SCENARIO("a recording of the bus is shown, selected and exported") {
       CHECK_THAT(result.error,
                  Contains("cut.mcap: byte ") && Contains("it was cut, or is damaged from here on"));
       CHECK_THAT(result.output, Contains("messages"));
-      CHECK(mcap({"info", folder / "good.mcap"}).code == 0);
+      CHECK(mcap({"info", "--verify", folder / "good.mcap"}).code == 0);
+    }
+  }
+}
+
+SCENARIO("the exit code says whether a file is sound") {
+  const TemporaryFolder folder;
+  const std::string file = folder / "run.mcap";
+  record_walks(file, {7});
+  const std::string whole = read_text(file);
+  const auto verify = [&folder](const std::string& text) {
+    const std::string damaged = folder / "damaged.mcap";
+    write_text(damaged, text);
+    CHECK(mcap({"info", damaged}).code == 0);  // what can be read is shown
+    return mcap({"info", "--verify", damaged});
+  };
+  GIVEN("a sound file") {
+    const Result result = verify(whole);
+    CHECK(result.code == 0);
+    CHECK_THAT(result.output, !Contains("damaged: "));
+  }
+  GIVEN("a cut one") {
+    const Result result = verify(whole.substr(0, whole.size() / 2));
+    CHECK(result.code == 1);
+    CHECK_THAT(result.output, Contains("damaged: "));
+  }
+  GIVEN("another byte in a chunk, which the index does not show") {
+    std::string text = whole;
+    const auto chunk = sonopose::mcap::Reader(file).contents().blocks.front();
+    text[chunk.offset + chunk.length / 2] ^= 0x10;
+    const Result result = verify(text);
+    CHECK(result.code == 1);
+    CHECK_THAT(result.output, Contains("damaged: "));
+  }
+}
+
+SCENARIO("programs take recordings of other forms") {
+  const TemporaryFolder folder;
+  GIVEN("a recording of two beacons") {
+    const std::string file = folder / "run.mcap";
+    record_walks(file, {7, 12});
+    THEN("a search scores settings on one of them") {
+      const Result result =
+          run(SONOPOSE_TEST_TUNE, {file, "--beacon", "12", "--rounds", "2", "--vary",
+                                   "alignment.yaw_noise_mps=0.2..1", "--set", "fusion.engine=documented"});
+      CAPTURE(result.error);
+      CHECK(result.code == 0);
+      CHECK_THAT(result.output, Contains("Geometric mean"));
+    }
+  }
+  GIVEN("a CSV log of the Dashboard: two seconds at rest") {
+    std::string text;
+    for (int ms = 0; ms < 2000; ms += 10) {
+      text += fmt::format("T2024_03_01__12000{}_{:03},user,41,131,7,0,0,1000,0,0,0,na,na,na\n", ms / 1000,
+                          ms % 1000);
+      if (ms % 100 != 50) continue;
+      text += fmt::format("T2024_03_01__12000{}_{:03},user,41,129,7,1.000,2.000,0.500,2,8192,50\n", ms / 1000,
+                          ms % 1000);
+    }
+    write_text(folder / "Marvelmind_log.csv", text);
+    THEN("it is replayed") {
+      const Result result = run(SONOPOSE_TEST_REPLAY, {folder / "Marvelmind_log.csv"});
+      CAPTURE(result.error);
+      CHECK(result.code == 0);
+      CHECK(state_hash_of(result).size() > 16);
     }
   }
 }

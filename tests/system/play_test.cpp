@@ -1,18 +1,24 @@
 /// sonopose-play: a recording on the bus again.
 
-#include "mcap/file_sink.hpp"
-#include "mcap/writer.hpp"
+#include "bus_log/outputs.hpp"
+#include "bus_log/recorded.hpp"
+#include "bus_log/sensor_log.hpp"
 #include "recorder/instance_end.hpp"
 #include "recorder/messages.hpp"
+#include "sim/simulator.hpp"
+#include "support/bits.hpp"
 #include "support/bus.hpp"
+#include "support/poses_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/terminal_process.hpp"
+#include "system/recorded_part.hpp"
+#include <sonopose/estimation/any_estimator.hpp>
 
 #include <algorithm>
 #include <array>
-#include <bit>
+#include <chrono>
+#include <cmath>
 #include <csignal>
-#include <cstring>
 #include <map>
 #include <tuple>
 
@@ -41,6 +47,46 @@ void record_run(const fs::path& file, const std::string& names) {
   REQUIRE(bus.bridge({"--duration", "4", "--beacons", "2"})->wait_for_exit() == 0);
   REQUIRE(fusion->end_by(SIGTERM).code == 0);
   REQUIRE(record->end_by(SIGINT).code == 0);
+}
+
+constexpr std::array<BeaconAddress, 2> beacons{7, 8};
+
+/// With the times that a bridge gives to IMU samples.
+std::vector<Event> walk(double duration_s) {
+  auto events = sim::record(sim::find_scenario("walk"), {.duration_s = duration_s}).events;
+  for (Event& event : events) {
+    const TimeNs now_ns = available_at_ns(event);
+    if (auto* const imu = std::get_if<ImuSample>(&event)) imu->bridge_time_ns = now_ns;
+  }
+  return events;
+}
+
+/// A recording of these beacons, which have the same samples; returns those of one.
+std::vector<Event> record_walk(const fs::path& file, double duration_s,
+                               const std::vector<BeaconAddress>& addresses) {
+  const auto events = walk(duration_s);
+  BusRecording recording(file);
+  for (Event event : events) {
+    for (const BeaconAddress address : addresses) {
+      std::visit([address](auto& sample) { sample.address = address; }, event);
+      recording.write(event, static_cast<std::uint64_t>(available_at_ns(event)));
+    }
+  }
+  return events;
+}
+
+/// When the event of that number was available.
+TimeNs bridge_time_of(const std::vector<Event>& events, std::uint64_t sequence) {
+  const auto found = std::find_if(events.begin(), events.end(),
+                                  [&](const Event& event) { return sequence_of(event) == sequence; });
+  REQUIRE(found != events.end());
+  return available_at_ns(*found);
+}
+
+TimeNs host_now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
 }
 
 /// What a player must keep of a message: all but its arrival. Of one beacon and topic, in order.
@@ -76,82 +122,216 @@ SCENARIO("what is played is what was recorded") {
     const std::string names = "imu,fix,heading,pose,report,truth";
     record_run(folder / "first.mcap", names);
     const auto recorded = messages_of(folder / "first.mcap");
-    const Arguments rate = GENERATE(Arguments{"--rate", "1"}, Arguments{"--rate", "0"});
     WHEN("it is played in another domain and recorded again") {
       const Bus bus;
       const auto record = start_recording(bus, folder / "second.mcap", names);
-      Arguments arguments{(folder / "first.mcap").string()};
-      arguments.insert(arguments.end(), rate.begin(), rate.end());
-      const auto play = bus.play(arguments);
+      const auto play = bus.play({(folder / "first.mcap").string(), "--rate", "0", "--readers", "1"});
       REQUIRE(play->wait_for_exit() == 0);
+      const bool has_all = wait_for_part(folder / "second.mcap", [&](const auto& messages) {
+        return messages.size() >= recorded.size() && ends_of(messages) == ends_of(recorded);
+      });
       REQUIRE(record->end_by(SIGINT).code == 0);
       const auto again = messages_of(folder / "second.mcap");
       THEN("it has the same messages with the same stamps, and the same instances end") {
+        CHECK(has_all);
         CHECK(kept_of(recorded).size() == 12 + 3);  // and the settings of both beacons, and of all
         CHECK((kept_of(again) == kept_of(recorded)));
         CHECK(ends_of(again) == ends_of(recorded));
         CHECK_THAT(play->text(Stream::output),
                    Contains("played " + std::to_string(recorded.size()) + " messages in "));
       }
-      if (rate.back() == "1") {
-        THEN("the messages came at the recorded times") {
-          const auto span_s = [](const std::vector<OwnedMessage>& messages) {
-            return static_cast<double>(messages.back().log_time_ns - messages.front().log_time_ns) * 1e-9;
-          };
-          CHECK(span_s(again) == Approx(span_s(recorded)).margin(0.5));
+    }
+  }
+}
+
+SCENARIO("no message is played before its time") {
+  GIVEN("a recording of two seconds, each sample recorded when it was available") {
+    const TemporaryFolder folder;
+    const auto events = record_walk(folder / "walk.mcap", 2.0, {7});
+    const Bus bus;
+    Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+    WHEN("it is played in real time with its times moved to now") {
+      const TimeNs before_start_ns = host_now_ns();
+      REQUIRE(bus.play({(folder / "walk.mcap").string(), "--topics", "imu", "--restamp"})->wait_for_exit() ==
+              0);
+      REQUIRE(imu.wait_for_count(1));
+      THEN("the first is of the start, none is from the future, and they are as far apart as before") {
+        // A stalled reader loses live samples; those that it has are not early.
+        CHECK(imu.samples.front().bridge_time_ns >= before_start_ns);
+        for (std::size_t i = 0; i < imu.samples.size(); ++i) {
+          CHECK(imu.samples[i].bridge_time_ns <= imu.received_ns[i]);
         }
+        const TimeNs shift_ns =
+            imu.samples.front().bridge_time_ns - bridge_time_of(events, imu.samples.front().sequence);
+        for (const ImuSample& sample : imu.samples) {
+          CHECK(sample.bridge_time_ns - bridge_time_of(events, sample.sequence) == shift_ns);
+        }
+      }
+    }
+    WHEN("it is played in real time") {
+      const auto play = bus.play({(folder / "walk.mcap").string()});
+      THEN("it takes as long as the recording") {
+        const auto began = std::chrono::steady_clock::now();
+        REQUIRE(play->wait_for_exit() == 0);
+        const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+        const TimeNs span_ns = available_at_ns(events.back()) - available_at_ns(events.front());
+        CHECK(took.count() >= static_cast<double>(span_ns) * 1e-9);
       }
     }
   }
 }
 
-SCENARIO("a fusion computes the same poses from played inputs") {
-  GIVEN("a recording of the inputs and the poses of a run") {
+/// The poses that an engine in this process computes from the inputs of a file.
+std::vector<FusedPose> replayed(const fs::path& file, BeaconAddress address) {
+  estimation::AnyEstimator estimator{settings::Settings{}};
+  return poses_of(estimator, bus_log::read_sensor_log(file, address).events);
+}
+
+/// Those of a beacon, as bits.
+std::vector<Bits> bits_of_beacon(const std::vector<FusedPose>& poses, BeaconAddress address) {
+  std::vector<Bits> bits;
+  for (const FusedPose& pose : poses) {
+    if (pose.address == address) bits.push_back(bits_of(pose));
+  }
+  return bits;
+}
+
+/// The poses in a recording, by beacon and number.
+std::map<std::pair<BeaconAddress, std::uint64_t>, Bits> recorded_poses(const fs::path& file) {
+  std::map<std::pair<BeaconAddress, std::uint64_t>, Bits> bits;
+  const mcap::Reader reader(file);
+  for (const BeaconAddress address : beacons) {
+    bus_log::for_each_output(
+        reader, address,
+        [&](const FusedPose& pose) {
+          bits[{pose.address, pose.sequence}] = bits_of(pose);
+        },
+        [](const FixReport& /*report*/) {});
+  }
+  return bits;
+}
+
+/// Waits for the poses of a lossless fusion that gets the inputs in a file from a player, ends it, and
+/// returns what it has logged.
+std::string play_to(Process& fusion, Consumer<sonopose_FusedPose>& poses, const Bus& bus,
+                    const fs::path& file, const char* readers, std::size_t pose_count) {
+  REQUIRE(bus.play({file.string(), "--topics", "imu,fix,heading", "--rate", "0", "--readers", readers})
+              ->wait_for_exit() == 0);
+  CHECK(poses.wait_for_count(pose_count));
+  CHECK(fusion.end_by(SIGTERM).code == 0);  // no more poses can follow
+  poses.take();
+  CHECK(poses.samples.size() == pose_count);
+  return fusion.text(Stream::error);
+}
+
+/// Whether the log of a fusion has the state hash that the replay of the file has, for each beacon.
+void check_state_hashes(const std::string& log, const fs::path& file) {
+  for (const BeaconAddress address : beacons) {
+    const Result replay = run(SONOPOSE_TEST_REPLAY, {file.string(), "--beacon", std::to_string(address)});
+    REQUIRE(replay.code == 0);
+    const std::size_t name_at = replay.output.find("state hash");
+    REQUIRE(name_at != std::string::npos);
+    const std::size_t at = replay.output.find_first_not_of(' ', name_at + 10);
+    const std::size_t line_at = log.find("beacon " + std::to_string(address) + ": state hash ");
+    REQUIRE(line_at != std::string::npos);
+    const std::string line = log.substr(line_at, log.find('\n', line_at) - line_at);
+    CHECK_THAT(line, Contains("state hash " + replay.output.substr(at, 16) + " after event") &&
+                         Catch::EndsWith("; 0 events lost"));
+  }
+}
+
+SCENARIO("the same events give the same state, bit for bit") {
+  GIVEN("inputs of two beacons, a lossless fusion that gets them from a player, and a recorder") {
     const TemporaryFolder folder;
-    record_run(folder / "run.mcap", "imu,fix,heading,pose");
-    WHEN("the inputs are played to another fusion") {
-      const Bus bus;
-      const auto fusion = bus.fusion();
-      Consumer<sonopose_FusedPose> poses(bus, topics::pose);
-      REQUIRE(poses.wait_for_writers());
-      REQUIRE(bus.play({(folder / "run.mcap").string(), "--topics", "imu,fix,heading"})->wait_for_exit() ==
-              0);
-      fusion->end_by(SIGTERM);
-      poses.take();
-      THEN("position and orientation of each pose are the same bits") {
-        using Bits = std::array<std::uint64_t, 7>;
-        // By the IDL they follow the address with its padding, the event's number, and the time.
-        constexpr std::size_t begin = 4 + 8 + 8 + 8;
-        std::map<std::pair<int, std::uint64_t>, Bits> recorded;
-        for (const OwnedMessage& message : messages_of(folder / "run.mcap")) {
-          if (message.topic != "sonopose/pose") continue;
-          std::uint64_t number = 0;
-          std::memcpy(&number, message.data.data() + 12, sizeof number);
-          Bits& bits = recorded[{topics::beacon_of(message.data).value_or(0), number}];
-          std::memcpy(bits.data(), message.data.data() + begin, sizeof bits);
+    record_walk(folder / "inputs.mcap", 4.0, {beacons.begin(), beacons.end()});
+    std::map<BeaconAddress, std::vector<FusedPose>> expected;
+    std::size_t pose_count = 0;
+    for (const BeaconAddress address : beacons) {
+      expected[address] = replayed(folder / "inputs.mcap", address);
+      pose_count += expected[address].size();
+    }
+    REQUIRE(pose_count == 2 * 400);
+    const Bus bus;
+    const fs::path file = folder / "run.mcap";
+    const auto record = start_recording(bus, file, "imu,fix,heading,pose");
+    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    const auto fusion = bus.fusion({"--lossless"});
+    REQUIRE(poses.wait_for_writers());
+    // Its writer of poses is older than the one of the settings: then the recorder knows both.
+    REQUIRE(wait_for_part(file, {"sonopose/settings"}, 1));
+    WHEN("the recording is played to another lossless fusion") {
+      const std::string live = play_to(*fusion, poses, bus, folder / "inputs.mcap", "2", pose_count);
+      REQUIRE(wait_for_part(file, {"sonopose/imu", "sonopose/fix", "sonopose/heading"},
+                            messages_of(folder / "inputs.mcap").size()));
+      REQUIRE(wait_for_part(file, {"sonopose/pose"}, pose_count));
+      REQUIRE(record->end_by(SIGINT).code == 0);
+      const Bus other;
+      Consumer<sonopose_FusedPose> poses_again(other, topics::pose);
+      const auto fusion_again = other.fusion({"--lossless"});
+      REQUIRE(poses_again.wait_for_writers());
+      const std::string again = play_to(*fusion_again, poses_again, other, file, "1", pose_count);
+      THEN("both computed the poses of a replay, which are those in the recording") {
+        const auto recorded = recorded_poses(file);
+        CHECK(recorded.size() == pose_count);
+        for (const BeaconAddress address : beacons) {
+          CAPTURE(address);
+          const auto bits = bits_of_beacon(expected[address], address);
+          CHECK((bits_of_beacon(poses.samples, address) == bits));
+          CHECK((bits_of_beacon(poses_again.samples, address) == bits));
+          CHECK((bits_of_beacon(replayed(file, address), address) == bits));
+          for (const FusedPose& pose : expected[address]) {
+            const auto found = recorded.find({address, pose.sequence});
+            REQUIRE(found != recorded.end());
+            REQUIRE((found->second == bits_of(pose)));
+          }
         }
-        std::map<int, std::size_t> recorded_of;
-        for (const auto& [key, bits] : recorded) ++recorded_of[key.first];
-        std::map<int, std::size_t> equal_of;
-        for (const FusedPose& pose : poses.samples) {
-          const auto found = recorded.find({pose.address, pose.sequence});
-          if (found == recorded.end()) continue;
-          const std::array<double, 7> values{pose.position_world_m.x(), pose.position_world_m.y(),
-                                             pose.position_world_m.z(), pose.q_body_to_world.w(),
-                                             pose.q_body_to_world.x(),  pose.q_body_to_world.y(),
-                                             pose.q_body_to_world.z()};
-          equal_of[pose.address] += std::bit_cast<Bits>(values) == found->second ? 1U : 0U;
-        }
-        CHECK(recorded.size() > 700);
-        CHECK(poses.samples.size() >= recorded.size());
-        // The bridge may have sent a beacon's first sample when it knew the fusion, but not yet the recorder.
-        // Then all poses of that beacon differ.
-        bool has_whole = false;
-        for (const auto& [beacon, count] : recorded_of) {
-          CHECK((equal_of[beacon] == count || equal_of[beacon] == 0));
-          has_whole = has_whole || equal_of[beacon] == count;
-        }
-        CHECK(has_whole);
+      }
+      THEN("both ended in the state of a replay") {
+        check_state_hashes(live, file);
+        check_state_hashes(again, file);
+      }
+    }
+  }
+}
+
+SCENARIO("a bridge publishes a beacon of a recording") {
+  GIVEN("a recording of two beacons, and readers of their inputs") {
+    const TemporaryFolder folder;
+    const std::string file = folder / "run.mcap";
+    const auto events = record_walk(file, 2.0, {7, 8});
+    const Bus bus;
+    Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+    Consumer<sonopose_UltrasonicFix> fixes(bus, topics::fix);
+    Consumer<sonopose_PairHeading> headings(bus, topics::heading);
+    WHEN("it publishes one of them as fast as they receive it") {
+      const Arguments arguments{"--source", "mcap", "--input", file, "--address", "8", "--rate", "0"};
+      REQUIRE(bus.bridge(arguments)->wait_for_exit() == 0);
+      THEN("all events of this beacon come") {
+        const auto imu_count =
+            static_cast<std::size_t>(std::count_if(events.begin(), events.end(), [](const Event& event) {
+              return std::holds_alternative<ImuSample>(event);
+            }));
+        const auto fix_count =
+            static_cast<std::size_t>(std::count_if(events.begin(), events.end(), [](const Event& event) {
+              return std::holds_alternative<UltrasonicFix>(event);
+            }));
+        CHECK(imu.wait_for_count(imu_count));
+        CHECK(fixes.wait_for_count(fix_count));
+        CHECK(headings.wait_for_count(events.size() - imu_count - fix_count));
+        for (const ImuSample& sample : imu.samples) CHECK(sample.address == 8);
+      }
+    }
+    WHEN("the beacon is not chosen, or an option does not fit") {
+      const auto refused = [&bus](Arguments arguments) {
+        arguments.insert(arguments.begin(), {"--source", "mcap"});
+        const auto bridge = bus.bridge(arguments);
+        CHECK(bridge->wait_for_exit().value_or(0) > 0);
+        return bridge->text(Stream::error);
+      };
+      THEN("the error names the beacons, and the source as it was given") {
+        CHECK_THAT(refused({"--input", file}), Contains("7, 8"));
+        CHECK_THAT(refused({}), Contains("--source mcap: --input"));
+        CHECK_THAT(refused({"--input", file, "--capture", folder / "raw"}), Contains("not with mcap"));
       }
     }
   }
@@ -160,35 +340,26 @@ SCENARIO("a fusion computes the same poses from played inputs") {
 SCENARIO("a part of a recording is played, as often and when it is asked for") {
   GIVEN("a recording, and a reader of IMU samples") {
     const TemporaryFolder folder;
-    record_run(folder / "run.mcap", "imu,fix");
-    const std::string file = (folder / "run.mcap").string();
-    const auto recorded = messages_of(file);
+    const std::string file = folder / "run.mcap";
+    const auto events = record_walk(file, 4.0, {7});
     const Bus bus;
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
     WHEN("the time is limited") {
       REQUIRE(
-          bus.play({file, "--start", "1", "--end", "2", "--topics", "imu", "--rate", "2"})->wait_for_exit() ==
+          bus.play({file, "--start", "1", "--end", "2", "--topics", "imu", "--rate", "0"})->wait_for_exit() ==
           0);
-      imu.take();
       THEN("only that time comes") {
-        const auto begin = recorded.front().log_time_ns;
-        const auto expected =
-            std::count_if(recorded.begin(), recorded.end(), [&](const OwnedMessage& message) {
-              return message.topic == "sonopose/imu" && message.log_time_ns >= begin + 1'000'000'000 &&
-                     message.log_time_ns <= begin + 2'000'000'000;
-            });
-        CHECK(imu.samples.size() == static_cast<std::size_t>(expected));
-      }
-    }
-    WHEN("the times are moved to now") {
-      REQUIRE(bus.play({file, "--end", "1", "--restamp"})->wait_for_exit() == 0);
-      imu.take();
-      THEN("each sample has the age that it had") {
-        REQUIRE(imu.samples.size() > 50);
-        for (std::size_t i = 0; i < imu.samples.size(); ++i) {
-          const double age_s = static_cast<double>(imu.received_ns[i] - imu.samples[i].bridge_time_ns) * 1e-9;
-          CHECK(age_s < 2.0);  // taken at the end
-          CHECK(age_s > -0.1);
+        const TimeNs begin = available_at_ns(events.front());
+        const auto expected = std::count_if(events.begin(), events.end(), [&](const Event& event) {
+          return std::holds_alternative<ImuSample>(event) &&
+                 available_at_ns(event) >= begin + 1'000'000'000 &&
+                 available_at_ns(event) <= begin + 2'000'000'000;
+        });
+        REQUIRE(expected > 90);
+        CHECK(imu.wait_for_count(static_cast<std::size_t>(expected)));
+        for (const ImuSample& sample : imu.samples) {
+          CHECK(sample.bridge_time_ns >= begin + 1'000'000'000);
+          CHECK(sample.bridge_time_ns <= begin + 2'000'000'000);
         }
       }
     }
@@ -202,31 +373,73 @@ SCENARIO("a part of a recording is played, as often and when it is asked for") {
   }
 }
 
-SCENARIO("keys pause a player and play single messages") {
-  GIVEN("a recording that is played on a terminal to a reader of IMU samples") {
+SCENARIO("a player waits for the readers that it is told of") {
+  GIVEN("a recording of two topics, and a reader of one of them") {
     const TemporaryFolder folder;
-    record_run(folder / "run.mcap", "imu");
+    const std::string file = folder / "run.mcap";
+    const auto events = record_walk(file, 1.0, {7});
     const Bus bus;
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
-    TerminalProcess play(
-        SONOPOSE_TEST_PLAY,
-        {(folder / "run.mcap").string(), "--domain", std::to_string(bus.domain_id()), "--loop"}, 200);
+    const auto play = bus.play({file, "--topics", "imu,fix", "--rate", "0", "--readers", "1"});
+    REQUIRE(play->wait_for_line(Stream::error, "waiting for readers: a topic has 0 of 1"));
+    CHECK(imu.samples.empty());
+    WHEN("a reader of the other comes") {
+      Consumer<sonopose_UltrasonicFix> fixes(bus, topics::fix);
+      THEN("both get all from the first sample on") {
+        CHECK(play->wait_for_exit() == 0);
+        const auto imu_count = std::count_if(events.begin(), events.end(), [](const Event& event) {
+          return std::holds_alternative<ImuSample>(event);
+        });
+        CHECK(imu.wait_for_count(static_cast<std::size_t>(imu_count)));
+        REQUIRE(fixes.wait_for_count(1));
+        CHECK(imu.samples.front().sequence == 1);
+      }
+    }
+  }
+}
+
+/// The time of the next message, in ms since the first one, that the player shows when it is paused.
+long long paused_at_ms(TerminalProcess& play) {
+  const std::string name = "paused at ";
+  const auto shown = [&name](const TextScreen& screen) {
+    const std::size_t row = screen.row_of(name);
+    return row == std::string::npos ? std::string() : screen.line(row);
+  };
+  REQUIRE(play.wait_until([&](const TextScreen& screen) { return shown(screen).ends_with(" s"); }));
+  const std::string line = shown(play.screen());
+  return std::llround(std::stod(line.substr(line.find(name) + name.size())) * 1e3);
+}
+
+SCENARIO("keys pause a player and play single messages") {
+  GIVEN("a recording of IMU samples that is played on a terminal to a reader of them") {
+    const TemporaryFolder folder;
+    std::vector<Event> events = walk(60.0);
+    std::erase_if(events, [](const Event& event) { return !std::holds_alternative<ImuSample>(event); });
+    {
+      BusRecording recording(folder / "run.mcap");
+      for (const Event& event : events) {
+        recording.write(event, static_cast<std::uint64_t>(available_at_ns(event)));
+      }
+    }
+    const Bus bus;
+    Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+    TerminalProcess play(SONOPOSE_TEST_PLAY,
+                         {(folder / "run.mcap").string(), "--domain", std::to_string(bus.domain_id())}, 200);
     REQUIRE(play.wait_for("space: pause and go on"));
     REQUIRE(imu.wait_for_count(20));
     WHEN("it is paused, and told three times to play one message") {
       play.type(" ");
-      REQUIRE(play.wait_for("paused at "));
-      const auto reached = [&imu] {
-        imu.take();
-        return imu.samples.size();
-      };
-      // Until nothing is on its way.
-      while (imu.wait_for_count(imu.samples.size() + 1, std::chrono::milliseconds(300))) continue;
-      const std::size_t before = reached();
+      const long long next_ms = paused_at_ms(play);
+      const auto next = std::find_if(events.begin(), events.end(), [&](const Event& event) {
+        return (available_at_ns(event) - available_at_ns(events.front()) + 500'000) / 1'000'000 >= next_ms;
+      });
+      REQUIRE(events.end() - next > 3);
+      const std::uint64_t last = sequence_of(*(next + 2));
       play.type("s.s");
-      REQUIRE(imu.wait_for_count(before + 3));
+      REQUIRE(imu.wait_for([last](const ImuSample& sample) { return sample.sequence >= last; }));
       THEN("these come, and after the pause the others") {
-        CHECK(reached() == before + 3);
+        CHECK_FALSE(imu.wait_for([last](const ImuSample& sample) { return sample.sequence > last; }, 0,
+                                 std::chrono::milliseconds(300)));
         play.type(" ");
         CHECK(play.wait_for("playing at "));
         CHECK(imu.wait_for_more(100));
@@ -257,7 +470,12 @@ SCENARIO("what cannot be played is named") {
     const auto reset = writer.add_channel(good, "sonopose/reset", "cdr");
     writer.add_channel(other, "sonopose/imu", "cdr");
     writer.add_channel(good, "other/reset", "cdr");
+    const auto wrong = writer.add_channel(other, "sonopose/reset", "cdr");
+    const auto changed = writer.add_schema("sonopose::UltrasonicFix", "omgidl",
+                                           "module sonopose { struct UltrasonicFix { long a; }; };");
+    writer.add_channel(changed, "sonopose/fix", "cdr");
     const auto bytes = recorder::test::command_cdr(7, 1);
+    writer.write({wrong, 1, 1'000'000'000, 1, bytes});
     writer.write({reset, 1, 1'000'000'000, 1, bytes});
     writer.write({reset, 2, 2'000'000'000, 2, std::span(bytes).first(9)});
     writer.close();
@@ -277,10 +495,39 @@ SCENARIO("what cannot be played is named") {
   CHECK_THAT(
       play->text(Stream::error),
       Contains("sonopose/imu is not played: its type is not sonopose::ImuSample but sonopose::Other") &&
-          Contains("other/reset is not played: it is no topic of this program"));
-  CHECK_THAT(
-      play->text(Stream::output),
-      Contains("played 1 messages") && Contains("refused: 1 messages that are not of their topic's type"));
+          Contains("other/reset is not played: it is not a topic of this program") &&
+          Contains(
+              "sonopose/reset is not played: its type is not sonopose::ResetCommand but sonopose::Other") &&
+          Contains("sonopose/fix is not played: its type sonopose::UltrasonicFix is another one"));
+  CHECK_THAT(play->text(Stream::output), Contains("played 1 message in") &&
+                                             Contains("refused, since not of its topic's type: 1 message"));
+}
+
+SCENARIO("a damaged chunk is left out and named") {
+  GIVEN("a recording with a wrong byte in one of its chunks, and a reader") {
+    const TemporaryFolder folder;
+    const std::string file = folder / "run.mcap";
+    {
+      BusRecording recording(file, std::endian::little, {.chunk_size_bytes = 10'000});
+      for (const Event& event : walk(2.0)) {
+        recording.write(event, static_cast<std::uint64_t>(available_at_ns(event)));
+      }
+    }
+    std::string text = read_text(file);
+    const auto chunks = mcap::Reader(file).contents().blocks;
+    REQUIRE(chunks.size() > 2);
+    const mcap::Block& chunk = chunks[1];
+    text[chunk.offset + chunk.length / 2] ^= 0x10;
+    write_text(folder / "damaged.mcap", text);
+    const Bus bus;
+    WHEN("it is played") {
+      const auto play = bus.play({(folder / "damaged.mcap").string(), "--no-wait", "--rate", "0"});
+      THEN("the exit code says that not all of it was played") {
+        CHECK(play->wait_for_exit() == 1);
+        CHECK_THAT(play->text(Stream::output), Contains("not played: 1 damaged chunk"));
+      }
+    }
+  }
 }
 
 }  // namespace play_test

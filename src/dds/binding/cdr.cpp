@@ -11,6 +11,8 @@ namespace {
 
 constexpr std::size_t header_bytes = 4;
 constexpr std::uint32_t xcdr1 = 1;
+/// A serialized sample ends with padding to 4 bytes.
+constexpr std::uint32_t most_padding = 3;
 
 }  // namespace
 
@@ -26,6 +28,7 @@ bool read_cdr(std::span<const std::byte> cdr, const dds_topic_descriptor_t& type
   std::uint32_t end = 0;
   if (dds_stream_normalize_data(data.data(), &end, size, is_foreign, xcdr1, type.m_ops) == nullptr)
     return false;
+  if (size - end > most_padding) return false;  // of a type with more fields
   dds_istream_t stream;
   dds_istream_init(&stream, size, data.data(), xcdr1);
   dds_stream_read(&stream, static_cast<char*>(sample), type.m_ops);

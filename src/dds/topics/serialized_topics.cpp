@@ -40,6 +40,8 @@ SerializedWriter make_writer_of(const DomainParticipant& participant, const qos:
   // The lease that a reader asks for: longer than that of a live fusion, which asserts its own.
   const auto lease = qos.datareader_qos(profile).template policy<policy::Liveliness>();
   writer_qos << policy::WriterDataLifecycle{false} << lease.value_or(policy::Liveliness{});
+  // Also where the profile is the live one, of topics whose own writers need only their latest sample.
+  if (delivery == Delivery::lossless) writer_qos << policy::History::keep_all();
   join_partition(writer_qos, participant);
   return SerializedWriter(participant, topic, writer_qos);
 }

@@ -15,8 +15,8 @@ namespace sonopose::dds {
 
 /// Reads a serialized sample, from its encapsulation header on, into `sample`, which is zero. Its sequences
 /// belong to the sample then (dds_sample_free). Returns false if the bytes are not a whole sample of the
-/// type, or are in another encoding than XCDR1 of either byte order: Cyclone DDS 0.10.2 reads an array of
-/// doubles in XCDR2 beyond its end.
+/// type and its padding, or are in another encoding than XCDR1 of either byte order: Cyclone DDS 0.10.2 reads
+/// an array of doubles in XCDR2 beyond its end.
 bool read_cdr(std::span<const std::byte> cdr, const dds_topic_descriptor_t& type, void* sample);
 
 /// The serialized form of a sample in XCDR1, from its encapsulation header on.

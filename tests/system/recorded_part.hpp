@@ -1,0 +1,45 @@
+#pragma once
+/// \file
+/// What a recorder that runs has written so far.
+
+#include "files/error.hpp"
+#include "recorder/messages.hpp"
+#include "support/process.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace sonopose::test {
+
+/// Waits until `done(messages)` of what is in the file's part. A recorder that is told to end does not wait
+/// for what is on its way to it.
+template <class Done>
+bool wait_for_part(std::filesystem::path file, const Done& done) {
+  file += ".part";
+  const auto give_up = std::chrono::steady_clock::now() + timeout;
+  while (std::chrono::steady_clock::now() < give_up) {
+    try {
+      if (done(recorder::test::messages_of(file))) return true;
+    } catch (const files::IoError&) {  // NOLINT(bugprone-empty-catch): the file has only begun
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  return false;
+}
+
+/// Waits until it has so many messages of these topics.
+inline bool wait_for_part(const std::filesystem::path& file, const std::vector<std::string>& names,
+                          std::size_t count) {
+  return wait_for_part(file, [&](const std::vector<recorder::test::OwnedMessage>& messages) {
+    return std::count_if(messages.begin(), messages.end(), [&](const auto& message) {
+             return std::find(names.begin(), names.end(), message.topic) != names.end();
+           }) >= static_cast<std::ptrdiff_t>(count);
+  });
+}
+
+}  // namespace sonopose::test
