@@ -226,12 +226,12 @@ SCENARIO("wrong options of the web process are named") {
   };
   fails({"--listen", "nowhere"}, "'nowhere'", "127.0.0.1:8080");
   fails({"--listen", "127.0.0.1:99999"}, "'127.0.0.1:99999'", "65535");
-  fails({"--geofence", "/nonexistent.csv"}, "/nonexistent.csv", "No such file");
+  fails({"--geofence", "/nonexistent.csv"}, "/nonexistent.csv", "does not exist");
   fails({"--floor-plan", "/nonexistent.png", "--floor-plan-area", "0", "0", "1", "1"}, "/nonexistent.png",
-        "No such file");
+        "does not exist");
   fails({"--floor-plan-area", "0", "0", "1", "1"}, "--floor-plan-area", "requires --floor-plan");
   fails({"--max-clients", "0"}, "--max-clients", "1000");
-  fails({"/nonexistent.mcap"}, "/nonexistent.mcap", "No such file");
+  fails({"/nonexistent.mcap"}, "/nonexistent.mcap", "does not exist");
   fails({"--beacon", "7"}, "--beacon", "requires recording");
   fails({"--token", "short"}, "token", "16");
   fails({"--token", "0123456789abcdef&x"}, "token", "A-Z");
@@ -269,7 +269,8 @@ SCENARIO("a client of Foxglove's protocol receives what it subscribes to") {
   Page client(web, "/", "foxglove.websocket.v1");
   CHECK(client.wait_for("serverInfo")["capabilities"] == json{"time"});
   std::map<std::string, json> channels;
-  for (const json& channel : client.wait_for("advertise")["channels"]) channels[channel["topic"]] = channel;
+  const json advertised = client.wait_for("advertise");
+  for (const json& channel : advertised["channels"]) channels[channel["topic"]] = channel;
   REQUIRE(channels.count("sonopose/pose") == 1);
   const json& pose = channels["sonopose/pose"];
   CHECK(pose["encoding"] == "cdr");
