@@ -39,6 +39,7 @@
       this.zoomed = null; // [from, to] in ms that somebody chose, or null: follows
       this.spanS = 60;
       this.shownRange = null; // what the plots were told to show
+      this.isDrawing = false;
       this.address = null;
       this.makeTools();
       this.graphs = definitions.map((definition) => this.makePlot(definition));
@@ -113,10 +114,12 @@
       this.address = beacon?.address ?? null;
       this.markButtons();
       if (beacon) this.shownRange = this.range(beacon);
+      this.isDrawing = true;
       for (const plot of this.graphs) {
         if (beacon) this.drawPlot(plot, beacon);
         else plot.box.hidden = true;
       }
+      this.isDrawing = false;
     }
 
     // A plot without values is hidden, unless it only has none in the range that somebody chose.
@@ -153,7 +156,7 @@
           dblclick: () => this.follow(),
           wheel: (event, dygraph) => this.onWheel(event, dygraph),
         },
-        drawCallback: (dygraph, isInitial) => this.onDraw(dygraph, isInitial),
+        drawCallback: (dygraph, isInitial) => this.onDraw(plot, dygraph, isInitial),
         underlayCallback: (context, area, dygraph) => this.drawNow(context, area, dygraph),
       });
     }
@@ -167,9 +170,9 @@
       if (range[1] - range[0] > 50) this.choose(range);
     }
 
-    // A pan and a zoom by drag have no other sign than a range that was not asked for.
-    onDraw(dygraph, isInitial) {
-      if (isInitial || !this.shownRange) return;
+    // A pan and a zoom by drag have no other sign than a range that was not asked for. A hidden plot has an old one.
+    onDraw(plot, dygraph, isInitial) {
+      if (isInitial || this.isDrawing || plot.box.hidden) return;
       const range = dygraph.xAxisRange();
       if (range.some((t, i) => Math.abs(t - this.shownRange[i]) > 1)) this.choose(range);
     }
