@@ -32,7 +32,9 @@ void apply(const Given& given, web::WebOptions& options) {
   auto& server = options.server;
   if (!given.listen.empty()) server.endpoint = web::http::parse_endpoint(given.listen);
   server.token = given.token;
-  // Whoever knows the URL may look, and change settings where that is allowed.
+  if (!server.token.empty()) web::http::check_token(server.token);
+  for (std::string& origin : server.origins) origin = web::http::parse_origin(origin);
+  // Everybody who knows the URL may look, and change settings where that is allowed.
   if (server.token.empty() && !is_loopback(server.endpoint)) server.token = web::http::random_token();
   if (!given.floor_plan.empty()) {
     options.map.floor_plan = web::read_floor_plan(given.floor_plan, given.floor_plan_area_m);
@@ -49,7 +51,7 @@ int main(int argc, char** argv) {
   apps::Program app("web", "Only this machine can open the page unless --listen says otherwise.");
   auto* const recording = app.add_option("recording", given.recording,
                                          "Show this instead of the bus: an MCAP file or a sensor-log folder");
-  app.add_option("--beacon", given.beacon, "Of a recording of several without poses: this one")
+  app.add_option("--beacon", given.beacon, "Beacon to replay, if the recording has several and no poses")
       ->type_name("ADDRESS")
       ->needs(recording);
   add_bus_options(app, bus);
@@ -60,14 +62,14 @@ int main(int argc, char** argv) {
       ->type_name("ADDRESS:PORT")
       ->default_str(text_of(options.server.endpoint));
   app.add_option("--token", given.token,
-                 "What the page's URL must have; one is drawn if other machines can connect")
+                 "Secret in the page's URL; if other machines can connect, a random token is generated")
       ->type_name("TEXT");
   app.add_option("--allow-origin", options.server.origins,
-                 "A page elsewhere that may connect, such as Foxglove's")
+                 "A page elsewhere that may use Foxglove's protocol")
       ->type_name("URL");
   app.add_flag("--allow-changes", options.allows_changes,
                "The page may change settings and reset estimators");
-  app.add_option("--max-clients", options.server.max_clients, "Connections at a time")
+  app.add_option("--max-clients", options.server.max_clients, "Pages and Foxglove clients at a time")
       ->check(apps::number_between(1, 1000))
       ->capture_default_str();
   auto* const plan =
@@ -80,13 +82,20 @@ int main(int argc, char** argv) {
       ->needs(plan);
   app.add_option("--geofence", given.geofence, "The corners of an area, as CSV with the header # x_m,y_m")
       ->type_name("FILE");
+  for (const CLI::Option* const option : app.get_options()) {
+    const bool is_of_bus = option->get_group() == apps::bus_group;
+    const bool is_of_live_page = option->check_lname("allow-changes") || option->check_lname("max-beacons");
+    if (is_of_bus || is_of_live_page)
+      recording->excludes(app.get_option("--" + option->get_lnames().front()));
+  }
   return apps::run(app, argc, argv, [&] {
     process::give_way();  // it only watches
     const logging::Session log(log_level);
     apply(given, options);
-    const auto report = [](const std::string& url) { logging::info("the page is at " + url); };
+    const auto report = [](const std::vector<std::string>& urls) {
+      for (const std::string& url : urls) logging::info("the page is at " + url);
+    };
     process::StopSignal stop;
-    stop.listen_to_signals();
     if (!given.recording.empty()) {
       web::serve_recording({.recording = given.recording,
                             .beacon = given.beacon,
@@ -96,6 +105,7 @@ int main(int argc, char** argv) {
                            report, stop);
       return 0;
     }
+    stop.listen_to_signals();
     options.domain = bus.domain;
     options.qos_file = bus.qos_file;
     options.version = apps::version();

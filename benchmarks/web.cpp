@@ -5,6 +5,7 @@
 #include "clocks/clocks.hpp"
 #include "counting_consumer.hpp"
 #include "statistics.hpp"
+#include "support/upgrade_request.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -48,9 +49,7 @@ class Viewer {
 public:
   /// Throws std::runtime_error if the server does not answer.
   explicit Viewer(std::uint16_t port) : socket_(connected(port)) {
-    send("GET /ws HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
-         "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
-         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: sonopose.v1\r\n\r\n");
+    send(test::upgrade_request("/ws", "sonopose.v1", fmt::format("Host: 127.0.0.1:{}\r\n", port)));
     reader_ = std::thread([this] { read(); });
   }
   Viewer(const Viewer&) = delete;

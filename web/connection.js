@@ -8,10 +8,22 @@
   // Where a file of the server is, with the token.
   const urlOf = (path) => path + query;
 
+  const mostSilentS = 5; // a live server says something every second
+
   const fetchJson = async (path) => {
     const response = await fetch(urlOf(path));
-    if (!response.ok) throw new Error(`${path}: ${await response.text()}`);
+    if (!response.ok) throw Object.assign(new Error((await response.text()).trim()), { status: response.status });
     return response.json();
+  };
+
+  // Why the server refuses a WebSocket, which a browser does not say; empty if it does not answer.
+  const refusal = async () => {
+    try {
+      const response = await fetch(urlOf("/ws"));
+      return [401, 403, 503].includes(response.status) ? (await response.text()).trim() : "";
+    } catch {
+      return "";
+    }
   };
 
   class Connection {
@@ -19,6 +31,9 @@
     constructor(handlers) {
       this.handlers = handlers;
       this.waitS = 0.25;
+      this.isLive = false; // whether silence is a fault
+      this.heardAt = 0;
+      setInterval(() => this.watch(), 1000);
       this.open();
     }
 
@@ -28,14 +43,33 @@
       this.socket = new WebSocket(`${scheme}//${location.host}/ws${query}`, "sonopose.v1");
       this.socket.onopen = () => {
         this.waitS = 0.25;
+        this.heardAt = performance.now();
         this.handlers.onState("connected", true);
       };
-      this.socket.onmessage = (event) => this.handlers.onMessage(JSON.parse(event.data));
-      this.socket.onclose = () => {
-        this.handlers.onState(`connection lost, trying again in ${this.waitS} s`, false);
-        setTimeout(() => this.open(), 1000 * this.waitS);
-        this.waitS = Math.min(4, 2 * this.waitS);
+      this.socket.onmessage = (event) => {
+        this.heardAt = performance.now();
+        this.handlers.onMessage(JSON.parse(event.data));
       };
+      this.socket.onclose = () => this.lose("connection lost");
+    }
+
+    // A connection can break without an end.
+    watch() {
+      if (!this.isLive || this.socket.readyState !== WebSocket.OPEN) return;
+      if (performance.now() - this.heardAt < 1000 * mostSilentS) return;
+      this.socket.onclose = this.socket.onmessage = null;
+      this.socket.close();
+      this.lose(`connection lost: no message for ${mostSilentS} s`);
+    }
+
+    lose(why) {
+      const { waitS } = this;
+      this.waitS = Math.min(4, 2 * waitS);
+      this.handlers.onState(`${why}, trying again in ${waitS} s`, false);
+      setTimeout(() => this.open(), 1000 * waitS);
+      refusal().then((reason) => {
+        if (reason && this.socket.readyState !== WebSocket.OPEN) this.handlers.onState(`${reason}; trying again`, false);
+      });
     }
 
     send(object) {

@@ -38,6 +38,12 @@
       });
     }
 
+    // The doctor may go on, but its findings do not come.
+    onLost() {
+      this.progress.hidden = true;
+      this.button.disabled = false;
+    }
+
     show(report) {
       this.progress.hidden = !report.running;
       this.progress.value = report.share;

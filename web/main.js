@@ -1,10 +1,17 @@
-// Puts the page together. Tests use sonopose.statistics and the ids #state, #map, #beacons, #events, #findings,
+// Puts the page together. Tests use sonopose.statistics, sonopose.model, sonopose.plots and the ids #state, #map, #beacons, #events, #findings,
 // #settings, #requests and #time.
 "use strict";
 
 (async () => {
-  const { Model, MapView, Plots, Table, Events, Findings, Settings, Playback, Connection, fetchJson, urlOf } = sonopose;
   const byId = (id) => document.getElementById(id);
+  const needed = ["Model", "MapView", "Plots", "Table", "Events", "Settings", "Playback", "Connection"];
+  if (!window.Dygraph || !window.sonopose || needed.some((name) => !sonopose[name])) {
+    byId("state").textContent = "a part of this page could not be loaded: reload it";
+    byId("state").className = "lost";
+    return;
+  }
+  const { Model, MapView, Plots, Table, Events, Findings, Settings, Playback, Connection } = sonopose;
+  const { fetchJson, urlOf, setStatusTable } = sonopose;
   const model = new Model();
   const statistics = { frames: 0, drawn: 0, drawn_per_s: 0, dropped: 0, connected: false, beacons: {} };
   sonopose.statistics = statistics;
@@ -12,13 +19,15 @@
 
   const map = new MapView(byId("map"), model);
   const plots = new Plots(byId("plots"), model);
+  sonopose.plots = plots;
   const table = new Table(byId("beacons"), model);
   const events = new Events(byId("events"), byId("warnings"));
   let connection = null;
   const request = (object) => connection !== null && connection.send(object);
   const findings = new Findings(byId("findings"), byId("progress"), byId("examine"), () => request({ op: "examine", seconds: 8 }));
   let playback = null;
-  let hasLoaded = false; // the recording
+  let isLoading = false; // the recording
+  let isFirstStatus = true; // of this connection
 
   for (const tab of byId("tabs").children) {
     tab.addEventListener("click", () => {
@@ -51,11 +60,29 @@
     byId("state").className = statistics.connected ? (slow ? "slow" : "") : "lost";
   };
 
+  // Until the server answers.
+  const fetchAlways = async (path) => {
+    for (;;) {
+      try {
+        return await fetchJson(path);
+      } catch (error) {
+        stateText = `${error.message}; trying again`;
+        showState();
+        await new Promise((resolve) => { setTimeout(resolve, 2000); });
+      }
+    }
+  };
+
+  // Once: the server repeats it when it is connected again.
   const loadRecording = async (hello) => {
-    if (hasLoaded) return;
-    hasLoaded = true;
+    if (isLoading) return;
+    isLoading = true;
     const parts = { box: byId("playback"), time: byId("time"), play: byId("play"), rate: byId("rate"), clock: byId("clock") };
-    const recording = await fetchJson("/recording.json");
+    stateText = "loading the recording";
+    showState();
+    const recording = await fetchAlways("/recording.json");
+    stateText = "connected";
+    showState();
     playback = new Playback(parts, model, recording);
     for (const event of recording.events || []) events.add(event);
     for (const tab of document.querySelectorAll('[data-panel="doctor"], [data-panel="settings-panel"]')) tab.hidden = true;
@@ -69,17 +96,32 @@
       list: byId("settings"), search: byId("settings-search"), of: byId("settings-of"), reset: byId("reset"),
       note: byId("settings-note"), requests: byId("requests"),
     },
-    await fetchJson("/settings.json"),
+    await fetchAlways("/settings.json"),
     request,
   );
+
+  // Beacons that the model does not have any more.
+  const forget = (...addresses) => {
+    for (const address of addresses) {
+      settings.forget(address);
+      delete statistics.beacons[address];
+    }
+    if (addresses.length > 0) map.redraw();
+  };
 
   const handlers = {
     hello: (hello) => {
       document.title = hello.mode === "recording" ? `${hello.title} – sonopose` : `sonopose, domain ${hello.domain}`;
       byId("title").textContent = hello.mode === "recording" ? hello.title : `domain ${hello.domain}, version ${hello.version}`;
-      events.clear(); // the server repeats them
+      connection.isLive = hello.mode === "live";
       settings.allow(hello.allow_changes);
       if (hello.mode === "recording") return loadRecording(hello);
+      // The server repeats what still is.
+      events.clear();
+      settings.clear();
+      model.stationary = [];
+      map.redraw();
+      isFirstStatus = true;
       return undefined;
     },
     frame: (frame) => {
@@ -87,6 +129,8 @@
       model.onFrame(frame);
     },
     status: (status) => {
+      if (isFirstStatus) forget(...model.keepOnly(status.beacons.map((view) => view.address)));
+      isFirstStatus = false;
       model.onStatus(status);
       events.showWarnings(status.warnings);
     },
@@ -100,7 +144,7 @@
     findings: (message) => findings.show(message),
     gone: (message) => {
       model.forget(message.a);
-      map.redraw();
+      forget(message.a);
     },
     dropped: (message) => {
       statistics.dropped = message.frames;
@@ -108,7 +152,8 @@
     },
   };
 
-  const layers = await fetchJson("/map.json");
+  setStatusTable(await fetchAlways("/status.json"));
+  const layers = await fetchAlways("/map.json");
   model.geofence = layers.geofence;
   if (layers.floor_plan) {
     const image = new Image();
@@ -125,6 +170,10 @@
       stateText = text;
       statistics.connected = isConnected;
       statistics.dropped = 0;
+      if (!isConnected) {
+        settings.onLost();
+        findings.onLost();
+      }
       showState();
     },
   });

@@ -2,15 +2,13 @@
 "use strict";
 
 (() => {
-  const { verdictOf } = sonopose;
-  const verdictColours = { used: "#8796a5", weak: "#e0a100", rejected: "#d62839" };
-  const truthColour = "#2d9a4b";
+  const { verdicts, truthColour, styleOf, ellipseOf, View, LinePath } = sonopose;
+  const mostFittedScale = 200; // pixels per m
   const mostTrackPoints = 2000; // of one beacon, when a whole track is drawn
 
-  const colourOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-
-  class MapView {
+  class MapView extends View {
     constructor(canvas, model) {
+      super([0.5, 5000]);
       this.canvas = canvas;
       this.model = model;
       this.context = canvas.getContext("2d");
@@ -19,8 +17,6 @@
       this.marks = document.createElement("canvas"); // the fixes, below the tracks
       this.markContext = this.marks.getContext("2d");
       this.shows = { fixes: true, truth: true, plan: true };
-      this.centre = [0, 0];
-      this.scale = 40; // pixels per m
       this.isFitted = true; // until somebody moves the map
       this.drawnOf = new Map(); // by address: rows that are drawn
       this.mustRedraw = true;
@@ -46,14 +42,6 @@
     redraw() {
       this.mustRedraw = true;
       this.model.isNew = true;
-    }
-
-    toScreen(x, y) {
-      return [this.width / 2 + (x - this.centre[0]) * this.scale, this.height / 2 - (y - this.centre[1]) * this.scale];
-    }
-
-    toWorld(left, top) {
-      return [this.centre[0] + (left - this.width / 2) / this.scale, this.centre[1] - (top - this.height / 2) / this.scale];
     }
 
     listen() {
@@ -102,16 +90,13 @@
 
     move(right, down) {
       this.isFitted = false;
-      this.centre = [this.centre[0] - right / this.scale, this.centre[1] + down / this.scale];
+      super.move(right, down);
       this.redraw();
     }
 
-    zoom(factor, [left, top]) {
+    zoom(factor, place) {
       this.isFitted = false;
-      const before = this.toWorld(left, top);
-      this.scale = Math.min(5000, Math.max(0.5, this.scale * factor));
-      const after = this.toWorld(left, top);
-      this.centre = [this.centre[0] + before[0] - after[0], this.centre[1] + before[1] - after[1]];
+      super.zoom(factor, place);
       this.redraw();
     }
 
@@ -166,10 +151,11 @@
       const [right, bottom] = this.toScreen(box[2], box[1]);
       const isInside = left >= 20 && top >= 20 && right <= this.width - 20 && bottom <= this.height - 20;
       const isLarge = Math.max((right - left) / this.width, (bottom - top) / this.height) > 0.35;
-      if (isInside && isLarge && !isForced) return;
+      const isAtLimit = this.scale === mostFittedScale; // at rest, noise would move the map
+      if (isInside && (isLarge || isAtLimit) && !isForced) return;
       const margin = 1; // m
       this.centre = [(box[0] + box[2]) / 2, (box[1] + box[3]) / 2];
-      this.scale = Math.min(200, (this.width - 40) / (box[2] - box[0] + margin), (this.height - 60) / (box[3] - box[1] + margin));
+      this.scale = Math.min(mostFittedScale, (this.width - 40) / (box[2] - box[0] + margin), (this.height - 60) / (box[3] - box[1] + margin));
       this.mustRedraw = true;
     }
 
@@ -203,25 +189,27 @@
       const fresh = rows.pushed - drawn;
       const begin = Math.max(0, rows.size - fresh - 1);
       if (end - begin < 2) return;
-      const step = Math.ceil((end - begin) / mostTrackPoints);
+      const first = rows.pushed - rows.size; // counted from there, the same rows are drawn whatever is dropped
       context.strokeStyle = colour;
       context.lineWidth = width;
       context.globalAlpha = 0.75;
-      context.beginPath();
-      for (let i = begin; i < end; i += step) context.lineTo(...this.toScreen(rows.get("x", i), rows.get("y", i)));
-      context.stroke();
+      const path = new LinePath(context, this, Math.ceil((end - begin) / mostTrackPoints));
+      for (let i = begin; i < end; i += 1) path.add(first + i, rows.get("x", i), rows.get("y", i));
+      path.stroke();
       context.globalAlpha = 1;
     }
 
+    // Of very many only a part, but all that are remarkable.
     drawFixes(context, fixes, drawn) {
       const end = fixes.count(this.model.shown);
       const begin = Math.max(0, fixes.size - (fixes.pushed - drawn));
       const step = Math.ceil((end - begin) / mostTrackPoints) || 1;
-      for (let i = begin; i < end; i += step) {
+      for (let i = begin; i < end; i += 1) {
+        const verdict = fixes.get("verdict", i);
+        if (verdict === 0 && i % step !== 0 && i !== end - 1) continue;
         const [left, top] = this.toScreen(fixes.get("x", i), fixes.get("y", i));
-        const verdict = verdictOf({ flags: fixes.get("flags", i), ratio: fixes.get("ratio", i), weight: fixes.get("weight", i) });
-        context.fillStyle = verdictColours[verdict];
-        const radius = verdict === "used" ? 1.5 : 2.5;
+        context.fillStyle = verdicts[verdict].colour;
+        const radius = verdict === 0 ? 1.5 : 2.5;
         context.fillRect(left - radius, top - radius, 2 * radius, 2 * radius);
       }
     }
@@ -253,7 +241,7 @@
         context.globalAlpha = 1;
       }
       if (!model.geofence) return;
-      context.strokeStyle = colourOf("--warning");
+      context.strokeStyle = styleOf("--warning");
       context.setLineDash([6, 4]);
       context.beginPath();
       for (const [x, y] of model.geofence) context.lineTo(...this.toScreen(x, y));
@@ -268,8 +256,8 @@
       const [x0, y1] = this.toWorld(0, 0);
       const [x1, y0] = this.toWorld(this.width, this.height);
       const digits = step < 1 ? 1 : 0;
-      context.strokeStyle = colourOf("--grid");
-      context.fillStyle = colourOf("--faint");
+      context.strokeStyle = styleOf("--grid");
+      context.fillStyle = styleOf("--faint");
       context.font = "10px system-ui, sans-serif";
       context.lineWidth = 1;
       context.beginPath();
@@ -290,7 +278,7 @@
 
     drawStationary() {
       const { context } = this;
-      context.strokeStyle = context.fillStyle = colourOf("--faint");
+      context.strokeStyle = context.fillStyle = styleOf("--faint");
       context.lineWidth = 2;
       for (const beacon of this.model.stationary) {
         const [left, top] = this.toScreen(beacon.x, beacon.y);
@@ -321,7 +309,7 @@
       context.closePath();
       context.fill();
       context.restore();
-      context.fillStyle = model.isOutside(pose) ? colourOf("--bad") : colourOf("--text");
+      context.fillStyle = model.isOutside(pose) ? styleOf("--bad") : styleOf("--text");
       context.font = `${isSelected ? "bold " : ""}12px system-ui, sans-serif`;
       context.fillText(model.isOutside(pose) ? `${beacon.address} outside` : String(beacon.address), left + 10, top - 10);
     }
@@ -329,13 +317,11 @@
     // Three standard deviations of the position.
     drawEllipse(pose, left, top) {
       const { context } = this;
-      const mean = (pose.cxx + pose.cyy) / 2;
-      const radius = Math.hypot((pose.cxx - pose.cyy) / 2, pose.cxy);
-      const angle = Math.atan2(2 * pose.cxy, pose.cxx - pose.cyy) / 2;
-      const axis = (variance) => 3 * Math.sqrt(Math.max(0, variance)) * this.scale;
+      const ellipse = ellipseOf(pose.cxx, pose.cxy, pose.cyy);
+      const size = 3 * this.scale;
       context.lineWidth = 1;
       context.beginPath();
-      context.ellipse(left, top, axis(mean + radius), axis(mean - radius), -angle, 0, 2 * Math.PI);
+      context.ellipse(left, top, size * ellipse.long, size * ellipse.short, -ellipse.angle, 0, 2 * Math.PI);
       context.stroke();
     }
   }

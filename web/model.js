@@ -1,8 +1,6 @@
 // What the page knows of each beacon: bounded columns of numbers over time.
 "use strict";
 
-window.sonopose = {};
-
 (() => {
   const keptSeconds = 600;
   const unknown = NaN;
@@ -62,16 +60,10 @@ window.sonopose = {};
 
   const poseNames = ["t", "x", "y", "z", "roll", "pitch", "yaw", "vx", "vy", "vz", "cxx", "cxy", "cyy", "czz",
     "yaw_std", "trust", "status", "since_fix"];
-  const fixNames = ["t", "t_emission", "x", "y", "z", "ix", "iy", "iz", "ratio", "weight", "flags"];
+  const fixNames = ["t", "t_emission", "x", "y", "z", "ix", "iy", "iz", "ratio", "weight", "flags", "verdict"];
   const truthNames = ["t", "x", "y", "z", "yaw"];
-  const statusNames = ["t", "battery", "delay", "sensor_to_bridge", "bridge_to_fusion", "fusion", "fusion_to_here"];
-
-  // Verdicts of a fix; the bits of FixReport.flags.
-  const verdictOf = (fix) => {
-    const used = 1;
-    if ((fix.flags & used) === 0) return "rejected";
-    return fix.ratio > 1 || fix.weight < 0.5 ? "weak" : "used";
-  };
+  const segmentNames = ["sensor_to_bridge", "bridge_to_fusion", "in_fusion", "fusion_to_here"];
+  const statusNames = ["t", "battery", "delay", ...segmentNames];
 
   const palette = ["#1f77d0", "#d0571f", "#8a4fbf", "#0f9d9d", "#c2337c", "#6f8f00", "#9c6b3f", "#4a68d8"];
 
@@ -129,10 +121,14 @@ window.sonopose = {};
     }
 
     onFrame(frame) {
+      // A new connection repeats the latest row.
+      const pushNew = (columns, row) => {
+        if (row && columns.last()?.t !== row[0]) columns.push(row);
+      };
       for (const part of frame.beacons) {
         const beacon = this.beacon(part.a);
-        if (part.truth) beacon.truth.push(part.truth);
-        if (part.pose) beacon.poses.push(part.pose);
+        pushNew(beacon.truth, part.truth);
+        pushNew(beacon.poses, part.pose);
         for (const fix of part.fixes || []) beacon.fixes.push(fix);
         beacon.updateTruthError();
       }
@@ -146,7 +142,7 @@ window.sonopose = {};
         beacon.latest = view;
         const bridge = view.bridge || {};
         const delay = view.estimate && view.estimate.delay_s ? view.estimate.delay_s.value : null;
-        const segments = Object.values(view.latency_segments).map((segment) => segment.p50_s);
+        const segments = segmentNames.map((name) => view.latency_segments[name].p50_s);
         beacon.status.push([t, bridge.battery_v, delay, ...segments]);
       }
       this.isNew = true;
@@ -156,6 +152,13 @@ window.sonopose = {};
       this.beacons.delete(address);
       if (this.selected === address) this.selected = this.beacons.keys().next().value ?? null;
       this.isNew = true;
+    }
+
+    // Forgets all others: they went while there was no connection. Returns the addresses.
+    keepOnly(addresses) {
+      const gone = [...this.beacons.keys()].filter((address) => !addresses.includes(address));
+      for (const address of gone) this.forget(address);
+      return gone;
     }
 
     clearTracks() {
@@ -185,21 +188,22 @@ window.sonopose = {};
     }
   }
 
-  // Bits of FusedPose.status, the worst first.
-  const statusBits = [
-    [1, "initialising", "bad"], [4, "stale", "bad"], [32, "frozen track", "bad"], [2048, "overloaded", "bad"],
-    [256, "low trust", "bad"], [1024, "late", "fair"], [128, "IMU gap", "fair"], [8, "converging", "fair"],
-    [16, "heading unknown", "fair"], [2, "uncalibrated", "fair"], [64, "predicted", "good"],
-    [512, "rotating fast", "good"],
-  ];
-
-  const severities = { bad: 2, fair: 1, good: 0 };
+  // Bits of FusedPose.status: {bit, word, severity}, as the server has them.
+  let statusTable = [];
+  const setStatusTable = (table) => {
+    statusTable = table;
+  };
   const words = (status) => {
-    const set = statusBits.filter(([bit]) => (status & bit) !== 0);
-    return {
-      text: set.map(([, name]) => name).join(", ") || "ok",
-      severity: Math.max(0, ...set.map(([, , level]) => severities[level])),
-    };
+    const set = statusTable.filter(({ bit }) => (status & bit) !== 0);
+    return { text: set.map(({ word }) => word).join(", ") || "ok", severity: Math.max(0, ...set.map(({ severity }) => severity)) };
+  };
+  const badSeverity = 50; // as in the monitor: from here on the pose cannot be relied on
+
+  // For sorting numbers; those that are not known come last in both directions.
+  const compareKnown = (a, b, isDescending) => {
+    const unknowns = Number(Number.isNaN(a)) - Number(Number.isNaN(b));
+    if (unknowns !== 0 || Number.isNaN(a)) return unknowns;
+    return isDescending ? b - a : a - b;
   };
 
   // "1.23 m"; a dash for what is unknown.
@@ -208,11 +212,5 @@ window.sonopose = {};
 
   const clockText = (t) => new Date(t * 1000).toLocaleTimeString([], { hour12: false });
 
-  const element = (tag, properties = {}, children = []) => {
-    const made = Object.assign(document.createElement(tag), properties);
-    made.append(...children);
-    return made;
-  };
-
-  Object.assign(sonopose, { Model, Columns, verdictOf, words, format, clockText, element });
+  Object.assign(sonopose, { Model, Columns, setStatusTable, words, badSeverity, compareKnown, format, clockText });
 })();

@@ -1,15 +1,14 @@
-// Time plots of the selected beacon. All show the same part of the time.
+// Time plots of the selected beacon. All show the same part of the time: the latest, or what somebody chose.
 "use strict";
 
 (() => {
-  const { element } = sonopose;
-  const windowS = 60; // that is shown until somebody zooms
+  const { element, verdicts, truthColour: green } = sonopose;
+  const spans = [["1 min", 60], ["10 min", 600], ["all", Infinity]]; // that are followed, s
   const mostPoints = 1500;
 
   const speed = (row) => Math.hypot(row.vx, row.vy, row.vz);
   const innovation = (row) => Math.hypot(row.ix, row.iy, row.iz);
   const blue = "#1f77d0";
-  const green = "#2d9a4b";
 
   // Each plot: its curves, and of which rows they are.
   const definitions = [
@@ -17,11 +16,7 @@
     { name: "Speed", unit: "m/s", rows: "poses", curves: [["speed", speed, blue]] },
     {
       name: "Innovation of fixes", unit: "m", rows: "fixes", isDotted: true,
-      curves: [
-        ["used", (row) => (sonopose.verdictOf(row) === "used" ? innovation(row) : NaN), "#8796a5"],
-        ["down-weighted", (row) => (sonopose.verdictOf(row) === "weak" ? innovation(row) : NaN), "#e0a100"],
-        ["rejected", (row) => (sonopose.verdictOf(row) === "rejected" ? innovation(row) : NaN), "#d62839"],
-      ],
+      curves: verdicts.map(({ name, colour }, verdict) => [name, (row) => (row.verdict === verdict ? innovation(row) : NaN), colour]),
     },
     { name: "Trust", unit: "", rows: "poses", curves: [["trust", (row) => row.trust, blue]], range: [0, 1.05] },
     {
@@ -29,7 +24,7 @@
       curves: [
         ["sensor to bridge", (row) => 1e3 * row.sensor_to_bridge, "#8796a5"],
         ["to the fusion", (row) => 1e3 * row.bridge_to_fusion, blue],
-        ["in the fusion", (row) => 1e3 * row.fusion, green],
+        ["in the fusion", (row) => 1e3 * row.in_fusion, green],
         ["to here", (row) => 1e3 * row.fusion_to_here, "#d0571f"],
       ],
     },
@@ -41,10 +36,31 @@
     constructor(container, model) {
       this.container = container;
       this.model = model;
-      this.graphs = definitions.map((definition) => this.makePlot(definition));
-      this.zoomed = null; // [from, to] in ms, or null: follows
-      this.isSynchronising = false;
+      this.zoomed = null; // [from, to] in ms that somebody chose, or null: follows
+      this.spanS = 60;
+      this.shownRange = null; // what the plots were told to show
+      this.isDrawing = false;
       this.address = null;
+      this.makeTools();
+      this.graphs = definitions.map((definition) => this.makePlot(definition));
+    }
+
+    makeTools() {
+      this.title = element("b");
+      this.buttons = spans.map(([textContent, spanS]) => {
+        const button = element("button", { type: "button", textContent, title: `Follow the latest: ${textContent}` });
+        button.addEventListener("click", () => this.follow(spanS));
+        return button;
+      });
+      const hint = element("span", { textContent: "wheel: zoom; drag: choose; Shift and drag: move; double click: follow" });
+      this.container.append(element("p", { className: "plot-tools" }, [this.title, ...this.buttons, hint]));
+      this.markButtons();
+    }
+
+    markButtons() {
+      this.buttons.forEach((button, i) => {
+        button.setAttribute("aria-pressed", String(this.zoomed === null && this.spanS === spans[i][1]));
+      });
     }
 
     makePlot(definition) {
@@ -54,17 +70,20 @@
         graph,
       ]);
       this.container.append(box);
-      return { definition, box, graph, dygraph: null };
+      return { definition, box, graph, dygraph: null, address: null };
     }
 
-    // At most `mostPoints` rows in the range, and whether a curve has a value.
+    // About `mostPoints` rows in the range, and whether a curve has a value. Of the fixes only used ones are left out.
     rowsOf(definition, columns, [from, to]) {
-      const begin = columns.count(from / 1000 - 1);
+      const begin = Math.max(0, columns.count(from / 1000) - 1);
       const end = Math.min(columns.size, columns.count(to / 1000) + 1);
-      const step = definition.isDotted ? 1 : Math.ceil((end - begin) / mostPoints) || 1;
+      const step = Math.ceil((end - begin) / mostPoints) || 1;
+      const first = columns.pushed - columns.size; // the same rows are shown while the range moves
       const rows = [];
       let hasValues = false;
-      for (let i = begin; i < end; i += step) {
+      for (let i = begin; i < end; i += 1) {
+        const isRemarkable = i === end - 1 || (definition.isDotted && columns.get("verdict", i) !== 0);
+        if ((first + i) % step !== 0 && !isRemarkable) continue;
         const row = columns.row(i);
         const values = definition.curves.map(([, value]) => value(row));
         hasValues = hasValues || values.some(Number.isFinite);
@@ -75,32 +94,46 @@
 
     range(beacon) {
       if (this.zoomed) return this.zoomed;
-      const { now } = this.model;
-      const last = beacon.poses.last() || beacon.status.last();
-      if (now === null) return [1000 * ((last ? last.t : 0) - windowS), 1000 * (last ? last.t : 0)];
-      const [begin, end] = this.model.extent;
-      const length = Math.min(windowS, end - begin);
-      const from = Math.min(Math.max(begin, now - length / 2), end - length);
-      return [1000 * from, 1000 * (from + length)];
+      const { now, extent } = this.model;
+      if (extent) {
+        const length = Math.min(this.spanS, extent[1] - extent[0]);
+        const from = Math.min(Math.max(extent[0], now - length / 2), extent[1] - length);
+        return [1000 * from, 1000 * (from + length)];
+      }
+      const times = [beacon.poses, beacon.status].filter(({ size }) => size > 0);
+      const last = Math.max(0, ...times.map((columns) => columns.last().t));
+      const first = Math.min(last, ...times.map((columns) => columns.get("t", 0)));
+      return [1000 * (this.spanS === Infinity ? first : last - this.spanS), 1000 * last];
     }
 
     draw() {
+      if (this.container.hidden) return;
       const beacon = this.model.beacons.get(this.model.selected);
-      if (!beacon || this.container.hidden) return;
-      if (this.address !== beacon.address) this.zoomed = null;
-      this.address = beacon.address;
-      const dateWindow = this.range(beacon);
-      this.isSynchronising = true;
-      for (const plot of this.graphs) this.drawPlot(plot, beacon, dateWindow);
-      this.isSynchronising = false;
+      this.title.textContent = beacon ? `Beacon ${beacon.address}` : "No beacon";
+      if (this.address !== beacon?.address) this.zoomed = null;
+      this.address = beacon?.address ?? null;
+      this.markButtons();
+      if (beacon) this.shownRange = this.range(beacon);
+      this.isDrawing = true;
+      for (const plot of this.graphs) {
+        if (beacon) this.drawPlot(plot, beacon);
+        else plot.box.hidden = true;
+      }
+      this.isDrawing = false;
     }
 
-    drawPlot(plot, beacon, dateWindow) {
+    // A plot without values is hidden, unless it only has none in the range that somebody chose.
+    drawPlot(plot, beacon) {
       const { definition } = plot;
+      const dateWindow = this.shownRange;
       const { rows, hasValues } = this.rowsOf(definition, beacon[definition.rows], dateWindow);
-      plot.box.hidden = !hasValues && !plot.dygraph;
-      if (rows.length === 0 || plot.box.hidden) return;
+      const isKept = plot.dygraph && plot.address === beacon.address && this.zoomed !== null && !plot.box.hidden;
+      plot.box.hidden = !hasValues && !isKept;
+      if (plot.box.hidden) return;
+      plot.address = beacon.address;
+      if (rows.length === 0) rows.push([new Date(dateWindow[0]), ...definition.curves.map(() => null)]);
       if (plot.dygraph) {
+        if (plot.dygraph.size().width !== plot.graph.clientWidth) plot.dygraph.resize(); // it was hidden meanwhile
         plot.dygraph.updateOptions({ file: rows, dateWindow });
         return;
       }
@@ -118,21 +151,36 @@
         includeZero: !["Height", "Battery"].includes(definition.name),
         axes: { x: { axisLabelWidth: 70 }, y: { axisLabelWidth: 44 } },
         animatedZooms: false,
-        zoomCallback: () => this.onZoom(plot),
-        drawCallback: (dygraph, isInitial) => this.onDraw(dygraph, isInitial),
+        interactionModel: {
+          ...Dygraph.defaultInteractionModel,
+          dblclick: () => this.follow(),
+          wheel: (event, dygraph) => this.onWheel(event, dygraph),
+        },
+        drawCallback: (dygraph, isInitial) => this.onDraw(plot, dygraph, isInitial),
         underlayCallback: (context, area, dygraph) => this.drawNow(context, area, dygraph),
       });
     }
 
-    onZoom(plot) {
-      this.zoomed = plot.dygraph.isZoomed("x") ? plot.dygraph.xAxisRange() : null;
-      this.model.isNew = true;
+    // Around the pointer.
+    onWheel(event, dygraph) {
+      event.preventDefault();
+      const factor = Math.exp(0.0015 * event.deltaY);
+      const at = dygraph.toDataXCoord(event.offsetX);
+      const range = dygraph.xAxisRange().map((t) => at + (t - at) * factor);
+      if (range[1] - range[0] > 50) this.choose(range);
     }
 
-    // A pan has no callback of its own.
-    onDraw(dygraph, isInitial) {
-      if (isInitial || this.isSynchronising) return;
-      this.zoomed = dygraph.xAxisRange();
+    // A pan and a zoom by drag have no other sign than a range that was not asked for. A hidden plot has an old one.
+    onDraw(plot, dygraph, isInitial) {
+      if (isInitial || this.isDrawing || plot.box.hidden) return;
+      const range = dygraph.xAxisRange();
+      if (range.some((t, i) => Math.abs(t - this.shownRange[i]) > 1)) this.choose(range);
+    }
+
+    choose(range) {
+      this.zoomed = range;
+      this.shownRange = range;
+      this.model.isNew = true;
     }
 
     // The time that is shown of a recording.
@@ -143,8 +191,10 @@
       context.fillRect(left, area.y, 1, area.h);
     }
 
-    follow() {
+    follow(spanS = this.spanS) {
       this.zoomed = null;
+      this.spanS = spanS;
+      this.model.isNew = true;
     }
   }
 

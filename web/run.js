@@ -3,21 +3,9 @@
 
 (() => {
   const run = JSON.parse(document.getElementById("run").textContent);
-  const style = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  const { verdicts, truthColour, element, styleOf: style, ellipseOf, View, LinePath } = sonopose;
   const runColours = ["#1f77d0", "#d0571f"];
-  const truthColour = "#2d9a4b";
-  const verdicts = [
-    { name: "used", colour: "#8796a5" },
-    { name: "down-weighted", colour: "#e0a100" },
-    { name: "rejected", colour: "#d62839" },
-  ];
   const isCompared = run.runs.length > 1;
-
-  const element = (tag, properties = {}, children = []) => {
-    const made = Object.assign(document.createElement(tag), properties);
-    made.append(...children);
-    return made;
-  };
 
   // Head
 
@@ -169,31 +157,17 @@
     layers.push({ box, draw });
   };
 
-  let centre = [0, 0];
-  let scale = 1; // pixels per metre
+  const view = new View([1e-2, 1e5]);
   const context = canvas.getContext("2d");
-  const toPixel = (x, y) => [
-    canvas.clientWidth / 2 + (x - centre[0]) * scale,
-    canvas.clientHeight / 2 - (y - centre[1]) * scale,
-  ];
+  const toPixel = (x, y) => view.toScreen(x, y);
 
   const line = (xs, ys, colour, width, dash) => {
     context.strokeStyle = colour;
     context.lineWidth = width;
     context.setLineDash(dash || []);
-    context.beginPath();
-    let isDown = false;
-    for (let i = 0; i < xs.length; ++i) {
-      if (xs[i] === null) {
-        isDown = false;
-        continue;
-      }
-      const [px, py] = toPixel(xs[i], ys[i]);
-      if (isDown) context.lineTo(px, py);
-      else context.moveTo(px, py);
-      isDown = true;
-    }
-    context.stroke();
+    const path = new LinePath(context, view);
+    xs.forEach((x, i) => path.add(i, x, ys[i]));
+    path.stroke();
     context.setLineDash([]);
   };
 
@@ -226,22 +200,22 @@
   });
 
   const drawScaleBar = () => {
-    const exponent = Math.floor(Math.log10(120 / scale));
-    const bar_m = [1, 2, 5, 10].map((f) => f * 10 ** exponent).filter((m) => m * scale <= 130).pop();
+    const exponent = Math.floor(Math.log10(120 / view.scale));
+    const bar_m = [1, 2, 5, 10].map((f) => f * 10 ** exponent).filter((m) => m * view.scale <= 130).pop();
     const y = canvas.clientHeight - 14;
     context.strokeStyle = context.fillStyle = style("--text");
     context.lineWidth = 2;
     context.beginPath();
     context.moveTo(14, y);
-    context.lineTo(14 + bar_m * scale, y);
+    context.lineTo(14 + bar_m * view.scale, y);
     context.stroke();
     context.font = "12px system-ui, sans-serif";
     context.fillText(`${bar_m >= 1 ? bar_m : bar_m.toPrecision(1)} m`, 14, y - 6);
   };
 
   const drawGrid = () => {
-    const step = 10 ** Math.ceil(Math.log10(60 / scale));
-    const [left, top] = [centre[0] - canvas.clientWidth / 2 / scale, centre[1] + canvas.clientHeight / 2 / scale];
+    const step = 10 ** Math.ceil(Math.log10(60 / view.scale));
+    const [left, top] = view.toWorld(0, 0);
     context.strokeStyle = style("--grid");
     context.lineWidth = 1;
     context.beginPath();
@@ -269,7 +243,10 @@
       context.fillStyle = runColours[k];
       context.lineWidth = 2;
       context.beginPath();
-      context.arc(px, py, Math.max(3 * (moments.std_m[i] || 0) * scale, 4), 0, 2 * Math.PI);
+      const [sx, sy] = [moments.std_x_m[i], moments.std_y_m[i]];
+      const ellipse = ellipseOf(sx * sx, (moments.correlation_xy[i] || 0) * sx * sy, sy * sy);
+      const size = 3 * view.scale;
+      context.ellipse(px, py, Math.max(size * ellipse.long, 3), Math.max(size * ellipse.short, 3), -ellipse.angle, 0, 2 * Math.PI);
       context.moveTo(px, py);
       context.lineTo(px + 18 * Math.cos(yaw), py - 18 * Math.sin(yaw));
       context.stroke();
@@ -278,6 +255,7 @@
 
   function drawMap() {
     if (!canvas.clientWidth) return;
+    [view.width, view.height] = [canvas.clientWidth, canvas.clientHeight];
     const ratio = window.devicePixelRatio || 1;
     canvas.width = canvas.clientWidth * ratio;
     canvas.height = canvas.clientHeight * ratio;
@@ -303,25 +281,22 @@
       });
     }
     if (!Number.isFinite(low[0])) [low[0], low[1], high[0], high[1]] = [-1, -1, 1, 1];
-    centre = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2];
+    view.centre = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2];
     const span = [Math.max(high[0] - low[0], 0.1), Math.max(high[1] - low[1], 0.1)];
-    scale = 0.9 * Math.min(canvas.clientWidth / span[0], canvas.clientHeight / span[1]);
+    view.scale = 0.9 * Math.min(canvas.clientWidth / span[0], canvas.clientHeight / span[1]);
     drawMap();
   };
 
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
     const factor = Math.exp(-event.deltaY * 0.0015);
-    const next = Math.min(Math.max(scale * factor, 1e-2), 1e5);
-    const at = [event.offsetX - canvas.clientWidth / 2, canvas.clientHeight / 2 - event.offsetY];
-    centre = centre.map((value, axis) => value + at[axis] / scale - at[axis] / next);
-    scale = next;
+    view.zoom(factor, [event.offsetX, event.offsetY]);
     drawMap();
   });
   canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
   canvas.addEventListener("pointermove", (event) => {
     if (!(event.buttons & 1)) return;
-    centre = [centre[0] - event.movementX / scale, centre[1] + event.movementY / scale];
+    view.move(event.movementX, event.movementY);
     drawMap();
   });
   canvas.addEventListener("dblclick", showAll);

@@ -13,7 +13,8 @@
       this.values = new Map(); // by address or "all": texts by key
       this.isAllowed = false;
       this.nextId = 1;
-      this.pending = new Map(); // requests by id
+      this.pending = new Map(); // requests by id: {line, key}
+      this.wanted = null; // address to show again after a connection was lost
       this.inputs = new Map(); // by key
       this.build();
     }
@@ -28,7 +29,10 @@
       }
       this.parts.search.addEventListener("input", () => this.filter());
       this.parts.of.addEventListener("change", () => this.show());
-      this.parts.reset.addEventListener("click", () => this.send({ op: "reset" }, "reset"));
+      this.parts.reset.addEventListener("click", () => {
+        const isSure = this.parts.of.value !== "all" || window.confirm("Reset the estimators of all beacons?");
+        if (isSure) this.send({ op: "reset" }, "reset");
+      });
       this.addAddress("all");
     }
 
@@ -39,7 +43,7 @@
       input.setAttribute("aria-label", row.key);
       input.disabled = true;
       input.addEventListener("change", () => {
-        this.send({ op: "change", assignments: { [row.key]: input.value } }, `${row.key}=${input.value}`);
+        this.send({ op: "change", assignments: { [row.key]: input.value } }, `${row.key}=${input.value}`, row.key);
       });
       this.inputs.set(row.key, input);
       const item = row.item ? `${row.item}. ` : "";
@@ -70,6 +74,28 @@
       const text = address === "all" ? "all beacons" : `beacon ${address}`;
       if ([...this.parts.of.options].some((option) => option.value === String(address))) return;
       this.parts.of.append(element("option", { value: String(address), textContent: text }));
+      if (String(address) === this.wanted) this.parts.of.value = this.wanted;
+    }
+
+    forget(address) {
+      this.values.delete(String(address));
+      for (const option of [...this.parts.of.options]) if (option.value === String(address)) option.remove();
+      this.show();
+    }
+
+    // Of a connection before: the server repeats what still is.
+    clear() {
+      this.wanted = this.parts.of.value;
+      for (const address of [...this.values.keys()]) if (address !== "all") this.forget(address);
+      this.values.clear();
+      this.show();
+    }
+
+    // Whether the fusion got the requests is not known.
+    onLost() {
+      for (const id of [...this.pending.keys()]) {
+        this.onReply({ id, accepted: false, reason: "the connection was lost before the answer; see the value" });
+      }
     }
 
     allow(isAllowed) {
@@ -87,17 +113,19 @@
       this.show();
     }
 
-    show() {
+    // An input that somebody is changing keeps its text, but not that of `refused`, whose value did not change.
+    show(refused = null) {
       const values = this.values.get(this.parts.of.value) || {};
       for (const row of this.table) {
         const input = this.inputs.get(row.key);
-        if (document.activeElement === input) continue;
+        if (document.activeElement === input && row.key !== refused) continue;
         input.value = values[row.key] ?? "";
         input.classList.toggle("changed", values[row.key] !== undefined && values[row.key] !== String(row.default));
       }
     }
 
-    send(request, text) {
+    // `key`: the setting that it changes.
+    send(request, text, key = null) {
       const address = this.parts.of.value === "all" ? "all" : Number(this.parts.of.value);
       const id = this.nextId++;
       const line = element("li", {}, [
@@ -107,19 +135,20 @@
       ]);
       this.parts.requests.prepend(line);
       if (this.parts.requests.children.length > 20) this.parts.requests.lastChild.remove();
-      this.pending.set(id, line);
+      this.pending.set(id, { line, key });
       if (!this.request({ ...request, id, address })) this.onReply({ id, accepted: false, reason: "no connection" });
     }
 
     onReply(reply) {
-      const line = this.pending.get(reply.id);
-      if (!line) return;
+      const request = this.pending.get(reply.id);
+      if (!request) return;
+      const { line, key } = request;
       this.pending.delete(reply.id);
       line.className = reply.accepted ? "accepted" : "refused";
       const from = reply.details || (reply.from_event ? `from event ${reply.from_event}` : "");
       const answer = reply.accepted ? ["accepted", from, reply.reason] : ["refused", reply.reason];
       line.lastChild.textContent = answer.filter(Boolean).join("; ");
-      if (!reply.accepted) this.show();
+      if (!reply.accepted) this.show(key);
     }
   }
 

@@ -2,7 +2,7 @@
 "use strict";
 
 (() => {
-  const { element, format, words } = sonopose;
+  const { element, format, words, badSeverity, compareKnown } = sonopose;
 
   const columns = [
     { name: "beacon", key: (beacon) => beacon.address, text: (beacon) => String(beacon.address) },
@@ -58,9 +58,11 @@
       return row;
     }
 
+    // Live, as the monitor has it.
     statusOf(beacon, pose) {
-      if (beacon.latest?.lost && this.model.now === null) return { text: "lost", severity: 3 };
-      return pose ? words(pose.status) : { text: "no pose", severity: 3 };
+      const { latest } = beacon;
+      if (latest && this.model.extent === null) return { text: latest.stream, severity: latest.severity };
+      return pose ? words(pose.status) : { text: "no pose", severity: 100 };
     }
 
     draw() {
@@ -74,10 +76,9 @@
       const column = columns.find(({ name }) => name === this.order);
       const keyOf = (entry) => {
         if (this.order === "worst") return -entry.status.severity;
-        return column.key ? column.key(entry.beacon) : (column.value(entry) ?? Infinity);
+        return column.key ? column.key(entry.beacon) : (column.value(entry) ?? NaN);
       };
-      const sign = this.isDescending ? -1 : 1;
-      entries.sort((a, b) => sign * (keyOf(a) - keyOf(b)) || a.beacon.address - b.beacon.address);
+      entries.sort((a, b) => compareKnown(keyOf(a), keyOf(b), this.isDescending) || a.beacon.address - b.beacon.address);
       entries.forEach((entry, at) => this.drawRow(entry, at));
       for (const [address, row] of this.rows) {
         if (model.beacons.has(address)) continue;
@@ -94,7 +95,8 @@
         let text = "";
         if (column.name === "status") {
           text = entry.text;
-          cell.className = ["", "fair", "bad", "bad"][entry.status.severity];
+          const { severity } = entry.status;
+          cell.className = severity >= badSeverity ? "bad" : severity > 0 ? "fair" : "";
         } else {
           text = column.text ? column.text(entry.beacon) : format(column.value(entry) ?? NaN, column.digits, column.unit);
         }

@@ -35,31 +35,6 @@ double key_of(const observation::BeaconView& view, Order order) {
 
 }  // namespace
 
-int severity_of(const observation::BeaconView& view) {
-  if (view.lost) return 100;
-  if (view.poses + view.predicted == 0) return 95;
-  if (view.fusion && view.fusion->imu_silent) return 90;
-  constexpr std::array<std::pair<std::uint32_t, int>, 11> severities{{{status_initialising, 80},
-                                                                      {status_stale, 75},
-                                                                      {status_frozen_track, 70},
-                                                                      {status_overloaded, 65},
-                                                                      {status_low_trust, 60},
-                                                                      {status_late, 55},
-                                                                      {status_imu_gap, 40},
-                                                                      {status_converging, 35},
-                                                                      {status_heading_unknown, 30},
-                                                                      {status_uncalibrated, 20},
-                                                                      {status_rotating_fast, 5}}};
-  constexpr int severity_of_others = 45;
-  std::uint32_t rest = view.pose.status & ~std::uint32_t{status_predicted};  // no fault
-  int worst = 0;
-  for (const auto& [bit, severity] : severities) {
-    if ((rest & bit) != 0U) worst = std::max(worst, severity);
-    rest &= ~bit;
-  }
-  return rest != 0U ? std::max(worst, severity_of_others) : worst;
-}
-
 bool has_pose(const observation::BeaconView& view) {
   return view.pose.time_ns != 0;
 }

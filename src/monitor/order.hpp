@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// How bad the state of a beacon is, and the order of the beacons on the screen.
+/// The order of the beacons on the screen.
 
-#include "observation/beacon_observer.hpp"
+#include "observation/stream_state.hpp"
 
 #include <array>
 #include <cstdint>
@@ -11,9 +11,8 @@
 
 namespace sonopose::monitor {
 
-/// The worst fault of a beacon: 0 is none; from `bad_severity` on its pose cannot be relied on.
-int severity_of(const observation::BeaconView& view);
-inline constexpr int bad_severity = 50;
+using observation::bad_severity;
+using observation::severity_of;
 
 /// Whether a pose of the beacon has arrived.
 bool has_pose(const observation::BeaconView& view);

@@ -1,7 +1,6 @@
 #include "monitor/words.hpp"
 
 #include "observation/status_counters.hpp"
-#include "observation/status_words.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <fmt/format.h>
@@ -63,14 +62,6 @@ std::string ms(double seconds) {
 std::string_view role_word(FusionRole role) {
   constexpr std::array<std::string_view, 4> words{"sole", "warming up", "serving", "stalled"};
   return words[static_cast<std::size_t>(role)];
-}
-
-std::string stream_words(const observation::BeaconView& view) {
-  if (view.lost) return "lost";
-  if (view.poses + view.predicted == 0) return "silent";
-  if (view.fusion && view.fusion->imu_silent)
-    return "IMU silent, " + observation::status_words(view.pose.status);
-  return observation::status_words(view.pose.status);
 }
 
 std::string problems_of(const observation::BeaconView& view) {

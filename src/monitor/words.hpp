@@ -2,7 +2,7 @@
 /// \file
 /// Words and numbers that the table, the summary and the screen have in common.
 
-#include "observation/beacon_observer.hpp"
+#include "observation/stream_state.hpp"
 
 #include <string>
 #include <string_view>
@@ -23,8 +23,7 @@ std::string ms(double seconds);
 
 std::string_view role_word(FusionRole role);
 
-/// The state of the pose stream of a beacon.
-std::string stream_words(const observation::BeaconView& view);
+using observation::stream_words;
 
 /// The problem counters of one beacon, a line for each process with at least one. Each line ends with a
 /// newline.

@@ -41,6 +41,12 @@ double placed(const Moment& moment, double value) {
   return moment.is_placed() ? value : plots::unknown;
 }
 
+/// Of the errors in x and y; instead of the covariance, which four decimals do not represent.
+double correlation_xy(const Moment& moment) {
+  const auto& covariance = moment.position_covariance_m2;
+  return covariance(0, 1) / std::sqrt(covariance(0, 0) * covariance(1, 1));
+}
+
 Json json_of(const std::vector<Moment>& moments) {
   constexpr double degrees = 1.0 / geometry::radians_per_degree;
   const auto all = [&moments](const auto& value) { return column(moments, value); };
@@ -50,7 +56,9 @@ Json json_of(const std::vector<Moment>& moments) {
           {"y_m", all([](const Moment& m) { return placed(m, m.position_world_m.y()); })},
           {"z_m", all([](const Moment& m) { return placed(m, m.position_world_m.z()); })},
           {"z_std_m", all([&](const Moment& m) { return std_of(m.position_covariance_m2(2, 2)); })},
-          {"std_m", all([&](const Moment& m) { return std_of(m.position_covariance_m2.trace()); })},
+          {"std_x_m", all([&](const Moment& m) { return std_of(m.position_covariance_m2(0, 0)); })},
+          {"std_y_m", all([&](const Moment& m) { return std_of(m.position_covariance_m2(1, 1)); })},
+          {"correlation_xy", all(correlation_xy)},
           {"true_z_m", all([](const Moment& m) { return m.true_position_world_m.z(); })},
           {"yaw_deg", all([](const Moment& m) { return m.yaw_rad * degrees; })},
           {"yaw_std_deg", all([](const Moment& m) { return m.yaw_std_rad * degrees; })},
@@ -70,18 +78,13 @@ Json json_of(const std::vector<PathPoint>& path) {
           {"true_y_m", all([](const PathPoint& p) { return p.true_position_world_m.y(); })}};
 }
 
-/// Not computed for a fix that was rejected before, such as one of low quality.
-double innovation_m(const FixMark& fix) {
-  return (fix.flags & fix_used) == 0 && fix.innovation_m == 0 ? plots::unknown : fix.innovation_m;
-}
-
 Json json_of(const std::vector<FixMark>& fixes) {
   const auto all = [&fixes](const auto& value) { return column(fixes, value); };
   return {{"t", all([](const FixMark& f) { return f.time_s; })},
           {"x_m", all([](const FixMark& f) { return f.position_world_m.x(); })},
           {"y_m", all([](const FixMark& f) { return f.position_world_m.y(); })},
-          {"innovation_m", all(innovation_m)},
-          {"verdict", all([](const FixMark& f) { return double(plots::class_of(f.flags)); })}};
+          {"innovation_m", all([](const FixMark& f) { return f.innovation_m; })},
+          {"verdict", all([](const FixMark& f) { return double(f.verdict); })}};
 }
 
 /// Text of an element: names of files and beacons have any characters.

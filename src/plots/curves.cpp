@@ -36,7 +36,9 @@ void merge_moments(Moment& into, const Moment& next) {
 void merge_fixes(FixMark& into, const FixMark& next) {
   constexpr std::uint32_t remarkable = fix_stuck_forced | fix_stale_recovered | fix_first;
   const auto rank = [](const FixMark& fix) {
-    return std::tuple{(fix.flags & fix_used) == 0, (fix.flags & remarkable) != 0, fix.innovation_m};
+    const bool is_known = !std::isnan(fix.innovation_m);
+    return std::tuple{fix.verdict == FixVerdict::rejected, (fix.flags & remarkable) != 0,
+                      is_known ? fix.innovation_m : 0.0};
   };
   const std::uint32_t seen_flags = into.seen_flags | next.seen_flags;
   if (rank(next) > rank(into)) into = next;
@@ -115,11 +117,12 @@ void RunCurves::add(const FixReport& report) {
   const Vector3d left_world = Vector3d::UnitZ().cross(direction_world_);
   FixMark mark{.time_s = seconds_between(begin_ns_, report.applied_time_ns),
                .position_world_m = report.position_world_m,
-               .innovation_m = report.innovation_world_m.norm(),
+               .innovation_m = has_innovation(report) ? report.innovation_world_m.norm() : unknown,
                .along_m = report.innovation_world_m.dot(direction_world_),
                .left_m = report.innovation_world_m.dot(left_world),
                .weight = report.weight,
                .speed_mps = speed_since_last_used(report),
+               .verdict = verdict_of(report),
                .flags = report.flags,
                .seen_flags = report.flags};
   if (report.innovation_covariance_m2) {

@@ -52,13 +52,14 @@ struct PathPoint {
 struct FixMark {
   double time_s = 0;  ///< time at which it was applied
   Vector3d position_world_m = Vector3d::Zero();
-  double innovation_m = 0;
-  double along_m = 0;  ///< of the innovation, in the direction of motion
-  double left_m = 0;   ///< to the left of it
+  double innovation_m = 0;  ///< unknown if it was not computed
+  double along_m = 0;       ///< of the innovation, in the direction of motion
+  double left_m = 0;        ///< to the left of it
   double along_std_m = unknown;
   double left_std_m = unknown;
   double weight = 0;
   double speed_mps = unknown;  ///< from the previous used fix
+  FixVerdict verdict = FixVerdict::used;
   std::uint32_t flags = 0;
   std::uint32_t seen_flags = 0;  ///< of all of them
 };

@@ -95,7 +95,7 @@ void append_fixes(std::string& script, const RunCurves& run, std::size_t index) 
     fmt::format_to(out, "{:.4f} {:.3f} {:.3f} {:.3f} {:.4g} {:.4g} {:.4g} {:.4g} {:.3g} {:.4g} {} {}\n",
                    fix.time_s, fix.position_world_m.x(), fix.position_world_m.y(), fix.position_world_m.z(),
                    100.0 * fix.along_m, 100.0 * fix.left_m, 300.0 * fix.along_std_m, 300.0 * fix.left_std_m,
-                   fix.weight, fix.speed_mps, class_of(fix.flags), fix.seen_flags);
+                   fix.weight, fix.speed_mps, static_cast<int>(fix.verdict), fix.seen_flags);
   }
   fmt::format_to(out, "END\n");
 }

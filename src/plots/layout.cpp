@@ -46,7 +46,7 @@ std::string axis_of_innovations(const PlotData& data) {
   std::vector<double> sizes_m;
   for (const RunCurves& run : data.runs) {
     for (const FixMark& fix : run.fixes()) {
-      if (class_of(fix.flags) != 0) continue;
+      if (fix.verdict != FixVerdict::used) continue;
       sizes_m.insert(sizes_m.end(), {std::abs(fix.along_m), std::abs(fix.left_m)});
     }
   }
@@ -103,16 +103,11 @@ Box path_box(const PlotData& data) {
       box.include(point.true_position_world_m);
     }
     for (const FixMark& fix : run.fixes()) {
-      if (class_of(fix.flags) == 0) box.include(fix.position_world_m);
+      if (fix.verdict == FixVerdict::used) box.include(fix.position_world_m);
     }
   }
   box.fit(path_panel.width() * plot_width, path_panel.height() * plot_height);
   return box;
-}
-
-int class_of(std::uint32_t flags) {
-  if ((flags & fix_used) == 0) return 2;
-  return (flags & fix_outlier) != 0 ? 1 : 0;
 }
 
 }  // namespace sonopose::plots

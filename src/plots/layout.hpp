@@ -62,9 +62,6 @@ struct Box {
   }
 };
 
-/// 0: used, 1: used with a reduced weight (outlier), 2: rejected.
-int class_of(std::uint32_t flags);
-
 /// 1 if the status bit is set, else 0.
 inline int bit(std::uint32_t status, PoseStatus wanted) {
   return (status & wanted) != 0 ? 1 : 0;

@@ -7,10 +7,12 @@ namespace sonopose::web {
 
 // Texts are queued under the lock, so that all pages see one order.
 
-void PageClients::on_open(http::ClientId client, std::string hello) {
+void PageClients::on_open(http::ClientId client, std::vector<std::string> first) {
   const std::lock_guard lock(mutex_);
   clients_.push_back(client);
-  send_({client}, std::move(hello), http::Loss::never);
+  for (std::string& text : first) {
+    if (!text.empty()) send_({client}, std::move(text), http::Loss::never);
+  }
   for (const auto& entry : latest_) send_({client}, entry.second, http::Loss::never);
   for (const std::string& event : events_) send_({client}, event, http::Loss::never);
 }

@@ -24,8 +24,8 @@ public:
 
   explicit PageClients(Send send) : send_(std::move(send)) {}
 
-  /// Sends what is kept, after `hello`.
-  void on_open(http::ClientId client, std::string hello);
+  /// Sends these texts unless they are empty, then what is kept.
+  void on_open(http::ClientId client, std::vector<std::string> first);
   void on_close(http::ClientId client);
   [[nodiscard]] bool has(http::ClientId client) const;
   [[nodiscard]] bool empty() const;

@@ -1,5 +1,7 @@
 #include "web/page_messages.hpp"
 
+#include "observation/status_words.hpp"
+#include "observation/stream_state.hpp"
 #include <sonopose/settings/settings_table.hpp>
 
 #include <fmt/format.h>
@@ -157,6 +159,16 @@ std::string examining_text(double share) {
 
 std::string status_text(std::string_view views) {
   return fmt::format(R"({{"op":"status",{})", views.substr(1));
+}
+
+std::string status_table_json() {
+  nlohmann::json table = nlohmann::json::array();
+  for (std::uint32_t bit = 1; bit != 0; bit <<= 1U) {
+    const std::string word = observation::status_words(bit);
+    if (word == observation::status_words(0)) continue;  // has no meaning
+    table.push_back({{"bit", bit}, {"word", word}, {"severity", observation::severity_of_status(bit)}});
+  }
+  return dump(table);
 }
 
 std::string settings_table_json() {

@@ -69,6 +69,9 @@ std::string examining_text(double share);
 /// `views` is the JSON of observation::bus::json_of.
 std::string status_text(std::string_view views);
 
+/// The bits of a pose's status, {"bit", "word", "severity"}, as the monitor shows them.
+std::string status_table_json();
+
 /// The table of all settings, for the page's form.
 std::string settings_table_json();
 

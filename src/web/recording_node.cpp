@@ -1,5 +1,6 @@
 #include "web/recording_node.hpp"
 
+#include "logging/log.hpp"
 #include "web/page_messages.hpp"
 #include "web/recording/recording_json.hpp"
 #include "web/site_files.hpp"
@@ -28,10 +29,12 @@ public:
 
   http::Response get(std::string_view path) override { return files_.get(path); }
 
-  std::optional<std::string> choose_protocol(std::string_view path,
-                                             const std::vector<std::string>& offered) override {
-    const bool is_page =
-        path == "/ws" && std::find(offered.begin(), offered.end(), page_protocol) != offered.end();
+  [[nodiscard]] bool is_public(std::string_view path) const override { return files_.is_public(path); }
+
+  std::optional<std::string> choose_protocol(std::string_view path, const std::vector<std::string>& offered,
+                                             bool is_foreign) override {
+    const bool is_page = path == http::websocket_path && !is_foreign &&
+                         std::find(offered.begin(), offered.end(), page_protocol) != offered.end();
     return is_page ? std::optional<std::string>(page_protocol) : std::nullopt;
   }
 
@@ -50,13 +53,14 @@ private:
 
 }  // namespace
 
-void serve_recording(const RecordingOptions& options,
-                     const std::function<void(const std::string& url)>& on_ready,
-                     const process::StopSignal& stop) {
+void serve_recording(const RecordingOptions& options, const http::OnReady& on_ready,
+                     process::StopSignal& stop) {
   http::Server server(options.server);
+  logging::info("reading " + options.recording.string());
   RecordingSite site(options, server);
+  stop.listen_to_signals();  // before, a signal ends the process at once
   const http::Serving serving(server, site);
-  on_ready(server.url());
+  on_ready(server.urls());
   stop.wait_until(SteadyTime::max());
 }
 

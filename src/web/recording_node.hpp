@@ -8,7 +8,6 @@
 #include <sonopose/samples/samples.hpp>
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 
@@ -22,10 +21,9 @@ struct RecordingOptions {
   std::string version;
 };
 
-/// Serves the page until the stop. `on_ready` gets its URL, with the token. Throws files::IoError,
-/// std::runtime_error if it cannot listen.
-void serve_recording(const RecordingOptions& options,
-                     const std::function<void(const std::string& url)>& on_ready,
-                     const process::StopSignal& stop);
+/// Reads the recording, and serves the page until the stop, which listens to signals from then on. Throws
+/// files::IoError, std::runtime_error if it cannot listen.
+void serve_recording(const RecordingOptions& options, const http::OnReady& on_ready,
+                     process::StopSignal& stop);
 
 }  // namespace sonopose::web

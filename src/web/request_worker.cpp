@@ -17,6 +17,13 @@ namespace {
 
 constexpr double answer_timeout_s = 3;
 
+std::string doctor_failure_json(const char* reason) {
+  const nlohmann::json finding{
+      {"severity", "error"}, {"subject", "doctor"}, {"what", reason}, {"remedy", ""}};
+  return nlohmann::json{{"ok", false}, {"findings", {finding}}}.dump(
+      -1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 }  // namespace
 
 RequestWorker::RequestWorker(dds::DomainOptions domain, std::optional<std::filesystem::path> qos_file,
@@ -87,31 +94,35 @@ Reply RequestWorker::carry_out(const ChangeRequest& request) {
 }
 
 void RequestWorker::examine(const ExamineRequest& request) {
-  if (is_examining_.exchange(true)) return;
-  examination_began_ = clocks::steady_now();
-  examination_s_ = request.seconds;
+  {
+    const std::lock_guard lock(examination_mutex_);
+    if (examination_) return;
+    examination_ = Examination{.began = clocks::steady_now(), .duration_s = request.seconds};
+  }
   doctor_thread_ = std::jthread([this, seconds = request.seconds] {
-    examine_for(seconds);
-    is_examining_ = false;
+    const std::optional<std::string> findings = examined(seconds);
+    const std::lock_guard lock(examination_mutex_);
+    examination_.reset();
+    if (findings) publish_(*findings);
   });
 }
 
-void RequestWorker::examine_for(double seconds) {
+std::optional<std::string> RequestWorker::examined(double seconds) const {
   try {
     const auto observations =
         doctor::probe::observe({.domain = domain_, .qos_file = qos_file_, .duration_s = seconds}, stop_);
-    if (!stop_.requested()) publish_(findings_text(json_of(diagnose(observations))));
+    if (stop_.requested()) return {};
+    return findings_text(json_of(diagnose(observations)));
   } catch (const std::exception& error) {
-    const nlohmann::json finding{
-        {"severity", "error"}, {"subject", "doctor"}, {"what", error.what()}, {"remedy", ""}};
-    publish_(findings_text(nlohmann::json{{"ok", false}, {"findings", {finding}}}.dump()));
+    return findings_text(doctor_failure_json(error.what()));
   }
 }
 
-std::optional<double> RequestWorker::examined_share() const {
-  if (!is_examining_) return {};
-  const double passed_s = seconds_between(examination_began_.load(), clocks::steady_now());
-  return std::min(1.0, passed_s / examination_s_);
+void RequestWorker::report_progress(const std::function<void(double share)>& report) const {
+  const std::lock_guard lock(examination_mutex_);
+  if (!examination_) return;
+  report(
+      std::min(1.0, seconds_between(examination_->began, clocks::steady_now()) / examination_->duration_s));
 }
 
 }  // namespace sonopose::web

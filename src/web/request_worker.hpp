@@ -6,7 +6,6 @@
 #include "web/page_messages.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 
-#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -34,8 +33,9 @@ public:
   void change(ChangeRequest request, Answer answer);
   /// Runs the doctor, unless it runs already.
   void examine(const ExamineRequest& request);
-  /// The share of the doctor's time that has passed while it runs.
-  [[nodiscard]] std::optional<double> examined_share() const;
+  /// Calls `report` with the share of the doctor's time that has passed, if it runs: never after its
+  /// findings.
+  void report_progress(const std::function<void(double share)>& report) const;
 
 private:
   static constexpr std::size_t max_waiting = 16;
@@ -45,9 +45,15 @@ private:
     Answer answer;
   };
 
+  struct Examination {
+    SteadyTime began;
+    double duration_s;
+  };
+
   void run();
   Reply carry_out(const ChangeRequest& request);
-  void examine_for(double seconds);
+  /// The doctor's findings as a text for the pages; empty if it was stopped.
+  [[nodiscard]] std::optional<std::string> examined(double seconds) const;
 
   dds::DomainOptions domain_;
   std::optional<std::filesystem::path> qos_file_;
@@ -56,9 +62,8 @@ private:
   std::mutex mutex_;  ///< guards the next two
   std::condition_variable_any changed_;
   std::deque<Job> jobs_;
-  std::atomic<bool> is_examining_ = false;
-  std::atomic<SteadyTime> examination_began_ = SteadyTime{};
-  std::atomic<double> examination_s_ = 0;
+  mutable std::mutex examination_mutex_;  ///< guards the next
+  std::optional<Examination> examination_;
   std::jthread settings_thread_;
   std::jthread doctor_thread_;
 };

@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -19,10 +20,16 @@ public:
 
   void add(const std::string& path, const std::string& content_type, std::string text);
 
+  /// Whether it is one of the program's own files, in which nothing is secret.
+  [[nodiscard]] bool is_public(std::string_view path) const { return public_.count(path) > 0; }
+
   /// Only what has a name here is served: 404 for anything else.
   [[nodiscard]] http::Response get(std::string_view path) const;
 
 private:
+  void add_public(const std::string& path, const std::string& content_type, std::string text);
+
+  std::set<std::string, std::less<>> public_;
   std::map<std::string, http::Response, std::less<>> files_;
 };
 

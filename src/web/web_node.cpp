@@ -1,11 +1,11 @@
 #include "web/web_node.hpp"
 
 #include "clocks/clocks.hpp"
-#include "logging/log.hpp"
 #include "observation/bus/bus_watch.hpp"
 #include "observation/bus/views_json.hpp"
 #include "transitions/transition_log.hpp"
 #include "web/foxglove/topic_feed.hpp"
+#include "web/live/event_level.hpp"
 #include "web/live/live_state.hpp"
 #include "web/page_clients.hpp"
 #include "web/page_messages.hpp"
@@ -30,25 +30,13 @@ namespace {
 
 namespace topics = dds::topics;
 
-const char* name_of(logging::Level level) {
-  switch (level) {
-    case logging::Level::warning:
-      return "warning";
-    case logging::Level::error:
-    case logging::Level::failure:
-      return "error";
-    case logging::Level::debug:
-    case logging::Level::info:
-      break;
-  }
-  return "info";
-}
-
 /// What the server serves, and who is connected.
 class LiveSite final : public http::Handler {
 public:
-  LiveSite(const WebOptions& options, observation::bus::BusWatch& bus, http::Server& server)
+  LiveSite(const WebOptions& options, observation::bus::BusWatch& bus, const live::LiveState& state,
+           http::Server& server)
       : server_(server),
+        state_(state),
         files_(options.map),
         hello_{.version = options.version,
                .allows_changes = options.allows_changes,
@@ -75,10 +63,13 @@ public:
 
   http::Response get(std::string_view path) override { return files_.get(path); }
 
-  std::optional<std::string> choose_protocol(std::string_view path,
-                                             const std::vector<std::string>& offered) override {
+  [[nodiscard]] bool is_public(std::string_view path) const override { return files_.is_public(path); }
+
+  /// A page of another origin may look, but not change settings.
+  std::optional<std::string> choose_protocol(std::string_view path, const std::vector<std::string>& offered,
+                                             bool is_foreign) override {
     for (const std::string& each : offered) {
-      if (each == page_protocol && path == "/ws") return each;
+      if (each == page_protocol && path == http::websocket_path && !is_foreign) return each;
       const auto& known = foxglove::protocols;
       if (std::find(known.begin(), known.end(), each) != known.end()) return each;
     }
@@ -86,7 +77,9 @@ public:
   }
 
   void on_open(http::ClientId client, const std::string& protocol) override {
-    if (protocol == page_protocol) return pages_.on_open(client, text_of(hello_));
+    if (protocol == page_protocol) {
+      return pages_.on_open(client, {text_of(hello_), state_.latest(clocks::host_now())});
+    }
     const std::lock_guard lock(feed_mutex_);
     feed_.on_open(client);
   }
@@ -128,6 +121,7 @@ private:
   }
 
   http::Server& server_;
+  const live::LiveState& state_;
   SiteFiles files_;
   Hello hello_;
   PageClients pages_;
@@ -211,9 +205,8 @@ public:
       transition_log_.forget(view.address);
       site_.pages().broadcast(gone_text(view.address), http::Loss::never);
     }
-    if (const auto share = site_.worker().examined_share()) {
-      site_.pages().broadcast(examining_text(*share), http::Loss::allowed);
-    }
+    site_.worker().report_progress(
+        [this](double share) { site_.pages().broadcast(examining_text(share), http::Loss::allowed); });
     site_.send_time();
     if (site_.pages().empty()) return;
     site_.pages().broadcast(
@@ -227,14 +220,13 @@ private:
   LiveSite& site_;
   LatchedTopics latched_;
   transitions::TransitionLog transition_log_{[this](const transitions::Line& line) {
-    site_.pages().broadcast_event(event_text(clocks::host_now(), name_of(line.level), line.text));
+    site_.pages().broadcast_event(event_text(clocks::host_now(), live::word_of(line.level), line.text));
   }};
 };
 
 }  // namespace
 
-void serve(const WebOptions& options, const std::function<void(const std::string& url)>& on_ready,
-           const process::StopSignal& stop) {
+void serve(const WebOptions& options, const http::OnReady& on_ready, const process::StopSignal& stop) {
   constexpr TimeNs frame_period_ns = 40'000'000;
   constexpr int frames_per_second = 25;
   live::LiveState state;
@@ -244,9 +236,9 @@ void serve(const WebOptions& options, const std::function<void(const std::string
                                   .has_reports = true},
                                  &state);
   http::Server server(options.server);
-  LiveSite site(options, bus, server);
+  LiveSite site(options, bus, state, server);
   const http::Serving serving(server, site);
-  on_ready(server.url());
+  on_ready(server.urls());
   Broadcast broadcast(bus, state, site);
   SteadyTime next = clocks::steady_now() + frame_period_ns;
   for (int frame = 1; !stop.wait_until(next); ++frame) {

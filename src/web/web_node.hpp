@@ -10,7 +10,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 
@@ -26,9 +25,7 @@ struct WebOptions {
   std::string version;
 };
 
-/// Serves until the stop. `on_ready` gets the URL of the page, with the token. Throws dds::Error,
-/// dds::qos::FileError, std::runtime_error if it cannot listen.
-void serve(const WebOptions& options, const std::function<void(const std::string& url)>& on_ready,
-           const process::StopSignal& stop);
+/// Serves until the stop. Throws dds::Error, dds::qos::FileError, std::runtime_error if it cannot listen.
+void serve(const WebOptions& options, const http::OnReady& on_ready, const process::StopSignal& stop);
 
 }  // namespace sonopose::web

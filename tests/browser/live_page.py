@@ -40,9 +40,9 @@ class Processes:
         self.running.append(process)
         return process
 
-    def start_web(self, listen):
+    def start_web(self, listen, *arguments):
         """The process and the URL that it prints."""
-        process = self.start("web", "--allow-changes", "--listen", listen)
+        process = self.start("web", "--listen", listen, *arguments)
         for line in process.stderr:
             found = re.search(r"the page is at (\S+)", line)
             if found:
@@ -85,13 +85,151 @@ def check(condition, what):
 
 
 def errors_are_small(browser):
-    """Poses against the truth, as the page shows them."""
+    """Poses against the truth, as the page shows them: of half of the beacons, and of each at least once."""
     beacons = wait_for(browser, "all beacons are shown", f"""
         const beacons = sonopose.statistics.beacons;
         return Object.keys(beacons).length === {BEACONS} &&
           Object.values(beacons).every((beacon) => beacon.truth_error_m !== null) && beacons;""", 40)
     errors = sorted(beacon["truth_error_m"] for beacon in beacons.values())
     check(errors[len(errors) // 2] < 0.05, f"half of the poses are within 5 cm of the truth ({errors[len(errors) // 2]:.3f} m)")
+    wait_for(browser, "each pose is within 10 cm of the truth", f"""
+        window.isNear = window.isNear || new Set();
+        for (const [address, beacon] of Object.entries(sonopose.statistics.beacons)) {{
+          if (beacon.truth_error_m < 0.1) isNear.add(address);
+        }}
+        return isNear.size === {BEACONS};""", 20)
+    print(f"ok: each of {BEACONS} poses comes within 10 cm of the truth (at first up to {errors[-1]:.3f} m)")
+
+
+def table_shows_poses(browser):
+    """The text of each row is that of a pose of the latest seconds."""
+    wrong = browser.execute_script("""
+        const wrong = [];
+        for (const line of document.querySelectorAll("#beacons tbody tr")) {
+          const [address, ...numbers] = [...line.cells].slice(0, 4).map((cell) => parseFloat(cell.textContent));
+          const { poses } = sonopose.model.beacons.get(address);
+          let isFound = false;
+          for (let i = Math.max(0, poses.size - 75); i < poses.size; i += 1) {
+            const pose = poses.row(i);
+            isFound = isFound || [pose.x, pose.y, pose.z].every((value, k) => Math.abs(value - numbers[k]) < 0.006);
+          }
+          if (!isFound) wrong.push(line.textContent);
+        }
+        return wrong;""")
+    rows = browser.execute_script("return document.querySelectorAll('#beacons tbody tr').length")
+    check(rows == BEACONS and not wrong, f"the table has {BEACONS} rows with the poses {wrong}")
+    statuses = browser.execute_script(
+        "return [...document.querySelectorAll('#beacons tbody tr')].map((line) => line.lastChild.textContent)")
+    check(all(statuses), "each row has a status, such as " + statuses[0])
+
+
+def map_and_plots_are_drawn(browser):
+    colours = browser.execute_script("""
+        const canvas = document.getElementById("map");
+        const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+        const counts = new Map();
+        for (let i = 0; i < data.length; i += 4) {
+          if (data[i + 3] < 255) continue;
+          const colour = `${data[i]},${data[i + 1]},${data[i + 2]}`;
+          counts.set(colour, (counts.get(colour) || 0) + 1);
+        }
+        return [...counts.values()].filter((count) => count >= 20).length;""")
+    check(colours >= 8, f"the map has {colours} colours")
+    names = wait_for(browser, "the plots are shown", """
+        const shown = [...document.querySelectorAll(".plot:not([hidden])")];
+        const names = shown.map((plot) => plot.querySelector("h2").textContent);
+        return names.length >= 5 && names;""")
+    for name in ["Height (m)", "Speed (m/s)", "Innovation of fixes (m)", "Trust", "Latency, median (ms)"]:
+        check(name in names, f"there is a plot of {name}")
+    inked = browser.execute_script("""
+        return [...document.querySelectorAll(".plot:not([hidden])")].map((plot) =>
+          [...plot.querySelectorAll("canvas")].some((canvas) => {
+            const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+            return data.some((value) => value !== 0);
+          }));""")
+    check(all(inked), "each of them has pixels")
+
+
+def plots_follow(browser):
+    """A resize, also of a hidden tab, is no zoom; a wheel is one; the button follows again."""
+    of_beacon = browser.execute_script("return document.querySelector('.plot-tools b').textContent")
+    selected = browser.execute_script("return sonopose.model.selected")
+    check(of_beacon == f"Beacon {selected}", "the plots name their beacon: " + of_beacon)
+    browser.execute_script("document.querySelector('[data-panel=\"events-panel\"]').click()")
+    browser.set_window_size(1300, 850)
+    time.sleep(0.5)
+    browser.execute_script("document.querySelector('[data-panel=\"plots\"]').click()")
+    browser.set_window_size(1400, 900)
+    wait_for(browser, "the plots have a width", """
+        return sonopose.plots.graphs.filter(({ box }) => !box.hidden)
+          .every(({ dygraph, graph }) => graph.clientWidth > 100 && dygraph.size().width === graph.clientWidth)""")
+    check(browser.execute_script("return sonopose.plots.zoomed === null"), "plots follow after a resize")
+    zoomed = browser.execute_script("""
+        const { dygraph, graph } = sonopose.plots.graphs.find(({ box }) => !box.hidden);
+        const [from, to] = dygraph.xAxisRange();
+        graph.querySelector("canvas:last-of-type").dispatchEvent(new WheelEvent("wheel",
+          { deltaY: -400, clientX: graph.getBoundingClientRect().left + 100, bubbles: true, cancelable: true }));
+        return sonopose.plots.zoomed !== null && sonopose.plots.zoomed[1] - sonopose.plots.zoomed[0] < to - from;""")
+    check(zoomed, "the wheel zooms the plots")
+    wait_for(browser, "all plots show the same range", """
+        const shown = sonopose.plots.graphs.filter(({ box }) => !box.hidden);
+        return shown.every(({ dygraph }) => dygraph.xAxisRange().every((t, i) => Math.abs(t - sonopose.plots.zoomed[i]) < 2))""")
+    browser.execute_script("[...document.querySelectorAll('.plot-tools button')].find(({ textContent }) => textContent === '10 min').click()")
+    wait_for(browser, "ten minutes are shown", """
+        const { dygraph } = sonopose.plots.graphs.find(({ box }) => !box.hidden);
+        const [from, to] = dygraph.xAxisRange();
+        return sonopose.plots.zoomed === null && Math.abs(to - from - 600000) < 2000""")
+    print("ok: ten minutes can be seen")
+    browser.execute_script("document.querySelector('.plot-tools button').click()")
+
+
+def token_is_enough(browser, processes):
+    """A page with a token loads all its parts."""
+    token = "0123456789abcdef"
+    _, url = processes.start_web("127.0.0.1:0", "--token", token)
+    browser.get(url)
+    wait_for(browser, "a page with a token shows the beacons",
+             f"return Object.keys(window.sonopose?.statistics?.beacons || {{}}).length === {BEACONS}")
+    browser.get(url.replace(token, "fedcba9876543210"))
+    text = wait_for(browser, "a wrong token is named",
+                    "const text = document.getElementById('state')?.textContent; return text?.includes('token') && text")
+    check("token" in text, "a page with a wrong token says so: " + text)
+    browser.get_log("browser")  # it had to complain
+
+
+def recording_is_scrubbed(browser, processes):
+    folder = os.path.join(tempfile.mkdtemp(), "walk")
+    subprocess.run([os.path.join(processes.folder, "sonopose-simulate"), "walk", "--out", folder], check=True,
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    web, url = processes.start_web("127.0.0.1:0", folder)
+    browser.get(url)
+    wait_for(browser, "the recording is shown", "return window.sonopose?.model?.extent !== null && sonopose.model.beacons.size === 1")
+    browser.execute_script("""
+        const time = document.getElementById("time");
+        time.value = "12";
+        time.dispatchEvent(new Event("input"));""")
+    scrubbed = """
+        const [beacon] = Object.values(sonopose.statistics.beacons);
+        const clock = document.getElementById("clock").textContent;
+        return clock.startsWith("12.0 s of") && beacon && Math.abs(beacon.t - sonopose.model.extent[0] - 12) < 0.1"""
+    wait_for(browser, "the pose of that time is shown", scrubbed)
+    events = browser.execute_script("return document.getElementById('events').children.length")
+    check(events > 0, f"the recording has {events} events")
+    moved = browser.execute_script("""
+        const { dygraph } = sonopose.plots.graphs.find(({ box }) => !box.hidden);
+        const range = dygraph.xAxisRange().map((t) => t + 5000);
+        dygraph.updateOptions({ dateWindow: range });  // as a pan
+        return range""")
+    wait_for(browser, "all plots follow a pan", f"""
+        return sonopose.plots.graphs.filter(({{ box }}) => !box.hidden)
+          .every(({{ dygraph }}) => Math.abs(dygraph.xAxisRange()[0] - {moved[0]}) < 2)""")
+    web.kill()
+    wait_for(browser, "a lost connection is shown", "return document.getElementById('state').className === 'lost'")
+    processes.start_web(re.search(r"//([^/]+)/", url).group(1), folder)
+    wait_for(browser, "the page connects again", "return sonopose.statistics.connected", 40)
+    wait_for(browser, "the same time is shown", scrubbed)
+    check(browser.execute_script("return document.getElementById('events').children.length") == events,
+          "the events of a recording stay when the connection is lost")
 
 
 def drawn_per_s(browser):
@@ -129,14 +267,17 @@ def run(folder, screenshot):
     try:
         processes.start("fusion")
         processes.start("bridge", "--source", "sim", "--beacons", str(BEACONS))
-        web, url = processes.start_web("127.0.0.1:0")
+        web, url = processes.start_web("127.0.0.1:0", "--allow-changes")
         browser = open_browser()
         browser.get(url)
         wait_for(browser, "the page is connected", "return window.sonopose?.statistics?.connected")
         errors_are_small(browser)
         rate = drawn_per_s(browser)
         check(rate >= 20, f"{BEACONS} beacons are drawn {rate:.1f} times a second")
+        table_shows_poses(browser)
+        map_and_plots_are_drawn(browser)
         browser.save_screenshot(screenshot)
+        plots_follow(browser)
         settings_can_be_changed(browser)
 
         browser.refresh()
@@ -146,12 +287,14 @@ def run(folder, screenshot):
         frames = browser.execute_script("return sonopose.statistics.frames")
         web.kill()
         wait_for(browser, "a lost connection is shown", "return document.getElementById('state').className === 'lost'")
-        processes.start_web(re.search(r"//([^/]+)/", url).group(1))
+        processes.start_web(re.search(r"//([^/]+)/", url).group(1), "--allow-changes")
         wait_for(browser, "the page connects again", f"return sonopose.statistics.connected && sonopose.statistics.frames > {frames + 5}")
         print("ok: a lost connection recovers")
         logged = [entry["message"] for entry in browser.get_log("browser")
-                  if "WebSocket connection" not in entry["message"]]
+                  if "WebSocket connection" not in entry["message"] and "ERR_CONNECTION_REFUSED" not in entry["message"]]
         check(not logged, "the browser reports no error: " + json.dumps(logged))
+        token_is_enough(browser, processes)
+        recording_is_scrubbed(browser, processes)
     finally:
         if browser:
             browser.quit()

@@ -38,4 +38,27 @@ TEST_CASE("a fix is down-weighted if it is used, but less because of its innovat
   CHECK_FALSE(is_down_weighted(report));
 }
 
+TEST_CASE("a fix has one verdict") {
+  FixReport report;
+  CHECK(verdict_of(report) == FixVerdict::rejected);
+  report.flags = fix_used;
+  report.weight = 0.4;
+  CHECK(verdict_of(report) == FixVerdict::used);
+  report.innovation_covariance_m2.emplace();
+  CHECK(verdict_of(report) == FixVerdict::down_weighted);
+}
+
+TEST_CASE("an innovation of zero is one only of a fix that was predicted and used") {
+  FixReport report;
+  report.flags = fix_low_quality;
+  CHECK_FALSE(has_innovation(report));
+  report.flags = fix_used | fix_first;
+  CHECK_FALSE(has_innovation(report));
+  report.flags = fix_used;
+  CHECK(has_innovation(report));
+  report.flags = fix_outlier;
+  report.innovation_world_m.x() = 2.5;
+  CHECK(has_innovation(report));
+}
+
 }  // namespace fix_flag_counts_test

@@ -114,6 +114,29 @@ SCENARIO("a fix without an innovation has none on the page") {
   }
 }
 
+SCENARIO("a pose has its horizontal ellipse on the page") {
+  GIVEN("a pose with standard deviations of 20 and 10 cm, and a large one of the height") {
+    const recording::SensorLog log = walk_log(1);
+    plots::PlotData data;
+    plots::RunCurves& curves = data.runs.emplace_back("fused", settings::Settings(), "", log, page::detail);
+    FusedPose pose;
+    pose.time_ns = available_at_ns(log.events.front());
+    Covariance<6>::Matrix covariance = Covariance<6>::Matrix::Identity();
+    covariance(0, 0) = 0.04;
+    covariance(1, 1) = 0.01;
+    covariance(0, 1) = covariance(1, 0) = 0.5 * 0.2 * 0.1;
+    pose.pose_covariance = Covariance<6>::from_matrix(covariance);
+    curves.add(pose);
+    THEN("they are those of x and y, with their correlation") {
+      const json document = json::parse(page::run_json(data));
+      const json& moments = document["runs"][0]["moments"];
+      CHECK(moments["std_x_m"][0].get<double>() == Approx(0.2));
+      CHECK(moments["std_y_m"][0].get<double>() == Approx(0.1));
+      CHECK(moments["correlation_xy"][0].get<double>() == Approx(0.5));
+    }
+  }
+}
+
 SCENARIO("the page of an hour can be mailed") {
   GIVEN("an hour of poses at 100 Hz and of fixes at 16 Hz") {
     const recording::SensorLog log = walk_log(1);
@@ -127,6 +150,9 @@ SCENARIO("the page of an hour can be mailed") {
       const double phase = 1e-3 * i;
       pose.position_world_m = {10.12345 * std::cos(phase), -7.54321 * std::sin(3 * phase), 1.23456};
       pose.trust = 0.98765;
+      Covariance<6>::Matrix covariance = 1.2345e-3 * Covariance<6>::Matrix::Identity();
+      covariance(0, 1) = covariance(1, 0) = 0.3456e-3;
+      pose.pose_covariance = Covariance<6>::from_matrix(covariance);
       curves.add(pose);
       if (i % 6 != 0) continue;
       FixReport fix;

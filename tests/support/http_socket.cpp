@@ -90,12 +90,4 @@ bool HttpSocket::read_some() {
   return count > 0;
 }
 
-std::string upgrade_request(const std::string& target, const std::string& protocols,
-                            const std::string& headers) {
-  return "GET " + target + " HTTP/1.1\r\n" + headers +
-         "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
-         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: " +
-         protocols + "\r\n\r\n";
-}
-
 }  // namespace sonopose::test

@@ -2,6 +2,8 @@
 /// \file
 /// A client of HTTP and WebSocket that reads and writes byte by byte.
 
+#include "support/upgrade_request.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -35,9 +37,5 @@ private:
   std::string received_;
   bool is_closed_ = false;
 };
-
-/// Asks for a WebSocket. `headers`: further lines, each with its end.
-std::string upgrade_request(const std::string& target, const std::string& protocols,
-                            const std::string& headers);
 
 }  // namespace sonopose::test

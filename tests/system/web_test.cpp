@@ -30,8 +30,9 @@ using Path = std::filesystem::path;
 /// A started sonopose-web.
 class Web {
 public:
-  Web(const Bus& bus, Arguments arguments)
-      : process_(SONOPOSE_TEST_WEB, with_domain(std::move(arguments), bus)) {
+  Web(const Bus& bus, Arguments arguments) : Web(with_domain(std::move(arguments), bus)) {}
+  /// Without a bus.
+  explicit Web(const Arguments& arguments) : process_(SONOPOSE_TEST_WEB, arguments) {
     REQUIRE(process_.wait_for_line(Stream::error, "the page is at "));
     const std::string text = process_.text(Stream::error);
     std::smatch match;
@@ -66,13 +67,18 @@ private:
   std::string token_;
 };
 
-/// A page's connection.
+/// A connection of a page, or of another client that sends JSON.
 class Page {
 public:
-  explicit Page(const Web& web) : socket_(web.port()) {
-    socket_.send(upgrade_request("/ws", "sonopose.v1", web.host_line()));
+  explicit Page(const Web& web, const std::string& target = "/ws",
+                const std::string& protocol = "sonopose.v1", const std::string& headers = "")
+      : socket_(web.port()) {
+    socket_.send(upgrade_request(target, protocol, web.host_line() + headers));
     REQUIRE_THAT(socket_.read_until("\r\n\r\n"), StartsWith("HTTP/1.1 101 "));
   }
+
+  /// The next message, which may be binary.
+  std::string next() { return socket_.read_message(); }
 
   void send(const json& message) const { socket_.send_message(message.dump()); }
 
@@ -164,8 +170,22 @@ SCENARIO("other machines need the token that the program prints") {
   const Bus bus;
   Web web(bus, {"--listen", "0.0.0.0:0"});
   REQUIRE(web.token().size() >= 32);
-  CHECK_THAT(web.get("/"), StartsWith("HTTP/1.1 401 "));
-  CHECK_THAT(web.get("/?token=" + web.token()), StartsWith("HTTP/1.1 200 ") && Contains("<title>"));
+  for (const char* const secret :
+       {"/ws", "/settings.json", "/map.json", "/status.json", "/floor-plan", "/x"}) {
+    CAPTURE(secret);
+    CHECK_THAT(web.get(secret), StartsWith("HTTP/1.1 401 "));
+  }
+  CHECK_THAT(web.get("/map.json?token=" + web.token()), StartsWith("HTTP/1.1 200 "));
+  // A browser asks for the page's parts without the token.
+  const std::string page = web.get("/?token=" + web.token());
+  CHECK_THAT(page, StartsWith("HTTP/1.1 200 ") && Contains("<title>"));
+  const std::regex link(R"re((?:src|href)="([^":]+)")re");
+  int links = 0;
+  for (std::sregex_iterator each(page.begin(), page.end(), link), end; each != end; ++each, ++links) {
+    CAPTURE((*each)[1].str());
+    CHECK_THAT(web.get("/" + (*each)[1].str()), StartsWith("HTTP/1.1 200 "));
+  }
+  CHECK(links >= 12);
   WHEN("another one listens on the same port") {
     const Result second = run(SONOPOSE_TEST_WEB, {"--listen", web.host()});
     THEN("it fails with the address and the option") {
@@ -185,8 +205,7 @@ SCENARIO("a recording is served without a bus") {
       recording.write(event, static_cast<std::uint64_t>(available_at_ns(event)));
     }
   }
-  const Bus bus;
-  const Web web(bus, {file.string(), "--listen", "127.0.0.1:0"});
+  const Web web({file.string(), "--listen", "127.0.0.1:0"});
   Page page(web);
   const json hello = page.wait_for("hello");
   CHECK(hello["mode"] == "recording");
@@ -198,20 +217,148 @@ SCENARIO("a recording is served without a bus") {
 }
 
 SCENARIO("wrong options of the web process are named") {
-  const auto fails = [](const Arguments& arguments, const std::string& named) {
+  const auto fails = [](const Arguments& arguments, const std::string& named, const std::string& why) {
     CAPTURE(arguments);
     const Result result = run(SONOPOSE_TEST_WEB, arguments);
-    CHECK(result.code != 0);
-    CHECK_THAT(result.error, Contains(named));
+    REQUIRE(result.code);  // it was not killed
+    CHECK(*result.code != 0);
+    CHECK_THAT(result.error, Contains(named) && Contains(why));
   };
-  fails({"--listen", "nowhere"}, "nowhere");
-  fails({"--listen", "127.0.0.1:99999"}, "99999");
-  fails({"--geofence", "/nonexistent.csv"}, "/nonexistent.csv");
-  fails({"--floor-plan", "/nonexistent.png", "--floor-plan-area", "0", "0", "1", "1"}, "/nonexistent.png");
-  fails({"--floor-plan-area", "0", "0", "1", "1"}, "--floor-plan");
-  fails({"--max-clients", "0"}, "1000");
-  fails({"/nonexistent.mcap"}, "/nonexistent.mcap");
-  fails({"--beacon", "7"}, "recording");
+  fails({"--listen", "nowhere"}, "'nowhere'", "127.0.0.1:8080");
+  fails({"--listen", "127.0.0.1:99999"}, "'127.0.0.1:99999'", "65535");
+  fails({"--geofence", "/nonexistent.csv"}, "/nonexistent.csv", "does not exist");
+  fails({"--floor-plan", "/nonexistent.png", "--floor-plan-area", "0", "0", "1", "1"}, "/nonexistent.png",
+        "does not exist");
+  fails({"--floor-plan-area", "0", "0", "1", "1"}, "--floor-plan-area", "requires --floor-plan");
+  fails({"--max-clients", "0"}, "--max-clients", "1000");
+  fails({"/nonexistent.mcap"}, "/nonexistent.mcap", "does not exist");
+  fails({"--beacon", "7"}, "--beacon", "requires recording");
+  fails({"--token", "short"}, "token", "16");
+  fails({"--token", "0123456789abcdef&x"}, "token", "A-Z");
+  fails({"--allow-origin", "app.foxglove.dev"}, "'app.foxglove.dev'", "https://app.foxglove.dev");
+  for (const Arguments& of_bus :
+       {Arguments{"--allow-changes"}, Arguments{"--domain", "3"}, Arguments{"--max-beacons", "5"}}) {
+    Arguments arguments{"/nonexistent.mcap"};
+    arguments.insert(arguments.end(), of_bus.begin(), of_bus.end());
+    fails(arguments, of_bus[0], "excludes");
+  }
+}
+
+SCENARIO("a page elsewhere may use Foxglove's protocol, but not change settings") {
+  const Bus bus;
+  Web web(bus, {"--listen", "127.0.0.1:0", "--allow-changes", "--allow-origin", "https://app.example.com/"});
+  const std::string allowed = "Origin: https://app.example.com\r\n";
+  Page foxglove(web, "/", "foxglove.sdk.v1", allowed);
+  foxglove.wait_for("serverInfo");
+  const auto refused = [&web](const std::string& protocol, const std::string& origin) {
+    HttpSocket socket(web.port());
+    socket.send(upgrade_request("/ws", protocol, web.host_line() + origin));
+    return socket.read_all();
+  };
+  CHECK_THAT(refused("sonopose.v1", allowed), StartsWith("HTTP/1.1 400 ") && Contains("sonopose.v1"));
+  CHECK_THAT(refused("foxglove.sdk.v1", "Origin: https://other.example.com\r\n"),
+             StartsWith("HTTP/1.1 403 "));
+  CHECK(web.process().wait_for_line(Stream::error, "--allow-origin https://other.example.com"));
+}
+
+SCENARIO("a client of Foxglove's protocol receives what it subscribes to") {
+  const Bus bus;
+  const auto fusion = bus.fusion();
+  const auto bridge = bus.bridge({"--source", "sim"});
+  const Web web(bus, {"--listen", "127.0.0.1:0"});
+  Page client(web, "/", "foxglove.websocket.v1");
+  CHECK(client.wait_for("serverInfo")["capabilities"] == json{"time"});
+  std::map<std::string, json> channels;
+  const json advertised = client.wait_for("advertise");
+  for (const json& channel : advertised["channels"]) channels[channel["topic"]] = channel;
+  REQUIRE(channels.count("sonopose/pose") == 1);
+  const json& pose = channels["sonopose/pose"];
+  CHECK(pose["encoding"] == "cdr");
+  CHECK(pose["schemaEncoding"] == "omgidl");
+  constexpr int subscription = 0x01020304;
+  // The head of a message: its kind, and the subscription in little-endian order.
+  const std::string head{"\x01\x04\x03\x02\x01", 5};
+  const auto next_status = [&client] {
+    while (true) {
+      const std::string text = client.next();
+      if (text.starts_with("{")) return json::parse(text)["message"].get<std::string>();
+    }
+  };
+  const auto subscribe = [&](int id, const json& channel) {
+    client.send({{"op", "subscribe"}, {"subscriptions", {{{"id", id}, {"channelId", channel}}}}});
+  };
+  subscribe(subscription, pose["id"]);
+  for (int messages = 0; messages < 20;) {
+    const std::string message = client.next();
+    if (!message.starts_with(head)) continue;  // such as the time
+    CHECK(message.size() > 100);
+    ++messages;
+  }
+  subscribe(subscription, channels["sonopose/report"]["id"]);
+  CHECK_THAT(next_status(), Contains("exists already"));
+  subscribe(5, pose["id"]);
+  CHECK_THAT(next_status(), Contains("has a subscription already"));
+  subscribe(6, 99999);
+  CHECK_THAT(next_status(), Contains("no channel 99999"));
+  client.send({{"op", "unsubscribe"}, {"subscriptionIds", {subscription}}});
+  client.send({{"op", "unsubscribe"}, {"subscriptionIds", {subscription}}});
+  CHECK_THAT(next_status(), Contains("no subscription"));
+  for (int times = 0; times < 2;) {  // two seconds without a pose
+    const std::string message = client.next();
+    CHECK_FALSE(message.starts_with(head));
+    if (message.starts_with("\x02")) ++times;
+  }
+}
+
+SCENARIO("a page resets estimators, runs the doctor, and learns that no fusion answers") {
+  const Bus bus;
+  const Web web(bus, {"--listen", "127.0.0.1:0", "--allow-changes"});
+  Page page(web);
+  Page other(web);
+  const json reset{{"op", "reset"}, {"id", 9}, {"address", "all"}};
+  page.send(reset);
+  const json unanswered = page.wait_for("reply");
+  CHECK(unanswered["id"] == 9);
+  CHECK(unanswered["accepted"] == false);
+  CHECK_THAT(unanswered["reason"].get<std::string>(), Contains("no fusion answered"));
+  const auto fusion = bus.fusion();
+  const auto bridge = bus.bridge({"--source", "sim"});
+  page.wait_for("frame");
+  page.send(reset);
+  CHECK(page.wait_for("reply")["accepted"] == true);
+  page.send({{"op", "examine"}, {"id", 10}, {"seconds", 2}});
+  for (Page* const each : {&page, &other}) {
+    each->wait_for("findings", [](const json& message) { return message["running"] == true; });
+    const json findings =
+        each->wait_for("findings", [](const json& message) { return message["running"] == false; });
+    CHECK_FALSE(findings["findings"].empty());
+  }
+  for (int seconds = 0; seconds < 2;) {  // nothing says that it still runs
+    const json message = json::parse(page.next());
+    CHECK(message["op"] != "findings");
+    if (message["op"] == "status") ++seconds;
+  }
+}
+
+SCENARIO("a page that opens late sees a beacon that has stopped, as silent") {
+  const Bus bus;
+  const auto fusion = bus.fusion();
+  auto bridge = bus.bridge({"--source", "sim"});
+  const Web web(bus, {"--listen", "127.0.0.1:0"});
+  json last;
+  {
+    Page page(web);
+    last = page.wait_for("frame", [](const json& frame) { return frame["beacons"][0].contains("pose"); });
+    bridge.reset();
+    page.wait_for("status", [](const json& status) {
+      return !status["beacons"].empty() && status["beacons"][0]["severity"] >= 90;
+    });
+  }
+  Page late(web);
+  const json frame = late.wait_for("frame");
+  CHECK(frame["beacons"][0]["pose"][0].get<double>() >= last["beacons"][0]["pose"][0].get<double>());
+  const json status = late.wait_for("status");
+  CHECK_THAT(status["beacons"][0]["stream"].get<std::string>(), Contains("silent") || Contains("lost"));
 }
 
 SCENARIO("a client of Foxglove that is not ours decodes the poses") {

@@ -43,10 +43,17 @@ SCENARIO("a server of this machine answers no page from elsewhere") {
   WHEN("a name was made to point to this machine") {
     CHECK(verdict("evil.example.com:8080", "http://evil.example.com:8080") == Verdict::wrong_host);
   }
-  WHEN("the port is another one, or missing") {
-    CHECK(verdict("127.0.0.1:8081") == Verdict::wrong_host);
-    CHECK(verdict("127.0.0.1") == Verdict::wrong_host);
+  WHEN("the port is that of a tunnel, or missing") {
+    CHECK(verdict("localhost:9000", "http://localhost:9000") == Verdict::allowed);
+    CHECK(verdict("[::1]:9000") == Verdict::allowed);
+    CHECK(verdict("[::1]") == Verdict::allowed);
+    CHECK(verdict("127.0.0.1") == Verdict::allowed);
+    CHECK(verdict("localhost:9000", "http://localhost:8080") == Verdict::wrong_origin);
+  }
+  WHEN("there is no host, or one that only begins like this machine") {
     CHECK(verdict("") == Verdict::wrong_host);
+    CHECK(verdict("localhost.evil.example.com:8080") == Verdict::wrong_host);
+    CHECK(verdict("127.0.0.1.evil.example.com") == Verdict::wrong_host);
   }
   WHEN("a page from elsewhere connects") {
     CHECK(verdict("127.0.0.1:8080", "https://evil.example.com") == Verdict::wrong_origin);
@@ -88,7 +95,46 @@ SCENARIO("the token is a part of the URL") {
   CHECK(parse_target("/?").token.empty());
 }
 
-SCENARIO("drawn tokens differ") {
+SCENARIO("an origin is scheme, host and port") {
+  CHECK(parse_origin("https://app.foxglove.dev") == "https://app.foxglove.dev");
+  CHECK(parse_origin("https://App.Foxglove.dev/") == "https://app.foxglove.dev");
+  CHECK(parse_origin("http://localhost:8000") == "http://localhost:8000");
+  for (const char* const text : {"", "null", "*", "app.foxglove.dev", "https://", "://x", "https://x/page",
+                                 "https://x//", "https://a b"}) {
+    CAPTURE(text);
+    CHECK_THROWS_WITH(parse_origin(text), Contains("'" + std::string(text) + "'"));
+  }
+}
+
+SCENARIO("a page of another origin is foreign") {
+  CHECK_FALSE(is_foreign({.host = "localhost:8080", .origin = "", .token = ""}));
+  CHECK_FALSE(is_foreign({.host = "localhost:8080", .origin = "http://localhost:8080", .token = ""}));
+  CHECK(is_foreign({.host = "localhost:8080", .origin = "https://app.foxglove.dev", .token = ""}));
+}
+
+SCENARIO("a token is hard to guess and needs no escapes in a URL") {
+  CHECK_NOTHROW(check_token("0123456789abcdef"));
+  CHECK_NOTHROW(check_token("A.b_c~d-0123456789"));
+  CHECK_NOTHROW(check_token(random_token()));
+  for (const char* const token :
+       {"", "0123456789abcde", "0123456789abcdef ", "0123456789&abcdef", "0123456789abcd\xc3\xa4"}) {
+    CAPTURE(token);
+    CHECK_THROWS_WITH(check_token(token), Contains("16"));
+  }
+}
+
+SCENARIO("a server of all interfaces is reached at the address of one") {
+  CHECK(reachable({"127.0.0.1", 80}) == std::vector{Endpoint{"127.0.0.1", 80}});
+  const std::vector<Endpoint> all = reachable({"0.0.0.0", 8080});
+  REQUIRE_FALSE(all.empty());
+  for (const Endpoint& each : all) {
+    CHECK(each.address != "0.0.0.0");
+    CHECK(each.port == 8080);
+  }
+  CHECK(all.back() == Endpoint{"127.0.0.1", 8080});
+}
+
+SCENARIO("generated tokens differ") {
   std::set<std::string> tokens;
   for (int i = 0; i < 100; ++i) tokens.insert(random_token());
   CHECK(tokens.size() == 100);

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <limits>
 
 namespace document_test {
@@ -17,17 +18,20 @@ constexpr TimeNs begin_ns = 1'700'000'000'000'000'000;
 
 SCENARIO("columns leave out rows that are too close together") {
   Columns columns({"x"}, begin_ns, 100'000'000);
-  for (int i = 0; i < 10; ++i) columns.add(begin_ns + TimeNs{i} * 40'000'000, {static_cast<double>(i)});
-  const json read = json::parse(columns.json());
+  for (int i = 0; i < 10; ++i)
+    columns.add(begin_ns + TimeNs{i} * 40'000'000, std::array{static_cast<double>(i)});
+  const json read = json::parse(columns.json(100));
   CHECK(read["t"] == json({0.0, 0.12, 0.24, 0.36}));
   CHECK(read["x"] == json({0.0, 3.0, 6.0, 9.0}));
   CHECK(columns.size() == 4);
+  CHECK(json::parse(columns.json(2))["x"] == json({0.0, 6.0}));
+  CHECK(json::parse(columns.json(3))["t"].size() <= 3);
 }
 
 SCENARIO("columns have null for what is unknown") {
   Columns columns({"x", "y"}, begin_ns, 0);
-  columns.add(begin_ns, {std::numeric_limits<double>::quiet_NaN(), 2.5});
-  CHECK(json::parse(columns.json()) == json({{"t", {0.0}}, {"x", {nullptr}}, {"y", {2.5}}}));
+  columns.add(begin_ns, std::array{std::numeric_limits<double>::quiet_NaN(), 2.5});
+  CHECK(json::parse(columns.json(100)) == json({{"t", {0.0}}, {"x", {nullptr}}, {"y", {2.5}}}));
 }
 
 SCENARIO("a document has each beacon's samples, in seconds since the first") {
@@ -72,6 +76,27 @@ SCENARIO("a document has each beacon's samples, in seconds since the first") {
   CHECK(beacon["fixes"]["t_emission"] == json({0.6}));
   CHECK(beacon["fixes"]["y"] == json({8.0}));
   CHECK(beacon["rows"] == 1);
+}
+
+SCENARIO("many beacons share the rows of a document") {
+  constexpr int beacons = 40;
+  constexpr int poses = 6000;
+  Document document(240.0);
+  FusedPose pose;
+  for (int i = 0; i < poses; ++i) {
+    pose.time_ns = begin_ns + TimeNs{i} * 40'000'000;
+    for (int k = 1; k <= beacons; ++k) {
+      pose.address = static_cast<BeaconAddress>(k);
+      document.add(pose);
+    }
+  }
+  const json read = json::parse(document.json());
+  for (const json& beacon : read["beacons"]) {
+    const std::size_t rows = beacon["poses"]["t"].size();
+    CHECK(rows <= 5000);
+    CHECK(rows >= 2500);
+    CHECK(beacon["rows"].get<std::size_t>() >= rows);
+  }
 }
 
 SCENARIO("a document has the changes of state as events") {

@@ -119,10 +119,49 @@ SCENARIO("a frame has the truth and every fix of the main hypothesis") {
   CHECK(beacon["fixes"][1][8].get<double>() == 2.5);
 }
 
-SCENARIO("without a viewer, fixes do not pile up") {
+SCENARIO("without a viewer, the newest fixes are kept") {
   LiveState state;
-  for (int i = 0; i < 10'000; ++i) state.on(report_of(7));
-  CHECK(frame_of(state)["beacons"][0]["fixes"].size() <= 32);
+  FixReport report = report_of(7);
+  for (int i = 0; i < 10'000; ++i) {
+    report.position_world_m.x() = i;
+    state.on(report);
+  }
+  const json fixes = frame_of(state)["beacons"][0]["fixes"];
+  CHECK(fixes.size() <= 32);
+  CHECK(fixes.back()[2].get<double>() == 9999);
+}
+
+SCENARIO("a new page gets the latest pose of a beacon that has stopped") {
+  LiveState state;
+  CHECK(state.latest(now_ns).empty());
+  state.on(pose_of(7));
+  frame_of(state);  // of the pages before
+  for (int i = 0; i < 2; ++i) {
+    const json frame = json::parse(state.latest(now_ns));
+    CHECK(frame["op"] == "frame");
+    CHECK(frame["beacons"][0]["pose"][1].get<double>() == 1.5);
+    CHECK_FALSE(frame["beacons"][0].contains("truth"));
+  }
+}
+
+SCENARIO("a fix comes with what was done with it") {
+  LiveState state;
+  FixReport report = report_of(7);
+  report.flags = fix_low_quality;  // its innovation was not computed
+  state.on(report);
+  report.flags = fix_used;
+  report.weight = 0.4;
+  report.innovation_world_m = {0.1, 0, 0};
+  state.on(report);
+  report.innovation_covariance_m2.emplace();  // of an engine with gates
+  state.on(report);
+  const json fixes = frame_of(state)["beacons"][0]["fixes"];
+  REQUIRE(fixes[0].size() == 12);
+  CHECK(fixes[0][5].is_null());
+  CHECK(fixes[0][11] == static_cast<int>(FixVerdict::rejected));
+  CHECK(fixes[1][5].get<double>() == 0.1);
+  CHECK(fixes[1][11] == static_cast<int>(FixVerdict::used));
+  CHECK(fixes[2][11] == static_cast<int>(FixVerdict::down_weighted));
 }
 
 SCENARIO("changes of state are found in the poses") {

@@ -24,7 +24,7 @@ SCENARIO("a new page receives the latest of what is kept, and the events") {
   received.pages.broadcast_latest("settings 8", "gone");
   received.pages.forget("settings 8");
   for (int i = 0; i < 300; ++i) received.pages.broadcast_event("event " + std::to_string(i));
-  received.pages.on_open(1, "hello");
+  received.pages.on_open(1, {"hello", ""});
   const Texts& texts = received.texts[1];
   REQUIRE(texts.size() == 202);
   CHECK(texts[0] == "hello");
@@ -35,8 +35,8 @@ SCENARIO("a new page receives the latest of what is kept, and the events") {
 
 SCENARIO("all open pages receive what is new") {
   Received received;
-  received.pages.on_open(1, "hello");
-  received.pages.on_open(2, "hello");
+  received.pages.on_open(1, {"hello"});
+  received.pages.on_open(2, {"hello"});
   received.pages.broadcast("a", http::Loss::never);
   received.pages.on_close(1);
   CHECK_FALSE(received.pages.has(1));

@@ -1,7 +1,11 @@
 #include "web/page_messages.hpp"
 
+#include <sonopose/samples/pose.hpp>
+
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
+
+#include <map>
 
 namespace page_messages_test {
 
@@ -85,6 +89,16 @@ SCENARIO("reports become messages with an op") {
   CHECK(json::parse(dropped_text(4)) == json{{"op", "dropped"}, {"frames", 4}});
   CHECK(json::parse(stationary_text({{12, {1, 2, 3}}}))["beacons"][0] ==
         json{{"a", 12}, {"x", 1.0}, {"y", 2.0}, {"z", 3.0}});
+}
+
+SCENARIO("the bits of the status have the words and the order of the monitor") {
+  const json table = json::parse(status_table_json());
+  std::map<std::uint32_t, json> by_bit;
+  for (const json& row : table) by_bit[row["bit"]] = row;
+  CHECK(by_bit.size() == 12);
+  CHECK(by_bit.at(status_stale)["word"] == "stale");
+  CHECK(by_bit.at(status_stale)["severity"] > by_bit.at(status_converging)["severity"]);
+  CHECK(by_bit.at(status_predicted)["severity"] == 0);
 }
 
 SCENARIO("the table of settings has what a form needs") {

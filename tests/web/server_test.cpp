@@ -6,9 +6,16 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <memory>
 #include <mutex>
+#include <semaphore>
+#include <string>
+#include <thread>
+#include <vector>
 
 namespace server_test {
 
@@ -23,19 +30,34 @@ class Site final : public Handler {
 public:
   Response get(std::string_view path) override {
     if (path == "/throws") throw std::runtime_error("broken");
+    if (path == "/large") return text_response(200, large());
+    if (path == "/script.js") return text_response(200, "a script");
     return path == "/page" ? text_response(200, "the page") : text_response(404, "nothing\n");
   }
-  std::optional<std::string> choose_protocol(std::string_view path,
-                                             const std::vector<std::string>& offered) override {
-    if (path != "/ws") return {};
+  /// Blocks that end with a line.
+  static std::string large() {
+    std::string text;
+    for (int i = 0; i < large_blocks; ++i) text += std::string(400'000, 'x') + "end\n";
+    return text;
+  }
+  static constexpr int large_blocks = 25;
+
+  [[nodiscard]] bool is_public(std::string_view path) const override { return path == "/script.js"; }
+  std::optional<std::string> choose_protocol(std::string_view path, const std::vector<std::string>& offered,
+                                             bool is_foreign) override {
+    if (path != "/ws" || is_foreign) return {};
     for (const std::string& each : offered) {
       if (each == "mine") return each;
     }
     return {};
   }
-  void on_open(ClientId client, const std::string&) override { note("open", client); }
+  void on_open(ClientId client, const std::string&) override {
+    note("open", client);
+    if (fails_to_open_) throw std::runtime_error("broken");
+  }
   void on_message(ClientId client, bool, std::string_view message) override {
     note("message " + std::string(message), client);
+    if (message == "block") unblocked_.acquire();
     if (message == "throw") throw std::runtime_error("broken");
   }
   void on_close(ClientId client) override { note("close", client); }
@@ -61,6 +83,10 @@ public:
     return client;
   }
 
+  /// Ends the wait of the thread that serves in a message "block".
+  void unblock() { unblocked_.release(); }
+  void fail_to_open(bool fails) { fails_to_open_ = fails; }
+
 private:
   void note(std::string event, ClientId client) {
     const std::lock_guard lock(mutex_);
@@ -72,6 +98,8 @@ private:
   std::condition_variable changed_;
   std::vector<std::pair<std::string, ClientId>> events_;
   std::size_t seen_ = 0;
+  std::binary_semaphore unblocked_{0};
+  std::atomic<bool> fails_to_open_ = false;
 };
 
 ServerOptions options() {
@@ -133,6 +161,11 @@ SCENARIO("a request that must not be answered is refused") {
   CHECK_THAT(get(server, "/page?token=secret"), StartsWith("HTTP/1.1 200 "));
   CHECK_THAT(get(server, "/page?token=secret", "Origin: https://evil.example.com\r\n"),
              StartsWith("HTTP/1.1 403 "));
+  CHECK_THAT(get(server, "/script.js"), StartsWith("HTTP/1.1 200 ") && Contains("a script"));
+  CHECK_THAT(get(server, "/script.js", "Origin: https://evil.example.com\r\n"), StartsWith("HTTP/1.1 403 "));
+  CHECK_THAT(raw(upgrade(server, "/script.js", "mine")), StartsWith("HTTP/1.1 401 "));
+  CHECK_THAT(get(server, "/ws"), StartsWith("HTTP/1.1 401 "));
+  CHECK_THAT(get(server, "/ws?token=secret"), StartsWith("HTTP/1.1 426 "));
   CHECK_THAT(raw("GET /page?token=secret HTTP/1.1\r\nHost: evil.example.com\r\n\r\n"),
              StartsWith("HTTP/1.1 403 "));
   CHECK_THAT(raw("POST /page?token=secret HTTP/1.1\r\n" + host_line(server) + "Content-Length: 0\r\n\r\n"),
@@ -144,7 +177,8 @@ SCENARIO("a request that must not be answered is refused") {
   CHECK_THAT(raw(upgrade(server, "/ws", "mine")), StartsWith("HTTP/1.1 401 "));
   CHECK_THAT(raw(upgrade(server, "/ws?token=secret", "mine", "Origin: https://evil.example.com\r\n")),
              StartsWith("HTTP/1.1 403 "));
-  CHECK_THAT(raw(upgrade(server, "/ws?token=secret", "other, another")), StartsWith("HTTP/1.1 400 "));
+  CHECK_THAT(raw(upgrade(server, "/ws?token=secret", "other, another")),
+             StartsWith("HTTP/1.1 400 ") && Contains("known sub-protocol: other, another"));
   CHECK_THAT(raw("GET /page HTTP/1.1\r\nHost: " + std::string(20'000, 'x')), StartsWith("HTTP/1.1 431 "));
 }
 
@@ -193,15 +227,86 @@ SCENARIO("connections are bounded") {
   site.wait_for("open");
   {
     HttpSocket third(server.endpoint().port);
+    third.send(upgrade(server, "/ws", "mine"));
     CHECK_THAT(third.read_all(), StartsWith("HTTP/1.1 503 ") && Contains("--max-clients"));
+    CHECK_THAT(get(server, "/ws"), StartsWith("HTTP/1.1 503 ") && Contains("--max-clients"));
+  }
+  THEN("files are served nevertheless") {
+    CHECK_THAT(get(server, "/page"), StartsWith("HTTP/1.1 200 "));
   }
   WHEN("one ends") {
     first.reset();
     site.wait_for("close");
-    THEN("another one is served") {
-      CHECK_THAT(get(server, "/page"), StartsWith("HTTP/1.1 200 "));
+    THEN("another one is accepted") {
+      HttpSocket third(server.endpoint().port);
+      third.send(upgrade(server, "/ws", "mine"));
+      site.wait_for("open");
     }
   }
+}
+
+SCENARIO("connections that wait for a request give way to others") {
+  Site site;
+  ServerOptions few = options();
+  few.max_requesting = 3;
+  Server server(few);
+  const Serving serving(server, site);
+  std::vector<std::unique_ptr<HttpSocket>> idle;
+  for (int i = 0; i < 6; ++i) {
+    auto& socket = *idle.emplace_back(std::make_unique<HttpSocket>(server.endpoint().port));
+    socket.send("GET /page HTTP/1.1\r\n" + host_line(server) + "\r\n");
+    CHECK_THAT(socket.read_until("the page"), StartsWith("HTTP/1.1 200 "));
+  }
+  CHECK(idle[0]->read_all().empty());  // it waited longest
+  idle[5]->send("GET /page HTTP/1.1\r\n" + host_line(server) + "\r\n");
+  CHECK_THAT(idle[5]->read_until("the page"), StartsWith("HTTP/1.1 200 "));
+}
+
+SCENARIO("a connection whose opening fails takes no place") {
+  Site site;
+  ServerOptions one = options();
+  one.max_clients = 1;
+  Server server(one);
+  const Serving serving(server, site);
+  site.fail_to_open(true);
+  {
+    HttpSocket socket(server.endpoint().port);
+    socket.send(upgrade(server, "/ws", "mine"));
+    site.wait_for("close");
+    socket.read_all();
+  }
+  site.fail_to_open(false);
+  HttpSocket next(server.endpoint().port);
+  next.send(upgrade(server, "/ws", "mine"));
+  CHECK_THAT(next.read_until("\r\n\r\n"), StartsWith("HTTP/1.1 101 "));
+}
+
+SCENARIO("messages do not pile up before a thread that is busy") {
+  Site site;
+  ServerOptions small = options();
+  small.max_posted_bytes = 1'000'000;
+  Server server(small);
+  const Serving serving(server, site);
+  HttpSocket socket(server.endpoint().port);
+  socket.send(upgrade(server, "/ws", "mine"));
+  socket.read_until("\r\n\r\n");
+  const ClientId client = site.wait_for("open");
+  socket.send_message("block");
+  site.wait_for("message block");
+  std::vector<std::weak_ptr<const std::string>> frames;
+  for (int i = 0; i < 100; ++i) {
+    auto frame = std::make_shared<const std::string>(100'000, 'f');
+    frames.emplace_back(frame);
+    server.send({client}, std::move(frame), true, Loss::allowed);
+  }
+  const auto kept =
+      std::count_if(frames.begin(), frames.end(), [](const auto& each) { return !each.expired(); });
+  CHECK(kept == 10);
+  site.unblock();
+  server.send({client}, std::make_shared<const std::string>("important"), true, Loss::never);
+  int received = 0;
+  while (socket.read_message() != "important") ++received;
+  CHECK(site.wait_for("dropped " + std::to_string(100 - received)) == client);
 }
 
 SCENARIO("a slow client loses frames, and nothing else") {
@@ -252,6 +357,22 @@ SCENARIO("a client that takes nothing is disconnected") {
       CHECK(site.wait_for("close") == client);
     }
   }
+}
+
+SCENARIO("a large file may take long, as long as the client takes it") {
+  Site site;
+  ServerOptions impatient = options();
+  impatient.timeout_s = 1;
+  Server server(impatient);
+  const Serving serving(server, site);
+  HttpSocket socket(server.endpoint().port, 65'536);
+  const auto begin = std::chrono::steady_clock::now();
+  socket.send("GET /large HTTP/1.1\r\n" + host_line(server) + "Connection: close\r\n\r\n");
+  for (int i = 0; i < Site::large_blocks; ++i) {
+    std::this_thread::sleep_for(100ms);
+    REQUIRE(socket.read_until("end\n").size() > 400'000);
+  }
+  CHECK(std::chrono::steady_clock::now() - begin > 2 * 1s);
 }
 
 SCENARIO("an address that cannot be listened on is named") {

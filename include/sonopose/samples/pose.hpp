@@ -137,12 +137,31 @@ struct Estimate {
   bool operator==(const Estimate&) const = default;
 };
 
-/// Whether a fix was used with less weight because its innovation is large. The weight of the documented
-/// engine falls with every innovation, so there it must be an outlier.
-inline bool is_down_weighted(const FixReport& report) {
-  if ((report.flags & fix_used) == 0) return false;
+/// What an engine did with a fix.
+enum class FixVerdict : std::uint8_t {
+  used,
+  down_weighted,  ///< used with less weight because its innovation is large
+  rejected
+};
+
+/// The weight of the documented engine falls with every innovation, so there only an outlier is
+/// down-weighted. The Kalman engine, which reports an innovation covariance, lowers it between its gates.
+inline FixVerdict verdict_of(const FixReport& report) {
+  if ((report.flags & fix_used) == 0) return FixVerdict::rejected;
   const bool has_gates = report.innovation_covariance_m2.has_value();
-  return (report.flags & fix_outlier) != 0 || (has_gates && report.weight < 1.0);
+  const bool is_weak = (report.flags & fix_outlier) != 0 || (has_gates && report.weight < 1.0);
+  return is_weak ? FixVerdict::down_weighted : FixVerdict::used;
+}
+
+inline bool is_down_weighted(const FixReport& report) {
+  return verdict_of(report) == FixVerdict::down_weighted;
+}
+
+/// Whether the innovation was computed. It is not for the first fix, nor for one that was rejected before,
+/// such as one of low quality: it is 0 then.
+inline bool has_innovation(const FixReport& report) {
+  const bool is_predicted = (report.flags & fix_used) != 0 && (report.flags & fix_first) == 0;
+  return is_predicted || !report.innovation_world_m.isZero(0.0);
 }
 
 }  // namespace sonopose

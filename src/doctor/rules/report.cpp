@@ -55,7 +55,7 @@ std::string json_of(const std::vector<Finding>& findings) {
                                 {"what", finding.what},
                                 {"remedy", finding.remedy}});
   }
-  return json.dump();
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);  // a text need not be UTF-8
 }
 
 }  // namespace sonopose::doctor::rules

@@ -2,6 +2,7 @@
 
 #include "observation/status_counters.hpp"
 #include "observation/status_words.hpp"
+#include "observation/stream_state.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <nlohmann/json.hpp>
@@ -111,6 +112,8 @@ nlohmann::json beacon_json(const BeaconView& view) {
                       {"trust", pose.trust},
                       {"status", pose.status},
                       {"status_words", status_words(pose.status)},
+                      {"stream", stream_words(view)},
+                      {"severity", severity_of(view)},
                       {"reset_counter", pose.reset_counter},
                       {"pose_time_ns", pose.time_ns},
                       {"pose_deadlines_missed", view.deadlines_missed},
@@ -135,7 +138,7 @@ std::string json_of(const std::vector<BeaconView>& views, const std::vector<std:
                     TimeNs now_ns) {
   nlohmann::json json{{"time_ns", now_ns}, {"beacons", nlohmann::json::array()}, {"warnings", warnings}};
   for (const BeaconView& view : views) json["beacons"].push_back(beacon_json(view));
-  return json.dump();
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);  // a text need not be UTF-8
 }
 
 }  // namespace sonopose::observation::bus

@@ -3,9 +3,15 @@
 #include <algorithm>
 #include <arpa/inet.h>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cstddef>
+#include <cstring>
+#include <ifaddrs.h>
+#include <memory>
+#include <net/if.h>
+#include <optional>
 #include <stdexcept>
 #include <sys/random.h>
 #include <system_error>
@@ -31,13 +37,40 @@ bool are_equal(std::string_view a, std::string_view b) {
   return difference == 0;
 }
 
+/// "127.0.0.1" of "127.0.0.1:8080", "[::1]" of "[::1]:8080".
+std::string_view name_in(std::string_view host) {
+  const std::size_t colon = host.rfind(':');
+  const bool is_of_ipv6 = colon != std::string_view::npos && host.find(']', colon) != std::string_view::npos;
+  return is_of_ipv6 ? host : host.substr(0, colon);
+}
+
+/// The port may be another one: that of a tunnel (ssh -L 9000:localhost:8080).
 bool is_this_machine(std::string_view host, const Endpoint& endpoint) {
-  const std::string port = ":" + std::to_string(endpoint.port);
-  const auto is = [&](const std::string& name) {
-    return host == name + port || (endpoint.port == 80 && host == name);
-  };
-  const bool is_listened_on = is(is_ipv6(endpoint.address) ? "[" + endpoint.address + "]" : endpoint.address);
-  return is("localhost") || is("127.0.0.1") || is("[::1]") || is_listened_on;
+  const std::string_view name = name_in(host);
+  const std::string own = is_ipv6(endpoint.address) ? "[" + endpoint.address + "]" : endpoint.address;
+  return name == "localhost" || name == "127.0.0.1" || name == "[::1]" || name == own;
+}
+
+/// Of an interface. Empty for another family, and for addresses that are valid on one link only.
+std::optional<std::string> address_of(const sockaddr& socket, bool has_ipv6) {
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  if (socket.sa_family == AF_INET) {
+    sockaddr_in ipv4{};
+    std::memcpy(&ipv4, &socket, sizeof ipv4);
+    return ::inet_ntop(AF_INET, &ipv4.sin_addr, text.data(), text.size());
+  }
+  if (socket.sa_family != AF_INET6 || !has_ipv6) return {};
+  sockaddr_in6 ipv6{};
+  std::memcpy(&ipv6, &socket, sizeof ipv6);
+  if (IN6_IS_ADDR_LINKLOCAL(&ipv6.sin6_addr)) return {};
+  return ::inet_ntop(AF_INET6, &ipv6.sin6_addr, text.data(), text.size());
+}
+
+bool has_only(std::string_view text, std::string_view further) {
+  return std::all_of(text.begin(), text.end(), [&](char each) {
+    return (std::isalnum(static_cast<unsigned char>(each)) != 0 && static_cast<unsigned char>(each) < 128) ||
+           further.find(each) != std::string_view::npos;
+  });
 }
 
 }  // namespace
@@ -75,14 +108,42 @@ bool is_loopback(const Endpoint& endpoint) {
   return ::inet_pton(AF_INET6, endpoint.address.c_str(), &address) == 1 && IN6_IS_ADDR_LOOPBACK(&address);
 }
 
+bool is_foreign(const Credentials& credentials) {
+  return !credentials.origin.empty() && credentials.origin != "http://" + std::string(credentials.host);
+}
+
+std::string parse_origin(std::string text) {
+  const std::string given = text;
+  if (text.ends_with('/')) text.pop_back();
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char each) { return static_cast<char>(std::tolower(each)); });
+  const std::size_t scheme_end = text.find("://");
+  const std::string host = scheme_end == std::string::npos ? "" : text.substr(scheme_end + 3);
+  if (scheme_end == 0 || host.empty() || !has_only(text.substr(0, scheme_end), "+-.") || !is_host(host)) {
+    throw std::invalid_argument("'" + given +
+                                "' is not the origin of a page, as https://app.foxglove.dev or "
+                                "http://localhost:8000");
+  }
+  return text;
+}
+
+bool is_host(std::string_view text) {
+  return !text.empty() && has_only(text, ".-_:[]");
+}
+
+void check_token(const std::string& token) {
+  if (token.size() >= least_token_size && has_only(token, "._~-")) return;
+  throw std::invalid_argument("the token has to have at least " + std::to_string(least_token_size) +
+                              " characters, of A-Z a-z 0-9 . _ ~ -");
+}
+
 Verdict judge(const AccessRules& rules, const Credentials& credentials) {
   if (is_loopback(rules.endpoint) && !is_this_machine(credentials.host, rules.endpoint)) {
     return Verdict::wrong_host;
   }
-  const bool is_own = credentials.origin == "http://" + std::string(credentials.host);
   const bool is_listed =
       std::find(rules.origins.begin(), rules.origins.end(), credentials.origin) != rules.origins.end();
-  if (!credentials.origin.empty() && !is_own && !is_listed) return Verdict::wrong_origin;
+  if (is_foreign(credentials) && !is_listed) return Verdict::wrong_origin;
   if (!rules.token.empty() && !are_equal(credentials.token, rules.token)) return Verdict::wrong_token;
   return Verdict::allowed;
 }
@@ -98,6 +159,23 @@ Target parse_target(std::string_view target) {
     query.remove_prefix(std::min(end + 1, query.size()));
   }
   return parsed;
+}
+
+std::vector<Endpoint> reachable(const Endpoint& endpoint) {
+  const bool is_of_all = endpoint.address == "0.0.0.0" || endpoint.address == "::";
+  if (!is_of_all) return {endpoint};
+  ifaddrs* list = nullptr;
+  if (::getifaddrs(&list) != 0) return {endpoint};
+  const std::unique_ptr<ifaddrs, decltype(&::freeifaddrs)> owner(list, ::freeifaddrs);
+  std::vector<Endpoint> found;
+  for (const ifaddrs* each = list; each != nullptr; each = each->ifa_next) {
+    if (each->ifa_addr == nullptr || (each->ifa_flags & IFF_UP) == 0) continue;
+    if (const auto address = address_of(*each->ifa_addr, endpoint.address == "::")) {
+      found.push_back({.address = *address, .port = endpoint.port});
+    }
+  }
+  std::stable_partition(found.begin(), found.end(), [](const Endpoint& each) { return !is_loopback(each); });
+  return found.empty() ? std::vector{endpoint} : found;
 }
 
 std::string random_token() {

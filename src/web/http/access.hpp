@@ -2,6 +2,7 @@
 /// \file
 /// Who may connect: where a server listens, and the rules for a request.
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -43,8 +44,19 @@ struct Credentials {
 
 enum class Verdict : std::uint8_t { allowed, wrong_host, wrong_origin, wrong_token };
 
+/// Whether a page of another origin asks, be it one that may.
+bool is_foreign(const Credentials& credentials);
+
+/// "https://app.example.com" of "https://App.example.com/", as a browser sends it. Throws
+/// std::invalid_argument, whose text has the value and the form.
+std::string parse_origin(std::string text);
+
+/// Whether a text consists of the characters of a host and port. A header's text need not.
+bool is_host(std::string_view text);
+
 /// A page from elsewhere is refused by its origin, also one whose name was made to point here (DNS
-/// rebinding): on loopback the host must be this machine; elsewhere there is a token that it cannot know.
+/// rebinding): on loopback the host must be this machine, with any port; elsewhere there is a token that it
+/// cannot know.
 Verdict judge(const AccessRules& rules, const Credentials& credentials);
 
 /// The path and the token of "/path?token=TOKEN"; other parameters are ignored.
@@ -53,6 +65,15 @@ struct Target {
   std::string_view token;
 };
 Target parse_target(std::string_view target);
+
+/// Where a browser reaches the server: `endpoint`, or, if it is that of all interfaces, the address of each,
+/// loopback last.
+std::vector<Endpoint> reachable(const Endpoint& endpoint);
+
+inline constexpr std::size_t least_token_size = 16;
+/// Throws std::invalid_argument if a token is too short to be hard to guess, or has characters that a URL
+/// cannot have.
+void check_token(const std::string& token);
 
 /// 32 characters that nobody can guess. Throws std::system_error.
 std::string random_token();

@@ -2,10 +2,12 @@
 #include "web/http/server.hpp"
 
 #include "logging/log.hpp"
+#include "web/http/refusal.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/beast/core.hpp>
@@ -13,7 +15,9 @@
 #include <boost/beast/websocket.hpp>
 #include <chrono>
 #include <deque>
+#include <list>
 #include <map>
+#include <mutex>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -41,20 +45,6 @@ std::vector<std::string> items_of(beast::string_view list) {
   std::vector<std::string> items;
   for (const auto& item : message::token_list(list)) items.push_back(to_text(item));
   return items;
-}
-
-const char* text_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::wrong_host:
-      return "refused: the header Host names another machine\n";
-    case Verdict::wrong_origin:
-      return "refused: the request comes from a page of another origin\n";
-    case Verdict::wrong_token:
-      return "refused: the token is missing or wrong; the server printed its URL\n";
-    case Verdict::allowed:
-      break;
-  }
-  return "";
 }
 
 /// The socket has small buffers in the kernel, so that a slow client lags by little.
@@ -88,6 +78,7 @@ public:
   [[nodiscard]] const Endpoint& endpoint() const { return options_.endpoint; }
   [[nodiscard]] const std::string& token() const { return options_.token; }
 
+  /// Any thread.
   void send(std::vector<ClientId> clients, SharedText text, bool is_text, Loss loss);
 
 private:
@@ -109,7 +100,16 @@ private:
     }
   }
 
+  [[nodiscard]] std::chrono::milliseconds timeout() const {
+    return std::chrono::duration_cast<std::chrono::milliseconds>(
+        std::chrono::duration<double>(options_.timeout_s));
+  }
+
   void accept();
+  /// Counts messages that were dropped on their way to this thread.
+  void take_drops();
+  /// Closes the connection that waits longest for a request if there are too many. False if none waits.
+  bool make_room();
 
   /// Runs a call of the handler. False if it threw.
   bool guarded(const auto& call) {
@@ -125,7 +125,13 @@ private:
   ServerOptions options_;
   AccessRules rules_;
   Handler* handler_ = nullptr;
-  std::size_t connections_ = 0;  ///< before the context: its handlers count them down
+  // Before the context: its handlers count them down.
+  std::size_t websockets_ = 0;
+  std::list<HttpConnection*> requesting_;  ///< the one whose last request is longest ago comes first
+  std::atomic<std::size_t> posted_bytes_ = 0;
+  std::mutex drops_mutex_;  ///< guards the next
+  std::map<ClientId, std::uint64_t> drops_;
+  RefusalLog refusal_log_;
   asio::io_context context_{1};
   tcp::acceptor acceptor_;
   asio::steady_timer retry_{context_};
@@ -138,19 +144,19 @@ private:
 class Server::Parts::WebSocketConnection : public std::enable_shared_from_this<WebSocketConnection> {
 public:
   WebSocketConnection(Parts& server, beast::tcp_stream&& stream, ClientId id)
-      : server_(server), id_(id), stream_(std::move(stream)) {}
+      : server_(server), id_(id), stream_(std::move(stream)) {
+    ++server_.websockets_;
+  }
   WebSocketConnection(const WebSocketConnection&) = delete;
   WebSocketConnection& operator=(const WebSocketConnection&) = delete;
-  ~WebSocketConnection() { --server_.connections_; }
+  ~WebSocketConnection() { --server_.websockets_; }
 
   void accept(const message::request<message::empty_body>& request, std::string protocol) {
     beast::get_lowest_layer(stream_).expires_never();  // the next line has its own
-    const std::chrono::duration<double> timeout(server_.options_.timeout_s);
-    stream_.set_option(websocket::stream_base::timeout{
-        std::chrono::seconds(5), std::chrono::duration_cast<std::chrono::milliseconds>(timeout), true});
+    stream_.set_option(websocket::stream_base::timeout{std::chrono::seconds(5), server_.timeout(), true});
     stream_.auto_fragment(false);
     stream_.read_message_max(server_.options_.max_message_bytes);
-    stream_.set_option(websocket::stream_base::decorator([&](websocket::response_type& response) {
+    stream_.set_option(websocket::stream_base::decorator([protocol](websocket::response_type& response) {
       response.set(message::field::sec_websocket_protocol, protocol);
     }));
     stream_.async_accept(request, [self = shared_from_this(), protocol](ErrorCode error) {
@@ -158,11 +164,13 @@ public:
       self->server_.clients_[self->id_] = self;
       self->is_open_ = true;
       if (!self->server_.guarded([&] { self->server_.handler_->on_open(self->id_, protocol); })) {
-        return self->disconnect();
+        return self->end();
       }
       self->read();
     });
   }
+
+  void add_dropped(std::uint64_t count) { dropped_ += count; }
 
   void send(const SharedText& text, bool is_text, Loss loss) {
     if (is_closing_) return;
@@ -243,20 +251,23 @@ private:
 /// One connection until it becomes a WebSocket or ends.
 class Server::Parts::HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 public:
-  HttpConnection(Parts& server, tcp::socket&& socket) : server_(server), stream_(std::move(socket)) {
-    ++server_.connections_;
-  }
+  HttpConnection(Parts& server, tcp::socket&& socket)
+      : server_(server),
+        stream_(std::move(socket)),
+        place_(server.requesting_.insert(server.requesting_.end(), this)) {}
   HttpConnection(const HttpConnection&) = delete;
   HttpConnection& operator=(const HttpConnection&) = delete;
-  ~HttpConnection() {
-    if (!is_upgraded_) --server_.connections_;
-  }
+  ~HttpConnection() { server_.requesting_.erase(place_); }
 
   void start() {
-    if (server_.connections_ > server_.options_.max_clients) {
-      return refuse(503, "too many connections; see --max-clients\n");
-    }
+    if (!server_.make_room()) return refuse(503, "too many connections at a time; try again later\n");
     read_request();
+  }
+
+  [[nodiscard]] bool is_waiting() const { return is_waiting_; }
+  void close() {
+    is_waiting_ = false;
+    stream_.close();
   }
 
 private:
@@ -265,11 +276,15 @@ private:
     parser_->header_limit(static_cast<std::uint32_t>(server_.options_.max_header_bytes));
     parser_->body_limit(0);
     stream_.expires_after(std::chrono::seconds(10));
+    is_waiting_ = true;
     message::async_read(stream_, buffer_, *parser_,
                         [self = shared_from_this()](ErrorCode error, std::size_t) { self->on_read(error); });
   }
 
   void on_read(ErrorCode error) {
+    is_waiting_ = false;
+    auto& all = server_.requesting_;
+    all.splice(all.end(), all, place_);
     if (!error) return answer();
     if (error == message::error::header_limit) return refuse(431, "the header is too large\n");
     if (error == message::error::body_limit) return refuse(413, "a request has no body here\n");
@@ -282,16 +297,27 @@ private:
   void answer() {
     const auto& request = parser_->get();
     const Target target = parse_target(to_view(request.target()));
-    const Verdict verdict = judge(server_.rules_, {.host = to_view(request[message::field::host]),
-                                                   .origin = to_view(request[message::field::origin]),
-                                                   .token = target.token});
-    if (verdict != Verdict::allowed) {
-      return refuse(verdict == Verdict::wrong_token ? 401 : 403, text_of(verdict));
+    const Credentials credentials{.host = to_view(request[message::field::host]),
+                                  .origin = to_view(request[message::field::origin]),
+                                  .token = target.token};
+    const bool is_upgrade = websocket::is_upgrade(request);
+    const Verdict verdict = judge(server_.rules_, credentials);
+    const bool is_exempt =
+        verdict == Verdict::wrong_token && !is_upgrade && server_.handler_->is_public(target.path);
+    if (verdict != Verdict::allowed && !is_exempt) {
+      server_.refusal_log_.add(verdict, credentials);
+      return refuse(verdict == Verdict::wrong_token ? 401 : 403, reason_of(verdict));
     }
-    if (websocket::is_upgrade(request)) return upgrade(request, target.path);
+    const bool is_full = server_.websockets_ >= server_.options_.max_clients;
+    if (is_full && (is_upgrade || target.path == websocket_path)) {
+      return refuse(
+          503, fmt::format("there are {} connections already; see --max-clients\n", server_.websockets_));
+    }
+    if (is_upgrade) return upgrade(request, target.path, is_foreign(credentials));
     if (request.method() != message::verb::get && request.method() != message::verb::head) {
       return refuse(405, "only GET and HEAD\n");
     }
+    if (target.path == websocket_path) return refuse(426, "this is the place of a WebSocket\n");
     Response response;
     if (!server_.guarded([&] { response = server_.handler_->get(target.path); })) {
       return refuse(500, "the request failed; see the server's log\n");
@@ -299,12 +325,14 @@ private:
     write(std::move(response), request.method() == message::verb::head, request.keep_alive());
   }
 
-  void upgrade(const message::request<message::empty_body>& request, std::string_view path) {
+  void upgrade(const message::request<message::empty_body>& request, std::string_view path, bool is_foreign) {
     const auto offered = items_of(request[message::field::sec_websocket_protocol]);
     std::optional<std::string> protocol;
-    server_.guarded([&] { protocol = server_.handler_->choose_protocol(path, offered); });
-    if (!protocol) return refuse(400, "no sub-protocol that is known here is offered\n");
-    is_upgraded_ = true;  // the new object counts as the connection
+    server_.guarded([&] { protocol = server_.handler_->choose_protocol(path, offered, is_foreign); });
+    if (!protocol) {
+      return refuse(400, fmt::format("the client offers no known sub-protocol: {}\n",
+                                     printable(to_view(request[message::field::sec_websocket_protocol]))));
+    }
     const auto connection =
         std::make_shared<WebSocketConnection>(server_, std::move(stream_), server_.next_id_++);
     connection->accept(request, *std::move(protocol));
@@ -325,18 +353,33 @@ private:
     reply_->set("X-Content-Type-Options", "nosniff");
     reply_->set("X-Frame-Options", "DENY");
     reply_->set("Content-Security-Policy",
-                "default-src 'self'; img-src 'self' data:; style-src-attr 'unsafe-inline'; frame-ancestors "
-                "'none'; base-uri 'none'; "
-                "form-action 'none'");
+                "default-src 'self'; " + connect_rule() +
+                    "img-src 'self' data:; style-src-attr 'unsafe-inline'; frame-ancestors 'none'; base-uri "
+                    "'none'; form-action 'none'");
     reply_->keep_alive(keep_alive);
     reply_->content_length(body_ ? body_->size() : 0);
-    stream_.expires_after(std::chrono::seconds(30));
     serializer_.emplace(*reply_);
-    message::async_write(stream_, *serializer_, [self = shared_from_this()](ErrorCode error, std::size_t) {
-      if (error) return;
-      if (!self->reply_->keep_alive()) return self->shut_down();
-      self->read_request();
-    });
+    write_some();
+  }
+
+  /// Not every browser takes 'self' for WebSockets, too.
+  std::string connect_rule() const {
+    const std::string_view host =
+        to_view(parser_ ? parser_->get()[message::field::host] : beast::string_view());
+    if (!is_host(host)) return {};
+    return fmt::format("connect-src 'self' ws://{0} wss://{0}; ", host);
+  }
+
+  /// A body may take long, but a client that takes nothing is not waited for.
+  void write_some() {
+    stream_.expires_after(server_.timeout());
+    message::async_write_some(stream_, *serializer_,
+                              [self = shared_from_this()](ErrorCode error, std::size_t) {
+                                if (error) return;
+                                if (!self->serializer_->is_done()) return self->write_some();
+                                if (!self->reply_->keep_alive()) return self->shut_down();
+                                self->read_request();
+                              });
   }
 
   void shut_down() {
@@ -347,7 +390,8 @@ private:
   Parts& server_;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_{65'536};
-  bool is_upgraded_ = false;
+  std::list<HttpConnection*>::iterator place_;
+  bool is_waiting_ = false;  ///< for a request
   std::optional<message::request_parser<message::empty_body>> parser_;
   SharedText body_;  ///< the reply refers to it
   using Reply = message::response<message::span_body<const char>>;
@@ -356,13 +400,42 @@ private:
 };
 
 void Server::Parts::send(std::vector<ClientId> clients, SharedText text, bool is_text, Loss loss) {
+  const std::size_t size = text->size();
+  if (posted_bytes_.fetch_add(size) + size > options_.max_posted_bytes && loss == Loss::allowed) {
+    posted_bytes_ -= size;
+    const std::lock_guard lock(drops_mutex_);
+    for (const ClientId id : clients) ++drops_[id];
+    return;
+  }
   asio::post(context_, [this, clients = std::move(clients), text = std::move(text), is_text, loss] {
+    posted_bytes_ -= text->size();
+    take_drops();
     for (const ClientId id : clients) {
       if (const auto found = clients_.find(id); found != clients_.end()) {
         found->second->send(text, is_text, loss);
       }
     }
   });
+}
+
+void Server::Parts::take_drops() {
+  std::map<ClientId, std::uint64_t> drops;
+  {
+    const std::lock_guard lock(drops_mutex_);
+    drops.swap(drops_);
+  }
+  for (const auto& [id, count] : drops) {
+    if (const auto found = clients_.find(id); found != clients_.end()) found->second->add_dropped(count);
+  }
+}
+
+bool Server::Parts::make_room() {
+  if (requesting_.size() <= options_.max_requesting) return true;
+  const auto waiting = std::find_if(requesting_.begin(), requesting_.end(),
+                                    [](const HttpConnection* each) { return each->is_waiting(); });
+  if (waiting == requesting_.end()) return false;
+  (*waiting)->close();  // it is destroyed later, by its handler
+  return true;
 }
 
 void Server::Parts::accept() {
@@ -395,9 +468,13 @@ const Endpoint& Server::endpoint() const {
   return parts_->endpoint();
 }
 
-std::string Server::url() const {
+std::vector<std::string> Server::urls() const {
   const std::string query = parts_->token().empty() ? "" : "?token=" + parts_->token();
-  return "http://" + http::text_of(endpoint()) + "/" + query;
+  std::vector<std::string> urls;
+  for (const Endpoint& each : reachable(endpoint())) {
+    urls.push_back("http://" + http::text_of(each) + "/" + query);
+  }
+  return urls;
 }
 
 void Server::send(std::vector<ClientId> clients, SharedText message, bool is_text, Loss loss) {

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +18,12 @@ namespace sonopose::web::http {
 /// One WebSocket connection; never used again.
 using ClientId = std::uint64_t;
 using SharedText = std::shared_ptr<const std::string>;
+
+/// Called when a server is ready, with the URLs of its page (Server::urls).
+using OnReady = std::function<void(const std::vector<std::string>& urls)>;
+
+/// The path of the page's WebSocket. A GET of it says why it would be refused.
+inline constexpr std::string_view websocket_path = "/ws";
 
 /// The answer to a GET.
 struct Response {
@@ -37,9 +44,13 @@ public:
 
   /// The answer to a GET or HEAD of `path`, without the query.
   virtual Response get(std::string_view path) = 0;
-  /// One of the sub-protocols that a client offers, in its order; empty: it is refused.
+  /// Whether a GET of `path` needs no token: the same for everybody, as a script of the page.
+  [[nodiscard]] virtual bool is_public(std::string_view path) const = 0;
+  /// One of the sub-protocols that a client offers, in its order; empty: it is refused. `is_foreign`: the
+  /// client is a page of another origin.
   virtual std::optional<std::string> choose_protocol(std::string_view path,
-                                                     const std::vector<std::string>& offered) = 0;
+                                                     const std::vector<std::string>& offered,
+                                                     bool is_foreign) = 0;
   virtual void on_open(ClientId client, const std::string& protocol) = 0;
   virtual void on_message(ClientId client, bool is_text, std::string_view message) = 0;
   virtual void on_close(ClientId client) = 0;
@@ -52,11 +63,13 @@ struct ServerOptions {
   Endpoint endpoint;
   std::string token;                 ///< empty: none is asked for
   std::vector<std::string> origins;  ///< of other pages that may connect
-  std::size_t max_clients = 16;      ///< connections at a time
+  std::size_t max_clients = 16;      ///< WebSockets at a time
+  std::size_t max_requesting = 64;   ///< other connections; of more, the one that is idle longest is closed
   std::size_t max_header_bytes = 8192;
   std::size_t max_message_bytes = 65'536;     ///< from a client
   std::size_t max_unsent_bytes = 1'048'576;   ///< to a client: more droppable messages are dropped,
   std::size_t max_queued_bytes = 16'777'216;  ///< and with more of the others it is disconnected
+  std::size_t max_posted_bytes = 16'777'216;  ///< on the way to the thread: more droppable ones are dropped
   double timeout_s = 30;  ///< a client that neither sends nor takes anything is disconnected
 };
 
@@ -77,8 +90,8 @@ public:
   /// With the actual port.
   [[nodiscard]] const Endpoint& endpoint() const;
 
-  /// Of "/", with the token.
-  [[nodiscard]] std::string url() const;
+  /// Of "/", with the token, at each address where a browser reaches it.
+  [[nodiscard]] std::vector<std::string> urls() const;
 
   /// Queues a message. Any thread may call it; it does not block.
   void send(std::vector<ClientId> clients, SharedText message, bool is_text, Loss loss);

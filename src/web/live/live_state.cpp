@@ -1,13 +1,13 @@
 #include "web/live/live_state.hpp"
 
-#include <sonopose/geometry/rotation.hpp>
+#include "web/live/rows.hpp"
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <span>
+#include <utility>
 
 namespace sonopose::web::live {
 namespace {
@@ -38,29 +38,18 @@ void close(std::string& text, char bracket) {
   }
 }
 
-double unknown_if_negative(double variance) {
-  return variance >= 0 ? variance : std::nan("");
-}
-
 void append_pose(std::string& text, const FusedPose& pose) {
-  const bool has_position = (pose.status & status_initialising) == 0;
-  const Vector3d position = has_position ? pose.position_world_m : Vector3d::Constant(std::nan(""));
-  const Vector3d& velocity = pose.velocity_world_mps;
-  const auto euler = geometry::euler_angles_of(pose.q_body_to_world);
-  const auto& covariance = pose.pose_covariance;
-  const bool known = covariance.at(0, 0) >= 0;
-  const double unknown = std::nan("");
+  const auto row = pose_row(pose);
+  const auto part = [&row](std::size_t from, std::size_t count) {
+    return std::span(row).subspan(from, count);
+  };
   text += "\"pose\":[";
   append_time(text, pose.time_ns);
-  append(text, std::array{position.x(), position.y(), position.z(), euler.roll_rad, euler.pitch_rad,
-                          euler.yaw_rad, velocity.x(), velocity.y(), velocity.z()});
-  append(text,
-         std::array{known ? covariance.at(0, 0) : unknown, known ? covariance.at(0, 1) : unknown,
-                    known ? covariance.at(1, 1) : unknown, unknown_if_negative(covariance.at(2, 2))},
-         7);
-  append(text, std::array{std::sqrt(unknown_if_negative(covariance.at(5, 5))), pose.trust});
-  fmt::format_to(std::back_inserter(text), "{},", pose.status);
-  append(text, pose.since_valid_fix_s, 3);
+  append(text, part(0, 9));
+  append(text, part(9, 4), 7);  // the covariance
+  append(text, part(13, 2));
+  append(text, part(15, 1), 0);  // the status
+  append(text, part(16, 1), 3);
   close(text, ']');
   text += ',';
 }
@@ -68,22 +57,59 @@ void append_pose(std::string& text, const FusedPose& pose) {
 void append_truth(std::string& text, const TruthSample& truth) {
   text += "\"truth\":[";
   append_time(text, truth.time_ns);
-  append(text, std::array{truth.position_world_m.x(), truth.position_world_m.y(), truth.position_world_m.z(),
-                          geometry::yaw_of(truth.q_body_to_world)});
+  append(text, truth_row(truth));
   close(text, ']');
   text += ',';
 }
 
 void append_fix(std::string& text, const FixReport& report) {
+  const auto row = fix_row(report);
   text += '[';
   append_time(text, report.applied_time_ns);
   append_time(text, report.emission_time_ns);
-  const Vector3d& position = report.position_world_m;
-  const Vector3d& innovation = report.innovation_world_m;
-  append(text, std::array{position.x(), position.y(), position.z(), innovation.x(), innovation.y(),
-                          innovation.z(), report.test_ratio.value_or(std::nan("")), report.weight});
-  fmt::format_to(std::back_inserter(text), "{}],", report.flags);
+  append(text, std::span(row).first(8));
+  append(text, std::span(row).last(2), 0);
+  close(text, ']');
+  text += ',';
 }
+
+/// The text of a frame, beacon by beacon.
+class Frame {
+public:
+  explicit Frame(TimeNs now_ns) : now_ns_(now_ns) {}
+
+  /// What is null or empty is left out.
+  void add(BeaconAddress address, const FusedPose* pose, const TruthSample* truth,
+           std::span<const FixReport> fixes) {
+    if (pose == nullptr && truth == nullptr && fixes.empty()) return;
+    if (text_.empty()) {
+      text_ = R"({"op":"frame","t":)";
+      append_time(text_, now_ns_);
+      text_ += "\"beacons\":[";
+    }
+    fmt::format_to(std::back_inserter(text_), "{{\"a\":{},", address);
+    if (pose != nullptr) append_pose(text_, *pose);
+    if (truth != nullptr) append_truth(text_, *truth);
+    if (!fixes.empty()) {
+      text_ += "\"fixes\":[";
+      for (const FixReport& report : fixes) append_fix(text_, report);
+      close(text_, ']');
+    }
+    close(text_, '}');
+    text_ += ',';
+  }
+
+  /// Empty without a beacon.
+  std::string text() && {
+    if (text_.empty()) return {};
+    close(text_, ']');
+    return std::move(text_) + '}';
+  }
+
+private:
+  TimeNs now_ns_;
+  std::string text_;
+};
 
 }  // namespace
 
@@ -111,37 +137,31 @@ void LiveState::on(const FixReport& report) noexcept {
   const std::lock_guard lock(mutex_);
   Beacon& beacon = this->beacon(report.address);
   beacon.watch.on(report, beacon.pending);
-  if (beacon.fixes.size() < max_fixes) beacon.fixes.push_back(report);
+  if (beacon.fixes.size() == max_fixes) beacon.fixes.erase(beacon.fixes.begin());
+  beacon.fixes.push_back(report);
 }
 
 std::string LiveState::take_frame(TimeNs now_ns) {
-  std::string text;
+  Frame frame(now_ns);
   const std::lock_guard lock(mutex_);
   for (auto& [address, beacon] : beacons_) {
-    if (!beacon.has_pose && !beacon.has_truth && beacon.fixes.empty()) continue;
-    if (text.empty()) {
-      text = R"({"op":"frame","t":)";
-      append_time(text, now_ns);
-      text += "\"beacons\":[";
-    }
-    fmt::format_to(std::back_inserter(text), "{{\"a\":{},", address);
-    if (beacon.has_pose) append_pose(text, beacon.pose);
-    if (beacon.has_truth) append_truth(text, beacon.truth);
-    if (!beacon.fixes.empty()) {
-      text += "\"fixes\":[";
-      for (const FixReport& report : beacon.fixes) append_fix(text, report);
-      close(text, ']');
-    }
-    close(text, '}');
-    text += ',';
+    frame.add(address, beacon.has_pose ? &beacon.pose : nullptr, beacon.has_truth ? &beacon.truth : nullptr,
+              beacon.fixes);
     beacon.has_pose = false;
     beacon.has_truth = false;
     beacon.fixes.clear();
   }
-  if (text.empty()) return text;
-  close(text, ']');
-  text += '}';
-  return text;
+  return std::move(frame).text();
+}
+
+std::string LiveState::latest(TimeNs now_ns) const {
+  Frame frame(now_ns);
+  const std::lock_guard lock(mutex_);
+  for (const auto& [address, beacon] : beacons_) {
+    frame.add(address, beacon.pose.time_ns != 0 ? &beacon.pose : nullptr,
+              beacon.truth.time_ns != 0 ? &beacon.truth : nullptr, {});
+  }
+  return std::move(frame).text();
 }
 
 std::vector<std::pair<BeaconAddress, transitions::Pending>> LiveState::take_transitions() {

@@ -28,13 +28,16 @@ public:
   /// "beacons": [{"a", "pose": [...], "truth": [...], "fixes": [[...]]}]}: docs/web.md describes the fields.
   std::string take_frame(TimeNs now_ns);
 
+  /// The latest pose and truth of each beacon in the same form, for a new page.
+  [[nodiscard]] std::string latest(TimeNs now_ns) const;
+
   /// The changes of state since the last call, by beacon.
   std::vector<std::pair<BeaconAddress, transitions::Pending>> take_transitions();
 
   void forget(BeaconAddress address);
 
 private:
-  /// More fixes between two frames than this are left out: a screen shows no more.
+  /// Of more fixes between two frames than this the oldest are left out: a screen shows no more.
   static constexpr std::size_t max_fixes = 32;
 
   struct Beacon {
@@ -51,7 +54,7 @@ private:
 
   Beacon& beacon(BeaconAddress address);
 
-  std::mutex mutex_;  ///< guards the rest
+  mutable std::mutex mutex_;  ///< guards the rest
   std::map<BeaconAddress, Beacon> beacons_;
 };
 

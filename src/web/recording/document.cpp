@@ -1,12 +1,13 @@
 #include "web/recording/document.hpp"
 
-#include "logging/log.hpp"
-#include <sonopose/geometry/rotation.hpp>
+#include "web/live/event_level.hpp"
+#include "web/live/rows.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -15,14 +16,16 @@
 namespace sonopose::web::recording {
 namespace {
 
-/// More rows than that are not needed on a screen, and make the page slow.
-constexpr double most_rows = 20'000;
+/// Of a beacon, and of all of them: more are not needed on a screen, and make the page slow.
+constexpr std::size_t most_rows = 20'000;
+constexpr std::size_t most_rows_of_all = 200'000;
 constexpr TimeNs least_pose_period_ns = 40'000'000;
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
-double known(double variance) {
-  return variance >= 0 ? variance : unknown;
+/// The names in front, then the columns.
+std::vector<std::string_view> names(std::vector<std::string_view> front,
+                                    std::span<const std::string_view> columns) {
+  front.insert(front.end(), columns.begin(), columns.end());
+  return front;
 }
 
 nlohmann::json number(double value) {
@@ -38,18 +41,19 @@ Columns::Columns(std::vector<std::string_view> names, TimeNs begin_ns, TimeNs le
       least_period_ns_(least_period_ns),
       next_ns_(std::numeric_limits<TimeNs>::min()) {}
 
-void Columns::add(TimeNs time_ns, const std::vector<double>& values) {
+void Columns::add(TimeNs time_ns, std::span<const double> values) {
   if (time_ns < next_ns_) return;
   next_ns_ = time_ns + least_period_ns_;
   columns_[0].push_back(seconds_between(begin_ns_, time_ns));
   for (std::size_t i = 0; i < values.size(); ++i) columns_[i + 1].push_back(values[i]);
 }
 
-std::string Columns::json() const {
+std::string Columns::json(std::size_t most_rows) const {
+  const std::size_t step = std::max<std::size_t>(1, (size() + most_rows - 1) / most_rows);
   std::string text = "{";
-  const auto append = [&text](std::string_view name, const std::vector<double>& values) {
+  const auto append = [&text, step](std::string_view name, const std::vector<double>& values) {
     fmt::format_to(std::back_inserter(text), "{}\"{}\":[", text.size() > 1 ? "," : "", name);
-    for (std::size_t i = 0; i < values.size(); ++i) {
+    for (std::size_t i = 0; i < values.size(); i += step) {
       if (i > 0) text += ',';
       if (std::isfinite(values[i])) {
         fmt::format_to(std::back_inserter(text), "{:.7g}", values[i]);
@@ -65,22 +69,17 @@ std::string Columns::json() const {
 }
 
 Document::Beacon::Beacon(BeaconAddress address, TimeNs begin_ns, TimeNs least_period_ns)
-    : poses({"x", "y", "z", "roll", "pitch", "yaw", "vx", "vy", "vz", "cxx", "cxy", "cyy", "czz", "yaw_std",
-             "trust", "status", "since_fix"},
-            begin_ns, std::max(least_period_ns, least_pose_period_ns)),
-      fixes({"t_emission", "x", "y", "z", "ix", "iy", "iz", "ratio", "weight", "flags"}, begin_ns,
-            least_period_ns),
-      truth({"x", "y", "z", "yaw"}, begin_ns, std::max(least_period_ns, least_pose_period_ns)),
+    : poses(names({}, live::pose_columns), begin_ns, std::max(least_period_ns, least_pose_period_ns)),
+      fixes(names({"t_emission"}, live::fix_columns), begin_ns, least_period_ns),
+      truth(names({}, live::truth_columns), begin_ns, std::max(least_period_ns, least_pose_period_ns)),
       watch(address) {}
 
 Document::Document(double duration_s)
-    : least_period_ns_(to_ns(duration_s / most_rows)), transition_log_([this](const transitions::Line& line) {
-        const bool is_info = line.level <= logging::Level::info;
-        const char* const level = is_info                                 ? "info"
-                                  : line.level == logging::Level::warning ? "warning"
-                                                                          : "error";
-        const nlohmann::json event{
-            {"t", 1e-9 * static_cast<double>(now_ns_)}, {"level", level}, {"text", line.text}};
+    : least_period_ns_(to_ns(duration_s / static_cast<double>(most_rows))),
+      transition_log_([this](const transitions::Line& line) {
+        const nlohmann::json event{{"t", 1e-9 * static_cast<double>(now_ns_)},
+                                   {"level", live::word_of(line.level)},
+                                   {"text", line.text}};
         events_ += (events_.empty() ? "" : ",") + event.dump();
       }) {}
 
@@ -97,18 +96,7 @@ void Document::take(transitions::Pending& pending, TimeNs time_ns) {
 
 void Document::add(const FusedPose& pose) {
   Beacon& beacon = this->beacon(pose.address, pose.time_ns);
-  const auto angles = geometry::euler_angles_of(pose.q_body_to_world);
-  const bool has_position = (pose.status & status_initialising) == 0;
-  const Vector3d position = has_position ? pose.position_world_m : Vector3d::Constant(unknown);
-  const auto& velocity = pose.velocity_world_mps;
-  const auto& covariance = pose.pose_covariance;
-  const bool is_known = covariance.is_known(0);
-  beacon.poses.add(pose.time_ns,
-                   {position.x(), position.y(), position.z(), angles.roll_rad, angles.pitch_rad,
-                    angles.yaw_rad, velocity.x(), velocity.y(), velocity.z(),
-                    is_known ? covariance.at(0, 0) : unknown, is_known ? covariance.at(0, 1) : unknown,
-                    is_known ? covariance.at(1, 1) : unknown, known(covariance.at(2, 2)), yaw_std_rad(pose),
-                    pose.trust, static_cast<double>(pose.status), pose.since_valid_fix_s});
+  beacon.poses.add(pose.time_ns, live::pose_row(pose));
   transitions::Pending pending;
   beacon.watch.on(pose, pending);
   take(pending, pose.time_ns);
@@ -117,22 +105,17 @@ void Document::add(const FusedPose& pose) {
 void Document::add(const FixReport& report) {
   if (report.hypothesis != 0) return;  // the poses are of the main one
   Beacon& beacon = this->beacon(report.address, report.applied_time_ns);
-  const auto& position = report.position_world_m;
-  const auto& innovation = report.innovation_world_m;
-  beacon.fixes.add(report.applied_time_ns,
-                   {seconds_between(begin_ns_, report.emission_time_ns), position.x(), position.y(),
-                    position.z(), innovation.x(), innovation.y(), innovation.z(),
-                    report.test_ratio.value_or(unknown), report.weight, static_cast<double>(report.flags)});
+  const auto row = live::fix_row(report);
+  std::array<double, 1 + row.size()> values{seconds_between(begin_ns_, report.emission_time_ns)};
+  std::copy(row.begin(), row.end(), values.begin() + 1);
+  beacon.fixes.add(report.applied_time_ns, values);
   transitions::Pending pending;
   beacon.watch.on(report, pending);
   take(pending, report.applied_time_ns);
 }
 
 void Document::add(const TruthSample& truth) {
-  const auto& position = truth.position_world_m;
-  beacon(truth.address, truth.time_ns)
-      .truth.add(truth.time_ns,
-                 {position.x(), position.y(), position.z(), geometry::yaw_of(truth.q_body_to_world)});
+  beacon(truth.address, truth.time_ns).truth.add(truth.time_ns, live::truth_row(truth));
 }
 
 void Document::add(const StationaryBeacon& beacon) {
@@ -160,10 +143,12 @@ std::string Document::json() {
   }
   text += R"(],"beacons":[)";
   separator.clear();
+  const std::size_t most = std::min(most_rows, most_rows_of_all / std::max<std::size_t>(1, beacons_.size()));
   for (const auto& [address, beacon] : beacons_) {
     const std::size_t rows = std::max({beacon.poses.size(), beacon.fixes.size(), beacon.truth.size()});
     text += fmt::format(R"({}{{"address":{},"rows":{},"poses":{},"fixes":{},"truth":{}}})", separator,
-                        address, rows, beacon.poses.json(), beacon.fixes.json(), beacon.truth.json());
+                        address, std::min(most, rows), beacon.poses.json(most), beacon.fixes.json(most),
+                        beacon.truth.json(most));
     separator = ",";
   }
   return text + "]}";

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,10 +22,11 @@ public:
   Columns(std::vector<std::string_view> names, TimeNs begin_ns, TimeNs least_period_ns);
 
   /// The values that follow the time, in the order of the names.
-  void add(TimeNs time_ns, const std::vector<double>& values);
+  void add(TimeNs time_ns, std::span<const double> values);
   [[nodiscard]] std::size_t size() const { return columns_.front().size(); }
-  /// {"t": [...], "x": [...]}; t is in seconds since the begin, null is unknown.
-  [[nodiscard]] std::string json() const;
+  /// {"t": [...], "x": [...]}; t is in seconds since the begin, null is unknown. Every so many-th row if
+  /// there are more than `most_rows`.
+  [[nodiscard]] std::string json(std::size_t most_rows) const;
 
 private:
   std::vector<std::string_view> names_;

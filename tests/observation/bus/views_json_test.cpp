@@ -1,5 +1,6 @@
 #include "observation/bus/views_json.hpp"
 
+#include "observation/stream_state.hpp"
 #include "observation/views.hpp"
 
 #include <catch2/catch.hpp>
@@ -32,6 +33,8 @@ SCENARIO("the JSON object has the documented keys") {
       CHECK(good["heading_deg"].get<double>() == Approx(90.0));
       CHECK(good["speed_mps"].get<double>() == Approx(5.0));
       CHECK(good["status_words"] == "ok");
+      CHECK(good["stream"] == "ok");
+      CHECK(good["severity"] == 0);
       CHECK(good["reset_counter"] == 2);
       CHECK(good["pose_time_ns"] == views_now_ns - 1'000'000);
       CHECK(good["pose_deadlines_missed"] == 8);
@@ -71,6 +74,8 @@ SCENARIO("the JSON object has the documented keys") {
     }
     THEN("unknown values of the silent one are null or absent") {
       CHECK(silent["address"] == 21);
+      CHECK(silent["stream"] == "silent");
+      CHECK(silent["severity"] > bad_severity);
       CHECK(silent["latency_p50_s"].is_null());
       CHECK(silent["position_error_rms_m"].is_null());
       CHECK(silent["since_valid_fix_s"].is_null());
@@ -85,6 +90,11 @@ SCENARIO("the JSON object has the documented keys") {
       CHECK(nlohmann::json::parse(json_of({}, {}, views_now_ns))["beacons"] == nlohmann::json::array());
     }
   }
+}
+
+SCENARIO("a text of the bus that is not UTF-8 is replaced") {
+  const auto json = nlohmann::json::parse(json_of({}, {"bridge \xff"}, views_now_ns));
+  CHECK(json["warnings"][0] == "bridge \ufffd");
 }
 
 }  // namespace views_json_test

@@ -1,0 +1,161 @@
+// The parts of the live page that need no browser: node tests/web/scripts_test.cjs
+"use strict";
+
+const assert = require("node:assert/strict");
+const fs = require("node:fs");
+const path = require("node:path");
+const test = require("node:test");
+const vm = require("node:vm");
+
+const load = (name) => {
+  const file = path.join(__dirname, "../../web", name);
+  vm.runInThisContext(fs.readFileSync(file, "utf8"), { filename: file });
+};
+globalThis.location = { search: "", protocol: "http:", host: "localhost:8080" };
+for (const name of ["shared.js", "model.js", "connection.js"]) load(name);
+const { Model, Columns, Connection, LinePath, View, verdicts, ellipseOf, compareKnown, setStatusTable, words } = sonopose;
+
+const near = (a, b) => assert.ok(Math.abs(a - b) < 1e-9, `${a} is not ${b}`);
+
+test("columns keep the newest rows, and find those of a time", () => {
+  const columns = new Columns(["t", "x"], 3);
+  assert.equal(columns.last(), null);
+  for (let i = 0; i < 5; i += 1) columns.push([i, 10 * i]);
+  assert.equal(columns.size, 3);
+  assert.equal(columns.pushed, 5);
+  assert.deepEqual(columns.row(0), { t: 2, x: 20 });
+  assert.deepEqual(columns.last(), { t: 4, x: 40 });
+  assert.deepEqual(columns.last(3.5), { t: 3, x: 30 });
+  assert.equal(columns.last(1), null);
+  columns.push([5, null]);
+  assert.ok(Number.isNaN(columns.last().x));
+});
+
+test("latency segments are read by name", () => {
+  const model = new Model();
+  // In the order of the JSON, whose keys are sorted.
+  const latency_segments = {};
+  ["bridge_to_fusion", "fusion_to_here", "in_fusion", "sensor_to_bridge"].forEach((name, i) => {
+    latency_segments[name] = { p50_s: i };
+  });
+  model.onStatus({ time_ns: 5e9, beacons: [{ address: 7, latency_segments, bridge: { battery_v: 3.9 } }] });
+  const row = model.beacon(7).status.last();
+  assert.equal(row.t, 5);
+  assert.equal(row.battery, 3.9);
+  assert.equal(row.bridge_to_fusion, 0);
+  assert.equal(row.fusion_to_here, 1);
+  assert.equal(row.in_fusion, 2);
+  assert.equal(row.sensor_to_bridge, 3);
+});
+
+test("what a new connection repeats is shown once", () => {
+  const model = new Model();
+  const frame = (t) => ({ beacons: [{ a: 7, pose: [t, 1, 2, 3], truth: [t, 1, 2, 3, 0] }] });
+  model.onFrame(frame(1));
+  model.onFrame(frame(1));
+  model.onFrame(frame(2));
+  assert.equal(model.beacon(7).poses.size, 2);
+  assert.equal(model.beacon(7).truth.size, 2);
+});
+
+test("beacons that went while there was no connection are forgotten", () => {
+  const model = new Model();
+  for (const address of [7, 8, 9]) model.beacon(address);
+  assert.deepEqual(model.keepOnly([8, 9]), [7]);
+  assert.deepEqual([...model.beacons.keys()], [8, 9]);
+  assert.equal(model.selected, 8);
+});
+
+test("a fix has the verdict of the server, by number", () => {
+  assert.deepEqual(verdicts.map(({ name }) => name), ["used", "down-weighted", "rejected"]);
+  const model = new Model();
+  model.onFrame({ beacons: [{ a: 7, fixes: [[1, 0.9, 1, 2, 3, null, null, null, null, 0.4, 1, 2]] }] });
+  const fix = model.beacon(7).fixes.last();
+  assert.equal(verdicts[fix.verdict].name, "rejected");
+  assert.ok(Number.isNaN(fix.ix));
+});
+
+test("an ellipse has the axes and the direction of its covariance", () => {
+  const along = ellipseOf(4, 0, 1);
+  near(along.long, 2);
+  near(along.short, 1);
+  near(along.angle, 0);
+  const diagonal = ellipseOf(2.5, 1.5, 2.5); // the same, turned by 45 degrees
+  near(diagonal.long, 2);
+  near(diagonal.short, 1);
+  near(diagonal.angle, Math.PI / 4);
+  near(ellipseOf(1, 1, 1).short, 0);
+});
+
+test("a place stays where it is when the view is zoomed there", () => {
+  const view = new View([1, 1000]);
+  [view.width, view.height] = [800, 600];
+  const before = view.toWorld(100, 50);
+  view.zoom(3, [100, 50]);
+  const after = view.toWorld(100, 50);
+  near(before[0], after[0]);
+  near(before[1], after[1]);
+  near(view.toScreen(...after)[1], 50);
+});
+
+test("a line is interrupted where nothing is known, and reaches the last point", () => {
+  const drawn = [];
+  const context = {
+    beginPath: () => {}, stroke: () => {},
+    moveTo: (x) => drawn.push(["move", x]), lineTo: (x) => drawn.push(["line", x]),
+  };
+  const view = new View([1, 1]);
+  view.scale = 1;
+  view.width = 0;
+  const path = new LinePath(context, view, 3);
+  [0, 1, 2, 3, 4, NaN, 6, 7, 8, 9, 10].forEach((x, i) => path.add(i, x, 0));
+  path.stroke();
+  assert.deepEqual(drawn, [["move", 0], ["line", 3], ["line", 4], ["move", 6], ["line", 9], ["line", 10]]);
+});
+
+test("what is not known comes last in both directions", () => {
+  const sorted = (isDescending) => [3, NaN, 1, 2, NaN].sort((a, b) => compareKnown(a, b, isDescending));
+  assert.deepEqual(sorted(false), [1, 2, 3, NaN, NaN]);
+  assert.deepEqual(sorted(true), [3, 2, 1, NaN, NaN]);
+});
+
+test("the status of a pose has the words and the severity of the server", () => {
+  setStatusTable([{ bit: 4, word: "stale", severity: 75 }, { bit: 8, word: "converging", severity: 35 }]);
+  assert.deepEqual(words(12), { text: "stale, converging", severity: 75 });
+  assert.deepEqual(words(0), { text: "ok", severity: 0 });
+});
+
+test("a live connection that falls silent is opened again", () => {
+  let now = 0;
+  let watch = null;
+  const sockets = [];
+  const states = [];
+  Object.defineProperty(globalThis, "performance", { value: { now: () => now }, configurable: true });
+  globalThis.setInterval = (call) => { watch = call; };
+  globalThis.setTimeout = (call) => call();
+  globalThis.fetch = async () => ({ status: 426 });
+  globalThis.WebSocket = class {
+    static OPEN = 1;
+    constructor() {
+      this.readyState = 1;
+      sockets.push(this);
+    }
+    close() {
+      this.readyState = 3;
+    }
+  };
+  const connection = new Connection({ onMessage: () => {}, onState: (text, isConnected) => states.push([text, isConnected]) });
+  sockets[0].onopen();
+  now = 60_000;
+  watch();
+  assert.equal(sockets.length, 1); // a recording says nothing
+  connection.isLive = true;
+  sockets[0].onmessage({ data: "{}" });
+  now += 4_900;
+  watch();
+  assert.equal(sockets.length, 1);
+  now += 200;
+  watch();
+  assert.equal(sockets.length, 2);
+  assert.ok(states.some(([text, isConnected]) => text.includes("lost") && !isConnected));
+});
