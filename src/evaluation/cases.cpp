@@ -13,13 +13,18 @@ Case simulated_case(const sim::Scenario& scenario, std::uint64_t seed) {
   const sim::Run run{.seed = seed};
   const sim::Scenario drawn = sim::drawn(scenario, run);
   sim::Recording recording = sim::record(drawn, run);
+  std::vector<sim::Outage> without_good_fixes = drawn.disturbances.outages;
+  for (const sim::OutlierBurst& track : drawn.disturbances.outlier_bursts) {
+    without_good_fixes.push_back({track.begin_s, track.duration_s});
+  }
   return {.name = std::string(drawn.name),
           .events = std::move(recording.events),
           .truth = std::move(recording.truth),
           .wheel_speeds = {},
           .score_after_s = drawn.score_after_s,
           .outages = drawn.disturbances.outages,
-          .relocations = drawn.disturbances.relocations};
+          .relocations = drawn.disturbances.relocations,
+          .without_good_fixes = std::move(without_good_fixes)};
 }
 
 Case recorded_case(const std::filesystem::path& recording, std::optional<BeaconAddress> beacon) {

@@ -23,6 +23,7 @@ struct Case {
   double score_after_s = 6;          ///< after the first event
   std::vector<sim::Outage> outages;  ///< scored separately, in addition to the overall error
   std::vector<sim::Relocation> relocations;
+  std::vector<sim::Outage> without_good_fixes{};  ///< gaps of the fixes, and wrong tracks
 };
 
 /// One run of a scenario.

@@ -73,6 +73,29 @@ private:
   double drift_m_ = 0.0;
 };
 
+ClearErrors clear_errors(const Score& score, const std::vector<sim::Outage>& gaps, TimeNs start_ns) {
+  const auto in_gap = [&](double time_s) {
+    return std::any_of(gaps.begin(), gaps.end(), [&](const sim::Outage& gap) {
+      return time_s >= gap.begin_s && time_s < gap.begin_s + gap.duration_s + first_fixes_s;
+    });
+  };
+  ClearErrors clear;
+  std::vector<double> errors_m;
+  double lost_s = 0;
+  for (std::size_t i = 0; i < score.errors_m.size(); ++i) {
+    const bool is_clear = !in_gap(seconds_between(start_ns, score.times_ns[i]));
+    if (is_clear) errors_m.push_back(score.errors_m[i]);
+    if (!(score.errors_m[i] > lost_m)) {
+      lost_s = 0;
+    } else if (is_clear && i > 0) {
+      lost_s += seconds_between(score.times_ns[i - 1], score.times_ns[i]);
+    }
+    clear.lost_s = std::max(clear.lost_s, lost_s);
+  }
+  clear.rmse_m = error_summary_of(std::move(errors_m)).rmse;
+  return clear;
+}
+
 /// Collects the poses and fixes of one case.
 class CaseRun {
 public:
@@ -97,6 +120,7 @@ public:
 
   void finish(const Case& test_case, const settings::Settings& settings, CaseResult& result) const {
     result.fused = comparison_.fused();
+    result.clear = clear_errors(result.fused, test_case.without_good_fixes, start_ns_);
     result.last_fix_m = comparison_.last_fix_m();
     result.extrapolated_m = comparison_.extrapolated_m();
     result.prediction = prediction_.score();
@@ -231,6 +255,9 @@ Summary summarise(const std::vector<CaseResult>& runs) {
   const std::vector<double> errors_m = each(runs, position);
   summary.position_rmse_m = median(errors_m);
   summary.worst_rmse_m = *std::max_element(errors_m.begin(), errors_m.end());
+  summary.clear_rmse_m = median(each(runs, [](const CaseResult& run) { return run.clear.rmse_m; }));
+  const std::vector<double> lost_s = each(runs, [](const CaseResult& run) { return run.clear.lost_s; });
+  summary.lost_s = *std::max_element(lost_s.begin(), lost_s.end());
   summary.position_p95_m = median(each(runs, [](const CaseResult& run) { return run.fused.position_m.p95; }));
   summary.yaw_rmse_deg = median(each(runs, [](const CaseResult& run) { return run.fused.yaw_rmse_deg; }));
   summary.tilt_rmse_deg = median(each(runs, [](const CaseResult& run) { return run.fused.tilt_rmse_deg; }));

@@ -33,12 +33,24 @@ struct RelocationResult {
 inline constexpr double recovered_m = 0.06;
 inline constexpr double recovery_window_s = 0.5;
 
+/// Errors where good fixes come: outside of the gaps of the fixes and of wrong tracks, and of the time after
+/// each in which the first two fixes arrive.
+struct ClearErrors {
+  double rmse_m = std::numeric_limits<double>::quiet_NaN();
+  /// The longest time with an error above `lost_m`. A gap or wrong track does not count and does not end it.
+  double lost_s = 0;
+};
+
+inline constexpr double first_fixes_s = 0.5;
+inline constexpr double lost_m = 1.0;
+
 /// Result of one case with one set of settings.
 struct CaseResult {
   std::string name;
   std::string engine;      ///< the value of fusion.engine
   bool has_truth = false;  ///< of the position; otherwise `fused` and the two errors that follow are NaN
   Score fused;
+  ClearErrors clear;
   ErrorSummary last_fix_m;      ///< error of the latest fix at the same times
   ErrorSummary extrapolated_m;  ///< error of the extrapolated fix at the same times
   PredictionScore prediction;
@@ -78,6 +90,8 @@ struct Summary {
   bool has_truth = false;            ///< otherwise the errors that follow are NaN
   double position_rmse_m = unknown;  ///< median over the runs, like the values that follow
   double worst_rmse_m = unknown;     ///< of the worst run
+  double clear_rmse_m = unknown;     ///< where good fixes come
+  double lost_s = 0;                 ///< in the worst run
   double position_p95_m = unknown;
   double yaw_rmse_deg = unknown;
   double tilt_rmse_deg = unknown;

@@ -24,10 +24,11 @@ std::string number(double value, int decimals) {
 
 std::string truth_header(std::size_t width) {
   return fmt::format(
-      "{:<{}} {:<10} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n"
-      "{:<{}} {:<10} {:>4} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n",
-      "case", width, "engine", "runs", "pose", "worst", "p95", "last fix", "extrap.", "velocity", "yaw",
-      "tilt", "recovery", "", width, "", "", "cm", "cm", "cm", "cm", "cm", "m/s", "deg", "deg", "s");
+      "{:<{}} {:<10} {:>4} {:>8} {:>8} {:>8} {:>8} {:>6} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n"
+      "{:<{}} {:<10} {:>4} {:>8} {:>8} {:>8} {:>8} {:>6} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n",
+      "case", width, "engine", "runs", "pose", "worst", "p95", "clear", "lost", "last fix", "extrap.",
+      "velocity", "yaw", "tilt", "recovery", "", width, "", "", "cm", "cm", "cm", "cm", "s", "cm", "cm",
+      "m/s", "deg", "deg", "s");
 }
 
 std::string truth_row(const Summary& row, std::size_t width) {
@@ -36,10 +37,12 @@ std::string truth_row(const Summary& row, std::size_t width) {
                        row.engine, row.runs);
   }
   return fmt::format(
-      "{:<{}} {:<10} {:>4} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.1f} {:>8.1f} {:>8.3f} {:>8.2f} {:>9.2f} {:>9}\n",
+      "{:<{}} {:<10} {:>4} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.2f} {:>6.1f} {:>8.1f} {:>8.1f} {:>8.3f} {:>8.2f} "
+      "{:>9.2f} {:>9}\n",
       row.name, width, row.engine, row.runs, 100 * row.position_rmse_m, 100 * row.worst_rmse_m,
-      100 * row.position_p95_m, 100 * row.last_fix_rmse_m, 100 * row.extrapolated_rmse_m,
-      row.velocity_rmse_mps, row.yaw_rmse_deg, row.tilt_rmse_deg, seconds_or_none(row.slowest_recovery_s));
+      100 * row.position_p95_m, 100 * row.clear_rmse_m, row.lost_s, 100 * row.last_fix_rmse_m,
+      100 * row.extrapolated_rmse_m, row.velocity_rmse_mps, row.yaw_rmse_deg, row.tilt_rmse_deg,
+      seconds_or_none(row.slowest_recovery_s));
 }
 
 std::string prediction_table(const std::vector<Summary>& summaries, std::size_t width) {
@@ -88,6 +91,8 @@ std::string json_of(const std::vector<Summary>& summaries) {
                                   {"position_rmse_m", row.position_rmse_m},
                                   {"position_rmse_worst_m", row.worst_rmse_m},
                                   {"position_p95_m", row.position_p95_m},
+                                  {"position_rmse_clear_m", row.clear_rmse_m},
+                                  {"lost_s", row.lost_s},
                                   {"last_fix_rmse_m", row.last_fix_rmse_m},
                                   {"extrapolated_rmse_m", row.extrapolated_rmse_m},
                                   {"velocity_rmse_mps", row.velocity_rmse_mps},

@@ -32,14 +32,19 @@ void Belief::copy_from(const Belief& other) {
   } else {
     former.alive = false;
   }
+  wrong_tracks = other.wrong_tracks;
   last_fix_ns = other.last_fix_ns;
   fixes_since_start = other.fixes_since_start;
   fixes_rejected_in_row = other.fixes_rejected_in_row;
+  usual_step_s = other.usual_step_s;
   last_heading_ns = other.last_heading_ns;
   last_heading_rad = other.last_heading_rad;
   heading_rejected_since_ns = other.heading_rejected_since_ns;
   heading_rejected_ns = other.heading_rejected_ns;
   headings_rejected_in_row = other.headings_rejected_in_row;
+  heading_rejected_by_rad = other.heading_rejected_by_rad;
+  heading_seen_ns = other.heading_seen_ns;
+  heading_interval_s = other.heading_interval_s;
   quality_percent = other.quality_percent;
   converging_until_ns = other.converging_until_ns;
   slowed_ns = other.slowed_ns;
@@ -57,8 +62,17 @@ bool Belief::covariance_is_old() const {
 
 // One IMU sample
 
-ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next) {
-  constexpr double regular_step_s = 0.0275;
+double usual_step_s(double before_s, double step_s) {
+  constexpr double share = 1.0 / 32.0;
+  constexpr double most_growth = 1.1;  // a gap counts little
+  if (!(before_s > 0.0)) return step_s;
+  return before_s + share * (std::min(step_s, most_growth * before_s) - before_s);
+}
+
+ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next, double usual_s) {
+  constexpr double short_s = 0.0275;
+  constexpr double regular_steps = 1.5;
+  const double regular_step_s = std::max(short_s, regular_steps * usual_s);
   const double dt_s = seconds_between(last.time_ns, next.time_ns);
   if (next.is_mean) return {dt_s, next.rate_body_radps, next.force_body_mps2};
   ImuStep step{dt_s, 0.5 * (last.rate_body_radps + next.rate_body_radps),
@@ -90,7 +104,8 @@ ImuOutcome Belief::on_imu(const settings::Settings& settings, const ImuMeasureme
     end_imu_gap(imu.time_ns);
   } else if (dt_s > 0.0) {
     const ImuStep step = step_between(
-        {.time_ns = time_ns, .rate_body_radps = rate_body_radps, .force_body_mps2 = force_body_mps2}, imu);
+        {.time_ns = time_ns, .rate_body_radps = rate_body_radps, .force_body_mps2 = force_body_mps2}, imu,
+        usual_step_s);
     for_each_filter([&](Filter& each, const ProcessNoise&) {
       each.predict(step.rate_body_radps, step.force_body_mps2, dt_s);
     });
@@ -100,6 +115,10 @@ ImuOutcome Belief::on_imu(const settings::Settings& settings, const ImuMeasureme
       propagate();
       for_each_filter([&](Filter& each, const ProcessNoise&) { add_missed_motion(each, step); });
     }
+  }
+  if (!is_first && !in_imu_gap) {
+    usual_step_s = kalman::usual_step_s(usual_step_s, dt_s);
+    turn_last_heading(imu);
   }
   time_ns = state_ns = imu.time_ns;
   rate_body_radps = imu.rate_body_radps;
@@ -111,6 +130,20 @@ ImuOutcome Belief::on_imu(const settings::Settings& settings, const ImuMeasureme
   return outcome;
 }
 
+/// Of the body about the vertical.
+double Belief::up_rate_radps() const {
+  if (phase == Phase::waiting) return mean_force_body_mps2.normalized().dot(rate_body_radps);
+  return geometry::up_in_body(filter().q_body_to_world).dot(rate_body_radps - filter().gyro_bias_body_radps);
+}
+
+/// Keeps the heading of the last pair that of the present, for a start.
+void Belief::turn_last_heading(const ImuMeasurement& imu) {
+  if (last_heading_ns == 0) return;
+  const double before_radps = up_rate_radps();
+  rate_body_radps = imu.rate_body_radps;
+  last_heading_rad += 0.5 * (before_radps + up_rate_radps()) * seconds_between(time_ns, imu.time_ns);
+}
+
 void Belief::update_rest(const ImuMeasurement& imu, ImuOutcome& outcome) {
   const bool started = phase != Phase::waiting;
   const Vector3d bias = started ? filter().gyro_bias_body_radps : Vector3d::Zero();
@@ -118,6 +151,14 @@ void Belief::update_rest(const ImuMeasurement& imu, ImuOutcome& outcome) {
       started ? std::sqrt(filter().covariance.diagonal().segment<3>(at_gyro_bias).maxCoeff()) : 0.02;
   if (!rest::update(rest, imu.time_ns, imu.rate_body_radps, imu.force_body_mps2, bias, bias_std_radps) ||
       !started || rest.still_windows < 2)
+    return;
+  const double fix_std_m = std::sqrt(noise.fix_covariance_m2(quality_percent).diagonal().maxCoeff());
+  // A bias that is hardly known may be a slow, smooth turn.
+  constexpr double known_bias_radps = 0.005;
+  constexpr int few_fixes = 2;
+  if (bias_std_radps > known_bias_radps &&
+      (!rest::fixes_stand_still(rest, fix_std_m, few_fixes) ||
+       rest::headings_turn(rest, std::sqrt(noise.heading_rad2.variance))))
     return;
   propagate();
   constexpr double mean_rate_std_radps = 3e-4;  // of half a second, with a slow residual motion
@@ -128,7 +169,6 @@ void Belief::update_rest(const ImuMeasurement& imu, ImuOutcome& outcome) {
     each.correct_states(at_gyro_bias, rest.still_gyro_mean - each.gyro_bias_body_radps,
                         square(mean_rate_std_radps));
   });
-  const double fix_std_m = std::sqrt(noise.fix_covariance_m2(quality_percent).diagonal().maxCoeff());
   if (!rest::fixes_stand_still(rest, fix_std_m) || filter().velocity_world_mps.norm() > 0.1) return;
   outcome.no_velocity_variance = square(still_speed_std_mps);
   for (int i = 0; i < candidate_count; ++i) {
@@ -190,7 +230,11 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
   const bool has_heading = last_heading_ns != 0 && fix.time_ns - last_heading_ns < recent_ns;
   candidate_count = has_heading ? 1 : start_count;
   const double yaw_std = has_heading ? radians(4.0) : radians(15.0);
-  const double first_yaw = has_heading ? last_heading_rad - radians(settings.heading.mount_offset_deg) : 0.0;
+  const double since_sample_s = seconds_between(time_ns, fix.time_ns);
+  const double turned_rad =
+      since_sample_s < settings.outage.imu_gap_s ? since_sample_s * up_rate_radps() : 0.0;
+  const double first_yaw =
+      has_heading ? last_heading_rad + turned_rad - radians(settings.heading.mount_offset_deg) : 0.0;
   for (int i = 0; i < candidate_count; ++i) {
     Candidate& candidate = candidates[static_cast<std::size_t>(i)];
     candidate = Candidate{};
@@ -320,7 +364,7 @@ FixOutcome Belief::judge(const settings::Settings& settings, const FixMeasuremen
   if (rival.alive) {
     // The rival lives on rejected fixes alone; one that only explains the same track is none.
     constexpr TimeNs idle_ns = 1'500'000'000;
-    if (fix.time_ns - rival.last_fix_ns > idle_ns) rival.alive = false;
+    if (fix.time_ns - rival.last_fix_ns > idle_ns) end_rival(fix.time_ns);
     ++rival.fixes_of_best;
   }
   former.fixes_in_row = 0;
@@ -329,6 +373,7 @@ FixOutcome Belief::judge(const settings::Settings& settings, const FixMeasuremen
   quality_percent = fix.quality_percent;
   slowed_ns = std::max(slowed_ns, fix.time_ns);
   rest::add_fix(rest, fix.time_ns, fix.position_world_m);
+  drop_anchor(fix.time_ns);
   return outcome;
 }
 

@@ -44,7 +44,7 @@ void Belief::for_each_filter(const Visit& visit) {
   }
   const auto& best_model = models[static_cast<std::size_t>(phase == Phase::tracking ? best : 0)];
   if (rival.alive) visit(rival.filter, best_model);
-  if (former.alive) visit(former.filter, best_model);
+  if (former.alive) visit(former.filter, models[static_cast<std::size_t>(former.model)]);
 }
 
 }  // namespace sonopose::estimation::kalman

@@ -134,6 +134,7 @@ ImuMeasurement Engine::measurement_in(const ImuSample& raw) const {
 
 FixMeasurement Engine::measurement_in(const UltrasonicFix& fix) const {
   FixMeasurement measured{.time_ns = measured_at(fix),
+                          .stamp_ns = fix.emission_time_ns,
                           .position_world_m = fix.position_world_m,
                           .quality_percent = fix.quality_percent.value_or(-1.0)};
   if (fix.covariance_world_m2 && is_usable(*fix.covariance_world_m2)) {
@@ -145,7 +146,9 @@ FixMeasurement Engine::measurement_in(const UltrasonicFix& fix) const {
 }
 
 HeadingMeasurement Engine::measurement_in(const PairHeading& heading) const {
-  return {.time_ns = measured_at(heading), .heading_world_rad = heading.heading_world_rad};
+  return {.time_ns = measured_at(heading),
+          .stamp_ns = heading.emission_time_ns,
+          .heading_world_rad = heading.heading_world_rad};
 }
 
 template <class Sample>
@@ -169,8 +172,12 @@ void Engine::correct(const PairHeading& heading) noexcept {
     ++counters_.samples_invalid;
     return;
   }
+  if (heading.valid && !timeline_.contains(measured) && !timeline_.reaches(measured.time_ns)) {
+    ++counters_.samples_invalid;  // it came too late
+    return;
+  }
   ++counters_.headings;
-  if (!heading.valid || !timeline_.reaches(measured.time_ns) || timeline_.contains(measured)) return;
+  if (!heading.valid || timeline_.contains(measured)) return;
   timeline_.add(settings_, measured);
 }
 

@@ -340,6 +340,21 @@ void Filter::decorrelate(StateIndex index, const Vector3d& variance) {
   delay_covariance.segment<3>(index).setZero();
 }
 
+void Filter::turn_world(double angle_rad) {
+  const Quaterniond q_turn = geometry::rotation_about_z(angle_rad);
+  const Matrix3d turn = q_turn.toRotationMatrix();
+  position_world_m = turn * position_world_m;
+  velocity_world_mps = turn * velocity_world_mps;
+  acceleration_world_mps2 = turn * acceleration_world_mps2;
+  q_body_to_world = (q_turn * q_body_to_world).normalized();
+  for (const StateIndex index : {at_position, at_velocity}) {
+    covariance.middleRows<3>(index) = (turn * covariance.middleRows<3>(index)).eval();
+    covariance.middleCols<3>(index) = (covariance.middleCols<3>(index) * turn.transpose()).eval();
+    delay_covariance.segment<3>(index) = (turn * delay_covariance.segment<3>(index)).eval();
+  }
+  mirror_upper(covariance);
+}
+
 void Filter::estimate_delay(double variance_s2) {
   delay_covariance.setZero();
   delay_variance_s2 = variance_s2;
@@ -394,7 +409,19 @@ Covariance<6> Filter::pose_covariance() const {
 }
 
 Covariance<3> Filter::velocity_covariance() const {
-  return Covariance<3>::from_matrix(covariance.block<3, 3>(at_velocity, at_velocity));
+  // Of v − R (ω × l).
+  const Matrix3d rotation = q_body_to_world.toRotationMatrix();
+  const Matrix3d by_attitude = rotation * cross_matrix(angular_velocity_body_radps.cross(lever_arm_body_m));
+  const Matrix3d by_gyro_bias = -rotation * cross_matrix(lever_arm_body_m);
+  const Matrix3d by_lever_arm = -rotation * cross_matrix(angular_velocity_body_radps);
+  const StateColumns columns = covariance.middleCols<3>(at_velocity) +
+                               covariance.middleCols<3>(at_attitude).lazyProduct(by_attitude.transpose()) +
+                               covariance.middleCols<3>(at_gyro_bias).lazyProduct(by_gyro_bias.transpose()) +
+                               covariance.middleCols<3>(at_lever_arm).lazyProduct(by_lever_arm.transpose());
+  const Matrix3d whole =
+      columns.middleRows<3>(at_velocity) + by_attitude * columns.middleRows<3>(at_attitude) +
+      by_gyro_bias * columns.middleRows<3>(at_gyro_bias) + by_lever_arm * columns.middleRows<3>(at_lever_arm);
+  return Covariance<3>::from_matrix(0.5 * (whole + whole.transpose()));
 }
 
 double Filter::yaw_variance_rad2() const {

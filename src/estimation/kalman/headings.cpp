@@ -14,9 +14,15 @@ constexpr double heading_rejected_above = 25.0;
 }  // namespace
 
 HeadingOutcome Belief::on_heading(const settings::Settings& settings, const HeadingMeasurement& heading) {
-  if (phase == Phase::waiting || repetition.frozen || restart_pending) {
+  see_heading(heading);
+  const auto remember = [&] {
+    const double since_sample_s = seconds_between(time_ns, heading.time_ns);
+    const bool in_motion = time_ns != 0 && since_sample_s < settings.outage.imu_gap_s;
     last_heading_ns = heading.time_ns;
-    last_heading_rad = heading.heading_world_rad;
+    last_heading_rad = heading.heading_world_rad - (in_motion ? since_sample_s * up_rate_radps() : 0.0);
+  };
+  if (phase == Phase::waiting || repetition.frozen || restart_pending) {
+    remember();
     return {};
   }
   propagate();
@@ -26,8 +32,7 @@ HeadingOutcome Belief::on_heading(const settings::Settings& settings, const Head
   const double variance = noise.heading_rad2.variance;
   HeadingOutcome outcome{.variance_rad2 = variance};
   if (phase == Phase::searching_yaw) {
-    last_heading_ns = heading.time_ns;
-    last_heading_rad = heading.heading_world_rad;
+    remember();
     for (int i = 0; i < candidate_count; ++i) {
       Candidate& candidate = candidates[static_cast<std::size_t>(i)];
       const auto innovation =
@@ -48,7 +53,10 @@ HeadingOutcome Belief::on_heading(const settings::Settings& settings, const Head
   if (!innovation.observable) return outcome;
   const double d = square(innovation.value_rad) / innovation.variance_rad2;
   const bool rejected = d > heading_rejected_above;
-  if (rejected && !reject_heading(heading.time_ns)) return outcome;
+  if (rejected && !reject_heading(heading.time_ns, innovation.value_rad)) {
+    turn_rival(heading, mount_rad, innovation.value_rad);
+    return outcome;
+  }
   outcome.used = true;
   if (rejected) {
     outcome.added_variance_rad2 = square(innovation.value_rad);
@@ -57,8 +65,7 @@ HeadingOutcome Belief::on_heading(const settings::Settings& settings, const Head
   }
   heading_rejected_since_ns = 0;
   headings_rejected_in_row = 0;
-  last_heading_ns = heading.time_ns;
-  last_heading_rad = heading.heading_world_rad;
+  remember();
   for_each_filter([&](Filter& each, const ProcessNoise&) {
     if (rejected) each.add_yaw_variance(outcome.added_variance_rad2);
     const auto own = each.heading_innovation(heading.heading_world_rad, mount_rad, variance, ahead_s);
@@ -72,24 +79,78 @@ HeadingOutcome Belief::on_heading(const settings::Settings& settings, const Head
   return outcome;
 }
 
+void Belief::see_heading(const HeadingMeasurement& heading) {
+  constexpr double most_s = 10.0;
+  constexpr double share = 1.0 / 8.0;
+  if (heading_seen_ns != 0) {
+    const double interval_s = std::clamp(seconds_between(heading_seen_ns, heading.time_ns), 0.0, most_s);
+    heading_interval_s += (heading_interval_s > 0.0 ? share : 1.0) * (interval_s - heading_interval_s);
+  }
+  heading_seen_ns = heading.time_ns;
+  rest::add_heading(rest, heading.time_ns, heading.heading_world_rad);
+}
+
+/// Time without a rejected heading after which a run of them has ended.
+double Belief::heading_run_ends_s() const {
+  return std::max(1.0, 3.0 * heading_interval_s);
+}
+
 /// Registers a rejected heading. True if headings have been rejected for so long that they must be believed.
-bool Belief::reject_heading(TimeNs now_ns) {
+bool Belief::reject_heading(TimeNs now_ns, double innovation_rad) {
   constexpr double believed_after_s = 4.0;
-  constexpr double run_ends_after_s = 1.0;
-  if (heading_rejected_since_ns == 0 || seconds_between(heading_rejected_ns, now_ns) > run_ends_after_s) {
+  constexpr int enough = 3;
+  if (heading_rejected_since_ns == 0 || seconds_between(heading_rejected_ns, now_ns) > heading_run_ends_s()) {
     heading_rejected_since_ns = now_ns;
     headings_rejected_in_row = 0;
   }
   heading_rejected_ns = now_ns;
+  heading_rejected_by_rad = innovation_rad;
   ++headings_rejected_in_row;
-  return seconds_between(heading_rejected_since_ns, now_ns) >= believed_after_s;
+  return headings_rejected_in_row >= enough &&
+         seconds_between(heading_rejected_since_ns, now_ns) >= believed_after_s;
 }
 
 /// Whether headings are rejected as well as fixes: a wrong track turns no heading, a turned map does.
 bool Belief::map_has_turned(TimeNs now_ns) const {
   constexpr int enough = 2;
-  constexpr double recent_s = 1.0;
-  return headings_rejected_in_row >= enough && seconds_between(heading_rejected_ns, now_ns) < recent_s;
+  return headings_rejected_in_row >= enough &&
+         seconds_between(heading_rejected_ns, now_ns) < heading_run_ends_s();
+}
+
+/// Uses a heading that the best filter rejected for the rival. When the second one in a row shows that the
+/// map has turned at once, the rival begins again with its motion turned.
+void Belief::turn_rival(const HeadingMeasurement& heading, double mount_rad, double innovation_rad) {
+  constexpr double same_turn_s = 0.5;
+  if (!rival.alive) return;
+  const double variance = noise.heading_rad2.variance;
+  const double ahead_s = seconds_between(state_ns, heading.time_ns);
+  if (rival.has_turned) {
+    const auto innovation =
+        rival.filter.heading_innovation(heading.heading_world_rad, mount_rad, variance, ahead_s);
+    if (!innovation.observable) return;
+    if (square(innovation.value_rad) / innovation.variance_rad2 > heading_rejected_above) {
+      rival.has_turned = false;
+      return;
+    }
+    ++rival.headings;
+    rival.filter.correct_heading(heading.heading_world_rad, mount_rad, variance, ahead_s);
+    return;
+  }
+  const bool at_once = headings_rejected_in_row == 2 &&
+                       seconds_between(heading_rejected_since_ns, rival.began_ns) < same_turn_s &&
+                       seconds_between(last_heading_ns, heading_rejected_since_ns) < heading_run_ends_s();
+  if (!at_once || fixes_rejected_in_row == 0) return;
+  rival.has_turned = true;
+  rival.headings = 0;
+  rival.fixes = 1;
+  rival.misses_in_row = 0;
+  rival.began_ns = rival.last_fix_ns = heading_rejected_since_ns;
+  rival.filter = filter();
+  rival.filter.turn_world(innovation_rad);
+  Filter& f = rival.filter;
+  f.position_world_m = rival.rejected_world_m + f.q_body_to_world * f.lever_arm_body_m;
+  f.decorrelate(at_position, 2.0 * noise.fix_covariance_m2(quality_percent).diagonal());
+  f.add_yaw_variance(variance);
 }
 
 }  // namespace sonopose::estimation::kalman

@@ -1,9 +1,29 @@
 #include <sonopose/estimation/kalman/rest.hpp>
+#include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-namespace sonopose::estimation::kalman::rest {
+namespace sonopose::estimation::kalman {
+
+void Trend::add(TimeNs time_ns, const Vector3d& value) {
+  constexpr double memory_s = 5.0;
+  const double step_s = samples == 0 ? 0.0 : seconds_between(latest_ns, time_ns);
+  const double kept = std::exp(-std::max(0.0, step_s) / memory_s);
+  latest_ns = time_ns;
+  time_mean_s -= step_s;
+  weight = kept * weight + 1.0;
+  time_squares_s2 *= kept;
+  products *= kept;
+  const double before_s = -time_mean_s;
+  time_mean_s += before_s / weight;
+  time_squares_s2 += before_s * -time_mean_s;
+  mean += (value - mean) / weight;
+  products += before_s * (value - mean);
+  samples = std::min(samples + 1, 1000);
+}
+
+namespace rest {
 namespace {
 
 // No multiple of a usual sample interval: a microsecond in a stamp must not decide which sample ends a
@@ -29,12 +49,11 @@ void begin_window(RestState& state, TimeNs time_ns) {
   state.accel_squares.setZero();
 }
 
-void forget_fixes(RestState& state) {
-  state.fixes = 0;
-  state.time_mean_s = 0;
-  state.time_squares_s2 = 0;
-  state.position_mean_m.setZero();
-  state.products_m_s.setZero();
+bool is_steady(const Trend& trend, double slowest, double std) {
+  constexpr double sigmas = 2.8;
+  if (!(trend.time_squares_s2 > 0.0)) return false;
+  const double slope = (trend.products / trend.time_squares_s2).norm();
+  return slope < slowest + sigmas * std / std::sqrt(trend.time_squares_s2);
 }
 
 }  // namespace
@@ -56,7 +75,7 @@ bool update(RestState& state, TimeNs time_ns, const Vector3d& rate_body_radps,
   if (still) {
     if (state.still_windows == 0) {
       state.still_since_ns = state.window_began_ns;
-      forget_fixes(state);
+      state.fixes = state.headings = Trend{};
     }
     ++state.still_windows;
     state.still_gyro_mean = state.gyro_mean;
@@ -69,28 +88,29 @@ bool update(RestState& state, TimeNs time_ns, const Vector3d& rate_body_radps,
 }
 
 void add_fix(RestState& state, TimeNs time_ns, const Vector3d& position_world_m) {
+  if (state.still_windows > 0) state.fixes.add(time_ns, position_world_m);
+}
+
+void add_heading(RestState& state, TimeNs time_ns, double heading_rad) {
   if (state.still_windows == 0) return;
-  ++state.fixes;
-  const double time_s = seconds_between(state.still_since_ns, time_ns);
-  const double before_s = time_s - state.time_mean_s;
-  state.time_mean_s += before_s / state.fixes;
-  state.time_squares_s2 += before_s * (time_s - state.time_mean_s);
-  const Vector3d offset_m = position_world_m - state.position_mean_m;
-  state.position_mean_m += offset_m / state.fixes;
-  state.products_m_s += before_s * (position_world_m - state.position_mean_m);
+  if (state.headings.samples == 0) state.first_heading_rad = heading_rad;
+  state.headings.add(time_ns, {geometry::wrap_angle(heading_rad - state.first_heading_rad), 0.0, 0.0});
 }
 
 void restart(RestState& state) {
   state = RestState{};
 }
 
-bool fixes_stand_still(const RestState& state, double fix_std_m) {
-  constexpr int enough = 4;
+bool fixes_stand_still(const RestState& state, double fix_std_m, int least_fixes) {
   constexpr double drift_mps = 0.004;
-  constexpr double sigmas = 2.8;
-  if (state.fixes < enough || !(state.time_squares_s2 > 0.0)) return false;
-  const double slope_mps = (state.products_m_s / state.time_squares_s2).norm();
-  return slope_mps < drift_mps + sigmas * fix_std_m / std::sqrt(state.time_squares_s2);
+  return state.fixes.samples >= least_fixes && is_steady(state.fixes, drift_mps, fix_std_m);
 }
 
-}  // namespace sonopose::estimation::kalman::rest
+bool headings_turn(const RestState& state, double heading_std_rad) {
+  constexpr int enough = 4;
+  constexpr double drift_radps = 0.005;
+  return state.headings.samples >= enough && !is_steady(state.headings, drift_radps, heading_std_rad);
+}
+
+}  // namespace rest
+}  // namespace sonopose::estimation::kalman

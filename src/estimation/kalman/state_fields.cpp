@@ -74,6 +74,7 @@ std::optional<FieldFault> find_fault(const Belief& base) {
   if (base.rival.alive && !is_covariance(base.rival.filter)) {
     return FieldFault{"rival", "has a matrix that is not a covariance"};
   }
+  if (base.former.model >= model_count) return FieldFault{"model", "is not the index of a model"};
   if (base.former.alive && !is_covariance(base.former.filter)) {
     return FieldFault{"former", "has a matrix that is not a covariance"};
   }

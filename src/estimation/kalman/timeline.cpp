@@ -60,7 +60,8 @@ bool Timeline::reaches(TimeNs time_ns) const {
 }
 
 bool Timeline::contains(const Aiding& aiding) const {
-  return std::find(aiding_.begin(), aiding_.end(), aiding) != aiding_.end();
+  return std::any_of(aiding_.begin(), aiding_.end(),
+                     [&](const Aiding& other) { return is_copy(other, aiding); });
 }
 
 FixOutcome Timeline::add(const settings::Settings& settings, const Aiding& aiding) {

@@ -3,6 +3,7 @@
 #include "estimation/kalman/belief_parts.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sonopose::estimation::kalman {
 namespace {
@@ -35,6 +36,7 @@ bool Belief::must_start_again(TimeNs now_ns) const {
 void Belief::reject(const settings::Settings& settings, const FixMeasurement& fix, const Matrix3d& covariance,
                     double ahead_s, FixOutcome& outcome) {
   outcome.flags = fix_outlier;
+  rival.rejected_world_m = fix.position_world_m;
   if (take_back_former(fix, covariance, ahead_s)) {
     outcome.flags = fix_used;
     outcome.weight = 1.0;
@@ -62,37 +64,90 @@ void Belief::reject(const settings::Settings& settings, const FixMeasurement& fi
     outcome.weight = 1.0;
     return;
   }
-  const double jump_m =
-      (rival.filter.tracked_position_world_m() - filter().tracked_position_world_m()).norm();
-  const double needed_s =
-      map_has_turned(fix.time_ns) ? 1.0 : std::clamp(2.2 - (jump_m - 1.5) / 0.5 * 1.2, 1.0, 2.2);
-  const double alone_s = seconds_between(std::max(last_fix_ns, rival.began_ns), fix.time_ns);
-  const bool enough_fixes = rival.fixes >= 8 || (rival.fixes >= 3 && alone_s > 3.0);
-  const bool explains_most = rival.fixes >= 16 && rival.fixes > 2 * rival.fixes_of_best &&
-                             seconds_between(rival.began_ns, fix.time_ns) > 4.0;
-  if ((alone_s < needed_s || !enough_fixes) && !explains_most) return;
-  promote_rival();
+  if (!rival_has_won(fix.time_ns)) return;
+  if (phase == Phase::searching_yaw) {
+    // The rival copies one of the starts, whose yaw is arbitrary.
+    start_at(fix, settings);
+  } else {
+    promote_rival();
+  }
+  converging_until_ns = time_ns + converging_ns;
   last_fix_ns = fix.time_ns;
   outcome.flags = fix_used | fix_stuck_forced;
   outcome.weight = 1.0;
+}
+
+/// Whether the rival explained the fixes alone for long enough, or most of them for longer.
+bool Belief::rival_has_won(TimeNs now_ns) const {
+  const double jump_m =
+      (rival.filter.tracked_position_world_m() - filter().tracked_position_world_m()).norm();
+  constexpr double sees_turn_mps = 0.3;  // the fixes of a faster body show that its motion has turned
+  constexpr int agreeing = 4;
+  const double alone_s = seconds_between(std::max(last_fix_ns, rival.began_ns), now_ns);
+  if (rival.has_turned && rival.fixes >= agreeing && rival.headings >= agreeing && alone_s > 0.4 &&
+      rival.filter.velocity_world_mps.norm() > sees_turn_mps)
+    return true;
+  const double needed_s =
+      map_has_turned(now_ns)
+          ? 1.0
+          : std::max(std::clamp(2.2 - (jump_m - 1.5) / 0.5 * 1.2, 1.0, 2.2), wrong_tracks.wait_s(now_ns));
+  const bool enough_fixes = rival.fixes >= 8 || (rival.fixes >= 3 && alone_s > 3.0);
+  const bool explains_most = rival.fixes >= 16 && rival.fixes > 2 * rival.fixes_of_best &&
+                             seconds_between(rival.began_ns, now_ns) > 4.0;
+  return (alone_s >= needed_s && enough_fixes) || explains_most;
+}
+
+/// A track that ended, or that was left for the former one, was wrong.
+void WrongTracks::add(double duration_s, TimeNs now_ns) {
+  longest_s = std::max(duration_s, faded_s(now_ns));
+  seen_ns = now_ns;
+}
+
+double WrongTracks::faded_s(TimeNs now_ns) const {
+  constexpr double memory_s = 60.0;
+  return longest_s * std::exp(-std::max(0.0, seconds_between(seen_ns, now_ns)) / memory_s);
+}
+
+/// For how long the next track must last to be believed.
+double WrongTracks::wait_s(TimeNs now_ns) const {
+  constexpr double margin = 1.3;
+  constexpr double most_s = 1.6;
+  return std::min(margin * faded_s(now_ns), most_s);
+}
+
+void Belief::end_rival(TimeNs now_ns) {
+  constexpr int enough = 3;  // fixes of a track
+  if (rival.alive && rival.fixes >= enough) {
+    wrong_tracks.add(seconds_between(rival.began_ns, rival.last_fix_ns), now_ns);
+  }
+  rival.alive = false;
 }
 
 /// The track through this fix with the motion of the best filter; where no track has explained the fixes for
 /// a while, with an unknown motion.
 void Belief::begin_rival(const FixMeasurement& fix, const Matrix3d& covariance) {
   constexpr double lost_s = 1.0;
+  const bool again = rival.alive;
   rival.alive = true;
   rival.began_ns = fix.time_ns;
   rival.last_fix_ns = fix.time_ns;
   rival.fixes = 1;
   rival.misses_in_row = 0;
   rival.fixes_of_best = 0;
+  rival.has_turned = false;
+  rival.headings = 0;
   const bool open = seconds_between(last_fix_ns, fix.time_ns) > lost_s || map_has_turned(fix.time_ns);
   rival.filter = filter();
   Filter& f = rival.filter;
   f.position_world_m = fix.position_world_m + f.q_body_to_world * f.lever_arm_body_m;
   f.decorrelate(at_position, 2.0 * covariance.diagonal());
-  if (!open) return;
+  if (!open) {
+    // The motion of the best filter did not explain the fixes. They may have drifted away before they came
+    // back: its velocity is then that of the drift.
+    constexpr double drift_mps = 0.3;
+    if (again) f.add_variance(at_velocity, Vector3d::Constant(square(drift_mps)));
+    return;
+  }
   f.decorrelate(at_velocity, Vector3d::Constant(square(2.0)));
   f.add_variance(at_attitude, Vector3d::Constant(square(radians(5.0))));
   f.add_yaw_variance(square(radians(15.0)));
@@ -103,35 +158,49 @@ void Belief::begin_rival(const FixMeasurement& fix, const Matrix3d& covariance) 
 void Belief::promote_rival() {
   // A track that replaced the former a moment ago is less credible than the former itself.
   constexpr double established_s = 4.0;
-  const bool keep_former = former.alive && seconds_between(former.left_ns, rival.last_fix_ns) < established_s;
+  const bool keep_former =
+      former.alive && !former.is_anchor && seconds_between(former.left_ns, rival.last_fix_ns) < established_s;
   if (!keep_former) {
     former.alive = true;
+    former.is_anchor = false;
     former.left_ns = rival.last_fix_ns;
+    former.left_for_ns = rival.began_ns;
+    former.model = best;
     former.fixes_in_row = 0;
     former.filter = filter();
   }
   adopt(rival.filter);
   if (map_has_turned(rival.last_fix_ns)) {
-    for_each_filter([](Filter& each, const ProcessNoise&) { each.add_yaw_variance(square(radians(40.0))); });
+    const double variance = rival.has_turned ? 0.0 : square(radians(40.0));
+    for_each_filter([&](Filter& each, const ProcessNoise&) { each.add_yaw_variance(variance); });
     heading_rejected_since_ns = 0;
     headings_rejected_in_row = 0;
   }
   rival.alive = false;
-  converging_until_ns = time_ns + converging_ns;
   rest::restart(rest);
 }
 
-/// Whether the third fix in a row lies on the track that was given up, which is then followed again.
+/// Whether this fix lies on the track that was given up, which is then followed again: the third one in a row
+/// does, or the first that is nearer to it than chance explains.
 bool Belief::take_back_former(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s) {
-  constexpr int enough = 3;
   if (!former.alive) return false;
   const Innovation innovation = former.filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
   if (!(innovation.squared_norm <= rejected_above)) {
     former.fixes_in_row = 0;
     return false;
   }
+  const double apart_sigmas = former.is_anchor ? 6.0 : 10.0;
+  const double apart_m = (fix.position_world_m - filter().tracked_position_world_m()).norm();
+  const double std_m = std::sqrt(innovation.covariance_m2.diagonal().maxCoeff());
+  const bool is_clear = innovation.squared_norm <= full_weight_below && apart_m > apart_sigmas * std_m;
+  if (former.is_anchor && !is_clear) {
+    former.fixes_in_row = 0;  // an uncertain position is not evidence
+    return false;
+  }
   former.filter.correct_fix(innovation);
+  const int enough = is_clear && !former.is_anchor ? 1 : 3;
   if (++former.fixes_in_row < enough) return false;
+  if (!former.is_anchor) wrong_tracks.add(seconds_between(former.left_for_ns, fix.time_ns), fix.time_ns);
   adopt(former.filter);
   former.alive = false;
   rival.alive = false;
@@ -139,6 +208,20 @@ bool Belief::take_back_former(const FixMeasurement& fix, const Matrix3d& covaria
   converging_until_ns = time_ns + converging_ns;
   rest::restart(rest);
   return true;
+}
+
+/// Copies the best filter every few seconds while no former track is kept.
+void Belief::drop_anchor(TimeNs now_ns) {
+  constexpr double spacing_s = 5.0;
+  if (phase != Phase::tracking || rival.alive) return;
+  if (former.alive && (!former.is_anchor || seconds_between(former.left_ns, now_ns) < spacing_s)) return;
+  former.alive = true;
+  former.is_anchor = true;
+  former.left_ns = now_ns;
+  former.left_for_ns = 0;
+  former.model = best;
+  former.fixes_in_row = 0;
+  former.filter = filter();
 }
 
 }  // namespace sonopose::estimation::kalman

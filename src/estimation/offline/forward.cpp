@@ -32,7 +32,7 @@ Quaterniond first_attitude(const Segment& segment) {
   });
   if (last == imu.end()) --last;
   for (; last != imu.begin(); --last) {
-    const kalman::ImuStep step = kalman::step_between(*(last - 1), *last);
+    const kalman::ImuStep step = kalman::step_between(*(last - 1), *last, segment.usual_step_s);
     const Vector3d rate_radps = step.rate_body_radps - segment.settled.gyro_bias_body_radps;
     q = (q * geometry::rotation_by((-step.duration_s * rate_radps).eval())).normalized();
   }
@@ -117,7 +117,8 @@ void Forward::step(ForwardState& state, std::vector<Operation>* operations) cons
 /// To the next sample.
 void Forward::move(ForwardState& state, std::vector<Operation>* operations) const {
   const ImuMeasurement& next = segment_.imu[state.next_imu];
-  const kalman::ImuStep step = kalman::step_between(segment_.imu[state.next_imu - 1], next);
+  const kalman::ImuStep step =
+      kalman::step_between(segment_.imu[state.next_imu - 1], next, segment_.usual_step_s);
   if (step.duration_s > 0.0) {
     state.filter.predict(step.rate_body_radps, step.force_body_mps2, step.duration_s);
     if (operations != nullptr || step.irregular) propagate(state, operations);

@@ -72,9 +72,11 @@ private:
     auto place = aidings.end();
     while (place != aidings.begin() && is_later(*(place - 1))) --place;
     // The same measurement may come twice.
-    for (auto before = place; before != aidings.begin() && kalman::turn_of((before - 1)->aiding) == turn_ns;
+    constexpr TimeNs remembered_ns = 2'000'000'000;
+    for (auto before = place;
+         before != aidings.begin() && kalman::turn_of((before - 1)->aiding) >= turn_ns - remembered_ns;
          --before) {
-      if ((before - 1)->aiding == numbered.aiding) return;
+      if (kalman::is_copy((before - 1)->aiding, numbered.aiding)) return;
     }
     aidings.insert(place, numbered);
   }
@@ -108,6 +110,7 @@ public:
     }
     Segment& segment = segments_.back();
     segment.imu.push_back(imu);
+    segment.usual_step_s = belief_.usual_step_s;
     if (outcome.still) {
       segment.states.push_back(
           {imu.time_ns, kalman::at_gyro_bias, belief_.rest.still_gyro_mean, outcome.still_rate_variance});

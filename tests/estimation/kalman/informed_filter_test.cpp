@@ -107,9 +107,9 @@ SCENARIO("the Kalman engine is nearly as good as a filter that knows the noise")
     THEN("where that filter works, the engine's error is at most 1.3 times as large") {
       const std::set<std::string_view> without_wrong_fixes{"hard_stops",   "gyro_scale", "magnetic_heading",
                                                            "moving_start", "hand_held",  "sparse_fixes",
-                                                           "wrong_delay"};
+                                                           "moved_map",    "wrong_delay"};
       if (!without_wrong_fixes.contains(scenario.name)) return;
-      CHECK(median(informed_m) < 0.1);
+      CHECK(median(informed_m) < 0.15);  // most of it is the moment of a map that turns
       CHECK(median(kalman_m) < 1.3 * median(informed_m));
       CHECK(median(kalman_m) < median(documented_m));
     }

@@ -46,4 +46,18 @@ TEST_CASE("a smooth cruise is no standstill once its fixes have moved") {
   CHECK(rest::fixes_stand_still(standing, 0.02));
 }
 
+TEST_CASE("a creep after a long rest is no standstill") {
+  RestState state;
+  for (int k = 0; k <= 60; ++k) {
+    rest::update(state, epoch_ns + to_ns(0.01 * k), Vector3d::Zero(), {0, 0, 9.8}, Vector3d::Zero(), 0.0);
+  }
+  const auto add = [&](int k, double x_m) {
+    rest::add_fix(state, epoch_ns + to_ns(0.6 + 0.1 * k), {x_m + 0.01 * std::sin(7.0 * k), 0.0, 0.0});
+  };
+  for (int k = 0; k < 3000; ++k) add(k, 0.0);  // five minutes
+  REQUIRE(rest::fixes_stand_still(state, 0.02));
+  for (int k = 3000; k < 3040; ++k) add(k, 0.05 * 0.1 * (k - 3000));  // 5 cm/s
+  CHECK_FALSE(rest::fixes_stand_still(state, 0.02));
+}
+
 }  // namespace rest_test

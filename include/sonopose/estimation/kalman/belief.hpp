@@ -50,20 +50,41 @@ struct Rival {
   TimeNs last_fix_ns = 0;
   int fixes = 0;
   int misses_in_row = 0;
-  int fixes_of_best = 0;  ///< that the best filter used in the meantime
+  int fixes_of_best = 0;    ///< that the best filter used in the meantime
+  bool has_turned = false;  ///< its map has turned, by the headings that the best filter rejects
+  int headings = 0;         ///< that agreed with a turned one
+  Vector3d rejected_world_m = Vector3d::Zero();  ///< the latest fix that the best filter rejected
   Filter filter;
 
   bool operator==(const Rival&) const = default;
 };
 
-/// The track that was given up for the rival. Only fixes that the best filter rejects correct it.
+/// The track that was given up for the rival. While there is none, it is an anchor: a copy of the best filter
+/// of some seconds ago, which the fixes since then could not lead astray. Only fixes that the best filter
+/// rejects correct it.
 struct Former {
   bool alive = false;
-  TimeNs left_ns = 0;
+  bool is_anchor = false;
+  TimeNs left_ns = 0;      ///< or when the anchor was copied
+  TimeNs left_for_ns = 0;  ///< beginning of the track that replaced it
+  int model = 0;           ///< of its process noise: that of later fixes may be due to a wrong track
   int fixes_in_row = 0;
   Filter filter;
 
   bool operator==(const Former&) const = default;
+};
+
+/// Remembers how long wrong tracks last here, with forgetting.
+struct WrongTracks {
+  double longest_s = 0;  ///< as it was at `seen_ns`
+  TimeNs seen_ns = 0;
+
+  void add(double duration_s, TimeNs now_ns);
+  [[nodiscard]] double wait_s(TimeNs now_ns) const;
+  bool operator==(const WrongTracks&) const = default;
+
+private:
+  [[nodiscard]] double faded_s(TimeNs now_ns) const;
 };
 
 /// Detects a track that repeats its coordinates.
@@ -99,7 +120,12 @@ struct ImuStep {
   double position_std_m = 0;                    ///< the same
   double attitude_std_rad = 0;                  ///< the same
 };
-[[nodiscard]] ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next);
+/// `usual_s`: the interval between most samples.
+[[nodiscard]] ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next, double usual_s);
+
+/// The usual interval between samples after one more.
+[[nodiscard]] double usual_step_s(double before_s, double step_s);
+
 /// Adds the variance of what an irregular step may miss.
 void add_missed_motion(Filter& filter, const ImuStep& step);
 
@@ -109,6 +135,7 @@ void add_missed_motion(Filter& filter, const ImuStep& step);
 /// A fix at the time of its measurement.
 struct FixMeasurement {
   TimeNs time_ns = 0;
+  TimeNs stamp_ns = 0;  ///< of the source: the same in every copy of a fix, whenever it arrives
   Vector3d position_world_m = Vector3d::Zero();
   double quality_percent = -1;  ///< negative: unknown
   bool has_covariance = false;
@@ -119,6 +146,7 @@ struct FixMeasurement {
 
 struct HeadingMeasurement {
   TimeNs time_ns = 0;
+  TimeNs stamp_ns = 0;
   double heading_world_rad = 0;
 
   bool operator==(const HeadingMeasurement&) const = default;
@@ -170,15 +198,20 @@ struct Belief {
   std::array<Candidate, start_count> candidates;
   Rival rival;
   Former former;
+  WrongTracks wrong_tracks;
   TimeNs last_fix_ns = 0;     ///< measurement of the last fix that was used; 0: none
   int fixes_since_start = 0;  ///< that were used; up to proven_fixes
   int fixes_rejected_in_row = 0;
-  TimeNs last_heading_ns = 0;  ///< of the last heading that was used
-  double last_heading_rad = 0;
+  double usual_step_s = 0;      ///< between IMU samples; 0: not known
+  TimeNs last_heading_ns = 0;   ///< of the last heading that was used
+  double last_heading_rad = 0;  ///< turned to the latest IMU sample while it may be needed for a start
   TimeNs heading_rejected_since_ns = 0;  ///< first rejected heading of the present run of them; 0: none
   TimeNs heading_rejected_ns = 0;        ///< last rejected heading
   int headings_rejected_in_row = 0;
-  double quality_percent = -1;  ///< of the last fix that was used; negative: unknown
+  double heading_rejected_by_rad = 0;  ///< innovation of the last rejected heading
+  TimeNs heading_seen_ns = 0;          ///< of the last heading, used or not
+  double heading_interval_s = 0;       ///< between most headings
+  double quality_percent = -1;         ///< of the last fix that was used; negative: unknown
   TimeNs converging_until_ns = 0;
   TimeNs slowed_ns = 0;  ///< last bound of dead reckoning
   double trust = 1;      ///< share of recent fixes that were used
@@ -211,7 +244,12 @@ private:
   [[nodiscard]] Matrix3d covariance_of(const FixMeasurement& fix) const;
   void recover_if_not_finite();
   [[nodiscard]] bool map_has_turned(TimeNs now_ns) const;
-  bool reject_heading(TimeNs now_ns);
+  bool reject_heading(TimeNs now_ns, double innovation_rad);
+  void see_heading(const HeadingMeasurement& heading);
+  [[nodiscard]] double heading_run_ends_s() const;
+  void turn_rival(const HeadingMeasurement& heading, double mount_rad, double innovation_rad);
+  [[nodiscard]] double up_rate_radps() const;
+  void turn_last_heading(const ImuMeasurement& imu);
   void update_rest(const ImuMeasurement& imu, ImuOutcome& outcome);
   void bound_dead_reckoning(ImuOutcome& outcome);
   using Innovations = std::array<Innovation, start_count>;  ///< of each candidate
@@ -225,7 +263,10 @@ private:
   void reject(const settings::Settings& settings, const FixMeasurement& fix, const Matrix3d& covariance,
               double ahead_s, FixOutcome& outcome);
   [[nodiscard]] bool must_start_again(TimeNs now_ns) const;
+  [[nodiscard]] bool rival_has_won(TimeNs now_ns) const;
   void begin_rival(const FixMeasurement& fix, const Matrix3d& covariance);
+  void end_rival(TimeNs now_ns);
+  void drop_anchor(TimeNs now_ns);
   void promote_rival();
   bool take_back_former(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s);
   void adopt(const Filter& track);

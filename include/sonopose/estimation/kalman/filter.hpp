@@ -139,6 +139,9 @@ public:
   /// Adds to the variance of three states.
   void add_variance(StateIndex index, const Vector3d& variance);
 
+  /// Turns position, velocity and attitude, and their covariance, about the vertical through the origin.
+  void turn_world(double angle_rad);
+
   /// Removes three states' correlations and sets their variances.
   void decorrelate(StateIndex index, const Vector3d& variance);
 

@@ -6,6 +6,20 @@
 
 namespace sonopose::estimation::kalman {
 
+/// A regression of up to three values over time that forgets.
+struct Trend {
+  int samples = 0;
+  TimeNs latest_ns = 0;
+  double weight = 0;
+  double time_mean_s = 0;  ///< relative to `latest_ns`, like the products
+  double time_squares_s2 = 0;
+  Vector3d mean = Vector3d::Zero();
+  Vector3d products = Vector3d::Zero();
+
+  void add(TimeNs time_ns, const Vector3d& value);
+  [[nodiscard]] bool operator==(const Trend&) const = default;
+};
+
 struct RestState {
   TimeNs window_began_ns = 0;
   int samples = 0;
@@ -17,12 +31,9 @@ struct RestState {
   TimeNs still_since_ns = 0;                    ///< beginning of the first of them
   Vector3d still_gyro_mean = Vector3d::Zero();  ///< of the latest still window
   Vector3d still_accel_mean = Vector3d::Zero();
-  // The fixes since then: regression of the position over time.
-  int fixes = 0;
-  double time_mean_s = 0;
-  double time_squares_s2 = 0;
-  Vector3d position_mean_m = Vector3d::Zero();
-  Vector3d products_m_s = Vector3d::Zero();
+  Trend fixes;     ///< since then: the position, m
+  Trend headings;  ///< since then: X is the heading relative to the first one, rad
+  double first_heading_rad = 0;
 
   bool operator==(const RestState&) const = default;
 };
@@ -37,11 +48,18 @@ bool update(RestState& state, TimeNs time_ns, const Vector3d& rate_body_radps,
 /// Adds a fix that was used.
 void add_fix(RestState& state, TimeNs time_ns, const Vector3d& position_world_m);
 
+/// Adds a heading, used or not.
+void add_heading(RestState& state, TimeNs time_ns, double heading_rad);
+
 /// Ends the rest: a gap in the samples.
 void restart(RestState& state);
 
-/// Whether the fixes since the rest began agree with a body that does not move.
-[[nodiscard]] bool fixes_stand_still(const RestState& state, double fix_std_m);
+/// Whether the latest fixes since the rest began, at least `least_fixes`, agree with a body that does not
+/// move.
+[[nodiscard]] bool fixes_stand_still(const RestState& state, double fix_std_m, int least_fixes = 4);
+
+/// Whether the latest headings since the rest began contradict a body that does not turn.
+[[nodiscard]] bool headings_turn(const RestState& state, double heading_std_rad);
 
 }  // namespace rest
 }  // namespace sonopose::estimation::kalman

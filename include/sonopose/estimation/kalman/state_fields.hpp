@@ -20,6 +20,7 @@ void for_each_field(IsFieldsOf<ImuMeasurement> auto& imu, const auto& visit) {
 
 void for_each_field(IsFieldsOf<FixMeasurement> auto& fix, const auto& visit) {
   visit("time_ns", fix.time_ns);
+  visit("stamp_ns", fix.stamp_ns);
   visit("position_world_m", fix.position_world_m);
   visit("quality_percent", fix.quality_percent);
   visit("has_covariance", fix.has_covariance);
@@ -28,6 +29,7 @@ void for_each_field(IsFieldsOf<FixMeasurement> auto& fix, const auto& visit) {
 
 void for_each_field(IsFieldsOf<HeadingMeasurement> auto& heading, const auto& visit) {
   visit("time_ns", heading.time_ns);
+  visit("stamp_ns", heading.stamp_ns);
   visit("heading_world_rad", heading.heading_world_rad);
 }
 
@@ -86,12 +88,18 @@ void for_each_field(IsFieldsOf<Rival> auto& rival, const auto& visit) {
   visit("fixes", rival.fixes);
   visit("misses_in_row", rival.misses_in_row);
   visit("fixes_of_best", rival.fixes_of_best);
+  visit("has_turned", rival.has_turned);
+  visit("headings", rival.headings);
+  visit("rejected_world_m", rival.rejected_world_m);
 }
 
 void for_each_field(IsFieldsOf<Former> auto& former, const auto& visit) {
   for_each_field(former.filter, visit);
   visit("alive", former.alive);
+  visit("is_anchor", former.is_anchor);
   visit("left_ns", former.left_ns);
+  visit("left_for_ns", former.left_for_ns);
+  visit("model", former.model);
   visit("fixes_in_row", former.fixes_in_row);
 }
 
@@ -100,6 +108,16 @@ void for_each_field(IsFieldsOf<MeasurementNoise::Bin> auto& bin, const auto& vis
   visit("horizontal_samples", bin.horizontal_m2.samples);
   visit("vertical_m2", bin.vertical_m2.variance);
   visit("vertical_samples", bin.vertical_m2.samples);
+}
+
+void for_each_field(IsFieldsOf<Trend> auto& trend, const auto& visit) {
+  visit("samples", trend.samples);
+  visit("latest_ns", trend.latest_ns);
+  visit("weight", trend.weight);
+  visit("time_mean_s", trend.time_mean_s);
+  visit("time_squares_s2", trend.time_squares_s2);
+  visit("mean", trend.mean);
+  visit("products", trend.products);
 }
 
 void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
@@ -122,10 +140,8 @@ void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
   visit("rest.still_gyro_mean", belief.rest.still_gyro_mean);
   visit("rest.still_accel_mean", belief.rest.still_accel_mean);
   visit("rest.fixes", belief.rest.fixes);
-  visit("rest.time_mean_s", belief.rest.time_mean_s);
-  visit("rest.time_squares_s2", belief.rest.time_squares_s2);
-  visit("rest.position_mean_m", belief.rest.position_mean_m);
-  visit("rest.products_m_s", belief.rest.products_m_s);
+  visit("rest.headings", belief.rest.headings);
+  visit("rest.first_heading_rad", belief.rest.first_heading_rad);
 
   visit("noise.any_quality", belief.noise.any_quality);
   visit("noise.bins", belief.noise.bins);
@@ -145,14 +161,20 @@ void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
   visit("candidates", belief.candidates);
   visit("rival", belief.rival);
   visit("former", belief.former);
+  visit("wrong_tracks.longest_s", belief.wrong_tracks.longest_s);
+  visit("wrong_tracks.seen_ns", belief.wrong_tracks.seen_ns);
   visit("last_fix_ns", belief.last_fix_ns);
   visit("fixes_since_start", belief.fixes_since_start);
   visit("fixes_rejected_in_row", belief.fixes_rejected_in_row);
+  visit("usual_step_s", belief.usual_step_s);
   visit("last_heading_ns", belief.last_heading_ns);
   visit("last_heading_rad", belief.last_heading_rad);
   visit("heading_rejected_since_ns", belief.heading_rejected_since_ns);
   visit("heading_rejected_ns", belief.heading_rejected_ns);
   visit("headings_rejected_in_row", belief.headings_rejected_in_row);
+  visit("heading_rejected_by_rad", belief.heading_rejected_by_rad);
+  visit("heading_seen_ns", belief.heading_seen_ns);
+  visit("heading_interval_s", belief.heading_interval_s);
   visit("quality_percent", belief.quality_percent);
   visit("converging_until_ns", belief.converging_until_ns);
   visit("slowed_ns", belief.slowed_ns);

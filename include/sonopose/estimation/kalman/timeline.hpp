@@ -16,6 +16,20 @@ inline constexpr std::size_t aiding_capacity = 512;  ///< fixes and headings
 /// A fix or a heading.
 using Aiding = std::variant<FixMeasurement, HeadingMeasurement>;
 
+/// Whether both are the same measurement, which may have arrived at different times.
+inline bool is_copy(const Aiding& a, const Aiding& b) {
+  if (a == b) return true;
+  if (const auto* fix = std::get_if<FixMeasurement>(&a)) {
+    const auto* other = std::get_if<FixMeasurement>(&b);
+    return other != nullptr && fix->stamp_ns != 0 && fix->stamp_ns == other->stamp_ns &&
+           fix->position_world_m == other->position_world_m;
+  }
+  const auto& heading = std::get<HeadingMeasurement>(a);
+  const auto* other = std::get_if<HeadingMeasurement>(&b);
+  return other != nullptr && heading.stamp_ns != 0 && heading.stamp_ns == other->stamp_ns &&
+         heading.heading_world_rad == other->heading_world_rad;
+}
+
 /// When its turn is. A heading follows the fix of the same emission, even if their stamps differ a little.
 inline TimeNs turn_of(const Aiding& aiding) {
   constexpr TimeNs after_fix_ns = 500'000;

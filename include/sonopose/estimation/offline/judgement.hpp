@@ -55,8 +55,9 @@ struct Segment {
   std::vector<JudgedFix> fixes;
   std::vector<JudgedHeading> headings;  ///< each after the fix of its emission
   std::vector<StateMeasurement> states;
-  TimeNs settled_ns = 0;   ///< when the engine had followed a known yaw for some seconds; else the end
-  kalman::Filter settled;  ///< the engine's best filter then
+  double usual_step_s = 0;  ///< between most samples
+  TimeNs settled_ns = 0;    ///< when the engine had followed a known yaw for some seconds; else the end
+  kalman::Filter settled;   ///< the engine's best filter then
 };
 
 /// Runs the Kalman engine over a recording's events, in the order of their arrival, and returns what it made

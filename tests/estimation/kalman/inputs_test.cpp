@@ -1,0 +1,175 @@
+/// Inputs of the Kalman engine that are rare: copies, late headings, slow headings, slow turns, a turn before
+/// the first fix, slow IMUs.
+
+#include "sim/scenario.hpp"
+#include "sim/simulator.hpp"
+#include "support/poses_of.hpp"
+#include <sonopose/estimation/estimator.hpp>
+#include <sonopose/estimation/kalman/engine.hpp>
+#include <sonopose/estimation/kalman/timeline.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+#include <vector>
+
+namespace kalman_inputs_test {
+
+using namespace sonopose;
+using namespace sonopose::estimation;
+using geometry::radians_per_degree;
+
+constexpr TimeNs epoch_ns = 1'700'000'000'000'000'000;
+
+ImuSample imu_at(double time_s, const Vector3d& rate_body_radps, const Vector3d& force_body_mps2) {
+  ImuSample imu;
+  imu.sensor_time_ns = imu.bridge_time_ns = epoch_ns + to_ns(time_s);
+  imu.angular_velocity_body_radps = rate_body_radps;
+  imu.specific_force_body_mps2 = force_body_mps2;
+  return imu;
+}
+
+UltrasonicFix fix_at(double time_s, const Vector3d& position_world_m) {
+  UltrasonicFix fix;
+  fix.emission_time_ns = fix.received_time_ns = epoch_ns + to_ns(time_s);
+  fix.measured_delay_s = 0.0;
+  fix.position_world_m = position_world_m;
+  return fix;
+}
+
+PairHeading heading_at(double time_s, double heading_rad) {
+  PairHeading heading;
+  heading.emission_time_ns = heading.received_time_ns = epoch_ns + to_ns(time_s);
+  heading.heading_world_rad = geometry::wrap_angle(heading_rad);
+  heading.valid = true;
+  return heading;
+}
+
+SCENARIO("a copy of a fix or heading is used once, whatever its delay is taken from") {
+  GIVEN("an engine with a fixed delay") {
+    settings::Settings settings;
+    settings.delay.source = settings::DelaySource::fixed;
+    kalman::Engine engine{settings};
+    test::poses_of(engine, sim::record(sim::find_scenario("walk"), {.seed = 5, .duration_s = 10.0}).events);
+    const double now_s = seconds_between(epoch_ns, engine.time_ns());
+    UltrasonicFix fix = fix_at(now_s, engine.belief().filter().tracked_position_world_m());
+    fix.emission_time_ns -= 70'000'000;
+    REQUIRE((engine.correct(fix).flags & fix_used) != 0);
+    const auto before = engine.snapshot();
+    WHEN("the fix comes again 1 ms later") {
+      fix.received_time_ns += 1'000'000;
+      THEN("it is rejected and changes nothing") {
+        CHECK(engine.correct(fix).flags == fix_invalid);
+        CHECK(engine.snapshot().history == before.history);
+      }
+    }
+    WHEN("another fix of that emission comes, with other coordinates") {
+      fix.received_time_ns += 1'000'000;
+      fix.position_world_m.x() += 0.02;
+      THEN("it is no copy") {
+        CHECK(engine.correct(fix).flags != fix_invalid);
+      }
+    }
+  }
+}
+
+SCENARIO("a heading that comes too late is counted as invalid") {
+  GIVEN("an engine in motion") {
+    kalman::Engine engine{settings::Settings{}};
+    test::poses_of(engine, sim::record(sim::find_scenario("walk"), {.seed = 5, .duration_s = 10.0}).events);
+    const auto before = engine.counters();
+    WHEN("a heading of 1.9 s ago arrives") {
+      engine.correct(heading_at(seconds_between(epoch_ns, engine.time_ns()) - 1.9, 0.3));
+      THEN("no heading was used, and a sample was invalid") {
+        CHECK(engine.counters().samples_invalid == before.samples_invalid + 1);
+        CHECK(engine.counters().headings == before.headings);
+      }
+    }
+  }
+}
+
+SCENARIO("headings win at any rate, if they contradict the yaw for long") {
+  GIVEN("a body at rest whose pair was turned while it was off, with a heading every 1.5 s") {
+    kalman::Engine engine{settings::Settings{}};
+    for (int k = 0; k < 4000; ++k) {
+      const double time_s = 0.01 * k;
+      engine.predict(imu_at(time_s, Vector3d::Zero(), {0, 0, standard_gravity_mps2}));
+      if (k % 10 == 5) engine.correct(fix_at(time_s, {1.0 + 0.01 * std::sin(k), 2.0, 1.0}));
+      if (k % 150 == 0) engine.correct(heading_at(time_s, time_s < 15.0 ? 0.2 : 0.9));
+    }
+    THEN("the yaw is that of the headings") {
+      CHECK(geometry::yaw_of(engine.belief().filter().q_body_to_world) == Approx(0.9).margin(0.05));
+    }
+  }
+}
+
+SCENARIO("the gyro turns the last heading until the first fix") {
+  GIVEN("a body that turns by 2 rad/s, one heading at 0.1 s, and the first fix at 0.5 s") {
+    kalman::Engine engine{settings::Settings{}};
+    for (int k = 0; k <= 55; ++k) {
+      const double time_s = 0.01 * k;
+      engine.predict(imu_at(time_s, {0, 0, 2.0}, {0, 0, standard_gravity_mps2}));
+      if (k == 10) engine.correct(heading_at(time_s, 0.5));
+      if (k == 50) engine.correct(fix_at(time_s, {1, 2, 3}));
+    }
+    THEN("the yaw begins where the body now points") {
+      CHECK(geometry::yaw_of(engine.belief().filter().q_body_to_world) ==
+            Approx(0.5 + 2.0 * 0.45).margin(2.0 * radians_per_degree));
+    }
+  }
+}
+
+SCENARIO("a slow, smooth turn is no gyro bias") {
+  GIVEN("a body that drives a circle at 1 m/s and 0.05 rad/s from the first sample on") {
+    const bool has_headings = GENERATE(true, false);
+    CAPTURE(has_headings);
+    constexpr double turn_radps = 0.05;
+    constexpr double speed_mps = 1.0;
+    kalman::Engine engine{settings::Settings{}};
+    for (int k = 0; k < 1000; ++k) {
+      const double time_s = 0.01 * k;
+      const double yaw_rad = turn_radps * time_s;
+      engine.predict(imu_at(time_s, {0, 0, turn_radps}, {0, speed_mps * turn_radps, standard_gravity_mps2}));
+      if (k % 8 != 0) continue;
+      const double radius_m = speed_mps / turn_radps;
+      const Vector3d noise_m = 0.01 * Vector3d(std::sin(1.7 * k), std::cos(2.3 * k), std::sin(3.1 * k));
+      engine.correct(
+          fix_at(time_s, noise_m + radius_m * Vector3d(std::sin(yaw_rad), 1.0 - std::cos(yaw_rad), 0.0)));
+      if (has_headings) engine.correct(heading_at(time_s, yaw_rad + 0.01 * std::sin(k)));
+    }
+    THEN("the bias is small") {
+      CHECK(std::abs(engine.belief().filter().gyro_bias_body_radps.z()) < 0.01);
+    }
+  }
+}
+
+SCENARIO("the usual step of an IMU is regular at any rate") {
+  using kalman::ImuMeasurement;
+  const auto is_irregular = [](double step_s, double usual_s) {
+    return kalman::step_between(ImuMeasurement{.time_ns = epoch_ns},
+                                ImuMeasurement{.time_ns = epoch_ns + to_ns(step_s)}, usual_s)
+        .irregular;
+  };
+  for (const double rate_hz : {25.0, 30.0, 33.0, 100.0}) {
+    CAPTURE(rate_hz);
+    double usual_s = 0.0;
+    for (int k = 0; k < 200; ++k)
+      usual_s = kalman::usual_step_s(usual_s, (k % 50 == 49 ? 3.0 : 1.0) / rate_hz);
+    CHECK_FALSE(is_irregular(1.05 / rate_hz, usual_s));
+    CHECK(is_irregular(3.0 / rate_hz, usual_s));
+  }
+}
+
+TEST_CASE("an engine needs at most 4 MB while yaw is searched, and 2 MB afterwards") {
+  constexpr std::size_t checkpoints = 16;
+  constexpr std::size_t bytes = (checkpoints + 1) * sizeof(kalman::Belief) +
+                                kalman::imu_capacity * sizeof(kalman::ImuMeasurement) +
+                                kalman::aiding_capacity * sizeof(kalman::Aiding);
+  // All of it is reserved from the start.
+  STATIC_REQUIRE(bytes < 2'000'000);
+}
+
+}  // namespace kalman_inputs_test

@@ -1,0 +1,137 @@
+/// Tracks of wrong fixes, and maps that move, in runs that were made for them.
+
+#include "evaluation/evaluation.hpp"
+#include "evaluation/score.hpp"
+#include "sim/paths.hpp"
+#include "sim/scenario.hpp"
+#include "sim/simulator.hpp"
+#include "support/poses_of.hpp"
+#include <sonopose/estimation/estimator.hpp>
+#include <sonopose/estimation/kalman/engine.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace wrong_tracks_test {
+
+using namespace sonopose;
+using estimation::kalman::Engine;
+
+/// A pose against the truth at its time.
+struct PoseError {
+  double time_s = 0;
+  double position_m = 0;
+  double yaw_deg = 0;
+  std::uint32_t status = 0;
+};
+
+std::vector<PoseError> errors_in(const sim::Scenario& scenario, std::uint64_t seed) {
+  const sim::Recording run = sim::record(scenario, {.seed = seed, .duration_s = scenario.duration_s});
+  evaluation::TruthTrack track(run.truth);
+  Engine engine{settings::Settings{}};
+  std::vector<PoseError> errors;
+  for (const FusedPose& pose : test::poses_of(engine, run.events)) {
+    const auto truth = track.at(pose.time_ns);
+    if (!truth) continue;
+    const double yaw_rad = geometry::wrap_angle(geometry::yaw_of(pose.q_body_to_world) -
+                                                geometry::yaw_of(truth->q_body_to_world));
+    errors.push_back({seconds_between(run.truth.front().time_ns, pose.time_ns),
+                      (pose.position_world_m - truth->position_world_m).norm(),
+                      std::abs(yaw_rad) / geometry::radians_per_degree, pose.status});
+  }
+  return errors;
+}
+
+/// The largest error between two times, m.
+double largest_m(const std::vector<PoseError>& errors, double from_s, double to_s) {
+  double largest = 0.0;
+  for (const PoseError& error : errors) {
+    if (error.time_s >= from_s && error.time_s < to_s) largest = std::max(largest, error.position_m);
+  }
+  return largest;
+}
+
+SCENARIO("a map that moves while yaw is searched does not end the search") {
+  GIVEN("a body without a heading that rests for 12 s, and a map that shifts at 8 s") {
+    sim::Scenario scenario = sim::find_scenario("no_heading");
+    scenario.path = [](double time_s) { return sim::walk_path(std::max(0.0, time_s - 9.0)); };
+    scenario.disturbances.relocations = {{.at_s = 8.0, .by_world_m = {2.5, 0.0, 0.0}}};
+    scenario.duration_s = 30.0;
+    const auto seed = GENERATE(range(std::uint64_t{1}, std::uint64_t{7}));
+    CAPTURE(seed);
+    const auto errors = errors_in(scenario, seed);
+    THEN("no yaw is said to be known while it is wrong, and the drive shows it") {
+      for (const PoseError& error : errors) {
+        if ((error.status & status_heading_unknown) == 0) REQUIRE(error.yaw_deg < 20.0);
+      }
+      CHECK((errors.back().status & status_heading_unknown) == 0);
+      CHECK(errors.back().yaw_deg < 3.0);
+      CHECK(largest_m(errors, 20.0, 30.0) < 0.3);
+    }
+  }
+}
+
+SCENARIO("the pose returns soon from a track that drifted away") {
+  GIVEN("walks whose fixes drift away by 0.6 m/s for 3 s, once") {
+    int soon = 0;
+    int runs = 0;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      sim::Scenario scenario = sim::find_scenario("walk");
+      const double begin_s = 12.0 + 0.5 * static_cast<double>(seed);
+      scenario.disturbances.outlier_bursts = {
+          {.begin_s = begin_s, .duration_s = 3.0, .drift_world_mps = {0.6, 0.0, 0.0}}};
+      scenario.duration_s = 25.0;
+      const auto errors = errors_in(scenario, seed);
+      CAPTURE(seed);
+      CHECK(largest_m(errors, begin_s + 3.0 + 3.0, 25.0) < 0.3);
+      ++runs;
+      if (largest_m(errors, begin_s + 3.0 + 0.7, 25.0) < 0.3) ++soon;
+    }
+    THEN(
+        "a track of some seconds ago is recognised within 0.7 s in a third of them, and none is lost for 3 "
+        "s") {
+      CHECK(soon >= runs / 3);
+    }
+  }
+}
+
+SCENARIO("a place of long wrong tracks is remembered") {
+  GIVEN("a walk with two wrong tracks of 1.3 s, 3 m off") {
+    sim::Scenario scenario = sim::find_scenario("walk");
+    scenario.disturbances.outlier_bursts = {
+        {.begin_s = 10.0, .duration_s = 1.3, .offset_world_m = {3.0, 0.0, 0.0}},
+        {.begin_s = 20.0, .duration_s = 1.3, .offset_world_m = {0.0, 3.0, 0.0}}};
+    scenario.duration_s = 30.0;
+    const auto seed = GENERATE(range(std::uint64_t{1}, std::uint64_t{5}));
+    CAPTURE(seed);
+    const auto errors = errors_in(scenario, seed);
+    THEN("the first may be followed, as a relocation would be; the second is not") {
+      CHECK(largest_m(errors, 19.0, 29.0) < 0.3);
+      AND_THEN("the first is left within two fixes after it ends") {
+        CHECK(largest_m(errors, 11.6, 19.0) < 0.3);
+      }
+    }
+  }
+}
+
+SCENARIO("a map that turns at once is followed by its first fixes and headings") {
+  GIVEN("a walk whose map turns by 40 degrees and shifts by 1 m") {
+    sim::Scenario scenario = sim::find_scenario("walk");
+    scenario.disturbances.relocations = {
+        {.at_s = 15.0, .by_world_m = {1.0, 0.0, 0.0}, .turn_rad = 40.0 * geometry::radians_per_degree}};
+    scenario.duration_s = 20.0;
+    const auto seed = GENERATE(range(std::uint64_t{1}, std::uint64_t{7}));
+    CAPTURE(seed);
+    const auto errors = errors_in(scenario, seed);
+    THEN("the pose is there within a second") {
+      CHECK(largest_m(errors, 16.0, 20.0) < 0.2);
+      CHECK(errors.back().yaw_deg < 3.0);
+    }
+  }
+}
+
+}  // namespace wrong_tracks_test
