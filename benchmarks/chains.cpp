@@ -150,7 +150,8 @@ std::vector<Child> keep_awake() {
 
 Round real_round(const RoundOptions& options, const Tuning& tuning) {
   const std::vector<Child> awake = tuning.awake ? keep_awake() : std::vector<Child>{};
-  std::vector<std::string> fusion{SONOPOSE_FUSION, "--domain", std::to_string(options.domain)};
+  std::vector<std::string> fusion{tuning.fusion.empty() ? SONOPOSE_FUSION : tuning.fusion, "--domain",
+                                  std::to_string(options.domain)};
   std::vector<std::string> bridge{SONOPOSE_BRIDGE, "--domain", std::to_string(options.domain), "--imu-rate",
                                   fmt::format("{}", options.rate_hz)};
   if (!tuning.engine.empty()) fusion.insert(fusion.end(), {"--set", "fusion.engine=" + tuning.engine});
@@ -175,8 +176,8 @@ Chain plain_chain() {
   return {"udp", plain_round};
 }
 
-Chain bare_chain() {
-  return {"bare", bare_round};
+Chain bare_chain(std::string name) {
+  return {std::move(name), bare_round};
 }
 
 Chain real_chain(std::string name, const Tuning& tuning) {

@@ -42,6 +42,7 @@ struct Chain {
 /// Variations of the real chain.
 struct Tuning {
   std::string engine;                    ///< fusion.engine; empty: the default
+  std::string fusion{};                  ///< the program; empty: that of this build
   bool realtime = false;                 ///< --realtime for bridge and fusion, the same for the consumer
   bool awake = false;                    ///< a process of the lowest priority keeps each core awake
   std::optional<unsigned> fusion_cpu{};  ///< the core reserved for the fusion
@@ -51,7 +52,7 @@ struct Tuning {
 /// Plain UDP sockets.
 Chain plain_chain();
 /// Only Cyclone DDS's C API.
-Chain bare_chain();
+Chain bare_chain(std::string name);
 /// sonopose-bridge → sonopose-fusion → consumer.
 Chain real_chain(std::string name, const Tuning& tuning = {});
 

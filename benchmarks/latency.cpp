@@ -21,15 +21,20 @@ struct Options {
   std::uint32_t domain = 143;
   std::vector<double> rates_hz{100.0, 200.0, 500.0, 1000.0};
   std::vector<std::string> variants;
+  std::string other_fusion;
   int rounds = 10;
   double round_s = 3.0;
   unsigned fusion_cpu = 1;
 };
 
 std::vector<Chain> chains_of(const Options& options) {
-  std::vector<Chain> chains{plain_chain(), bare_chain()};
-  for (const std::string engine : {"documented", "kalman"}) {
-    chains.push_back(real_chain(engine, {.engine = engine}));
+  std::vector<Chain> chains{plain_chain(), bare_chain("bare"), bare_chain("bare again")};
+  const std::vector<std::string> engines{"documented", "kalman"};
+  for (const std::string& engine : engines) chains.push_back(real_chain(engine, {.engine = engine}));
+  if (!options.other_fusion.empty()) {
+    for (const std::string& engine : engines) {
+      chains.push_back(real_chain("other " + engine, {.engine = engine, .fusion = options.other_fusion}));
+    }
   }
   for (const std::string& variant : options.variants) {
     Tuning tuning;
@@ -72,6 +77,9 @@ void add_options(CLI::App& app, Options& options) {
          "Variants of the chain with the Kalman engine, compared with it: realtime (with --realtime), awake "
          "(cores never sleep), pinned (the fusion on a reserved core), ros2 (through sonopose-ros2)")
       ->check(CLI::IsMember({"realtime", "awake", "pinned", "ros2"}));
+  app.add_option("--other-fusion", options.other_fusion,
+                 "Another build of sonopose-fusion, with both engines, compared with this one")
+      ->check(CLI::ExistingFile);
   app.add_option("--fusion-cpu", options.fusion_cpu, "Core for the variant pinned")->capture_default_str();
 }
 

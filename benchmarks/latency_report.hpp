@@ -15,7 +15,8 @@ struct ChainResult {
   Round pending;  ///< of the round that not all chains have completed
 };
 
-/// All chains have the same number of rounds. The first three are udp, bare and sonopose.
+/// All chains have the same number of rounds. The first ones are udp, bare, bare again, documented and
+/// kalman.
 using Results = std::vector<ChainResult>;
 
 /// Prints percentiles pooled over the rounds, the median of the ratios per round with its 95 % confidence

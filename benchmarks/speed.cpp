@@ -8,8 +8,11 @@
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/estimation/kalman/engine.hpp>
 
+#include <algorithm>
 #include <benchmark/benchmark.h>
+#include <chrono>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace {
@@ -75,6 +78,38 @@ void engine_per_imu_sample(benchmark::State& state, estimation::EstimatorKind ki
 }
 BENCHMARK_CAPTURE(engine_per_imu_sample, documented, estimation::EstimatorKind::documented);
 BENCHMARK_CAPTURE(engine_per_imu_sample, kalman, estimation::EstimatorKind::kalman);
+
+/// What an IMU sample costs until its pose is there, if the caches went cold since the last one: the median
+/// over the samples of 20 s.
+void pose_from_cold_caches(benchmark::State& state, estimation::EstimatorKind kind) {
+  constexpr std::size_t more_than_the_caches = 40U << 20U;
+  std::vector<std::uint64_t> other(more_than_the_caches / sizeof(std::uint64_t));
+  for (auto run : state) {
+    estimation::AnyEstimator estimator{settings::Settings{}, {.kind = kind}};
+    std::vector<double> times_ns;
+    for (const Event& event : std::span(recorded_events()).first(2500)) {
+      const bool is_imu = std::holds_alternative<ImuSample>(event);
+      if (is_imu) {
+        for (std::uint64_t& word : other) ++word;
+        benchmark::ClobberMemory();
+      }
+      const auto begin = std::chrono::steady_clock::now();
+      benchmark::DoNotOptimize(estimation::process(estimator, event));
+      const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - begin;
+      if (is_imu) times_ns.push_back(took.count());
+      estimator.catch_up();
+    }
+    const auto middle = times_ns.begin() + static_cast<std::ptrdiff_t>(times_ns.size() / 2);
+    std::nth_element(times_ns.begin(), middle, times_ns.end());
+    state.SetIterationTime(1e-9 * *middle);
+  }
+}
+BENCHMARK_CAPTURE(pose_from_cold_caches, documented, estimation::EstimatorKind::documented)
+    ->UseManualTime()
+    ->Iterations(1);
+BENCHMARK_CAPTURE(pose_from_cold_caches, kalman, estimation::EstimatorKind::kalman)
+    ->UseManualTime()
+    ->Iterations(1);
 
 /// The most that one event costs the Kalman engine: a fix of 0.8 s ago while all twelve starts of an unknown
 /// yaw are alive, which they are on a body at rest, and what it leaves to repeat.

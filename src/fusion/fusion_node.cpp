@@ -279,9 +279,7 @@ void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, Time
     EventOutcome outcome = estimators_.with([&](auto&) { return estimator->process(next); });
     outcome_writer_.write(outcome, address_of(event), in_ns);
     if (outcome.prediction_period_ns) settings_server_.on_change();
-    if (!std::holds_alternative<ImuSample>(next.event)) {
-      estimators_.with([&](auto&) { estimator->catch_up(); });
-    }
+    estimators_.with([&](auto&) { estimator->catch_up(); });
   }
 }
 

@@ -124,6 +124,27 @@ TEMPLATE_LIST_TEST_CASE("an estimator that is restored from a snapshot continues
   CHECK(second.counters() == whole.counters());
 }
 
+TEMPLATE_LIST_TEST_CASE("catching up at any time changes no result", "", AllEstimators) {
+  const auto log = events(8.0);
+  TestType never{settings::Settings{}};
+  const Run expected = run(never, log);
+  for (const std::size_t every : {1U, 3U, 7U}) {
+    TestType estimator{settings::Settings{}};
+    Run caught_up;
+    for (std::size_t i = 0; i < log.size(); ++i) {
+      const EventResult output = process(estimator, log[i]);
+      if (const auto* pose = std::get_if<FusedPose>(&output)) caught_up.poses.push_back(*pose);
+      if (const auto* report = std::get_if<FixReport>(&output)) caught_up.reports.push_back(*report);
+      if (i % every == 0) estimator.catch_up();
+    }
+    CHECK(same_bits(caught_up.poses, expected.poses));
+    CHECK(same_bits(caught_up.reports, expected.reports));
+    CHECK(estimator.snapshot() == never.snapshot());
+    never.catch_up();
+    CHECK(estimator.snapshot() == never.snapshot());
+  }
+}
+
 TEMPLATE_LIST_TEST_CASE("samples that are not finite are counted and never reach a pose", "", AllEstimators) {
   const double bad =
       GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),

@@ -24,8 +24,8 @@ namespace sonopose::estimation {
 /// - `predict` integrates an IMU sample and returns the pose at it. It returns nothing for a sample that it
 ///   does not use; an impossible one it counts in `samples_invalid`. A pose is always finite.
 /// - `correct` with a fix returns a report on it; FixFlag::fix_used is not set if the fix changed nothing.
-/// - `catch_up` does at once what the next `predict` would have to do first, after a late fix. It changes no
-///   result.
+/// - `catch_up` does at once what the last event left to do, and the next one would have to do first. It
+///   changes no result; `estimate` is that after the last call.
 /// - `configure` replaces the settings and keeps the state. `settings` are the effective ones.
 /// - `reset` discards the state, keeps the counters and increments `reset_counter`.
 /// - `time_ns` is the time of the state; 0 before the first sample.

@@ -40,6 +40,26 @@ void Engine::configure(const settings::Settings& settings) noexcept {
   calibration_ = calibration::Calibration(settings.calibration);
 }
 
+void Engine::catch_up() noexcept {
+  if (!timeline_.is_behind()) return;
+  timeline_.catch_up(settings_);
+  update_uncertainty();
+}
+
+/// Reads nearly all of the covariance, which a pose need not wait for.
+void Engine::update_uncertainty() {
+  constexpr double unlearned_bias_radps = 0.01;
+  constexpr double unknown_yaw_rad = 5.0 * geometry::radians_per_degree;
+  if (belief().phase == Phase::waiting) return;
+  const Filter& filter = belief().filter();
+  const double bias_std = std::sqrt(filter.covariance.diagonal().segment<3>(at_gyro_bias).maxCoeff());
+  uncertainty_ = {.pose_covariance = filter.pose_covariance(),
+                  .velocity_covariance = filter.velocity_covariance(),
+                  .gyro_bias_is_unknown = bias_std > unlearned_bias_radps,
+                  .yaw_is_unknown = belief().phase == Phase::searching_yaw ||
+                                    filter.yaw_variance_rad2() > unknown_yaw_rad * unknown_yaw_rad};
+}
+
 void Engine::reset() noexcept {
   timeline_.clear();
   admission_ = {};
@@ -51,6 +71,7 @@ void Engine::reset() noexcept {
 
 void Engine::restore(const Snapshot& snapshot) noexcept {
   timeline_.restore(settings_, snapshot.history);
+  update_uncertainty();
   admission_ = snapshot.admission;
   last_used_received_ns_ = snapshot.last_used_received_ns;
   last_delay_s_ = snapshot.last_delay_s;
@@ -60,6 +81,11 @@ void Engine::restore(const Snapshot& snapshot) noexcept {
 }
 
 Snapshot Engine::snapshot() const {
+  if (timeline_.is_behind()) {
+    Engine whole = *this;
+    whole.catch_up();
+    return whole.snapshot();
+  }
   return {.history = timeline_.history(),
           .admission = admission_,
           .last_used_received_ns = last_used_received_ns_,
@@ -70,12 +96,40 @@ Snapshot Engine::snapshot() const {
 }
 
 std::optional<FusedPose> Engine::predict(const ImuSample& raw) noexcept {
+  catch_up();
   const ImuSample imu = calibration_.corrected(raw);
   if (!admit(imu)) return std::nullopt;
-  timeline_.add(settings_, as_measurement(imu));
-  if (belief().in_imu_gap) ++counters_.imu_gaps;
-  const FusedPose pose = pose_at(imu);
+  const ImuMeasurement measured = as_measurement(imu);
+  const bool comes_last = timeline_.add(settings_, measured);
+  const FusedPose pose = comes_last && is_step(measured) ? pose_after_step(imu, measured) : whole_pose(imu);
   last_position_world_m_ = pose.position_world_m;
+  return pose;
+}
+
+/// Whether the sample only moves the nominal state.
+bool Engine::is_step(const ImuMeasurement& imu) const {
+  const double dt_s = seconds_between(belief().time_ns, imu.time_ns);
+  return belief().phase != Phase::waiting && dt_s > 0.0 && dt_s <= settings_.outage.imu_gap_s;
+}
+
+FusedPose Engine::pose_after_step(const ImuSample& imu, const ImuMeasurement& measured) const {
+  const Belief& before = belief();
+  const ImuStep step = step_between({.time_ns = before.time_ns,
+                                     .rate_body_radps = before.rate_body_radps,
+                                     .force_body_mps2 = before.force_body_mps2},
+                                    measured);
+  const NominalStep moved = before.filter().step(step.rate_body_radps, step.force_body_mps2, step.duration_s);
+  return pose_at(imu, moved.after);
+}
+
+/// The pose after everything that the sample leads to.
+FusedPose Engine::whole_pose(const ImuSample& imu) {
+  catch_up();
+  FusedPose pose = pose_at(imu, belief().filter().nominal());
+  if (belief().in_imu_gap) {
+    ++counters_.imu_gaps;
+    if (belief().phase != Phase::waiting) pose.status |= status_imu_gap;
+  }
   return pose;
 }
 
@@ -93,6 +147,7 @@ bool Engine::admit(const ImuSample& imu) {
 }
 
 FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
+  if (timeline_.is_behind_sample()) catch_up();
   FixReport report = report_on(fix, time_ns());
   report.shifted_position_world_m = fix.position_world_m;
   report.trust = belief().trust;
@@ -167,6 +222,7 @@ std::uint32_t Engine::rejection_flags(const UltrasonicFix& fix, const FixMeasure
 }
 
 void Engine::correct(const PairHeading& heading) noexcept {
+  if (timeline_.is_behind_sample()) catch_up();
   const HeadingMeasurement measured = measurement_in(heading);
   if (!admission::admits(settings_.admission, time_ns(), heading, measured.time_ns, timeline_.ahead_s())) {
     ++counters_.samples_invalid;
@@ -181,54 +237,48 @@ void Engine::correct(const PairHeading& heading) noexcept {
   timeline_.add(settings_, measured);
 }
 
-FusedPose Engine::pose_at(const ImuSample& imu) const {
+FusedPose Engine::pose_at(const ImuSample& imu, const NominalState& state) const {
   const Belief& now = belief();
   FusedPose pose;
   pose.address = imu.address;
   pose.sequence = imu.sequence;
-  pose.time_ns = now.time_ns;
+  pose.time_ns = imu.sensor_time_ns;
   if (now.phase == Phase::waiting) {
     pose.q_body_to_world = geometry::level_with(now.mean_force_body_mps2, 0.0);
     pose.angular_velocity_body_radps = imu.angular_velocity_body_radps;
   } else {
     const Filter& filter = now.filter();
-    pose.position_world_m = filter.tracked_position_world_m();
-    pose.q_body_to_world = filter.q_body_to_world;
-    pose.velocity_world_mps = filter.tracked_velocity_world_mps();
+    pose.position_world_m = filter.tracked_position_world_m(state);
+    pose.q_body_to_world = state.q_body_to_world;
+    pose.velocity_world_mps = filter.tracked_velocity_world_mps(state);
     pose.angular_velocity_body_radps = imu.angular_velocity_body_radps - filter.gyro_bias_body_radps;
-    pose.acceleration_world_mps2 = filter.acceleration_world_mps2;
+    pose.acceleration_world_mps2 = state.acceleration_world_mps2;
     pose.gyro_bias_body_radps = filter.gyro_bias_body_radps;
-    pose.pose_covariance = filter.pose_covariance();
-    pose.velocity_covariance = filter.velocity_covariance();
+    pose.pose_covariance = uncertainty_.pose_covariance;
+    pose.velocity_covariance = uncertainty_.velocity_covariance;
   }
   pose.trust = now.trust;
   pose.since_valid_fix_s = last_used_received_ns_ == 0
                                ? std::numeric_limits<double>::infinity()
-                               : std::max(0.0, seconds_between(last_used_received_ns_, now.time_ns));
+                               : std::max(0.0, seconds_between(last_used_received_ns_, pose.time_ns));
   pose.reset_counter = reset_counter_;
-  pose.status = status();
+  pose.status = status(pose.time_ns);
   pose.imu_sensor_time_ns = imu.sensor_time_ns;
   pose.imu_bridge_time_ns = imu.bridge_time_ns;
   return pose;
 }
 
-std::uint32_t Engine::status() const {
-  constexpr double unlearned_bias_radps = 0.01;
-  constexpr double unknown_yaw_rad = 5.0 * geometry::radians_per_degree;
+std::uint32_t Engine::status(TimeNs time_ns) const {
   constexpr double low_trust = 0.6;
   const auto bit = [](bool applies, PoseStatus status) { return applies ? std::uint32_t{status} : 0U; };
   const Belief& now = belief();
   if (now.phase == Phase::waiting) return status_initialising | status_heading_unknown;
-  const Filter& filter = now.filter();
-  const double bias_std = std::sqrt(filter.covariance.diagonal().segment<3>(at_gyro_bias).maxCoeff());
-  const bool yaw_unknown =
-      now.phase == Phase::searching_yaw || filter.yaw_variance_rad2() > unknown_yaw_rad * unknown_yaw_rad;
-  const double since_fix_s = seconds_between(last_used_received_ns_, now.time_ns);
-  return bit(bias_std > unlearned_bias_radps, status_uncalibrated) |
+  const double since_fix_s = seconds_between(last_used_received_ns_, time_ns);
+  return bit(uncertainty_.gyro_bias_is_unknown, status_uncalibrated) |
          bit(since_fix_s > settings_.outage.stale_after_s, status_stale) |
-         bit(now.time_ns < now.converging_until_ns, status_converging) |
-         bit(yaw_unknown, status_heading_unknown) | bit(now.repetition.frozen, status_frozen_track) |
-         bit(now.in_imu_gap, status_imu_gap) | bit(now.trust < low_trust, status_low_trust);
+         bit(time_ns < now.converging_until_ns, status_converging) |
+         bit(uncertainty_.yaw_is_unknown, status_heading_unknown) |
+         bit(now.repetition.frozen, status_frozen_track) | bit(now.trust < low_trust, status_low_trust);
 }
 
 Estimate Engine::estimate() const {

@@ -33,16 +33,25 @@ void mirror_upper(StateCovariance& covariance) {
 
 }  // namespace
 
-void Filter::predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s) {
-  angular_velocity_body_radps = rate_body_radps - gyro_bias_body_radps;
-  const Quaterniond half = geometry::rotation_by((0.5 * dt_s * angular_velocity_body_radps).eval());
+NominalStep Filter::step(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2,
+                         double dt_s) const {
+  NominalStep step;
+  NominalState& after = step.after;
+  after.angular_velocity_body_radps = rate_body_radps - gyro_bias_body_radps;
+  const Quaterniond half = geometry::rotation_by((0.5 * dt_s * after.angular_velocity_body_radps).eval());
   const Quaterniond q_middle = q_body_to_world * half;
-  const Matrix3d rotation_middle = q_middle.toRotationMatrix();
-  const Vector3d force_world_mps2 = rotation_middle * (specific_force_body_mps2 - accel_bias_body_mps2);
-  acceleration_world_mps2 = force_world_mps2 + gravity_world_mps2;
-  position_world_m += dt_s * velocity_world_mps + 0.5 * dt_s * dt_s * acceleration_world_mps2;
-  velocity_world_mps += dt_s * acceleration_world_mps2;
+  step.rotation_middle = q_middle.toRotationMatrix();
+  step.force_world_mps2 = step.rotation_middle * (specific_force_body_mps2 - accel_bias_body_mps2);
+  after.acceleration_world_mps2 = step.force_world_mps2 + gravity_world_mps2;
+  after.position_world_m =
+      position_world_m + dt_s * velocity_world_mps + 0.5 * dt_s * dt_s * after.acceleration_world_mps2;
+  after.velocity_world_mps = velocity_world_mps + dt_s * after.acceleration_world_mps2;
+  after.q_body_to_world = (q_middle * half).normalized();
+  return step;
+}
 
+void Filter::predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s) {
+  const NominalStep step = this->step(rate_body_radps, specific_force_body_mps2, dt_s);
   // In the world frame an attitude error stays as it is but for the gyro bias.
   begin_transition();
   Transition& f = pending;
@@ -52,11 +61,15 @@ void Filter::predict(const Vector3d& rate_body_radps, const Vector3d& specific_f
   f.rotation_double_sum_s2 += dt_s * f.rotation_sum_s;
   f.position_gyro_bias += dt_s * f.velocity_gyro_bias;
   for (int i = 0; i < 3; ++i) {
-    f.velocity_gyro_bias.col(i) += dt_s * force_world_mps2.cross(f.rotation_sum_s.col(i));
+    f.velocity_gyro_bias.col(i) += dt_s * step.force_world_mps2.cross(f.rotation_sum_s.col(i));
   }
-  f.impulse_mps += dt_s * force_world_mps2;
-  f.rotation_sum_s += dt_s * rotation_middle;
-  q_body_to_world = (q_middle * half).normalized();
+  f.impulse_mps += dt_s * step.force_world_mps2;
+  f.rotation_sum_s += dt_s * step.rotation_middle;
+  position_world_m = step.after.position_world_m;
+  velocity_world_mps = step.after.velocity_world_mps;
+  q_body_to_world = step.after.q_body_to_world;
+  acceleration_world_mps2 = step.after.acceleration_world_mps2;
+  angular_velocity_body_radps = step.after.angular_velocity_body_radps;
 }
 
 void Filter::begin_transition() {

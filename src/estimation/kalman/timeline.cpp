@@ -26,20 +26,32 @@ void Timeline::clear() {
   next_aiding_ = 0;
   aiding_.clear();
   oldest_ = checkpoint_count_ = 0;
-  stamps_are_ahead_ = false;
+  stamps_are_ahead_ = is_behind_ = false;
 }
 
-void Timeline::add(const settings::Settings& settings, const ImuMeasurement& imu) {
+bool Timeline::add(const settings::Settings& settings, const ImuMeasurement& imu) {
   if (end_imu_ - first_imu_ == imu_capacity) {
     fold(settings, nullptr);
     drop_oldest_checkpoint();
   }
+  const bool precedes_aiding = next_aiding_ > 0 && imu.time_ns <= turn_of(aiding_[next_aiding_ - 1]);
+  if (precedes_aiding) rewind(imu.time_ns);
+  drop_future(imu.time_ns);
+  const bool comes_last = !precedes_aiding && next_aiding_ == aiding_.size();
+  if (!comes_last) fold(settings, nullptr, imu.time_ns - 1);
   imu_[end_imu_ % imu_capacity] = imu;
   ++end_imu_;
   time_ns_ = imu.time_ns;
-  if (next_aiding_ > 0 && imu.time_ns <= turn_of(aiding_[next_aiding_ - 1])) rewind(imu.time_ns);
-  drop_future(imu.time_ns);
-  fold(settings, nullptr, imu.time_ns + to_ns(settings.outage.imu_gap_s));
+  until_ns_ = imu.time_ns + to_ns(settings.outage.imu_gap_s);
+  is_behind_ = true;
+  if (checkpoint_count_ == 0) catch_up(settings);  // the first one, which measurements need to be inserted
+  return comes_last && is_behind_;
+}
+
+void Timeline::catch_up(const settings::Settings& settings) {
+  if (!is_behind_) return;
+  fold(settings, nullptr, until_ns_);
+  is_behind_ = false;
 }
 
 /// Removes fixes and headings long after this sample: the IMU was not silent, so their stamps are wrong.
@@ -69,6 +81,8 @@ FixOutcome Timeline::add(const settings::Settings& settings, const Aiding& aidin
   const std::size_t index = insert(aiding);
   const bool is_ahead = index >= next_aiding_ && turn_of(aiding) >= now_.time_ns;
   if (!is_ahead) rewind(turn_of(aiding));
+  until_ns_ = forever_ns;
+  is_behind_ = true;
   return fold(settings, &aiding_[index]);
 }
 

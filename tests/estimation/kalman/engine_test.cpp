@@ -89,6 +89,40 @@ SCENARIO("the Kalman engine follows a walk within the noise of one fix") {
   }
 }
 
+SCENARIO(
+    "the pose of a sample is that of the filter after it, and its covariance that of the filter before") {
+  GIVEN("a walk") {
+    const sim::Recording walk = record("walk", 20.0);
+    kalman::Engine engine{settings::Settings{}};
+    double most_apart_m = 0.0;
+    int poses = 0;
+    int without_covariance = 0;
+    int other_covariance = 0;
+    for (const Event& event : walk.events) {
+      const bool started = engine.belief().phase != kalman::Phase::waiting;
+      const kalman::Filter before = engine.belief().filter();
+      const EventResult output = process(engine, event);
+      engine.catch_up();
+      const auto* pose = std::get_if<FusedPose>(&output);
+      if (pose == nullptr || !started) continue;
+      if (seconds_between(walk.truth.front().time_ns, pose->time_ns) < 6.0) continue;  // it stands at first
+      ++poses;
+      const Vector3d after_world_m = engine.belief().filter().tracked_position_world_m();
+      most_apart_m = std::max(most_apart_m, (after_world_m - pose->position_world_m).norm());
+      if (!(yaw_std_rad(*pose) > 0.0 && position_std_m(*pose).minCoeff() > 0.0)) ++without_covariance;
+      if (!(pose->pose_covariance == before.pose_covariance())) ++other_covariance;
+    }
+    THEN("while the body walks, the position is that of the filter") {
+      CHECK(poses > 1300);
+      CHECK(most_apart_m < 0.001);
+    }
+    THEN("every pose after the first fix has a covariance, of one sample before") {
+      CHECK(without_covariance == 0);
+      CHECK(other_covariance == 0);
+    }
+  }
+}
+
 SCENARIO("the Kalman engine starts with any noise of the fixes") {
   GIVEN("a walk with three fixes per second and a noise of 1, 5 or 10 cm") {
     const double noise_m = GENERATE(0.01, 0.05, 0.1);

@@ -29,6 +29,10 @@ struct Snapshot {
 
 /// Takes events in the order of their arrival and uses them in the order of their measurement. Satisfies
 /// estimation::Estimator.
+///
+/// A sample that follows all other events only moves the nominal state of the best filter, which gives the
+/// pose. Everything else follows in `catch_up`: so the covariances of a pose, and the bits of its status that
+/// follow from them, are those of one sample before.
 class Engine {
 public:
   using Snapshot = kalman::Snapshot;
@@ -39,7 +43,7 @@ public:
   std::optional<FusedPose> predict(const ImuSample& raw) noexcept;
   FixReport correct(const UltrasonicFix& fix) noexcept;
   void correct(const PairHeading& heading) noexcept;
-  void catch_up() noexcept { timeline_.catch_up(settings_); }
+  void catch_up() noexcept;
   void reset() noexcept;
   void restore(const Snapshot& snapshot) noexcept;
   [[nodiscard]] Snapshot snapshot() const;
@@ -51,6 +55,7 @@ public:
   [[nodiscard]] HeadingMeasurement measurement_in(const PairHeading& heading) const;
 
   [[nodiscard]] const settings::Settings& settings() const { return settings_; }
+  /// After all events that were caught up with.
   [[nodiscard]] const Belief& belief() const { return timeline_.now(); }
   [[nodiscard]] TimeNs time_ns() const { return timeline_.time_ns(); }
   [[nodiscard]] Estimate estimate() const;
@@ -62,12 +67,24 @@ private:
   template <class Sample>
   [[nodiscard]] TimeNs measured_at(const Sample& sample) const;
   [[nodiscard]] std::uint32_t rejection_flags(const UltrasonicFix& fix, const FixMeasurement& measured) const;
-  [[nodiscard]] FusedPose pose_at(const ImuSample& imu) const;
-  [[nodiscard]] std::uint32_t status() const;
+  [[nodiscard]] bool is_step(const ImuMeasurement& imu) const;
+  [[nodiscard]] FusedPose pose_after_step(const ImuSample& imu, const ImuMeasurement& measured) const;
+  FusedPose whole_pose(const ImuSample& imu);
+  [[nodiscard]] FusedPose pose_at(const ImuSample& imu, const NominalState& state) const;
+  void update_uncertainty();
+  [[nodiscard]] std::uint32_t status(TimeNs time_ns) const;
 
   settings::Settings settings_;
   calibration::Calibration calibration_;
   Timeline timeline_;
+  /// Of the belief after the last catch_up().
+  struct Uncertainty {
+    Covariance<6> pose_covariance;
+    Covariance<3> velocity_covariance;
+    bool gyro_bias_is_unknown = false;
+    bool yaw_is_unknown = false;
+  };
+  Uncertainty uncertainty_;
   documented::AdmissionState admission_;
   TimeNs last_used_received_ns_ = 0;
   double last_delay_s_ = 0;

@@ -70,6 +70,21 @@ struct Transition {
   bool operator==(const Transition&) const = default;
 };
 
+struct NominalState {
+  Vector3d position_world_m;  ///< of the IMU
+  Vector3d velocity_world_mps;
+  Quaterniond q_body_to_world;
+  Vector3d acceleration_world_mps2;      ///< of the latest step, without gravity
+  Vector3d angular_velocity_body_radps;  ///< of the latest step, without the bias
+};
+
+/// One step of the IMU.
+struct NominalStep {
+  NominalState after;
+  Matrix3d rotation_middle;  ///< body to world, in the middle of the step
+  Vector3d force_world_mps2;
+};
+
 /// The nominal state and its covariance. A plain value; no function throws or allocates.
 class Filter {
 public:
@@ -90,6 +105,15 @@ public:
   Vector3d angular_velocity_body_radps = Vector3d::Zero();  ///< of the latest step, without the bias
 
   bool operator==(const Filter&) const = default;
+
+  [[nodiscard]] NominalState nominal() const {
+    return {position_world_m, velocity_world_mps, q_body_to_world, acceleration_world_mps2,
+            angular_velocity_body_radps};
+  }
+
+  /// One step from the nominal state with the mean rate and specific force over it.
+  [[nodiscard]] NominalStep step(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2,
+                                 double dt_s) const;
 
   /// Moves the nominal state by one step with the mean rate and specific force over it, and composes the
   /// transition. The covariance follows in `propagate`.
@@ -152,11 +176,15 @@ public:
   /// Adds yaw variance: a rotation about world Z.
   void add_yaw_variance(double variance_rad2);
 
-  [[nodiscard]] Vector3d tracked_position_world_m() const {
-    return position_world_m - q_body_to_world * lever_arm_body_m;
+  [[nodiscard]] Vector3d tracked_position_world_m() const { return tracked_position_world_m(nominal()); }
+  [[nodiscard]] Vector3d tracked_velocity_world_mps() const { return tracked_velocity_world_mps(nominal()); }
+  /// The same of another state, with the lever arm of this one.
+  [[nodiscard]] Vector3d tracked_position_world_m(const NominalState& state) const {
+    return state.position_world_m - state.q_body_to_world * lever_arm_body_m;
   }
-  [[nodiscard]] Vector3d tracked_velocity_world_mps() const {
-    return velocity_world_mps - q_body_to_world * angular_velocity_body_radps.cross(lever_arm_body_m);
+  [[nodiscard]] Vector3d tracked_velocity_world_mps(const NominalState& state) const {
+    return state.velocity_world_mps -
+           state.q_body_to_world * state.angular_velocity_body_radps.cross(lever_arm_body_m);
   }
   /// Position of the tracked point and rotation about the fixed world axes.
   [[nodiscard]] Covariance<6> pose_covariance() const;

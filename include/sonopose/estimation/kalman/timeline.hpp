@@ -62,14 +62,22 @@ public:
   /// Forgets everything.
   void clear();
 
-  /// The belief after all events up to the latest sample or measurement that was added, whichever came last.
+  /// The belief after a measurement that was just added; before a sample that was; after `catch_up` that
+  /// after all of them.
   [[nodiscard]] const Belief& now() const { return now_; }
+
+  /// Whether `catch_up` has something left to do.
+  [[nodiscard]] bool is_behind() const { return is_behind_; }
+  /// Whether it is a sample that was added last.
+  [[nodiscard]] bool is_behind_sample() const { return is_behind_ && until_ns_ != forever_ns; }
 
   /// The time of the latest sample; 0 before the first.
   [[nodiscard]] TimeNs time_ns() const { return time_ns_; }
 
-  /// Adds a sample that is not older than the latest one, and goes on to it.
-  void add(const settings::Settings& settings, const ImuMeasurement& imu);
+  /// Adds a sample that is not older than the latest one, and goes on to just before it; `catch_up` goes on
+  /// to it. Returns whether it comes after everything else, and the belief is still that of the last
+  /// `catch_up`. Call that first.
+  bool add(const settings::Settings& settings, const ImuMeasurement& imu);
 
   /// How far ahead of the latest sample a measurement may be. A silent IMU explains seconds, unless samples
   /// showed that the stamps of fixes and headings are wrong.
@@ -81,23 +89,23 @@ public:
   /// Whether the same measurement is there already.
   [[nodiscard]] bool contains(const Aiding& aiding) const;
 
-  /// Inserts a measurement where it belongs. What followed is repeated by `catch_up`, or with the next
-  /// sample. Returns the outcome of a fix.
+  /// Inserts a measurement where it belongs. What followed is repeated by `catch_up`. Returns the outcome of
+  /// a fix. After a sample call `catch_up` first: it decides which measurements are too old.
   FixOutcome add(const settings::Settings& settings, const Aiding& aiding);
 
-  /// Repeats at once what followed the last measurement, so that the next sample need not wait for it.
-  void catch_up(const settings::Settings& settings) { fold(settings, nullptr); }
+  /// Goes on to the latest sample, or repeats what followed the last measurement.
+  void catch_up(const settings::Settings& settings);
 
   [[nodiscard]] History history() const;
   void restore(const settings::Settings& settings, const History& history);
 
 private:
+  static constexpr TimeNs forever_ns = std::numeric_limits<TimeNs>::max();
   std::size_t insert(const Aiding& aiding);
   void rewind(TimeNs time_ns);
   void fold_imu(const settings::Settings& settings, const ImuMeasurement& imu);
   void drop_future(TimeNs now_ns);
-  FixOutcome fold(const settings::Settings& settings, const Aiding* last,
-                  TimeNs until_ns = std::numeric_limits<TimeNs>::max());
+  FixOutcome fold(const settings::Settings& settings, const Aiding* last, TimeNs until_ns = forever_ns);
   void save_checkpoint();
   void drop_oldest_checkpoint();
 
@@ -113,6 +121,8 @@ private:
   std::size_t oldest_ = 0;
   std::size_t checkpoint_count_ = 0;
   bool stamps_are_ahead_ = false;
+  bool is_behind_ = false;
+  TimeNs until_ns_ = 0;  // up to which catch_up folds fixes and headings
 };
 
 }  // namespace sonopose::estimation::kalman
