@@ -10,7 +10,7 @@
 #include "support/compression_option.hpp"
 #include "support/progress.hpp"
 #include "support/run.hpp"
-#include <sonopose/text/counted.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -67,15 +67,15 @@ int copy(const Options& options, mcap::Selection::Damaged damaged) {
                                      [&](double share) { progress.at(share, "copying"); }});
   progress.clear();
   warn(result.damages);
-  fmt::print("{}: {}, {}\n", options.out.string(), text::counted(result.messages, "message"),
-             text::counted(result.metadata, "metadata record"));
+  fmt::print("{}: {}, {}\n", options.out.string(), text::count_text(result.messages, "message"),
+             text::count_text(result.metadata, "metadata record"));
   return 0;
 }
 
 int export_files(const Options& options) {
   const auto result = evaluation::export_recording(options.files.front(), options.choice.beacon, options.out);
-  fmt::print("{}: {}, {}, {}\n", options.out.string(), text::counted(result.events, "event"),
-             text::counted(result.poses, "pose"), text::counted(result.reports, "report"));
+  fmt::print("{}: {}, {}, {}\n", options.out.string(), text::count_text(result.events, "event"),
+             text::count_text(result.poses, "pose"), text::count_text(result.reports, "report"));
   return 0;
 }
 

@@ -4,7 +4,7 @@
 #include "support/bus_options.hpp"
 #include "support/log_option.hpp"
 #include "support/topic_option.hpp"
-#include <sonopose/text/counted.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -31,11 +31,11 @@ int serve(Options& options) {
   const player::Keys keys(control, stop);
   if (keys.are_read()) logging::info("space: pause and go on; s: one message; q: end");
   const auto report = player::play(options.player, control, stop);
-  fmt::print("played {} in {:.1f} s\n", text::counted(report.played, "message"), report.duration_s);
+  fmt::print("played {} in {:.1f} s\n", text::count_text(report.played, "message"), report.duration_s);
   if (report.refused > 0) {
-    fmt::print("refused, since not of its topic's type: {}\n", text::counted(report.refused, "message"));
+    fmt::print("refused, since not of its topic's type: {}\n", text::count_text(report.refused, "message"));
   }
-  if (report.damaged > 0) fmt::print("not played: {}\n", text::counted(report.damaged, "damaged chunk"));
+  if (report.damaged > 0) fmt::print("not played: {}\n", text::count_text(report.damaged, "damaged chunk"));
   return report.refused == 0 && report.damaged == 0 ? 0 : 1;
 }
 

@@ -8,7 +8,7 @@
 #include "support/log_option.hpp"
 #include "support/topic_option.hpp"
 #include "support/version.hpp"
-#include <sonopose/text/counted.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -45,14 +45,14 @@ void print(const recorder::RecorderReport& report) {
   }
   std::vector<std::string> files;
   for (const auto& file : report.files) files.push_back(file.string());
-  fmt::print("recorded {} in {:.1f} s, {:.1f} MB: {}\n", text::counted(report.recorded, "message"),
+  fmt::print("recorded {} in {:.1f} s, {:.1f} MB: {}\n", text::count_text(report.recorded, "message"),
              report.duration_s, static_cast<double>(report.bytes) * 1e-6,
              files.empty() ? "no file" : fmt::format("{}", fmt::join(files, ", ")));
   fmt::print("lost: {} by a full queue, {} by the disk, {} by DDS\nmissing: {} of beacons\n",
              report.counts.lost_queue, report.lost_disk, report.counts.lost_dds,
-             text::counted(report.counts.events_missing, "input"));
+             text::count_text(report.counts.events_missing, "input"));
   for (const auto& [topic, writers] : report.foreign_topics) {
-    fmt::print("not recorded: {} ({})\n", topic, text::counted(writers, "writer"));
+    fmt::print("not recorded: {} ({})\n", topic, text::count_text(writers, "writer"));
   }
   if (report.unnamed_topics > 0) fmt::print("not recorded: {} more topics\n", report.unnamed_topics);
 }

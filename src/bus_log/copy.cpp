@@ -5,7 +5,7 @@
 #include "mcap/verify.hpp"
 #include "mcap/writer.hpp"
 #include "recording/part_file.hpp"
-#include <sonopose/text/counted.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -68,7 +68,7 @@ public:
     }
     writer.close();
     if (result_.attachments > 0) {
-      logging::warning("not copied: " + text::counted(result_.attachments, "attachment"));
+      logging::warning("not copied: " + text::count_text(result_.attachments, "attachment"));
     }
     for (const Input& input : inputs_) {
       const auto& damages = input.reader.damages();

@@ -4,7 +4,7 @@
 #include "files/line_reader.hpp"
 #include "marvelmind/assembler.hpp"
 #include "marvelmind/dashboard_line.hpp"
-#include <sonopose/text/counted.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -55,7 +55,7 @@ Dashboard read_all(const std::filesystem::path& file) {
   assembler.finish(add);
   if (invalid > 0) {
     read.warnings.push_back(fmt::format("{}: {} cannot be read; the first: {}", file.string(),
-                                        text::counted(invalid, "line"), first_problem));
+                                        text::count_text(invalid, "line"), first_problem));
   }
   return read;
 }

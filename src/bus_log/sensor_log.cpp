@@ -10,7 +10,7 @@
 #include <sonopose/dds/topics/serialized_topics.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/idl/text.hpp>
-#include <sonopose/text/counted.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -172,7 +172,7 @@ private:
                                 std::string_view after) {
       if (count == 0) return;
       log_.warnings.push_back(
-          fmt::format("{}: {} {}{}", reader_.name(), before, text::counted(count, noun), after));
+          fmt::format("{}: {} {}{}", reader_.name(), before, text::count_text(count, noun), after));
     };
     const collation::CollatorCounters& counters = collator_.counters();
     if (first_sequence_ > 1) {

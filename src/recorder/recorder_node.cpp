@@ -11,7 +11,7 @@
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/idl/text.hpp>
-#include <sonopose/text/counted.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -238,9 +238,9 @@ void Recorder::Node::run(const process::StopSignal& stop) {
 void Recorder::Node::report_begin() const {
   if (options_.keep_last_s > 0) {
     logging::info(fmt::format("recording the last {} s of {} in memory", options_.keep_last_s,
-                              text::counted(selected_.size(), "topic")));
+                              text::count_text(selected_.size(), "topic")));
   } else {
-    logging::info(fmt::format("recording {} to {}", text::counted(selected_.size(), "topic"),
+    logging::info(fmt::format("recording {} to {}", text::count_text(selected_.size(), "topic"),
                               native_.series().part().string()));
   }
 }
@@ -271,7 +271,7 @@ void Recorder::Node::report_news() {
 mcap::TextMap Recorder::Node::foreign_text() const {
   std::string text;
   for (const auto& [topic, writers] : foreign_.writer_counts()) {
-    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", topic, text::counted(writers, "writer"));
+    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", topic, text::count_text(writers, "writer"));
   }
   if (foreign_.unnamed() > 0) text += fmt::format(", and {} more", foreign_.unnamed());
   return text.empty() ? mcap::TextMap{} : mcap::TextMap{{"not_recorded", text}};

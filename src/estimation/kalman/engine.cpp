@@ -117,7 +117,7 @@ FusedPose Engine::pose_after_step(const ImuSample& imu, const ImuMeasurement& me
   const ImuStep step = step_between({.time_ns = before.time_ns,
                                      .rate_body_radps = before.rate_body_radps,
                                      .force_body_mps2 = before.force_body_mps2},
-                                    measured);
+                                    measured, before.usual_step_s);
   const NominalStep moved = before.filter().step(step.rate_body_radps, step.force_body_mps2, step.duration_s);
   return pose_at(imu, moved.after);
 }
