@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
-#include <ctime>
 #include <poll.h>
 #include <span>
 #include <sys/eventfd.h>
@@ -18,7 +17,7 @@
 namespace sonopose::process {
 namespace {
 
-// The signal handler may use only lock-free atomics, write(2), clock_gettime(2) and _exit(2).
+// The signal handler may use only lock-free atomics, write(2), _exit(2) and the steady clock.
 std::atomic<int> signalled_fd{-1};
 static_assert(std::atomic<int>::is_always_lock_free);
 
@@ -28,20 +27,14 @@ void raise_event(int fd) noexcept {
 }
 
 /// A second signal by a person who waits, not one of a group that all programs of a terminal receive at once.
-constexpr std::int64_t repeated_after_ns = 500'000'000;
-std::atomic<std::int64_t> signalled_ns{0};
-static_assert(std::atomic<std::int64_t>::is_always_lock_free);
-
-std::int64_t monotonic_ns() noexcept {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
-}
+constexpr TimeNs repeated_after_ns = 500'000'000;
+std::atomic<TimeNs> signalled_ns{0};
+static_assert(std::atomic<TimeNs>::is_always_lock_free);
 
 extern "C" void sonopose_on_stop_signal(int signal) {
   const int saved_errno = errno;
-  const std::int64_t now_ns = monotonic_ns();
-  std::int64_t first_ns = 0;
+  const TimeNs now_ns = clocks::steady_now().ns;  // allocates and locks nothing
+  TimeNs first_ns = 0;
   if (!signalled_ns.compare_exchange_strong(first_ns, now_ns) && now_ns - first_ns > repeated_after_ns) {
     ::_exit(128 + signal);
   }
