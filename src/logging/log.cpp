@@ -10,7 +10,6 @@
 #include <condition_variable>
 #include <csignal>
 #include <cstdlib>
-#include <ctime>
 #include <memory>
 #include <mutex>
 #include <poll.h>
