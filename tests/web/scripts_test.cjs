@@ -159,3 +159,60 @@ test("a live connection that falls silent is opened again", () => {
   assert.equal(sockets.length, 2);
   assert.ok(states.some(([text, isConnected]) => text.includes("lost") && !isConnected));
 });
+
+test("plots follow until somebody chooses a range, and hide what a beacon does not have", () => {
+  globalThis.document = {
+    createElement: () => ({ append: () => {}, addEventListener: () => {}, setAttribute: () => {}, clientWidth: 500 }),
+  };
+  const made = [];
+  globalThis.Dygraph = class {
+    constructor(graph, rows, options) {
+      this.options = options;
+      this.width = 500;
+      made.push(this);
+    }
+    updateOptions({ dateWindow }) {
+      if (dateWindow) this.options.dateWindow = dateWindow;
+      this.options.drawCallback(this, false);
+    }
+    resize() {
+      this.width = 500;
+      this.options.drawCallback(this, false);
+    }
+    xAxisRange() {
+      return this.options.dateWindow;
+    }
+    size() {
+      return { width: this.width };
+    }
+  };
+  Dygraph.defaultInteractionModel = {};
+  load("plots.js");
+  const model = new Model();
+  for (let t = 1000; t < 1200; t += 1) model.onFrame({ beacons: [{ a: 7, pose: [t, 1, 2, 3, 0, 0, 0, 1, 0, 0] }] });
+  const plots = new sonopose.Plots({ append: () => {}, hidden: false }, model);
+  plots.draw();
+  assert.equal(plots.title.textContent, "Beacon 7");
+  assert.equal(made.length, 2); // height and speed
+  assert.deepEqual(made[0].xAxisRange(), [1139e3, 1199e3]);
+  model.onFrame({ beacons: [{ a: 7, pose: [1200, 1, 2, 3] }] });
+  made[0].width = 0; // as after a resize in a hidden tab
+  plots.draw();
+  assert.equal(plots.zoomed, null);
+  assert.equal(made[0].width, 500);
+  assert.deepEqual(made[1].xAxisRange(), [1140e3, 1200e3]);
+  model.isNew = false;
+  made[0].updateOptions({ dateWindow: [1050e3, 1060e3] }); // a pan
+  assert.ok(model.isNew);
+  plots.draw();
+  assert.deepEqual(made[1].xAxisRange(), [1050e3, 1060e3]);
+  plots.follow(Infinity);
+  plots.draw();
+  assert.deepEqual(made[1].xAxisRange(), [1000e3, 1200e3]);
+  model.beacon(8);
+  model.select(8);
+  plots.draw();
+  assert.ok(plots.graphs.every(({ box }) => box.hidden));
+  made[0].resize(); // of a hidden plot
+  assert.equal(plots.zoomed, null);
+});
