@@ -76,25 +76,21 @@ SCENARIO("a map that moves while yaw is searched does not end the search") {
 }
 
 SCENARIO("the pose returns soon from a track that drifted away") {
-  GIVEN("walks whose fixes drift away by 0.6 m/s for 3 s, once") {
+  GIVEN("ten walks whose fixes drift away by 0.3 m/s for 3 s, once") {
     int soon = 0;
-    int runs = 0;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       sim::Scenario scenario = sim::find_scenario("walk");
       const double begin_s = 12.0 + 0.5 * static_cast<double>(seed);
       scenario.disturbances.outlier_bursts = {
-          {.begin_s = begin_s, .duration_s = 3.0, .drift_world_mps = {0.6, 0.0, 0.0}}};
+          {.begin_s = begin_s, .duration_s = 3.0, .drift_world_mps = {0.3, 0.0, 0.0}}};
       scenario.duration_s = 25.0;
       const auto errors = errors_in(scenario, seed);
       CAPTURE(seed);
       CHECK(largest_m(errors, begin_s + 3.0 + 3.0, 25.0) < 0.3);
-      ++runs;
       if (largest_m(errors, begin_s + 3.0 + 0.7, 25.0) < 0.3) ++soon;
     }
-    THEN(
-        "a track of some seconds ago is recognised within 0.7 s in a third of them, and none is lost for 3 "
-        "s") {
-      CHECK(soon >= runs / 3);
+    THEN("the anchor is recognised within 0.7 s in half of them, and none is lost for 3 s") {
+      CHECK(soon >= 5);
     }
   }
 }
