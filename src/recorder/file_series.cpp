@@ -214,7 +214,7 @@ void FileSeries::write_chunk(const mcap::Chunk& chunk) {
   for (const mcap::Metadata& settings : settings_.on(chunk)) current_->writer.write_metadata(settings);
 }
 
-/// So a file that was cut tells its losses up to then.
+/// So a file that was cut has its losses up to then.
 void FileSeries::write_losses(const TapCounts& counts) {
   const TapCounts last = std::exchange(counts_reported_, counts);
   const TapCounts new_counts = difference(counts, last);

@@ -47,7 +47,7 @@ void TopicTap::on_sample(const dds::SerializedSample& sample, const dds::SampleI
   const auto bytes = sample.bytes();
   if (!accepts(bytes)) return;
   const std::int64_t now_ns = clocks::host_now();
-  // Lost ones are numbered too: a gap in the file tells of them.
+  // Lost ones are numbered too, so a gap in the file shows them.
   add({.channel_id = target_.channel_id,
        .sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1,
        .log_time_ns = file_time(now_ns),

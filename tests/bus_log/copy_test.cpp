@@ -171,7 +171,7 @@ SCENARIO("a damaged recording is repaired") {
       CHECK(result.metadata == 0);
       CHECK_THAT(result.damages.at(0), Contains("instead of Metadata"));
     }
-    THEN("its summary tells what is damaged") {
+    THEN("its summary names what is damaged") {
       const mcap::Reader reader(folder / "damaged.mcap");
       CHECK_THAT(summary_text(reader), Contains("damaged: ") && Contains("instead of Metadata"));
       CHECK_THAT(summary_json(reader), Contains("instead of Metadata"));

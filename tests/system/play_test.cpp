@@ -373,7 +373,7 @@ SCENARIO("a part of a recording is played, as often and when it is asked for") {
   }
 }
 
-SCENARIO("a player waits for the readers that it is told of") {
+SCENARIO("a player waits for the number of readers that was asked for") {
   GIVEN("a recording of two topics, and a reader of one of them") {
     const TemporaryFolder folder;
     const std::string file = folder / "run.mcap";
