@@ -21,8 +21,8 @@ struct Options {
 int serve(const CLI::App& app, const Options& options) {
   const logging::Session log(options.log_level);
   apps::check_publisher(options.bus);
+  process::StopSignal stop;  // a capture of the source looks at it until its end
   const auto source = apps::make_source(options.source);
-  process::StopSignal stop;
   stop.listen_to_signals();
   bridge::BridgeNode node({.domain = options.bus.domain,
                            .qos_file = options.bus.qos_file,

@@ -33,7 +33,7 @@ int serve(Options& options) {
   const auto report = player::play(options.player, control, stop);
   fmt::print("played {} in {:.1f} s\n", text::count_text(report.played, "message"), report.duration_s);
   if (report.refused > 0) {
-    fmt::print("refused, since not of its topic's type: {}\n", text::count_text(report.refused, "message"));
+    fmt::print("refused, not of the type of their topic: {}\n", text::count_text(report.refused, "message"));
   }
   if (report.damaged > 0) fmt::print("not played: {}\n", text::count_text(report.damaged, "damaged chunk"));
   return report.refused == 0 && report.damaged == 0 ? 0 : 1;

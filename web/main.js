@@ -116,7 +116,7 @@
       connection.isLive = hello.mode === "live";
       settings.allow(hello.allow_changes);
       if (hello.mode === "recording") return loadRecording(hello);
-      // The server repeats what still is.
+      // The server repeats what still exists.
       events.clear();
       settings.clear();
       model.stationary = [];

@@ -52,7 +52,7 @@
         button.addEventListener("click", () => this.follow(spanS));
         return button;
       });
-      const hint = element("span", { textContent: "wheel: zoom; drag: choose; Shift and drag: move; double click: follow" });
+      const hint = element("span", { textContent: "Ctrl and wheel: zoom; drag: choose; Shift and drag: move; double click: follow" });
       this.container.append(element("p", { className: "plot-tools" }, [this.title, ...this.buttons, hint]));
       this.markButtons();
     }
@@ -161,8 +161,9 @@
       });
     }
 
-    // Around the pointer.
+    // Around the pointer, with Ctrl: without it the wheel scrolls the panel.
     onWheel(event, dygraph) {
+      if (!event.ctrlKey) return;
       event.preventDefault();
       const factor = Math.exp(0.0015 * event.deltaY);
       const at = dygraph.toDataXCoord(event.offsetX);

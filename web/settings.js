@@ -28,7 +28,10 @@
         this.parts.list.append(box);
       }
       this.parts.search.addEventListener("input", () => this.filter());
-      this.parts.of.addEventListener("change", () => this.show());
+      this.parts.of.addEventListener("change", () => {
+        this.wanted = null;
+        this.show();
+      });
       this.parts.reset.addEventListener("click", () => {
         const isSure = this.parts.of.value !== "all" || window.confirm("Reset the estimators of all beacons?");
         if (isSure) this.send({ op: "reset" }, "reset");
@@ -74,16 +77,22 @@
       const text = address === "all" ? "all beacons" : `beacon ${address}`;
       if ([...this.parts.of.options].some((option) => option.value === String(address))) return;
       this.parts.of.append(element("option", { value: String(address), textContent: text }));
-      if (String(address) === this.wanted) this.parts.of.value = this.wanted;
+      if (String(address) === this.wanted) {
+        this.parts.of.value = this.wanted;
+        this.wanted = null;
+      }
     }
 
     forget(address) {
       this.values.delete(String(address));
-      for (const option of [...this.parts.of.options]) if (option.value === String(address)) option.remove();
+      const option = [...this.parts.of.options].find((each) => each.value === String(address));
+      if (option) option.remove();
+      // Nothing is selected then: a value that is being typed must not reach another beacon.
+      if (option && ![...this.parts.of.options].some((each) => each.selected)) this.parts.of.value = "";
       this.show();
     }
 
-    // Of a connection before: the server repeats what still is.
+    // Of a connection before: the server repeats what still exists.
     clear() {
       this.wanted = this.parts.of.value;
       for (const address of [...this.values.keys()]) if (address !== "all") this.forget(address);

@@ -1,5 +1,6 @@
 #include "bus_log/copy.hpp"
 
+#include "files/error.hpp"
 #include "logging/log.hpp"
 #include "mcap/file_sink.hpp"
 #include "mcap/verify.hpp"
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <deque>
 #include <map>
+#include <system_error>
 
 namespace sonopose::bus_log {
 
@@ -129,10 +131,21 @@ private:
   CopyResult result_;
 };
 
+/// `run.mcap.part` cannot be repaired to `run.mcap`, which is written under that name first.
+void refuse_own_part(const CopyRequest& request) {
+  for (const std::filesystem::path& input : request.inputs) {
+    std::error_code error;
+    if (!std::filesystem::equivalent(input, recording::part_of(request.output), error)) continue;
+    throw files::IoError(input.string() + ": is where " + request.output.string() +
+                         " would be written first; choose another --out");
+  }
+}
+
 }  // namespace
 
 CopyResult copy(const CopyRequest& request) {
   Copy copying(request);
+  refuse_own_part(request);
   const recording::PartFile name(request.output);
   mcap::FileSink sink(name.part());
   try {

@@ -11,7 +11,7 @@
 
 namespace sonopose::bus_log {
 
-/// Whether it is a file, and therefore read as MCAP.
+/// Whether it is a file and not a log folder.
 bool is_file(const std::filesystem::path& log);
 
 /// Reads a folder as recording::read_sensor_log does, and a file by its content: as MCAP if it begins so,

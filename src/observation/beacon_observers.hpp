@@ -190,8 +190,8 @@ public:
       } else {
         observers_.on(native);
       }
-      if constexpr (!std::is_same_v<T,
-                                    sonopose_FusedPose>) {  // of a pose, not each of the last ones is the end
+      // A fusion that gives a beacon up ends its instance of the pose, which another fusion may write.
+      if constexpr (!std::is_same_v<T, sonopose_FusedPose>) {
         if (!info.alive()) forget(sample);
       }
     };

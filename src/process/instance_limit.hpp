@@ -4,6 +4,7 @@
 
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/samples/samples.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -83,8 +84,8 @@ public:
     const std::lock_guard lock(mutex_);
     if (refused_ == 0 || refused_ < 10 * reported_) return std::nullopt;
     reported_ = refused_;
-    return fmt::format("{} {} ignored: the limit is {} {} at a time and {} different ones since the start",
-                       refused_, refused_ == 1 ? "status is" : "statuses are", Traits::most_at_a_time,
+    return fmt::format("{} ignored: the limit is {} {} at a time and {} different ones since the start",
+                       text::count_text(refused_, "sample is", "samples are"), Traits::most_at_a_time,
                        Traits::group, most_ever);
   }
 

@@ -27,7 +27,7 @@ void raise_event(int fd) noexcept {
 }
 
 /// A second signal by a person who waits, not one of a group that all programs of a terminal receive at once.
-constexpr TimeNs repeated_after_ns = 500'000'000;
+constexpr TimeNs repeated_after_ns = 1'000'000'000;
 std::atomic<TimeNs> signalled_ns{0};
 static_assert(std::atomic<TimeNs>::is_always_lock_free);
 

@@ -11,10 +11,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-fs::path part_of(fs::path file) {
-  return file += ".part";
-}
-
 bool is_there(const fs::path& file) {
   std::error_code error;
   return fs::exists(fs::symlink_status(file, error));
@@ -26,6 +22,10 @@ void refuse_existing(const fs::path& file) {
 }
 
 }  // namespace
+
+fs::path part_of(fs::path file) {
+  return file += ".part";
+}
 
 bool is_free_for_part(const fs::path& file) {
   return !is_there(file) && !is_there(part_of(file));

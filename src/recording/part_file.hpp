@@ -25,6 +25,9 @@ private:
   std::filesystem::path part_;
 };
 
+/// `FILE.part`.
+std::filesystem::path part_of(std::filesystem::path file);
+
 /// Whether neither `FILE` nor `FILE.part` exists.
 bool is_free_for_part(const std::filesystem::path& file);
 

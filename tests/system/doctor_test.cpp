@@ -86,7 +86,9 @@ SCENARIO("the doctor finds no problem in a healthy system") {
       THEN("the doctor soon reports that it is missing, and that the beacon is healthy") {
         CAPTURE(result.output, result.error);
         CHECK(result.code == 1);
-        CHECK(took < std::chrono::seconds(7));  // 2 s, a second for discovery, and a look for other domains
+        // 2 s, a second for discovery, and at most 12 s for the domains of others; without a limit it took
+        // more.
+        CHECK(took < std::chrono::seconds(20));
         // The remedy depends on other processes of this machine.
         CHECK_THAT(result.output, Contains("no fusion runs in domain " + std::to_string(bus.domain_id())));
         CHECK_THAT(result.output, !Contains("no bridge publishes"));

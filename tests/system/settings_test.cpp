@@ -338,7 +338,8 @@ SCENARIO("a flood of requests delays no pose") {
         const double longest_ms = longest_unexplained_ms(poses, stalls.stalls());
         std::cout << fmt::format("{} requests: longest wait for a pose {:.1f} ms\n", flood.sent(),
                                  longest_ms);
-        CHECK(longest_ms <= 20);
+        constexpr double watch_period_ms = 10;  // a stall is known this exactly
+        CHECK(longest_ms <= 20 + watch_period_ms);
       }
     }
   }

@@ -41,7 +41,7 @@ SerializedWriter make_writer_of(const DomainParticipant& participant, const qos:
   const auto lease = qos.datareader_qos(profile).template policy<policy::Liveliness>();
   writer_qos << policy::WriterDataLifecycle{false} << lease.value_or(policy::Liveliness{});
   // Also where the profile is the live one, of topics whose own writers need only their latest sample.
-  if (delivery == Delivery::lossless) writer_qos << policy::History::keep_all();
+  if (delivery == Delivery::lossless) writer_qos << policy::History::keep_all() << policy::Lifespan{};
   join_partition(writer_qos, participant);
   return SerializedWriter(participant, topic, writer_qos);
 }

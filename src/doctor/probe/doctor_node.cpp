@@ -259,8 +259,12 @@ void fit(const std::map<BeaconAddress, BeaconProbe>& probes, const DoctorOptions
   std::size_t done = 0;
   for (rules::BeaconObservation& beacon : observations.beacons) {
     if (options.on_fit) options.on_fit(static_cast<double>(done++) / static_cast<double>(probes.size()));
-    beacon.pieces = probes.at(beacon.address).pieces(beacon.fusion_settings, is_over);
-    if (is_over()) ++observations.beacons_not_fitted;
+    bool was_cut = is_over();
+    beacon.pieces = probes.at(beacon.address).pieces(beacon.fusion_settings, [&] {
+      was_cut = was_cut || is_over();
+      return was_cut;
+    });
+    if (was_cut) ++observations.beacons_not_fitted;
   }
 }
 

@@ -17,12 +17,12 @@ constexpr double rest_force_std_mps2 = 0.25;
 constexpr double rest_rate_std_radps = 0.03;
 constexpr double rest_fixes_span_m = 0.25;
 /// Above the offset of any gyroscope: a constant rotation.
-constexpr double rotation_radps = 30.0 * geometry::radians_per_degree;
+constexpr double rotation_radps = 10.0 * geometry::radians_per_degree;
 
 constexpr TimeNs block_ns = 1'000'000'000;
 /// Less than half a second of the slowest IMU says nothing.
 constexpr double min_samples = 10;
-constexpr std::size_t min_blocks = 2;
+constexpr std::size_t min_blocks = 3;
 
 using Readings = Eigen::Matrix<double, 6, 1>;  ///< specific force, angular velocity
 

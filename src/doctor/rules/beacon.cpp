@@ -251,9 +251,8 @@ private:
     if (stream.longest_silence_s <= stream.deadline_s) return;
     // Single pauses occur on a busy machine and are a note.
     constexpr std::uint64_t many = 3;
-    constexpr double per_s = 1.0 / 60;
-    const bool are_many =
-        stream.silences >= many && static_cast<double>(stream.silences) >= per_s * observations_.window_s;
+    constexpr double share = 0.05;
+    const bool are_many = stream.silences >= many && stream.silent_s > share * observations_.window_s;
     const bool is_warning = stream.longest_silence_s > 3 * stream.deadline_s || are_many ||
                             stream.rate_hz * stream.deadline_s < 1;
     std::string text = fmt::format("no {} for {:.2f} s, which is longer than the deadline of {:.1f} s", what,

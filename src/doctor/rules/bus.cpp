@@ -24,7 +24,7 @@ void check_look(const Observations& observations, Findings& findings) {
   if (observations.cut_from_s) {
     findings.push_back({Severity::note,
                         "doctor",
-                        fmt::format("stopped after {:.1f} of {:g} s: what shows later was not found",
+                        fmt::format("stopped after {:.1f} s of {:g} s: later problems were not observed",
                                     observations.window_s, *observations.cut_from_s),
                         {}});
   }
@@ -33,7 +33,8 @@ void check_look(const Observations& observations, Findings& findings) {
         {Severity::note, "doctor",
          fmt::format("mount, delay and signs of {} were not checked, or not over the whole look",
                      text::count_text(observations.beacons_not_fitted, "beacon")),
-         "run it again, with fewer beacons or on a machine with less load"});
+         observations.cut_from_s ? "run it again without stopping it"
+                                 : "run it again, with fewer beacons or on a machine with less load"});
   }
 }
 

@@ -109,7 +109,9 @@ bool is_loopback(const Endpoint& endpoint) {
 }
 
 bool is_foreign(const Credentials& credentials) {
-  return !credentials.origin.empty() && credentials.origin != "http://" + std::string(credentials.host);
+  if (credentials.origin.empty()) return false;
+  const std::string host(credentials.host);
+  return credentials.origin != "http://" + host && credentials.origin != "https://" + host;  // behind a proxy
 }
 
 std::string parse_origin(std::string text) {

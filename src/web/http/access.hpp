@@ -44,7 +44,7 @@ struct Credentials {
 
 enum class Verdict : std::uint8_t { allowed, wrong_host, wrong_origin, wrong_token };
 
-/// Whether a page of another origin asks, be it one that may.
+/// Whether a page of another origin asks, whether it is allowed or not.
 bool is_foreign(const Credentials& credentials);
 
 /// "https://app.example.com" of "https://App.example.com/", as a browser sends it. Throws
