@@ -198,6 +198,20 @@ SCENARIO("a damaged recording is repaired") {
   }
 }
 
+SCENARIO("the part of a recording is kept when it is repaired") {
+  GIVEN("what a killed recorder left") {
+    const TemporaryFolder folder;
+    const Path part = folder / "run.mcap.part";
+    record_walk(part, 7);
+    WHEN("it is repaired to the name that it would have got") {
+      THEN("it is refused, since the copy is first written under that of the part") {
+        CHECK_THROWS_WITH(copy({{part}, folder / "run.mcap", {}}), Contains("choose another --out"));
+        CHECK(copy({{part}, folder / "repaired.mcap", {}}).messages > 1000);
+      }
+    }
+  }
+}
+
 SCENARIO("a recording is exported") {
   const TemporaryFolder folder;
   const auto events = record_walk(folder / "run.mcap", 12);

@@ -29,7 +29,7 @@ SCENARIO("the first fusions of a beacon are accepted, until they are gone") {
   CHECK(limit.accepts(status_of(beacon, 1)));
   CHECK(limit.accepts(status_of(beacon + 1, most_fusions + 1)));
   CHECK_THAT(limit.refusals().value_or(""),
-             Catch::Contains("1 status is ignored: the limit is 8 fusions of a beacon at a time"));
+             Catch::Contains("1 sample is ignored: the limit is 8 fusions of a beacon at a time"));
   CHECK_FALSE(limit.refusals());
   limit.forget(status_of(beacon, 1));
   CHECK(limit.accepts(status_of(beacon, most_fusions + 1)));

@@ -55,11 +55,15 @@ SCENARIO("a server of this machine answers no page from elsewhere") {
     CHECK(verdict("localhost.evil.example.com:8080") == Verdict::wrong_host);
     CHECK(verdict("127.0.0.1.evil.example.com") == Verdict::wrong_host);
   }
+  WHEN("the page connects, also from a proxy that speaks TLS") {
+    CHECK(verdict("127.0.0.1:8080", "http://127.0.0.1:8080") == Verdict::allowed);
+    CHECK(verdict("127.0.0.1:8080", "https://127.0.0.1:8080") == Verdict::allowed);
+  }
   WHEN("a page from elsewhere connects") {
     CHECK(verdict("127.0.0.1:8080", "https://evil.example.com") == Verdict::wrong_origin);
     CHECK(verdict("127.0.0.1:8080", "null") == Verdict::wrong_origin);
     CHECK(verdict("127.0.0.1:8080", "http://127.0.0.1:9090") == Verdict::wrong_origin);
-    CHECK(verdict("127.0.0.1:8080", "https://127.0.0.1:8080") == Verdict::wrong_origin);
+    CHECK(verdict("127.0.0.1:8080", "https://127.0.0.1:9090") == Verdict::wrong_origin);
     AND_WHEN("it is one that may") {
       rules.origins = {"https://app.example.com"};
       CHECK(verdict("127.0.0.1:8080", "https://app.example.com") == Verdict::allowed);

@@ -46,7 +46,8 @@ TEST_CASE("Short silences that return are a problem, single ones are a note") {
   CHECK(silences(3, 8).severity == Severity::warning);
   CHECK_THAT(silences(8, 8).what, Contains("8 such silences, 2.00 s in total"));
   CHECK(silences(3, 3600).severity == Severity::note);
-  CHECK(silences(60, 3600).severity == Severity::warning);
+  CHECK(silences(60, 3600).severity == Severity::note);
+  CHECK(silences(900, 3600).severity == Severity::warning);  // a sixteenth of the time
 }
 
 TEST_CASE("Poses that are silent with the IMU are not reported twice") {

@@ -104,7 +104,7 @@ TEST_CASE("A look that was stopped, and fits that were not made, are notes") {
   observations.window_s = 1.2;
   observations.cut_from_s = 8.0;
   observations.beacons_not_fitted = 3;
-  CHECK(found(diagnose(observations), "stopped after 1.2 of 8 s").severity == Severity::note);
+  CHECK(found(diagnose(observations), "stopped after 1.2 s of 8 s").severity == Severity::note);
   CHECK(found(diagnose(observations), "signs of 3 beacons were not checked").severity == Severity::note);
 }
 
