@@ -58,15 +58,10 @@ void Belief::reject(const settings::Settings& settings, const FixMeasurement& fi
   rival.filter.correct_fix(innovation, (scale_of(innovation) - 1.0) * covariance);
   rival.last_fix_ns = fix.time_ns;
   ++rival.fixes;
-  if (must_start_again(fix.time_ns)) {
-    start_at(fix, settings);
-    outcome.flags = fix_used | fix_stuck_forced;
-    outcome.weight = 1.0;
-    return;
-  }
-  if (!rival_has_won(fix.time_ns)) return;
-  if (phase == Phase::searching_yaw) {
-    // The rival copies one of the starts, whose yaw is arbitrary.
+  const bool starts_again = must_start_again(fix.time_ns);
+  if (!starts_again && !rival_has_won(fix.time_ns)) return;
+  if (starts_again || phase == Phase::searching_yaw) {
+    // While yaw is searched, the rival copies one of the starts, whose yaw is arbitrary.
     start_at(fix, settings);
   } else {
     promote_rival();
