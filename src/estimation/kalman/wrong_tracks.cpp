@@ -37,6 +37,7 @@ void Belief::reject(const settings::Settings& settings, const FixMeasurement& fi
                     double ahead_s, FixOutcome& outcome) {
   outcome.flags = fix_outlier;
   rival.rejected_world_m = fix.position_world_m;
+  rival.rejected_ns = fix.time_ns;
   if (take_back_former(fix, covariance, ahead_s)) {
     outcome.flags = fix_used;
     outcome.weight = 1.0;

@@ -130,4 +130,56 @@ SCENARIO("a map that turns at once is followed by its first fixes and headings")
   }
 }
 
+/// At a time of a body that moves by 1 m/s.
+struct Straight {
+  double heading_rad = 0.0;
+  Vector3d from_world_m = Vector3d::Zero();
+
+  [[nodiscard]] Vector3d at(double time_s) const {
+    return from_world_m + time_s * Vector3d(std::cos(heading_rad), std::sin(heading_rad), 0.0);
+  }
+};
+
+SCENARIO("a turned rival begins where the body is at the heading that shows the turn") {
+  GIVEN(
+      "a body that moves straight on, and a map that turns by 40 degrees; headings come 70 ms after fixes") {
+    constexpr TimeNs epoch_ns = 1'700'000'000'000'000'000;
+    constexpr double turned_s = 8.0;
+    const Straight before;
+    const Straight after{.heading_rad = 40.0 * geometry::radians_per_degree,
+                         .from_world_m = {3.0, -2.0, 0.0}};
+    const auto map_at = [&](double time_s) { return time_s < turned_s ? before : after; };
+    Engine engine{settings::Settings{}};
+    for (int k = 0; k < 900 && !engine.belief().rival.has_turned; ++k) {
+      const double time_s = 0.01 * k;
+      const TimeNs now_ns = epoch_ns + to_ns(time_s);
+      ImuSample imu;
+      imu.sensor_time_ns = imu.bridge_time_ns = now_ns;
+      imu.specific_force_body_mps2 = {0.3 * std::sin(20.0 * time_s), 0.0, standard_gravity_mps2};
+      engine.predict(imu);
+      if (k % 8 == 0) {
+        UltrasonicFix fix;
+        fix.emission_time_ns = fix.received_time_ns = now_ns;
+        fix.measured_delay_s = 0.0;
+        fix.position_world_m = map_at(time_s).at(time_s);
+        engine.correct(fix);
+      }
+      if (k % 8 == 7) {
+        PairHeading heading;
+        heading.emission_time_ns = heading.received_time_ns = now_ns;
+        heading.heading_world_rad = map_at(time_s).heading_rad;
+        heading.valid = true;
+        engine.correct(heading);
+      }
+    }
+    const auto& belief = engine.belief();
+    REQUIRE(belief.rival.has_turned);
+    THEN("the motion since the last fix is not missing") {
+      const double now_s = seconds_between(epoch_ns, belief.state_ns);
+      CHECK((belief.rival.filter.tracked_position_world_m() - after.at(now_s)).norm() < 0.03);
+      CHECK(belief.rival.fixes_of_best == 0);
+    }
+  }
+}
+
 }  // namespace wrong_tracks_test

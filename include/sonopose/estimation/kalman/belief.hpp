@@ -54,6 +54,7 @@ struct Rival {
   bool has_turned = false;  ///< its map has turned, by the headings that the best filter rejects
   int headings = 0;         ///< that agreed with a turned one
   Vector3d rejected_world_m = Vector3d::Zero();  ///< the latest fix that the best filter rejected
+  TimeNs rejected_ns = 0;                        ///< its time
   Filter filter;
 
   bool operator==(const Rival&) const = default;

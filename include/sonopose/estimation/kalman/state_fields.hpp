@@ -91,6 +91,7 @@ void for_each_field(IsFieldsOf<Rival> auto& rival, const auto& visit) {
   visit("has_turned", rival.has_turned);
   visit("headings", rival.headings);
   visit("rejected_world_m", rival.rejected_world_m);
+  visit("rejected_ns", rival.rejected_ns);
 }
 
 void for_each_field(IsFieldsOf<Former> auto& former, const auto& visit) {
