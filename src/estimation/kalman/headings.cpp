@@ -20,6 +20,7 @@ HeadingOutcome Belief::on_heading(const settings::Settings& settings, const Head
     const bool in_motion = time_ns != 0 && since_sample_s < settings.outage.imu_gap_s;
     last_heading_ns = heading.time_ns;
     last_heading_rad = heading.heading_world_rad - (in_motion ? since_sample_s * up_rate_radps() : 0.0);
+    heading_is_current = true;
   };
   if (phase == Phase::waiting || repetition.frozen || restart_pending) {
     remember();

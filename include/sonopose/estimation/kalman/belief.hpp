@@ -203,9 +203,10 @@ struct Belief {
   TimeNs last_fix_ns = 0;     ///< measurement of the last fix that was used; 0: none
   int fixes_since_start = 0;  ///< that were used; up to proven_fixes
   int fixes_rejected_in_row = 0;
-  double usual_step_s = 0;      ///< between IMU samples; 0: not known
-  TimeNs last_heading_ns = 0;   ///< of the last heading that was used
-  double last_heading_rad = 0;  ///< turned to the latest IMU sample while it may be needed for a start
+  double usual_step_s = 0;               ///< between IMU samples; 0: not known
+  TimeNs last_heading_ns = 0;            ///< of the last heading that was used
+  double last_heading_rad = 0;           ///< turned to the latest IMU sample while it is current
+  bool heading_is_current = false;       ///< it is recent, and no gap of the IMU followed: a start may use it
   TimeNs heading_rejected_since_ns = 0;  ///< first rejected heading of the present run of them; 0: none
   TimeNs heading_rejected_ns = 0;        ///< last rejected heading
   int headings_rejected_in_row = 0;
