@@ -81,10 +81,10 @@ HeadingOutcome Belief::on_heading(const settings::Settings& settings, const Head
 }
 
 void Belief::see_heading(const HeadingMeasurement& heading) {
-  constexpr double most_s = 10.0;
   constexpr double share = 1.0 / 8.0;
   if (heading_seen_ns != 0) {
-    const double interval_s = std::clamp(seconds_between(heading_seen_ns, heading.time_ns), 0.0, most_s);
+    const double interval_s =
+        std::clamp(seconds_between(heading_seen_ns, heading.time_ns), 0.0, longest_heading_interval_s);
     heading_interval_s += (heading_interval_s > 0.0 ? share : 1.0) * (interval_s - heading_interval_s);
   }
   heading_seen_ns = heading.time_ns;

@@ -18,6 +18,7 @@ namespace sonopose::estimation::kalman {
 inline constexpr int model_count = 3;   ///< models of process noise
 inline constexpr int start_count = 12;  ///< directions from which an unknown yaw is searched
 inline constexpr int proven_fixes = 8;  ///< used fixes after which the first one is believed
+inline constexpr double longest_heading_interval_s = 10.0;  ///< a longer one counts as this
 
 // What is known before the first measurement: standard deviations per axis.
 inline constexpr double start_gyro_bias_std_radps = 0.02;
@@ -212,7 +213,7 @@ struct Belief {
   int headings_rejected_in_row = 0;
   double heading_rejected_by_rad = 0;  ///< innovation of the last rejected heading
   TimeNs heading_seen_ns = 0;          ///< of the last heading, used or not
-  double heading_interval_s = 0;       ///< between most headings
+  double heading_interval_s = 0;       ///< between most headings; up to longest_heading_interval_s
   double quality_percent = -1;         ///< of the last fix that was used; negative: unknown
   TimeNs converging_until_ns = 0;
   TimeNs slowed_ns = 0;  ///< last bound of dead reckoning
