@@ -220,12 +220,10 @@ SCENARIO("the usual step of an IMU is regular at any rate") {
   }
 }
 
-TEST_CASE("an engine needs at most 4 MB while yaw is searched, and 2 MB afterwards") {
-  constexpr std::size_t checkpoints = 16;
-  constexpr std::size_t bytes = (checkpoints + 1) * sizeof(kalman::Belief) +
+TEST_CASE("an engine reserves less than 2 MB") {
+  constexpr std::size_t bytes = (kalman::checkpoint_capacity + 1) * sizeof(kalman::Belief) +
                                 kalman::imu_capacity * sizeof(kalman::ImuMeasurement) +
                                 kalman::aiding_capacity * sizeof(kalman::Aiding);
-  // All of it is reserved from the start.
   STATIC_REQUIRE(bytes < 2'000'000);
 }
 

@@ -11,7 +11,8 @@
 namespace sonopose::estimation::kalman {
 
 inline constexpr std::size_t imu_capacity = 2048;
-inline constexpr std::size_t aiding_capacity = 512;  ///< fixes and headings
+inline constexpr std::size_t aiding_capacity = 512;     ///< fixes and headings
+inline constexpr std::size_t checkpoint_capacity = 16;  ///< earlier beliefs
 
 /// A fix or a heading.
 using Aiding = std::variant<FixMeasurement, HeadingMeasurement>;
