@@ -93,7 +93,9 @@ bool Belief::rival_has_won(TimeNs now_ns) const {
   return (alone_s >= needed_s && enough_fixes) || explains_most;
 }
 
-/// A track that ended, or that was left for the former one, was wrong.
+/// A rival that ended because the best filter explained the fixes again, or a track that was left for the
+/// former one, was wrong. One that another rival replaced is not counted: the best filter explained none of
+/// its fixes either.
 void WrongTracks::add(double duration_s, TimeNs now_ns) {
   longest_s = std::max(duration_s, faded_s(now_ns));
   seen_ns = now_ns;
