@@ -121,6 +121,7 @@ RunResult run_through(const recording::SensorLog& log, const RunOptions& options
     if (sequence_of(event) <= skipped) continue;
     results.predict(event, estimator);
     results.add(estimation::process(estimator, event));
+    estimator.catch_up();  // as the fusion does
     ++result.events;
     if (const auto* imu = std::get_if<ImuSample>(&event)) {
       if (imu->sensor_time_ns < last_imu_ns) ++result.imu_stamps_back;
@@ -130,7 +131,6 @@ RunResult run_through(const recording::SensorLog& log, const RunOptions& options
     if (!first_ns) first_ns = now_ns;
     last_ns = std::max(last_ns, now_ns);
   }
-  estimator.catch_up();  // as the fusion does after each event
   if (first_ns) result.duration_s = seconds_between(*first_ns, last_ns);
   result.end = {.snapshot = estimator.snapshot(),
                 .sequence = last_sequence,

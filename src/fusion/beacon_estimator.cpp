@@ -113,7 +113,8 @@ FusionStatus BeaconEstimator::status() const {
   return status;
 }
 
-Estimate BeaconEstimator::estimate() const {
+Estimate BeaconEstimator::estimate() {
+  estimator_.catch_up();
   Estimate estimate = estimator_.estimate();
   estimate.address = counted_.address;
   return estimate;

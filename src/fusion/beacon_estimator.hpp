@@ -91,7 +91,7 @@ public:
   [[nodiscard]] FusionStatus status() const;
 
   /// What the estimator has learned about the sensors.
-  [[nodiscard]] Estimate estimate() const;
+  [[nodiscard]] Estimate estimate();
 
   /// The digest of every pose and of the present state, as a replay of the same events gives it.
   [[nodiscard]] std::string state_hash();

@@ -70,7 +70,7 @@ void StatusPublisher::publish_status(BeaconAddress address, std::uint64_t unwrit
 }
 
 void StatusPublisher::publish_estimate(BeaconAddress address) {
-  auto estimate = read(address, [](const BeaconEstimator& estimator) { return estimator.estimate(); });
+  auto estimate = read(address, [](BeaconEstimator& estimator) { return estimator.estimate(); });
   if (!estimate) return;
   estimate->fusion_id = fusion_id_;
   if (estimate_writer_.try_write(topics::to_idl(*estimate)) < 0) ++unwritten_;

@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include <limits>
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -124,8 +125,35 @@ TEMPLATE_LIST_TEST_CASE("an estimator that is restored from a snapshot continues
   CHECK(second.counters() == whole.counters());
 }
 
+/// Every third fix is 3 m off, and the fix before it comes after it. A fix that is refused follows that one.
+std::vector<Event> with_late_and_refused(const std::vector<Event>& log) {
+  std::vector<Event> changed;
+  std::optional<UltrasonicFix> held_back;
+  int fixes = 0;
+  for (const Event& event : log) {
+    const auto* fix = std::get_if<UltrasonicFix>(&event);
+    if (fix == nullptr) {
+      changed.push_back(event);
+    } else if (++fixes % 3 == 1) {
+      held_back = *fix;
+    } else if (fixes % 3 == 2 && held_back) {
+      UltrasonicFix off = *fix;
+      off.position_world_m.x() += 3.0;
+      changed.emplace_back(off);
+      held_back->received_time_ns = fix->received_time_ns;
+      held_back->measured_delay_s = seconds_between(held_back->emission_time_ns, fix->received_time_ns);
+      changed.emplace_back(*held_back);
+      off.position_world_m.x() = std::numeric_limits<double>::quiet_NaN();
+      changed.emplace_back(off);
+    } else {
+      changed.push_back(event);
+    }
+  }
+  return changed;
+}
+
 TEMPLATE_LIST_TEST_CASE("catching up at any time changes no result", "", AllEstimators) {
-  const auto log = events(8.0);
+  const auto log = with_late_and_refused(events(8.0));
   TestType never{settings::Settings{}};
   const Run expected = run(never, log);
   for (const std::size_t every : {1U, 3U, 7U}) {

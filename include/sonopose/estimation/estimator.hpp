@@ -25,7 +25,8 @@ namespace sonopose::estimation {
 ///   does not use; an impossible one it counts in `samples_invalid`. A pose is always finite.
 /// - `correct` with a fix returns a report on it; FixFlag::fix_used is not set if the fix changed nothing.
 /// - `catch_up` does at once what the last event left to do, and the next one would have to do first. It
-///   changes no result; `estimate` is that after the last call.
+///   changes no pose, report or snapshot. Call it before `estimate`, which otherwise may be of a time in the
+///   past: that of a fix that came late.
 /// - `configure` replaces the settings and keeps the state. `settings` are the effective ones.
 /// - `reset` discards the state, keeps the counters and increments `reset_counter`.
 /// - `time_ns` is the time of the state; 0 before the first sample.

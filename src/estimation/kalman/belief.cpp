@@ -7,6 +7,12 @@
 #include <numbers>
 
 namespace sonopose::estimation::kalman {
+namespace {
+
+constexpr TimeNs heading_kept_ns = 500'000'000;  // for a start
+
+}  // namespace
+
 void Belief::copy_from(const Belief& other) {
   phase = other.phase;
   time_ns = other.time_ns;
@@ -39,6 +45,7 @@ void Belief::copy_from(const Belief& other) {
   usual_step_s = other.usual_step_s;
   last_heading_ns = other.last_heading_ns;
   last_heading_rad = other.last_heading_rad;
+  heading_is_current = other.heading_is_current;
   heading_rejected_since_ns = other.heading_rejected_since_ns;
   heading_rejected_ns = other.heading_rejected_ns;
   headings_rejected_in_row = other.headings_rejected_in_row;
@@ -96,6 +103,7 @@ ImuOutcome Belief::on_imu(const settings::Settings& settings, const ImuMeasureme
   const bool is_first = time_ns == 0;
   const double dt_s = is_first ? 0.0 : seconds_between(time_ns, imu.time_ns);
   in_imu_gap = dt_s > settings.outage.imu_gap_s;
+  if (in_imu_gap) heading_is_current = false;  // no rate shows how the body turned meanwhile
   if (phase == Phase::waiting) {
     constexpr double time_constant_s = 0.5;
     const double share = is_first ? 1.0 : std::min(1.0, std::max(dt_s, 0.005) / time_constant_s);
@@ -136,9 +144,13 @@ double Belief::up_rate_radps() const {
   return geometry::up_in_body(filter().q_body_to_world).dot(rate_body_radps - filter().gyro_bias_body_radps);
 }
 
-/// Keeps the heading of the last pair that of the present, for a start.
+/// Keeps the heading of the last pair that of the present while a start may use it.
 void Belief::turn_last_heading(const ImuMeasurement& imu) {
-  if (last_heading_ns == 0) return;
+  if (!heading_is_current) return;
+  if (imu.time_ns - last_heading_ns >= heading_kept_ns) {
+    heading_is_current = false;
+    return;
+  }
   const double before_radps = up_rate_radps();
   rate_body_radps = imu.rate_body_radps;
   last_heading_rad += 0.5 * (before_radps + up_rate_radps()) * seconds_between(time_ns, imu.time_ns);
@@ -226,8 +238,7 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
     }
   }
 
-  constexpr TimeNs recent_ns = 500'000'000;
-  const bool has_heading = last_heading_ns != 0 && fix.time_ns - last_heading_ns < recent_ns;
+  const bool has_heading = heading_is_current && fix.time_ns - last_heading_ns < heading_kept_ns;
   candidate_count = has_heading ? 1 : start_count;
   const double yaw_std = has_heading ? radians(4.0) : radians(15.0);
   const double since_sample_s = seconds_between(time_ns, fix.time_ns);
@@ -323,6 +334,9 @@ void Belief::recover_if_not_finite() {
   candidate_count = 0;
   best = 0;
   rival.alive = former.alive = false;
+  last_heading_ns = 0;  // it was turned with the rate of that filter
+  last_heading_rad = 0;
+  heading_is_current = false;
   mean_force_body_mps2 = force_body_mps2;
   phase = Phase::waiting;
 }

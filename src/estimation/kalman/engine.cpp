@@ -150,12 +150,12 @@ FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
   if (timeline_.is_behind_sample()) catch_up();
   FixReport report = report_on(fix, time_ns());
   report.shifted_position_world_m = fix.position_world_m;
-  report.trust = belief().trust;
-
   const FixMeasurement measured = measurement_in(fix);
   report.flags = rejection_flags(fix, measured);
   if (report.flags != 0) {
     ++counters_.fixes_rejected;
+    catch_up();  // a late fix leaves the belief in the past
+    report.trust = belief().trust;
     return report;
   }
   const FixOutcome outcome = timeline_.add(settings_, measured);

@@ -20,6 +20,7 @@ HeadingOutcome Belief::on_heading(const settings::Settings& settings, const Head
     const bool in_motion = time_ns != 0 && since_sample_s < settings.outage.imu_gap_s;
     last_heading_ns = heading.time_ns;
     last_heading_rad = heading.heading_world_rad - (in_motion ? since_sample_s * up_rate_radps() : 0.0);
+    heading_is_current = true;
   };
   if (phase == Phase::waiting || repetition.frozen || restart_pending) {
     remember();
@@ -80,10 +81,10 @@ HeadingOutcome Belief::on_heading(const settings::Settings& settings, const Head
 }
 
 void Belief::see_heading(const HeadingMeasurement& heading) {
-  constexpr double most_s = 10.0;
   constexpr double share = 1.0 / 8.0;
   if (heading_seen_ns != 0) {
-    const double interval_s = std::clamp(seconds_between(heading_seen_ns, heading.time_ns), 0.0, most_s);
+    const double interval_s =
+        std::clamp(seconds_between(heading_seen_ns, heading.time_ns), 0.0, longest_heading_interval_s);
     heading_interval_s += (heading_interval_s > 0.0 ? share : 1.0) * (interval_s - heading_interval_s);
   }
   heading_seen_ns = heading.time_ns;
@@ -121,6 +122,7 @@ bool Belief::map_has_turned(TimeNs now_ns) const {
 /// map has turned at once, the rival begins again with its motion turned.
 void Belief::turn_rival(const HeadingMeasurement& heading, double mount_rad, double innovation_rad) {
   constexpr double same_turn_s = 0.5;
+  constexpr double oldest_fix_s = 0.2;  // over which the velocity moves it
   if (!rival.alive) return;
   const double variance = noise.heading_rad2.variance;
   const double ahead_s = seconds_between(state_ns, heading.time_ns);
@@ -139,16 +141,19 @@ void Belief::turn_rival(const HeadingMeasurement& heading, double mount_rad, dou
   const bool at_once = headings_rejected_in_row == 2 &&
                        seconds_between(heading_rejected_since_ns, rival.began_ns) < same_turn_s &&
                        seconds_between(last_heading_ns, heading_rejected_since_ns) < heading_run_ends_s();
-  if (!at_once || fixes_rejected_in_row == 0) return;
+  const double fix_age_s = seconds_between(rival.rejected_ns, heading.time_ns);
+  if (!at_once || fixes_rejected_in_row == 0 || fix_age_s > oldest_fix_s) return;
   rival.has_turned = true;
   rival.headings = 0;
   rival.fixes = 1;
   rival.misses_in_row = 0;
+  rival.fixes_of_best = 0;
   rival.began_ns = rival.last_fix_ns = heading_rejected_since_ns;
   rival.filter = filter();
   rival.filter.turn_world(innovation_rad);
   Filter& f = rival.filter;
-  f.position_world_m = rival.rejected_world_m + f.q_body_to_world * f.lever_arm_body_m;
+  f.position_world_m = rival.rejected_world_m + f.q_body_to_world * f.lever_arm_body_m +
+                       seconds_between(rival.rejected_ns, state_ns) * f.velocity_world_mps;
   f.decorrelate(at_position, 2.0 * noise.fix_covariance_m2(quality_percent).diagonal());
   f.add_yaw_variance(variance);
 }

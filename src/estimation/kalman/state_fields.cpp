@@ -52,6 +52,28 @@ bool is_covariance(const Filter& filter) {
   return Eigen::LLT<Joint>(correlation).info() == Eigen::Success;
 }
 
+bool is_trend(const Trend& trend) {
+  return trend.weight >= 0.0 && trend.time_squares_s2 >= 0.0;
+}
+
+/// What the engine has learned of intervals and durations.
+std::optional<FieldFault> find_timing_fault(const Belief& base) {
+  const auto is_between = [](double value, double most) { return value >= 0.0 && value <= most; };
+  constexpr double longest_gap_s = 5.0;  // that outage.imu_gap_s may be
+  if (!is_between(base.usual_step_s, longest_gap_s)) {
+    return FieldFault{"usual_step_s", "is not between 0 and 5 s"};
+  }
+  if (!is_between(base.heading_interval_s, longest_heading_interval_s)) {
+    return FieldFault{"heading_interval_s", "is not between 0 and 10 s"};
+  }
+  if (!(base.wrong_tracks.longest_s >= 0.0)) {
+    return FieldFault{"wrong_tracks.longest_s", "is negative or no number"};
+  }
+  if (!is_trend(base.rest.fixes)) return FieldFault{"rest.fixes", "have a negative weight or square"};
+  if (!is_trend(base.rest.headings)) return FieldFault{"rest.headings", "have a negative weight or square"};
+  return std::nullopt;
+}
+
 std::optional<FieldFault> find_fault(const Belief& base) {
   if (base.candidate_count > start_count) {
     return FieldFault{"candidate_count", "is more than the number of starts"};
@@ -95,7 +117,7 @@ std::optional<FieldFault> find_fault(const Belief& base) {
   if (!is_variance(noise.heading_rad2) || !(noise.heading_rad2.variance > 0.0)) {
     return FieldFault{"noise.heading_rad2", "is not positive"};
   }
-  return std::nullopt;
+  return find_timing_fault(base);
 }
 
 }  // namespace

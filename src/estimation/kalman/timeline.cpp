@@ -9,7 +9,6 @@ using documented::admission::future_tolerance_s;
 
 namespace {
 
-constexpr std::size_t checkpoint_capacity = 16;
 constexpr double longest_silence_s = 10.0;            // of the IMU, over which fixes and headings are kept
 constexpr TimeNs checkpoint_spacing_ns = 77'500'000;  // no multiple of a usual sample interval
 

@@ -37,6 +37,7 @@ void Belief::reject(const settings::Settings& settings, const FixMeasurement& fi
                     double ahead_s, FixOutcome& outcome) {
   outcome.flags = fix_outlier;
   rival.rejected_world_m = fix.position_world_m;
+  rival.rejected_ns = fix.time_ns;
   if (take_back_former(fix, covariance, ahead_s)) {
     outcome.flags = fix_used;
     outcome.weight = 1.0;
@@ -58,15 +59,10 @@ void Belief::reject(const settings::Settings& settings, const FixMeasurement& fi
   rival.filter.correct_fix(innovation, (scale_of(innovation) - 1.0) * covariance);
   rival.last_fix_ns = fix.time_ns;
   ++rival.fixes;
-  if (must_start_again(fix.time_ns)) {
-    start_at(fix, settings);
-    outcome.flags = fix_used | fix_stuck_forced;
-    outcome.weight = 1.0;
-    return;
-  }
-  if (!rival_has_won(fix.time_ns)) return;
-  if (phase == Phase::searching_yaw) {
-    // The rival copies one of the starts, whose yaw is arbitrary.
+  const bool starts_again = must_start_again(fix.time_ns);
+  if (!starts_again && !rival_has_won(fix.time_ns)) return;
+  if (starts_again || phase == Phase::searching_yaw) {
+    // While yaw is searched, the rival copies one of the starts, whose yaw is arbitrary.
     start_at(fix, settings);
   } else {
     promote_rival();
@@ -97,7 +93,9 @@ bool Belief::rival_has_won(TimeNs now_ns) const {
   return (alone_s >= needed_s && enough_fixes) || explains_most;
 }
 
-/// A track that ended, or that was left for the former one, was wrong.
+/// A rival that ended because the best filter explained the fixes again, or a track that was left for the
+/// former one, was wrong. One that another rival replaced is not counted: the best filter explained none of
+/// its fixes either.
 void WrongTracks::add(double duration_s, TimeNs now_ns) {
   longest_s = std::max(duration_s, faded_s(now_ns));
   seen_ns = now_ns;

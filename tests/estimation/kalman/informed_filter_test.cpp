@@ -109,7 +109,8 @@ SCENARIO("the Kalman engine is nearly as good as a filter that knows the noise")
                                                            "moving_start", "hand_held",  "sparse_fixes",
                                                            "moved_map",    "wrong_delay"};
       if (!without_wrong_fixes.contains(scenario.name)) return;
-      CHECK(median(informed_m) < 0.15);  // most of it is the moment of a map that turns
+      // The moment of a map that turns makes most of the error of `moved_map`.
+      CHECK(median(informed_m) < (scenario.name == "moved_map" ? 0.15 : 0.1));
       CHECK(median(kalman_m) < 1.3 * median(informed_m));
       CHECK(median(kalman_m) < median(documented_m));
     }

@@ -111,6 +111,19 @@ SCENARIO("an impossible state is refused by the field at fault") {
       CHECK(fault_after([](Snapshot& s) { s.history.base.noise.heading_rad2.variance = -1.0; }) ==
             "noise.heading_rad2");
     }
+    THEN("what was learned of times is within its limits") {
+      CHECK(fault_after([](Snapshot& s) { s.history.base.usual_step_s = -0.01; }) == "usual_step_s");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.usual_step_s = 5.1; }) == "usual_step_s");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.heading_interval_s = std::nan(""); }) ==
+            "heading_interval_s");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.heading_interval_s = 10.1; }) ==
+            "heading_interval_s");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.wrong_tracks.longest_s = -1.0; }) ==
+            "wrong_tracks.longest_s");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.rest.fixes.weight = -1.0; }) == "rest.fixes");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.rest.headings.time_squares_s2 = -1.0; }) ==
+            "rest.headings");
+    }
     THEN("no event is older than the state") {
       CHECK(fault_after([](Snapshot& s) { s.history.imu.front().time_ns -= 1'000'000'000; }) == "imu");
       CHECK(fault_after([](Snapshot& s) { s.history.fixes.front().time_ns -= 2'000'000'000; }) == "fixes");

@@ -96,4 +96,35 @@ SCENARIO("the Kalman engine overcomes a wrong start") {
   }
 }
 
+SCENARIO("a start that is corrected counts as a jump") {
+  GIVEN("a body at rest whose first fix is 3 m off") {
+    constexpr TimeNs epoch_ns = 1'700'000'000'000'000'000;
+    kalman::Engine engine{settings::Settings{}};
+    TimeNs corrected_ns = 0;
+    double longest_s = 0.0;
+    for (int k = 0; k < 300; ++k) {
+      const TimeNs now_ns = epoch_ns + to_ns(0.01 * k);
+      ImuSample imu;
+      imu.sensor_time_ns = imu.bridge_time_ns = now_ns;
+      imu.specific_force_body_mps2 = {0.0, 0.0, standard_gravity_mps2};
+      const auto pose = engine.predict(imu);
+      REQUIRE(pose);
+      if ((pose->status & status_converging) != 0) {
+        REQUIRE(corrected_ns != 0);
+        longest_s = seconds_between(corrected_ns, now_ns);
+      }
+      if (k % 8 != 4) continue;
+      UltrasonicFix fix;
+      fix.emission_time_ns = fix.received_time_ns = now_ns;
+      fix.measured_delay_s = 0.0;
+      fix.position_world_m = {k == 4 ? 3.0 : 0.01 * std::sin(k), 0.0, 0.0};
+      if ((engine.correct(fix).flags & fix_stuck_forced) != 0 && corrected_ns == 0) corrected_ns = now_ns;
+    }
+    THEN("the pose converges for half a second") {
+      CHECK(corrected_ns != 0);
+      CHECK(longest_s == Approx(0.5).margin(0.011));
+    }
+  }
+}
+
 }  // namespace wrong_start_test

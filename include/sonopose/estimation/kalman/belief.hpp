@@ -18,6 +18,7 @@ namespace sonopose::estimation::kalman {
 inline constexpr int model_count = 3;   ///< models of process noise
 inline constexpr int start_count = 12;  ///< directions from which an unknown yaw is searched
 inline constexpr int proven_fixes = 8;  ///< used fixes after which the first one is believed
+inline constexpr double longest_heading_interval_s = 10.0;  ///< a longer one counts as this
 
 // What is known before the first measurement: standard deviations per axis.
 inline constexpr double start_gyro_bias_std_radps = 0.02;
@@ -54,6 +55,7 @@ struct Rival {
   bool has_turned = false;  ///< its map has turned, by the headings that the best filter rejects
   int headings = 0;         ///< that agreed with a turned one
   Vector3d rejected_world_m = Vector3d::Zero();  ///< the latest fix that the best filter rejected
+  TimeNs rejected_ns = 0;                        ///< its time
   Filter filter;
 
   bool operator==(const Rival&) const = default;
@@ -74,7 +76,8 @@ struct Former {
   bool operator==(const Former&) const = default;
 };
 
-/// Remembers how long wrong tracks last here, with forgetting.
+/// Remembers how long wrong tracks last here, with forgetting. A long one is remembered for longer: what
+/// fades is its duration, not the time that others wait.
 struct WrongTracks {
   double longest_s = 0;  ///< as it was at `seen_ns`
   TimeNs seen_ns = 0;
@@ -202,15 +205,16 @@ struct Belief {
   TimeNs last_fix_ns = 0;     ///< measurement of the last fix that was used; 0: none
   int fixes_since_start = 0;  ///< that were used; up to proven_fixes
   int fixes_rejected_in_row = 0;
-  double usual_step_s = 0;      ///< between IMU samples; 0: not known
-  TimeNs last_heading_ns = 0;   ///< of the last heading that was used
-  double last_heading_rad = 0;  ///< turned to the latest IMU sample while it may be needed for a start
+  double usual_step_s = 0;               ///< between IMU samples; 0: not known
+  TimeNs last_heading_ns = 0;            ///< of the last heading that was used
+  double last_heading_rad = 0;           ///< turned to the latest IMU sample while it is current
+  bool heading_is_current = false;       ///< it is recent, and no gap of the IMU followed: a start may use it
   TimeNs heading_rejected_since_ns = 0;  ///< first rejected heading of the present run of them; 0: none
   TimeNs heading_rejected_ns = 0;        ///< last rejected heading
   int headings_rejected_in_row = 0;
   double heading_rejected_by_rad = 0;  ///< innovation of the last rejected heading
   TimeNs heading_seen_ns = 0;          ///< of the last heading, used or not
-  double heading_interval_s = 0;       ///< between most headings
+  double heading_interval_s = 0;       ///< between most headings; up to longest_heading_interval_s
   double quality_percent = -1;         ///< of the last fix that was used; negative: unknown
   TimeNs converging_until_ns = 0;
   TimeNs slowed_ns = 0;  ///< last bound of dead reckoning

@@ -188,7 +188,7 @@ public:
   }
   /// Position of the tracked point and rotation about the fixed world axes.
   [[nodiscard]] Covariance<6> pose_covariance() const;
-  /// Of the IMU's velocity, world.
+  /// Of the tracked point's velocity v − R(ω × l), world.
   [[nodiscard]] Covariance<3> velocity_covariance() const;
   [[nodiscard]] double yaw_variance_rad2() const;
   [[nodiscard]] bool is_finite() const;

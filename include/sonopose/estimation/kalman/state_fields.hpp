@@ -91,6 +91,7 @@ void for_each_field(IsFieldsOf<Rival> auto& rival, const auto& visit) {
   visit("has_turned", rival.has_turned);
   visit("headings", rival.headings);
   visit("rejected_world_m", rival.rejected_world_m);
+  visit("rejected_ns", rival.rejected_ns);
 }
 
 void for_each_field(IsFieldsOf<Former> auto& former, const auto& visit) {
@@ -169,6 +170,7 @@ void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
   visit("usual_step_s", belief.usual_step_s);
   visit("last_heading_ns", belief.last_heading_ns);
   visit("last_heading_rad", belief.last_heading_rad);
+  visit("heading_is_current", belief.heading_is_current);
   visit("heading_rejected_since_ns", belief.heading_rejected_since_ns);
   visit("heading_rejected_ns", belief.heading_rejected_ns);
   visit("headings_rejected_in_row", belief.headings_rejected_in_row);

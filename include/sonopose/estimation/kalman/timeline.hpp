@@ -11,7 +11,8 @@
 namespace sonopose::estimation::kalman {
 
 inline constexpr std::size_t imu_capacity = 2048;
-inline constexpr std::size_t aiding_capacity = 512;  ///< fixes and headings
+inline constexpr std::size_t aiding_capacity = 512;     ///< fixes and headings
+inline constexpr std::size_t checkpoint_capacity = 16;  ///< earlier beliefs
 
 /// A fix or a heading.
 using Aiding = std::variant<FixMeasurement, HeadingMeasurement>;
@@ -62,8 +63,8 @@ public:
   /// Forgets everything.
   void clear();
 
-  /// The belief after a measurement that was just added; before a sample that was; after `catch_up` that
-  /// after all of them.
+  /// After `add` of a fix or heading: the belief just after it. After `add` of a sample: just before it.
+  /// After `catch_up`: after all events.
   [[nodiscard]] const Belief& now() const { return now_; }
 
   /// Whether `catch_up` has something left to do.
@@ -76,7 +77,7 @@ public:
 
   /// Adds a sample that is not older than the latest one, and goes on to just before it; `catch_up` goes on
   /// to it. Returns whether it comes after everything else, and the belief is still that of the last
-  /// `catch_up`. Call that first.
+  /// `catch_up`. Requires `catch_up` before.
   bool add(const settings::Settings& settings, const ImuMeasurement& imu);
 
   /// How far ahead of the latest sample a measurement may be. A silent IMU explains seconds, unless samples
