@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
 
 namespace sonopose::test {
 namespace {
@@ -44,6 +45,8 @@ void TextScreen::resize(std::size_t columns, std::size_t rows) {
   rows_ = rows;
   cells_.resize(rows);
   for (auto& line : cells_) line.resize(columns, " ");
+  top_ = 0;
+  bottom_ = rows - 1;
   row_ = std::min(row_, rows - 1);
   column_ = std::min(column_, columns);
 }
@@ -58,6 +61,11 @@ void TextScreen::feed(std::string_view bytes) {
       if (used == 0) break;
       if (rest[1] == '[') {
         sequence(rest[used - 1], rest.substr(2, used - 3));
+      } else if (rest[1] == 'M') {
+        if (row_ == top_)
+          scroll(top_, -1);
+        else
+          row_ -= std::min<std::size_t>(row_, 1);
       } else if (std::string_view("(=>78").find(rest[1]) == std::string_view::npos) {
         unknown_ += rest.substr(1, used - 1);
         unknown_ += ' ';
@@ -89,12 +97,20 @@ void TextScreen::control(char byte) {
   if (byte == '\b' && column_ > 0) --column_;
   if (byte == '\t') column_ = std::min((column_ / 8 + 1) * 8, columns_ - 1);
   if (byte != '\n') return;
-  if (row_ + 1 < rows_) {
-    ++row_;
-    return;
-  }
-  std::rotate(cells_.begin(), cells_.begin() + 1, cells_.end());
-  erase(rows_ - 1, 0, columns_);
+  if (row_ == bottom_)
+    scroll(top_, 1);
+  else
+    row_ = std::min(row_ + 1, rows_ - 1);
+}
+
+/// Moves the lines from this row to the end of the scrolling region up, or down if negative.
+void TextScreen::scroll(std::size_t from, int lines) {
+  const auto begin = cells_.begin() + static_cast<std::ptrdiff_t>(from);
+  const auto end = cells_.begin() + static_cast<std::ptrdiff_t>(bottom_) + 1;
+  const auto count = std::min<std::ptrdiff_t>(std::abs(lines), end - begin);
+  std::rotate(begin, lines > 0 ? begin + count : end - count, end);
+  const auto blank = lines > 0 ? end - count : begin;
+  for (auto line = blank; line != blank + count; ++line) line->assign(columns_, " ");
 }
 
 void TextScreen::erase(std::size_t row, std::size_t from, std::size_t until) {
@@ -164,7 +180,26 @@ void TextScreen::sequence(char final, std::string_view parameters) {
     case 'l':
       if (parameters == "?1049") alternate_ = final == 'h';
       break;
-    case 'r':  // the whole screen scrolls
+    case 'r':
+      top_ = std::min(count - 1, rows_ - 1);
+      bottom_ = numbers.size() > 1 ? std::clamp(numbers[1], top_ + 1, rows_) - 1 : rows_ - 1;
+      row_ = column_ = 0;
+      break;
+    case 'S':
+      scroll(top_, static_cast<int>(count));
+      break;
+    case 'T':
+      scroll(top_, -static_cast<int>(count));
+      break;
+    case 'M':
+      scroll(row_, static_cast<int>(count));
+      break;
+    case 'L':
+      scroll(row_, -static_cast<int>(count));
+      break;
+    case 'Z':
+      for (std::size_t i = 0; i < count && column_ > 0; ++i) column_ = (column_ - 1) / 8 * 8;
+      break;
     case 't':  // window titles
       break;
     default:

@@ -37,11 +37,14 @@ private:
   void control(char byte);
   void sequence(char final, std::string_view parameters);
   void erase(std::size_t row, std::size_t from, std::size_t until);
+  void scroll(std::size_t from, int lines);
 
   std::vector<std::vector<std::string>> cells_;
   std::size_t columns_ = 0;
   std::size_t rows_ = 0;
   std::size_t row_ = 0;
+  std::size_t top_ = 0;  ///< of the scrolling region
+  std::size_t bottom_ = 0;
   std::size_t column_ = 0;
   std::string pending_;  ///< the beginning of a sequence or character
   std::string last_;     ///< character, for repetition

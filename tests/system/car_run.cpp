@@ -1,6 +1,7 @@
 #include "system/car_run.hpp"
 
 #include "support/beacon_bytes.hpp"
+#include "support/pose_tap.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/recordings.hpp"
 #include <sonopose/geometry/rotation.hpp>
@@ -70,21 +71,20 @@ CarRun play_car(const std::string& source, const std::string& engine) {
 
 std::vector<FusedPose> play_car_over_serial_line(const std::string& engine, std::uint64_t until_sequence) {
   const Bus bus;
-  Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+  const PoseTap poses(bus);
   const auto fusion = bus.fusion(settings_of(engine));
-  REQUIRE(poses.wait_for_writers());
   const auto frames = timed_frames(read_bytes(car_folder / "stream.bin"));
   const PseudoTerminal line;
   Consumer<sonopose_ImuSample> imu(bus, topics::imu);
   const auto bridge = bus.bridge({"--source", "serial", "--device", line.device()});
   REQUIRE(bridge->wait_for_line(Stream::error, "reading"));
   REQUIRE(imu.wait_for_writers());
-  send_in_time(frames, [&](std::span<const std::uint8_t> bytes) {
-    line.send(bytes);
-    poses.take();  // they expire after 10 s
-  });
-  CHECK(poses.wait_for([until_sequence](const FusedPose& pose) { return pose.sequence >= until_sequence; }));
-  return std::move(poses.samples);
+  send_in_time(frames, [&](std::span<const std::uint8_t> bytes) { line.send(bytes); });
+  CHECK(poses.wait_for(
+      [until_sequence](const TappedPose& tapped) { return tapped.pose.sequence >= until_sequence; }, 0));
+  std::vector<FusedPose> live;
+  for (const TappedPose& tapped : poses.since(0)) live.push_back(tapped.pose);
+  return live;
 }
 
 std::vector<FusedPose> counterparts(const std::vector<FusedPose>& live, const CarRun& stream,

@@ -40,7 +40,7 @@ void check_is_whole(const TextScreen& screen) {
   CAPTURE(screen.text());
   CHECK(screen.is_alternate());
   CHECK_FALSE(screen.has_overflown());
-  CHECK(screen.unknown().empty());
+  CHECK(screen.unknown() == "");
 }
 
 void check_is_restored(const TerminalProcess& monitor) {
