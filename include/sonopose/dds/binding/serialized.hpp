@@ -100,8 +100,8 @@ public:
           if (!info.alive()) on_end(std::move(sample), info);
           continue;
         }
-        // An end that meets samples which nobody has taken yet has no sample of its own: the last of them
-        // tells it.
+        // An end that meets samples which nobody has taken yet has no sample of its own: the info of the last
+        // of them reports it.
         const bool ended = !info.alive() && batch.is_last_of_instance(i, taken);
         SerializedSample key = ended ? sample.key() : SerializedSample();
         on_sample(std::move(sample), info);
@@ -136,7 +136,7 @@ private:
     ReturnCode take(dds_entity_t reader) noexcept;
     /// Whether no later sample of the batch is of the same instance.
     [[nodiscard]] bool is_last_of_instance(std::size_t index, ReturnCode taken) const noexcept;
-    /// Whether it tells the end of the instance.
+    /// Whether it reports the end of the instance.
     [[nodiscard]] bool has_end_of(dds_instance_handle_t instance, ReturnCode taken) const noexcept;
 
     std::array<ddsi_serdata*, capacity> samples{};
