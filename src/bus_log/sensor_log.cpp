@@ -65,7 +65,10 @@ public:
     log_.address = address_;
     log_.warnings = reader_.damages();
     // In the order of the file: the host's clock may have been set back meanwhile.
-    mcap::Messages messages(reader_, {.channel = is_read, .order = mcap::Selection::Order::file});
+    const auto is_known = [this](const mcap::Channel& channel) {
+      return is_read(channel) && !is_unknown_command(channel);
+    };
+    mcap::Messages messages(reader_, {.channel = is_known, .order = mcap::Selection::Order::file});
     while (const auto message = messages.next()) add(*message);
     std::ranges::stable_sort(log_.truth, {}, &TruthSample::time_ns);
     warn();
@@ -80,12 +83,25 @@ private:
       throw files::IoError(fmt::format(R"({}: topic {} has message encoding "{}" instead of "cdr")",
                                        reader_.name(), channel.topic, channel.message_encoding));
     }
+    if (has_our_type(channel) || is_command(channel.topic)) return;
+    throw files::IoError(other_type_text(channel));
+  }
+
+  [[nodiscard]] bool has_our_type(const mcap::Channel& channel) const {
     const auto schema = reader_.schemas().find(channel.schema_id);
-    if (schema == reader_.schemas().end() || schema->second.data.empty()) return;
+    if (schema == reader_.schemas().end() || schema->second.data.empty()) return true;
     const std::string type = topics::find_topic(channel.topic)->type_name;
-    if (mcap::definition_in(schema->second.data, type) == mcap::definition_in(idl::text, type)) return;
-    throw files::IoError(fmt::format("{}: topic {} has another type than {} of this version of the program",
-                                     reader_.name(), channel.topic, type));
+    return mcap::definition_in(schema->second.data, type) == mcap::definition_in(idl::text, type);
+  }
+
+  [[nodiscard]] std::string other_type_text(const mcap::Channel& channel) const {
+    return fmt::format("{}: topic {} has another type than {} of this version of the program", reader_.name(),
+                       channel.topic, topics::find_topic(channel.topic)->type_name);
+  }
+
+  /// A replay only counts the commands, so it can do without them.
+  [[nodiscard]] bool is_unknown_command(const mcap::Channel& channel) const {
+    return is_command(channel.topic) && !has_our_type(channel);
   }
 
   [[nodiscard]] BeaconAddress chosen(std::optional<BeaconAddress> address) const {
@@ -184,6 +200,10 @@ private:
     warn_of("leaves out", counters.duplicated, "event",
             " with numbers that came before: of two bridges, or too late");
     warn_of("the bridge began to count again", counters.restarts, "time", "");
+    for (const auto& [id, channel] : reader_.channels()) {
+      if (!is_unknown_command(channel)) continue;
+      log_.warnings.push_back(other_type_text(channel) + ", so it is not known whether they changed");
+    }
     constexpr std::string_view not_repeated = ", which a replay does not repeat";
     warn_of("has", reset_count_, "reset", " of the beacon" + std::string(not_repeated));
     warn_of("has", settings_change_count_, "change", " of its settings" + std::string(not_repeated));

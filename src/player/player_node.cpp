@@ -130,7 +130,9 @@ PlayerReport Play::run() {
   do {
     play_once();
   } while (options_.loop && !stop_.requested());
-  publisher_.wait_until_read(stop_);
+  for (const std::string& topic : publisher_.wait_until_read(stop_)) {
+    logging::warning(fmt::format("a reader of {} has not confirmed the last messages", topic));
+  }
   report_.duration_s = static_cast<double>(clocks::steady_now() - began) * 1e-9;
   return report_;
 }

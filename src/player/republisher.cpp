@@ -95,14 +95,16 @@ Republisher::Readers Republisher::readers() {
   return readers;
 }
 
-void Republisher::wait_until_read(const process::StopSignal& stop) {
+std::vector<std::string> Republisher::wait_until_read(const process::StopSignal& stop) {
   constexpr std::chrono::milliseconds step{100};
   constexpr int most_steps = 100;
+  std::vector<std::string> unread;
   for (auto& [name, stream] : streams_) {
-    for (int i = 0; i < most_steps && !stop.requested(); ++i) {
-      if (stream.writer.wait_for_acknowledgments(step)) break;
-    }
+    int steps = 0;
+    while (steps < most_steps && !stop.requested() && !stream.writer.wait_for_acknowledgments(step)) ++steps;
+    if (steps == most_steps) unread.push_back(name);
   }
+  return unread;
 }
 
 }  // namespace sonopose::player

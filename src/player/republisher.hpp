@@ -40,8 +40,9 @@ public:
     std::size_t least = 0;  ///< of the writer that has the fewest
   };
   [[nodiscard]] Readers readers();
-  /// Waits until the readers have received everything, or until the stop.
-  void wait_until_read(const process::StopSignal& stop);
+  /// Waits until the readers have received everything, at most ten seconds a topic, or until the stop.
+  /// Returns the topics that lacked acknowledgements after that time.
+  [[nodiscard]] std::vector<std::string> wait_until_read(const process::StopSignal& stop);
 
 private:
   struct Stream {

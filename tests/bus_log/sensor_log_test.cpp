@@ -198,6 +198,24 @@ SCENARIO("a recording is of another version of the IDL") {
       CHECK_THROWS_WITH(bus_log::read_sensor_log(file), Contains("has another type"));
     }
   }
+  GIVEN("settings of another type beside its inputs") {
+    {
+      BusRecording recording(file);
+      write_all(recording, walk(1.0).events);
+      const auto schema =
+          recording.writer().add_schema("sonopose::EffectiveSettings", "omgidl",
+                                        "module sonopose { struct EffectiveSettings { long a; }; };");
+      const auto channel = recording.writer().add_channel(schema, "sonopose/settings", "cdr");
+      recording.writer().write({channel, 1, 99, 99, std::vector<std::byte>(12)});
+    }
+    THEN("the inputs are read, with a warning") {
+      const auto log = bus_log::read_sensor_log(file);
+      CHECK(log.events.size() == walk(1.0).events.size());
+      REQUIRE(log.warnings.size() == 1);
+      CHECK_THAT(log.warnings.front(), Contains("topic sonopose/settings has another type") &&
+                                           Contains("not known whether they changed"));
+    }
+  }
   GIVEN("other comments, other spaces, and more types") {
     write_with(replaced("// time of measurement", "/* another\n text */") +
                "\nmodule more { struct Other { long a; }; };");

@@ -42,6 +42,14 @@ inline std::vector<OwnedMessage> messages_of(const std::filesystem::path& file) 
   return found;
 }
 
+inline std::vector<OwnedMessage> of_topic(const std::vector<OwnedMessage>& messages,
+                                          const std::string& topic) {
+  std::vector<OwnedMessage> found;
+  std::copy_if(messages.begin(), messages.end(), std::back_inserter(found),
+               [&](const OwnedMessage& message) { return message.topic == topic; });
+  return found;
+}
+
 /// The last metadata record of that name.
 inline mcap::TextMap metadata_of(const std::filesystem::path& file, const std::string& name) {
   mcap::TextMap found;

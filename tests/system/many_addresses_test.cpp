@@ -12,6 +12,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <memory>
 #include <set>
 #include <sstream>
 #include <stop_token>
@@ -143,29 +144,38 @@ public:
 private:
   RosReader<ros2::Imu> reader_;
 };
+
+/// A fusion that serves the healthy beacon at 100 Hz.
+struct ServedBeacon {
+  Bus bus;
+  std::unique_ptr<Process> fusion = bus.fusion();
+  std::unique_ptr<Process> bridge = bus.bridge({"--address", std::to_string(healthy)});
+  PoseTap poses{bus};
+
+  /// Receives for this time.
+  void receive(double seconds) const {
+    const auto count = static_cast<std::size_t>(100 * seconds);
+    REQUIRE(poses.wait_for_count(poses.count(), count).size() >= count);
+  }
+};
+
 SCENARIO("forged addresses disturb nobody", "[load]") {
   GIVEN("a fusion that serves a beacon at 100 Hz") {
-    const Bus bus;
-    const auto fusion = bus.fusion();
-    const auto bridge = bus.bridge({"--address", std::to_string(healthy)});
-    const PoseTap tap(bus);
-    const auto receive = [&tap](double seconds) {
-      const auto count = static_cast<std::size_t>(100 * seconds);
-      REQUIRE(tap.wait_for_count(tap.count(), count).size() >= count);
-    };
-    const Usage before = usage(*fusion, 3, receive);
+    const ServedBeacon served;
+    const auto receive = [&served](double seconds) { served.receive(seconds); };
+    const Usage before = usage(*served.fusion, 3, receive);
     WHEN("one sample of each of the other 65,534 addresses comes within ten seconds") {
-      Forger forger(bus);
-      const std::size_t first = tap.count();
-      const Usage flooded = usage(*fusion, 10, [&](double seconds) { forger.write_all(seconds); });
-      const auto during = waits_between(tap.since(first));
+      Forger forger(served.bus);
+      const std::size_t first = served.poses.count();
+      const Usage flooded = usage(*served.fusion, 10, [&](double seconds) { forger.write_all(seconds); });
+      const auto during = waits_between(served.poses.since(first));
       receive(10);
       THEN("ten seconds later everything is as before, though the writer lives on") {
-        check_as_before(before, flooded, usage(*fusion, 3, receive), tolerated_mb);
+        check_as_before(before, flooded, usage(*served.fusion, 3, receive), tolerated_mb);
         std::cout << fmt::format("longest wait for a pose {:.0f} ms\n", during.longest_ms);
         CHECK(during.longest_ms < 500 * max_wait_s);  // the engines of 256 more beacons are made at once
-        CHECK(fusion->wait_for_line(Stream::error, "--max-beacons"));
-        const PoseTap late(bus);
+        CHECK(served.fusion->wait_for_line(Stream::error, "--max-beacons"));
+        const PoseTap late(served.bus);
         CHECK(late.wait_for_count(0, 100).size() >= 100);
         for (const TappedPose& tapped : late.since(0)) CHECK(tapped.pose.address == healthy);
       }
@@ -328,19 +338,14 @@ void forge_ids(const Bus& bus, double duration_s) {
 
 SCENARIO("forged fusions and lines disturb no observer", "[load]") {
   GIVEN("a monitor or relay of a beacon at 100 Hz") {
-    const Bus bus;
     const std::string name = GENERATE("monitor", "relay");
-    const auto observer = name == "relay" ? bus.ros2() : bus.monitor({"--json"});
-    const auto fusion = bus.fusion();
-    const auto bridge = bus.bridge({"--address", std::to_string(healthy)});
-    const PoseTap tap(bus);
-    const auto receive = [&tap](double seconds) {
-      const auto count = static_cast<std::size_t>(100 * seconds);
-      REQUIRE(tap.wait_for_count(tap.count(), count).size() >= count);
-    };
+    const ServedBeacon served;
+    const auto observer = name == "relay" ? served.bus.ros2() : served.bus.monitor({"--json"});
+    const auto receive = [&served](double seconds) { served.receive(seconds); };
+    receive(1);
     const Usage before = usage(*observer, 3, receive);
     WHEN("65,536 ids of fusions and lines come within ten seconds") {
-      const Usage flooded = usage(*observer, 10, [&](double seconds) { forge_ids(bus, seconds); });
+      const Usage flooded = usage(*observer, 10, [&](double seconds) { forge_ids(served.bus, seconds); });
       receive(8);
       THEN("ten seconds later everything is as before") {
         std::cout << name << ": ";

@@ -1,20 +1,31 @@
 #pragma once
 /// \file
-/// What a recorder that runs has written so far.
+/// A recorder that runs, and what it has written so far.
 
 #include "files/error.hpp"
 #include "recorder/messages.hpp"
-#include "support/process.hpp"
+#include "support/bus.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
 
 namespace sonopose::test {
+
+/// Returns when it records.
+inline std::unique_ptr<Process> start_recording(const Bus& bus, const std::filesystem::path& file,
+                                                const Arguments& options = {}) {
+  Arguments arguments{file.string()};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  auto process = bus.record(arguments);
+  REQUIRE(process->wait_for_line(Stream::error, "recording "));
+  return process;
+}
 
 /// Waits until `done(messages)` of what is in the file's part. A recorder that is told to end does not wait
 /// for what is on its way to it.
