@@ -56,7 +56,7 @@ int cat(const Options& options) {
   bus_log::ChosenMessages messages(reader, options.choice);
   while (const auto chosen = messages.next()) {
     fmt::print("{}\n", bus_log::json_of(*chosen->channel, chosen->message));
-    if (std::ferror(stdout) != 0) break;  // told at the end
+    if (std::ferror(stdout) != 0) break;  // reported at the end
   }
   return 0;
 }

@@ -30,7 +30,7 @@ struct Options {
   logging::Level log_level = logging::Level::info;
 };
 
-/// Two recordings do not have one name, and they sort by time.
+/// Named by the second of the start, so that files sort by time.
 std::string name_by_time() {
   const auto now_s = static_cast<std::time_t>(clocks::host_now() / 1'000'000'000);
   std::tm utc{};

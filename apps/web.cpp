@@ -51,7 +51,8 @@ int main(int argc, char** argv) {
   apps::Program app("web", "Only this machine can open the page unless --listen says otherwise.");
   auto* const recording = app.add_option("recording", given.recording,
                                          "Show this instead of the bus: an MCAP file or a sensor-log folder");
-  app.add_option("--beacon", given.beacon, "Beacon to replay, if the recording has several and no poses")
+  app.add_option("--beacon", given.beacon,
+                 "Only this beacon; required if the recording has several and no poses")
       ->type_name("ADDRESS")
       ->needs(recording);
   add_bus_options(app, bus);

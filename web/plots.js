@@ -38,7 +38,7 @@
       this.model = model;
       this.zoomed = null; // [from, to] in ms that somebody chose, or null: follows
       this.spanS = 60;
-      this.shownRange = null; // what the plots were told to show
+      this.shownRange = null; // the range that was set last
       this.isDrawing = false;
       this.address = null;
       this.makeTools();

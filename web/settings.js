@@ -135,17 +135,23 @@
 
     // `key`: the setting that it changes.
     send(request, text, key = null) {
-      const address = this.parts.of.value === "all" ? "all" : Number(this.parts.of.value);
+      const selected = this.parts.of.value;
+      const address = selected === "all" ? "all" : Number(selected);
+      const name = { all: "all beacons", "": "no beacon" }[selected] || `beacon ${selected}`;
       const id = this.nextId++;
       const line = element("li", {}, [
         element("time", { textContent: clockText(Date.now() / 1000) }),
-        element("span", { textContent: `${text} for ${address === "all" ? "all beacons" : `beacon ${address}`}: ` }),
+        element("span", { textContent: `${text} for ${name}: ` }),
         element("span", { textContent: "waiting" }),
       ]);
       this.parts.requests.prepend(line);
       if (this.parts.requests.children.length > 20) this.parts.requests.lastChild.remove();
       this.pending.set(id, { line, key });
-      if (!this.request({ ...request, id, address })) this.onReply({ id, accepted: false, reason: "no connection" });
+      if (selected === "") {  // its beacon has gone
+        this.onReply({ id, accepted: false, reason: "select a beacon" });
+      } else if (!this.request({ ...request, id, address })) {
+        this.onReply({ id, accepted: false, reason: "no connection" });
+      }
     }
 
     onReply(reply) {

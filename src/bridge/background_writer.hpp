@@ -17,6 +17,7 @@
 #include <exception>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -45,11 +46,11 @@ public:
     std::string items;
   };
 
-  /// How long a disk that stands still may delay the end.
+  /// How long a stalled disk may delay the end.
   static constexpr TimeNs most_delay_ns = 1'000'000'000;
 
-  /// `write` takes items in their order and throws if it cannot write them. It must own what it uses: a disk
-  /// that stands still may keep it beyond the life of this object, until the process ends.
+  /// `write` takes items in their order and throws if it cannot write them. It must own what it uses: a
+  /// stalled disk may keep it beyond the life of this object, until the process ends.
   BackgroundWriter(Words words, std::size_t capacity, WhenFull when_full, Write write)
       : when_full_(when_full),
         queue_(std::make_shared<Queue>(std::move(words), capacity, std::move(write))),
@@ -61,20 +62,20 @@ public:
   /// As `finish`, without a report.
   ~BackgroundWriter() { end(); }
 
-  /// From the stop on, the source no longer waits for space. `stop` must outlive this.
+  /// From `most_delay_ns` after the stop on, the source no longer waits for space. `stop` must outlive this.
   void obey(const process::StopSignal& stop) { stop_ = &stop; }
 
   /// Takes all of the items, at most `capacity`, or loses all. Does not allocate. One thread only.
   void push(std::span<const Item> items) {
-    while (when_full_ == WhenFull::wait && !queue_->can_take(items.size()) && !is_stopped()) {
+    while (when_full_ == WhenFull::wait && !queue_->can_take(items.size()) && may_wait()) {
       std::this_thread::sleep_for(wait_period);
     }
     queue_->push(items);
   }
 
-  /// Waits until everything has been written; nothing may be pushed afterwards. A disk that is too slow for
-  /// live data, or after a stop, is left alone after `most_delay_ns`. Throws files::IoError if items were
-  /// lost.
+  /// Waits until everything has been written; nothing may be pushed afterwards. Gives up after
+  /// `most_delay_ns` if the disk is too slow for live data, or after a stop. Throws files::IoError if items
+  /// were lost.
   void finish() {
     if (!thread_.joinable()) return;
     end();
@@ -88,7 +89,7 @@ private:
   static constexpr std::chrono::milliseconds wait_period{1};
   static constexpr std::chrono::milliseconds write_period{20};
   static constexpr int rounds_per_report = 50;
-  static constexpr std::size_t most_at_once = 4096;  ///< what is being written when the disk is left alone
+  static constexpr std::size_t most_at_once = 4096;  ///< what is being written when this gives up
 
   /// What both threads use.
   struct Queue {
@@ -172,6 +173,14 @@ private:
 
   [[nodiscard]] bool is_stopped() const { return stop_ != nullptr && stop_->requested(); }
 
+  /// After the stop for a limited time, so that a stalled disk does not delay the end.
+  [[nodiscard]] bool may_wait() {
+    if (!is_stopped()) return true;
+    const SteadyTime now = clocks::steady_now();
+    if (!stopped_at_) stopped_at_ = now;
+    return now - *stopped_at_ < most_delay_ns;
+  }
+
   void end() {
     if (!thread_.joinable()) return;
     thread_.request_stop();
@@ -193,6 +202,7 @@ private:
 
   WhenFull when_full_;
   const process::StopSignal* stop_ = nullptr;
+  std::optional<SteadyTime> stopped_at_;  ///< when a push first saw the stop
   std::shared_ptr<Queue> queue_;
   std::jthread thread_;
 };

@@ -19,6 +19,16 @@ namespace sonopose::bus_log {
                        std::to_string(message.log_time_ns) + " " + what);
 }
 
+/// Whether the channel has the type of its topic, one of ours, in this version of the program. A schema
+/// without a text is not compared.
+bool has_our_type(const mcap::Reader& reader, const mcap::Channel& channel);
+
+/// "FILE: topic TOPIC has another type than TYPE of this version of the program".
+std::string other_type_text(const mcap::Reader& reader, const mcap::Channel& channel);
+
+/// Throws files::IoError unless the channel of a topic of ours has its type, in CDR.
+void require_our_type(const mcap::Reader& reader, const mcap::Channel& channel);
+
 template <class T>
 auto decoded(const dds::topics::Entry<T>& /*topic*/, const mcap::Reader& reader,
              const mcap::Message& message) {

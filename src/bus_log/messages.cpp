@@ -154,7 +154,9 @@ ChosenMessages::ChosenMessages(const mcap::Reader& reader, const Choice& choice,
 std::optional<ChosenMessages::Chosen> ChosenMessages::next() {
   while (const auto message = messages_.next()) {
     const mcap::Channel& channel = reader_.channels().at(message->channel_id);
-    if (!beacon_ || beacon_of(channel, *message) == beacon_) return Chosen{&channel, *message};
+    if (!beacon_) return Chosen{&channel, *message};
+    const auto beacon = beacon_of(channel, *message);
+    if (beacon == beacon_ || beacon == all_beacons) return Chosen{&channel, *message};
   }
   return std::nullopt;
 }

@@ -10,10 +10,14 @@ void for_each_output(const mcap::Reader& reader, BeaconAddress address,
                      const std::function<void(const FixReport&)>& on_report) {
   using dds::topics::pose;
   using dds::topics::report;
-  mcap::Selection selection;
-  selection.channel = [](const mcap::Channel& channel) {
+  const auto is_output = [](const mcap::Channel& channel) {
     return channel.topic == pose.name || channel.topic == report.name;
   };
+  for (const auto& [id, channel] : reader.channels()) {
+    if (is_output(channel)) require_our_type(reader, channel);
+  }
+  mcap::Selection selection;
+  selection.channel = is_output;
   mcap::Messages messages(reader, selection);
   while (const auto message = messages.next()) {
     const mcap::Channel& channel = reader.channels().at(message->channel_id);

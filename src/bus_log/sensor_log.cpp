@@ -3,13 +3,11 @@
 #include "bus_log/dashboard_log.hpp"
 #include "bus_log/decoded.hpp"
 #include "logging/log.hpp"
-#include "mcap/omg_idl.hpp"
 #include "mcap/reader.hpp"
 #include "recording/log_columns.hpp"
 #include <sonopose/collation/collator.hpp>
 #include <sonopose/dds/topics/serialized_topics.hpp>
 #include <sonopose/dds/topics/topics.hpp>
-#include <sonopose/idl/text.hpp>
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
@@ -30,8 +28,8 @@ namespace {
 
 namespace topics = dds::topics;
 
-/// How long an event waits for one that the recorder received later. Live, the fusion waits less; here
-/// nothing is in a hurry.
+/// How long an event waits for one that the recorder received later. Live, the fusion waits less; a replay
+/// can wait longer.
 constexpr TimeNs collation_timeout_ns = 1'000'000'000;
 
 bool is_input(const mcap::Channel& channel) {
@@ -76,32 +74,14 @@ public:
   }
 
 private:
-  /// The topics that are read must be what their names say.
+  /// The topics that are read must be what their names say. A replay only counts the commands, so it can do
+  /// without them.
   void check(const mcap::Channel& channel) const {
-    if (!is_read(channel)) return;
-    if (channel.message_encoding != "cdr") {
-      throw files::IoError(fmt::format(R"({}: topic {} has message encoding "{}" instead of "cdr")",
-                                       reader_.name(), channel.topic, channel.message_encoding));
-    }
-    if (has_our_type(channel) || is_command(channel.topic)) return;
-    throw files::IoError(other_type_text(channel));
+    if (is_read(channel) && !is_unknown_command(channel)) require_our_type(reader_, channel);
   }
 
-  [[nodiscard]] bool has_our_type(const mcap::Channel& channel) const {
-    const auto schema = reader_.schemas().find(channel.schema_id);
-    if (schema == reader_.schemas().end() || schema->second.data.empty()) return true;
-    const std::string type = topics::find_topic(channel.topic)->type_name;
-    return mcap::definition_in(schema->second.data, type) == mcap::definition_in(idl::text, type);
-  }
-
-  [[nodiscard]] std::string other_type_text(const mcap::Channel& channel) const {
-    return fmt::format("{}: topic {} has another type than {} of this version of the program", reader_.name(),
-                       channel.topic, topics::find_topic(channel.topic)->type_name);
-  }
-
-  /// A replay only counts the commands, so it can do without them.
   [[nodiscard]] bool is_unknown_command(const mcap::Channel& channel) const {
-    return is_command(channel.topic) && !has_our_type(channel);
+    return is_command(channel.topic) && !has_our_type(reader_, channel);
   }
 
   [[nodiscard]] BeaconAddress chosen(std::optional<BeaconAddress> address) const {
@@ -149,7 +129,7 @@ private:
     }
   }
 
-  /// What the fusion obeyed meanwhile, and a replay does not know.
+  /// Resets and changes of settings, which a replay does not repeat.
   void add_command(const std::string& topic, const mcap::Message& message) {
     if (topic == topics::reset.name) {
       ++reset_count_;
@@ -194,21 +174,22 @@ private:
     if (first_sequence_ > 1) {
       log_.warnings.push_back(reader_.name() + ": begins with event " + std::to_string(first_sequence_) +
                               " of beacon " + std::to_string(address_) +
-                              ": the state of a fusion that had those before is another one");
+                              "; the state differs from that of a fusion that received the earlier ones");
     }
     warn_of("lacks", counters.lost, "event", " of the bridge");
     warn_of("leaves out", counters.duplicated, "event",
             " with numbers that came before: of two bridges, or too late");
-    warn_of("the bridge began to count again", counters.restarts, "time", "");
+    warn_of("the event numbers restarted", counters.restarts, "time", "");
     for (const auto& [id, channel] : reader_.channels()) {
       if (!is_unknown_command(channel)) continue;
-      log_.warnings.push_back(other_type_text(channel) + ", so it is not known whether they changed");
+      log_.warnings.push_back(other_type_text(reader_, channel) +
+                              ", so it is not known whether they changed");
     }
     constexpr std::string_view not_repeated = ", which a replay does not repeat";
     warn_of("has", reset_count_, "reset", " of the beacon" + std::string(not_repeated));
     warn_of("has", settings_change_count_, "change", " of its settings" + std::string(not_repeated));
     warn_of("leaves out", input_count_ - log_.events.size() - counters.duplicated, "event",
-            " at the end, behind one that is missing");
+            " at the end, because an earlier one is missing");
   }
 
   mcap::Reader reader_;
@@ -223,19 +204,19 @@ private:
   recording::SensorLog log_;
 };
 
-/// A file that begins so is no text.
-bool is_mcap(const std::filesystem::path& file) {
-  const mcap::FileSource source(file);
-  std::array<std::byte, 4> begin{};
-  if (source.size() < begin.size()) return false;
-  source.read(0, begin);
-  return std::ranges::equal(begin, std::as_bytes(std::span(mcap::magic)).first(begin.size()));
-}
-
 }  // namespace
 
 bool is_file(const std::filesystem::path& log) {
   return std::filesystem::is_regular_file(log);
+}
+
+bool is_mcap(const std::filesystem::path& log) {
+  if (!is_file(log)) return false;
+  const mcap::FileSource source(log);
+  std::array<std::byte, 4> begin{};
+  if (source.size() < begin.size()) return false;
+  source.read(0, begin);
+  return std::ranges::equal(begin, std::as_bytes(std::span(mcap::magic)).first(begin.size()));
 }
 
 std::filesystem::path imu_source(const std::filesystem::path& log) {

@@ -14,6 +14,9 @@ namespace sonopose::bus_log {
 /// Whether it is a file and not a log folder.
 bool is_file(const std::filesystem::path& log);
 
+/// Whether it is a file that begins like MCAP.
+bool is_mcap(const std::filesystem::path& log);
+
 /// Reads a folder as recording::read_sensor_log does, and a file by its content: as MCAP if it begins so,
 /// else as a CSV log of the vendor's Dashboard (dashboard_log.hpp). A file with several beacons needs an
 /// address.

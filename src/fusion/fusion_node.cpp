@@ -212,10 +212,13 @@ FusionNode::Impl::~Impl() {
   });
 }
 
-/// Unregisters a beacon, so that consumers learn immediately that its poses end. (Lossless writers would
-/// block until there is space; their consumers learn it from the end of the writers.)
+/// Unregisters a beacon, so that consumers learn immediately that its poses and reports end. (Lossless
+/// writers would block until there is space; their consumers learn it from the end of the writers.)
 void FusionNode::Impl::end_output(BeaconAddress address) {
-  if (!lossless_) output_.unregister(address);
+  if (!lossless_) {
+    output_.unregister(address);
+    outcome_writer_.unregister(address);
+  }
   status_publisher_.unregister(address);
   settings_server_.unregister(address);
 }

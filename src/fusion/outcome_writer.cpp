@@ -57,6 +57,12 @@ void OutcomeWriter::write_newest() noexcept {
   newest_.reset();
 }
 
+void OutcomeWriter::unregister(BeaconAddress address) noexcept {
+  sonopose_FixReport key{};
+  key.address = address;
+  report_writer_.try_unregister_instance(key);
+}
+
 /// In lossless mode `attempt` is repeated until a slow consumer has space.
 void OutcomeWriter::write_until_accepted(const auto& attempt) noexcept {
   if (lossless_ && stopping_) return;  // each attempt may wait for a consumer

@@ -30,6 +30,9 @@ public:
   /// Writes a pose that was not written yet, since a newer one might have followed.
   void write_newest() noexcept;
 
+  /// Unregisters this beacon's reports, so that readers learn that they end. From any thread.
+  void unregister(BeaconAddress address) noexcept;
+
   /// How many samples DDS did not accept. From any thread.
   [[nodiscard]] std::uint64_t unwritten() const { return unwritten_; }
 

@@ -38,15 +38,25 @@ struct Contents {
   std::map<std::uint16_t, Schema> schemas;
   std::map<std::uint16_t, Channel> channels;
   Statistics statistics;
-  std::vector<Block> blocks;         ///< in the order of the file; none overlaps another
-  std::vector<Extent> metadata;      ///< the same
-  std::vector<std::string> damages;  ///< what is wrong with the file, in words
-  bool is_indexed = false;           ///< the summary was used; otherwise all of the file was read
+  std::vector<Block> blocks;                   ///< in the order of the file; none overlaps another
+  std::vector<Extent> metadata;                ///< the same
+  std::vector<std::string> damages;            ///< what is wrong with the file, in words
+  std::vector<std::string> unreadable_blocks;  ///< those of the damages that cost messages before the end
+  bool is_indexed = false;                     ///< the summary was used; otherwise all of the file was read
 
   /// The first ones of a file are enough.
-  void add_damage(std::string text) {
+  void add_damage(std::string text) { add(damages, std::move(text)); }
+
+  /// Of a chunk, or of messages outside of chunks.
+  void add_unreadable_block(const std::string& text) {
+    add(damages, text);
+    add(unreadable_blocks, text);
+  }
+
+private:
+  static void add(std::vector<std::string>& texts, std::string text) {
     constexpr std::size_t most_damages = 100;
-    if (damages.size() < most_damages) damages.push_back(std::move(text));
+    if (texts.size() < most_damages) texts.push_back(std::move(text));
   }
 };
 

@@ -13,6 +13,10 @@ namespace sonopose::mcap {
 class Messages::Merge {
 public:
   Merge(const Reader& reader, Selection selection) : reader_{reader}, selection_{std::move(selection)} {
+    const auto& unreadable = reader.contents().unreadable_blocks;
+    if (selection_.damaged == Selection::Damaged::refuse && !unreadable.empty()) {
+      throw FormatError(unreadable.front());
+    }
     for (const auto& [id, channel] : reader.channels()) {
       if (!selection_.channel || selection_.channel(channel)) channels_.insert(id);
     }

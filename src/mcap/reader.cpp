@@ -18,7 +18,7 @@ Contents read_contents(const RecordFile& file) {
     damage = error.what();
   }
   Contents contents = scan(file);
-  // A file that was cut has been told so by the scan.
+  // The scan has already reported a cut file.
   if (!damage.empty() && contents.damages.empty()) contents.add_damage(damage);
   return contents;
 }

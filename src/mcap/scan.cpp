@@ -45,7 +45,11 @@ private:
     try {
       visit(prefix);
     } catch (const FormatError& error) {
-      add_damage(error.what());
+      if (prefix.opcode == Opcode::chunk) {
+        contents_.add_unreadable_block(error.what());
+      } else {
+        add_damage(error.what());
+      }
     }
     at_ += prefix.record_length();
     return prefix.opcode != Opcode::data_end && prefix.opcode != Opcode::footer;
@@ -111,7 +115,7 @@ private:
     try {
       add_block(block);
     } catch (const FormatError& error) {
-      add_damage(error.what());
+      contents_.add_unreadable_block(error.what());
     }
   }
 

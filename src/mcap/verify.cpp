@@ -23,7 +23,7 @@ public:
       }
       check_count();
     } catch (const FormatError& error) {
-      // Where a next record begins is not known. A file that was cut has been told so by its reader.
+      // Where a next record begins is not known. The reader has already reported a cut file.
       if (reader_.damages().empty()) damages_.emplace_back(error.what());
     }
     return std::move(damages_);

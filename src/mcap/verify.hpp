@@ -10,7 +10,7 @@
 namespace sonopose::mcap {
 
 /// Reads all of the data section: its records, the chunks and their number of messages, and the checksums of
-/// chunks, of attachments and of the whole. What is wrong, in words, but for what the reader has named; a
+/// chunks, of attachments and of the whole. Describes each damage that the reader has not reported; a
 /// checksum of 0 means that there is none. Throws files::IoError.
 std::vector<std::string> verify(const Reader& reader);
 

@@ -177,7 +177,7 @@ void Play::play_once() {
     if (outcome == Outcome::refused) ++report_.refused;
   }
   for (const std::string& damage : messages.skipped()) logging::warning("not played: " + damage);
-  report_.damaged = messages.skipped().size();
+  report_.damaged = messages.skipped().size() + reader_.contents().unreadable_blocks.size();
   if (is_first)
     throw std::invalid_argument(reader_.name() + ": has no messages of these topics at these times");
 }

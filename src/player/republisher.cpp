@@ -25,7 +25,7 @@ std::string obstacle_to(const mcap::Channel& channel, const mcap::Schema* schema
   }
   if (!schema->data.empty() &&
       mcap::definition_in(schema->data, schema->name) != mcap::definition_in(idl::text, schema->name)) {
-    return "its type " + schema->name + " is another one than that of this version of the program";
+    return "its type " + schema->name + " differs from the one of this version of the program";
   }
   return {};
 }

@@ -31,7 +31,7 @@ public:
   StopSignal& operator=(const StopSignal&) = delete;
   ~StopSignal();
 
-  /// From now on SIGINT and SIGTERM request the stop. A second one, 0.5 s or more after the first, ends the
+  /// From now on SIGINT and SIGTERM request the stop. A second one, more than 1 s after the first, ends the
   /// process at once. Throws std::system_error.
   void listen_to_signals();
 

@@ -56,7 +56,7 @@ FileSeries::Part::~Part() {
   std::filesystem::remove(path, error);
 }
 
-/// Files from before are passed over: a recording goes on for hours before it comes to them.
+/// Skips files from before: a recording goes on for hours before it reaches them.
 std::size_t FileSeries::next_number() const {
   std::size_t number = last_number_ + 1;
   while (options_.is_numbered && !recording::is_free_for_part(file_of(number))) ++number;

@@ -16,8 +16,8 @@ std::vector<mcap::Chunk> LastSeconds::add(const mcap::Chunk& chunk, const Taken&
   bytes_ += bytes_of(chunk);
   auto dropped = drop_until(taken.end);
   while (bytes_ > most_bytes_ && chunks_.size() > 1) {
+    short_until_ = chunks_.front().taken.end + keep_ns_;
     dropped.push_back(take_first());
-    is_short_ = true;
   }
   return dropped;
 }
@@ -25,7 +25,11 @@ std::vector<mcap::Chunk> LastSeconds::add(const mcap::Chunk& chunk, const Taken&
 void LastSeconds::clear() {
   chunks_.clear();
   bytes_ = 0;
-  is_short_ = false;
+  short_until_.reset();
+}
+
+bool LastSeconds::is_short() const {
+  return short_until_ && !chunks_.empty() && chunks_.back().taken.end <= *short_until_;
 }
 
 std::size_t LastSeconds::bytes_of(const mcap::Chunk& chunk) {

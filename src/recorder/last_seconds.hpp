@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 namespace sonopose::recorder {
@@ -33,8 +34,8 @@ public:
   void clear();
 
   [[nodiscard]] const std::deque<Kept>& chunks() const { return chunks_; }
-  /// Whether the memory was too small for the time, since the last `clear`.
-  [[nodiscard]] bool is_short() const { return is_short_; }
+  /// Whether the memory was too small for what came in the last `keep_ns`.
+  [[nodiscard]] bool is_short() const;
 
 private:
   static std::size_t bytes_of(const mcap::Chunk& chunk);
@@ -44,7 +45,7 @@ private:
   std::size_t most_bytes_;
   std::deque<Kept> chunks_;
   std::size_t bytes_ = 0;
-  bool is_short_ = false;
+  std::optional<SteadyTime> short_until_;  ///< chunks of the time before are missing
 };
 
 }  // namespace sonopose::recorder

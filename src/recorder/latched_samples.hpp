@@ -26,7 +26,7 @@ public:
       : topics_(std::move(topics)), ends_channel_id_(ends_channel_id) {}
 
   /// A channel without keys and ends, such as one of ROS 2: its latest messages that differ are kept, since
-  /// several programs may have said each its own.
+  /// each of several programs may publish its own.
   void add_plain(std::uint16_t channel_id) { plain_.try_emplace(channel_id); }
 
   /// Remembers what a chunk has of them, and forgets the instances that ended.

@@ -46,7 +46,7 @@ mcap::Metadata SettingsLog::record_of(BeaconAddress address, std::uint64_t log_t
   return {"sonopose.settings", std::move(text)};
 }
 
-/// Beacons whose last record says that they are as all, and which have not followed a change of these.
+/// Beacons recorded with the common settings that kept the old values when those changed.
 void SettingsLog::add_left_behind(std::uint64_t log_time_ns, std::vector<mcap::Metadata>& records) {
   for (const auto& [address, known] : known_) {
     if (known.is_as_all && !is_as_all(address)) records.push_back(record_of(address, log_time_ns));

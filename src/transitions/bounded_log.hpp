@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The log of one thing that can change at any rate, bounded.
+/// A rate-limited log of one changing state.
 
 #include "logging/log.hpp"
 #include "transitions/rate_limit.hpp"
@@ -16,7 +16,7 @@
 namespace sonopose::transitions {
 
 /// Logs some changes a minute. What is left out is counted, and its latest is logged when the minute is over
-/// or it ends. Not thread-safe.
+/// or at the end. Not thread-safe.
 class BoundedLog {
 public:
   using Write = std::function<void(logging::Level, const std::string&)>;
@@ -43,11 +43,13 @@ public:
   /// Whether `update` will have something to log.
   [[nodiscard]] bool has_pending() const { return limit_.has_suppressed(); }
 
-  /// It ends.
+  /// Logs what is pending. Call it at the end.
   void finish() {
     if (!limit_.has_suppressed()) return;
-    write_(level_, fmt::format("{} ({} not logged)", latest_,
-                               text::count_text(limit_.take_suppressed(), "change was", "changes were")));
+    const std::uint64_t others = limit_.take_suppressed() - 1;
+    if (others == 0) return write_(level_, latest_);
+    write_(level_,
+           fmt::format("{} ({} not logged)", latest_, text::count_text(others, "line was", "lines were")));
   }
 
 private:

@@ -10,7 +10,7 @@
 
 namespace sonopose::transitions {
 
-/// Gives what a counter has increased by: the first increase at once, those of the following minute in one
+/// Returns by how much a counter has risen: the first increase at once, those of the following minute in one
 /// sum. Not thread-safe.
 class IncreaseLog {
 public:

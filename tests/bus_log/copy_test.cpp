@@ -60,6 +60,18 @@ SCENARIO("messages of a recording are selected") {
       CHECK(copy({{file}, folder / "none.mcap", {{}, 7}}).messages == 0);
     }
   }
+  GIVEN("a reset of all beacons beside those of others, and the choice of one beacon") {
+    const Path with_resets = folder / "resets.mcap";
+    {
+      BusRecording recording(with_resets);
+      for (const BeaconAddress address : {BeaconAddress{7}, BeaconAddress{12}, all_beacons}) {
+        recording.write(dds::topics::reset, {.address = address, .request_id = 1}, 5);
+      }
+    }
+    THEN("the new file has what concerns that beacon") {
+      CHECK(copy({{with_resets}, folder / "of_12.mcap", {{}, 12}}).messages == 2);
+    }
+  }
   GIVEN("a topic that the file does not have") {
     THEN("the error lists those that it has, and there is no new file") {
       CHECK_THROWS_WITH(copy({{file}, folder / "none.mcap", {{"imus"}}}),
@@ -179,8 +191,11 @@ SCENARIO("a damaged recording is repaired") {
   }
   GIVEN("a recording with a damaged byte in a chunk") {
     std::string damaged = whole;
-    const mcap::Block chunk = mcap::Reader(file).contents().blocks.at(3);
-    damaged[chunk.offset + chunk.length / 2] ^= 0x10;
+    const auto chunks = mcap::Reader(file).contents().blocks;
+    damaged[chunks.at(3).offset + chunks.at(3).length / 2] ^= 0x10;
+    const bool is_indexed = GENERATE(true, false);
+    CAPTURE(is_indexed);
+    if (!is_indexed) damaged.resize(chunks.back().offset + chunks.back().length);
     write_text(folder / "damaged.mcap", damaged);
     const CopyRequest request{{folder / "damaged.mcap"}, folder / "good.mcap"};
     THEN("it is not copied as if it were whole") {
@@ -191,7 +206,7 @@ SCENARIO("a damaged recording is repaired") {
       CopyRequest recovering = request;
       recovering.damaged = mcap::Selection::Damaged::skip;
       const auto result = copy(recovering);
-      CHECK(result.damages.size() == 1);
+      CHECK(result.damages.size() == (is_indexed ? 1 : 2));  // and that it was cut
       CHECK(result.messages > events.size() - 150);
       CHECK(result.messages < events.size());
     }

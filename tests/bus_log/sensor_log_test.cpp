@@ -122,7 +122,7 @@ SCENARIO("the host's clock is set back during a recording") {
   }
 }
 
-SCENARIO("what a fusion obeyed during a recording, and a replay does not repeat, is told") {
+SCENARIO("a replay warns of resets and changes of settings that it does not repeat") {
   const TemporaryFolder folder;
   const auto file = folder / "run.mcap";
   const auto events = walk(2.0).events;

@@ -231,7 +231,7 @@ void HistoryChecker::check_late(BeaconAddress address, const Track& track) {
   }
 }
 
-/// After a step of the bridge's clock all poses are.
+/// All poses may be late after a step of the bridge's clock.
 bool HistoryChecker::may_be_late(const Arrival& pose) const {
   const auto step = bridge_clock_step();
   return step && pose.received >= step->interval.from &&

@@ -80,7 +80,8 @@ SCENARIO("the data section has a checksum") {
       }
     }
     WHEN("its writer has not computed the checksum, and a byte of a chunk is another one") {
-      const auto data_end = bytes_of(std::string("\x0f\x04\0\0\0\0\0\0\0", 9));
+      const std::string start_of_data_end("\x0f\x04\0\0\0\0\0\0\0", 9);
+      const auto data_end = bytes_of(start_of_data_end);
       const auto at = std::search(file.begin(), file.end(), data_end.begin(), data_end.end());
       REQUIRE(at != file.end());
       std::fill_n(at + 9, 4, std::byte{0});

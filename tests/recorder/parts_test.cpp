@@ -100,6 +100,8 @@ TEST_CASE("The last seconds in memory") {
     REQUIRE(last.chunks().size() == 2);
     CHECK(last.chunks().front().chunk.log_times().start_ns == 9 * second);
     CHECK(last.is_short());
+    last.add(chunk_at(200 * second), taken_at(200));
+    CHECK_FALSE(last.is_short());  // what was dropped for it would be too old by now
   }
 }
 

@@ -89,7 +89,7 @@ SCENARIO("a recording of the bus is shown, selected and exported") {
   GIVEN("a cut file") {
     write_text(folder / "cut.mcap", read_text(file).substr(0, 50'000));
     const Result result = mcap({"recover", folder / "cut.mcap", "--out", folder / "good.mcap"});
-    THEN("what it has is saved, and what is lost is told") {
+    THEN("what it has is saved, and losses are reported") {
       CHECK(result.code == 0);
       CHECK_THAT(result.error,
                  Contains("cut.mcap: byte ") && Contains("it was cut, or is damaged from here on"));

@@ -87,7 +87,8 @@ SCENARIO("a recording has the times, the ends and the settings of a run") {
       const bool has_ends = wait_for_part(file, [](const std::vector<OwnedMessage>& messages) {
         const auto ended = disposed_by_instance(messages);
         return ended.contains("sonopose/imu 7") && ended.contains("sonopose/imu 8") &&
-               ended.contains("sonopose/pose 7") && ended.contains("sonopose/pose 8");
+               ended.contains("sonopose/pose 7") && ended.contains("sonopose/pose 8") &&
+               ended.contains("sonopose/report 7") && ended.contains("sonopose/report 8");
       });
       REQUIRE(record->end_by(SIGINT).code == 0);
       const auto messages = messages_of(file);
@@ -104,6 +105,7 @@ SCENARIO("a recording has the times, the ends and the settings of a run") {
         for (const auto& [instance, is_disposed] : disposed_by_instance(messages)) {
           CAPTURE(instance);
           if (instance.starts_with("sonopose/imu")) CHECK(is_disposed);
+          if (instance.starts_with("sonopose/report")) CHECK(is_disposed);
           if (instance.starts_with("sonopose/pose")) CHECK_FALSE(is_disposed);
         }
       }

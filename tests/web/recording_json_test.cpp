@@ -66,7 +66,7 @@ SCENARIO("a recording without poses shows what the fusion makes of it") {
 
 SCENARIO("a recording with poses shows those, of all beacons or one") {
   const TemporaryFolder folder;
-  const auto file = folder / "run.mcap";
+  const auto file = folder / GENERATE("run.mcap", "run.mcap.part");  // of a recorder that was killed
   {
     BusRecording recording(file);
     FusedPose pose;
@@ -86,6 +86,19 @@ SCENARIO("a recording with poses shows those, of all beacons or one") {
   const json one = json::parse(recording_json(file, 12));
   REQUIRE(one["beacons"].size() == 1);
   CHECK(one["beacons"][0]["address"] == 12);
+}
+
+SCENARIO("poses of another type are refused") {
+  const TemporaryFolder folder;
+  const auto file = folder / "run.mcap";
+  {
+    BusRecording recording(file);
+    const auto schema = recording.writer().add_schema("sonopose::FusedPose", "omgidl",
+                                                      "module sonopose { struct FusedPose { long a; }; };");
+    recording.writer().add_channel(schema, "sonopose/pose", "cdr");
+    recording.write(dds::topics::reset, {.address = 7, .request_id = 1}, 5);
+  }
+  CHECK_THROWS_WITH(recording_json(file), Contains("topic sonopose/pose has another type"));
 }
 
 SCENARIO("a file that is no recording is refused with its name") {

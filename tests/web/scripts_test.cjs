@@ -216,3 +216,24 @@ test("plots follow until somebody chooses a range, and hide what a beacon does n
   made[0].resize(); // of a hidden plot
   assert.equal(plots.zoomed, null);
 });
+
+test("a change without a selected beacon is refused, and nothing is sent", () => {
+  const part = () => ({ children: [], addEventListener: () => {}, setAttribute: () => {}, prepend: () => {} });
+  globalThis.document = {
+    createElement: () => ({ ...part(), append(...children) { this.children.push(...children); this.lastChild = children.at(-1); } }),
+  };
+  load("settings.js");
+  const sent = [];
+  const of = { ...part(), value: "all", options: [], append: () => {} };
+  const parts = { list: part(), search: part(), of, reset: part(), note: part(), requests: part() };
+  const settings = new sonopose.Settings(parts, [], (request) => sent.push(request));
+  const lines = [];
+  parts.requests.prepend = (line) => lines.push(line);
+  settings.send({ op: "reset" }, "reset");
+  assert.deepEqual(sent, [{ op: "reset", id: 1, address: "all" }]);
+  of.value = "";
+  settings.send({ op: "reset" }, "reset");
+  assert.equal(sent.length, 1);
+  assert.equal(lines[1].className, "refused");
+  assert.match(lines[1].lastChild.textContent, /select a beacon/);
+});

@@ -10,7 +10,7 @@ struct EstimatorCounters {
   std::uint64_t fixes_used = 0;
   std::uint64_t fixes_rejected = 0;
   std::uint64_t headings = 0;
-  std::uint64_t samples_invalid = 0;  ///< not finite, impossible, or out of order
+  std::uint64_t samples_invalid = 0;  ///< not finite, impossible, out of order, or too late
   std::uint64_t imu_gaps = 0;         ///< silences of the IMU that were not integrated over
 
   bool operator==(const EstimatorCounters&) const = default;

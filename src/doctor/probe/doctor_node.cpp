@@ -120,7 +120,13 @@ SystemObserver::SystemObserver(const DoctorOptions& options)
 
 template <class T>
 void SystemObserver::take(Subscription<T>& subscription, const Arrival& arrival) {
-  subscription.reader.take_each([&](const T& sample, const dds::SampleInfo& info) {
+  const auto on_state = [this](const T& key, const dds::SampleInfo& info) {
+    if constexpr (std::is_same_v<T, sonopose_FusionStatus>) {
+      if (!info.alive()) fusion_limit_.forget(key);
+    }
+  };
+  const auto on_data = [&](const T& sample, const dds::SampleInfo& info) {
+    on_state(sample, info);
     auto value = dds::topics::from_idl(sample);
     if constexpr (std::is_same_v<T, sonopose_EffectiveSettings>) {
       effective_settings_[value.address] = std::move(value);
@@ -140,7 +146,8 @@ void SystemObserver::take(Subscription<T>& subscription, const Arrival& arrival)
         probe.on(value, arrival);
       }
     }
-  });
+  };
+  subscription.reader.take_each(on_data, on_state);
 }
 
 /// Samples that waited in a reader while this process did not run have arrived at any time since the last

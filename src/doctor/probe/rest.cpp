@@ -48,6 +48,8 @@ struct Sums {
   [[nodiscard]] bool is_still() const {
     if (count < min_samples) return false;
     const Readings variance = squares / count - mean().cwiseAbs2();
+    // Comparisons with NaN are false, but the largest of several numbers may not be NaN.
+    if (!variance.allFinite()) return false;
     return mean().tail<3>().norm() < rotation_radps &&
            variance.head<3>().maxCoeff() < rest_force_std_mps2 * rest_force_std_mps2 &&
            variance.tail<3>().maxCoeff() < rest_rate_std_radps * rest_rate_std_radps;

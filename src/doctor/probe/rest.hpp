@@ -13,8 +13,8 @@ namespace sonopose::doctor::probe {
 
 /// The means of the longest time at rest, in blocks of about a second, with the calibration applied. In each
 /// of its blocks the readings spread by less than 0.25 m/s² and 0.03 rad/s on each axis; so do those of all
-/// of them, and the medians of their fixes lie within 0.25 m. Empty if it does not rest for two seconds, or
-/// for the whole of a shorter window.
+/// of them, and the medians of their fixes lie within 0.25 m. Empty if fewer than three blocks rest, or
+/// not all of a shorter window.
 std::optional<rules::RestObservation> longest_rest(const Latest<ImuSample>& readings,
                                                    const Latest<UltrasonicFix>& fixes,
                                                    const calibration::Settings& calibration);

@@ -29,12 +29,12 @@ void check_look(const Observations& observations, Findings& findings) {
                         {}});
   }
   if (observations.beacons_not_fitted > 0) {
-    findings.push_back(
-        {Severity::note, "doctor",
-         fmt::format("mount, delay and signs of {} were not checked, or not over the whole look",
-                     text::count_text(observations.beacons_not_fitted, "beacon")),
-         observations.cut_from_s ? "run it again without stopping it"
-                                 : "run it again, with fewer beacons or on a machine with less load"});
+    findings.push_back({Severity::note, "doctor",
+                        fmt::format("mount, delay and signs of {} were not checked, or only in part",
+                                    text::count_text(observations.beacons_not_fitted, "beacon")),
+                        observations.cut_from_s
+                            ? "run it again without stopping it"
+                            : "run it again, with fewer beacons or on a machine with less load"});
   }
 }
 

@@ -22,6 +22,11 @@ bool is_usable(const Covariance<3>& covariance) {
   return matrix.allFinite() && factor.info() == Eigen::Success;
 }
 
+/// 0: not known.
+TimeNs stamp_or_none(TimeNs stamp_ns) {
+  return documented::admission::is_time(stamp_ns) ? stamp_ns : 0;
+}
+
 }  // namespace
 
 ImuMeasurement as_measurement(const ImuSample& calibrated) {
@@ -189,7 +194,7 @@ ImuMeasurement Engine::measurement_in(const ImuSample& raw) const {
 
 FixMeasurement Engine::measurement_in(const UltrasonicFix& fix) const {
   FixMeasurement measured{.time_ns = measured_at(fix),
-                          .stamp_ns = fix.emission_time_ns,
+                          .stamp_ns = stamp_or_none(fix.emission_time_ns),
                           .position_world_m = fix.position_world_m,
                           .quality_percent = fix.quality_percent.value_or(-1.0)};
   if (fix.covariance_world_m2 && is_usable(*fix.covariance_world_m2)) {
@@ -202,7 +207,7 @@ FixMeasurement Engine::measurement_in(const UltrasonicFix& fix) const {
 
 HeadingMeasurement Engine::measurement_in(const PairHeading& heading) const {
   return {.time_ns = measured_at(heading),
-          .stamp_ns = heading.emission_time_ns,
+          .stamp_ns = stamp_or_none(heading.emission_time_ns),
           .heading_world_rad = heading.heading_world_rad};
 }
 

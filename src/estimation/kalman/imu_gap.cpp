@@ -17,7 +17,7 @@ void Belief::coast_if_silent(const settings::Settings& settings, TimeNs measured
   const bool is_silent = seconds_between(time_ns, measured_ns) > settings.outage.imu_gap_s;
   if (!is_silent) return;
   const bool heading_is_older = seconds_between(time_ns, last_heading_ns) < settings.outage.imu_gap_s;
-  if (heading_is_older) heading_is_current = false;  // than the silence
+  if (heading_is_older) heading_is_current = false;  // measured before the silence
   if (measured_ns <= state_ns) return;
   rest::restart(rest);
   coast_to(measured_ns);

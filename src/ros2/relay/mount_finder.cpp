@@ -32,9 +32,9 @@ void MountFinder::assign_to(BeaconPublishers& publishers) {
     has_surplus = has_surplus_;
   }
   if (has_surplus && !std::exchange(reported_, true)) {
-    log_.warning(
-        fmt::format("/tf_static: transforms are ignored: the limit is {} frames, with names of {} characters",
-                    ros2::StaticTransforms::most_frames, ros2::StaticTransforms::longest_name));
+    log_.warning(fmt::format(
+        "/tf_static: some transforms are ignored: at most {} frames, with names of at most {} characters",
+        ros2::StaticTransforms::most_frames, ros2::StaticTransforms::longest_name));
   }
   if (!found) return;
   if (!publishers.set_mount({.imu_in_base_m = found->translation_m, .q_imu_to_base = found->rotation}))

@@ -125,8 +125,10 @@ void ParameterServer::take_settings() {
     for (const SettingAssignment& setting : settings.values) {
       if (!setting_named(parameter_name({settings.address, setting.key})) || valid_value(setting)) continue;
       if (std::exchange(reported_invalid_, true)) break;
-      log_.warning(fmt::format("beacon {}: setting {} has an unknown value '{}'; it is no parameter",
-                               settings.address, setting.key, setting.value));
+      const std::string of =
+          settings.address == all_beacons ? "all beacons" : fmt::format("beacon {}", settings.address);
+      log_.warning(fmt::format("{}: {} = '{}' is not valid in this version, so it is not a parameter", of,
+                               setting.key, setting.value));
     }
     EffectiveSettings& known = effective_[settings.address];
     events_.publish(known, settings);

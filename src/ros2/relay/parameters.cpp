@@ -49,12 +49,21 @@ std::string parameter_name(const SettingName& setting) {
   return std::string(beacon_prefix) + std::to_string(setting.address) + "." + setting.key;
 }
 
+std::optional<settings::SettingValue> valid_value(const SettingAssignment& setting) {
+  try {
+    return settings::parse_value(setting.key, setting.value);
+  } catch (const settings::SettingError&) {
+    return std::nullopt;
+  }
+}
+
 ParameterList list_parameters(const SettingsByBeacon& effective, const std::vector<std::string>& prefixes,
                               std::uint64_t depth) {
   ParameterList list;
   for (const auto& [address, settings] : effective) {
-    for (const auto& [key, value] : settings.values) {
-      const std::string name = parameter_name({address, key});
+    for (const auto& setting : settings.values) {
+      if (!valid_value(setting)) continue;
+      const std::string name = parameter_name({address, setting.key});
       if (!is_selected(name, prefixes, depth)) continue;
       list.names.push_back(name);
       const std::string prefix = name.substr(0, name.rfind('.'));
@@ -64,14 +73,6 @@ ParameterList list_parameters(const SettingsByBeacon& effective, const std::vect
     }
   }
   return list;
-}
-
-std::optional<settings::SettingValue> valid_value(const SettingAssignment& setting) {
-  try {
-    return settings::parse_value(setting.key, setting.value);
-  } catch (const settings::SettingError&) {
-    return std::nullopt;
-  }
 }
 
 std::optional<settings::SettingValue> parameter_value(const SettingsByBeacon& effective,

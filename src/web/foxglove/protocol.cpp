@@ -103,7 +103,7 @@ std::string message_data(SubscriptionId subscription, TimeNs received_ns,
   text += static_cast<char>(BinaryOp::message_data);
   append_little_endian(text, subscription);
   append_little_endian(text, received_ns);
-  for (const std::byte byte : payload) text += static_cast<char>(byte);
+  text.append(reinterpret_cast<const char*>(payload.data()), payload.size());  // NOLINT(*-reinterpret-cast)
   return text;
 }
 

@@ -221,7 +221,7 @@ private:
     });
   }
 
-  /// Without a farewell: the client would have to take it.
+  /// Sends no close frame: a stalled client would not read it.
   void disconnect() {
     is_closing_ = true;
     beast::get_lowest_layer(stream_).close();  // what is read or written now ends with an error

@@ -43,7 +43,7 @@ Columns::Columns(std::vector<std::string_view> names, TimeNs begin_ns, TimeNs le
 
 void Columns::add(TimeNs time_ns, std::span<const double> values) {
   if (time_ns < next_ns_) return;
-  next_ns_ = time_ns + least_period_ns_;
+  next_ns_ = saturated_sum(time_ns, least_period_ns_);
   columns_[0].push_back(seconds_between(begin_ns_, time_ns));
   for (std::size_t i = 0; i < values.size(); ++i) columns_[i + 1].push_back(values[i]);
 }

@@ -4,6 +4,7 @@
 #include "bus_log/sensor_log.hpp"
 #include "evaluation/run.hpp"
 #include "files/error.hpp"
+#include "logging/log.hpp"
 #include "mcap/reader.hpp"
 #include "web/recording/document.hpp"
 
@@ -12,16 +13,25 @@ namespace {
 
 namespace topics = dds::topics;
 
+void warn_of(const std::vector<std::string>& damages) {
+  for (const std::string& damage : damages) logging::warning(damage);
+}
+
+bool is_shown(const mcap::Channel& channel) {
+  return channel.topic == topics::pose.name || channel.topic == topics::report.name ||
+         channel.topic == topics::truth.name || channel.topic == topics::stationary_beacon.name;
+}
+
 /// The outputs that were recorded. Nothing if there are no poses.
 std::optional<std::string> recorded_outputs(const mcap::Reader& reader, std::optional<BeaconAddress> beacon) {
   const auto& times = reader.statistics().log_times;
   if (times.is_empty()) return {};
   Document document(1e-9 * static_cast<double>(times.end_ns - times.start_ns));
+  for (const auto& [id, channel] : reader.channels()) {
+    if (is_shown(channel)) bus_log::require_our_type(reader, channel);
+  }
   mcap::Selection selection;
-  selection.channel = [](const mcap::Channel& channel) {
-    return channel.topic == topics::pose.name || channel.topic == topics::report.name ||
-           channel.topic == topics::truth.name || channel.topic == topics::stationary_beacon.name;
-  };
+  selection.channel = is_shown;
   selection.damaged = mcap::Selection::Damaged::skip;
   mcap::Messages messages(reader, selection);
   const auto add = [&](const auto& sample) {
@@ -40,20 +50,19 @@ std::optional<std::string> recorded_outputs(const mcap::Reader& reader, std::opt
     }
   }
   if (!document.has_poses()) return {};
+  warn_of(reader.damages());
+  warn_of(messages.skipped());
   return document.json();
-}
-
-bool is_mcap(const std::filesystem::path& recording) {
-  return bus_log::is_file(recording) && recording.extension() == ".mcap";
 }
 
 }  // namespace
 
 std::string recording_json(const std::filesystem::path& recording, std::optional<BeaconAddress> beacon) {
-  if (is_mcap(recording)) {
+  if (bus_log::is_mcap(recording)) {
     if (auto text = recorded_outputs(mcap::Reader(recording), beacon)) return *std::move(text);
   }
   const sonopose::recording::SensorLog log = bus_log::read_sensor_log(recording, beacon);
+  warn_of(log.warnings);
   if (log.events.empty()) throw files::IoError(recording.string() + ": has no samples");
   Document document(seconds_between(available_at_ns(log.events.front()), available_at_ns(log.events.back())));
   for (TruthSample truth : log.truth) {

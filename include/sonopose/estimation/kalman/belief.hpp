@@ -76,8 +76,8 @@ struct Former {
   bool operator==(const Former&) const = default;
 };
 
-/// Remembers how long wrong tracks last here, with forgetting. A long one is remembered for longer: what
-/// fades is its duration, not the time that others wait.
+/// Remembers how long wrong tracks last here. The longest duration decays exponentially; the wait of others
+/// is proportional to it and bounded, so a long track keeps it at its maximum for longer.
 struct WrongTracks {
   double longest_s = 0;  ///< as it was at `seen_ns`
   TimeNs seen_ns = 0;
