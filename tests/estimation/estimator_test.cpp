@@ -132,11 +132,10 @@ std::vector<Event> with_late_and_refused(const std::vector<Event>& log) {
   int fixes = 0;
   for (const Event& event : log) {
     const auto* fix = std::get_if<UltrasonicFix>(&event);
-    if (fix == nullptr) {
-      changed.push_back(event);
-    } else if (++fixes % 3 == 1) {
+    if (fix != nullptr) ++fixes;
+    if (fix != nullptr && fixes % 3 == 1) {
       held_back = *fix;
-    } else if (fixes % 3 == 2 && held_back) {
+    } else if (fix != nullptr && fixes % 3 == 2 && held_back) {
       UltrasonicFix off = *fix;
       off.position_world_m.x() += 3.0;
       changed.emplace_back(off);
