@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <type_traits>
 
 namespace sonopose::ros2::relay {
 namespace {
@@ -26,9 +25,13 @@ std::vector<char*> borrow_strings(const std::vector<std::string>& values) {
 
 template <class Sequence>
 auto values_of(const Sequence& sequence) {
-  using Value = std::remove_pointer_t<decltype(sequence._buffer)>;
-  using Copy = std::conditional_t<std::is_same_v<Value, char*>, std::string, Value>;
-  return std::vector<Copy>(sequence._buffer, sequence._buffer + sequence._length);
+  return std::span(sequence._buffer, sequence._length);
+}
+
+template <class Sequence>
+std::vector<std::string> strings_of(const Sequence& sequence) {
+  const auto values = values_of(sequence);
+  return {values.begin(), values.end()};
 }
 
 /// The description of a parameter, and the strings and ranges that its message borrows.
@@ -171,7 +174,7 @@ void ParameterServer::apply_startup_settings() {
 }
 
 void ParameterServer::list(const ros2::ListParameters::Request& request, const auto& reply) {
-  const auto found = list_parameters(effective_, values_of(request.prefixes), request.depth);
+  const auto found = list_parameters(effective_, strings_of(request.prefixes), request.depth);
   auto names = borrow_strings(found.names);
   auto prefixes = borrow_strings(found.prefixes);
   ros2::ListParameters::Response response{};
@@ -182,7 +185,7 @@ void ParameterServer::list(const ros2::ListParameters::Request& request, const a
 
 void ParameterServer::get(const ros2::GetParameters::Request& request, const auto& reply) {
   std::vector<std::optional<settings::SettingValue>> values;
-  for (const std::string& name : values_of(request.names)) {
+  for (const std::string& name : strings_of(request.names)) {
     values.push_back(parameter_value(effective_, name));
   }
   std::vector<ros2::ParameterValue> messages;
@@ -194,7 +197,7 @@ void ParameterServer::get(const ros2::GetParameters::Request& request, const aut
 
 void ParameterServer::get_types(const ros2::GetParameterTypes::Request& request, const auto& reply) {
   std::vector<std::uint8_t> types;
-  for (const std::string& name : values_of(request.names)) {
+  for (const std::string& name : strings_of(request.names)) {
     const auto value = parameter_value(effective_, name);
     types.push_back(static_cast<std::uint8_t>(value ? type_of(*value) : ParameterType::not_set));
   }
@@ -206,7 +209,7 @@ void ParameterServer::get_types(const ros2::GetParameterTypes::Request& request,
 void ParameterServer::describe(const ros2::DescribeParameters::Request& request, const auto& reply) {
   std::vector<std::unique_ptr<Description>> descriptions;
   std::vector<ros2::ParameterDescriptor> messages;
-  for (const std::string& name : values_of(request.names)) {
+  for (const std::string& name : strings_of(request.names)) {
     messages.push_back(descriptions.emplace_back(std::make_unique<Description>(name))->message);
   }
   ros2::DescribeParameters::Response response{};
@@ -216,8 +219,9 @@ void ParameterServer::describe(const ros2::DescribeParameters::Request& request,
 
 void ParameterServer::set(const ros2::SetParameters::Request& request, const auto& reply) {
   std::vector<std::string> errors;
-  for (const ros2::Parameter& parameter : values_of(request.parameters))
-    errors.push_back(change({parameter}));
+  for (const ros2::Parameter& parameter : values_of(request.parameters)) {
+    errors.push_back(change({&parameter, 1}));
+  }
   std::vector<ros2::SetParametersResult> results;
   for (const std::string& error : errors) results.push_back({error.empty(), borrow_string(error)});
   ros2::SetParameters::Response response{};
@@ -234,7 +238,7 @@ void ParameterServer::set_atomically(const ros2::SetParametersAtomically::Reques
 }
 
 /// Changes all parameters or none. Returns the error, empty on success.
-std::string ParameterServer::change(const std::vector<ros2::Parameter>& parameters) {
+std::string ParameterServer::change(std::span<const ros2::Parameter> parameters) {
   if (parameters.empty()) return {};
   SettingsRequest settings_request;
   for (const ros2::Parameter& parameter : parameters) {

@@ -17,6 +17,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -86,7 +87,7 @@ private:
   void set(const ros2::SetParameters::Request& request, const auto& reply);
   void set_atomically(const ros2::SetParametersAtomically::Request& request, const auto& reply);
   void reset(const auto& reply);
-  std::string change(const std::vector<ros2::Parameter>& parameters);
+  std::string change(std::span<const ros2::Parameter> parameters);
 
   Log& log_;
   std::function<void()> wake_;
