@@ -127,7 +127,7 @@ private:
       const std::uint64_t end = pushed.load(std::memory_order_acquire);
       for (std::uint64_t begin = written.load(std::memory_order_relaxed); begin != end && !abandoned;) {
         const std::size_t first = begin % ring.size();
-        const std::size_t count = std::min<std::uint64_t>({end - begin, ring.size() - first, most_at_once});
+        const auto count = std::min<std::uint64_t>({end - begin, ring.size() - first, most_at_once});
         write_some(std::span(ring).subspan(first, count));
         begin += count;
         written.store(begin, std::memory_order_release);

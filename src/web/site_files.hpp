@@ -21,7 +21,7 @@ public:
   void add(const std::string& path, const std::string& content_type, std::string text);
 
   /// Whether it is one of the program's own files, in which nothing is secret.
-  [[nodiscard]] bool is_public(std::string_view path) const { return public_.count(path) > 0; }
+  [[nodiscard]] bool is_public(std::string_view path) const { return public_.contains(path); }
 
   /// Only what has a name here is served: 404 for anything else.
   [[nodiscard]] http::Response get(std::string_view path) const;

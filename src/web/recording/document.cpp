@@ -17,7 +17,7 @@ namespace sonopose::web::recording {
 namespace {
 
 /// Of a beacon, and of all of them: more are not needed on a screen, and make the page slow.
-constexpr std::size_t most_rows = 20'000;
+constexpr std::size_t most_rows_of_beacon = 20'000;
 constexpr std::size_t most_rows_of_all = 200'000;
 constexpr TimeNs least_pose_period_ns = 40'000'000;
 
@@ -75,7 +75,7 @@ Document::Beacon::Beacon(BeaconAddress address, TimeNs begin_ns, TimeNs least_pe
       watch(address) {}
 
 Document::Document(double duration_s)
-    : least_period_ns_(to_ns(duration_s / static_cast<double>(most_rows))),
+    : least_period_ns_(to_ns(duration_s / static_cast<double>(most_rows_of_beacon))),
       transition_log_([this](const transitions::Line& line) {
         const nlohmann::json event{{"t", 1e-9 * static_cast<double>(now_ns_)},
                                    {"level", live::word_of(line.level)},
@@ -143,7 +143,8 @@ std::string Document::json() {
   }
   text += R"(],"beacons":[)";
   separator.clear();
-  const std::size_t most = std::min(most_rows, most_rows_of_all / std::max<std::size_t>(1, beacons_.size()));
+  const std::size_t most =
+      std::min(most_rows_of_beacon, most_rows_of_all / std::max<std::size_t>(1, beacons_.size()));
   for (const auto& [address, beacon] : beacons_) {
     const std::size_t rows = std::max({beacon.poses.size(), beacon.fixes.size(), beacon.truth.size()});
     text += fmt::format(R"({}{{"address":{},"rows":{},"poses":{},"fixes":{},"truth":{}}})", separator,
