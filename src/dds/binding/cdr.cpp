@@ -17,7 +17,7 @@ constexpr std::uint32_t most_padding = 3;
 }  // namespace
 
 bool read_cdr(std::span<const std::byte> cdr, const dds_topic_descriptor_t& type, void* sample) {
-  if (cdr.size() < header_bytes || cdr.size() > std::numeric_limits<std::uint32_t>::max()) return false;
+  if (cdr.size() <= header_bytes || cdr.size() > std::numeric_limits<std::uint32_t>::max()) return false;
   const auto byte_order = std::to_integer<int>(cdr[1]);
   if (cdr[0] != std::byte{} || byte_order > 1) return false;
   const bool is_foreign = (byte_order == 1) != (std::endian::native == std::endian::little);
