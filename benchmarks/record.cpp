@@ -55,7 +55,7 @@ struct Seen {
   std::uint32_t address = 0;
   std::uint64_t number = 0;
 
-  auto operator<=>(const Seen&) const = default;
+  auto operator<=>(const Seen&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14
 };
 
 /// Shared by the processes. Only what is used takes memory.
