@@ -120,7 +120,7 @@ SystemObserver::SystemObserver(const DoctorOptions& options)
 
 template <class T>
 void SystemObserver::take(Subscription<T>& subscription, const Arrival& arrival) {
-  const auto on_state = [this](const T& key, const dds::SampleInfo& info) {
+  const auto on_state = [&](const T& key, const dds::SampleInfo& info) {
     if constexpr (std::is_same_v<T, sonopose_FusionStatus>) {
       if (!info.alive()) fusion_limit_.forget(key);
     }
