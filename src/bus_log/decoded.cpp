@@ -20,12 +20,16 @@ std::string other_type_text(const mcap::Reader& reader, const mcap::Channel& cha
                      channel.topic, dds::topics::find_topic(channel.topic)->type_name);
 }
 
-void require_our_type(const mcap::Reader& reader, const mcap::Channel& channel) {
-  if (channel.message_encoding != "cdr") {
-    throw files::IoError(fmt::format(R"({}: topic {} has message encoding "{}" instead of "cdr")",
-                                     reader.name(), channel.topic, channel.message_encoding));
+void require_our_types(const mcap::Reader& reader,
+                       const std::function<bool(const mcap::Channel&)>& selected) {
+  for (const auto& [id, channel] : reader.channels()) {
+    if (!selected(channel)) continue;
+    if (channel.message_encoding != "cdr") {
+      throw files::IoError(fmt::format(R"({}: topic {} has message encoding "{}" instead of "cdr")",
+                                       reader.name(), channel.topic, channel.message_encoding));
+    }
+    if (!has_our_type(reader, channel)) throw files::IoError(other_type_text(reader, channel));
   }
-  if (!has_our_type(reader, channel)) throw files::IoError(other_type_text(reader, channel));
 }
 
 }  // namespace sonopose::bus_log

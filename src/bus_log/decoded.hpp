@@ -7,6 +7,7 @@
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
+#include <functional>
 #include <string>
 
 namespace sonopose::bus_log {
@@ -26,8 +27,8 @@ bool has_our_type(const mcap::Reader& reader, const mcap::Channel& channel);
 /// "FILE: topic TOPIC has another type than TYPE of this version of the program".
 std::string other_type_text(const mcap::Reader& reader, const mcap::Channel& channel);
 
-/// Throws files::IoError unless the channel of a topic of ours has its type, in CDR.
-void require_our_type(const mcap::Reader& reader, const mcap::Channel& channel);
+/// Throws files::IoError unless the selected channels, all of topics of ours, have their types, in CDR.
+void require_our_types(const mcap::Reader& reader, const std::function<bool(const mcap::Channel&)>& selected);
 
 template <class T>
 auto decoded(const dds::topics::Entry<T>& /*topic*/, const mcap::Reader& reader,

@@ -13,9 +13,7 @@ void for_each_output(const mcap::Reader& reader, BeaconAddress address,
   const auto is_output = [](const mcap::Channel& channel) {
     return channel.topic == pose.name || channel.topic == report.name;
   };
-  for (const auto& [id, channel] : reader.channels()) {
-    if (is_output(channel)) require_our_type(reader, channel);
-  }
+  require_our_types(reader, is_output);
   mcap::Selection selection;
   selection.channel = is_output;
   mcap::Messages messages(reader, selection);

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <limits>
 #include <map>
 #include <set>
@@ -55,7 +56,7 @@ std::string listed(const std::set<BeaconAddress>& addresses) {
 class FileLog {
 public:
   FileLog(const std::filesystem::path& file, std::optional<BeaconAddress> address) : reader_{file} {
-    for (const auto& [id, channel] : reader_.channels()) check(channel);
+    require_our_types(reader_, is_known_);
     address_ = chosen(address);
   }
 
@@ -63,10 +64,7 @@ public:
     log_.address = address_;
     log_.warnings = reader_.damages();
     // In the order of the file: the host's clock may have been set back meanwhile.
-    const auto is_known = [this](const mcap::Channel& channel) {
-      return is_read(channel) && !is_unknown_command(channel);
-    };
-    mcap::Messages messages(reader_, {.channel = is_known, .order = mcap::Selection::Order::file});
+    mcap::Messages messages(reader_, {.channel = is_known_, .order = mcap::Selection::Order::file});
     while (const auto message = messages.next()) add(*message);
     std::ranges::stable_sort(log_.truth, {}, &TruthSample::time_ns);
     warn();
@@ -74,12 +72,7 @@ public:
   }
 
 private:
-  /// The topics that are read must be what their names say. A replay only counts the commands, so it can do
-  /// without them.
-  void check(const mcap::Channel& channel) const {
-    if (is_read(channel) && !is_unknown_command(channel)) require_our_type(reader_, channel);
-  }
-
+  /// A replay only counts the commands, so it can do without them.
   [[nodiscard]] bool is_unknown_command(const mcap::Channel& channel) const {
     return is_command(channel.topic) && !has_our_type(reader_, channel);
   }
@@ -193,6 +186,9 @@ private:
   }
 
   mcap::Reader reader_;
+  std::function<bool(const mcap::Channel&)> is_known_ = [this](const mcap::Channel& channel) {
+    return is_read(channel) && !is_unknown_command(channel);
+  };
   BeaconAddress address_ = 0;
   collation::Collator collator_{collation_timeout_ns};
   std::uint64_t input_count_ = 0;

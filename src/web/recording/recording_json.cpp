@@ -27,9 +27,7 @@ std::optional<std::string> recorded_outputs(const mcap::Reader& reader, std::opt
   const auto& times = reader.statistics().log_times;
   if (times.is_empty()) return {};
   Document document(1e-9 * static_cast<double>(times.end_ns - times.start_ns));
-  for (const auto& [id, channel] : reader.channels()) {
-    if (is_shown(channel)) bus_log::require_our_type(reader, channel);
-  }
+  bus_log::require_our_types(reader, is_shown);
   mcap::Selection selection;
   selection.channel = is_shown;
   selection.damaged = mcap::Selection::Damaged::skip;
