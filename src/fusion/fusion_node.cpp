@@ -95,7 +95,7 @@ private:
   void on_data(dds::DataReader<T>& reader) noexcept;
   void on_data(dds::DataReader<sonopose_ResetCommand>& reader) noexcept;
   template <class T>
-  void take(dds::DataReader<T>& reader) noexcept;
+  void take(dds::DataReader<T>& reader, SteadyTime now) noexcept;
   void take_all() noexcept;
   void feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, SteadyTime steady) noexcept;
   void end_output(BeaconAddress address);
@@ -242,18 +242,18 @@ template <class T>
 void FusionNode::Impl::on_data(dds::DataReader<T>& reader) noexcept {
   if (overload_.is_deferring()) return backlog_thread_.wake();
   const std::lock_guard lock(taking_);
-  attended_time_.on_look(clocks::steady_now());
-  take(reader);
+  const SteadyTime now = clocks::steady_now();
+  attended_time_.on_look(now);
+  take(reader, now);
 }
 
 template <class T>
-void FusionNode::Impl::take(dds::DataReader<T>& reader) noexcept {
+void FusionNode::Impl::take(dds::DataReader<T>& reader, SteadyTime now) noexcept {
   const TimeNs in_ns = clocks::host_now();
-  const SteadyTime steady = clocks::steady_now();
   working_ = true;
   reader.try_take_each([&](const T& sample, const dds::SampleInfo& info) {
     if (stopping_) return;  // a lossless reader may buffer minutes of samples
-    feed(dds::topics::from_idl(sample), info.publication_handle(), in_ns, steady);
+    feed(dds::topics::from_idl(sample), info.publication_handle(), in_ns, now);
   });
   outcome_writer_.write_newest();
   working_ = false;
@@ -266,9 +266,9 @@ void FusionNode::Impl::take_all() noexcept {
   const SteadyTime now = clocks::steady_now();
   attended_time_.on_look(now);
   overload_.on_round(now, clocks::thread_time_ns());
-  take(heading_reader_);
-  take(fix_reader_);
-  take(imu_reader_);
+  take(heading_reader_, now);
+  take(fix_reader_, clocks::steady_now());
+  take(imu_reader_, clocks::steady_now());
 }
 
 void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns,
@@ -307,9 +307,9 @@ void FusionNode::Impl::serve_lossless(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     waitset.wait(std::chrono::milliseconds(100));
     const std::lock_guard lock(taking_);
-    take(imu_reader_);
-    take(fix_reader_);
-    take(heading_reader_);
+    take(imu_reader_, clocks::steady_now());
+    take(fix_reader_, clocks::steady_now());
+    take(heading_reader_, clocks::steady_now());
   }
 }
 

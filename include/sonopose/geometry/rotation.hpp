@@ -21,6 +21,7 @@ using Quaternion = Eigen::Quaternion<Scalar>;
 /// The same angle in [−π, π].
 template <class Scalar>
 Scalar wrap_angle(Scalar angle_rad) {
+  if (std::abs(angle_rad) <= std::numbers::pi_v<Scalar>) return angle_rad;  // most are: saves the division
   return std::remainder(angle_rad, 2 * std::numbers::pi_v<Scalar>);
 }
 
@@ -56,7 +57,7 @@ inline Eigen::Quaterniond rotation_by(const Eigen::Vector3d& rotation_vector_rad
 /// Rotation about world Z, counter-clockwise seen from above.
 template <class Scalar>
 Quaternion<Scalar> rotation_about_z(Scalar yaw_rad) {
-  return {std::cos(yaw_rad / 2), 0, 0, std::sin(yaw_rad / 2)};
+  return rotation_by(Vector3<Scalar>(0, 0, yaw_rad));
 }
 
 /// Direction of body X in the world's XY plane, counter-clockwise from +X (ZYX Euler yaw).

@@ -1,5 +1,6 @@
 #include <sonopose/estimation/documented/alignment.hpp>
 #include <sonopose/estimation/documented/heading.hpp>
+#include <sonopose/estimation/documented/lag.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
@@ -24,7 +25,7 @@ void set_known_acceleration(const AlignmentSettings& settings, AlignmentState& s
                             const Vector3d& gained_world_mps, TimeNs now_ns, double dt_s) {
   if (!(settings.aiding_s > 0.0)) return clear_known_acceleration(state);
   if (!(dt_s > 0.0)) return;
-  Vector3d reported_world_mps = -std::expm1(-dt_s / settings.aiding_s) * state.pending_world_mps;
+  Vector3d reported_world_mps = lag_share(dt_s / settings.aiding_s) * state.pending_world_mps;
   // Limits the feedback of large corrections: the tilt that follows them causes new corrections.
   constexpr double max_reported_mps2 = 1.0;
   const double reported_mps2 = reported_world_mps.norm() / dt_s;

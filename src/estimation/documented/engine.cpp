@@ -10,8 +10,18 @@
 #include <algorithm>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 namespace sonopose::estimation::documented {
+namespace {
+
+void record_path(State& state) {
+  Kinematics& body = state.body;
+  const double yaw_rad = geometry::yaw_of(state.filter.orientation()) - body.yaw_corrections_rad;
+  body.history.push({body.time_ns, body.displacement_world_m, geometry::wrap_angle(yaw_rad)});
+}
+
+}  // namespace
 
 Engine::Engine(const settings::Settings& settings)
     : settings_(resolved(settings)), calibration_(settings.calibration) {}
@@ -37,6 +47,7 @@ void Engine::convert_gyro_offset(const calibration::Calibration& before) {
 
 void Engine::reset() noexcept {
   state_ = State{};
+  path_is_behind_ = false;
   ++reset_counter_;
 }
 
@@ -44,11 +55,23 @@ void Engine::restore(const Snapshot& snapshot) noexcept {
   state_ = snapshot.state;
   counters_ = snapshot.counters;
   reset_counter_ = snapshot.reset_counter;
+  path_is_behind_ = false;
+}
+
+Engine::Snapshot Engine::snapshot() const {
+  Snapshot snapshot{state_, counters_, reset_counter_};
+  if (path_is_behind_) record_path(snapshot.state);
+  return snapshot;
+}
+
+void Engine::catch_up() noexcept {
+  if (std::exchange(path_is_behind_, false)) record_path(state_);
 }
 
 // One IMU sample
 
 std::optional<FusedPose> Engine::predict(const ImuSample& raw) noexcept {
+  catch_up();
   const ImuSample imu = calibration_.corrected(raw);
   if (!admit(imu)) return std::nullopt;
   if (!state_.body.started()) start(imu);
@@ -62,7 +85,7 @@ std::optional<FusedPose> Engine::predict(const ImuSample& raw) noexcept {
   } else {
     integrate(imu, dt_s);
   }
-  record_path();
+  path_is_behind_ = true;
   return pose_at(imu);
 }
 
@@ -177,15 +200,10 @@ void Engine::coast_over_gap(const ImuSample& imu, double dt_s) {
   uncertainty::grow(settings_.uncertainty, state_.uncertainty, dt_s);
 }
 
-void Engine::record_path() {
-  Kinematics& body = state_.body;
-  const double yaw_rad = geometry::yaw_of(state_.filter.orientation()) - body.yaw_corrections_rad;
-  body.history.push({body.time_ns, body.displacement_world_m, geometry::wrap_angle(yaw_rad)});
-}
-
 // One fix
 
 FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
+  catch_up();
   FixReport report = report_on(fix, state_.body.time_ns);
   report.trust = state_.trust.trust;
   report.flags = reject(fix);  // 12
@@ -331,6 +349,7 @@ void Engine::align(const FixVelocity& measured, const VelocityChange& change, Fi
 // One pair heading
 
 void Engine::correct(const PairHeading& heading) noexcept {
+  catch_up();
   const TimeNs measured_ns = delay::measured_at(settings_.delay, heading);  // 6
   if (!admission::admits(settings_.admission, state_.body.time_ns, heading, measured_ns)) {
     ++counters_.samples_invalid;

@@ -1,4 +1,5 @@
 #include <sonopose/estimation/documented/heading.hpp>
+#include <sonopose/estimation/documented/lag.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
@@ -52,7 +53,7 @@ double correct_from_pair(const HeadingSettings& settings, HeadingState& state, K
     // At most critically damped: x″ + k·x′ + b·x = 0 does not oscillate for b ≤ k²/4.
     const double damped_hz2 = 0.25 * settings.pair_gain_hz * settings.pair_gain_hz;
     state.rate_offset_radps += std::min(settings.pair_bias_gain_hz2, damped_hz2) * error_rad * dt_s;
-    share = -std::expm1(-settings.pair_gain_hz * dt_s);
+    share = lag_share(settings.pair_gain_hz * dt_s);
     turn_rad += share * error_rad;
   }
   // The learned rate offset moves the wanted correction too.

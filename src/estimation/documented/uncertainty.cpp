@@ -9,7 +9,9 @@ namespace {
 
 /// Standard deviation of (1 − share)·estimate + share·measurement.
 double blended(double estimate_std, double measurement_std, double share) {
-  return std::hypot((1.0 - share) * estimate_std, share * measurement_std);
+  const double kept_std = (1.0 - share) * estimate_std;
+  const double added_std = share * measurement_std;
+  return std::sqrt(kept_std * kept_std + added_std * added_std);
 }
 
 }  // namespace

@@ -35,16 +35,19 @@ public:
   /// Sets the yaw to which the following IMU samples turn the body.
   void correct(const PairHeading& heading) noexcept;
 
-  static void catch_up() noexcept {}  // a correction is complete at once
+  /// Adds the latest IMU sample to the history of the path. A pose does not need it.
+  void catch_up() noexcept;
+
   /// Discards the state. Counters are kept and reset_counter rises.
   void reset() noexcept;
 
   /// Continues from a snapshot of another engine.
   void restore(const Snapshot& snapshot) noexcept;
-  [[nodiscard]] Snapshot snapshot() const { return {state_, counters_, reset_counter_}; }
+  [[nodiscard]] Snapshot snapshot() const;
 
   /// The effective settings, with the preset resolved.
   [[nodiscard]] const settings::Settings& settings() const { return settings_; }
+  /// Its history of the path may lack the latest IMU sample (see `catch_up`).
   [[nodiscard]] const State& state() const { return state_; }
   [[nodiscard]] TimeNs time_ns() const { return state_.body.time_ns; }
   [[nodiscard]] Estimate estimate() const;
@@ -61,7 +64,6 @@ private:
   void integrate_attitude(const ImuSample& imu, double dt_s);
   void integrate_velocity(const ImuSample& imu, double dt_s);
   void coast_over_gap(const ImuSample& imu, double dt_s);
-  void record_path();
   [[nodiscard]] Vector3d world_acceleration(const ImuSample& imu) const;
 
   std::uint32_t reject(const UltrasonicFix& fix);
@@ -79,6 +81,7 @@ private:
   State state_;
   EstimatorCounters counters_;
   std::uint32_t reset_counter_ = 0;
+  bool path_is_behind_ = false;
 };
 
 }  // namespace sonopose::estimation::documented
