@@ -53,6 +53,7 @@ FoundEndpoint found(const dds_builtintopic_endpoint_t& sample, InstanceHandle ha
   return endpoint;
 }
 
+/// Every loan of the readers of built-in topics, which `DataReader` cannot make as large.
 constexpr std::size_t most_samples = 10'000;
 
 /// Takes what no longer exists out of the reader of a built-in topic; the reader would keep it forever.
@@ -60,8 +61,7 @@ template <class Sample>
 void discard_ended(dds_entity_t handle) {
   constexpr DataState ended{DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE |
                             DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE | DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE};
-  auto reader = DataReader<Sample>::borrow(handle);
-  reader.take(most_samples, ended);
+  detail::loan<Sample>(handle, "dds_take_mask", dds_take_mask, most_samples, most_samples, ended);
 }
 
 /// The live samples, of type `Sample`, in the reader of a built-in topic.
@@ -69,8 +69,8 @@ template <class Sample>
 auto all_in(dds_entity_t handle) {
   constexpr DataState alive{DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE};
   std::vector<decltype(found(std::declval<const Sample&>(), InstanceHandle{}))> result;
-  auto reader = DataReader<Sample>::borrow(handle);
-  for (const auto sample : reader.read(most_samples, alive)) {
+  for (const auto sample :
+       detail::loan<Sample>(handle, "dds_read_mask", dds_read_mask, most_samples, most_samples, alive)) {
     if (sample.info().valid()) result.push_back(found(sample.data(), sample.info().instance_handle()));
   }
   return result;

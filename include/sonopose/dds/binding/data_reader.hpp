@@ -11,10 +11,12 @@
 
 #include <dds/dds.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sonopose::dds {
@@ -28,9 +30,28 @@ struct PublicationData {
   std::vector<std::uint8_t> user_data;
 };
 
+/// The most samples of one loan. Cyclone DDS 0.10 keeps the memory of a reader's largest loan; for a later,
+/// smaller one it still writes a pointer for each of its samples into the caller's array. So all arrays for
+/// loans are this long.
+constexpr std::size_t max_loan = 256;
+
 namespace detail {
 std::vector<InstanceHandle> matched_publications(dds_entity_t reader);
 PublicationData matched_publication_data(dds_entity_t reader, InstanceHandle publication);
+
+/// Calls `dds_take_mask` or `dds_read_mask` on a reader none of whose loans are larger than `largest`.
+/// Throws `Error`.
+template <class T, class Call>
+LoanedSamples<T> loan(dds_entity_t reader, const char* name, Call call, std::size_t max_samples,
+                      std::size_t largest, DataState state) {
+  std::vector<void*> data(largest, nullptr);
+  std::vector<dds_sample_info_t> infos(std::min(max_samples, largest));
+  const ReturnCode count = check(name, call(reader, data.data(), infos.data(), infos.size(),
+                                            static_cast<std::uint32_t>(infos.size()), state.mask));
+  data.resize(static_cast<std::size_t>(count));
+  infos.resize(static_cast<std::size_t>(count));
+  return LoanedSamples<T>(reader, std::move(data), std::move(infos));
+}
 }  // namespace detail
 
 /// Every member but the `try_…` ones throws `Error`.
@@ -49,14 +70,15 @@ public:
   /// A non-owning view of a reader.
   static DataReader borrow(dds_entity_t handle) noexcept { return DataReader(handle, Ownership::borrowed); }
 
-  /// Takes up to `max_samples` on loan, out of the reader.
-  LoanedSamples<T> take(std::size_t max_samples = 256, DataState state = DataState::any()) {
-    return loan("dds_take_mask", dds_take_mask, max_samples, state);
+  /// Takes up to `max_samples` (never more than `max_loan`) on loan, out of the reader.
+  LoanedSamples<T> take(std::size_t max_samples = max_loan, DataState state = DataState::any()) {
+    return detail::loan<T>(handle(), "dds_take_mask", dds_take_mask, max_samples, max_loan, state);
   }
 
-  /// Reads up to `max_samples` on loan and leaves them in the reader, marked as read.
-  LoanedSamples<T> read(std::size_t max_samples = 256, DataState state = DataState::any()) {
-    return loan("dds_read_mask", dds_read_mask, max_samples, state);
+  /// Reads up to `max_samples` (never more than `max_loan`) on loan and leaves them in the reader, marked as
+  /// read.
+  LoanedSamples<T> read(std::size_t max_samples = max_loan, DataState state = DataState::any()) {
+    return detail::loan<T>(handle(), "dds_read_mask", dds_read_mask, max_samples, max_loan, state);
   }
 
   /// For the hot path: takes all available samples, oldest first within an instance, and calls
@@ -71,11 +93,12 @@ public:
   /// lost their writers. Only the key fields of `key` are set.
   template <class OnData, class OnState>
   ReturnCode try_take_each(OnData&& on_data, OnState&& on_state) {
-    constexpr std::int32_t batch = 32;
+    constexpr std::int32_t batch = 8;  // small: Cyclone DDS clears every sample of a returned loan
     ReturnCode total = 0;
     ReturnCode taken = batch;
     while (taken == batch) {
-      std::array<void*, batch> samples{};
+      std::array<void*, max_loan> samples;  // NOLINT(*-member-init): dds_take reads the first alone
+      samples[0] = nullptr;
       std::array<dds_sample_info_t, batch> infos;  // NOLINT(*-member-init): dds_take fills in what is used
       taken = dds_take(handle(), samples.data(), infos.data(), batch, batch);
       if (taken <= 0) return taken < 0 ? taken : total;
@@ -162,17 +185,6 @@ private:
     void** samples_;
     ReturnCode count_;
   };
-
-  template <class Call>
-  LoanedSamples<T> loan(const char* name, Call call, std::size_t max_samples, DataState state) {
-    std::vector<void*> data(max_samples, nullptr);
-    std::vector<dds_sample_info_t> infos(max_samples);
-    const ReturnCode count = check(name, call(handle(), data.data(), infos.data(), max_samples,
-                                              static_cast<std::uint32_t>(max_samples), state.mask));
-    data.resize(static_cast<std::size_t>(count));
-    infos.resize(static_cast<std::size_t>(count));
-    return LoanedSamples<T>(handle(), std::move(data), std::move(infos));
-  }
 
   template <class Status, class Call>
   Status status(const char* name, Call call) {
