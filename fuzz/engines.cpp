@@ -52,9 +52,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     ++events;
     now += 5'000'000;
     for (const auto& collated : estimator.collate(stream.next(), 0, now, now)) {
-      const auto outcome = estimator.process(collated);
-      check_result(outcome.result);
-      estimator.catch_up(outcome);
+      check_result(estimator.process(collated).result);
+      estimator.catch_up();
     }
     if (events % 64 == 0) estimator.reset(0);
   }

@@ -52,9 +52,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     if (data.ConsumeIntegral<std::uint8_t>() < 128) {
       now += 5'000'000;
       for (const auto& collated : estimator->collate(stream.next(), 0, now, now)) {
-        const auto outcome = estimator->process(collated);
-        check_result(outcome.result);
-        estimator->catch_up(outcome);
+        check_result(estimator->process(collated).result);
         if (const auto change = estimator->take_settings_change()) check_settings(*change);
       }
       continue;

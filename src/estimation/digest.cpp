@@ -62,7 +62,7 @@ void Digest::add(const FusedPose& pose) {
   for (const double component : pose.position_world_m) add(component);
   for (const double component : pose.q_body_to_world.coeffs()) add(component);
   for (const double component : pose.velocity_world_mps) add(component);
-  add(std::uint64_t{pose.status & ~(status_late | status_overloaded)});
+  add(std::uint64_t{pose.status});
 }
 
 void Digest::add(const AnySnapshot& snapshot) {

@@ -16,8 +16,7 @@ public:
   void add(std::uint64_t word);
   void add(double value);  ///< its bits: 0.0 and −0.0 differ
 
-  /// Time, position, attitude, velocity and status of a pose, without the bits that the output sets:
-  /// status_late and status_overloaded.
+  /// Time, position, attitude, velocity and status of a pose.
   void add(const FusedPose& pose);
 
   /// Every field of an estimator's state, without its counters.

@@ -3,7 +3,6 @@
 #include "process/beacon_admission.hpp"
 #include <sonopose/estimation/prediction.hpp>
 
-#include <cstddef>
 #include <utility>
 
 namespace sonopose::fusion {
@@ -15,13 +14,6 @@ BeaconEstimator::BeaconEstimator(BeaconAddress address, SettingsTimeline timelin
   counted_.address = address;
   pending_.add({.address = address, .kind = Kind::found});
   if (lossless) collator_.emplace<collation::LosslessCollator>();
-}
-
-void BeaconEstimator::prefetch() const noexcept {
-  constexpr std::size_t needed = 4096;  // the documented engine without its history
-  constexpr std::size_t cache_line = 64;
-  const auto* const begin = reinterpret_cast<const std::byte*>(&estimator_);
-  for (std::size_t offset = 0; offset < needed; offset += cache_line) __builtin_prefetch(begin + offset, 1);
 }
 
 std::span<const collation::CollatedEvent> BeaconEstimator::collate(const Event& event, std::uint64_t bridge,
@@ -57,11 +49,8 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
     outcome.prediction_period_ns = estimation::prediction_period_ns(estimator_.settings().output);
   }
   outcome.result = estimation::process(estimator_, event);
-  return outcome;
-}
-
-void BeaconEstimator::catch_up(const EventOutcome& outcome) noexcept {
-  if (const auto* report = std::get_if<FixReport>(&outcome.result)) {
+  const auto* report = std::get_if<FixReport>(&outcome.result);
+  if (report != nullptr) {
     if ((report->flags & fix_too_late) != 0) ++counted_.fixes_late;
     if (is_down_weighted(*report)) ++counted_.fixes_down_weighted;
     refusals_.on(*report);
@@ -70,7 +59,7 @@ void BeaconEstimator::catch_up(const EventOutcome& outcome) noexcept {
     watch_.on(*pose, pending_);
     poses_.add(*pose);
   }
-  estimator_.catch_up();
+  return outcome;
 }
 
 void BeaconEstimator::on_bridge_lost(std::uint64_t bridge, SteadyTime now) noexcept {

@@ -42,10 +42,6 @@ public:
   /// `lossless`: wait for a missing event without a time limit instead of for a few milliseconds.
   BeaconEstimator(BeaconAddress address, SettingsTimeline timeline, bool lossless);
 
-  /// Asks the processor to load the state that an IMU sample needs. Other processes have displaced it from
-  /// the caches since the previous sample.
-  void prefetch() const noexcept;
-
   /// Puts an event that arrived at `now` from the writer with the publication handle `bridge` in its order.
   /// `attended` is `now` by collation::AttendedTime.
   /// Returns the events that are in line now; pass each to `process`. The span is valid until the next call.
@@ -53,11 +49,11 @@ public:
                                                     SteadyTime attended);
 
   /// Applies the settings that are due at this event and passes the event to the estimator. Does not
-  /// allocate. Call `catch_up` with the outcome before the next event.
+  /// allocate.
   EventOutcome process(const collation::CollatedEvent& collated) noexcept;
 
-  /// Does what an event has left to do once its outcome is written.
-  void catch_up(const EventOutcome& outcome) noexcept;
+  /// Does what a fix or heading has left to do, once its result is written.
+  void catch_up() noexcept { estimator_.catch_up(); }
 
   /// Resets the estimator; settings are kept. A request that repeats the last one does nothing: same id, not
   /// 0.

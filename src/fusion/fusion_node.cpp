@@ -276,14 +276,13 @@ void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, Time
   std::shared_ptr<BeaconEstimator> estimator;
   const auto in_line = estimators_.with([&](auto& all) {
     estimator = all.find_or_make(address_of(event));
-    estimator->prefetch();
     return estimator->collate(event, bridge.value, steady, attended_time_.time());
   });
   for (const collation::CollatedEvent& next : in_line) {
     EventOutcome outcome = estimators_.with([&](auto&) { return estimator->process(next); });
     outcome_writer_.write(outcome, address_of(event), in_ns);
     if (outcome.prediction_period_ns) settings_server_.on_change();
-    estimators_.with([&](auto&) { estimator->catch_up(outcome); });
+    estimators_.with([&](auto&) { estimator->catch_up(); });
   }
 }
 

@@ -59,7 +59,7 @@ inline rules::Observations observed(const std::vector<Event>& events, const sett
       const auto outcome = estimator.process(collated);
       if (const auto* pose = std::get_if<FusedPose>(&outcome.result)) probe.on(*pose, now_ns);
       if (const auto* report = std::get_if<FixReport>(&outcome.result)) probe.on(*report, now_ns);
-      estimator.catch_up(outcome);
+      estimator.catch_up();
     }
   }
   publish_statuses();

@@ -76,7 +76,6 @@ struct Feeder {
       if (outcome.prediction_period_ns) changes.push_back(*estimator->take_settings_change());
       if (const auto* pose = std::get_if<FusedPose>(&outcome.result)) poses.push_back(*pose);
       if (const auto* report = std::get_if<FixReport>(&outcome.result)) reports.push_back(*report);
-      estimator->catch_up(outcome);
     }
   }
   void push_all(const std::vector<Event>& events) {

@@ -78,10 +78,10 @@ private:
 
   settings::Settings settings_;
   calibration::Calibration calibration_;
+  State state_;
   EstimatorCounters counters_;
   std::uint32_t reset_counter_ = 0;
   bool path_is_behind_ = false;
-  State state_;  // last: see State::body
 };
 
 }  // namespace sonopose::estimation::documented

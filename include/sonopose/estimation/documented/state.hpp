@@ -22,6 +22,7 @@
 namespace sonopose::estimation::documented {
 
 struct State {
+  Kinematics body;
   attitude::AnyFilter filter;
   StartupState startup;
   AdmissionState admission;
@@ -36,7 +37,6 @@ struct State {
   UncertaintyState uncertainty;
   Vector3d previous_rate_body_radps = Vector3d::Zero();  ///< of the previous sample, without the offset
   bool in_imu_gap = false;                               ///< the latest sample followed a silence
-  Kinematics body;  // last: its history is long, and an IMU sample needs all else
 
   bool operator==(const State&) const = default;
 };
