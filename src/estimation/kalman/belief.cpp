@@ -369,11 +369,14 @@ FixOutcome Belief::judge(const settings::Settings& settings, const FixMeasuremen
     return outcome;
   }
   fixes_since_start = std::min(fixes_since_start + 1, proven_fixes);
+  const double scale = scale_of(outcome.innovation);
+  // After rejected fixes not only this one is in doubt.
+  const Matrix3d more_covariance =
+      (scale - 1.0) * (fixes_rejected_in_row > 0 ? outcome.innovation.covariance_m2 : covariance);
   fixes_rejected_in_row = 0;
   trust += (1.0 - trust) / trust_memory;
-  const double scale = scale_of(outcome.innovation);
   outcome.weight = 1.0 / scale;
-  outcome.covariance_world_m2 *= scale;
+  outcome.covariance_world_m2 += more_covariance;
   outcome.flags = fix_used;
   if (rival.alive) {
     // The rival lives on rejected fixes alone; one that only explains the same track is none.
@@ -382,7 +385,7 @@ FixOutcome Belief::judge(const settings::Settings& settings, const FixMeasuremen
     ++rival.fixes_of_best;
   }
   former.fixes_in_row = 0;
-  correct_candidates(fix, covariance, innovations, ahead_s);
+  correct_candidates(fix, covariance, more_covariance, innovations, ahead_s);
   last_fix_ns = fix.time_ns;
   quality_percent = fix.quality_percent;
   slowed_ns = std::max(slowed_ns, fix.time_ns);
@@ -392,9 +395,9 @@ FixOutcome Belief::judge(const settings::Settings& settings, const FixMeasuremen
 }
 
 void Belief::correct_candidates(const FixMeasurement& fix, const Matrix3d& covariance,
-                                const Innovations& innovations, double ahead_s) {
+                                const Matrix3d& more_covariance, const Innovations& innovations,
+                                double ahead_s) {
   constexpr double forgetting = 1.0 / 60.0;
-  const Matrix3d more_covariance = (scale_of(innovations[static_cast<std::size_t>(best)]) - 1.0) * covariance;
   for (int i = 0; i < candidate_count; ++i) {
     Candidate& candidate = candidates[static_cast<std::size_t>(i)];
     const Innovation& innovation = innovations[static_cast<std::size_t>(i)];

@@ -83,6 +83,9 @@ bool Belief::rival_has_won(TimeNs now_ns) const {
   if (rival.has_turned && rival.fixes >= agreeing && rival.headings >= agreeing && alone_s > 0.4 &&
       rival.filter.velocity_world_mps.norm() > sees_turn_mps)
     return true;
+  // The longer the best filter has explained no fix, the less it is worth.
+  constexpr double credible_s = 3.0;
+  const double credibility = std::min(1.0, credible_s / seconds_between(last_fix_ns, now_ns));
   const double needed_s =
       map_has_turned(now_ns)
           ? 1.0
@@ -90,7 +93,7 @@ bool Belief::rival_has_won(TimeNs now_ns) const {
   const bool enough_fixes = rival.fixes >= 8 || (rival.fixes >= 3 && alone_s > 3.0);
   const bool explains_most = rival.fixes >= 16 && rival.fixes > 2 * rival.fixes_of_best &&
                              seconds_between(rival.began_ns, now_ns) > 4.0;
-  return (alone_s >= needed_s && enough_fixes) || explains_most;
+  return (alone_s >= needed_s * credibility && enough_fixes) || explains_most;
 }
 
 /// A rival that ended because the best filter explained the fixes again, or a track that was left for the
@@ -187,15 +190,19 @@ bool Belief::take_back_former(const FixMeasurement& fix, const Matrix3d& covaria
     former.fixes_in_row = 0;
     return false;
   }
-  const double apart_sigmas = former.is_anchor ? 6.0 : 10.0;
-  const double apart_m = (fix.position_world_m - filter().tracked_position_world_m()).norm();
+  // An uncertain position near the filter's own is no evidence.
+  constexpr double least_sigmas = 3.0;
+  constexpr double anchor_sigmas = 6.0;
+  constexpr double clear_sigmas = 10.0;
   const double std_m = std::sqrt(innovation.covariance_m2.diagonal().maxCoeff());
-  const bool is_clear = innovation.squared_norm <= full_weight_below && apart_m > apart_sigmas * std_m;
-  if (former.is_anchor && !is_clear) {
-    former.fixes_in_row = 0;  // an uncertain position is not evidence
+  const double sigmas = (fix.position_world_m - filter().tracked_position_world_m()).norm() / std_m;
+  const double nearness = std::min(1.0, square(sigmas / anchor_sigmas));
+  if (sigmas < least_sigmas || (former.is_anchor && innovation.squared_norm > nearness * full_weight_below)) {
+    former.fixes_in_row = 0;
     return false;
   }
-  former.filter.correct_fix(innovation);
+  const bool is_clear = innovation.squared_norm <= full_weight_below && sigmas > clear_sigmas;
+  former.filter.correct_fix(innovation, (scale_of(innovation) - 1.0) * innovation.covariance_m2);
   const int enough = is_clear && !former.is_anchor ? 1 : 3;
   if (++former.fixes_in_row < enough) return false;
   if (!former.is_anchor) wrong_tracks.add(seconds_between(former.left_for_ns, fix.time_ns), fix.time_ns);

@@ -259,7 +259,7 @@ private:
   using Innovations = std::array<Innovation, start_count>;  ///< of each candidate
   FixOutcome judge(const settings::Settings& settings, const FixMeasurement& fix);
   void correct_candidates(const FixMeasurement& fix, const Matrix3d& covariance,
-                          const Innovations& innovations, double ahead_s);
+                          const Matrix3d& more_covariance, const Innovations& innovations, double ahead_s);
   void prune_starts();
   void choose_model();
   [[nodiscard]] bool rival_explains_better(const FixMeasurement& fix, const Matrix3d& covariance,
