@@ -224,7 +224,7 @@ void BridgeNode::Publisher::on_stationary(const StationaryBeacon& beacon) {
 
 void BridgeNode::Publisher::start_recording(const BridgeOptions& options) {
   recorder_ = std::make_shared<BeaconRecorder>(*options.record_folder, options.source_settings);
-  recording_.emplace(BackgroundWriter<Recorded>::Words{"the recording", "samples"}, recording_capacity,
+  recording_.emplace(BackgroundWriter<Recorded>::Words{"the recording", "sample"}, recording_capacity,
                      lossless_ ? WhenFull::wait : WhenFull::lose,
                      [recorder = recorder_](std::span<const Recorded> samples) {
                        for (const Recorded& sample : samples) {

@@ -137,7 +137,10 @@ TEST_CASE("Only increases of counters are reported") {
         Severity::warning);
   CHECK(severity("its fusion rejected 2 samples", [](auto& b) { b.fusion->samples_invalid = 2; }) ==
         Severity::note);
-  CHECK(severity("impossible values", [](auto& b) { b.status->samples_rejected = 2; }) == Severity::warning);
+  CHECK(severity("2 of its samples have impossible values",
+                 [](auto& b) { b.status->samples_rejected = 2; }) == Severity::warning);
+  CHECK(severity("1 of its samples has impossible values", [](auto& b) { b.status->samples_rejected = 1; }) ==
+        Severity::warning);
   CHECK(severity("its clock was reset 1 time:", [](auto& b) { b.status->clock_resets = 1; }) ==
         Severity::warning);
 }
