@@ -150,6 +150,7 @@ struct Observations {
   std::vector<BeaconObservation> beacons;
   std::size_t beacons_not_fitted = 0;          ///< the time did not suffice for their pieces
   std::optional<std::string> beacons_refused;  ///< the warning, if there were too many to look at
+  std::vector<std::string> not_observed;  ///< fusions and lines beyond the limits, one text for each kind
 };
 
 /// The endpoints of one topic.
