@@ -159,7 +159,7 @@ public:
       constexpr std::uint64_t one_in = 20;
       const bool many = invalid * one_in > beacon_.imu.samples + beacon_.fix.samples;
       add(many ? Severity::warning : Severity::note,
-          fmt::format("its fusion rejected {}: not finite, out of range, or out of order",
+          fmt::format("its fusion rejected {}: not finite, out of range, out of order, or too late",
                       count_text(invalid, "sample")),
           "check for a second bridge, a clock that was set, or a faulty sensor");
     }
