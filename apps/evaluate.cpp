@@ -2,6 +2,7 @@
 
 #include "evaluation/side_by_side.hpp"
 #include "evaluation/summary_report.hpp"
+#include "logging/log.hpp"
 #include "recording/log_folder.hpp"
 #include "support/case_options.hpp"
 #include "support/config_options.hpp"
@@ -12,7 +13,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -70,7 +70,8 @@ int compare(const CLI::App& app, const Options& options) {
     const auto first_m = evaluation::cost_of(first_results, first_results);
     if (!first_m || !std::isfinite(*first_m)) {
       progress.clear();
-      fmt::print(stderr, "left out: {}: nothing to score with {}\n", runs.front().name, first.string());
+      logging::warning(
+          fmt::format("left out: {}: nothing to score with {}", runs.front().name, first.string()));
       return;
     }
     // The same fixes count for both.

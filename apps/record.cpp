@@ -54,7 +54,8 @@ void print(const recorder::RecorderReport& report) {
   for (const auto& [topic, writers] : report.foreign_topics) {
     fmt::print("not recorded: {} ({})\n", topic, text::count_text(writers, "writer"));
   }
-  if (report.unnamed_topics > 0) fmt::print("not recorded: {} more topics\n", report.unnamed_topics);
+  const std::uint64_t more = report.unnamed_topics;
+  if (more > 0) fmt::print("not recorded: {}\n", text::count_text(more, "more topic"));
 }
 
 int serve(Options& options, const std::string& command) {

@@ -70,8 +70,8 @@ int watch(const Options& options) {
   const auto print = [&changes](const EffectiveSettings& settings) {
     if (!changes.has_settings_of(settings.address)) {
       const bool all = settings.address == all_beacons;
-      fmt::print(stderr, "watching {}\n",
-                 all ? "the settings for all beacons" : fmt::format("beacon {}", settings.address));
+      logging::info(fmt::format(
+          "watching {}", all ? "the settings for all beacons" : fmt::format("beacon {}", settings.address)));
     }
     fmt::print("{}", changes.on(settings));
     std::fflush(stdout);

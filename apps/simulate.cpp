@@ -6,6 +6,7 @@
 #include "support/progress.hpp"
 #include "support/run.hpp"
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -123,9 +124,9 @@ int write(const Options& options) {
   log.reset();
   folder.commit();
   progress.clear();
-  fmt::print("{}: {}, seed {}, {} s: {} IMU samples, {} fixes, {} headings, {} true states\n",
-             options.folder.string(), scenario.name, options.seed, duration_s, count[0], count[1], count[2],
-             truth_count);
+  fmt::print("{}: {}, seed {}, {} s: {}, {}, {}, {}\n", options.folder.string(), scenario.name, options.seed,
+             duration_s, text::count_text(count[0], "IMU sample"), text::count_text(count[1], "fix", "fixes"),
+             text::count_text(count[2], "heading"), text::count_text(truth_count, "true state"));
   return 0;
 }
 

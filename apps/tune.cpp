@@ -2,6 +2,7 @@
 
 #include "evaluation/evaluation.hpp"
 #include "evaluation/search.hpp"
+#include "logging/log.hpp"
 #include "recording/log_folder.hpp"
 #include "support/case_options.hpp"
 #include "support/config_options.hpp"
@@ -11,7 +12,6 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <cstdio>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -63,7 +63,7 @@ evaluation::CostFunction cost_function(const Options& options, const settings::S
   apps::for_each_case(options.cases,
                       [&](std::vector<evaluation::Case> runs) { cases.push_back(std::move(runs)); });
   evaluation::CostFunction cost(std::move(cases), start);
-  for (const std::string& text : cost.left_out()) fmt::print(stderr, "left out: {}\n", text);
+  for (const std::string& text : cost.left_out()) logging::warning("left out: " + text);
   if (cost.empty()) throw std::invalid_argument("no case can be scored");
   return cost;
 }

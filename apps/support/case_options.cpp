@@ -1,11 +1,11 @@
 #include "case_options.hpp"
 
+#include "logging/log.hpp"
 #include "sim/scenario.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <stdexcept>
 #include <utility>
 
@@ -32,7 +32,7 @@ void add_case_options(CLI::App& app, CaseOptions& options) {
 namespace {
 
 void report_left_out(const std::string& what) {
-  fmt::print(stderr, "left out: {}\n", what);
+  logging::warning("left out: " + what);
 }
 
 /// Adds the recordings in a folder that are not in the list yet. Reports those that are left out.

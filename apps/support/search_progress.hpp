@@ -1,12 +1,14 @@
 #pragma once
 // What the user sees of a search and how Ctrl-C ends it.
 
+#include "logging/log.hpp"
 #include "progress.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
 #include <csignal>
-#include <cstdio>
+#include <cstdint>
 
 namespace sonopose::apps {
 
@@ -32,11 +34,12 @@ public:
   void on_better(int round, double best_m) {
     best_m_ = best_m;
     progress_.clear();
-    fmt::print(stderr, "round {}: {:.3f} cm\n", round + 1, 100.0 * best_m);
+    logging::info(fmt::format("round {}: {:.3f} cm", round + 1, 100.0 * best_m));
   }
   void on_interrupt(int round) {
     progress_.clear();
-    fmt::print(stderr, "interrupted after {} rounds of {}: the best so far follows\n", round, rounds_);
+    logging::info(fmt::format("interrupted after {} of {}: the best so far follows",
+                              text::count_text(static_cast<std::uint64_t>(round), "round"), rounds_));
   }
   void start_at(double start_m) { best_m_ = start_m; }
 

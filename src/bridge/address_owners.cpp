@@ -1,5 +1,6 @@
 #include "bridge/address_owners.hpp"
 
+#include "logging/later.hpp"
 #include "logging/log.hpp"
 
 #include <fmt/format.h>
@@ -18,9 +19,11 @@ bool AddressOwners::accepts(std::uint8_t address, const transport::Sender& sende
     return true;
   }
   if (!std::exchange(owner.reported, true)) {
-    logging::warning(fmt::format(
-        "packets of beacon {} from {} are ignored, because {} sends it; --from selects the sender", address,
-        transport::text_of(sender), transport::text_of(owner.sender)));
+    logging::later([address, sender, first = owner.sender] {
+      logging::warning(fmt::format(
+          "packets of beacon {} from {} are ignored, because {} sends it; --from selects the sender", address,
+          transport::text_of(sender), transport::text_of(first)));
+    });
   }
   return false;
 }

@@ -6,6 +6,7 @@
 #include "files/error.hpp"
 #include "logging/log.hpp"
 #include "process/stop_signal.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -40,10 +41,10 @@ class BackgroundWriter {
 public:
   using Write = std::function<void(std::span<const Item>)>;
 
-  /// What messages call it: "the recording" lacks "samples".
+  /// What messages call it: "the recording" lacks 2 "sample"s.
   struct Words {
     std::string name;
-    std::string items;
+    std::string item;
   };
 
   /// How long a stalled disk may delay the end.
@@ -155,8 +156,8 @@ private:
     }
 
     [[nodiscard]] std::string lost_words() const {
-      return fmt::format("{} lacks {} {}: the disk is too slow or full", words.name, lost.load(),
-                         words.items);
+      return fmt::format("{} lacks {}: the disk is too slow or full", words.name,
+                         text::count_text(lost, words.item));
     }
 
     Words words;

@@ -6,6 +6,7 @@
 #include "bridge/other_bridges.hpp"
 #include "bridge/stationary_map.hpp"
 #include "clocks/clocks.hpp"
+#include "logging/later.hpp"
 #include "logging/log.hpp"
 #include "process/endpoint_counters.hpp"
 #include "process/random_id.hpp"
@@ -73,7 +74,7 @@ public:
   }
   void publish_statuses(SteadyTime now);
   void finish_log() {
-    transition_log_.finish();
+    logging::later([log = transition_log_] { log->finish(); });
     log_unwritten(true);
   }
   void wait_for_readers();
@@ -114,6 +115,7 @@ private:
   void publish(LineStatus& line);
   void record(const Recorded& sample);
   void start_recording(const BridgeOptions& options);
+  void log(const transitions::Transition& transition, SteadyTime now);
   void log_unwritten(bool is_last = false);
   void log_silence(BeaconAddress address, transitions::Kind kind, Stream& stream, SteadyTime now);
   [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
@@ -146,7 +148,9 @@ private:
   SteadyTime status_last_;
   std::uint64_t unwritten_ = 0;
   transitions::IncreaseLog unwritten_log_;
-  transitions::TransitionLog transition_log_;
+  /// Used in logging::later() only: the thread of the samples forms no lines.
+  std::shared_ptr<transitions::TransitionLog> transition_log_ =
+      std::make_shared<transitions::TransitionLog>();
 };
 
 BridgeNode::Publisher::Publisher(const BridgeOptions& options)
@@ -220,7 +224,7 @@ void BridgeNode::Publisher::on_stationary(const StationaryBeacon& beacon) {
 
 void BridgeNode::Publisher::start_recording(const BridgeOptions& options) {
   recorder_ = std::make_shared<BeaconRecorder>(*options.record_folder, options.source_settings);
-  recording_.emplace(BackgroundWriter<Recorded>::Words{"the recording", "samples"}, recording_capacity,
+  recording_.emplace(BackgroundWriter<Recorded>::Words{"the recording", "sample"}, recording_capacity,
                      lossless_ ? WhenFull::wait : WhenFull::lose,
                      [recorder = recorder_](std::span<const Recorded> samples) {
                        for (const Recorded& sample : samples) {
@@ -254,7 +258,7 @@ BridgeNode::Publisher::Beacon& BridgeNode::Publisher::beacon_of(BeaconAddress ad
     beacon.next_sequence = known->second;
   }
   others_.watch(address);
-  transition_log_.on({.address = address, .kind = transitions::Kind::found}, clocks::steady_now());
+  log({.address = address, .kind = transitions::Kind::found}, clocks::steady_now());
   return beacon;
 }
 
@@ -267,8 +271,10 @@ void BridgeNode::Publisher::on_gone(BeaconAddress address) {
   unregister(address);
   others_.forget(address);
   beacons_.erase(found);
-  transition_log_.forget(address);
-  logging::info(fmt::format("beacon {}: gone; its streams end until it returns", address));
+  logging::later([address, log = transition_log_] {
+    log->forget(address);
+    logging::info(fmt::format("beacon {}: gone; its streams end until it returns", address));
+  });
 }
 
 void BridgeNode::Publisher::publish(ImuSample imu, Beacon& beacon) {
@@ -348,7 +354,7 @@ void BridgeNode::Publisher::publish_statuses(SteadyTime now) {
     log_silence(address, transitions::Kind::imu_silent, beacon.imu, now);
     log_silence(address, transitions::Kind::fixes_silent, beacon.fix, now);
   }
-  transition_log_.update(now);
+  logging::later([now, log = transition_log_] { log->update(now); });
   for (auto& entry : lines_) publish(entry.second);
   status_last_ = now;
   status_due_ = now + period_ns;
@@ -377,12 +383,18 @@ void BridgeNode::Publisher::publish_status(Beacon& beacon, SteadyTime now) {
   write(status_writer_, dds::topics::to_idl(status));
 }
 
+void BridgeNode::Publisher::log(const transitions::Transition& transition, SteadyTime now) {
+  logging::later([transition, now, log = transition_log_] { log->on(transition, now); });
+}
+
 void BridgeNode::Publisher::log_unwritten(bool is_last) {
   const auto more =
       is_last ? unwritten_log_.finish(unwritten_) : unwritten_log_.update(unwritten_, clocks::steady_now());
   if (!more) return;
-  logging::warning(
-      fmt::format("{} could not be written: a reader is too slow", text::count_text(*more, "sample")));
+  logging::later([count = *more] {
+    logging::warning(
+        fmt::format("{} could not be written: a reader is too slow", text::count_text(count, "sample")));
+  });
 }
 
 /// A stream of a lossless bridge waits for its readers.
@@ -392,8 +404,7 @@ void BridgeNode::Publisher::log_silence(BeaconAddress address, transitions::Kind
   if (lossless_) return;
   const auto change = stream.silence.find_change(now, silence_limit_ns);
   if (!change) return;
-  transition_log_.on(
-      {.address = address, .kind = kind, .begins = change->silent, .lasted_s = change->lasted_s}, now);
+  log({.address = address, .kind = kind, .begins = change->silent, .lasted_s = change->lasted_s}, now);
 }
 
 // Start and end of a recording

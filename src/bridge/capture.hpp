@@ -17,7 +17,7 @@ class Capture {
 public:
   /// Throws files::IoError if the file cannot be opened. Later errors end the capture and are logged.
   Capture(const std::filesystem::path& file, WhenFull when_full)
-      : writer_({"the capture", "bytes"}, capacity, when_full,
+      : writer_({"the capture", "byte"}, capacity, when_full,
                 [to = std::make_shared<transport::CaptureFile>(file)](std::span<const std::uint8_t> bytes) {
                   to->append(bytes);
                 }) {}

@@ -1,6 +1,7 @@
 #include "bridge/line_watch.hpp"
 
 #include "marvelmind/packet.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -28,7 +29,8 @@ void LineWatch::judge(LineStatus& line, SteadyTime now) {
   // The first part of a frame at the end of a transmission is no sign of a wrong baud rate.
   if (now - frames_.since >= silence_limit_ns && bytes_without_frame > marvelmind::max_frame_size) {
     line.state = LineState::no_frames;
-    line.text = fmt::format("{} bytes without a valid frame: check {}", bytes_without_frame, check_);
+    line.text = fmt::format("{} without a valid frame: check {}",
+                            text::count_text(bytes_without_frame, "byte"), check_);
   } else if (now - bytes_.since >= silence_limit_ns) {
     line.state = LineState::silent;
     line.text = fmt::format("no bytes for {:.0f} s: check that the beacon is on and streams its data",

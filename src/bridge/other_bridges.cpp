@@ -1,5 +1,6 @@
 #include "bridge/other_bridges.hpp"
 
+#include "logging/later.hpp"
 #include "logging/log.hpp"
 
 #include <fmt/format.h>
@@ -20,9 +21,11 @@ void OtherBridges::update(dds::InstanceHandle own) {
 
 void OtherBridges::add(BeaconAddress address, dds::InstanceHandle writer) {
   if (!writers_[address].insert(writer.value).second) return;
-  logging::warning(fmt::format(
-      "another bridge publishes beacon {} too: its poses will be wrong until one of them is stopped",
-      address));
+  logging::later([address] {
+    logging::warning(fmt::format(
+        "another bridge publishes beacon {} too: its poses will be wrong until one of them is stopped",
+        address));
+  });
 }
 
 void OtherBridges::remove_gone() {

@@ -1,5 +1,7 @@
 #include "bus_log/summary.hpp"
 
+#include <sonopose/text/count_text.hpp>
+
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -60,7 +62,8 @@ std::string summary_text(const mcap::Reader& reader, const std::vector<std::stri
         fmt::format("begins    {}\nends      {}, after {:.3f} s\n", utc_text(statistics.log_times.start_ns),
                     utc_text(statistics.log_times.end_ns), duration_s);
   }
-  text += fmt::format("messages  {} in {} chunks; {}\n\n", statistics.message_count, statistics.chunk_count,
+  text += fmt::format("messages  {} in {}; {}\n\n", statistics.message_count,
+                      text::count_text(statistics.chunk_count, "chunk"),
                       reader.contents().is_indexed ? "with an index" : "without an index");
   for (const mcap::Channel* channel : channels_of(reader)) {
     const std::uint64_t count = count_of(reader, channel->id);

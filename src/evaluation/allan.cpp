@@ -4,6 +4,7 @@
 #include "evaluation/calibration.hpp"
 #include "recording/log_folder.hpp"
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -32,8 +33,9 @@ std::string allan_text(const AllanResult& result) {
   constexpr double root_of_minutes_per_hour = 60.0;  // √(3600 s/h)
   constexpr double seconds_per_hour = 3600.0;
   const calibration::fit::AllanReport& report = result.report;
-  std::string text = fmt::format("{} samples, {:.6g} s apart, over {:.1f} s\n", result.samples,
-                                 report.period_s, report.duration_s);
+  std::string text =
+      fmt::format("{}, {:.6g} s apart, over {:.1f} s\n", text::count_text(result.samples, "sample"),
+                  report.period_s, report.duration_s);
   text += fmt::format("{:<16}{:>12}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "", "density", "", "instability", "",
                       "at tau", "walk");
   for (std::size_t axis = 0; axis < calibration::fit::allan_axes.size(); ++axis) {

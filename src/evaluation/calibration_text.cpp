@@ -3,6 +3,7 @@
 #include "evaluation/toml_text.hpp"
 #include "files/toml/quoted.hpp"
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -20,13 +21,13 @@ std::string line(std::string_view what, const std::string& text) {
 }
 
 std::string periods(std::size_t count) {
-  return fmt::format("{} period{}", count, count == 1 ? "" : "s");
+  return text::count_text(count, "period");
 }
 
 std::string text_of(const AccelerometerFit& fit, const CalibrationResult& result) {
-  std::string text =
-      line("accelerometer", fmt::format("offset, sensitivity{} from {} orientations",
-                                        fit.with_misalignment ? " and misalignment" : "", fit.orientations));
+  std::string text = line("accelerometer", fmt::format("offset, sensitivity{} from {}",
+                                                       fit.with_misalignment ? " and misalignment" : "",
+                                                       text::count_text(fit.orientations, "orientation")));
   if (!fit.with_misalignment) text += line("", "no misalignment: " + fit.why_without);
   text += line("", fmt::format("|a| - g: {:.4f} m/s^2 RMS before, {:.4f} after", fit.rms_before_mps2,
                                fit.rms_after_mps2));
@@ -39,8 +40,8 @@ std::string text_of(const GyroscopeFit& fit) {
   constexpr double degrees_per_radian = 1.0 / geometry::radians_per_degree;
   std::string text = line("gyroscope", fmt::format("offset from {} at rest", periods(fit.periods)));
   if (fit.with_sensitivity) {
-    text += line("", fmt::format("sensitivity and misalignment from {} turns, {} left out", fit.turns,
-                                 fit.turns_left_out));
+    text += line("", fmt::format("sensitivity and misalignment from {}, {} left out",
+                                 text::count_text(fit.turns, "turn"), fit.turns_left_out));
     text += line(
         "", fmt::format("gravity after a turn: {:.2f} deg RMS off before, {:.2f} after",
                         degrees_per_radian * fit.rms_before_rad, degrees_per_radian * fit.rms_after_rad));
@@ -81,8 +82,8 @@ std::string table_of(const Group& model, const Group& standard_errors, const std
 }  // namespace
 
 std::string calibration_text(const CalibrationResult& result) {
-  std::string text = line("log", fmt::format("{}: {} samples over {:.1f} s", files::toml::quoted(result.log),
-                                             result.samples, result.duration_s));
+  std::string text = line("log", fmt::format("{}: {} over {:.1f} s", files::toml::quoted(result.log),
+                                             text::count_text(result.samples, "sample"), result.duration_s));
   if (!result.still.empty()) text += line("still", periods(result.still.size()));
   if (result.accelerometer) text += text_of(*result.accelerometer, result);
   if (result.gyroscope) text += text_of(*result.gyroscope);

@@ -1,6 +1,7 @@
 #include "evaluation/prediction_report.hpp"
 
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -56,12 +57,11 @@ nlohmann::ordered_json json_of(const std::optional<NormalisedInnovations>& innov
 
 std::string prediction_text(const PredictionScore& score) {
   if (score.fixes.empty()) return row("predicted", "no fix: none has a pose at its emission");
-  std::string text =
-      row("predicted",
-          fmt::format(
-              "{:8.4f} m RMS from pose to fix, {:.4f} m p50, {:.4f} m p95, over {} fixes, {} without a pose",
-              score.distance_m.rmse, score.distance_p50_m, score.distance_m.p95, score.fixes.size(),
-              score.fixes_without));
+  std::string text = row(
+      "predicted",
+      fmt::format("{:8.4f} m RMS from pose to fix, {:.4f} m p50, {:.4f} m p95, over {}, {} without a pose",
+                  score.distance_m.rmse, score.distance_p50_m, score.distance_m.p95,
+                  text::count_text(score.fixes.size(), "fix", "fixes"), score.fixes_without));
   text += row(
       "", fmt::format("trusted fixes, mean (RMS) in cm: {}, {}, {}; lag-1 correlation {:.2f}; {:.1f} % gated",
                       signed_cm("along", score.along_m), signed_cm("left", score.left_m),

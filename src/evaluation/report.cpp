@@ -1,6 +1,7 @@
 #include "evaluation/report.hpp"
 
 #include "evaluation/prediction_report.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -57,8 +58,8 @@ std::string scores(const RunResult& result) {
     return report_line("error", "not known: no pose with a known true position was scored");
   const ErrorSummary& position_m = result.fused.position_m;
   std::string text = report_line(
-      "position", fmt::format("{:8.4f} m RMSE, {:.4f} m p95, {:.4f} m max, over {} poses", position_m.rmse,
-                              position_m.p95, position_m.max, result.fused.poses));
+      "position", fmt::format("{:8.4f} m RMSE, {:.4f} m p95, {:.4f} m max, over {}", position_m.rmse,
+                              position_m.p95, position_m.max, text::count_text(result.fused.poses, "pose")));
   text += report_line("no truth",
                       fmt::format("{:8} poses, which are not scored", result.fused.poses_without_truth));
   text += figure("velocity", result.fused.velocity_rmse_mps, 4, "m/s");
@@ -111,9 +112,10 @@ std::string report_text(const RunResult& result, const Timing& timing) {
   std::string text = scores(result) + smoothing_text(result) + prediction_text(result.prediction);
   text += fixes_text(result);
   text += report_line("samples",
-                      fmt::format("{:8} IMU, {} headings, {} IMU gaps, {} invalid, {} IMU stamps went back",
-                                  counters.imu_samples, counters.headings, counters.imu_gaps,
-                                  counters.samples_invalid, result.imu_stamps_back));
+                      fmt::format("{:8} IMU, {}, {}, {} invalid, {} went back", counters.imu_samples,
+                                  text::count_text(counters.headings, "heading"),
+                                  text::count_text(counters.imu_gaps, "IMU gap"), counters.samples_invalid,
+                                  text::count_text(result.imu_stamps_back, "IMU stamp")));
   text += report_line(
       "duration",
       fmt::format("{:8.2f} s, replayed at {:.0f} x real time (reading {:.3f} s, engine {:.3f} s)",

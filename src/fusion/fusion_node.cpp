@@ -19,6 +19,7 @@
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/estimation/prediction.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -42,9 +43,9 @@ namespace topics = dds::topics;
 
 /// For the comparison with a replay of a recording.
 std::string end_of(BeaconAddress address, BeaconEstimator& estimator) {
-  return fmt::format("beacon {}: state hash {} after event {}; {} events lost", address,
-                     estimator.state_hash(), estimator.last_sequence().value_or(0),
-                     estimator.status().events_lost);
+  return fmt::format("beacon {}: state hash {} after event {}; {} lost", address, estimator.state_hash(),
+                     estimator.last_sequence().value_or(0),
+                     text::count_text(estimator.status().events_lost, "event"));
 }
 
 /// The silence of the IMU after which its last sample is no longer used: its deadline, at most a second.

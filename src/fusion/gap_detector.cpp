@@ -1,5 +1,7 @@
 #include "fusion/gap_detector.hpp"
 
+#include <sonopose/text/count_text.hpp>
+
 #include <fmt/format.h>
 
 namespace sonopose::fusion {
@@ -16,9 +18,8 @@ std::optional<std::string> GapDetector::on(BeaconAddress address,
   if (wait.missing != gap->missing) wait = {gap->missing, now, false};
   if (first || wait.reported || now - wait.since < timeout_ns) return std::nullopt;
   wait.reported = true;
-  return fmt::format(
-      "beacon {}: waiting for event {}, {} events waiting; --lossless is for a bridge with --rate 0", address,
-      gap->missing, gap->waiting);
+  return fmt::format("beacon {}: waiting for event {}, {} waiting; --lossless is for a bridge with --rate 0",
+                     address, gap->missing, text::count_text(gap->waiting, "event"));
 }
 
 }  // namespace sonopose::fusion

@@ -22,6 +22,7 @@
 #include <sys/wait.h>
 #include <system_error>
 #include <unistd.h>
+#include <utility>
 
 // The header of glibc 2.36 lacks extern "C".
 extern "C" {
@@ -33,6 +34,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds end_timeout{10};
+constexpr std::chrono::seconds restore_timeout{1};
 constexpr int cannot_execute = 127;
 
 [[noreturn]] void fail(const char* call) {
@@ -100,7 +102,8 @@ private:
 /// One running program.
 class Child {
 public:
-  Child(const Program& program, const Signals& signals, ErrorOutput output) : name_(program.name) {
+  Child(const Program& program, const Signals& signals, ErrorOutput output)
+      : name_(program.name), has_terminal_(program.has_terminal) {
     std::array<int, 2> ends{-1, -1};
     const bool is_kept = !program.has_terminal && output == ErrorOutput::keep;
     if (is_kept && ::pipe2(ends.data(), O_CLOEXEC) != 0) fail("pipe2");
@@ -125,6 +128,7 @@ public:
   Child& operator=(Child&&) = delete;
 
   [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] bool has_terminal() const { return has_terminal_; }
   [[nodiscard]] int handle() const { return handle_.get(); }
   [[nodiscard]] int errors() const { return errors_.get(); }
   [[nodiscard]] bool has_ended() const { return status_.has_value(); }
@@ -185,6 +189,7 @@ private:
   }
 
   std::string name_;
+  bool has_terminal_;
   text::KeptLines lines_;
   File errors_;
   File handle_;
@@ -266,15 +271,19 @@ private:
     for (const auto& child : children_) child->send(SIGTERM);
   }
 
+  /// A program with the terminal restores it at a second SIGTERM, so it is killed only if it does not end
+  /// then.
   void kill_rest() {
-    for (const auto& child : children_) child->send(SIGKILL);
-    deadline_ = Clock::now() + end_timeout;
+    const bool is_first = !std::exchange(has_killed_, true);
+    for (const auto& child : children_) child->send(is_first && child->has_terminal() ? SIGTERM : SIGKILL);
+    deadline_ = Clock::now() + (is_first ? restore_timeout : end_timeout);
   }
 
   Signals signals_;
   std::vector<std::unique_ptr<Child>> children_;
   std::optional<Clock::time_point> deadline_;  ///< set when the end has begun
   std::optional<Clock::time_point> signalled_at_;
+  bool has_killed_ = false;
   std::vector<std::string> report_;
   int code_ = 0;
 };

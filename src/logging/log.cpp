@@ -1,6 +1,8 @@
 #include "logging/log.hpp"
 
+#include "logging/later.hpp"
 #include "logging/line_format.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -105,6 +107,40 @@ void write_at_once(Level level, std::string_view text) {
   error.write(formatted(stream(), program_name(), level, text));
 }
 
+/// The calls of later() that wait for the thread of the session.
+class WaitingCalls {
+public:
+  void add(std::function<void()> call) {
+    const std::lock_guard lock(mutex_);
+    if (calls_.size() < most) {
+      calls_.push_back(std::move(call));
+    } else {
+      ++dropped_;
+    }
+  }
+
+  void make_all() {
+    std::vector<std::function<void()>> calls;
+    std::size_t dropped = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      calls.swap(calls_);
+      dropped = std::exchange(dropped_, 0);
+    }
+    for (const auto& call : calls) call();
+    if (dropped == 0) return;
+    warning(fmt::format("{} not logged: too many at a time",
+                        text::count_text(dropped, "change was", "changes were")));
+  }
+
+private:
+  static constexpr std::size_t most = 256;
+
+  std::mutex mutex_;  // guards the rest
+  std::vector<std::function<void()>> calls_;
+  std::size_t dropped_ = 0;
+};
+
 /// Writes lines on the thread of the session, each before it reads the next: nothing is lost in a buffer.
 class StandardError final : public spdlog::sinks::base_sink<std::mutex> {
 public:
@@ -113,6 +149,9 @@ public:
   void watch(thread_pool& pool) { pool_ = &pool; }
 
   void end() { error_.end(); }
+
+  /// An empty line, which is not written, then makes the call.
+  void add(std::function<void()> call) { waiting_.add(std::move(call)); }
 
   /// Waits until the lines that were logged before are written, at most `flush_timeout`.
   void wait_for_flush(const auto& request) {
@@ -125,12 +164,14 @@ public:
 protected:
   void sink_it_(const spdlog::details::log_msg& line) override {
     report_dropped();
+    waiting_.make_all();
     const std::string_view text(line.payload.data(), line.payload.size());
-    error_.write(formatted(stream(), program_name(), level_of(line.level), text));
+    if (!text.empty()) error_.write(formatted(stream(), program_name(), level_of(line.level), text));
   }
 
   void flush_() override {
     report_dropped();
+    waiting_.make_all();
     const std::lock_guard lock(flush_mutex_);
     ++flushes_;
     flushed_.notify_all();
@@ -148,12 +189,14 @@ private:
     const std::size_t dropped = pool_->overrun_counter();
     if (dropped == reported_) return;
     const std::string text =
-        fmt::format("{} lines of this log were dropped: standard error was too slow", dropped - reported_);
+        fmt::format("{} dropped: standard error was too slow",
+                    text::count_text(dropped - reported_, "line of this log was", "lines of this log were"));
     reported_ = dropped;
     error_.write(formatted(stream(), program_name(), Level::warning, text));
   }
 
   thread_pool* pool_ = nullptr;
+  WaitingCalls waiting_;
   PatientWriter error_;
   std::size_t reported_ = 0;
   std::mutex flush_mutex_;
@@ -237,6 +280,16 @@ void write(Level level, std::string_view text) noexcept {
     } else {
       write_at_once(level, text);
     }
+  } catch (...) {  // NOLINT(bugprone-empty-catch): there is no memory for the line
+  }
+}
+
+void later(std::function<void()> log) noexcept {
+  try {
+    const auto parts = current();
+    if (!parts) return log();
+    parts->sink->add(std::move(log));
+    parts->logger->log(spdlog::level::critical, spdlog::string_view_t());
   } catch (...) {  // NOLINT(bugprone-empty-catch): there is no memory for the line
   }
 }

@@ -6,6 +6,8 @@
 #include "monitor/monitor_report.hpp"
 #include "monitor/screen.hpp"
 #include "observation/bus/views_json.hpp"
+#include "process/sudden_end.hpp"
+#include "terminal/crash_restore.hpp"
 #include "terminal/terminal.hpp"
 
 #include <fmt/format.h>
@@ -37,6 +39,8 @@ public:
 /// Draws once a second, soon after a key, and at most twice a second for messages.
 class FullScreen final : public Display {
 public:
+  FullScreen() { process::set_sudden_end_call(terminal::CrashRestore::restore_now); }
+
   void show(std::vector<observation::BeaconView> views, std::vector<std::string> warnings) override {
     received_ = std::move(views);
     warnings_ = std::move(warnings);

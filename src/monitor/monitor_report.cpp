@@ -3,6 +3,7 @@
 #include "monitor/estimate_table.hpp"
 #include "monitor/order.hpp"
 #include "monitor/words.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -97,8 +98,9 @@ std::string summary_of(const std::vector<observation::BeaconView>& views) {
                           view.fusion->fixes_used, view.fusion->fixes_down_weighted,
                           view.fusion->fixes_rejected, view.fusion->fixes_late);
     }
-    text += fmt::format("  lost             {} events, {} pose deadlines missed\n", lost_events(view),
-                        view.deadlines_missed);
+    text +=
+        fmt::format("  lost             {}, {}\n", text::count_text(lost_events(view), "event"),
+                    text::count_text(view.deadlines_missed, "pose deadline missed", "pose deadlines missed"));
     text += problems_of(view);
   }
   return text;

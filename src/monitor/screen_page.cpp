@@ -7,6 +7,7 @@
 #include "observation/status_words.hpp"
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/samples/fix_flag_names.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -134,10 +135,10 @@ void add_fixes(Page& page, const BeaconView& view) {
   page.add("trust", number(known ? view.pose.trust : nan, 2));
   page.add("valid fix", number(known ? view.pose.since_valid_fix_s : nan, 2) + " s ago");
   if (view.fusion) {
-    page.add("counted",
-             fmt::format("{} used, {} of them down-weighted, {} rejected ({} too late), {} headings",
-                         view.fusion->fixes_used, view.fusion->fixes_down_weighted,
-                         view.fusion->fixes_rejected, view.fusion->fixes_late, view.fusion->headings));
+    page.add("counted", fmt::format("{} used, {} of them down-weighted, {} rejected ({} too late), {}",
+                                    view.fusion->fixes_used, view.fusion->fixes_down_weighted,
+                                    view.fusion->fixes_rejected, view.fusion->fixes_late,
+                                    text::count_text(view.fusion->headings, "heading")));
   }
 }
 
@@ -171,9 +172,10 @@ void add_fusions(Page& page, const BeaconView& view) {
   page.title("Fusions");
   if (view.fusions.empty()) page.add("  none", Style::warning);
   for (const FusionStatus& fusion : view.fusions) {
-    page.add(role_word(fusion.role),
-             fmt::format("strength {}, {} resets{}{}", fusion.strength, fusion.reset_counter,
-                         fusion.imu_silent ? ", IMU silent" : "", fusion.overloaded ? ", overloaded" : ""));
+    page.add(
+        role_word(fusion.role),
+        fmt::format("strength {}, {}{}{}", fusion.strength, text::count_text(fusion.reset_counter, "reset"),
+                    fusion.imu_silent ? ", IMU silent" : "", fusion.overloaded ? ", overloaded" : ""));
   }
 }
 

@@ -2,25 +2,29 @@
 
 #include "observation/status_counters.hpp"
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <array>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 namespace sonopose::monitor {
 namespace {
 
-using Counted = std::pair<std::uint64_t, std::string_view>;
+struct Counted {
+  std::uint64_t count;
+  std::string_view one;
+  std::string_view several;
+};
 
-/// "3 IMU deadlines missed, 1 bridge losses"; empty if all counts are 0.
+/// "3 IMU deadlines missed, 1 bridge loss"; empty if all counts are 0.
 std::string counted_words(const std::vector<Counted>& counts) {
   std::vector<std::string> words;
-  for (const auto& [count, what] : counts) {
-    if (count > 0) words.push_back(fmt::format("{} {}", count, what));
+  for (const auto& [count, one, several] : counts) {
+    if (count > 0) words.push_back(text::count_text(count, one, several));
   }
   return fmt::format("{}", fmt::join(words, ", "));
 }
@@ -30,14 +34,15 @@ std::vector<Counted> problems_in(const Status& status,
                                  const std::array<observation::StatusCounter<Status>, Size>& counters) {
   std::vector<Counted> problems;
   for (const auto& counter : counters) {
-    if (!counter.problem.empty()) problems.emplace_back(status.*counter.value, counter.problem);
+    if (!counter.problem.empty())
+      problems.push_back({status.*counter.value, counter.problem, counter.problems});
   }
   return problems;
 }
 
 std::string bridge_problems(const BeaconStatus& bridge) {
   std::vector<Counted> problems = problems_in(bridge, observation::bridge_counters);
-  problems.emplace_back(bridge.other_bridges, "other bridges");
+  problems.push_back({bridge.other_bridges, "other bridge", "other bridges"});
   return counted_words(problems);
 }
 
@@ -76,8 +81,8 @@ std::string problems_of(const observation::BeaconView& view) {
                                                         : "fusion";
     add_line(process, fusion_problems(fusion));
   }
-  add_line("here", counted_words({{view.deadlines_missed, "pose deadlines missed"},
-                                  {view.losses, "pose stream losses"}}));
+  add_line("here", counted_words({{view.deadlines_missed, "pose deadline missed", "pose deadlines missed"},
+                                  {view.losses, "pose stream loss", "pose stream losses"}}));
   return text;
 }
 

@@ -1,5 +1,8 @@
 #include "player/keys.hpp"
 
+#include "process/sudden_end.hpp"
+
+#include <atomic>
 #include <poll.h>
 #include <stop_token>
 #include <termios.h>
@@ -11,15 +14,34 @@ struct Keys::SavedMode {
   termios mode{};
 };
 
+namespace {
+
+/// A program in the background would be stopped for a change of the terminal.
+bool is_in_foreground() noexcept {
+  return ::tcgetpgrp(STDIN_FILENO) == ::getpgrp();
+}
+
+/// For a signal handler; null while the terminal has its own mode.
+std::atomic<const termios*> mode_to_restore{nullptr};
+static_assert(std::atomic<const termios*>::is_always_lock_free);
+
+void restore_mode() noexcept {
+  const termios* const mode = mode_to_restore.load();
+  if (mode != nullptr && is_in_foreground()) ::tcsetattr(STDIN_FILENO, TCSANOW, mode);
+}
+
+}  // namespace
+
 Keys::Keys(PlayControl& control, process::StopSignal& stop) : control_(control), stop_(stop) {
-  // A program in the background would be stopped for a change of the terminal.
-  if (::isatty(STDIN_FILENO) == 0 || ::tcgetpgrp(STDIN_FILENO) != ::getpgrp()) return;
+  if (::isatty(STDIN_FILENO) == 0 || !is_in_foreground()) return;
   auto saved = std::make_unique<SavedMode>();
   if (::tcgetattr(STDIN_FILENO, &saved->mode) != 0) return;
   termios mode = saved->mode;
   mode.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);  // Ctrl-C still is a signal
   if (::tcsetattr(STDIN_FILENO, TCSANOW, &mode) != 0) return;
   saved_ = std::move(saved);
+  mode_to_restore.store(&saved_->mode);
+  process::set_sudden_end_call(restore_mode);
   thread_ = std::jthread([this](const std::stop_token& end) { serve(end); });
 }
 
@@ -28,6 +50,7 @@ Keys::~Keys() {
   thread_.request_stop();
   thread_.join();
   ::tcsetattr(STDIN_FILENO, TCSANOW, &saved_->mode);
+  mode_to_restore.store(nullptr);
 }
 
 void Keys::serve(const std::stop_token& end) {

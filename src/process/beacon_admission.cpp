@@ -1,5 +1,7 @@
 #include "process/beacon_admission.hpp"
 
+#include <sonopose/text/count_text.hpp>
+
 #include <fmt/format.h>
 
 #include <utility>
@@ -49,10 +51,9 @@ std::optional<std::string> BeaconAdmission::warning() {
 
 /// Under the mutex.
 std::string BeaconAdmission::refusal_text() const {
-  const std::size_t count = refused_.count();
-  return fmt::format(
-      "{} {} ignored: the limit is {} beacons at a time and {} since the start (--max-beacons)", count,
-      count == 1 ? "address is" : "addresses are", max_beacons_, most_replacements * max_beacons_);
+  return fmt::format("{} ignored: the limit is {} at a time and {} since the start (--max-beacons)",
+                     text::count_text(refused_.count(), "address is", "addresses are"),
+                     text::count_text(max_beacons_, "beacon"), most_replacements * max_beacons_);
 }
 
 }  // namespace sonopose::process

@@ -28,6 +28,8 @@ struct Instance {
   using Key = std::uint64_t;
   static constexpr std::size_t most_at_a_time = 8;  ///< a fusion, its standbys, and those that restart
   static constexpr const char* group = "fusions of a beacon";
+  static constexpr const char* one_was = "fusion was";
+  static constexpr const char* several_were = "fusions were";
   static Group group_of(const T& sample) { return sample.address; }
   static Key key_of(const T& sample) { return sample.fusion_id; }
 };
@@ -37,6 +39,8 @@ struct Instance<sonopose_LineStatus> {
   using Key = std::pair<std::string, std::uint64_t>;
   static constexpr std::size_t most_at_a_time = 256;
   static constexpr const char* group = "lines";
+  static constexpr const char* one_was = "line was";
+  static constexpr const char* several_were = "lines were";
   static Group group_of(const sonopose_LineStatus& /*sample*/) { return 0; }
   static Key key_of(const sonopose_LineStatus& sample) { return {sample.name, sample.bridge_id}; }
 };
@@ -63,8 +67,10 @@ public:
     const bool may_be_known = ever_.size() < most_ever || ever_.contains(id);
     if (present.size() >= Traits::most_at_a_time || !may_be_known) {
       ++refused_;
+      if (refused_ids_.size() < most_ever) refused_ids_.insert(id);
       return false;
     }
+    refused_ids_.erase(id);
     present.push_back(id.second);
     ever_.insert(id);
     return true;
@@ -84,9 +90,17 @@ public:
     const std::lock_guard lock(mutex_);
     if (refused_ == 0 || refused_ < 10 * reported_) return std::nullopt;
     reported_ = refused_;
-    return fmt::format("{} ignored: the limit is {} {} at a time and {} different ones since the start",
-                       text::count_text(refused_, "sample is", "samples are"), Traits::most_at_a_time,
-                       Traits::group, most_ever);
+    return fmt::format("{} ignored: {}", text::count_text(refused_, "sample is", "samples are"),
+                       limit_text());
+  }
+
+  /// How many instances were never accepted, at the end of an observation. Empty if there were none.
+  std::optional<std::string> warning() {
+    const std::lock_guard lock(mutex_);
+    if (refused_ids_.empty()) return std::nullopt;
+    return fmt::format("{} not observed: {}",
+                       text::count_text(refused_ids_.size(), Traits::one_was, Traits::several_were),
+                       limit_text());
   }
 
 private:
@@ -94,10 +108,16 @@ private:
   using Key = typename Traits::Key;
   using Id = std::pair<typename Traits::Group, Key>;
 
+  static std::string limit_text() {
+    return fmt::format("the limit is {} {} at a time and {} different ones since the start",
+                       Traits::most_at_a_time, Traits::group, most_ever);
+  }
+
   dds::topics::AddressFilter* addresses_;
   std::mutex mutex_;  // guards the rest
   std::map<typename Traits::Group, std::vector<Key>> present_;
   std::set<Id> ever_;
+  std::set<Id> refused_ids_;  ///< at most most_ever
   std::uint64_t refused_ = 0;
   std::uint64_t reported_ = 0;
 };

@@ -1,6 +1,7 @@
 #include "process/stop_signal.hpp"
 
 #include "clocks/clocks.hpp"
+#include "process/sudden_end.hpp"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +18,7 @@
 namespace sonopose::process {
 namespace {
 
-// The signal handler may use only lock-free atomics, write(2), _exit(2) and the steady clock.
+// The signal handler may use only lock-free atomics, async-signal-safe calls and the steady clock.
 std::atomic<int> signalled_fd{-1};
 static_assert(std::atomic<int>::is_always_lock_free);
 
@@ -31,12 +32,25 @@ constexpr TimeNs repeated_after_ns = 1'000'000'000;
 std::atomic<TimeNs> signalled_ns{0};
 static_assert(std::atomic<TimeNs>::is_always_lock_free);
 
+std::atomic<SuddenEndCall> sudden_end_call{nullptr};
+static_assert(std::atomic<SuddenEndCall>::is_always_lock_free);
+
+[[noreturn]] void end_at_once(int signal) noexcept {
+  if (const SuddenEndCall call = sudden_end_call.load()) {
+    constexpr unsigned longest_s = 1;  // a terminal may take nothing for ever; then SIGALRM ends the process
+    ::signal(SIGALRM, SIG_DFL);
+    ::alarm(longest_s);
+    call();
+  }
+  ::_exit(128 + signal);
+}
+
 extern "C" void sonopose_on_stop_signal(int signal) {
   const int saved_errno = errno;
   const TimeNs now_ns = clocks::steady_now().ns;  // allocates and locks nothing
   TimeNs first_ns = 0;
   if (!signalled_ns.compare_exchange_strong(first_ns, now_ns) && now_ns - first_ns > repeated_after_ns) {
-    ::_exit(128 + signal);
+    end_at_once(signal);
   }
   if (const int fd = signalled_fd.load(); fd >= 0) raise_event(fd);
   errno = saved_errno;
@@ -61,6 +75,10 @@ bool is_readable(int fd, TimeNs timeout_ns) {
 }
 
 }  // namespace
+
+void set_sudden_end_call(SuddenEndCall call) noexcept {
+  sudden_end_call.store(call);
+}
 
 Wakeup::Wakeup() : event_fd_(make_event()) {}
 

@@ -71,12 +71,20 @@ void write_kept() noexcept {
   }
 }
 
+/// A program in the background would be stopped for a change of the terminal, which is another's now.
+bool is_in_background() noexcept {
+  const pid_t foreground = ::tcgetpgrp(saved.terminal_fd);
+  return foreground >= 0 && foreground != ::getpgrp();
+}
+
 /// Once, even if several threads crash.
 void restore() noexcept {
   if (saved.armed == 0) return;
   saved.armed = 0;
-  [[maybe_unused]] const auto written = ::write(saved.terminal_fd, saved.sequence.data(), saved.length);
-  ::tcsetattr(saved.terminal_fd, TCSANOW, &saved.modes);
+  if (!is_in_background()) {
+    ::tcsetattr(saved.terminal_fd, TCSANOW, &saved.modes);
+    [[maybe_unused]] const auto written = ::write(saved.terminal_fd, saved.sequence.data(), saved.length);
+  }
   ::dup2(saved.error_fd, STDERR_FILENO);
   write_kept();
 }
@@ -127,6 +135,10 @@ void CrashRestore::keep(std::string_view text) noexcept {
   std::size_t size = kept.size;
   for (const char byte : text) kept.text[size++ % kept.text.size()] = byte;
   kept.size = size;
+}
+
+void CrashRestore::restore_now() noexcept {
+  restore();
 }
 
 void CrashRestore::leave_with(const std::string& sequence) {

@@ -24,6 +24,10 @@ public:
   /// Only from one thread at a time.
   static void keep(std::string_view text) noexcept;
 
+  /// What a crash does to the terminal and to standard error, for another sudden end. Async-signal-safe; does
+  /// nothing without an object of this class.
+  static void restore_now() noexcept;
+
   /// On a crash, `sequence` (at most 512 bytes) is written to the terminal first.
   static void leave_with(const std::string& sequence);
 };

@@ -1,5 +1,7 @@
 #include "transitions/transition_log.hpp"
 
+#include <sonopose/text/count_text.hpp>
+
 #include <fmt/format.h>
 
 #include <cstddef>
@@ -30,15 +32,18 @@ void TransitionLog::take(Pending& pending, SteadyTime now) {
 
 void TransitionLog::report(Flapping& flapping) {
   Line line = line_of(flapping.latest);
-  line.text += fmt::format(" ({} changes in the last {:.0f} s were not logged)",
-                           flapping.limit.take_suppressed(), static_cast<double>(RateLimit::window_ns) / 1e9);
+  const std::uint64_t count = flapping.limit.take_suppressed();
+  line.text += fmt::format(" ({} in the last {:.0f} s {} not logged)", text::count_text(count, "change"),
+                           static_cast<double>(RateLimit::window_ns) / 1e9, count == 1 ? "was" : "were");
   write_(line);
 }
 
 void TransitionLog::report_dropped() {
   if (dropped_ == 0) return;
-  write_({logging::Level::warning, fmt::format("{} changes of state were not logged: too many at a time",
-                                               std::exchange(dropped_, 0))});
+  write_({logging::Level::warning,
+          fmt::format(
+              "{} not logged: too many at a time",
+              text::count_text(std::exchange(dropped_, 0), "change of state was", "changes of state were"))});
 }
 
 void TransitionLog::update(SteadyTime now) {

@@ -14,7 +14,7 @@ using namespace sonopose::bridge;
 using Catch::Contains;
 
 using Writer = BackgroundWriter<int>;
-const Writer::Words words{"the list", "numbers"};
+const Writer::Words words{"the list", "number"};
 
 void push_up_to(int count, Writer& writer) {
   for (int i = 0; i < count; ++i) writer.push({&i, 1});

@@ -46,4 +46,25 @@ SCENARIO("the first program that ends ends the others") {
   }
 }
 
+SCENARIO("a program that has the terminal can restore it before it is killed") {
+  const TemporaryFolder folder;
+  GIVEN("one that restores the terminal at the second SIGTERM, next to one that ignores the first") {
+    const Program screen{"sh",
+                         {"-c", "trap 'n=$((n + 1)); [ $n = 1 ] || { echo yes > " +
+                                    (folder / "restored").string() + "; exit 0; }' TERM; touch " +
+                                    (folder / "waits").string() + "; while :; do sleep 0.02; done"},
+                         true};
+    WHEN("Ctrl-C is pressed twice") {
+      const Program other = then(folder,
+                                 "trap '' TERM; kill -INT $PPID; sleep 1.2; kill -INT $PPID; "
+                                 "while :; do sleep 0.02; done");
+      const int code = run_together({screen, other}, ErrorOutput::pass_on);
+      THEN("it has restored the terminal, and the other one was killed") {
+        CHECK(read_text(folder / "restored") == "yes\n");
+        CHECK(code == 128 + 9);
+      }
+    }
+  }
+}
+
 }  // namespace together_test

@@ -3,15 +3,19 @@
 
 #include "logging/log.hpp"
 
+#include "logging/later.hpp"
+
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
 #include <csignal>
 #include <fcntl.h>
+#include <future>
 #include <memory>
 #include <string>
 #include <thread>
 #include <unistd.h>
+#include <vector>
 
 namespace log_test {
 
@@ -91,6 +95,59 @@ SCENARIO("the end of a session writes all lines in their order, without those be
   error.restore();
   CHECK(error.read() ==
         "sonopose-x: one\nsonopose-x: warning: two\nsonopose-x: error: three\nsonopose-x: four\n");
+}
+
+SCENARIO("a line that is logged later is formed on the thread of the log") {
+  CapturedError error;
+  logging::set_program("sonopose-x");
+  std::vector<std::thread::id> threads;
+  const auto log = [&threads](const std::string& line) {
+    logging::later([&threads, line] {
+      threads.push_back(std::this_thread::get_id());
+      logging::info("later " + line);
+    });
+  };
+  WHEN("there is a session") {
+    {
+      const logging::Session session(logging::Level::info);
+      log("one");
+      log("two");
+    }
+    error.restore();
+    THEN("its end writes all of them in their order, and the caller has formed none") {
+      CHECK(error.read() == "sonopose-x: later one\nsonopose-x: later two\n");
+      REQUIRE(threads.size() == 2);
+      CHECK(threads[0] != std::this_thread::get_id());
+      CHECK(threads[1] == threads[0]);
+    }
+  }
+  WHEN("there is none") {
+    log("one");
+    error.restore();
+    THEN("it is formed at once") {
+      CHECK(error.read() == "sonopose-x: later one\n");
+      CHECK(threads == std::vector{std::this_thread::get_id()});
+    }
+  }
+  WHEN("300 are logged while that thread is busy") {
+    {
+      const logging::Session session(logging::Level::info);
+      std::promise<void> is_busy;
+      std::promise<void> may_go_on;
+      logging::later([&] {
+        is_busy.set_value();
+        may_go_on.get_future().wait();
+      });
+      is_busy.get_future().wait();
+      for (int i = 0; i < 300; ++i) log(std::to_string(i));
+      may_go_on.set_value();
+    }
+    error.restore();
+    THEN("256 wait, and the others are counted") {
+      CHECK(threads.size() == 256);
+      CHECK_THAT(error.read(), Catch::Contains("sonopose-x: warning: 44 changes were not logged"));
+    }
+  }
 }
 
 SCENARIO("the reason of an end is written after the lines that wait, at once") {

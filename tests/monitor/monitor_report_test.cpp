@@ -62,7 +62,7 @@ SCENARIO("the table has a row for each beacon") {
     }
     THEN("the problem counters of each process follow, without processes that counted none") {
       CHECK_THAT(table,
-                 Contains("7  bridge: 4 damaged frames, 1 other bridges\n") &&
+                 Contains("7  bridge: 4 damaged frames, 1 other bridge\n") &&
                      Contains("7  fusion: 2 fixes too late, 3 IMU deadlines missed, 17 events lost\n") &&
                      Contains("7  here: 8 pose deadlines missed, 2 pose stream losses\n") &&
                      !Contains("21  here"));
@@ -120,7 +120,7 @@ SCENARIO("the table has a row for each beacon") {
     view.fusions.push_back(standby);
     THEN("the counters of each fusion are listed with its strength") {
       CHECK_THAT(table_of({view}), Contains("fusion of strength 200 (serving): 2 fixes too late, 3 IMU") &&
-                                       Contains("fusion of strength 100 (serving): 1 IMU gaps"));
+                                       Contains("fusion of strength 100 (serving): 1 IMU gap\n"));
     }
   }
 }

@@ -36,6 +36,24 @@ SCENARIO("the first fusions of a beacon are accepted, until they are gone") {
   CHECK_FALSE(limit.accepts(status_of(beacon, 1)));
 }
 
+SCENARIO("the fusions that were never accepted are counted once each") {
+  InstanceLimit<sonopose_FusionStatus> limit;
+  for (std::uint64_t id = 1; id <= most_fusions; ++id) REQUIRE(limit.accepts(status_of(beacon, id)));
+  CHECK_FALSE(limit.warning());
+  for (int sample = 0; sample < 100; ++sample) {
+    for (std::uint64_t id = 101; id <= 103; ++id) CHECK_FALSE(limit.accepts(status_of(beacon, id)));
+  }
+  CHECK_THAT(limit.warning().value_or(""),
+             Catch::Contains("3 fusions were not observed: the limit is 8 fusions of a beacon at a time"));
+  WHEN("places become free for two of them") {
+    for (std::uint64_t id = 1; id <= 2; ++id) limit.forget(status_of(beacon, id));
+    for (std::uint64_t id = 101; id <= 102; ++id) CHECK(limit.accepts(status_of(beacon, id)));
+    THEN("one is left") {
+      CHECK_THAT(limit.warning().value_or(""), Catch::StartsWith("1 fusion was not observed"));
+    }
+  }
+}
+
 SCENARIO("fusions that come and go without end are bounded, and those that return are not") {
   InstanceLimit<sonopose_FusionStatus> limit;
   const auto visit = [&limit](std::uint64_t id) {

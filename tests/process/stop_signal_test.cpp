@@ -1,6 +1,7 @@
 #include "process/stop_signal.hpp"
 
 #include "clocks/clocks.hpp"
+#include "process/sudden_end.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -74,10 +75,12 @@ SCENARIO("a wait ends at its deadline or at the stop") {
   }
 }
 
-/// The exit code of a process that receives a second SIGTERM after this time, and ends with 0 by itself.
-int code_after_second_signal(std::chrono::milliseconds pause) {
+/// The exit code, or minus the signal that ended it, of a process that receives a second SIGTERM after this
+/// time, and ends with 0 by itself.
+int code_after_second_signal(std::chrono::milliseconds pause, SuddenEndCall call = nullptr) {
   const pid_t child = ::fork();
   if (child == 0) {
+    set_sudden_end_call(call);
     StopSignal listening;
     listening.listen_to_signals();
     ::raise(SIGTERM);
@@ -87,12 +90,21 @@ int code_after_second_signal(std::chrono::milliseconds pause) {
   }
   int status = 0;
   ::waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
 }
 
 SCENARIO("a second signal of a person who waits ends the process at once") {
   CHECK(code_after_second_signal(std::chrono::milliseconds(0)) == 0);
   CHECK(code_after_second_signal(std::chrono::milliseconds(1100)) == 128 + SIGTERM);
+}
+
+SCENARIO("a sudden end restores what it can within a second") {
+  constexpr std::chrono::milliseconds late(1100);
+  CHECK(code_after_second_signal(std::chrono::milliseconds(0), []() noexcept { ::_exit(42); }) == 0);
+  CHECK(code_after_second_signal(late, []() noexcept { ::_exit(42); }) == 42);
+  CHECK(code_after_second_signal(late, []() noexcept {}) == 128 + SIGTERM);
+  const auto waits_for_ever = []() noexcept { ::sleep(60); };
+  CHECK(code_after_second_signal(late, waits_for_ever) == -SIGALRM);
 }
 
 SCENARIO("Ctrl-C and SIGTERM set the stop that listens") {

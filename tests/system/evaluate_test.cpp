@@ -150,6 +150,27 @@ SCENARIO("own logs are scored with and without truth, alone, and what is left ou
   CHECK_THAT(none.error, Contains("no_such_case"));
 }
 
+SCENARIO("what a search writes to the journal has priorities") {
+  const TemporaryFolder folder;
+  const auto log = folder / "drive";
+  REQUIRE(run(SONOPOSE_TEST_SIMULATE, {"forklift", "--duration", "30", "--out", log.string()}).code == 0);
+  std::filesystem::copy(log, folder / "bench");
+  std::filesystem::remove(folder / "bench" / "ultrasonic.csv");
+  Process search("/bin/sh", {"-c", R"(JOURNAL_STREAM=$(stat -L -c %d:%i /proc/self/fd/2) exec "$0" "$@")",
+                             SONOPOSE_TEST_TUNE, "--recordings", folder.path().string(), log.string(),
+                             "--rounds", "1000000", "--set", "heading.mount_offset_deg=60", "--vary",
+                             "heading.mount_offset_deg=-90..90"});
+  REQUIRE(search.wait_for_line(Process::Stream::error, "<6>round"));
+  CHECK(search.end_by(SIGINT).code == 0);
+  const auto lines = search.lines(Process::Stream::error);
+  CHECK(lines.size() >= 3);
+  for (const std::string& line : lines) {
+    CAPTURE(line);
+    CHECK((line.starts_with("<6>round ") || line.starts_with("<4>left out: ") ||
+           line.starts_with("<6>interrupted after ")));
+  }
+}
+
 SCENARIO(
     "a search on a log without truth takes its prediction errors, and ends at Ctrl-C with the best so far") {
   const TemporaryFolder folder;

@@ -1,6 +1,7 @@
 /// The monitor on a terminal: a screen that fits, keys, and a terminal that is restored in every case.
 
 #include "support/bus.hpp"
+#include "support/held_thread.hpp"
 #include "support/terminal_process.hpp"
 
 #include <csignal>
@@ -159,6 +160,25 @@ SCENARIO("the terminal is restored however the monitor ends") {
       CHECK(code);
       CHECK(code != 0);
       check_is_restored(monitor);
+    }
+  }
+}
+
+SCENARIO("a second Ctrl-C ends a monitor that hangs, and restores the terminal") {
+  GIVEN("a monitor whose main thread hangs") {
+    const Bus bus;
+    MonitorScreen monitor(bus);
+    REQUIRE(monitor.wait_for("no beacon yet"));
+    const HeldThread held(monitor.pid(), "sonopose-monito");  // the kernel keeps 15 characters
+    WHEN("Ctrl-C is pressed, and again after more than a second") {
+      monitor.type(ctrl_c);
+      CHECK_FALSE(monitor.wait_for_exit(std::chrono::milliseconds(1200)));
+      CHECK_FALSE(monitor.has_normal_line());
+      monitor.type(ctrl_c);
+      THEN("it ends, and the terminal is as before") {
+        CHECK(monitor.wait_for_exit() == 128 + SIGINT);
+        check_is_restored(monitor);
+      }
     }
   }
 }

@@ -4,6 +4,7 @@
 #include "recorder/instance_end.hpp"
 #include "recorder/messages.hpp"
 #include "support/bus.hpp"
+#include "support/held_thread.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/terminal_process.hpp"
 #include "system/recorded_part.hpp"
@@ -297,6 +298,29 @@ SCENARIO("keys pause a player and play single messages") {
           CHECK(play.wait_for_exit() == 0);
           CHECK(play.has_normal_line());
         }
+      }
+    }
+  }
+}
+
+SCENARIO("a second Ctrl-C ends a player that hangs, and restores the terminal") {
+  GIVEN("a player on a terminal whose main thread hangs") {
+    const TemporaryFolder folder;
+    record_walk(folder / "walk.mcap", 2.0, {7});
+    const Bus bus;
+    TerminalProcess play(
+        SONOPOSE_TEST_PLAY,
+        {(folder / "walk.mcap").string(), "--loop", "--domain", std::to_string(bus.domain_id())}, 200);
+    REQUIRE(play.wait_for("space: pause and go on"));
+    const HeldThread held(play.pid(), "sonopose-play");
+    WHEN("Ctrl-C is pressed, and again after more than a second") {
+      play.type("\x03");
+      CHECK_FALSE(play.wait_for_exit(std::chrono::milliseconds(1200)));
+      CHECK_FALSE(play.has_normal_line());
+      play.type("\x03");
+      THEN("it ends, and the terminal is as before") {
+        CHECK(play.wait_for_exit() == 128 + SIGINT);
+        CHECK(play.has_normal_line());
       }
     }
   }

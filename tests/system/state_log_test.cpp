@@ -91,6 +91,37 @@ SCENARIO("a freeze and a wrong mount are each logged once, with level and reason
   }
 }
 
+SCENARIO("a jump of the pose to a beacon that was carried away is logged, and when it has converged again") {
+  GIVEN("a walk that is relocated by 2.5 m after 25 s, and a fusion") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    {
+      recording::SensorLogWriter writer(folder / "walk");
+      sim::Simulator simulator(sim::find_scenario("relocation"), {.seed = 5, .duration_s = 40.0});
+      while (auto step = simulator.next()) writer.write(step->event);
+    }
+    const auto fusion = journalled_fusion(bus, {"--lossless"});
+    WHEN("a bridge plays it") {
+      const auto bridge =
+          bus.bridge({"--source", "log", "--input", (folder / "walk").string(), "--rate", "0"});
+      REQUIRE(bridge->wait_for_exit() == 0);
+      THEN("jump, convergence and its end are logged once each, with their levels") {
+        REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 7: converged, after 0."));
+        REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 7: the fixes are trusted again"));
+        CAPTURE(fusion->text(Stream::error));
+        for (const char* const line :
+             {"<4>beacon 7: gated: 10 fixes in a row are outliers, the latest by 2.",
+              "<4>beacon 7: relocated: the position jumped by 2.",
+              "<4>beacon 7: converging again: the pose is corrected by a large distance",
+              "<6>beacon 7: converged, after 0."}) {
+          CAPTURE(line);
+          CHECK(count(*fusion, line) == 1);
+        }
+      }
+    }
+  }
+}
+
 SCENARIO("a reader of the log that goes away does not stop the poses") {
   const Bus bus;
   Consumer<sonopose_FusedPose> poses(bus, topics::pose);

@@ -97,6 +97,18 @@ SCENARIO("a flapping state does not flood the log, and its last state is logged"
   CHECK(lines.size() == 9);
 }
 
+SCENARIO("a single change that was not logged is one change") {
+  std::vector<Line> lines;
+  TransitionLog log([&](const Line& line) { lines.push_back(line); });
+  for (int i = 0; i < 5; ++i) {
+    log.on({.address = 7, .kind = Kind::stale, .begins = i % 2 == 0, .lasted_s = 0.1}, SteadyTime{second_ns});
+  }
+  log.finish();
+  REQUIRE(lines.size() == 5);
+  CHECK(lines.back().text ==
+        "beacon 7: stale: no valid fix for 0.0 s (1 change in the last 60 s was not logged)");
+}
+
 SCENARIO("changes that were dropped before they were logged are reported") {
   std::vector<Line> lines;
   TransitionLog log([&](const Line& line) { lines.push_back(line); });

@@ -94,7 +94,7 @@ struct FusionStatus {
   std::uint64_t headings = 0;
   std::uint64_t events_lost = 0;        ///< gaps in the event sequence that were never filled
   std::uint64_t events_duplicated = 0;  ///< events with a repeated sequence number, or too late
-  std::uint64_t samples_invalid = 0;    ///< not finite, implausible, or backward in time
+  std::uint64_t samples_invalid = 0;    ///< not finite, impossible, out of order, or too late
   std::uint64_t imu_gaps = 0;           ///< gaps too long to integrate over
   std::uint32_t reset_counter = 0;
   std::uint64_t imu_deadlines_missed = 0;  ///< deadline periods without a sample, since the first one

@@ -90,7 +90,7 @@ void BeaconProbe::on(const FusedPose& pose, const Arrival& arrival) {
 
 void BeaconProbe::on(const FixReport& report, const Arrival& arrival) {
   if (!in_window()) return;
-  outcomes_.add(arrival.time_ns, {report.flags, report.innovation_world_m});
+  outcomes_.add(arrival.time_ns, {report.flags, report.innovation_world_m, report.jump_world_m.norm()});
 }
 
 void BeaconProbe::on(const BeaconStatus& status) {
@@ -127,12 +127,17 @@ void BeaconProbe::count_missing_events(TimeNs ended_ns, rules::BeaconObservation
 }
 
 rules::FixOutcomes BeaconProbe::fix_outcomes() const {
+  constexpr double relocated_m = 0.3;  // as in the log
   rules::FixOutcomes outcomes;
   for (const auto& [received_ns, outcome] : outcomes_.entries()) {
     ++outcomes.reports;
     if ((outcome.flags & (fix_too_late | fix_invalid | fix_low_quality)) != 0U) ++outcomes.refused;
     if ((outcome.flags & fix_too_late) != 0U) ++outcomes.late;
     if ((outcome.flags & fix_outlier) != 0U) outcomes.outliers_m.push_back(outcome.innovation_world_m);
+    if ((outcome.flags & fix_stuck_forced) != 0U && outcome.jump_m > relocated_m) {
+      ++outcomes.relocations;
+      outcomes.longest_relocation_m = std::max(outcomes.longest_relocation_m, outcome.jump_m);
+    }
   }
   return outcomes;
 }

@@ -51,6 +51,8 @@ public:
   void on(const FixReport& report, const Arrival& arrival);
   void on(const BeaconStatus& status);
   void on(const FusionStatus& status);
+  /// The fusion has ended: another one has its place.
+  void forget_fusion(std::uint64_t fusion_id) { fusions_.erase(fusion_id); }
 
   /// Starts the window. Longer silences than the deadlines are counted.
   void begin(TimeNs now_ns, const Deadlines& deadlines);
@@ -85,6 +87,7 @@ private:
   struct Outcome {
     std::uint32_t flags = 0;
     Vector3d innovation_world_m = Vector3d::Zero();
+    double jump_m = 0;
   };
 
   [[nodiscard]] rules::FixOutcomes fix_outcomes() const;
@@ -117,7 +120,7 @@ private:
     FusionStatus before;
     FusionStatus latest;
   };
-  std::map<std::uint64_t, FusionObservation> fusions_;  ///< by fusion id
+  std::map<std::uint64_t, FusionObservation> fusions_;  ///< by fusion id; those that run
 };
 
 /// The settings of a fusion. Values that cannot be parsed keep their defaults.

@@ -122,11 +122,15 @@ template <class T>
 void SystemObserver::take(Subscription<T>& subscription, const Arrival& arrival) {
   const auto on_state = [&](const T& key, const dds::SampleInfo& info) {
     if constexpr (std::is_same_v<T, sonopose_FusionStatus>) {
-      if (!info.alive()) fusion_limit_.forget(key);
+      if (info.alive()) return;
+      fusion_limit_.forget(key);
+      const auto probe = probes_.find(key.address);
+      if (probe != probes_.end()) probe->second.forget_fusion(key.fusion_id);
     }
   };
   const auto on_data = [&](const T& sample, const dds::SampleInfo& info) {
     on_state(sample, info);
+    if (std::is_same_v<T, sonopose_FusionStatus> && !info.alive()) return;
     auto value = dds::topics::from_idl(sample);
     if constexpr (std::is_same_v<T, sonopose_EffectiveSettings>) {
       effective_settings_[value.address] = std::move(value);
@@ -255,6 +259,9 @@ rules::Observations SystemObserver::run(const process::StopSignal& stop) {
     beacon.bridges = processes_of(probe.writers(), processes);
   }
   observations.beacons_refused = admission_.warning();
+  for (auto& text : {fusion_limit_.warning(), lines_.warning()}) {
+    if (text) observations.not_observed.push_back(*text);
+  }
   return observations;
 }
 

@@ -73,14 +73,15 @@ public:
       return;
     }
     add(refused > many * static_cast<double>(fixes.reports) ? Severity::warning : Severity::note,
-        fmt::format("its fusion refuses {} of its {} fixes; {} are too old", fixes.refused, fixes.reports,
-                    fixes.late),
+        fmt::format("its fusion refuses {} of its {}; {} too old", fixes.refused,
+                    count_text(fixes.reports, "fix", "fixes"), count_text(fixes.late, "is", "are")),
         "the output of sonopose-fusion has the reason; the stamps of fixes and IMU samples must come from "
         "one clock");
   }
 
   void headings() const {
     const double mount_offset_deg = beacon_.fusion_settings.heading.mount_offset_deg;
+    const std::uint64_t invalid_headings = beacon_.heading.samples - beacon_.valid_headings;
     if (beacon_.heading.samples == 0 && beacon_.pair_fixes > 0) {
       add(Severity::warning, "no pair headings received, although its fixes are those of a pair",
           "switch the second beacon of the pair on, and enable the stream of positions with angle");
@@ -96,8 +97,9 @@ public:
       add(Severity::note, "no pair headings received: a single beacon estimates its heading from motion", "");
     } else if (2 * beacon_.valid_headings < beacon_.heading.samples) {
       add(Severity::warning,
-          fmt::format("{} of {} pair headings of the hardware are invalid",
-                      beacon_.heading.samples - beacon_.valid_headings, beacon_.heading.samples),
+          fmt::format("{} of {} of the hardware {} invalid", invalid_headings,
+                      count_text(beacon_.heading.samples, "pair heading"),
+                      invalid_headings == 1 ? "is" : "are"),
           "check that both beacons of the pair have fixes, and that the pair's baseline is configured");
     } else {
       lost_headings();
@@ -157,7 +159,7 @@ public:
       constexpr std::uint64_t one_in = 20;
       const bool many = invalid * one_in > beacon_.imu.samples + beacon_.fix.samples;
       add(many ? Severity::warning : Severity::note,
-          fmt::format("its fusion rejected {}: not finite, out of range, or out of order",
+          fmt::format("its fusion rejected {}: not finite, out of range, out of order, or too late",
                       count_text(invalid, "sample")),
           "check for a second bridge, a clock that was set, or a faulty sensor");
     }
@@ -207,7 +209,9 @@ public:
           "check cable and radio, and check that no other process reads the device");
     }
     if (const auto rejected = increase_of(&BeaconStatus::samples_rejected); rejected > 0) {
-      add(Severity::warning, fmt::format("{} of its samples have impossible values", rejected),
+      add(Severity::warning,
+          fmt::format("{} impossible values",
+                      count_text(rejected, "of its samples has", "of its samples have")),
           "update the beacon's firmware, or replace it");
     }
     if (beacon_.status && beacon_.status->battery_v && *beacon_.status->battery_v < low_battery_v) {

@@ -141,6 +141,11 @@ void check_bus(const Observations& observations, Findings& findings) {
                         "raise --max-beacons above the number of your beacons; if you have fewer, a process "
                         "forges addresses"});
   }
+  for (const std::string& text : observations.not_observed) {
+    findings.push_back({Severity::warning, "bus", text,
+                        "end those that you do not need; if you have fewer, a "
+                        "process forges them"});
+  }
 }
 
 }  // namespace sonopose::doctor::rules

@@ -106,6 +106,8 @@ struct FixOutcomes {
   std::uint64_t refused = 0;         ///< too old, too poor or not valid
   std::uint64_t late = 0;            ///< of these: too old
   std::vector<Vector3d> outliers_m;  ///< innovations of those that it rejected as outliers, world
+  std::uint64_t relocations = 0;     ///< it moved the position to other fixes by more than 0.3 m at once
+  double longest_relocation_m = 0;
 };
 
 /// One beacon over the window.
@@ -148,6 +150,7 @@ struct Observations {
   std::vector<BeaconObservation> beacons;
   std::size_t beacons_not_fitted = 0;          ///< the time did not suffice for their pieces
   std::optional<std::string> beacons_refused;  ///< the warning, if there were too many to look at
+  std::vector<std::string> not_observed;  ///< fusions and lines beyond the limits, one text for each kind
 };
 
 /// The endpoints of one topic.

@@ -1,4 +1,5 @@
 #include "doctor/rules/checks.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -44,9 +45,8 @@ bool are_many(std::size_t outliers, std::uint64_t fixes, double share = least_sh
   return outliers >= least_outliers && static_cast<double>(outliers) > share * static_cast<double>(fixes);
 }
 
-}  // namespace
-
-void check_tracks(const BeaconObservation& beacon, Findings& findings) {
+/// Fixes on a second track, or scattered ones. Returns whether there is a finding.
+bool check_outliers(const BeaconObservation& beacon, Findings& findings) {
   std::vector<Vector3d> outliers_m = beacon.fix_outcomes.outliers_m;
   std::uint64_t fixes = beacon.fix_outcomes.reports;
   std::string count =
@@ -61,9 +61,9 @@ void check_tracks(const BeaconObservation& beacon, Findings& findings) {
     }
     count = fmt::format("the IMU contradicts {} of its {} fixes", outliers_m.size(), fixes);
     constexpr double many = 0.15;  // single ones are noise of fix and IMU
-    if (static_cast<double>(outliers_m.size()) < many * static_cast<double>(fixes)) return;
+    if (static_cast<double>(outliers_m.size()) < many * static_cast<double>(fixes)) return false;
   }
-  if (!are_many(outliers_m.size(), fixes)) return;
+  if (!are_many(outliers_m.size(), fixes)) return false;
   if (const auto track_m = track_of(outliers_m)) {
     findings.push_back(
         {Severity::warning, name_of(beacon),
@@ -75,7 +75,25 @@ void check_tracks(const BeaconObservation& beacon, Findings& findings) {
     findings.push_back({Severity::warning, name_of(beacon), count + ", which are scattered",
                         "check for reflections and a poor line of sight to the stationary beacons; set "
                         "admission.min_quality_percent"});
+  } else {
+    return false;
   }
+  return true;
+}
+
+}  // namespace
+
+void check_tracks(const BeaconObservation& beacon, Findings& findings) {
+  if (check_outliers(beacon, findings)) return;
+  // The fixes of a long look outnumber those that the fusion rejects before it follows another track.
+  const FixOutcomes& fixes = beacon.fix_outcomes;
+  // After a freeze of the fixes, which is reported as such, it does so too.
+  if (fixes.relocations == 0 || beacon.status_counts.share_of(status_frozen_track) > 0) return;
+  findings.push_back(
+      {Severity::warning, name_of(beacon),
+       fmt::format("its fusion moved the position to other fixes at once, {}, by up to {:.2f} m",
+                   text::count_text(fixes.relocations, "time"), fixes.longest_relocation_m),
+       "check whether the map was changed or the beacon was carried away; otherwise look for a reflection"});
 }
 
 }  // namespace sonopose::doctor::rules

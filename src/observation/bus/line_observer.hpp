@@ -60,6 +60,8 @@ public:
 
   /// A message for the user, if lines were refused.
   std::optional<std::string> refusals() { return limit_.refusals(); }
+  /// How many lines were not observed, at the end. Empty if there were none.
+  std::optional<std::string> warning() { return limit_.warning(); }
 
 private:
   void forget(const sonopose_LineStatus& key) {

@@ -3,6 +3,7 @@
 #include "observation/status_counters.hpp"
 #include "observation/status_words.hpp"
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -29,8 +30,8 @@ public:
     if (rank(level) > rank(level_)) level_ = level;
     problems_.push_back(std::move(problem));
   }
-  void add_increase(std::uint64_t now, std::uint64_t before, std::string_view what) {
-    if (now > before) add(Level::warning, fmt::format("{} {}", now - before, what));
+  void add_increase(std::uint64_t now, std::uint64_t before, std::string_view one, std::string_view several) {
+    if (now > before) add(Level::warning, text::count_text(now - before, one, several));
   }
 
   [[nodiscard]] Level level() const { return level_; }
@@ -64,24 +65,31 @@ void check_losses(const observation::BeaconView& view, const observation::Beacon
                   ProblemList& problems) {
   // A reader continues to miss deadlines after the writer is lost.
   if (!view.lost)
-    problems.add_increase(view.deadlines_missed, before.deadlines_missed, "pose deadlines missed");
-  problems.add_increase(view.losses, before.losses, "losses of the fusion");
+    problems.add_increase(view.deadlines_missed, before.deadlines_missed, "pose deadline missed",
+                          "pose deadlines missed");
+  problems.add_increase(view.losses, before.losses, "loss of the fusion", "losses of the fusion");
   if (view.bridge && before.bridge) {
     const BeaconStatus& now = *view.bridge;
     const BeaconStatus& then = *before.bridge;
-    problems.add_increase(now.imu_deadlines_missed, then.imu_deadlines_missed, "IMU deadlines missed");
-    problems.add_increase(now.fix_deadlines_missed, then.fix_deadlines_missed, "fix deadlines missed");
+    problems.add_increase(now.imu_deadlines_missed, then.imu_deadlines_missed, "IMU deadline missed",
+                          "IMU deadlines missed");
+    problems.add_increase(now.fix_deadlines_missed, then.fix_deadlines_missed, "fix deadline missed",
+                          "fix deadlines missed");
     problems.add_increase(now.heading_deadlines_missed, then.heading_deadlines_missed,
-                          "heading deadlines missed");
-    problems.add_increase(now.crc_errors, then.crc_errors, "damaged frames");
-    problems.add_increase(now.samples_unwritten, then.samples_unwritten, "samples not written");
-    problems.add_increase(now.samples_unrecorded, then.samples_unrecorded, "samples not recorded");
-    problems.add_increase(now.clock_resets, then.clock_resets, "resets of the beacon's clock");
+                          "heading deadline missed", "heading deadlines missed");
+    problems.add_increase(now.crc_errors, then.crc_errors, "damaged frame", "damaged frames");
+    problems.add_increase(now.samples_unwritten, then.samples_unwritten, "sample not written",
+                          "samples not written");
+    problems.add_increase(now.samples_unrecorded, then.samples_unrecorded, "sample not recorded",
+                          "samples not recorded");
+    problems.add_increase(now.clock_resets, then.clock_resets, "reset of the beacon's clock",
+                          "resets of the beacon's clock");
   }
   if (view.fusion && before.fusion && view.fusion->fusion_id == before.fusion->fusion_id) {
-    problems.add_increase(view.fusion->events_lost, before.fusion->events_lost, "events lost");
-    problems.add_increase(view.fusion->samples_invalid, before.fusion->samples_invalid, "samples invalid");
-    problems.add_increase(view.fusion->imu_gaps, before.fusion->imu_gaps, "IMU gaps");
+    problems.add_increase(view.fusion->events_lost, before.fusion->events_lost, "event lost", "events lost");
+    problems.add_increase(view.fusion->samples_invalid, before.fusion->samples_invalid, "sample invalid",
+                          "samples invalid");
+    problems.add_increase(view.fusion->imu_gaps, before.fusion->imu_gaps, "IMU gap", "IMU gaps");
   }
 }
 

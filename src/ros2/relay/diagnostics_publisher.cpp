@@ -2,6 +2,7 @@
 
 #include "clocks/clocks.hpp"
 #include "ros2/relay/diagnostics.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -73,7 +74,7 @@ ros2::Diagnostic DiagnosticsPublisher::own_diagnostic(std::size_t reported, cons
   ros2::Diagnostic own;
   own.name = node_name() + ": relay";
   own.level = reported == 0 ? ros2::Level::stale : ros2::Level::ok;
-  own.message = reported == 0 ? "no beacon received" : fmt::format("{} beacons", reported);
+  own.message = reported == 0 ? "no beacon received" : text::count_text(reported, "beacon");
   own.values = {{"samples_lost", std::to_string(endpoints_.samples_lost)},
                 {"samples_rejected", std::to_string(endpoints_.samples_rejected)},
                 {"incompatible_qos", std::to_string(endpoints_.incompatible_qos)},
@@ -84,8 +85,8 @@ ros2::Diagnostic DiagnosticsPublisher::own_diagnostic(std::size_t reported, cons
   }
   if (imu_data_lost > std::exchange(reported_imu_data_lost_, imu_data_lost)) {
     own.level = ros2::Level::warning;
-    own.message +=
-        fmt::format("; {} messages of imu/data lost, whose IMU samples did not arrive", imu_data_lost);
+    own.message += fmt::format("; {} of imu/data lost, whose IMU samples did not arrive",
+                               text::count_text(imu_data_lost, "message"));
   }
   for (const Input& input : options_.inputs) {
     if (source == nullptr || input.kind != Input::Kind::imu) continue;

@@ -1,11 +1,15 @@
 #include "ros2/relay/input_monitor.hpp"
 
+#include <sonopose/text/count_text.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
 namespace sonopose::ros2::relay {
 namespace {
+
+using text::count_text;
 
 constexpr TimeNs loss_report_period_ns = 1'000'000'000;
 /// Limits the log lines about a sender that uses a new frame for each message.
@@ -50,27 +54,33 @@ void InputMonitor::check_silence(const InputEndpoints& endpoints, SteadyTime now
         endpoints.publishers == 0 && endpoints.publishers_incompatible > reported_incompatible_;
     if (!was_silent || has_new_cause) log_silence(endpoints, now, lines);
   } else if (was_silent) {
-    lines.push_back(fmt::format("beacon {}: {} from ROS 2{}, after {:.1f} s", input_.address, samples_text(),
-                                silence_->is_first ? "" : " again",
-                                seconds_between(silence_->since, latest_)));
+    lines.push_back([this, silence = *silence_, end = latest_] {
+      return fmt::format("beacon {}: {} from ROS 2{}, after {:.1f} s", input_.address, samples_text(),
+                         silence.is_first ? "" : " again", seconds_between(silence.since, end));
+    });
     silence_.reset();
   }
 }
 
 void InputMonitor::log_silence(const InputEndpoints& endpoints, SteadyTime now, Lines& lines) {
-  const std::string lasted =
-      silence_->is_first ? "yet" : fmt::format("for {:.1f} s", seconds_between(silence_->since, now));
-  lines.push_back(fmt::format("beacon {}: no {} from ROS 2 {}: {}", input_.address, samples_text(), lasted,
-                              cause(endpoints)));
+  lines.push_back([this, endpoints, now, silence = *silence_] {
+    const std::string lasted =
+        silence.is_first ? "yet" : fmt::format("for {:.1f} s", seconds_between(silence.since, now));
+    return fmt::format("beacon {}: no {} from ROS 2 {}: {}", input_.address, samples_text(), lasted,
+                       cause(endpoints));
+  });
   reported_incompatible_ = endpoints.publishers_incompatible;
 }
 
 void InputMonitor::check_losses(const InputEndpoints& endpoints, SteadyTime now, Lines& lines) {
   if (endpoints.samples_lost <= reported_lost_) return;
   if (reported_lost_at_ && now - *reported_lost_at_ < loss_report_period_ns) return;
-  lines.push_back(
-      fmt::format("beacon {}: {} {} from ROS 2 lost: they arrived on {} faster than they were processed",
-                  input_.address, endpoints.samples_lost - reported_lost_, samples_text(), input_.topic));
+  lines.push_back([this, lost = endpoints.samples_lost - reported_lost_] {
+    return fmt::format(
+        "beacon {}: {} from ROS 2 lost: messages arrived on {} faster than they were processed",
+        input_.address, is_imu(input_) ? count_text(lost, "IMU sample") : count_text(lost, "fix", "fixes"),
+        input_.topic);
+  });
   reported_lost_ = endpoints.samples_lost;
   reported_lost_at_ = now;
 }
@@ -80,13 +90,14 @@ void InputMonitor::log_unexpected_frame(std::string_view frame, Lines& lines) {
   if (std::find(unexpected_frames_.begin(), unexpected_frames_.end(), frame) != unexpected_frames_.end())
     return;
   unexpected_frames_.emplace_back(frame);
-  lines.push_back(
-      is_imu(input_)
-          ? fmt::format(
-                "beacon {}: the frame of {} on {} has changed from '{}' to '{}': the same axes are assumed",
-                input_.address, samples_text(), input_.topic, *expected_frame_, frame)
-          : fmt::format("beacon {}: {} on {} are in frame '{}': they are used as if in '{}'", input_.address,
-                        samples_text(), input_.topic, frame, *expected_frame_));
+  lines.push_back([this, found = std::string(frame), expected = *expected_frame_] {
+    return is_imu(input_) ? fmt::format(
+                                "beacon {}: the frame of {} on {} has changed from '{}' to '{}': the same "
+                                "axes are assumed",
+                                input_.address, samples_text(), input_.topic, expected, found)
+                          : fmt::format("beacon {}: {} on {} are in frame '{}': they are used as if in '{}'",
+                                        input_.address, samples_text(), input_.topic, found, expected);
+  });
 }
 
 const char* InputMonitor::samples_text() const {
@@ -95,12 +106,12 @@ const char* InputMonitor::samples_text() const {
 
 std::string InputMonitor::cause(const InputEndpoints& endpoints) const {
   if (endpoints.publishers > 0) {
-    return fmt::format("{} has {} publisher{}, but no valid message has arrived", input_.topic,
-                       endpoints.publishers, endpoints.publishers == 1 ? "" : "s");
+    return fmt::format("{} has {}, but no valid message has arrived", input_.topic,
+                       count_text(endpoints.publishers, "publisher"));
   }
   if (endpoints.publishers_incompatible > 0) {
-    return fmt::format("the QoS of {} publisher{} of {} does not match", endpoints.publishers_incompatible,
-                       endpoints.publishers_incompatible == 1 ? "" : "s", input_.topic);
+    return fmt::format("the QoS of {} of {} does not match",
+                       count_text(endpoints.publishers_incompatible, "publisher"), input_.topic);
   }
   return fmt::format("there is no publisher of {} on {}",
                      is_imu(input_) ? "sensor_msgs/Imu" : "PointStamped or PoseWithCovarianceStamped",

@@ -1,10 +1,12 @@
 #pragma once
 /// \file
-/// Log lines about one input topic: silence, losses, unexpected frames. Without I/O: lines are returned.
+/// Log lines about one input topic: silence, losses, unexpected frames. Without I/O: lines are returned, to
+/// be formed on another thread than that of the samples.
 
 #include "ros2/relay/input_option.hpp"
 
 #include <deque>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,12 +25,16 @@ struct InputEndpoints {
 /// Monitors one topic. Times are of the steady clock. Not thread-safe.
 class InputMonitor {
 public:
-  using Lines = std::vector<std::string>;
+  /// Forms the line, on any thread during the life of the monitor.
+  using Line = std::function<std::string()>;
+  using Lines = std::vector<Line>;
 
   /// An input is silent if it has no valid sample for longer than `timeout_ns`. Until its first sample the
   /// timeout is at least `first_sample_ns` after `now`, for discovery. `map_frame`: the expected frame of
   /// fixes.
   InputMonitor(Input input, std::string map_frame, TimeNs timeout_ns, SteadyTime now);
+  InputMonitor(const InputMonitor&) = delete;
+  InputMonitor& operator=(const InputMonitor&) = delete;
 
   static constexpr TimeNs first_sample_ns = 2'000'000'000;
 
@@ -51,9 +57,10 @@ private:
   void check_losses(const InputEndpoints& endpoints, SteadyTime now, Lines& lines);
   void log_unexpected_frame(std::string_view frame, Lines& lines);
   [[nodiscard]] const char* samples_text() const;
+  /// Reads constants only, as the above.
   [[nodiscard]] std::string cause(const InputEndpoints& endpoints) const;
 
-  Input input_;
+  const Input input_;  // read by lines
   TimeNs timeout_ns_;
   SteadyTime latest_;
   bool received_ = false;

@@ -388,6 +388,7 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
     if (!source_) readers_due = next_status;
     surroundings_.check_processes(has_writer(imu_), has_writer(pose_));
     log_transitions();
+    if (source_) source_->log_changes();
     remove_gone();
     diagnostics_.publish(beacons_.all(), source_.get());
     replace_tree_owner();
@@ -425,6 +426,7 @@ void Relay::Impl::run(const process::StopSignal& stop) {
     bridge_while([&] { serve(stop, failed); }, failed);
   }
   log_transitions();
+  if (source_) source_->log_changes();
   transition_log_.finish();
 }
 

@@ -107,6 +107,15 @@ public:
     }
   }
 
+  void log_changes() override {
+    InputMonitor::Lines lines;
+    {
+      const std::lock_guard lock(mutex_);
+      lines.swap(new_lines_);
+    }
+    for (const InputMonitor::Line& line : lines) log_(line());
+  }
+
   SteadyTime update_readers() override {
     const SteadyTime now = clocks::steady_now();
     if (now < search_due_) return search_due_;
@@ -145,6 +154,8 @@ public:
   }
 
 private:
+  static constexpr std::size_t most_lines = 256;  ///< that wait for log_changes(); some inputs make few
+
   template <class T>
   using Streams = std::vector<std::unique_ptr<Stream<T>>>;
 
@@ -244,7 +255,11 @@ private:
       check_due_ = now + period_ns;
       for (const auto& input : inputs_) input->monitor.update(endpoints_of(*input), now, lines_);
     }
-    for (const std::string& line : lines_) log_(line);
+    if (lines_.empty()) return;
+    const std::lock_guard lock(mutex_);
+    for (InputMonitor::Line& line : lines_) {
+      if (new_lines_.size() < most_lines) new_lines_.push_back(std::move(line));
+    }
     lines_.clear();
   }
 
@@ -277,13 +292,14 @@ private:
   dds::Discovery discovery_;                         ///< likewise
   SteadyTime search_due_;                            ///< likewise
   std::vector<std::unique_ptr<InputState>> inputs_;  ///< constant after construction
-  std::mutex mutex_;                                 ///< guards new_streams_
+  std::mutex mutex_;                                 ///< guards new_streams_ and new_lines_
   AllStreams new_streams_;                           ///< not yet used by run()
+  InputMonitor::Lines new_lines_;                    ///< not yet formed
   AllStreams streams_;                               ///< of run() only
   dds::WaitSet waitset_;
   std::map<BeaconAddress, Beacon> beacons_;
   ros2::RisingStamp reception_;
-  InputMonitor::Lines lines_;
+  InputMonitor::Lines lines_;  ///< of run() only, as the next ones
   SteadyTime check_due_;
   SteadyTime statuses_due_;
 };

@@ -36,10 +36,14 @@ public:
   /// other types. Call it on the thread of the node, and Node::announce() after it. Returns when it next has
   /// something to do; before, it does nothing. Throws dds::Error.
   virtual SteadyTime update_readers() = 0;
+
+  /// Forms and logs the lines of the changes that run() has found. Call it about once a second, and at the
+  /// end, on the thread of update_readers(): that of run() passes samples on.
+  virtual void log_changes() = 0;
 };
 
-/// Receives a line without a newline: "beacon 7: no IMU samples from ROS 2 yet: …". Called on the thread that
-/// runs the source, and on that of update_readers().
+/// Receives a line without a newline: "beacon 7: no IMU samples from ROS 2 yet: …". Called in log_changes()
+/// and update_readers().
 using LineLogger = std::function<void(const std::string& line)>;
 
 /// The present time in the clock of ROS 2, in nanoseconds. Called on the thread that runs the source.

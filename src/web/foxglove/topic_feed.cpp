@@ -3,6 +3,7 @@
 #include "clocks/clocks.hpp"
 #include <sonopose/dds/topics/serialized_topics.hpp>
 #include <sonopose/idl/text.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -127,8 +128,8 @@ void TopicFeed::on_close(Client client) {
 
 void TopicFeed::on_dropped(Client client, std::uint64_t total) {
   send_(client,
-        status(StatusLevel::warning,
-               fmt::format("{} messages were dropped so far: this connection is slow", total)),
+        status(StatusLevel::warning, fmt::format("{} dropped so far: this connection is slow",
+                                                 text::count_text(total, "message was", "messages were"))),
         true);
 }
 

@@ -222,6 +222,23 @@ TEST_CASE("The calibration of the fusion is applied to the means") {
   CHECK(beacon.rest->mean_force_body_mps2.isApprox(Vector3d(0, -8.0, 0), 1e-9));
 }
 
+TEST_CASE("A fusion that has ended does not hide the one that runs") {
+  BeaconProbe probe;
+  probe.begin(begin_ns, {});
+  FusionStatus status;
+  for (std::uint64_t id = 1; id <= 1000; ++id) {  // each stronger than the next
+    status.fusion_id = id;
+    status.strength = static_cast<std::int32_t>(2000 - id);
+    status.fixes_used = id;
+    probe.on(status);
+    if (id < 1000) probe.forget_fusion(id);
+  }
+  const auto beacon = probe.observation(begin_ns + window_ns, {});
+  REQUIRE(beacon.fusions.size() == 1);
+  REQUIRE(beacon.fusion);
+  CHECK(beacon.fusion->fixes_used == 1000);
+}
+
 TEST_CASE("A look of an hour keeps the samples of two minutes, and counts all") {
   BeaconProbe probe;
   probe.begin(begin_ns, {});

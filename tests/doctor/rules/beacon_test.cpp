@@ -133,11 +133,14 @@ TEST_CASE("Only increases of counters are reported") {
   CHECK(severity("its fusion lost 30 events", [](auto& b) { b.fusion->events_lost = 30; }) ==
         Severity::warning);
   CHECK(severity("its fusion lost 2 events", [](auto& b) { b.fusion->events_lost = 2; }) == Severity::note);
-  CHECK(severity("its fusion rejected 20 samples", [](auto& b) { b.fusion->samples_invalid = 20; }) ==
-        Severity::warning);
+  CHECK(severity("its fusion rejected 20 samples: not finite, out of range, out of order, or too late",
+                 [](auto& b) { b.fusion->samples_invalid = 20; }) == Severity::warning);
   CHECK(severity("its fusion rejected 2 samples", [](auto& b) { b.fusion->samples_invalid = 2; }) ==
         Severity::note);
-  CHECK(severity("impossible values", [](auto& b) { b.status->samples_rejected = 2; }) == Severity::warning);
+  CHECK(severity("2 of its samples have impossible values",
+                 [](auto& b) { b.status->samples_rejected = 2; }) == Severity::warning);
+  CHECK(severity("1 of its samples has impossible values", [](auto& b) { b.status->samples_rejected = 1; }) ==
+        Severity::warning);
   CHECK(severity("its clock was reset 1 time:", [](auto& b) { b.status->clock_resets = 1; }) ==
         Severity::warning);
 }

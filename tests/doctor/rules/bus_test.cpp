@@ -51,6 +51,14 @@ TEST_CASE("More beacons than the doctor looks at are a problem") {
   CHECK(found(diagnose(observations), "44 addresses are ignored").severity == Severity::warning);
 }
 
+TEST_CASE("Fusions and lines beyond the limits are a problem, and how many") {
+  Observations observations = healthy();
+  observations.not_observed = {"3 fusions were not observed", "1 line was not observed"};
+  const auto findings = diagnose(observations);
+  CHECK(found(findings, "3 fusions were not observed").severity == Severity::warning);
+  CHECK(found(findings, "1 line was not observed").severity == Severity::warning);
+}
+
 TEST_CASE("A missing bridge, a missing fusion and missing subscribers are distinguished") {
   SECTION("no bridge") {
     Observations observations = healthy();

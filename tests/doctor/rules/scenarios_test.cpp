@@ -74,19 +74,21 @@ constexpr const char* contradicted = "the IMU contradicts";
 constexpr const char* no_valid_fix = "has had no valid fix";
 constexpr const char* low_trust = "has low trust";
 constexpr const char* no_imu = "no IMU samples for";
+constexpr const char* no_fixes = "no fixes for";
+constexpr const char* relocated = "moved the position to other fixes";
 
 /// A scenario that is not here has no fault that the doctor reports.
 const std::vector<Expectation> faulty_scenarios{
-    {"outlier_bursts", {outliers, contradicted, no_valid_fix, low_trust}, outliers},
-    {"outages", {no_valid_fix}},
+    {"outlier_bursts", {outliers, contradicted, no_valid_fix, low_trust, relocated}, outliers},
+    {"outages", {no_valid_fix, no_fixes}},
     {"low_quality", {outliers, contradicted}, contradicted},
-    {"relocation", {outliers, contradicted, no_valid_fix, low_trust}},
-    {"wrong_tracks", {outliers, contradicted, no_valid_fix, low_trust}, outliers},
-    {"short_tracks", {outliers, contradicted, no_valid_fix, low_trust}, outliers},
-    {"drifting_tracks", {outliers, contradicted, no_valid_fix, low_trust}, outliers},
+    {"relocation", {outliers, contradicted, no_valid_fix, low_trust, relocated}},
+    {"wrong_tracks", {outliers, contradicted, no_valid_fix, low_trust, relocated}, outliers},
+    {"short_tracks", {outliers, contradicted, no_valid_fix, low_trust, relocated}, outliers},
+    {"drifting_tracks", {outliers, contradicted, no_valid_fix, low_trust, relocated}, outliers},
     {"imu_gaps", {no_imu}, no_imu},
-    {"hall", {outliers, contradicted, no_valid_fix, low_trust}, no_valid_fix},
-    {"moved_map", {outliers, contradicted, no_valid_fix, low_trust}},
+    {"hall", {outliers, contradicted, no_valid_fix, low_trust, relocated}, no_valid_fix},
+    {"moved_map", {outliers, contradicted, no_valid_fix, low_trust, relocated}},
     {"misplaced_beacon", {outliers, contradicted, low_trust}},
     {"wrong_delay", {"than the fusion assumes"}},
 };
@@ -149,6 +151,43 @@ int check_scenarios(std::uint64_t first_seed, int seeds, double window_s,
 TEST_CASE("In every scenario, the doctor finds only the fault that is there") {
   std::map<std::string, int> found_in;
   check_scenarios(2101, 2, 8.0, found_in);
+}
+
+/// When the fault of a run begins; a misplaced beacon is there all the time.
+double fault_begin_s(const sim::Scenario& run, std::uint64_t seed) {
+  const sim::Disturbances& disturbances = run.disturbances;
+  if (!disturbances.outages.empty()) return disturbances.outages[seed % disturbances.outages.size()].begin_s;
+  return disturbances.relocations.empty() ? 20.0 : disturbances.relocations.front().at_s;
+}
+
+TEST_CASE("The doctor finds outages and a map that moves, in a short and in a long look, and nothing else") {
+  for (const char* const scenario : {"outages", "relocation", "moved_map"}) {
+    const std::vector<const char*> allowed = expectation_of(scenario).allowed;
+    for (std::uint64_t seed = 7401; seed < 7407; ++seed) {
+      const double begin_s =
+          fault_begin_s(sim::drawn(sim::find_scenario(scenario), {.seed = seed, .duration_s = 75}), seed);
+      const auto events = events_of(scenario, seed, 75);
+      for (const Look& look : {Look{begin_s - 4, 8}, Look{begin_s - 10, 30}}) {
+        const std::string problems = problems_of(observed(events, {}, look));
+        CAPTURE(scenario, seed, look.begin_s, look.window_s, problems);
+        CHECK(problems != "");
+        CHECK(unexplained(problems, allowed) == "");
+      }
+    }
+  }
+}
+
+/// The fixes are off by a part of the error of the map, which changes slowly along the way: no IMU
+/// contradicts that.
+TEST_CASE("The doctor finds no other fault where a stationary beacon is misplaced") {
+  for (std::uint64_t seed = 7401; seed < 7405; ++seed) {
+    const auto events = events_of("misplaced_beacon", seed, 60);
+    for (const Look& look : {Look{20, 8}, Look{10, 40}}) {
+      const std::string problems = problems_of(observed(events, {}, look));
+      CAPTURE(seed, look.begin_s, look.window_s, problems);
+      CHECK(unexplained(problems, expectation_of("misplaced_beacon").allowed) == "");
+    }
+  }
 }
 
 /// Of many more looks, a few in a hundred may be wrong: `test_doctor "[survey]"` prints how many.

@@ -49,6 +49,21 @@ TEST_CASE("Scattered outliers are no track") {
   CHECK_FALSE(has_problems(findings_with([&](auto& b) { b = beacon; })));
 }
 
+TEST_CASE("A move of the map is found among many good fixes") {
+  BeaconObservation beacon = healthy_beacon();
+  beacon.fix_outcomes.reports = 1000;
+  beacon.fix_outcomes.relocations = 1;
+  beacon.fix_outcomes.longest_relocation_m = 1.56;
+  const auto problems = [&] {
+    Observations observations = healthy();
+    observations.beacons = {beacon};
+    return problems_of(observations);
+  };
+  CHECK_THAT(problems(), Contains("moved the position to other fixes at once, 1 time, by up to 1.56 m"));
+  beacon.status_counts.add(status_frozen_track);  // the fixes stood still before, which is reported as such
+  CHECK_THAT(problems(), !Contains("moved the position"));
+}
+
 TEST_CASE("A frozen track is found") {
   auto events = events_of("walk", 1932, 30);
   std::optional<Vector3d> frozen_at;

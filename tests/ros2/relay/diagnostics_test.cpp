@@ -80,7 +80,7 @@ SCENARIO("the diagnostic of a beacon") {
       THEN("this is a warning with both counts") {
         CHECK(diagnostic.level == Level::warning);
         CHECK(says(diagnostic, "2 IMU deadlines missed"));
-        CHECK(says(diagnostic, "1 events lost"));
+        CHECK(says(diagnostic, "1 event lost"));
       }
     }
     WHEN("its pose is stale or has low trust") {

@@ -23,12 +23,17 @@ struct Log {
   explicit Log(Kind kind)
       : monitor({kind, kind == Kind::imu ? "/imu/data" : "/tag", 42}, "map", 100 * ms, SteadyTime{}) {}
 
-  InputMonitor::Lines take() { return std::exchange(lines, {}); }
-  InputMonitor::Lines update(const InputEndpoints& endpoints, TimeNs now_ns) {
+  /// Formed later, as in the relay.
+  std::vector<std::string> take() {
+    std::vector<std::string> formed;
+    for (const InputMonitor::Line& line : std::exchange(lines, {})) formed.push_back(line());
+    return formed;
+  }
+  std::vector<std::string> update(const InputEndpoints& endpoints, TimeNs now_ns) {
     monitor.update(endpoints, SteadyTime{now_ns}, lines);
     return take();
   }
-  InputMonitor::Lines receive(std::string_view frame, TimeNs now_ns = 0) {
+  std::vector<std::string> receive(std::string_view frame, TimeNs now_ns = 0) {
     monitor.on_sample(frame, SteadyTime{now_ns}, lines);
     return take();
   }

@@ -116,12 +116,22 @@ public:
                        [&](const auto& line) { return line.find(text) != std::string::npos; });
   }
   [[nodiscard]] bool logs(const std::string& text) const {
-    return wait_until([&] { return has_logged(text); });
+    return wait_until([&] {
+      source->log_changes();
+      return has_logged(text);
+    });
+  }
+
+  /// Whether the thread that passes the samples on has logged a line.
+  [[nodiscard]] bool has_logged_on_path() const {
+    const std::lock_guard lock(mutex_);
+    return line_on_running_thread_;
   }
 
 private:
   void add_line(const std::string& line) {
     const std::lock_guard lock(mutex_);
+    if (std::this_thread::get_id() == running_.get_id()) line_on_running_thread_ = true;
     lines_.push_back(line);
   }
 
@@ -134,6 +144,7 @@ private:
   process::StopSignal stop_;
   mutable std::mutex mutex_;
   std::vector<std::string> lines_;
+  bool line_on_running_thread_ = false;
   std::thread running_;
 
 public:
@@ -274,6 +285,7 @@ SCENARIO("fixes in an unexpected frame are used and logged") {
       REQUIRE(wait_until([&] { return rig.sink.count() == 2; }));
       CHECK(rig.logs("beacon 8: fixes on /tag are in frame 'map_7': they are used as if in 'map_8'"));
       CHECK_FALSE(rig.has_logged("beacon 7: fixes on /tag are in frame"));
+      CHECK_FALSE(rig.has_logged_on_path());
     }
   }
 }
