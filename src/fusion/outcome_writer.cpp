@@ -41,7 +41,7 @@ void OutcomeWriter::write(FusedPose& pose) noexcept {
   const SteadyTime now = clocks::steady_now();
   const PoseOutput::Route route = output_.route(pose, now);
   overload_.on_pose(route.late_ns, now);
-  write_until_accepted([&] { return output_.write(route.writer, pose); });
+  if (route.writer != nullptr) write_until_accepted([&] { return output_.write(*route.writer, pose); });
 }
 
 /// Overloaded: writes the newest pose of a beacon in the backlog, unless another was written shortly before.

@@ -80,11 +80,16 @@ PoseOutput::Route PoseOutput::route(FusedPose& pose, SteadyTime now) noexcept {
     }
     first_due = predictor_.on_pose(pose, now);
     due_times_changed_ |= first_due;
-    if (standby_) step = standby_->on_pose(pose.address, pose.status, late_ns, now);
+    if (standby_) {
+      step = standby_->on_pose(pose.address, pose.status, late_ns, now);
+      const bool is_late = (pose.status & status_late) != 0;
+      step.skip = step.skip || (is_late && step.role != FusionRole::serving);
+      if (step.skip) ++delay.poses_skipped;
+    }
   }
   if (first_due) wake_.notify_one();
   if (step.release) release(pose.address);
-  return {writer_of(step.role), late_ns};
+  return {step.skip ? nullptr : &writer_of(step.role), late_ns};
 }
 
 bool PoseOutput::is_due(const FusedPose& pose, TimeNs spacing_ns) const noexcept {

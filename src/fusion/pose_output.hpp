@@ -41,11 +41,12 @@ public:
 
   /// Where to write a pose, and how much later than usual its sample was taken.
   struct Route {
-    dds::DataWriter<sonopose_FusedPose>& writer;
+    dds::DataWriter<sonopose_FusedPose>* writer = nullptr;  ///< null: it is skipped, and counted
     TimeNs late_ns = 0;
   };
   /// The route for a pose that is written at `now`. Releases the beacon if
-  /// necessary. Live, marks and counts a pose whose sample arrived more than `late_after_s` later than usual.
+  /// necessary. A fusion that does not serve skips what is late. Live, marks and counts a pose whose sample
+  /// arrived more than `late_after_s` later than usual.
   Route route(FusedPose& pose, SteadyTime now) noexcept;
   static constexpr double late_after_s = sonopose_LATE_AFTER;
 

@@ -32,7 +32,12 @@ Standby::Step Standby::on_pose(BeaconAddress address, std::uint32_t status, Time
   }
   const bool release = claimed && lane.role != FusionRole::serving;
   lane.list_again = lane.list_again || release;
-  return {lane.role, release};
+  return {lane.role, release, is_backlog(lane, now)};
+}
+
+/// A backlog is taken at once; samples that are delayed on their way come one by one.
+bool Standby::is_backlog(const Lane& lane, SteadyTime now) const {
+  return lane.role != FusionRole::serving && is_late(lane) && now - lane.warming_since < stall_ns_ / 4;
 }
 
 /// Samples are delayed on their way to this process: its poses would be older than those of the others.

@@ -31,11 +31,14 @@ public:
   struct Step {
     FusionRole role = FusionRole::warming;  ///< determines the strength that the pose is written with
     bool release = false;                   ///< release the beacon first
+    bool skip = false;                      ///< do not write it: it is of the backlog of a pause
   };
 
   /// A pose that is about to be written at `now`, whose sample arrived `late_ns` later than usual. If the
   /// input was silent, a stalled beacon is claimed again with its first good pose. If its samples are late,
-  /// this process was suspended and has missed samples: it warms up again.
+  /// this process was suspended and has missed samples: it warms up again, and the late poses that follow at
+  /// once are skipped. While the beacon has no owner, consumers would receive them beside those of another
+  /// fusion.
   Step on_pose(BeaconAddress address, std::uint32_t status, TimeNs late_ns, SteadyTime now);
 
   /// Adds to `stalled` the beacons to release at `now`. Each, and each that
@@ -66,6 +69,7 @@ private:
 
   [[nodiscard]] bool is_warm(const Lane& lane, SteadyTime now) const;
   [[nodiscard]] bool is_late(const Lane& lane) const;
+  [[nodiscard]] bool is_backlog(const Lane& lane, SteadyTime now) const;
   void begin_warm_up(Lane& lane, SteadyTime now) const;
 
   TimeNs warm_up_ns_;

@@ -125,9 +125,36 @@ SCENARIO("a beacon without further poses is released, and no other one") {
     THEN("the claim is taken back before that pose is written, and once more for one on its way") {
       CHECK(step.role == FusionRole::warming);
       CHECK(step.release);
+      CHECK(step.skip);
       CHECK_FALSE(feed.poses(1).release);
       CHECK(feed.stalled() == std::vector<BeaconAddress>{7, 8});
       CHECK(feed.poses(50).role == FusionRole::warming);
+    }
+  }
+}
+
+SCENARIO("what has gathered while a process was stopped is skipped") {
+  Feed feed;
+  feed.poses(101);
+  GIVEN("the 30 samples of a stop of 300 ms, taken within 10 ms") {
+    feed.now += 300 * ms;
+    const auto skips = [&](TimeNs late_ns) { return feed.standby.on_pose(7, 0, late_ns, feed.now).skip; };
+    for (int i = 0; i < 30; ++i) {
+      feed.now += ms / 3;
+      const TimeNs late_ns = (300 - 10 * i) * ms;
+      CAPTURE(i);
+      // What is less late than a quarter of the deadline is a pose as usual.
+      CHECK(skips(late_ns) == (late_ns > stall_ns / 4));
+    }
+    THEN("later poses are written, even if their samples are delayed on their way") {
+      feed.now += 20 * ms;
+      CHECK_FALSE(skips(stall_ns / 2));
+    }
+  }
+  GIVEN("a serving process whose samples begin to be late") {
+    feed.late_ns = 2 * stall_ns;
+    THEN("its poses are written") {
+      CHECK_FALSE(feed.poses(10).skip);
     }
   }
 }

@@ -102,7 +102,7 @@ struct FusionStatus {
   std::uint64_t heading_deadlines_missed = 0;
   std::uint64_t bridge_losses = 0;  ///< times that the bridge of this beacon was lost
   std::uint64_t poses_late = 0;     ///< poses with status_late
-  std::uint64_t poses_skipped = 0;  ///< not written while overloaded; their samples were fused
+  std::uint64_t poses_skipped = 0;  ///< not written: overloaded, or late while warming
   // Of the whole process, the same for all of its beacons:
   std::uint64_t pose_deadlines_missed = 0;
   std::uint64_t liveliness_lost = 0;   ///< expired leases of its pose writers
