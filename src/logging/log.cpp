@@ -10,6 +10,7 @@
 #include <condition_variable>
 #include <csignal>
 #include <cstdlib>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <poll.h>
@@ -19,6 +20,7 @@
 #include <spdlog/sinks/base_sink.h>
 #include <unistd.h>
 #include <utility>
+#include <vector>
 
 namespace sonopose::logging {
 namespace {
@@ -105,6 +107,45 @@ void write_at_once(Level level, std::string_view text) {
   error.write(formatted(stream(), program_name(), level, text));
 }
 
+/// All listeners. They are called under the lock, so none of them is called after its end.
+class Listeners {
+public:
+  void add(Listener& listener) {
+    const std::lock_guard lock(mutex_);
+    entries_.push_back({&listener});
+  }
+
+  void remove(const Listener& listener) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(entries_, [&](const Entry& entry) { return entry.listener == &listener; });
+  }
+
+  /// On the thread of the session; `earlier` are its lines before this one.
+  void pass_on(const Line& line, const auto& earlier) {
+    const std::lock_guard lock(mutex_);
+    for (Entry& entry : entries_) {
+      if (std::exchange(entry.is_new, false)) {
+        for (const auto& each : earlier) entry.listener->on({each.level, each.time_ns, each.text});
+      }
+      entry.listener->on(line);
+    }
+  }
+
+private:
+  struct Entry {
+    Listener* listener;
+    bool is_new = true;
+  };
+
+  std::mutex mutex_;  // guards the rest
+  std::vector<Entry> entries_;
+};
+
+Listeners& listeners() {
+  static auto* const all = new Listeners;  // never destroyed: a listener may be a static object
+  return *all;
+}
+
 /// Writes lines on the thread of the session, each before it reads the next: nothing is lost in a buffer.
 class StandardError final : public spdlog::sinks::base_sink<std::mutex> {
 public:
@@ -124,9 +165,9 @@ public:
 
 protected:
   void sink_it_(const spdlog::details::log_msg& line) override {
+    time_ns_ = std::chrono::duration_cast<std::chrono::nanoseconds>(line.time.time_since_epoch()).count();
     report_dropped();
-    const std::string_view text(line.payload.data(), line.payload.size());
-    error_.write(formatted(stream(), program_name(), level_of(line.level), text));
+    write(level_of(line.level), {line.payload.data(), line.payload.size()});
   }
 
   void flush_() override {
@@ -144,18 +185,33 @@ private:
     return level == spdlog::level::err ? Level::error : Level::failure;
   }
 
+  struct Earlier {
+    Level level;
+    std::int64_t time_ns;
+    std::string text;
+  };
+
+  void write(Level level, std::string_view text) {
+    error_.write(formatted(stream(), program_name(), level, text));
+    listeners().pass_on({level, time_ns_, text}, earlier_);
+    if (earlier_.size() == Listening::most_earlier) earlier_.pop_front();
+    earlier_.push_back({level, time_ns_, std::string(text)});
+  }
+
   void report_dropped() {
     const std::size_t dropped = pool_->overrun_counter();
     if (dropped == reported_) return;
     const std::string text =
         fmt::format("{} lines of this log were dropped: standard error was too slow", dropped - reported_);
     reported_ = dropped;
-    error_.write(formatted(stream(), program_name(), Level::warning, text));
+    write(Level::warning, text);
   }
 
   thread_pool* pool_ = nullptr;
   PatientWriter error_;
   std::size_t reported_ = 0;
+  std::int64_t time_ns_ = 0;  ///< of the latest line
+  std::deque<Earlier> earlier_;
   std::mutex flush_mutex_;
   std::condition_variable flushed_;
   std::uint64_t flushes_ = 0;
@@ -206,6 +262,18 @@ std::shared_ptr<Parts> current() {
 
 void set_program(std::string name) {
   program_name() = std::move(name);
+}
+
+const std::string& program() {
+  return program_name();
+}
+
+Listening::Listening(Listener& listener) : listener_(listener) {
+  listeners().add(listener);
+}
+
+Listening::~Listening() {
+  listeners().remove(listener_);
 }
 
 Session::Session(Level least, std::size_t capacity) {

@@ -233,7 +233,6 @@ Relay::Impl::Impl(const RelayOptions& options)
       participant_(options_.domain, ros2::participant_qos(options.enclave)),
       qos_(options.qos_file),
       node_(participant_, qos_, options.names, options.distro.value_or(ros2::layout_without_others)),
-      log_(options.log_level),
       clock_(node_, options.use_sim_time),
       parameters_(node_, participant_,
                   {.domain = options_.domain,
