@@ -181,6 +181,40 @@ def plots_follow(browser):
     browser.execute_script("document.querySelector('.plot-tools button').click()")
 
 
+def logs_are_shown(browser, processes):
+    """Lines of other processes, by program and level."""
+    browser.execute_script("document.querySelector('[data-panel=\"events-panel\"]').click()")
+    shown = """
+        return [...document.querySelectorAll("#events li")].filter((line) => line.offsetParent !== null)
+          .map((line) => line.textContent);"""
+    labelled = """
+        return [...document.querySelectorAll("#events li")].filter((line) => {
+          const label = line.querySelector("b").textContent;
+          return (label === "%s" || label.startsWith("%s ")) && label.endsWith("%s");
+        }).map((line) => line.textContent);"""
+    waiting = processes.start("bridge", "--source", "serial", "--device", "/nonexistent")
+    lines = wait_for(browser, "a line of the new bridge is shown", f"""
+        const found = (() => {{ {labelled % ("bridge", "bridge", f":{waiting.pid}")} }})();
+        return found.length >= 2 && found;""")
+    check("/nonexistent" in lines[0], "a new bridge is shown with its process: " + lines[0])
+    fusion = browser.execute_script(labelled % ("fusion", "fusion", ""))
+    check(fusion, f"{len(fusion)} lines of the fusion are shown, such as " + fusion[0])
+    initialised = [line for line in browser.execute_script(shown) if "beacon 7: initialised" in line]
+    check(len(initialised) <= 1, f"a change of state is shown once: {initialised}")
+    choose = """
+        for (const [id, value] of [["events-program", "%s"], ["events-level", "%s"]]) {
+          const choice = document.getElementById(id);
+          choice.value = value;
+          choice.dispatchEvent(new Event("change"));
+        }"""
+    browser.execute_script(choose % ("bridge", "info"))
+    lines = browser.execute_script(shown)
+    check(lines and all("bridge" in line for line in lines), f"{len(lines)} lines are those of the bridge, such as {lines[0]}")
+    browser.execute_script(choose % ("bridge", "error"))
+    check(not browser.execute_script(shown), "no line of the bridge is an error")
+    browser.execute_script(choose % ("", "info"))
+
+
 def token_is_enough(browser, processes):
     """A page with a token loads all its parts."""
     token = "0123456789abcdef"
@@ -276,6 +310,8 @@ def run(folder, screenshot):
         map_and_plots_are_drawn(browser)
         browser.save_screenshot(screenshot)
         plots_follow(browser)
+        logs_are_shown(browser, processes)
+        browser.save_screenshot(screenshot.replace(".png", "_log.png"))
         settings_can_be_changed(browser)
 
         browser.refresh()
@@ -289,7 +325,7 @@ def run(folder, screenshot):
         wait_for(browser, "the page connects again", f"return sonopose.statistics.connected && sonopose.statistics.frames > {frames + 5}")
         print("ok: a lost connection recovers")
         logged = [entry["message"] for entry in browser.get_log("browser")
-                  if "/ws" not in entry["message"] and "ERR_CONNECTION_REFUSED" not in entry["message"]]
+                  if not entry["message"].startswith("chrome://") and "/ws" not in entry["message"] and "ERR_CONNECTION_REFUSED" not in entry["message"]]
         check(not logged, "the browser reports no error: " + json.dumps(logged))
         token_is_enough(browser, processes)
         recording_is_scrubbed(browser, processes)

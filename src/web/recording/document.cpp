@@ -1,6 +1,6 @@
 #include "web/recording/document.hpp"
 
-#include "web/live/event_level.hpp"
+#include "web/live/event_json.hpp"
 #include "web/live/rows.hpp"
 
 #include <fmt/format.h>
