@@ -264,6 +264,25 @@ def recording_is_scrubbed(browser, processes):
           "the events of a recording stay when the connection is lost")
 
 
+def recorded_logs_and_statuses_are_shown(browser, processes, file):
+    _, url = processes.start_web("127.0.0.1:0", file)
+    browser.get(url)
+    wait_for(browser, "the recording of the bus is shown",
+             f"return window.sonopose?.model?.extent && sonopose.model.beacons.size === {BEACONS}")
+    names = wait_for(browser, "its plots are shown", """
+        const shown = [...document.querySelectorAll(".plot:not([hidden])")];
+        const names = shown.map((plot) => plot.querySelector("h2").textContent);
+        return names.length >= 5 && names;""")
+    check("Latency, median (ms)" in names, f"a recording of the bus has a plot of the latency: {names}")
+    latency = browser.execute_script("""
+        const status = [...sonopose.model.beacons.values()][0].status.last();
+        return [status.sensor_to_bridge, status.bridge_to_fusion, status.in_fusion, status.fusion_to_here];""")
+    check(all(0 <= each < 1 for each in latency), f"its latencies are {latency} s")
+    lines = browser.execute_script(
+        "return [...document.querySelectorAll('#events li')].map((line) => line.textContent)")
+    check(any("fusion" in line for line in lines), f"it has {len(lines)} lines of logs, such as {lines[0]}")
+
+
 def drawn_per_s(browser):
     """How often the map is drawn: the mean of five seconds, when the beacons move."""
     frames = "sonopose.statistics.frames"
@@ -297,6 +316,8 @@ def run(folder, screenshot):
     processes = Processes(folder)
     browser = None
     try:
+        recorded = os.path.join(tempfile.mkdtemp(), "run.mcap")
+        recorder = processes.start("record", recorded, "--exclude", "imu,truth")
         processes.start("fusion")
         processes.start("bridge", "--source", "sim", "--beacons", str(BEACONS))
         web, url = processes.start_web("127.0.0.1:0", "--allow-changes")
@@ -304,6 +325,8 @@ def run(folder, screenshot):
         browser.get(url)
         wait_for(browser, "the page is connected", "return window.sonopose?.statistics?.connected")
         errors_are_small(browser)
+        recorder.terminate()
+        recorder.wait(10)
         rate = drawn_per_s(browser)
         check(rate >= 20, f"{BEACONS} beacons are drawn {rate:.1f} times a second")
         table_shows_poses(browser)
@@ -329,6 +352,7 @@ def run(folder, screenshot):
         check(not logged, "the browser reports no error: " + json.dumps(logged))
         token_is_enough(browser, processes)
         recording_is_scrubbed(browser, processes)
+        recorded_logs_and_statuses_are_shown(browser, processes, recorded)
     finally:
         if browser:
             browser.quit()

@@ -287,3 +287,21 @@ test("events and lines of logs are shown by time, with their program, bounded, a
   assert.equal(parts.list.children.length, 0);
   assert.equal(events.lines.length, 0);
 });
+
+test("a recording fills the plots of latency, delay and battery", () => {
+  const inputs = () => ({ addEventListener: () => {} });
+  load("playback.js");
+  const model = new Model();
+  const none = { t: [] };
+  const status = { t: [0, 1], battery: [3.9, null], delay: [0.08, 0.09], in_fusion: [0.001, 0.002] };
+  const beacons = [{ address: 7, rows: 2, poses: none, fixes: none, truth: none, status }];
+  const parts = { box: {}, time: inputs(), play: inputs(), rate: inputs(), clock: {} };
+  new sonopose.Playback(parts, model, { begin: 1000, duration: 1, stationary: [], beacons });
+  const { row, size } = { row: model.beacon(7).status.last(), size: model.beacon(7).status.size };
+  assert.equal(size, 2);
+  assert.equal(row.t, 1001);
+  assert.ok(Number.isNaN(row.battery));
+  assert.equal(row.delay, 0.09);
+  assert.equal(row.in_fusion, 0.002);
+  assert.ok(Number.isNaN(row.fusion_to_here));
+});
