@@ -28,8 +28,8 @@ int serve(const ros2::arguments::Arguments& arguments, const apps::Ros2Program& 
   apps::parse(program.app, apps::own_arguments(arguments), parameters.arguments);
   auto options = relay_options(program);
   options.startup_settings = parameters.settings;
-  options.log_level = apps::log_level(arguments, options.names.node(), program);
-  const logging::Session log(ros2::relay::process_level(options.log_level));
+  const auto level = apps::log_level(arguments, options.names.node(), program);
+  const logging::Session log(ros2::relay::process_level(level));
   options.rosout = arguments.rosout;
   if (!options.inputs.empty()) apps::check_publisher(program.bus);
   process::StopSignal stop;

@@ -53,6 +53,7 @@ void count_samples(std::uint32_t domain, std::atomic<std::uint64_t>& count) {
   const CountingReader estimate(participant, qos, topics::estimate, count);
   const CountingReader fusion_status(participant, qos, topics::fusion_status, count);
   const CountingReader line_status(participant, qos, topics::line_status, count);
+  const CountingReader log(participant, qos, topics::log, count);
   while (true) ::pause();
 }
 

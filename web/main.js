@@ -21,7 +21,9 @@
   const plots = new Plots(byId("plots"), model);
   sonopose.plots = plots;
   const table = new Table(byId("beacons"), model);
-  const events = new Events(byId("events"), byId("warnings"));
+  const events = new Events({
+    list: byId("events"), warnings: byId("warnings"), level: byId("events-level"), program: byId("events-program"),
+  });
   let connection = null;
   const request = (object) => connection !== null && connection.send(object);
   const findings = new Findings(byId("findings"), byId("progress"), byId("examine"), () => request({ op: "examine", seconds: 8 }));

@@ -24,6 +24,7 @@
         fill(beacon.poses, each.poses, this.begin);
         fill(beacon.truth, each.truth, this.begin);
         fill(beacon.fixes, each.fixes, this.begin);
+        fill(beacon.status, each.status, this.begin);
       }
       model.stationary = recording.stationary;
       model.extent = [this.begin, this.begin + this.duration];

@@ -9,6 +9,7 @@
 #include "logging/later.hpp"
 #include "logging/log.hpp"
 #include "process/endpoint_counters.hpp"
+#include "process/log_publisher.hpp"
 #include "process/random_id.hpp"
 #include "process/silence.hpp"
 #include "transitions/increase_log.hpp"
@@ -125,6 +126,7 @@ private:
   const process::StopSignal* stop_ = nullptr;
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
+  std::optional<process::LogPublisher> log_publisher_;
   process::EndpointCounters endpoints_;
   process::CountingWriterListener<sonopose_ImuSample> imu_listener_{endpoints_};
   process::CountingWriterListener<sonopose_UltrasonicFix> fix_listener_{endpoints_};
@@ -160,6 +162,7 @@ BridgeNode::Publisher::Publisher(const BridgeOptions& options)
       qos_(options.qos_file),
       others_(participant_, qos_),
       status_last_(clocks::steady_now()) {
+  if (options.publishes_log) log_publisher_.emplace(participant_, qos_);
   const auto delivery = lossless_ ? dds::topics::Delivery::lossless : dds::topics::Delivery::live;
   imu_writer_ = dds::topics::make_writer(participant_, qos_, topics::imu, &imu_listener_, delivery);
   fix_writer_ = dds::topics::make_writer(participant_, qos_, topics::fix, &fix_listener_, delivery);

@@ -21,6 +21,7 @@ struct BridgeOptions {
   /// Write what is published as a sensor-log folder. An error ends the recording, not the publishing.
   std::optional<std::filesystem::path> record_folder;
   recording::LogSettings source_settings = {};  ///< for the recording's meta.toml
+  bool publishes_log = true;                    ///< of the process; false if another part of it does
 };
 
 class BridgeNode {

@@ -12,6 +12,7 @@
 #include "process/endpoint_counters.hpp"
 #include "process/free_memory.hpp"
 #include "process/guarded.hpp"
+#include "process/log_publisher.hpp"
 #include "transitions/transition_log.hpp"
 #include <sonopose/collation/attended_time.hpp>
 #include <sonopose/dds/binding/participant.hpp>
@@ -133,6 +134,7 @@ private:
   process::BeaconAdmission admission_;
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
+  process::LogPublisher log_publisher_{participant_, qos_};
   dds::topics::Delivery delivery_;
   TimeNs input_deadline_ns_;
 

@@ -12,6 +12,7 @@
 #include <condition_variable>
 #include <csignal>
 #include <cstdlib>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <poll.h>
@@ -21,6 +22,7 @@
 #include <spdlog/sinks/base_sink.h>
 #include <unistd.h>
 #include <utility>
+#include <vector>
 
 namespace sonopose::logging {
 namespace {
@@ -110,13 +112,15 @@ void write_at_once(Level level, std::string_view text) {
 /// The calls of later() that wait for the thread of the session.
 class WaitingCalls {
 public:
-  void add(std::function<void()> call) {
+  /// Returns whether no other call waited.
+  bool add(std::function<void()> call) {
     const std::lock_guard lock(mutex_);
     if (calls_.size() < most) {
       calls_.push_back(std::move(call));
     } else {
       ++dropped_;
     }
+    return calls_.size() == 1;
   }
 
   void make_all() {
@@ -127,31 +131,87 @@ public:
       calls.swap(calls_);
       dropped = std::exchange(dropped_, 0);
     }
-    for (const auto& call : calls) call();
+    for (const auto& call : calls) {
+      try {
+        call();
+      } catch (...) {  // there is no memory for its line
+        ++dropped;
+      }
+    }
     if (dropped == 0) return;
     warning(fmt::format("{} not logged: too many at a time",
                         text::count_text(dropped, "change was", "changes were")));
   }
 
 private:
-  static constexpr std::size_t most = 256;
+  static constexpr std::size_t most = 2048;
 
   std::mutex mutex_;  // guards the rest
   std::vector<std::function<void()>> calls_;
   std::size_t dropped_ = 0;
 };
 
+/// All listeners. They are called under the lock, so none of them is called after its end.
+class Listeners {
+public:
+  void add(Listener& listener) {
+    const std::lock_guard lock(mutex_);
+    entries_.push_back({&listener});
+  }
+
+  void remove(const Listener& listener) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(entries_, [&](const Entry& entry) { return entry.listener == &listener; });
+  }
+
+  /// On the thread of the session; `earlier` are its lines before this one.
+  void pass_on(const Line& line, const auto& earlier) {
+    const std::lock_guard lock(mutex_);
+    for (Entry& entry : entries_) {
+      if (std::exchange(entry.is_new, false)) {
+        for (const auto& each : earlier) entry.listener->on({each.level, each.time_ns, each.text});
+      }
+      entry.listener->on(line);
+    }
+  }
+
+private:
+  struct Entry {
+    Listener* listener;
+    bool is_new = true;
+  };
+
+  std::mutex mutex_;  // guards the rest
+  std::vector<Entry> entries_;
+};
+
+Listeners& listeners() {
+  static auto* const all = new Listeners;  // never destroyed: a listener may be a static object
+  return *all;
+}
+
 /// Writes lines on the thread of the session, each before it reads the next: nothing is lost in a buffer.
 class StandardError final : public spdlog::sinks::base_sink<std::mutex> {
 public:
+  explicit StandardError(Level least) : least_(least) {}
+
   /// `pool`: whose dropped lines it reports. It joins the thread that calls this sink, so it outlives all
   /// calls.
   void watch(thread_pool& pool) { pool_ = &pool; }
 
   void end() { error_.end(); }
 
-  /// An empty line, which is not written, then makes the call.
-  void add(std::function<void()> call) { waiting_.add(std::move(call)); }
+  /// The thread of the session makes the call with the next line, which may be empty: then nothing is
+  /// written. Returns whether no other call waited, so that this one needs such a line.
+  bool add(std::function<void()> call) { return waiting_.add(std::move(call)); }
+
+  /// The sink whose thread this is; null on any other one.
+  static StandardError* of_this_thread() { return on_this_thread; }
+
+  /// A line of the thread of the session, which follows those before it at once.
+  void write_own(Level level, std::string_view text) {
+    if (level >= least_) write(level, text);
+  }
 
   /// Waits until the lines that were logged before are written, at most `flush_timeout`.
   void wait_for_flush(const auto& request) {
@@ -163,14 +223,16 @@ public:
 
 protected:
   void sink_it_(const spdlog::details::log_msg& line) override {
+    time_ns_ = std::chrono::duration_cast<std::chrono::nanoseconds>(line.time.time_since_epoch()).count();
     report_dropped();
+    on_this_thread = this;
     waiting_.make_all();
-    const std::string_view text(line.payload.data(), line.payload.size());
-    if (!text.empty()) error_.write(formatted(stream(), program_name(), level_of(line.level), text));
+    if (line.payload.size() > 0) write(level_of(line.level), {line.payload.data(), line.payload.size()});
   }
 
   void flush_() override {
     report_dropped();
+    on_this_thread = this;
     waiting_.make_all();
     const std::lock_guard lock(flush_mutex_);
     ++flushes_;
@@ -185,6 +247,19 @@ private:
     return level == spdlog::level::err ? Level::error : Level::failure;
   }
 
+  struct Earlier {
+    Level level;
+    std::int64_t time_ns;
+    std::string text;
+  };
+
+  void write(Level level, std::string_view text) {
+    error_.write(formatted(stream(), program_name(), level, text));
+    listeners().pass_on({level, time_ns_, text}, earlier_);
+    if (earlier_.size() == Listening::most_earlier) earlier_.pop_front();
+    earlier_.push_back({level, time_ns_, std::string(text)});
+  }
+
   void report_dropped() {
     const std::size_t dropped = pool_->overrun_counter();
     if (dropped == reported_) return;
@@ -192,17 +267,24 @@ private:
         fmt::format("{} dropped: standard error was too slow",
                     text::count_text(dropped - reported_, "line of this log was", "lines of this log were"));
     reported_ = dropped;
-    error_.write(formatted(stream(), program_name(), Level::warning, text));
+    write(Level::warning, text);
   }
 
+  static thread_local StandardError* on_this_thread;
+
+  Level least_;
   thread_pool* pool_ = nullptr;
   WaitingCalls waiting_;
   PatientWriter error_;
   std::size_t reported_ = 0;
+  std::int64_t time_ns_ = 0;  ///< of the latest line
+  std::deque<Earlier> earlier_;
   std::mutex flush_mutex_;
   std::condition_variable flushed_;
   std::uint64_t flushes_ = 0;
 };
+
+thread_local StandardError* StandardError::on_this_thread = nullptr;
 
 spdlog::level::level_enum spdlog_level(Level level) {
   switch (level) {
@@ -225,7 +307,7 @@ struct Parts {
   Parts(Level least, std::size_t capacity)
       : pool(std::make_shared<thread_pool>(capacity, 1,
                                            [] { ::pthread_setname_np(::pthread_self(), "log"); })),
-        sink(std::make_shared<StandardError>()),
+        sink(std::make_shared<StandardError>(least)),
         logger(std::make_shared<spdlog::async_logger>("", sink, pool,
                                                       spdlog::async_overflow_policy::overrun_oldest)) {
     sink->watch(*pool);
@@ -249,6 +331,18 @@ std::shared_ptr<Parts> current() {
 
 void set_program(std::string name) {
   program_name() = std::move(name);
+}
+
+const std::string& program() {
+  return program_name();
+}
+
+Listening::Listening(Listener& listener) : listener_(listener) {
+  listeners().add(listener);
+}
+
+Listening::~Listening() {
+  listeners().remove(listener_);
 }
 
 Session::Session(Level least, std::size_t capacity) {
@@ -275,7 +369,9 @@ std::size_t Session::dropped() const {
 
 void write(Level level, std::string_view text) noexcept {
   try {
-    if (const auto parts = current()) {
+    if (StandardError* const sink = StandardError::of_this_thread()) {
+      sink->write_own(level, text);
+    } else if (const auto parts = current()) {
       parts->logger->log(spdlog_level(level), spdlog::string_view_t(text.data(), text.size()));
     } else {
       write_at_once(level, text);
@@ -288,8 +384,9 @@ void later(std::function<void()> log) noexcept {
   try {
     const auto parts = current();
     if (!parts) return log();
-    parts->sink->add(std::move(log));
-    parts->logger->log(spdlog::level::critical, spdlog::string_view_t());
+    if (parts->sink->add(std::move(log))) {
+      parts->logger->log(spdlog::level::critical, spdlog::string_view_t());
+    }
   } catch (...) {  // NOLINT(bugprone-empty-catch): there is no memory for the line
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// \file
-/// The log of a process on standard error. Everything else of the logging library stays in log.cpp.
+/// The log of a process on standard error, and for listeners. Everything else of the logging library stays in
+/// log.cpp.
 
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +21,9 @@ enum class Level : std::uint8_t {
 /// Sets the name that begins each line of text, as "sonopose-fusion". Call it before there are other threads.
 void set_program(std::string name);
 
+/// That name, or the file name of the program.
+const std::string& program();
+
 /// While it exists, a thread of its own writes the lines, so that a slow or stopped reader of standard error
 /// delays no other thread. One at a time.
 class Session {
@@ -36,6 +40,42 @@ public:
 
   /// Lines dropped by the full queue. The log reports them too, as soon as it can be written again.
   [[nodiscard]] std::size_t dropped() const;
+};
+
+/// A line of a session.
+struct Line {
+  Level level = Level::info;
+  std::int64_t time_ns = 0;  ///< when it was logged, since the Unix epoch
+  std::string_view text;     ///< valid during the call that passes it
+};
+
+/// Receives the lines of the session that are written.
+class Listener {
+public:
+  Listener() = default;
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+  virtual ~Listener() = default;
+
+  /// On the thread of the log, after the line is on standard error. It must not log, since that would never
+  /// end, and must not wait, since the lines that follow wait for it.
+  virtual void on(const Line& line) noexcept = 0;
+};
+
+/// While it exists, the listener receives lines: together with the next one those that the session wrote
+/// before, at most the latest `most_earlier`. Several at a time.
+class Listening {
+public:
+  static constexpr std::size_t most_earlier = 64;
+
+  explicit Listening(Listener& listener);
+  Listening(const Listening&) = delete;
+  Listening& operator=(const Listening&) = delete;
+  /// Waits for a call that is in progress.
+  ~Listening();
+
+private:
+  Listener& listener_;
 };
 
 /// Logs a text. With a session the line waits for its thread; without one it is written at once. Thread-safe;

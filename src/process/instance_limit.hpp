@@ -21,7 +21,7 @@
 
 namespace sonopose::process {
 
-/// What is bounded: the fusions of each beacon, or the lines of all bridges.
+/// What is bounded: the fusions of each beacon, the lines of all bridges, or the processes that log.
 template <class T>
 struct Instance {
   using Group = BeaconAddress;
@@ -43,6 +43,15 @@ struct Instance<sonopose_LineStatus> {
   static constexpr const char* several_were = "lines were";
   static Group group_of(const sonopose_LineStatus& /*sample*/) { return 0; }
   static Key key_of(const sonopose_LineStatus& sample) { return {sample.name, sample.bridge_id}; }
+};
+template <>
+struct Instance<sonopose_LogLine> {
+  using Group = std::uint8_t;
+  using Key = std::pair<std::string, std::uint64_t>;
+  static constexpr std::size_t most_at_a_time = 64;
+  static constexpr const char* group = "processes that log";
+  static Group group_of(const sonopose_LogLine& /*sample*/) { return 0; }
+  static Key key_of(const sonopose_LogLine& sample) { return {sample.host, sample.process_id}; }
 };
 
 /// A filter of one reader: accepts the first ones. DDS keeps an instance of each until its writers have

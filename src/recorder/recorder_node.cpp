@@ -3,6 +3,7 @@
 #include "clocks/clocks.hpp"
 #include "files/error.hpp"
 #include "logging/log.hpp"
+#include "process/host_name.hpp"
 #include "recorder/foreign_topics.hpp"
 #include "recorder/instance_end.hpp"
 #include "recorder/pipeline.hpp"
@@ -16,10 +17,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <exception>
 #include <stdexcept>
-#include <unistd.h>
 #include <utility>
 
 namespace sonopose::recorder {
@@ -33,11 +32,6 @@ const topics::SerializedTopic& topic_named(const std::string& name) {
   const auto* const topic = topics::find_topic(name);
   if (topic == nullptr) throw std::invalid_argument(name + ": unknown topic");
   return *topic;
-}
-
-std::string host_name() {
-  std::array<char, 256> name{};
-  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
 }
 
 std::vector<ChannelSpec> channels_of(const std::vector<const topics::SerializedTopic*>& selected,
@@ -66,7 +60,7 @@ SeriesOptions series_options(const RecorderOptions& options, std::uint32_t domai
       .file = options.file,
       .writer = {.profile = {}, .library = "sonopose " + options.version, .compression = options.compression},
       .channels = {},
-      .about = {{"host", host_name()},
+      .about = {{"host", process::host_name()},
                 {"version", options.version},
                 {"command", options.command},
                 {"domain", std::to_string(domain_id)}},

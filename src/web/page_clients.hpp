@@ -39,7 +39,7 @@ public:
   void forget(const std::string& name);
 
 private:
-  static constexpr std::size_t max_events = 200;
+  static constexpr std::size_t max_events = 500;
 
   Send send_;
   mutable std::mutex mutex_;  ///< guards the rest

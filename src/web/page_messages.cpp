@@ -2,6 +2,7 @@
 
 #include "observation/status_words.hpp"
 #include "observation/stream_state.hpp"
+#include "web/live/event_json.hpp"
 #include <sonopose/settings/settings_table.hpp>
 
 #include <fmt/format.h>
@@ -120,8 +121,15 @@ std::string text_of(const Reply& reply) {
 }
 
 std::string event_text(TimeNs time_ns, std::string_view level, std::string_view text) {
-  return dump(
-      {{"op", "event"}, {"t", 1e-9 * static_cast<double>(time_ns)}, {"level", level}, {"text", text}});
+  nlohmann::json event = live::event_json(time_ns, level, text);
+  event["op"] = "event";
+  return dump(event);
+}
+
+std::string event_text(const LogLine& line) {
+  nlohmann::json event = live::event_json(line);
+  event["op"] = "event";
+  return dump(event);
 }
 
 std::string settings_text(const EffectiveSettings& settings) {

@@ -3,6 +3,7 @@
 /// What the page and its server say to each other: texts of the sub-protocol sonopose.v1 (docs/web.md).
 
 #include <sonopose/samples/live_settings.hpp>
+#include <sonopose/samples/log_line.hpp>
 #include <sonopose/samples/samples.hpp>
 
 #include <cstdint>
@@ -59,6 +60,8 @@ struct Reply {
 std::string text_of(const Reply& reply);
 
 std::string event_text(TimeNs time_ns, std::string_view level, std::string_view text);
+/// An event with the process that logged it.
+std::string event_text(const LogLine& line);
 std::string settings_text(const EffectiveSettings& settings);
 std::string stationary_text(const std::map<BeaconAddress, Vector3d>& positions_world_m);
 std::string gone_text(BeaconAddress address);

@@ -1,12 +1,14 @@
 #include "web/web_node.hpp"
 
 #include "clocks/clocks.hpp"
+#include "logging/log.hpp"
 #include "observation/bus/bus_watch.hpp"
 #include "observation/bus/views_json.hpp"
 #include "transitions/transition_log.hpp"
 #include "web/foxglove/topic_feed.hpp"
-#include "web/live/event_level.hpp"
+#include "web/live/event_json.hpp"
 #include "web/live/live_state.hpp"
+#include "web/log_lines.hpp"
 #include "web/page_clients.hpp"
 #include "web/page_messages.hpp"
 #include "web/request_worker.hpp"
@@ -176,19 +178,24 @@ private:
 class Broadcast {
 public:
   Broadcast(observation::bus::BusWatch& bus, live::LiveState& state, LiveSite& site)
-      : bus_(bus), state_(state), site_(site), latched_(bus, site.pages()) {}
+      : bus_(bus),
+        state_(state),
+        site_(site),
+        latched_(bus, site.pages()),
+        log_lines_(bus.participant(), bus.qos()) {}
 
   /// 25 times a second.
   void send_frame() {
     const SteadyTime now = clocks::steady_now();
+    for (const LogLine& line : log_lines_.take()) site_.pages().broadcast_event(event_text(line));
     for (const observation::PoseSilence& change : bus_.poll()) {
-      transition_log_.on({.address = change.address,
-                          .kind = transitions::Kind::poses_silent,
-                          .begins = change.silent,
-                          .lasted_s = change.lasted_s},
-                         now);
+      silence_log_.on({.address = change.address,
+                       .kind = transitions::Kind::poses_silent,
+                       .begins = change.silent,
+                       .lasted_s = change.lasted_s},
+                      now);
     }
-    for (auto& entry : state_.take_transitions()) transition_log_.take(entry.second, now);
+    for (auto& entry : state_.take_transitions()) pose_log_.take(entry.second, now);
     latched_.poll();
     if (site_.pages().empty()) return;
     if (std::string frame = state_.take_frame(clocks::host_now()); !frame.empty()) {
@@ -199,10 +206,14 @@ public:
   /// Once a second.
   void send_second() {
     const observation::bus::Second second = bus_.take_second();
-    transition_log_.update(clocks::steady_now());
+    silence_log_.update(clocks::steady_now());
+    pose_log_.update(clocks::steady_now());
+    show_held_events();
+    if (const auto text = log_lines_.refusals()) logging::warning(*text);
     for (const observation::BeaconView& view : second.gone) {
       state_.forget(view.address);
-      transition_log_.forget(view.address);
+      silence_log_.forget(view.address);
+      pose_log_.forget(view.address);
       site_.pages().broadcast(gone_text(view.address), http::Loss::never);
     }
     site_.worker().report_progress(
@@ -215,13 +226,27 @@ public:
   }
 
 private:
+  static std::string text_of_now(const transitions::Line& line) {
+    return event_text(clocks::host_now(), live::word_of(line.level), line.text);
+  }
+
+  /// The changes in the poses, unless a fusion logs them itself.
+  void show_held_events() {
+    if (log_lines_.has("sonopose-fusion")) return held_events_.clear();
+    for (std::string& text : held_events_.take_due()) site_.pages().broadcast_event(std::move(text));
+  }
+
   observation::bus::BusWatch& bus_;
   live::LiveState& state_;
   LiveSite& site_;
   LatchedTopics latched_;
-  transitions::TransitionLog transition_log_{[this](const transitions::Line& line) {
-    site_.pages().broadcast_event(event_text(clocks::host_now(), live::word_of(line.level), line.text));
-  }};
+  LogLines log_lines_;
+  HeldEvents held_events_;
+  /// What no fusion can log: that its poses do not arrive.
+  transitions::TransitionLog silence_log_{
+      [this](const transitions::Line& line) { site_.pages().broadcast_event(text_of_now(line)); }};
+  transitions::TransitionLog pose_log_{
+      [this](const transitions::Line& line) { held_events_.hold(text_of_now(line)); }};
 };
 
 }  // namespace

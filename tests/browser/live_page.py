@@ -181,6 +181,40 @@ def plots_follow(browser):
     browser.execute_script("document.querySelector('.plot-tools button').click()")
 
 
+def logs_are_shown(browser, processes):
+    """Lines of other processes, by program and level."""
+    browser.execute_script("document.querySelector('[data-panel=\"events-panel\"]').click()")
+    shown = """
+        return [...document.querySelectorAll("#events li")].filter((line) => line.offsetParent !== null)
+          .map((line) => line.textContent);"""
+    labelled = """
+        return [...document.querySelectorAll("#events li")].filter((line) => {
+          const label = line.querySelector("b").textContent;
+          return (label === "%s" || label.startsWith("%s ")) && label.endsWith("%s");
+        }).map((line) => line.textContent);"""
+    waiting = processes.start("bridge", "--source", "serial", "--device", "/nonexistent")
+    lines = wait_for(browser, "a line of the new bridge is shown", f"""
+        const found = (() => {{ {labelled % ("bridge", "bridge", f":{waiting.pid}")} }})();
+        return found.length >= 2 && found;""")
+    check("/nonexistent" in lines[0], "a new bridge is shown with its process: " + lines[0])
+    fusion = browser.execute_script(labelled % ("fusion", "fusion", ""))
+    check(fusion, f"{len(fusion)} lines of the fusion are shown, such as " + fusion[0])
+    initialised = [line for line in browser.execute_script(shown) if "beacon 7: initialised" in line]
+    check(len(initialised) <= 1, f"a change of state is shown once: {initialised}")
+    choose = """
+        for (const [id, value] of [["events-program", "%s"], ["events-level", "%s"]]) {
+          const choice = document.getElementById(id);
+          choice.value = value;
+          choice.dispatchEvent(new Event("change"));
+        }"""
+    browser.execute_script(choose % ("bridge", "info"))
+    lines = browser.execute_script(shown)
+    check(lines and all("bridge" in line for line in lines), f"{len(lines)} lines are those of the bridge, such as {lines[0]}")
+    browser.execute_script(choose % ("bridge", "error"))
+    check(not browser.execute_script(shown), "no line of the bridge is an error")
+    browser.execute_script(choose % ("", "info"))
+
+
 def token_is_enough(browser, processes):
     """A page with a token loads all its parts."""
     token = "0123456789abcdef"
@@ -230,6 +264,25 @@ def recording_is_scrubbed(browser, processes):
           "the events of a recording stay when the connection is lost")
 
 
+def recorded_logs_and_statuses_are_shown(browser, processes, file):
+    _, url = processes.start_web("127.0.0.1:0", file)
+    browser.get(url)
+    wait_for(browser, "the recording of the bus is shown",
+             f"return window.sonopose?.model?.extent && sonopose.model.beacons.size === {BEACONS}")
+    names = wait_for(browser, "its plots are shown", """
+        const shown = [...document.querySelectorAll(".plot:not([hidden])")];
+        const names = shown.map((plot) => plot.querySelector("h2").textContent);
+        return names.length >= 5 && names;""")
+    check("Latency, median (ms)" in names, f"a recording of the bus has a plot of the latency: {names}")
+    latency = browser.execute_script("""
+        const status = [...sonopose.model.beacons.values()][0].status.last();
+        return [status.sensor_to_bridge, status.bridge_to_fusion, status.in_fusion, status.fusion_to_here];""")
+    check(all(0 <= each < 1 for each in latency), f"its latencies are {latency} s")
+    lines = browser.execute_script(
+        "return [...document.querySelectorAll('#events li')].map((line) => line.textContent)")
+    check(any("fusion" in line for line in lines), f"it has {len(lines)} lines of logs, such as {lines[0]}")
+
+
 def drawn_per_s(browser):
     """How often the map is drawn: the mean of five seconds, when the beacons move."""
     frames = "sonopose.statistics.frames"
@@ -263,6 +316,8 @@ def run(folder, screenshot):
     processes = Processes(folder)
     browser = None
     try:
+        recorded = os.path.join(tempfile.mkdtemp(), "run.mcap")
+        recorder = processes.start("record", recorded, "--exclude", "imu,truth")
         processes.start("fusion")
         processes.start("bridge", "--source", "sim", "--beacons", str(BEACONS))
         web, url = processes.start_web("127.0.0.1:0", "--allow-changes")
@@ -270,12 +325,16 @@ def run(folder, screenshot):
         browser.get(url)
         wait_for(browser, "the page is connected", "return window.sonopose?.statistics?.connected")
         errors_are_small(browser)
+        recorder.terminate()
+        recorder.wait(10)
         rate = drawn_per_s(browser)
         check(rate >= 20, f"{BEACONS} beacons are drawn {rate:.1f} times a second")
         table_shows_poses(browser)
         map_and_plots_are_drawn(browser)
         browser.save_screenshot(screenshot)
         plots_follow(browser)
+        logs_are_shown(browser, processes)
+        browser.save_screenshot(screenshot.replace(".png", "_log.png"))
         settings_can_be_changed(browser)
 
         browser.refresh()
@@ -289,10 +348,11 @@ def run(folder, screenshot):
         wait_for(browser, "the page connects again", f"return sonopose.statistics.connected && sonopose.statistics.frames > {frames + 5}")
         print("ok: a lost connection recovers")
         logged = [entry["message"] for entry in browser.get_log("browser")
-                  if "/ws" not in entry["message"] and "ERR_CONNECTION_REFUSED" not in entry["message"]]
+                  if not entry["message"].startswith("chrome://") and "/ws" not in entry["message"] and "ERR_CONNECTION_REFUSED" not in entry["message"]]
         check(not logged, "the browser reports no error: " + json.dumps(logged))
         token_is_enough(browser, processes)
         recording_is_scrubbed(browser, processes)
+        recorded_logs_and_statuses_are_shown(browser, processes, recorded)
     finally:
         if browser:
             browser.quit()

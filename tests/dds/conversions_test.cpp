@@ -126,6 +126,12 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
     sample.state = LineState::no_frames;
     CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }
+  SECTION("log line") {
+    LogLine sample;
+    fill.all(sample.host, sample.process_id, sample.time_ns, sample.program, sample.text);
+    sample.level = LogLevel::failure;
+    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
+  }
   SECTION("fusion status") {
     FusionStatus sample;
     fill.all(sample.address, sample.fusion_id, sample.time_ns, sample.strength, sample.imu_silent,
@@ -213,6 +219,7 @@ TEST_CASE("The lists of fields cover every member of the IDL types") {
   CHECK(covered<BeaconStatus>() == member_count(sonopose_BeaconStatus_desc));
   CHECK(covered<LineStatus>() == member_count(sonopose_LineStatus_desc));
   CHECK(covered<FusionStatus>() == member_count(sonopose_FusionStatus_desc));
+  CHECK(covered<LogLine>() == member_count(sonopose_LogLine_desc));
   CHECK(covered<TruthSample>() == member_count(sonopose_TruthSample_desc));
   // and the list of assignments
   CHECK(covered<SettingsRequest>() + 1 == member_count(sonopose_SettingsRequest_desc));

@@ -38,6 +38,7 @@ TEST_CASE("The table without types has every row of the diagram") {
   const qos::Provider qos = project_qos();
   CHECK_FALSE(imu->is_latched(qos));
   CHECK(topics::find_topic("settings")->is_latched(qos));
+  CHECK(topics::find_topic("log")->is_latched(qos));
   CHECK_FALSE(imu->is_exclusive(qos));
   CHECK(topics::find_topic("pose")->is_exclusive(qos));
 }

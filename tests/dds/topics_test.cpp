@@ -15,8 +15,10 @@ namespace sonopose::dds::test::topics_test {
 auto& key_of(auto& sample) {
   if constexpr (requires { sample.address; }) {
     return sample.address;
-  } else {
+  } else if constexpr (requires { sample.bridge_id; }) {
     return sample.bridge_id;
+  } else {
+    return sample.process_id;
   }
 }
 

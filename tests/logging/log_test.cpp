@@ -8,11 +8,15 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <fcntl.h>
+#include <functional>
 #include <future>
 #include <memory>
 #include <string>
+#include <sys/ioctl.h>
 #include <thread>
 #include <unistd.h>
 #include <vector>
@@ -62,6 +66,13 @@ public:
     while (::write(STDERR_FILENO, "x", 1) == 1) ++written;
     ::fcntl(STDERR_FILENO, F_SETFL, flags);
     return written;
+  }
+
+  /// Bytes that were written and not read.
+  [[nodiscard]] int waiting() const {
+    int bytes = 0;
+    ::ioctl(read_end_, FIONREAD, &bytes);
+    return bytes;
   }
 
   /// At least `size` bytes, or all until no writer is left.
@@ -129,7 +140,7 @@ SCENARIO("a line that is logged later is formed on the thread of the log") {
       CHECK(threads == std::vector{std::this_thread::get_id()});
     }
   }
-  WHEN("300 are logged while that thread is busy") {
+  WHEN("2092 are logged while that thread is busy") {
     {
       const logging::Session session(logging::Level::info);
       std::promise<void> is_busy;
@@ -139,12 +150,12 @@ SCENARIO("a line that is logged later is formed on the thread of the log") {
         may_go_on.get_future().wait();
       });
       is_busy.get_future().wait();
-      for (int i = 0; i < 300; ++i) log(std::to_string(i));
+      for (int i = 0; i < 2092; ++i) log(std::to_string(i));
       may_go_on.set_value();
     }
     error.restore();
-    THEN("256 wait, and the others are counted") {
-      CHECK(threads.size() == 256);
+    THEN("2048 wait, and the others are counted") {
+      CHECK(threads.size() == 2048);
       CHECK_THAT(error.read(), Catch::Contains("sonopose-x: warning: 44 changes were not logged"));
     }
   }
@@ -152,9 +163,10 @@ SCENARIO("a line that is logged later is formed on the thread of the log") {
 
 SCENARIO("the reason of an end is written after the lines that wait, at once") {
   CapturedError error;
-  const std::string expected = "sonopose-x: one\nsonopose-x: the device is gone\n";
+  const std::string expected = "sonopose-x: formed later\nsonopose-x: one\nsonopose-x: the device is gone\n";
   const logging::Session session(logging::Level::error);
   logging::set_program("sonopose-x");
+  logging::later([] { logging::write(logging::Level::failure, "formed later"); });
   logging::write(logging::Level::failure, "one");
   logging::failure("the device is gone");
   CHECK(error.read(expected.size()) == expected);  // the session has not ended
@@ -219,6 +231,84 @@ SCENARIO("no thread waits for a reader that has stopped, and the dropped lines a
       SUCCEED();
     }
   }
+}
+
+/// Keeps what it receives.
+class Collector final : public logging::Listener {
+public:
+  void on(const logging::Line& line) noexcept override {
+    texts.emplace_back(line.text);
+    times_ns.push_back(line.time_ns);
+    levels.push_back(line.level);
+    thread = std::this_thread::get_id();
+    if (bytes_written) written = bytes_written();
+  }
+
+  std::vector<std::string> texts;
+  std::vector<std::int64_t> times_ns;
+  std::vector<logging::Level> levels;
+  std::thread::id thread;
+  std::function<int()> bytes_written;
+  int written = 0;  ///< to standard error, at the latest line
+};
+
+SCENARIO("a listener receives the lines of a session, on the thread of the log, after standard error") {
+  CapturedError error;
+  logging::set_program("sonopose-x");
+  CHECK(logging::program() == "sonopose-x");
+  Collector collector;
+  collector.bytes_written = [&error] { return error.waiting(); };
+  {
+    const logging::Session session(logging::Level::info);
+    logging::info("before it listened");
+    const logging::Listening listening(collector);
+    logging::debug("below the level of the session");
+    logging::warning("with it");
+    logging::failure("the last line");  // waits until the lines are written
+    THEN("it has them all, with levels and times") {
+      CHECK(collector.texts == std::vector<std::string>{"before it listened", "with it", "the last line"});
+      CHECK(collector.levels ==
+            std::vector{logging::Level::info, logging::Level::warning, logging::Level::failure});
+      CHECK(collector.thread != std::this_thread::get_id());
+      const std::string on_error =
+          "sonopose-x: before it listened\nsonopose-x: warning: with it\nsonopose-x: the last line\n";
+      CHECK(collector.written == static_cast<int>(on_error.size()));
+      REQUIRE(std::is_sorted(collector.times_ns.begin(), collector.times_ns.end()));
+      constexpr std::int64_t year_2020_ns = 1'577'836'800'000'000'000;
+      CHECK(collector.times_ns.front() > year_2020_ns);
+    }
+  }
+  logging::info("without a session");
+  CHECK(collector.texts.size() == 3);
+}
+
+SCENARIO("a listener receives the latest of the earlier lines only, and none after its end") {
+  CapturedError error;
+  const logging::Session session(logging::Level::info);
+  for (int i = 0; i < 100; ++i) logging::info(fmt::format("line {}", i));
+  logging::failure("line 100");  // all are written
+  Collector collector;
+  Collector other;
+  const logging::Listening for_all(other);
+  {
+    const logging::Listening listening(collector);
+    logging::failure("news");
+  }
+  logging::failure("after its end");
+  REQUIRE(collector.texts.size() == logging::Listening::most_earlier + 1);
+  CHECK(collector.texts.front() == "line 37");
+  CHECK(collector.texts.back() == "news");
+  CHECK(other.texts.back() == "after its end");
+}
+
+SCENARIO("a listener comes and goes while standard error takes nothing") {
+  CapturedError error;
+  CapturedError::fill();
+  const logging::Session session(logging::Level::info);
+  for (int i = 0; i < 3; ++i) logging::info("waits");
+  Collector collector;
+  { const logging::Listening listening(collector); }  // does not wait for standard error
+  CHECK(collector.texts.empty());
 }
 
 }  // namespace log_test

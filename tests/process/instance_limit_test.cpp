@@ -85,4 +85,19 @@ SCENARIO("lines differ by name and bridge, and the first ones are accepted") {
   CHECK_FALSE(limit.accepts(line));
 }
 
+SCENARIO("processes that log differ by machine and number, and the first ones are accepted") {
+  InstanceLimit<sonopose_LogLine> limit;
+  sonopose_LogLine line{};
+  for (line.process_id = 1; line.process_id <= 64; ++line.process_id) REQUIRE(limit.accepts(line));
+  CHECK_FALSE(limit.accepts(line));
+  line.process_id = 1;
+  CHECK(limit.accepts(line));
+  std::strcpy(line.host, "another");
+  CHECK_FALSE(limit.accepts(line));
+  std::strcpy(line.host, "");
+  limit.forget(line);
+  std::strcpy(line.host, "another");
+  CHECK(limit.accepts(line));
+}
+
 }  // namespace instance_limit_test

@@ -52,6 +52,12 @@ SCENARIO("echo prints each sample of a topic") {
       CHECK(first->wait_for_exit() == 0);
       CHECK(objects_of(*first).front().contains("fixes_used"));
     }
+    THEN("the lines of the logs, also from before the echo") {
+      const auto echo = bus.monitor({"--echo", "log"});
+      REQUIRE(
+          echo->wait_for_line(Stream::output, R"("program":"sonopose-fusion","level":1,"text":"serving")"));
+      REQUIRE(echo->wait_for_line(Stream::output, R"("text":"beacon 9: found)"));
+    }
     THEN("it ends quietly when the pipe is closed") {
       const std::string command = std::string(SONOPOSE_TEST_MONITOR) + " --echo pose --domain " +
                                   std::to_string(bus.domain_id()) + " | head -n 1; echo ${PIPESTATUS[0]}";

@@ -361,6 +361,68 @@ SCENARIO("a page that opens late sees a beacon that has stopped, as silent") {
   CHECK_THAT(status["beacons"][0]["stream"].get<std::string>(), Contains("silent") || Contains("lost"));
 }
 
+bool is_of(const json& event, const std::string& program, const std::string& begin) {
+  return event.value("program", "") == program && event["text"].get<std::string>().starts_with(begin);
+}
+
+/// Waits until the page has the line of the bridge and that of the fusion.
+void wait_for_both(Page& page, const std::string& of_bridge, const std::string& of_fusion) {
+  bool has_bridge = false;
+  bool has_fusion = false;
+  page.wait_for("event", [&](const json& event) {
+    has_bridge = has_bridge || is_of(event, "sonopose-bridge", of_bridge);
+    has_fusion = has_fusion || is_of(event, "sonopose-fusion", of_fusion);
+    return has_bridge && has_fusion;
+  });
+}
+
+SCENARIO("a page shows the logs of the other processes, each line once") {
+  const Bus bus;
+  const auto fusion = bus.fusion();
+  const auto bridge = bus.bridge({"--source", "sim"});
+  REQUIRE(bridge->wait_for_line(Stream::error, "beacon 7: found"));
+  const Web web(bus, {"--listen", "127.0.0.1:0"});
+  Page page(web);
+  THEN("those from before it was opened, with their process") {
+    const json line = page.wait_for(
+        "event", [](const json& event) { return is_of(event, "sonopose-bridge", "publishing from sim"); });
+    CHECK(line["pid"] == bridge->pid());
+    CHECK_FALSE(line["host"].get<std::string>().empty());
+    CHECK(line["level"] == "info");
+    CHECK(line["t"].get<double>() == Approx(static_cast<double>(std::time(nullptr))).margin(60));
+    Page late(web);
+    wait_for_both(late, "beacon 7: found", "serving");
+  }
+  THEN("new ones, and a change that the fusion logs only once") {
+    wait_for_both(page, "beacon 7: found", "beacon 7: initialised");
+    bridge->send(SIGSTOP);
+    page.wait_for("event",
+                  [](const json& event) { return is_of(event, "sonopose-fusion", "beacon 7: IMU silent"); });
+    bridge->send(SIGCONT);
+    page.wait_for("event",
+                  [](const json& event) { return is_of(event, "sonopose-fusion", "beacon 7: IMU samples"); });
+    for (int seconds = 0; seconds < 4;) {  // longer than an event of the page's own could wait
+      const json message = json::parse(page.next());
+      if (message["op"] == "status") ++seconds;
+      if (message["op"] != "event" || message.contains("program")) continue;
+      CHECK_THAT(message["text"].get<std::string>(), Contains("no pose") || Contains("poses again"));
+    }
+  }
+}
+
+SCENARIO("a page shows the changes in the poses of a fusion that does not log them") {
+  const Bus bus;
+  const Process fusion(SONOPOSE_TEST_FUSION,
+                       {"--log-level", "error", "--domain", std::to_string(bus.domain_id())});
+  const Web web(bus, {"--listen", "127.0.0.1:0"});
+  Page page(web);
+  const auto bridge = bus.bridge({"--source", "sim"});
+  const json event = page.wait_for("event", [](const json& each) {
+    return !each.contains("program") && each["text"].get<std::string>().starts_with("beacon 7: initialised");
+  });
+  CHECK(event["level"] == "info");
+}
+
 SCENARIO("a client of Foxglove that is not ours decodes the poses") {
   const Result has_packages =
       run("/usr/bin/env", {"node", "-e",

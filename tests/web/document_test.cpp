@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -120,6 +121,155 @@ SCENARIO("a document has the changes of state as events") {
     has_stale = has_stale || (is_warning && since_begin_s == Approx(2.0).margin(0.5));
   }
   CHECK(has_stale);
+}
+
+constexpr TimeNs second_ns = 1'000'000'000;
+
+BeaconStatus battery_status(BeaconAddress address, TimeNs time_ns, std::optional<double> battery_v) {
+  BeaconStatus status;
+  status.address = address;
+  status.time_ns = time_ns;
+  status.battery_v = battery_v;
+  return status;
+}
+
+Estimate delay_estimate(BeaconAddress address, std::uint64_t fusion_id, TimeNs time_ns, double delay_s) {
+  Estimate estimate;
+  estimate.address = address;
+  estimate.fusion_id = fusion_id;
+  estimate.time_ns = time_ns;
+  estimate.delay_s = ScalarEstimate{delay_s, 0.01};
+  return estimate;
+}
+
+/// A pose that took 1 ms to the bridge, 2 ms to the fusion, and 3 ms in it.
+FusedPose traced_pose(TimeNs sensor_ns) {
+  FusedPose pose;
+  pose.address = 7;
+  pose.time_ns = sensor_ns;
+  pose.imu_sensor_time_ns = sensor_ns;
+  pose.imu_bridge_time_ns = sensor_ns + 1'000'000;
+  pose.fusion_in_time_ns = sensor_ns + 3'000'000;
+  pose.fusion_out_time_ns = sensor_ns + 6'000'000;
+  return pose;
+}
+
+SCENARIO("a document has one row a second of latencies, delay and battery") {
+  Document document(10.0);
+  FusionStatus serving{.address = 7, .fusion_id = 2, .time_ns = begin_ns, .role = FusionRole::serving};
+  FusionStatus standby{.address = 7, .fusion_id = 1, .time_ns = begin_ns, .role = FusionRole::warming};
+  constexpr TimeNs to_recorder_ns = 4'000'000;
+  for (TimeNs time_ns = begin_ns; time_ns < begin_ns + 5 * second_ns; time_ns += 10'000'000) {
+    document.advance(time_ns + 6'000'000 + to_recorder_ns);
+    if ((time_ns - begin_ns) % second_ns == 0) {
+      document.add(serving);
+      document.add(standby);
+      document.add(delay_estimate(7, 1, time_ns, 0.5));
+      document.add(delay_estimate(7, 2, time_ns, 0.08));
+      document.add(battery_status(7, time_ns, 3.9));
+    }
+    document.add(traced_pose(time_ns), time_ns + 6'000'000 + to_recorder_ns);
+  }
+  const json read = json::parse(document.json());
+  REQUIRE(read["beacons"].size() == 1);
+  const json& status = read["beacons"][0]["status"];
+  REQUIRE(status["t"].size() == 5);
+  CHECK(status["t"][1].get<double>() - status["t"][0].get<double>() == Approx(1.0).margin(0.02));
+  for (std::size_t i = 0; i < 5; ++i) {
+    CHECK(status["battery"][i].get<double>() == Approx(3.9));
+    CHECK(status["delay"][i].get<double>() == Approx(0.08));  // of the fusion that serves
+    CHECK(status["sensor_to_bridge"][i].get<double>() == Approx(0.001));
+    CHECK(status["bridge_to_fusion"][i].get<double>() == Approx(0.002));
+    CHECK(status["in_fusion"][i].get<double>() == Approx(0.003));
+    CHECK(status["fusion_to_here"][i].get<double>() == Approx(0.004));
+  }
+}
+
+SCENARIO("a document has no row of a second without a pose, and null for what is not known") {
+  Document document(10.0);
+  document.advance(begin_ns);
+  document.add(traced_pose(begin_ns));                                     // not received: it has no latency
+  document.add(battery_status(7, begin_ns - 1'000'000 * second_ns, 3.9));  // as of a log that is replayed
+  document.add(battery_status(12, begin_ns, 3.9));                         // without a pose
+  document.advance(begin_ns + 8 * second_ns);                              // nothing was recorded meanwhile
+  document.add(traced_pose(begin_ns + 8 * second_ns));
+  const json read = json::parse(document.json());
+  CHECK(read["beacons"].size() == 1);
+  CHECK(read["begin"].get<double>() == Approx(1e-9 * static_cast<double>(begin_ns)));
+  CHECK(read["duration"].get<double>() == Approx(8.0));
+  const json& status = read["beacons"][0]["status"];
+  CHECK(status["t"] == json({0.0, 8.0}));
+  CHECK(status["battery"] == json({3.9, 3.9}));
+  CHECK(status["delay"] == json({nullptr, nullptr}));
+  CHECK(status["in_fusion"] == json({nullptr, nullptr}));
+}
+
+SCENARIO("long recordings have a bounded number of status rows") {
+  constexpr int hours = 12;
+  Document document(hours * 3600.0);
+  for (int i = 0; i < hours * 3600; ++i) {
+    document.advance(begin_ns + i * second_ns);
+    document.add(battery_status(7, begin_ns + i * second_ns, 3.9));
+    document.add(traced_pose(begin_ns + i * second_ns));
+  }
+  const json read = json::parse(document.json());
+  const std::size_t rows = read["beacons"][0]["status"]["t"].size();
+  CHECK(rows <= 20'000);
+  CHECK(rows >= 10'000);
+}
+
+/// A beacon that becomes stale, which is an event.
+void add_stale_beacon(Document& document) {
+  FusedPose pose;
+  pose.address = 7;
+  for (int i = 0; i < 400; ++i) {
+    pose.time_ns = begin_ns + TimeNs{i} * 10'000'000;
+    pose.status = i < 200 ? 0U : status_stale;
+    document.add(pose);
+  }
+}
+
+SCENARIO("lines of logs are events, and what the fusion logs is not derived from its poses") {
+  Document document(10.0);
+  add_stale_beacon(document);
+  LogLine line{.host = "robot",
+               .process_id = 42,
+               .time_ns = begin_ns + second_ns,
+               .program = "sonopose-bridge",
+               .level = LogLevel::warning,
+               .text = "no \xFF bytes"};
+  document.add(line);
+  const auto is_derived = [](const json& event) { return !event.contains("program"); };
+  WHEN("only a bridge has logged") {
+    const json events = json::parse(document.json())["events"];
+    THEN("the changes in the poses are events too") {
+      CHECK(std::any_of(events.begin(), events.end(), is_derived));
+      CHECK(events.back()["program"] == "sonopose-bridge");
+      CHECK(events.back()["level"] == "warning");
+      CHECK(events.back()["t"].get<double>() == Approx(1e-9 * static_cast<double>(line.time_ns)));
+    }
+  }
+  WHEN("the fusion has logged") {
+    line.program = "sonopose-fusion";
+    document.add(line);
+    const json events = json::parse(document.json())["events"];
+    THEN("they are not repeated") {
+      CHECK(events.size() == 2);
+      CHECK(std::none_of(events.begin(), events.end(), is_derived));
+    }
+  }
+  WHEN("many lines were logged") {
+    line.program = "sonopose-fusion";
+    for (int i = 0; i < 1000; ++i) {
+      line.text = std::to_string(i);
+      document.add(line);
+    }
+    const json events = json::parse(document.json())["events"];
+    THEN("the latest are kept") {
+      CHECK(events.size() == Document::most_log_lines);
+      CHECK(events.back()["text"] == "999");
+    }
+  }
 }
 
 }  // namespace document_test

@@ -23,14 +23,14 @@ SCENARIO("a new page receives the latest of what is kept, and the events") {
   received.pages.broadcast_latest("settings 7", "new");
   received.pages.broadcast_latest("settings 8", "gone");
   received.pages.forget("settings 8");
-  for (int i = 0; i < 300; ++i) received.pages.broadcast_event("event " + std::to_string(i));
+  for (int i = 0; i < 700; ++i) received.pages.broadcast_event("event " + std::to_string(i));
   received.pages.on_open(1, {"hello", ""});
   const Texts& texts = received.texts[1];
-  REQUIRE(texts.size() == 202);
+  REQUIRE(texts.size() == 502);
   CHECK(texts[0] == "hello");
   CHECK(texts[1] == "new");
-  CHECK(texts[2] == "event 100");
-  CHECK(texts.back() == "event 299");
+  CHECK(texts[2] == "event 200");
+  CHECK(texts.back() == "event 699");
 }
 
 SCENARIO("all open pages receive what is new") {

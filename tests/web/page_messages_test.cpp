@@ -77,6 +77,19 @@ SCENARIO("text from the bus cannot break a message") {
   CHECK(settings["from_event"] == 12);
   CHECK(json::parse(settings_text({.address = all_beacons, .values = {}}))["address"] == "all");
   CHECK(json::parse(event_text(1'500'000'000, "warning", nasty))["t"] == 1.5);
+  const json event = json::parse(event_text({.host = nasty,
+                                             .process_id = 42,
+                                             .time_ns = 1'500'000'000,
+                                             .program = nasty,
+                                             .level = LogLevel::failure,
+                                             .text = nasty}));
+  CHECK(event["op"] == "event");
+  CHECK(event["t"] == 1.5);
+  CHECK(event["level"] == "error");
+  CHECK(event["pid"] == 42);
+  for (const char* const name : {"host", "program", "text"}) {
+    CHECK_THAT(event[name].get<std::string>(), Contains("\"}<script>"));
+  }
 }
 
 SCENARIO("reports become messages with an op") {

@@ -8,6 +8,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace recording_json_test {
@@ -59,6 +60,9 @@ SCENARIO("a recording without poses shows what the fusion makes of it") {
     CHECK(std::hypot(end_x, end_y) < 0.1);
     CHECK(shown["fixes"]["t"].size() > 50);
   }
+  THEN("nothing is known of latency, delay and battery") {
+    CHECK(shown["status"]["t"].empty());
+  }
   THEN("another beacon's address is refused") {
     CHECK_THROWS_WITH(recording_json(file, 99), Contains("99"));
   }
@@ -86,6 +90,94 @@ SCENARIO("a recording with poses shows those, of all beacons or one") {
   const json one = json::parse(recording_json(file, 12));
   REQUIRE(one["beacons"].size() == 1);
   CHECK(one["beacons"][0]["address"] == 12);
+}
+
+BeaconStatus battery_status(BeaconAddress address, TimeNs time_ns, std::optional<double> battery_v) {
+  BeaconStatus status;
+  status.address = address;
+  status.time_ns = time_ns;
+  status.battery_v = battery_v;
+  return status;
+}
+
+Estimate delay_estimate(BeaconAddress address, std::uint64_t fusion_id, TimeNs time_ns, double delay_s) {
+  Estimate estimate;
+  estimate.address = address;
+  estimate.fusion_id = fusion_id;
+  estimate.time_ns = time_ns;
+  estimate.delay_s = ScalarEstimate{delay_s, 0.01};
+  return estimate;
+}
+
+/// Three seconds of poses, each second with the statuses and a log line of bridge and fusion.
+void write_statuses(BusRecording& recording, BeaconAddress address) {
+  namespace topics = dds::topics;
+  constexpr TimeNs begin_ns = 1'700'000'000'000'000'000;
+  for (int i = 0; i < 60; ++i) {
+    FusedPose pose;
+    pose.address = address;
+    pose.time_ns = begin_ns + TimeNs{i} * 50'000'000;
+    pose.imu_sensor_time_ns = pose.time_ns;
+    pose.imu_bridge_time_ns = pose.time_ns + 2'000'000;
+    pose.fusion_in_time_ns = pose.time_ns + 3'000'000;
+    pose.fusion_out_time_ns = pose.time_ns + 3'500'000;
+    const std::uint64_t at = log_time(pose.time_ns + 4'000'000);
+    recording.write(topics::pose, topics::to_idl(pose), at);
+    if (i % 20 != 0) continue;
+    recording.write(topics::beacon_status, topics::to_idl(battery_status(address, pose.time_ns, 3.7)), at);
+    recording.write(topics::fusion_status,
+                    topics::to_idl(FusionStatus{.address = address, .fusion_id = 5, .time_ns = pose.time_ns}),
+                    at);
+    recording.write(topics::estimate, topics::to_idl(delay_estimate(address, 5, pose.time_ns, 0.09)), at);
+    recording.write(topics::log,
+                    topics::to_idl(LogLine{.host = "robot",
+                                           .process_id = 1,
+                                           .time_ns = pose.time_ns,
+                                           .program = "sonopose-bridge",
+                                           .text = "second " + std::to_string(i / 20)}),
+                    at);
+  }
+}
+
+SCENARIO("a recording with statuses shows latency, delay, battery and the lines of the logs") {
+  const TemporaryFolder folder;
+  const auto file = folder / "run.mcap";
+  {
+    BusRecording recording(file);
+    write_statuses(recording, beacon);
+  }
+  const json read = json::parse(recording_json(file));
+  const json& status = read["beacons"][0]["status"];
+  REQUIRE(status["t"].size() == 3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(status["battery"][i].get<double>() == Approx(3.7));
+    CHECK(status["delay"][i].get<double>() == Approx(0.09));
+    CHECK(status["sensor_to_bridge"][i].get<double>() == Approx(0.002));
+    CHECK(status["bridge_to_fusion"][i].get<double>() == Approx(0.001));
+    CHECK(status["in_fusion"][i].get<double>() == Approx(0.0005));
+    CHECK(status["fusion_to_here"][i].get<double>() == Approx(0.0005));
+  }
+  const json& events = read["events"];
+  const auto lines = std::count_if(events.begin(), events.end(), [](const json& event) {
+    return event.value("program", "") == "sonopose-bridge" &&
+           event["text"].get<std::string>().starts_with("second");
+  });
+  CHECK(lines == 3);
+}
+
+SCENARIO("statuses of another type are left out, and the poses are shown") {
+  const TemporaryFolder folder;
+  const auto file = folder / "run.mcap";
+  {
+    BusRecording recording(file);
+    const auto schema = recording.writer().add_schema(
+        "sonopose::BeaconStatus", "omgidl", "module sonopose { struct BeaconStatus { long a; }; };");
+    const auto channel = recording.writer().add_channel(schema, "sonopose/beacon_status", "cdr");
+    write_statuses(recording, beacon);
+    recording.writer().write({channel, 1, log_time(1'700'000'000'000'000'000), 0, {}});
+  }
+  const json read = json::parse(recording_json(file));
+  CHECK(read["beacons"][0]["poses"]["t"].size() > 50);
 }
 
 SCENARIO("poses of another type are refused") {

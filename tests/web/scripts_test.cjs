@@ -237,3 +237,71 @@ test("a change without a selected beacon is refused, and nothing is sent", () =>
   assert.equal(lines[1].className, "refused");
   assert.match(lines[1].lastChild.textContent, /select a beacon/);
 });
+
+// A list whose items can be inserted and removed, as those of a document.
+const listPart = () => ({
+  children: [], className: "", hidden: false,
+  append(...children) { this.children.push(...children); },
+  insertBefore(child, before) {
+    child.remove = () => this.children.splice(this.children.indexOf(child), 1);
+    this.children.splice(before ? this.children.indexOf(before) : this.children.length, 0, child);
+  },
+  replaceChildren(...children) { this.children = children; },
+});
+const choicePart = (value) => ({
+  value, options: [{ value }],
+  addEventListener(_, listener) { this.choose = (chosen) => { this.value = chosen; listener(); }; },
+  append(option) { this.options.push(option); },
+});
+
+test("events and lines of logs are shown by time, with their program, bounded, and as text", () => {
+  globalThis.document = { createElement: () => listPart() };
+  load("events.js");
+  const parts = { list: listPart(), warnings: listPart(), level: choicePart("info"), program: choicePart("") };
+  const events = new sonopose.Events(parts);
+  const textsOf = () => parts.list.children.filter(({ hidden }) => !hidden).map(({ children }) => children[2].textContent);
+  const labelsOf = () => parts.list.children.map(({ children }) => children[1].textContent);
+  const line = (t, text, program, pid, level = "info") => ({ t, level, text, program, host: "robot", pid });
+  events.add(line(20, "b", "sonopose-bridge", 1));
+  events.add(line(30, "<b>c</b>", "sonopose-fusion", 2, "warning"));
+  events.add(line(10, "a", "sonopose-fusion", 2));
+  events.add({ t: 25, level: "warning", text: "no pose" });
+  assert.deepEqual(textsOf(), ["<b>c</b>", "no pose", "b", "a"]);
+  assert.deepEqual(labelsOf(), ["fusion", "", "bridge", "fusion"]);
+  events.add(line(40, "d", "sonopose-fusion", 3, "error"));
+  assert.deepEqual(labelsOf(), ["fusion robot:3", "fusion robot:2", "", "bridge", "fusion robot:2"]);
+  assert.deepEqual(parts.program.options.map(({ value }) => value), ["", "bridge", "fusion"]);
+  parts.program.choose("fusion");
+  assert.deepEqual(textsOf(), ["d", "<b>c</b>", "a"]);
+  parts.level.choose("warning");
+  assert.deepEqual(textsOf(), ["d", "<b>c</b>"]);
+  events.add(line(50, "e", "sonopose-fusion", 3));
+  assert.deepEqual(textsOf(), ["d", "<b>c</b>"]); // also of new lines
+  parts.program.choose("");
+  parts.level.choose("info");
+  for (let i = 0; i < 1000; i += 1) events.add(line(100 + i, `line ${i}`, `program ${i}`, i));
+  assert.equal(parts.list.children.length, 500);
+  assert.equal(textsOf()[0], "line 999");
+  assert.equal(parts.program.options.length, 32);
+  events.clear();
+  assert.equal(parts.list.children.length, 0);
+  assert.equal(events.lines.length, 0);
+});
+
+test("a recording fills the plots of latency, delay and battery", () => {
+  const inputs = () => ({ addEventListener: () => {} });
+  load("playback.js");
+  const model = new Model();
+  const none = { t: [] };
+  const status = { t: [0, 1], battery: [3.9, null], delay: [0.08, 0.09], in_fusion: [0.001, 0.002] };
+  const beacons = [{ address: 7, rows: 2, poses: none, fixes: none, truth: none, status }];
+  const parts = { box: {}, time: inputs(), play: inputs(), rate: inputs(), clock: {} };
+  new sonopose.Playback(parts, model, { begin: 1000, duration: 1, stationary: [], beacons });
+  const { row, size } = { row: model.beacon(7).status.last(), size: model.beacon(7).status.size };
+  assert.equal(size, 2);
+  assert.equal(row.t, 1001);
+  assert.ok(Number.isNaN(row.battery));
+  assert.equal(row.delay, 0.09);
+  assert.equal(row.in_fusion, 0.002);
+  assert.ok(Number.isNaN(row.fusion_to_here));
+});

@@ -52,6 +52,11 @@ static_assert(static_cast<std::uint32_t>(FusionRole::sole) == sonopose_ROLE_SOLE
 static_assert(static_cast<std::uint32_t>(FusionRole::warming) == sonopose_ROLE_WARMING);
 static_assert(static_cast<std::uint32_t>(FusionRole::serving) == sonopose_ROLE_SERVING);
 static_assert(static_cast<std::uint32_t>(FusionRole::stalled) == sonopose_ROLE_STALLED);
+static_assert(static_cast<std::uint32_t>(LogLevel::debug) == sonopose_LOG_DEBUG);
+static_assert(static_cast<std::uint32_t>(LogLevel::info) == sonopose_LOG_INFO);
+static_assert(static_cast<std::uint32_t>(LogLevel::warning) == sonopose_LOG_WARNING);
+static_assert(static_cast<std::uint32_t>(LogLevel::error) == sonopose_LOG_ERROR);
+static_assert(static_cast<std::uint32_t>(LogLevel::failure) == sonopose_LOG_FAILURE);
 
 template <class Native>
 fields::IdlOf<Native> write(const Native& from) {
@@ -171,6 +176,13 @@ sonopose_TruthSample to_idl(const TruthSample& native) {
 }
 TruthSample from_idl(const sonopose_TruthSample& idl) {
   return read<TruthSample>(idl);
+}
+
+sonopose_LogLine to_idl(const LogLine& native) {
+  return write(native);
+}
+LogLine from_idl(const sonopose_LogLine& idl) {
+  return read<LogLine>(idl);
 }
 
 sonopose_SettingsReply to_idl(const SettingsReply& native) {

@@ -4,6 +4,7 @@
 
 #include "dds/topics/fields.hpp"
 #include <sonopose/samples/live_settings.hpp>
+#include <sonopose/samples/log_line.hpp>
 #include <sonopose/samples/status.hpp>
 
 #include <tuple>
@@ -271,6 +272,18 @@ struct Pairs<EffectiveSettings> {
   using I = sonopose_EffectiveSettings;
   static constexpr std::tuple list{field(&N::address, &I::address), field(&N::time_ns, &I::time),
                                    field(&N::from_sequence, &I::from_event_sequence)};
+};
+
+template <>
+struct Pairs<LogLine> {
+  using N = LogLine;
+  using I = sonopose_LogLine;
+  static constexpr std::tuple list{cut_text(&N::host, &I::host),
+                                   field(&N::process_id, &I::process_id),
+                                   field(&N::time_ns, &I::time),
+                                   cut_text(&N::program, &I::program),
+                                   enumeration(&N::level, &I::level, LogLevel::failure),
+                                   cut_text(&N::text, &I::text)};
 };
 
 /// The IDL type of a native type.

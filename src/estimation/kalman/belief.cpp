@@ -370,7 +370,7 @@ FixOutcome Belief::judge(const settings::Settings& settings, const FixMeasuremen
   }
   fixes_since_start = std::min(fixes_since_start + 1, proven_fixes);
   const double scale = scale_of(outcome.innovation);
-  // After rejected fixes not only this one is in doubt.
+  // After rejected fixes the estimate is uncertain too.
   const Matrix3d more_covariance =
       (scale - 1.0) * (fixes_rejected_in_row > 0 ? outcome.innovation.covariance_m2 : covariance);
   fixes_rejected_in_row = 0;

@@ -83,9 +83,11 @@ bool Belief::rival_has_won(TimeNs now_ns) const {
   if (rival.has_turned && rival.fixes >= agreeing && rival.headings >= agreeing && alone_s > 0.4 &&
       rival.filter.velocity_world_mps.norm() > sees_turn_mps)
     return true;
-  // The longer the best filter has explained no fix, the less it is worth.
+  // The longer the best filter has explained none of the fixes, the sooner it is replaced.
   constexpr double credible_s = 3.0;
-  const double credibility = std::min(1.0, credible_s / seconds_between(last_fix_ns, now_ns));
+  constexpr int many = 16;  // a silence alone says nothing
+  const double unexplained_s = fixes_rejected_in_row < many ? 0.0 : seconds_between(last_fix_ns, now_ns);
+  const double credibility = credible_s / std::max(credible_s, unexplained_s);
   const double needed_s =
       map_has_turned(now_ns)
           ? 1.0

@@ -1,15 +1,34 @@
 #include "ros2/relay/log.hpp"
 
-#include "clocks/clocks.hpp"
 #include "logging/log.hpp"
 #include <sonopose/ros2/messages/borrow.hpp>
 #include <sonopose/ros2/messages/time.hpp>
 
 namespace sonopose::ros2::relay {
+namespace {
+
+LogLevel ros_level(logging::Level level) {
+  switch (level) {
+    case logging::Level::debug:
+      return LogLevel::debug;
+    case logging::Level::info:
+      return LogLevel::info;
+    case logging::Level::warning:
+      return LogLevel::warning;
+    case logging::Level::error:
+      return LogLevel::error;
+    case logging::Level::failure:
+      break;
+  }
+  return LogLevel::fatal;
+}
+
+}  // namespace
 
 void Log::publish_as(ros2::Node& node) {
   logger_ = ros2::logger_name(node.names().node());
   writer_ = node.make_writer<ros2::LogMessage>("/rosout", "ros2::Rosout");
+  listening_.emplace(*this);
 }
 
 logging::Level process_level(LogLevel level) {
@@ -28,32 +47,20 @@ logging::Level process_level(LogLevel level) {
   return logging::Level::failure;
 }
 
-void Log::write(const transitions::Line& line) {
-  switch (line.level) {
-    case logging::Level::debug:
-      return write(LogLevel::debug, line.text);
-    case logging::Level::info:
-      return write(LogLevel::info, line.text);
-    case logging::Level::warning:
-      return write(LogLevel::warning, line.text);
-    default:
-      return write(LogLevel::error, line.text);
+void Log::on(const logging::Line& line) noexcept {
+  try {
+    static const std::string unknown;
+    const std::string text(line.text);
+    ros2::LogMessage message{};
+    message.stamp = ros2::to_ros(line.time_ns);
+    message.level = static_cast<std::uint8_t>(ros_level(line.level));
+    message.name = ros2::borrow_string(logger_);
+    message.msg = ros2::borrow_string(text);
+    message.file = ros2::borrow_string(unknown);
+    message.function = ros2::borrow_string(unknown);
+    writer_.try_write(message);
+  } catch (...) {  // NOLINT(bugprone-empty-catch): there is no memory for the line
   }
-}
-
-void Log::write(LogLevel level, const std::string& line) {
-  if (level < least_) return;
-  logging::write(process_level(level), line);
-  if (writer_.is_nil()) return;
-  static const std::string unknown;
-  ros2::LogMessage message{};
-  message.stamp = ros2::to_ros(clocks::host_now());
-  message.level = static_cast<std::uint8_t>(level);
-  message.name = ros2::borrow_string(logger_);
-  message.msg = ros2::borrow_string(line);
-  message.file = ros2::borrow_string(unknown);
-  message.function = ros2::borrow_string(unknown);
-  writer_.try_write(message);
 }
 
 }  // namespace sonopose::ros2::relay

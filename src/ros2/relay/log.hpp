@@ -8,6 +8,7 @@
 #include <sonopose/ros2/messages/node.hpp>
 #include <sonopose/ros2/messages/service_types.hpp>
 
+#include <optional>
 #include <string>
 
 namespace sonopose::ros2::relay {
@@ -17,27 +18,24 @@ using arguments::LogLevel;
 /// The level of the process's log.
 logging::Level process_level(LogLevel level);
 
-/// Lines go to the log of the process, and to /rosout if there is a node for it. Thread-safe after
-/// publish_as(). Do not use it on the path of a sample.
-class Log {
+/// Lines go to the log of the process. All lines of that log go to /rosout, if there is a node for it, from
+/// the log's own thread. Thread-safe after publish_as(). Do not use it on the path of a sample.
+class Log final : public logging::Listener {
 public:
-  /// Lines below `least` are dropped.
-  explicit Log(LogLevel least = LogLevel::info) : least_(least) {}
-
-  /// Publishes later lines as those of this node. Throws dds::Error.
+  /// Publishes the lines of the process as those of this node. Throws dds::Error.
   void publish_as(ros2::Node& node);
 
-  void info(const std::string& line) { write(LogLevel::info, line); }
-  void warning(const std::string& line) { write(LogLevel::warning, line); }
-  void error(const std::string& line) { write(LogLevel::error, line); }
-  void write(const transitions::Line& line);
+  void info(const std::string& line) { logging::info(line); }
+  void warning(const std::string& line) { logging::warning(line); }
+  void error(const std::string& line) { logging::error(line); }
+  void write(const transitions::Line& line) { logging::write(line.level, line.text); }
 
 private:
-  void write(LogLevel level, const std::string& line);
+  void on(const logging::Line& line) noexcept override;
 
-  LogLevel least_;
   std::string logger_;
   dds::DataWriter<ros2::LogMessage> writer_;
+  std::optional<logging::Listening> listening_;  ///< ends first
 };
 
 }  // namespace sonopose::ros2::relay

@@ -4,6 +4,7 @@
 #include "observation/beacon_observers.hpp"
 #include "process/beacon_admission.hpp"
 #include "process/instance_limit.hpp"
+#include "process/log_publisher.hpp"
 #include "ros2/relay/diagnostics_publisher.hpp"
 #include "ros2/relay/log.hpp"
 #include "ros2/relay/mount_finder.hpp"
@@ -176,6 +177,7 @@ private:
   process::BeaconAdmission settings_admission_;  ///< settings may arrive before any sample, and only once
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
+  process::LogPublisher log_publisher_{participant_, qos_};
   ros2::Node node_;
   Log log_;
   transitions::TransitionLog transition_log_{
@@ -233,7 +235,6 @@ Relay::Impl::Impl(const RelayOptions& options)
       participant_(options_.domain, ros2::participant_qos(options.enclave)),
       qos_(options.qos_file),
       node_(participant_, qos_, options.names, options.distro.value_or(ros2::layout_without_others)),
-      log_(options.log_level),
       clock_(node_, options.use_sim_time),
       parameters_(node_, participant_,
                   {.domain = options_.domain,
@@ -438,7 +439,10 @@ void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<b
   source_ = make_source(
       node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)}, options_.output.frames.map,
       [this](const std::string& line) { log_.warning(line); }, [this] { return clock_.now_ns(); });
-  bridge::BridgeNode bridge({.domain = options_.domain, .qos_file = options_.qos_file, .record_folder = {}});
+  bridge::BridgeNode bridge({.domain = options_.domain,
+                             .qos_file = options_.qos_file,
+                             .record_folder = {},
+                             .publishes_log = false});
   process::StopSignal bridge_stop;
   std::exception_ptr failure;
   {

@@ -6,7 +6,6 @@
 #include "process/address_set.hpp"
 #include "process/beacon_admission.hpp"
 #include "process/stop_signal.hpp"
-#include "ros2/arguments/arguments.hpp"
 #include "ros2/relay/source.hpp"
 #include "ros2/relay/startup_settings.hpp"
 #include <sonopose/dds/binding/domain.hpp>
@@ -79,8 +78,7 @@ struct RelayOptions {
   bool use_sim_time = false;  ///< the time of ROS 2 is that of /clock
   ServicesMode services = ServicesMode::automatic;
   std::vector<StartupSetting> startup_settings;  ///< sent when a fusion appears and no other is known
-  arguments::LogLevel log_level = arguments::LogLevel::info;
-  bool rosout = true;  ///< whether log lines are published
+  bool rosout = true;                            ///< whether log lines are published
 };
 
 /// Samples and poses are published on Cyclone's receive thread as they arrive. The main thread creates the

@@ -1,9 +1,10 @@
 #include "web/recording/document.hpp"
 
-#include "web/live/event_level.hpp"
+#include "web/live/event_json.hpp"
 #include "web/live/rows.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -20,6 +21,10 @@ namespace {
 constexpr std::size_t most_rows_of_beacon = 20'000;
 constexpr std::size_t most_rows_of_all = 200'000;
 constexpr TimeNs least_pose_period_ns = 40'000'000;
+constexpr TimeNs second_ns = 1'000'000'000;
+
+/// What of a status the page draws: V, s.
+constexpr std::array<std::string_view, 2> status_columns{"battery", "delay"};
 
 /// The names in front, then the columns.
 std::vector<std::string_view> names(std::vector<std::string_view> front,
@@ -72,15 +77,14 @@ Document::Beacon::Beacon(BeaconAddress address, TimeNs begin_ns, TimeNs least_pe
     : poses(names({}, live::pose_columns), begin_ns, std::max(least_period_ns, least_pose_period_ns)),
       fixes(names({"t_emission"}, live::fix_columns), begin_ns, least_period_ns),
       truth(names({}, live::truth_columns), begin_ns, std::max(least_period_ns, least_pose_period_ns)),
+      status(names({status_columns.begin(), status_columns.end()}, observation::latency_segment_names),
+             begin_ns, least_period_ns),
       watch(address) {}
 
 Document::Document(double duration_s)
     : least_period_ns_(to_ns(duration_s / static_cast<double>(most_rows_of_beacon))),
       transition_log_([this](const transitions::Line& line) {
-        const nlohmann::json event{{"t", 1e-9 * static_cast<double>(now_ns_)},
-                                   {"level", live::word_of(line.level)},
-                                   {"text", line.text}};
-        events_ += (events_.empty() ? "" : ",") + event.dump();
+        events_.push_back(live::event_json(now_ns_, live::word_of(line.level), line.text).dump());
       }) {}
 
 Document::Beacon& Document::beacon(BeaconAddress address, TimeNs time_ns) {
@@ -89,13 +93,36 @@ Document::Beacon& Document::beacon(BeaconAddress address, TimeNs time_ns) {
   return beacons_.try_emplace(address, address, begin_ns_, least_period_ns_).first->second;
 }
 
+void Document::advance(TimeNs now_ns) {
+  if (second_end_ns_ && now_ns < *second_end_ns_) return;
+  if (second_end_ns_) end_second();
+  second_end_ns_ = saturated_sum(now_ns, second_ns);
+}
+
+void Document::end_second() {
+  for (auto& [address, beacon] : beacons_) {
+    if (!beacon.latest_ns) continue;
+    const TimeNs time_ns = *std::exchange(beacon.latest_ns, std::nullopt);
+    const observation::BeaconView view = observers_[address].take_window(address, time_ns);
+    std::vector<double> values{
+        view.bridge ? view.bridge->battery_v.value_or(live::unknown) : live::unknown,
+        view.estimate && view.estimate->delay_s ? view.estimate->delay_s->value : live::unknown};
+    for (const observation::Percentiles& segment : view.segments) values.push_back(segment.p50_s);
+    const bool is_known =
+        std::any_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+    if (is_known) beacon.status.add(time_ns, values);
+  }
+}
+
 void Document::take(transitions::Pending& pending, TimeNs time_ns) {
   now_ns_ = time_ns;
   transition_log_.take(pending, SteadyTime{time_ns});
 }
 
-void Document::add(const FusedPose& pose) {
+void Document::add(const FusedPose& pose, std::optional<TimeNs> received_ns) {
   Beacon& beacon = this->beacon(pose.address, pose.time_ns);
+  beacon.latest_ns = pose.time_ns;
+  if (received_ns) observers_[pose.address].on(pose, *received_ns);
   beacon.poses.add(pose.time_ns, live::pose_row(pose));
   transitions::Pending pending;
   beacon.watch.on(pose, pending);
@@ -122,6 +149,13 @@ void Document::add(const StationaryBeacon& beacon) {
   if (beacon.position_world_m) stationary_world_m_[beacon.address] = *beacon.position_world_m;
 }
 
+void Document::add(const LogLine& line) {
+  has_fusion_log_ = has_fusion_log_ || line.program == "sonopose-fusion";
+  if (log_lines_.size() == most_log_lines) log_lines_.pop_front();
+  // Text of other processes need not be UTF-8.
+  log_lines_.push_back(live::event_json(line).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
 bool Document::has_poses() const {
   return std::any_of(beacons_.begin(), beacons_.end(),
                      [](const auto& entry) { return entry.second.poses.size() > 0; });
@@ -129,9 +163,12 @@ bool Document::has_poses() const {
 
 std::string Document::json() {
   transition_log_.finish();
-  std::string text =
-      fmt::format(R"({{"begin":{:.4f},"duration":{:.4f},"events":[{}],"stationary":[)",
-                  1e-9 * static_cast<double>(begin_ns_), seconds_between(begin_ns_, end_ns_), events_);
+  end_second();
+  std::vector<std::string> events = has_fusion_log_ ? std::vector<std::string>() : events_;
+  events.insert(events.end(), log_lines_.begin(), log_lines_.end());
+  std::string text = fmt::format(R"({{"begin":{:.4f},"duration":{:.4f},"events":[{}],"stationary":[)",
+                                 1e-9 * static_cast<double>(begin_ns_), seconds_between(begin_ns_, end_ns_),
+                                 fmt::join(events, ","));
   std::string separator;
   for (const auto& [address, position_m] : stationary_world_m_) {
     text += separator + nlohmann::json{{"a", address},
@@ -146,10 +183,11 @@ std::string Document::json() {
   const std::size_t most =
       std::min(most_rows_of_beacon, most_rows_of_all / std::max<std::size_t>(1, beacons_.size()));
   for (const auto& [address, beacon] : beacons_) {
-    const std::size_t rows = std::max({beacon.poses.size(), beacon.fixes.size(), beacon.truth.size()});
-    text += fmt::format(R"({}{{"address":{},"rows":{},"poses":{},"fixes":{},"truth":{}}})", separator,
-                        address, std::min(most, rows), beacon.poses.json(most), beacon.fixes.json(most),
-                        beacon.truth.json(most));
+    const std::size_t rows =
+        std::max({beacon.poses.size(), beacon.fixes.size(), beacon.truth.size(), beacon.status.size()});
+    text += fmt::format(R"({}{{"address":{},"rows":{},"poses":{},"fixes":{},"truth":{},"status":{}}})",
+                        separator, address, std::min(most, rows), beacon.poses.json(most),
+                        beacon.fixes.json(most), beacon.truth.json(most), beacon.status.json(most));
     separator = ",";
   }
   return text + "]}";

@@ -2,13 +2,18 @@
 /// \file
 /// The columns of a recording, filled sample by sample.
 
+#include "observation/beacon_observer.hpp"
 #include "transitions/pose_watch.hpp"
 #include "transitions/transition_log.hpp"
+#include <sonopose/samples/log_line.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
+#include <sonopose/samples/status.hpp>
 
 #include <cstddef>
+#include <deque>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -44,10 +49,23 @@ public:
   Document& operator=(const Document&) = delete;
   ~Document() = default;
 
-  void add(const FusedPose& pose);
+  /// Log lines that are kept: the latest ones, as many as the page shows.
+  static constexpr std::size_t most_log_lines = 500;
+
+  /// `received_ns`: when the recorder received the pose, for its latency; empty if it was made just now.
+  void add(const FusedPose& pose, std::optional<TimeNs> received_ns = {});
   void add(const FixReport& report);
   void add(const TruthSample& truth);
   void add(const StationaryBeacon& beacon);
+  void add(const BeaconStatus& status) { observers_[status.address].on(status); }
+  void add(const FusionStatus& status) { observers_[status.address].on(status); }
+  void add(const Estimate& estimate) { observers_[estimate.address].on(estimate); }
+  void add(const LogLine& line);
+
+  /// What is added from now on was recorded at `now_ns` or later. After each second, each beacon with a pose
+  /// in it has one row more of what its statuses and poses have shown, at the time of that pose: in a replay,
+  /// statuses are of another time.
+  void advance(TimeNs now_ns);
 
   [[nodiscard]] bool has_poses() const;
   std::string json();
@@ -59,11 +77,14 @@ private:
     Columns poses;
     Columns fixes;
     Columns truth;
+    Columns status;
     transitions::PoseWatch watch;
+    std::optional<TimeNs> latest_ns;  ///< of the poses in this second
   };
 
   /// The beacon of a sample at this time.
   Beacon& beacon(BeaconAddress address, TimeNs time_ns);
+  void end_second();
   /// Puts what a sample at `time_ns` has changed into words.
   void take(transitions::Pending& pending, TimeNs time_ns);
 
@@ -71,9 +92,13 @@ private:
   TimeNs end_ns_ = 0;    ///< of the latest
   TimeNs least_period_ns_;
   std::map<BeaconAddress, Beacon> beacons_;
+  std::map<BeaconAddress, observation::BeaconObserver> observers_;  ///< also of those without poses
   std::map<BeaconAddress, Vector3d> stationary_world_m_;
+  std::optional<TimeNs> second_end_ns_;
   TimeNs now_ns_ = 0;  ///< of the sample that is being added
-  std::string events_;
+  std::vector<std::string> events_;
+  std::deque<std::string> log_lines_;
+  bool has_fusion_log_ = false;  ///< which has the events too
   transitions::TransitionLog transition_log_;
 };
 

@@ -8,6 +8,11 @@
 #include "mcap/reader.hpp"
 #include "web/recording/document.hpp"
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <set>
+
 namespace sonopose::web::recording {
 namespace {
 
@@ -22,6 +27,28 @@ bool is_shown(const mcap::Channel& channel) {
          channel.topic == topics::truth.name || channel.topic == topics::stationary_beacon.name;
 }
 
+/// What is shown as well if the recording has it, in the types of this version.
+bool is_status(const mcap::Channel& channel) {
+  return channel.topic == topics::beacon_status.name || channel.topic == topics::fusion_status.name ||
+         channel.topic == topics::estimate.name || channel.topic == topics::log.name;
+}
+
+/// Warns of the statuses of other types.
+std::set<std::uint16_t> shown_channels(const mcap::Reader& reader) {
+  std::set<std::uint16_t> shown;
+  for (const auto& [id, channel] : reader.channels()) {
+    const bool is_readable = !is_status(channel) || bus_log::has_our_type(reader, channel);
+    if (!is_readable) logging::warning(bus_log::other_type_text(reader, channel) + ": not shown");
+    if (is_readable && (is_status(channel) || is_shown(channel))) shown.insert(id);
+  }
+  return shown;
+}
+
+TimeNs log_time_of(const mcap::Message& message) {
+  return static_cast<TimeNs>(
+      std::min<std::uint64_t>(message.log_time_ns, std::numeric_limits<TimeNs>::max()));
+}
+
 /// The outputs that were recorded. Nothing if there are no poses.
 std::optional<std::string> recorded_outputs(const mcap::Reader& reader, std::optional<BeaconAddress> beacon) {
   const auto& times = reader.statistics().log_times;
@@ -29,20 +56,32 @@ std::optional<std::string> recorded_outputs(const mcap::Reader& reader, std::opt
   Document document(1e-9 * static_cast<double>(times.end_ns - times.start_ns));
   bus_log::require_our_types(reader, is_shown);
   mcap::Selection selection;
-  selection.channel = is_shown;
+  selection.channel = [shown = shown_channels(reader)](const mcap::Channel& channel) {
+    return shown.contains(channel.id);
+  };
   selection.damaged = mcap::Selection::Damaged::skip;
   mcap::Messages messages(reader, selection);
-  const auto add = [&](const auto& sample) {
-    if (!beacon || sample.address == *beacon) document.add(sample);
+  const auto add = [&](const auto& sample, auto... received_ns) {
+    if (!beacon || sample.address == *beacon) document.add(sample, received_ns...);
   };
   while (const auto message = messages.next()) {
     const std::string& topic = reader.channels().at(message->channel_id).topic;
+    const TimeNs log_time_ns = log_time_of(*message);
+    document.advance(log_time_ns);
     if (topic == topics::pose.name) {
-      add(bus_log::decoded(topics::pose, reader, *message));
+      add(bus_log::decoded(topics::pose, reader, *message), log_time_ns);
     } else if (topic == topics::report.name) {
       add(bus_log::decoded(topics::report, reader, *message));
     } else if (topic == topics::truth.name) {
       add(bus_log::decoded(topics::truth, reader, *message));
+    } else if (topic == topics::beacon_status.name) {
+      add(bus_log::decoded(topics::beacon_status, reader, *message));
+    } else if (topic == topics::fusion_status.name) {
+      add(bus_log::decoded(topics::fusion_status, reader, *message));
+    } else if (topic == topics::estimate.name) {
+      add(bus_log::decoded(topics::estimate, reader, *message));
+    } else if (topic == topics::log.name) {
+      document.add(bus_log::decoded(topics::log, reader, *message));
     } else {
       document.add(bus_log::decoded(topics::stationary_beacon, reader, *message));
     }

@@ -51,6 +51,7 @@ TEST_CASE("a sample has the fields of the IDL, in their order") {
   CHECK(json_fields(sonopose_FusionStatus{}) == idl_fields("FusionStatus"));
   CHECK(json_fields(sonopose_BeaconStatus{}) == idl_fields("BeaconStatus"));
   CHECK(json_fields(sonopose_LineStatus{}) == idl_fields("LineStatus"));
+  CHECK(json_fields(sonopose_LogLine{}) == idl_fields("LogLine"));
   CHECK(json_fields(sonopose_EffectiveSettings{}) == idl_fields("EffectiveSettings"));
 }
 

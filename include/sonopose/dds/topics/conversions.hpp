@@ -6,6 +6,7 @@
 
 #include <sonopose/idl/sonopose.h>
 #include <sonopose/samples/live_settings.hpp>
+#include <sonopose/samples/log_line.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/samples/status.hpp>
@@ -51,6 +52,8 @@ sonopose_BeaconStatus to_idl(const BeaconStatus& native);
 sonopose_LineStatus to_idl(const LineStatus& native);
 sonopose_FusionStatus to_idl(const FusionStatus& native);
 sonopose_TruthSample to_idl(const TruthSample& native);
+/// Its texts end in "..." if they are too long.
+sonopose_LogLine to_idl(const LogLine& native);
 /// `reason` and `details` end in "..." if they are too long.
 sonopose_SettingsReply to_idl(const SettingsReply& native);
 /// Throws `std::length_error` if a key, a value or the list is too long for its type.
@@ -70,6 +73,7 @@ BeaconStatus from_idl(const sonopose_BeaconStatus& idl);
 LineStatus from_idl(const sonopose_LineStatus& idl);
 FusionStatus from_idl(const sonopose_FusionStatus& idl);
 TruthSample from_idl(const sonopose_TruthSample& idl);
+LogLine from_idl(const sonopose_LogLine& idl);
 SettingsRequest from_idl(const sonopose_SettingsRequest& idl);
 SettingsReply from_idl(const sonopose_SettingsReply& idl);
 EffectiveSettings from_idl(const sonopose_EffectiveSettings& idl);

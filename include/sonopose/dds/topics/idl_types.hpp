@@ -87,4 +87,9 @@ struct TopicTraits<sonopose_EffectiveSettings> {
   static const dds_topic_descriptor_t& descriptor() { return sonopose_EffectiveSettings_desc; }
 };
 
+template <>
+struct TopicTraits<sonopose_LogLine> {
+  static const dds_topic_descriptor_t& descriptor() { return sonopose_LogLine_desc; }
+};
+
 }  // namespace sonopose::dds

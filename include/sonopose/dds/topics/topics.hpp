@@ -59,6 +59,8 @@ inline constexpr Entry<sonopose_SettingsReply> settings_reply{
 /// fusion → any program
 inline constexpr Entry<sonopose_EffectiveSettings> settings{"sonopose/settings", "sonopose::Settings",
                                                             "sonopose::Settings"};
+/// bridge, fusion, relay → web page, any program
+inline constexpr Entry<sonopose_LogLine> log{"sonopose/log", "sonopose::Log", "sonopose::Log"};
 
 /// Every row.
 inline constexpr std::tuple all{imu,
@@ -76,7 +78,8 @@ inline constexpr std::tuple all{imu,
                                 reset,
                                 settings_request,
                                 settings_reply,
-                                settings};
+                                settings,
+                                log};
 
 enum class Delivery : bool { live, lossless };
 

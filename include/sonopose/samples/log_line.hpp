@@ -1,0 +1,31 @@
+#pragma once
+/// \file
+/// A line of the log of a process, as other processes receive it.
+
+#include <sonopose/samples/time.hpp>
+
+#include <cstdint>
+#include <string>
+
+namespace sonopose {
+
+enum class LogLevel : std::uint32_t {
+  debug,
+  info,
+  warning,
+  error,
+  failure  ///< why the process ends
+};
+
+struct LogLine {
+  std::string host;              ///< name of the machine; DDS cuts it at 64 bytes
+  std::uint32_t process_id = 0;  ///< of its operating system
+  TimeNs time_ns = 0;            ///< when the line was logged
+  std::string program;           ///< such as "sonopose-fusion"; DDS cuts it at 64 bytes
+  LogLevel level = LogLevel::info;
+  std::string text;  ///< DDS cuts it at 1024 bytes
+
+  bool operator==(const LogLine&) const = default;
+};
+
+}  // namespace sonopose
