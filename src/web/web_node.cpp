@@ -9,6 +9,7 @@
 #include "web/live/live_state.hpp"
 #include "web/page_clients.hpp"
 #include "web/page_messages.hpp"
+#include "web/page_requests.hpp"
 #include "web/request_worker.hpp"
 #include "web/site_files.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
