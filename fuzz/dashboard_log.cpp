@@ -1,13 +1,20 @@
-// The lines of a CSV log of the vendor's Dashboard, and the samples of their packets.
+// The lines of a CSV log of the vendor's Dashboard, the samples of their packets, and the log as a recording.
 
+#include "bus_log/sensor_log.hpp"
 #include "marvelmind/assembler.hpp"
 #include "marvelmind/dashboard_line.hpp"
+#include "sensor_logs.hpp"
 #include "support.hpp"
+
+#include <optional>
 
 using namespace sonopose;
 using namespace sonopose::fuzz;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace {
+
+void check_lines(std::string_view input) {
+  const std::size_t size = input.size();
   using marvelmind::DashboardLine;
   marvelmind::Assembler assembler(marvelmind::TimeMapping::fixed);
   std::size_t samples = 0;
@@ -15,7 +22,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     promise(address_of(event) <= 255, "the address is one of a line");
     ++samples;
   };
-  std::string_view input = text_of(data, size);
   while (!input.empty()) {
     const std::size_t end = input.find('\n');
     const DashboardLine line = marvelmind::parse_dashboard_line(input.substr(0, end));
@@ -26,5 +32,26 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   assembler.finish(count);
   promise(samples <= 2 * size, "a line gives a few samples");
+}
+
+void check_recording(std::string_view input) {
+  static const ScratchFolder folder;
+  be_quiet();
+  const auto file = folder.write("log.csv", input);
+  for (const std::optional<BeaconAddress> address : {std::optional<BeaconAddress>(), {BeaconAddress{7}}}) {
+    accepts<files::IoError>([&] {
+      const recording::SensorLog log = bus_log::read_sensor_log(file, address);
+      check_log(log, 2 * input.size());
+      promise(!log.events.empty(), "a log without samples is refused");
+    });
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view input = text_of(data, size);
+  check_lines(input);
+  check_recording(input);
   return 0;
 }

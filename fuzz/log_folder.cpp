@@ -4,10 +4,13 @@
 
 #include "recording/attitude_log.hpp"
 #include "recording/log_columns.hpp"
+#include "recording/log_meta.hpp"
+#include "sensor_logs.hpp"
 #include "support.hpp"
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <optional>
 
 using namespace sonopose;
@@ -15,9 +18,16 @@ using namespace sonopose::fuzz;
 
 namespace {
 
-constexpr std::array<std::string_view, 7> names{
-    recording::imu_file,      recording::ultrasonic_file, recording::heading_file,    recording::truth_file,
-    recording::movement_file, recording::meta_file,       recording::wheel_speed_file};
+/// The last two are logs of several beacons.
+constexpr std::array<std::string_view, 9> names{recording::imu_file,
+                                                recording::ultrasonic_file,
+                                                recording::heading_file,
+                                                recording::truth_file,
+                                                recording::movement_file,
+                                                recording::meta_file,
+                                                recording::wheel_speed_file,
+                                                "7/imu.csv",
+                                                "8/imu.csv"};
 
 /// The text of one file; empty if the input does not have it.
 std::optional<std::string_view> part_of(std::string_view input, std::string_view name) {
@@ -28,20 +38,39 @@ std::optional<std::string_view> part_of(std::string_view input, std::string_view
   return text.substr(0, text.find("== "));
 }
 
-void check_log(const recording::SensorLog& log, std::size_t size) {
-  promise(log.events.size() <= size, "a row of a file gives one event");
-  std::uint64_t sequence = 0;
-  for (const Event& event : log.events) {
-    promise(sequence_of(event) == ++sequence, "events are numbered from 1");
-    promise(address_of(event) == log.address, "all events have the address of the log");
-    promise(available_at_ns(event) > 0 && available_at_ns(event) < TimeNs{1} << 62U, "a time is below 2^62");
-  }
+/// As the names of options. Others are read, but never written.
+bool is_bare(std::string_view name) {
+  return !name.empty() &&
+         std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) != 0 || c == '-'; });
+}
+
+void check_meta(const std::filesystem::path& folder) {
+  static const ScratchFolder written("-meta");
+  recording::LogMeta meta;
+  if (!accepts<files::IoError>([&] { meta = recording::read_log_meta(folder); })) return;
+  std::erase_if(meta.settings, [](const auto& setting) { return !is_bare(setting.first); });
+  const auto rewritten = [](const recording::LogMeta& any) {
+    recording::write_log_meta(written.path(), any);
+    return recording::read_log_meta(written.path());
+  };
+  const recording::LogMeta once = rewritten(meta);  // TOML lacks a character that a text may have
+  promise(once.beacon_address == meta.beacon_address && once.imu_meaning == meta.imu_meaning &&
+              rewritten(once) == once,
+          "what was written is read");
+}
+
+/// With a folder for each of the files in it.
+const ScratchFolder& scratch() {
+  static const ScratchFolder folder;
+  for (const std::string_view name : names)
+    std::filesystem::create_directories((folder.path() / name).parent_path());
+  return folder;
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const ScratchFolder folder;
+  static const ScratchFolder& folder = scratch();
   const std::string_view input = text_of(data, size);
   for (const std::string_view name : names) {
     const auto text = part_of(input, name);
@@ -52,6 +81,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
   }
   accepts<files::IoError>([&] { check_log(recording::read_sensor_log(folder.path()), size); });
+  check_meta(folder.path());
   accepts<files::IoError>([&] { recording::read_attitude_log(folder.path()); });
   accepts<files::IoError>([&] { recording::read_imu_log(folder.path()); });
   return 0;

@@ -1,25 +1,20 @@
 // Writes seeds for the fuzzers of binary formats and of log folders: make_corpus FOLDER. They are in
 // fuzz/corpus; run it again when a format or the IDL changes.
 
-#include "cdr_type.hpp"
+#include "make_corpus.hpp"
+
 #include "marvelmind/disassembler.hpp"
 #include "marvelmind/encoder.hpp"
-#include "mcap/encoder.hpp"
-#include "mcap/writer.hpp"
 #include "recording/log_columns.hpp"
 #include "recording/log_writer.hpp"
 #include "sim/scenario.hpp"
 #include "sim/simulator.hpp"
-#include "support.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
-#include <sonopose/ros2/messages/borrow.hpp>
-#include <sonopose/ros2/messages/idl_types.hpp>
-#include <sonopose/ros2/messages/service_types.hpp>
 
 #include <iterator>
-#include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 using namespace sonopose;
@@ -27,18 +22,6 @@ using namespace sonopose::fuzz;
 namespace fs = std::filesystem;
 
 namespace {
-
-using Bytes = std::vector<std::uint8_t>;
-
-void write(const fs::path& file, std::span<const std::uint8_t> bytes) {
-  fs::create_directories(file.parent_path());
-  std::ofstream(file, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-}
-
-void append(Bytes& bytes, std::span<const std::uint8_t> more) {
-  bytes.insert(bytes.end(), more.begin(), more.end());
-}
 
 // Marvelmind
 
@@ -127,52 +110,20 @@ void write_log(const fs::path& corpus) {
   write(corpus / "log_folder" / "kart", {bytes, text.size()});
 }
 
-// MCAP
-
-/// The bytes of a file.
-class MemorySink final : public mcap::ByteSink {
-public:
-  void append(std::span<const std::byte> bytes) override { mcap::put_bytes(content, bytes); }
-  void reserve(std::uint64_t) override {}
-
-  mcap::Bytes content;
-};
-
-/// A small file of each compression, and one that was cut.
-void write_mcap(const fs::path& folder) {
-  for (const auto compression : {mcap::Compression::none, mcap::Compression::lz4, mcap::Compression::zstd}) {
-    MemorySink sink;
-    mcap::Writer writer(sink, {.compression = compression});
-    const auto channel = writer.add_channel(writer.add_schema("S", "omgidl", "struct S {};"), "t", "cdr");
-    for (std::uint32_t i = 0; i < 4; ++i) {
-      writer.write({channel, i, 100 - i, 90, std::as_bytes(std::span("sample sample"))});
-      if (i % 2 == 1) writer.end_chunk();
-    }
-    writer.write_metadata({"m", {{"a", "b"}}});
-    writer.close();
-    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(sink.content.data());
-    const std::string name(compression == mcap::Compression::none ? "plain" : name_of(compression));
-    write(folder / name, {bytes, sink.content.size()});
-    write(folder / (name + "_cut"), {bytes, sink.content.size() / 3});
-  }
-}
-
 // DDS
 
-/// Byte 0 of the input of the fuzzers of serialized samples, then a sample.
+/// For the fuzzers that take one sample of any topic.
 template <class T>
-void write_sample(const fs::path& folder, int index, const T& sample) {
-  static const CdrType<T> type;
-  Bytes bytes{static_cast<std::uint8_t>(index)};
-  append(bytes, type.bytes_of(sample));
-  write(folder / std::to_string(index), bytes);
+void write_topic_sample(const fs::path& corpus, int index, const T& sample) {
+  for (const char* const fuzzer : {"dds_samples", "play_messages"})
+    write_sample(corpus / fuzzer, index, sample);
 }
 
-void write_dds_samples(const fs::path& folder) {
+void write_dds_samples(const fs::path& corpus) {
   int index = 0;
   const auto write_topic = [&]<class T>(const dds::topics::Entry<T>& /*entry*/) {
     if constexpr (std::is_same_v<T, sonopose_ResetCommand>) {
-      write_sample(folder, index, T{.address = 7, .request_id = 1});
+      write_topic_sample(corpus, index, T{.address = 7, .request_id = 1});
     } else {
       auto native = decltype(dds::topics::from_idl(T{})){};
       if constexpr (requires { native.address; }) native.address = 7;
@@ -180,35 +131,14 @@ void write_dds_samples(const fs::path& folder) {
       if constexpr (requires { native.values; }) native.values = {{"trust.sigma_m", "0.1"}};
       if constexpr (requires { dds::topics::to_idl(native).sample(); }) {
         const auto view = dds::topics::to_idl(native);
-        write_sample(folder, index, view.sample());
+        write_topic_sample(corpus, index, view.sample());
       } else {
-        write_sample(folder, index, dds::topics::to_idl(native));
+        write_topic_sample(corpus, index, dds::topics::to_idl(native));
       }
     }
     ++index;
   };
   std::apply([&](const auto&... entry) { (write_topic(entry), ...); }, dds::topics::all);
-}
-
-void write_ros2_messages(const fs::path& folder) {
-  const std::string frame = "map";
-  const auto with_header = [&frame](auto message) {
-    message.header.stamp = {1'700'000'000, 5};
-    message.header.frame_id = ros2::borrow_string(frame);
-    return message;
-  };
-  ros2::PoseWithCovarianceStamped pose{};
-  pose.pose.covariance[0] = 0.04;
-  write_sample(folder, 0, with_header(ros2::Imu{}));
-  write_sample(folder, 1, with_header(ros2::PointStamped{}));
-  write_sample(folder, 2, with_header(pose));
-  write_sample(folder, 4, ros2::Clock{});
-  std::vector<ros2::Parameter> parameters(1);
-  parameters[0].name = ros2::borrow_string(frame);
-  parameters[0].value.type = 3;
-  ros2::SetParameters::Request request{};
-  ros2::borrow_sequence(request.parameters, parameters);
-  write_sample(folder, 6, request);
 }
 
 }  // namespace
@@ -221,7 +151,7 @@ int main(int argc, char** argv) {
   const fs::path corpus = argv[1];
   write_marvelmind(corpus);
   write_log(corpus);
-  write_mcap(corpus / "mcap");
-  write_dds_samples(corpus / "dds_samples");
-  write_ros2_messages(corpus / "ros2_messages");
+  write_mcap_corpus(corpus / "mcap");
+  write_dds_samples(corpus);
+  write_ros2_corpus(corpus / "ros2_messages");
 }

@@ -1,10 +1,16 @@
-// An MCAP file of any content: its contents, its metadata, its messages in both orders, and as JSON.
+// An MCAP file of any content: its contents, its metadata, its messages in both orders and as JSON, and the
+// samples of a beacon as a replay reads them.
 
 #include "bus_log/messages.hpp"
+#include "bus_log/outputs.hpp"
+#include "bus_log/sensor_log.hpp"
+#include "bus_log/summary.hpp"
 #include "mcap/omg_idl.hpp"
 #include "mcap/reader.hpp"
 #include "mcap/verify.hpp"
+#include "sensor_logs.hpp"
 #include "support.hpp"
+#include <sonopose/dds/topics/serialized_topics.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -58,6 +64,24 @@ std::uint64_t count_messages(const mcap::Reader& reader, mcap::Selection::Order 
   return count;
 }
 
+/// Limits that a small file reaches, and no damage is skipped.
+void check_limits(const mcap::Reader& reader) {
+  for (const std::uint64_t most_bytes : {std::uint64_t{200}, mcap::Selection{}.most_bytes}) {
+    accepts<mcap::FormatError>([&] {
+      mcap::Selection selection;
+      selection.start_ns = 90;
+      selection.end_ns = 1'700'000'000'005'000'000;
+      selection.most_bytes = most_bytes;
+      mcap::Messages messages(reader, selection);
+      while (const auto message = messages.next()) {
+        promise(message->log_time_ns >= selection.start_ns && message->log_time_ns <= selection.end_ns,
+                "a message is in the span of time");
+      }
+      promise(messages.skipped().empty(), "where damage is refused, nothing is skipped");
+    });
+  }
+}
+
 void check(const mcap::Reader& reader) {
   for (const auto& [id, channel] : reader.channels()) promise(id == channel.id, "a channel has its id");
   const std::uint64_t by_time = count_messages(reader, mcap::Selection::Order::log_time);
@@ -72,12 +96,48 @@ void check(const mcap::Reader& reader) {
   std::ignore = mcap::verify(reader);
   for (const auto& [id, schema] : reader.schemas())
     std::ignore = mcap::definition_in(schema.data, schema.name);
+  promise(bus_log::summary_json(reader).find('\n') == std::string::npos, "a summary as JSON is one line");
+}
+
+constexpr BeaconAddress address = 7;
+
+void check_outputs(const mcap::Reader& reader) {
+  accepts<files::IoError>([&] {
+    bus_log::for_each_output(
+        reader, address,
+        [](const FusedPose& pose) { promise(pose.address == address, "a pose is of the beacon"); },
+        [](const FixReport& report) { promise(report.address == address, "a report is of the beacon"); });
+  });
+}
+
+void check_inputs(std::string_view input) {
+  static const ScratchFolder folder;
+  be_quiet();
+  const auto file = folder.write("input.mcap", input);
+  accepts<files::IoError>([&] { check_log(bus_log::read_sensor_log(file), input.size()); });
+  accepts<files::IoError>([&] {
+    for (const ImuSample& imu : bus_log::read_imu_log(file, address)) {
+      promise(imu.address == address, "a sample is of the beacon");
+    }
+  });
+}
+
+bool is_of_the_bus(const mcap::Reader& reader) {
+  return std::ranges::any_of(reader.channels(), [](const auto& entry) {
+    return dds::topics::find_topic(entry.second.topic) != nullptr;
+  });
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  accepts<mcap::FormatError>(
-      [&] { check(mcap::Reader(std::make_unique<InputSource>(std::as_bytes(std::span(data, size))))); });
+  accepts<mcap::FormatError>([&] {
+    const mcap::Reader reader(std::make_unique<InputSource>(std::as_bytes(std::span(data, size))));
+    check(reader);
+    check_limits(reader);
+    if (!is_of_the_bus(reader)) return;
+    check_outputs(reader);
+    check_inputs(text_of(data, size));
+  });
   return 0;
 }

@@ -21,6 +21,7 @@ namespace {
 void check_sample(const dds::topics::SerializedTopic& topic, std::span<const std::byte> bytes) {
   dds::topics::beacon_of(bytes);
   dds::topics::status_of_pose(bytes);
+  dds::topics::event_sequence_of(bytes);
   promise(topic.key_fields(bytes).size() <= 2, "a key has at most two fields");
   std::vector<std::byte> moved(bytes.begin(), bytes.end());
   topic.shift_times(moved, 0);

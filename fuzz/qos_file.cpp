@@ -35,8 +35,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const std::string& profile : alone.profiles()) alone.datawriter_qos(profile);
   });
   Provider merged = project;
-  accepts<FileError>([&] { merged.merge(text, "input"); });
+  const bool is_accepted = accepts<FileError>([&] { merged.merge(text, "input"); });
   promise(merged.profiles() == project.profiles(), "a user's file adds and removes no profile");
   check_profiles(merged);
+  if (is_accepted) {
+    static const ScratchFolder folder;
+    const Provider from_file(folder.write("qos.xml", text));
+    promise(from_file.profiles() == merged.profiles(), "a file is read as its text");
+    check_profiles(from_file);
+  }
   return 0;
 }

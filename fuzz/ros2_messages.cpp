@@ -76,7 +76,8 @@ std::vector<std::string> texts_of(const auto& sequence) {
 /// Settings of a fusion, some with values that are none.
 const ros2::relay::SettingsByBeacon& effective() {
   static const ros2::relay::SettingsByBeacon settings{
-      {all_beacons, {.values = {{"trust.n_min", "4"}, {"engine", "kalman"}, {"output.rate_hz", "nonsense"}}}},
+      {all_beacons,
+       {.values = {{"trust.n_min", "4"}, {"fusion.engine", "kalman"}, {"output.rate_hz", "nonsense"}}}},
       {address, {.address = address, .values = {{"trust.n_min", "5"}, {"drift.jump_alpha", ""}}}}};
   return settings;
 }

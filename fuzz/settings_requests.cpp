@@ -9,6 +9,9 @@
 #include <sonopose/dds/topics/conversions.hpp>
 
 #include <stdexcept>
+#include <string>
+#include <tuple>
+#include <vector>
 
 using namespace sonopose;
 using namespace sonopose::fuzz;
@@ -17,17 +20,43 @@ namespace {
 
 constexpr std::array<BeaconAddress, 3> addresses{7, 8, all_beacons};
 
+std::vector<SettingAssignment> any_assignments(FuzzedDataProvider& data) {
+  std::vector<SettingAssignment> assignments;
+  const int count = data.ConsumeIntegralInRange(0, 12);
+  for (int i = 0; i < count; ++i) {
+    const std::string key = setting_key(data);
+    assignments.push_back({key, setting_value(data, key)});
+  }
+  return assignments;
+}
+
+/// What is accepted or refused for a reason that random assignments hardly ever meet.
+std::vector<SettingAssignment> rare_assignments(FuzzedDataProvider& data) {
+  switch (data.ConsumeIntegralInRange(0, 6)) {
+    case 0:
+      return {{"trust.sigma_m", "0.5"}, {"trust.sigma_m", "0.6"}};
+    case 1:
+      return {10, {"trust.sigma", "0.5"}};  // no such key; more errors than are listed
+    case 2:
+      return {{"attitude.magnetometer", "true"}};  // an error with the engine that ignores it
+    case 3:
+      return {{"fusion.engine", "documented"}, {"attitude.magnetometer", "true"}};
+    case 4:
+      return {{"fusion.engine", "kalman"}};
+    case 5:
+      return {{"drift.jump_alpha", "0.9"}, {"fusion.imu_weight", "low"}};  // one replaces the other
+    default:
+      return {{"trust.sigma_m", "0.5"}};
+  }
+}
+
 SettingsRequest any_request(FuzzedDataProvider& data) {
   SettingsRequest request;
   request.address = data.PickValueInArray(addresses);
-  request.request_id = data.ConsumeIntegralInRange<std::uint64_t>(0, 20);
+  request.request_id = data.ConsumeIntegralInRange<std::uint64_t>(0, 100);
   request.from_sequence = data.ConsumeBool() ? data.ConsumeIntegralInRange<std::uint64_t>(0, 100)
                                              : data.ConsumeIntegral<std::uint64_t>();
-  const int assignments = data.ConsumeIntegralInRange(0, 12);
-  for (int i = 0; i < assignments; ++i) {
-    const std::string key = setting_key(data);
-    request.assignments.push_back({key, setting_value(data, key)});
-  }
+  request.assignments = data.ConsumeBool() ? any_assignments(data) : rare_assignments(data);
   return request;
 }
 
@@ -35,6 +64,22 @@ void check_settings(const fusion::SettingsChange& change) {
   const EffectiveSettings effective{.address = change.address, .values = config::texts_of(change.settings)};
   promise(dds::topics::from_idl(dds::topics::to_idl(effective).sample()) == effective,
           "the effective settings fit their topic");
+}
+
+/// More changes than can wait for their events, and one that only a beacon's own settings contradict.
+void fill_timeline(fusion::SettingsRequests& requests) {
+  std::ignore = requests.answer({.address = 7, .assignments = {{"fusion.engine", "kalman"}}});
+  std::ignore =
+      requests.answer({.address = all_beacons,
+                       .assignments = {{"fusion.engine", "documented"}, {"attitude.magnetometer", "true"}}});
+  constexpr std::uint64_t many = fusion::SettingsTimeline::capacity + 1;
+  for (std::uint64_t i = 0; i < many; ++i) {
+    const SettingsReply reply = requests.answer({.address = 7,
+                                                 .request_id = 1000 + i,
+                                                 .from_sequence = 1'000'000 + i,
+                                                 .assignments = {{"trust.sigma_m", "0.5"}}});
+    promise(reply.accepted || !reply.reason.empty(), "a refusal has a reason");
+  }
 }
 
 }  // namespace
@@ -49,7 +94,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   SteadyTime now{1'000'000'000};
   constexpr int most_steps = 300;
   for (int step = 0; step < most_steps && stream.has_more(); ++step) {
-    if (data.ConsumeIntegral<std::uint8_t>() < 128) {
+    const auto kind = data.ConsumeIntegral<std::uint8_t>();
+    if (kind == 255) {
+      fill_timeline(requests);
+      continue;
+    }
+    if (kind < 128) {
       now += 5'000'000;
       for (const auto& collated : estimator->collate(stream.next(), 0, now, now)) {
         check_result(estimator->process(collated).result);

@@ -1,6 +1,7 @@
 // A saved state of an estimator: what is accepted is restored, and the estimator continues with events.
 //
-// Byte 0 selects a real state whose fields the following bytes change; 0xFF: the rest is the file's text.
+// Byte 0 selects a real state whose fields the following bytes change. 0xFF: the rest is the file's text.
+// "=": the next character selects a real state, and the lines change its fields by name.
 
 #include "evaluation/state_file.hpp"
 
@@ -13,6 +14,8 @@
 #include <algorithm>
 #include <iterator>
 #include <regex>
+#include <string>
+#include <string_view>
 #include <vector>
 
 using namespace sonopose;
@@ -75,14 +78,32 @@ const std::vector<Base>& bases() {
   return all;
 }
 
+/// Changes what is around the value at `place`.
+void change_structure(json& file, const json::json_pointer& place, bool removes) {
+  json& parent = file[place.parent_pointer()];
+  if (parent.empty()) return;
+  if (parent.is_array()) {
+    if (removes) {
+      parent.erase(parent.size() - 1);
+    } else {
+      parent.push_back(parent.back());
+    }
+  } else if (removes) {
+    parent.erase(place.back());
+  } else {
+    parent["other"] = 0;
+  }
+}
+
 /// A file in which some values are others.
 std::string changed(const Base& base, FuzzedDataProvider& data) {
   json file = base.file;
   const int changes = data.ConsumeIntegralInRange(0, 3);
   for (int i = 0; i < changes; ++i) {
     const auto& places = data.ConsumeBool() ? base.named : base.leaves;
-    json& value = file[places[data.ConsumeIntegralInRange<std::size_t>(0, places.size() - 1)]];
-    switch (data.ConsumeIntegralInRange(0, 8)) {
+    const json::json_pointer& place = places[data.ConsumeIntegralInRange<std::size_t>(0, places.size() - 1)];
+    json& value = file[place];
+    switch (data.ConsumeIntegralInRange(0, 12)) {
       case 0:
         value = data.ConsumeFloatingPoint<double>();
         break;
@@ -108,6 +129,18 @@ std::string changed(const Base& base, FuzzedDataProvider& data) {
       case 7:
         value = "other";
         break;
+      case 8:
+        value = json::object();
+        break;
+      case 9:
+        value = json::array({0, 0, 0});
+        break;
+      case 10:
+        change_structure(file, place, true);
+        break;
+      case 11:
+        change_structure(file, place, false);
+        break;
       default:
         value = 0;
     }
@@ -115,14 +148,44 @@ std::string changed(const Base& base, FuzzedDataProvider& data) {
   return file.dump();
 }
 
+/// A real state changed by lines such as "/state/trust 2"; one without a value removes the field.
+std::string assigned(std::string_view lines) {
+  if (lines.empty()) return {};
+  json file = bases()[static_cast<unsigned char>(lines.front()) % bases().size()].file;
+  lines.remove_prefix(1);
+  try {
+    while (!lines.empty()) {
+      const std::string_view line = lines.substr(0, lines.find('\n'));
+      lines.remove_prefix(std::min(line.size() + 1, lines.size()));
+      const std::size_t space = std::min(line.find(' '), line.size());
+      const json::json_pointer place{std::string(line.substr(0, space))};
+      if (place.empty()) continue;
+      const json value = json::parse(line.substr(space), nullptr, false);
+      if (value.is_discarded()) {
+        file.at(place.parent_pointer()).erase(place.back());
+      } else {
+        file[place] = value;
+      }
+    }
+    return file.dump();
+  } catch (const json::exception&) {
+    return {};  // no such field, or no UTF-8
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   if (size == 0) return 0;
   FuzzedDataProvider data(bytes + 1, size - 1);
-  const bool is_text = bytes[0] == 0xFF;
-  const std::string text =
-      is_text ? data.ConsumeRemainingBytesAsString() : changed(bases()[bytes[0] % bases().size()], data);
+  std::string text;
+  if (bytes[0] == 0xFF) {
+    text = data.ConsumeRemainingBytesAsString();
+  } else if (bytes[0] == '=') {
+    text = assigned(data.ConsumeRemainingBytesAsString());
+  } else {
+    text = changed(bases()[bytes[0] % bases().size()], data);
+  }
   SavedState saved;
   if (!accepts<StateFileError>([&] { saved = evaluation::parse_state(text, "input"); })) return 0;
   promise(evaluation::parse_state(evaluation::state_text(saved), "again") == saved,

@@ -39,8 +39,9 @@ inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
 /// A folder of this process in the folder of temporary files.
 class ScratchFolder {
 public:
-  ScratchFolder()
-      : path_(std::filesystem::temp_directory_path() / ("sonopose-fuzz-" + std::to_string(::getpid()))) {
+  explicit ScratchFolder(const std::string& ending = {})
+      : path_(std::filesystem::temp_directory_path() /
+              ("sonopose-fuzz-" + std::to_string(::getpid()) + ending)) {
     std::filesystem::create_directory(path_);
   }
   ~ScratchFolder() {

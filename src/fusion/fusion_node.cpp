@@ -28,6 +28,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <exception>
 #include <malloc.h>
 #include <memory>
 #include <mutex>
@@ -276,16 +277,22 @@ void FusionNode::Impl::take_all() noexcept {
 
 void FusionNode::Impl::feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns,
                             SteadyTime steady) noexcept {
-  std::shared_ptr<BeaconEstimator> estimator;
-  const auto in_line = estimators_.with([&](auto& all) {
-    estimator = all.find_or_make(address_of(event));
-    return estimator->collate(event, bridge.value, steady, attended_time_.time());
-  });
-  for (const collation::CollatedEvent& next : in_line) {
-    EventOutcome outcome = estimators_.with([&](auto&) { return estimator->process(next); });
-    outcome_writer_.write(outcome, address_of(event), in_ns);
-    if (outcome.prediction_period_ns) settings_server_.on_change();
-    estimators_.with([&](auto&) { estimator->catch_up(); });
+  try {
+    std::shared_ptr<BeaconEstimator> estimator;
+    const auto in_line = estimators_.with([&](auto& all) {
+      estimator = all.find_or_make(address_of(event));
+      return estimator->collate(event, bridge.value, steady, attended_time_.time());
+    });
+    for (const collation::CollatedEvent& next : in_line) {
+      EventOutcome outcome = estimators_.with([&](auto&) { return estimator->process(next); });
+      outcome_writer_.write(outcome, address_of(event), in_ns);
+      if (outcome.prediction_period_ns) settings_server_.on_change();
+      estimators_.with([&](auto&) { estimator->catch_up(); });
+    }
+  } catch (...) {
+    // No memory for a new beacon. In a handler the reason is known; it is not where the exception would leave
+    // a noexcept function that g++ 12 has inlined.
+    std::terminate();
   }
 }
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <exception>
 #include <string>
 #include <utility>
 
@@ -57,11 +58,21 @@ void SettingsServer::serve() {
     request_reader_.try_take_each([this](const sonopose_SettingsRequest& request, const dds::SampleInfo&) {
       if (stopping_) return;
       const SteadyTime begin = clocks::steady_now();
-      answer(request);
+      try_answer(request);
       std::this_thread::sleep_for(std::chrono::nanoseconds(clocks::steady_now() - begin));
     });
   }
   log_.finish();
+}
+
+/// One request must not end the poses of all beacons. Its sender repeats it.
+void SettingsServer::try_answer(const sonopose_SettingsRequest& request) {
+  try {
+    answer(request);
+  } catch (const std::exception& error) {
+    log_.write(logging::Level::error, fmt::format("a request for settings has no reply: {}", error.what()),
+               clocks::steady_now());
+  }
 }
 
 void SettingsServer::answer(const sonopose_SettingsRequest& request) {

@@ -41,6 +41,7 @@ public:
 
 private:
   void serve();
+  void try_answer(const sonopose_SettingsRequest& request);
   void answer(const sonopose_SettingsRequest& request);
   void log(const SettingsRequest& request, const SettingsReply& reply);
   void publish_changes();

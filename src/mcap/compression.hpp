@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The compression of chunks: zstd and frames of lz4.
+/// The compression of chunks: zstd and frames of lz4. decompression.hpp reverses it.
 
 #include "mcap/records.hpp"
 
@@ -10,7 +10,6 @@
 #include <optional>
 #include <span>
 #include <string_view>
-#include <vector>
 
 namespace sonopose::mcap {
 
@@ -44,18 +43,5 @@ private:
   Compression compression_;
   std::unique_ptr<Context> context_;
 };
-
-/// What became of compressed bytes.
-enum class Decompressed {
-  complete,
-  cut,       ///< the bytes end before the compressed stream does; what came before was decompressed
-  invalid,   ///< not such a stream, or bytes follow it; what came before was decompressed
-  too_long,  ///< more than the limit
-};
-
-/// Replaces `to` by the decompressed bytes, at most `limit` of them. Memory grows with what is decompressed,
-/// not with what the stream claims.
-Decompressed decompress(Compression compression, std::span<const std::byte> from, std::size_t limit,
-                        std::vector<std::byte>& to);
 
 }  // namespace sonopose::mcap

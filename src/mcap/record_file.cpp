@@ -1,6 +1,7 @@
 #include "mcap/record_file.hpp"
 
 #include "mcap/compression.hpp"
+#include "mcap/decompression.hpp"
 
 #include <algorithm>
 

@@ -111,7 +111,7 @@ void write_log_meta(const std::filesystem::path& folder, const LogMeta& meta) {
     text.append(address_key).append(" = " + std::to_string(*meta.beacon_address) + "\n");
   }
   if (!meta.program_version.empty()) {
-    text.append(version_key).append(" = \"" + meta.program_version + "\"\n");
+    text.append(version_key).append(" = ").append(files::toml::quoted(meta.program_version)).append("\n");
   }
   if (!meta.settings.empty()) text.append("\n[").append(settings_table).append("]\n");
   for (const auto& [name, value] : meta.settings) {

@@ -1,6 +1,7 @@
 #pragma once
 /// \file
-/// What the page and its server say to each other: texts of the sub-protocol sonopose.v1 (docs/web.md).
+/// What the server says to the page: texts of the sub-protocol sonopose.v1 (docs/web.md). Its requests are in
+/// page_requests.hpp.
 
 #include <sonopose/samples/live_settings.hpp>
 #include <sonopose/samples/log_line.hpp>
@@ -11,35 +12,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 
 namespace sonopose::web {
 
 inline constexpr std::string_view page_protocol = "sonopose.v1";
-
-// From the page.
-
-/// Change settings, or reset estimators if there are no assignments.
-struct ChangeRequest {
-  std::uint64_t id = 0;  ///< chosen by the page
-  bool is_reset = false;
-  SettingsRequest settings;  ///< of a reset: the address alone
-};
-/// Run the doctor.
-struct ExamineRequest {
-  double seconds = 8;
-};
-/// What cannot be read: why, and to which id.
-struct RefusedRequest {
-  std::uint64_t id = 0;
-  std::string reason;
-};
-using PageRequest = std::variant<ChangeRequest, ExamineRequest, RefusedRequest>;
-
-/// Never throws for what a page sends.
-PageRequest parse_page_request(std::string_view text);
-
-// From the server.
 
 struct Hello {
   std::string version;

@@ -4,6 +4,7 @@
 
 #include "process/stop_signal.hpp"
 #include "web/page_messages.hpp"
+#include "web/page_requests.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 
 #include <condition_variable>

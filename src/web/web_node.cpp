@@ -11,6 +11,7 @@
 #include "web/log_lines.hpp"
 #include "web/page_clients.hpp"
 #include "web/page_messages.hpp"
+#include "web/page_requests.hpp"
 #include "web/request_worker.hpp"
 #include "web/site_files.hpp"
 #include <sonopose/dds/topics/conversions.hpp>

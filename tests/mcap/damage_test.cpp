@@ -1,3 +1,4 @@
+#include "mcap/decompression.hpp"
 #include "mcap/memory.hpp"
 #include "mcap/writer.hpp"
 

@@ -162,4 +162,12 @@ SCENARIO("a recorder writes the meta.toml of its samples") {
   }
 }
 
+SCENARIO("texts with quotes and line breaks are read as they were written") {
+  const Folder folder;
+  const std::string text = "a \"b\"\n\\c";
+  const LogMeta meta{.program_version = text, .settings = {{"seed", text}}};
+  write_log_meta(folder.path(), meta);
+  CHECK(read_log_meta(folder.path()) == meta);
+}
+
 }  // namespace log_meta_test

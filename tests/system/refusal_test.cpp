@@ -1,9 +1,13 @@
 /// Invalid input is refused at startup with a message that locates the error.
 
+#include "mcap/file_sink.hpp"
+#include "mcap/writer.hpp"
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 
 namespace refusal_test {
 
@@ -223,16 +227,29 @@ SCENARIO("a bridge refuses an invalid input") {
   }
 }
 
+/// A recording of one message, which can be played.
+void write_recording(const std::filesystem::path& file) {
+  mcap::FileSink sink(file);
+  mcap::Writer writer(sink);
+  const auto schema = writer.add_schema("sonopose::ResetCommand", "omgidl", "");
+  const std::array<std::byte, 8> data{};
+  writer.write({writer.add_channel(schema, "sonopose/reset", "cdr"), 1, 1'000'000'000, 1, data});
+  writer.close();
+}
+
 SCENARIO("every program on the bus refuses a limit of too few file descriptors") {
   const TemporaryFolder folder;
   const std::string recording = (folder / "recording.mcap").string();
+  const std::string recorded = (folder / "recorded.mcap").string();
+  write_recording(recorded);
   const std::vector<std::pair<const char*, const char*>> programs{{SONOPOSE_TEST_BRIDGE, ""},
                                                                   {SONOPOSE_TEST_FUSION, ""},
                                                                   {SONOPOSE_TEST_MONITOR, ""},
                                                                   {SONOPOSE_TEST_DOCTOR, ""},
                                                                   {SONOPOSE_TEST_SETTINGS, "watch"},
                                                                   {SONOPOSE_TEST_ROS2, "--network loopback"},
-                                                                  {SONOPOSE_TEST_RECORD, recording.c_str()}};
+                                                                  {SONOPOSE_TEST_RECORD, recording.c_str()},
+                                                                  {SONOPOSE_TEST_PLAY, recorded.c_str()}};
   for (const auto& [program, arguments] : programs) {
     for (const char* const limit : {"8", "12"}) {
       const std::string command = std::string("ulimit -n ") + limit + "; exec \"$0\" " + arguments;
@@ -241,6 +258,30 @@ SCENARIO("every program on the bus refuses a limit of too few file descriptors")
                            Contains("are needed"));
     }
   }
+}
+
+SCENARIO("a replay with any limit of file descriptors gives its result or the reason why not") {
+  const TemporaryFolder folder;
+  const std::string log = (folder / "log").string();
+  REQUIRE(run(SONOPOSE_TEST_SIMULATE, {"rest", "--out", log, "--duration", "1"}).code == 0);
+  const std::string whole = run(SONOPOSE_TEST_REPLAY, {log}).output;
+  REQUIRE_THAT(whole, Contains("state hash"));
+  bool has_refused = false;
+  for (int limit = 3; limit <= 8; ++limit) {
+    const std::string command = "ulimit -n " + std::to_string(limit) + "; exec \"$0\" \"$1\"";
+    const Result result = run("/bin/sh", {"-c", command, SONOPOSE_TEST_REPLAY, log}, neutral);
+    CAPTURE(limit, result.output, result.error);
+    REQUIRE(result.code);
+    CHECK(*result.code >= 0);  // no signal ended it
+    if (*result.code == 0) {
+      CHECK_THAT(result.output, Contains("state hash"));
+    } else {
+      // Of our own, or of the loader that starts the program.
+      CHECK_THAT(result.error, Contains("Too many open files") || Contains("cannot open shared object file"));
+      has_refused = true;
+    }
+  }
+  CHECK(has_refused);
 }
 
 }  // namespace refusal_test

@@ -92,4 +92,66 @@ SCENARIO("a bridge that an error ends states the reason and the restart that hel
   }
 }
 
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they have their own allocations
+
+/// A program one of whose allocations fails after SIGUSR1 (support/failing_allocation.cpp).
+std::unique_ptr<Process> failing(const Bus& bus, const char* program, Arguments arguments,
+                                 const std::string& allocation) {
+  arguments.insert(arguments.end(), {"--domain", std::to_string(bus.domain_id())});
+  return std::make_unique<Process>(program, arguments,
+                                   Environment{{"LD_PRELOAD", SONOPOSE_TEST_FAILING_ALLOCATION},
+                                               {"SONOPOSE_TEST_FAILING_ALLOCATION", allocation}});
+}
+
+void check_reason(Process& process, const std::string& program) {
+  CHECK(process.wait_for_exit() == 1);
+  CHECK_THAT(process.text(Stream::error),
+             Catch::Contains("std::bad_alloc; restart " + program + "; no other program needs a restart"));
+}
+
+SCENARIO("a program that an exception ends, on any thread, states the reason and the restart that helps") {
+  // The thread that receives samples is Cyclone's; nothing there can catch an exception.
+  const std::string thread = GENERATE("main", "recv");
+  CAPTURE(thread);
+  const Bus bus;
+  WHEN("a fusion has no memory for a new beacon") {
+    const auto fusion = failing(bus, SONOPOSE_TEST_FUSION, {}, thread);
+    REQUIRE(fusion->wait_for_line(Stream::error, "serving"));
+    fusion->send(SIGUSR1);
+    const auto bridge = bus.bridge({"--scenario", "rest"});
+    THEN("it ends, and the bridge continues") {
+      check_reason(*fusion, "sonopose-fusion");
+      CHECK(bridge->wait_for_exit(std::chrono::milliseconds(0)) == std::nullopt);
+    }
+  }
+  WHEN("a relay has no memory for a new beacon") {
+    const auto relay = failing(bus, SONOPOSE_TEST_ROS2, {"--network", "loopback"}, thread);
+    REQUIRE(relay->wait_for_line(Stream::error, "relaying as"));
+    const auto fusion = bus.fusion();
+    relay->send(SIGUSR1);
+    const auto bridge = bus.bridge({"--scenario", "rest"});
+    THEN("it ends, and the fusion continues") {
+      check_reason(*relay, "sonopose-ros2");
+      CHECK(fusion->wait_for_exit(std::chrono::milliseconds(0)) == std::nullopt);
+    }
+  }
+}
+
+SCENARIO("a request for settings that cannot be answered for want of memory does not end the fusion") {
+  // As long as no other text, so that its copy is the allocation that fails.
+  const std::string value = "0.25" + std::string(119, '0');
+  const Bus bus;
+  const auto fusion = failing(bus, SONOPOSE_TEST_FUSION, {}, "=" + std::to_string(value.size() + 1));
+  REQUIRE(fusion->wait_for_line(Stream::error, "serving"));
+  fusion->send(SIGUSR1);
+  const Result set = bus.settings({"set", "trust.sigma_m=" + value});
+  CAPTURE(set.output, set.error);
+  CHECK(fusion->wait_for_line(Stream::error, "std::bad_alloc"));
+  CHECK(fusion->wait_for_exit(std::chrono::milliseconds(0)) == std::nullopt);
+  // The client repeats its request; the next one must be answered in any case.
+  CHECK(bus.settings({"set", "trust.sigma_m=0.5"}).code == 0);
+}
+
+#endif
+
 }  // namespace restart_test

@@ -1,5 +1,7 @@
 #include "web/http/access.hpp"
 
+#include "web/http/interfaces.hpp"
+
 #include <catch2/catch.hpp>
 
 #include <set>

@@ -1,4 +1,5 @@
 #include "web/foxglove/protocol.hpp"
+#include "web/foxglove/requests.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>

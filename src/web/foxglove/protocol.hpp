@@ -1,19 +1,16 @@
 #pragma once
 /// \file
-/// The messages of Foxglove's WebSocket protocol, version 1: https://github.com/foxglove/ws-protocol,
-/// docs/spec.md.
+/// The server's messages of Foxglove's WebSocket protocol, version 1:
+/// https://github.com/foxglove/ws-protocol, docs/spec.md. Those of clients are in requests.hpp.
 
 #include <sonopose/samples/samples.hpp>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <variant>
-#include <vector>
 
 namespace sonopose::web::foxglove {
 
@@ -35,32 +32,12 @@ struct Channel {
 
 enum class StatusLevel : std::uint8_t { info, warning, error };
 
-// From the server. Texts are JSON, the others are binary.
+// Texts are JSON, the others are binary.
 std::string server_info(const std::string& name, const std::string& session_id);
 std::string advertise(std::span<const Channel> channels);
 std::string status(StatusLevel level, const std::string& message);
 std::string time(TimeNs time_ns);
 /// `received_ns`: when the sample arrived here.
 std::string message_data(SubscriptionId subscription, TimeNs received_ns, std::span<const std::byte> payload);
-
-// From a client.
-struct Subscribe {
-  struct Item {
-    SubscriptionId id = 0;
-    ChannelId channel_id = 0;
-  };
-  std::vector<Item> items;
-};
-struct Unsubscribe {
-  std::vector<SubscriptionId> ids;
-};
-/// What cannot be read or is not supported: why.
-struct Refused {
-  std::string reason;
-};
-using Request = std::variant<Subscribe, Unsubscribe, Refused>;
-
-/// Reads a text message. Never throws for what a client sends.
-Request parse_request(std::string_view text);
 
 }  // namespace sonopose::web::foxglove

@@ -1,6 +1,7 @@
 #include "web/foxglove/topic_feed.hpp"
 
 #include "clocks/clocks.hpp"
+#include "web/foxglove/protocol.hpp"
 #include <sonopose/dds/topics/serialized_topics.hpp>
 #include <sonopose/idl/text.hpp>
 #include <sonopose/text/count_text.hpp>

@@ -2,7 +2,7 @@
 /// \file
 /// The native topics for Foxglove's clients: which they may subscribe to, and who receives what.
 
-#include "web/foxglove/protocol.hpp"
+#include "web/foxglove/requests.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 

@@ -66,10 +66,6 @@ struct Target {
 };
 Target parse_target(std::string_view target);
 
-/// Where a browser reaches the server: `endpoint`, or, if it is that of all interfaces, the address of each,
-/// loopback last.
-std::vector<Endpoint> reachable(const Endpoint& endpoint);
-
 inline constexpr std::size_t least_token_size = 16;
 /// Throws std::invalid_argument if a token is too short to be hard to guess, or has characters that a URL
 /// cannot have.

@@ -2,6 +2,7 @@
 #include "web/http/server.hpp"
 
 #include "logging/log.hpp"
+#include "web/http/interfaces.hpp"
 #include "web/http/refusal.hpp"
 
 #include <fmt/format.h>
