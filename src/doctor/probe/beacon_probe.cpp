@@ -99,8 +99,14 @@ void BeaconProbe::on(const BeaconStatus& status) {
 }
 
 void BeaconProbe::on(const FusionStatus& status) {
-  const auto [found, is_new] = fusions_.try_emplace(status.fusion_id, FusionObservation{status, status});
-  if (!is_new) found->second.latest = status;
+  const auto [found, is_new] = fusions_.try_emplace(status.fusion_id, FusionObservation{{status, status}});
+  found->second.span.latest = status;
+  found->second.has_ended = false;
+}
+
+void BeaconProbe::end_fusion(std::uint64_t fusion_id) {
+  const auto found = fusions_.find(fusion_id);
+  if (found != fusions_.end()) found->second.has_ended = true;
 }
 
 void BeaconProbe::count_missing_events(TimeNs ended_ns, rules::BeaconObservation& beacon) const {
@@ -169,7 +175,11 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
   beacon.status_before = status_before_;
   beacon.status = status_;
   for (const auto& entry : fusions_) {
-    const FusionObservation& fusion = entry.second;
+    const rules::FusionSpan& fusion = entry.second.span;
+    if (entry.second.has_ended) {
+      if (observation::serves(fusion.latest)) beacon.ended_fusions.push_back(fusion);
+      continue;
+    }
     beacon.fusions.push_back(fusion.latest);
     if (beacon.fusion && !observation::serves_before(fusion.latest, *beacon.fusion)) continue;
     beacon.fusion_before = fusion.before;

@@ -110,6 +110,12 @@ struct FixOutcomes {
   double longest_relocation_m = 0;
 };
 
+/// The first and the last status of one fusion in the window.
+struct FusionSpan {
+  FusionStatus before;
+  FusionStatus latest;
+};
+
 /// One beacon over the window.
 struct BeaconObservation {
   BeaconAddress address = 0;
@@ -127,7 +133,8 @@ struct BeaconObservation {
   std::optional<BeaconStatus> status;         ///< the last status
   std::optional<FusionStatus> fusion_before;
   std::optional<FusionStatus> fusion;
-  std::vector<FusionStatus> fusions;  ///< the last status of each fusion of the beacon
+  std::vector<FusionStatus> fusions;      ///< the last status of each fusion of the beacon that runs
+  std::vector<FusionSpan> ended_fusions;  ///< those that served it and have ended: their losses count too
   StatusCounts status_counts;
   FixOutcomes fix_outcomes;
   std::uint64_t pair_fixes = 0;         ///< fixes that are the centre of a pair

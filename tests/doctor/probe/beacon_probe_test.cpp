@@ -231,12 +231,42 @@ TEST_CASE("A fusion that has ended does not hide the one that runs") {
     status.strength = static_cast<std::int32_t>(2000 - id);
     status.fixes_used = id;
     probe.on(status);
-    if (id < 1000) probe.forget_fusion(id);
+    if (id < 1000) probe.end_fusion(id);
   }
   const auto beacon = probe.observation(begin_ns + window_ns, {});
   REQUIRE(beacon.fusions.size() == 1);
   REQUIRE(beacon.fusion);
   CHECK(beacon.fusion->fixes_used == 1000);
+}
+
+TEST_CASE("The losses of a fusion that has crashed and returned are not hidden") {
+  BeaconProbe probe;
+  probe.begin(begin_ns, {});
+  const auto report = [&probe](std::uint64_t id, std::uint64_t lost) {
+    FusionStatus status;
+    status.fusion_id = id;
+    status.events_lost = lost;
+    probe.on(status);
+  };
+  report(1, 5);
+  report(1, 45);
+  probe.end_fusion(1);
+  SECTION("with a new id") {
+    report(2, 0);
+    const auto beacon = observation_of(probe);
+    REQUIRE(beacon.fusions.size() == 1);
+    CHECK(beacon.fusion->fusion_id == 2);
+    REQUIRE(beacon.ended_fusions.size() == 1);
+    CHECK(beacon.ended_fusions.front().before.events_lost == 5);
+    CHECK(beacon.ended_fusions.front().latest.events_lost == 45);
+  }
+  SECTION("as the same one, whose liveliness was lost for a while") {
+    report(1, 46);
+    const auto beacon = observation_of(probe);
+    CHECK(beacon.ended_fusions.empty());
+    CHECK(beacon.fusion_before->events_lost == 5);
+    CHECK(beacon.fusion->events_lost == 46);
+  }
 }
 
 TEST_CASE("A look of an hour keeps the samples of two minutes, and counts all") {
