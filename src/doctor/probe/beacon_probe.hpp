@@ -87,7 +87,7 @@ private:
   struct Outcome {
     std::uint32_t flags = 0;
     Vector3d innovation_world_m = Vector3d::Zero();
-    double jump_m = 0;
+    Vector3d jump_world_m = Vector3d::Zero();
   };
 
   [[nodiscard]] rules::FixOutcomes fix_outcomes() const;

@@ -106,7 +106,7 @@ struct FixOutcomes {
   std::uint64_t refused = 0;         ///< too old, too poor or not valid
   std::uint64_t late = 0;            ///< of these: too old
   std::vector<Vector3d> outliers_m;  ///< innovations of those that it rejected as outliers, world
-  std::uint64_t relocations = 0;     ///< it moved the position to other fixes by more than 0.3 m at once
+  std::uint64_t relocations = 0;     ///< jumps by more than 0.3 m to other fixes, not after a freeze
   double longest_relocation_m = 0;
 };
 

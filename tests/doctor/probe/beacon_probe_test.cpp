@@ -269,6 +269,36 @@ TEST_CASE("The losses of a fusion that has crashed and returned are not hidden")
   }
 }
 
+TEST_CASE("A jump to other fixes counts once, and one after a freeze does not") {
+  BeaconProbe probe;
+  probe.begin(begin_ns, {});
+  double at_s = 1;
+  const auto report = [&](std::uint32_t flags, double jump_m) {
+    FixReport fix;
+    fix.flags = flags;
+    fix.jump_world_m = {jump_m, 0, 0};
+    probe.on(fix, begin_ns + to_ns(at_s));
+    at_s += 0.1;
+  };
+  const auto jump = [&] {  // 0.8 m, in parts of less than 0.3 m
+    for (int i = 0; i < 4; ++i) report(fix_used | fix_stuck_forced, 0.2);
+    report(fix_used, 0);
+  };
+  for (int i = 0; i < 4; ++i) report(fix_used | fix_stuck_forced, i % 2 == 0 ? 0.2 : -0.2);  // noise
+  report(fix_used, 0);
+  CHECK(observation_of(probe).fix_outcomes.relocations == 0);
+  jump();
+  jump();
+  CHECK(observation_of(probe).fix_outcomes.relocations == 2);
+  CHECK(observation_of(probe).fix_outcomes.longest_relocation_m == Approx(0.8));
+  report(fix_frozen, 0);
+  jump();
+  CHECK(observation_of(probe).fix_outcomes.relocations == 2);
+  at_s += 30;
+  jump();
+  CHECK(observation_of(probe).fix_outcomes.relocations == 3);
+}
+
 TEST_CASE("A look of an hour keeps the samples of two minutes, and counts all") {
   BeaconProbe probe;
   probe.begin(begin_ns, {});
