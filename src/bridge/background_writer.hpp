@@ -41,7 +41,7 @@ class BackgroundWriter {
 public:
   using Write = std::function<void(std::span<const Item>)>;
 
-  /// What messages call it: "the recording" lacks 2 "sample"s.
+  /// What messages call them, such as "the recording" and "sample": the recording lacks 2 samples.
   struct Words {
     std::string name;
     std::string item;

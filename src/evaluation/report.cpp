@@ -60,8 +60,9 @@ std::string scores(const RunResult& result) {
   std::string text = report_line(
       "position", fmt::format("{:8.4f} m RMSE, {:.4f} m p95, {:.4f} m max, over {}", position_m.rmse,
                               position_m.p95, position_m.max, text::count_text(result.fused.poses, "pose")));
-  text += report_line("no truth",
-                      fmt::format("{:8} poses, which are not scored", result.fused.poses_without_truth));
+  text += report_line(
+      "no truth", fmt::format("{:8} {} not scored", result.fused.poses_without_truth,
+                              result.fused.poses_without_truth == 1 ? "pose, which is" : "poses, which are"));
   text += figure("velocity", result.fused.velocity_rmse_mps, 4, "m/s");
   text += figure("yaw", result.fused.yaw_rmse_deg, 3, "deg");
   text += figure("tilt", result.fused.tilt_rmse_deg, 3, "deg");

@@ -1,5 +1,6 @@
 #include "player/keys.hpp"
 
+#include "process/foreground.hpp"
 #include "process/sudden_end.hpp"
 
 #include <atomic>
@@ -9,48 +10,43 @@
 #include <unistd.h>
 
 namespace sonopose::player {
-
-struct Keys::SavedMode {
-  termios mode{};
-};
-
 namespace {
 
-/// A program in the background would be stopped for a change of the terminal.
-bool is_in_foreground() noexcept {
-  return ::tcgetpgrp(STDIN_FILENO) == ::getpgrp();
-}
-
-/// For a signal handler; null while the terminal has its own mode.
-std::atomic<const termios*> mode_to_restore{nullptr};
-static_assert(std::atomic<const termios*>::is_always_lock_free);
+/// Static: a signal handler on any thread may read it at any time.
+termios own_mode{};
+std::atomic<bool> must_restore{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
 
 void restore_mode() noexcept {
-  const termios* const mode = mode_to_restore.load();
-  if (mode != nullptr && is_in_foreground()) ::tcsetattr(STDIN_FILENO, TCSANOW, mode);
+  if (must_restore && !process::is_in_background(STDIN_FILENO)) {
+    ::tcsetattr(STDIN_FILENO, TCSANOW, &own_mode);
+  }
 }
 
 }  // namespace
 
 Keys::Keys(PlayControl& control, process::StopSignal& stop) : control_(control), stop_(stop) {
-  if (::isatty(STDIN_FILENO) == 0 || !is_in_foreground()) return;
-  auto saved = std::make_unique<SavedMode>();
-  if (::tcgetattr(STDIN_FILENO, &saved->mode) != 0) return;
-  termios mode = saved->mode;
+  // The keys of a terminal that is not the controlling one may be meant for a shell.
+  const bool is_controlling = ::tcgetpgrp(STDIN_FILENO) >= 0;
+  if (!is_controlling || process::is_in_background(STDIN_FILENO)) return;
+  if (::tcgetattr(STDIN_FILENO, &own_mode) != 0) return;
+  termios mode = own_mode;
   mode.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);  // Ctrl-C still is a signal
-  if (::tcsetattr(STDIN_FILENO, TCSANOW, &mode) != 0) return;
-  saved_ = std::move(saved);
-  mode_to_restore.store(&saved_->mode);
-  process::set_sudden_end_call(restore_mode);
+  // First, because it may fail, which must leave the terminal as it is.
   thread_ = std::jthread([this](const std::stop_token& end) { serve(end); });
+  must_restore = true;
+  process::set_sudden_end_call(restore_mode);
+  if (::tcsetattr(STDIN_FILENO, TCSANOW, &mode) == 0) return;
+  must_restore = false;
+  thread_ = {};
 }
 
 Keys::~Keys() {
-  if (!saved_) return;
+  if (!are_read()) return;
   thread_.request_stop();
   thread_.join();
-  ::tcsetattr(STDIN_FILENO, TCSANOW, &saved_->mode);
-  mode_to_restore.store(nullptr);
+  ::tcsetattr(STDIN_FILENO, TCSANOW, &own_mode);
+  must_restore = false;
 }
 
 void Keys::serve(const std::stop_token& end) {

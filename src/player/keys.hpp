@@ -6,7 +6,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <memory>
 #include <stop_token>
 #include <thread>
 
@@ -58,16 +57,13 @@ public:
   ~Keys();
 
   /// Whether there is a terminal.
-  [[nodiscard]] bool are_read() const { return saved_ != nullptr; }
+  [[nodiscard]] bool are_read() const { return thread_.joinable(); }
 
 private:
-  struct SavedMode;
-
   void serve(const std::stop_token& end);
 
   PlayControl& control_;
   process::StopSignal& stop_;
-  std::unique_ptr<SavedMode> saved_;
   std::jthread thread_;
 };
 

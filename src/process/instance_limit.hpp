@@ -76,7 +76,7 @@ public:
     const bool may_be_known = ever_.size() < most_ever || ever_.contains(id);
     if (present.size() >= Traits::most_at_a_time || !may_be_known) {
       ++refused_;
-      if (refused_ids_.size() < most_ever) refused_ids_.insert(id);
+      if (refused_ids_.size() < most_ever && !ever_.contains(id)) refused_ids_.insert(id);
       return false;
     }
     refused_ids_.erase(id);

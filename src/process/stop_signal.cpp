@@ -34,11 +34,19 @@ static_assert(std::atomic<TimeNs>::is_always_lock_free);
 
 std::atomic<SuddenEndCall> sudden_end_call{nullptr};
 static_assert(std::atomic<SuddenEndCall>::is_always_lock_free);
+std::atomic<bool> is_ending{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
 
-[[noreturn]] void end_at_once(int signal) noexcept {
+/// Returns only if another thread is in it: a further signal must not cut the call short.
+void end_at_once(int signal) noexcept {
+  if (is_ending.exchange(true)) return;
   if (const SuddenEndCall call = sudden_end_call.load()) {
     constexpr unsigned longest_s = 1;  // a terminal may take nothing for ever; then SIGALRM ends the process
     ::signal(SIGALRM, SIG_DFL);
+    sigset_t alarm{};  // a parent may have blocked it
+    ::sigemptyset(&alarm);
+    ::sigaddset(&alarm, SIGALRM);
+    ::pthread_sigmask(SIG_UNBLOCK, &alarm, nullptr);
     ::alarm(longest_s);
     call();
   }
@@ -104,6 +112,8 @@ void StopSignal::listen_to_signals() {
   struct sigaction action {};
   action.sa_handler = sonopose_on_stop_signal;
   action.sa_flags = SA_RESTART;
+  ::sigemptyset(&action.sa_mask);
+  for (const int signal : {SIGINT, SIGTERM}) ::sigaddset(&action.sa_mask, signal);
   for (const int signal : {SIGINT, SIGTERM}) {
     if (::sigaction(signal, &action, nullptr) != 0) {
       throw std::system_error(errno, std::generic_category(), "sigaction");

@@ -8,7 +8,8 @@ namespace sonopose::process {
 using SuddenEndCall = void (*)() noexcept;
 
 /// A repeated stop signal, which ends the process at once (StopSignal::listen_to_signals), calls `call`
-/// first. A call that takes more than 1 s is cut short. Null: nothing. One per process.
+/// first. A call that takes more than 1 s is cut short: SIGALRM then ends the process. Null: nothing. One per
+/// process.
 void set_sudden_end_call(SuddenEndCall call) noexcept;
 
 }  // namespace sonopose::process

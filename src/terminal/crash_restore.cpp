@@ -1,5 +1,7 @@
 #include "terminal/crash_restore.hpp"
 
+#include "process/foreground.hpp"
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -20,7 +22,7 @@ constexpr std::array crash_signals{SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIG
 
 /// Everything that a signal handler reads.
 struct Saved {
-  volatile std::sig_atomic_t armed = 0;
+  std::atomic<bool> armed = false;
   int terminal_fd = -1;
   int error_fd = -1;
   termios modes{};
@@ -38,7 +40,8 @@ struct Kept {
   std::atomic<int> pipe_fd = -1;
 };
 Kept kept;
-static_assert(std::atomic<std::size_t>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+static_assert(std::atomic<std::size_t>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
+              std::atomic<bool>::is_always_lock_free);
 
 void write_to_error(const char* text, std::size_t size) noexcept {
   while (size > 0) {
@@ -71,17 +74,10 @@ void write_kept() noexcept {
   }
 }
 
-/// A program in the background would be stopped for a change of the terminal, which is another's now.
-bool is_in_background() noexcept {
-  const pid_t foreground = ::tcgetpgrp(saved.terminal_fd);
-  return foreground >= 0 && foreground != ::getpgrp();
-}
-
 /// Once, even if several threads crash.
 void restore() noexcept {
-  if (saved.armed == 0) return;
-  saved.armed = 0;
-  if (!is_in_background()) {
+  if (!saved.armed.exchange(false)) return;
+  if (!process::is_in_background(saved.terminal_fd)) {
     ::tcsetattr(saved.terminal_fd, TCSANOW, &saved.modes);
     [[maybe_unused]] const auto written = ::write(saved.terminal_fd, saved.sequence.data(), saved.length);
   }
@@ -115,7 +111,7 @@ CrashRestore::CrashRestore(int terminal_fd, int error_fd) {
   if (::tcgetattr(terminal_fd, &saved.modes) != 0) {
     throw std::system_error(errno, std::generic_category(), "tcgetattr");
   }
-  saved.armed = 1;
+  saved.armed = true;
   struct sigaction action {};
   action.sa_handler = sonopose_on_crash;
   action.sa_flags = SA_ONSTACK;
@@ -162,7 +158,7 @@ CrashRestore::~CrashRestore() {
     ::sigaction(crash_signals[i], &saved.actions[i], nullptr);
   }
   std::set_terminate(saved.terminate);
-  saved.armed = 0;
+  saved.armed = false;
 }
 
 }  // namespace sonopose::terminal

@@ -1,5 +1,7 @@
 #include "transitions/line.hpp"
 
+#include <sonopose/text/count_text.hpp>
+
 #include <fmt/format.h>
 
 namespace sonopose::transitions {
@@ -39,7 +41,8 @@ Line words_of(const Transition& transition) {
         return {Level::warning, fmt::format("gated: {} fixes in a row are outliers, the latest by {:.2f} m",
                                             transition.count, transition.value)};
       }
-      return {Level::info, fmt::format("no longer gated, after {} fixes", transition.count)};
+      return {Level::info,
+              fmt::format("no longer gated, after {}", text::count_text(transition.count, "fix", "fixes"))};
     case Kind::converging:
       return begun_or_ended(transition, Level::warning,
                             "converging again: the pose is corrected by a large distance", "converged");

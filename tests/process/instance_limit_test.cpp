@@ -54,6 +54,15 @@ SCENARIO("the fusions that were never accepted are counted once each") {
   }
 }
 
+SCENARIO("a fusion that was observed and is refused when it returns was observed") {
+  InstanceLimit<sonopose_FusionStatus> limit;
+  for (std::uint64_t id = 1; id <= most_fusions; ++id) REQUIRE(limit.accepts(status_of(beacon, id)));
+  limit.forget(status_of(beacon, 1));
+  REQUIRE(limit.accepts(status_of(beacon, most_fusions + 1)));
+  CHECK_FALSE(limit.accepts(status_of(beacon, 1)));
+  CHECK_FALSE(limit.warning());
+}
+
 SCENARIO("fusions that come and go without end are bounded, and those that return are not") {
   InstanceLimit<sonopose_FusionStatus> limit;
   const auto visit = [&limit](std::uint64_t id) {

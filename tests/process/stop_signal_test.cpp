@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <sys/wait.h>
@@ -76,10 +77,12 @@ SCENARIO("a wait ends at its deadline or at the stop") {
 }
 
 /// The exit code, or minus the signal that ended it, of a process that receives a second SIGTERM after this
-/// time, and ends with 0 by itself.
-int code_after_second_signal(std::chrono::milliseconds pause, SuddenEndCall call = nullptr) {
+/// time, and ends with 0 by itself. `prepare` is called in it first.
+int code_after_second_signal(
+    std::chrono::milliseconds pause, SuddenEndCall call = nullptr, void (*prepare)() = [] {}) {
   const pid_t child = ::fork();
   if (child == 0) {
+    prepare();
     set_sudden_end_call(call);
     StopSignal listening;
     listening.listen_to_signals();
@@ -105,6 +108,39 @@ SCENARIO("a sudden end restores what it can within a second") {
   CHECK(code_after_second_signal(late, []() noexcept {}) == 128 + SIGTERM);
   const auto waits_for_ever = []() noexcept { ::sleep(60); };
   CHECK(code_after_second_signal(late, waits_for_ever) == -SIGALRM);
+}
+
+/// A restore during which Ctrl-C and SIGTERM come, to this thread and to another one.
+void restore_under_signals() noexcept {
+  static std::atomic<bool> has_begun{false};
+  if (has_begun.exchange(true)) return;
+  ::raise(SIGINT);
+  ::raise(SIGTERM);
+  ::kill(::getpid(), SIGINT);
+  ::kill(::getpid(), SIGTERM);
+  ::usleep(200'000);
+  ::_exit(42);
+}
+
+SCENARIO("a sudden end is not cut short by further signals") {
+  constexpr std::chrono::milliseconds late(1100);
+  CHECK(code_after_second_signal(late, restore_under_signals) == 42);
+  CHECK(code_after_second_signal(late, restore_under_signals, [] {
+          std::thread([] {
+            while (true) ::pause();
+          }).detach();
+        }) == 42);
+}
+
+SCENARIO("a sudden end is limited also if SIGALRM was blocked by the parent") {
+  constexpr std::chrono::milliseconds late(1100);
+  const auto waits_for_ever = []() noexcept { ::sleep(60); };
+  CHECK(code_after_second_signal(late, waits_for_ever, [] {
+          sigset_t alarm;
+          ::sigemptyset(&alarm);
+          ::sigaddset(&alarm, SIGALRM);
+          ::pthread_sigmask(SIG_BLOCK, &alarm, nullptr);
+        }) == -SIGALRM);
 }
 
 SCENARIO("Ctrl-C and SIGTERM set the stop that listens") {

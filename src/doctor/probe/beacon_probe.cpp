@@ -9,8 +9,47 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace sonopose::doctor::probe {
+namespace {
+
+/// Counts how often the position jumped to fixes that were rejected before.
+class Relocations {
+public:
+  explicit Relocations(rules::FixOutcomes& outcomes) : outcomes_(outcomes) {}
+
+  /// The reports in their order.
+  void add(TimeNs received_ns, std::uint32_t flags, const Vector3d& jump_world_m) {
+    if ((flags & fix_frozen) != 0U) frozen_ns_ = received_ns;
+    if ((flags & (fix_frozen | fix_too_late | fix_invalid | fix_low_quality)) != 0U) return;
+    if ((flags & fix_stuck_forced) == 0U) return run_.reset();
+    if (!run_) run_ = Run{.is_after_freeze = frozen_ns_ && received_ns - *frozen_ns_ < after_freeze_ns};
+    run_->moved_world_m += jump_world_m;
+    const double moved_m = run_->moved_world_m.norm();
+    if (run_->is_after_freeze || moved_m <= relocated_m) return;
+    if (!std::exchange(run_->is_counted, true)) ++outcomes_.relocations;
+    outcomes_.longest_relocation_m = std::max(outcomes_.longest_relocation_m, moved_m);
+  }
+
+private:
+  static constexpr double relocated_m = 0.3;  // as in the log
+  /// After a freeze, which is reported as such, the position jumps too.
+  static constexpr TimeNs after_freeze_ns = 10'000'000'000;
+
+  /// Forced reports in a row: the documented engine spreads one move over several fixes.
+  struct Run {
+    bool is_after_freeze = false;
+    bool is_counted = false;
+    Vector3d moved_world_m = Vector3d::Zero();
+  };
+
+  rules::FixOutcomes& outcomes_;
+  std::optional<TimeNs> frozen_ns_;
+  std::optional<Run> run_;
+};
+
+}  // namespace
 
 void BeaconProbe::Stream::begin(TimeNs now_ns, double stream_deadline_s) {
   last_ns = now_ns;
@@ -90,7 +129,7 @@ void BeaconProbe::on(const FusedPose& pose, const Arrival& arrival) {
 
 void BeaconProbe::on(const FixReport& report, const Arrival& arrival) {
   if (!in_window()) return;
-  outcomes_.add(arrival.time_ns, {report.flags, report.innovation_world_m, report.jump_world_m.norm()});
+  outcomes_.add(arrival.time_ns, {report.flags, report.innovation_world_m, report.jump_world_m});
 }
 
 void BeaconProbe::on(const BeaconStatus& status) {
@@ -99,8 +138,14 @@ void BeaconProbe::on(const BeaconStatus& status) {
 }
 
 void BeaconProbe::on(const FusionStatus& status) {
-  const auto [found, is_new] = fusions_.try_emplace(status.fusion_id, FusionObservation{status, status});
-  if (!is_new) found->second.latest = status;
+  const auto [found, is_new] = fusions_.try_emplace(status.fusion_id, FusionObservation{{status, status}});
+  found->second.span.latest = status;
+  found->second.has_ended = false;
+}
+
+void BeaconProbe::end_fusion(std::uint64_t fusion_id) {
+  const auto found = fusions_.find(fusion_id);
+  if (found != fusions_.end()) found->second.has_ended = true;
 }
 
 void BeaconProbe::count_missing_events(TimeNs ended_ns, rules::BeaconObservation& beacon) const {
@@ -127,17 +172,14 @@ void BeaconProbe::count_missing_events(TimeNs ended_ns, rules::BeaconObservation
 }
 
 rules::FixOutcomes BeaconProbe::fix_outcomes() const {
-  constexpr double relocated_m = 0.3;  // as in the log
   rules::FixOutcomes outcomes;
+  Relocations relocations(outcomes);
   for (const auto& [received_ns, outcome] : outcomes_.entries()) {
     ++outcomes.reports;
     if ((outcome.flags & (fix_too_late | fix_invalid | fix_low_quality)) != 0U) ++outcomes.refused;
     if ((outcome.flags & fix_too_late) != 0U) ++outcomes.late;
     if ((outcome.flags & fix_outlier) != 0U) outcomes.outliers_m.push_back(outcome.innovation_world_m);
-    if ((outcome.flags & fix_stuck_forced) != 0U && outcome.jump_m > relocated_m) {
-      ++outcomes.relocations;
-      outcomes.longest_relocation_m = std::max(outcomes.longest_relocation_m, outcome.jump_m);
-    }
+    relocations.add(received_ns, outcome.flags, outcome.jump_world_m);
   }
   return outcomes;
 }
@@ -169,7 +211,11 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
   beacon.status_before = status_before_;
   beacon.status = status_;
   for (const auto& entry : fusions_) {
-    const FusionObservation& fusion = entry.second;
+    const rules::FusionSpan& fusion = entry.second.span;
+    if (entry.second.has_ended) {
+      if (observation::serves(fusion.latest)) beacon.ended_fusions.push_back(fusion);
+      continue;
+    }
     beacon.fusions.push_back(fusion.latest);
     if (beacon.fusion && !observation::serves_before(fusion.latest, *beacon.fusion)) continue;
     beacon.fusion_before = fusion.before;

@@ -51,8 +51,8 @@ public:
   void on(const FixReport& report, const Arrival& arrival);
   void on(const BeaconStatus& status);
   void on(const FusionStatus& status);
-  /// The fusion has ended: another one has its place.
-  void forget_fusion(std::uint64_t fusion_id) { fusions_.erase(fusion_id); }
+  /// The fusion has ended, until its next status: another one has its place.
+  void end_fusion(std::uint64_t fusion_id);
 
   /// Starts the window. Longer silences than the deadlines are counted.
   void begin(TimeNs now_ns, const Deadlines& deadlines);
@@ -87,7 +87,7 @@ private:
   struct Outcome {
     std::uint32_t flags = 0;
     Vector3d innovation_world_m = Vector3d::Zero();
-    double jump_m = 0;
+    Vector3d jump_world_m = Vector3d::Zero();
   };
 
   [[nodiscard]] rules::FixOutcomes fix_outcomes() const;
@@ -117,10 +117,10 @@ private:
   std::optional<BeaconStatus> status_before_;
   std::optional<BeaconStatus> status_;
   struct FusionObservation {
-    FusionStatus before;
-    FusionStatus latest;
+    rules::FusionSpan span;
+    bool has_ended = false;
   };
-  std::map<std::uint64_t, FusionObservation> fusions_;  ///< by fusion id; those that run
+  std::map<std::uint64_t, FusionObservation> fusions_;  ///< by fusion id
 };
 
 /// The settings of a fusion. Values that cannot be parsed keep their defaults.

@@ -125,7 +125,7 @@ void SystemObserver::take(Subscription<T>& subscription, const Arrival& arrival)
       if (info.alive()) return;
       fusion_limit_.forget(key);
       const auto probe = probes_.find(key.address);
-      if (probe != probes_.end()) probe->second.forget_fusion(key.fusion_id);
+      if (probe != probes_.end()) probe->second.end_fusion(key.fusion_id);
     }
   };
   const auto on_data = [&](const T& sample, const dds::SampleInfo& info) {

@@ -278,7 +278,11 @@ private:
     return increase(beacon_.status_before, beacon_.status, counter);
   }
   [[nodiscard]] std::uint64_t increase_of(std::uint64_t FusionStatus::*counter) const {
-    return increase(beacon_.fusion_before, beacon_.fusion, counter);
+    std::uint64_t sum = increase(beacon_.fusion_before, beacon_.fusion, counter);
+    for (const FusionSpan& ended : beacon_.ended_fusions) {
+      sum += increase<FusionStatus>(ended.before, ended.latest, counter);
+    }
+    return sum;
   }
 
   const Observations& observations_;

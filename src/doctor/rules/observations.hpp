@@ -106,8 +106,14 @@ struct FixOutcomes {
   std::uint64_t refused = 0;         ///< too old, too poor or not valid
   std::uint64_t late = 0;            ///< of these: too old
   std::vector<Vector3d> outliers_m;  ///< innovations of those that it rejected as outliers, world
-  std::uint64_t relocations = 0;     ///< it moved the position to other fixes by more than 0.3 m at once
+  std::uint64_t relocations = 0;     ///< jumps by more than 0.3 m to other fixes, not after a freeze
   double longest_relocation_m = 0;
+};
+
+/// The first and the last status of one fusion in the window.
+struct FusionSpan {
+  FusionStatus before;
+  FusionStatus latest;
 };
 
 /// One beacon over the window.
@@ -127,7 +133,8 @@ struct BeaconObservation {
   std::optional<BeaconStatus> status;         ///< the last status
   std::optional<FusionStatus> fusion_before;
   std::optional<FusionStatus> fusion;
-  std::vector<FusionStatus> fusions;  ///< the last status of each fusion of the beacon
+  std::vector<FusionStatus> fusions;      ///< the last status of each fusion of the beacon that runs
+  std::vector<FusionSpan> ended_fusions;  ///< those that served it and have ended: their losses count too
   StatusCounts status_counts;
   FixOutcomes fix_outcomes;
   std::uint64_t pair_fixes = 0;         ///< fixes that are the centre of a pair

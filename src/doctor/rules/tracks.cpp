@@ -87,12 +87,12 @@ void check_tracks(const BeaconObservation& beacon, Findings& findings) {
   if (check_outliers(beacon, findings)) return;
   // The fixes of a long look outnumber those that the fusion rejects before it follows another track.
   const FixOutcomes& fixes = beacon.fix_outcomes;
-  // After a freeze of the fixes, which is reported as such, it does so too.
-  if (fixes.relocations == 0 || beacon.status_counts.share_of(status_frozen_track) > 0) return;
+  if (fixes.relocations == 0) return;
   findings.push_back(
       {Severity::warning, name_of(beacon),
-       fmt::format("its fusion moved the position to other fixes at once, {}, by up to {:.2f} m",
-                   text::count_text(fixes.relocations, "time"), fixes.longest_relocation_m),
+       fmt::format("its position jumped {}, by up to {:.2f} m, to fixes that it had rejected",
+                   fixes.relocations == 1 ? "once" : text::count_text(fixes.relocations, "time"),
+                   fixes.longest_relocation_m),
        "check whether the map was changed or the beacon was carried away; otherwise look for a reflection"});
 }
 

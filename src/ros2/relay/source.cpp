@@ -11,6 +11,7 @@
 #include <sonopose/ros2/messages/input.hpp>
 #include <sonopose/ros2/messages/names.hpp>
 #include <sonopose/ros2/messages/time.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -109,11 +110,16 @@ public:
 
   void log_changes() override {
     InputMonitor::Lines lines;
+    std::uint64_t dropped = 0;
     {
       const std::lock_guard lock(mutex_);
       lines.swap(new_lines_);
+      std::swap(dropped, lines_dropped_);
     }
     for (const InputMonitor::Line& line : lines) log_(line());
+    if (dropped == 0) return;
+    log_(fmt::format("{} about the inputs not logged",
+                     text::count_text(dropped, "further line was", "further lines were")));
   }
 
   SteadyTime update_readers() override {
@@ -258,7 +264,11 @@ private:
     if (lines_.empty()) return;
     const std::lock_guard lock(mutex_);
     for (InputMonitor::Line& line : lines_) {
-      if (new_lines_.size() < most_lines) new_lines_.push_back(std::move(line));
+      if (new_lines_.size() < most_lines) {
+        new_lines_.push_back(std::move(line));
+      } else {
+        ++lines_dropped_;
+      }
     }
     lines_.clear();
   }
@@ -292,9 +302,10 @@ private:
   dds::Discovery discovery_;                         ///< likewise
   SteadyTime search_due_;                            ///< likewise
   std::vector<std::unique_ptr<InputState>> inputs_;  ///< constant after construction
-  std::mutex mutex_;                                 ///< guards new_streams_ and new_lines_
+  std::mutex mutex_;                                 ///< guards the next three
   AllStreams new_streams_;                           ///< not yet used by run()
   InputMonitor::Lines new_lines_;                    ///< not yet formed
+  std::uint64_t lines_dropped_ = 0;                  ///< since the last log_changes()
   AllStreams streams_;                               ///< of run() only
   dds::WaitSet waitset_;
   std::map<BeaconAddress, Beacon> beacons_;

@@ -231,12 +231,72 @@ TEST_CASE("A fusion that has ended does not hide the one that runs") {
     status.strength = static_cast<std::int32_t>(2000 - id);
     status.fixes_used = id;
     probe.on(status);
-    if (id < 1000) probe.forget_fusion(id);
+    if (id < 1000) probe.end_fusion(id);
   }
   const auto beacon = probe.observation(begin_ns + window_ns, {});
   REQUIRE(beacon.fusions.size() == 1);
   REQUIRE(beacon.fusion);
   CHECK(beacon.fusion->fixes_used == 1000);
+}
+
+TEST_CASE("The losses of a fusion that has crashed and returned are not hidden") {
+  BeaconProbe probe;
+  probe.begin(begin_ns, {});
+  const auto report = [&probe](std::uint64_t id, std::uint64_t lost) {
+    FusionStatus status;
+    status.fusion_id = id;
+    status.events_lost = lost;
+    probe.on(status);
+  };
+  report(1, 5);
+  report(1, 45);
+  probe.end_fusion(1);
+  SECTION("with a new id") {
+    report(2, 0);
+    const auto beacon = observation_of(probe);
+    REQUIRE(beacon.fusions.size() == 1);
+    CHECK(beacon.fusion->fusion_id == 2);
+    REQUIRE(beacon.ended_fusions.size() == 1);
+    CHECK(beacon.ended_fusions.front().before.events_lost == 5);
+    CHECK(beacon.ended_fusions.front().latest.events_lost == 45);
+  }
+  SECTION("as the same one, whose liveliness was lost for a while") {
+    report(1, 46);
+    const auto beacon = observation_of(probe);
+    CHECK(beacon.ended_fusions.empty());
+    CHECK(beacon.fusion_before->events_lost == 5);
+    CHECK(beacon.fusion->events_lost == 46);
+  }
+}
+
+TEST_CASE("A jump to other fixes counts once, and one after a freeze does not") {
+  BeaconProbe probe;
+  probe.begin(begin_ns, {});
+  double at_s = 1;
+  const auto report = [&](std::uint32_t flags, double jump_m) {
+    FixReport fix;
+    fix.flags = flags;
+    fix.jump_world_m = {jump_m, 0, 0};
+    probe.on(fix, begin_ns + to_ns(at_s));
+    at_s += 0.1;
+  };
+  const auto jump = [&] {  // 0.8 m, in parts of less than 0.3 m
+    for (int i = 0; i < 4; ++i) report(fix_used | fix_stuck_forced, 0.2);
+    report(fix_used, 0);
+  };
+  for (int i = 0; i < 4; ++i) report(fix_used | fix_stuck_forced, i % 2 == 0 ? 0.2 : -0.2);  // noise
+  report(fix_used, 0);
+  CHECK(observation_of(probe).fix_outcomes.relocations == 0);
+  jump();
+  jump();
+  CHECK(observation_of(probe).fix_outcomes.relocations == 2);
+  CHECK(observation_of(probe).fix_outcomes.longest_relocation_m == Approx(0.8));
+  report(fix_frozen, 0);
+  jump();
+  CHECK(observation_of(probe).fix_outcomes.relocations == 2);
+  at_s += 30;
+  jump();
+  CHECK(observation_of(probe).fix_outcomes.relocations == 3);
 }
 
 TEST_CASE("A look of an hour keeps the samples of two minutes, and counts all") {

@@ -133,6 +133,11 @@ TEST_CASE("Only increases of counters are reported") {
   CHECK(severity("its fusion lost 30 events", [](auto& b) { b.fusion->events_lost = 30; }) ==
         Severity::warning);
   CHECK(severity("its fusion lost 2 events", [](auto& b) { b.fusion->events_lost = 2; }) == Severity::note);
+  CHECK(severity("its fusion lost 30 events", [](auto& b) {  // most of them before it crashed and returned
+          b.fusion->events_lost = 2;
+          b.ended_fusions.push_back({*b.fusion_before, *b.fusion});
+          b.ended_fusions.front().latest.events_lost = 28;
+        }) == Severity::warning);
   CHECK(severity("its fusion rejected 20 samples: not finite, out of range, out of order, or too late",
                  [](auto& b) { b.fusion->samples_invalid = 20; }) == Severity::warning);
   CHECK(severity("its fusion rejected 2 samples", [](auto& b) { b.fusion->samples_invalid = 2; }) ==

@@ -75,7 +75,7 @@ constexpr const char* no_valid_fix = "has had no valid fix";
 constexpr const char* low_trust = "has low trust";
 constexpr const char* no_imu = "no IMU samples for";
 constexpr const char* no_fixes = "no fixes for";
-constexpr const char* relocated = "moved the position to other fixes";
+constexpr const char* relocated = "its position jumped";
 
 /// A scenario that is not here has no fault that the doctor reports.
 const std::vector<Expectation> faulty_scenarios{

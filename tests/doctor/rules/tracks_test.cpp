@@ -59,9 +59,28 @@ TEST_CASE("A move of the map is found among many good fixes") {
     observations.beacons = {beacon};
     return problems_of(observations);
   };
-  CHECK_THAT(problems(), Contains("moved the position to other fixes at once, 1 time, by up to 1.56 m"));
-  beacon.status_counts.add(status_frozen_track);  // the fixes stood still before, which is reported as such
-  CHECK_THAT(problems(), !Contains("moved the position"));
+  CHECK_THAT(problems(),
+             Contains("its position jumped once, by up to 1.56 m, to fixes that it had rejected"));
+  beacon.fix_outcomes.relocations = 2;
+  beacon.status_counts.add(status_frozen_track);  // which does not hide the jumps
+  CHECK_THAT(problems(), Contains("its position jumped 2 times, by up to 1.56 m"));
+}
+
+TEST_CASE("A move of the map is one jump, also where an engine spreads it over several fixes") {
+  for (const settings::EngineKind engine : {settings::EngineKind::kalman, settings::EngineKind::documented}) {
+    CAPTURE(static_cast<int>(engine));
+    auto events = events_of("walk", 1933, 40);
+    const TimeNs moved_ns = available_at_ns(events.front()) + to_ns(15);
+    for (Event& event : events) {
+      auto* fix = std::get_if<UltrasonicFix>(&event);
+      if (fix != nullptr && fix->received_time_ns > moved_ns) fix->position_world_m += Vector3d(0.9, -1.2, 0);
+    }
+    settings::Settings settings;
+    settings.engine.engine = engine;
+    const auto outcomes = observed(events, settings, {10, 25}).beacons.front().fix_outcomes;
+    CHECK(outcomes.relocations == 1);
+    CHECK(outcomes.longest_relocation_m == Approx(1.5).margin(0.5));
+  }
 }
 
 TEST_CASE("A frozen track is found") {

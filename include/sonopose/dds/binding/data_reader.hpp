@@ -97,7 +97,7 @@ public:
     ReturnCode total = 0;
     ReturnCode taken = batch;
     while (taken == batch) {
-      std::array<void*, max_loan> samples;  // NOLINT(*-member-init): dds_take reads the first alone
+      std::array<void*, max_loan> samples;  // NOLINT(*-member-init): dds_take reads only the first
       samples[0] = nullptr;
       std::array<dds_sample_info_t, batch> infos;  // NOLINT(*-member-init): dds_take fills in what is used
       taken = dds_take(handle(), samples.data(), infos.data(), batch, batch);
