@@ -351,7 +351,7 @@ SCENARIO("one wrong IMU stamp affects only that sample, and the report counts it
   CHECK(report["fixes_used"] == clean["fixes_used"]);
   CHECK(report["poses_scored"].get<int>() >= clean["poses_scored"].get<int>() - 10);
   const Result text = replay({recording.log(), "--after", "6"});
-  CHECK_THAT(text.output, Contains("no truth") && Contains("1 IMU stamps went back"));
+  CHECK_THAT(text.output, Contains("no truth") && Contains("1 IMU stamp went back"));
   CHECK(report_of({recording.log(), "--until", "10"})["imu_samples"].get<int>() > 980);
 }
 
