@@ -192,11 +192,11 @@ def logs_are_shown(browser, processes):
           const label = line.querySelector("b").textContent;
           return (label === "%s" || label.startsWith("%s ")) && label.endsWith("%s");
         }).map((line) => line.textContent);"""
-    waiting = processes.start("bridge", "--source", "serial", "--device", "/nonexistent")
+    waiting = processes.start("bridge", "--source", "serial", "--device", "/dev/absent-beacon")
     lines = wait_for(browser, "a line of the new bridge is shown", f"""
         const found = (() => {{ {labelled % ("bridge", "bridge", f":{waiting.pid}")} }})();
         return found.length >= 2 && found;""")
-    check("/nonexistent" in lines[0], "a new bridge is shown with its process: " + lines[0])
+    check("/dev/absent-beacon" in lines[0], "a new bridge is shown with its process: " + lines[0])
     fusion = browser.execute_script(labelled % ("fusion", "fusion", ""))
     check(fusion, f"{len(fusion)} lines of the fusion are shown, such as " + fusion[0])
     initialised = [line for line in browser.execute_script(shown) if "beacon 7: initialised" in line]
