@@ -268,7 +268,7 @@ SCENARIO("a replay with any limit of file descriptors gives its result or the re
   REQUIRE_THAT(whole, Contains("state hash"));
   bool has_refused = false;
   for (int limit = 3; limit <= 8; ++limit) {
-    const std::string command = "ulimit -n " + std::to_string(limit) + "; exec \"$0\" \"$1\"";
+    const std::string command = "ulimit -n " + std::to_string(limit) + R"(; exec "$0" "$1")";
     const Result result = run("/bin/sh", {"-c", command, SONOPOSE_TEST_REPLAY, log}, neutral);
     CAPTURE(limit, result.output, result.error);
     REQUIRE(result.code);

@@ -33,6 +33,7 @@ public:
   /// timeout is at least `first_sample_ns` after `now`, for discovery. `map_frame`: the expected frame of
   /// fixes.
   InputMonitor(Input input, std::string map_frame, TimeNs timeout_ns, SteadyTime now);
+  ~InputMonitor() = default;
   InputMonitor(const InputMonitor&) = delete;
   InputMonitor& operator=(const InputMonitor&) = delete;
 
