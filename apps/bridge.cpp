@@ -18,6 +18,17 @@ struct Options {
   logging::Level log_level = logging::Level::info;
 };
 
+/// An incomplete capture does not keep the recording from its end.
+void finish(bridge::Source& source, bridge::BridgeNode& node) {
+  try {
+    source.finish();
+  } catch (...) {
+    node.finish();
+    throw;
+  }
+  node.finish();
+}
+
 int serve(const CLI::App& app, const Options& options) {
   const logging::Session log(options.log_level);
   apps::check_publisher(options.bus);
@@ -33,8 +44,7 @@ int serve(const CLI::App& app, const Options& options) {
   const auto realtime = apps::realtime(options.realtime_priority);
   logging::info("publishing from " + options.source.source);
   apps::serve([&] { node.run(*source, stop); });
-  source->finish();
-  node.finish();
+  finish(*source, node);
   return 0;
 }
 
