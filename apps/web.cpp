@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <optional>
 #include <string>
 #include <vector>
@@ -93,8 +94,12 @@ int main(int argc, char** argv) {
     process::give_way();  // it only watches
     const logging::Session log(log_level);
     apply(given, options);
-    const auto report = [](const std::vector<std::string>& urls) {
-      for (const std::string& url : urls) logging::info("the page is at " + url);
+    const auto report = [log_level](const std::vector<std::string>& urls) {
+      for (const std::string& url : urls) {
+        logging::info("the page is at " + url);
+        if (log_level > logging::Level::info) fmt::print("{}\n", url);  // nobody can guess the token
+      }
+      std::fflush(stdout);
     };
     process::StopSignal stop;
     if (!given.recording.empty()) {

@@ -36,6 +36,7 @@ LogPublisher::LogPublisher(const dds::DomainParticipant& participant, const dds:
 
 void LogPublisher::on(const logging::Line& line) noexcept {
   if (line.level == logging::Level::debug) return;
+  ++line_.number;  // also of a line that cannot be written: it is missing
   try {
     line_.level = level_of(line.level);
     line_.time_ns = line.time_ns;

@@ -90,4 +90,13 @@ Line line_of(const Transition& transition) {
   return line;
 }
 
+std::string_view change_of(std::string_view line_text) {
+  constexpr std::string_view after_address = ": ";
+  const std::size_t address_end = line_text.starts_with("beacon ") ? line_text.find(after_address) : 0;
+  const std::size_t begin = address_end == std::string_view::npos ? 0 : address_end + after_address.size();
+  std::string_view change = line_text.substr(0, line_text.find_first_of(":,(", begin));
+  while (change.ends_with(' ')) change.remove_suffix(1);
+  return change;
+}
+
 }  // namespace sonopose::transitions

@@ -6,6 +6,7 @@
 #include "transitions/transition.hpp"
 
 #include <string>
+#include <string_view>
 
 namespace sonopose::transitions {
 
@@ -18,5 +19,9 @@ struct Line {
 
 /// "beacon 7: stale: no valid fix for 1.0 s", with its level.
 Line line_of(const Transition& transition);
+
+/// The part of such a line that names the change, without the reasons and figures that follow: "beacon 7:
+/// stale". Two processes that see the same change measure slightly different figures.
+std::string_view change_of(std::string_view line_text);
 
 }  // namespace sonopose::transitions

@@ -1,5 +1,7 @@
 #include "web/page_clients.hpp"
 
+#include "web/live/event_json.hpp"
+
 #include <algorithm>
 #include <utility>
 
@@ -40,7 +42,7 @@ void PageClients::broadcast(std::string text, http::Loss loss) {
 void PageClients::broadcast_event(std::string text) {
   const std::lock_guard lock(mutex_);
   events_.push_back(text);
-  if (events_.size() > max_events) events_.pop_front();
+  if (events_.size() > live::most_events) events_.pop_front();
   if (!clients_.empty()) send_(clients_, std::move(text), http::Loss::never);
 }
 

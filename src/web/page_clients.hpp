@@ -5,7 +5,6 @@
 #include "web/http/server.hpp"
 #include <sonopose/samples/samples.hpp>
 
-#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -39,8 +38,6 @@ public:
   void forget(const std::string& name);
 
 private:
-  static constexpr std::size_t max_events = 500;
-
   Send send_;
   mutable std::mutex mutex_;  ///< guards the rest
   std::vector<http::ClientId> clients_;

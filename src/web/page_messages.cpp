@@ -71,8 +71,8 @@ std::string event_text(TimeNs time_ns, std::string_view level, std::string_view 
   return dump(event);
 }
 
-std::string event_text(const LogLine& line) {
-  nlohmann::json event = live::event_json(line);
+std::string event_text(const LogLine& line, std::uint64_t missing) {
+  nlohmann::json event = live::event_json(line, missing);
   event["op"] = "event";
   return dump(event);
 }

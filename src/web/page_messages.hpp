@@ -36,8 +36,8 @@ struct Reply {
 std::string text_of(const Reply& reply);
 
 std::string event_text(TimeNs time_ns, std::string_view level, std::string_view text);
-/// An event with the process that logged it.
-std::string event_text(const LogLine& line);
+/// An event with the process that logged it. `missing`: lines of it that are missing before this one.
+std::string event_text(const LogLine& line, std::uint64_t missing);
 std::string settings_text(const EffectiveSettings& settings);
 std::string stationary_text(const std::map<BeaconAddress, Vector3d>& positions_world_m);
 std::string gone_text(BeaconAddress address);

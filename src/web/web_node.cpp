@@ -4,8 +4,10 @@
 #include "logging/log.hpp"
 #include "observation/bus/bus_watch.hpp"
 #include "observation/bus/views_json.hpp"
+#include "process/beacon_admission.hpp"
 #include "transitions/transition_log.hpp"
 #include "web/foxglove/topic_feed.hpp"
+#include "web/held_events.hpp"
 #include "web/live/event_json.hpp"
 #include "web/live/live_state.hpp"
 #include "web/log_lines.hpp"
@@ -16,6 +18,7 @@
 #include "web/site_files.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -136,22 +139,26 @@ private:
 /// The latched topics that the pages show.
 class LatchedTopics {
 public:
-  LatchedTopics(const observation::bus::BusWatch& bus, PageClients& pages)
-      : settings_(topics::make_reader(bus.participant(), bus.qos(), topics::settings)),
-        stationary_(topics::make_reader(bus.participant(), bus.qos(), topics::stationary_beacon)),
+  LatchedTopics(const observation::bus::BusWatch& bus, std::size_t max_beacons, PageClients& pages)
+      : settings_admission_({}, max_beacons + 1),
+        settings_(topics::make_reader(bus.participant(), bus.qos(), topics::settings, nullptr,
+                                      topics::Delivery::live, &settings_admission_)),
+        stationary_(topics::make_reader(bus.participant(), bus.qos(), topics::stationary_beacon, nullptr,
+                                        topics::Delivery::live, &stationary_admission_)),
         pages_(pages) {}
 
   void poll() {
     settings_.try_take_each(
-        [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
+        [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo& info) {
           pages_.broadcast_latest(name_of(sample.address), settings_text(dds::topics::from_idl(sample)));
+          if (!info.alive()) forget_settings(sample.address);
         },
         [&](const sonopose_EffectiveSettings& key, const dds::SampleInfo& info) {
-          if (!info.alive()) pages_.forget(name_of(key.address));
+          if (!info.alive()) forget_settings(key.address);
         });
     bool has_changed = false;
     stationary_.try_take_each(
-        [&](const sonopose_StationaryBeacon& sample, const dds::SampleInfo&) {
+        [&](const sonopose_StationaryBeacon& sample, const dds::SampleInfo& info) {
           const StationaryBeacon beacon = dds::topics::from_idl(sample);
           has_changed = true;
           if (beacon.position_world_m) {
@@ -159,9 +166,10 @@ public:
           } else {
             positions_world_m_.erase(beacon.address);
           }
+          if (!info.alive()) forget_stationary(sample.address);
         },
         [&](const sonopose_StationaryBeacon& key, const dds::SampleInfo& info) {
-          if (!info.alive()) has_changed = positions_world_m_.erase(key.address) > 0 || has_changed;
+          if (!info.alive()) has_changed = forget_stationary(key.address) || has_changed;
         });
     if (has_changed) pages_.broadcast_latest("stationary", stationary_text(positions_world_m_));
   }
@@ -169,6 +177,19 @@ public:
 private:
   static std::string name_of(BeaconAddress address) { return fmt::format("settings {}", address); }
 
+  void forget_settings(BeaconAddress address) {
+    pages_.forget(name_of(address));
+    settings_admission_.forget(address);
+  }
+
+  /// Whether it was known.
+  bool forget_stationary(BeaconAddress address) {
+    stationary_admission_.forget(address);
+    return positions_world_m_.erase(address) > 0;
+  }
+
+  process::BeaconAdmission settings_admission_;  ///< also of those for all beacons
+  process::BeaconAdmission stationary_admission_{{}, process::BeaconAdmission::default_max_beacons};
   dds::DataReader<sonopose_EffectiveSettings> settings_;
   dds::DataReader<sonopose_StationaryBeacon> stationary_;
   PageClients& pages_;
@@ -178,17 +199,17 @@ private:
 /// What the pages see, at its rates.
 class Broadcast {
 public:
-  Broadcast(observation::bus::BusWatch& bus, live::LiveState& state, LiveSite& site)
+  Broadcast(observation::bus::BusWatch& bus, std::size_t max_beacons, live::LiveState& state, LiveSite& site)
       : bus_(bus),
         state_(state),
         site_(site),
-        latched_(bus, site.pages()),
+        latched_(bus, max_beacons, site.pages()),
         log_lines_(bus.participant(), bus.qos()) {}
 
   /// 25 times a second.
   void send_frame() {
     const SteadyTime now = clocks::steady_now();
-    for (const LogLine& line : log_lines_.take()) site_.pages().broadcast_event(event_text(line));
+    for (const LogLines::Received& received : log_lines_.take()) show(received);
     for (const observation::PoseSilence& change : bus_.poll()) {
       silence_log_.on({.address = change.address,
                        .kind = transitions::Kind::poses_silent,
@@ -210,6 +231,7 @@ public:
     silence_log_.update(clocks::steady_now());
     pose_log_.update(clocks::steady_now());
     show_held_events();
+    report_left_out();
     if (const auto text = log_lines_.refusals()) logging::warning(*text);
     for (const observation::BeaconView& view : second.gone) {
       state_.forget(view.address);
@@ -231,11 +253,32 @@ private:
     return event_text(clocks::host_now(), live::word_of(line.level), line.text);
   }
 
+  void show(const LogLines::Received& received) {
+    if (live::is_of_fusion(received.line)) held_events_.on_logged(received.line.text);
+    if (++lines_in_second_ > most_lines_per_second) return;
+    site_.pages().broadcast_event(event_text(received.line, received.missing));
+  }
+
   /// The changes in the poses, unless a fusion logs them itself.
   void show_held_events() {
-    if (log_lines_.has("sonopose-fusion")) return held_events_.clear();
     for (std::string& text : held_events_.take_due()) site_.pages().broadcast_event(std::move(text));
   }
+
+  /// Pages are sent every event, so there may not be any number of them.
+  void report_left_out() {
+    const auto report = [this](std::uint64_t count, std::string_view one, std::string_view several) {
+      if (count == 0) return;
+      const std::string text =
+          fmt::format("{} left out: too many at a time", text::count_text(count, one, several));
+      site_.pages().broadcast_event(event_text(clocks::host_now(), "warning", text));
+    };
+    const std::uint64_t lines = std::exchange(lines_in_second_, 0);
+    report(lines > most_lines_per_second ? lines - most_lines_per_second : 0, "log line was",
+           "log lines were");
+    report(held_events_.take_dropped(), "change of state was", "changes of state were");
+  }
+
+  static constexpr std::uint64_t most_lines_per_second = 500;
 
   observation::bus::BusWatch& bus_;
   live::LiveState& state_;
@@ -243,11 +286,12 @@ private:
   LatchedTopics latched_;
   LogLines log_lines_;
   HeldEvents held_events_;
+  std::uint64_t lines_in_second_ = 0;
   /// What no fusion can log: that its poses do not arrive.
   transitions::TransitionLog silence_log_{
       [this](const transitions::Line& line) { site_.pages().broadcast_event(text_of_now(line)); }};
   transitions::TransitionLog pose_log_{
-      [this](const transitions::Line& line) { held_events_.hold(text_of_now(line)); }};
+      [this](const transitions::Line& line) { held_events_.hold(line.text, text_of_now(line)); }};
 };
 
 }  // namespace
@@ -265,7 +309,7 @@ void serve(const WebOptions& options, const http::OnReady& on_ready, const proce
   LiveSite site(options, bus, state, server);
   const http::Serving serving(server, site);
   on_ready(server.urls());
-  Broadcast broadcast(bus, state, site);
+  Broadcast broadcast(bus, options.max_beacons, state, site);
   SteadyTime next = clocks::steady_now() + frame_period_ns;
   for (int frame = 1; !stop.wait_until(next); ++frame) {
     broadcast.send_frame();

@@ -128,7 +128,7 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
   }
   SECTION("log line") {
     LogLine sample;
-    fill.all(sample.host, sample.process_id, sample.time_ns, sample.program, sample.text);
+    fill.all(sample.host, sample.process_id, sample.number, sample.time_ns, sample.program, sample.text);
     sample.level = LogLevel::failure;
     CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }

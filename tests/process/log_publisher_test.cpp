@@ -67,6 +67,7 @@ SCENARIO("a process publishes its log, also for readers that come later") {
         CHECK(line.host == process::host_name());
         CHECK(line.process_id == static_cast<std::uint32_t>(::getpid()));
         CHECK(line.time_ns >= lines[0].time_ns);
+        CHECK(line.number == 1 + static_cast<std::uint64_t>(&line - lines.data()));
       }
     }
     THEN("a text that is too long is cut, and says so") {
@@ -80,6 +81,7 @@ SCENARIO("a process publishes its log, also for readers that come later") {
       const auto lines = LogReader(domain.id()).wait_for(64);
       REQUIRE(lines.size() == 64);
       CHECK(lines.front().text == "line 37");
+      CHECK(lines.front().number == 3 + 38);
       CHECK(lines.back().text == "the end");
     }
   }

@@ -414,13 +414,33 @@ SCENARIO("a page shows the changes in the poses of a fusion that does not log th
   const Bus bus;
   const Process fusion(SONOPOSE_TEST_FUSION,
                        {"--log-level", "error", "--domain", std::to_string(bus.domain_id())});
-  const Web web(bus, {"--listen", "127.0.0.1:0"});
+  const Web web(bus, {"--listen", "127.0.0.1:0", "--allow-changes"});
   Page page(web);
-  const auto bridge = bus.bridge({"--source", "sim"});
-  const json event = page.wait_for("event", [](const json& each) {
-    return !each.contains("program") && each["text"].get<std::string>().starts_with("beacon 7: initialised");
-  });
-  CHECK(event["level"] == "info");
+  auto bridge = bus.bridge({"--source", "sim"});
+  const auto wait_for_change = [&page](const std::string& change) {
+    return page.wait_for("event", [&](const json& each) {
+      return !each.contains("program") && each["text"].get<std::string>().starts_with("beacon 7: " + change);
+    });
+  };
+  CHECK(wait_for_change("initialised")["level"] == "info");
+  WHEN("it logs an error") {
+    bridge->end_by(SIGKILL);
+    page.wait_for("event",
+                  [](const json& event) { return is_of(event, "sonopose-fusion", "beacon 7: bridge lost"); });
+    bridge = bus.bridge({"--source", "sim"});
+    page.send({{"op", "reset"}, {"id", 1}, {"address", 7}});
+    THEN("later changes are still shown") {
+      CHECK(wait_for_change("restarted")["level"] == "warning");
+    }
+  }
+}
+
+SCENARIO("the page's URL is printed whatever is logged") {
+  const Bus bus;
+  Process web(SONOPOSE_TEST_WEB, {"--listen", "0.0.0.0:0", "--log-level", "warning", "--domain",
+                                  std::to_string(bus.domain_id())});
+  CHECK(web.wait_for_line(Stream::output, "/?token="));
+  CHECK_THAT(web.text(Stream::error), !Contains("token="));
 }
 
 SCENARIO("a client of Foxglove that is not ours decodes the poses") {

@@ -1,5 +1,7 @@
 #include "web/recording/document.hpp"
 
+#include "status_samples.hpp"
+#include "web/live/event_json.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
@@ -12,6 +14,7 @@
 namespace document_test {
 
 using namespace sonopose;
+using namespace sonopose::test;
 using namespace sonopose::web::recording;
 using nlohmann::json;
 
@@ -125,23 +128,6 @@ SCENARIO("a document has the changes of state as events") {
 
 constexpr TimeNs second_ns = 1'000'000'000;
 
-BeaconStatus battery_status(BeaconAddress address, TimeNs time_ns, std::optional<double> battery_v) {
-  BeaconStatus status;
-  status.address = address;
-  status.time_ns = time_ns;
-  status.battery_v = battery_v;
-  return status;
-}
-
-Estimate delay_estimate(BeaconAddress address, std::uint64_t fusion_id, TimeNs time_ns, double delay_s) {
-  Estimate estimate;
-  estimate.address = address;
-  estimate.fusion_id = fusion_id;
-  estimate.time_ns = time_ns;
-  estimate.delay_s = ScalarEstimate{delay_s, 0.01};
-  return estimate;
-}
-
 /// A pose that took 1 ms to the bridge, 2 ms to the fusion, and 3 ms in it.
 FusedPose traced_pose(TimeNs sensor_ns) {
   FusedPose pose;
@@ -229,47 +215,99 @@ void add_stale_beacon(Document& document) {
   }
 }
 
-SCENARIO("lines of logs are events, and what the fusion logs is not derived from its poses") {
+bool is_stale(const json& event) {
+  return event["text"].get<std::string>().starts_with("beacon 7: stale");
+}
+
+LogLine fusion_line(std::uint64_t number, TimeNs time_ns, const std::string& text) {
+  return {.host = "robot",
+          .process_id = 42,
+          .number = number,
+          .time_ns = time_ns,
+          .program = "sonopose-fusion",
+          .text = text};
+}
+
+bool is_derived(const json& event) {
+  return !event.contains("program");
+}
+
+SCENARIO("lines of logs are events, and a change that the fusion logs is not derived from its poses") {
   Document document(10.0);
   add_stale_beacon(document);
-  LogLine line{.host = "robot",
-               .process_id = 42,
-               .time_ns = begin_ns + second_ns,
-               .program = "sonopose-bridge",
-               .level = LogLevel::warning,
-               .text = "no \xFF bytes"};
-  document.add(line);
-  const auto is_derived = [](const json& event) { return !event.contains("program"); };
-  WHEN("only a bridge has logged") {
-    const json events = json::parse(document.json())["events"];
-    THEN("the changes in the poses are events too") {
-      CHECK(std::any_of(events.begin(), events.end(), is_derived));
+  const auto events_now = [&] { return json::parse(document.json())["events"]; };
+  WHEN("a bridge has logged, and the fusion its end") {
+    LogLine line = fusion_line(1, begin_ns + 5 * second_ns, "no \xFF bytes");
+    line.level = LogLevel::failure;
+    document.add(line);
+    line.program = "sonopose-bridge";
+    line.level = LogLevel::warning;
+    line.time_ns += second_ns;
+    line.number = 2;
+    document.add(line);
+    const json events = events_now();
+    THEN("the changes in the poses are events too, by their time") {
+      CHECK(is_derived(events.front()));
       CHECK(events.back()["program"] == "sonopose-bridge");
       CHECK(events.back()["level"] == "warning");
       CHECK(events.back()["t"].get<double>() == Approx(1e-9 * static_cast<double>(line.time_ns)));
     }
   }
-  WHEN("the fusion has logged") {
-    line.program = "sonopose-fusion";
-    document.add(line);
-    const json events = json::parse(document.json())["events"];
-    THEN("they are not repeated") {
-      CHECK(events.size() == 2);
-      CHECK(std::none_of(events.begin(), events.end(), is_derived));
+  WHEN("the fusion has logged the change, a moment later and with another figure") {
+    const json before = events_now();
+    REQUIRE(std::count_if(before.begin(), before.end(), is_stale) == 1);
+    document.add(fusion_line(1, begin_ns + 3 * second_ns, "beacon 7: stale: no valid fix for 9.9 s"));
+    const json events = events_now();
+    THEN("it is not repeated") {
+      CHECK(std::count_if(events.begin(), events.end(), is_stale) == 1);
+      CHECK(std::none_of(events.begin(), events.end(),
+                         [](const json& event) { return is_derived(event) && is_stale(event); }));
     }
   }
-  WHEN("many lines were logged") {
-    line.program = "sonopose-fusion";
+  WHEN("it has logged the same change a minute later") {
+    document.add(fusion_line(1, begin_ns + 60 * second_ns, "beacon 7: stale: no valid fix for 1.0 s"));
+    const json events = events_now();
+    THEN("that is another one") {
+      CHECK(std::count_if(events.begin(), events.end(), is_stale) == 2);
+    }
+  }
+  WHEN("more lines were logged than a page shows") {
     for (int i = 0; i < 1000; ++i) {
-      line.text = std::to_string(i);
-      document.add(line);
+      document.add(
+          fusion_line(static_cast<std::uint64_t>(i) + 1, begin_ns + 10 * second_ns + i, std::to_string(i)));
     }
-    const json events = json::parse(document.json())["events"];
-    THEN("the latest are kept") {
-      CHECK(events.size() == Document::most_log_lines);
+    const json events = events_now();
+    THEN("the latest are shown, and the others counted") {
+      REQUIRE(events.size() == web::live::most_events);
       CHECK(events.back()["text"] == "999");
+      CHECK(events[1]["text"] == std::to_string(1000 - (web::live::most_events - 1)));
+      const json former = events.front();
+      CHECK(former["text"].get<std::string>().find("earlier events are not shown") != std::string::npos);
+      CHECK(std::stoi(former["text"].get<std::string>()) >= 501);  // and the changes of the poses
+      CHECK_FALSE(events[1].contains("missing"));
     }
   }
+  WHEN("lines are missing in the recording") {
+    document.add(fusion_line(3, begin_ns + 10 * second_ns, "a"));
+    document.add(fusion_line(7, begin_ns + 11 * second_ns, "b"));
+    const json events = events_now();
+    THEN("they are counted") {
+      CHECK(events[events.size() - 2]["missing"] == 2);
+      CHECK(events.back()["missing"] == 3);
+    }
+  }
+}
+
+SCENARIO("a document of one beacon has no lines about others") {
+  Document document(10.0, BeaconAddress{7});
+  document.add(fusion_line(1, begin_ns, "serving"));
+  document.add(fusion_line(2, begin_ns, "beacon 12: found"));
+  document.add(fusion_line(3, begin_ns, "beacon 7: found"));
+  const json events = json::parse(document.json())["events"];
+  REQUIRE(events.size() == 2);
+  CHECK(events[0]["text"] == "serving");
+  CHECK(events[1]["text"] == "beacon 7: found");
+  CHECK_FALSE(events[1].contains("missing"));
 }
 
 }  // namespace document_test

@@ -12,7 +12,6 @@
 namespace log_lines_test {
 
 using namespace sonopose;
-using web::HeldEvents;
 using web::LogLines;
 
 template <class Done>
@@ -25,58 +24,49 @@ bool wait_until(const Done& done) {
   return true;
 }
 
-LogLine line_of(const std::string& program, std::uint32_t process_id, TimeNs time_ns) {
+LogLine line_of(const std::string& program, std::uint32_t process_id, std::uint64_t number, TimeNs time_ns) {
   return {.host = "robot",
           .process_id = process_id,
+          .number = number,
           .time_ns = time_ns,
           .program = program,
           .text = program + " at " + std::to_string(time_ns)};
 }
 
-SCENARIO("the lines of two processes come by their time, and a process that ends is forgotten") {
+SCENARIO("the lines of two processes come by their time, with the number of those that are missing") {
   const test::TestDomain domain;
   const dds::DomainParticipant participant({.domain_id = domain.id()});
   const dds::qos::Provider qos;
   auto bridge = dds::topics::make_writer(participant, qos, dds::topics::log);
   auto fusion = dds::topics::make_writer(participant, qos, dds::topics::log);
-  for (const TimeNs time_ns : {20, 40})
-    bridge.write(dds::topics::to_idl(line_of("sonopose-bridge", 1, time_ns)));
-  for (const TimeNs time_ns : {10, 30})
-    fusion.write(dds::topics::to_idl(line_of("sonopose-fusion", 2, time_ns)));
+  const auto write = [](auto& writer, const LogLine& line) { writer.write(dds::topics::to_idl(line)); };
+  write(bridge, line_of("sonopose-bridge", 1, 1, 20));
+  write(bridge, line_of("sonopose-bridge", 1, 4, 40));
+  write(fusion, line_of("sonopose-fusion", 2, 38, 10));
+  write(fusion, line_of("sonopose-fusion", 2, 39, 30));
   LogLines lines(participant, qos);
-  CHECK_FALSE(lines.has("sonopose-fusion"));
-  const std::vector<LogLine> taken = lines.take();  // within one process a reader has them at once
+  const auto taken = lines.take();  // within one process a reader has them at once
   REQUIRE(taken.size() == 4);
-  CHECK(taken[0].text == "sonopose-fusion at 10");
-  CHECK(taken[3].text == "sonopose-bridge at 40");
-  CHECK(lines.has("sonopose-fusion"));
-  CHECK(lines.has("sonopose-bridge"));
-  WHEN("the fusion ends") {
+  CHECK(taken[0].line.text == "sonopose-fusion at 10");
+  CHECK(taken[0].missing == 37);
+  CHECK(taken[1].missing == 0);
+  CHECK(taken[2].missing == 0);
+  CHECK(taken[3].line.text == "sonopose-bridge at 40");
+  CHECK(taken[3].missing == 2);
+  WHEN("another process has the host and the number of one that ended") {
     fusion = {};
-    THEN("it has no log any more") {
-      CHECK(wait_until([&] { return lines.take().empty() && !lines.has("sonopose-fusion"); }));
-      CHECK(lines.has("sonopose-bridge"));
+    fusion = dds::topics::make_writer(participant, qos, dds::topics::log);
+    REQUIRE(wait_until([&] { return lines.take().empty(); }));
+    write(fusion, line_of("sonopose-fusion", 2, 3, 50));
+    std::vector<LogLines::Received> later;
+    REQUIRE(wait_until([&] {
+      later = lines.take();
+      return !later.empty();
+    }));
+    THEN("its lines are counted from the beginning") {
+      CHECK(later[0].missing == 2);
     }
   }
-}
-
-SCENARIO("events wait for two calls, and the latest are kept") {
-  HeldEvents held;
-  held.hold("a");
-  CHECK(held.take_due().empty());
-  held.hold("b");
-  CHECK(held.take_due() == std::vector<std::string>{"a"});
-  CHECK(held.take_due() == std::vector<std::string>{"b"});
-  CHECK(held.take_due().empty());
-  for (std::size_t i = 0; i <= HeldEvents::most; ++i) held.hold(std::to_string(i));
-  held.take_due();
-  const auto due = held.take_due();
-  REQUIRE(due.size() == HeldEvents::most);
-  CHECK(due.front() == "1");
-  held.hold("c");
-  held.clear();
-  held.take_due();
-  CHECK(held.take_due().empty());
 }
 
 }  // namespace log_lines_test

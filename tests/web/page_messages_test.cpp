@@ -31,11 +31,14 @@ SCENARIO("text from the bus cannot break a message") {
                                              .time_ns = 1'500'000'000,
                                              .program = nasty,
                                              .level = LogLevel::failure,
-                                             .text = nasty}));
+                                             .text = nasty},
+                                            0));
   CHECK(event["op"] == "event");
   CHECK(event["t"] == 1.5);
   CHECK(event["level"] == "error");
   CHECK(event["pid"] == 42);
+  CHECK_FALSE(event.contains("missing"));
+  CHECK(json::parse(event_text(LogLine(), 3))["missing"] == 3);
   for (const char* const name : {"host", "program", "text"}) {
     CHECK_THAT(event[name].get<std::string>(), Contains("\"}<script>"));
   }

@@ -3,6 +3,7 @@
 #include "bus_log/recorded.hpp"
 #include "files/error.hpp"
 #include "sim/simulator.hpp"
+#include "status_samples.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
@@ -92,23 +93,6 @@ SCENARIO("a recording with poses shows those, of all beacons or one") {
   CHECK(one["beacons"][0]["address"] == 12);
 }
 
-BeaconStatus battery_status(BeaconAddress address, TimeNs time_ns, std::optional<double> battery_v) {
-  BeaconStatus status;
-  status.address = address;
-  status.time_ns = time_ns;
-  status.battery_v = battery_v;
-  return status;
-}
-
-Estimate delay_estimate(BeaconAddress address, std::uint64_t fusion_id, TimeNs time_ns, double delay_s) {
-  Estimate estimate;
-  estimate.address = address;
-  estimate.fusion_id = fusion_id;
-  estimate.time_ns = time_ns;
-  estimate.delay_s = ScalarEstimate{delay_s, 0.01};
-  return estimate;
-}
-
 /// Three seconds of poses, each second with the statuses and a log line of bridge and fusion.
 void write_statuses(BusRecording& recording, BeaconAddress address) {
   namespace topics = dds::topics;
@@ -178,6 +162,9 @@ SCENARIO("statuses of another type are left out, and the poses are shown") {
   }
   const json read = json::parse(recording_json(file));
   CHECK(read["beacons"][0]["poses"]["t"].size() > 50);
+  const json& status = read["beacons"][0]["status"];
+  CHECK(status["battery"] == json({3.7, 3.7, 3.7}));  // of the statuses of our type
+  CHECK_THAT(status["delay"].dump(), Contains("0.09"));
 }
 
 SCENARIO("poses of another type are refused") {

@@ -20,6 +20,7 @@ enum class LogLevel : std::uint32_t {
 struct LogLine {
   std::string host;              ///< name of the machine; DDS cuts it at 64 bytes
   std::uint32_t process_id = 0;  ///< of its operating system
+  std::uint64_t number = 0;      ///< counts the published lines of the process from 1; 0: not numbered
   TimeNs time_ns = 0;            ///< when the line was logged
   std::string program;           ///< such as "sonopose-fusion"; DDS cuts it at 64 bytes
   LogLevel level = LogLevel::info;

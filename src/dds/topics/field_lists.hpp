@@ -280,6 +280,7 @@ struct Pairs<LogLine> {
   using I = sonopose_LogLine;
   static constexpr std::tuple list{cut_text(&N::host, &I::host),
                                    field(&N::process_id, &I::process_id),
+                                   field(&N::number, &I::number),
                                    field(&N::time_ns, &I::time),
                                    cut_text(&N::program, &I::program),
                                    enumeration(&N::level, &I::level, LogLevel::failure),

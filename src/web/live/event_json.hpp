@@ -7,18 +7,24 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cstddef>
+#include <cstdint>
 #include <string_view>
 
 namespace sonopose::web::live {
 
-/// "info", "warning" or "error", as the page has it.
-inline std::string_view word_of(logging::Level level) {
-  if (level <= logging::Level::info) return "info";
-  return level == logging::Level::warning ? "warning" : "error";
+inline constexpr std::size_t most_events = 500;  ///< that the page shows: the latest ones
+
+/// "info", "warning" or "error", as the page has it. `Level`: logging::Level or LogLevel.
+template <class Level>
+std::string_view word_of(Level level) {
+  if (level <= Level::info) return "info";
+  return level == Level::warning ? "warning" : "error";
 }
-inline std::string_view word_of(LogLevel level) {
-  if (level <= LogLevel::info) return "info";
-  return level == LogLevel::warning ? "warning" : "error";
+
+/// Whether it is of a fusion, which logs the changes of state of its beacons.
+inline bool is_of_fusion(const LogLine& line) {
+  return line.program == "sonopose-fusion";
 }
 
 /// {"t", "level", "text"}; t in seconds since the Unix epoch.
@@ -26,12 +32,14 @@ inline nlohmann::json event_json(TimeNs time_ns, std::string_view level, std::st
   return {{"t", 1e-9 * static_cast<double>(time_ns)}, {"level", level}, {"text", text}};
 }
 
-/// The same with "program", "host" and "pid".
-inline nlohmann::json event_json(const LogLine& line) {
+/// The same with "program", "host" and "pid", and with "missing" if lines of the process are missing before
+/// this one.
+inline nlohmann::json event_json(const LogLine& line, std::uint64_t missing) {
   nlohmann::json event = event_json(line.time_ns, word_of(line.level), line.text);
   event["program"] = line.program;
   event["host"] = line.host;
   event["pid"] = line.process_id;
+  if (missing > 0) event["missing"] = missing;
   return event;
 }
 

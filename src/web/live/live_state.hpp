@@ -37,7 +37,7 @@ public:
   void forget(BeaconAddress address);
 
 private:
-  /// Of more fixes between two frames than this the oldest are left out: a screen shows no more.
+  /// Fixes that are kept between two frames, the newest ones: a screen shows no more.
   static constexpr std::size_t max_fixes = 32;
 
   struct Beacon {

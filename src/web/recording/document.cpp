@@ -2,6 +2,7 @@
 
 #include "web/live/event_json.hpp"
 #include "web/live/rows.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -23,6 +24,9 @@ constexpr std::size_t most_rows_of_all = 200'000;
 constexpr TimeNs least_pose_period_ns = 40'000'000;
 constexpr TimeNs second_ns = 1'000'000'000;
 
+/// A fusion logs a change within this time of the pose that shows it.
+constexpr double logged_within_s = 3.0;
+
 /// What of a status the page draws: V, s.
 constexpr std::array<std::string_view, 2> status_columns{"battery", "delay"};
 
@@ -35,6 +39,10 @@ std::vector<std::string_view> names(std::vector<std::string_view> front,
 
 nlohmann::json number(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
+bool is_of_another_beacon(std::string_view line_text, BeaconAddress beacon) {
+  return line_text.starts_with("beacon ") && !line_text.starts_with(fmt::format("beacon {}: ", beacon));
 }
 
 }  // namespace
@@ -81,10 +89,12 @@ Document::Beacon::Beacon(BeaconAddress address, TimeNs begin_ns, TimeNs least_pe
              begin_ns, least_period_ns),
       watch(address) {}
 
-Document::Document(double duration_s)
+Document::Document(double duration_s, std::optional<BeaconAddress> beacon)
     : least_period_ns_(to_ns(duration_s / static_cast<double>(most_rows_of_beacon))),
+      beacon_(beacon),
       transition_log_([this](const transitions::Line& line) {
-        events_.push_back(live::event_json(now_ns_, live::word_of(line.level), line.text).dump());
+        keep(changes_, {now_ns_, std::string(transitions::change_of(line.text)),
+                        live::event_json(now_ns_, live::word_of(line.level), line.text).dump()});
       }) {}
 
 Document::Beacon& Document::beacon(BeaconAddress address, TimeNs time_ns) {
@@ -149,11 +159,21 @@ void Document::add(const StationaryBeacon& beacon) {
   if (beacon.position_world_m) stationary_world_m_[beacon.address] = *beacon.position_world_m;
 }
 
+void Document::keep(Events& events, Event event) {
+  if (events.size() == most_kept) {
+    events.pop_front();
+    ++events_left_out_;
+  }
+  events.push_back(std::move(event));
+}
+
 void Document::add(const LogLine& line) {
-  has_fusion_log_ = has_fusion_log_ || line.program == "sonopose-fusion";
-  if (log_lines_.size() == most_log_lines) log_lines_.pop_front();
+  const std::uint64_t missing = missing_lines_.before(line);
+  if (beacon_ && is_of_another_beacon(line.text, *beacon_)) return;
   // Text of other processes need not be UTF-8.
-  log_lines_.push_back(live::event_json(line).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  keep(log_lines_,
+       {line.time_ns, live::is_of_fusion(line) ? std::string(transitions::change_of(line.text)) : "",
+        live::event_json(line, missing).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)});
 }
 
 bool Document::has_poses() const {
@@ -161,11 +181,42 @@ bool Document::has_poses() const {
                      [](const auto& entry) { return entry.second.poses.size() > 0; });
 }
 
+std::vector<Document::Event> Document::shown_events() {
+  std::multimap<std::string_view, TimeNs> logged;
+  for (const Event& line : log_lines_) {
+    if (!line.change.empty()) logged.emplace(line.change, line.time_ns);
+  }
+  const auto is_logged = [&logged](const Event& change) {
+    const auto [begin, end] = logged.equal_range(change.change);
+    return std::any_of(begin, end, [&](const auto& line) {
+      return std::abs(seconds_between(line.second, change.time_ns)) < logged_within_s;
+    });
+  };
+  std::vector<Event> events(log_lines_.begin(), log_lines_.end());
+  std::copy_if(changes_.begin(), changes_.end(), std::back_inserter(events),
+               [&](const Event& change) { return !is_logged(change); });
+  std::stable_sort(events.begin(), events.end(),
+                   [](const Event& a, const Event& b) { return a.time_ns < b.time_ns; });
+  std::uint64_t left_out = events_left_out_;
+  constexpr std::size_t most = live::most_events - 1;  // and the line that counts the others
+  if (events.size() > most) {
+    left_out += events.size() - most;
+    events.erase(events.begin(), events.end() - most);
+  }
+  if (left_out > 0) {
+    const std::string text =
+        text::count_text(left_out, "earlier event is", "earlier events are") + " not shown";
+    const TimeNs time_ns = events.front().time_ns;
+    events.insert(events.begin(), {time_ns, "", live::event_json(time_ns, "info", text).dump()});
+  }
+  return events;
+}
+
 std::string Document::json() {
   transition_log_.finish();
   end_second();
-  std::vector<std::string> events = has_fusion_log_ ? std::vector<std::string>() : events_;
-  events.insert(events.end(), log_lines_.begin(), log_lines_.end());
+  std::vector<std::string> events;
+  for (Event& event : shown_events()) events.push_back(std::move(event.json));
   std::string text = fmt::format(R"({{"begin":{:.4f},"duration":{:.4f},"events":[{}],"stationary":[)",
                                  1e-9 * static_cast<double>(begin_ns_), seconds_between(begin_ns_, end_ns_),
                                  fmt::join(events, ","));

@@ -5,12 +5,14 @@
 #include "observation/beacon_observer.hpp"
 #include "transitions/pose_watch.hpp"
 #include "transitions/transition_log.hpp"
+#include "web/live/missing_lines.hpp"
 #include <sonopose/samples/log_line.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/samples/status.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <map>
 #include <optional>
@@ -43,14 +45,15 @@ private:
 
 class Document {
 public:
-  /// `duration_s`: about how long the recording is.
-  explicit Document(double duration_s);
+  /// `duration_s`: about how long the recording is. `beacon`: the only one, whose log lines are shown; empty:
+  /// the lines of all.
+  explicit Document(double duration_s, std::optional<BeaconAddress> beacon = {});
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
   ~Document() = default;
 
-  /// Log lines that are kept: the latest ones, as many as the page shows.
-  static constexpr std::size_t most_log_lines = 500;
+  /// Log lines that are kept, and changes of state: the latest. The page shows fewer, of both together.
+  static constexpr std::size_t most_kept = 20'000;
 
   /// `received_ns`: when the recorder received the pose, for its latency; empty if it was made just now.
   void add(const FusedPose& pose, std::optional<TimeNs> received_ns = {});
@@ -71,6 +74,13 @@ public:
   std::string json();
 
 private:
+  struct Event {
+    TimeNs time_ns = 0;
+    std::string change;  ///< that it names, if a fusion has logged it or the poses show it
+    std::string json;
+  };
+  using Events = std::deque<Event>;
+
   struct Beacon {
     Beacon(BeaconAddress address, TimeNs begin_ns, TimeNs least_period_ns);
 
@@ -85,6 +95,9 @@ private:
   /// The beacon of a sample at this time.
   Beacon& beacon(BeaconAddress address, TimeNs time_ns);
   void end_second();
+  void keep(Events& events, Event event);
+  /// The latest, by their time, and how many were left out.
+  std::vector<Event> shown_events();
   /// Puts what a sample at `time_ns` has changed into words.
   void take(transitions::Pending& pending, TimeNs time_ns);
 
@@ -96,9 +109,11 @@ private:
   std::map<BeaconAddress, Vector3d> stationary_world_m_;
   std::optional<TimeNs> second_end_ns_;
   TimeNs now_ns_ = 0;  ///< of the sample that is being added
-  std::vector<std::string> events_;
-  std::deque<std::string> log_lines_;
-  bool has_fusion_log_ = false;  ///< which has the events too
+  std::optional<BeaconAddress> beacon_;
+  Events changes_;  ///< that the poses show
+  Events log_lines_;
+  live::MissingLines missing_lines_;
+  std::uint64_t events_left_out_ = 0;
   transitions::TransitionLog transition_log_;
 };
 

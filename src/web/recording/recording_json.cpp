@@ -53,7 +53,7 @@ TimeNs log_time_of(const mcap::Message& message) {
 std::optional<std::string> recorded_outputs(const mcap::Reader& reader, std::optional<BeaconAddress> beacon) {
   const auto& times = reader.statistics().log_times;
   if (times.is_empty()) return {};
-  Document document(1e-9 * static_cast<double>(times.end_ns - times.start_ns));
+  Document document(1e-9 * static_cast<double>(times.end_ns - times.start_ns), beacon);
   bus_log::require_our_types(reader, is_shown);
   mcap::Selection selection;
   selection.channel = [shown = shown_channels(reader)](const mcap::Channel& channel) {

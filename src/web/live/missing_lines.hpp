@@ -1,0 +1,33 @@
+#pragma once
+/// \file
+/// Gaps in the numbers of log lines.
+
+#include <sonopose/samples/log_line.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+
+namespace sonopose::web::live {
+
+/// Of each process, the number of its latest line.
+class MissingLines {
+public:
+  /// How many lines of its process are missing before this one, in the order in which they arrive. Of a
+  /// process that was not known: all before it.
+  std::uint64_t before(const LogLine& line) {
+    std::uint64_t& last = last_[{line.host, line.process_id}];
+    const std::uint64_t missing = line.number > last ? line.number - last - 1 : 0;
+    last = std::max(last, line.number);
+    return missing;
+  }
+
+  void forget(const std::string& host, std::uint32_t process_id) { last_.erase({host, process_id}); }
+
+private:
+  std::map<std::pair<std::string, std::uint32_t>, std::uint64_t> last_;
+};
+
+}  // namespace sonopose::web::live
