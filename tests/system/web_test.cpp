@@ -417,9 +417,9 @@ SCENARIO("a page shows the changes in the poses of a fusion that does not log th
   const Web web(bus, {"--listen", "127.0.0.1:0", "--allow-changes"});
   Page page(web);
   auto bridge = bus.bridge({"--source", "sim"});
-  const auto wait_for_change = [&page](const std::string& change) {
+  const auto wait_for_change = [&page](const std::string& begin) {
     return page.wait_for("event", [&](const json& each) {
-      return !each.contains("program") && each["text"].get<std::string>().starts_with("beacon 7: " + change);
+      return !each.contains("program") && each["text"].get<std::string>().starts_with("beacon 7: " + begin);
     });
   };
   CHECK(wait_for_change("initialised")["level"] == "info");
