@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The log of a process on standard error, and for listeners. Everything else of the logging library stays in
-/// log.cpp.
+/// The log of a process on standard error, and for listeners. The headers of spdlog are included in this
+/// folder alone, since they are heavy.
 
 #include <cstddef>
 #include <cstdint>
@@ -24,14 +24,15 @@ void set_program(std::string name);
 /// That name, or the file name of the program.
 const std::string& program();
 
-/// While it exists, a thread of its own writes the lines, so that a slow or stopped reader of standard error
-/// delays no other thread. One at a time.
+/// While it exists, one thread passes the lines on to the listeners and another one writes them, so that a
+/// slow or stopped reader of standard error delays no other thread and no listener. One at a time.
 class Session {
 public:
-  /// Lines that may wait; the oldest are dropped for newer ones.
+  /// Lines that may wait for either thread; the oldest are dropped for newer ones.
   static constexpr std::size_t default_capacity = 2048;
 
-  /// Lines below `least` are dropped without being counted. Throws std::runtime_error if there is no thread.
+  /// Lines below `least` are dropped without being counted. `capacity`: of standard error. Throws
+  /// std::runtime_error if there is no thread.
   explicit Session(Level least, std::size_t capacity = default_capacity);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -49,7 +50,7 @@ struct Line {
   std::string_view text;     ///< valid during the call that passes it
 };
 
-/// Receives the lines of the session that are written.
+/// Receives the lines of the session.
 class Listener {
 public:
   Listener() = default;
@@ -57,12 +58,12 @@ public:
   Listener& operator=(const Listener&) = delete;
   virtual ~Listener() = default;
 
-  /// On the thread of the log, after the line is on standard error. It must not log, since that would never
+  /// On the thread of the log, before the line is on standard error. It must not log, since that would never
   /// end, and must not wait, since the lines that follow wait for it.
   virtual void on(const Line& line) noexcept = 0;
 };
 
-/// While it exists, the listener receives lines: together with the next one those that the session wrote
+/// While it exists, the listener receives lines: together with the next one those that the session had
 /// before, at most the latest `most_earlier`. Several at a time.
 class Listening {
 public:

@@ -1,0 +1,91 @@
+#pragma once
+/// \file
+/// Standard error, which may take nothing for a while: a terminal that is stopped, or a pipe that nobody
+/// reads.
+
+#include "logging/log.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string_view>
+
+namespace spdlog {
+class async_logger;
+namespace details {
+class thread_pool;
+}
+}  // namespace spdlog
+
+namespace sonopose::logging {
+
+/// For how long the end of a process waits while standard error takes nothing.
+inline constexpr std::chrono::milliseconds patience{1000};
+
+/// Writes to standard error. One thread.
+class PatientWriter {
+public:
+  /// Writes everything, or gives up after `patience` once the process is ending.
+  void write(std::string_view text);
+
+  /// From now on a standard error that takes nothing is not waited for. From any thread.
+  void end() { ending_ = true; }
+
+private:
+  bool is_ready();
+
+  std::atomic<bool> ending_ = false;
+  bool gave_up_ = false;
+};
+
+/// Writes a line on the calling thread.
+void write_at_once(Level level, std::string_view text);
+
+/// Writes lines on a thread of its own, which waits for standard error.
+class StandardError {
+public:
+  /// `capacity`: lines that may wait; the oldest are dropped for newer ones. Throws std::runtime_error if
+  /// there is no thread.
+  explicit StandardError(std::size_t capacity);
+  StandardError(const StandardError&) = delete;
+  StandardError& operator=(const StandardError&) = delete;
+  /// Writes the lines that wait. Gives up after `patience` in which standard error took none.
+  ~StandardError();
+
+  /// Never waits. Thread-safe, as the following.
+  void write(Level level, std::string_view text);
+
+  /// Lines that were dropped for newer ones. The log reports them too, when it can be written again.
+  [[nodiscard]] std::size_t dropped() const;
+
+  /// Asks for a flush: a report that the lines before it are written.
+  void flush();
+
+  /// Calls `request`, which leads to a flush on whatever thread, and waits for it, at most `patience`.
+  template <class Request>
+  void wait_for_flush(const Request& request) {
+    std::unique_lock lock(flushes_.mutex);
+    const std::uint64_t before = flushes_.count;
+    request();
+    flushes_.changed.wait_for(lock, patience, [&] { return flushes_.count != before; });
+  }
+
+private:
+  struct Flushes {
+    std::mutex mutex;  // guards `count`
+    std::condition_variable changed;
+    std::uint64_t count = 0;
+  };
+  class Sink;
+
+  Flushes flushes_;
+  std::shared_ptr<spdlog::details::thread_pool> pool_;
+  std::shared_ptr<Sink> sink_;
+  std::shared_ptr<spdlog::async_logger> logger_;
+};
+
+}  // namespace sonopose::logging
