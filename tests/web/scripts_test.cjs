@@ -254,14 +254,18 @@ const choicePart = (value) => ({
   append(option) { this.options.push(option); },
 });
 
-test("events and lines of logs are shown by time, with their program, bounded, and as text", () => {
+const makeEvents = () => {
   globalThis.document = { createElement: () => listPart() };
   load("events.js");
   const parts = { list: listPart(), warnings: listPart(), level: choicePart("info"), program: choicePart("") };
-  const events = new sonopose.Events(parts);
   const textsOf = () => parts.list.children.filter(({ hidden }) => !hidden).map(({ children }) => children[2].textContent);
   const labelsOf = () => parts.list.children.map(({ children }) => children[1].textContent);
-  const line = (t, text, program, pid, level = "info") => ({ t, level, text, program, host: "robot", pid });
+  return { parts, events: new sonopose.Events(parts), textsOf, labelsOf };
+};
+const line = (t, text, program, pid, level = "info") => ({ t, level, text, program, host: "robot", pid });
+
+test("events and lines of logs are shown by time, with their program, bounded, and as text", () => {
+  const { parts, events, textsOf, labelsOf } = makeEvents();
   events.add(line(20, "b", "sonopose-bridge", 1));
   events.add(line(30, "<b>c</b>", "sonopose-fusion", 2, "warning"));
   events.add(line(10, "a", "sonopose-fusion", 2));
@@ -288,15 +292,55 @@ test("events and lines of logs are shown by time, with their program, bounded, a
   assert.equal(events.lines.length, 0);
 });
 
-test("a recording fills the plots of latency, delay and battery", () => {
-  const inputs = () => ({ addEventListener: () => {} });
+test("of the lines those that arrived first are left out, whatever the clocks of their machines are", () => {
+  const { events, textsOf } = makeEvents();
+  for (let i = 0; i < 500; i += 1) events.add(line(1000 + i, `line ${i}`, "sonopose-fusion", 1));
+  events.add(line(10, "behind", "sonopose-bridge", 2));
+  events.add(line(9000, "ahead", "sonopose-bridge", 3));
+  assert.equal(textsOf().length, 500);
+  assert.equal(textsOf()[0], "ahead");
+  assert.equal(textsOf().at(-1), "behind");
+  assert.ok(!textsOf().includes("line 1") && textsOf().includes("line 2"));
+  for (let i = 0; i < 499; i += 1) events.add(line(2000 + i, `later ${i}`, "sonopose-fusion", 1));
+  assert.deepEqual(textsOf().slice(0, 2), ["ahead", "later 498"]);
+  events.add(line(3000, "last", "sonopose-fusion", 1));
+  assert.equal(textsOf()[0], "last");
+});
+
+test("a label is written again only if its program has one process more or less to distinguish", () => {
+  const { events, labelsOf } = makeEvents();
+  let writes = 0;
+  globalThis.document.createElement = (tag) => {
+    let text = "";
+    return tag !== "b" ? listPart() : Object.defineProperty(listPart(), "textContent", {
+      get: () => text,
+      set: (value) => { text = value; writes += 1; },
+    });
+  };
+  for (let i = 0; i < 499; i += 1) events.add(line(i, "", "sonopose-fusion", 1));
+  assert.ok(writes <= 2 * 499, `${writes} writes for 499 lines`);
+  events.add(line(499, "", "sonopose-fusion", 2));
+  assert.deepEqual(new Set(labelsOf()), new Set(["fusion robot:1", "fusion robot:2"]));
+  for (let i = 500; i < 999; i += 1) events.add(line(i, "", "sonopose-fusion", 2));
+  assert.deepEqual(new Set(labelsOf()), new Set(["fusion"])); // no line of the other process is left
+  assert.ok(writes <= 3 * 999, `${writes} writes for 999 lines`);
+});
+
+// A playback of beacon 7, and its time bar.
+const makePlayback = (duration, status) => {
   load("playback.js");
+  const part = () => ({ addEventListener(_, listener) { this.act = listener; } });
+  const parts = { box: {}, time: part(), play: part(), rate: { value: "1" }, clock: {} };
   const model = new Model();
   const none = { t: [] };
-  const status = { t: [0, 1], battery: [3.9, null], delay: [0.08, 0.09], in_fusion: [0.001, 0.002] };
   const beacons = [{ address: 7, rows: 2, poses: none, fixes: none, truth: none, status }];
-  const parts = { box: {}, time: inputs(), play: inputs(), rate: inputs(), clock: {} };
-  new sonopose.Playback(parts, model, { begin: 1000, duration: 1, stationary: [], beacons });
+  const playback = new sonopose.Playback(parts, model, { begin: 1000, duration, stationary: [], beacons });
+  return { parts, model, playback };
+};
+
+test("a recording fills the plots of latency, delay and battery", () => {
+  const status = { t: [0, 1], battery: [3.9, null], delay: [0.08, 0.09], in_fusion: [0.001, 0.002] };
+  const { model } = makePlayback(1, status);
   const { row, size } = { row: model.beacon(7).status.last(), size: model.beacon(7).status.size };
   assert.equal(size, 2);
   assert.equal(row.t, 1001);
