@@ -11,6 +11,8 @@
   const nameOf = ({ program }) => (program || "").replace(/^sonopose-/, "");
   const processOf = ({ host, pid }) => `${host}:${pid}`;
 
+  const missingText = (count) => (count === 1 ? "1 line is missing" : `${count} lines are missing`);
+
   // Events, and lines of the logs of all processes.
   class Events {
     // `parts`: list, warnings, and the choices level and program.
@@ -27,8 +29,14 @@
       this.list.replaceChildren();
     }
 
-    // The newest comes first, also if an older one arrives later.
+    // Lines that were lost before this one are a line of their own.
     add(event) {
+      if (event.missing > 0) this.insert({ ...event, level: "warning", text: missingText(event.missing) });
+      this.insert(event);
+    }
+
+    // The newest comes first, also if an older one arrives later.
+    insert(event) {
       const label = element("b", { textContent: nameOf(event) });
       const item = element("li", { className: event.level, hidden: !this.isChosen(event) }, [
         element("time", { textContent: clockText(event.t) }), label, element("span", { textContent: event.text }),

@@ -326,6 +326,20 @@ test("a label is written again only if its program has one process more or less 
   assert.ok(writes <= 3 * 999, `${writes} writes for 999 lines`);
 });
 
+test("lines that were lost are a line of their own, before the next one of their process", () => {
+  const { parts, events, textsOf, labelsOf } = makeEvents();
+  events.add(line(10, "a", "sonopose-fusion", 1));
+  events.add(line(20, "b", "sonopose-fusion", 2));
+  events.add({ ...line(30, "c", "sonopose-fusion", 2), missing: 3 });
+  events.add({ ...line(40, "d", "sonopose-fusion", 1, "error"), missing: 1 });
+  assert.deepEqual(textsOf(), ["d", "1 line is missing", "c", "3 lines are missing", "b", "a"]);
+  assert.equal(labelsOf()[3], "fusion robot:2");
+  assert.deepEqual(parts.list.children.map(({ className }) => className),
+    ["error", "warning", "info", "warning", "info", "info"]);
+  parts.level.choose("warning");
+  assert.deepEqual(textsOf(), ["d", "1 line is missing", "3 lines are missing"]);
+});
+
 // A playback of beacon 7, and its time bar.
 const makePlayback = (duration, status) => {
   load("playback.js");
