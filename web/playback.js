@@ -29,11 +29,15 @@
       model.stationary = recording.stationary;
       model.extent = [this.beginS, this.beginS + this.durationS];
       this.isPlaying = false;
-      this.lastMs = 0;
+      this.lastMs = null; // the time of the latest picture, while it plays
       parts.box.hidden = false;
       parts.time.max = String(this.durationS);
-      parts.time.step = String(Math.max(0.01, this.durationS / 20000));
-      parts.time.addEventListener("input", () => this.show(Number(parts.time.value)));
+      const stepS = Math.max(0.01, this.durationS / 20000);
+      parts.time.step = String(stepS);
+      parts.time.addEventListener("input", () => {
+        const atS = Number(parts.time.value);
+        this.show(atS > this.durationS - stepS ? this.durationS : atS); // the last step may be shorter
+      });
       parts.play.addEventListener("click", () => this.play(!this.isPlaying));
       this.show(this.durationS);
     }
@@ -47,19 +51,24 @@
       this.parts.clock.textContent = `${this.atS.toFixed(1)} s of ${this.durationS.toFixed(1)} s, ${clockText(this.model.now)}`;
     }
 
+    get isAtEnd() {
+      return this.atS >= this.durationS;
+    }
+
     play(isPlaying) {
       this.isPlaying = isPlaying;
       this.parts.play.textContent = isPlaying ? "❚❚" : "▶";
-      this.lastMs = performance.now();
-      if (isPlaying && this.atS >= this.durationS) this.show(0);
+      this.lastMs = null;
+      if (isPlaying && this.isAtEnd) this.show(0);
     }
 
-    // Before each picture.
+    // Before each picture, whose time is `nowMs`. That of the first one may be before the click that started it.
     advance(nowMs) {
       if (!this.isPlaying) return;
-      this.show(this.atS + ((nowMs - this.lastMs) / 1000) * Number(this.parts.rate.value));
+      const passedS = this.lastMs === null ? 0 : (nowMs - this.lastMs) / 1000;
+      this.show(this.atS + passedS * Number(this.parts.rate.value));
       this.lastMs = nowMs;
-      if (this.atS >= this.durationS) this.play(false);
+      if (this.isAtEnd) this.play(false);
     }
   }
 

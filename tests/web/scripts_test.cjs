@@ -363,3 +363,46 @@ test("a recording fills the plots of latency, delay and battery", () => {
   assert.equal(row.in_fusion, 0.002);
   assert.ok(Number.isNaN(row.fusion_to_here));
 });
+
+test("a recording is played by the times of the pictures, at its rate, until its end", () => {
+  const { parts, model, playback } = makePlayback(10, { t: [] });
+  Object.defineProperty(globalThis, "performance", { value: { now: () => 5010 }, configurable: true });
+  const picture = (nowMs) => {
+    model.isNew = false;
+    playback.advance(nowMs);
+    return model.now;
+  };
+  assert.equal(picture(4000), 1010); // the end, and it does not play
+  assert.ok(!model.isNew);
+  parts.play.act();
+  assert.equal(model.now, 1000); // from the begin
+  parts.time.value = "2";
+  parts.time.act();
+  near(picture(5000), 1002); // the click was after the time of this picture
+  near(picture(5500), 1002.5);
+  assert.ok(model.isNew);
+  assert.match(parts.clock.textContent, /^2.5 s of 10.0 s/);
+  assert.equal(Number(parts.time.value), 2.5);
+  parts.rate.value = "8";
+  near(picture(6000), 1006.5);
+  parts.play.act(); // pause
+  near(picture(7000), 1006.5);
+  parts.play.act();
+  near(picture(8000), 1006.5); // the pause does not count
+  near(picture(8250), 1008.5);
+  assert.ok(playback.isPlaying && !playback.isAtEnd);
+  near(picture(9000), 1010);
+  assert.ok(!playback.isPlaying && playback.isAtEnd);
+  assert.equal(parts.play.textContent, "▶");
+});
+
+test("the time bar reaches the end of a recording whose length is no multiple of its step", () => {
+  const { parts, model, playback } = makePlayback(12.347, { t: [] });
+  parts.time.value = "12.3";
+  parts.time.act();
+  assert.ok(!playback.isAtEnd);
+  parts.time.value = "12.34"; // of a browser the last one
+  parts.time.act();
+  assert.ok(playback.isAtEnd);
+  near(model.now, 1012.347);
+});
