@@ -19,6 +19,7 @@
     constructor(parts) {
       Object.assign(this, parts);
       this.clear();
+      this.untilS = Infinity; // later lines are hidden
       for (const choice of [this.level, this.program]) choice.addEventListener("change", () => this.filter());
     }
 
@@ -38,7 +39,7 @@
     // The newest comes first, also if an older one arrives later.
     insert(event) {
       const label = element("b", { textContent: nameOf(event) });
-      const item = element("li", { className: event.level, hidden: !this.isChosen(event) }, [
+      const item = element("li", { className: event.level, hidden: !this.isShown(event) }, [
         element("time", { textContent: clockText(event.t) }), label, element("span", { textContent: event.text }),
       ]);
       const line = { event, item, label };
@@ -109,8 +110,20 @@
       return isOfLevel && (this.program.value === "" || this.program.value === nameOf(event));
     }
 
-    filter() {
-      for (const { event, item } of this.lines) item.hidden = !this.isChosen(event);
+    isShown(event) {
+      return event.t <= this.untilS && this.isChosen(event);
+    }
+
+    filter(lines = this.lines) {
+      for (const { event, item } of lines) item.hidden = !this.isShown(event);
+    }
+
+    // Hides the lines after this time (s), and shows those before it again.
+    showUntil(timeS) {
+      if (timeS === this.untilS) return;
+      const [from, to] = [this.untilS, timeS].map((t) => this.countAfter(t)).sort((a, b) => a - b);
+      this.untilS = timeS;
+      this.filter(this.lines.slice(from, to));
     }
 
     showWarnings(texts) {

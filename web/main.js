@@ -212,6 +212,8 @@
     slowFrom = now + 250;
     table.draw();
     plots.draw();
+    // At the end all: processes also log after the last pose.
+    events.showUntil(playback?.isAtEnd ? Infinity : model.shown);
     updateStatistics();
   };
   requestAnimationFrame(draw);

@@ -340,6 +340,35 @@ test("lines that were lost are a line of their own, before the next one of their
   assert.deepEqual(textsOf(), ["d", "1 line is missing", "3 lines are missing"]);
 });
 
+test("lines after the time that is shown of a recording are hidden, and only those that change are touched", () => {
+  const { parts, events, textsOf } = makeEvents();
+  for (let t = 0; t < 100; t += 1) events.add(line(t, `${t}`, t % 2 ? "sonopose-bridge" : "sonopose-fusion", 1));
+  let writes = 0;
+  for (const item of parts.list.children) {
+    let { hidden } = item;
+    Object.defineProperty(item, "hidden", { get: () => hidden, set: (value) => { hidden = value; writes += 1; } });
+  }
+  events.showUntil(49.5);
+  assert.deepEqual([textsOf()[0], textsOf().length], ["49", 50]);
+  assert.equal(writes, 50);
+  for (let t = 49.6; t < 50; t += 0.1) events.showUntil(t);
+  assert.equal(writes, 50);
+  events.showUntil(51);
+  assert.deepEqual(textsOf().slice(0, 2), ["51", "50"]);
+  assert.equal(writes, 52);
+  events.showUntil(20);
+  assert.equal(textsOf()[0], "20");
+  assert.equal(writes, 83);
+  parts.program.choose("bridge");
+  assert.equal(textsOf()[0], "19"); // a filter shows none of a later time
+  events.showUntil(30);
+  assert.equal(textsOf()[0], "29");
+  events.add(line(60, "later", "sonopose-bridge", 1));
+  assert.equal(textsOf()[0], "29");
+  events.showUntil(Infinity);
+  assert.equal(textsOf()[0], "99");
+});
+
 // A playback of beacon 7, and its time bar.
 const makePlayback = (duration, status) => {
   load("playback.js");
