@@ -393,6 +393,28 @@ test("a recording fills the plots of latency, delay and battery", () => {
   assert.ok(Number.isNaN(row.fusion_to_here));
 });
 
+test("the table has the battery of a live beacon, and of a recording that of the time that is shown", () => {
+  globalThis.document = { createElement: () => ({ ...listPart(), style: {}, dataset: {}, setAttribute: () => {}, addEventListener: () => {} }) };
+  load("table.js");
+  const batteryOf = (model) => {
+    const part = listPart();
+    new sonopose.Table(part, model).draw();
+    const [head, body] = part.children;
+    const at = head.children[0].children.findIndex(({ children }) => children[0].textContent === "battery");
+    return body.children[0].children[at].textContent;
+  };
+  const live = new Model();
+  live.onStatus({ time_ns: 5e9, beacons: [{ address: 7, latency_segments: Object.fromEntries(
+    ["sensor_to_bridge", "bridge_to_fusion", "in_fusion", "fusion_to_here"].map((name) => [name, {}])), bridge: { battery_v: 3.75 } }] });
+  assert.equal(batteryOf(live), "3.75 V");
+  const { model, playback } = makePlayback(10, { t: [1, 9], battery: [3.9, 3.7] });
+  assert.equal(batteryOf(model), "3.70 V");
+  playback.show(5);
+  assert.equal(batteryOf(model), "3.90 V");
+  playback.show(0);
+  assert.equal(batteryOf(model), "–");
+});
+
 test("a recording is played by the times of the pictures, at its rate, until its end", () => {
   const { parts, model, playback } = makePlayback(10, { t: [] });
   Object.defineProperty(globalThis, "performance", { value: { now: () => 5010 }, configurable: true });
