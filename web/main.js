@@ -188,7 +188,8 @@
     }
   };
 
-  // The map as soon as there is something new; what is costly and slow to read four times a second.
+  // Draws the map as soon as something is new, and the rest, which costs more and cannot be read faster, four times a
+  // second.
   let sinceSecond = performance.now();
   let drawnBefore = 0;
   let isSlowDue = false;
