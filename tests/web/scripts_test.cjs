@@ -293,7 +293,7 @@ test("events and lines of logs are shown by time, with their program, bounded, a
 });
 
 test("of the lines those that arrived first are left out, whatever the clocks of their machines are", () => {
-  const { events, textsOf } = makeEvents();
+  const { parts, events, textsOf } = makeEvents();
   for (let i = 0; i < 500; i += 1) events.add(line(1000 + i, `line ${i}`, "sonopose-fusion", 1));
   events.add(line(10, "behind", "sonopose-bridge", 2));
   events.add(line(9000, "ahead", "sonopose-bridge", 3));
@@ -305,6 +305,7 @@ test("of the lines those that arrived first are left out, whatever the clocks of
   assert.deepEqual(textsOf().slice(0, 2), ["ahead", "later 498"]);
   events.add(line(3000, "last", "sonopose-fusion", 1));
   assert.equal(textsOf()[0], "last");
+  assert.deepEqual(events.lines.map(({ item }) => item), parts.list.children);
 });
 
 test("a label is written again only if its program has one process more or less to distinguish", () => {
