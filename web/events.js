@@ -11,42 +11,92 @@
   const nameOf = ({ program }) => (program || "").replace(/^sonopose-/, "");
   const processOf = ({ host, pid }) => `${host}:${pid}`;
 
+  const missingText = (count) => (count === 1 ? "1 line is missing" : `${count} lines are missing`);
+
   // Events, and lines of the logs of all processes.
   class Events {
     // `parts`: list, warnings, and the choices level and program.
     constructor(parts) {
       Object.assign(this, parts);
-      this.lines = []; // the newest first, as in the list
+      this.clear();
+      this.untilS = Infinity; // later lines are hidden
       for (const choice of [this.level, this.program]) choice.addEventListener("change", () => this.filter());
     }
 
     clear() {
-      this.lines = [];
+      this.lines = []; // by time, the newest first, as in the list
+      this.arrived = []; // the same by arrival: the clocks of other machines do not decide which are kept
+      this.processes = new Map(); // by program: how many lines each of its processes has
       this.list.replaceChildren();
     }
 
-    // The newest comes first, also if an older one arrives later.
+    // Lines that were lost before this one are a line of their own.
     add(event) {
-      const label = element("b");
-      const item = element("li", { className: event.level }, [
+      if (event.missing > 0) this.insert({ ...event, level: "warning", text: missingText(event.missing) });
+      this.insert(event);
+    }
+
+    // The newest comes first, also if an older one arrives later.
+    insert(event) {
+      const label = element("b", { textContent: nameOf(event) });
+      const item = element("li", { className: event.level, hidden: !this.isShown(event) }, [
         element("time", { textContent: clockText(event.t) }), label, element("span", { textContent: event.text }),
       ]);
       const line = { event, item, label };
-      const found = this.lines.findIndex((each) => each.event.t <= event.t);
-      const at = found < 0 ? this.lines.length : found;
+      const at = this.countAfter(event.t);
       this.list.insertBefore(item, this.lines[at]?.item || null);
       this.lines.splice(at, 0, line);
-      if (this.lines.length > mostEvents) this.lines.pop().item.remove();
-      item.hidden = !this.isChosen(event);
+      this.arrived.push(line);
       this.offer(nameOf(event));
-      this.label(nameOf(event));
+      if (this.count(line, 1)) this.labelAll(nameOf(event));
+      else this.label(line);
+      if (this.arrived.length > mostEvents) this.removeFirst();
     }
 
-    // Names the programs; and the processes, if there are several of a program.
-    label(name) {
-      const own = this.lines.filter((line) => nameOf(line.event) === name);
-      const isOne = new Set(own.map((line) => processOf(line.event))).size <= 1;
-      for (const { event, label } of own) label.textContent = isOne || !name ? name : `${name} ${processOf(event)}`;
+    // The one that arrived first.
+    removeFirst() {
+      const line = this.arrived.shift();
+      this.lines.splice(this.lines.lastIndexOf(line), 1);
+      line.item.remove();
+      if (this.count(line, -1)) this.labelAll(nameOf(line.event));
+    }
+
+    // How many lines are later than `t`.
+    countAfter(t) {
+      let low = 0;
+      let high = this.lines.length;
+      while (low < high) {
+        const middle = (low + high) >> 1;
+        if (this.lines[middle].event.t > t) low = middle + 1;
+        else high = middle;
+      }
+      return low;
+    }
+
+    // Counts a line that comes (1) or goes (-1). Returns whether all labels of its program change.
+    count({ event }, step) {
+      const name = nameOf(event);
+      const counts = this.processes.get(name) || new Map();
+      const wereSeveral = counts.size > 1;
+      const lines = (counts.get(processOf(event)) || 0) + step;
+      if (lines > 0) counts.set(processOf(event), lines);
+      else counts.delete(processOf(event));
+      if (counts.size > 0) this.processes.set(name, counts);
+      else this.processes.delete(name);
+      return wereSeveral !== counts.size > 1;
+    }
+
+    // Names the process too, if there are several of the program.
+    label({ event, label }) {
+      const name = nameOf(event);
+      const text = name && this.processes.get(name).size > 1 ? `${name} ${processOf(event)}` : name;
+      if (label.textContent !== text) label.textContent = text;
+    }
+
+    labelAll(name) {
+      for (const line of this.lines) {
+        if (nameOf(line.event) === name) this.label(line);
+      }
     }
 
     offer(name) {
@@ -60,8 +110,20 @@
       return isOfLevel && (this.program.value === "" || this.program.value === nameOf(event));
     }
 
-    filter() {
-      for (const { event, item } of this.lines) item.hidden = !this.isChosen(event);
+    isShown(event) {
+      return event.t <= this.untilS && this.isChosen(event);
+    }
+
+    filter(lines = this.lines) {
+      for (const { event, item } of lines) item.hidden = !this.isShown(event);
+    }
+
+    // Hides the lines after this time (s), and shows those before it again.
+    showUntil(timeS) {
+      if (timeS === this.untilS) return;
+      const [from, to] = [this.untilS, timeS].map((t) => this.countAfter(t)).sort((a, b) => a - b);
+      this.untilS = timeS;
+      this.filter(this.lines.slice(from, to));
     }
 
     showWarnings(texts) {

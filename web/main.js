@@ -86,7 +86,8 @@
     stateText = "connected";
     showState();
     playback = new Playback(parts, model, recording);
-    for (const event of recording.events || []) events.add(event);
+    // The lines of logs come after all changes of state, and the list is bounded.
+    for (const event of (recording.events || []).sort((a, b) => a.t - b.t)) events.add(event);
     for (const tab of document.querySelectorAll('[data-panel="doctor"], [data-panel="settings-panel"]')) tab.hidden = true;
     byId("clear").hidden = true;
     byId("title").textContent = hello.title;
@@ -187,7 +188,8 @@
     }
   };
 
-  // The map as soon as there is something new; what is costly and slow to read four times a second.
+  // Draws the map as soon as something is new, and the rest, which costs more and cannot be read faster, four times a
+  // second.
   let sinceSecond = performance.now();
   let drawnBefore = 0;
   let isSlowDue = false;
@@ -211,6 +213,8 @@
     slowFrom = now + 250;
     table.draw();
     plots.draw();
+    // At the end all: processes also log after the last pose.
+    events.showUntil(playback?.isAtEnd ? Infinity : model.shown);
     updateStatistics();
   };
   requestAnimationFrame(draw);

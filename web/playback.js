@@ -5,9 +5,9 @@
   const { clockText } = sonopose;
 
   // Columns of numbers, null where a value is not known.
-  const fill = (columns, given, begin) => {
+  const fill = (columns, given, beginS) => {
     for (let i = 0; i < given.t.length; i += 1) {
-      columns.push(columns.names.map((name) => (name === "t" ? begin + given.t[i] : given[name]?.[i])));
+      columns.push(columns.names.map((name) => (name === "t" ? beginS + given.t[i] : given[name]?.[i])));
     }
   };
 
@@ -15,51 +15,60 @@
     constructor(parts, model, recording) {
       this.parts = parts;
       this.model = model;
-      this.begin = recording.begin;
-      this.duration = recording.duration;
+      this.beginS = recording.begin;
+      this.durationS = recording.duration;
       const rows = Math.max(1, ...recording.beacons.map((beacon) => beacon.rows));
       model.capacity = { poses: rows, fixes: rows, status: rows };
       for (const each of recording.beacons) {
         const beacon = model.beacon(each.address);
-        fill(beacon.poses, each.poses, this.begin);
-        fill(beacon.truth, each.truth, this.begin);
-        fill(beacon.fixes, each.fixes, this.begin);
-        fill(beacon.status, each.status, this.begin);
+        fill(beacon.poses, each.poses, this.beginS);
+        fill(beacon.truth, each.truth, this.beginS);
+        fill(beacon.fixes, each.fixes, this.beginS);
+        fill(beacon.status, each.status, this.beginS);
       }
       model.stationary = recording.stationary;
-      model.extent = [this.begin, this.begin + this.duration];
+      model.extent = [this.beginS, this.beginS + this.durationS];
       this.isPlaying = false;
-      this.last = 0;
+      this.lastMs = null; // the time of the latest picture, while it plays
       parts.box.hidden = false;
-      parts.time.max = String(this.duration);
-      parts.time.step = String(Math.max(0.01, this.duration / 20000));
-      parts.time.addEventListener("input", () => this.show(Number(parts.time.value)));
+      parts.time.max = String(this.durationS);
+      const stepS = Math.max(0.01, this.durationS / 20000);
+      parts.time.step = String(stepS);
+      parts.time.addEventListener("input", () => {
+        const atS = Number(parts.time.value);
+        this.show(atS > this.durationS - stepS ? this.durationS : atS); // the last step may be shorter
+      });
       parts.play.addEventListener("click", () => this.play(!this.isPlaying));
-      this.show(this.duration);
+      this.show(this.durationS);
     }
 
-    // `t`: seconds since the begin.
-    show(t) {
-      this.at = Math.min(this.duration, Math.max(0, t));
-      this.model.now = this.begin + this.at;
+    // Seconds since the begin.
+    show(atS) {
+      this.atS = Math.min(this.durationS, Math.max(0, atS));
+      this.model.now = this.beginS + this.atS;
       this.model.isNew = true;
-      this.parts.time.value = String(this.at);
-      this.parts.clock.textContent = `${this.at.toFixed(1)} s of ${this.duration.toFixed(1)} s, ${clockText(this.model.now)}`;
+      this.parts.time.value = String(this.atS);
+      this.parts.clock.textContent = `${this.atS.toFixed(1)} s of ${this.durationS.toFixed(1)} s, ${clockText(this.model.now)}`;
+    }
+
+    get isAtEnd() {
+      return this.atS >= this.durationS;
     }
 
     play(isPlaying) {
       this.isPlaying = isPlaying;
       this.parts.play.textContent = isPlaying ? "❚❚" : "▶";
-      this.last = performance.now();
-      if (isPlaying && this.at >= this.duration) this.show(0);
+      this.lastMs = null;
+      if (isPlaying && this.isAtEnd) this.show(0);
     }
 
-    // Before each picture.
-    advance(now) {
+    // Before each picture, whose time is `nowMs`. That of the first one may be before the click that started it.
+    advance(nowMs) {
       if (!this.isPlaying) return;
-      this.show(this.at + ((now - this.last) / 1000) * Number(this.parts.rate.value));
-      this.last = now;
-      if (this.at >= this.duration) this.play(false);
+      const passedS = this.lastMs === null ? 0 : (nowMs - this.lastMs) / 1000;
+      this.show(this.atS + passedS * Number(this.parts.rate.value));
+      this.lastMs = nowMs;
+      if (this.isAtEnd) this.play(false);
     }
   }
 

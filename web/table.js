@@ -14,7 +14,7 @@
     { name: "σ", value: ({ pose }) => pose && 100 * Math.sqrt(pose.cxx + pose.cyy + pose.czz), digits: 1, unit: "cm" },
     { name: "innovation", value: ({ fix }) => fix && 100 * Math.hypot(fix.ix, fix.iy, fix.iz), digits: 1, unit: "cm" },
     { name: "trust", value: ({ pose }) => pose?.trust, digits: 2 },
-    { name: "battery", value: ({ beacon }) => beacon.latest?.bridge?.battery_v, digits: 2, unit: "V" },
+    { name: "battery", value: ({ state }) => state?.battery, digits: 2, unit: "V" },
     { name: "status" },
   ];
 
@@ -71,7 +71,8 @@
         const pose = beacon.poses.last(model.shown);
         const status = this.statusOf(beacon, pose);
         const outside = pose && model.isOutside(pose) ? ", outside" : "";
-        return { beacon, pose, fix: beacon.fixes.last(model.shown), status, text: status.text + outside };
+        const [fix, state] = [beacon.fixes, beacon.status].map((columns) => columns.last(model.shown));
+        return { beacon, pose, fix, state, status, text: status.text + outside };
       });
       const column = columns.find(({ name }) => name === this.order);
       const keyOf = (entry) => {

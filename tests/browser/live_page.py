@@ -199,8 +199,10 @@ def logs_are_shown(browser, processes):
     check("/dev/absent-beacon" in lines[0], "a new bridge is shown with its process: " + lines[0])
     fusion = browser.execute_script(labelled % ("fusion", "fusion", ""))
     check(fusion, f"{len(fusion)} lines of the fusion are shown, such as " + fusion[0])
-    initialised = [line for line in browser.execute_script(shown) if "beacon 7: initialised" in line]
-    check(len(initialised) <= 1, f"a change of state is shown once: {initialised}")
+    initialised = wait_for(browser, "a change of state is shown", f"""
+        const found = (() => {{ {shown} }})().filter((text) => text.includes("beacon 7: initialised"));
+        return found.length > 0 && found;""")
+    check(len(initialised) == 1, f"a change of state is shown once: {initialised}")
     choose = """
         for (const [id, value] of [["events-program", "%s"], ["events-level", "%s"]]) {
           const choice = document.getElementById(id);
@@ -210,6 +212,10 @@ def logs_are_shown(browser, processes):
     browser.execute_script(choose % ("bridge", "info"))
     lines = browser.execute_script(shown)
     check(lines and all("bridge" in line for line in lines), f"{len(lines)} lines are those of the bridge, such as {lines[0]}")
+    browser.execute_script(choose % ("bridge", "warning"))
+    warnings = browser.execute_script(shown)
+    check(len(warnings) < len(lines) and any("/dev/absent-beacon" in line for line in warnings),
+          f"of them {len(warnings)} are warnings: {warnings}")
     browser.execute_script(choose % ("bridge", "error"))
     check(not browser.execute_script(shown), "no line of the bridge is an error")
     browser.execute_script(choose % ("", "info"))
@@ -229,6 +235,31 @@ def token_is_enough(browser, processes):
     browser.get_log("browser")  # it had to complain
 
 
+SCRUB = """
+    const time = document.getElementById("time");
+    time.value = "%s";
+    time.dispatchEvent(new Event("input"));"""
+EVENTS_SHOWN = "document.querySelectorAll('#events li:not([hidden])').length"
+
+
+def recording_is_played(browser, events):
+    """From its begin: the time, the pose and the events follow, until it is paused."""
+    passed = "sonopose.model.now - sonopose.model.extent[0]"
+    browser.execute_script(SCRUB % 0)
+    wait_for(browser, "the events after the begin are hidden", f"return {EVENTS_SHOWN} < {events}")
+    begin = time.monotonic()
+    browser.execute_script("document.getElementById('play').click()")
+    wait_for(browser, "a second is played", f"return {passed} > 1")
+    browser.execute_script("document.getElementById('play').click()")
+    end = time.monotonic()
+    stopped = browser.execute_script(f"return {passed}")
+    check(stopped <= end - begin, f"{stopped:.2f} s were played in {end - begin:.2f} s")
+    wait_for(browser, "the pose of the time that was played is shown", f"""
+        const [beacon] = Object.values(sonopose.statistics.beacons);
+        return Math.abs(beacon.t - sonopose.model.now) < 0.1 && {EVENTS_SHOWN} === {events}""")
+    check(browser.execute_script(f"return {passed}") == stopped, "a pause stops it")
+
+
 def recording_is_scrubbed(browser, processes):
     folder = os.path.join(tempfile.mkdtemp(), "walk")
     subprocess.run([os.path.join(processes.folder, "sonopose-simulate"), "walk", "--out", folder], check=True,
@@ -236,17 +267,16 @@ def recording_is_scrubbed(browser, processes):
     web, url = processes.start_web("127.0.0.1:0", folder)
     browser.get(url)
     wait_for(browser, "the recording is shown", "return window.sonopose?.model?.extent !== null && sonopose.model.beacons.size === 1")
-    browser.execute_script("""
-        const time = document.getElementById("time");
-        time.value = "12";
-        time.dispatchEvent(new Event("input"));""")
+    events = browser.execute_script("return document.getElementById('events').children.length")
+    check(events > 0, f"the recording has {events} events")
+    wait_for(browser, "all events are shown at its end", f"return {EVENTS_SHOWN} === {events}")
+    recording_is_played(browser, events)
+    browser.execute_script(SCRUB % 12)
     scrubbed = """
         const [beacon] = Object.values(sonopose.statistics.beacons);
         const clock = document.getElementById("clock").textContent;
         return clock.startsWith("12.0 s of") && beacon && Math.abs(beacon.t - sonopose.model.extent[0] - 12) < 0.1"""
     wait_for(browser, "the pose of that time is shown", scrubbed)
-    events = browser.execute_script("return document.getElementById('events').children.length")
-    check(events > 0, f"the recording has {events} events")
     moved = browser.execute_script("""
         const { dygraph } = sonopose.plots.graphs.find(({ box }) => !box.hidden);
         const range = dygraph.xAxisRange().map((t) => t + 5000);

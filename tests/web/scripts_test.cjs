@@ -254,14 +254,18 @@ const choicePart = (value) => ({
   append(option) { this.options.push(option); },
 });
 
-test("events and lines of logs are shown by time, with their program, bounded, and as text", () => {
+const makeEvents = () => {
   globalThis.document = { createElement: () => listPart() };
   load("events.js");
   const parts = { list: listPart(), warnings: listPart(), level: choicePart("info"), program: choicePart("") };
-  const events = new sonopose.Events(parts);
   const textsOf = () => parts.list.children.filter(({ hidden }) => !hidden).map(({ children }) => children[2].textContent);
   const labelsOf = () => parts.list.children.map(({ children }) => children[1].textContent);
-  const line = (t, text, program, pid, level = "info") => ({ t, level, text, program, host: "robot", pid });
+  return { parts, events: new sonopose.Events(parts), textsOf, labelsOf };
+};
+const line = (t, text, program, pid, level = "info") => ({ t, level, text, program, host: "robot", pid });
+
+test("events and lines of logs are shown by time, with their program, bounded, and as text", () => {
+  const { parts, events, textsOf, labelsOf } = makeEvents();
   events.add(line(20, "b", "sonopose-bridge", 1));
   events.add(line(30, "<b>c</b>", "sonopose-fusion", 2, "warning"));
   events.add(line(10, "a", "sonopose-fusion", 2));
@@ -288,15 +292,99 @@ test("events and lines of logs are shown by time, with their program, bounded, a
   assert.equal(events.lines.length, 0);
 });
 
-test("a recording fills the plots of latency, delay and battery", () => {
-  const inputs = () => ({ addEventListener: () => {} });
+test("of the lines those that arrived first are left out, whatever the clocks of their machines are", () => {
+  const { parts, events, textsOf } = makeEvents();
+  for (let i = 0; i < 500; i += 1) events.add(line(1000 + i, `line ${i}`, "sonopose-fusion", 1));
+  events.add(line(10, "behind", "sonopose-bridge", 2));
+  events.add(line(9000, "ahead", "sonopose-bridge", 3));
+  assert.equal(textsOf().length, 500);
+  assert.equal(textsOf()[0], "ahead");
+  assert.equal(textsOf().at(-1), "behind");
+  assert.ok(!textsOf().includes("line 1") && textsOf().includes("line 2"));
+  for (let i = 0; i < 499; i += 1) events.add(line(2000 + i, `later ${i}`, "sonopose-fusion", 1));
+  assert.deepEqual(textsOf().slice(0, 2), ["ahead", "later 498"]);
+  events.add(line(3000, "last", "sonopose-fusion", 1));
+  assert.equal(textsOf()[0], "last");
+  assert.deepEqual(events.lines.map(({ item }) => item), parts.list.children);
+});
+
+test("a label is written again only if its program has one process more or less to distinguish", () => {
+  const { events, labelsOf } = makeEvents();
+  let writes = 0;
+  globalThis.document.createElement = (tag) => {
+    let text = "";
+    return tag !== "b" ? listPart() : Object.defineProperty(listPart(), "textContent", {
+      get: () => text,
+      set: (value) => { text = value; writes += 1; },
+    });
+  };
+  for (let i = 0; i < 499; i += 1) events.add(line(i, "", "sonopose-fusion", 1));
+  assert.ok(writes <= 2 * 499, `${writes} writes for 499 lines`);
+  events.add(line(499, "", "sonopose-fusion", 2));
+  assert.deepEqual(new Set(labelsOf()), new Set(["fusion robot:1", "fusion robot:2"]));
+  for (let i = 500; i < 999; i += 1) events.add(line(i, "", "sonopose-fusion", 2));
+  assert.deepEqual(new Set(labelsOf()), new Set(["fusion"])); // no line of the other process is left
+  assert.ok(writes <= 3 * 999, `${writes} writes for 999 lines`);
+});
+
+test("lines that were lost are a line of their own, before the next one of their process", () => {
+  const { parts, events, textsOf, labelsOf } = makeEvents();
+  events.add(line(10, "a", "sonopose-fusion", 1));
+  events.add(line(20, "b", "sonopose-fusion", 2));
+  events.add({ ...line(30, "c", "sonopose-fusion", 2), missing: 3 });
+  events.add({ ...line(40, "d", "sonopose-fusion", 1, "error"), missing: 1 });
+  assert.deepEqual(textsOf(), ["d", "1 line is missing", "c", "3 lines are missing", "b", "a"]);
+  assert.equal(labelsOf()[3], "fusion robot:2");
+  assert.deepEqual(parts.list.children.map(({ className }) => className),
+    ["error", "warning", "info", "warning", "info", "info"]);
+  parts.level.choose("warning");
+  assert.deepEqual(textsOf(), ["d", "1 line is missing", "3 lines are missing"]);
+});
+
+test("lines after the time that is shown of a recording are hidden, and only those that change are touched", () => {
+  const { parts, events, textsOf } = makeEvents();
+  for (let t = 0; t < 100; t += 1) events.add(line(t, `${t}`, t % 2 ? "sonopose-bridge" : "sonopose-fusion", 1));
+  let writes = 0;
+  for (const item of parts.list.children) {
+    let { hidden } = item;
+    Object.defineProperty(item, "hidden", { get: () => hidden, set: (value) => { hidden = value; writes += 1; } });
+  }
+  events.showUntil(49.5);
+  assert.deepEqual([textsOf()[0], textsOf().length], ["49", 50]);
+  assert.equal(writes, 50);
+  for (let t = 49.6; t < 50; t += 0.1) events.showUntil(t);
+  assert.equal(writes, 50);
+  events.showUntil(51);
+  assert.deepEqual(textsOf().slice(0, 2), ["51", "50"]);
+  assert.equal(writes, 52);
+  events.showUntil(20);
+  assert.equal(textsOf()[0], "20");
+  assert.equal(writes, 83);
+  parts.program.choose("bridge");
+  assert.equal(textsOf()[0], "19"); // a filter shows none of a later time
+  events.showUntil(30);
+  assert.equal(textsOf()[0], "29");
+  events.add(line(60, "later", "sonopose-bridge", 1));
+  assert.equal(textsOf()[0], "29");
+  events.showUntil(Infinity);
+  assert.equal(textsOf()[0], "99");
+});
+
+// A playback of beacon 7, and its time bar.
+const makePlayback = (duration, status) => {
   load("playback.js");
+  const part = () => ({ addEventListener(_, listener) { this.act = listener; } });
+  const parts = { box: {}, time: part(), play: part(), rate: { value: "1" }, clock: {} };
   const model = new Model();
   const none = { t: [] };
-  const status = { t: [0, 1], battery: [3.9, null], delay: [0.08, 0.09], in_fusion: [0.001, 0.002] };
   const beacons = [{ address: 7, rows: 2, poses: none, fixes: none, truth: none, status }];
-  const parts = { box: {}, time: inputs(), play: inputs(), rate: inputs(), clock: {} };
-  new sonopose.Playback(parts, model, { begin: 1000, duration: 1, stationary: [], beacons });
+  const playback = new sonopose.Playback(parts, model, { begin: 1000, duration, stationary: [], beacons });
+  return { parts, model, playback };
+};
+
+test("a recording fills the plots of latency, delay and battery", () => {
+  const status = { t: [0, 1], battery: [3.9, null], delay: [0.08, 0.09], in_fusion: [0.001, 0.002] };
+  const { model } = makePlayback(1, status);
   const { row, size } = { row: model.beacon(7).status.last(), size: model.beacon(7).status.size };
   assert.equal(size, 2);
   assert.equal(row.t, 1001);
@@ -304,4 +392,69 @@ test("a recording fills the plots of latency, delay and battery", () => {
   assert.equal(row.delay, 0.09);
   assert.equal(row.in_fusion, 0.002);
   assert.ok(Number.isNaN(row.fusion_to_here));
+});
+
+test("the table has the battery of a live beacon, and of a recording that of the time that is shown", () => {
+  globalThis.document = { createElement: () => ({ ...listPart(), style: {}, dataset: {}, setAttribute: () => {}, addEventListener: () => {} }) };
+  load("table.js");
+  const batteryOf = (model) => {
+    const part = listPart();
+    new sonopose.Table(part, model).draw();
+    const [head, body] = part.children;
+    const at = head.children[0].children.findIndex(({ children }) => children[0].textContent === "battery");
+    return body.children[0].children[at].textContent;
+  };
+  const live = new Model();
+  live.onStatus({ time_ns: 5e9, beacons: [{ address: 7, latency_segments: Object.fromEntries(
+    ["sensor_to_bridge", "bridge_to_fusion", "in_fusion", "fusion_to_here"].map((name) => [name, {}])), bridge: { battery_v: 3.75 } }] });
+  assert.equal(batteryOf(live), "3.75 V");
+  const { model, playback } = makePlayback(10, { t: [1, 9], battery: [3.9, 3.7] });
+  assert.equal(batteryOf(model), "3.70 V");
+  playback.show(5);
+  assert.equal(batteryOf(model), "3.90 V");
+  playback.show(0);
+  assert.equal(batteryOf(model), "–");
+});
+
+test("a recording is played by the times of the pictures, at its rate, until its end", () => {
+  const { parts, model, playback } = makePlayback(10, { t: [] });
+  Object.defineProperty(globalThis, "performance", { value: { now: () => 5010 }, configurable: true });
+  const picture = (nowMs) => {
+    model.isNew = false;
+    playback.advance(nowMs);
+    return model.now;
+  };
+  assert.equal(picture(4000), 1010); // the end, and it does not play
+  assert.ok(!model.isNew);
+  parts.play.act();
+  assert.equal(model.now, 1000); // from the begin
+  parts.time.value = "2";
+  parts.time.act();
+  near(picture(5000), 1002); // the click was after the time of this picture
+  near(picture(5500), 1002.5);
+  assert.ok(model.isNew);
+  assert.match(parts.clock.textContent, /^2.5 s of 10.0 s/);
+  assert.equal(Number(parts.time.value), 2.5);
+  parts.rate.value = "8";
+  near(picture(6000), 1006.5);
+  parts.play.act(); // pause
+  near(picture(7000), 1006.5);
+  parts.play.act();
+  near(picture(8000), 1006.5); // the pause does not count
+  near(picture(8250), 1008.5);
+  assert.ok(playback.isPlaying && !playback.isAtEnd);
+  near(picture(9000), 1010);
+  assert.ok(!playback.isPlaying && playback.isAtEnd);
+  assert.equal(parts.play.textContent, "▶");
+});
+
+test("the time bar reaches the end of a recording whose length is no multiple of its step", () => {
+  const { parts, model, playback } = makePlayback(12.347, { t: [] });
+  parts.time.value = "12.3";
+  parts.time.act();
+  assert.ok(!playback.isAtEnd);
+  parts.time.value = "12.34"; // of a browser the last one
+  parts.time.act();
+  assert.ok(playback.isAtEnd);
+  near(model.now, 1012.347);
 });
