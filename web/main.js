@@ -86,8 +86,7 @@
     stateText = "connected";
     showState();
     playback = new Playback(parts, model, recording);
-    // The lines of logs come after all changes of state, and the list is bounded.
-    for (const event of (recording.events || []).sort((a, b) => a.t - b.t)) events.add(event);
+    for (const event of recording.events || []) events.add(event);
     for (const tab of document.querySelectorAll('[data-panel="doctor"], [data-panel="settings-panel"]')) tab.hidden = true;
     byId("clear").hidden = true;
     byId("title").textContent = hello.title;

@@ -2,7 +2,7 @@
 
 #include "logging/later.hpp"
 #include "logging/listeners.hpp"
-#include "logging/spdlog_level.hpp"
+#include "logging/spdlog_entry.hpp"
 #include "logging/standard_error.hpp"
 #include "logging/waiting_calls.hpp"
 #include <sonopose/text/count_text.hpp>
@@ -36,11 +36,12 @@ std::string& program_name() {
 /// to standard error.
 class Distributor final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
 public:
-  /// `pool`: as of `StandardError`'s sink.
+  /// `pool`: whose dropped entries it reports. It joins the thread that calls this sink, so it outlives all
+  /// calls.
   Distributor(Level least, thread_pool& pool, StandardError& error)
       : least_(least), pool_(pool), error_(error) {}
 
-  /// The call is made with the mark of its number.
+  /// A call is made when the mark with its number is read.
   WaitingCalls& waiting() { return waiting_; }
 
   /// The one whose thread this is; null on any other one.
@@ -51,33 +52,35 @@ public:
     if (level >= least_) write(level, text);
   }
 
-  /// A line that only has the number of a call.
-  static spdlog::source_loc mark_of(WaitingCalls::Number number) {
-    return {"later", static_cast<int>(number), ""};
+  /// On the thread of the session: waits until its lines are written, at most `patience`.
+  void flush_own() {
+    const auto number = error_.next_flush();
+    error_.flush(number);
+    error_.wait_for_flush(number);
   }
 
 protected:
-  void sink_it_(const spdlog::details::log_msg& line) override {
-    begin(std::chrono::duration_cast<std::chrono::nanoseconds>(line.time.time_since_epoch()).count());
-    if (line.source.filename != nullptr) {
-      make_calls(static_cast<WaitingCalls::Number>(line.source.line));
+  void sink_it_(const spdlog::details::log_msg& entry) override {
+    time_ns_ = std::chrono::duration_cast<std::chrono::nanoseconds>(entry.time.time_since_epoch()).count();
+    on_this_thread = this;
+    report_dropped();
+    if (is_mark(entry.source, call_mark)) {
+      make_calls(number_of(entry.source));
+    } else if (is_mark(entry.source, flush_mark)) {
+      error_.flush(number_of(entry.source));
     } else {
-      write(level_of(line.level), {line.payload.data(), line.payload.size()});
+      write(level_of(entry.level), {entry.payload.data(), entry.payload.size()});
     }
   }
 
-  void flush_() override {
-    begin(time_ns_);
-    make_calls(waiting_.latest());
-    error_.flush();
-  }
+  void flush_() override {}
 
 private:
-  void begin(std::int64_t time_ns) {
-    time_ns_ = time_ns;
-    on_this_thread = this;
+  void report_dropped() {
     const std::size_t dropped = pool_.overrun_counter();
+    if (dropped == reported_) return;
     report(dropped - std::exchange(reported_, dropped), "line of this log was", "lines of this log were");
+    make_calls(waiting_.latest());  // the marks of some may be among them
   }
 
   void make_calls(WaitingCalls::Number last) {
@@ -86,8 +89,8 @@ private:
 
   void report(std::size_t lost, std::string_view one, std::string_view several) {
     if (lost == 0) return;
-    write_own(Level::warning,
-              fmt::format("{} not logged: too many at a time", text::count_text(lost, one, several)));
+    write(Level::warning,
+          fmt::format("{} not logged: too many at a time", text::count_text(lost, one, several)));
   }
 
   void write(Level level, std::string_view text) {
@@ -122,12 +125,11 @@ struct Parts {
     logger->set_level(spdlog_level(least));
   }
 
-  /// Waits until the lines before are on standard error, or until it has taken none for too long.
+  /// On other threads: waits until the lines before are on standard error, at most `patience`.
   void flush() {
-    error.wait_for_flush([this] {
-      if (Distributor::of_this_thread() != nullptr) return error.flush();
-      logger->flush();
-    });
+    const auto number = error.next_flush();
+    logger->log(mark(flush_mark, number), spdlog::level::critical, spdlog::string_view_t());
+    error.wait_for_flush(number);
   }
 
   StandardError error;  ///< ends last
@@ -175,7 +177,6 @@ Session::~Session() {
     const std::lock_guard lock(session_mutex);
     parts.swap(session);
   }
-  parts->logger->flush();  // makes the calls whose marks were dropped
 }
 
 std::size_t Session::dropped() const {
@@ -198,10 +199,12 @@ void write(Level level, std::string_view text) noexcept {
 
 void later(std::function<void()> log) noexcept {
   try {
+    if (Distributor::of_this_thread() != nullptr) return log();
     const auto parts = current();
     if (!parts) return log();
-    const WaitingCalls::Number number = parts->distributor->waiting().add(std::move(log));
-    parts->logger->log(Distributor::mark_of(number), spdlog::level::critical, spdlog::string_view_t());
+    if (const auto number = parts->distributor->waiting().add(std::move(log))) {
+      parts->logger->log(mark(call_mark, *number), spdlog::level::critical, spdlog::string_view_t());
+    }
   } catch (...) {  // NOLINT(bugprone-empty-catch): there is no memory for the line
   }
 }
@@ -209,6 +212,7 @@ void later(std::function<void()> log) noexcept {
 void failure(std::string_view text) noexcept {
   write(Level::failure, text);
   try {
+    if (Distributor* const distributor = Distributor::of_this_thread()) return distributor->flush_own();
     if (const auto parts = current()) parts->flush();
   } catch (...) {  // NOLINT(bugprone-empty-catch): there is no memory to wait with
   }

@@ -31,8 +31,8 @@ public:
   /// Lines that may wait for either thread; the oldest are dropped for newer ones.
   static constexpr std::size_t default_capacity = 2048;
 
-  /// Lines below `least` are dropped without being counted. `capacity`: of standard error. Throws
-  /// std::runtime_error if there is no thread.
+  /// Lines below `least` are dropped without being counted. `capacity`: lines that may wait for standard
+  /// error. Throws std::runtime_error if there is no thread.
   explicit Session(Level least, std::size_t capacity = default_capacity);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;

@@ -1,7 +1,7 @@
 #include "logging/standard_error.hpp"
 
 #include "logging/line_format.hpp"
-#include "logging/spdlog_level.hpp"
+#include "logging/spdlog_entry.hpp"
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
 #include <spdlog/async.h>
@@ -16,6 +17,8 @@
 #include <spdlog/details/null_mutex.h>
 #include <spdlog/sinks/base_sink.h>
 #include <string>
+#include <sys/stat.h>
+#include <thread>
 #include <unistd.h>
 
 namespace sonopose::logging {
@@ -48,6 +51,27 @@ private:
   bool was_pending_ = false;  ///< from another write of this thread
 };
 
+/// As write(2), but with the error EAGAIN where that would wait. O_NONBLOCK on standard error itself would
+/// change it for every process that shares it, so a pipe or a terminal is opened again. poll(2) is not enough
+/// for these: a terminal says that it is ready when it has no space for a line.
+ssize_t write_without_waiting(std::string_view text) {
+  struct stat file {};
+  if (::fstat(STDERR_FILENO, &file) == 0 && (S_ISFIFO(file.st_mode) || S_ISCHR(file.st_mode))) {
+    const int own = ::open("/proc/self/fd/2", O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    if (own >= 0) {
+      const ssize_t written = ::write(own, text.data(), text.size());
+      const int error = errno;
+      ::close(own);
+      errno = error;
+      return written;
+    }
+  }
+  pollfd event{STDERR_FILENO, POLLOUT, 0};
+  if (::poll(&event, 1, 0) > 0) return ::write(STDERR_FILENO, text.data(), text.size());
+  errno = EAGAIN;
+  return -1;
+}
+
 std::string line_of(Level level, std::string_view text) {
   static const Stream stream = stream_of(STDERR_FILENO, std::getenv("JOURNAL_STREAM"));
   return formatted(stream, program(), level, text);
@@ -55,26 +79,23 @@ std::string line_of(Level level, std::string_view text) {
 
 }  // namespace
 
-/// write(2) may block only after poll(2): a pipe that is ready takes a line of up to 4096 bytes.
 void PatientWriter::write(std::string_view text) {
+  constexpr std::chrono::milliseconds step{20};
   const WithoutSigpipe guard;
-  while (!text.empty()) {
-    if (!is_ready()) return;
-    const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
-    if (written < 0 && errno != EINTR && errno != EAGAIN) return;
-    if (written > 0) text.remove_prefix(static_cast<std::size_t>(written));
+  std::chrono::milliseconds waited{0};
+  while (!text.empty() && !gave_up_) {
+    const ssize_t written = write_without_waiting(text);
+    if (written > 0) {
+      text.remove_prefix(static_cast<std::size_t>(written));
+      waited = std::chrono::milliseconds(0);
+    } else if (written < 0 && errno == EAGAIN) {
+      std::this_thread::sleep_for(step);
+      waited += step;
+      gave_up_ = ending_ && waited >= patience;
+    } else if (written < 0 && errno != EINTR) {
+      return;
+    }
   }
-}
-
-bool PatientWriter::is_ready() {
-  constexpr std::chrono::milliseconds step{100};
-  for (std::chrono::milliseconds waited{0}; !gave_up_; waited += step) {
-    pollfd event{STDERR_FILENO, POLLOUT, 0};
-    const int ready = ::poll(&event, 1, static_cast<int>(step.count()));
-    if (ready > 0) return true;
-    if (ready == 0 && ending_ && waited >= patience) gave_up_ = true;
-  }
-  return false;
 }
 
 void write_at_once(Level level, std::string_view text) {
@@ -93,19 +114,21 @@ public:
   void end() { writer_.end(); }
 
 protected:
-  void sink_it_(const spdlog::details::log_msg& line) override {
+  void sink_it_(const spdlog::details::log_msg& entry) override {
     report_dropped();
-    writer_.write(line_of(level_of(line.level), {line.payload.data(), line.payload.size()}));
+    if (is_mark(entry.source, flush_mark)) return finish(number_of(entry.source));
+    writer_.write(line_of(level_of(entry.level), {entry.payload.data(), entry.payload.size()}));
   }
 
-  void flush_() override {
-    report_dropped();
+  void flush_() override {}
+
+private:
+  void finish(FlushNumber number) {
     const std::lock_guard lock(flushes_.mutex);
-    ++flushes_.count;
+    flushes_.finished = number;
     flushes_.changed.notify_all();
   }
 
-private:
   void report_dropped() {
     const std::size_t dropped = pool_.overrun_counter();
     if (dropped == reported_) return;
@@ -133,7 +156,6 @@ StandardError::StandardError(std::size_t capacity)
 
 StandardError::~StandardError() {
   sink_->end();
-  wait_for_flush([this] { flush(); });
 }
 
 void StandardError::write(Level level, std::string_view text) {
@@ -144,8 +166,19 @@ std::size_t StandardError::dropped() const {
   return pool_->overrun_counter();
 }
 
-void StandardError::flush() {
-  logger_->flush();
+StandardError::FlushNumber StandardError::next_flush() {
+  const std::lock_guard lock(flushes_.mutex);
+  return ++flushes_.requested;
+}
+
+void StandardError::flush(FlushNumber number) {
+  logger_->log(mark(flush_mark, number), spdlog::level::critical, spdlog::string_view_t());
+}
+
+void StandardError::wait_for_flush(FlushNumber number) {
+  std::unique_lock lock(flushes_.mutex);
+  flushes_.changed.wait_for(lock, patience,
+                            [&] { return static_cast<std::int32_t>(flushes_.finished - number) >= 0; });
 }
 
 }  // namespace sonopose::logging

@@ -36,8 +36,6 @@ public:
   void end() { ending_ = true; }
 
 private:
-  bool is_ready();
-
   std::atomic<bool> ending_ = false;
   bool gave_up_ = false;
 };
@@ -62,23 +60,23 @@ public:
   /// Lines that were dropped for newer ones. The log reports them too, when it can be written again.
   [[nodiscard]] std::size_t dropped() const;
 
-  /// Asks for a flush: a report that the lines before it are written.
-  void flush();
+  using FlushNumber = std::uint32_t;  ///< of a request; it wraps around
 
-  /// Calls `request`, which leads to a flush on whatever thread, and waits for it, at most `patience`.
-  template <class Request>
-  void wait_for_flush(const Request& request) {
-    std::unique_lock lock(flushes_.mutex);
-    const std::uint64_t before = flushes_.count;
-    request();
-    flushes_.changed.wait_for(lock, patience, [&] { return flushes_.count != before; });
-  }
+  /// A new request to write the lines up to a place that flush() marks.
+  FlushNumber next_flush();
+
+  /// The lines before this call belong to the request.
+  void flush(FlushNumber number);
+
+  /// Returns when the lines of the request are written, or after `patience`.
+  void wait_for_flush(FlushNumber number);
 
 private:
   struct Flushes {
-    std::mutex mutex;  // guards `count`
+    std::mutex mutex;  // guards the rest
     std::condition_variable changed;
-    std::uint64_t count = 0;
+    FlushNumber requested = 0;
+    FlushNumber finished = 0;
   };
   class Sink;
 

@@ -7,6 +7,7 @@
 #include <deque>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 namespace sonopose::logging {
@@ -14,16 +15,16 @@ namespace sonopose::logging {
 /// In their order. Thread-safe.
 class WaitingCalls {
 public:
-  static constexpr std::size_t most = 2048;  ///< further ones are dropped: those that wait are older news
+  static constexpr std::size_t most = 2048;  ///< further ones are dropped
 
   using Number = std::uint32_t;  ///< of a call; it wraps around
 
-  /// Returns the call's number, or that of the latest one if it is dropped.
-  Number add(std::function<void()> call) {
+  /// Returns the call's number; nothing if it is dropped.
+  std::optional<Number> add(std::function<void()> call) {
     const std::lock_guard lock(mutex_);
     if (calls_.size() == most) {
       ++dropped_;
-      return latest_;
+      return std::nullopt;
     }
     calls_.push_back({++latest_, std::move(call)});
     return latest_;

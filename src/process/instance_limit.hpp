@@ -86,11 +86,12 @@ public:
   }
 
   /// The instance is gone: another one may take its place.
-  void forget(const T& key) noexcept {
+  void forget(const T& key) noexcept { forget(Traits::group_of(key), Traits::key_of(key)); }
+  void forget(const typename Instance<T>::Group& group, const typename Instance<T>::Key& key) noexcept {
     const std::lock_guard lock(mutex_);
-    const auto present = present_.find(Traits::group_of(key));
+    const auto present = present_.find(group);
     if (present == present_.end()) return;
-    std::erase(present->second, Traits::key_of(key));
+    std::erase(present->second, key);
     if (present->second.empty()) present_.erase(present);
   }
 

@@ -92,8 +92,9 @@ Line line_of(const Transition& transition) {
 
 std::string_view change_of(std::string_view line_text) {
   constexpr std::string_view after_address = ": ";
-  const std::size_t address_end = line_text.starts_with("beacon ") ? line_text.find(after_address) : 0;
-  const std::size_t begin = address_end == std::string_view::npos ? 0 : address_end + after_address.size();
+  const std::size_t address_end = line_text.find(after_address);
+  const bool has_address = line_text.starts_with("beacon ") && address_end != std::string_view::npos;
+  const std::size_t begin = has_address ? address_end + after_address.size() : 0;
   std::string_view change = line_text.substr(0, line_text.find_first_of(":,(", begin));
   while (change.ends_with(' ')) change.remove_suffix(1);
   return change;

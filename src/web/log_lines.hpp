@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,16 +35,19 @@ public:
   /// Those that have arrived since the last call, by their time.
   std::vector<Received> take() {
     std::vector<Received> received;
+    std::set<Process> ended;  // all samples of a process that has ended say so, not only the last
+    const auto note_end = [&ended](const sonopose_LogLine& sample, const dds::SampleInfo& info) {
+      if (!info.alive()) ended.emplace(sample.host, sample.process_id);
+    };
     reader_.try_take_each(
         [&](const sonopose_LogLine& sample, const dds::SampleInfo& info) {
           LogLine line = dds::topics::from_idl(sample);
           const std::uint64_t missing = missing_.before(line);
           received.push_back({std::move(line), missing});
-          if (!info.alive()) forget(sample);
+          note_end(sample, info);
         },
-        [&](const sonopose_LogLine& key, const dds::SampleInfo& info) {
-          if (!info.alive()) forget(key);
-        });
+        note_end);
+    for (const Process& process : ended) forget(process);
     std::stable_sort(received.begin(), received.end(),
                      [](const Received& a, const Received& b) { return a.line.time_ns < b.line.time_ns; });
     return received;
@@ -53,9 +57,11 @@ public:
   std::optional<std::string> refusals() { return limit_.refusals(); }
 
 private:
-  void forget(const sonopose_LogLine& key) {
-    missing_.forget(key.host, key.process_id);
-    limit_.forget(key);
+  using Process = std::pair<std::string, std::uint32_t>;  ///< host, process id
+
+  void forget(const Process& process) {
+    missing_.forget(process.first, process.second);
+    limit_.forget(0, process);
   }
 
   process::InstanceLimit<sonopose_LogLine> limit_;

@@ -209,7 +209,7 @@ public:
   /// 25 times a second.
   void send_frame() {
     const SteadyTime now = clocks::steady_now();
-    for (const LogLines::Received& received : log_lines_.take()) show(received);
+    show(log_lines_.take());
     for (const observation::PoseSilence& change : bus_.poll()) {
       silence_log_.on({.address = change.address,
                        .kind = transitions::Kind::poses_silent,
@@ -253,10 +253,21 @@ private:
     return event_text(clocks::host_now(), live::word_of(line.level), line.text);
   }
 
-  void show(const LogLines::Received& received) {
-    if (live::is_of_fusion(received.line)) held_events_.on_logged(received.line.text);
-    if (++lines_in_second_ > most_lines_per_second) return;
-    site_.pages().broadcast_event(event_text(received.line, received.missing));
+  /// The latest lines, as many as may be shown in this second.
+  void show(const std::vector<LogLines::Received>& lines) {
+    const std::size_t most = most_lines_per_second - lines_in_second_;
+    const std::size_t first = lines.size() - std::min(lines.size(), most);
+    lines_in_second_ += lines.size() - first;
+    lines_left_out_ += first;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const auto& [line, missing] = lines[i];
+      if (live::is_of_fusion(line)) held_events_.on_logged(line.text);
+      if (i < first) {
+        lines_left_out_ += missing;
+      } else {
+        site_.pages().broadcast_event(event_text(line, missing));
+      }
+    }
   }
 
   /// The changes in the poses, unless a fusion logs them itself.
@@ -264,7 +275,7 @@ private:
     for (std::string& text : held_events_.take_due()) site_.pages().broadcast_event(std::move(text));
   }
 
-  /// Pages are sent every event, so there may not be any number of them.
+  /// Bounds the events, since every page is sent all of them.
   void report_left_out() {
     const auto report = [this](std::uint64_t count, std::string_view one, std::string_view several) {
       if (count == 0) return;
@@ -272,13 +283,12 @@ private:
           fmt::format("{} left out: too many at a time", text::count_text(count, one, several));
       site_.pages().broadcast_event(event_text(clocks::host_now(), "warning", text));
     };
-    const std::uint64_t lines = std::exchange(lines_in_second_, 0);
-    report(lines > most_lines_per_second ? lines - most_lines_per_second : 0, "log line was",
-           "log lines were");
+    report(std::exchange(lines_left_out_, 0), "log line was", "log lines were");
     report(held_events_.take_dropped(), "change of state was", "changes of state were");
+    lines_in_second_ = 0;
   }
 
-  static constexpr std::uint64_t most_lines_per_second = 500;
+  static constexpr std::size_t most_lines_per_second = 500;
 
   observation::bus::BusWatch& bus_;
   live::LiveState& state_;
@@ -286,7 +296,8 @@ private:
   LatchedTopics latched_;
   LogLines log_lines_;
   HeldEvents held_events_;
-  std::uint64_t lines_in_second_ = 0;
+  std::size_t lines_in_second_ = 0;
+  std::uint64_t lines_left_out_ = 0;  ///< in this second
   /// What no fusion can log: that its poses do not arrive.
   transitions::TransitionLog silence_log_{
       [this](const transitions::Line& line) { site_.pages().broadcast_event(text_of_now(line)); }};

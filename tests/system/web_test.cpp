@@ -440,6 +440,7 @@ SCENARIO("the page's URL is printed whatever is logged") {
   Process web(SONOPOSE_TEST_WEB, {"--listen", "0.0.0.0:0", "--log-level", "warning", "--domain",
                                   std::to_string(bus.domain_id())});
   CHECK(web.wait_for_line(Stream::output, "/?token="));
+  CHECK(web.end_by(SIGTERM).code == 0);
   CHECK_THAT(web.text(Stream::error), !Contains("token="));
 }
 

@@ -280,7 +280,8 @@ SCENARIO("lines of logs are events, and a change that the fusion logs is not der
     THEN("the latest are shown, and the others counted") {
       REQUIRE(events.size() == web::live::most_events);
       CHECK(events.back()["text"] == "999");
-      CHECK(events[1]["text"] == std::to_string(1000 - (web::live::most_events - 1)));
+      CHECK(events[1]["text"] ==
+            std::to_string(1000 - (web::live::most_events - 1)));  // one counts the others
       const json former = events.front();
       CHECK(former["text"].get<std::string>().find("earlier events are not shown") != std::string::npos);
       CHECK(std::stoi(former["text"].get<std::string>()) >= 501);  // and the changes of the poses
@@ -298,13 +299,23 @@ SCENARIO("lines of logs are events, and a change that the fusion logs is not der
   }
 }
 
+SCENARIO("a document has no more events than the page shows lines, of which lost ones are one") {
+  Document document(10.0);
+  for (std::uint64_t i = 1; i <= 300; ++i) document.add(fusion_line(2 * i, begin_ns, "x"));
+  const json events = json::parse(document.json())["events"];
+  CHECK(events.size() == 1 + (web::live::most_events - 1) / 2);
+  CHECK(events[0]["text"] == "51 earlier events are not shown");
+}
+
 SCENARIO("a document of one beacon has no lines about others") {
   Document document(10.0, BeaconAddress{7});
   document.add(fusion_line(1, begin_ns, "serving"));
   document.add(fusion_line(2, begin_ns, "beacon 12: found"));
   document.add(fusion_line(3, begin_ns, "beacon 7: found"));
+  document.add(fusion_line(4, begin_ns, "beacon 7 has the transforms now, because beacon 12 is gone"));
+  document.add(fusion_line(5, begin_ns, "beacon 72: found"));
   const json events = json::parse(document.json())["events"];
-  REQUIRE(events.size() == 2);
+  REQUIRE(events.size() == 3);
   CHECK(events[0]["text"] == "serving");
   CHECK(events[1]["text"] == "beacon 7: found");
   CHECK_FALSE(events[1].contains("missing"));

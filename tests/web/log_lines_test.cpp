@@ -3,6 +3,7 @@
 #include "web/log_lines.hpp"
 
 #include "support/test_domain.hpp"
+#include "web/live/missing_lines.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -53,20 +54,36 @@ SCENARIO("the lines of two processes come by their time, with the number of thos
   CHECK(taken[2].missing == 0);
   CHECK(taken[3].line.text == "sonopose-bridge at 40");
   CHECK(taken[3].missing == 2);
-  WHEN("another process has the host and the number of one that ended") {
+  WHEN("a process logs twice and ends, and another one gets its id") {
+    write(fusion, line_of("sonopose-fusion", 2, 40, 50));
+    write(fusion, line_of("sonopose-fusion", 2, 41, 60));
     fusion = {};
+    auto ended = lines.take();
+    REQUIRE(ended.size() == 2);
+    CHECK(ended[0].missing == 0);
+    CHECK(ended[1].missing == 0);
     fusion = dds::topics::make_writer(participant, qos, dds::topics::log);
-    REQUIRE(wait_until([&] { return lines.take().empty(); }));
-    write(fusion, line_of("sonopose-fusion", 2, 3, 50));
+    write(fusion, line_of("sonopose-fusion", 2, 3, 70));
     std::vector<LogLines::Received> later;
     REQUIRE(wait_until([&] {
       later = lines.take();
       return !later.empty();
     }));
-    THEN("its lines are counted from the beginning") {
+    THEN("the lines of the other one are counted from the beginning") {
       CHECK(later[0].missing == 2);
     }
   }
+}
+
+TEST_CASE("the numbers of a process that begins again are counted from the beginning") {
+  web::live::MissingLines missing;
+  const auto before = [&missing](std::uint64_t number) { return missing.before(line_of("x", 1, number, 0)); };
+  CHECK(before(50) == 49);
+  CHECK(before(51) == 0);
+  CHECK(before(1) == 0);
+  CHECK(before(4) == 2);
+  CHECK(before(0) == 0);  // not numbered
+  CHECK(before(UINT64_MAX) == UINT64_MAX - 1);
 }
 
 }  // namespace log_lines_test

@@ -278,13 +278,11 @@ template <>
 struct Pairs<LogLine> {
   using N = LogLine;
   using I = sonopose_LogLine;
-  static constexpr std::tuple list{cut_text(&N::host, &I::host),
-                                   field(&N::process_id, &I::process_id),
-                                   field(&N::number, &I::number),
-                                   field(&N::time_ns, &I::time),
-                                   cut_text(&N::program, &I::program),
-                                   enumeration(&N::level, &I::level, LogLevel::failure),
-                                   cut_text(&N::text, &I::text)};
+  static constexpr std::tuple list{
+      cut_text(&N::host, &I::host),       field(&N::process_id, &I::process_id),
+      field(&N::number, &I::number),      field(&N::time_ns, &I::time),
+      cut_text(&N::program, &I::program), enumeration(&N::level, &I::level, LogLevel::failure),
+      cut_text(&N::text, &I::text)};
 };
 
 /// The IDL type of a native type.

@@ -4,7 +4,6 @@
 
 #include <sonopose/samples/log_line.hpp>
 
-#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -16,11 +15,12 @@ namespace sonopose::web::live {
 class MissingLines {
 public:
   /// How many lines of its process are missing before this one, in the order in which they arrive. Of a
-  /// process that was not known: all before it.
+  /// process that was not known: all before it. A number that does not rise begins another process.
   std::uint64_t before(const LogLine& line) {
     std::uint64_t& last = last_[{line.host, line.process_id}];
-    const std::uint64_t missing = line.number > last ? line.number - last - 1 : 0;
-    last = std::max(last, line.number);
+    if (line.number <= last) last = 0;
+    const std::uint64_t missing = line.number > 0 ? line.number - last - 1 : 0;
+    last = line.number;
     return missing;
   }
 

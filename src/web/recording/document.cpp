@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -41,8 +42,14 @@ nlohmann::json number(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
 }
 
+/// Of a line that begins with "beacon N".
 bool is_of_another_beacon(std::string_view line_text, BeaconAddress beacon) {
-  return line_text.starts_with("beacon ") && !line_text.starts_with(fmt::format("beacon {}: ", beacon));
+  constexpr std::string_view prefix = "beacon ";
+  if (!line_text.starts_with(prefix)) return false;
+  line_text.remove_prefix(prefix.size());
+  unsigned address = beacon;
+  std::from_chars(line_text.data(), line_text.data() + line_text.size(), address);
+  return address != beacon;
 }
 
 }  // namespace
@@ -93,7 +100,7 @@ Document::Document(double duration_s, std::optional<BeaconAddress> beacon)
     : least_period_ns_(to_ns(duration_s / static_cast<double>(most_rows_of_beacon))),
       beacon_(beacon),
       transition_log_([this](const transitions::Line& line) {
-        keep(changes_, {now_ns_, std::string(transitions::change_of(line.text)),
+        keep(changes_, {now_ns_, 1, std::string(transitions::change_of(line.text)),
                         live::event_json(now_ns_, live::word_of(line.level), line.text).dump()});
       }) {}
 
@@ -172,7 +179,8 @@ void Document::add(const LogLine& line) {
   if (beacon_ && is_of_another_beacon(line.text, *beacon_)) return;
   // Text of other processes need not be UTF-8.
   keep(log_lines_,
-       {line.time_ns, live::is_of_fusion(line) ? std::string(transitions::change_of(line.text)) : "",
+       {line.time_ns, missing > 0 ? 2U : 1U,
+        live::is_of_fusion(line) ? std::string(transitions::change_of(line.text)) : "",
         live::event_json(line, missing).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)});
 }
 
@@ -198,16 +206,20 @@ std::vector<Document::Event> Document::shown_events() {
   std::stable_sort(events.begin(), events.end(),
                    [](const Event& a, const Event& b) { return a.time_ns < b.time_ns; });
   std::uint64_t left_out = events_left_out_;
-  constexpr std::size_t most = live::most_events - 1;  // and the line that counts the others
-  if (events.size() > most) {
-    left_out += events.size() - most;
-    events.erase(events.begin(), events.end() - most);
+  std::size_t lines = 0;
+  for (const Event& event : events) lines += event.lines;
+  auto first = events.begin();
+  while (first != events.end() && lines + (left_out > 0 ? 1 : 0) > live::most_events) {
+    lines -= first->lines;
+    ++left_out;
+    ++first;
   }
-  if (left_out > 0) {
+  events.erase(events.begin(), first);
+  if (left_out > 0 && !events.empty()) {
     const std::string text =
         text::count_text(left_out, "earlier event is", "earlier events are") + " not shown";
     const TimeNs time_ns = events.front().time_ns;
-    events.insert(events.begin(), {time_ns, "", live::event_json(time_ns, "info", text).dump()});
+    events.insert(events.begin(), {time_ns, 1, "", live::event_json(time_ns, "info", text).dump()});
   }
   return events;
 }

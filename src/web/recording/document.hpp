@@ -76,7 +76,8 @@ public:
 private:
   struct Event {
     TimeNs time_ns = 0;
-    std::string change;  ///< that it names, if a fusion has logged it or the poses show it
+    std::size_t lines = 1;  ///< that the page shows of it: one more if lines are missing before it
+    std::string change;     ///< that it names, if a fusion has logged it or the poses show it
     std::string json;
   };
   using Events = std::deque<Event>;

@@ -1,9 +1,10 @@
 #pragma once
 /// \file
-/// Our levels as those of spdlog.
+/// Our levels as those of spdlog, and entries of its queues that are no lines.
 
 #include "logging/log.hpp"
 
+#include <cstdint>
 #include <spdlog/common.h>
 
 namespace sonopose::logging {
@@ -30,5 +31,19 @@ inline Level level_of(spdlog::level::level_enum level) {
   if (level == spdlog::level::warn) return Level::warning;
   return level == spdlog::level::err ? Level::error : Level::failure;
 }
+
+/// A number that goes through a queue in its place among the lines: `kind` is one of ours. Entries of this
+/// kind have no text.
+inline spdlog::source_loc mark(const char* kind, std::uint32_t number) {
+  return {kind, static_cast<int>(number), ""};
+}
+inline bool is_mark(const spdlog::source_loc& source, const char* kind) {
+  return source.filename == kind;
+}
+inline std::uint32_t number_of(const spdlog::source_loc& mark) {
+  return static_cast<std::uint32_t>(mark.line);
+}
+inline constexpr char call_mark[] = "call";
+inline constexpr char flush_mark[] = "flush";
 
 }  // namespace sonopose::logging
