@@ -282,7 +282,7 @@ SCENARIO("lines of logs are events, and a change that the fusion logs is not der
       CHECK(events.back()["text"] == "999");
       CHECK(events[1]["text"] ==
             std::to_string(1000 - (web::live::most_events - 1)));  // one counts the others
-      const json former = events.front();
+      const json& former = events.front();
       CHECK(former["text"].get<std::string>().find("earlier events are not shown") != std::string::npos);
       CHECK(std::stoi(former["text"].get<std::string>()) >= 501);  // and the changes of the poses
       CHECK_FALSE(events[1].contains("missing"));
