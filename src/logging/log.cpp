@@ -177,6 +177,8 @@ Session::~Session() {
     const std::lock_guard lock(session_mutex);
     parts.swap(session);
   }
+  parts->error.end();
+  parts->flush();  // the queues of spdlog synchronise, but the thread sanitizer does not see it
 }
 
 std::size_t Session::dropped() const {

@@ -155,6 +155,10 @@ StandardError::StandardError(std::size_t capacity)
 }
 
 StandardError::~StandardError() {
+  end();
+}
+
+void StandardError::end() {
   sink_->end();
 }
 

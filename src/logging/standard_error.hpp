@@ -54,6 +54,9 @@ public:
   /// Writes the lines that wait. Gives up after `patience` in which standard error took none.
   ~StandardError();
 
+  /// From now on a standard error that takes nothing for `patience` is not waited for.
+  void end();
+
   /// Never waits. Thread-safe, as the following.
   void write(Level level, std::string_view text);
 

@@ -29,15 +29,9 @@ struct CarRun {
 /// Plays the log folder (`source` "log") or the bytes ("stream") as fast as possible.
 CarRun play_car(const std::string& source, const std::string& engine);
 
-/// A run in real time. A busy machine makes the fusion skip poses, and lose events that come too late.
-struct LiveCarRun {
-  std::vector<FusedPose> poses;
-  FusionStatus status;  ///< after the last pose
-};
-
-/// Sends the bytes over a serial line at the rate of their contents, like a beacon, until the pose of the
-/// event `until_sequence` has come.
-LiveCarRun play_car_over_serial_line(const std::string& engine, std::uint64_t until_sequence);
+/// Sends the bytes over a serial line at the rate of their contents, like a beacon. Returns the poses up to
+/// that of the event `until_sequence`. A busy machine makes the fusion skip some.
+std::vector<FusedPose> play_car_over_serial_line(const std::string& engine, std::uint64_t until_sequence);
 
 /// The poses of `log` for the same IMU samples as `live`. `stream` relates them: it comes from the same bytes
 /// as `live`, so its events have the same numbers, and has a pose for every sample, as `log` has.
