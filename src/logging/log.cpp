@@ -52,7 +52,7 @@ public:
     if (level >= least_) write(level, text);
   }
 
-  /// On the thread of the session: waits until its lines are written, at most `patience`.
+  /// Called on the thread of the session. Waits until its lines are written; gives up after `write_timeout`.
   void flush_own() {
     const auto number = error_.next_flush();
     error_.flush(number);
@@ -125,7 +125,7 @@ struct Parts {
     logger->set_level(spdlog_level(least));
   }
 
-  /// On other threads: waits until the lines before are on standard error, at most `patience`.
+  /// Called on any other thread. Waits until all earlier lines are written; gives up after `write_timeout`.
   void flush() {
     const auto number = error.next_flush();
     logger->log(mark(flush_mark, number), spdlog::level::critical, spdlog::string_view_t());
@@ -170,7 +170,8 @@ Session::Session(Level least, std::size_t capacity) {
   session = std::move(parts);
 }
 
-/// The end of each thread pool waits for the lines in its queue. Without the lock: they may log.
+/// Each thread pool writes the lines in its queue before it ends. The lock is released first, since a call
+/// may log.
 Session::~Session() {
   std::shared_ptr<Parts> parts;
   {
@@ -178,7 +179,7 @@ Session::~Session() {
     parts.swap(session);
   }
   parts->error.end();
-  parts->flush();  // the queues of spdlog synchronise, but the thread sanitizer does not see it
+  parts->flush();  // the thread sanitizer does not see that the queues of spdlog synchronise
 }
 
 std::size_t Session::dropped() const {

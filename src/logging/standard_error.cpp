@@ -79,7 +79,7 @@ std::string line_of(Level level, std::string_view text) {
 
 }  // namespace
 
-void PatientWriter::write(std::string_view text) {
+void ErrorWriter::write(std::string_view text) {
   constexpr std::chrono::milliseconds step{20};
   const WithoutSigpipe guard;
   std::chrono::milliseconds waited{0};
@@ -91,7 +91,7 @@ void PatientWriter::write(std::string_view text) {
     } else if (written < 0 && errno == EAGAIN) {
       std::this_thread::sleep_for(step);
       waited += step;
-      gave_up_ = ending_ && waited >= patience;
+      gave_up_ = ending_ && waited >= write_timeout;
     } else if (written < 0 && errno != EINTR) {
       return;
     }
@@ -99,7 +99,7 @@ void PatientWriter::write(std::string_view text) {
 }
 
 void write_at_once(Level level, std::string_view text) {
-  PatientWriter error;
+  ErrorWriter error;
   error.end();
   error.write(line_of(level, text));
 }
@@ -141,7 +141,7 @@ private:
 
   spdlog::details::thread_pool& pool_;
   Flushes& flushes_;
-  PatientWriter writer_;
+  ErrorWriter writer_;
   std::size_t reported_ = 0;
 };
 
@@ -181,7 +181,7 @@ void StandardError::flush(FlushNumber number) {
 
 void StandardError::wait_for_flush(FlushNumber number) {
   std::unique_lock lock(flushes_.mutex);
-  flushes_.changed.wait_for(lock, patience,
+  flushes_.changed.wait_for(lock, write_timeout,
                             [&] { return static_cast<std::int32_t>(flushes_.finished - number) >= 0; });
 }
 

@@ -23,13 +23,13 @@ class thread_pool;
 
 namespace sonopose::logging {
 
-/// For how long the end of a process waits while standard error takes nothing.
-inline constexpr std::chrono::milliseconds patience{1000};
+/// How long a process that ends waits for a standard error that takes nothing.
+inline constexpr std::chrono::milliseconds write_timeout{1000};
 
 /// Writes to standard error. One thread.
-class PatientWriter {
+class ErrorWriter {
 public:
-  /// Writes everything, or gives up after `patience` once the process is ending.
+  /// Writes everything, or gives up after `write_timeout` once the process is ending.
   void write(std::string_view text);
 
   /// From now on a standard error that takes nothing is not waited for. From any thread.
@@ -51,10 +51,10 @@ public:
   explicit StandardError(std::size_t capacity);
   StandardError(const StandardError&) = delete;
   StandardError& operator=(const StandardError&) = delete;
-  /// Writes the lines that wait. Gives up after `patience` in which standard error took none.
+  /// Writes the lines that wait. Gives up after `write_timeout` in which standard error took none.
   ~StandardError();
 
-  /// From now on a standard error that takes nothing for `patience` is not waited for.
+  /// From now on a standard error that takes nothing for `write_timeout` is not waited for.
   void end();
 
   /// Never waits. Thread-safe, as the following.
@@ -71,7 +71,7 @@ public:
   /// The lines before this call belong to the request.
   void flush(FlushNumber number);
 
-  /// Returns when the lines of the request are written, or after `patience`.
+  /// Returns when the lines of the request are written, or after `write_timeout`.
   void wait_for_flush(FlushNumber number);
 
 private:

@@ -86,12 +86,11 @@ public:
   }
 
   /// The instance is gone: another one may take its place.
-  void forget(const T& key) noexcept { forget(Traits::group_of(key), Traits::key_of(key)); }
-  void forget(const typename Instance<T>::Group& group, const typename Instance<T>::Key& key) noexcept {
+  void forget(const T& key) noexcept {
     const std::lock_guard lock(mutex_);
-    const auto present = present_.find(group);
+    const auto present = present_.find(Traits::group_of(key));
     if (present == present_.end()) return;
-    std::erase(present->second, key);
+    std::erase(present->second, Traits::key_of(key));
     if (present->second.empty()) present_.erase(present);
   }
 

@@ -35,9 +35,11 @@ public:
   /// Those that have arrived since the last call, by their time.
   std::vector<Received> take() {
     std::vector<Received> received;
-    std::set<Process> ended;  // all samples of a process that has ended say so, not only the last
-    const auto note_end = [&ended](const sonopose_LogLine& sample, const dds::SampleInfo& info) {
-      if (!info.alive()) ended.emplace(sample.host, sample.process_id);
+    std::set<std::pair<std::string, std::uint32_t>> ended;  // not only the last line of a process says so
+    const auto note_end = [&](const sonopose_LogLine& sample, const dds::SampleInfo& info) {
+      if (info.alive()) return;
+      ended.emplace(sample.host, sample.process_id);
+      limit_.forget(sample);
     };
     reader_.try_take_each(
         [&](const sonopose_LogLine& sample, const dds::SampleInfo& info) {
@@ -47,7 +49,7 @@ public:
           note_end(sample, info);
         },
         note_end);
-    for (const Process& process : ended) forget(process);
+    for (const auto& [host, process_id] : ended) missing_.forget(host, process_id);
     std::stable_sort(received.begin(), received.end(),
                      [](const Received& a, const Received& b) { return a.line.time_ns < b.line.time_ns; });
     return received;
@@ -57,13 +59,6 @@ public:
   std::optional<std::string> refusals() { return limit_.refusals(); }
 
 private:
-  using Process = std::pair<std::string, std::uint32_t>;  ///< host, process id
-
-  void forget(const Process& process) {
-    missing_.forget(process.first, process.second);
-    limit_.forget(0, process);
-  }
-
   process::InstanceLimit<sonopose_LogLine> limit_;
   dds::DataReader<sonopose_LogLine> reader_;
   live::MissingLines missing_;

@@ -3,15 +3,14 @@
 #include "bridge/bridge_node.hpp"
 
 #include "support/test_domain.hpp"
+#include "support/wait_until.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <catch2/catch.hpp>
 
-#include <chrono>
 #include <functional>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -38,10 +37,7 @@ struct Received {
 
   template <class Done>
   bool wait_until(const Done& done) {
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (!done()) {
-      if (std::chrono::steady_clock::now() > give_up) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return test::wait_until([&] {
       reader.try_take_each(
           [this](const sonopose_ImuSample& sample, const dds::SampleInfo&) {
             sequences.push_back(dds::topics::from_idl(sample).sequence);
@@ -49,8 +45,8 @@ struct Received {
           [this](const sonopose_ImuSample&, const dds::SampleInfo& info) {
             if (!info.alive()) ++ends;
           });
-    }
-    return true;
+      return done();
+    });
   }
 };
 

@@ -5,6 +5,7 @@
 
 #include "logging/later.hpp"
 #include "support/pseudo_terminal.hpp"
+#include "support/wait_until.hpp"
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
@@ -26,6 +27,7 @@
 namespace log_test {
 
 using namespace sonopose;
+using test::wait_until;
 
 /// Standard error of this process as a pipe.
 class CapturedError {
@@ -94,6 +96,24 @@ private:
   int read_end_ = -1;
 };
 
+/// Occupies the thread of the log, which then handles nothing else.
+class OccupiedThread {
+public:
+  OccupiedThread() {
+    logging::later([this, released = released_.get_future().share()] {
+      begun_.set_value();
+      released.wait();
+    });
+    begun_.get_future().wait();
+  }
+
+  void release() { released_.set_value(); }
+
+private:
+  std::promise<void> begun_;
+  std::promise<void> released_;
+};
+
 SCENARIO("the end of a session writes all lines in their order, without those below its level") {
   CapturedError error;
   logging::set_program("sonopose-x");
@@ -145,15 +165,9 @@ SCENARIO("a line that is logged later is formed on the thread of the log") {
   WHEN("2092 are logged while that thread is busy") {
     {
       const logging::Session session(logging::Level::info);
-      std::promise<void> is_busy;
-      std::promise<void> may_go_on;
-      logging::later([&] {
-        is_busy.set_value();
-        may_go_on.get_future().wait();
-      });
-      is_busy.get_future().wait();
+      OccupiedThread thread;
       for (int i = 0; i < 2092; ++i) log(std::to_string(i));
-      may_go_on.set_value();
+      thread.release();
     }
     error.restore();
     THEN("2048 wait, and the others are counted") {
@@ -198,16 +212,6 @@ SCENARIO("a reader of the log that goes away does not end the process") {
     CHECK(::sigismember(&blocked, SIGPIPE) == 0);
   }
   ::sigaction(SIGPIPE, &before, nullptr);
-}
-
-template <class Done>
-bool wait_until(const Done& done) {
-  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (!done()) {
-    if (std::chrono::steady_clock::now() > give_up) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
 }
 
 SCENARIO("no thread waits for a reader that has stopped, and the dropped lines are counted and reported") {
@@ -370,13 +374,7 @@ SCENARIO("lines that are logged at once and later keep their order, with their t
   Collector collector;
   const logging::Session session(logging::Level::info);
   const logging::Listening listening(collector);
-  std::promise<void> is_busy;
-  std::promise<void> may_go_on;
-  logging::later([&] {
-    is_busy.set_value();
-    may_go_on.get_future().wait();
-  });
-  is_busy.get_future().wait();
+  OccupiedThread thread;
   const auto now_ns = [] {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(
                std::chrono::system_clock::now().time_since_epoch())
@@ -393,7 +391,7 @@ SCENARIO("lines that are logged at once and later keep their order, with their t
     logging::info("five");
   });
   logging::info("six");
-  may_go_on.set_value();
+  thread.release();
   logging::failure("seven");
   REQUIRE(wait_until([&] { return collector.count == 7; }));
   CHECK(collector.texts == std::vector<std::string>{"one", "two", "three", "four", "five", "six", "seven"});

@@ -3,8 +3,8 @@
 #include "bus_log/recorded.hpp"
 #include "sim/simulator.hpp"
 #include "support/bus.hpp"
-#include "support/http_socket.hpp"
 #include "support/temporary_folder.hpp"
+#include "web_process.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -13,10 +13,7 @@
 #include <cmath>
 #include <csignal>
 #include <ctime>
-#include <iostream>
-#include <map>
 #include <regex>
-#include <sstream>
 
 namespace web_test {
 
@@ -26,79 +23,6 @@ using Catch::Contains;
 using Catch::StartsWith;
 using nlohmann::json;
 using Path = std::filesystem::path;
-
-/// A started sonopose-web.
-class Web {
-public:
-  Web(const Bus& bus, Arguments arguments) : Web(with_domain(std::move(arguments), bus)) {}
-  /// Without a bus.
-  explicit Web(const Arguments& arguments) : process_(SONOPOSE_TEST_WEB, arguments) {
-    REQUIRE(process_.wait_for_line(Stream::error, "the page is at "));
-    const std::string text = process_.text(Stream::error);
-    std::smatch match;
-    REQUIRE(std::regex_search(text, match, std::regex(R"(http://([0-9.]+):([0-9]+)/(\?token=(\S+))?)")));
-    host_ = match[1].str() + ":" + match[2].str();
-    port_ = static_cast<std::uint16_t>(std::stoi(match[2].str()));
-    token_ = match[4].str();
-  }
-
-  [[nodiscard]] const std::string& host() const { return host_; }
-  [[nodiscard]] std::uint16_t port() const { return port_; }
-  [[nodiscard]] const std::string& token() const { return token_; }
-  Process& process() { return process_; }
-
-  [[nodiscard]] std::string get(const std::string& target) const {
-    HttpSocket socket(port_);
-    socket.send("GET " + target + " HTTP/1.1\r\n" + host_line() + "Connection: close\r\n\r\n");
-    return socket.read_all();
-  }
-
-  [[nodiscard]] std::string host_line() const { return "Host: " + host_ + "\r\n"; }
-
-private:
-  static Arguments with_domain(Arguments arguments, const Bus& bus) {
-    arguments.insert(arguments.end(), {"--domain", std::to_string(bus.domain_id())});
-    return arguments;
-  }
-
-  Process process_;
-  std::string host_;
-  std::uint16_t port_ = 0;
-  std::string token_;
-};
-
-/// A connection of a page, or of another client that sends JSON.
-class Page {
-public:
-  explicit Page(const Web& web, const std::string& target = "/ws",
-                const std::string& protocol = "sonopose.v1", const std::string& headers = "")
-      : socket_(web.port()) {
-    socket_.send(upgrade_request(target, protocol, web.host_line() + headers));
-    REQUIRE_THAT(socket_.read_until("\r\n\r\n"), StartsWith("HTTP/1.1 101 "));
-  }
-
-  /// The next message, which may be binary.
-  std::string next() { return socket_.read_message(); }
-
-  void send(const json& message) const { socket_.send_message(message.dump()); }
-
-  /// The next message with this op for which `accepts` is true. Fails the test after many without one.
-  template <class Accepts>
-  json wait_for(const std::string& op, const Accepts& accepts) {
-    for (int i = 0; i < 2000; ++i) {
-      json message = json::parse(socket_.read_message());
-      if (message["op"] == op && accepts(message)) return message;
-    }
-    FAIL("no " << op << " came");
-    return {};
-  }
-  json wait_for(const std::string& op) {
-    return wait_for(op, [](const json&) { return true; });
-  }
-
-private:
-  HttpSocket socket_;
-};
 
 /// Between the positions of a frame's arrays, m.
 double distance(const json& pose, const json& truth) {
@@ -244,72 +168,6 @@ SCENARIO("wrong options of the web process are named") {
   }
 }
 
-SCENARIO("a page elsewhere may use Foxglove's protocol, but not change settings") {
-  const Bus bus;
-  Web web(bus, {"--listen", "127.0.0.1:0", "--allow-changes", "--allow-origin", "https://app.example.com/"});
-  const std::string allowed = "Origin: https://app.example.com\r\n";
-  Page foxglove(web, "/", "foxglove.sdk.v1", allowed);
-  foxglove.wait_for("serverInfo");
-  const auto refused = [&web](const std::string& protocol, const std::string& origin) {
-    HttpSocket socket(web.port());
-    socket.send(upgrade_request("/ws", protocol, web.host_line() + origin));
-    return socket.read_all();
-  };
-  CHECK_THAT(refused("sonopose.v1", allowed), StartsWith("HTTP/1.1 400 ") && Contains("sonopose.v1"));
-  CHECK_THAT(refused("foxglove.sdk.v1", "Origin: https://other.example.com\r\n"),
-             StartsWith("HTTP/1.1 403 "));
-  CHECK(web.process().wait_for_line(Stream::error, "--allow-origin https://other.example.com"));
-}
-
-SCENARIO("a client of Foxglove's protocol receives what it subscribes to") {
-  const Bus bus;
-  const auto fusion = bus.fusion();
-  const auto bridge = bus.bridge({"--source", "sim"});
-  const Web web(bus, {"--listen", "127.0.0.1:0"});
-  Page client(web, "/", "foxglove.websocket.v1");
-  CHECK(client.wait_for("serverInfo")["capabilities"] == json{"time"});
-  std::map<std::string, json> channels;
-  const json advertised = client.wait_for("advertise");
-  for (const json& channel : advertised["channels"]) channels[channel["topic"]] = channel;
-  REQUIRE(channels.count("sonopose/pose") == 1);
-  const json& pose = channels["sonopose/pose"];
-  CHECK(pose["encoding"] == "cdr");
-  CHECK(pose["schemaEncoding"] == "omgidl");
-  constexpr int subscription = 0x01020304;
-  // The head of a message: its kind, and the subscription in little-endian order.
-  const std::string head{"\x01\x04\x03\x02\x01", 5};
-  const auto next_status = [&client] {
-    while (true) {
-      const std::string text = client.next();
-      if (text.starts_with("{")) return json::parse(text)["message"].get<std::string>();
-    }
-  };
-  const auto subscribe = [&](int id, const json& channel) {
-    client.send({{"op", "subscribe"}, {"subscriptions", {{{"id", id}, {"channelId", channel}}}}});
-  };
-  subscribe(subscription, pose["id"]);
-  for (int messages = 0; messages < 20;) {
-    const std::string message = client.next();
-    if (!message.starts_with(head)) continue;  // such as the time
-    CHECK(message.size() > 100);
-    ++messages;
-  }
-  subscribe(subscription, channels["sonopose/report"]["id"]);
-  CHECK_THAT(next_status(), Contains("exists already"));
-  subscribe(5, pose["id"]);
-  CHECK_THAT(next_status(), Contains("has a subscription already"));
-  subscribe(6, 99999);
-  CHECK_THAT(next_status(), Contains("no channel 99999"));
-  client.send({{"op", "unsubscribe"}, {"subscriptionIds", {subscription}}});
-  client.send({{"op", "unsubscribe"}, {"subscriptionIds", {subscription}}});
-  CHECK_THAT(next_status(), Contains("no subscription"));
-  for (int times = 0; times < 2;) {  // two seconds without a pose
-    const std::string message = client.next();
-    CHECK_FALSE(message.starts_with(head));
-    if (message.starts_with("\x02")) ++times;
-  }
-}
-
 SCENARIO("a page resets estimators, runs the doctor, and learns that no fusion answers") {
   const Bus bus;
   const Web web(bus, {"--listen", "127.0.0.1:0", "--allow-changes"});
@@ -442,53 +300,6 @@ SCENARIO("the page's URL is printed whatever is logged") {
   CHECK(web.wait_for_line(Stream::output, "/?token="));
   CHECK(web.end_by(SIGTERM).code == 0);
   CHECK_THAT(web.text(Stream::error), !Contains("token="));
-}
-
-SCENARIO("a client of Foxglove that is not ours decodes the poses") {
-  const Result has_packages =
-      run("/usr/bin/env", {"node", "-e",
-                           "require('@foxglove/ws-protocol'); require('@foxglove/omgidl-parser'); "
-                           "require('@foxglove/omgidl-serialization'); require('ws')"});
-  if (has_packages.code != 0) {
-    std::cout << "skipped: no node with @foxglove/ws-protocol, @foxglove/omgidl-parser, "
-                 "@foxglove/omgidl-serialization and ws\n";
-    return;
-  }
-  const Bus bus;
-  const auto fusion = bus.fusion();
-  const auto bridge = bus.bridge({"--source", "sim"});
-  const Web web(bus, {"--listen", "127.0.0.1:0"});
-  for (const std::string protocol : {"foxglove.sdk.v1", "foxglove.websocket.v1"}) {
-    CAPTURE(protocol);
-    const Result client = run(
-        "/usr/bin/env", {"node", (Path(SONOPOSE_SOURCE_DIR) / "tests/interop/foxglove_client.cjs").string(),
-                         "ws://" + web.host(), protocol});
-    CAPTURE(client.error);
-    REQUIRE(client.code == 0);
-    std::istringstream lines(client.output);
-    std::string line;
-    std::map<std::string, std::vector<json>> by_kind;
-    while (std::getline(lines, line)) {
-      const json read = json::parse(line);
-      by_kind[read["kind"]].push_back(read);
-    }
-    CHECK(by_kind["info"].at(0)["protocol"] == protocol);
-    CHECK(by_kind["info"].at(0)["capabilities"] == json{"time"});
-    CHECK_THAT(by_kind["status"].at(0)["message"].get<std::string>(), Contains("99999"));
-    double latest_s = 0;
-    for (const json& each : by_kind["message"]) {
-      if (each["topic"] != "sonopose/pose") continue;
-      const json& pose = each["message"];
-      CHECK(pose["address"] == 7);
-      CHECK(std::hypot(pose["orientation"]["w"].get<double>(), pose["orientation"]["x"].get<double>(),
-                       std::hypot(pose["orientation"]["y"].get<double>(),
-                                  pose["orientation"]["z"].get<double>())) == Approx(1.0));
-      latest_s = std::stod(each["timestamp"].get<std::string>()) * 1e-9;
-    }
-    CHECK(by_kind["message"].size() >= 11);  // and the settings
-    CHECK(latest_s == Approx(static_cast<double>(std::time(nullptr))).margin(10));
-    CHECK(by_kind["end"].at(0)["posesAfterwards"].get<int>() < 50);  // on their way; 2 s would be 200
-  }
 }
 
 }  // namespace web_test

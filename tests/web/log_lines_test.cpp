@@ -3,27 +3,16 @@
 #include "web/log_lines.hpp"
 
 #include "support/test_domain.hpp"
+#include "support/wait_until.hpp"
 #include "web/live/missing_lines.hpp"
 
 #include <catch2/catch.hpp>
 
-#include <chrono>
-#include <thread>
-
 namespace log_lines_test {
 
 using namespace sonopose;
+using test::wait_until;
 using web::LogLines;
-
-template <class Done>
-bool wait_until(const Done& done) {
-  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (!done()) {
-    if (std::chrono::steady_clock::now() > give_up) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
 
 LogLine line_of(const std::string& program, std::uint32_t process_id, std::uint64_t number, TimeNs time_ns) {
   return {.host = "robot",

@@ -5,6 +5,7 @@
 #include "clocks/clocks.hpp"
 #include "fusion/fusion_node.hpp"
 #include "support/test_domain.hpp"
+#include "support/wait_until.hpp"
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -15,27 +16,17 @@
 #include <chrono>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 namespace parameter_server_test {
 
 using namespace sonopose;
+using test::wait_until;
 using Texts = std::vector<std::string>;
 
 constexpr std::chrono::seconds timeout{20};
 
 /// Polls `done()`.
-template <class Done>
-bool wait_until(const Done& done) {
-  const auto give_up = std::chrono::steady_clock::now() + timeout;
-  while (!done()) {
-    if (std::chrono::steady_clock::now() > give_up) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
-}
-
 /// A fusion that has received beacon 7, and the node /sonopose with its services.
 class System {
 public:

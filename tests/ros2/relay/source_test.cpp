@@ -5,13 +5,13 @@
 #include "bridge/collecting_sink.hpp"
 #include "clocks/clocks.hpp"
 #include "support/test_domain.hpp"
+#include "support/wait_until.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/ros2/messages/messages.hpp>
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <limits>
 #include <mutex>
@@ -23,19 +23,10 @@ namespace source_test {
 
 using namespace sonopose;
 using ros2::relay::Input;
+using test::wait_until;
 using Kind = Input::Kind;
 
 constexpr TimeNs second_ns = 1'000'000'000;
-
-template <class Done>
-bool wait_until(const Done& done) {
-  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (!done()) {
-    if (std::chrono::steady_clock::now() > give_up) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
-}
 
 /// A sink that can be read while the source runs.
 class SharedSink final : public bridge::SampleSink {

@@ -1,0 +1,128 @@
+// The first fix: one filter, or one per direction from which an unknown yaw is searched.
+
+#include "estimation/kalman/belief_parts.hpp"
+#include <sonopose/geometry/rotation.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace sonopose::estimation::kalman {
+
+void Belief::start_at(const FixMeasurement& fix, const settings::Settings& settings) {
+  const bool at_rest = rest.still_windows >= 1;
+  const bool again = phase != Phase::waiting;
+  Filter start;
+  const Vector3d up = at_rest ? rest.still_accel_mean
+                      : again ? geometry::up_in_body(filter().q_body_to_world)
+                              : mean_force_body_mps2;
+  const double tilt_std = at_rest ? radians(1.7) : radians(5.0);
+  const double speed_std = at_rest ? 0.1 : 2.0;
+  start.covariance.setZero();
+  auto variances = start.covariance.diagonal();
+  variances.segment<3>(at_position).setConstant(square(0.05));
+  variances.segment<3>(at_velocity).setConstant(square(speed_std));
+  variances.segment<3>(at_attitude).setConstant(square(tilt_std));
+  variances.segment<3>(at_gyro_bias).setConstant(square(start_gyro_bias_std_radps));
+  variances.segment<3>(at_accel_bias).setConstant(square(start_accel_bias_std_mps2));
+  variances.segment<3>(at_lever_arm).setConstant(square(start_lever_arm_std_m));
+  if (again) {
+    const Filter& before = filter();
+    start.gyro_bias_body_radps = before.gyro_bias_body_radps;
+    start.accel_bias_body_mps2 = before.accel_bias_body_mps2;
+    start.lever_arm_body_m = before.lever_arm_body_m;
+    start.delay_error_s = before.delay_error_s;
+    start.delay_variance_s2 = before.delay_variance_s2;
+    for (const StateIndex index : {at_gyro_bias, at_accel_bias, at_lever_arm}) {
+      start.covariance.block<3, 3>(index, index) = before.covariance.block<3, 3>(index, index);
+    }
+  }
+
+  const bool has_heading = heading_is_current && fix.time_ns - last_heading_ns < heading_kept_ns;
+  candidate_count = has_heading ? 1 : start_count;
+  const double yaw_std = has_heading ? radians(4.0) : radians(15.0);
+  const double since_sample_s = seconds_between(time_ns, fix.time_ns);
+  const double turned_rad =
+      since_sample_s < settings.outage.imu_gap_s ? since_sample_s * up_rate_radps() : 0.0;
+  const double first_yaw =
+      has_heading ? last_heading_rad + turned_rad - radians(settings.heading.mount_offset_deg) : 0.0;
+  for (int i = 0; i < candidate_count; ++i) {
+    Candidate& candidate = candidates[static_cast<std::size_t>(i)];
+    candidate = Candidate{};
+    candidate.filter = start;
+    candidate.filter.q_body_to_world =
+        geometry::level_with(up, first_yaw + i * 2.0 * std::numbers::pi / start_count);
+    candidate.filter.position_world_m =
+        fix.position_world_m + candidate.filter.q_body_to_world * start.lever_arm_body_m;
+    candidate.filter.angular_velocity_body_radps = rate_body_radps;
+    candidate.filter.add_yaw_variance(square(yaw_std));
+  }
+  best = 0;
+  fixes_since_start = 1;
+  fixes_rejected_in_row = 0;
+  rival.alive = former.alive = false;
+  restart_pending = false;
+  phase = Phase::searching_yaw;
+  trust = 1.0;
+  last_fix_ns = fix.time_ns;
+  slowed_ns = fix.time_ns;
+  heading_rejected_since_ns = 0;
+  headings_rejected_in_row = 0;
+  quality_percent = fix.quality_percent;
+  if (has_heading) adopt(filter());
+}
+
+/// One filter per noise model, all on this track.
+void Belief::adopt(const Filter& track) {
+  // `track` may be one of the candidates: each assignment leaves its value as it is.
+  phase = Phase::tracking;
+  candidate_count = model_count;
+  for (int i = 0; i < model_count; ++i) {
+    candidates[static_cast<std::size_t>(i)] = Candidate{.filter = track};
+  }
+  best = std::min(best, model_count - 1);
+}
+
+/// Removes starts that the fixes and headings contradict, and those that became equal to a better one.
+void Belief::prune_starts() {
+  constexpr double contradicted = 14.0;
+  constexpr double merged_rad = 4.0 * geometry::radians_per_degree;
+  double most = -std::numeric_limits<double>::infinity();
+  for (int i = 0; i < candidate_count; ++i) {
+    most = std::max(most, candidates[static_cast<std::size_t>(i)].score);
+  }
+  int kept = 0;
+  std::array<double, start_count> kept_yaw_rad{};
+  for (int i = 0; i < candidate_count; ++i) {
+    const Candidate& candidate = candidates[static_cast<std::size_t>(i)];
+    if (!(candidate.score > most - contradicted && candidate.filter.is_finite())) continue;
+    const double yaw_rad = geometry::yaw_of(candidate.filter.q_body_to_world);
+    const auto end = kept_yaw_rad.begin() + kept;
+    const auto equal = std::find_if(kept_yaw_rad.begin(), end, [yaw_rad](double other_rad) {
+      return std::abs(geometry::wrap_angle(other_rad - yaw_rad)) < merged_rad;
+    });
+    const auto place = static_cast<std::size_t>(equal - kept_yaw_rad.begin());
+    if (equal == end) {
+      ++kept;
+    } else if (!(candidate.score > candidates[place].score)) {
+      continue;
+    }
+    if (place != static_cast<std::size_t>(i)) candidates[place] = candidate;
+    kept_yaw_rad[place] = yaw_rad;
+  }
+  candidate_count = kept;
+  best = 0;
+  if (kept == 0) {
+    candidates[0].filter.position_world_m.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return;  // none is finite: recover_if_not_finite starts again
+  }
+  for (int i = 1; i < kept; ++i) {
+    if (candidates[static_cast<std::size_t>(i)].score > candidates[static_cast<std::size_t>(best)].score)
+      best = i;
+  }
+  if (kept == 1) adopt(filter());
+}
+
+}  // namespace sonopose::estimation::kalman

@@ -1,0 +1,21 @@
+#pragma once
+/// \file
+/// Waiting for what another thread or process does.
+
+#include <chrono>
+#include <thread>
+
+namespace sonopose::test {
+
+/// Asks `done` again and again. Returns false after 20 s without success.
+template <class Done>
+bool wait_until(const Done& done) {
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (!done()) {
+    if (std::chrono::steady_clock::now() > give_up) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+}  // namespace sonopose::test
