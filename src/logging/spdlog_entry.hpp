@@ -4,6 +4,7 @@
 
 #include "logging/log.hpp"
 
+#include <array>
 #include <cstdint>
 #include <spdlog/common.h>
 
@@ -34,16 +35,18 @@ inline Level level_of(spdlog::level::level_enum level) {
 
 /// A number that goes through a queue in its place among the lines: `kind` is one of ours. Entries of this
 /// kind have no text.
-inline spdlog::source_loc mark(const char* kind, std::uint32_t number) {
-  return {kind, static_cast<int>(number), ""};
+template <std::size_t size>
+spdlog::source_loc mark(const std::array<char, size>& kind, std::uint32_t number) {
+  return {kind.data(), static_cast<int>(number), ""};
 }
-inline bool is_mark(const spdlog::source_loc& source, const char* kind) {
-  return source.filename == kind;
+template <std::size_t size>
+bool is_mark(const spdlog::source_loc& source, const std::array<char, size>& kind) {
+  return source.filename == kind.data();
 }
 inline std::uint32_t number_of(const spdlog::source_loc& mark) {
   return static_cast<std::uint32_t>(mark.line);
 }
-inline constexpr char call_mark[] = "call";
-inline constexpr char flush_mark[] = "flush";
+inline constexpr std::array call_mark = std::to_array("call");
+inline constexpr std::array flush_mark = std::to_array("flush");
 
 }  // namespace sonopose::logging
