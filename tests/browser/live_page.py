@@ -31,7 +31,7 @@ class Processes:
         self.folder = folder
         self.running = []
         # A domain of its own; others are busy less often than this one.
-        self.environment = dict(os.environ, ROS_DOMAIN_ID=str(100 + os.getpid() % 40))
+        self.environment = dict(os.environ, ROS_DOMAIN_ID=str(101 + os.getpid() % 40))
 
     def start(self, name, *arguments):
         process = subprocess.Popen(

@@ -1,6 +1,7 @@
 #pragma once
 // What the tests of the DDS layer share: a domain of their own, and waiting for events.
 
+#include "support/test_domain.hpp"
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -8,7 +9,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 namespace sonopose::dds::test {
@@ -16,9 +16,10 @@ namespace sonopose::dds::test {
 /// Only an upper bound: every wait ends with its event.
 inline constexpr Duration test_timeout = std::chrono::seconds(20);
 
-/// A domain of this process alone, outside the commonly used ones.
+/// A domain of this process alone.
 inline std::uint32_t test_domain() {
-  return 101 + static_cast<std::uint32_t>(getpid()) % 128;
+  static const sonopose::test::TestDomain domain;
+  return domain.id();
 }
 
 /// A participant on loopback.
