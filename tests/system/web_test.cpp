@@ -1,9 +1,11 @@
 /// The program sonopose-web on a bus with the other programs.
 
 #include "bus_log/recorded.hpp"
+#include "clocks/clocks.hpp"
 #include "sim/simulator.hpp"
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/wait_until.hpp"
 #include "web_process.hpp"
 
 #include <catch2/catch.hpp>
@@ -14,6 +16,7 @@
 #include <csignal>
 #include <ctime>
 #include <regex>
+#include <thread>
 
 namespace web_test {
 
@@ -291,6 +294,53 @@ SCENARIO("a page shows the changes in the poses of a fusion that does not log th
       CHECK(wait_for_change("restarted")["level"] == "warning");
     }
   }
+}
+
+SCENARIO("of a process that logs too much, a page gets a part and the number of the other lines") {
+  const Bus bus;
+  const Web web(bus, {"--listen", "127.0.0.1:0"});
+  const auto participant = dds::make_participant({.domain_id = bus.domain_id()});
+  auto writer = dds::topics::make_writer(participant, dds::qos::Provider(), dds::topics::log);
+  REQUIRE(wait_until([&] { return writer.publication_matched_status().current_count == 1; }));
+  std::uint64_t number = 0;
+  const auto write = [&](const std::string& text) {
+    writer.write(dds::topics::to_idl(LogLine{.host = "robot",
+                                             .process_id = 1,
+                                             .number = ++number,
+                                             .time_ns = clocks::host_now(),
+                                             .program = "flood",
+                                             .text = text}));
+  };
+  Page page(web);
+  page.wait_for("status");
+  for (int burst = 0; burst < 40; ++burst) {
+    for (int i = 0; i < 120; ++i) write("line");
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the page's process reads every 40 ms
+  }
+  std::uint64_t shown = 0;
+  std::uint64_t not_shown = 0;
+  std::uint64_t most = 500;
+  const auto count = [&](const json& message) {
+    if (message["op"] == "status") most += 500;
+    if (message["op"] != "event") return false;
+    const auto text = message["text"].get<std::string>();
+    if (message.value("program", "") == "flood") {
+      ++shown;
+      not_shown += message.value("missing", std::uint64_t{0});
+    } else if (text.ends_with("left out: too many at a time")) {
+      not_shown += std::stoull(text);
+    }
+    return text == "end";
+  };
+  for (int seconds = 0; seconds < 3;) {
+    const json message = json::parse(page.next());
+    count(message);
+    if (message["op"] == "status") ++seconds;
+  }
+  write("end");
+  while (!count(json::parse(page.next()))) continue;
+  CHECK(shown <= most);
+  CHECK(shown + not_shown == number);
 }
 
 SCENARIO("the page's URL is printed whatever is logged") {

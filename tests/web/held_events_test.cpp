@@ -63,4 +63,15 @@ SCENARIO("of too many changes the latest are kept, and the others counted") {
   CHECK(due.front() == "3");
 }
 
+SCENARIO("of too many logged changes the first are recognised") {
+  HeldEvents held;
+  held.on_logged("beacon 7: found");
+  for (std::size_t i = 0; i < HeldEvents::most_logged; ++i) held.on_logged("line " + std::to_string(i));
+  held.on_logged("beacon 8: found");
+  held.hold("beacon 7: found", "known");
+  held.hold("beacon 8: found", "not recognised");
+  held.take_due();
+  CHECK(held.take_due() == Texts{"not recognised"});
+}
+
 }  // namespace held_events_test

@@ -118,8 +118,9 @@ public:
     }
     for (const InputMonitor::Line& line : lines) log_(line());
     if (dropped == 0) return;
-    log_(fmt::format("{} about the inputs not logged",
-                     text::count_text(dropped, "further line was", "further lines were")));
+    log_(fmt::format("{} not logged: too many at a time",
+                     text::count_text(dropped, "further line about the inputs was",
+                                      "further lines about the inputs were")));
   }
 
   SteadyTime update_readers() override {

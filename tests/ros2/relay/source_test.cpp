@@ -17,6 +17,8 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 namespace source_test {
@@ -111,6 +113,18 @@ public:
       source->log_changes();
       return has_logged(text);
     });
+  }
+
+  /// How many lines are about frames, and how many more there were.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> lines_and_missing() const {
+    const std::lock_guard lock(mutex_);
+    std::size_t logged = 0;
+    std::size_t missing = 0;
+    for (const std::string& line : lines_) {
+      if (line.find("are in frame") != std::string::npos) ++logged;
+      if (line.find("were not logged") != std::string::npos) missing += std::stoul(line);
+    }
+    return {logged, missing};
   }
 
   /// Whether the thread that passes the samples on has logged a line.
@@ -244,6 +258,38 @@ SCENARIO("the delay of a fix is measured in the clock of the stamps") {
         const UltrasonicFix fix = rig.sink.fixes().front();
         CHECK(seconds_between(stamp_ns, fix.emission_time_ns) == Approx(0.2).margin(0.15));
         CHECK(fix.measured_delay_s.value_or(-1) == 0.0);
+      }
+    }
+  }
+}
+
+SCENARIO("lines about inputs that nobody takes are bounded and counted") {
+  GIVEN("80 inputs of a topic whose messages come in eight frames that none of them expects") {
+    constexpr std::size_t inputs = 80;
+    constexpr std::size_t frames = 8;
+    std::vector<Input> options;
+    for (BeaconAddress address = 1; address <= inputs; ++address)
+      options.push_back({Kind::fix, "/tag", address});
+    Rig rig(options);
+    auto fixes = rig.driver<ros2::PointStamped>("/tag");
+    REQUIRE(wait_until([&] { return fixes.publication_matched_status().current_count == inputs; }));
+    for (std::size_t i = 0; i < frames; ++i) {
+      fixes.write(fix_at(clocks::host_now(), {.map = "map_" + std::to_string(i)}));
+    }
+    WHEN("the source runs for a time before its lines are taken") {
+      rig.run();
+      REQUIRE(wait_until([&] { return rig.sink.count() == inputs * frames; }));
+      THEN("the log has the number of those that are missing") {
+        REQUIRE(rig.logs("further lines about the inputs were not logged"));
+        std::size_t logged = 0;
+        std::size_t missing = 0;
+        REQUIRE(wait_until([&] {
+          rig.source->log_changes();
+          std::tie(logged, missing) = rig.lines_and_missing();
+          return logged + missing >= inputs * frames;
+        }));
+        CHECK(logged + missing == inputs * frames);
+        CHECK(logged <= 512);
       }
     }
   }
