@@ -28,11 +28,11 @@ Decompressed decompress_steps(std::span<const std::byte> from, std::size_t limit
   to.clear();
   std::size_t used = 0;
   for (;;) {
-    const std::span<std::byte> room = grow(to, used, limit);
-    std::span<std::byte> rest = room;
+    const std::span<std::byte> target = grow(to, used, limit);
+    std::span<std::byte> rest = target;
     const std::size_t unread = from.size();
     const std::optional<bool> ended = step(from, rest);
-    const std::size_t written = room.size() - rest.size();
+    const std::size_t written = target.size() - rest.size();
     used += written;
     if (used > limit) return Decompressed::too_long;
     const bool is_stuck = written == 0 && unread == from.size();

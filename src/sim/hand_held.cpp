@@ -41,9 +41,9 @@ HandMotion draw_hand_motion(Random& random) {
     swing = draw_swing(random, random.uniform_in({0.5, most_shaking_deg}) * per_deg, shaking_hz);
   }
   // The tilt is at most the root of the sum of the squares of pitch and roll.
-  const double room_deg = std::numbers::sqrt2 * most_shaking_deg;
+  const double margin_deg = std::numbers::sqrt2 * most_shaking_deg;
   const double tilt_rad =
-      random.uniform_in({0.5 * most_hand_tilt_deg, most_hand_tilt_deg - room_deg}) * per_deg;
+      random.uniform_in({0.5 * most_hand_tilt_deg, most_hand_tilt_deg - margin_deg}) * per_deg;
   const Vector3d axis = random.horizontal_direction();
   hand.turning_rad = {draw_swing(random, random.uniform_in({0.3, 1.2}), turning_hz),
                       draw_swing(random, tilt_rad * axis.x(), turning_hz),

@@ -10,6 +10,7 @@
 #include <sonopose/geometry/rotation.hpp>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
@@ -38,6 +39,8 @@ struct Consistency {
   NormalisedMean position;
   NormalisedMean velocity;
   NormalisedMean yaw;
+  NormalisedMean attitude;
+  NormalisedMean pose;  ///< position and attitude together, with their covariance
   NormalisedMean innovation;
   /// Innovations above the χ² quantile with 3 degrees of freedom that 5, 1 and 0.1 % exceed.
   std::array<int, 3> above{};
@@ -54,8 +57,15 @@ struct Consistency {
   }
 };
 
-double squared_norm(const Eigen::Matrix3d& covariance, const Vector3d& error) {
+template <class Matrix, class Vector>
+double squared_norm(const Matrix& covariance, const Vector& error) {
   return error.dot(covariance.llt().solve(error));
+}
+
+/// The rotation about the fixed world axes that takes `from` to `to`.
+Vector3d rotation_world_rad(const Quaterniond& from, const Quaterniond& to) {
+  const Eigen::AngleAxisd rotation(to * from.conjugate());
+  return rotation.angle() * rotation.axis();
 }
 
 void add(Consistency& consistency, const FusedPose& pose, const TruthSample& truth) {
@@ -67,6 +77,12 @@ void add(Consistency& consistency, const FusedPose& pose, const TruthSample& tru
   const double yaw_error_rad =
       geometry::wrap_angle(geometry::yaw_of(pose.q_body_to_world) - geometry::yaw_of(truth.q_body_to_world));
   consistency.yaw.add(yaw_error_rad * yaw_error_rad / pose_covariance(5, 5), 1);
+  Eigen::Matrix<double, 6, 1> error;
+  error << truth.position_world_m - pose.position_world_m,
+      rotation_world_rad(pose.q_body_to_world, truth.q_body_to_world);
+  consistency.attitude.add(squared_norm(pose_covariance.bottomRightCorner<3, 3>().eval(), error.tail<3>()),
+                           3);
+  consistency.pose.add(squared_norm(pose_covariance, error), 6);
 }
 
 void add(Consistency& consistency, const FixReport& report) {
@@ -141,6 +157,23 @@ SCENARIO("the velocity's covariance is that of the tracked point") {
     THEN("the velocity's errors are as large as their standard deviations say") {
       CHECK(consistency.velocity.value() > 0.7);
       CHECK(consistency.velocity.value() < 1.3);
+    }
+  }
+}
+
+SCENARIO("the pose's covariance is that of position and a rotation about the world's axes") {
+  GIVEN("20 runs of a beacon that is tilted by up to 60 degrees, so that yaw is about no axis of the body") {
+    Consistency consistency;
+    for (std::uint64_t seed = 2001; seed <= 2020; ++seed) {
+      add_run(consistency, sim::find_scenario("hand_held"), seed, false);
+    }
+    fmt::print("hand_held: attitude {:.2f}, pose {:.2f}\n", consistency.attitude.value(),
+               consistency.pose.value());
+    THEN("the errors of the attitude, and of the whole pose, are as large as it says") {
+      for (const auto& mean : {consistency.attitude, consistency.pose}) {
+        CHECK(mean.value() > 0.7);
+        CHECK(mean.value() < 1.3);
+      }
     }
   }
 }
