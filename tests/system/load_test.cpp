@@ -10,7 +10,7 @@ using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
-#if defined(__SANITIZE_THREAD__)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr const char* beacons = "25";  // the fusion must not be overloaded
 constexpr std::size_t pose_count = 500;
 #else
