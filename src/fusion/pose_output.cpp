@@ -82,8 +82,6 @@ PoseOutput::Route PoseOutput::route(FusedPose& pose, SteadyTime now) noexcept {
     due_times_changed_ |= first_due;
     if (standby_) {
       step = standby_->on_pose(pose.address, pose.status, late_ns, now);
-      const bool is_late = (pose.status & status_late) != 0;
-      step.skip = step.skip || (is_late && step.role != FusionRole::serving);
       if (step.skip) ++delay.poses_skipped;
     }
   }

@@ -44,9 +44,9 @@ public:
     dds::DataWriter<sonopose_FusedPose>* writer = nullptr;  ///< null: it is skipped, and counted
     TimeNs late_ns = 0;
   };
-  /// The route for a pose that is written at `now`. Releases the beacon if
-  /// necessary. A fusion that does not serve skips what is late. Live, marks and counts a pose whose sample
-  /// arrived more than `late_after_s` later than usual.
+  /// The route for a pose that is written at `now`. Releases the beacon if necessary. A standby skips the
+  /// backlog of a pause. Live, marks and counts a pose whose sample arrived more than `late_after_s` later
+  /// than usual.
   Route route(FusedPose& pose, SteadyTime now) noexcept;
   static constexpr double late_after_s = sonopose_LATE_AFTER;
 

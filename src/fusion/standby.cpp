@@ -16,8 +16,11 @@ Standby::Step Standby::on_pose(BeaconAddress address, std::uint32_t status, Time
   if (is_new || lane.role == FusionRole::stalled || now - lane.latest > stall_ns_) {
     if (is_late(lane)) lane.warm = false;
     begin_warm_up(lane, now);
+    lane.backlog = is_late(lane) ? std::optional(Backlog{late_ns, now}) : std::nullopt;
   }
   lane.latest = now;
+  constexpr TimeNs least_fall_ns = 5'000'000;
+  if (lane.backlog && late_ns <= lane.backlog->late_ns - least_fall_ns) lane.backlog = {late_ns, now};
   constexpr std::uint32_t bad = status_initialising | status_converging | status_imu_gap;
   if ((status & bad) != 0U) {
     lane.good_since = SteadyTime{};
@@ -35,9 +38,10 @@ Standby::Step Standby::on_pose(BeaconAddress address, std::uint32_t status, Time
   return {lane.role, release, is_backlog(lane, now)};
 }
 
-/// A backlog is taken at once; samples that are delayed on their way come one by one.
+/// A backlog is taken at once, each sample less late than the one before. Samples that are delayed on their
+/// way, and those of a clock that was set back, come one by one and equally late.
 bool Standby::is_backlog(const Lane& lane, SteadyTime now) const {
-  return lane.role != FusionRole::serving && is_late(lane) && now - lane.warming_since < stall_ns_ / 4;
+  return lane.role != FusionRole::serving && lane.backlog && now - lane.backlog->at < stall_ns_ / 4;
 }
 
 /// Samples are delayed on their way to this process: its poses would be older than those of the others.

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -57,13 +58,20 @@ public:
   [[nodiscard]] FusionRole role(BeaconAddress address) const;
 
 private:
+  /// What gathered before this warm-up.
+  struct Backlog {
+    TimeNs late_ns = 0;  ///< of the sample that was clearly less late than those before
+    SteadyTime at;       ///< when its pose came
+  };
+
   struct Lane {
     FusionRole role = FusionRole::warming;
     SteadyTime latest;         ///< of the last pose
     SteadyTime warming_since;  ///< first pose of this warm-up
     SteadyTime good_since;     ///< first good pose of the present run of them; 0: the last was bad
     TimeNs late_ns = 0;        ///< of the last pose's sample
-    bool warm = false;         ///< it was claimed and has missed no samples since
+    std::optional<Backlog> backlog;
+    bool warm = false;  ///< it was claimed and has missed no samples since
     bool list_again = false;
   };
 
