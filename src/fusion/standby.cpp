@@ -39,9 +39,11 @@ Standby::Step Standby::on_pose(BeaconAddress address, std::uint32_t status, Time
 }
 
 /// A backlog is taken at once, each sample less late than the one before. Samples that are delayed on their
-/// way, and those of a clock that was set back, come one by one and equally late.
+/// way, and those of a clock that was set back, come one by one and equally late. The end of a backlog is
+/// skipped too, but briefly: it is followed by poses as usual.
 bool Standby::is_backlog(const Lane& lane, SteadyTime now) const {
-  return lane.role != FusionRole::serving && lane.backlog && now - lane.backlog->at < stall_ns_ / 4;
+  if (lane.role == FusionRole::serving || !lane.backlog) return false;
+  return now - lane.backlog->at < stall_ns_ / (is_late(lane) ? 4 : 20);
 }
 
 /// Samples are delayed on their way to this process: its poses would be older than those of the others.

@@ -58,20 +58,21 @@ public:
   [[nodiscard]] FusionRole role(BeaconAddress address) const;
 
 private:
-  /// What gathered before this warm-up.
+  /// How far the samples that gathered before this warm-up are taken: the latest one that was clearly less
+  /// late than those before, and when its pose came.
   struct Backlog {
-    TimeNs late_ns = 0;  ///< of the sample that was clearly less late than those before
-    SteadyTime at;       ///< when its pose came
+    TimeNs late_ns = 0;
+    SteadyTime at;
   };
 
   struct Lane {
     FusionRole role = FusionRole::warming;
-    SteadyTime latest;         ///< of the last pose
-    SteadyTime warming_since;  ///< first pose of this warm-up
-    SteadyTime good_since;     ///< first good pose of the present run of them; 0: the last was bad
-    TimeNs late_ns = 0;        ///< of the last pose's sample
-    std::optional<Backlog> backlog;
-    bool warm = false;  ///< it was claimed and has missed no samples since
+    SteadyTime latest;               ///< of the last pose
+    SteadyTime warming_since;        ///< first pose of this warm-up
+    SteadyTime good_since;           ///< first good pose of the present run of them; 0: the last was bad
+    TimeNs late_ns = 0;              ///< of the last pose's sample
+    std::optional<Backlog> backlog;  ///< empty: the first sample was in time
+    bool warm = false;               ///< it was claimed and has missed no samples since
     bool list_again = false;
   };
 
