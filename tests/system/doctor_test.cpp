@@ -210,7 +210,7 @@ SearchUsage search(std::uint32_t domain_id, unsigned descriptors) {
 }
 
 #if defined(__SANITIZE_THREAD__)
-constexpr unsigned first_occupied = 200;  // a visit takes several times as long
+constexpr unsigned first_occupied = 150;  // a visit takes several times as long
 #else
 constexpr unsigned first_occupied = 101;
 #endif
