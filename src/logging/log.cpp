@@ -124,6 +124,15 @@ struct Parts {
                                                       spdlog::async_overflow_policy::overrun_oldest)) {
     logger->set_level(spdlog_level(least));
   }
+  Parts(const Parts&) = delete;
+  Parts& operator=(const Parts&) = delete;
+  Parts(Parts&&) = delete;
+  Parts& operator=(Parts&&) = delete;
+  /// Joins the thread before what it uses ends.
+  ~Parts() {
+    logger.reset();
+    pool.reset();
+  }
 
   /// Called on any other thread. Waits until all earlier lines are written; gives up after `write_timeout`.
   void flush() {
