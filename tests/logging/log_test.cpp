@@ -408,7 +408,7 @@ SCENARIO("a listener comes and goes while standard error takes nothing") {
   for (int i = 0; i < 3; ++i) logging::info("waits");
   Collector collector;
   { const logging::Listening listening(collector); }  // does not wait for standard error
-  CHECK(collector.texts.size() <= 3);  // those that were not taken yet
+  CHECK(collector.texts.size() <= 3);                 // those that were not taken yet
 }
 
 }  // namespace log_test
