@@ -1,7 +1,6 @@
 #include "bridge/bridge_node.hpp"
 
-#include "bridge/background_writer.hpp"
-#include "bridge/beacon_recorder.hpp"
+#include "bridge/background_recording.hpp"
 #include "bridge/deadline_count.hpp"
 #include "bridge/other_bridges.hpp"
 #include "bridge/stationary_map.hpp"
@@ -26,7 +25,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <variant>
@@ -43,12 +41,6 @@ dds::DomainOptions domain_options(const BridgeOptions& options) {
   domain.batch_writes = options.batch;
   return domain;
 }
-
-/// What a recording contains.
-using Recorded = std::variant<Event, TruthSample>;
-
-/// Seconds of a thousand beacons, or minutes of one.
-constexpr std::size_t recording_capacity = 1U << 15U;
 
 }  // namespace
 
@@ -81,7 +73,9 @@ public:
   void wait_for_readers();
   void wait_until_read();
   /// Throws files::IoError if samples were not recorded.
-  void finish_recording();
+  void finish_recording() {
+    if (recording_) recording_->finish();
+  }
 
 private:
   /// One stream of one beacon.
@@ -114,8 +108,6 @@ private:
   void publish(const PairHeading& heading, Beacon& beacon);
   void publish_status(Beacon& beacon, SteadyTime now);
   void publish(LineStatus& line);
-  void record(const Recorded& sample);
-  void start_recording(const BridgeOptions& options);
   void log(const transitions::Transition& transition, SteadyTime now);
   void log_unwritten(bool is_last = false);
   void log_silence(BeaconAddress address, transitions::Kind kind, Stream& stream, SteadyTime now);
@@ -139,8 +131,7 @@ private:
   dds::DataWriter<sonopose_LineStatus> line_writer_;
   dds::DataWriter<sonopose_StationaryBeacon> stationary_writer_;
   OtherBridges others_;
-  std::shared_ptr<BeaconRecorder> recorder_;
-  std::optional<BackgroundWriter<Recorded>> recording_;
+  std::optional<BackgroundRecording> recording_;
   std::map<BeaconAddress, Beacon> beacons_;
   std::map<BeaconAddress, std::uint64_t> next_sequences_;  ///< of beacons that are gone, for their return
   std::uint64_t id_ = process::random_id();
@@ -172,7 +163,10 @@ BridgeNode::Publisher::Publisher(const BridgeOptions& options)
   status_writer_ = dds::topics::make_writer(participant_, qos_, topics::beacon_status);
   line_writer_ = dds::topics::make_writer(participant_, qos_, topics::line_status);
   stationary_writer_ = dds::topics::make_writer(participant_, qos_, topics::stationary_beacon);
-  if (options.record_folder) start_recording(options);
+  if (options.record_folder) {
+    recording_.emplace(*options.record_folder, options.source_settings,
+                       lossless_ ? WhenFull::wait : WhenFull::lose);
+  }
 }
 
 BridgeNode::Publisher::~Publisher() {
@@ -212,44 +206,17 @@ void BridgeNode::Publisher::on(const Event& event) {
       },
       numbered);
   std::visit([&](const auto& sample) { publish(sample, beacon); }, numbered);
-  if (recording_) record(numbered);
+  if (recording_) recording_->push(numbered);
 }
 
 void BridgeNode::Publisher::on(const TruthSample& truth) {
   beacon_of(truth.address);
   write(truth_writer_, dds::topics::to_idl(truth));
-  if (recording_) record(truth);
+  if (recording_) recording_->push(truth);
 }
 
 void BridgeNode::Publisher::on_stationary(const StationaryBeacon& beacon) {
   if (map_.update(beacon)) write(stationary_writer_, dds::topics::to_idl(beacon));
-}
-
-void BridgeNode::Publisher::start_recording(const BridgeOptions& options) {
-  recorder_ = std::make_shared<BeaconRecorder>(*options.record_folder, options.source_settings);
-  recording_.emplace(BackgroundWriter<Recorded>::Words{"the recording", "sample"}, recording_capacity,
-                     lossless_ ? WhenFull::wait : WhenFull::lose,
-                     [recorder = recorder_](std::span<const Recorded> samples) {
-                       for (const Recorded& sample : samples) {
-                         std::visit([&recorder](const auto& each) { recorder->write(each); }, sample);
-                       }
-                       recorder->flush();
-                     });
-}
-
-void BridgeNode::Publisher::finish_recording() {
-  if (!recording_) return;
-  try {
-    recording_->finish();
-  } catch (const files::IoError& error) {
-    throw files::IoError(fmt::format("{}; it is in {}", error.what(), recorder_->part().string()));
-  }
-  if (recorder_->is_empty()) logging::warning("no beacon was heard, so there is no recording");
-  recorder_->finish();
-}
-
-void BridgeNode::Publisher::record(const Recorded& sample) {
-  recording_->push({&sample, 1});
 }
 
 BridgeNode::Publisher::Beacon& BridgeNode::Publisher::beacon_of(BeaconAddress address) {

@@ -187,8 +187,6 @@ Session::~Session() {
     const std::lock_guard lock(session_mutex);
     parts.swap(session);
   }
-  parts->error.end();
-  parts->flush();  // the thread sanitizer does not see that the queues of spdlog synchronise
 }
 
 std::size_t Session::dropped() const {

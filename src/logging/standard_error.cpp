@@ -155,11 +155,9 @@ StandardError::StandardError(std::size_t capacity)
 }
 
 StandardError::~StandardError() {
-  end();
-}
-
-void StandardError::end() {
   sink_->end();
+  logger_.reset();
+  pool_.reset();  // joins its thread, which uses the sink
 }
 
 void StandardError::write(Level level, std::string_view text) {

@@ -54,9 +54,6 @@ public:
   /// Writes the lines that wait. Gives up after `write_timeout` in which standard error took none.
   ~StandardError();
 
-  /// From now on a standard error that takes nothing for `write_timeout` is not waited for.
-  void end();
-
   /// Never waits. Thread-safe, as the following.
   void write(Level level, std::string_view text);
 

@@ -26,7 +26,6 @@ using Texts = std::vector<std::string>;
 
 constexpr std::chrono::seconds timeout{20};
 
-/// Polls `done()`.
 /// A fusion that has received beacon 7, and the node /sonopose with its services.
 class System {
 public:
