@@ -32,6 +32,7 @@ void finish(bridge::Source& source, bridge::BridgeNode& node) {
 int serve(const CLI::App& app, const Options& options) {
   const logging::Session log(options.log_level);
   apps::check_publisher(options.bus);
+  apps::check_source_options(app, options.source);
   process::StopSignal stop;  // a capture of the source looks at it until its end
   const auto source = apps::make_source(options.source);
   stop.listen_to_signals();

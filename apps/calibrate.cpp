@@ -101,7 +101,7 @@ int main(int argc, char** argv) {
   magnetometer
       ->add_option("--field-ut", options.field_ut,
                    "Strength of the local magnetic field in microtesla (default: from the readings)")
-      ->check(CLI::Range(1.0, 1000.0));
+      ->check(apps::number_between(1.0, 1000.0));
   allan->add_option("--plot", options.plot, "Draw the curves to a .svg or .png file (needs gnuplot)")
       ->type_name("FILE");
   const apps::DriveCommands drive(app);

@@ -8,6 +8,8 @@
 #include "support/topic_option.hpp"
 #include "terminal/terminal.hpp"
 
+#include <fmt/format.h>
+
 using namespace sonopose;
 
 int main(int argc, char** argv) {
@@ -37,6 +39,7 @@ int main(int argc, char** argv) {
       ->type_name("ADDRESS")
       ->needs(topic);
   app.add_option("--count", echo.count, "With --echo: exit after this many samples; 0: no limit")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
       ->type_name("N")
       ->needs(topic);
   return apps::run(app, argc, argv, [&] {
@@ -48,7 +51,10 @@ int main(int argc, char** argv) {
       echo.domain = bus.domain;
       echo.qos_file = bus.qos_file;
       echo.duration_s = duration_s;
-      return monitor::echo::echo(echo, stop) ? 0 : 1;  // no sample in the whole duration is an error
+      if (monitor::echo::echo(echo, stop)) return 0;
+      logging::failure(fmt::format("no sample of {} in {} s in domain {}; sonopose-doctor says why",
+                                   echo.topic, duration_s, dds::resolve_domain_id(bus.domain)));
+      return 1;
     }
     options.domain = bus.domain;
     options.qos_file = bus.qos_file;

@@ -34,6 +34,7 @@ Arguments joined(Arguments all, const Arguments& more) {
 
 int run(const CLI::App& app, const Options& options) {
   apps::check_publisher(options.bus);
+  apps::check_source_options(app, options.source);
   const Arguments bus = apps::option_arguments(app, apps::bus_group);
   const Arguments log = apps::option_arguments(app, apps::log_group);
   const Arguments live = joined(joined(bus, apps::option_arguments(app, apps::realtime_group)), log);

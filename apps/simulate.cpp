@@ -39,16 +39,17 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--out", options.folder, "New sensor-log folder; an existing recording is never overwritten")
       ->type_name("DIR");
   app.add_option("--seed", options.seed, "Seed of the noise; the same seed gives the same bytes")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
       ->capture_default_str();
   app.add_option("--duration", options.duration_s, "Length in seconds (default: the scenario's)")
-      ->check(CLI::Range(0.01, 1e5).description("[0.01 - 1e5]"));
-  const CLI::Validator metres = CLI::Range(-10.0, 10.0).description("[-10 - 10]");
+      ->check(apps::number_between(0.01, 1e5));
+  const CLI::Validator metres = apps::number_between(-10.0, 10.0);
   app.add_option("--mount-offset-deg", options.mount_offset_deg,
                  "Angle from body X to the axis of the pair, to the left (default: the scenario's)")
-      ->check(CLI::Range(-180.0, 180.0).description("[-180 - 180]"));
+      ->check(apps::number_between(-180.0, 180.0));
   app.add_option("--delay-error-ms", options.delay_error_ms,
                  "By how much fixes and headings are older than their stamps (default: the scenario's)")
-      ->check(CLI::Range(-1000.0, 1000.0).description("[-1000 - 1000]"));
+      ->check(apps::number_between(-1000.0, 1000.0));
   app.add_option("--lever-arm-m", options.lever_arm_body_m,
                  "Place of the IMU, seen from the tracked point, in body axes (default: the scenario's)")
       ->expected(3)

@@ -21,6 +21,14 @@ using namespace sonopose::apps;
 
 constexpr int failed = 1;
 
+/// The exit code after printing.
+int end_of_output() {
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return 0;
+  sonopose::logging::failure(fmt::format("the output cannot be written: {}", std::strerror(errno)));
+  return failed;
+}
+
 int list_verbs() {
   fmt::print(
       "Fuses an IMU and ultrasonic beacons into a pose, on DDS.\n"
@@ -30,7 +38,7 @@ int list_verbs() {
       "\nOptions:\n"
       "  -h,--help  Print this list and exit; sonopose help VERB shows the options of a verb\n"
       "  --version  Print the version and exit\n");
-  return std::fflush(stdout) == 0 ? 0 : failed;
+  return end_of_output();
 }
 
 int refuse(const std::string& what) {
@@ -70,7 +78,7 @@ int main(int argc, char** argv) {
   words.erase(words.begin());
   if (first == "--version") {
     fmt::print("sonopose {}\n", version());
-    return std::fflush(stdout) == 0 ? 0 : failed;
+    return end_of_output();
   }
   if (first == "help" && !words.empty()) return become(words.front(), {"--help"});
   if (first == "help" || first == "--help" || first == "-h") return list_verbs();

@@ -7,7 +7,7 @@
 namespace sonopose::apps {
 
 void add_replay_options(CLI::App& app, ReplayOptions& options) {
-  const CLI::Validator seconds = CLI::Range(0.0, 1e9).description("[0 - 1e9]");
+  const CLI::Validator seconds = number_between(0.0, 1e9);
   app.add_option("LOG", options.log, "Sensor-log folder, or MCAP file")->required()->type_name("PATH");
   add_config_options(app, options.config);
   add_beacon_option(app, options.beacon);

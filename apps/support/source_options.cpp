@@ -1,10 +1,14 @@
 #include "source_options.hpp"
 
 #include "imu_meaning_option.hpp"
+#include "run.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
+#include <string_view>
+#include <vector>
 
 namespace sonopose::apps {
 namespace {
@@ -16,6 +20,32 @@ const std::string& required_input(const SourceOptions& options) {
   return options.input;
 }
 
+/// An option, and the sources that read it.
+struct Reader {
+  const char* option;
+  std::vector<std::string_view> sources;
+};
+
+const std::vector<Reader>& readers() {
+  static const std::vector<Reader> all{{"--input", {"log", "mcap", "stream"}},
+                                       {"--rate", {"sim", "log", "mcap", "stream"}},
+                                       {"--restamp", {"log", "mcap"}},
+                                       {"--address", {"sim", "log", "mcap"}},
+                                       {"--beacons", {"sim"}},
+                                       {"--device", {"serial"}},
+                                       {"--baud", {"serial"}},
+                                       {"--imu-meaning", {"serial", "udp", "stream"}},
+                                       {"--listen", {"udp"}},
+                                       {"--from", {"udp"}},
+                                       {"--max-beacons", {"serial", "udp", "stream"}},
+                                       {"--capture", {"sim", "serial", "udp"}},
+                                       {"--scenario", {"sim"}},
+                                       {"--imu-rate", {"sim"}},
+                                       {"--seed", {"sim"}},
+                                       {"--duration", {"sim"}}};
+  return all;
+}
+
 /// Both forms are read in one way.
 bool is_log(const SourceOptions& options) {
   return options.source == "log" || options.source == "mcap";
@@ -25,7 +55,8 @@ bool is_log(const SourceOptions& options) {
 
 void add_source_options(CLI::App& app, SourceOptions& options) {
   app.option_defaults()->group(source_group);
-  app.add_option("--source", options.source, "Source of the samples: sim, log or mcap, stream, serial or udp")
+  app.add_option("--source", options.source,
+                 "Source of the samples: sim (the default), log or mcap, stream, serial or udp")
       ->check(CLI::IsMember({"sim", "log", "mcap", "stream", "serial", "udp"}))
       ->capture_default_str();
   app.add_option("--input", options.input,
@@ -33,7 +64,7 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
       ->type_name("PATH");
   app.add_option("--rate", options.rate,
                  "Speed of sim, log, mcap and stream: 1 is real time, 0 is as fast as the readers accept")
-      ->check(CLI::Range(0.0, 1e6).description("[0 - 1e6]"))
+      ->check(number_between(0.0, 1e6))
       ->capture_default_str();
   app.add_flag("--restamp", options.restamp, "Shift the time stamps of a log or mcap so that it starts now");
   app.add_option("--address", options.address,
@@ -71,8 +102,10 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
   app.add_option("--scenario", options.sim.scenario, "Scenario of sim")->capture_default_str();
   app.add_option("--imu-rate", options.sim.imu_rate_hz,
                  "IMU rate of the simulator in Hz (default: the scenario's)")
-      ->check(CLI::Range(1.0, 1000.0).description("[1 - 1000]"));
-  app.add_option("--seed", options.sim.seed, "Seed of the simulator's noise")->capture_default_str();
+      ->check(number_between(1.0, 1000.0));
+  app.add_option("--seed", options.sim.seed, "Seed of the simulator's noise")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
+      ->capture_default_str();
   app.add_option("--duration", options.sim.duration_s,
                  "Length of the simulation in seconds; 0: run until stopped")
       ->check(CLI::NonNegativeNumber)
@@ -88,25 +121,17 @@ NamedValues source_settings(const CLI::App& app, const SourceOptions& options) {
   return option_values(app, source_group, always);
 }
 
+void check_source_options(const CLI::App& app, const SourceOptions& options) {
+  for (const auto& [option, sources] : readers()) {
+    if (app.get_option(option)->count() == 0) continue;
+    if (std::find(sources.begin(), sources.end(), options.source) != sources.end()) continue;
+    const std::string others = fmt::format("{}", fmt::join(sources.begin(), sources.end() - 1, ", "));
+    throw std::invalid_argument(fmt::format("{} only works with --source {}{}{}, not with {}", option, others,
+                                            others.empty() ? "" : " or ", sources.back(), options.source));
+  }
+}
+
 std::unique_ptr<bridge::Source> make_source(const SourceOptions& options) {
-  if (options.sim.beacons > 1 && options.source != "sim") {
-    throw std::invalid_argument("--beacons only works with --source sim, not with " + options.source);
-  }
-  if (options.capture && (is_log(options) || options.source == "stream")) {
-    throw std::invalid_argument("--capture only works with --source sim, serial or udp, not with " +
-                                options.source);
-  }
-  if (options.imu_meaning && (options.source == "sim" || is_log(options))) {
-    throw std::invalid_argument("--imu-meaning only works with --source serial, udp or stream, not with " +
-                                options.source + ", which declares it itself");
-  }
-  if (options.udp.from && options.source != "udp") {
-    throw std::invalid_argument("--from only works with --source udp, not with " + options.source);
-  }
-  if (options.max_beacons && (options.source == "sim" || is_log(options))) {
-    throw std::invalid_argument("--max-beacons only works with --source serial, udp or stream, not with " +
-                                options.source + ", whose beacons you choose");
-  }
   const std::size_t max_beacons = options.max_beacons.value_or(default_max_beacons);
   const ImuMeaning imu_meaning = options.imu_meaning.value_or(bridge::default_imu_meaning);
   if (is_log(options)) {

@@ -44,8 +44,10 @@ void add_source_options(CLI::App& app, SourceOptions& options);
 /// What a recording says of its source: the options that were given, and the important ones.
 NamedValues source_settings(const CLI::App& app, const SourceOptions& options);
 
-/// Throws what the source throws, std::invalid_argument for options that exclude each other, and
-/// CLI::RequiredError.
+/// Throws std::invalid_argument if an option was given that the source does not read.
+void check_source_options(const CLI::App& app, const SourceOptions& options);
+
+/// Throws what the source throws, and CLI::RequiredError.
 std::unique_ptr<bridge::Source> make_source(const SourceOptions& options);
 
 }  // namespace sonopose::apps

@@ -203,7 +203,8 @@ private:
 }  // namespace
 
 bool is_file(const std::filesystem::path& log) {
-  return std::filesystem::is_regular_file(log);
+  std::error_code unknown;  // of a file that is not accessible: reading it gives the reason
+  return std::filesystem::is_regular_file(log, unknown);
 }
 
 bool is_mcap(const std::filesystem::path& log) {

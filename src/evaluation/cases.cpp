@@ -44,8 +44,8 @@ FoundRecordings recordings_in(const std::filesystem::path& folder) {
   files::require_folder(folder);
   FoundRecordings found;
   const auto consider = [&found](const fs::path& candidate) {
-    const bool has_imu = exists(candidate / "imu.csv");
-    const bool has_fixes = exists(candidate / "ultrasonic.csv");
+    const bool has_imu = files::is_present(candidate / "imu.csv");
+    const bool has_fixes = files::is_present(candidate / "ultrasonic.csv");
     if (has_imu && has_fixes) found.folders.push_back(candidate);
     if (has_imu && !has_fixes) found.left_out.push_back(candidate.string() + ": has no ultrasonic.csv");
     if (!has_imu && has_fixes) found.left_out.push_back(candidate.string() + ": has no imu.csv");

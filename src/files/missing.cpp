@@ -17,8 +17,15 @@ void require_folder(const std::filesystem::path& folder) {
   std::error_code error;
   const auto kind = std::filesystem::status(folder, error).type();
   if (kind == std::filesystem::file_type::directory) return;
-  const bool is_absent = kind == std::filesystem::file_type::not_found;
-  throw IoError(folder.string() + (is_absent ? ": does not exist" : ": is not a folder"));
+  if (error) throw IoError(opening_error(folder.string(), error.value()));
+  throw IoError(folder.string() + ": is not a folder");
+}
+
+bool is_present(const std::filesystem::path& path) {
+  std::error_code error;
+  const bool present = std::filesystem::exists(path, error);
+  if (error) throw IoError(opening_error(path.string(), error.value()));
+  return present;
 }
 
 }  // namespace sonopose::files

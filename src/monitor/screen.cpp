@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <utility>
 
 namespace sonopose::monitor {
@@ -36,9 +37,19 @@ std::size_t moved(std::size_t row, std::ptrdiff_t by, std::size_t last) {
 }  // namespace
 
 void Screen::show(std::vector<observation::BeaconView> views, std::vector<std::string> warnings) {
+  std::map<BeaconAddress, std::size_t> rows;  // of those that keep theirs
+  if (selected_) {
+    for (const observation::BeaconView& view : views_) rows.emplace(view.address, rows.size());
+  }
   views_ = std::move(views);
   warnings_ = std::move(warnings);
   sort(views_, order_);
+  const auto row_of = [&rows](const observation::BeaconView& view) {
+    const auto found = rows.find(view.address);
+    return found == rows.end() ? rows.size() : found->second;
+  };
+  std::stable_sort(views_.begin(), views_.end(),
+                   [&](const auto& a, const auto& b) { return row_of(a) < row_of(b); });
 }
 
 Command Screen::on_key(Key key) {
@@ -66,7 +77,10 @@ Command Screen::on_key(Key key) {
       break;
     case Key::home:
       move_by(-far);
-      if (!on_page) selected_.reset();
+      if (!on_page) {
+        selected_.reset();
+        sort(views_, order_);
+      }
       break;
     case Key::end:
       move_by(far);
@@ -135,7 +149,8 @@ std::string Screen::title() const {
     });
   };
   const std::string_view order = order_words[static_cast<std::size_t>(order_)];
-  std::string text = fmt::format("{} by {}", text::count_text(views_.size(), "beacon"), order);
+  std::string text = fmt::format("{} by {}{}", text::count_text(views_.size(), "beacon"), order,
+                                 selected_ ? ", held until Home" : "");
   const std::size_t rows = body_rows();
   if (views_.size() > rows) {
     text += fmt::format(", rows {}-{}", first_row_ + 1, std::min(first_row_ + rows, views_.size()));

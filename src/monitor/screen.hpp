@@ -20,7 +20,8 @@ enum class Command : std::uint8_t { none, quit, clear_counters };
 /// A title, a table or the page of one beacon, a line of warnings or keys, and a line for the last message.
 class Screen {
 public:
-  /// The beacons and warnings from now on.
+  /// The beacons and warnings from now on. While a row is selected, the beacons keep their rows, and new ones
+  /// come last.
   void show(std::vector<observation::BeaconView> views, std::vector<std::string> warnings);
 
   /// The text of the last line from now on.
@@ -45,7 +46,7 @@ private:
   std::vector<terminal::Line> page_lines();
   [[nodiscard]] terminal::Line hint_line() const;
 
-  std::vector<observation::BeaconView> views_;  ///< in `order_`
+  std::vector<observation::BeaconView> views_;  ///< by row
   std::vector<std::string> warnings_;
   std::string message_;
   terminal::Size size_;

@@ -115,8 +115,10 @@ void add_pose(Page& page, const BeaconView& view) {
   page.add("velocity m/s", vector_text(known ? pose.velocity_world_mps : none, 3));
   page.add("±", vector_text(known ? velocity_std_mps(pose) : none, 3));
   const double yaw_std_deg = known ? yaw_std_rad(pose) / geometry::radians_per_degree : nan;
-  page.add("yaw °",
-           fmt::format("{:>9} ± {}", number(known ? heading_deg(pose) : nan, 1), number(yaw_std_deg, 2)));
+  page.add(
+      "yaw °",
+      fmt::format("{:>9} ± {}, {}", number(known ? heading_deg(pose) : nan, 1), number(yaw_std_deg, 2),
+                  view.fusion ? text::count_text(view.fusion->headings, "heading") : "headings unknown"));
   page.add("error m", fmt::format("{:>9} RMS{:>9} at most, against the truth",
                                   number(view.position_error_rms_m.value_or(nan), 3),
                                   number(view.position_error_max_m.value_or(nan), 3)));
@@ -135,10 +137,9 @@ void add_fixes(Page& page, const BeaconView& view) {
   page.add("trust", number(known ? view.pose.trust : nan, 2));
   page.add("valid fix", number(known ? view.pose.since_valid_fix_s : nan, 2) + " s ago");
   if (view.fusion) {
-    page.add("counted", fmt::format("{} used, {} of them down-weighted, {} rejected ({} too late), {}",
+    page.add("counted", fmt::format("{} used ({} down-weighted), {} rejected ({} too late)",
                                     view.fusion->fixes_used, view.fusion->fixes_down_weighted,
-                                    view.fusion->fixes_rejected, view.fusion->fixes_late,
-                                    text::count_text(view.fusion->headings, "heading")));
+                                    view.fusion->fixes_rejected, view.fusion->fixes_late));
   }
 }
 

@@ -1,6 +1,7 @@
 #include "recording/attitude_log.hpp"
 
 #include "files/csv_reader.hpp"
+#include "files/missing.hpp"
 #include "recording/log_columns.hpp"
 
 namespace sonopose::recording {
@@ -9,10 +10,10 @@ AttitudeLog read_attitude_log(const std::filesystem::path& folder, std::optional
   AttitudeLog log;
   log.imu = read_imu_log(folder, address);
   if (log.imu.empty()) throw files::IoError((folder / imu_file).string() + ": no sample");
-  if (exists(folder / truth_file)) {
+  if (files::is_present(folder / truth_file)) {
     log.truth = read_truth_csv(folder / truth_file, log.imu.front().address);
   }
-  if (exists(folder / movement_file)) log.movements = read_movement_csv(folder / movement_file);
+  if (files::is_present(folder / movement_file)) log.movements = read_movement_csv(folder / movement_file);
   return log;
 }
 

@@ -152,10 +152,12 @@ std::vector<Event> merged(ImuSamples imu_samples, Samples<UltrasonicFix> fixes,
 
 /// Throws if the folder is no log but has those of several beacons.
 void check_single(const std::filesystem::path& folder) {
-  if (exists(folder / imu_file)) return;
+  if (files::is_present(folder / imu_file)) return;
   std::vector<std::string> beacons;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (exists(entry.path() / imu_file)) beacons.push_back(entry.path().filename().string());
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    std::error_code not_accessible;
+    if (exists(entry.path() / imu_file, not_accessible)) beacons.push_back(entry.path().filename().string());
   }
   if (beacons.empty()) return;
   std::sort(beacons.begin(), beacons.end());
@@ -185,10 +187,12 @@ SensorLog read_sensor_log(const std::filesystem::path& folder, std::optional<Bea
   ImuRows imu(folder / imu_file, log.address, meta.imu_meaning);
   const auto fixes = read_ultrasonic_csv(folder / ultrasonic_file, log.address);
   std::vector<PairHeading> headings;
-  if (exists(folder / heading_file)) headings = read_heading_csv(folder / heading_file, log.address);
+  if (files::is_present(folder / heading_file))
+    headings = read_heading_csv(folder / heading_file, log.address);
   log.events = merged(std::move(imu), Samples(fixes), Samples(headings));
-  if (exists(folder / truth_file)) log.truth = read_truth_csv(folder / truth_file, log.address);
-  if (exists(folder / wheel_speed_file)) log.wheel_speeds = read_wheel_speed_csv(folder / wheel_speed_file);
+  if (files::is_present(folder / truth_file)) log.truth = read_truth_csv(folder / truth_file, log.address);
+  if (files::is_present(folder / wheel_speed_file))
+    log.wheel_speeds = read_wheel_speed_csv(folder / wheel_speed_file);
   return log;
 }
 

@@ -1,6 +1,7 @@
 #include "recording/log_meta.hpp"
 
 #include "files/append_file.hpp"
+#include "files/missing.hpp"
 #include "files/replacement.hpp"
 #include "files/toml/quoted.hpp"
 #include "files/toml/toml_leaves.hpp"
@@ -101,7 +102,7 @@ std::string program_version() {
 
 LogMeta read_log_meta(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / meta_file;
-  return exists(file) ? MetaReader(file).read() : LogMeta{};
+  return files::is_present(file) ? MetaReader(file).read() : LogMeta{};
 }
 
 void write_log_meta(const std::filesystem::path& folder, const LogMeta& meta) {

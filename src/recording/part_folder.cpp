@@ -1,6 +1,7 @@
 #include "recording/part_folder.hpp"
 
 #include "files/error.hpp"
+#include "files/missing.hpp"
 #include "recording/log_columns.hpp"
 
 #include <string>
@@ -35,7 +36,7 @@ void check_free(const fs::path& folder) {
 
 void refuse_recording_in(const fs::path& folder) {
   for (const std::string_view name : {imu_file, ultrasonic_file, heading_file, truth_file, meta_file}) {
-    if (exists(folder / name)) {
+    if (files::is_present(folder / name)) {
       throw files::IoError(folder.string() + ": already contains a recording (" + std::string(name) +
                            "), which is not overwritten");
     }

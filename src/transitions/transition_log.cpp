@@ -32,9 +32,11 @@ void TransitionLog::take(Pending& pending, SteadyTime now) {
 
 void TransitionLog::report(Flapping& flapping) {
   Line line = line_of(flapping.latest);
-  const std::uint64_t count = flapping.limit.take_suppressed();
-  line.text += fmt::format(" ({} in the last {:.0f} s {} not logged)", text::count_text(count, "change"),
-                           static_cast<double>(RateLimit::window_ns) / 1e9, count == 1 ? "was" : "were");
+  const std::uint64_t others = flapping.limit.take_suppressed() - 1;
+  if (others > 0) {
+    line.text += fmt::format(" ({} not logged)",
+                             text::count_text(others, "earlier change was", "earlier changes were"));
+  }
   write_(line);
 }
 

@@ -272,6 +272,24 @@ SCENARIO("keys sort, scroll and open") {
       CHECK(addresses_on(screen, size).front() == 2);
       CHECK(addresses_on(screen, size).back() == 21);
     }
+    THEN("rows stay while one is selected, also if values change and beacons come and go; home sorts again") {
+      screen.lines(size);
+      for (int i = 0; i < 2; ++i) screen.on_key(Key::page_down);
+      const auto before = addresses_on(screen, size);
+      CHECK(before.front() > 10);
+      for (BeaconView& view : views) view.pose.pose_covariance = with_variance(1.0 / view.address);
+      views.erase(views.begin());           // address 1, above
+      views.push_back(good_views(51)[50]);  // address 51
+      screen.show(views, {});
+      const auto after = addresses_on(screen, size);
+      CHECK(std::search(after.begin(), after.end(), before.begin() + 1, before.end()) != after.end());
+      CHECK_THAT(text_of(screen.lines(size)[0]), Contains("held until Home"));
+      screen.on_key(Key::end);
+      CHECK(addresses_on(screen, size).back() == 51);
+      screen.on_key(Key::home);
+      CHECK(addresses_on(screen, size).front() == 10);
+      CHECK(addresses_on(screen, size)[1] == 2);
+    }
     THEN("enter opens the selected beacon, also after it has moved; escape and enter close it") {
       screen.on_key(Key{'a'});
       screen.on_key(Key::down);

@@ -187,6 +187,19 @@ SCENARIO("a bridge refuses an invalid input") {
       CHECK_THAT(refused({"--source", "udp", "--listen", "192.0.2.1:5000"}), Contains("192.0.2.1:5000"));
     }
   }
+  WHEN("an option belongs to another source, also where none was named") {
+    THEN("option and sources are named") {
+      CHECK_THAT(refused({"--device", "/dev/ttyACM0"}),
+                 Contains("--device only works with --source serial, not with sim"));
+      CHECK_THAT(refused({"--source", "serial", "--rate", "2"}),
+                 Contains("--rate only works with --source sim, log, mcap or stream, not with serial"));
+    }
+  }
+  WHEN("the seed is negative") {
+    THEN("option, value and limits are named") {
+      CHECK_THAT(refused({"--seed", "-1"}), Contains("--seed: Value -1 not in range 0 to 1000000000"));
+    }
+  }
   WHEN("the device is not a serial line") {
     THEN("it is named") {
       CHECK_THAT(refused({"--source", "serial", "--device", folder.path().string()}),

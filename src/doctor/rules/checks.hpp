@@ -3,6 +3,7 @@
 
 #include "doctor/rules/diagnosis.hpp"
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -23,9 +24,12 @@ void check_lines(const Observations& observations, Findings& findings);
 void check_pose_writers(const Observations& observations, Findings& findings);
 /// One beacon's streams, fusions, numbering, clock and line.
 void check_beacon(const Observations& observations, const BeaconObservation& beacon, Findings& findings);
-/// The status bits that the poses of one beacon have for long.
-/// `has_cause`: doubts about the fixes are a consequence of what is reported already.
-void check_pose(double window_s, const BeaconObservation& beacon, bool has_cause, Findings& findings);
+/// What is reported already and explains other problems, the stronger the later: wrong fixes explain doubts
+/// about them; a wrong installation (or two bridges) also makes right fixes look wrong, up to their
+/// rejection.
+enum class Cause : std::uint8_t { none, fixes, installation };
+/// The status bits that the poses of one beacon have for long, except those that `cause` explains.
+void check_pose(double window_s, const BeaconObservation& beacon, Cause cause, Findings& findings);
 /// Mount offset, delay and signs of the accelerometer of one beacon, if it moves.
 void check_installation(const BeaconObservation& beacon, Findings& findings);
 /// Fixes off the track of one beacon.

@@ -29,12 +29,15 @@ std::vector<Finding> diagnose(const Observations& observations) {
     check_beacon(observations, beacon, findings);
     check_mount(beacon, findings);
     const std::size_t before = findings.size();
-    const bool is_one_beacon = beacon.bridges.size() < 2;  // otherwise the samples are those of two
-    if (is_one_beacon) check_installation(beacon, findings);
-    // With a wrong mount, delay or sign, right fixes look wrong and the fusion doubts them.
-    if (is_one_beacon && findings.size() == before) check_tracks(beacon, findings);
-    const bool has_cause = !is_one_beacon || findings.size() > before;
-    check_pose(observations.window_s, beacon, has_cause, findings);
+    const auto cause = [&] {
+      if (beacon.bridges.size() > 1) return Cause::installation;  // the samples are those of two
+      check_installation(beacon, findings);
+      if (findings.size() > before) return Cause::installation;
+      // With a wrong mount, delay or sign, right fixes look wrong and the fusion doubts them.
+      check_tracks(beacon, findings);
+      return findings.size() > before ? Cause::fixes : Cause::none;
+    }();
+    check_pose(observations.window_s, beacon, cause, findings);
   }
   return findings;
 }

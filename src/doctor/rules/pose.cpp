@@ -13,7 +13,7 @@ struct LastingBit {
   PoseStatus bit;
   double least_s;      ///< in total
   double least_share;  ///< of the window, in addition
-  bool is_doubt;       ///< about the fixes
+  Cause explained_by;  ///< this cause or a stronger one; none: by no other problem
   const char* what;
   const char* remedy;
 };
@@ -22,27 +22,28 @@ struct LastingBit {
 // system but for moments, so their time counts, however long the window is.
 constexpr double most_of_window = 0.5;
 constexpr std::array lasting_bits{
-    LastingBit{status_initialising, 0.5, most_of_window, false, "its fusion is initialising",
+    LastingBit{status_initialising, 0.5, most_of_window, Cause::none, "its fusion is initialising",
                "keep the beacon still for some seconds, and check that fixes arrive"},
     LastingBit{
-        status_uncalibrated, 0.5, most_of_window, false,
+        status_uncalibrated, 0.5, most_of_window, Cause::none,
         "its gyro bias is not known: the beacon was not at rest for long enough",
         "let it stand still for a second; if it never can, measure the bias: sonopose-calibrate gyroscope "
         "(docs/calibration.md)"},
-    LastingBit{status_stale, 0.3, 0.0, false,
+    LastingBit{status_stale, 0.3, 0.0, Cause::installation,
                "its fusion has had no valid fix for longer than outage.stale_after_s",
                "check that fixes arrive and are not all rejected: sonopose-monitor shows how many are used"},
-    LastingBit{status_heading_unknown, 0.5, most_of_window, true, "its heading is unknown",
+    LastingBit{status_heading_unknown, 0.5, most_of_window, Cause::fixes, "its heading is unknown",
                "with a pair, check that headings arrive; move a single beacon"},
     LastingBit{
-        status_frozen_track, 0.3, 0.0, false,
+        status_frozen_track, 0.3, 0.0, Cause::none,
         "its fixes repeat one position although the IMU measures motion",
         "check the dashboard of the positioning system: the beacon is frozen there too; if the beacon really "
         "stands still, increase frozen.moved_m"},
-    LastingBit{status_imu_gap, 0.3, 0.0, false, "its IMU stream has gaps", "check the line to the beacon"},
-    LastingBit{status_low_trust, 1.0, 0.0, true, "its fusion has low trust in the fixes",
+    LastingBit{status_imu_gap, 0.3, 0.0, Cause::none, "its IMU stream has gaps",
+               "check the line to the beacon"},
+    LastingBit{status_low_trust, 1.0, 0.0, Cause::fixes, "its fusion has low trust in the fixes",
                "check for reflections and a wrong map; see docs/tuning.md"},
-    LastingBit{status_overloaded, 0.3, 0.0, false, "its fusion is overloaded and skips poses",
+    LastingBit{status_overloaded, 0.3, 0.0, Cause::none, "its fusion is overloaded and skips poses",
                "give the fusion more processor time, or share its beacons between several fusions "
                "(docs/realtime.md)"},
 };
@@ -54,12 +55,12 @@ std::string seconds_text(double duration_s) {
 
 }  // namespace
 
-void check_pose(double window_s, const BeaconObservation& beacon, bool has_cause, Findings& findings) {
+void check_pose(double window_s, const BeaconObservation& beacon, Cause cause, Findings& findings) {
   if (beacon.pose.samples == 0) return;
   for (const LastingBit& lasting : lasting_bits) {
     const double share = beacon.status_counts.share_of(lasting.bit);
     if (share * window_s < lasting.least_s || share < lasting.least_share) continue;
-    if (lasting.is_doubt && has_cause) continue;
+    if (lasting.explained_by != Cause::none && cause >= lasting.explained_by) continue;
     // A single beacon estimates its heading from motion.
     const bool waits_for_motion = lasting.bit == status_heading_unknown && beacon.heading.samples == 0;
     findings.push_back(
