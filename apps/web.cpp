@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
                  "Secret in the page's URL; if other machines can connect, a random token is generated")
       ->type_name("TEXT");
   app.add_option("--allow-origin", options.server.origins,
-                 "A page elsewhere that may use Foxglove's protocol")
+                 "A page elsewhere that may use Foxglove's protocol; file:// for local ones")
       ->type_name("URL");
   app.add_flag("--allow-changes", options.allows_changes,
                "The page may change settings and reset estimators");

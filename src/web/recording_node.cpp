@@ -38,6 +38,10 @@ public:
     return is_page ? std::optional<std::string>(page_protocol) : std::nullopt;
   }
 
+  [[nodiscard]] std::string why_refused(const std::vector<std::string>&, bool) const override {
+    return "a recording is only for the page of this server; open the MCAP file in Foxglove itself";
+  }
+
   void on_open(http::ClientId client, const std::string&) override {
     server_.send({client}, http::shared_text(text_of(hello_)), true, http::Loss::never);
   }

@@ -71,7 +71,7 @@ public:
 
   [[nodiscard]] bool is_public(std::string_view path) const override { return files_.is_public(path); }
 
-  /// A page of another origin may look, but not change settings.
+  /// A page of another origin may use only Foxglove's protocol, which changes nothing.
   std::optional<std::string> choose_protocol(std::string_view path, const std::vector<std::string>& offered,
                                              bool is_foreign) override {
     for (const std::string& each : offered) {
@@ -80,6 +80,12 @@ public:
       if (std::find(known.begin(), known.end(), each) != known.end()) return each;
     }
     return {};
+  }
+
+  [[nodiscard]] std::string why_refused(const std::vector<std::string>& offered,
+                                        bool is_foreign) const override {
+    const bool is_page = std::find(offered.begin(), offered.end(), page_protocol) != offered.end();
+    return is_page && is_foreign ? "a page of another origin may use only Foxglove's protocol" : "";
   }
 
   void on_open(http::ClientId client, const std::string& protocol) override {

@@ -70,6 +70,14 @@ SCENARIO("a server of this machine answers no page from elsewhere") {
       rules.origins = {"https://app.example.com"};
       CHECK(verdict("127.0.0.1:8080", "https://app.example.com") == Verdict::allowed);
       CHECK(verdict("127.0.0.1:8080", "https://app.example.com.evil.org") == Verdict::wrong_origin);
+      CHECK(verdict("127.0.0.1:8080", "file://") == Verdict::wrong_origin);
+      CHECK(verdict("127.0.0.1:8080", "null") == Verdict::wrong_origin);
+    }
+    AND_WHEN("local files may") {
+      rules.origins = {parse_origin("file://"), parse_origin("null")};
+      CHECK(verdict("127.0.0.1:8080", "file://") == Verdict::allowed);
+      CHECK(verdict("127.0.0.1:8080", "null") == Verdict::allowed);
+      CHECK(verdict("127.0.0.1:8080", "https://app.example.com") == Verdict::wrong_origin);
     }
   }
   WHEN("there is a token") {
@@ -105,8 +113,10 @@ SCENARIO("an origin is scheme, host and port") {
   CHECK(parse_origin("https://app.foxglove.dev") == "https://app.foxglove.dev");
   CHECK(parse_origin("https://App.Foxglove.dev/") == "https://app.foxglove.dev");
   CHECK(parse_origin("http://localhost:8000") == "http://localhost:8000");
-  for (const char* const text : {"", "null", "*", "app.foxglove.dev", "https://", "://x", "https://x/page",
-                                 "https://x//", "https://a b"}) {
+  CHECK(parse_origin("file://") == "file://");  // of a local file, such as Lichtblick Desktop
+  CHECK(parse_origin("null") == "null");
+  for (const char* const text : {"", "*", "app.foxglove.dev", "https://", "://x", "https://x/page",
+                                 "https://x//", "https://a b", "file:", "file:///page.html", "NULL"}) {
     CAPTURE(text);
     CHECK_THROWS_WITH(parse_origin(text), Contains("'" + std::string(text) + "'"));
   }
@@ -116,6 +126,7 @@ SCENARIO("a page of another origin is foreign") {
   CHECK_FALSE(is_foreign({.host = "localhost:8080", .origin = "", .token = ""}));
   CHECK_FALSE(is_foreign({.host = "localhost:8080", .origin = "http://localhost:8080", .token = ""}));
   CHECK(is_foreign({.host = "localhost:8080", .origin = "https://app.foxglove.dev", .token = ""}));
+  CHECK(is_foreign({.host = "localhost:8080", .origin = "null", .token = ""}));
 }
 
 SCENARIO("a token is hard to guess and needs no escapes in a URL") {

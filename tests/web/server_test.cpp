@@ -51,6 +51,9 @@ public:
     }
     return {};
   }
+  [[nodiscard]] std::string why_refused(const std::vector<std::string>& offered, bool) const override {
+    return offered == std::vector<std::string>{"hinted"} ? "there is a hint" : "";
+  }
   void on_open(ClientId client, const std::string&) override {
     note("open", client);
     if (fails_to_open_) throw std::runtime_error("broken");
@@ -179,6 +182,8 @@ SCENARIO("a request that must not be answered is refused") {
              StartsWith("HTTP/1.1 403 "));
   CHECK_THAT(raw(upgrade(server, "/ws?token=secret", "other, another")),
              StartsWith("HTTP/1.1 400 ") && Contains("known sub-protocol: other, another"));
+  CHECK_THAT(raw(upgrade(server, "/ws?token=secret", "hinted")),
+             StartsWith("HTTP/1.1 400 ") && Contains("there is a hint; the client offers: hinted"));
   CHECK_THAT(raw("GET /page HTTP/1.1\r\nHost: " + std::string(20'000, 'x')), StartsWith("HTTP/1.1 431 "));
 }
 

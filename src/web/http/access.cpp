@@ -58,7 +58,7 @@ bool has_only(std::string_view text, std::string_view further) {
 Endpoint parse_endpoint(const std::string& text) {
   const auto fail = [&text] {
     throw std::invalid_argument("'" + text +
-                                "' is not an address and a port from 0 to 65535, as 127.0.0.1:8080 or "
+                                "' is not an address and a port from 0 to 65535, such as 127.0.0.1:8080 or "
                                 "[::1]:8080");
   };
   const std::size_t colon = text.rfind(':');
@@ -95,6 +95,7 @@ bool is_foreign(const Credentials& credentials) {
 }
 
 std::string parse_origin(std::string text) {
+  if (text == "file://" || text == "null") return text;  // those that have no host
   const std::string given = text;
   if (text.ends_with('/')) text.pop_back();
   std::transform(text.begin(), text.end(), text.begin(),
@@ -103,8 +104,8 @@ std::string parse_origin(std::string text) {
   const std::string host = scheme_end == std::string::npos ? "" : text.substr(scheme_end + 3);
   if (scheme_end == 0 || host.empty() || !has_only(text.substr(0, scheme_end), "+-.") || !is_host(host)) {
     throw std::invalid_argument("'" + given +
-                                "' is not the origin of a page, as https://app.foxglove.dev or "
-                                "http://localhost:8000");
+                                "' is not the origin of a page, such as https://app.foxglove.dev or "
+                                "http://localhost:8000; that of a local file is file:// or null");
   }
   return text;
 }

@@ -47,8 +47,9 @@ enum class Verdict : std::uint8_t { allowed, wrong_host, wrong_origin, wrong_tok
 /// Whether a page of another origin asks, whether it is allowed or not.
 bool is_foreign(const Credentials& credentials);
 
-/// "https://app.example.com" of "https://App.example.com/", as a browser sends it. Throws
-/// std::invalid_argument, whose text has the value and the form.
+/// "https://app.example.com" of "https://App.example.com/", as a browser sends it. "file://" and "null"
+/// (local files, and frames without an origin) stay as they are. Throws std::invalid_argument, whose text has
+/// the value and the form.
 std::string parse_origin(std::string text);
 
 /// Whether a text consists of the characters of a host and port. A header's text need not.

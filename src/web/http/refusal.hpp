@@ -21,6 +21,7 @@ std::string printable(std::string_view text);
 class RefusalLog {
 public:
   void add(Verdict verdict, const Credentials& credentials);
+  void add(const std::string& line);
 
 private:
   std::chrono::steady_clock::time_point next_;

@@ -133,6 +133,7 @@ private:
   std::mutex drops_mutex_;  ///< guards the next
   std::map<ClientId, std::uint64_t> drops_;
   RefusalLog refusal_log_;
+  RefusalLog protocol_log_;  ///< of WebSockets that passed the rules
   asio::io_context context_{1};
   tcp::acceptor acceptor_;
   asio::steady_timer retry_{context_};
@@ -318,7 +319,7 @@ private:
     if (request.method() != message::verb::get && request.method() != message::verb::head) {
       return refuse(405, "only GET and HEAD\n");
     }
-    if (target.path == websocket_path) return refuse(426, "this is the place of a WebSocket\n");
+    if (target.path == websocket_path) return refuse(426, "this path is for a WebSocket\n");
     Response response;
     if (!server_.guarded([&] { response = server_.handler_->get(target.path); })) {
       return refuse(500, "the request failed; see the server's log\n");
@@ -331,8 +332,12 @@ private:
     std::optional<std::string> protocol;
     server_.guarded([&] { protocol = server_.handler_->choose_protocol(path, offered, is_foreign); });
     if (!protocol) {
-      return refuse(400, fmt::format("the client offers no known sub-protocol: {}\n",
-                                     printable(to_view(request[message::field::sec_websocket_protocol]))));
+      std::string reason;
+      server_.guarded([&] { reason = server_.handler_->why_refused(offered, is_foreign); });
+      reason += reason.empty() ? "the client offers no known sub-protocol: " : "; the client offers: ";
+      reason += printable(to_view(request[message::field::sec_websocket_protocol]));
+      server_.protocol_log_.add("refused a WebSocket: " + reason);
+      return refuse(400, reason + '\n');
     }
     const auto connection =
         std::make_shared<WebSocketConnection>(server_, std::move(stream_), server_.next_id_++);

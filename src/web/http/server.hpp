@@ -44,13 +44,18 @@ public:
 
   /// The answer to a GET or HEAD of `path`, without the query.
   virtual Response get(std::string_view path) = 0;
-  /// Whether a GET of `path` needs no token: the same for everybody, as a script of the page.
+  /// Whether a GET of `path` needs no token: the same for everybody, such as a script of the page.
   [[nodiscard]] virtual bool is_public(std::string_view path) const = 0;
   /// One of the sub-protocols that a client offers, in its order; empty: it is refused. `is_foreign`: the
   /// client is a page of another origin.
   virtual std::optional<std::string> choose_protocol(std::string_view path,
                                                      const std::vector<std::string>& offered,
                                                      bool is_foreign) = 0;
+  /// Why it chose none, for the client; empty: none of them is known.
+  [[nodiscard]] virtual std::string why_refused(const std::vector<std::string>& /*offered*/,
+                                                bool /*is_foreign*/) const {
+    return {};
+  }
   virtual void on_open(ClientId client, const std::string& protocol) = 0;
   virtual void on_message(ClientId client, bool is_text, std::string_view message) = 0;
   virtual void on_close(ClientId client) = 0;

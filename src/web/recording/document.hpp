@@ -31,7 +31,7 @@ public:
   /// The values that follow the time, in the order of the names.
   void add(TimeNs time_ns, std::span<const double> values);
   [[nodiscard]] std::size_t size() const { return columns_.front().size(); }
-  /// {"t": [...], "x": [...]}; t is in seconds since the begin, null is unknown. Every so many-th row if
+  /// {"t": [...], "x": [...]}; t is in seconds since the beginning, null is unknown. Every so many-th row if
   /// there are more than `most_rows`.
   [[nodiscard]] std::string json(std::size_t most_rows) const;
 
