@@ -16,10 +16,12 @@
     return response.json();
   };
 
-  // Why the server refuses a WebSocket, which a browser does not say; empty if it does not answer.
-  const refusal = async () => {
+  // Why a WebSocket did not open or was lost, which a browser does not say; empty if it is not known.
+  const refusal = async (hasOpened) => {
     try {
       const response = await fetch(urlOf("/ws"));
+      // The server would take a WebSocket: it refused that of the page, or a proxy does not pass it on.
+      if (response.status === 426 && !hasOpened) return "the WebSocket was refused; see the log of the server or of a proxy";
       return [401, 403, 503].includes(response.status) ? (await response.text()).trim() : "";
     } catch {
       return "";
@@ -33,16 +35,19 @@
       this.waitS = 0.25;
       this.isLive = false; // whether silence is a fault
       this.heardAt = 0;
+      this.hasOpened = false; // the latest socket
       setInterval(() => this.watch(), 1000);
       this.open();
     }
 
     open() {
       this.handlers.onState("connecting", false);
+      this.hasOpened = false;
       const scheme = location.protocol === "https:" ? "wss:" : "ws:";
       this.socket = new WebSocket(`${scheme}//${location.host}/ws${query}`, "sonopose.v1");
       this.socket.onopen = () => {
         this.waitS = 0.25;
+        this.hasOpened = true;
         this.heardAt = performance.now();
         this.handlers.onState("connected", true);
       };
@@ -63,11 +68,11 @@
     }
 
     lose(why) {
-      const { waitS } = this;
+      const { waitS, hasOpened } = this;
       this.waitS = Math.min(4, 2 * waitS);
       this.handlers.onState(`${why}, trying again in ${waitS} s`, false);
       setTimeout(() => this.open(), 1000 * waitS);
-      refusal().then((reason) => {
+      refusal(hasOpened).then((reason) => {
         if (reason && this.socket.readyState !== WebSocket.OPEN) this.handlers.onState(`${reason}; trying again`, false);
       });
     }

@@ -11,7 +11,7 @@
     return;
   }
   const { Model, MapView, Plots, Table, Events, Findings, Settings, Playback, Connection } = sonopose;
-  const { fetchJson, urlOf, setStatusTable } = sonopose;
+  const { element, fetchJson, urlOf, setStatusTable } = sonopose;
   const model = new Model();
   const statistics = { frames: 0, drawn: 0, drawn_per_s: 0, dropped: 0, connected: false, beacons: {} };
   sonopose.statistics = statistics;
@@ -28,6 +28,7 @@
   const request = (object) => connection !== null && connection.send(object);
   const findings = new Findings(byId("findings"), byId("progress"), byId("examine"), () => request({ op: "examine", seconds: 8 }));
   let playback = null;
+  let shownServer = null; // what the first hello named
   let isLoading = false; // the recording
   let isFirstStatus = true; // of this connection
 
@@ -113,6 +114,13 @@
 
   const handlers = {
     hello: (hello) => {
+      // At the same address another server may show something else.
+      const server = JSON.stringify([hello.mode, hello.title, hello.domain, hello.version]);
+      shownServer ??= server;
+      if (server !== shownServer) {
+        location.reload();
+        return undefined;
+      }
       document.title = hello.mode === "recording" ? `${hello.title} – sonopose` : `sonopose, domain ${hello.domain}`;
       byId("title").textContent = hello.mode === "recording" ? hello.title : `domain ${hello.domain}, version ${hello.version}`;
       connection.isLive = hello.mode === "live";
@@ -162,6 +170,9 @@
     image.addEventListener("load", () => {
       model.floorPlan = { image, area_m: layers.floor_plan.area_m };
       map.redraw();
+    });
+    image.addEventListener("error", () => {
+      byId("legend").prepend(element("span", { className: "warning", textContent: "the floor plan cannot be shown as a picture" }));
     });
     image.src = urlOf(layers.floor_plan.url);
   }

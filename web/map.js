@@ -2,7 +2,7 @@
 "use strict";
 
 (() => {
-  const { verdicts, truthColour, styleOf, ellipseOf, View, LinePath } = sonopose;
+  const { verdicts, truthColour, styleOf, ellipseOf, hasHeading, View, LinePath } = sonopose;
   const mostFittedScale = 200; // pixels per m
   const mostTrackPoints = 2000; // of one beacon, when a whole track is drawn
 
@@ -154,8 +154,13 @@
       const isAtLimit = this.scale === mostFittedScale; // at rest, noise would move the map
       if (isInside && (isLarge || isAtLimit) && !isForced) return;
       const margin = 1; // m
-      this.centre = [(box[0] + box[2]) / 2, (box[1] + box[3]) / 2];
-      this.scale = Math.min(mostFittedScale, (this.width - 40) / (box[2] - box[0] + margin), (this.height - 60) / (box[3] - box[1] + margin));
+      const centre = [(box[0] + box[2]) / 2, (box[1] + box[3]) / 2];
+      const fitting = Math.min((this.width - 40) / (box[2] - box[0] + margin), (this.height - 60) / (box[3] - box[1] + margin));
+      const scale = Math.min(mostFittedScale, Math.max(this.limits[0], fitting));
+      const isSame = scale === this.scale && centre.every((each, axis) => each === this.centre[axis]);
+      if (isSame && !isForced) return; // at the lower limit not everything is in view
+      this.centre = centre;
+      this.scale = scale;
       this.mustRedraw = true;
     }
 
@@ -252,7 +257,7 @@
 
     drawGrid() {
       const { context } = this;
-      const [step] = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100].filter((each) => each * this.scale >= 45);
+      const [step = 100] = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].filter((each) => each * this.scale >= 45);
       const [x0, y1] = this.toWorld(0, 0);
       const [x1, y0] = this.toWorld(this.width, this.height);
       const digits = step < 1 ? 1 : 0;
@@ -297,11 +302,24 @@
       context.strokeStyle = beacon.colour;
       context.fillStyle = beacon.colour;
       if (Number.isFinite(pose.cxx)) this.drawEllipse(pose, left, top);
-      const size = isSelected ? 9 : 6;
+      this.drawHeading(pose, left, top, isSelected ? 9 : 6);
+      context.fillStyle = model.isOutside(pose) ? styleOf("--bad") : styleOf("--text");
+      context.font = `${isSelected ? "bold " : ""}12px system-ui, sans-serif`;
+      context.fillText(model.isOutside(pose) ? `${beacon.address} outside` : String(beacon.address), left + 10, top - 10);
+    }
+
+    // An arrow; a dot while the heading is not known.
+    drawHeading(pose, left, top, size) {
+      const { context } = this;
+      context.beginPath();
+      if (!hasHeading(pose)) {
+        context.arc(left, top, 0.7 * size, 0, 2 * Math.PI);
+        context.fill();
+        return;
+      }
       context.save();
       context.translate(left, top);
       context.rotate(-pose.yaw);
-      context.beginPath();
       context.moveTo(1.6 * size, 0);
       context.lineTo(-size, 0.8 * size);
       context.lineTo(-0.5 * size, 0);
@@ -309,9 +327,6 @@
       context.closePath();
       context.fill();
       context.restore();
-      context.fillStyle = model.isOutside(pose) ? styleOf("--bad") : styleOf("--text");
-      context.font = `${isSelected ? "bold " : ""}12px system-ui, sans-serif`;
-      context.fillText(model.isOutside(pose) ? `${beacon.address} outside` : String(beacon.address), left + 10, top - 10);
     }
 
     // Three standard deviations of the position.

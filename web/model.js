@@ -5,7 +5,7 @@
   const keptSeconds = 600;
   const unknown = NaN;
 
-  // A ring of rows, each with a time and some numbers; old rows make place for new ones.
+  // A ring of rows, each with a time and some numbers; old rows make room for new ones.
   class Columns {
     constructor(names, capacity) {
       this.names = names;
@@ -197,6 +197,12 @@
     const set = statusTable.filter(({ bit }) => (status & bit) !== 0);
     return { text: set.map(({ word }) => word).join(", ") || "ok", severity: Math.max(0, ...set.map(({ severity }) => severity)) };
   };
+  const headingUnknown = 16; // bit of FusedPose.status
+  const mostYawStd = Math.PI / 6; // of a heading that is shown
+
+  // A yaw is always there; it is arbitrary while the heading is not known.
+  const hasHeading = (pose) =>
+    Number.isFinite(pose.yaw) && (pose.status & headingUnknown) === 0 && !(pose.yaw_std > mostYawStd);
   const badSeverity = 50; // as in the monitor: from here on the pose cannot be relied on
 
   // For sorting numbers; those that are not known come last in both directions.
@@ -212,5 +218,5 @@
 
   const clockText = (t) => new Date(t * 1000).toLocaleTimeString([], { hour12: false });
 
-  Object.assign(sonopose, { Model, Columns, setStatusTable, words, badSeverity, compareKnown, format, clockText });
+  Object.assign(sonopose, { Model, Columns, setStatusTable, words, hasHeading, badSeverity, compareKnown, format, clockText });
 })();

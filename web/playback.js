@@ -4,11 +4,15 @@
 (() => {
   const { clockText } = sonopose;
 
+  const times = ["t", "t_emission"]; // in seconds since the beginning of the recording
+
   // Columns of numbers, null where a value is not known.
   const fill = (columns, given, beginS) => {
-    for (let i = 0; i < given.t.length; i += 1) {
-      columns.push(columns.names.map((name) => (name === "t" ? beginS + given.t[i] : given[name]?.[i])));
-    }
+    const valueOf = (name, i) => {
+      const value = given[name]?.[i] ?? NaN;
+      return times.includes(name) ? beginS + value : value;
+    };
+    for (let i = 0; i < given.t.length; i += 1) columns.push(columns.names.map((name) => valueOf(name, i)));
   };
 
   class Playback {
@@ -42,7 +46,7 @@
       this.show(this.durationS);
     }
 
-    // Seconds since the begin.
+    // Seconds since the beginning.
     show(atS) {
       this.atS = Math.min(this.durationS, Math.max(0, atS));
       this.model.now = this.beginS + this.atS;

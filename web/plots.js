@@ -10,7 +10,14 @@
   const innovation = (row) => Math.hypot(row.ix, row.iy, row.iz);
   const blue = "#1f77d0";
 
-  // Each plot: its curves, and of which rows they are.
+  const mostDelayS = 10; // longer ones, and those before the emission by as much, are faults of the clock
+
+  const delay = (row) => {
+    const passedS = row.t - row.t_emission;
+    return Math.abs(passedS) <= mostDelayS ? 1e3 * passedS : NaN;
+  };
+
+  // Each plot: its curves, and of which rows they are; `line` has curves of other rows.
   const definitions = [
     { name: "Height", unit: "m", rows: "poses", curves: [["z", (row) => row.z, blue]] },
     { name: "Speed", unit: "m/s", rows: "poses", curves: [["speed", speed, blue]] },
@@ -28,9 +35,16 @@
         ["to here", (row) => 1e3 * row.fusion_to_here, "#d0571f"],
       ],
     },
-    { name: "Delay of the fixes", unit: "ms", rows: "status", curves: [["delay", (row) => 1e3 * row.delay, blue]] },
+    {
+      name: "Delay of the fixes", unit: "ms", rows: "fixes", isDotted: true,
+      curves: [["applied after emission", delay, blue]],
+      line: { rows: "status", curves: [["estimate of the fusion", (row) => 1e3 * row.delay, green]] },
+    },
     { name: "Battery", unit: "V", rows: "status", curves: [["battery", (row) => row.battery, blue]] },
   ];
+
+  const partsOf = (definition) => (definition.line ? [definition, definition.line] : [definition]);
+  const curvesOf = (definition) => partsOf(definition).flatMap(({ curves }) => curves);
 
   class Plots {
     constructor(container, model) {
@@ -92,6 +106,22 @@
       return { rows, hasValues };
     }
 
+    // The same of all parts, by time. A part has no values in the rows of another.
+    rowsOfAll(definition, beacon, range) {
+      const unknowns = curvesOf(definition).map(() => null);
+      let before = 0; // curves of the parts so far
+      let hasValues = false;
+      const all = partsOf(definition).flatMap((part) => {
+        const first = before;
+        const found = this.rowsOf(part, beacon[part.rows], range);
+        hasValues = hasValues || found.hasValues;
+        const padded = found.rows.map(([time, ...values]) => [time, ...unknowns.map((_, i) => values[i - first] ?? null)]);
+        before += part.curves.length;
+        return padded;
+      });
+      return { rows: all.sort((a, b) => a[0] - b[0]), hasValues };
+    }
+
     range(beacon) {
       if (this.zoomed) return this.zoomed;
       const { now, extent } = this.model;
@@ -126,21 +156,23 @@
     drawPlot(plot, beacon) {
       const { definition } = plot;
       const dateWindow = this.shownRange;
-      const { rows, hasValues } = this.rowsOf(definition, beacon[definition.rows], dateWindow);
+      const { rows, hasValues } = this.rowsOfAll(definition, beacon, dateWindow);
       const isKept = plot.dygraph && plot.address === beacon.address && this.zoomed !== null && !plot.box.hidden;
       plot.box.hidden = !hasValues && !isKept;
       if (plot.box.hidden) return;
       plot.address = beacon.address;
-      if (rows.length === 0) rows.push([new Date(dateWindow[0]), ...definition.curves.map(() => null)]);
+      if (rows.length === 0) rows.push([new Date(dateWindow[0]), ...curvesOf(definition).map(() => null)]);
       if (plot.dygraph) {
         if (plot.dygraph.size().width !== plot.graph.clientWidth) plot.dygraph.resize(); // it was hidden meanwhile
         plot.dygraph.updateOptions({ file: rows, dateWindow });
         return;
       }
-      const labels = ["time", ...definition.curves.map(([name]) => name)];
+      const labels = ["time", ...curvesOf(definition).map(([name]) => name)];
+      const lines = (definition.line?.curves ?? []).map(([name]) => [name, { drawPoints: false, strokeWidth: 1.5, connectSeparatedPoints: true }]);
       plot.dygraph = new Dygraph(plot.graph, rows, {
         labels,
-        colors: definition.curves.map(([, , colour]) => colour),
+        series: Object.fromEntries(lines),
+        colors: curvesOf(definition).map(([, , colour]) => colour),
         dateWindow,
         legend: "always",
         drawPoints: Boolean(definition.isDotted),

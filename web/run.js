@@ -3,7 +3,7 @@
 
 (() => {
   const run = JSON.parse(document.getElementById("run").textContent);
-  const { verdicts, truthColour, element, styleOf: style, ellipseOf, View, LinePath } = sonopose;
+  const { verdicts, truthColour, element, styleOf: style, ellipseOf, unwrapped, View, LinePath } = sonopose;
   const runColours = ["#1f77d0", "#d0571f"];
   const isCompared = run.runs.length > 1;
 
@@ -112,6 +112,20 @@
   const withTruth = (all, name, scale) =>
     run.has_truth ? [...all, series(-1, "truth", truthColour, of(0, name), scale, { isDashed: true })] : all;
 
+  // Without steps at 180 degrees; the truth and a second run lie beside the first run.
+  const yaws = () => {
+    const yaw = unwrapped(run.runs[0].moments.yaw_deg);
+    const all = indices.map((k) => {
+      const { t, yaw_deg, yaw_std_deg: deviations } = run.runs[k].moments;
+      const isAligned = k > 0 && t.length === yaw.length;
+      const values = k === 0 ? yaw : unwrapped(yaw_deg, isAligned ? yaw : null);
+      return series(k, "fused", runColours[k], { t, values }, 1, { deviations });
+    });
+    if (!run.has_truth) return all;
+    const { t, true_yaw_deg } = run.runs[0].moments;
+    return [...all, series(-1, "truth", truthColour, { t, values: unwrapped(true_yaw_deg, yaw) }, 1, { isDashed: true })];
+  };
+
   if (run.has_truth) {
     // The scale is that of the fused errors; those of the last fix may exceed it.
     const errors = indices.flatMap((k) => run.runs[k].moments.error_m).filter((error) => error !== null);
@@ -135,7 +149,7 @@
   });
   addPlot("Innovations", "cm", innovations);
   addPlot("Height", "m", withTruth(fused("z_m", 1, "z_std_m"), "true_z_m", 1));
-  addPlot("Yaw", "°", withTruth(fused("yaw_deg", 1, "yaw_std_deg"), "true_yaw_deg", 1));
+  addPlot("Yaw", "°", yaws());
   addPlot("Speed", "m/s", withTruth(fused("speed_mps", 1), "true_speed_mps", 1));
   addPlot("Trust", "0 to 1", fused("trust", 1));
   addPlot("Delay of the fixes", "ms", [

@@ -2,14 +2,14 @@
 "use strict";
 
 (() => {
-  const { element, format, words, badSeverity, compareKnown } = sonopose;
+  const { element, format, words, hasHeading, badSeverity, compareKnown } = sonopose;
 
   const columns = [
     { name: "beacon", key: (beacon) => beacon.address, text: (beacon) => String(beacon.address) },
     { name: "x", value: ({ pose }) => pose?.x, digits: 2, unit: "m" },
     { name: "y", value: ({ pose }) => pose?.y, digits: 2, unit: "m" },
     { name: "z", value: ({ pose }) => pose?.z, digits: 2, unit: "m" },
-    { name: "heading", value: ({ pose }) => pose && (pose.yaw * 180) / Math.PI, digits: 0, unit: "°" },
+    { name: "heading", value: ({ pose }) => (pose && hasHeading(pose) ? (pose.yaw * 180) / Math.PI : NaN), digits: 0, unit: "°" },
     { name: "speed", value: ({ pose }) => pose && Math.hypot(pose.vx, pose.vy, pose.vz), digits: 2, unit: "m/s" },
     { name: "σ", value: ({ pose }) => pose && 100 * Math.sqrt(pose.cxx + pose.cyy + pose.czz), digits: 1, unit: "cm" },
     { name: "innovation", value: ({ fix }) => fix && 100 * Math.hypot(fix.ix, fix.iy, fix.iz), digits: 1, unit: "cm" },

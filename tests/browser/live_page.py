@@ -6,6 +6,7 @@ Prints "skipped: ..." where Chromium or Selenium is not installed.
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -137,7 +138,8 @@ def map_and_plots_are_drawn(browser):
         const shown = [...document.querySelectorAll(".plot:not([hidden])")];
         const names = shown.map((plot) => plot.querySelector("h2").textContent);
         return names.length >= 5 && names;""")
-    for name in ["Height (m)", "Speed (m/s)", "Innovation of fixes (m)", "Trust", "Latency, median (ms)"]:
+    for name in ["Height (m)", "Speed (m/s)", "Innovation of fixes (m)", "Trust", "Latency, median (ms)",
+                 "Delay of the fixes (ms)"]:
         check(name in names, f"there is a plot of {name}")
     inked = browser.execute_script("""
         return [...document.querySelectorAll(".plot:not([hidden])")].map((plot) =>
@@ -243,10 +245,10 @@ EVENTS_SHOWN = "document.querySelectorAll('#events li:not([hidden])').length"
 
 
 def recording_is_played(browser, events):
-    """From its begin: the time, the pose and the events follow, until it is paused."""
+    """From its beginning: the time, the pose and the events follow, until it is paused."""
     passed = "sonopose.model.now - sonopose.model.extent[0]"
     browser.execute_script(SCRUB % 0)
-    wait_for(browser, "the events after the begin are hidden", f"return {EVENTS_SHOWN} < {events}")
+    wait_for(browser, "the events after the beginning are hidden", f"return {EVENTS_SHOWN} < {events}")
     begin = time.monotonic()
     browser.execute_script("document.getElementById('play').click()")
     wait_for(browser, "a second is played", f"return {passed} > 1")
@@ -287,11 +289,16 @@ def recording_is_scrubbed(browser, processes):
           .every(({{ dygraph }}) => Math.abs(dygraph.xAxisRange()[0] - {moved[0]}) < 2)""")
     web.kill()
     wait_for(browser, "a lost connection is shown", "return document.getElementById('state').className === 'lost'")
-    processes.start_web(re.search(r"//([^/]+)/", url).group(1), folder)
+    web, _ = processes.start_web(re.search(r"//([^/]+)/", url).group(1), folder)
     wait_for(browser, "the page connects again", "return sonopose.statistics.connected", 40)
     wait_for(browser, "the same time is shown", scrubbed)
     check(browser.execute_script("return document.getElementById('events').children.length") == events,
           "the events of a recording stay when the connection is lost")
+    web.kill()
+    other = shutil.copytree(folder, folder + "_other")
+    processes.start_web(re.search(r"//([^/]+)/", url).group(1), other)
+    wait_for(browser, "the page is loaded again for another recording",
+             f"return document.getElementById('title')?.textContent === '{other}' && window.sonopose?.model?.beacons.size === 1", 40)
 
 
 def recorded_logs_and_statuses_are_shown(browser, processes, file):
@@ -303,7 +310,8 @@ def recorded_logs_and_statuses_are_shown(browser, processes, file):
         const shown = [...document.querySelectorAll(".plot:not([hidden])")];
         const names = shown.map((plot) => plot.querySelector("h2").textContent);
         return names.length >= 5 && names;""")
-    check("Latency, median (ms)" in names, f"a recording of the bus has a plot of the latency: {names}")
+    for name in ["Latency, median (ms)", "Delay of the fixes (ms)"]:
+        check(name in names, f"a recording of the bus has a plot of {name}")
     latency = browser.execute_script("""
         const status = [...sonopose.model.beacons.values()][0].status.last();
         return [status.sensor_to_bridge, status.bridge_to_fusion, status.in_fusion, status.fusion_to_here];""")

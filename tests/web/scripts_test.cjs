@@ -13,7 +13,7 @@ const load = (name) => {
 };
 globalThis.location = { search: "", protocol: "http:", host: "localhost:8080" };
 for (const name of ["shared.js", "model.js", "connection.js"]) load(name);
-const { Model, Columns, Connection, LinePath, View, verdicts, ellipseOf, compareKnown, setStatusTable, words } = sonopose;
+const { Model, Columns, Connection, LinePath, View, verdicts, ellipseOf, compareKnown, setStatusTable, words, hasHeading, unwrapped } = sonopose;
 
 const near = (a, b) => assert.ok(Math.abs(a - b) < 1e-9, `${a} is not ${b}`);
 
@@ -125,6 +125,21 @@ test("the status of a pose has the words and the severity of the server", () => 
   assert.deepEqual(words(0), { text: "ok", severity: 0 });
 });
 
+test("a heading is shown if the pose knows it", () => {
+  assert.ok(hasHeading({ yaw: 1, yaw_std: 0.1, status: 8 }));
+  assert.ok(hasHeading({ yaw: 1, yaw_std: NaN, status: NaN })); // not recorded
+  assert.ok(!hasHeading({ yaw: 1, yaw_std: 0.01, status: 16 }));
+  assert.ok(!hasHeading({ yaw: 1, yaw_std: 0.6, status: 0 }));
+  assert.ok(!hasHeading({ yaw: NaN, yaw_std: 0.1, status: 0 }));
+});
+
+test("angles have no steps at 180 degrees, and lie beside their reference", () => {
+  assert.deepEqual(unwrapped([170, -179, null, -160, 179, -170, 170, 160]), [170, 181, null, 200, 179, 190, 170, 160]);
+  const turns = Array.from({ length: 40 }, (_, i) => 30 * i);
+  assert.deepEqual(unwrapped(turns.map((angle) => ((angle + 180) % 360) - 180)), turns);
+  assert.deepEqual(unwrapped([-179, null, 5, 5], [181, 200, null, 725]), [181, null, 5, 725]);
+});
+
 test("a live connection that falls silent is opened again", () => {
   let now = 0;
   let watch = null;
@@ -158,6 +173,28 @@ test("a live connection that falls silent is opened again", () => {
   watch();
   assert.equal(sockets.length, 2);
   assert.ok(states.some(([text, isConnected]) => text.includes("lost") && !isConnected));
+});
+
+test("a WebSocket that does not open is explained, one that is lost is not said to be refused", async () => {
+  const texts = async (hasOpened) => {
+    const states = [];
+    const sockets = [];
+    let opened = 0;
+    globalThis.setTimeout = () => { opened += 1; };
+    globalThis.fetch = async () => ({ status: 426, text: async () => "" });
+    globalThis.WebSocket = class {
+      static OPEN = 1;
+      constructor() { sockets.push(this); this.readyState = 3; }
+    };
+    new Connection({ onMessage: () => {}, onState: (text) => states.push(text) });
+    if (hasOpened) sockets[0].onopen();
+    sockets[0].onclose();
+    await new Promise((resolve) => { setImmediate(resolve); });
+    assert.equal(opened, 1);
+    return states;
+  };
+  assert.match((await texts(false)).at(-1), /refused; see the log/);
+  assert.match((await texts(true)).at(-1), /^connection lost/);
 });
 
 test("plots follow until somebody chooses a range, and hide what a beacon does not have", () => {
@@ -215,6 +252,25 @@ test("plots follow until somebody chooses a range, and hide what a beacon does n
   assert.ok(plots.graphs.every(({ box }) => box.hidden));
   made[0].resize(); // of a hidden plot
   assert.equal(plots.zoomed, null);
+});
+
+test("the delay of the fixes is drawn without an estimate of it, and with one", () => {
+  globalThis.document = {
+    createElement: () => ({ append: () => {}, addEventListener: () => {}, setAttribute: () => {}, clientWidth: 500 }),
+  };
+  const model = new Model();
+  const fix = (t, delay) => [t, t - delay, 1, 2, 3, 0, 0, 0, 0, 1, 1, 0];
+  model.onFrame({ beacons: [{ a: 7, pose: [1010, 1, 2, 3], fixes: [fix(1001, 0.08), fix(1002, 0.09), fix(1003, 1003)] }] });
+  const plots = new sonopose.Plots({ append: () => {}, hidden: false }, model);
+  const { definition } = plots.graphs.find((plot) => plot.definition.name === "Delay of the fixes");
+  const rowsOf = () => plots.rowsOfAll(definition, model.beacon(7), [1000e3, 1010e3]);
+  const delays = () => rowsOf().rows.map(([time, ...values]) => [time.getTime() / 1000, ...values.map((ms) => ms && Math.round(ms))]);
+  assert.ok(rowsOf().hasValues);
+  assert.deepEqual(delays(), [[1001, 80, null], [1002, 90, null], [1003, null, null]]); // one without a time
+  const latency_segments = Object.fromEntries(
+    ["sensor_to_bridge", "bridge_to_fusion", "in_fusion", "fusion_to_here"].map((name) => [name, {}]));
+  model.onStatus({ time_ns: 1001.5e9, beacons: [{ address: 7, latency_segments, estimate: { delay_s: { value: 0.085 } } }] });
+  assert.deepEqual(delays().slice(0, 3), [[1001, 80, null], [1001.5, null, 85], [1002, 90, null]]);
 });
 
 test("a change without a selected beacon is refused, and nothing is sent", () => {
@@ -371,13 +427,13 @@ test("lines after the time that is shown of a recording are hidden, and only tho
 });
 
 // A playback of beacon 7, and its time bar.
-const makePlayback = (duration, status) => {
+const makePlayback = (duration, status, fixes = { t: [] }) => {
   load("playback.js");
   const part = () => ({ addEventListener(_, listener) { this.act = listener; } });
   const parts = { box: {}, time: part(), play: part(), rate: { value: "1" }, clock: {} };
   const model = new Model();
   const none = { t: [] };
-  const beacons = [{ address: 7, rows: 2, poses: none, fixes: none, truth: none, status }];
+  const beacons = [{ address: 7, rows: 2, poses: none, fixes, truth: none, status }];
   const playback = new sonopose.Playback(parts, model, { begin: 1000, duration, stationary: [], beacons });
   return { parts, model, playback };
 };
@@ -392,6 +448,14 @@ test("a recording fills the plots of latency, delay and battery", () => {
   assert.equal(row.delay, 0.09);
   assert.equal(row.in_fusion, 0.002);
   assert.ok(Number.isNaN(row.fusion_to_here));
+});
+
+test("both times of a recorded fix are those of a clock, as live", () => {
+  const { model } = makePlayback(2, { t: [] }, { t: [1, 2], t_emission: [0.92, null], verdict: [0, 0] });
+  const { fixes } = model.beacon(7);
+  near(fixes.row(0).t, 1001);
+  near(fixes.row(0).t_emission, 1000.92);
+  assert.ok(Number.isNaN(fixes.row(1).t_emission));
 });
 
 test("the table has the battery of a live beacon, and of a recording that of the time that is shown", () => {
@@ -427,7 +491,7 @@ test("a recording is played by the times of the pictures, at its rate, until its
   assert.equal(picture(4000), 1010); // the end, and it does not play
   assert.ok(!model.isNew);
   parts.play.act();
-  assert.equal(model.now, 1000); // from the begin
+  assert.equal(model.now, 1000); // from the beginning
   parts.time.value = "2";
   parts.time.act();
   near(picture(5000), 1002); // the click was after the time of this picture
