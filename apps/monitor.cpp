@@ -52,8 +52,9 @@ int main(int argc, char** argv) {
       echo.qos_file = bus.qos_file;
       echo.duration_s = duration_s;
       if (monitor::echo::echo(echo, stop)) return 0;
-      logging::failure(fmt::format("no sample of {} in {} s in domain {}; sonopose-doctor says why",
-                                   echo.topic, duration_s, dds::resolve_domain_id(bus.domain)));
+      const std::string beacon = echo.beacon ? fmt::format(" of beacon {}", *echo.beacon) : "";
+      logging::failure(fmt::format("no sample of {}{} in {} s in domain {}; sonopose-doctor may say why",
+                                   echo.topic, beacon, duration_s, dds::resolve_domain_id(bus.domain)));
       return 1;
     }
     options.domain = bus.domain;

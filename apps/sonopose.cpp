@@ -25,7 +25,8 @@ constexpr int failed = 1;
 int end_of_output() {
   errno = 0;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return 0;
-  sonopose::logging::failure(fmt::format("the output cannot be written: {}", std::strerror(errno)));
+  const std::string reason = errno != 0 ? std::string(": ") + std::strerror(errno) : std::string();
+  sonopose::logging::failure("the output cannot be written" + reason);
   return failed;
 }
 

@@ -10,7 +10,7 @@
   const innovation = (row) => Math.hypot(row.ix, row.iy, row.iz);
   const blue = "#1f77d0";
 
-  const mostDelayS = 10; // longer ones, and those before the emission by as much, are faults of the clock
+  const mostDelayS = 10; // delays beyond it, of either sign, are faults of a clock
 
   const delay = (row) => {
     const passedS = row.t - row.t_emission;

@@ -131,7 +131,7 @@ CLI::Validator number_between(double least, double most) {
   const std::string range = open ? fmt::format("{} or more", least) : fmt::format("{} - {}", least, most);
   return {[=](const std::string& text) {
             double value = 0.0;
-            if (!CLI::detail::lexical_cast(text, value)) return fmt::format("{} is not a number", text);
+            if (!CLI::detail::lexical_cast(text, value)) return fmt::format("'{}' is not a number", text);
             const bool good = value >= least && value <= most;
             return good ? std::string() : fmt::format("Value {} not in range [{}]", text, range);
           },

@@ -122,8 +122,12 @@ NamedValues source_settings(const CLI::App& app, const SourceOptions& options) {
 }
 
 void check_source_options(const CLI::App& app, const SourceOptions& options) {
-  for (const auto& [option, sources] : readers()) {
-    if (app.get_option(option)->count() == 0) continue;
+  for (const CLI::Option* given : app.get_options()) {
+    if (given->get_group() != source_group || given->count() == 0 || given->check_name("--source")) continue;
+    const auto entry = std::find_if(readers().begin(), readers().end(),
+                                    [given](const Reader& each) { return given->check_name(each.option); });
+    if (entry == readers().end()) throw std::logic_error(given->get_name() + " is read by no source");
+    const auto& [option, sources] = *entry;
     if (std::find(sources.begin(), sources.end(), options.source) != sources.end()) continue;
     const std::string others = fmt::format("{}", fmt::join(sources.begin(), sources.end() - 1, ", "));
     throw std::invalid_argument(fmt::format("{} only works with --source {}{}{}, not with {}", option, others,

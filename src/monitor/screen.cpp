@@ -38,6 +38,7 @@ std::size_t moved(std::size_t row, std::ptrdiff_t by, std::size_t last) {
 
 void Screen::show(std::vector<observation::BeaconView> views, std::vector<std::string> warnings) {
   std::map<BeaconAddress, std::size_t> rows;  // of those that keep theirs
+  const std::size_t selected_row = selected_index();
   if (selected_) {
     for (const observation::BeaconView& view : views_) rows.emplace(view.address, rows.size());
   }
@@ -50,6 +51,14 @@ void Screen::show(std::vector<observation::BeaconView> views, std::vector<std::s
   };
   std::stable_sort(views_.begin(), views_.end(),
                    [&](const auto& a, const auto& b) { return row_of(a) < row_of(b); });
+  const auto is_selected = [this](const auto& view) { return view.address == selected_; };
+  if (!selected_ || std::any_of(views_.begin(), views_.end(), is_selected)) return;
+  // It is gone: the row is that of the next one.
+  if (views_.empty()) {
+    selected_.reset();
+  } else {
+    selected_ = views_[std::min(selected_row, views_.size() - 1)].address;
+  }
 }
 
 Command Screen::on_key(Key key) {

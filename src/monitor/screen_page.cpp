@@ -118,7 +118,7 @@ void add_pose(Page& page, const BeaconView& view) {
   page.add(
       "yaw °",
       fmt::format("{:>9} ± {}, {}", number(known ? heading_deg(pose) : nan, 1), number(yaw_std_deg, 2),
-                  view.fusion ? text::count_text(view.fusion->headings, "heading") : "headings unknown"));
+                  view.fusion ? text::count_text(view.fusion->headings, "heading") : "no count of headings"));
   page.add("error m", fmt::format("{:>9} RMS{:>9} at most, against the truth",
                                   number(view.position_error_rms_m.value_or(nan), 3),
                                   number(view.position_error_max_m.value_or(nan), 3)));

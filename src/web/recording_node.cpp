@@ -39,7 +39,7 @@ public:
   }
 
   [[nodiscard]] std::string why_refused(const std::vector<std::string>&, bool) const override {
-    return "a recording is only for the page of this server; open the MCAP file in Foxglove itself";
+    return "a recording is only for the page of this server; open an MCAP recording in Foxglove itself";
   }
 
   void on_open(http::ClientId client, const std::string&) override {

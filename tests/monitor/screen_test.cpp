@@ -286,6 +286,9 @@ SCENARIO("keys sort, scroll and open") {
       CHECK_THAT(text_of(screen.lines(size)[0]), Contains("held until Home"));
       screen.on_key(Key::end);
       CHECK(addresses_on(screen, size).back() == 51);
+      views.pop_back();  // the selected one
+      screen.show(views, {});
+      CHECK(addresses_on(screen, size).back() == 50);
       screen.on_key(Key::home);
       CHECK(addresses_on(screen, size).front() == 10);
       CHECK(addresses_on(screen, size)[1] == 2);

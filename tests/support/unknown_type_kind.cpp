@@ -40,7 +40,7 @@ void change_kinds(Bytes& packet) {
 
 }  // namespace
 
-// Hides the one of the C library.
+// Replaces the one of the C library.
 extern "C" ssize_t sendmsg(int socket, const msghdr* message, int flags) {
   static const auto send = reinterpret_cast<decltype(&::sendmsg)>(::dlsym(RTLD_NEXT, "sendmsg"));
   Bytes packet;

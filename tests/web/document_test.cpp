@@ -38,6 +38,13 @@ SCENARIO("columns have null for what is unknown") {
   CHECK(json::parse(columns.json(100)) == json({{"t", {0.0}}, {"x", {nullptr}}, {"y", {2.5}}}));
 }
 
+SCENARIO("the delay of a fix is known to 0.1 ms after hours") {
+  Columns columns({"t_emission"}, begin_ns, 0);
+  columns.add(begin_ns + 20'000'080'300'000, std::array{20'000.0});
+  const json read = json::parse(columns.json(100));
+  CHECK(read["t"][0].get<double>() - read["t_emission"][0].get<double>() == Approx(0.0803).margin(1e-5));
+}
+
 SCENARIO("a document has each beacon's samples, in seconds since the first") {
   Document document(10.0);
   CHECK_FALSE(document.has_poses());

@@ -31,8 +31,8 @@ std::string line_of(Verdict verdict, const Credentials& credentials) {
 std::string reason_of(Verdict verdict) {
   switch (verdict) {
     case Verdict::wrong_host:
-      return "refused: the header Host names another machine; a proxy needs a server that listens on another "
-             "address than loopback, with a token\n";
+      return "refused: the header Host names another machine; a proxy needs a server that listens on an "
+             "address other than loopback, with a token\n";
     case Verdict::wrong_origin:
       return "refused: the request comes from a page of another origin; see --allow-origin\n";
     case Verdict::wrong_token:

@@ -72,13 +72,16 @@ std::string Columns::json(std::size_t most_rows) const {
   const std::size_t step = std::max<std::size_t>(1, (size() + most_rows - 1) / most_rows);
   std::string text = "{";
   const auto append = [&text, step](std::string_view name, const std::vector<double>& values) {
+    const bool is_time = name == "t" || name == "t_emission";  // 0.1 ms matters, also after hours
     fmt::format_to(std::back_inserter(text), "{}\"{}\":[", text.size() > 1 ? "," : "", name);
     for (std::size_t i = 0; i < values.size(); i += step) {
       if (i > 0) text += ',';
-      if (std::isfinite(values[i])) {
-        fmt::format_to(std::back_inserter(text), "{:.7g}", values[i]);
-      } else {
+      if (!std::isfinite(values[i])) {
         text += "null";
+      } else if (is_time) {
+        fmt::format_to(std::back_inserter(text), "{:.4f}", values[i]);
+      } else {
+        fmt::format_to(std::back_inserter(text), "{:.7g}", values[i]);
       }
     }
     text += ']';

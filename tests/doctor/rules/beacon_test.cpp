@@ -242,6 +242,18 @@ TEST_CASE("Status bits of the poses in the window are reported") {
             b.heading = {};
           }) == Severity::note);
   }
+  SECTION("a stale pose is a consequence of two bridges, but not of scattered outliers") {
+    const auto stale = [](auto& b) { b.status_counts.add(status_stale); };
+    CHECK(severity("no valid fix for longer", [&](auto& b) {
+            stale(b);
+            b.bridges.push_back({"sonopose-bridge", "rover", 200});
+          }) == Severity::ok);
+    CHECK(severity("no valid fix for longer", [&](auto& b) {
+            stale(b);
+            b.fix_outcomes.reports = 60;
+            for (int i = 0; i < 12; ++i) b.fix_outcomes.outliers_m.emplace_back(std::cos(i), std::sin(i), 0);
+          }) == Severity::warning);
+  }
   SECTION("during initialisation, other bits are not reported") {
     CHECK(severity("no valid fix for longer",
                    [](auto& b) { b.status_counts.add(status_initialising | status_stale); }) == Severity::ok);
