@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
       ->type_name("ADDRESS")
       ->needs(topic);
   app.add_option("--count", echo.count, "With --echo: exit after this many samples; 0: no limit")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
+      ->check(apps::natural_number())
       ->type_name("N")
       ->needs(topic);
   return apps::run(app, argc, argv, [&] {

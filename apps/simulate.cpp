@@ -39,7 +39,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--out", options.folder, "New sensor-log folder; an existing recording is never overwritten")
       ->type_name("DIR");
   app.add_option("--seed", options.seed, "Seed of the noise; the same seed gives the same bytes")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
+      ->check(apps::natural_number())
       ->capture_default_str();
   app.add_option("--duration", options.duration_s, "Length in seconds (default: the scenario's)")
       ->check(apps::number_between(0.01, 1e5));

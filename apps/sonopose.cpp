@@ -3,6 +3,7 @@
 #include "launch/execute.hpp"
 #include "logging/log.hpp"
 #include "support/nearest.hpp"
+#include "support/output.hpp"
 #include "support/verbs.hpp"
 #include "support/version.hpp"
 
@@ -12,6 +13,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -22,11 +24,11 @@ using namespace sonopose::apps;
 constexpr int failed = 1;
 
 /// The exit code after printing.
-int end_of_output() {
-  errno = 0;
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return 0;
-  const std::string reason = errno != 0 ? std::string(": ") + std::strerror(errno) : std::string();
-  sonopose::logging::failure("the output cannot be written" + reason);
+int end_of_output() try {
+  flush_output();
+  return 0;
+} catch (const std::runtime_error& error) {
+  sonopose::logging::failure(error.what());
   return failed;
 }
 

@@ -1,6 +1,7 @@
 #include "case_options.hpp"
 
 #include "logging/log.hpp"
+#include "run.hpp"
 #include "sim/scenario.hpp"
 
 #include <fmt/format.h>
@@ -22,7 +23,7 @@ void add_case_options(CLI::App& app, CaseOptions& options) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--first-seed", options.first_seed, "Seed of the first run; another seed gives other runs")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
+      ->check(natural_number())
       ->capture_default_str();
   app.add_option("--recordings", options.recordings, "Also score every recording in this folder")
       ->type_name("DIR")

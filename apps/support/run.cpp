@@ -10,10 +10,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
 #include <memory>
 #include <sstream>
@@ -138,18 +136,14 @@ CLI::Validator number_between(double least, double most) {
           "[" + range + "]"};
 }
 
+CLI::Validator natural_number() {
+  return CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000});
+}
+
 void parse(CLI::App& app, std::vector<std::string> arguments, const std::vector<std::string>& more) {
   arguments.insert(arguments.end(), more.begin(), more.end());
   std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
   app.parse(std::move(arguments));
-}
-
-void flush_output() {
-  errno = 0;
-  const bool flushed = std::fflush(stdout) == 0;
-  if (flushed && std::ferror(stdout) == 0) return;
-  const std::string reason = errno != 0 ? std::string(": ") + std::strerror(errno) : std::string();
-  throw std::runtime_error("the output cannot be written" + reason);
 }
 
 void serve(const std::function<void()>& node) {

@@ -1,6 +1,8 @@
 #pragma once
 // How every program begins and ends, with the bus or without it.
 
+#include "output.hpp"
+
 #include <CLI/CLI.hpp>
 
 #include <functional>
@@ -31,6 +33,9 @@ public:
 /// A number between the two; unlike CLI::Range it refuses what is no number, such as nan.
 CLI::Validator number_between(double least, double most = std::numeric_limits<double>::max());
 
+/// A whole number from 0 to 10⁹, such as a seed. Without a limit CLI11 reads -1 as the largest number.
+CLI::Validator natural_number();
+
 /// Parses the command line and runs `body`. Returns the exit code: 0 for success, help and a stop by signal;
 /// the command line's own errors as CLI11 numbers them; 1 for any exception, also on another thread, and for
 /// an output that cannot be written. The reason goes to stderr; for an unknown option or command it names the
@@ -38,10 +43,6 @@ CLI::Validator number_between(double least, double most = std::numeric_limits<do
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
 /// The same for arguments without the name of the program.
 int run(CLI::App& app, const std::vector<std::string>& arguments, const std::function<int()>& body);
-
-/// Passes standard output to the operating system. Throws std::runtime_error with the cause, such as a closed
-/// pipe or a full disk, also of an earlier output.
-void flush_output();
 
 /// Runs the node of a program whose other programs depend on it. Throws what ended it, with the restart that
 /// helps.

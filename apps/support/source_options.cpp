@@ -56,7 +56,7 @@ bool is_log(const SourceOptions& options) {
 void add_source_options(CLI::App& app, SourceOptions& options) {
   app.option_defaults()->group(source_group);
   app.add_option("--source", options.source,
-                 "Source of the samples: sim (the default), log or mcap, stream, serial or udp")
+                 fmt::format("Source: sim, log, mcap, stream, serial or udp (default: {})", options.source))
       ->check(CLI::IsMember({"sim", "log", "mcap", "stream", "serial", "udp"}))
       ->capture_default_str();
   app.add_option("--input", options.input,
@@ -104,7 +104,7 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
                  "IMU rate of the simulator in Hz (default: the scenario's)")
       ->check(number_between(1.0, 1000.0));
   app.add_option("--seed", options.sim.seed, "Seed of the simulator's noise")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
+      ->check(natural_number())
       ->capture_default_str();
   app.add_option("--duration", options.sim.duration_s,
                  "Length of the simulation in seconds; 0: run until stopped")

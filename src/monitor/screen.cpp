@@ -37,27 +37,28 @@ std::size_t moved(std::size_t row, std::ptrdiff_t by, std::size_t last) {
 }  // namespace
 
 void Screen::show(std::vector<observation::BeaconView> views, std::vector<std::string> warnings) {
-  std::map<BeaconAddress, std::size_t> rows;  // of those that keep theirs
-  const std::size_t selected_row = selected_index();
-  if (selected_) {
-    for (const observation::BeaconView& view : views_) rows.emplace(view.address, rows.size());
-  }
-  views_ = std::move(views);
+  const auto before = std::exchange(views_, std::move(views));
   warnings_ = std::move(warnings);
   sort(views_, order_);
-  const auto row_of = [&rows](const observation::BeaconView& view) {
-    const auto found = rows.find(view.address);
+  if (selected_) keep_rows(before);
+}
+
+void Screen::keep_rows(const std::vector<observation::BeaconView>& before) {
+  std::map<BeaconAddress, std::size_t> rows;
+  for (const observation::BeaconView& view : before) rows.emplace(view.address, rows.size());
+  const auto row_of = [&rows](BeaconAddress address) {
+    const auto found = rows.find(address);
     return found == rows.end() ? rows.size() : found->second;
   };
   std::stable_sort(views_.begin(), views_.end(),
-                   [&](const auto& a, const auto& b) { return row_of(a) < row_of(b); });
+                   [&](const auto& a, const auto& b) { return row_of(a.address) < row_of(b.address); });
   const auto is_selected = [this](const auto& view) { return view.address == selected_; };
-  if (!selected_ || std::any_of(views_.begin(), views_.end(), is_selected)) return;
-  // It is gone: the row is that of the next one.
+  if (std::any_of(views_.begin(), views_.end(), is_selected)) return;
+  // It is gone: its row is that of the next one.
   if (views_.empty()) {
     selected_.reset();
   } else {
-    selected_ = views_[std::min(selected_row, views_.size() - 1)].address;
+    selected_ = views_[std::min(row_of(*selected_), views_.size() - 1)].address;
   }
 }
 

@@ -36,6 +36,8 @@ private:
   static constexpr std::size_t table_begin = 2;  ///< rows above the table
   static constexpr std::size_t footer_rows = 2;
 
+  /// The order of `before`, with new beacons last.
+  void keep_rows(const std::vector<observation::BeaconView>& before);
   void sort_by(Order order);
   void move_by(std::ptrdiff_t rows);
   /// The index of the selected beacon: the first if none was selected or it is gone.

@@ -329,7 +329,7 @@ double longest_unexplained_ms(const std::vector<TappedPose>& poses, std::vector<
 
 SCENARIO("a flood of requests delays no pose") {
   GIVEN("a fusion that serves its beacons at 100 Hz") {
-    constexpr std::size_t poses_a_second = 100 * beacon_count;
+    constexpr std::size_t poses_a_second = std::size_t{100} * beacon_count;
     const Bus bus;
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({"--scenario", "rest", "--address", std::to_string(first_beacon),
