@@ -20,6 +20,7 @@
   const map = new MapView(byId("map"), model);
   const plots = new Plots(byId("plots"), model);
   sonopose.plots = plots;
+  sonopose.map = map;
   const table = new Table(byId("beacons"), model);
   const events = new Events({
     list: byId("events"), warnings: byId("warnings"), level: byId("events-level"), program: byId("events-program"),

@@ -237,6 +237,58 @@ def token_is_enough(browser, processes):
     browser.get_log("browser")  # it had to complain
 
 
+def map_layers_are_drawn(browser, processes):
+    """Under the tracks: a floor plan whose left half is magenta, a geofence across the beacons, and the hardware's map."""
+    folder = tempfile.mkdtemp()
+    plan, fence = os.path.join(folder, "plan.svg"), os.path.join(folder, "fence.csv")
+    with open(plan, "w", encoding="utf-8") as file:
+        file.write('<svg xmlns="http://www.w3.org/2000/svg" width="100" height="100">'
+                   '<rect width="50" height="100" fill="#ff00ff"/></svg>')
+    corners_x = browser.execute_script("return sonopose.model.stationary.map(({ x }) => x)")
+    border_x = sum(corners_x) / len(corners_x)  # the beacons walk to and fro between them
+    with open(fence, "w", encoding="utf-8") as file:
+        file.write(f"# x_m,y_m\n-40,-40\n{border_x},-40\n{border_x},40\n-40,40\n")
+    _, url = processes.start_web("127.0.0.1:0", "--floor-plan", plan, "--floor-plan-area", "-40", "-40", "40", "40",
+                                 "--geofence", fence)
+    browser.get(url)
+    wait_for(browser, "the floor plan and the map of the hardware are shown", f"""
+        return window.sonopose?.model?.floorPlan && sonopose.model.stationary.length >= 3
+          && Object.keys(sonopose.statistics.beacons).length === {BEACONS}""")
+    # The share of the pixels around a place, in world, that have a colour and are not transparent.
+    browser.execute_script("""
+        window.colourOf = (name) => /#(..)(..)(..)/.exec(sonopose.styleOf(name)).slice(1).map((each) => parseInt(each, 16));
+        window.shareOf = (x, y, radius, [r, g, b]) => {
+          const { map } = sonopose;
+          const [left, top] = map.toScreen(x, y).map((each) => Math.round(each * map.ratio) - radius);
+          const { data } = map.context.getImageData(left, top, 2 * radius + 1, 2 * radius + 1);
+          let count = 0;
+          for (let i = 0; i < data.length; i += 4) {
+            const isNear = [r, g, b].every((each, k) => Math.abs(each - data[i + k]) < 40);
+            if (isNear && data[i + 3] > 60) count += 1;
+          }
+          return count / (2 * radius + 1) ** 2;
+        };""")
+    magenta = [255, 0, 255]
+    for x, is_coloured in [(-38, True), (-20, True), (20, False), (38, False)]:
+        wait_for(browser, f"the floor plan at x = {x} m",
+                 f"return (shareOf({x}, 30, 10, {magenta}) > 0.5) === {str(is_coloured).lower()}")
+    print("ok: the floor plan is in its place")
+    wait_for(browser, "the dashed line of the geofence is drawn there, and not beside it", f"""
+        const colour = colourOf("--warning");
+        const shares = [-35, -30, 30, 35].map((y) => [shareOf({border_x}, y, 8, colour), shareOf({border_x} + 6, y, 8, colour)]);
+        return shares.every(([there, beside]) => there > 0.02 && beside === 0);""")
+    print("ok: the geofence is in its place")
+    drawn = browser.execute_script("""
+        return sonopose.model.stationary.map(({ x, y }) => shareOf(x, y, 6, colourOf("--faint")));""")
+    check(all(share > 0.15 for share in drawn), f"{len(drawn)} stationary beacons are in their places")
+    for sign, what in [(1, "a beacon beyond the geofence is marked"), (-1, "a beacon within it is not")]:
+        marked = wait_for(browser, what, f"""
+            const rows = [...document.querySelectorAll("#beacons tbody tr")].map((line) => line.cells);
+            const there = rows.filter((cells) => {sign} * (parseFloat(cells[1].textContent) - {border_x}) > 0.1);
+            return there.length > 0 && there.map((cells) => [...cells].pop().textContent.endsWith(", outside"));""", 40)
+        check(all(marked) if sign > 0 else not any(marked), f"{what} ({len(marked)} beacons)")
+
+
 SCRUB = """
     const time = document.getElementById("time");
     time.value = "%s";
@@ -390,6 +442,8 @@ def run(folder, screenshot):
         logged = [entry["message"] for entry in browser.get_log("browser")
                   if not entry["message"].startswith("chrome://") and "/ws" not in entry["message"] and "ERR_CONNECTION_REFUSED" not in entry["message"]]
         check(not logged, "the browser reports no error: " + json.dumps(logged))
+        map_layers_are_drawn(browser, processes)
+        browser.save_screenshot(screenshot.replace(".png", "_layers.png"))
         token_is_enough(browser, processes)
         recording_is_scrubbed(browser, processes)
         recorded_logs_and_statuses_are_shown(browser, processes, recorded)

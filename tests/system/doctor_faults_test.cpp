@@ -36,6 +36,22 @@ std::string problems_of(const nlohmann::json& report, const std::string& subject
   return text;
 }
 
+/// What a report wraps, in one line.
+std::string unwrapped(const std::string& report) {
+  return std::regex_replace(report, std::regex("\n +"), " ");
+}
+
+/// What stands before each "cannot receive from WRITER", without the host.
+std::set<std::string> receivers_without(const std::string& report, const std::string& writer) {
+  const std::regex finding(R"((\S+ \(process \d+)[^)]*\) cannot receive from (\S+ \(process \d+))");
+  std::set<std::string> receivers;
+  for (auto each = std::sregex_iterator(report.begin(), report.end(), finding);
+       each != std::sregex_iterator(); ++each) {
+    if (each->str(2) == writer) receivers.insert(each->str(1));
+  }
+  return receivers;
+}
+
 /// The axis of the pair and the time of the fixes as the hardware reports them, and what happens to samples.
 struct Fault {
   double mount_deg = 0;
@@ -196,7 +212,7 @@ SCENARIO("the doctor finds a weak battery") {
   }
 }
 
-SCENARIO("the doctor finds two fusions of one strength, foreign writers, and other clocks") {
+SCENARIO("the doctor finds two fusions of one strength, foreign endpoints, and other clocks") {
   GIVEN("a bridge, and two fusions of the same strength") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
@@ -205,10 +221,11 @@ SCENARIO("the doctor finds two fusions of one strength, foreign writers, and oth
     const auto bridge = bus.bridge({"--scenario", "rest"});
     REQUIRE(poses.wait_for_count(1));
     REQUIRE(poses.wait_for_writers(2));
-    AND_GIVEN("a writer of poses with other QoS, and a writer of IMU samples whose clock is 5 s ahead") {
+    AND_GIVEN("a writer and a reader of poses with other QoS, and IMU samples of a clock that is 5 s ahead") {
       const dds::DomainParticipant participant({.domain_id = bus.domain_id()});
       const dds::Topic<sonopose_FusedPose> topic(participant, topics::pose.name);
-      const dds::DataWriter<sonopose_FusedPose> foreign(participant, topic);
+      const dds::DataWriter<sonopose_FusedPose> foreign_writer(participant, topic);
+      const dds::DataReader<sonopose_FusedPose> foreign_reader(participant, topic);
       auto ahead = dds::topics::make_writer(participant, dds::qos::Provider(), topics::imu);
       std::jthread clock_ahead([&ahead](const std::stop_token& stop) {
         ImuSample imu;
@@ -226,16 +243,20 @@ SCENARIO("the doctor finds two fusions of one strength, foreign writers, and oth
       });
       WHEN("the doctor runs") {
         const Result result = doctor(bus.domain_id(), {"--duration", "2"});
+        const std::string report = unwrapped(result.output);
         THEN("it finds the fusions, the QoS and the clock") {
           CAPTURE(result.output, result.error);
           CHECK(result.code == 1);
-          CHECK_THAT(result.output, Contains("with the same strength"));
+          CHECK_THAT(report, Contains("with the same strength"));
+          const std::string here = "test_system_doctor (process " + std::to_string(getpid());
+          CHECK_THAT(report, Contains("cannot receive from " + here));
           for (const auto* const fusion : {first.get(), second.get()}) {
-            CHECK_THAT(result.output, Contains("sonopose-fusion (process " + std::to_string(fusion->pid())));
+            const std::string name = "sonopose-fusion (process " + std::to_string(fusion->pid());
+            CHECK_THAT(report, Contains(name));
+            CHECK(receivers_without(report, name).contains(here));
           }
-          CHECK_THAT(result.output, Contains("cannot receive from test_system_doctor (process "));
-          CHECK_THAT(result.output, Contains("the clock of the bridge's machine is about ") &&
-                                        Contains(" ms ahead of the clock of this machine"));
+          CHECK_THAT(report, Contains("the clock of the bridge's machine is about ") &&
+                                 Contains(" ms ahead of the clock of this machine"));
         }
       }
     }
