@@ -3,6 +3,7 @@
 /// Writes the poses of a fusion process: selects the ownership strength of each pose, asserts liveliness, and
 /// writes predicted poses between IMU samples.
 
+#include "fusion/bridge_backlog.hpp"
 #include "fusion/lateness.hpp"
 #include "fusion/pose_predictor.hpp"
 #include "fusion/standby.hpp"
@@ -46,7 +47,7 @@ public:
   };
   /// The route for a pose that is written at `now`. Releases the beacon if necessary. A standby skips the
   /// backlog of a pause. Live, marks and counts a pose whose sample arrived more than `late_after_s` later
-  /// than usual.
+  /// than usual, or left the bridge so much later after a pause of the bridge.
   Route route(FusedPose& pose, SteadyTime now) noexcept;
   static constexpr double late_after_s = sonopose_LATE_AFTER;
 
@@ -91,6 +92,7 @@ private:
 
   struct Delay {
     Lateness lateness;
+    BridgeBacklog bridge_backlog{to_ns(late_after_s)};
     TimeNs latest_ns = 0;  ///< time of the latest pose
     std::uint64_t poses_late = 0;
     std::uint64_t poses_skipped = 0;

@@ -308,6 +308,38 @@ SCENARIO("no pose is older than declared, unless it is marked") {
   }
 }
 
+SCENARIO("what a bridge sends after a stop is marked if it is old") {
+  History history = undisturbed();
+  history.episodes = {{{.fault = Fault::stop, .target = Role::bridge}, {at(6), at(7)}}};
+  erase_imu(history, 6, 7.004);
+  erase_poses(history, 6, 7.004);
+  const auto add_backlog = [&](std::uint32_t status) {
+    for (int i = 0; i <= 200; ++i) {
+      const SteadyTime sent = at(7) + i * ms / 100;
+      history.imu.push_back(imu_at(sent));
+      Arrival pose = pose_at(sent);
+      pose.time_ns = host_zero_ns + at(6).ns + i * period_ns;
+      const bool is_old = pose.received_host_ns - pose.time_ns > 250 * ms;
+      pose.status = is_old ? status : 0U;
+      history.poses.push_back(pose);
+    }
+    std::sort(history.poses.begin(), history.poses.end(),
+              [](const Arrival& a, const Arrival& b) { return a.received < b.received; });
+    std::sort(history.imu.begin(), history.imu.end(),
+              [](const Published& a, const Published& b) { return a.received < b.received; });
+  };
+  GIVEN("marked poses") {
+    add_backlog(status_late);
+    CHECK(violations_of(history) == none);
+  }
+  GIVEN("poses without a mark") {
+    add_backlog(0U);
+    const auto violations = violations_of(history);
+    REQUIRE(violations.size() == 1);
+    CHECK_THAT(violations.front(), Contains("was taken 1000.5 ms ago") && Contains("which is not marked"));
+  }
+}
+
 SCENARIO("a fusion that is stopped writes at most the pose that it has in hand when it continues") {
   for (const int old : {1, 2}) {
     History history = takeover(7.105);

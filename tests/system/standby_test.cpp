@@ -138,21 +138,21 @@ SCENARIO("a stopped fusion is replaced within its lease, and serves again when i
   report("SIGSTOP", waits_ms);
 }
 
-/// How old the IMU sample of a pose was when the consumer received it. Bridge and consumer share a clock.
+/// How old the IMU sample of a pose was when the consumer received it. Simulator and consumer share a clock.
 double age_s(const TappedPose& tapped, TimeNs steady_to_host_ns) {
-  return seconds_between(tapped.pose.imu_bridge_time_ns, tapped.received.ns + steady_to_host_ns);
+  return seconds_between(tapped.pose.time_ns, tapped.received.ns + steady_to_host_ns);
 }
 
 TimeNs steady_to_host_ns() {
   return clocks::host_now() - clocks::steady_now().ns;
 }
 
-SCENARIO("a fusion that was stopped for seconds passes nothing old off as live", "[standby]") {
+SCENARIO("a process that was stopped for seconds passes nothing old off as live", "[standby]") {
   const double late_s = slowness * sonopose_LATE_AFTER;
-  const auto stop_for_two_seconds = [](const Process& fusion) {
-    fusion.send(SIGSTOP);
+  const auto stop_for_two_seconds = [](const Process& process) {
+    process.send(SIGSTOP);
     std::this_thread::sleep_for(std::chrono::seconds(2));  // what it will find is 2 s old
-    fusion.send(SIGCONT);
+    process.send(SIGCONT);
   };
   GIVEN("a standby that serves meanwhile") {
     Pair pair({"--scenario", "walk"});
@@ -183,9 +183,10 @@ SCENARIO("a fusion that was stopped for seconds passes nothing old off as live",
     const auto fusion = bus.fusion();
     Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::topics::Delivery::live);
     REQUIRE(tap.wait_for_count(0, 100).size() >= 100);
-    WHEN("the fusion continues") {
+    const std::string name = GENERATE("fusion", "bridge");
+    WHEN("the " + name + " continues") {
       const std::size_t before = tap.count();
-      stop_for_two_seconds(*fusion);
+      stop_for_two_seconds(name == "fusion" ? *fusion : *bridge);
       const auto is_live = [before_ns = clocks::steady_now()](const TappedPose& tapped) {
         return tapped.received > before_ns + 200'000'000;
       };

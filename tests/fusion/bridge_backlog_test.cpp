@@ -1,0 +1,92 @@
+#include "fusion/bridge_backlog.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <limits>
+
+namespace bridge_backlog_test {
+
+using namespace sonopose;
+using namespace sonopose::fusion;
+
+constexpr TimeNs ms = 1'000'000;
+constexpr TimeNs s = 1'000 * ms;
+
+/// Samples every 10 ms that leave the bridge 5 ms later; the beacon's clock is an hour behind.
+struct Feed {
+  BridgeBacklog backlog{250 * ms};
+  TimeNs sensor_ns = 0;
+  TimeNs bridge_ns = 3'600 * s + 5 * ms;
+
+  /// The next sample, which leaves so long after the one before.
+  bool sample(TimeNs after_ns = 10 * ms) {
+    sensor_ns += 10 * ms;
+    bridge_ns += after_ns;
+    return backlog.on_sample(sensor_ns, bridge_ns);
+  }
+
+  /// How many of these samples are behind.
+  int behind_of(int samples, TimeNs after_ns = 10 * ms) {
+    int count = 0;
+    for (int i = 0; i < samples; ++i) count += sample(after_ns) ? 1 : 0;
+    return count;
+  }
+};
+
+SCENARIO("what a bridge sends after a pause is behind until it is as young as before") {
+  Feed feed;
+  REQUIRE(feed.behind_of(500) == 0);
+  WHEN("the bridge was stopped for a second and sends the hundred samples at once") {
+    REQUIRE(feed.sample(1 * s));  // taken 0.99 s before the others
+    THEN("those that are more than 0.25 s older than usual are behind") {
+      CHECK(feed.behind_of(99, 0) == 73);  // 0.98 s … 0.26 s
+      CHECK(feed.behind_of(500) == 0);
+    }
+  }
+  WHEN("it is stopped twice, and the second time in its backlog") {
+    REQUIRE(feed.sample(1 * s));
+    REQUIRE(feed.behind_of(20, 0) == 20);
+    REQUIRE(feed.sample(2 * s));
+    THEN("the samples before the first stop remain the measure") {
+      CHECK(feed.behind_of(300, 0) == 252);  // 2.77 s … 0.26 s
+      CHECK(feed.behind_of(500) == 0);
+    }
+  }
+  WHEN("it pauses for 0.2 s") {
+    THEN("nothing is behind") {
+      CHECK_FALSE(feed.sample(200 * ms));
+      CHECK(feed.behind_of(100, 0) == 0);
+    }
+  }
+  WHEN("the samples of a second are lost") {
+    feed.sensor_ns += 1 * s;
+    THEN("nothing is behind") {
+      CHECK_FALSE(feed.sample(1010 * ms));
+      CHECK(feed.behind_of(100) == 0);
+    }
+  }
+  WHEN("the clock of the bridge steps by a minute") {
+    REQUIRE(feed.sample(60 * s));
+    THEN("the samples are behind for two seconds") {
+      CHECK(feed.behind_of(500) == 200);
+    }
+    THEN("after a step back nothing is") {
+      CHECK_FALSE(feed.sample(-60 * s));
+      CHECK(feed.behind_of(500) == 0);
+    }
+  }
+  WHEN("a recording is played at a fifth of its speed") {
+    THEN("nothing is behind") {
+      CHECK(feed.behind_of(1000, 50 * ms) == 0);
+    }
+  }
+  WHEN("a stamp is absurd") {
+    feed.backlog.on_sample(std::numeric_limits<TimeNs>::min(), std::numeric_limits<TimeNs>::max());
+    THEN("what follows is judged as before") {
+      CHECK(feed.behind_of(500) == 0);
+      CHECK(feed.sample(1 * s));
+    }
+  }
+}
+
+}  // namespace bridge_backlog_test
