@@ -4,12 +4,14 @@
 #include "support/bus_options.hpp"
 #include "support/log_option.hpp"
 #include "support/version.hpp"
+#include "support/waiting.hpp"
 #include "web/recording_node.hpp"
 #include "web/web_node.hpp"
 
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -94,7 +96,9 @@ int main(int argc, char** argv) {
     process::give_way();  // it only watches
     const logging::Session log(log_level);
     apply(given, options);
-    const auto report = [log_level](const std::vector<std::string>& urls) {
+    std::optional<apps::Waiting> reading;
+    const auto report = [log_level, &reading](const std::vector<std::string>& urls) {
+      reading.reset();
       for (const std::string& url : urls) {
         logging::info("the page is at " + url);
         if (log_level > logging::Level::info) fmt::print("{}\n", url);  // nobody can guess the token
@@ -103,6 +107,7 @@ int main(int argc, char** argv) {
     };
     process::StopSignal stop;
     if (!given.recording.empty()) {
+      reading.emplace("reading " + std::filesystem::path(given.recording).filename().string());
       web::serve_recording({.recording = given.recording,
                             .beacon = given.beacon,
                             .server = options.server,
