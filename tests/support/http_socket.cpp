@@ -65,8 +65,10 @@ std::string HttpSocket::read_message() {
   }
   need(header + size);
   std::string payload = received_.substr(header, size);
+  const auto operation = byte(0) & 0x0FU;
   received_.erase(0, header + size);
-  return payload;
+  constexpr unsigned ping = 9;
+  return operation == ping ? read_message() : payload;
 }
 
 void HttpSocket::send_message(const std::string& text) const {

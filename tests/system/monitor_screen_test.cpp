@@ -3,6 +3,7 @@
 #include "support/bus.hpp"
 #include "support/held_thread.hpp"
 #include "support/terminal_process.hpp"
+#include "support/wait_until.hpp"
 
 #include <csignal>
 #include <filesystem>
@@ -160,6 +161,35 @@ SCENARIO("the terminal is restored however the monitor ends") {
       CHECK(code);
       CHECK(code != 0);
       check_is_restored(monitor);
+    }
+  }
+}
+
+SCENARIO("c clears the counters") {
+  GIVEN("the page of a beacon whose bridge was stopped for a moment") {
+    const Bus bus;
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({});
+    MonitorScreen monitor(bus);
+    monitor.resize(100, 70);
+    REQUIRE(monitor.wait_for("1 beacon by worst"));
+    monitor.type(enter);
+    REQUIRE(monitor.wait_for("Problems since the start or the last clear"));
+    bridge->send(SIGSTOP);
+    REQUIRE(monitor.wait_for("missed"));
+    bridge->send(SIGCONT);
+    WHEN("c is typed") {
+      // A deadline that is missed after a clear is counted; on a busy machine it takes several.
+      const bool is_cleared = wait_until([&] {
+        monitor.type("c");
+        return monitor.wait_until(
+            [](const TextScreen& screen) { return !Contains("missed").match(screen.text()); },
+            std::chrono::seconds(1));
+      });
+      THEN("the problems from before are gone") {
+        CAPTURE(monitor.screen().text());
+        CHECK(is_cleared);
+      }
     }
   }
 }

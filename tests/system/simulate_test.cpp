@@ -4,9 +4,11 @@
 #include "sim/simulator.hpp"
 #include "support/process.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/wait_until.hpp"
 
 #include <catch2/catch.hpp>
 
+#include <csignal>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -119,6 +121,31 @@ SCENARIO("a simulated run is written as a log with truth") {
         CHECK_THAT(result.output,
                    Contains(std::string(scenario.name)) && Contains(std::string(scenario.summary)));
       }
+    }
+  }
+}
+
+SCENARIO("only a simulated run that was ended looks whole") {
+  const TemporaryFolder folder;
+  GIVEN("a run that is complete") {
+    REQUIRE(simulate({"walk", "--out", (folder / "log").string(), "--seed", "5", "--duration", "2"}).code ==
+            0);
+    THEN("the folder has its name, and says what made it") {
+      CHECK_FALSE(exists(folder / "log.part"));
+      const auto meta = recording::read_log_meta(folder / "log");
+      CHECK(meta.program_version == recording::program_version());
+      CHECK(meta.settings ==
+            recording::LogSettings{{"duration_s", "2"}, {"scenario", "walk"}, {"seed", "5"}});
+    }
+  }
+  GIVEN("a run of ten hours, which is killed") {
+    Process process(SONOPOSE_TEST_SIMULATE,
+                    {"walk", "--out", (folder / "log").string(), "--duration", "36000"});
+    REQUIRE(wait_until([&] { return exists(folder / "log.part/imu.csv"); }));
+    process.end_by(SIGKILL);
+    THEN("the folder keeps the name of a part") {
+      CHECK_FALSE(exists(folder / "log"));
+      CHECK(exists(folder / "log.part"));
     }
   }
 }

@@ -96,6 +96,24 @@ SCENARIO("--from accepts one sender only") {
   }
 }
 
+SCENARIO("--from lets the samples of its sender pass") {
+  GIVEN("a bridge that accepts this machine") {
+    const Bus bus;
+    const auto datagrams = resting_beacon(bus, 21, 3);
+    const UdpSender beacon;
+    Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+    const auto bridge = bus.bridge({"--source", "udp", "--listen", beacon.endpoint(), "--from", "127.0.0.1"});
+    REQUIRE(bridge->wait_for_line(Stream::error, "publishing from udp"));
+    REQUIRE(imu.wait_for_writers());
+    WHEN("a beacon of this machine sends") {
+      send_in_time(datagrams, [&beacon](std::span<const std::uint8_t> bytes) { beacon.send(bytes); });
+      THEN("its samples are published") {
+        CHECK(imu.wait_for([](const ImuSample& sample) { return sample.address == 21; }));
+      }
+    }
+  }
+}
+
 SCENARIO("the datagrams of a beacon give poses") {
   GIVEN("a fusion, a listening bridge, and a beacon at rest") {
     const Bus bus;

@@ -59,8 +59,9 @@ private:
 class Page {
 public:
   explicit Page(const Web& web, const std::string& target = "/ws",
-                const std::string& protocol = "sonopose.v1", const std::string& headers = "")
-      : socket_(web.port()) {
+                const std::string& protocol = "sonopose.v1", const std::string& headers = "",
+                int receive_buffer_bytes = 0)
+      : socket_(web.port(), receive_buffer_bytes) {
     socket_.send(upgrade_request(target, protocol, web.host_line() + headers));
     REQUIRE_THAT(socket_.read_until("\r\n\r\n"), Catch::StartsWith("HTTP/1.1 101 "));
   }
