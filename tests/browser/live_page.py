@@ -14,6 +14,7 @@ import time
 
 try:
     from selenium import webdriver
+    from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.chrome.options import Options
     from selenium.webdriver.chrome.service import Service
 except ImportError:
@@ -289,6 +290,65 @@ def map_layers_are_drawn(browser, processes):
         check(all(marked) if sign > 0 else not any(marked), f"{what} ({len(marked)} beacons)")
 
 
+def doctor_is_run(browser):
+    """Its findings are those of these processes: a bridge waits for a device that does not exist."""
+    browser.execute_script("""
+        document.querySelector('[data-panel="doctor"]').click();
+        document.getElementById("examine").click();""")
+    wait_for(browser, "the progress of the doctor is shown", "return document.getElementById('progress').value > 0")
+    found = wait_for(browser, "the doctor has findings", """
+        const lines = [...document.querySelectorAll("#findings li")].filter((line) => line.offsetParent !== null);
+        return document.getElementById("progress").hidden && lines.length > 0 && lines.map((line) => line.textContent);""", 40)
+    check(any("/dev/absent-beacon: its bridge waits for the device" in line for line in found),
+          f"the doctor has {len(found)} findings, one of the device that does not exist")
+
+
+def run_page_is_drawn(browser, processes):
+    """What sonopose-replay --html writes is drawn from the file alone, and can be zoomed."""
+    folder = tempfile.mkdtemp()
+    log, page = os.path.join(folder, "walk"), os.path.join(folder, "run.html")
+    for name, *arguments in [("simulate", "walk", "--out", log), ("replay", log, "--html", page)]:
+        subprocess.run([os.path.join(processes.folder, "sonopose-" + name), *arguments], check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    browser.get("file://" + page)
+    names = wait_for(browser, "the plots of the run are shown", """
+        const names = [...document.querySelectorAll(".plot h2")].map((title) => title.textContent);
+        return names.length >= 6 && names;""")
+    for name in ["Position error", "Innovations", "Height", "Yaw", "Speed", "Trust", "Delay of the fixes"]:
+        check(any(each.startswith(name) for each in names), f"the page of a run has a plot of {name}")
+    inked = browser.execute_script("""
+        return [...document.querySelectorAll(".plot")].map((plot) =>
+          [...plot.querySelectorAll("canvas")].some((canvas) => {
+            const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+            return data.some((value) => value !== 0);
+          }));""")
+    check(all(inked), "each of them has pixels")
+    blue = """
+        const canvas = document.querySelector(".map canvas");
+        const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+        let count = 0;
+        for (let i = 0; i < data.length; i += 4) {
+          if (data[i + 3] > 200 && Math.abs(data[i] - 0x1f) + Math.abs(data[i + 1] - 0x77) + Math.abs(data[i + 2] - 0xd0) < 20) count += 1;
+        }
+        return count;"""
+    path = browser.execute_script(blue)
+    check(path > 500, f"the map has the path of the run, {path} pixels")
+    browser.execute_script("[...document.querySelectorAll('.legend label')].find(({ textContent }) => textContent === 'fused path').querySelector('input').click()")
+    check(browser.execute_script(blue) < path / 10, "the path can be hidden")
+    labels = """
+        return [...document.querySelectorAll(".plot")].map((plot) =>
+          [...plot.querySelectorAll(".dygraph-axis-label-x")].map((label) => label.textContent).join(" "));"""
+    whole = browser.execute_script(labels)
+    graph = browser.find_element("css selector", ".plot .graph")
+    ActionChains(browser).move_to_element(graph).click_and_hold().move_by_offset(80, 0).release().perform()
+    zoomed = wait_for(browser, "a dragged range is shown", f"""
+        const now = (() => {{ {labels} }})();
+        return now[0] !== {json.dumps(whole[0])} && new Set(now).size === 1 && now""")
+    check(len(zoomed) == len(whole), f"all {len(zoomed)} plots show the dragged range: {zoomed[0]}")
+    logged = [entry["message"] for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
+    check(not logged, "the page of a run has no error: " + json.dumps(logged))
+
+
 SCRUB = """
     const time = document.getElementById("time");
     time.value = "%s";
@@ -428,6 +488,7 @@ def run(folder, screenshot):
         logs_are_shown(browser, processes)
         browser.save_screenshot(screenshot.replace(".png", "_log.png"))
         settings_can_be_changed(browser)
+        doctor_is_run(browser)
 
         browser.refresh()
         wait_for(browser, "a reload shows beacons again",
@@ -447,6 +508,9 @@ def run(folder, screenshot):
         token_is_enough(browser, processes)
         recording_is_scrubbed(browser, processes)
         recorded_logs_and_statuses_are_shown(browser, processes, recorded)
+        browser.get_log("browser")  # connections were lost
+        run_page_is_drawn(browser, processes)
+        browser.save_screenshot(screenshot.replace(".png", "_run.png"))
     finally:
         if browser:
             browser.quit()

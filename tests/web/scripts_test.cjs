@@ -133,6 +133,28 @@ test("a heading is shown if the pose knows it", () => {
   assert.ok(!hasHeading({ yaw: NaN, yaw_std: 0.1, status: 0 }));
 });
 
+test("the map has three standard deviations as an ellipse, and the heading as an arrow, with y up", () => {
+  load("map.js");
+  const calls = [];
+  const recorder = { get: (target, name) => target[name] ?? ((...values) => calls.push([name, ...values])) };
+  const map = Object.assign(Object.create(sonopose.MapView.prototype), { context: new Proxy({}, recorder), scale: 100 });
+  const called = (name) => calls.filter(([each]) => each === name).map(([, ...values]) => values);
+  map.drawEllipse({ cxx: 0.04, cxy: 0, cyy: 0.01 }, 50, 60); // 0.2 m along x, 0.1 m along y
+  map.drawEllipse({ cxx: 0.025, cxy: 0.015, cyy: 0.025 }, 50, 60); // the same along the diagonal
+  const [along, diagonal] = called("ellipse");
+  [50, 60, 60, 30, 0].forEach((value, i) => near(along[i], value));
+  [50, 60, 60, 30, -Math.PI / 4].forEach((value, i) => near(diagonal[i], value));
+  setStatusTable([]);
+  map.drawHeading({ yaw: Math.PI / 2, status: 0 }, 50, 60, 10);
+  assert.deepEqual(called("translate"), [[50, 60]]);
+  near(called("rotate")[0][0], -Math.PI / 2);
+  const [tip, ...others] = [...called("moveTo"), ...called("lineTo")].map(([x]) => x);
+  assert.ok(others.every((x) => x < tip), "the tip is in front");
+  map.drawHeading({ yaw: Math.PI / 2, status: 16 }, 50, 60, 10); // unknown
+  assert.equal(called("rotate").length, 1);
+  assert.equal(called("arc").length, 1);
+});
+
 test("angles have no steps at 180 degrees, and lie beside their reference", () => {
   assert.deepEqual(unwrapped([170, -179, null, -160, 179, -170, 170, 160]), [170, 181, null, 200, 179, 190, 170, 160]);
   const turns = Array.from({ length: 40 }, (_, i) => 30 * i);
