@@ -43,4 +43,34 @@ SCENARIO("the first fifty plans have every fault, three to five each, and end wi
   CHECK(killed.size() == 4);
 }
 
+SCENARIO(
+    "the plans of the short run have every fault of a bridge and of a fusion, and everything around them") {
+  constexpr TimeNs long_ns = 450'000'000;   // what gathers meanwhile is old
+  std::set<std::pair<Fault, bool>> faults;  // and whether it is that of the bridge
+  std::set<Line> lines;
+  std::set<Line> long_bridge_stops;
+  std::set<Disk> disks;
+  std::set<bool> losing_bridges;
+  bool has_third_fusion = false;
+  for (const std::uint64_t seed : short_seeds) {
+    const Plan plan = draw_plan(seed);
+    lines.insert(plan.line);
+    disks.insert(plan.disk);
+    if (plan.loss) losing_bridges.insert(plan.loss->role == Role::bridge);
+    for (const Step& step : plan.steps) {
+      const bool of_bridge = step.fault < Fault::few_descriptors && step.target == Role::bridge;
+      faults.emplace(step.fault, of_bridge);
+      if (step.fault == Fault::stop && of_bridge && step.for_ns > long_ns)
+        long_bridge_stops.insert(plan.line);
+      if (step.fault < Fault::few_descriptors && step.target == Role::third_fusion) has_third_fusion = true;
+    }
+  }
+  CHECK(faults.size() == 2 * 4 + 5);
+  CHECK(lines.size() == 2);
+  CHECK(long_bridge_stops.size() == 2);
+  CHECK(disks.size() == 3);
+  CHECK(losing_bridges.size() == 2);
+  CHECK(has_third_fusion);
+}
+
 }  // namespace plan_test

@@ -13,8 +13,12 @@
 #include <algorithm>
 #include <charconv>
 #include <iostream>
+#include <numeric>
 #include <set>
 #include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace seeds_test {
 
@@ -24,32 +28,30 @@ using namespace sonopose::faults;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool sanitized = true;
 constexpr TimeNs slowness = 5;
-constexpr const char* default_seeds = "1-3";
+constexpr std::size_t usual_seeds = 3;
 #else
 constexpr bool sanitized = false;
 constexpr TimeNs slowness = 1;
-constexpr const char* default_seeds = "1-10";
+constexpr std::size_t usual_seeds = short_seeds.size();
 #endif
 
-struct Seeds {
-  std::uint64_t first = 0;
-  std::uint64_t last = 0;
-};
-
-/// "7" or "1-10".
-Seeds chosen_seeds() {
+/// Those of SONOPOSE_FAULT_SEEDS, "7" or "1-10"; without it, the usual ones.
+std::vector<std::uint64_t> chosen_seeds() {
   const char* const value = std::getenv("SONOPOSE_FAULT_SEEDS");
-  const std::string_view text = value == nullptr ? default_seeds : value;
+  if (value == nullptr) return {short_seeds.begin(), short_seeds.begin() + usual_seeds};
+  const std::string_view text = value;
   const char* const end = text.data() + text.size();
-  Seeds seeds;
-  auto parsed = std::from_chars(text.data(), end, seeds.first);
-  seeds.last = seeds.first;
+  std::uint64_t first = 0;
+  auto parsed = std::from_chars(text.data(), end, first);
+  std::uint64_t last = first;
   if (parsed.ec == std::errc() && parsed.ptr != end && *parsed.ptr == '-') {
-    parsed = std::from_chars(parsed.ptr + 1, end, seeds.last);
+    parsed = std::from_chars(parsed.ptr + 1, end, last);
   }
-  if (parsed.ec != std::errc() || parsed.ptr != end || seeds.last < seeds.first) {
+  if (parsed.ec != std::errc() || parsed.ptr != end || last < first) {
     throw std::invalid_argument("SONOPOSE_FAULT_SEEDS is '" + std::string(text) + "': expected 7 or 1-10");
   }
+  std::vector<std::uint64_t> seeds(last - first + 1);
+  std::iota(seeds.begin(), seeds.end(), first);
   return seeds;
 }
 
@@ -57,12 +59,12 @@ bool can_step_clocks() {
   return !sanitized && !faketime_library().empty();  // a sanitizer must be loaded before other libraries
 }
 
-/// All fusions of the plan serve both beacons.
-bool all_serve(const Plan& plan, const std::vector<FusionReport>& reports) {
+/// All fusions of the plan have reported since then that they serve both beacons.
+bool all_serve(const Plan& plan, const std::vector<FusionReport>& reports, SteadyTime since = {}) {
   std::set<std::pair<std::int32_t, BeaconAddress>> serving;
   for (const FusionReport& report : reports) {
     const auto key = std::pair{report.status.strength, report.status.address};
-    if (report.status.role == FusionRole::serving) serving.insert(key);
+    if (report.received >= since && report.status.role == FusionRole::serving) serving.insert(key);
   }
   return serving.size() == 2 * static_cast<std::size_t>(plan.fusions);
 }
@@ -140,7 +142,11 @@ Outcome play(const Plan& plan, const Limits& limits) {
   history.stalls = stall_watch.stalls();
   Outcome outcome{plan, HistoryChecker(history, limits).check(), history.poses.size(),
                   longest_of(history.stalls)};
+  constexpr TimeNs report_period_ns = 1'000'000'000;
+  const bool serve_again = observer.wait_for_reports(
+      [&](const auto& reports) { return all_serve(plan, reports, history.end - report_period_ns); });
   auto failures = cast.finish();
+  if (!serve_again) failures.emplace_back("the fusions do not all serve again");
   if (!served) failures.emplace_back("the fusions did not all serve within the time limit");
   auto& violations = outcome.verdict.violations;
   violations.insert(violations.end(), failures.begin(), failures.end());
@@ -174,9 +180,9 @@ SCENARIO("whatever happens to the processes and the line, consumers receive what
   limits.unowned_lag_ns *= slowness;
   limits.recovery_ns *= slowness;
   limits.takeover_lag_ns *= slowness;
-  const Seeds seeds = chosen_seeds();
+  const auto seeds = chosen_seeds();
   print_header();
-  for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
+  for (const std::uint64_t seed : seeds) {
     const Plan plan = draw_plan(seed, can_step_clocks());
     Outcome outcome = play(plan, limits);
     constexpr TimeNs stall_ns = 50'000'000;
