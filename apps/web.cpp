@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -107,7 +106,7 @@ int main(int argc, char** argv) {
     };
     process::StopSignal stop;
     if (!given.recording.empty()) {
-      reading.emplace("reading " + std::filesystem::path(given.recording).filename().string());
+      reading.emplace("reading " + given.recording);
       web::serve_recording({.recording = given.recording,
                             .beacon = given.beacon,
                             .server = options.server,

@@ -74,7 +74,8 @@ PoseOutput::Route PoseOutput::route(FusedPose& pose, SteadyTime now) noexcept {
     // Of the steady clock, so that a step of this host's clock delays nothing.
     late_ns =
         is_live_ ? delay.lateness.on_sample(saturated_difference(now.ns, pose.imu_bridge_time_ns), now) : 0;
-    const bool left_late = is_live_ && delay.bridge_backlog.on_sample(pose.time_ns, pose.imu_bridge_time_ns);
+    const TimeNs transit_ns = saturated_difference(pose.imu_bridge_time_ns, pose.time_ns);
+    const bool left_late = is_live_ && delay.bridge_backlog.on_sample(transit_ns, now);
     if (late_ns > to_ns(late_after_s) || left_late) {
       pose.status |= status_late;
       ++delay.poses_late;

@@ -47,7 +47,7 @@ public:
   };
   /// The route for a pose that is written at `now`. Releases the beacon if necessary. A standby skips the
   /// backlog of a pause. Live, marks and counts a pose whose sample arrived more than `late_after_s` later
-  /// than usual, or left the bridge so much later after a pause of the bridge.
+  /// than usual, or left the bridge so much later because the bridge was stopped.
   Route route(FusedPose& pose, SteadyTime now) noexcept;
   static constexpr double late_after_s = sonopose_LATE_AFTER;
 

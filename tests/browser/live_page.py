@@ -77,7 +77,7 @@ def wait_for(browser, what, script, seconds=20):
         if value:
             return value
         time.sleep(0.1)
-    raise AssertionError(f"{what}: not within {seconds} s; {browser.execute_script('return sonopose.statistics')}")
+    raise AssertionError(f"{what}: not within {seconds} s; {browser.execute_script('return window.sonopose?.statistics')}")
 
 
 def check(condition, what):
@@ -123,6 +123,16 @@ def table_shows_poses(browser):
     check(all(statuses), "each row has a status, such as " + statuses[0])
 
 
+def plots_have_pixels(browser):
+    inked = browser.execute_script("""
+        return [...document.querySelectorAll(".plot:not([hidden])")].map((plot) =>
+          [...plot.querySelectorAll("canvas")].some((canvas) => {
+            const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+            return data.some((value) => value !== 0);
+          }));""")
+    check(all(inked), "each of them has pixels")
+
+
 def map_and_plots_are_drawn(browser):
     colours = browser.execute_script("""
         const canvas = document.getElementById("map");
@@ -142,13 +152,7 @@ def map_and_plots_are_drawn(browser):
     for name in ["Height (m)", "Speed (m/s)", "Innovation of fixes (m)", "Trust", "Latency, median (ms)",
                  "Delay of the fixes (ms)"]:
         check(name in names, f"there is a plot of {name}")
-    inked = browser.execute_script("""
-        return [...document.querySelectorAll(".plot:not([hidden])")].map((plot) =>
-          [...plot.querySelectorAll("canvas")].some((canvas) => {
-            const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-            return data.some((value) => value !== 0);
-          }));""")
-    check(all(inked), "each of them has pixels")
+    plots_have_pixels(browser)
 
 
 def plots_follow(browser):
@@ -245,7 +249,9 @@ def map_layers_are_drawn(browser, processes):
     with open(plan, "w", encoding="utf-8") as file:
         file.write('<svg xmlns="http://www.w3.org/2000/svg" width="100" height="100">'
                    '<rect width="50" height="100" fill="#ff00ff"/></svg>')
-    corners_x = browser.execute_script("return sonopose.model.stationary.map(({ x }) => x)")
+    corners_x = wait_for(browser, "the corners are known", """
+        const { stationary } = sonopose.model;
+        return stationary.length === 4 && stationary.map(({ x }) => x);""")
     border_x = sum(corners_x) / len(corners_x)  # the beacons walk to and fro between them
     with open(fence, "w", encoding="utf-8") as file:
         file.write(f"# x_m,y_m\n-40,-40\n{border_x},-40\n{border_x},40\n-40,40\n")
@@ -283,11 +289,12 @@ def map_layers_are_drawn(browser, processes):
         return sonopose.model.stationary.map(({ x, y }) => shareOf(x, y, 6, colourOf("--faint")));""")
     check(all(share > 0.15 for share in drawn), f"{len(drawn)} stationary beacons are in their places")
     for sign, what in [(1, "a beacon beyond the geofence is marked"), (-1, "a beacon within it is not")]:
-        marked = wait_for(browser, what, f"""
+        right = wait_for(browser, what, f"""
             const rows = [...document.querySelectorAll("#beacons tbody tr")].map((line) => line.cells);
             const there = rows.filter((cells) => {sign} * (parseFloat(cells[1].textContent) - {border_x}) > 0.1);
-            return there.length > 0 && there.map((cells) => [...cells].pop().textContent.endsWith(", outside"));""", 40)
-        check(all(marked) if sign > 0 else not any(marked), f"{what} ({len(marked)} beacons)")
+            const isMarked = (cells) => [...cells].pop().textContent.endsWith(", outside");
+            return there.length > 0 && there.map((cells) => isMarked(cells) === {sign} > 0);""", 40)
+        check(all(right), f"{what} ({len(right)} beacons)")
 
 
 def doctor_is_run(browser):
@@ -316,13 +323,7 @@ def run_page_is_drawn(browser, processes):
         return names.length >= 6 && names;""")
     for name in ["Position error", "Innovations", "Height", "Yaw", "Speed", "Trust", "Delay of the fixes"]:
         check(any(each.startswith(name) for each in names), f"the page of a run has a plot of {name}")
-    inked = browser.execute_script("""
-        return [...document.querySelectorAll(".plot")].map((plot) =>
-          [...plot.querySelectorAll("canvas")].some((canvas) => {
-            const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-            return data.some((value) => value !== 0);
-          }));""")
-    check(all(inked), "each of them has pixels")
+    plots_have_pixels(browser)
     blue = """
         const canvas = document.querySelector(".map canvas");
         const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);

@@ -15,6 +15,11 @@ double ms(TimeNs duration_ns) {
   return static_cast<double>(duration_ns) * 1e-6;
 }
 
+/// From the stamp of its sample until that left the bridge, by the bridge's clock.
+TimeNs transit_ns(const Arrival& pose) {
+  return saturated_difference(pose.bridge_time_ns, pose.time_ns);
+}
+
 bool overlap(const Interval& interval, SteadyTime from, SteadyTime until) {
   return interval.from <= until && interval.until >= from;
 }
@@ -164,15 +169,12 @@ void HistoryChecker::check_ages(const Track& track) {
   }
 }
 
-/// What a bridge sends after a stop is older than it left.
+/// What a bridge sends after a stop left it just now, but is old.
 void HistoryChecker::check_bridge_backlog(const Track& track) {
   for (const Arrival& pose : track.poses) {
-    const auto stop = bridge_stop_before(pose);
-    if ((pose.status & status_late) != 0U || !stop) continue;
-    const TimeNs age_ns = saturated_difference(pose.received_host_ns, pose.time_ns);
-    if (age_ns > limits_.age_ns + limits_.line_ns + stalled_ns(stop->until, pose.received)) {
-      violated(pose, fmt::format("the sample of a pose of {} was taken {:.1f} ms ago, which is not marked",
-                                 name_of(pose), ms(age_ns)));
+    if ((pose.status & status_late) == 0U && transit_ns(pose) > limits_.transit_ns) {
+      violated(pose, fmt::format("a pose of {} is not marked, but its sample was {:.1f} ms old when it left",
+                                 name_of(pose), ms(transit_ns(pose))));
       return;
     }
   }
@@ -233,7 +235,8 @@ void HistoryChecker::check_owners(const Track& track) {
 void HistoryChecker::check_late(BeaconAddress address, const Track& track) {
   std::map<ProcessId, std::size_t> late_of;
   for (const Arrival& pose : track.poses) {
-    if ((pose.status & status_late) == 0U || may_be_late(pose) || bridge_stop_before(pose)) continue;
+    if ((pose.status & status_late) == 0U || may_be_late(pose)) continue;
+    if (transit_ns(pose) > limits_.prompt_transit_ns) continue;
     if (!had_warm_fusion(address, pose.received - limits_.lease_ns, pose.received)) continue;
     const auto stops =
         std::count_if(history_.episodes.begin(), history_.episodes.end(), [&](const Episode& episode) {
@@ -244,20 +247,6 @@ void HistoryChecker::check_late(BeaconAddress address, const Track& track) {
       violated(pose, fmt::format("poses of {} are late beside a warm fusion", name_of(pose)));
     }
   }
-}
-
-/// The stop of the bridge after which it may still send what has gathered. Empty if a step of its clock makes
-/// the age of its samples unknown.
-std::optional<Interval> HistoryChecker::bridge_stop_before(const Arrival& pose) const {
-  if (bridge_clock_step()) return std::nullopt;
-  for (const Episode& episode : history_.episodes) {
-    const SteadyTime until = episode.interval.until;
-    const bool is_stop = episode.step.fault == Fault::stop && episode.step.target == Role::bridge;
-    if (is_stop && pose.received >= until && pose.received < until + limits_.bridge_backlog_ns) {
-      return episode.interval;
-    }
-  }
-  return std::nullopt;
 }
 
 /// All poses may be late after a step of the bridge's clock.

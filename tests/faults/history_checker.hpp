@@ -18,12 +18,14 @@ struct Limits {
   TimeNs silence_ns = 110'000'000;  ///< the lease and a tenth
   /// Of a pose without the status LATE, since its sample left the bridge: LATE_AFTER, and 50 ms on the way.
   TimeNs age_ns = 300'000'000;
-  TimeNs line_ns = 300'000'000;  ///< by which the line may delay a sample: the plan's most, and what adds up
-  TimeNs bridge_backlog_ns = 2'000'000'000;  ///< for how long a bridge that was stopped may send old samples
-  TimeNs future_ns = 10'000'000;             ///< how far a stamp may be ahead of the host's clock
-  TimeNs recovery_ns = 3'000'000'000;        ///< after the last fault
-  TimeNs takeover_lag_ns = 50'000'000;       ///< by which fusions differ in how far they are
-  TimeNs unowned_lag_ns = 250'000'000;       ///< the same while no fusion serves
+  /// From the stamp of the sample of a pose without LATE until it left the bridge: LATE_AFTER, and 0.3 s for
+  /// the delay of the line.
+  TimeNs transit_ns = 550'000'000;
+  TimeNs prompt_transit_ns = 150'000'000;  ///< above this a pose may have LATE for what the bridge did
+  TimeNs future_ns = 10'000'000;           ///< how far a stamp may be ahead of the host's clock
+  TimeNs recovery_ns = 3'000'000'000;      ///< after the last fault
+  TimeNs takeover_lag_ns = 50'000'000;     ///< by which fusions differ in how far they are
+  TimeNs unowned_lag_ns = 250'000'000;     ///< the same while no fusion serves
   /// How long a step of the bridge's clock marks poses as late.
   TimeNs clock_step_late_ns = 4'000'000'000;
   /// For how long a bridge that loses packets may leave a fusion without a sample: several requests of 10 ms.
@@ -67,7 +69,6 @@ private:
   void check_owners(const Track& track);
   void check_late(BeaconAddress address, const Track& track);
   [[nodiscard]] bool may_be_late(const Arrival& pose) const;
-  [[nodiscard]] std::optional<Interval> bridge_stop_before(const Arrival& pose) const;
   void check_takeover_numbers(const Track& track);
   void check_numbers();
   void check_silence(BeaconAddress address, const Track& track);

@@ -28,17 +28,17 @@ using namespace sonopose::faults;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool sanitized = true;
 constexpr TimeNs slowness = 5;
-constexpr std::size_t usual_seeds = 3;
+constexpr std::size_t usual_seed_count = 3;
 #else
 constexpr bool sanitized = false;
 constexpr TimeNs slowness = 1;
-constexpr std::size_t usual_seeds = short_seeds.size();
+constexpr std::size_t usual_seed_count = short_seeds.size();
 #endif
 
 /// Those of SONOPOSE_FAULT_SEEDS, "7" or "1-10"; without it, the usual ones.
 std::vector<std::uint64_t> chosen_seeds() {
   const char* const value = std::getenv("SONOPOSE_FAULT_SEEDS");
-  if (value == nullptr) return {short_seeds.begin(), short_seeds.begin() + usual_seeds};
+  if (value == nullptr) return {short_seeds.begin(), short_seeds.begin() + usual_seed_count};
   const std::string_view text = value;
   const char* const end = text.data() + text.size();
   std::uint64_t first = 0;
@@ -142,9 +142,8 @@ Outcome play(const Plan& plan, const Limits& limits) {
   history.stalls = stall_watch.stalls();
   Outcome outcome{plan, HistoryChecker(history, limits).check(), history.poses.size(),
                   longest_of(history.stalls)};
-  constexpr TimeNs report_period_ns = 1'000'000'000;
-  const bool serve_again = observer.wait_for_reports(
-      [&](const auto& reports) { return all_serve(plan, reports, history.end - report_period_ns); });
+  const bool serve_again =
+      observer.wait_for_reports([&](const auto& reports) { return all_serve(plan, reports, history.end); });
   auto failures = cast.finish();
   if (!serve_again) failures.emplace_back("the fusions do not all serve again");
   if (!served) failures.emplace_back("the fusions did not all serve within the time limit");
@@ -177,6 +176,7 @@ SCENARIO("whatever happens to the processes and the line, consumers receive what
   Limits limits;
   limits.silence_ns *= slowness;
   limits.age_ns *= slowness;
+  limits.transit_ns *= slowness;
   limits.unowned_lag_ns *= slowness;
   limits.recovery_ns *= slowness;
   limits.takeover_lag_ns *= slowness;

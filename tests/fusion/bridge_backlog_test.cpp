@@ -16,13 +16,14 @@ constexpr TimeNs s = 1'000 * ms;
 struct Feed {
   BridgeBacklog backlog{250 * ms};
   TimeNs sensor_ns = 0;
-  TimeNs bridge_ns = 3'600 * s + 5 * ms;
+  SteadyTime now{7 * s};
+  TimeNs bridge_clock_ns = 3'600 * s + 5 * ms - now.ns;
 
   /// The next sample, which leaves so long after the one before.
   bool sample(TimeNs after_ns = 10 * ms) {
     sensor_ns += 10 * ms;
-    bridge_ns += after_ns;
-    return backlog.on_sample(sensor_ns, bridge_ns);
+    now += after_ns;
+    return backlog.on_sample(now.ns + bridge_clock_ns - sensor_ns, now);
   }
 
   /// How many of these samples are behind.
@@ -33,11 +34,11 @@ struct Feed {
   }
 };
 
-SCENARIO("what a bridge sends after a pause is behind until it is as young as before") {
+SCENARIO("what a bridge sends after a stop is behind while it is more than 0.25 s older than usual") {
   Feed feed;
   REQUIRE(feed.behind_of(500) == 0);
   WHEN("the bridge was stopped for a second and sends the hundred samples at once") {
-    REQUIRE(feed.sample(1 * s));  // taken 0.99 s before the others
+    REQUIRE(feed.sample(1 * s));  // 0.99 s older than usual
     THEN("those that are more than 0.25 s older than usual are behind") {
       CHECK(feed.behind_of(99, 0) == 73);  // 0.98 s … 0.26 s
       CHECK(feed.behind_of(500) == 0);
@@ -50,6 +51,12 @@ SCENARIO("what a bridge sends after a pause is behind until it is as young as be
     THEN("the samples before the first stop remain the measure") {
       CHECK(feed.behind_of(300, 0) == 252);  // 2.77 s … 0.26 s
       CHECK(feed.behind_of(500) == 0);
+    }
+  }
+  WHEN("it was stopped for a minute, and its backlog takes seconds") {
+    REQUIRE(feed.sample(60 * s));
+    THEN("all of it is behind") {
+      CHECK(feed.behind_of(5'900, ms / 2) == 5'900);
     }
   }
   WHEN("it pauses for 0.2 s") {
@@ -65,14 +72,19 @@ SCENARIO("what a bridge sends after a pause is behind until it is as young as be
       CHECK(feed.behind_of(100) == 0);
     }
   }
-  WHEN("the clock of the bridge steps by a minute") {
-    REQUIRE(feed.sample(60 * s));
-    THEN("the samples are behind for two seconds") {
-      CHECK(feed.behind_of(500) == 200);
+  WHEN("a recording pauses for a second") {
+    THEN("its samples are behind for 0.1 s") {
+      REQUIRE(feed.sample(1 * s));
+      CHECK(feed.behind_of(500) == 10);
     }
-    THEN("after a step back nothing is") {
-      CHECK_FALSE(feed.sample(-60 * s));
-      CHECK(feed.behind_of(500) == 0);
+  }
+  WHEN("the clock of the bridge steps forth by a minute, and soon back by half of it") {
+    feed.bridge_clock_ns += 60 * s;
+    REQUIRE(feed.sample());
+    THEN("the samples are behind for 0.1 s, and after the step back as long") {
+      CHECK(feed.behind_of(3) == 3);
+      feed.bridge_clock_ns -= 30 * s;
+      CHECK(feed.behind_of(4'000) == 11);
     }
   }
   WHEN("a recording is played at a fifth of its speed") {
@@ -80,11 +92,17 @@ SCENARIO("what a bridge sends after a pause is behind until it is as young as be
       CHECK(feed.behind_of(1000, 50 * ms) == 0);
     }
   }
-  WHEN("a stamp is absurd") {
-    feed.backlog.on_sample(std::numeric_limits<TimeNs>::min(), std::numeric_limits<TimeNs>::max());
+  WHEN("a stamp makes a sample seem too old") {
+    feed.backlog.on_sample(std::numeric_limits<TimeNs>::max(), feed.now);
     THEN("what follows is judged as before") {
       CHECK(feed.behind_of(500) == 0);
       CHECK(feed.sample(1 * s));
+    }
+  }
+  WHEN("a stamp makes a sample seem too young") {
+    feed.backlog.on_sample(std::numeric_limits<TimeNs>::min(), feed.now);
+    THEN("what follows is behind for 0.1 s") {
+      CHECK(feed.behind_of(500) <= 11);
     }
   }
 }

@@ -68,7 +68,9 @@ std::string HttpSocket::read_message() {
   const auto operation = byte(0) & 0x0FU;
   received_.erase(0, header + size);
   constexpr unsigned ping = 9;
-  return operation == ping ? read_message() : payload;
+  if (operation != ping) return payload;
+  send({"\x8a\x80\0\0\0\0", 6});  // a pong
+  return read_message();
 }
 
 void HttpSocket::send_message(const std::string& text) const {

@@ -25,7 +25,7 @@ public:
   /// All until the server closes; fails the test if it does not.
   std::string read_all();
 
-  /// The payload of one WebSocket message of the server. Pings are left out.
+  /// The payload of one WebSocket message of the server. A ping is answered and left out.
   std::string read_message();
   /// A text message, masked with zeros.
   void send_message(const std::string& text) const;

@@ -125,7 +125,7 @@ SCENARIO("a simulated run is written as a log with truth") {
   }
 }
 
-SCENARIO("only a simulated run that was ended looks whole") {
+SCENARIO("only a simulated run that has ended looks complete") {
   const TemporaryFolder folder;
   GIVEN("a run that is complete") {
     REQUIRE(simulate({"walk", "--out", (folder / "log").string(), "--seed", "5", "--duration", "2"}).code ==

@@ -99,7 +99,7 @@ SCENARIO("--from accepts one sender only") {
 SCENARIO("--from lets the samples of its sender pass") {
   GIVEN("a bridge that accepts this machine") {
     const Bus bus;
-    const auto datagrams = resting_beacon(bus, 21, 3);
+    const auto datagrams = resting_beacon(bus, 21, 1);
     const UdpSender beacon;
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
     const auto bridge = bus.bridge({"--source", "udp", "--listen", beacon.endpoint(), "--from", "127.0.0.1"});

@@ -133,7 +133,7 @@ test("a heading is shown if the pose knows it", () => {
   assert.ok(!hasHeading({ yaw: NaN, yaw_std: 0.1, status: 0 }));
 });
 
-test("the map has three standard deviations as an ellipse, and the heading as an arrow, with y up", () => {
+test("the map draws three standard deviations as an ellipse and the heading as an arrow, with y up", () => {
   load("map.js");
   const calls = [];
   const recorder = { get: (target, name) => target[name] ?? ((...values) => calls.push([name, ...values])) };
