@@ -169,10 +169,12 @@ void HistoryChecker::check_ages(const Track& track) {
   }
 }
 
-/// What a bridge sends after a stop left it just now, but is old.
+/// What a bridge sends after a stop left it just now, but is old. A fusion that has just started, which
+/// writes with strength 0, cannot know that of its first samples.
 void HistoryChecker::check_bridge_backlog(const Track& track) {
   for (const Arrival& pose : track.poses) {
-    if ((pose.status & status_late) == 0U && transit_ns(pose) > limits_.transit_ns) {
+    const bool is_marked = (pose.status & status_late) != 0U;
+    if (!is_marked && pose.strength > 0 && transit_ns(pose) > limits_.transit_ns) {
       violated(pose, fmt::format("a pose of {} is not marked, but its sample was {:.1f} ms old when it left",
                                  name_of(pose), ms(transit_ns(pose))));
       return;
