@@ -259,7 +259,7 @@ def map_layers_are_drawn(browser, processes):
                                  "--geofence", fence)
     browser.get(url)
     wait_for(browser, "the floor plan and the map of the hardware are shown", f"""
-        return window.sonopose?.model?.floorPlan && sonopose.model.stationary.length >= 3
+        return window.sonopose?.model?.floorPlan && sonopose.model.stationary.length === 4
           && Object.keys(sonopose.statistics.beacons).length === {BEACONS}""")
     # The share of the pixels around a place, in world, that have a colour and are not transparent.
     browser.execute_script("""

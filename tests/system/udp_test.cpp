@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <stop_token>
 #include <thread>
 
@@ -28,6 +29,16 @@ private:
   std::jthread thread_;
 };
 
+/// A bridge that listens where this beacon sends.
+std::unique_ptr<Process> listening_bridge(const Bus& bus, const UdpSender& beacon,
+                                          const Arguments& further = {}) {
+  Arguments arguments{"--source", "udp", "--listen", beacon.endpoint()};
+  arguments.insert(arguments.end(), further.begin(), further.end());
+  auto bridge = bus.bridge(arguments);
+  REQUIRE(bridge->wait_for_line(Stream::error, "publishing from udp"));
+  return bridge;
+}
+
 /// Longest time between the stamps of two samples.
 double longest_gap_s(const std::vector<ImuSample>& samples) {
   TimeNs longest_ns = 0;
@@ -44,8 +55,7 @@ SCENARIO("a flood of forged datagrams does not interrupt a beacon") {
     const UdpSender beacon;
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
     Consumer<sonopose_LineStatus> lines(bus, topics::line_status);
-    const auto bridge = bus.bridge({"--source", "udp", "--listen", beacon.endpoint()});
-    REQUIRE(bridge->wait_for_line(Stream::error, "publishing from udp"));
+    const auto bridge = listening_bridge(bus, beacon);
     REQUIRE(imu.wait_for_writers());
     const auto is_imu = [](const TimedFrame& frame) { return frame.bytes[2] == 3; };
     const auto samples = std::count_if(datagrams.begin(), datagrams.end(), is_imu);
@@ -79,13 +89,12 @@ SCENARIO("a flood of forged datagrams does not interrupt a beacon") {
 }
 
 SCENARIO("--from accepts one sender only") {
+  const Bus bus;
+  const auto datagrams = resting_beacon(bus, 21, 1);
+  const UdpSender beacon;
   GIVEN("a bridge that accepts another machine") {
-    const Bus bus;
-    const auto datagrams = resting_beacon(bus, 21, 3);
-    const UdpSender beacon;
     Consumer<sonopose_LineStatus> lines(bus, topics::line_status);
-    const auto bridge = bus.bridge({"--source", "udp", "--listen", beacon.endpoint(), "--from", "192.0.2.1"});
-    REQUIRE(bridge->wait_for_line(Stream::error, "publishing from udp"));
+    const auto bridge = listening_bridge(bus, beacon, {"--from", "192.0.2.1"});
     WHEN("a beacon of this machine sends") {
       beacon.send(datagrams.front().bytes);
       THEN("its datagram is counted as refused") {
@@ -94,16 +103,9 @@ SCENARIO("--from accepts one sender only") {
       }
     }
   }
-}
-
-SCENARIO("--from lets the samples of its sender pass") {
   GIVEN("a bridge that accepts this machine") {
-    const Bus bus;
-    const auto datagrams = resting_beacon(bus, 21, 1);
-    const UdpSender beacon;
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
-    const auto bridge = bus.bridge({"--source", "udp", "--listen", beacon.endpoint(), "--from", "127.0.0.1"});
-    REQUIRE(bridge->wait_for_line(Stream::error, "publishing from udp"));
+    const auto bridge = listening_bridge(bus, beacon, {"--from", "127.0.0.1"});
     REQUIRE(imu.wait_for_writers());
     WHEN("a beacon of this machine sends") {
       send_in_time(datagrams, [&beacon](std::span<const std::uint8_t> bytes) { beacon.send(bytes); });
@@ -122,8 +124,7 @@ SCENARIO("the datagrams of a beacon give poses") {
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto fusion = bus.fusion();
     REQUIRE(poses.wait_for_writers());
-    const auto bridge = bus.bridge({"--source", "udp", "--listen", beacon.endpoint()});
-    REQUIRE(bridge->wait_for_line(Stream::error, "publishing from udp"));
+    const auto bridge = listening_bridge(bus, beacon);
     WHEN("the beacon sends") {
       send_in_time(datagrams, [&beacon](std::span<const std::uint8_t> bytes) { beacon.send(bytes); });
       THEN("poses arrive with its address, at its position") {
