@@ -12,9 +12,9 @@ BeaconAdmission::BeaconAdmission(AddressSet addresses, std::size_t max_beacons)
     : addresses_(std::move(addresses)), max_beacons_(max_beacons) {}
 
 bool BeaconAdmission::accepts(BeaconAddress address) noexcept {
-  if (!addresses_.contains(address)) return false;
   const std::lock_guard lock(mutex_);
   if (admitted_[address]) return true;
+  if (!addresses_.contains(address)) return false;
   const bool may_be_known = known_[address] || known_.count() < most_replacements * max_beacons_;
   if (admitted_.count() >= max_beacons_ || !may_be_known) {
     refused_[address] = true;

@@ -58,41 +58,60 @@ TEST_CASE("A written sample is taken once, with its metadata") {
   }
 }
 
-TEST_CASE("take_each passes all samples in order, however many there are") {
+// A sample of one instance with a number, of a type of fixed size and of one with strings: take_each treats
+// them differently.
+Command numbered(const Command& /*type*/, std::uint64_t number) {
+  return command(7, number);
+}
+sonopose_LogLine numbered(const sonopose_LogLine& /*type*/, std::uint64_t number) {
+  sonopose_LogLine line{};
+  line.number = number;
+  return line;
+}
+std::uint64_t number_of(const Command& sample) {
+  return sample.request_id;
+}
+std::uint64_t number_of(const sonopose_LogLine& sample) {
+  return sample.number;
+}
+
+TEMPLATE_TEST_CASE("take_each passes all samples in order, however many there are", "", Command,
+                   sonopose_LogLine) {
   GIVEN("more samples than one batch has") {
     const DomainParticipant member = participant();
-    const Topic<Command> topic(member, "test/take_each");
-    DataReader<Command> reader(member, topic, reliable(100));
-    DataWriter<Command> writer(member, topic, reliable(100));
+    const Topic<TestType> topic(member, "test/take_each");
+    DataReader<TestType> reader(member, topic, reliable(100));
+    DataWriter<TestType> writer(member, topic, reliable(100));
     REQUIRE(matched(reader));
-    for (std::uint64_t id = 1; id <= 70; ++id) writer.write(command(7, id));
+    for (std::uint64_t number = 1; number <= 70; ++number) writer.write(numbered(TestType{}, number));
 
     WHEN("they are visited") {
-      std::vector<std::uint64_t> ids;
+      std::vector<std::uint64_t> numbers;
       const std::size_t count = reader.take_each(
-          [&](const Command& sample, const SampleInfo&) { ids.push_back(sample.request_id); });
+          [&](const TestType& sample, const SampleInfo&) { numbers.push_back(number_of(sample)); });
       THEN("all 70 come, in the order of writing") {
         CHECK(count == 70);
-        REQUIRE(ids.size() == 70);
-        for (std::size_t i = 0; i < ids.size(); ++i) CHECK(ids[i] == i + 1);
-        CHECK(reader.try_take_each([](const Command&, const SampleInfo&) {}) == 0);
+        REQUIRE(numbers.size() == 70);
+        for (std::size_t i = 0; i < numbers.size(); ++i) CHECK(numbers[i] == i + 1);
+        CHECK(reader.try_take_each([](const TestType&, const SampleInfo&) {}) == 0);
       }
     }
     WHEN("the visitor throws") {
-      CHECK_THROWS_AS(reader.take_each([](const Command&, const SampleInfo&) { throw std::bad_alloc(); }),
+      CHECK_THROWS_AS(reader.take_each([](const TestType&, const SampleInfo&) { throw std::bad_alloc(); }),
                       std::bad_alloc);
       THEN("only its batch is lost") {
-        std::vector<std::uint64_t> ids;
-        reader.take_each([&](const Command& sample, const SampleInfo&) { ids.push_back(sample.request_id); });
-        REQUIRE(ids.size() >= 70 - 32);
-        CHECK(ids.front() == 71 - ids.size());
-        CHECK(ids.back() == 70);
+        std::vector<std::uint64_t> numbers;
+        reader.take_each(
+            [&](const TestType& sample, const SampleInfo&) { numbers.push_back(number_of(sample)); });
+        REQUIRE(numbers.size() >= 70 - 32);
+        CHECK(numbers.front() == 71 - numbers.size());
+        CHECK(numbers.back() == 70);
       }
     }
     WHEN("the reader is gone") {
       reader.close();
       THEN("the error is a code or an exception that names the call") {
-        const auto ignore = [](const Command&, const SampleInfo&) {};
+        const auto ignore = [](const TestType&, const SampleInfo&) {};
         CHECK(reader.try_take_each(ignore) < 0);
         CHECK_THROWS_WITH(reader.take_each(ignore), Catch::StartsWith("dds_take: "));
         CHECK_THROWS_AS(reader.take(), Error);
@@ -102,23 +121,24 @@ TEST_CASE("take_each passes all samples in order, however many there are") {
 }
 
 // Cyclone DDS writes a pointer for each sample of a reader's largest loan into the array of a smaller one.
-TEST_CASE("Loans of any sizes follow each other") {
+TEMPLATE_TEST_CASE("Loans of any sizes follow each other", "", Command, sonopose_LogLine) {
   GIVEN("a reader that had a loan of the largest size") {
     const DomainParticipant member = participant();
-    const Topic<Command> topic(member, "test/loan_sizes");
-    DataReader<Command> reader(member, topic, reliable(1000));
-    DataWriter<Command> writer(member, topic, reliable(1000));
+    const Topic<TestType> topic(member, "test/loan_sizes");
+    DataReader<TestType> reader(member, topic, reliable(1000));
+    DataWriter<TestType> writer(member, topic, reliable(1000));
     REQUIRE(matched(reader));
-    for (std::uint64_t id = 1; id <= 600; ++id) writer.write(command(7, id));
+    for (std::uint64_t number = 1; number <= 600; ++number) writer.write(numbered(TestType{}, number));
     REQUIRE(reader.take(10'000).size() == max_loan);
 
     WHEN("one sample is asked for, then all are visited") {
-      std::vector<std::uint64_t> ids;
-      for (const auto& sample : reader.take(1)) ids.push_back(sample.data().request_id);
-      reader.take_each([&](const Command& sample, const SampleInfo&) { ids.push_back(sample.request_id); });
+      std::vector<std::uint64_t> numbers;
+      for (const auto& sample : reader.take(1)) numbers.push_back(number_of(sample.data()));
+      reader.take_each(
+          [&](const TestType& sample, const SampleInfo&) { numbers.push_back(number_of(sample)); });
       THEN("none is lost or repeated") {
-        REQUIRE(ids.size() == 600 - max_loan);
-        for (std::size_t i = 0; i < ids.size(); ++i) CHECK(ids[i] == max_loan + 1 + i);
+        REQUIRE(numbers.size() == 600 - max_loan);
+        for (std::size_t i = 0; i < numbers.size(); ++i) CHECK(numbers[i] == max_loan + 1 + i);
       }
     }
   }

@@ -1,4 +1,5 @@
 #include <sonopose/estimation/documented/drift.hpp>
+#include <sonopose/estimation/documented/lag.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +24,7 @@ void apply_decay(const DriftSettings& settings, DriftState& state, Kinematics& b
   // Substeps keep the decay stable at any IMU rate; one is enough at usual rates.
   const double steps = std::max(1.0, std::ceil(4.0 * settings.decay_rate_hz * dt_s));
   const double step_s = dt_s / steps;
-  const double share = -std::expm1(-settings.velocity_smooth_rate_hz * step_s);  // exact u' = rate (u* - u)
+  const double share = lag_share(settings.velocity_smooth_rate_hz * step_s);  // exact u' = rate (u* - u)
   for (int i = 0; i < static_cast<int>(steps); ++i) {
     const Vector3d wanted_world_mps = settings.decay_rate_hz * state.weight * state.offset_world_m;
     state.velocity_world_mps += share * (wanted_world_mps - state.velocity_world_mps);
