@@ -17,6 +17,7 @@
 #include <functional>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace sonopose::bridge {
@@ -150,12 +151,15 @@ public:
     return waiting_.empty() ? nullptr : &*beacons_[waiting_.front().beacon].next;
   }
 
-  void pop() {
+  /// Removes and returns the next step. There must be one.
+  sim::Step pop() {
     std::pop_heap(waiting_.begin(), waiting_.end(), std::greater<>());
     const std::size_t index = waiting_.back().beacon;
     waiting_.pop_back();
-    beacons_[index].next = beacons_[index].simulator.next();
+    SimulatedBeacon& beacon = beacons_[index];
+    sim::Step step = *std::exchange(beacon.next, beacon.simulator.next());
     push(index);
+    return step;
   }
 
   [[nodiscard]] const SimulatedMap& map() const { return map_; }
@@ -196,10 +200,11 @@ public:
       sink.on_stationary(beacon);
     for (const sim::Step* step = beacons_.front(); step != nullptr; step = beacons_.front()) {
       if (!pacer_.wait_for(available_at_ns(step->event), sink, stop)) return;
-      if (step->truth) sink.on(shifted(*step->truth, shift_ns));
-      sink.on(shifted(step->event, shift_ns));
-      if (capture_) capture_->on(step->event);
-      beacons_.pop();
+      // Simulates the next step before it writes this one: afterwards its readers may need the core.
+      const sim::Step due = beacons_.pop();
+      if (due.truth) sink.on(shifted(*due.truth, shift_ns));
+      sink.on(shifted(due.event, shift_ns));
+      if (capture_) capture_->on(due.event);
     }
   }
 
