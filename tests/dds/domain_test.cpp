@@ -95,9 +95,6 @@ TEST_CASE("The user's CYCLONEDDS_URI takes precedence, except for the single rec
   SECTION("a lost packet is asked for long before a lease of 100 ms expires") {
     CHECK_THAT(effective_configuration("", Network::loopback), Contains("NackDelay/#text: 10 ms"));
   }
-  SECTION("fixes at 8 Hz are not acknowledged one by one: a writer asks after 4/5 of its interval") {
-    CHECK_THAT(effective_configuration("", Network::loopback), Contains("HeartbeatInterval/#text: 250 ms"));
-  }
   SECTION("lan: Cyclone DDS chooses, and local processes are still found") {
     const std::string effective = effective_configuration("", Network::lan);
     CHECK_THAT(effective, !Contains(lo) && Contains(self) && Contains(one_thread));

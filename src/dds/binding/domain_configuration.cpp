@@ -143,10 +143,6 @@ std::string defaults(std::uint32_t domain_id, const DomainOptions& options, cons
   // How long a reader waits before it asks for a lost packet. The default of 100 ms is as long as the lease
   // and the deadline of the live streams: a single lost packet would silence a beacon.
   internal += "<NackDelay>10 ms</NackDelay>";
-  // How long a writer waits before it asks for an acknowledgement. With the default of 100 ms each fix at 8 Hz
-  // has one of its own, 6 % of the processor time of a fusion. A loss is found when the next sample arrives;
-  // only that of the last sample is found after this time.
-  internal += "<HeartbeatInterval>250 ms</HeartbeatInterval>";
   // How many samples of a writer may wait for a lost one: its history of 64 for each of 256 beacons. What
   // exceeds the default of 128 is sent again too, so that a reader that is too slow gets slower.
   internal +=

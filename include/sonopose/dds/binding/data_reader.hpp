@@ -160,7 +160,7 @@ private:
     for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = &memory[i];
     ReturnCode total = 0;
     while (true) {
-      std::array<dds_sample_info_t, batch_size> infos;  // NOLINT(*-member-init)
+      std::array<dds_sample_info_t, batch_size> infos;  // NOLINT(*-member-init): dds_take fills it
       const ReturnCode taken = dds_take(handle(), samples.data(), infos.data(), batch_size, batch_size);
       if (taken < 0) return taken;
       visit(samples.data(), infos.data(), taken, on_data, on_state);
@@ -175,8 +175,7 @@ private:
     while (true) {
       std::array<void*, max_loan> samples;  // NOLINT(*-member-init): dds_take reads only the first
       samples[0] = nullptr;
-      std::array<dds_sample_info_t, batch_size>
-          infos;  // NOLINT(*-member-init): dds_take fills in what is used
+      std::array<dds_sample_info_t, batch_size> infos;  // NOLINT(*-member-init): dds_take fills it
       const ReturnCode taken = dds_take(handle(), samples.data(), infos.data(), batch_size, batch_size);
       if (taken <= 0) return taken < 0 ? taken : total;
       const Loan loan(handle(), samples.data(), taken);
