@@ -15,6 +15,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -93,9 +94,33 @@ public:
   /// lost their writers. Only the key fields of `key` are set.
   template <class OnData, class OnState>
   ReturnCode try_take_each(OnData&& on_data, OnState&& on_state) {
-    return (TopicTraits<T>::descriptor().m_flagset & DDS_TOPIC_FIXED_SIZE) != 0
-               ? take_copies(on_data, on_state)
-               : take_loans(on_data, on_state);
+    constexpr std::int32_t batch = 8;  // small: Cyclone DDS clears every sample of a returned loan
+    // Samples without pointers are taken into this memory, which saves returning a loan.
+    const bool is_flat = (TopicTraits<T>::descriptor().m_flagset & DDS_TOPIC_FIXED_SIZE) != 0;
+    std::array<T, batch> memory{};
+    ReturnCode total = 0;
+    ReturnCode taken = batch;
+    while (taken == batch) {
+      std::array<void*, max_loan> samples;  // NOLINT(*-member-init): dds_take reads only the first
+      samples[0] = nullptr;
+      for (std::size_t i = 0; is_flat && i < memory.size(); ++i) samples[i] = &memory[i];
+      std::array<dds_sample_info_t, batch> infos;  // NOLINT(*-member-init): dds_take fills in what is used
+      taken = dds_take(handle(), samples.data(), infos.data(), batch, batch);
+      if (taken <= 0) return taken < 0 ? taken : total;
+      std::optional<Loan> loan;
+      if (!is_flat) loan.emplace(handle(), samples.data(), taken);
+      for (std::size_t i = 0; i < static_cast<std::size_t>(taken); ++i) {
+        const T& data = *static_cast<const T*>(samples[i]);
+        const SampleInfo info(infos[i]);
+        if (info.valid()) {
+          on_data(data, info);
+        } else {
+          on_state(data, info);
+        }
+      }
+      total += taken;
+    }
+    return total;
   }
 
   /// Like `try_take_each`, but throws on errors.
@@ -149,55 +174,6 @@ public:
 
 private:
   using Entity::Entity;
-
-  static constexpr std::int32_t batch_size = 8;  // small: Cyclone DDS clears every sample of a returned loan
-
-  /// For types without pointers: takes samples into its own memory, which saves returning a loan.
-  template <class OnData, class OnState>
-  ReturnCode take_copies(OnData& on_data, OnState& on_state) {
-    std::array<T, batch_size> memory{};
-    std::array<void*, batch_size> samples{};
-    for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = &memory[i];
-    ReturnCode total = 0;
-    while (true) {
-      std::array<dds_sample_info_t, batch_size> infos;  // NOLINT(*-member-init): dds_take fills it
-      const ReturnCode taken = dds_take(handle(), samples.data(), infos.data(), batch_size, batch_size);
-      if (taken < 0) return taken;
-      visit(samples.data(), infos.data(), taken, on_data, on_state);
-      total += taken;
-      if (taken < batch_size) return total;
-    }
-  }
-
-  template <class OnData, class OnState>
-  ReturnCode take_loans(OnData& on_data, OnState& on_state) {
-    ReturnCode total = 0;
-    while (true) {
-      std::array<void*, max_loan> samples;  // NOLINT(*-member-init): dds_take reads only the first
-      samples[0] = nullptr;
-      std::array<dds_sample_info_t, batch_size> infos;  // NOLINT(*-member-init): dds_take fills it
-      const ReturnCode taken = dds_take(handle(), samples.data(), infos.data(), batch_size, batch_size);
-      if (taken <= 0) return taken < 0 ? taken : total;
-      const Loan loan(handle(), samples.data(), taken);
-      visit(samples.data(), infos.data(), taken, on_data, on_state);
-      total += taken;
-      if (taken < batch_size) return total;
-    }
-  }
-
-  template <class OnData, class OnState>
-  static void visit(void* const* samples, const dds_sample_info_t* infos, ReturnCode count, OnData& on_data,
-                    OnState& on_state) {
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-      const T& data = *static_cast<const T*>(samples[i]);
-      const SampleInfo info(infos[i]);
-      if (info.valid()) {
-        on_data(data, info);
-      } else {
-        on_state(data, info);
-      }
-    }
-  }
 
   /// Returns the loan even if the visitor throws.
   class Loan {
