@@ -91,7 +91,8 @@ std::size_t Timeline::insert(const Aiding& aiding) {
   const auto place = std::find_if(aiding_.begin(), aiding_.end(), [&](const Aiding& other) {
     return turn_ns < turn_of(other) || (turn_of(other) == turn_ns && aiding.index() < other.index());
   });
-  return static_cast<std::size_t>(aiding_.insert(place, aiding) - aiding_.begin());
+  const auto inserted = aiding_.insert(place, aiding);  // may move all of them in a copied timeline
+  return static_cast<std::size_t>(inserted - aiding_.begin());
 }
 
 /// Goes back to the last checkpoint that is not after this time.
