@@ -376,7 +376,8 @@ void Filter::estimate_delay(double variance_s2) {
 
 void Filter::add_yaw_variance(double variance_rad2) {
   const Vector3d up_body = geometry::up_in_body(q_body_to_world);
-  covariance.block<3, 3>(at_attitude, at_attitude) += variance_rad2 * up_body * up_body.transpose();
+  const Matrix3d about_up = up_body * up_body.transpose();  // first, so that the sum stays symmetric
+  covariance.block<3, 3>(at_attitude, at_attitude) += variance_rad2 * about_up;
 }
 
 /// P ← P − W Wᵀ, and the error W e is injected, where e is the innovation times L⁻¹. `w_delay` is the row of
