@@ -491,6 +491,7 @@ void detail::add_all(Builder& table, const Settings& settings) {
   add(table, settings.calibration.axes);
   add(table, settings.calibration.gyroscope);
   add(table, settings.calibration.accelerometer);
+  table.read_by(ReadBy::documented);
   add(table, settings.calibration.magnetometer);
 }
 

@@ -171,6 +171,17 @@ TEST_CASE("the Kalman engine reads items 5, 6, 11 and 12; any other changes noth
   }
 }
 
+TEST_CASE("the Kalman engine warns that it does not use the calibration of a magnetometer") {
+  const std::string key = "calibration.magnetometer.soft_iron_xy";
+  const auto warnings_with = [&](EngineKind engine) {
+    return config::warnings_for(settings_with(engine, {{key, "0.1"}}), {{key, "0.1"}});
+  };
+  CHECK(warnings_with(EngineKind::documented).empty());
+  const auto warnings = warnings_with(EngineKind::kalman);
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], Contains(key) && Contains("kalman") && Contains("documented"));
+}
+
 TEST_CASE("item 1: each preset is resolved and replays; user at the defaults is medium") {
   std::map<std::string, std::vector<FusedPose>> poses;
   for (const std::string preset : {"low", "medium", "high", "user"}) {
